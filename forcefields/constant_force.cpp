@@ -1,0 +1,59 @@
+#include "forcefields/constant_force.hpp"
+
+#include "framework/core/force.hpp"
+#include "framework/core/site_force.hpp"
+
+TOMLIN_DECLARE_KERNELS(ConstantForce)
+
+namespace tomlin {
+namespace {
+
+using Description = ConstantForceDescription;
+
+std::vector<Complaint> complaints(const void*, const SceneOutline&) { return {}; }
+
+double period(const void*, int) { return 0.0; }
+
+std::unique_ptr<BoundForce<double>> bind(const void* description, const Binding<double>& binding) {
+  const auto& d = *static_cast<const Description*>(description);
+  return for_dimension(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<double>> {
+    return std::make_unique<ParticleForce<ConstantForce, D>>(d, binding, kernels::ConstantForce,
+                                                             kRankCheap);
+  });
+}
+
+}  // namespace
+
+ForceRecord constant_force_record() {
+  ForceRecord record;
+  record.name = "constant_force";
+  record.summary = "the same constant force on every particle of a body";
+  record.equation = "F = force, per particle";
+  record.source = "elementary; with a substrate the tilted washboard of Ambegaokar and Halperin, "
+                  "doi:10.1103/PhysRevLett.22.1364";
+  record.element = Element::site;
+  record.traits = {.conservative = true};
+  record.make_description = &make_description<Description>;
+  record.parameters = {
+      parameter("force", &Description::force, dimension::force, "on each particle, per axis")};
+  record.complaints = &complaints;
+  record.period = &period;
+  record.bind = &bind;
+  record.example = R"(# A falling particle.
+[[body]]
+type = "point"
+position = [0.0]
+particle_mass = 1.0
+
+[[force]]
+type = "constant_force"
+force = [-1.0]
+
+[run]
+duration = 10.0
+integrator = { type = "rk4", dt = 1e-2 }
+)";
+  return record;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,52 @@
+#pragma once
+
+#include "framework/core/element.hpp"
+#include "framework/core/registry.hpp"
+
+/// The same force on every particle, for ever.
+///
+///   V = -F.x,  relative to the scene's origin
+///
+///   F  force  per particle, one component per axis
+///
+/// Source: elementary. Its energy falls without end when a body slides, so it is counted as
+/// potential energy only between two times, never absolutely.
+namespace tomlin {
+
+struct ConstantForceDescription {
+  SpaceVector force;
+};
+
+ForceRecord constant_force_record();
+
+inline namespace TOMLIN_TARGET {
+
+struct ConstantForce {
+  using Description = ConstantForceDescription;
+  static constexpr Reads reads{};
+
+  template <class T, int D>
+  struct Parameters {
+    Vec<T, D> force;
+  };
+
+  template <class T, int D>
+  static Parameters<T, D> parameters(const Description& d) {
+    Parameters<T, D> p;
+    for (int k = 0; k < D; ++k) p.force[k] = T(d.force.components[k]);
+    return p;
+  }
+
+  template <class T, int D>
+  static T energy(const Parameters<T, D>& p, const Site<T, D>& site) {
+    return -dot(p.force, site.position);
+  }
+
+  template <class T, int D>
+  static Vec<T, D> force(const Parameters<T, D>& p, const Site<T, D>&) {
+    return p.force;
+  }
+};
+
+}  // namespace TOMLIN_TARGET
+}  // namespace tomlin

@@ -1,0 +1,143 @@
+#include "forcefields/driving_spring.hpp"
+
+#include <utility>
+
+#include "framework/core/force.hpp"
+#include "framework/core/site_force.hpp"
+
+TOMLIN_DECLARE_KERNELS(DrivingSpring)
+
+namespace tomlin {
+namespace {
+
+using Description = DrivingSpringDescription;
+
+/// Either kind of bound spring, with a pulled end that follows from the time alone.
+template <class Base, int D>
+class Driven : public Base {
+ public:
+  template <class... Arguments>
+  Driven(const Description& description, const Binding<double>& binding, Arguments&&... arguments)
+      : Base(description, binding, std::forward<Arguments>(arguments)...),
+        first_origin_(binding.origin) {
+    drive_.velocity = description.velocity.components;
+    drive_.stiffness = description.stiffness;
+    if (description.attach.kind == Attachment::Kind::each_particle) {
+      drive_.stiffness *= static_cast<double>(this->body_.slot.count);
+    }
+    for (int k = 0; k < D; ++k) {
+      if (!description.start.components.empty()) {
+        drive_.start.push_back(relative_to(binding.origin, k, description.start.components[k]));
+      } else if (description.attach.kind == Attachment::Kind::particle) {
+        drive_.start.push_back(this->body_.start[description.attach.particle][k]);
+      } else {
+        drive_.start.push_back(this->body_.start_centre[k]);
+      }
+    }
+    drive_.travel.assign(D, 0.0);
+    rebase(binding.origin);
+  }
+
+  bool depends_on_time() const override { return true; }
+
+  /// Elapsed time and travel in twice double precision: a driver 1e9 periods on still knows its
+  /// place within the cell to the last digit.
+  void begin_step(const DoubleDouble& time) override {
+    for (int k = 0; k < D; ++k) {
+      const double velocity = this->parameters_.velocity[k];
+      this->parameters_.travel[k] = static_cast<double>(time * velocity - shift_[k]);
+      drive_.travel[k] = this->parameters_.travel[k];
+    }
+  }
+
+  void rebase(const Origin& origin) override {
+    for (int k = 0; k < D; ++k) {
+      const auto cells = static_cast<double>(origin.cells[k] - first_origin_.cells[k]);
+      shift_[k] = DoubleDouble(cells) * origin.unit[k];
+    }
+  }
+
+  const Drive* drive() const override { return &drive_; }
+
+ private:
+  Origin first_origin_;
+  DoubleDouble shift_[D];
+  Drive drive_;
+};
+
+std::vector<Complaint> complaints(const void* description, const SceneOutline&) {
+  const auto& d = *static_cast<const Description*>(description);
+  if (d.attach.kind == Attachment::Kind::each_particle && !d.start.components.empty()) {
+    return {{"start", "each particle's spring starts at its own particle", "leave it out"}};
+  }
+  return {};
+}
+
+double period(const void*, int) { return 0.0; }
+
+std::unique_ptr<BoundForce<double>> bind(const void* description, const Binding<double>& binding) {
+  const auto& d = *static_cast<const Description*>(description);
+  return for_dimension(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<double>> {
+    if (d.attach.kind == Attachment::Kind::each_particle) {
+      return std::make_unique<Driven<ParticleForce<DrivingSpring, D>, D>>(
+          d, binding, kernels::DrivingSpring, kRankCheap);
+    }
+    const std::ptrdiff_t particle = d.attach.kind == Attachment::Kind::particle
+                                        ? static_cast<std::ptrdiff_t>(d.attach.particle)
+                                        : kCentreOfMass;
+    return std::make_unique<Driven<AttachedForce<DrivingSpring, D>, D>>(
+        d, binding, kernels::DrivingSpring, kRankCheap, particle, d.start.components);
+  });
+}
+
+}  // namespace
+
+ForceRecord driving_spring_record() {
+  ForceRecord record;
+  record.name = "driving_spring";
+  record.summary = "a spring whose far end is pulled at constant velocity";
+  record.equation = "F = stiffness * (start + velocity * t - x), on the attached point x";
+  record.source =
+      "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study "
+      "nanoscale rolling friction, eqs. (4) to (6); Prandtl (1928)";
+  record.element = Element::body;
+  record.traits = {.conservative = true, .depends_on_time = true, .does_work = true};
+  record.make_description = &make_description<Description>;
+  record.parameters = {
+      parameter("stiffness", &Description::stiffness, dimension::stiffness,
+                "of the spring; of each particle's spring with attach = \"each_particle\"")
+          .in(positive),
+      parameter("velocity", &Description::velocity, dimension::velocity, "of the pulled end"),
+      parameter("attach", &Description::attach, dimension::none,
+                "\"centre_of_mass\", \"each_particle\" or { particle = i }")
+          .by_default(Attachment{}),
+      parameter("start", &Description::start, dimension::length,
+                "place of the pulled end at t = 0; the attached point by default")
+          .or_absent()};
+  record.reserved = {{"reverse", "turn the driver round when an observable passes a value"}};
+  record.complaints = &complaints;
+  record.period = &period;
+  record.bind = &bind;
+  record.example = R"(# A damped particle follows a spring.
+[[body]]
+type = "point"
+position = [0.0]
+particle_mass = 1.0
+
+[[force]]
+type = "driving_spring"
+stiffness = 2.0
+velocity = [0.1]
+
+[[force]]
+type = "viscous_damping"
+coefficient = 1.0
+
+[run]
+duration = 10.0
+integrator = { type = "rk4", dt = 1e-2 }
+)";
+  return record;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,83 @@
+#pragma once
+
+#include "framework/core/element.hpp"
+#include "framework/core/parameter.hpp"
+#include "framework/core/registry.hpp"
+
+/// A spring whose far end is pulled at constant velocity.
+///
+///   X(t) = X0 + V t;   F = k (X - x);   V_spring = (k/2) |X - x|^2;   power in = F.V
+///
+///   k   stiffness  mass/time^2; with attach = "each_particle" that of each particle's spring
+///   V   velocity   of the pulled end, per axis
+///   X0  start      the attached point at t = 0 by default (for each particle its own)
+///   x   attach     "centre_of_mass", "each_particle" or { particle = i }
+///
+/// F is the lateral force that a friction force microscope reads: positive along x when the driver
+/// leads. A force on the centre of mass is shared among the particles by mass, which is virtual
+/// work; with equal masses each gets F/N.
+/// Source: Sircar and Patra, eqs. (4) to (6); Prandtl (1928).
+namespace tomlin {
+
+struct DrivingSpringDescription {
+  double stiffness = 0.0;
+  SpaceVector velocity;
+  Attachment attach;
+  SpaceVector start;
+};
+
+ForceRecord driving_spring_record();
+
+inline namespace TOMLIN_TARGET {
+
+struct DrivingSpring {
+  using Description = DrivingSpringDescription;
+  static constexpr Reads reads{.start = true};
+
+  template <class T, int D>
+  struct Parameters {
+    T stiffness;
+    Vec<T, D> velocity;
+    Vec<T, D> travel;  ///< of the pulled end up to the start of this step, less the origin's
+  };
+
+  template <class T, int D>
+  static Parameters<T, D> parameters(const Description& d) {
+    Parameters<T, D> p;
+    p.stiffness = T(d.stiffness);
+    for (int k = 0; k < D; ++k) {
+      p.velocity[k] = T(d.velocity.components[k]);
+      p.travel[k] = T(0.0);
+    }
+    return p;
+  }
+
+  template <class T, int D>
+  static Vec<T, D> extension(const Parameters<T, D>& p, const Site<T, D>& site) {
+    Vec<T, D> extension;
+    for (int k = 0; k < D; ++k) {
+      extension[k] =
+          (site.start[k] + fma(p.velocity[k], site.elapsed, p.travel[k])) - site.position[k];
+    }
+    return extension;
+  }
+
+  template <class T, int D>
+  static T energy(const Parameters<T, D>& p, const Site<T, D>& site) {
+    return T(0.5) * p.stiffness * norm_squared(extension(p, site));
+  }
+
+  template <class T, int D>
+  static Vec<T, D> force(const Parameters<T, D>& p, const Site<T, D>& site) {
+    return p.stiffness * extension(p, site);
+  }
+
+  /// Of the pulled end, on the spring.
+  template <class T, int D>
+  static T power(const Parameters<T, D>& p, const Site<T, D>&, const Vec<T, D>& force) {
+    return dot(force, p.velocity);
+  }
+};
+
+}  // namespace TOMLIN_TARGET
+}  // namespace tomlin

@@ -1,0 +1,122 @@
+#include "forcefields/harmonic_bonds.hpp"
+
+#include <fmt/format.h>
+
+#include "framework/core/force.hpp"
+#include "framework/core/pair_force.hpp"
+
+TOMLIN_DECLARE_KERNELS(HarmonicBonds)
+
+namespace tomlin {
+namespace {
+
+using Description = HarmonicBondsDescription;
+
+std::size_t pair_count(const PairSelection& selection, const SceneOutline::Body& body) {
+  const auto n = static_cast<std::size_t>(body.count);
+  switch (selection.kind) {
+    case PairSelection::Kind::all:
+      return n * (n - 1) / 2;
+    case PairSelection::Kind::neighbours:
+      return n - 1 + (body.closed && n > 2 ? 1 : 0);
+    case PairSelection::Kind::list:
+      return selection.list.size();
+  }
+  return 0;
+}
+
+std::vector<Complaint> complaints(const void* description, const SceneOutline& scene) {
+  const auto& d = *static_cast<const Description*>(description);
+  std::vector<Complaint> found;
+  const std::size_t pairs = pair_count(d.pairs, scene.bodies.front());
+  const std::size_t given = d.rest_lengths.numbers.size();
+  if (given > 1 && given != pairs) {
+    found.push_back({"rest_lengths", fmt::format("{} lengths for {} pairs", given, pairs),
+                     "\"initial\", one length for all pairs, or one each"});
+  }
+  for (const double length : d.rest_lengths.numbers) {
+    if (length < 0.0) {
+      found.push_back({"rest_lengths", "a length is negative", ">= 0"});
+      break;
+    }
+  }
+  return found;
+}
+
+double period(const void*, int) { return 0.0; }
+
+/// Rest lengths for the pairs of this body, in the pairs' order. The distances at the start are
+/// taken as the kernels take them, so that no bond starts with a force of rounding.
+template <int D>
+void set_rest_lengths(const WordOrNumbers& rest, const BoundBody<double>& body,
+                      std::vector<BoundPair>& pairs) {
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (rest.numbers.empty()) {
+      Vec<double, D> separation;
+      for (int d = 0; d < D; ++d) {
+        separation[d] = body.start[pairs[k].j][d] - body.start[pairs[k].i][d];
+      }
+      pairs[k].datum = distance(separation);
+    } else {
+      pairs[k].datum = rest.numbers[rest.numbers.size() == 1 ? 0 : k];
+    }
+  }
+}
+
+std::unique_ptr<BoundForce<double>> bind(const void* description, const Binding<double>& binding) {
+  const auto& d = *static_cast<const Description*>(description);
+  const BoundBody<double>& body = *binding.bodies.front();
+  std::vector<BoundPair> pairs = pairs_of(d.pairs, body.slot.count, body.closed);
+  return for_dimension(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<double>> {
+    set_rest_lengths<D>(d.rest_lengths, body, pairs);
+    return std::make_unique<PairForce<HarmonicBonds, D>>(d, binding, kernels::HarmonicBonds,
+                                                         d.pairs, std::move(pairs), kRankPairs);
+  });
+}
+
+}  // namespace
+
+ForceRecord harmonic_bonds_record() {
+  ForceRecord record;
+  record.name = "harmonic_bonds";
+  record.summary = "linear springs between the particles of a body";
+  record.equation = "V = stiffness/2 * (r_ij - r0_ij)^2, each pair once";
+  record.source =
+      "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study "
+      "nanoscale rolling friction, eq. (3)";
+  record.element = Element::pair;
+  record.traits = {.conservative = true, .internal = true};
+  record.make_description = &make_description<Description>;
+  record.parameters = {
+      parameter("pairs", &Description::pairs, dimension::none,
+                "which pairs are bonded: \"all\", \"neighbours\" or a list of index pairs"),
+      parameter("stiffness", &Description::stiffness, dimension::stiffness, "of each bond")
+          .in(non_negative),
+      parameter("rest_lengths", &Description::rest_lengths, dimension::length,
+                "\"initial\", one length for all pairs, or one each")
+          .one_of({"initial"})
+          .by_default(WordOrNumbers{.word = "initial", .numbers = {}})};
+  record.complaints = &complaints;
+  record.period = &period;
+  record.bind = &bind;
+  record.example = R"(# Three particles on a line, stretched and let go.
+[[body]]
+type = "chain"
+count = 3
+spacing = 1.1
+particle_mass = 1.0
+
+[[force]]
+type = "harmonic_bonds"
+pairs = "neighbours"
+stiffness = 4.0
+rest_lengths = 1.0
+
+[run]
+duration = 10.0
+integrator = { type = "rk4", dt = 1e-2 }
+)";
+  return record;
+}
+
+}  // namespace tomlin

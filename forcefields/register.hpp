@@ -1,0 +1,10 @@
+#pragma once
+
+#include "framework/core/registry.hpp"
+
+namespace tomlin {
+
+/// Registers every force of this folder.
+void register_forcefields(Registry& registry);
+
+}  // namespace tomlin

@@ -1,0 +1,75 @@
+#include "forcefields/sinusoidal_substrate.hpp"
+
+#include "framework/core/force.hpp"
+#include "framework/core/site_force.hpp"
+
+TOMLIN_DECLARE_KERNELS(SinusoidalSubstrate)
+
+namespace tomlin {
+namespace {
+
+using Description = SinusoidalSubstrateDescription;
+
+std::vector<Complaint> complaints(const void* description, const SceneOutline& scene) {
+  const auto& d = *static_cast<const Description*>(description);
+  if (scene.dimension == 1 && d.decay != 0.0) {
+    return {{"decay", "there is no y for it to act along in one dimension", "0"}};
+  }
+  return {};
+}
+
+double period(const void* description, int axis) {
+  return axis == 0 ? static_cast<const Description*>(description)->period : 0.0;
+}
+
+std::unique_ptr<BoundForce<double>> bind(const void* description, const Binding<double>& binding) {
+  const auto& d = *static_cast<const Description*>(description);
+  return for_dimension(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<double>> {
+    return std::make_unique<ParticleForce<SinusoidalSubstrate, D>>(
+        d, binding, kernels::SinusoidalSubstrate, kRankTranscendental);
+  });
+}
+
+}  // namespace
+
+ForceRecord sinusoidal_substrate_record() {
+  ForceRecord record;
+  record.name = "sinusoidal_substrate";
+  record.summary = "a corrugated substrate that each particle feels";
+  record.equation = "V = amplitude * exp(-decay * y^2) * cos(2 pi x / period), per particle";
+  record.source =
+      "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study "
+      "nanoscale rolling friction, eqs. (8) and (9); decay = 0: Prandtl (1928), Tomlinson (1929)";
+  record.element = Element::site;
+  record.traits = {.conservative = true, .periodic = true};
+  record.make_description = &make_description<Description>;
+  record.parameters = {
+      parameter("amplitude", &Description::amplitude, dimension::energy,
+                "corrugation amplitude per particle; x = 0 is a maximum when positive"),
+      parameter("period", &Description::period, dimension::length, "lattice period").in(positive),
+      parameter("decay", &Description::decay, dimension::inverse_area,
+                "decay of the corrugation with height, exp(-decay * y^2)")
+          .in(non_negative)
+          .by_default(0.0)};
+  record.complaints = &complaints;
+  record.period = &period;
+  record.bind = &bind;
+  record.example = R"(# A particle released near the top of a corrugation swings about the minimum.
+[[body]]
+type = "point"
+position = [0.1]
+particle_mass = 1.0
+
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.1
+period = 1.0
+
+[run]
+duration = 10.0
+integrator = { type = "rk4", dt = 1e-2 }
+)";
+  return record;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,62 @@
+#include "forcefields/viscous_damping.hpp"
+
+#include "framework/core/force.hpp"
+#include "framework/core/site_force.hpp"
+
+TOMLIN_DECLARE_KERNELS(ViscousDamping)
+
+namespace tomlin {
+namespace {
+
+using Description = ViscousDampingDescription;
+
+std::vector<Complaint> complaints(const void*, const SceneOutline&) { return {}; }
+
+double period(const void*, int) { return 0.0; }
+
+std::unique_ptr<BoundForce<double>> bind(const void* description, const Binding<double>& binding) {
+  const auto& d = *static_cast<const Description*>(description);
+  return for_dimension(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<double>> {
+    return std::make_unique<ParticleForce<ViscousDamping, D>>(d, binding, kernels::ViscousDamping,
+                                                              kRankCheap);
+  });
+}
+
+}  // namespace
+
+ForceRecord viscous_damping_record() {
+  ForceRecord record;
+  record.name = "viscous_damping";
+  record.summary = "drag proportional to each particle's velocity";
+  record.equation = "F = -coefficient * v, per particle";
+  record.source =
+      "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study "
+      "nanoscale rolling friction, eq. (7) with the sign of eq. (10)";
+  record.element = Element::site;
+  record.traits = {.depends_on_velocity = true, .dissipative = true};
+  record.make_description = &make_description<Description>;
+  record.parameters = {parameter("coefficient", &Description::coefficient, dimension::friction,
+                                 "mass/time, per particle (not the rate, which is 1/time)")
+                           .in(non_negative)};
+  record.complaints = &complaints;
+  record.period = &period;
+  record.bind = &bind;
+  record.example = R"(# A particle coasts to rest.
+[[body]]
+type = "point"
+position = [0.0]
+velocity = [1.0]
+particle_mass = 1.0
+
+[[force]]
+type = "viscous_damping"
+coefficient = 0.5
+
+[run]
+duration = 10.0
+integrator = { type = "rk4", dt = 1e-2 }
+)";
+  return record;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,56 @@
+#pragma once
+
+#include "framework/core/element.hpp"
+#include "framework/core/registry.hpp"
+
+/// Linear drag on each particle.
+///
+///   F = -c v
+///
+///   c  coefficient  mass/time, per particle (not the rate c/m)
+///
+/// Offers a force, its exact flow v -> v exp(-c h/m), and its friction matrix c on the diagonal.
+/// Source: Sircar and Patra, eq. (7) with the sign of eq. (10), which dissipates.
+namespace tomlin {
+
+struct ViscousDampingDescription {
+  double coefficient = 0.0;
+};
+
+ForceRecord viscous_damping_record();
+
+inline namespace TOMLIN_TARGET {
+
+struct ViscousDamping {
+  using Description = ViscousDampingDescription;
+  static constexpr Reads reads{.velocity = true};
+
+  template <class T, int D>
+  struct Parameters {
+    T coefficient;
+  };
+
+  template <class T, int D>
+  static Parameters<T, D> parameters(const Description& d) {
+    return {T(d.coefficient)};
+  }
+
+  template <class T, int D>
+  static Vec<T, D> force(const Parameters<T, D>& p, const Site<T, D>& site) {
+    return -p.coefficient * site.velocity;
+  }
+
+  template <class T, int D>
+  static T friction(const Parameters<T, D>& p) {
+    return p.coefficient;
+  }
+
+  /// Factor on the velocity after a time h, given h/m.
+  template <class T, int D>
+  static T decay_factor(const Parameters<T, D>& p, const T& h_over_mass) {
+    return exp(-p.coefficient * h_over_mass);
+  }
+};
+
+}  // namespace TOMLIN_TARGET
+}  // namespace tomlin

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "framework/core/body.hpp"
+
+/// Equally spaced particles on a straight line: the chain of Frenkel and Kontorova.
+namespace tomlin {
+
+struct ChainDescription : BodyDescription {
+  std::int64_t count = 0;
+  double spacing = 0.0;
+  SpaceVector origin;
+  std::string axis;
+};
+
+BodyRecord chain_record();
+
+}  // namespace tomlin

@@ -1,0 +1,15 @@
+#include "framework/bodies/register.hpp"
+
+#include "framework/bodies/chain.hpp"
+#include "framework/bodies/point.hpp"
+#include "framework/bodies/ring.hpp"
+
+namespace tomlin {
+
+void register_bodies(Registry& registry) {
+  registry.add(chain_record());
+  registry.add(point_record());
+  registry.add(ring_record());
+}
+
+}  // namespace tomlin

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "framework/core/registry.hpp"
+
+namespace tomlin {
+
+/// Registers every body of this folder.
+void register_bodies(Registry& registry);
+
+}  // namespace tomlin

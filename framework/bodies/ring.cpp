@@ -1,0 +1,87 @@
+#include "framework/bodies/ring.hpp"
+
+#include "framework/core/math.hpp"
+
+namespace tomlin {
+namespace {
+
+using Description = RingDescription;
+
+int dimension_of(const void* description) {
+  return static_cast<int>(static_cast<const Description*>(description)->centre.components.size());
+}
+
+std::int64_t count(const void* description) {
+  return static_cast<const Description*>(description)->count;
+}
+
+std::vector<Complaint> complaints(const void*, int dimension) {
+  if (dimension < 2) return {{"centre", "a ring needs a plane to lie in", "two coordinates"}};
+  return {};
+}
+
+BodyGeometry build(const void* description, int dimension) {
+  const auto& d = *static_cast<const Description*>(description);
+  BodyGeometry geometry;
+  geometry.anchor = d.centre.components;
+  geometry.relative.assign(d.count, std::vector<double>(dimension, 0.0));
+  for (std::int64_t i = 0; i < d.count; ++i) {
+    double sine = 0.0;
+    double cosine = 1.0;
+    sincos_turns(static_cast<double>(i) / static_cast<double>(d.count), sine, cosine);
+    geometry.relative[i][0] = d.radius * cosine;
+    geometry.relative[i][1] = d.radius * sine;
+  }
+  geometry.closed = true;
+  geometry.rolling_radius = d.radius;
+  return geometry;
+}
+
+}  // namespace
+
+BodyRecord ring_record() {
+  BodyRecord record;
+  record.name = "ring";
+  record.summary = "particles on a circle in the x-y plane";
+  record.equation = "x_i = centre + radius * (cos(2 pi i/count), sin(2 pi i/count))";
+  record.source =
+      "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study "
+      "nanoscale rolling friction, eqs. (2) and (14)";
+  record.make_description = &make_description<Description>;
+  record.parameters = with_body_parameters<Description>(
+      {parameter("count", &Description::count, dimension::none, "number of particles").in(positive),
+       parameter("radius", &Description::radius, dimension::length, "of the circle").in(positive),
+       parameter("centre", &Description::centre, dimension::length, "of the circle")});
+  record.common = &body_part<Description>;
+  record.dimension = &dimension_of;
+  record.count = &count;
+  record.complaints = &complaints;
+  record.build = &build;
+  record.example = R"(# A rigid ring pulled over a corrugated substrate.
+[[body]]
+type = "ring"
+count = 8
+radius = 1.0
+centre = [0.0, 1.0]
+particle_mass = 0.125
+coordinates = "rigid"
+
+[[force]]
+type = "driving_spring"
+stiffness = 2.0
+velocity = [0.1, 0.0]
+
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.0125
+period = 1.0
+decay = 1.0
+
+[run]
+duration = 10.0
+integrator = { type = "rk4", dt = 1e-2 }
+)";
+  return record;
+}
+
+}  // namespace tomlin

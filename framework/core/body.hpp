@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "framework/core/registry.hpp"
+
+/// Bodies: where particles start. Pure geometry; nothing here moves.
+namespace tomlin {
+
+/// Keys that every body takes; a body's description derives from this.
+struct BodyDescription {
+  PerParticle particle_mass;
+  PerParticleVector velocity;
+  std::string coordinates;
+};
+
+/// The rows for BodyDescription, for a description D derived from it.
+template <class D>
+std::vector<Parameter> with_body_parameters(std::vector<Parameter> own) {
+  own.push_back(parameter_of<D>("particle_mass", &BodyDescription::particle_mass, dimension::mass,
+                                "mass of each particle: one number for all, or one each")
+                    .in(positive));
+  own.push_back(parameter_of<D>("velocity", &BodyDescription::velocity, dimension::velocity,
+                                "starting velocity: one vector for all particles, or one each; "
+                                "at rest by default")
+                    .or_absent());
+  own.push_back(parameter_of<D>("coordinates", &BodyDescription::coordinates, dimension::none,
+                                "what may move: every particle, the body as a whole, nothing")
+                    .one_of({"particles", "rigid", "fixed"})
+                    .not_yet({"prescribed"})
+                    .by_default("particles"));
+  return own;
+}
+
+/// Where the particles of a body start: particle i at anchor + relative[i]. The two stay apart so
+/// that a body far from the origin keeps its shape to the last digit.
+struct BodyGeometry {
+  std::vector<double> anchor;                 ///< [dimension]
+  std::vector<std::vector<double>> relative;  ///< [count][dimension]
+  bool closed = false;                        ///< "neighbours" joins the last particle to the first
+  double rolling_radius = 0.0;                ///< 0 when the body does not roll
+};
+
+/// A fault that only shows when several keys are held against each other.
+struct Complaint {
+  std::string key;
+  std::string why;
+  std::string admissible;
+};
+
+struct BodyRecord : ComponentRecord {
+  /// The part that every body's description has.
+  const BodyDescription& (*common)(const void* description) = nullptr;
+  /// Length of the body's vectors as given; 0 when the description has none.
+  int (*dimension)(const void* description) = nullptr;
+  /// Number of particles.
+  std::int64_t (*count)(const void* description) = nullptr;
+  /// Faults across keys for a scene of this dimension; empty when sound.
+  std::vector<Complaint> (*complaints)(const void* description, int dimension) = nullptr;
+  /// Called for a sound description only.
+  BodyGeometry (*build)(const void* description, int dimension) = nullptr;
+};
+
+template <class D>
+const BodyDescription& body_part(const void* description) {
+  return *static_cast<const D*>(description);
+}
+
+}  // namespace tomlin

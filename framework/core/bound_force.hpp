@@ -1,0 +1,162 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "framework/core/aligned.hpp"
+#include "framework/core/double_double.hpp"
+#include "framework/core/instruction_set.hpp"
+#include "framework/core/stage.hpp"
+
+/// What a force is once a scene is bound: complete, with every number resolved. The contracts of
+/// forces, of operators and of state that forces own.
+namespace tomlin {
+
+/// The scene's origin: whole cells per axis. All positions are kept relative to it.
+struct Origin {
+  std::array<std::int64_t, 3> cells{};
+  std::array<double, 3> unit{};  ///< length of a cell: the longest period declared; 0: never moves
+};
+
+/// A place of the scene relative to its origin, to the last digit.
+inline double relative_to(const Origin& origin, int axis, double place) {
+  const DoubleDouble shift =
+      DoubleDouble(static_cast<double>(origin.cells[axis])) * origin.unit[axis];
+  return static_cast<double>(DoubleDouble(place) - shift);
+}
+
+/// A body as forces see it when they bind.
+template <class Real>
+struct BoundBody {
+  std::string name;
+  std::size_t index = 0;
+  std::string coordinates;  ///< "particles", "rigid" or "fixed"
+  bool closed = false;
+  BodySlot<Real> slot;
+  std::vector<double> mass;                ///< [count]
+  std::vector<std::vector<double>> start;  ///< [count][dimension], relative to the scene's origin
+  std::vector<double> start_centre;        ///< [dimension], centre of mass
+};
+
+template <class Real>
+struct Binding {
+  int dimension = 0;
+  InstructionSet set = InstructionSet::baseline;
+  Origin origin;                                ///< at time 0
+  std::vector<const BoundBody<Real>*> bodies;   ///< those the force acts on
+};
+
+/// Forces on the particles of a body, or on the centre of a rigid one.
+struct Region {
+  std::size_t body = 0;
+  bool centre = false;
+};
+
+/// Cheap passes come first and those with long latencies last, so that they overlap.
+inline constexpr int kRankCheap = 0;
+inline constexpr int kRankPairs = 1;
+inline constexpr int kRankTranscendental = 2;
+
+/// One kernel call of a force. The model orders the passes and lets the first on a region set.
+template <class Real>
+struct Pass {
+  Kernel<Real> set = nullptr;  ///< null: this pass can only add
+  Kernel<Real> add = nullptr;
+  const void* arguments = nullptr;
+  std::vector<Region> writes;
+  int rank = kRankCheap;
+};
+
+/// Receives second derivatives of the energy, element by element, in particle coordinates.
+class HessianSink {
+ public:
+  virtual ~HessianSink() = default;
+  /// d2V / dx_a dx_b of one particle.
+  virtual void site(std::size_t body, std::size_t particle, int a, int b, double value) = 0;
+  /// d2V / ds_a ds_b, s the separation of two particles.
+  virtual void pair(std::size_t body1, std::size_t particle1, std::size_t body2,
+                    std::size_t particle2, int a, int b, double value) = 0;
+  /// d2V / dc_a dc_b, c the weighted mean of a body's particles.
+  virtual void centre(std::size_t body, const double* weight, int a, int b, double value) = 0;
+
+ protected:
+  HessianSink() = default;
+};
+
+/// Receives the friction coefficient (mass/time) of particles.
+class FrictionSink {
+ public:
+  virtual ~FrictionSink() = default;
+  virtual void site(std::size_t body, std::size_t particle, double coefficient) = 0;
+
+ protected:
+  FrictionSink() = default;
+};
+
+/// What a driver tells about itself for summaries and for the window in driver periods.
+struct Drive {
+  std::vector<double> velocity;  ///< of the pulled end
+  double stiffness = 0.0;        ///< of all its springs together
+  std::vector<double> start;     ///< of the pulled end, relative to the first origin; the centre's
+                                 ///< where each particle has its own
+  std::vector<double> travel;    ///< since then, up to the start of the step, less the origin's
+};
+
+template <class Real>
+class BoundForce {
+ public:
+  virtual ~BoundForce() = default;
+
+  // The force contract.
+
+  /// Kernel calls of one evaluation. Their arguments live as long as this object.
+  virtual std::vector<Pass<Real>> passes() = 0;
+  /// Time derivatives that its kernels write: rates of its own state, then a driver's force on
+  /// each axis and power. `place_rates` says where among all rates.
+  virtual std::size_t rate_count() const { return 0; }
+  virtual void place_rates(std::ptrdiff_t first) { (void)first; }
+  /// Called at the start of every step by forces that depend on time.
+  virtual bool depends_on_time() const { return false; }
+  virtual void begin_step(const DoubleDouble& time) { (void)time; }
+  /// The scene's origin has moved; positions are relative to the new one from now on.
+  virtual void rebase(const Origin& origin) { (void)origin; }
+  /// Potential energy; 0 for a force without one.
+  virtual double energy(const Stage<Real>& stage) const {
+    (void)stage;
+    return 0.0;
+  }
+  /// Second derivatives of the energy at a stage.
+  virtual void hessian(const Stage<Real>& stage, HessianSink& sink) const {
+    (void)stage;
+    (void)sink;
+  }
+  /// Bound on the curvature of a site force's energy, over all positions; negative when the
+  /// Hessian at the start is the better estimate (springs).
+  virtual double curvature_bound() const { return -1.0; }
+  virtual const Drive* drive() const { return nullptr; }
+  /// Shortest distance that a pair of it keeps; 0 when there are none.
+  virtual double shortest_bond() const { return 0.0; }
+
+  // The operator contract: the exact flow of this force alone over a time h.
+
+  virtual bool has_flow() const { return false; }
+  virtual void flow(const Stage<Real>& at, const Real* inverse_mass, Real* velocity, Real h) const {
+    (void)at;
+    (void)inverse_mass;
+    (void)velocity;
+    (void)h;
+  }
+  /// Friction coefficients, for dynamics without inertia and for stability.
+  virtual void friction(FrictionSink& sink) const { (void)sink; }
+
+  // The state contract: variables of its own, laid out, integrated and saved by the engine.
+
+  virtual std::size_t own_count() const { return 0; }
+  virtual void place_own(std::size_t first) { (void)first; }
+  virtual void start_own(Real* own) const { (void)own; }
+};
+
+}  // namespace tomlin

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/core/body.hpp"
+#include "framework/core/registry.hpp"
+#include "framework/core/traits.hpp"
+
+/// Forces as the registry knows them. What a force becomes when a scene is bound stands in
+/// framework/core/bound_force.hpp.
+namespace tomlin {
+
+template <class Real>
+class BoundForce;
+template <class Real>
+struct Binding;
+
+/// What a force may ask about the scene when its description is checked.
+struct SceneOutline {
+  int dimension = 0;
+  struct Body {
+    std::string name;
+    std::int64_t count = 0;
+    bool closed = false;
+  };
+  std::vector<Body> bodies;  ///< those the force acts on, in the order named
+};
+
+struct ForceRecord : ComponentRecord {
+  Element element = Element::site;
+  Traits traits;
+  int fewest_bodies = 1;
+  int most_bodies = 1;
+
+  /// Faults across keys and against the bodies; empty when sound.
+  std::vector<Complaint> (*complaints)(const void* description,
+                                       const SceneOutline& scene) = nullptr;
+  /// Period of the force along an axis; 0 when it declares none. The longest period declared on
+  /// an axis becomes the unit in which the scene's origin moves.
+  double (*period)(const void* description, int axis) = nullptr;
+
+  /// Factories by number type. A missing one removes that number type for scenes with this force.
+  std::unique_ptr<BoundForce<double>> (*bind)(const void* description,
+                                              const Binding<double>& binding) = nullptr;
+};
+
+}  // namespace tomlin

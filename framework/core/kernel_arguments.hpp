@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstddef>
+
+#include "framework/core/stage.hpp"
+
+/// Arguments of the element kernels, and the table of kernels that one evaluator has on one
+/// instruction set. Plain data only, see stage.hpp.
+namespace tomlin {
+
+inline constexpr std::ptrdiff_t kNoRate = -1;
+
+/// A force on every particle of a body.
+template <class Real>
+struct SiteArguments {
+  BodySlot<Real> body;
+  const void* parameters = nullptr;  ///< the evaluator's Parameters<Real, D>
+  const Real* start = nullptr;       ///< [axis * body.stride + particle], for evaluators that read it
+  std::ptrdiff_t rate = kNoRate;     ///< where a driver's force and power go among the rates
+};
+
+/// A force on one attached point of a body: its centre of mass, or a single particle. The point is
+/// the weighted mean of the particles and the force is shared out with the same weights, which is
+/// virtual work.
+template <class Real>
+struct CentreArguments {
+  BodySlot<Real> body;
+  const void* parameters = nullptr;
+  const Real* weight = nullptr;  ///< per particle, sum 1, zero in the padding
+  std::size_t first = 0;         ///< particles [first, last) carry weight; multiples of kGroup
+  std::size_t last = 0;
+  bool on_coordinates = false;   ///< act on a rigid body's centre directly
+  bool single = false;           ///< all weight on one particle (no sum is needed)
+  std::size_t particle = 0;      ///< that particle
+  Real start[3] = {};
+  std::ptrdiff_t rate = kNoRate;
+};
+
+/// Pairs within one body along diagonals (i, i + shift), each pair evaluated once.
+///  cyclic: i + shift is taken modulo count; `rows` shifts 1..rows; with `all`, every pair.
+///  open:   only i + shift < count.
+template <class Real>
+struct DiagonalArguments {
+  BodySlot<Real> body;
+  const void* parameters = nullptr;
+  bool cyclic = false;
+  std::size_t rows = 0;          ///< shifts 1..rows are evaluated
+  bool half_row_last = false;    ///< cyclic and count = 2 rows: the last row holds each pair twice
+  std::size_t row_stride = 0;    ///< from one row of `datum` to the next
+  const Real* datum = nullptr;   ///< [row][i]
+  Real* extended = nullptr;      ///< scratch [axis][extended_stride], cyclic only
+  std::size_t extended_stride = 0;
+  Real* result = nullptr;        ///< scratch [row][axis][result_stride]
+  std::size_t result_stride = 0;
+};
+
+/// Any list of pairs, within one body or between two.
+template <class Real>
+struct PairListArguments {
+  BodySlot<Real> first;
+  BodySlot<Real> second;
+  const void* parameters = nullptr;
+  std::size_t pairs = 0;
+  const std::size_t* i = nullptr;  ///< [padded pairs]; the padding repeats the last pair
+  const std::size_t* j = nullptr;
+  const Real* datum = nullptr;     ///< [padded pairs]
+  Real* result = nullptr;          ///< scratch [axis][padded pairs]
+  /// For each particle of `first`, then of `second`: its pairs in row order, as +/-(pair + 1).
+  std::size_t particles_first = 0;
+  std::size_t particles_second = 0;
+  const std::size_t* row_start = nullptr;  ///< [particles_first + particles_second + 1]
+  const std::ptrdiff_t* row = nullptr;
+  bool same_body = true;
+};
+
+/// Kernels of one evaluator for dimensions 1 to 3: `set` overwrites the force, `add` adds to it.
+/// An entry is null where the evaluator does not offer that element.
+template <class Real>
+struct KernelPair {
+  Kernel<Real> set[3] = {};
+  Kernel<Real> add[3] = {};
+};
+
+template <class Real>
+struct KernelTable {
+  KernelPair<Real> site;
+  KernelPair<Real> centre;
+  KernelPair<Real> diagonals;
+  KernelPair<Real> pair_list;
+};
+
+}  // namespace tomlin

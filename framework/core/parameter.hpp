@@ -1,0 +1,179 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+/// Parameters declared once: a row names key, member, dimension, default, interval and doc; the
+/// same row reads a scene, validates, documents and writes the effective scene.
+namespace tomlin {
+
+/// Exponents of mass, length and time.
+struct Dimension {
+  int mass = 0;
+  int length = 0;
+  int time = 0;
+  friend bool operator==(const Dimension&, const Dimension&) = default;
+};
+
+/// "mass/time", "length", "1" for a pure number.
+std::string to_string(const Dimension& dimension);
+
+namespace dimension {
+inline constexpr Dimension none{};
+inline constexpr Dimension mass{1, 0, 0};
+inline constexpr Dimension length{0, 1, 0};
+inline constexpr Dimension time{0, 0, 1};
+inline constexpr Dimension velocity{0, 1, -1};
+inline constexpr Dimension rate{0, 0, -1};
+inline constexpr Dimension force{1, 1, -2};
+inline constexpr Dimension energy{1, 2, -2};
+inline constexpr Dimension stiffness{1, 0, -2};
+inline constexpr Dimension friction{1, 0, -1};
+inline constexpr Dimension inverse_area{0, -2, 0};
+}  // namespace dimension
+
+/// Admissible values of a number; nan and inf are never admissible.
+struct Interval {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  bool low_open = true;
+  bool high_open = true;
+
+  bool contains(double x) const;
+  /// "> 0", ">= 0", "0 to 1", "any finite number".
+  std::string to_string() const;
+};
+
+inline constexpr Interval any_number{};
+inline constexpr Interval positive{.low = 0.0};
+inline constexpr Interval non_negative{.low = 0.0, .low_open = false};
+
+/// Which particle pairs of a body: `pairs = "all"`, `"neighbours"` or `[[0, 1], ...]`.
+struct PairSelection {
+  enum class Kind { all, neighbours, list } kind = Kind::neighbours;
+  std::vector<std::array<std::int64_t, 2>> list;
+  friend bool operator==(const PairSelection&, const PairSelection&) = default;
+};
+
+/// A word or numbers: `rest_lengths = "initial"`, `1.0` or `[1.0, ...]`.
+struct WordOrNumbers {
+  std::string word;             ///< one of the row's choices, or empty when numbers are given
+  std::vector<double> numbers;  ///< one for all, or one each
+  friend bool operator==(const WordOrNumbers&, const WordOrNumbers&) = default;
+};
+
+/// `attach = "centre_of_mass"`, `"each_particle"` or `{ particle = 3 }`.
+struct Attachment {
+  enum class Kind { centre_of_mass, each_particle, particle } kind = Kind::centre_of_mass;
+  std::int64_t particle = 0;
+  friend bool operator==(const Attachment&, const Attachment&) = default;
+};
+
+/// One number per space dimension; empty when not given.
+struct SpaceVector {
+  std::vector<double> components;
+  friend bool operator==(const SpaceVector&, const SpaceVector&) = default;
+};
+
+/// One number for all particles, or one each.
+struct PerParticle {
+  std::vector<double> values;
+  friend bool operator==(const PerParticle&, const PerParticle&) = default;
+};
+
+/// One vector for all particles, or one each; empty when not given.
+struct PerParticleVector {
+  std::vector<SpaceVector> values;
+  friend bool operator==(const PerParticleVector&, const PerParticleVector&) = default;
+};
+
+using ParameterValue = std::variant<double, std::int64_t, bool, std::string, SpaceVector, PerParticle,
+                                    PerParticleVector, PairSelection, WordOrNumbers, Attachment>;
+
+/// One row of a parameter table; the member is reached through `assign` and `read`.
+struct Parameter {
+  std::string key;
+  std::string doc;
+  Dimension dimension;
+  Interval interval;                      ///< for each number in the value
+  std::vector<std::string> choices;       ///< for a string, or the words of WordOrNumbers
+  std::vector<std::string> later_choices; ///< words of the scene language that this version lacks
+  ParameterValue prototype;               ///< its alternative tells the kind of value
+  std::optional<ParameterValue> standard; ///< the default; without one the key is required
+  bool optional = false;                  ///< may be absent without a default (value stays empty)
+  bool only_standard = false;             ///< any value but the default: not in this version
+
+  std::function<void(void* description, ParameterValue value)> assign;
+  std::function<ParameterValue(const void* description)> read;
+
+  bool required() const { return !standard && !optional; }
+
+  // Chained modifiers, so that a row reads as a sentence.
+  Parameter in(Interval admissible) && {
+    interval = admissible;
+    return std::move(*this);
+  }
+  Parameter one_of(std::vector<std::string> words) && {
+    choices = std::move(words);
+    return std::move(*this);
+  }
+  Parameter not_yet(std::vector<std::string> words) && {
+    later_choices = std::move(words);
+    return std::move(*this);
+  }
+  template <class T>
+  Parameter by_default(T value) && {
+    if constexpr (std::is_same_v<T, const char*>) {
+      standard = ParameterValue(std::string(value));
+    } else {
+      standard = ParameterValue(std::move(value));
+    }
+    return std::move(*this);
+  }
+  Parameter only_default_yet() && {
+    only_standard = true;
+    return std::move(*this);
+  }
+  Parameter or_absent() && {
+    optional = true;
+    return std::move(*this);
+  }
+};
+
+/// A row for `member` of the description struct D. The member's type tells what a scene may give.
+template <class D, class Base, class T>
+Parameter parameter_of(std::string key, T Base::*member, Dimension dimension, std::string doc) {
+  Parameter row;
+  row.key = std::move(key);
+  row.doc = std::move(doc);
+  row.dimension = dimension;
+  row.prototype = T{};
+  row.assign = [member](void* description, ParameterValue value) {
+    static_cast<D*>(description)->*member = std::get<T>(std::move(value));
+  };
+  row.read = [member](const void* description) {
+    return ParameterValue(static_cast<const D*>(description)->*member);
+  };
+  return row;
+}
+
+template <class D, class T>
+Parameter parameter(std::string key, T D::*member, Dimension dimension, std::string doc) {
+  return parameter_of<D, D, T>(std::move(key), member, dimension, std::move(doc));
+}
+
+/// A key that the scene language names and this version does not have yet.
+struct ReservedKey {
+  std::string key;
+  std::string note;  ///< what it will be; may be empty
+};
+
+}  // namespace tomlin

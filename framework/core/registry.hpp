@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "framework/core/parameter.hpp"
+
+/// The components that scenes are assembled from. Registration is an explicit call on a Registry
+/// object; there are no globals and no static initialisers.
+namespace tomlin {
+
+/// What every component says about itself. A record without these is rejected when registered.
+struct ComponentRecord {
+  std::string name;      ///< `type = "..."` in a scene; the file's and, in CamelCase, the class's name
+  std::string summary;   ///< one line
+  std::string equation;  ///< in plain text or TeX-like notation, with the sign convention
+  std::string source;    ///< paper with equation number, DOI or textbook
+  std::string example;   ///< a whole scene that runs
+  std::vector<Parameter> parameters;
+  std::vector<ReservedKey> reserved;  ///< keys answered by "not in this version"
+
+  /// A default-constructed description; the rows of `parameters` assign its members.
+  std::shared_ptr<void> (*make_description)() = nullptr;
+};
+
+template <class D>
+std::shared_ptr<void> make_description() {
+  return std::make_shared<D>();
+}
+
+struct BodyRecord;        // framework/core/body.hpp
+struct ForceRecord;       // framework/core/force.hpp
+struct IntegratorRecord;  // framework/core/integrator.hpp
+
+class Registry {
+ public:
+  Registry();
+  ~Registry();
+  Registry(Registry&&) noexcept;
+  Registry& operator=(Registry&&) noexcept;
+
+  /// Take a complete record. Throws std::invalid_argument for an incomplete one or a taken name.
+  void add(BodyRecord record);
+  void add(ForceRecord record);
+  void add(IntegratorRecord record);
+
+  /// nullptr when there is none of that name.
+  const BodyRecord* body(std::string_view name) const;
+  const ForceRecord* force(std::string_view name) const;
+  const IntegratorRecord* integrator(std::string_view name) const;
+
+  const std::vector<std::unique_ptr<BodyRecord>>& bodies() const { return bodies_; }
+  const std::vector<std::unique_ptr<ForceRecord>>& forces() const { return forces_; }
+  const std::vector<std::unique_ptr<IntegratorRecord>>& integrators() const { return integrators_; }
+
+ private:
+  void refuse_if_unfit(const ComponentRecord& record) const;
+
+  std::vector<std::unique_ptr<BodyRecord>> bodies_;
+  std::vector<std::unique_ptr<ForceRecord>> forces_;
+  std::vector<std::unique_ptr<IntegratorRecord>> integrators_;
+};
+
+}  // namespace tomlin

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "framework/core/double_double.hpp"
+#include "framework/core/state_layout.hpp"
+#include "framework/core/system.hpp"
+
+/// The contract of integrators.
+namespace tomlin {
+
+/// How a step ended. Failures are values: the run loop adds place and cause.
+enum class StepFault {
+  none,
+  not_finite_or_too_far,  ///< a coordinate left the finite numbers or moved too far in one step
+  step_too_small,         ///< an adaptive scheme would need less than its smallest step
+  too_many_steps,         ///< an adaptive scheme has used up its steps
+};
+
+struct StepReport {
+  double taken = 0.0;  ///< length of the step; 0 when it failed
+  StepFault fault = StepFault::none;
+};
+
+/// Advances position, velocity and integrals of a system. All three are known at the same time at
+/// the end of every step.
+template <class Real>
+class Integrator {
+ public:
+  virtual ~Integrator() = default;
+
+  /// Numbers of its own that a resumed run needs.
+  virtual void declare(StateLayout& layout) { (void)layout; }
+  /// The state it works on from now on; outlives the integrator's use of it.
+  virtual void attach(RunState& state) { (void)state; }
+
+  /// One step from `time`. A fixed scheme takes exactly `h`; an adaptive one takes at most `h`.
+  /// With `dense`, interpolate() will be asked for. A failed step leaves the state as it was.
+  virtual StepReport step(const DoubleDouble& time, double h, bool dense) = 0;
+
+  /// Rates at the start of the last step.
+  virtual const Real* first_rates() const = 0;
+
+  /// Complete the last step (made with `dense`, ending at `end`) for interpolation; any evaluation
+  /// this takes is the next step's first, so that steps do not depend on samples.
+  virtual void finish_dense(const DoubleDouble& end) = 0;
+  /// The state at a fraction theta in [0, 1] of the last step.
+  virtual void interpolate(double theta, Real* position, Real* velocity, Real* integrals) const = 0;
+
+  /// The origin has moved: drop what was computed ahead, so that it is computed as it would have
+  /// been without samples.
+  virtual void rebased() {}
+
+  /// Accepted and refused attempts of an adaptive scheme.
+  virtual std::uint64_t refused_steps() const { return 0; }
+};
+
+}  // namespace tomlin

@@ -1,0 +1,118 @@
+#include <algorithm>
+#include <cmath>
+
+#include "framework/core/angle.hpp"
+#include "framework/model/model.hpp"
+#include "framework/model/storage.hpp"
+
+/// What can be read off a bound model at a given state.
+namespace tomlin {
+namespace {
+
+/// Mass-weighted mean of a body's numbers along one axis.
+double mean(const BodySlot<double>& slot, const double* numbers, int axis) {
+  const double* from = numbers + slot.offset + axis * slot.stride;
+  InterleavedSum<double> total;
+  for (std::size_t i = 0; i < slot.count; ++i) total.add(i, slot.share[i] * from[i]);
+  return total.total();
+}
+
+}  // namespace
+
+Stage<double> Model::stage(const double* position, const double* velocity, const double* integrals,
+                           double* rates) {
+  return stage_of(system_.view, position, velocity, integrals, rates, 0.0);
+}
+
+void Model::evaluate_at(const DoubleDouble& time, const double* position, const double* velocity,
+                        const double* integrals, double* rates) {
+  begin_step(this, time.hi, time.lo);
+  const Stage<double> here = stage(position, velocity, integrals, rates);
+  for (const Operation<double>& operation : operations_) operation.run(operation.arguments, here);
+}
+
+void Model::centre(std::size_t b, const double* position, double* result) const {
+  const BodySlot<double>& slot = bodies_[b].bound.slot;
+  const double* from = slot.mapped ? storage_->mapped_position.data() : position;
+  for (int d = 0; d < dimension(); ++d) {
+    result[d] = slot.rigid ? position[slot.centre + d] : mean(slot, from, d);
+  }
+}
+
+void Model::centre_velocity(std::size_t b, const double* velocity, double* result) const {
+  const BodySlot<double>& slot = bodies_[b].bound.slot;
+  for (int d = 0; d < dimension(); ++d) {
+    if (slot.rigid) {
+      result[d] = velocity[slot.centre + d];
+    } else {
+      result[d] = slot.mapped ? 0.0 : mean(slot, velocity, d);
+    }
+  }
+}
+
+DoubleDouble Model::placed(int axis, double offset) const {
+  const DoubleDouble cells(static_cast<double>(origin_.cells[axis]));
+  return cells * origin_.unit[axis] + offset;
+}
+
+double Model::rotation(std::size_t b, const double* position) const {
+  const Body& body = bodies_[b];
+  const BodySlot<double>& slot = body.bound.slot;
+  if (slot.rigid) {
+    return static_cast<double>(whole_turns_[b]) + position[slot.centre + 2];
+  }
+  if (slot.mapped || !body.rotates()) return 0.0;
+  // Least squares: the angle that turns the starting arms closest to the present ones.
+  double middle[3];
+  centre(b, position, middle);
+  InterleavedSum<double> along;
+  InterleavedSum<double> across;
+  const double* x = position + slot.offset;
+  const double* y = x + slot.stride;
+  for (std::size_t i = 0; i < slot.count; ++i) {
+    const double rx = x[i] - middle[0];
+    const double ry = y[i] - middle[1];
+    const std::vector<double>& arm = body.arms[i];
+    along.add(i, body.bound.mass[i] * std::fma(arm[0], rx, arm[1] * ry));
+    across.add(i, body.bound.mass[i] * std::fma(arm[0], ry, -(arm[1] * rx)));
+  }
+  return angle_turns(across.total(), along.total());
+}
+
+double Model::kinetic_energy(const double* velocity) const {
+  InterleavedSum<double> total;
+  for (std::size_t i = 0; i < system_.view.dofs; ++i) {
+    const double inverse_mass = system_.view.inverse_mass[i];
+    if (inverse_mass > 0.0) total.add(i, 0.5 * velocity[i] * velocity[i] / inverse_mass);
+  }
+  return total.total();
+}
+
+double Model::potential_energy(const DoubleDouble& time, const double* position,
+                               const double* velocity, const double* integrals) {
+  evaluate_at(time, position, velocity, integrals, storage_->rates.data());
+  const Stage<double> here = stage(position, velocity, integrals, storage_->rates.data());
+  double total = 0.0;
+  for (const Force& force : forces_) total += force.bound->energy(here);
+  return total;
+}
+
+Model::CoordinateName Model::name_of(std::size_t coordinate) const {
+  static const char* const axes[] = {"x", "y", "z"};
+  for (const Body& body : bodies_) {
+    const BodySlot<double>& slot = body.bound.slot;
+    if (slot.rigid && coordinate >= slot.centre && coordinate < slot.centre + kGroup) {
+      const std::size_t d = coordinate - slot.centre;
+      return {body.bound.name, -1, d < 2 ? axes[d] : "rotation"};
+    }
+    if (!slot.mapped && coordinate >= slot.offset &&
+        coordinate < slot.offset + slot.stride * dimension()) {
+      const std::size_t within = coordinate - slot.offset;
+      return {body.bound.name, static_cast<std::ptrdiff_t>(within % slot.stride),
+              axes[within / slot.stride]};
+    }
+  }
+  return {};
+}
+
+}  // namespace tomlin

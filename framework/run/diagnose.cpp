@@ -1,0 +1,143 @@
+#include "framework/run/diagnose.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace tomlin {
+namespace {
+
+/// The coordinate that would move furthest for its limit in a step of h, or the first that would
+/// not be a finite number.
+std::size_t worst_coordinate(Model& model, double h) {
+  const SystemView<double>& s = model.system().view;
+  std::size_t worst = 0;
+  double furthest = -1.0;
+  for (std::size_t i = 0; i < s.dofs; ++i) {
+    if (s.inverse_mass[i] == 0.0) continue;
+    const double acceleration = s.force[i] * s.inverse_mass[i];
+    const double move = h * std::abs(s.velocity[i]) + 0.5 * h * h * std::abs(acceleration);
+    if (!std::isfinite(move)) return i;
+    const double limit = s.largest_move[i] < 1e300 ? s.largest_move[i] : 1.0;
+    if (move / limit > furthest) {
+      furthest = move / limit;
+      worst = i;
+    }
+  }
+  return worst;
+}
+
+/// The force whose part at the coordinate is largest, or no number.
+std::string strongest_force(Model& model, std::size_t coordinate) {
+  SystemView<double>& s = model.system().view;
+  const Model::CoordinateName name = model.name_of(coordinate);
+  std::string strongest;
+  double most = -1.0;
+  std::vector<double> rates(s.rates + 2 * kGroup, 0.0);
+  Stage<double> stage =
+      stage_of(s, static_cast<const double*>(s.position), static_cast<const double*>(s.velocity),
+               static_cast<const double*>(s.integrals), rates.data(), 0.0);
+  for (const Model::Force& force : model.forces()) {
+    double part = 0.0;
+    for (const Pass<double>& pass : force.bound->passes()) {
+      for (const Region& region : pass.writes) {
+        const BodySlot<double>& slot = model.bodies()[region.body].bound.slot;
+        if (model.bodies()[region.body].bound.name != name.body) continue;
+        double* f = slot.mapped && !region.centre ? stage.mapped_force : stage.force;
+        const std::size_t first = region.centre ? slot.centre : slot.offset;
+        const std::size_t length = region.centre ? kGroup : slot.stride * model.dimension();
+        for (std::size_t i = 0; i < length; ++i) f[first + i] = 0.0;
+        pass.add(pass.arguments, stage);
+        if (slot.mapped) {
+          for (std::size_t i = 0; i < length; ++i) {
+            const double size = std::abs(f[first + i]);
+            if (!(size <= part)) part = size;
+          }
+        } else {
+          const double size = std::abs(f[coordinate]);
+          if (!(size <= part)) part = size;
+        }
+      }
+    }
+    if (std::isnan(part)) return force.name;
+    if (part > most) {
+      most = part;
+      strongest = force.name;
+    }
+  }
+  return strongest;
+}
+
+bool particles_coincide(const Model& model, const SystemView<double>& s, const std::string& name) {
+  constexpr std::size_t kFew = 500;  // a message is not worth more than this squared
+  for (const Model::Body& body : model.bodies()) {
+    const BodySlot<double>& slot = body.bound.slot;
+    if (body.bound.name != name || slot.mapped || slot.count > kFew) continue;
+    for (std::size_t i = 0; i < slot.count; ++i) {
+      for (std::size_t j = i + 1; j < slot.count; ++j) {
+        bool same = true;
+        for (int d = 0; d < model.dimension(); ++d) {
+          const double* x = s.position + slot.offset + d * slot.stride;
+          same = same && x[i] == x[j];
+        }
+        if (same) return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault fault,
+                    std::uint64_t step, const DoubleDouble& time, double h, double stable_step) {
+  SystemView<double>& s = model.system().view;
+  RunFailure failure;
+  failure.step = step;
+  failure.time = static_cast<double>(time);
+  std::vector<double> rates(s.rates + 2 * kGroup, 0.0);
+  model.evaluate_at(time, s.position, s.velocity, s.integrals, rates.data());
+  const std::size_t worst = worst_coordinate(model, h);
+  const Model::CoordinateName name = model.name_of(worst);
+  const double acceleration = s.force[worst] * s.inverse_mass[worst];
+  failure.body = name.body;
+  failure.particle = name.particle;
+  failure.axis = name.axis;
+  failure.force = strongest_force(model, worst);
+  const bool finite = std::isfinite(acceleration);
+
+  switch (fault) {
+    case StepFault::none:
+      break;
+    case StepFault::too_many_steps:
+      failure.what = "the integrator has used up its most_steps";
+      failure.cause = "the scene is stiffer, or the run longer, than most_steps allows for";
+      return failure;
+    case StepFault::step_too_small:
+      failure.what = "the step needed is below smallest_step";
+      failure.cause = "tolerances below what rounding allows, or a force that is not smooth";
+      return failure;
+    case StepFault::not_finite_or_too_far:
+      failure.what = finite ? "a coordinate would move further in one step than is sound "
+                              "(a period, or half the shortest bond), or leave the finite numbers"
+                            : "an acceleration is not a finite number";
+      break;
+  }
+  if (particles_coincide(model, s, name.body)) {
+    failure.cause = "two particles of the body coincide, and a bond has no direction there";
+  } else if (!scheme.adaptive && h > stable_step) {
+    failure.cause = fmt::format(
+        "the step of {:g} is beyond the stability limit of {}, about {:.3g} here", h, scheme.name,
+        stable_step);
+  } else if (!finite) {
+    failure.cause = "a force law was left where it is defined, or its numbers overflow";
+  } else {
+    failure.cause = fmt::format("the speed runs away: a step of {:g} is too long for it, or the "
+                                "scene's forces are too strong",
+                                h);
+  }
+  return failure;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,533 @@
+#include "framework/run/engine.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/core/kernel_tables.hpp"
+#include "framework/run/diagnose.hpp"
+
+TOMLIN_DECLARE_TABLES(ObserveKernels, ObserveTable)
+
+namespace tomlin {
+namespace {
+
+constexpr double kTau = 6.283185307179586476925286766559;
+/// A remainder of the run below this part of a step is no step.
+constexpr double kNoStep = 1e-9;
+/// Steps between looks at the origin, at rotations and at signals. A particle moves less than a
+/// period in a step, so the origin is never left far behind.
+constexpr std::int64_t kHousekeepingEvery = 16;
+/// A flexible body that turns more than this between looks is looked at after every step.
+constexpr double kMuchTurning = 0.05;
+constexpr std::chrono::milliseconds kReportEvery{200};
+/// How far past the end of the run a window may reach through rounding alone.
+constexpr double kWindowSlack = 1e-9;
+
+double norm(const std::vector<double>& v) {
+  double squares = 0.0;
+  for (const double x : v) squares = std::fma(x, x, squares);
+  return std::sqrt(squares);
+}
+
+}  // namespace
+
+Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
+    : scene_(std::move(scene)),
+      options_(options),
+      model_(scene_, options.instruction_set),
+      scheme_(*scene_->run.integrator.record),
+      observe_(kernels::ObserveKernels.on(options.instruction_set)),
+      duration_(scene_->run.duration) {
+  const void* description = scene_->run.integrator.description.get();
+  dt_ = scheme_.step(description);
+  integrator_ = scheme_.bind(description, model_.system());
+  list_signals();
+  resolve_window();
+
+  StateLayout layout;
+  model_.declare(layout);
+  integrator_->declare(layout);
+  layout.add_reals("clock", 2);
+  layout.add_integers("counts", 4);
+  layout.add_reals("last_turns", model_.bodies().size());
+  layout.add_integers("turn_wraps", model_.bodies().size());
+  extremes_.declare(layout, signal_count_);
+  first_maximum_.declare(layout, drivers_.size());
+  state_ = RunState(layout, 1);
+  model_.attach(state_);
+  integrator_->attach(state_);
+  extremes_.attach(state_);
+  first_maximum_.attach(state_);
+  clock_ = state_.reals("clock");
+  counts_ = state_.integers("counts");
+  last_turns_ = state_.reals("last_turns");
+  turn_wraps_ = state_.integers("turn_wraps");
+
+  const SystemView<double>& view = model_.system().view;
+  dense_position_.assign(view.dofs + 2 * kGroup, 0.0);
+  dense_velocity_.assign(view.dofs + 2 * kGroup, 0.0);
+  dense_integrals_.assign(view.rates + 2 * kGroup, 0.0);
+  dense_rates_.assign(view.rates + 2 * kGroup, 0.0);
+  final_rates_.assign(view.rates + 2 * kGroup, 0.0);
+  for (Moment* moment : {&from_, &to_}) {
+    moment->integrals.assign(view.rates, 0.0);
+    moment->centre.assign(model_.bodies().size() * model_.dimension(), DoubleDouble());
+    moment->turns.assign(model_.bodies().size(), 0.0);
+  }
+  sampling_ = options_.sink != nullptr && scene_->output.every.has_value();
+  counts_[kRotationEvery] = 1;
+  extremes_.start();
+  first_maximum_.start();
+  model_.start();
+  started_ = std::chrono::steady_clock::now();
+  last_report_ = started_;
+  check_step();
+  if (!failure_) observe_start();
+}
+
+void Engine::list_signals() {
+  for (std::size_t k = 0; k < model_.forces().size(); ++k) {
+    const Model::Force& force = model_.forces()[k];
+    if (!force.record->traits.does_work) continue;
+    drivers_.push_back(k);
+    const Drive* drive = force.bound->drive();
+    drags_.push_back(drive != nullptr && norm(drive->velocity) > 0.0);
+  }
+  signal_count_ = drivers_.size() * model_.dimension() + model_.bodies().size();
+  signals_.assign(signal_count_, 0.0);
+  pulls_.assign(drivers_.size(), 0.0);
+}
+
+void Engine::resolve_window() {
+  const MeasureSettings& m = scene_->measure;
+  double unit = 1.0;
+  if (m.unit == MeasureSettings::Unit::driver_periods) {
+    const auto fault = [&](const std::string& key, const std::string& why,
+                           const std::string& admissible) {
+      const auto found = m.places.find(key);
+      throw InputError({{found == m.places.end() ? m.place : found->second, "measure." + key, "",
+                         why, admissible, ""}});
+    };
+    std::vector<std::size_t> candidates;
+    for (std::size_t k = 0; k < drivers_.size(); ++k) {
+      if (drags_[k] && (m.driver.empty() || model_.forces()[drivers_[k]].name == m.driver)) {
+        candidates.push_back(drivers_[k]);
+      }
+    }
+    if (candidates.empty()) {
+      fault(m.driver.empty() ? "in" : "driver", "there is no moving driver to count periods of",
+            "\"time\", or the name of a driver with a velocity");
+    }
+    if (candidates.size() > 1) {
+      fault("in", "several drivers move: say whose periods are meant", "driver = NAME");
+    }
+    const std::vector<double>& velocity =
+        model_.forces()[candidates.front()].bound->drive()->velocity;
+    if (m.period) {
+      unit = *m.period / norm(velocity);
+    } else {
+      double period = 0.0;
+      int along = -1;
+      for (int d = 0; d < model_.dimension(); ++d) {
+        if (velocity[d] == 0.0) continue;
+        for (const SceneForce& force : scene_->forces) {
+          const double declared = force.record->period(force.description.get(), d);
+          if (declared <= 0.0) continue;
+          if (period > 0.0 && declared != period) {
+            fault("in", "the forces declare several periods: say which is meant",
+                  "period = a length");
+          }
+          period = declared;
+          along = d;
+        }
+      }
+      if (along < 0) {
+        fault("in", "no force declares a period along the driver's way", "period = a length");
+      }
+      unit = period / std::abs(velocity[along]);
+    }
+  }
+  from_.time = m.from * unit;
+  to_.time = m.to ? *m.to * unit : duration_;
+  if (to_.time > duration_ * (1.0 + kWindowSlack) || from_.time >= duration_) {
+    const auto found = m.places.find(to_.time > duration_ ? "to" : "from");
+    throw InputError({{found == m.places.end() ? m.place : found->second,
+                       to_.time > duration_ ? "measure.to" : "measure.from", "",
+                       fmt::format("the window reaches to time {:g}, past the end of the run at {:g}",
+                                   std::max(to_.time, from_.time), duration_),
+                       "a window within the run, or a longer run.duration", ""}});
+  }
+  to_.time = std::min(to_.time, duration_);
+}
+
+/// A step beyond the stability limit is refused before it is taken.
+void Engine::check_step() {
+  if (dt_ == 0.0) return;
+  stable_step_ = model_.stable_step(scheme_);
+  const double longest = std::min(dt_, duration_);
+  if (longest <= stable_step_ * (1.0 + kNoStep)) return;
+  if (scene_->run.allow_unstable) {
+    warnings_.push_back(
+        fmt::format("dt = {:g} is beyond the stability limit of {}, about {:.4g}", dt_,
+                    scheme_.name, stable_step_));
+    return;
+  }
+  fail(StepFault::not_finite_or_too_far, dt_);
+  failure_->what =
+      fmt::format("dt = {:g} is beyond the stability limit of {}, about {:.4g}", dt_, scheme_.name,
+                  stable_step_);
+  failure_->force = model_.stiffest_force();
+  failure_->cause = "the stiffest force allows no longer step; take a smaller dt, or insist with "
+                    "run.allow_unstable = true";
+}
+
+void Engine::fail(StepFault fault, double h) {
+  failure_ = diagnose(model_, scheme_, fault, static_cast<std::uint64_t>(counts_[kSteps]), now(), h,
+                      stable_step_);
+}
+
+void Engine::observe_start() {
+  const SystemView<double>& view = model_.system().view;
+  if (sampling_) {
+    std::vector<SampleColumn> columns = {{"time", "time"}};
+    static const char* const axes[] = {"x", "y", "z"};
+    const auto per_axis = [&](const std::string& name, const char* unit) {
+      for (int d = 0; d < model_.dimension(); ++d) columns.push_back({name + "." + axes[d], unit});
+    };
+    for (const std::size_t k : drivers_) per_axis(model_.forces()[k].name + ".force", "force");
+    for (const std::size_t k : drivers_) per_axis(model_.forces()[k].name + ".position", "length");
+    for (const Model::Body& body : model_.bodies()) {
+      per_axis(body.bound.name + ".centre_of_mass", "length");
+      per_axis(body.bound.name + ".velocity", "length/time");
+      if (body.rotates()) columns.push_back({body.bound.name + ".rotation", "rad"});
+    }
+    sample_values_.assign(columns.size(), 0.0);
+    options_.sink->begin(columns);
+    sample(0.0, view.position, view.velocity, view.integrals);
+    counts_[kNextSample] = 1;
+  }
+  if (from_.time == 0.0) {
+    keep_moment(from_, 0.0, view.position, view.velocity, view.integrals);
+  }
+}
+
+double Engine::next_dense() const {
+  double next = std::numeric_limits<double>::infinity();
+  if (sampling_) {
+    const double at = static_cast<double>(counts_[kNextSample]) * *scene_->output.every;
+    // The last sample may miss the end of the run by rounding.
+    next = std::abs(at - duration_) <= kNoStep * *scene_->output.every ? duration_ : at;
+  }
+  if (!from_.reached) return std::min(next, from_.time);
+  return to_.reached ? next : std::min(next, to_.time);
+}
+
+bool Engine::take(double h, const DoubleDouble& end, bool to_grid) {
+  const DoubleDouble begin = now();
+  const bool dense = dt_ == 0.0 || next_dense() <= static_cast<double>(end);
+  const SystemView<double>& view = model_.system().view;
+  signals_from(nullptr, view.velocity, signals_.data());
+
+  const StepReport report = integrator_->step(begin, h, dense);
+  if (report.fault != StepFault::none) {
+    fail(report.fault, h);
+    return false;
+  }
+  const DoubleDouble arrived = dt_ == 0.0 && report.taken < h ? begin + report.taken : end;
+  signals_from(integrator_->first_rates(), nullptr, signals_.data());
+  const double at = static_cast<double>(begin);
+  extremes_.add(at, signals_.data(), at >= from_.time && at <= to_.time);
+  if (first_maximum_.searching()) first_maximum_.add(at, pulls_.data());
+
+  clock_[0] = arrived.hi;
+  clock_[1] = arrived.lo;
+  ++counts_[kSteps];
+  if (to_grid) ++counts_[kGridSteps];
+  if (next_dense() <= static_cast<double>(arrived)) serve_dense(begin, arrived);
+  if (counts_[kSteps] % kHousekeepingEvery == 0 || counts_[kRotationEvery] == 1) housekeeping();
+  return true;
+}
+
+/// Times on the grid are products, not sums: step n ends at (n + 1) dt however many there were.
+void Engine::step_fixed() {
+  const DoubleDouble grid = two_prod(static_cast<double>(counts_[kGridSteps] + 1), dt_);
+  const double rest = static_cast<double>(DoubleDouble(duration_) - now());
+  if (rest <= kNoStep * dt_) {
+    ended_ = true;
+    return;
+  }
+  const double past = static_cast<double>(grid - duration_);
+  if (past > kNoStep * dt_) {
+    // The last step is shortened to end exactly. Any event would split a step in the same way.
+    take(rest, DoubleDouble(duration_), false);
+  } else {
+    take(dt_, past >= -kNoStep * dt_ ? DoubleDouble(duration_) : grid, true);
+  }
+}
+
+void Engine::step_adaptive() {
+  const double rest = static_cast<double>(DoubleDouble(duration_) - now());
+  if (rest <= 0.0) {
+    ended_ = true;
+    return;
+  }
+  take(rest, DoubleDouble(duration_), false);
+}
+
+void Engine::advance(std::uint64_t steps) {
+  for (std::uint64_t k = 0; k < steps && !done(); ++k) {
+    if (dt_ > 0.0) {
+      step_fixed();
+    } else {
+      step_adaptive();
+    }
+  }
+}
+
+/// Driver forces from rates, speeds of centres from velocities; either may be left out.
+void Engine::signals_from(const double* rates, const double* velocity, double* signals) const {
+  const int axes = model_.dimension();
+  std::size_t at = drivers_.size() * axes;
+  if (rates) {
+    for (std::size_t k = 0; k < drivers_.size(); ++k) {
+      const Model::Force& force = model_.forces()[drivers_[k]];
+      for (int d = 0; d < axes; ++d) signals[k * axes + d] = rates[force.first_rate + d];
+    }
+    if (first_maximum_.searching()) {
+      for (std::size_t k = 0; k < drivers_.size(); ++k) {
+        const Drive* drive = model_.forces()[drivers_[k]].bound->drive();
+        double along = 0.0;
+        for (int d = 0; d < axes; ++d) along += drive->velocity[d] * signals[k * axes + d];
+        const_cast<double*>(pulls_.data())[k] = along;
+      }
+    }
+  }
+  if (velocity) {
+    for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
+      const BodySlot<double>& slot = model_.bodies()[b].bound.slot;
+      double v[3] = {0.0, 0.0, 0.0};
+      if (slot.rigid) {
+        for (int d = 0; d < axes; ++d) v[d] = velocity[slot.centre + d];
+      } else if (slot.count == 1 && !slot.mapped) {
+        for (int d = 0; d < axes; ++d) v[d] = velocity[slot.offset + d * slot.stride];
+      } else if (!slot.mapped) {
+        observe_.mean(slot, velocity, axes, v);
+      }
+      double square = 0.0;
+      for (int d = 0; d < axes; ++d) square += v[d] * v[d];
+      signals[at + b] = std::sqrt(square);
+    }
+  }
+}
+
+void Engine::serve_dense(const DoubleDouble& from, const DoubleDouble& to) {
+  integrator_->finish_dense(to);
+  const double length = static_cast<double>(to - from);
+  for (double at = next_dense(); at <= static_cast<double>(to); at = next_dense()) {
+    const double theta = std::clamp(static_cast<double>(DoubleDouble(at) - from) / length, 0.0, 1.0);
+    integrator_->interpolate(theta, dense_position_.data(), dense_velocity_.data(),
+                             dense_integrals_.data());
+    serve_point(at, theta);
+  }
+}
+
+void Engine::serve_point(double at, double) {
+  const double* x = dense_position_.data();
+  const double* v = dense_velocity_.data();
+  const double* z = dense_integrals_.data();
+  if (!from_.reached && at >= from_.time) keep_moment(from_, at, x, v, z);
+  if (from_.reached && !to_.reached && at >= to_.time) keep_moment(to_, at, x, v, z);
+  if (sampling_ && static_cast<double>(counts_[kNextSample]) * *scene_->output.every <=
+                       at * (1.0 + kNoStep)) {
+    sample(at, x, v, z);
+    ++counts_[kNextSample];
+  }
+}
+
+void Engine::sample(double at, const double* position, const double* velocity,
+                    const double* integrals) {
+  model_.evaluate_at(DoubleDouble(at), position, velocity, integrals, dense_rates_.data());
+  std::size_t column = 0;
+  const int axes = model_.dimension();
+  sample_values_[column++] = at;
+  for (const std::size_t k : drivers_) {
+    const Model::Force& force = model_.forces()[k];
+    for (int d = 0; d < axes; ++d) sample_values_[column++] = dense_rates_[force.first_rate + d];
+  }
+  for (const std::size_t k : drivers_) {
+    const Drive& drive = *model_.forces()[k].bound->drive();
+    for (int d = 0; d < axes; ++d) {
+      sample_values_[column++] =
+          static_cast<double>(model_.placed(d, drive.start[d] + drive.travel[d]));
+    }
+  }
+  for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
+    double numbers[3];
+    model_.centre(b, position, numbers);
+    for (int d = 0; d < axes; ++d) {
+      sample_values_[column++] = static_cast<double>(model_.placed(d, numbers[d]));
+    }
+    model_.centre_velocity(b, velocity, numbers);
+    for (int d = 0; d < axes; ++d) sample_values_[column++] = numbers[d];
+    if (model_.bodies()[b].rotates()) sample_values_[column++] = kTau * turns_of(b, position);
+  }
+  options_.sink->sample(sample_values_);
+}
+
+void Engine::keep_moment(Moment& moment, double at, const double* position, const double* velocity,
+                         const double* integrals) {
+  moment.reached = true;
+  std::copy(integrals, integrals + moment.integrals.size(), moment.integrals.begin());
+  const int axes = model_.dimension();
+  for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
+    double centre[3];
+    model_.centre(b, position, centre);
+    for (int d = 0; d < axes; ++d) moment.centre[b * axes + d] = model_.placed(d, centre[d]);
+    moment.turns[b] = turns_of(b, position);
+  }
+  model_.evaluate_at(DoubleDouble(at), position, velocity, integrals, dense_rates_.data());
+  // The signals of the step's start have been used; this is scratch until the next.
+  signals_from(dense_rates_.data(), velocity, signals_.data());
+  extremes_.include(signals_.data());
+}
+
+double Engine::turns_of(std::size_t b, const double* position) const {
+  const double turns = model_.rotation(b, position);
+  const Model::Body& body = model_.bodies()[b];
+  if (body.bound.slot.mapped || !body.rotates()) return turns;
+  const double unwrapped = turns + static_cast<double>(turn_wraps_[b]);
+  return unwrapped - std::nearbyint(unwrapped - last_turns_[b]);
+}
+
+/// Flexible bodies have no rotation coordinate: whole turns are counted by looking often enough.
+void Engine::track_rotation() {
+  counts_[kRotationEvery] = kHousekeepingEvery;
+  for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
+    const Model::Body& body = model_.bodies()[b];
+    if (body.bound.slot.mapped || !body.rotates()) continue;
+    const double turns = model_.rotation(b, model_.system().view.position);
+    const double change = turns + static_cast<double>(turn_wraps_[b]) - last_turns_[b];
+    const double wraps = std::nearbyint(change);
+    turn_wraps_[b] -= static_cast<std::int64_t>(wraps);
+    last_turns_[b] = turns + static_cast<double>(turn_wraps_[b]);
+    if (std::abs(change - wraps) > kMuchTurning) counts_[kRotationEvery] = 1;
+  }
+}
+
+void Engine::housekeeping() {
+  track_rotation();
+  if (counts_[kSteps] % kHousekeepingEvery != 0) return;
+  if (model_.rebase_if_due()) integrator_->rebased();
+  if (options_.stop && options_.stop->load(std::memory_order_relaxed)) {
+    interrupted_ = ended_ = true;
+  }
+  if (options_.on_progress) {
+    const auto moment = std::chrono::steady_clock::now();
+    if (moment - last_report_ >= kReportEvery) {
+      last_report_ = moment;
+      const std::chrono::duration<double> elapsed = moment - started_;
+      options_.on_progress({time(), duration_, static_cast<std::uint64_t>(counts_[kSteps]),
+                            elapsed.count()});
+    }
+  }
+}
+
+RunResult Engine::run() {
+  while (!done()) advance(1024);
+  finish();
+  return result();
+}
+
+/// What is known at the end: the window may close there, and the final forces are read off.
+void Engine::finish() {
+  const SystemView<double>& view = model_.system().view;
+  if (!failure_ && !interrupted_ && from_.reached && !to_.reached) {
+    keep_moment(to_, to_.time, view.position, view.velocity, view.integrals);
+  }
+  model_.evaluate_at(now(), view.position, view.velocity, view.integrals, final_rates_.data());
+}
+
+RunResult Engine::result() {
+  RunResult result;
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started_;
+  result.status = failure_       ? RunStatus::failed
+                  : interrupted_ ? RunStatus::interrupted
+                                 : RunStatus::finished;
+  result.failure = failure_;
+  result.end_time = time();
+  result.steps = static_cast<std::uint64_t>(counts_[kSteps]);
+  result.refused_steps = integrator_->refused_steps();
+  result.force_evaluations = model_.system().evaluations;
+  result.window_from = from_.time;
+  result.window_to = to_.time;
+  result.warnings = warnings_;
+  for (const Model::LeftOut& left : model_.left_out()) {
+    result.left_out.emplace_back(left.force, left.why);
+  }
+  result.wall_seconds = elapsed.count();
+  result.steps_per_second =
+      elapsed.count() > 0.0 ? static_cast<double>(result.steps) / elapsed.count() : 0.0;
+  result.instruction_set = options_.instruction_set;
+
+  const int axes = model_.dimension();
+  const bool window = from_.reached && to_.reached;
+  const double length = to_.time - from_.time;
+  for (std::size_t k = 0; k < drivers_.size(); ++k) {
+    const Model::Force& force = model_.forces()[drivers_[k]];
+    DriverResult driver;
+    driver.name = force.name;
+    for (int d = 0; d < axes; ++d) {
+      const std::size_t rate = force.first_rate + d;
+      driver.final_force.push_back(final_rates_[rate]);
+      if (!window) continue;
+      driver.mean_force.push_back((to_.integrals[rate] - from_.integrals[rate]) / length);
+      driver.max_force.push_back(extremes_.high(k * axes + d));
+      driver.min_force.push_back(extremes_.low(k * axes + d));
+    }
+    const double speed = norm(force.bound->drive()->velocity);
+    if (drags_[k] && first_maximum_.found(k)) driver.static_force = first_maximum_.value(k) / speed;
+    if (window) {
+      const std::size_t power = force.first_rate + axes;
+      driver.work = to_.integrals[power] - from_.integrals[power];
+      driver.distance = speed * length;
+      if (speed > 0.0) driver.work_per_distance = *driver.work / *driver.distance;
+    }
+    result.drivers.push_back(std::move(driver));
+  }
+  for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
+    const Model::Body& from = model_.bodies()[b];
+    const SystemView<double>& view = model_.system().view;
+    BodyResult body;
+    body.name = from.bound.name;
+    double numbers[3];
+    model_.centre(b, view.position, numbers);
+    for (int d = 0; d < axes; ++d) {
+      body.centre_of_mass.push_back(static_cast<double>(model_.placed(d, numbers[d])));
+    }
+    model_.centre_velocity(b, view.velocity, numbers);
+    body.velocity.assign(numbers, numbers + axes);
+    if (from.rotates()) body.rotation = kTau * turns_of(b, view.position);
+    if (window) {
+      for (int d = 0; d < axes; ++d) {
+        const DoubleDouble moved = to_.centre[b * axes + d] - from_.centre[b * axes + d];
+        body.mean_velocity.push_back(static_cast<double>(moved) / length);
+      }
+      body.max_speed = extremes_.high(drivers_.size() * axes + b);
+      if (from.rotates()) {
+        body.turns = to_.turns[b] - from_.turns[b];
+        const double moved = static_cast<double>(to_.centre[b * axes] - from_.centre[b * axes]);
+        if (from.rolling_radius > 0.0 && moved != 0.0) {
+          body.rolling = -from.rolling_radius * kTau * *body.turns / moved;
+        }
+      }
+    }
+    result.bodies.push_back(std::move(body));
+  }
+  return result;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "framework/core/scheme.hpp"
+#include "framework/model/model.hpp"
+#include "framework/run/extremes.hpp"
+#include "framework/run/observe_kernels.hpp"
+#include "framework/run/run.hpp"
+
+namespace tomlin {
+
+/// One run: the loop over steps and what is observed along the way. Kept apart from run() so that
+/// tests and benchmarks can take single steps.
+class Engine {
+ public:
+  Engine(std::shared_ptr<const Scene> scene, const RunOptions& options);
+
+  RunResult run();
+
+  Model& model() { return model_; }
+  RunState& state() { return state_; }
+  Integrator<double>& integrator() { return *integrator_; }
+  double stable_step() const { return stable_step_; }
+
+  /// Take up to this many steps (fewer at the end of the run, or when one fails) with everything
+  /// that a run does along the way. For benchmarks and tests.
+  void advance(std::uint64_t steps);
+  bool done() const { return ended_ || failure_.has_value(); }
+  double time() const { return clock_[0] + clock_[1]; }
+
+ private:
+  /// Everything that the window needs to know of one moment.
+  struct Moment {
+    double time = 0.0;
+    bool reached = false;
+    std::vector<double> integrals;
+    std::vector<DoubleDouble> centre;  ///< [body * dimension + axis], cells included
+    std::vector<double> turns;         ///< [body]
+  };
+
+  void resolve_window();
+  void list_signals();
+  void check_step();
+  /// The one path for steps: from the clock's time, h long, ending at `end`.
+  bool take(double h, const DoubleDouble& end, bool to_grid);
+  void step_fixed();
+  void step_adaptive();
+  void observe_start();
+  void signals_from(const double* rates, const double* velocity, double* signals) const;
+  void serve_dense(const DoubleDouble& from, const DoubleDouble& to);
+  void serve_point(double at, double theta);
+  double next_dense() const;
+  void sample(double at, const double* position, const double* velocity, const double* integrals);
+  void keep_moment(Moment& moment, double at, const double* position, const double* velocity,
+                   const double* integrals);
+  void housekeeping();
+  void track_rotation();
+  double turns_of(std::size_t body, const double* position) const;
+  void finish();
+  void fail(StepFault fault, double h);
+  RunResult result();
+  DoubleDouble now() const { return {clock_[0], clock_[1]}; }
+
+  std::shared_ptr<const Scene> scene_;
+  RunOptions options_;
+  Model model_;
+  const IntegratorRecord& scheme_;
+  std::unique_ptr<Integrator<double>> integrator_;
+  RunState state_;
+  const ObserveTable& observe_;
+
+  double duration_;
+  double dt_ = 0.0;  ///< 0: adaptive
+  double stable_step_ = 0.0;
+
+  // In the run state.
+  double* clock_ = nullptr;          ///< high and low part of the time
+  std::int64_t* counts_ = nullptr;   ///< steps taken, steps on the grid, next sample
+  double* last_turns_ = nullptr;     ///< flexible bodies: rotation when last looked at
+  std::int64_t* turn_wraps_ = nullptr;
+  enum { kSteps, kGridSteps, kNextSample, kRotationEvery };
+
+  // Drivers and bodies among the signals that extremes are taken of.
+  std::vector<std::size_t> drivers_;  ///< indices into model_.forces()
+  std::vector<bool> drags_;           ///< drivers with a velocity
+  std::size_t signal_count_ = 0;
+  std::vector<double> signals_;
+  std::vector<double> pulls_;
+  Extremes extremes_;
+  FirstMaximum first_maximum_;
+
+  Moment from_;
+  Moment to_;
+  std::vector<double> dense_position_;
+  std::vector<double> dense_velocity_;
+  std::vector<double> dense_integrals_;
+  std::vector<double> dense_rates_;
+  std::vector<double> sample_values_;
+  std::vector<double> final_rates_;
+
+  bool sampling_ = false;
+  bool ended_ = false;
+  bool interrupted_ = false;
+  std::optional<RunFailure> failure_;
+  std::vector<std::string> warnings_;
+  std::chrono::steady_clock::time_point started_;
+  std::chrono::steady_clock::time_point last_report_;
+};
+
+}  // namespace tomlin

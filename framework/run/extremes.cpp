@@ -1,0 +1,118 @@
+#include "framework/run/extremes.hpp"
+
+#include <limits>
+
+namespace tomlin {
+
+double parabola_vertex(double t0, double y0, double t1, double y1, double t2, double y2) {
+  const double left = (y1 - y0) / (t1 - t0);
+  const double right = (y2 - y1) / (t2 - t1);
+  const double curvature = (right - left) / (t2 - t0);
+  if (curvature == 0.0) return y1;
+  // Slope at t1, and from there down to the vertex.
+  const double slope = (left * (t2 - t1) + right * (t1 - t0)) / (t2 - t0);
+  return y1 - 0.25 * slope * slope / curvature;
+}
+
+void Extremes::declare(StateLayout& layout, std::size_t signals) {
+  signals_ = signals;
+  layout.add_reals("extremes.high", signals);
+  layout.add_reals("extremes.low", signals);
+  layout.add_reals("extremes.last", signals);
+  layout.add_reals("extremes.previous", signals);
+  layout.add_reals("extremes.times", 2);
+  layout.add_integers("extremes.flags", 2);
+}
+
+void Extremes::attach(RunState& state) {
+  high_ = state.reals("extremes.high");
+  low_ = state.reals("extremes.low");
+  last_ = state.reals("extremes.last");
+  previous_ = state.reals("extremes.previous");
+  times_ = state.reals("extremes.times");
+  flags_ = state.integers("extremes.flags");
+}
+
+void Extremes::start() {
+  for (std::size_t k = 0; k < signals_; ++k) {
+    high_[k] = -std::numeric_limits<double>::max();
+    low_[k] = std::numeric_limits<double>::max();
+  }
+}
+
+double Extremes::vertex(std::size_t k, double time, double value) const {
+  return parabola_vertex(times_[1], previous_[k], times_[0], last_[k], time, value);
+}
+
+void Extremes::add(double time, const double* values, bool inside) {
+  const bool two = flags_[kSeen] >= 2 && flags_[kLastInside] != 0;
+  for (std::size_t k = 0; k < signals_; ++k) {
+    const double y = values[k];
+    if (two) {
+      if (last_[k] > previous_[k] && last_[k] >= y) {
+        const double peak = vertex(k, time, y);
+        if (peak > high_[k]) high_[k] = peak;
+      } else if (last_[k] < previous_[k] && last_[k] <= y) {
+        const double trough = vertex(k, time, y);
+        if (trough < low_[k]) low_[k] = trough;
+      }
+    }
+    if (inside) {
+      if (y > high_[k]) high_[k] = y;
+      if (y < low_[k]) low_[k] = y;
+    }
+    previous_[k] = last_[k];
+    last_[k] = y;
+  }
+  times_[1] = times_[0];
+  times_[0] = time;
+  flags_[kSeen] += flags_[kSeen] < 2 ? 1 : 0;
+  flags_[kLastInside] = inside ? 1 : 0;
+}
+
+void Extremes::include(const double* values) {
+  for (std::size_t k = 0; k < signals_; ++k) {
+    if (values[k] > high_[k]) high_[k] = values[k];
+    if (values[k] < low_[k]) low_[k] = values[k];
+  }
+}
+
+void FirstMaximum::declare(StateLayout& layout, std::size_t signals) {
+  signals_ = signals;
+  layout.add_reals("first_maximum.height", signals);
+  layout.add_reals("first_maximum.last", signals);
+  layout.add_reals("first_maximum.previous", signals);
+  layout.add_reals("first_maximum.times", 2);
+  layout.add_integers("first_maximum.found", signals);
+  layout.add_integers("first_maximum.counts", 2);
+}
+
+void FirstMaximum::attach(RunState& state) {
+  height_ = state.reals("first_maximum.height");
+  last_ = state.reals("first_maximum.last");
+  previous_ = state.reals("first_maximum.previous");
+  times_ = state.reals("first_maximum.times");
+  found_ = state.integers("first_maximum.found");
+  seen_ = state.integers("first_maximum.counts");
+  missing_ = seen_ + 1;
+}
+
+void FirstMaximum::start() { *missing_ = static_cast<std::int64_t>(signals_); }
+
+void FirstMaximum::add(double time, const double* values) {
+  for (std::size_t k = 0; k < signals_; ++k) {
+    const double y = values[k];
+    if (found_[k] == 0 && *seen_ >= 2 && last_[k] > previous_[k] && last_[k] >= y) {
+      height_[k] = parabola_vertex(times_[1], previous_[k], times_[0], last_[k], time, y);
+      found_[k] = 1;
+      --*missing_;
+    }
+    previous_[k] = last_[k];
+    last_[k] = y;
+  }
+  times_[1] = times_[0];
+  times_[0] = time;
+  if (*seen_ < 2) ++*seen_;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+
+#include "framework/core/state_layout.hpp"
+
+namespace tomlin {
+
+/// Largest and smallest values of a few signals that are known at the ends of steps. Between them
+/// the parabola through three neighbours gives the height of a peak, so that extremes do not depend
+/// on where steps happen to end (error of third order in the step).
+class Extremes {
+ public:
+  void declare(StateLayout& layout, std::size_t signals);
+  void attach(RunState& state);
+  void start();
+
+  /// Values at a time; those outside [from, to] only serve as neighbours.
+  void add(double time, const double* values, bool inside);
+  /// Values at the window's edges, where no step ends.
+  void include(const double* values);
+
+  bool any(std::size_t signal) const { return high_[signal] >= low_[signal]; }
+  double high(std::size_t signal) const { return high_[signal]; }
+  double low(std::size_t signal) const { return low_[signal]; }
+
+ private:
+  double vertex(std::size_t signal, double time, double value) const;
+
+  std::size_t signals_ = 0;
+  double* high_ = nullptr;
+  double* low_ = nullptr;
+  double* last_ = nullptr;      ///< values one step ago
+  double* previous_ = nullptr;  ///< and two
+  double* times_ = nullptr;     ///< of last, of previous
+  std::int64_t* flags_ = nullptr;
+  enum { kSeen, kLastInside };
+};
+
+/// The first local maximum of one signal in the whole run.
+class FirstMaximum {
+ public:
+  void declare(StateLayout& layout, std::size_t signals);
+  void attach(RunState& state);
+  void add(double time, const double* values);
+  bool searching() const { return *missing_ > 0; }
+  bool found(std::size_t signal) const { return found_[signal] != 0; }
+  double value(std::size_t signal) const { return height_[signal]; }
+  void start();
+
+ private:
+  std::size_t signals_ = 0;
+  double* height_ = nullptr;
+  double* last_ = nullptr;
+  double* previous_ = nullptr;
+  double* times_ = nullptr;
+  std::int64_t* found_ = nullptr;
+  std::int64_t* seen_ = nullptr;
+  std::int64_t* missing_ = nullptr;
+};
+
+/// Height of the parabola through (t0, y0), (t1, y1), (t2, y2) at its vertex.
+double parabola_vertex(double t0, double y0, double t1, double y1, double t2, double y2);
+
+}  // namespace tomlin

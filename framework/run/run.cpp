@@ -1,0 +1,44 @@
+#include "framework/run/run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "framework/core/kernel_tables.hpp"
+#include "framework/core/scheme.hpp"
+#include "framework/model/model.hpp"
+#include "framework/run/diagnose.hpp"
+#include "framework/run/engine.hpp"
+
+namespace tomlin {
+
+const char* to_string(RunStatus status) {
+  switch (status) {
+    case RunStatus::finished:
+      return "finished";
+    case RunStatus::interrupted:
+      return "interrupted";
+    case RunStatus::failed:
+      return "failed";
+  }
+  return "";
+}
+
+std::string to_string(const RunFailure& failure) {
+  std::string where = failure.body;
+  if (failure.particle >= 0) where += fmt::format(", particle {}", failure.particle);
+  if (!failure.axis.empty()) where += ", " + failure.axis;
+  return fmt::format("step {}, time {:.17g}: {}; where: {}; force: {}; likely cause: {}",
+                     failure.step, failure.time, failure.what, where,
+                     failure.force.empty() ? "none" : failure.force, failure.cause);
+}
+
+RunResult run(std::shared_ptr<const Scene> scene, const RunOptions& options) {
+  Engine engine(std::move(scene), options);
+  return engine.run();
+}
+
+}  // namespace tomlin

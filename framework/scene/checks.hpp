@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/core/body.hpp"
+#include "framework/core/force.hpp"
+#include "framework/scene/fault_list.hpp"
+#include "framework/scene/table_reader.hpp"
+
+/// Faults that only show when keys are held against each other or against the bodies.
+namespace tomlin {
+
+inline constexpr std::int64_t kMostParticles = 10'000'000;  ///< of a scene
+inline constexpr std::size_t kMostComponents = 10'000;      ///< bodies, or forces, of a scene
+inline constexpr std::size_t kMostParameters = 10'000;
+
+/// A body or a force while its scene is read.
+template <class Record>
+struct ComponentDraft {
+  std::string name;                ///< empty when it has none that is fit
+  const Record* record = nullptr;  ///< nullptr when its type is unfit
+  std::shared_ptr<void> description;
+  TableReading reading;
+  bool sound = false;  ///< no fault so far
+};
+
+struct BodyDraft : ComponentDraft<BodyRecord> {
+  std::optional<std::int64_t> count;  ///< when known
+};
+
+struct ForceDraft : ComponentDraft<ForceRecord> {
+  std::vector<std::size_t> bodies;  ///< those that could be found
+};
+
+/// Number of particles of each body, where it can be told.
+void count_particles(std::vector<BodyDraft>& bodies, FaultList& faults);
+
+/// The scene's dimension: the length of the first body's vectors. Nothing when faults hide it.
+std::optional<int> scene_dimension(const std::vector<BodyDraft>& bodies);
+
+/// Lengths of vectors and lists, indices, and what the records themselves find.
+void check_bodies(std::vector<BodyDraft>& bodies, std::optional<int> dimension, FaultList& faults);
+void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>& bodies,
+                  std::optional<int> dimension, FaultList& faults);
+
+/// What a record found when it held a component's keys against each other.
+void report(const std::vector<Complaint>& complaints, const TableReading& reading,
+            FaultList& faults);
+
+}  // namespace tomlin

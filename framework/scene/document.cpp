@@ -1,0 +1,289 @@
+#include "framework/scene/document.hpp"
+
+#include <algorithm>
+#include <utility>
+
+// In toml++ 3.3 an assertion fails for "[=" before the error that the parser has for it; without
+// NDEBUG and with no assertions nothing is assumed either, and the error is reached.
+#undef NDEBUG
+#define TOML_ASSERT(expression) static_cast<void>(0)
+#include <toml++/toml.h>
+
+#include "framework/scene/text.hpp"
+
+namespace tomlin {
+namespace {
+
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+// As the TOML library does; its columns do not count the mark.
+std::string_view without_byte_order_mark(std::string_view text) {
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  return text;
+}
+
+[[noreturn]] void stop(const std::string& file, const Mark& mark, std::string why,
+                       std::string admissible = "") {
+  Fault fault;
+  fault.place = {file, static_cast<int>(mark.line), static_cast<int>(mark.column)};
+  fault.why = std::move(why);
+  fault.admissible = std::move(admissible);
+  throw InputError({std::move(fault)});
+}
+
+/// Walks over text and knows line and column.
+class Cursor {
+ public:
+  explicit Cursor(std::string_view text) : text_(text) {}
+
+  bool at_end() const { return next_ >= text_.size(); }
+  char peek() const { return text_[next_]; }
+  std::string_view rest() const { return text_.substr(next_); }
+  Mark mark() const { return mark_; }
+
+  void advance(std::size_t bytes = 1) {
+    for (; bytes > 0 && !at_end(); --bytes, ++next_) {
+      if (text_[next_] == '\n') {
+        ++mark_.line;
+        mark_.column = 1;
+      } else if (!is_utf8_continuation(text_[next_])) {
+        ++mark_.column;
+      }
+    }
+  }
+
+ private:
+  std::string_view text_;
+  std::size_t next_ = 0;
+  Mark mark_{1, 1};
+};
+
+void refuse_other_encodings(std::string_view text, const std::string& file) {
+  const std::size_t valid = valid_utf8_prefix(text);
+  if (valid == text.size()) return;
+  Cursor cursor(text);
+  cursor.advance(valid);
+  stop(file, cursor.mark(), "the file is not UTF-8 text");
+}
+
+void skip_string(Cursor& cursor) {
+  const char quote = cursor.peek();
+  const std::string triple(3, quote);
+  const bool multi_line = cursor.rest().starts_with(triple);
+  const std::string_view end = multi_line ? triple : std::string_view(triple).substr(0, 1);
+  cursor.advance(end.size());
+  while (!cursor.at_end() && !cursor.rest().starts_with(end)) {
+    if (!multi_line && cursor.peek() == '\n') return;  // not closed: the library says so
+    cursor.advance(quote == '"' && cursor.peek() == '\\' ? 2 : 1);
+  }
+  cursor.advance(end.size());
+}
+
+// The library walks nested values and tables by recursion; a file must not exhaust the stack.
+void refuse_deep_nesting(std::string_view text, const std::string& file) {
+  int brackets = 0;
+  int dots = 0;
+  Cursor cursor(text);
+  while (!cursor.at_end()) {
+    const char c = cursor.peek();
+    if (c == '"' || c == '\'') {
+      skip_string(cursor);
+      continue;
+    }
+    if (c == '#') {
+      while (!cursor.at_end() && cursor.peek() != '\n') cursor.advance();
+      continue;
+    }
+    if (c == '[' || c == '{') ++brackets;
+    if (c == ']' || c == '}') brackets = std::max(0, brackets - 1);
+    // Dots of one key, which ends at any of these.
+    if (c == '.') ++dots;
+    if (std::string_view("[]{}=,\n").find(c) != std::string_view::npos) dots = 0;
+    if (brackets > kDeepestNesting || dots >= kDeepestNesting) {
+      stop(file, cursor.mark(), "nested too deeply",
+           "at most " + std::to_string(kDeepestNesting) + " levels");
+    }
+    cursor.advance();
+  }
+}
+
+bool says_nothing(std::string_view text) {
+  Cursor cursor(text);
+  for (; !cursor.at_end(); cursor.advance()) {
+    if (cursor.peek() == '#') {
+      while (!cursor.at_end() && cursor.peek() != '\n') cursor.advance();
+    } else if (std::string_view(" \t\r\n").find(cursor.peek()) == std::string_view::npos) {
+      return false;
+    }
+  }
+  return true;
+}
+
+std::string why_no_toml(std::string_view description) {
+  constexpr std::string_view kOpening = "Error while parsing ";
+  const bool says_where = description.starts_with(kOpening);
+  if (says_where) description.remove_prefix(kOpening.size());
+  return (says_where ? "TOML syntax error in " : "TOML syntax error: ") +
+         shortened(description, kLongestShownMessage);
+}
+
+Extent extent_of(const toml::source_region& region, std::uint32_t setting) {
+  return {{region.begin.line, region.begin.column}, {region.end.line, region.end.column}, setting};
+}
+
+bool comes_before(const Entry& a, const Entry& b) {
+  return std::pair(a.where.begin.line, a.where.begin.column) <
+         std::pair(b.where.begin.line, b.where.begin.column);
+}
+
+Node converted(const toml::node& node, std::uint32_t setting) {
+  Node result;
+  result.where = extent_of(node.source(), setting);
+  if (const auto* table = node.as_table()) {
+    Table& entries = result.value.emplace<Table>();
+    for (const auto& [key, value] : *table) {
+      entries.entries.push_back(
+          {std::string(key.str()), extent_of(key.source(), setting), converted(value, setting)});
+    }
+    // The library sorts by key.
+    std::stable_sort(entries.entries.begin(), entries.entries.end(), comes_before);
+  } else if (const auto* array = node.as_array()) {
+    List& list = result.value.emplace<List>();
+    list.reserve(array->size());
+    for (const toml::node& element : *array) list.push_back(converted(element, setting));
+  } else if (const auto* text = node.as_string()) {
+    result.value = text->get();
+  } else if (const auto* integer = node.as_integer()) {
+    result.value = integer->get();
+  } else if (const auto* number = node.as_floating_point()) {
+    result.value = number->get();
+  } else if (const auto* boolean = node.as_boolean()) {
+    result.value = boolean->get();
+  } else {
+    result.value = Moment{};
+  }
+  return result;
+}
+
+}  // namespace
+
+const Entry* Table::find_entry(std::string_view key) const {
+  const auto found = std::find_if(entries.begin(), entries.end(),
+                                  [key](const Entry& entry) { return entry.key == key; });
+  return found == entries.end() ? nullptr : &*found;
+}
+
+const Node* Table::find(std::string_view key) const {
+  const Entry* entry = find_entry(key);
+  return entry == nullptr ? nullptr : &entry->value;
+}
+
+Node* Table::find(std::string_view key) {
+  return const_cast<Node*>(std::as_const(*this).find(key));
+}
+
+void Table::set(std::string_view key, Node value) {
+  const auto found = std::find_if(entries.begin(), entries.end(),
+                                  [key](const Entry& entry) { return entry.key == key; });
+  if (found == entries.end()) {
+    const Extent where = value.where;
+    entries.push_back({std::string(key), where, std::move(value)});
+  } else {
+    found->where = value.where;
+    found->value = std::move(value);
+  }
+}
+
+std::string kind_of(const Node& node) {
+  static constexpr const char* kKinds[] = {"a boolean", "an integer", "a number",      "text",
+                                           "a list",    "a table",    "a date or time"};
+  return kKinds[node.value.index()];
+}
+
+Table parse_document(std::string_view text, const std::string& file) {
+  if (text.size() > kLargestSceneFile) {
+    stop(file, {1, 1}, "the file is too large",
+         "at most " + std::to_string(kLargestSceneFile >> 20) + " MiB");
+  }
+  refuse_other_encodings(text, file);
+  text = without_byte_order_mark(text);
+  if (says_nothing(text)) stop(file, {1, 1}, "the file is empty: there is no scene in it");
+  refuse_deep_nesting(text, file);
+  try {
+    const toml::table document = toml::parse(text);
+    return std::move(*converted(document, 0).as<Table>());
+  } catch (const toml::parse_error& error) {
+    const auto& begin = error.source().begin;
+    stop(file, {begin.line, begin.column}, why_no_toml(error.description()));
+  }
+}
+
+Node parse_setting(std::string_view text, std::uint32_t setting) {
+  Node plain_text;
+  plain_text.value = std::string(text);
+  plain_text.where.setting = setting;
+  const std::string document = "value = " + std::string(text);
+  try {
+    if (document.size() > kLargestSceneFile) return plain_text;
+    refuse_deep_nesting(document, "");
+    const toml::table table = toml::parse(document);
+    // More than one entry: a line break in the text, and then something like "other = 1".
+    if (table.size() == 1) return converted(table.begin()->second, setting);
+  } catch (const toml::parse_error&) {
+    return plain_text;
+  } catch (const InputError&) {
+    return plain_text;
+  }
+  return plain_text;
+}
+
+Source::Source(std::string file, std::string_view text, const std::vector<Setting>& settings)
+    : file_(std::move(file)), text_(without_byte_order_mark(text)), settings_(settings) {}
+
+Place Source::place(const Extent& extent) const {
+  if (extent.setting > 0) return {"--set", static_cast<int>(extent.setting), 1};
+  return {file_, static_cast<int>(extent.begin.line), static_cast<int>(extent.begin.column)};
+}
+
+std::string Source::written(const Extent& extent) const {
+  return shortened(slice(extent), kLongestShownValue);
+}
+
+Place Source::place_inside(const Node& text, std::size_t byte) const {
+  Place place = this->place(text.where);
+  const std::string* contents = text.as<std::string>();
+  const std::string_view source = slice(text.where);
+  const bool literal = contents != nullptr && source.size() == contents->size() + 2 &&
+                       source.substr(1, contents->size()) == *contents;
+  if (text.where.setting == 0 && literal) {
+    const std::string_view before = std::string_view(*contents).substr(0, byte);
+    place.column += 1 + static_cast<int>(std::count_if(before.begin(), before.end(), [](char c) {
+                      return !is_utf8_continuation(c);
+                    }));
+  }
+  return place;
+}
+
+std::string_view Source::slice(const Extent& extent) const {
+  if (extent.setting > 0) return settings_[extent.setting - 1].value;
+  if (extent.begin.line == 0) return {};
+  const std::size_t begin = offset(extent.begin);
+  return text_.substr(begin, offset(extent.end) - begin);
+}
+
+std::size_t Source::offset(const Mark& mark) const {
+  std::size_t at = 0;
+  for (std::uint32_t line = 1; line < mark.line; ++line) {
+    const std::size_t end = text_.find('\n', at);
+    if (end == std::string_view::npos) return text_.size();
+    at = end + 1;
+  }
+  for (std::uint32_t column = 1; column < mark.column && at < text_.size(); ++column) {
+    do {
+      ++at;
+    } while (at < text_.size() && is_utf8_continuation(text_[at]));
+  }
+  return at;
+}
+
+}  // namespace tomlin

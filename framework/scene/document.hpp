@@ -1,0 +1,101 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "framework/core/fault.hpp"
+#include "framework/scene/scene.hpp"
+
+/// A TOML document as a plain tree in file order, each key and value with its place. The TOML
+/// library itself is seen by document.cpp only.
+namespace tomlin {
+
+inline constexpr std::size_t kLargestSceneFile = std::size_t{16} << 20;  ///< bytes
+inline constexpr int kDeepestNesting = 32;  ///< of brackets, and of the parts of one dotted key
+
+/// Line and column, from 1, in characters.
+struct Mark {
+  std::uint32_t line = 0;
+  std::uint32_t column = 0;
+};
+
+/// Where a key or a value stands: in the file, or in the n-th `--set` (setting = n, from 1).
+struct Extent {
+  Mark begin;
+  Mark end;
+  std::uint32_t setting = 0;
+};
+
+struct Entry;
+struct Node;
+using List = std::vector<Node>;
+
+struct Table {
+  std::vector<Entry> entries;
+
+  const Node* find(std::string_view key) const;
+  Node* find(std::string_view key);
+  const Entry* find_entry(std::string_view key) const;
+  /// Replace the value of a key, or add the key at the end.
+  void set(std::string_view key, Node value);
+};
+
+/// A date or a time: legal TOML, but nothing in a scene is one.
+struct Moment {};
+
+struct Node {
+  std::variant<bool, std::int64_t, double, std::string, List, Table, Moment> value;
+  Extent where;
+
+  template <class T>
+  const T* as() const {
+    return std::get_if<T>(&value);
+  }
+  template <class T>
+  T* as() {
+    return std::get_if<T>(&value);
+  }
+};
+
+struct Entry {
+  std::string key;
+  Extent where;
+  Node value;
+};
+
+/// "an integer", "text", "a list": how a fault names what it found.
+std::string kind_of(const Node& node);
+
+/// The text of a scene; throws InputError with the one fault that stops the reading.
+Table parse_document(std::string_view text, const std::string& file);
+
+/// The value of the n-th `--set`: a TOML value, or else text. Never fails.
+Node parse_setting(std::string_view text, std::uint32_t setting);
+
+/// What was written, for messages.
+class Source {
+ public:
+  /// Text and settings must outlive the source.
+  Source(std::string file, std::string_view text, const std::vector<Setting>& settings);
+
+  Place place(const Extent& extent) const;
+  /// On one line and shortened to fit a message.
+  std::string written(const Extent& extent) const;
+  /// Where a byte of a string's contents stands; the string's own place where escapes hide it.
+  Place place_inside(const Node& text, std::size_t byte) const;
+
+ private:
+  std::string_view slice(const Extent& extent) const;
+  std::size_t offset(const Mark& mark) const;
+
+  std::string file_;
+  std::string_view text_;
+  const std::vector<Setting>& settings_;
+};
+
+}  // namespace tomlin

@@ -1,0 +1,147 @@
+#include "framework/scene/effective.hpp"
+
+#include <algorithm>
+#include <array>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "framework/scene/text.hpp"
+
+namespace tomlin {
+namespace {
+
+Node node(decltype(Node::value) value) { return {std::move(value), {}}; }
+
+Node list_of(const std::vector<double>& numbers) {
+  List list;
+  for (const double x : numbers) list.push_back(node(x));
+  return node(std::move(list));
+}
+
+// One for all stands as a number.
+std::optional<Node> one_or_list(const std::vector<double>& numbers) {
+  if (numbers.empty()) return std::nullopt;
+  return numbers.size() == 1 ? node(numbers.front()) : list_of(numbers);
+}
+
+std::optional<Node> node_of(const SpaceVector& vector) {
+  if (vector.components.empty()) return std::nullopt;
+  return list_of(vector.components);
+}
+
+std::optional<Node> node_of(const PerParticle& numbers) { return one_or_list(numbers.values); }
+
+std::optional<Node> node_of(const PerParticleVector& vectors) {
+  if (vectors.values.empty()) return std::nullopt;
+  if (vectors.values.size() == 1) return node_of(vectors.values.front());
+  List list;
+  for (const SpaceVector& vector : vectors.values) list.push_back(list_of(vector.components));
+  return node(std::move(list));
+}
+
+std::optional<Node> node_of(const PairSelection& pairs) {
+  if (pairs.kind == PairSelection::Kind::all) return node("all");
+  if (pairs.kind == PairSelection::Kind::neighbours) return node("neighbours");
+  List list;
+  for (const auto& [first, second] : pairs.list) {
+    list.push_back(node(List{node(first), node(second)}));
+  }
+  return node(std::move(list));
+}
+
+std::optional<Node> node_of(const WordOrNumbers& value) {
+  if (!value.word.empty()) return node(value.word);
+  return one_or_list(value.numbers);
+}
+
+std::optional<Node> node_of(const Attachment& attachment) {
+  if (attachment.kind == Attachment::Kind::centre_of_mass) return node("centre_of_mass");
+  if (attachment.kind == Attachment::Kind::each_particle) return node("each_particle");
+  Table table;
+  table.set("particle", node(attachment.particle));
+  return node(std::move(table));
+}
+
+// double, std::int64_t, bool and std::string stand for themselves.
+template <class Plain>
+std::optional<Node> node_of(const Plain& value) {
+  return node(value);
+}
+
+/// With a point or an exponent, so that it reads back as a number and not as an integer.
+std::string number_text(double x) {
+  std::string text = fmt::format("{}", x);
+  if (text.find_first_of(".en") == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string list_text(const List& list) {
+  std::string text;
+  for (const Node& element : list) text += (text.empty() ? "" : ", ") + value_text(element);
+  return "[" + text + "]";
+}
+
+std::string inline_table_text(const Table& table) {
+  std::string text;
+  for (const Entry& entry : table.entries) {
+    text += (text.empty() ? " " : ", ") + key_text(entry.key) + " = " + value_text(entry.value);
+  }
+  return "{" + text + (text.empty() ? "}" : " }");
+}
+
+void append_table(std::string& text, const std::string& header, const Table& table) {
+  if (!text.empty()) text += '\n';
+  text += header + '\n';
+  for (const Entry& entry : table.entries) {
+    text += key_text(entry.key) + " = " + value_text(entry.value) + '\n';
+  }
+}
+
+}  // namespace
+
+std::optional<Node> to_node(const ParameterValue& value) {
+  return std::visit([](const auto& given) { return node_of(given); }, value);
+}
+
+std::string value_text(const Node& value) {
+  return std::visit(
+      [](const auto& given) -> std::string {
+        using Kind = std::decay_t<decltype(given)>;
+        if constexpr (std::is_same_v<Kind, bool>) {
+          return given ? "true" : "false";
+        } else if constexpr (std::is_same_v<Kind, std::int64_t>) {
+          return fmt::format("{}", given);
+        } else if constexpr (std::is_same_v<Kind, double>) {
+          return number_text(given);
+        } else if constexpr (std::is_same_v<Kind, std::string>) {
+          return quoted_text(given);
+        } else if constexpr (std::is_same_v<Kind, List>) {
+          return list_text(given);
+        } else if constexpr (std::is_same_v<Kind, Table>) {
+          return inline_table_text(given);
+        } else {
+          static_assert(std::is_same_v<Kind, Moment>);
+          return "";  // no key of a scene takes one, so none is ever written
+        }
+      },
+      value.value);
+}
+
+std::string to_toml(const Table& document) {
+  std::string text;
+  for (const Entry& entry : document.entries) {
+    if (const auto* table = entry.value.as<Table>()) {
+      append_table(text, "[" + entry.key + "]", *table);
+    } else if (const auto* list = entry.value.as<List>()) {
+      for (const Node& element : *list) {
+        append_table(text, "[[" + entry.key + "]]", *element.as<Table>());
+      }
+    }
+  }
+  return text;
+}
+
+}  // namespace tomlin

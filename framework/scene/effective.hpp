@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "framework/core/parameter.hpp"
+#include "framework/scene/document.hpp"
+
+/// The effective scene: what was read with every default filled in, as TOML.
+namespace tomlin {
+
+/// A default as it would stand in a scene; nothing for an empty value.
+std::optional<Node> to_node(const ParameterValue& value);
+
+/// As it stands behind "key = ", on one line.
+std::string value_text(const Node& value);
+
+/// Tables as [name], lists of tables as [[name]], everything below in one line per key. Numbers
+/// are the shortest that read back as the same bits.
+std::string to_toml(const Table& document);
+
+}  // namespace tomlin

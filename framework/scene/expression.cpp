@@ -1,0 +1,822 @@
+#include "framework/scene/expression.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numbers>
+#include <system_error>
+#include <tuple>
+
+#include "framework/core/nearest_name.hpp"
+#include "framework/scene/rounded_functions.hpp"
+
+namespace tomlin {
+namespace {
+
+// ---- Names ----------------------------------------------------------------------------------
+
+using Id = ExpressionFunction::Id;
+
+constexpr std::size_t kAnyNumber = Expression::kMaxLength;
+
+// In the order of Id.
+constexpr std::array<ExpressionFunction, 14> kFunctions{{
+    {Id::sqrt, "sqrt", 1, 1, "square root"},
+    {Id::exp, "exp", 1, 1, "exponential"},
+    {Id::log, "log", 1, 1, "natural logarithm"},
+    {Id::sin, "sin", 1, 1, "sine, of radians"},
+    {Id::cos, "cos", 1, 1, "cosine, of radians"},
+    {Id::tan, "tan", 1, 1, "tangent, of radians"},
+    {Id::asin, "asin", 1, 1, "arc sine, -pi/2 to pi/2"},
+    {Id::acos, "acos", 1, 1, "arc cosine, 0 to pi"},
+    {Id::atan, "atan", 1, 1, "arc tangent, -pi/2 to pi/2"},
+    {Id::atan2, "atan2", 2, 2, "atan2(y, x): angle of the point (x, y), -pi to pi"},
+    {Id::abs, "abs", 1, 1, "absolute value"},
+    {Id::min, "min", 2, kAnyNumber, "smallest of two or more"},
+    {Id::max, "max", 2, kAnyNumber, "largest of two or more"},
+    {Id::floor, "floor", 1, 1, "largest integer that is not larger"},
+}};
+
+constexpr std::array<std::string_view, 12> kVariables{"x",  "y",  "z",  "vx", "vy",    "vz",
+                                                      "xc", "yc", "zc", "r",  "theta", "t"};
+
+constexpr std::string_view kPi = "pi";
+
+std::optional<std::uint32_t> find_function(std::string_view name) {
+  for (std::uint32_t i = 0; i < kFunctions.size(); ++i) {
+    if (kFunctions[i].name == name) return i;
+  }
+  return std::nullopt;
+}
+
+bool is_variable(std::string_view name) {
+  return std::find(kVariables.begin(), kVariables.end(), name) != kVariables.end();
+}
+
+// Not <cctype>, which depends on the locale.
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t longest = 60;
+  if (text.size() <= longest) return '\'' + std::string(text) + '\'';
+  return '\'' + std::string(text.substr(0, longest)) + "...'";
+}
+
+std::string written(double number) {
+  std::array<char, 32> buffer;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), number).ptr;
+  return {buffer.data(), end};
+}
+
+// A left operand as it would have to be written.
+std::string operand(double number) {
+  return std::signbit(number) ? '(' + written(number) + ')' : written(number);
+}
+
+}  // namespace
+
+std::span<const ExpressionFunction> expression_functions() { return kFunctions; }
+
+std::span<const std::string_view> expression_variables() { return kVariables; }
+
+bool is_identifier(std::string_view name) {
+  if (name.empty() || !is_letter(name[0])) return false;
+  return std::all_of(name.begin(), name.end(), [](char c) { return is_letter(c) || is_digit(c); });
+}
+
+bool is_reserved_name(std::string_view name) {
+  return name == kPi || find_function(name) || is_variable(name);
+}
+
+// ---- Parsing ----------------------------------------------------------------------------------
+
+/// Recursive descent; writes the postfix program. The first error stops it.
+class ExpressionParser {
+ public:
+  explicit ExpressionParser(std::string_view text) : text_(text) {}
+
+  std::variant<Expression, ExpressionError> parse() {
+    if (text_.size() > Expression::kMaxLength) {
+      return ExpressionError{Expression::kMaxLength, "the expression is longer than " +
+                                                         std::to_string(Expression::kMaxLength) +
+                                                         " characters"};
+    }
+    skip_space();
+    if (at_end()) return ExpressionError{0, "the expression is empty"};
+    if (sum() && !at_end()) refuse_rest();
+    if (error_) return *std::move(error_);
+    expression_.text_ = text_;
+    return std::move(expression_);
+  }
+
+ private:
+  using Op = Expression::Op;
+
+  // Every function below leaves the position behind trailing space, and is false on error.
+
+  bool sum() {
+    if (!product()) return false;
+    while (peek() == '+' || peek() == '-') {
+      const Op op = peek() == '+' ? Op::add : Op::subtract;
+      const std::size_t column = take();
+      if (!product()) return false;
+      emit(op, column, 2);
+    }
+    return true;
+  }
+
+  bool product() {
+    if (!signed_operand()) return false;
+    while (peek() == '*' || peek() == '/') {
+      const Op op = peek() == '*' ? Op::multiply : Op::divide;
+      const std::size_t column = take();
+      if (op == Op::multiply && peek() == '*' && position_ == column + 1) {
+        return fail(column, "'**' is no operator; a power is written '^'");
+      }
+      if (!signed_operand()) return false;
+      emit(op, column, 2);
+    }
+    return true;
+  }
+
+  bool signed_operand() {
+    if (peek() != '-' && peek() != '+') return power();
+    const bool minus = peek() == '-';
+    const std::size_t column = take();
+    if (!enter(column) || !signed_operand()) return false;
+    leave();
+    if (minus) emit(Op::negate, column, 1);
+    return true;
+  }
+
+  bool power() {
+    if (!primary()) return false;
+    if (peek() != '^') return true;
+    const std::size_t column = take();
+    if (!enter(column) || !signed_operand()) return false;
+    leave();
+    emit(Op::power, column, 2);
+    return true;
+  }
+
+  bool primary() {
+    const char c = peek();
+    if (is_digit(c) || c == '.') return number();
+    if (is_letter(c)) return name_or_call();
+    if (c == '(') {
+      const std::size_t column = take();
+      if (!enter(column) || !sum() || !close(column)) return false;
+      leave();
+      return true;
+    }
+    if (at_end()) {
+      return fail(position_, "a number, a name or '(' is missing at the end");
+    }
+    if (is_punctuation(c)) {
+      return fail(position_, "a number, a name or '(' is missing before " + in_quotes({&c, 1}));
+    }
+    return refuse_character();
+  }
+
+  bool number() {
+    const std::size_t column = position_;
+    double value = 0.0;
+    const char* const begin = text_.data() + position_;
+    const char* const end = text_.data() + text_.size();
+    const auto [stop, status] = std::from_chars(begin, end, value);
+    // What a reader would take for one word has to be one number.
+    const char* word_end = status == std::errc::invalid_argument ? begin : stop;
+    while (word_end != end && (is_digit(*word_end) || is_letter(*word_end) || *word_end == '.')) {
+      ++word_end;
+    }
+    const std::string_view word(begin, static_cast<std::size_t>(word_end - begin));
+    if (status == std::errc::invalid_argument || stop != word_end) {
+      const bool product = status != std::errc::invalid_argument && is_letter(*stop);
+      return fail(column, in_quotes(word) + " is not a number" +
+                              (product ? "; a product is written with '*'" : ""));
+    }
+    if (status == std::errc::result_out_of_range || !std::isfinite(value)) {
+      return fail(column, in_quotes(word) + " is outside the range of double precision");
+    }
+    position_ += word.size();
+    skip_space();
+    emit(Op::number, column, 0, 0, value);
+    return true;
+  }
+
+  bool name_or_call() {
+    const std::size_t column = position_;
+    std::size_t end = position_;
+    while (end < text_.size() && (is_letter(text_[end]) || is_digit(text_[end]))) ++end;
+    const std::string_view name = text_.substr(column, end - column);
+    position_ = end;
+    skip_space();
+    const auto function = find_function(name);
+    if (peek() == '(') {
+      if (!function) return refuse_call(name, column);
+      return call(*function, column);
+    }
+    if (function) {
+      return fail(column, in_quotes(name) + " is a function; its argument follows in parentheses");
+    }
+    if (name == kPi) {
+      emit(Op::pi, column, 0, 0, std::numbers::pi);
+    } else {
+      emit(Op::name, column, 0, index_of(name, column));
+    }
+    return true;
+  }
+
+  bool call(std::uint32_t index, std::size_t column) {
+    const ExpressionFunction& function = kFunctions[index];
+    const std::size_t open = take();
+    if (!enter(open)) return false;
+    std::size_t count = 0;
+    if (peek() != ')') {
+      if (!sum()) return false;
+      ++count;
+      while (peek() == ',') {
+        take();
+        if (!sum()) return false;
+        ++count;
+      }
+    }
+    if (!close(open)) return false;
+    leave();
+    if (count < function.fewest_arguments || count > function.most_arguments) {
+      const std::string due =
+          std::to_string(function.fewest_arguments) +
+          (function.most_arguments > function.fewest_arguments ? " or more" : "");
+      return fail(column, in_quotes(function.name) + " takes " + due +
+                              (due == "1" ? " argument, not " : " arguments, not ") +
+                              std::to_string(count));
+    }
+    emit(Op::call, column, static_cast<std::uint32_t>(count), index);
+    return true;
+  }
+
+  bool close(std::size_t open) {
+    if (peek() == ')') {
+      take();
+      return true;
+    }
+    if (at_end()) return fail(open, "this parenthesis is not closed");
+    return refuse_rest();
+  }
+
+  bool refuse_call(std::string_view name, std::size_t column) {
+    std::vector<std::string> functions;
+    functions.reserve(kFunctions.size());
+    for (const ExpressionFunction& function : kFunctions) functions.emplace_back(function.name);
+    fail(column, in_quotes(name) + " is not a function; a product is written with '*'");
+    error_->nearest = nearest_name(name, functions).value_or("");
+    return false;
+  }
+
+  // At something that cannot follow an operand.
+  bool refuse_rest() {
+    const char c = peek();
+    if (c == ')') return fail(position_, "')' closes no parenthesis");
+    if (c == ',') {
+      return fail(position_,
+                  "',' only separates the arguments of a function; decimals follow a point");
+    }
+    if (is_digit(c) || is_letter(c) || c == '(' || c == '.') {
+      return fail(position_, "an operator is missing before " + in_quotes({&c, 1}) +
+                                 "; a product is written with '*'");
+    }
+    return refuse_character();
+  }
+
+  bool refuse_character() {
+    // The whole character where it is UTF-8, its code where it cannot be shown.
+    std::size_t end = position_ + 1;
+    while (end < text_.size() && (text_[end] & 0xC0) == 0x80) ++end;
+    const auto byte = static_cast<unsigned char>(peek());
+    if (byte >= 0x20 && byte != 0x7F) {
+      return fail(position_,
+                  "unexpected character " + in_quotes(text_.substr(position_, end - position_)));
+    }
+    return fail(position_, "unexpected control character, code " + std::to_string(byte));
+  }
+
+  static bool is_punctuation(char c) {
+    return c != '\0' && std::string_view("+-*/^),").find(c) != std::string_view::npos;
+  }
+
+  bool enter(std::size_t column) {
+    if (++depth_ <= Expression::kMaxDepth) return true;
+    return fail(column, "nested deeper than " + std::to_string(Expression::kMaxDepth) +
+                            " parentheses, signs and exponents");
+  }
+  void leave() { --depth_; }
+
+  bool fail(std::size_t column, std::string why) {
+    error_ = ExpressionError{column, std::move(why)};
+    return false;
+  }
+
+  bool at_end() const { return position_ == text_.size(); }
+  char peek() const { return at_end() ? '\0' : text_[position_]; }
+
+  // Skip one character and the space behind it; its column.
+  std::size_t take() {
+    const std::size_t column = position_++;
+    skip_space();
+    return column;
+  }
+
+  void skip_space() {
+    while (!at_end() && std::string_view(" \t\r\n").find(peek()) != std::string_view::npos) {
+      ++position_;
+    }
+  }
+
+  void emit(Op op, std::size_t column, std::uint32_t arguments, std::uint32_t index = 0,
+            double number = 0.0) {
+    expression_.nodes_.push_back(
+        {op, static_cast<std::uint32_t>(column), index, arguments, number});
+  }
+
+  std::uint32_t index_of(std::string_view name, std::size_t column) {
+    const auto next = static_cast<std::uint32_t>(expression_.names_.size());
+    const auto [found, inserted] = indices_.emplace(name, next);
+    if (inserted) expression_.names_.push_back({std::string(name), column});
+    return found->second;
+  }
+
+  std::string_view text_;
+  std::size_t position_ = 0;
+  std::size_t depth_ = 0;
+  Expression expression_;
+  std::map<std::string_view, std::uint32_t> indices_;
+  std::optional<ExpressionError> error_;
+};
+
+std::variant<Expression, ExpressionError> Expression::parse(std::string_view text) {
+  return ExpressionParser(text).parse();
+}
+
+// ---- Evaluation -------------------------------------------------------------------------------
+
+namespace {
+
+// What an operation gives: a number, or why there is none.
+using Outcome = std::variant<double, std::string>;
+
+std::string overflow(const std::string& operation) { return operation + " overflows"; }
+
+Outcome raise(double base, double exponent) {
+  const auto operation = [&] { return operand(base) + " ^ " + operand(exponent); };
+  if (base == 0.0 && exponent < 0.0) return operation() + " is a division by zero";
+  if (base < 0.0 && std::floor(exponent) != exponent) {
+    return operation() + ": a negative number has no real power with a fractional exponent";
+  }
+  const double result = rounded_power(base, exponent);
+  if (!std::isfinite(result)) return overflow(operation());
+  return result;
+}
+
+Outcome combine(Expression::Op op, double a, double b) {
+  double result = 0.0;
+  const char* symbol = "";
+  switch (op) {
+    case Expression::Op::add:
+      result = a + b;
+      symbol = " + ";
+      break;
+    case Expression::Op::subtract:
+      result = a - b;
+      symbol = " - ";
+      break;
+    case Expression::Op::multiply:
+      result = a * b;
+      symbol = " * ";
+      break;
+    case Expression::Op::divide:
+      if (b == 0.0) return operand(a) + " / " + operand(b) + " is a division by zero";
+      result = a / b;
+      symbol = " / ";
+      break;
+    default:
+      return raise(a, b);
+  }
+  if (!std::isfinite(result)) return overflow(operand(a) + symbol + operand(b));
+  return result;
+}
+
+Outcome call_function(const ExpressionFunction& function, std::span<const double> arguments) {
+  const double x = arguments[0];
+  const auto refuse = [&](const std::string& why) {
+    return std::string(function.name) + '(' + written(x) + ')' + why;
+  };
+  if (std::fabs(x) >= kLargestAngle &&
+      (function.id == Id::sin || function.id == Id::cos || function.id == Id::tan)) {
+    return refuse(": beyond 2^53 rad a double holds no phase any more");
+  }
+  if (std::fabs(x) > 1.0 && (function.id == Id::asin || function.id == Id::acos)) {
+    return refuse(": the argument is outside [-1, 1]");
+  }
+  switch (function.id) {
+    case Id::sqrt:
+      if (x < 0.0) return refuse(": a negative number has no real square root");
+      return std::sqrt(x);
+    case Id::exp: {
+      const double result = rounded_exp(x);
+      if (!std::isfinite(result)) return overflow(refuse(""));
+      return result;
+    }
+    case Id::log:
+      if (x <= 0.0) return refuse(": only positive numbers have a logarithm");
+      return rounded_log(x);
+    case Id::sin:
+      return rounded_sin(x);
+    case Id::cos:
+      return rounded_cos(x);
+    case Id::tan:
+      return rounded_tan(x);
+    case Id::asin:
+      return rounded_asin(x);
+    case Id::acos:
+      return rounded_acos(x);
+    case Id::atan:
+      return rounded_atan2(x, 1.0);
+    case Id::atan2:
+      if (x == 0.0 && arguments[1] == 0.0) return "atan2(0, 0): the origin has no angle";
+      return rounded_atan2(x, arguments[1]);
+    case Id::abs:
+      return std::fabs(x);
+    case Id::min:
+      return *std::min_element(arguments.begin(), arguments.end());
+    case Id::max:
+      return *std::max_element(arguments.begin(), arguments.end());
+    case Id::floor:
+      return std::floor(x);
+  }
+  return refuse(" is not implemented");
+}
+
+}  // namespace
+
+std::variant<double, ExpressionError> Expression::evaluate(const Lookup& lookup) const {
+  std::vector<double> stack;
+  for (const Node& node : nodes_) {
+    Outcome outcome;
+    switch (node.op) {
+      case Op::number:
+      case Op::pi:
+        outcome = node.number;
+        break;
+      case Op::name: {
+        const std::string& name = names_[node.index].name;
+        const std::optional<double> value = lookup(name);
+        if (!value) {
+          outcome = "unknown name " + in_quotes(name);
+        } else if (!std::isfinite(*value)) {
+          outcome = in_quotes(name) + " is not finite";
+        } else {
+          outcome = *value;
+        }
+        break;
+      }
+      case Op::negate:
+        outcome = -stack.back();
+        break;
+      case Op::call:
+        outcome = call_function(kFunctions[node.index], std::span(stack).last(node.arguments));
+        break;
+      default:
+        outcome = combine(node.op, *(stack.end() - 2), stack.back());
+    }
+    if (const std::string* why = std::get_if<std::string>(&outcome)) {
+      return ExpressionError{node.column, *why};
+    }
+    stack.resize(stack.size() - node.arguments);
+    stack.push_back(std::get<double>(outcome));
+  }
+  return stack.back();
+}
+
+std::string Expression::to_string() const {
+  // How tightly a text binds, from a sum to what needs no parentheses ever.
+  enum Binding { sum, product, sign, power, closed };
+  struct Piece {
+    std::string text;
+    Binding binding;
+  };
+  const auto at_least = [](Piece piece, Binding binding) {
+    if (piece.binding >= binding) return std::move(piece.text);
+    return '(' + piece.text + ')';
+  };
+  std::vector<Piece> stack;
+  const auto pop = [&stack] {
+    Piece piece = std::move(stack.back());
+    stack.pop_back();
+    return piece;
+  };
+  // The operands' least bindings keep a - (b - c) and a ^ (b ^ c) what they are.
+  const auto binary = [&](const char* symbol, Binding left, Binding right, Binding result) {
+    const std::string second = at_least(pop(), right);
+    std::string text = at_least(pop(), left);
+    text += symbol;
+    text += second;
+    stack.push_back({std::move(text), result});
+  };
+  for (const Node& node : nodes_) {
+    switch (node.op) {
+      case Op::number:
+        stack.push_back({written(node.number), closed});
+        break;
+      case Op::pi:
+        stack.push_back({std::string(kPi), closed});
+        break;
+      case Op::name:
+        stack.push_back({names_[node.index].name, closed});
+        break;
+      case Op::negate:
+        stack.push_back({'-' + at_least(pop(), sign), sign});
+        break;
+      case Op::add:
+        binary(" + ", sum, product, sum);
+        break;
+      case Op::subtract:
+        binary(" - ", sum, product, sum);
+        break;
+      case Op::multiply:
+        binary(" * ", product, sign, product);
+        break;
+      case Op::divide:
+        binary(" / ", product, sign, product);
+        break;
+      case Op::power:
+        binary("^", closed, sign, power);
+        break;
+      case Op::call: {
+        std::string text = std::string(kFunctions[node.index].name) + '(';
+        const std::size_t first = stack.size() - node.arguments;
+        for (std::size_t i = first; i < stack.size(); ++i) {
+          if (i > first) text += ", ";
+          text += stack[i].text;
+        }
+        stack.resize(first);
+        stack.push_back({text + ')', closed});
+        break;
+      }
+    }
+  }
+  return stack.back().text;
+}
+
+// ---- Parameters -------------------------------------------------------------------------------
+
+namespace {
+
+// Keeps the message of a long cycle on a screen.
+constexpr std::size_t kLongestCycleShown = 12;
+
+template <class Result>
+Result parsed(std::string_view text) {
+  auto result = Expression::parse(text);
+  if (auto* error = std::get_if<ExpressionError>(&result)) return std::move(*error);
+  return std::get<Expression>(std::move(result));
+}
+
+}  // namespace
+
+void ParameterTable::add(std::string name, double value) { append(std::move(name), value); }
+
+void ParameterTable::add(std::string name, std::string_view expression) {
+  append(std::move(name), parsed<Source>(expression));
+}
+
+bool ParameterTable::replace(std::string_view name, double value) { return assign(name, value); }
+
+bool ParameterTable::replace(std::string_view name, std::string_view expression) {
+  return assign(name, parsed<Source>(expression));
+}
+
+void ParameterTable::append(std::string name, Source source) {
+  by_name_.try_emplace(name, entries_.size());
+  entries_.push_back({std::move(name), std::move(source)});
+}
+
+bool ParameterTable::assign(std::string_view name, Source source) {
+  const auto entry = find(name);
+  if (!entry) return false;
+  entries_[*entry].source = std::move(source);
+  return true;
+}
+
+std::optional<std::size_t> ParameterTable::find(std::string_view name) const {
+  const auto found = by_name_.find(name);
+  if (found == by_name_.end()) return std::nullopt;
+  return found->second;
+}
+
+void ParameterTable::fault(std::size_t entry, ParameterFault::Part part, ExpressionError error) {
+  faults_.push_back({entries_[entry].name, entry, part, error.column, std::move(error.why),
+                     std::move(error.nearest)});
+}
+
+void ParameterTable::check_names() {
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const std::string& name = entries_[i].name;
+    std::string why;
+    if (!is_identifier(name)) {
+      why = "a parameter's name is a letter or '_' followed by letters, digits and '_'";
+    } else if (find_function(name)) {
+      why = in_quotes(name) + " is a function of expressions; choose another name";
+    } else if (name == kPi) {
+      why = "'pi' is a constant of expressions; choose another name";
+    } else if (is_variable(name)) {
+      why = in_quotes(name) + " is a variable of expressions; choose another name";
+    } else if (by_name_.at(name) != i) {
+      why = "the parameter is given twice";
+    }
+    if (!why.empty()) fault(i, ParameterFault::Part::name, {0, std::move(why)});
+  }
+}
+
+ExpressionError ParameterTable::explain_unknown(std::string_view name, std::size_t column,
+                                                std::optional<std::size_t> user) const {
+  if (is_variable(name)) {
+    return {column, in_quotes(name) + " is a variable; it has no value here"};
+  }
+  std::vector<std::string> valid_names{std::string(kPi)};
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const std::string& valid = entries_[i].name;
+    if (i != user && is_identifier(valid) && !is_reserved_name(valid)) valid_names.push_back(valid);
+  }
+  return {column, "there is no parameter " + in_quotes(name),
+          nearest_name(name, valid_names).value_or("")};
+}
+
+std::vector<std::vector<ParameterTable::Edge>> ParameterTable::find_references() {
+  std::vector<std::vector<Edge>> references(entries_.size());
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const Expression* expression = std::get_if<Expression>(&entries_[i].source);
+    if (expression == nullptr) continue;
+    for (const Expression::Name& used : expression->names()) {
+      if (const auto target = find(used.name)) {
+        references[i].push_back({*target, used.column});
+      } else {
+        fault(i, ParameterFault::Part::value, explain_unknown(used.name, used.column, i));
+      }
+    }
+  }
+  return references;
+}
+
+void ParameterTable::report_cycle(std::vector<std::size_t> cycle,
+                                  const std::vector<std::vector<Edge>>& edges) {
+  // Told from the parameter that comes first, whichever the search came upon.
+  std::rotate(cycle.begin(), std::min_element(cycle.begin(), cycle.end()), cycle.end());
+  std::string path;
+  for (std::size_t i = 0; i < cycle.size(); ++i) {
+    if (i + 1 >= kLongestCycleShown && i + 1 < cycle.size()) {
+      path += "... (" + std::to_string(cycle.size()) + " in all) -> ";
+      break;
+    }
+    path += entries_[cycle[i]].name + " -> ";
+  }
+  path += entries_[cycle[0]].name;
+  const std::size_t next = cycle[cycle.size() > 1 ? 1 : 0];
+  const auto edge =
+      std::find_if(edges[cycle[0]].begin(), edges[cycle[0]].end(),
+                   [next](const Edge& candidate) { return candidate.target == next; });
+  fault(cycle[0], ParameterFault::Part::value,
+        {edge->column, "the parameter depends on itself: " + path});
+}
+
+void ParameterTable::compute(std::size_t index) {
+  Entry& entry = entries_[index];
+  if (const double* number = std::get_if<double>(&entry.source)) {
+    if (std::isfinite(*number)) {
+      entry.value = *number;
+    } else {
+      fault(index, ParameterFault::Part::value, {0, "the number is not finite"});
+    }
+  } else if (const auto* error = std::get_if<ExpressionError>(&entry.source)) {
+    fault(index, ParameterFault::Part::value, *error);
+  } else {
+    const Expression& expression = std::get<Expression>(entry.source);
+    // What lacks a value has its own fault, or is part of a cycle.
+    const auto& names = expression.names();
+    const bool ready = std::all_of(names.begin(), names.end(), [this](const auto& used) {
+      return value(used.name).has_value();
+    });
+    if (!ready) return;
+    auto result = expression.evaluate([this](std::string_view name) { return value(name); });
+    if (auto* failure = std::get_if<ExpressionError>(&result)) {
+      fault(index, ParameterFault::Part::value, std::move(*failure));
+    } else {
+      entry.value = std::get<double>(result);
+    }
+  }
+}
+
+bool ParameterTable::resolve() {
+  faults_.clear();
+  for (Entry& entry : entries_) entry.value.reset();
+  check_names();
+  const auto references = find_references();
+
+  // Depth first with a stack of our own: chains may be long.
+  enum class Mark : std::uint8_t { untouched, open, done };
+  struct Visit {
+    std::size_t entry;
+    std::size_t next_reference;
+  };
+  std::vector<Mark> marks(entries_.size(), Mark::untouched);
+  std::vector<Visit> path;
+  for (std::size_t root = 0; root < entries_.size(); ++root) {
+    if (marks[root] != Mark::untouched) continue;
+    marks[root] = Mark::open;
+    path.push_back({root, 0});
+    while (!path.empty()) {
+      Visit& visit = path.back();
+      if (visit.next_reference == references[visit.entry].size()) {
+        compute(visit.entry);
+        marks[visit.entry] = Mark::done;
+        path.pop_back();
+        continue;
+      }
+      const std::size_t target = references[visit.entry][visit.next_reference++].target;
+      if (marks[target] == Mark::untouched) {
+        marks[target] = Mark::open;
+        path.push_back({target, 0});
+      } else if (marks[target] == Mark::open) {
+        std::vector<std::size_t> cycle;
+        for (auto step = path.rbegin();; ++step) {
+          cycle.push_back(step->entry);
+          if (step->entry == target) break;
+        }
+        std::reverse(cycle.begin(), cycle.end());
+        report_cycle(std::move(cycle), references);
+      }
+    }
+  }
+
+  // A key comes before its value.
+  std::stable_sort(faults_.begin(), faults_.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.entry, a.part, a.column) < std::tie(b.entry, b.part, b.column);
+  });
+  first_fault_.assign(entries_.size() + 1, 0);
+  for (const ParameterFault& found : faults_) ++first_fault_[found.entry + 1];
+  for (std::size_t i = 0; i < entries_.size(); ++i) first_fault_[i + 1] += first_fault_[i];
+  return faults_.empty();
+}
+
+std::span<const ParameterFault> ParameterTable::faults_of(std::size_t entry) const {
+  if (entry + 1 >= first_fault_.size()) return {};
+  return std::span(faults_).subspan(first_fault_[entry],
+                                    first_fault_[entry + 1] - first_fault_[entry]);
+}
+
+std::vector<ParameterFault> ParameterTable::faults_of(std::string_view name) const {
+  std::vector<ParameterFault> result;
+  std::copy_if(faults_.begin(), faults_.end(), std::back_inserter(result),
+               [name](const ParameterFault& found) { return found.parameter == name; });
+  return result;
+}
+
+std::vector<std::string> ParameterTable::names() const {
+  std::vector<std::string> result;
+  for (const Entry& entry : entries_) result.push_back(entry.name);
+  return result;
+}
+
+std::optional<double> ParameterTable::value(std::string_view name) const {
+  const auto entry = find(name);
+  return entry ? entries_[*entry].value : std::nullopt;
+}
+
+std::vector<std::pair<std::string, double>> ParameterTable::values() const {
+  std::vector<std::pair<std::string, double>> result;
+  for (const Entry& entry : entries_) {
+    if (entry.value) result.emplace_back(entry.name, *entry.value);
+  }
+  return result;
+}
+
+std::variant<double, ExpressionError> ParameterTable::evaluate(std::string_view text) const {
+  const auto source = parsed<Source>(text);
+  if (const auto* error = std::get_if<ExpressionError>(&source)) return *error;
+  const Expression& expression = std::get<Expression>(source);
+  std::optional<ExpressionError> consequence;
+  for (const Expression::Name& used : expression.names()) {
+    if (!contains(used.name)) return explain_unknown(used.name, used.column, std::nullopt);
+    if (!value(used.name) && !consequence) {
+      consequence = ExpressionError{
+          used.column, "parameter " + in_quotes(used.name) + " has no value", "", true};
+    }
+  }
+  if (consequence) return *consequence;
+  return expression.evaluate([this](std::string_view name) { return value(name); });
+}
+
+}  // namespace tomlin

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "framework/core/fault.hpp"
+#include "framework/scene/document.hpp"
+
+namespace tomlin {
+
+/// What is wrong with one place of a scene.
+struct Wrong {
+  std::string key;  ///< dotted path
+  std::string why;
+  std::string admissible = {};
+  std::string nearest = {};
+};
+
+/// The faults of a scene, collected so that they are all shown together.
+class FaultList {
+ public:
+  /// The source must outlive the list.
+  explicit FaultList(const Source& source) : source_(source) {}
+
+  /// A fault of a value; the message shows the value as written.
+  void of_value(const Node& value, Wrong wrong);
+  /// A fault of a key or a table; the message shows no value.
+  void of_key(const Extent& key, Wrong wrong);
+  /// A fault in the middle of an expression, `byte` into its text.
+  void inside(const Node& text, std::size_t byte, Wrong wrong);
+
+  bool empty() const { return faults_.empty(); }
+  /// Throws InputError with all of them by place, those of the file first.
+  void throw_if_any() const;
+
+ private:
+  void add(Place place, std::string value, Wrong wrong);
+
+  // A file of junk may hold a million faults; nobody reads them.
+  static constexpr std::size_t kMostFaults = 200;
+
+  const Source& source_;
+  std::vector<Fault> faults_;
+  std::size_t left_out_ = 0;
+};
+
+}  // namespace tomlin

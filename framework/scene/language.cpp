@@ -1,0 +1,214 @@
+#include "framework/scene/language.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "framework/core/body.hpp"
+#include "framework/core/force.hpp"
+#include "framework/core/integrator.hpp"
+#include "framework/scene/scene.hpp"
+
+namespace tomlin {
+namespace {
+
+/// A row for a number that may be absent.
+template <class D>
+Parameter optional_number(std::string key, std::optional<double> D::*member, Dimension dimension,
+                          std::string doc) {
+  Parameter row;
+  row.key = std::move(key);
+  row.doc = std::move(doc);
+  row.dimension = dimension;
+  row.prototype = 0.0;
+  row.optional = true;
+  row.assign = [member](void* description, ParameterValue value) {
+    static_cast<D*>(description)->*member = std::get<double>(value);
+  };
+  row.read = [member](const void* description) {
+    const auto& number = static_cast<const D*>(description)->*member;
+    return ParameterValue(number.value_or(std::numeric_limits<double>::quiet_NaN()));
+  };
+  return row;
+}
+
+/// `in = "driver_periods"`.
+Parameter unit_of_window() {
+  using Unit = MeasureSettings::Unit;
+  Parameter row;
+  row.key = "in";
+  row.doc = "the unit of from and to: time, or periods that a driver has travelled";
+  row.choices = {"time", "driver_periods"};
+  row.prototype = std::string();
+  row.standard = ParameterValue(std::string("time"));
+  row.assign = [](void* description, ParameterValue value) {
+    const bool time = std::get<std::string>(value) == "time";
+    static_cast<MeasureSettings*>(description)->unit = time ? Unit::time : Unit::driver_periods;
+  };
+  row.read = [](const void* description) {
+    const bool time = static_cast<const MeasureSettings*>(description)->unit == Unit::time;
+    return ParameterValue(std::string(time ? "time" : "driver_periods"));
+  };
+  return row;
+}
+
+/// A component's layout: its record's rows, and what all components of the kind take.
+TableLayout component_layout(const ComponentRecord& record, std::vector<std::string> own_keys,
+                             std::vector<ReservedKey> reserved) {
+  TableLayout layout;
+  layout.own_keys = std::move(own_keys);
+  layout.rows = record.parameters;
+  layout.reserved = record.reserved;
+  layout.reserved.insert(layout.reserved.end(), reserved.begin(), reserved.end());
+  return layout;
+}
+
+}  // namespace
+
+std::vector<std::string> TableLayout::keys() const {
+  std::vector<std::string> result = own_keys;
+  for (const Parameter& parameter : rows) result.push_back(parameter.key);
+  return result;
+}
+
+const Parameter* TableLayout::row(std::string_view key) const {
+  const auto found = std::find_if(
+      rows.begin(), rows.end(), [key](const Parameter& candidate) { return candidate.key == key; });
+  return found == rows.end() ? nullptr : &*found;
+}
+
+const ReservedKey* TableLayout::reserved_key(std::string_view key) const {
+  const auto found = std::find_if(reserved.begin(), reserved.end(),
+                                  [key](const auto& candidate) { return candidate.key == key; });
+  return found == reserved.end() ? nullptr : &*found;
+}
+
+TableLayout scene_layout() {
+  TableLayout layout;
+  layout.rows = {
+      parameter("name", &Scene::name, dimension::none, "what the scene is, for people")
+          .by_default(""),
+      parameter("source", &Scene::source, dimension::none, "where it was taken from")
+          .by_default(""),
+      parameter("units", &Scene::units, dimension::none, "the system of units")
+          .one_of({"reduced"})
+          .not_yet({"metal", "real"})
+          .by_default("reduced"),
+  };
+  return layout;
+}
+
+TableLayout run_layout() {
+  TableLayout layout;
+  layout.own_keys = {"integrator"};
+  layout.rows = {
+      parameter("dynamics", &RunSettings::dynamics, dimension::none, "the equations of motion")
+          .one_of({"inertial"})
+          .not_yet({"overdamped", "quasistatic"})
+          .by_default("inertial"),
+      parameter("duration", &RunSettings::duration, dimension::time,
+                "length of the run; the last step is shortened to end exactly")
+          .in(positive),
+      parameter("number_type", &RunSettings::number_type, dimension::none,
+                "the numbers that the state is held in")
+          .one_of({"double"})
+          .not_yet({"float", "quadruple"})
+          .by_default("double"),
+      parameter("ledger", &RunSettings::ledger, dimension::none, "keep the energy ledger")
+          .by_default(false)
+          .only_default_yet(),
+      parameter("seed", &RunSettings::seed, dimension::none, "key of all random numbers")
+          .in(non_negative)
+          .by_default(std::int64_t{0}),
+      parameter("checkpoint_every", &RunSettings::checkpoint_every, dimension::none,
+                "wall time between checkpoints, in seconds")
+          .in(positive)
+          .by_default(60.0)
+          .only_default_yet(),
+      parameter("allow_unstable", &RunSettings::allow_unstable, dimension::none,
+                "run even when the step is beyond the estimated stability limit")
+          .by_default(false),
+  };
+  layout.reserved = {{"perturb", "repeats from perturbed starts"},
+                     {"accuracy", "an accuracy to choose the steps by"},
+                     {"until", "a condition that ends the run"}};
+  return layout;
+}
+
+TableLayout measure_layout() {
+  TableLayout layout;
+  layout.rows = {
+      parameter("from", &MeasureSettings::from, dimension::none, "where the window begins")
+          .in(non_negative)
+          .by_default(0.0),
+      optional_number("to", &MeasureSettings::to, dimension::none,
+                      "where the window ends; the end of the run by default")
+          .in(positive),
+      unit_of_window(),
+      parameter("driver", &MeasureSettings::driver, dimension::none,
+                "the force whose periods are counted, where several forces drive")
+          .or_absent(),
+      optional_number("period", &MeasureSettings::period, dimension::length,
+                      "the period that is counted, where there are several")
+          .in(positive),
+  };
+  return layout;
+}
+
+TableLayout output_layout() {
+  TableLayout layout;
+  layout.rows = {
+      optional_number("every", &OutputSettings::every, dimension::time,
+                      "sampling interval; no table of observables without it")
+          .in(positive),
+      parameter("trajectory", &OutputSettings::trajectory, dimension::none,
+                "write the particles' positions too")
+          .by_default(false)
+          .only_default_yet(),
+  };
+  return layout;
+}
+
+TableLayout body_layout(const BodyRecord& record) {
+  return component_layout(record, {"name", "type"},
+                          {{"hold", "freezing of coordinates"}, {"motion", "prescribed motion"}});
+}
+
+TableLayout force_layout(const ForceRecord& record) {
+  return component_layout(record, {"name", "type", "body"}, {{"bodies", "forces between bodies"}});
+}
+
+TableLayout integrator_layout(const IntegratorRecord& record) {
+  return component_layout(record, {"type"}, {});
+}
+
+const std::vector<std::string>& top_level_keys() {
+  static const std::vector<std::string> keys = {"scene", "parameters", "body",  "force",
+                                                "run",   "measure",    "output"};
+  return keys;
+}
+
+const std::vector<ReservedKey>& reserved_top_level_keys() {
+  static const std::vector<ReservedKey> keys = {{"box", "lengths and periodicity"},
+                                                {"plugins", "components from shared libraries"}};
+  return keys;
+}
+
+bool is_later_type(std::string_view kind, std::string_view type) {
+  static constexpr std::pair<std::string_view, std::string_view> kLater[] = {
+      {"body", "particles"},
+      {"force", "expression"},
+      {"integrator", "velocity_verlet"},
+  };
+  return std::find(std::begin(kLater), std::end(kLater), std::pair(kind, type)) != std::end(kLater);
+}
+
+bool is_word_of_summary(std::string_view name) {
+  static constexpr std::string_view kWords[] = {
+      "time",   "energy",  "events", "window",   "performance", "parameters",
+      "status", "drivers", "bodies", "warnings", "error",       "determined"};
+  return std::find(std::begin(kWords), std::end(kWords), name) != std::end(kWords);
+}
+
+}  // namespace tomlin

@@ -1,0 +1,604 @@
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/core/nearest_name.hpp"
+#include "framework/scene/checks.hpp"
+#include "framework/scene/document.hpp"
+#include "framework/scene/effective.hpp"
+#include "framework/scene/expression.hpp"
+#include "framework/scene/fault_list.hpp"
+#include "framework/scene/language.hpp"
+#include "framework/scene/scene.hpp"
+#include "framework/scene/settings.hpp"
+#include "framework/scene/table_reader.hpp"
+#include "framework/scene/text.hpp"
+#include "framework/scene/value_reader.hpp"
+
+namespace tomlin {
+namespace {
+
+constexpr Extent kTopOfFile{{1, 1}, {1, 1}, 0};
+
+template <class Record>
+std::vector<std::string> names_of(const std::vector<std::unique_ptr<Record>>& records) {
+  std::vector<std::string> names;
+  for (const auto& record : records) names.push_back(record->name);
+  return names;
+}
+
+template <class Draft>
+std::vector<std::string> names_of(const std::vector<Draft>& drafts) {
+  std::vector<std::string> names;
+  for (const Draft& draft : drafts) {
+    if (!draft.name.empty()) names.push_back(draft.name);
+  }
+  return names;
+}
+
+Node text_node(const std::string& text) {
+  Node node;
+  node.value = text;
+  return node;
+}
+
+/// Reads one document. Every step reports its own faults and leaves the others to be found; the
+/// scene is only handed out when there were none.
+class SceneReader {
+ public:
+  SceneReader(const Table& document, const std::string& file, const Source& source,
+              const Registry& registry, FaultList& faults)
+      : document_(document),
+        source_(source),
+        registry_(registry),
+        faults_(faults),
+        values_(parameters_, faults),
+        scene_(std::make_shared<Scene>()) {
+    scene_->file = file;
+  }
+
+  std::shared_ptr<const Scene> read() {
+    report_unknown_tables();
+    read_parameters();
+    read_heading();
+    read_bodies();
+    read_forces();
+    check_names();
+    check_components();
+    read_run();
+    read_measure();
+    read_output();
+    faults_.throw_if_any();
+    hand_over();
+    return scene_;
+  }
+
+ private:
+  /// A table of the document with where it stands.
+  struct Section {
+    const Table* table;
+    Extent where;
+  };
+
+  void report_unknown_tables() {
+    const TableLayout layout{top_level_keys(), {}, reserved_top_level_keys()};
+    for (const Entry& entry : document_.entries) {
+      const auto& known = layout.own_keys;
+      if (std::find(known.begin(), known.end(), entry.key) == known.end()) {
+        report_key(entry, "", layout, faults_);
+      }
+    }
+  }
+
+  /// `[key]`; nothing when it is absent, or no table and reported.
+  std::optional<Section> section(const std::string& key) {
+    const Node* node = document_.find(key);
+    if (node == nullptr) return std::nullopt;
+    if (const auto* table = node->as<Table>()) return Section{table, node->where};
+    faults_.of_key(node->where, {key, "found " + kind_of(*node), "a table, [" + key + "]"});
+    return std::nullopt;
+  }
+
+  /// Every `[[key]]`.
+  std::vector<Section> sections(const std::string& key) {
+    const Node* node = document_.find(key);
+    if (node == nullptr) return {};
+    const std::string due = "a list of tables, [[" + key + "]]";
+    const auto* list = node->as<List>();
+    if (list == nullptr) {
+      faults_.of_key(node->where, {key, "found " + kind_of(*node), due});
+      return {};
+    }
+    if (list->size() > kMostComponents) {
+      faults_.of_key(node->where, {key, fmt::format("there are {}", list->size()),
+                                   fmt::format("at most {}", kMostComponents)});
+      return {};
+    }
+    std::vector<Section> result;
+    for (const Node& element : *list) {
+      if (const auto* table = element.as<Table>()) {
+        result.push_back({table, element.where});
+      } else {
+        faults_.of_value(element, {key, "found " + kind_of(element), due});
+      }
+    }
+    return result;
+  }
+
+  void read_parameters() {
+    const auto given = section("parameters");
+    if (!given) return;
+    const auto& entries = given->table->entries;
+    if (entries.size() > kMostParameters) {
+      faults_.of_key(given->where, {"parameters", fmt::format("there are {}", entries.size()),
+                                    fmt::format("at most {}", kMostParameters)});
+      return;
+    }
+    std::vector<bool> reported(entries.size(), false);
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      reported[i] = !add_parameter(entries[i]);
+    }
+    parameters_.resolve();
+    for (const ParameterFault& fault : parameters_.faults()) {
+      if (reported[fault.entry]) continue;
+      const Entry& entry = entries[fault.entry];
+      const Wrong wrong{parameter_path(entry), fault.why, "", fault.nearest};
+      if (fault.part == ParameterFault::Part::name) {
+        faults_.of_key(entry.where, wrong);
+      } else {
+        faults_.inside(entry.value, fault.column, wrong);
+      }
+    }
+    scene_->parameters = parameters_.values();
+    put("parameters", *given->table);
+  }
+
+  static std::string parameter_path(const Entry& entry) {
+    return "parameters." + key_text(shortened(entry.key, kLongestShownValue));
+  }
+
+  /// False when the value is no number at all, and reported.
+  bool add_parameter(const Entry& entry) {
+    const Node& node = entry.value;
+    if (const auto* expression = node.as<std::string>()) {
+      parameters_.add(entry.key, *expression);
+    } else if (const auto* number = node.as<double>()) {
+      parameters_.add(entry.key, *number);
+    } else if (const auto* integer = node.as<std::int64_t>()) {
+      parameters_.add(entry.key, static_cast<double>(*integer));
+    } else {
+      // Known but without a value, so that nothing that uses it is called unknown.
+      parameters_.add(entry.key, std::numeric_limits<double>::quiet_NaN());
+      faults_.of_value(
+          node, {parameter_path(entry), "found " + kind_of(node), "a number or an expression"});
+      return false;
+    }
+    return true;
+  }
+
+  TableReading read_section(const Section& given, const TableLayout& layout, std::string path,
+                            void* description) {
+    return read_table(*given.table, given.where, layout, std::move(path), description, values_,
+                      source_, faults_);
+  }
+
+  void read_heading() {
+    const Table nothing;
+    const auto given = section("scene").value_or(Section{&nothing, kTopOfFile});
+    put("scene", read_section(given, scene_layout(), "scene", scene_.get()).effective);
+  }
+
+  void read_bodies() {
+    const auto given = sections("body");
+    if (given.empty() && document_.find("body") == nullptr) {
+      faults_.of_key(kTopOfFile, {"body", "missing: a scene needs at least one [[body]]"});
+    }
+    for (const Section& body : given) {
+      BodyDraft draft;
+      read_component(draft, "body", body, given, bodies_.size(), registry_.bodies(), body_layout);
+      bodies_.push_back(std::move(draft));
+    }
+  }
+
+  void read_forces() {
+    const auto given = sections("force");
+    for (const Section& force : given) {
+      ForceDraft draft;
+      read_component(draft, "force", force, given, forces_.size(), registry_.forces(),
+                     force_layout);
+      read_body_of_force(draft, force);
+      forces_.push_back(std::move(draft));
+    }
+  }
+
+  /// Name, type and rows of a body or a force.
+  template <class Draft, class Record>
+  void read_component(Draft& draft, const std::string& kind, const Section& given,
+                      const std::vector<Section>& siblings, std::size_t index,
+                      const std::vector<std::unique_ptr<Record>>& records,
+                      TableLayout (*layout_of)(const Record&)) {
+    const std::string nameless = fmt::format("{}[{}]", kind, index);
+    const auto* written = text_at(given, "name");
+    const auto* type = text_at(given, "type");
+    const std::string label = written ? *written : type ? *type : "";
+    const std::string path =
+        label.empty() ? nameless : kind + "." + key_text(shortened(label, kLongestShownValue));
+
+    draft.reading.path = path;
+    draft.reading.where = given.where;
+    draft.reading.given = given.table;
+    draft.record = read_type(kind, given, path, records);
+    draft.name = read_name(given, siblings, path);
+    if (draft.record == nullptr) return;
+
+    draft.description = draft.record->make_description();
+    draft.reading = read_section(given, layout_of(*draft.record), path, draft.description.get());
+    draft.sound = draft.reading.sound;
+  }
+
+  static const std::string* text_at(const Section& given, const char* key) {
+    const Node* node = given.table->find(key);
+    return node ? node->as<std::string>() : nullptr;
+  }
+
+  /// The record that `type` names; nullptr when there is none, and reported.
+  template <class Record>
+  const Record* read_type(const std::string& kind, const Section& given, const std::string& path,
+                          const std::vector<std::unique_ptr<Record>>& records) {
+    const auto names = names_of(records);
+    const std::string key = path + ".type";
+    const Node* node = given.table->find("type");
+    if (node == nullptr) {
+      faults_.of_key(given.where, {key, "missing", listed_in_quotes(names)});
+      return nullptr;
+    }
+    const auto* type = node->as<std::string>();
+    if (type == nullptr) {
+      faults_.of_value(*node, {key, "found " + kind_of(*node), listed_in_quotes(names)});
+      return nullptr;
+    }
+    for (const auto& record : records) {
+      if (record->name == *type) return record.get();
+    }
+    const bool later = is_later_type(kind, *type);
+    faults_.of_value(
+        *node, {key, later ? kNotInThisVersion : "there is no such " + kind,
+                listed_in_quotes(names), later ? "" : nearest_name(*type, names).value_or("")});
+    return nullptr;
+  }
+
+  /// The name given, or the type's; empty when unfit, and reported.
+  std::string read_name(const Section& given, const std::vector<Section>& siblings,
+                        const std::string& path) {
+    const Node* node = given.table->find("name");
+    if (node == nullptr) return default_name(given, siblings, path);
+    const auto* name = node->as<std::string>();
+    const std::string key = path + ".name";
+    if (name == nullptr) {
+      faults_.of_value(*node, {key, "found " + kind_of(*node), "text"});
+    } else if (!is_component_name(*name)) {
+      faults_.of_value(*node,
+                       {key, "not a name", "letters, digits, _ and -, the first a letter or _"});
+    } else if (is_word_of_summary(*name)) {
+      faults_.of_value(*node, {key, "a word of the summary; choose another name"});
+    } else {
+      return *name;
+    }
+    return "";
+  }
+
+  std::string default_name(const Section& given, const std::vector<Section>& siblings,
+                           const std::string& path) {
+    const auto* type = text_at(given, "type");
+    if (type == nullptr) return "";  // the missing type is reported
+    const auto same_type =
+        std::count_if(siblings.begin(), siblings.end(), [type](const Section& sibling) {
+          const auto* other = text_at(sibling, "type");
+          return other && *other == *type;
+        });
+    if (same_type == 1) return *type;
+    faults_.of_key(given.where, {path + ".name",
+                                 fmt::format("missing: {} share the type {}", same_type,
+                                             quoted_text(shortened(*type, kLongestShownValue)))});
+    return "";
+  }
+
+  /// `body = NAME`, which may be left out where there is one body only.
+  void read_body_of_force(ForceDraft& force, const Section& given) {
+    if (bodies_.empty()) return;
+    const std::string key = force.reading.path + ".body";
+    const Node* node = given.table->find("body");
+    if (node == nullptr) {
+      if (bodies_.size() == 1) {
+        force.bodies = {0};
+      } else {
+        faults_.of_key(given.where,
+                       {key, "missing: there are several bodies", listed(names_of(bodies_))});
+      }
+      return;
+    }
+    const auto* name = node->as<std::string>();
+    if (name == nullptr) {
+      faults_.of_value(*node, {key, "found " + kind_of(*node), "the name of a body"});
+      return;
+    }
+    // A body whose own name is unfit is still the one that is meant.
+    const auto found = std::find_if(bodies_.begin(), bodies_.end(), [name](const BodyDraft& body) {
+      const Node* written = body.reading.given->find("name");
+      const auto* text = written ? written->as<std::string>() : nullptr;
+      return text ? *text == *name : body.name == *name && !name->empty();
+    });
+    if (found != bodies_.end()) {
+      force.bodies = {static_cast<std::size_t>(found - bodies_.begin())};
+      return;
+    }
+    const auto names = names_of(bodies_);
+    faults_.of_value(*node, {key, "there is no such body", listed(names),
+                             nearest_name(*name, names).value_or("")});
+  }
+
+  /// Bodies and forces share their names: an observable says "ring.turns", whatever "ring" is.
+  void check_names() {
+    std::map<std::string, const TableReading*> taken;
+    for (const BodyDraft& body : bodies_) check_name(body.name, body.reading, taken);
+    for (const ForceDraft& force : forces_) check_name(force.name, force.reading, taken);
+  }
+
+  void check_name(const std::string& name, const TableReading& reading,
+                  std::map<std::string, const TableReading*>& taken) {
+    if (name.empty()) return;
+    const auto [first, is_new] = taken.emplace(name, &reading);
+    if (is_new) return;
+    const Place place = source_.place(first->second->where);
+    reading.complain(faults_, "name",
+                     {"", fmt::format("the name {} is taken by {} in line {}", quoted_text(name),
+                                      first->second->path, place.line)});
+  }
+
+  void check_components() {
+    count_particles(bodies_, faults_);
+    const auto dimension = scene_dimension(bodies_);
+    if (dimension) scene_->dimension = *dimension;
+    check_bodies(bodies_, dimension, faults_);
+    check_forces(forces_, bodies_, dimension, faults_);
+  }
+
+  void read_run() {
+    const auto given = section("run");
+    if (!given) {
+      if (document_.find("run") == nullptr) {
+        faults_.of_key(kTopOfFile, {"run", "missing: a scene needs [run]",
+                                    "a table with duration and integrator"});
+      }
+      return;
+    }
+    RunSettings& run = scene_->run;
+    const TableReading reading = read_section(*given, run_layout(), "run", &run);
+    run.place = source_.place(given->where);
+    run.places = reading.places;
+    duration_is_known_ = reading.has("duration");
+
+    Table effective;
+    if (const auto integrator = read_integrator(*given)) effective.set("integrator", *integrator);
+    append(effective, reading.effective);
+    put("run", std::move(effective));
+  }
+
+  /// The integrator's effective table; nothing when it is unfit.
+  std::optional<Node> read_integrator(const Section& run) {
+    const std::string path = "run.integrator";
+    const std::string due = "{ type = ..., ... }";
+    const Node* node = run.table->find("integrator");
+    if (node == nullptr) {
+      faults_.of_key(run.where, {path, "missing", due});
+      return std::nullopt;
+    }
+    const auto* table = node->as<Table>();
+    if (table == nullptr) {
+      faults_.of_value(*node, {path, "found " + kind_of(*node), due});
+      return std::nullopt;
+    }
+    const Section given{table, node->where};
+    const auto* record = read_type("integrator", given, path, registry_.integrators());
+    if (record == nullptr) return std::nullopt;
+
+    auto description = record->make_description();
+    const auto reading = read_section(given, integrator_layout(*record), path, description.get());
+    if (reading.sound) report(record->complaints(description.get()), reading, faults_);
+
+    SceneIntegrator& integrator = scene_->run.integrator;
+    integrator.name = record->name;
+    integrator.record = record;
+    integrator.description = std::move(description);
+    integrator.place = source_.place(given.where);
+    integrator.places = reading.places;
+
+    Table effective;
+    effective.set("type", text_node(record->name));
+    append(effective, reading.effective);
+    return Node{std::move(effective), {}};
+  }
+
+  void read_measure() {
+    const auto given = section("measure");
+    if (!given) return;
+    MeasureSettings& measure = scene_->measure;
+    const TableReading reading = read_section(*given, measure_layout(), "measure", &measure);
+    measure.place = source_.place(given->where);
+    measure.places = reading.places;
+    check_window(reading);
+    if (reading.sound) check_periods(reading);
+    put("measure", reading.effective);
+  }
+
+  // How far a driver gets is known to the model only; see there for windows in its periods.
+  void check_window(const TableReading& reading) {
+    const MeasureSettings& measure = scene_->measure;
+    const double duration = scene_->run.duration;
+    if (!reading.has("from") || (reading.given->find("to") && !reading.has("to"))) return;
+    if (measure.to && *measure.to <= measure.from) {
+      reading.complain(faults_, "to",
+                       {"", "the window ends before it begins",
+                        fmt::format("> {}, the value of from", measure.from)});
+      return;
+    }
+    const bool in_time = reading.has("in") && measure.unit == MeasureSettings::Unit::time;
+    if (!in_time || !duration_is_known_) return;
+    if (measure.to && *measure.to > duration) {
+      reading.complain(
+          faults_, "to",
+          {"", "past the end of the run", fmt::format("<= {}, the run's duration", duration)});
+    } else if (!measure.to && measure.from >= duration) {
+      reading.complain(
+          faults_, "from",
+          {"", "past the end of the run", fmt::format("< {}, the run's duration", duration)});
+    }
+  }
+
+  void check_periods(const TableReading& reading) {
+    const MeasureSettings& measure = scene_->measure;
+    for (const char* key : {"driver", "period"}) {
+      if (measure.unit == MeasureSettings::Unit::time && reading.has(key)) {
+        reading.complain(faults_, key, {"", "only counts where in = \"driver_periods\""});
+        return;
+      }
+    }
+    if (!reading.has("driver")) return;
+    const auto names = names_of(forces_);
+    if (std::find(names.begin(), names.end(), measure.driver) == names.end()) {
+      reading.complain(faults_, "driver",
+                       {"", "there is no such force", listed(names),
+                        nearest_name(measure.driver, names).value_or("")});
+    }
+  }
+
+  void read_output() {
+    const Table nothing;
+    const auto given = section("output").value_or(Section{&nothing, kTopOfFile});
+    const auto reading = read_section(given, output_layout(), "output", &scene_->output);
+    scene_->output.place = source_.place(given.where);
+    scene_->output.places = reading.places;
+    put("output", reading.effective);
+  }
+
+  static void append(Table& table, const Table& more) {
+    table.entries.insert(table.entries.end(), more.entries.begin(), more.entries.end());
+  }
+
+  void put(const std::string& key, Table table) { effective_.set(key, Node{std::move(table), {}}); }
+
+  template <class Component, class Draft>
+  Component component_of(const Draft& draft) const {
+    Component component;
+    component.name = draft.name;
+    component.record = draft.record;
+    component.description = draft.description;
+    component.place = source_.place(draft.reading.where);
+    component.places = draft.reading.places;
+    return component;
+  }
+
+  /// The drafts become the scene's components.
+  void hand_over() {
+    List bodies;
+    for (const BodyDraft& draft : bodies_) {
+      scene_->bodies.push_back(component_of<SceneBody>(draft));
+      Table table;
+      table.set("name", text_node(draft.name));
+      table.set("type", text_node(draft.record->name));
+      append(table, draft.reading.effective);
+      bodies.push_back({std::move(table), {}});
+    }
+    List forces;
+    for (const ForceDraft& draft : forces_) {
+      auto force = component_of<SceneForce>(draft);
+      force.bodies = draft.bodies;
+      scene_->forces.push_back(std::move(force));
+      Table table;
+      table.set("name", text_node(draft.name));
+      table.set("type", text_node(draft.record->name));
+      table.set("body", text_node(bodies_[draft.bodies.front()].name));
+      append(table, draft.reading.effective);
+      forces.push_back({std::move(table), {}});
+    }
+    effective_.set("body", {std::move(bodies), {}});
+    effective_.set("force", {std::move(forces), {}});
+
+    Table in_order;
+    for (const std::string& key : top_level_keys()) {
+      if (const Node* node = effective_.find(key)) in_order.set(key, *node);
+    }
+    scene_->effective_toml = to_toml(in_order);
+  }
+
+  const Table& document_;
+  const Source& source_;
+  const Registry& registry_;
+  FaultList& faults_;
+  ParameterTable parameters_;
+  ValueReader values_;
+  std::shared_ptr<Scene> scene_;
+  std::vector<BodyDraft> bodies_;
+  std::vector<ForceDraft> forces_;
+  Table effective_;
+  bool duration_is_known_ = false;
+};
+
+[[noreturn]] void refuse_file(const std::string& file, std::string why) {
+  Fault fault;
+  fault.place = {file, 1, 1};
+  fault.why = std::move(why);
+  throw InputError({std::move(fault)});
+}
+
+std::string contents_of(const std::string& file) {
+  std::error_code error;
+  const auto status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status)) {
+    refuse_file(file, error && error != std::errc::no_such_file_or_directory
+                          ? "the file cannot be read: " + error.message()
+                          : "there is no such file");
+  }
+  if (std::filesystem::is_directory(status)) {
+    refuse_file(file, "a directory, where a scene file is due");
+  }
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) {
+    refuse_file(file, std::string("the file cannot be read: ") + std::strerror(errno));
+  }
+  // One byte more than is admissible, so that the excess is noticed; a device may never end.
+  std::string text(kLargestSceneFile + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (stream.bad()) refuse_file(file, "the file cannot be read");
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
+}
+
+}  // namespace
+
+std::shared_ptr<const Scene> read_scene(const std::string& file, const Registry& registry,
+                                        const std::vector<Setting>& settings) {
+  return parse_scene(contents_of(file), file, registry, settings);
+}
+
+std::shared_ptr<const Scene> parse_scene(std::string_view text, const std::string& file,
+                                         const Registry& registry,
+                                         const std::vector<Setting>& settings) {
+  Table document = parse_document(text, file);
+  const Source source(file, text, settings);
+  FaultList faults(source);
+  apply_settings(settings, document, faults);
+  return SceneReader(document, file, source, registry, faults).read();
+}
+
+}  // namespace tomlin

@@ -1,0 +1,27 @@
+#pragma once
+
+namespace tomlin {
+
+/// Functions of doubles computed in quadruple precision (113 bits) and rounded once: the double
+/// nearest to the exact value, but for cases too rare to be met, and the same bits on every
+/// machine. No libm. Slow (microseconds): for expressions, not for hot loops. Arguments are finite;
+/// results that overflow are infinite.
+
+double rounded_exp(double x);
+double rounded_log(double x);  ///< x > 0
+
+/// From here on neighbouring doubles are a radian or more apart: no phase is left.
+inline constexpr double kLargestAngle = 9007199254740992.0;  // 2^53
+
+double rounded_sin(double x);  ///< |x| < kLargestAngle, also below
+double rounded_cos(double x);
+double rounded_tan(double x);
+
+double rounded_asin(double x);  ///< |x| <= 1
+double rounded_acos(double x);  ///< |x| <= 1
+double rounded_atan2(double y, double x);
+
+/// x^y; x != 0 unless y >= 0, and y is integral where x < 0. x^0 = 1.
+double rounded_power(double x, double y);
+
+}  // namespace tomlin

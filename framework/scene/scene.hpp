@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "framework/core/body.hpp"
+#include "framework/core/fault.hpp"
+#include "framework/core/force.hpp"
+#include "framework/core/integrator.hpp"
+#include "framework/core/registry.hpp"
+
+/// A scene: what a TOML file says, checked and immutable. Nothing is bound yet; see
+/// framework/model for that.
+namespace tomlin {
+
+/// One component of a scene: its record and its filled-in description.
+template <class Record>
+struct SceneComponent {
+  std::string name;
+  const Record* record = nullptr;
+  std::shared_ptr<const void> description;
+  Place place;                           ///< of its table
+  std::map<std::string, Place> places;   ///< of each key that was given
+
+  Place place_of(const std::string& key) const {
+    const auto found = places.find(key);
+    return found == places.end() ? place : found->second;
+  }
+};
+
+struct SceneBody : SceneComponent<BodyRecord> {};
+
+struct SceneForce : SceneComponent<ForceRecord> {
+  std::vector<std::size_t> bodies;  ///< indices into Scene::bodies, in the order named
+};
+
+struct SceneIntegrator : SceneComponent<IntegratorRecord> {};
+
+struct RunSettings {
+  std::string dynamics = "inertial";
+  double duration = 0.0;
+  SceneIntegrator integrator;
+  std::string number_type = "double";
+  bool ledger = false;
+  std::int64_t seed = 0;
+  bool allow_unstable = false;
+  double checkpoint_every = 60.0;
+  Place place;
+  std::map<std::string, Place> places;
+};
+
+/// `[measure]`: the window over which means, work and extremes are taken.
+struct MeasureSettings {
+  /// whole_run: there is no [measure].
+  enum class Unit { whole_run, time, driver_periods } unit = Unit::whole_run;
+  double from = 0.0;
+  std::optional<double> to;     ///< the end of the run when absent
+  std::string driver;           ///< whose periods are counted; empty: the only one
+  std::optional<double> period; ///< a length, when given
+  Place place;
+  std::map<std::string, Place> places;
+};
+
+struct OutputSettings {
+  std::optional<double> every;  ///< sampling interval in time units; no table without it
+  bool trajectory = false;
+  Place place;
+  std::map<std::string, Place> places;
+};
+
+struct Scene {
+  std::string file;             ///< as given; for messages
+  std::string name;
+  std::string source;
+  std::string units = "reduced";
+  int dimension = 0;
+  std::vector<std::pair<std::string, double>> parameters;  ///< resolved, in file order
+  std::vector<SceneBody> bodies;
+  std::vector<SceneForce> forces;
+  RunSettings run;
+  MeasureSettings measure;
+  OutputSettings output;
+  /// The scene with every default filled in; reading it again gives the same scene.
+  std::string effective_toml;
+};
+
+/// `--set PATH=VALUE`: a parameter's name or a dotted path (`run.integrator.dt`,
+/// `body.ring.coordinates`, `force.driver.stiffness`); a TOML value or else an expression.
+struct Setting {
+  std::string path;
+  std::string value;
+};
+
+/// Read and check a scene file. Throws InputError with every fault found.
+std::shared_ptr<const Scene> read_scene(const std::string& file, const Registry& registry,
+                                        const std::vector<Setting>& settings = {});
+
+/// The same for text; `file` stands in messages.
+std::shared_ptr<const Scene> parse_scene(std::string_view text, const std::string& file,
+                                         const Registry& registry,
+                                         const std::vector<Setting>& settings = {});
+
+}  // namespace tomlin

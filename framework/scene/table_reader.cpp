@@ -1,0 +1,86 @@
+#include "framework/scene/table_reader.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "framework/core/nearest_name.hpp"
+#include "framework/scene/effective.hpp"
+#include "framework/scene/text.hpp"
+
+namespace tomlin {
+
+void TableReading::complain(FaultList& faults, const std::string& key, Wrong wrong) const {
+  wrong.key = key.empty() ? path : path + "." + key;
+  const Node* value = given ? given->find(key) : nullptr;
+  // Of { particle = 3 } the 3 is meant, which may stand elsewhere (`--set`).
+  while (value && value->as<Table>() && value->as<Table>()->entries.size() == 1) {
+    const Entry& only = value->as<Table>()->entries.front();
+    wrong.key += "." + only.key;
+    value = &only.value;
+  }
+  if (value) {
+    faults.of_value(*value, std::move(wrong));
+  } else {
+    faults.of_key(where, std::move(wrong));
+  }
+}
+
+TableReading read_table(const Table& table, const Extent& where, const TableLayout& layout,
+                        std::string path, void* description, const ValueReader& values,
+                        const Source& source, FaultList& faults) {
+  TableReading reading;
+  reading.path = std::move(path);
+  reading.where = where;
+  reading.given = &table;
+
+  for (const Entry& entry : table.entries) {
+    reading.places[entry.key] = source.place(entry.value.where);
+    const auto& own = layout.own_keys;
+    const bool known = layout.row(entry.key) != nullptr ||
+                       std::find(own.begin(), own.end(), entry.key) != own.end();
+    if (!known) report_key(entry, reading.path, layout, faults);
+  }
+
+  for (const Parameter& row : layout.rows) {
+    const std::string key = reading.path + "." + row.key;
+    std::optional<ParameterValue> value;
+    if (const Node* node = table.find(row.key)) {
+      value = values.read(row, *node, key);
+      if (!value) {
+        reading.sound = false;
+        continue;
+      }
+      reading.effective.set(row.key, *node);
+    } else if (row.standard) {
+      value = row.standard;
+      if (auto node = to_node(*value)) reading.effective.set(row.key, *std::move(node));
+    } else if (row.required()) {
+      faults.of_key(where, {key, "missing", what_is_due(row)});
+      reading.sound = false;
+      continue;
+    } else {
+      continue;
+    }
+    row.assign(description, *value);
+    reading.values.emplace(row.key, *std::move(value));
+  }
+  return reading;
+}
+
+void report_key(const Entry& entry, const std::string& path, const TableLayout& layout,
+                FaultList& faults) {
+  Wrong wrong;
+  wrong.key = (path.empty() ? "" : path + ".") + key_text(shortened(entry.key, kLongestShownValue));
+  if (const ReservedKey* reserved = layout.reserved_key(entry.key)) {
+    wrong.why = kNotInThisVersion;
+    if (!reserved->note.empty()) wrong.why += " (" + reserved->note + ")";
+  } else {
+    const auto keys = layout.keys();
+    wrong.why = "unknown key";
+    wrong.admissible = listed(keys);
+    wrong.nearest = nearest_name(entry.key, keys).value_or("");
+  }
+  faults.of_key(entry.where, std::move(wrong));
+}
+
+}  // namespace tomlin

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "framework/core/fault.hpp"
+#include "framework/core/parameter.hpp"
+#include "framework/scene/document.hpp"
+#include "framework/scene/fault_list.hpp"
+#include "framework/scene/language.hpp"
+#include "framework/scene/value_reader.hpp"
+
+namespace tomlin {
+
+/// One table of a scene while it is read: what was found in it.
+struct TableReading {
+  std::string path;  ///< "body.ring", for messages
+  Extent where;      ///< of the table
+  const Table* given = nullptr;
+  std::map<std::string, ParameterValue> values;  ///< of the sound keys, defaults included
+  std::map<std::string, Place> places;           ///< of the keys that were given
+  Table effective;    ///< what was given with every default filled in, in declared order
+  bool sound = true;  ///< no fault among its rows
+
+  /// Whether the key's row has no fault.
+  bool has(const std::string& key) const { return values.contains(key); }
+  /// A fault of a key's value, or of the table when the key was not given.
+  void complain(FaultList& faults, const std::string& key, Wrong wrong) const;
+};
+
+/// Read a table by its layout: assign every row to the description, fill in defaults, report
+/// unknown, reserved, missing and unfit keys. The layout's own keys are left to the caller.
+TableReading read_table(const Table& table, const Extent& where, const TableLayout& layout,
+                        std::string path, void* description, const ValueReader& values,
+                        const Source& source, FaultList& faults);
+
+/// "not in this version", or unknown with the nearest of the admissible keys.
+void report_key(const Entry& entry, const std::string& path, const TableLayout& layout,
+                FaultList& faults);
+
+}  // namespace tomlin

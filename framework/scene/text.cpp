@@ -1,0 +1,116 @@
+#include "framework/scene/text.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace tomlin {
+namespace {
+
+// Not std::isalpha, which depends on the locale.
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_ascii(char c) { return static_cast<unsigned char>(c) < 0x80U; }
+bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20U || c == 0x7F; }
+
+/// Bytes of the character that starts the text; 0 when it is none (RFC 3629).
+std::size_t utf8_character(std::string_view text) {
+  const auto byte = [text](std::size_t i) -> std::uint32_t {
+    return static_cast<unsigned char>(text[i]);
+  };
+  const std::uint32_t first = byte(0);
+  if (first < 0x80U) return 1;
+  const std::size_t length = first >= 0xF0U ? 4 : first >= 0xE0U ? 3 : 2;
+  if (first < 0xC2U || first > 0xF4U || text.size() < length) return 0;
+  std::uint32_t code = first & (0xFFU >> (length + 1));
+  for (std::size_t i = 1; i < length; ++i) {
+    if (!is_utf8_continuation(text[i])) return 0;
+    code = (code << 6U) | (byte(i) & 0x3FU);
+  }
+  const bool overlong = (length == 3 && code < 0x800U) || (length == 4 && code < 0x10000U);
+  const bool surrogate = code >= 0xD800U && code <= 0xDFFFU;
+  return overlong || surrogate || code > 0x10FFFFU ? 0 : length;
+}
+
+}  // namespace
+
+std::size_t valid_utf8_prefix(std::string_view text) {
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const std::size_t length = utf8_character(text.substr(at));
+    if (length == 0) break;
+    at += length;
+  }
+  return at;
+}
+
+std::string shortened(std::string_view text, std::size_t most_bytes) {
+  const bool is_utf8 = valid_utf8_prefix(text) == text.size();
+  std::string line;
+  bool after_break = false;  // then one space stands for the break and the spaces around it
+  for (const char c : text) {
+    if (line.size() > most_bytes) break;
+    after_break = is_control(c) || (after_break && c == ' ');
+    if (!after_break) {
+      line += is_utf8 || is_ascii(c) ? c : '?';
+    } else if (line.empty() || line.back() != ' ') {
+      line += ' ';
+    }
+  }
+  if (line.size() <= most_bytes) return line;
+  std::size_t end = most_bytes;
+  while (end > 0 && is_utf8_continuation(line[end])) --end;
+  return line.substr(0, end) + "...";
+}
+
+std::string quoted_text(std::string_view text) {
+  static constexpr std::pair<char, const char*> kEscapes[] = {
+      {'"', "\\\""}, {'\\', "\\\\"}, {'\b', "\\b"}, {'\t', "\\t"},
+      {'\n', "\\n"}, {'\f', "\\f"},  {'\r', "\\r"}};
+  std::string result = "\"";
+  for (const char c : text) {
+    const auto* escape = std::find_if(std::begin(kEscapes), std::end(kEscapes),
+                                      [c](const auto& candidate) { return candidate.first == c; });
+    if (escape != std::end(kEscapes)) {
+      result += escape->second;
+    } else if (is_control(c)) {
+      result += fmt::format("\\u{:04X}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+    } else {
+      result += c;
+    }
+  }
+  return result + '"';
+}
+
+std::string key_text(std::string_view key) {
+  const bool bare = !key.empty() && std::all_of(key.begin(), key.end(), [](char c) {
+    return is_letter(c) || is_digit(c) || c == '_' || c == '-';
+  });
+  return bare ? std::string(key) : quoted_text(key);
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string result;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) result += ", ";
+    if (i == kMostShownNames) return result + "...";
+    result += names[i];
+  }
+  return result;
+}
+
+std::string listed_in_quotes(const std::vector<std::string>& words) {
+  std::vector<std::string> in_quotes;
+  for (const std::string& word : words) in_quotes.push_back(quoted_text(word));
+  return listed(in_quotes);
+}
+
+bool is_component_name(std::string_view name) {
+  if (name.empty() || !(is_letter(name.front()) || name.front() == '_')) return false;
+  return std::all_of(name.begin(), name.end(),
+                     [](char c) { return is_letter(c) || is_digit(c) || c == '_' || c == '-'; });
+}
+
+}  // namespace tomlin

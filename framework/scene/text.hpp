@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Text for messages.
+namespace tomlin {
+
+inline constexpr std::size_t kLongestShownValue = 60;     ///< bytes of a value in a message
+inline constexpr std::size_t kLongestShownMessage = 300;  ///< of another library's message
+inline constexpr std::size_t kMostShownNames = 30;        ///< of what is admissible
+
+/// Length of the longest start of the text that is UTF-8.
+std::size_t valid_utf8_prefix(std::string_view text);
+
+inline bool is_utf8_continuation(char c) {
+  return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
+}
+
+/// On one line, at most so many bytes, "..." where something was cut. Always UTF-8.
+std::string shortened(std::string_view text, std::size_t most_bytes);
+
+/// As a TOML string with escapes, in double quotes.
+std::string quoted_text(std::string_view text);
+
+/// A key as TOML writes it: bare, or quoted where it must be.
+std::string key_text(std::string_view key);
+
+/// "a, b, c"; the tail of a long list is left out.
+std::string listed(const std::vector<std::string>& names);
+
+/// "\"a\", \"b\"".
+std::string listed_in_quotes(const std::vector<std::string>& words);
+
+/// [A-Za-z_][A-Za-z0-9_-]*: the name of a body or a force.
+bool is_component_name(std::string_view name);
+
+}  // namespace tomlin

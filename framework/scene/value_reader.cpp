@@ -1,0 +1,366 @@
+#include "framework/scene/value_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <type_traits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/core/nearest_name.hpp"
+#include "framework/scene/effective.hpp"
+#include "framework/scene/language.hpp"
+#include "framework/scene/text.hpp"
+
+namespace tomlin {
+namespace {
+
+constexpr std::size_t kMostDimensions = 3;
+constexpr double kIntegersEnd = 9223372036854775808.0;  // 2^63
+
+constexpr std::pair<const char*, PairSelection::Kind> kPairWords[] = {
+    {"all", PairSelection::Kind::all}, {"neighbours", PairSelection::Kind::neighbours}};
+constexpr std::pair<const char*, Attachment::Kind> kAttachmentWords[] = {
+    {"centre_of_mass", Attachment::Kind::centre_of_mass},
+    {"each_particle", Attachment::Kind::each_particle}};
+
+/// The words of a kind of value, unless its row narrows them.
+template <class Words>
+std::vector<std::string> words_of(const Parameter& row, const Words& words) {
+  if (!row.choices.empty()) return row.choices;
+  std::vector<std::string> result;
+  for (const auto& [word, kind] : words) result.emplace_back(word);
+  return result;
+}
+
+template <class Words>
+auto kind_named(const Words& words, const std::string& name) {
+  return std::find_if(std::begin(words), std::end(words),
+                      [&name](const auto& candidate) { return candidate.first == name; })
+      ->second;
+}
+
+std::string with_range(const char* what, const Interval& interval) {
+  const bool anything = !std::isfinite(interval.low) && !std::isfinite(interval.high);
+  return anything ? std::string(what) : std::string(what) + " " + interval.to_string();
+}
+
+std::string joined_with_or(const std::vector<std::string>& alternatives) {
+  std::string result;
+  for (std::size_t i = 0; i < alternatives.size(); ++i) {
+    if (i > 0) result += i + 1 == alternatives.size() ? " or " : ", ";
+    result += alternatives[i];
+  }
+  return result;
+}
+
+std::vector<std::string> in_quotes(const std::vector<std::string>& words) {
+  std::vector<std::string> result;
+  for (const std::string& word : words) result.push_back(quoted_text(word));
+  return result;
+}
+
+}  // namespace
+
+std::string what_is_due(const Parameter& row) {
+  const std::string a_number = with_range("a number", row.interval);
+  return std::visit(
+      [&](const auto& prototype) -> std::string {
+        using Kind = std::decay_t<decltype(prototype)>;
+        if constexpr (std::is_same_v<Kind, double>) {
+          return a_number;
+        } else if constexpr (std::is_same_v<Kind, std::int64_t>) {
+          return with_range("an integer", row.interval);
+        } else if constexpr (std::is_same_v<Kind, bool>) {
+          return "true or false";
+        } else if constexpr (std::is_same_v<Kind, std::string>) {
+          return row.choices.empty() ? "text" : joined_with_or(in_quotes(row.choices));
+        } else if constexpr (std::is_same_v<Kind, SpaceVector>) {
+          return "a list with " + a_number + " per dimension";
+        } else if constexpr (std::is_same_v<Kind, PerParticle>) {
+          return a_number + ", or a list of one per particle";
+        } else if constexpr (std::is_same_v<Kind, PerParticleVector>) {
+          return "a list with " + a_number + " per dimension, or a list of such lists";
+        } else if constexpr (std::is_same_v<Kind, PairSelection>) {
+          auto ways = in_quotes(words_of(row, kPairWords));
+          ways.emplace_back("a list of index pairs");
+          return joined_with_or(ways);
+        } else if constexpr (std::is_same_v<Kind, WordOrNumbers>) {
+          auto ways = in_quotes(row.choices);
+          ways.push_back(a_number);
+          ways.emplace_back("a list of such");
+          return joined_with_or(ways);
+        } else {
+          static_assert(std::is_same_v<Kind, Attachment>);
+          auto ways = in_quotes(words_of(row, kAttachmentWords));
+          ways.emplace_back("{ particle = INDEX }");
+          return joined_with_or(ways);
+        }
+      },
+      row.prototype);
+}
+
+std::optional<ParameterValue> ValueReader::read(const Parameter& row, const Node& node,
+                                                const std::string& key) const {
+  auto value = read_kind({row, key}, node);
+  if (value && row.only_standard && *value != row.standard) {
+    const auto standard = to_node(*row.standard);
+    faults_.of_value(node, {key, kNotInThisVersion, standard ? value_text(*standard) : ""});
+    return std::nullopt;
+  }
+  return value;
+}
+
+std::optional<ParameterValue> ValueReader::read_kind(const Subject& subject,
+                                                     const Node& node) const {
+  return std::visit(
+      [&](const auto& prototype) -> std::optional<ParameterValue> {
+        using Kind = std::decay_t<decltype(prototype)>;
+        if constexpr (std::is_same_v<Kind, double>) {
+          return number(subject, node);
+        } else if constexpr (std::is_same_v<Kind, std::int64_t>) {
+          return integer(subject, node);
+        } else if constexpr (std::is_same_v<Kind, bool>) {
+          if (const bool* given = node.as<bool>()) return *given;
+          return wrong_kind(subject, node);
+        } else if constexpr (std::is_same_v<Kind, std::string>) {
+          return text(subject, node);
+        } else if constexpr (std::is_same_v<Kind, SpaceVector>) {
+          return space_vector(subject, node);
+        } else if constexpr (std::is_same_v<Kind, PerParticle>) {
+          return per_particle(subject, node);
+        } else if constexpr (std::is_same_v<Kind, PerParticleVector>) {
+          return per_particle_vector(subject, node);
+        } else if constexpr (std::is_same_v<Kind, PairSelection>) {
+          return pair_selection(subject, node);
+        } else if constexpr (std::is_same_v<Kind, WordOrNumbers>) {
+          return word_or_numbers(subject, node);
+        } else {
+          static_assert(std::is_same_v<Kind, Attachment>);
+          return attachment(subject, node);
+        }
+      },
+      subject.row.prototype);
+}
+
+std::optional<double> ValueReader::number(const Subject& subject, const Node& node) const {
+  const auto x = evaluated(subject, node);
+  if (!x || !in_range(subject, node, *x)) return std::nullopt;
+  return x;
+}
+
+std::optional<std::int64_t> ValueReader::integer(const Subject& subject, const Node& node) const {
+  const auto n = index(subject, node);
+  if (!n || !in_range(subject, node, static_cast<double>(*n))) return std::nullopt;
+  return n;
+}
+
+// An integer that the row's interval does not speak of.
+std::optional<std::int64_t> ValueReader::index(const Subject& subject, const Node& node) const {
+  if (const auto* given = node.as<std::int64_t>()) return *given;
+  const auto x = evaluated(subject, node);
+  if (!x) return std::nullopt;
+  const std::string is = node.as<std::string>() ? fmt::format("is {}; ", *x) : "";
+  if (!std::isfinite(*x)) return wrong(subject, node, "not a finite number");
+  if (*x != std::floor(*x)) {
+    return wrong(subject, node, is + "an integer key needs an integral value");
+  }
+  if (*x < -kIntegersEnd || *x >= kIntegersEnd) {
+    return wrong(subject, node, is + "too large for an integer");
+  }
+  return static_cast<std::int64_t>(*x);
+}
+
+std::optional<std::vector<double>> ValueReader::numbers(const Subject& subject, const List& list,
+                                                        const Node& whole) const {
+  if (list.empty()) return wrong(subject, whole, "the list is empty");
+  std::vector<double> result;
+  result.reserve(list.size());
+  for (const Node& element : list) {
+    const auto x = number(subject, element);
+    if (!x) return std::nullopt;
+    result.push_back(*x);
+  }
+  return result;
+}
+
+std::optional<std::string> ValueReader::text(const Subject& subject, const Node& node) const {
+  const auto* given = node.as<std::string>();
+  if (given == nullptr) return wrong_kind(subject, node);
+  const auto& choices = subject.row.choices;
+  const bool free_text = choices.empty() && subject.row.later_choices.empty();
+  if (!free_text && !is_word(subject, node, *given, choices)) return std::nullopt;
+  return *given;
+}
+
+std::optional<SpaceVector> ValueReader::space_vector(const Subject& subject,
+                                                     const Node& node) const {
+  const auto* list = node.as<List>();
+  if (list == nullptr) return wrong_kind(subject, node);
+  auto components = numbers(subject, *list, node);
+  if (!components) return std::nullopt;
+  if (components->size() > kMostDimensions) {
+    return wrong(subject, node,
+                 fmt::format("{} components, but space has at most {} dimensions",
+                             components->size(), kMostDimensions));
+  }
+  return SpaceVector{*std::move(components)};
+}
+
+std::optional<PerParticle> ValueReader::per_particle(const Subject& subject,
+                                                     const Node& node) const {
+  if (const auto* list = node.as<List>()) {
+    auto values = numbers(subject, *list, node);
+    if (!values) return std::nullopt;
+    return PerParticle{*std::move(values)};
+  }
+  const auto x = number(subject, node);
+  if (!x) return std::nullopt;
+  return PerParticle{{*x}};
+}
+
+std::optional<PerParticleVector> ValueReader::per_particle_vector(const Subject& subject,
+                                                                  const Node& node) const {
+  const auto* list = node.as<List>();
+  if (list == nullptr) return wrong_kind(subject, node);
+  PerParticleVector result;
+  const bool one_each = !list->empty() && list->front().as<List>();
+  if (one_each) {
+    for (const Node& element : *list) {
+      auto vector = space_vector(subject, element);
+      if (!vector) return std::nullopt;
+      result.values.push_back(*std::move(vector));
+    }
+  } else {
+    auto vector = space_vector(subject, node);
+    if (!vector) return std::nullopt;
+    result.values.push_back(*std::move(vector));
+  }
+  return result;
+}
+
+std::optional<PairSelection> ValueReader::pair_selection(const Subject& subject,
+                                                         const Node& node) const {
+  PairSelection result;
+  if (const auto* word = node.as<std::string>()) {
+    if (!is_word(subject, node, *word, words_of(subject.row, kPairWords))) return std::nullopt;
+    result.kind = kind_named(kPairWords, *word);
+    return result;
+  }
+  const auto* list = node.as<List>();
+  if (list == nullptr) return wrong_kind(subject, node);
+  if (list->empty()) return wrong(subject, node, "the list is empty");
+  result.kind = PairSelection::Kind::list;
+  for (const Node& element : *list) {
+    const auto* pair = element.as<List>();
+    if (pair == nullptr || pair->size() != 2) {
+      return wrong(subject, element, "not a pair of indices");
+    }
+    const auto first = index(subject, pair->front());
+    if (!first) return std::nullopt;
+    const auto second = index(subject, pair->back());
+    if (!second) return std::nullopt;
+    result.list.push_back({*first, *second});
+  }
+  return result;
+}
+
+std::optional<WordOrNumbers> ValueReader::word_or_numbers(const Subject& subject,
+                                                          const Node& node) const {
+  WordOrNumbers result;
+  if (const auto* list = node.as<List>()) {
+    auto values = numbers(subject, *list, node);
+    if (!values) return std::nullopt;
+    result.numbers = *std::move(values);
+    return result;
+  }
+  if (const auto* word = node.as<std::string>()) {
+    const auto& choices = subject.row.choices;
+    const auto& later = subject.row.later_choices;
+    const auto holds = [&word](const auto& words) {
+      return std::find(words.begin(), words.end(), *word) != words.end();
+    };
+    // A misspelt word would otherwise be called an unknown parameter.
+    const bool meant_as_word = is_identifier(*word) && !parameters_.contains(*word) &&
+                               (holds(later) || nearest_name(*word, choices));
+    if (holds(choices) || meant_as_word) {
+      if (!is_word(subject, node, *word, choices)) return std::nullopt;
+      result.word = *word;
+      return result;
+    }
+  }
+  const auto x = number(subject, node);
+  if (!x) return std::nullopt;
+  result.numbers = {*x};
+  return result;
+}
+
+std::optional<Attachment> ValueReader::attachment(const Subject& subject, const Node& node) const {
+  Attachment result;
+  if (const auto* word = node.as<std::string>()) {
+    if (!is_word(subject, node, *word, words_of(subject.row, kAttachmentWords))) {
+      return std::nullopt;
+    }
+    result.kind = kind_named(kAttachmentWords, *word);
+    return result;
+  }
+  const auto* table = node.as<Table>();
+  if (table == nullptr) return wrong_kind(subject, node);
+  const Node* particle = table->find("particle");
+  if (particle == nullptr || table->entries.size() != 1) {
+    return wrong(subject, node, "a table here has the key particle and no other");
+  }
+  const auto given = index({subject.row, subject.key + ".particle"}, *particle);
+  if (!given) return std::nullopt;
+  result.kind = Attachment::Kind::particle;
+  result.particle = *given;
+  return result;
+}
+
+// A number as it stands, or the value of an expression; not yet held against the interval.
+std::optional<double> ValueReader::evaluated(const Subject& subject, const Node& node) const {
+  if (const auto* given = node.as<std::int64_t>()) return static_cast<double>(*given);
+  if (const auto* given = node.as<double>()) return *given;
+  const auto* expression = node.as<std::string>();
+  if (expression == nullptr) return wrong_kind(subject, node);
+  auto result = parameters_.evaluate(*expression);
+  if (const auto* error = std::get_if<ExpressionError>(&result)) {
+    if (!error->consequence) {
+      faults_.inside(node, error->column, {subject.key, error->why, "", error->nearest});
+    }
+    return std::nullopt;
+  }
+  return std::get<double>(result);
+}
+
+bool ValueReader::in_range(const Subject& subject, const Node& node, double x) const {
+  if (subject.row.interval.contains(x)) return true;
+  std::string why = std::isfinite(x) ? "out of range" : "not a finite number";
+  if (node.as<std::string>()) why = fmt::format("is {}, {}", x, why);
+  faults_.of_value(node, {subject.key, std::move(why), subject.row.interval.to_string()});
+  return false;
+}
+
+bool ValueReader::is_word(const Subject& subject, const Node& node, const std::string& word,
+                          const std::vector<std::string>& words) const {
+  if (std::find(words.begin(), words.end(), word) != words.end()) return true;
+  const auto& later = subject.row.later_choices;
+  const bool not_yet = std::find(later.begin(), later.end(), word) != later.end();
+  faults_.of_value(
+      node, {subject.key, not_yet ? kNotInThisVersion : "no such choice", what_is_due(subject.row),
+             not_yet ? "" : nearest_name(word, words).value_or("")});
+  return false;
+}
+
+std::nullopt_t ValueReader::wrong_kind(const Subject& subject, const Node& node) const {
+  faults_.of_value(node, {subject.key, "found " + kind_of(node), what_is_due(subject.row)});
+  return std::nullopt;
+}
+
+std::nullopt_t ValueReader::wrong(const Subject& subject, const Node& node, std::string why) const {
+  faults_.of_value(node, {subject.key, std::move(why), what_is_due(subject.row)});
+  return std::nullopt;
+}
+
+}  // namespace tomlin

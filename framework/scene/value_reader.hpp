@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/core/parameter.hpp"
+#include "framework/scene/document.hpp"
+#include "framework/scene/expression.hpp"
+#include "framework/scene/fault_list.hpp"
+
+namespace tomlin {
+
+/// What a row admits, for people: "a number > 0", "\"a\" or \"b\"", "an integer >= 1".
+std::string what_is_due(const Parameter& row);
+
+/// Turns what stands in a scene into the value of a parameter row.
+class ValueReader {
+ public:
+  /// Both must outlive the reader; the parameters are resolved.
+  ValueReader(const ParameterTable& parameters, FaultList& faults)
+      : parameters_(parameters), faults_(faults) {}
+
+  /// Nothing when the value is unfit; then the list has a fault that says why. At most one fault
+  /// per key: the first.
+  std::optional<ParameterValue> read(const Parameter& row, const Node& node,
+                                     const std::string& key) const;
+
+ private:
+  /// What is being read, for messages.
+  struct Subject {
+    const Parameter& row;
+    const std::string& key;
+  };
+
+  std::optional<ParameterValue> read_kind(const Subject& subject, const Node& node) const;
+
+  std::optional<double> number(const Subject& subject, const Node& node) const;
+  std::optional<std::int64_t> integer(const Subject& subject, const Node& node) const;
+  std::optional<std::int64_t> index(const Subject& subject, const Node& node) const;
+  std::optional<std::vector<double>> numbers(const Subject& subject, const List& list,
+                                             const Node& whole) const;
+  std::optional<std::string> text(const Subject& subject, const Node& node) const;
+  std::optional<SpaceVector> space_vector(const Subject& subject, const Node& node) const;
+  std::optional<PerParticle> per_particle(const Subject& subject, const Node& node) const;
+  std::optional<PerParticleVector> per_particle_vector(const Subject& subject,
+                                                       const Node& node) const;
+  std::optional<PairSelection> pair_selection(const Subject& subject, const Node& node) const;
+  std::optional<WordOrNumbers> word_or_numbers(const Subject& subject, const Node& node) const;
+  std::optional<Attachment> attachment(const Subject& subject, const Node& node) const;
+
+  std::optional<double> evaluated(const Subject& subject, const Node& node) const;
+  bool in_range(const Subject& subject, const Node& node, double x) const;
+  bool is_word(const Subject& subject, const Node& node, const std::string& word,
+               const std::vector<std::string>& words) const;
+
+  // Each reports and gives nothing.
+  std::nullopt_t wrong_kind(const Subject& subject, const Node& node) const;
+  std::nullopt_t wrong(const Subject& subject, const Node& node, std::string why) const;
+
+  const ParameterTable& parameters_;
+  FaultList& faults_;
+};
+
+}  // namespace tomlin

@@ -1,0 +1,322 @@
+#include "integrators/dopri5.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "framework/core/integrator.hpp"
+#include "framework/core/kernel_tables.hpp"
+#include "framework/core/math.hpp"
+#include "framework/core/scheme.hpp"
+#include "integrators/dopri5_kernels.hpp"
+
+TOMLIN_DECLARE_TABLES(Dopri5Kernels, Dopri5Table)
+
+namespace tomlin {
+namespace {
+
+using Description = Dopri5Description;
+using Tableau = Dopri5Tableau;
+
+// The PI controller of Hairer and Wanner's code, with their constants.
+constexpr double kSafety = 0.9;
+constexpr double kBeta = 0.04;
+constexpr double kExponent = 0.2 - 0.75 * kBeta;
+constexpr double kLeastFactor = 0.2;
+constexpr double kMostFactor = 10.0;
+constexpr double kLeastOldError = 1e-4;
+/// A remainder below this part of a step is taken along with it.
+constexpr double kStretch = 1.01;
+
+class Dopri5 : public Integrator<double> {
+ public:
+  Dopri5(const Description& description, System<double>& system)
+      : d_(description), system_(system), kernels_(kernels::Dopri5Kernels.on(system.set)) {
+    const std::size_t n = system.view.dofs;
+    const std::size_t m = system.view.rates;
+    memory_.assign(17 * (n + kGap) + 9 * (m + kGap), 0.0);
+    double* next = memory_.data();
+    const auto take = [&next](std::size_t count) {
+      return std::exchange(next, next + count + kGap);
+    };
+    for (double*& v : arrays_.velocity) v = take(n);
+    for (int s = 1; s < Tableau::stages; ++s) arrays_.acceleration[s] = take(n);
+    for (int s = 1; s < Tableau::stages; ++s) arrays_.rates[s] = take(m);
+    arrays_.position = take(n);
+    arrays_.integrals = take(m);
+    start_position_ = take(n);
+    start_acceleration_ = take(n);
+    start_integrals_ = take(m);
+    start_rates_ = take(m);
+  }
+
+  void declare(StateLayout& layout) override {
+    layout.add_reals("dopri5.first_acceleration", system_.view.dofs);
+    layout.add_reals("dopri5.first_rates", system_.view.rates);
+    layout.add_reals("dopri5.control", 2);
+    layout.add_integers("dopri5.counts", 3);
+  }
+
+  void attach(RunState& state) override {
+    arrays_.acceleration[0] = state.reals("dopri5.first_acceleration");
+    arrays_.rates[0] = state.reals("dopri5.first_rates");
+    control_ = state.reals("dopri5.control");
+    counts_ = state.integers("dopri5.counts");
+  }
+
+  StepReport step(const DoubleDouble& time, double h, bool) override {
+    system_.begin_step(system_.model, time.hi, time.lo);
+    if (counts_[kStarted] == 0) start(h);
+    double next = control_[kNext];
+    double last_error = control_[kOldError];
+    bool refused = false;
+    for (;;) {
+      next = std::min(next, d_.largest_step);
+      const bool ends = kStretch * next >= h;
+      const double trial_step = ends ? h : next;
+      if (counts_[kTaken] + counts_[kRefused] >= d_.most_steps) {
+        return {0.0, StepFault::too_many_steps};
+      }
+      const Dopri5Trial trial = kernels_.attempt(system_.view, arrays_, trial_step,
+                                                 d_.absolute_tolerance, d_.relative_tolerance);
+      system_.evaluations += Tableau::stages - 1;
+      if (trial.error <= 1.0 && trial.within_moves) {
+        double factor = kSafety;
+        if (trial.error > 0.0) {
+          factor *= pow(trial.error, -kExponent) * pow(last_error, kBeta);
+        } else {
+          factor = kMostFactor;
+        }
+        factor = std::clamp(factor, kLeastFactor, refused ? 1.0 : kMostFactor);
+        // A step cut short by the end of the run says nothing against a longer one.
+        next = std::max(trial_step * factor, ends && !refused ? std::min(next, d_.largest_step) : 0.0);
+        control_[kNext] = next;
+        control_[kOldError] = std::max(trial.error, kLeastOldError);
+        accept(trial_step);
+        ++counts_[kTaken];
+        return {trial_step, StepFault::none};
+      }
+      ++counts_[kRefused];
+      refused = true;
+      double factor = kLeastFactor;
+      if (trial.error > 1.0 && std::isfinite(trial.error)) {
+        factor = std::max(kLeastFactor, kSafety * pow(trial.error, -kExponent));
+      }
+      next = trial_step * std::min(factor, kSafety);
+      if (!(next >= d_.smallest_step)) {
+        const bool sound = trial.within_moves && std::isfinite(trial.error);
+        return {0.0, sound ? StepFault::step_too_small : StepFault::not_finite_or_too_far};
+      }
+    }
+  }
+
+  const double* first_rates() const override { return start_rates_; }
+
+  void finish_dense(const DoubleDouble&) override {}
+
+  void interpolate(double theta, double* position, double* velocity,
+                   double* integrals) const override {
+    const SystemView<double>& s = system_.view;
+    double* const* v = arrays_.velocity;
+    const double* accelerations[7] = {start_acceleration_};
+    const double* rates[7] = {start_rates_};
+    for (int j = 1; j < 6; ++j) {
+      accelerations[j] = arrays_.acceleration[j];
+      rates[j] = arrays_.rates[j];
+    }
+    accelerations[6] = arrays_.acceleration[0];  // the last stage is the next step's first
+    rates[6] = arrays_.rates[0];
+    extension(theta, s.dofs, start_position_, s.position, v, position);
+    extension(theta, s.dofs, v[0], s.velocity, accelerations, velocity);
+    extension(theta, s.rates, start_integrals_, s.integrals, rates, integrals);
+  }
+
+  std::uint64_t refused_steps() const override {
+    return static_cast<std::uint64_t>(counts_[kRefused]);
+  }
+
+ private:
+  static constexpr std::size_t kGap = 3 * kGroup;
+  enum { kNext, kOldError };
+  enum { kStarted, kTaken, kRefused };
+
+  void start(double h) {
+    kernels_.first(system_.view, arrays_);
+    system_.evaluations += 1;
+    control_[kNext] = d_.initial_step > 0.0 ? d_.initial_step : std::min(h, guessed_step());
+    control_[kOldError] = kLeastOldError;
+    counts_[kStarted] = 1;
+  }
+
+  /// A step over which the state changes by about a hundredth of its size, and by an Euler step no
+  /// more than the tolerance allows (Hairer, Norsett, Wanner, section II.4).
+  double guessed_step() const {
+    const SystemView<double>& s = system_.view;
+    double size = 0.0;
+    double slope = 0.0;
+    for (std::size_t i = 0; i < s.dofs; ++i) {
+      const double scale = s.tolerance_scale[i];
+      const double x = s.position[i] * scale;
+      const double v = s.velocity[i] * scale;
+      const double a = arrays_.acceleration[0][i] * scale;
+      const double weight_x = d_.absolute_tolerance + d_.relative_tolerance * std::abs(x) + 1e-300;
+      const double weight_v = d_.absolute_tolerance + d_.relative_tolerance * std::abs(v) + 1e-300;
+      size += x / weight_x * (x / weight_x) + v / weight_v * (v / weight_v);
+      slope += v / weight_x * (v / weight_x) + a / weight_v * (a / weight_v);
+    }
+    size = std::sqrt(size);
+    slope = std::sqrt(slope);
+    const double guess = size < 1e-5 || slope < 1e-5 ? 1e-6 : 0.01 * size / slope;
+    return std::clamp(guess, std::max(d_.smallest_step, 1e-10), d_.largest_step);
+  }
+
+  void accept(double h) {
+    SystemView<double>& s = system_.view;
+    copy(s.position, s.dofs, start_position_);
+    copy(s.integrals, s.rates, start_integrals_);
+    copy(arrays_.acceleration[0], s.dofs, start_acceleration_);
+    copy(arrays_.rates[0], s.rates, start_rates_);
+    copy(arrays_.position, s.dofs, s.position);
+    copy(arrays_.velocity[6], s.dofs, s.velocity);
+    copy(arrays_.integrals, s.rates, s.integrals);
+    copy(arrays_.acceleration[6], s.dofs, arrays_.acceleration[0]);
+    copy(arrays_.rates[6], s.rates, arrays_.rates[0]);
+    last_ = h;
+  }
+
+  static void copy(const double* from, std::size_t n, double* to) {
+    for (std::size_t i = 0; i < n; ++i) to[i] = from[i];
+  }
+
+  template <class Slopes>
+  void extension(double theta, std::size_t n, const double* y0, const double* y1,
+                 const Slopes& slope, double* y) const {
+    const double h = last_;
+    const double rest = 1.0 - theta;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double change = y1[i] - y0[i];
+      const double bend = h * slope[0][i] - change;
+      double quartic = 0.0;
+      for (int j = 0; j < 7; ++j) quartic = std::fma(Tableau::dense[j], slope[j][i], quartic);
+      const double inner = std::fma(rest, h * quartic, change - h * slope[6][i] - bend);
+      y[i] = theta == 1.0
+                 ? y1[i]
+                 : std::fma(theta, std::fma(rest, std::fma(theta, inner, bend), change), y0[i]);
+    }
+  }
+
+  Description d_;
+  System<double>& system_;
+  const Dopri5Table& kernels_;
+  AlignedVector<double> memory_;
+  Dopri5Arrays arrays_;
+  double* control_ = nullptr;
+  std::int64_t* counts_ = nullptr;
+  double* start_position_ = nullptr;
+  double* start_acceleration_ = nullptr;
+  double* start_integrals_ = nullptr;
+  double* start_rates_ = nullptr;
+  double last_ = 0.0;
+};
+
+double growth(std::complex<double> z) {
+  return std::abs(
+      1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0 * (1.0 + z / 5.0 * (1.0 + z / 5.0))))));
+}
+
+double step(const void*) { return 0.0; }
+
+std::vector<Complaint> complaints(const void* description) {
+  const auto& d = *static_cast<const Description*>(description);
+  std::vector<Complaint> found;
+  if (d.absolute_tolerance == 0.0 && d.relative_tolerance == 0.0) {
+    found.push_back({"absolute_tolerance", "one of the two tolerances must not be 0", "> 0"});
+  }
+  if (d.smallest_step > d.largest_step) {
+    found.push_back({"smallest_step", "above largest_step", "<= largest_step"});
+  }
+  if (d.initial_step > 0.0 && d.initial_step < d.smallest_step) {
+    found.push_back({"initial_step", "below smallest_step", ">= smallest_step"});
+  }
+  return found;
+}
+
+std::unique_ptr<Integrator<double>> bind(const void* description, System<double>& system) {
+  return std::make_unique<Dopri5>(*static_cast<const Description*>(description), system);
+}
+
+}  // namespace
+
+IntegratorRecord dopri5_record() {
+  IntegratorRecord record;
+  record.name = "dopri5";
+  record.summary = "embedded Runge-Kutta pair 5(4) of Dormand and Prince, adaptive, dense output";
+  record.equation = "y' = f: y + h sum b_i k_i, seven stages, error from the embedded order 4";
+  record.source = "J. R. Dormand and P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19, "
+                  "doi:10.1016/0771-050X(80)90013-3";
+  record.order = 5;
+  record.adaptive = true;
+  record.evaluations_per_step = 6;
+  record.make_description = &make_description<Description>;
+  record.parameters = {
+      parameter("absolute_tolerance", &Description::absolute_tolerance, dimension::none,
+                "largest error per step, in units of each coordinate and velocity")
+          .in(non_negative)
+          .by_default(1e-9),
+      parameter("relative_tolerance", &Description::relative_tolerance, dimension::none,
+                "largest error per step, relative to each coordinate and velocity")
+          .in(non_negative)
+          .by_default(1e-9),
+      parameter("initial_step", &Description::initial_step, dimension::time,
+                "the first step to try; 0: guessed")
+          .in(non_negative)
+          .by_default(0.0),
+      parameter("smallest_step", &Description::smallest_step, dimension::time,
+                "a run that needs less fails")
+          .in(positive)
+          .by_default(1e-12),
+      parameter("largest_step", &Description::largest_step, dimension::time, "never step further")
+          .in(positive)
+          .by_default(1e12),
+      parameter("most_steps", &Description::most_steps, dimension::none,
+                "a run that needs more fails")
+          .in(positive)
+          .by_default(std::int64_t{1'000'000'000})};
+  record.growth = &growth;
+  record.step = &step;
+  record.complaints = &complaints;
+  record.bind = &bind;
+  record.example = R"(# A tip that sticks and slips.
+[[body]]
+type = "point"
+position = [0.0]
+particle_mass = 1.0
+
+[[force]]
+type = "driving_spring"
+stiffness = 1.0
+velocity = [0.01]
+
+[[force]]
+type = "viscous_damping"
+coefficient = 2.0
+
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.1
+period = 1.0
+
+[run]
+duration = 300.0
+integrator = { type = "dopri5", absolute_tolerance = 1e-9, relative_tolerance = 1e-9 }
+
+[measure]
+from = 1.0
+to = 3.0
+in = "driver_periods"
+)";
+  return record;
+}
+
+}  // namespace tomlin

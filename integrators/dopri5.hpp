@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+
+#include "framework/core/registry.hpp"
+
+/// The embedded Runge-Kutta pair 5(4) of Dormand and Prince, with step control and dense output.
+///
+/// Seven stages, the last of which is the next step's first (six evaluations per accepted step).
+/// The fifth-order solution is carried on. A step is accepted when
+///   err = sqrt(mean_i (e_i / (absolute_tolerance + relative_tolerance * max(|y0_i|, |y1_i|)))^2)
+/// over all coordinates and velocities is at most 1, e being the difference to the fourth-order
+/// solution; angles count in radians, positions relative to the scene's origin. The next step is
+///   h <- h * clip(0.9 err^(-0.17) err_old^0.04, 0.2, 10)     (a PI controller).
+/// Running integrals get the weights of the fifth-order solution but no say in the error.
+///
+/// Order 5 for any smooth force, velocity-dependent ones included. Stable on the negative real
+/// axis to 3.3. Dense output: the continuous extension of order 4.
+/// Source: J. R. Dormand and P. J. Prince (1980), doi:10.1016/0771-050X(80)90013-3; control and
+/// dense output: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I,
+/// doi:10.1007/978-3-540-78862-1, sections II.4 to II.6.
+namespace tomlin {
+
+struct Dopri5Description {
+  double absolute_tolerance = 0.0;
+  double relative_tolerance = 0.0;
+  double initial_step = 0.0;
+  double smallest_step = 0.0;
+  double largest_step = 0.0;
+  std::int64_t most_steps = 0;
+};
+
+IntegratorRecord dopri5_record();
+
+}  // namespace tomlin

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "framework/core/registry.hpp"
+
+namespace tomlin {
+
+/// Registers every integrator of this folder.
+void register_integrators(Registry& registry);
+
+}  // namespace tomlin

@@ -1,0 +1,130 @@
+#include "integrators/rk4.hpp"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "framework/core/instruction_set.hpp"
+#include "framework/core/integrator.hpp"
+#include "framework/core/kernel_tables.hpp"
+#include "framework/core/scheme.hpp"
+#include "integrators/hermite.hpp"
+#include "integrators/rk4_kernels.hpp"
+
+TOMLIN_DECLARE_TABLES(Rk4Kernels, Rk4Table)
+
+namespace tomlin {
+namespace {
+
+using Description = Rk4Description;
+
+class Rk4 : public Integrator<double> {
+ public:
+  explicit Rk4(System<double>& system)
+      : system_(system), kernels_(kernels::Rk4Kernels.on(system.set)) {
+    const std::size_t n = system.view.dofs;
+    const std::size_t m = system.view.rates;
+    memory_.assign(6 * (n + kGap) + 4 * (m + kGap) + system.view.own + kGap + hermite_size(n, m), 0.0);
+    double* next = memory_.data();
+    const auto take = [&next](std::size_t count) {
+      return std::exchange(next, next + count + kGap);
+    };
+    for (double*& a : arrays_.acceleration) a = take(n);
+    arrays_.stage_position = take(n);
+    arrays_.stage_velocity = take(n);
+    for (double*& g : arrays_.rates) g = take(m);
+    arrays_.stage_own = take(system.view.own);
+    hermite_.place(next, n, m);
+  }
+
+  StepReport step(const DoubleDouble& time, double h, bool dense) override {
+    system_.begin_step(system_.model, time.hi, time.lo);
+    system_.evaluations += arrays_.first_known ? 3 : 4;
+    if (dense) hermite_.keep_start(system_.view);
+    last_ = h;
+    const bool sound = kernels_.step(system_.view, arrays_, h);
+    if (!sound) return {0.0, StepFault::not_finite_or_too_far};
+    arrays_.first_known = false;
+    return {h, StepFault::none};
+  }
+
+  const double* first_rates() const override { return arrays_.rates[0]; }
+
+  void finish_dense(const DoubleDouble& end) override {
+    hermite_.keep_first(arrays_.acceleration[0], arrays_.rates[0]);
+    system_.begin_step(system_.model, end.hi, end.lo);
+    kernels_.first(system_.view, arrays_);
+    system_.evaluations += 1;
+    arrays_.first_known = true;
+  }
+
+  void rebased() override { arrays_.first_known = false; }
+
+  void interpolate(double theta, double* position, double* velocity,
+                   double* integrals) const override {
+    hermite_.interpolate(theta, last_, system_.view, arrays_.acceleration[0], arrays_.rates[0],
+                         position, velocity, integrals);
+  }
+
+ private:
+  /// Between arrays, to keep them off powers of two.
+  static constexpr std::size_t kGap = 3 * kGroup;
+
+  System<double>& system_;
+  const Rk4Table& kernels_;
+  AlignedVector<double> memory_;
+  Rk4Arrays arrays_;
+  HermiteOutput hermite_;
+  double last_ = 0.0;
+};
+
+double growth(std::complex<double> z) {
+  return std::abs(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0))));
+}
+
+double step(const void* description) { return static_cast<const Description*>(description)->dt; }
+
+std::vector<Complaint> complaints(const void*) { return {}; }
+
+std::unique_ptr<Integrator<double>> bind(const void*, System<double>& system) {
+  return std::make_unique<Rk4>(system);
+}
+
+}  // namespace
+
+IntegratorRecord rk4_record() {
+  IntegratorRecord record;
+  record.name = "rk4";
+  record.summary = "classical Runge-Kutta scheme of fourth order with a fixed step";
+  record.equation = "y' = f: y + h/6 (k1 + 2 k2 + 2 k3 + k4)";
+  record.source = "W. Kutta (1901); Hairer, Norsett, Wanner, Solving Ordinary Differential "
+                  "Equations I, section II.1, doi:10.1007/978-3-540-78862-1";
+  record.order = 4;
+  record.evaluations_per_step = 4;
+  record.make_description = &make_description<Description>;
+  record.parameters = {
+      parameter("dt", &Description::dt, dimension::time, "the step").in(positive)};
+  record.growth = &growth;
+  record.step = &step;
+  record.complaints = &complaints;
+  record.bind = &bind;
+  record.example = R"(# A harmonic oscillator: one particle on a spring that does not move.
+[[body]]
+type = "point"
+position = [1.0]
+particle_mass = 1.0
+
+[[force]]
+type = "driving_spring"
+stiffness = 1.0
+velocity = [0.0]
+start = [0.0]
+
+[run]
+duration = 10.0
+integrator = { type = "rk4", dt = 1e-2 }
+)";
+  return record;
+}
+
+}  // namespace tomlin
