@@ -56,7 +56,7 @@ inline namespace TOMLIN_TARGET {
 struct Dopri5Kernels {
   using Tableau = Dopri5Tableau;
 
-  static void first(const SystemView<double>& s, const Dopri5Arrays& w) {
+  TOMLIN_FLATTEN static void first(const SystemView<double>& s, const Dopri5Arrays& w) {
     evaluate(s, stage_of(s, static_cast<const double*>(s.position),
                          static_cast<const double*>(s.velocity),
                          static_cast<const double*>(s.integrals), w.rates[0], 0.0));
@@ -102,7 +102,7 @@ struct Dopri5Kernels {
     return error * scale / (fma(relative, size, absolute) + Pack(1e-300));
   }
 
-  static Dopri5Trial attempt(const SystemView<double>& system, const Dopri5Arrays& arrays, double h,
+  TOMLIN_FLATTEN static Dopri5Trial attempt(const SystemView<double>& system, const Dopri5Arrays& arrays, double h,
                              double absolute_tolerance, double relative_tolerance) {
     const SystemView<double> s = system;
     const Dopri5Arrays w = arrays;

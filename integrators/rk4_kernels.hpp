@@ -28,7 +28,7 @@ inline namespace TOMLIN_TARGET {
 
 struct Rk4Kernels {
   /// Forces to accelerations, and the next stage from them: x + a_x * v_stage, v + a_v * a.
-  static void pass(const SystemView<double>& s, const Rk4Arrays& w, int stage, double step_v,
+  TOMLIN_INLINE static void pass(const SystemView<double>& s, const Rk4Arrays& w, int stage, double step_v,
                    double step_x) {
     const double* force = s.force;
     const double* inverse_mass = s.inverse_mass;
@@ -53,7 +53,7 @@ struct Rk4Kernels {
     }
   }
 
-  static void first(const SystemView<double>& s, const Rk4Arrays& w) {
+  TOMLIN_FLATTEN static void first(const SystemView<double>& s, const Rk4Arrays& w) {
     evaluate(s, stage_of(s, static_cast<const double*>(s.position),
                          static_cast<const double*>(s.velocity),
                          static_cast<const double*>(s.integrals), w.rates[0], 0.0));
@@ -62,13 +62,13 @@ struct Rk4Kernels {
     }
   }
 
-  static void later(const SystemView<double>& s, const Rk4Arrays& w, int stage, double elapsed) {
+  TOMLIN_INLINE static void later(const SystemView<double>& s, const Rk4Arrays& w, int stage, double elapsed) {
     evaluate(s, stage_of(s, static_cast<const double*>(w.stage_position),
                          static_cast<const double*>(w.stage_velocity),
                          static_cast<const double*>(w.stage_own), w.rates[stage], elapsed));
   }
 
-  static bool step(const SystemView<double>& system, const Rk4Arrays& arrays, double h) {
+  TOMLIN_FLATTEN static bool step(const SystemView<double>& system, const Rk4Arrays& arrays, double h) {
     const SystemView<double> s = system;
     const Rk4Arrays w = arrays;
     const double half = 0.5 * h;

@@ -207,9 +207,7 @@ struct Dual {
     const T e = exp(a.value);
     return chain(e, e, a);
   }
-  TOMLIN_INLINE friend Dual log(const Dual& a) {
-    return chain(log(a.value), T(1.0) / a.value, a);
-  }
+  TOMLIN_INLINE friend Dual log(const Dual& a) { return chain(log(a.value), T(1.0) / a.value, a); }
   TOMLIN_INLINE friend void sincos_turns(const Dual& a, Dual& s, Dual& c) {
     T sine, cosine;
     sincos_turns(a.value, sine, cosine);

@@ -35,7 +35,7 @@ struct Pair {
 };
 
 template <class T, int D>
-inline T distance(const Vec<T, D>& separation) {
+TOMLIN_INLINE T distance(const Vec<T, D>& separation) {
   if constexpr (D == 1) {
     return abs(separation[0]);
   } else {
@@ -46,7 +46,7 @@ inline T distance(const Vec<T, D>& separation) {
 /// The force on the first particle of a pair that is pulled towards the second by `tension`
 /// (dV/dr; negative: pushed away). `r` is the distance between them.
 template <class T, int D>
-inline Vec<T, D> pull(const Vec<T, D>& separation, const T& r, const T& tension) {
+TOMLIN_INLINE Vec<T, D> pull(const Vec<T, D>& separation, const T& r, const T& tension) {
   Vec<T, D> force;
   if constexpr (D == 1) {
     (void)r;
@@ -62,7 +62,7 @@ inline Vec<T, D> pull(const Vec<T, D>& separation, const T& r, const T& tension)
 
 /// Parameters<T, D> hold nothing but T, so they convert number by number.
 template <class E, class To, class From, int D>
-inline typename E::template Parameters<To, D> in_type(
+TOMLIN_INLINE typename E::template Parameters<To, D> in_type(
     const typename E::template Parameters<From, D>& p) {
   using Source = typename E::template Parameters<From, D>;
   using Target = typename E::template Parameters<To, D>;
@@ -82,7 +82,7 @@ inline typename E::template Parameters<To, D> in_type(
 
 /// A site whose position carries derivatives along each axis.
 template <class T, int D>
-inline Site<Dual<T, D>, D> differentiable(const Site<T, D>& site) {
+TOMLIN_INLINE Site<Dual<T, D>, D> differentiable(const Site<T, D>& site) {
   Site<Dual<T, D>, D> wide;
   for (int d = 0; d < D; ++d) {
     wide.position[d] = Dual<T, D>(site.position[d]);
@@ -96,7 +96,7 @@ inline Site<Dual<T, D>, D> differentiable(const Site<T, D>& site) {
 
 /// A pair whose separation carries derivatives along each axis.
 template <class T, int D>
-inline Pair<Dual<T, D>, D> differentiable(const Pair<T, D>& pair) {
+TOMLIN_INLINE Pair<Dual<T, D>, D> differentiable(const Pair<T, D>& pair) {
   Pair<Dual<T, D>, D> wide;
   for (int d = 0; d < D; ++d) {
     wide.separation[d] = Dual<T, D>(pair.separation[d]);
@@ -116,7 +116,7 @@ concept HasEnergy = requires(const typename E::template Parameters<double, D>& p
 
 /// The evaluator's force on a site, or its energy differentiated where it gives no force.
 template <class E, class T, int D>
-inline Vec<T, D> force_on(const typename E::template Parameters<T, D>& p, const Site<T, D>& site) {
+TOMLIN_INLINE Vec<T, D> force_on(const typename E::template Parameters<T, D>& p, const Site<T, D>& site) {
   if constexpr (HasForce<E, D, Site>) {
     return E::force(p, site);
   } else {
@@ -129,7 +129,7 @@ inline Vec<T, D> force_on(const typename E::template Parameters<T, D>& p, const 
 
 /// The same on the first particle of a pair: its energy grows with the separation.
 template <class E, class T, int D>
-inline Vec<T, D> force_on(const typename E::template Parameters<T, D>& p, const Pair<T, D>& pair) {
+TOMLIN_INLINE Vec<T, D> force_on(const typename E::template Parameters<T, D>& p, const Pair<T, D>& pair) {
   if constexpr (HasForce<E, D, Pair>) {
     return E::force(p, pair);
   } else {

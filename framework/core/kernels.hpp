@@ -25,7 +25,7 @@ inline namespace TOMLIN_TARGET {
 
 /// The same parameters in every lane.
 template <class E, int D>
-inline typename E::template Parameters<Pack, D> in_all_lanes(const void* parameters) {
+TOMLIN_INLINE typename E::template Parameters<Pack, D> in_all_lanes(const void* parameters) {
   return in_type<E, Pack, double, D>(
       *static_cast<const typename E::template Parameters<double, D>*>(parameters));
 }
@@ -38,14 +38,14 @@ concept DoesWork = requires(const typename E::template Parameters<double, D>& p,
 
 /// Store `value`, or add it to what is there; lanes outside `mask` hold padding and get zero.
 template <bool set>
-inline void put(double* at, const Pack& value) {
+TOMLIN_INLINE void put(double* at, const Pack& value) {
   (set ? value : Pack::load(at) + value).store(at);
 }
 
 // ---- sites ------------------------------------------------------------------------------------
 
 template <class E, int D, bool set>
-void site_kernel(const void* arguments, const Stage<double>& stage) {
+TOMLIN_FLATTEN void site_kernel(const void* arguments, const Stage<double>& stage) {
   const SiteArguments<double> a = *static_cast<const SiteArguments<double>*>(arguments);
   const auto p = in_all_lanes<E, D>(a.parameters);
   const double* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset;
@@ -88,7 +88,7 @@ void site_kernel(const void* arguments, const Stage<double>& stage) {
 // ---- the centre of mass of a body, or one particle of it ----------------------------------------
 
 template <class E, int D, bool set>
-void centre_kernel(const void* arguments, const Stage<double>& stage) {
+TOMLIN_FLATTEN void centre_kernel(const void* arguments, const Stage<double>& stage) {
   const CentreArguments<double> a = *static_cast<const CentreArguments<double>*>(arguments);
   const auto& p = *static_cast<const typename E::template Parameters<double, D>*>(a.parameters);
   const double* x = a.body.mapped ? stage.mapped_position : stage.position;
@@ -163,7 +163,7 @@ void centre_kernel(const void* arguments, const Stage<double>& stage) {
 // ---- pairs along diagonals ----------------------------------------------------------------------
 
 /// Positions of one axis followed by a second copy, so that i + shift needs no modulo.
-inline void extend(const double* x, std::size_t count, double* extended) {
+TOMLIN_INLINE void extend(const double* x, std::size_t count, double* extended) {
   for (std::size_t i = 0; i < count; i += kGroup) Pack::load(x + i).store(extended + i);
   for (std::size_t i = 0; i < count; i += kGroup) {
     Pack::load(x + i).store_unaligned(extended + count + i);
@@ -171,7 +171,7 @@ inline void extend(const double* x, std::size_t count, double* extended) {
 }
 
 template <class E, int D, bool set>
-void diagonal_kernel(const void* arguments, const Stage<double>& stage) {
+TOMLIN_FLATTEN void diagonal_kernel(const void* arguments, const Stage<double>& stage) {
   const DiagonalArguments<double> a = *static_cast<const DiagonalArguments<double>*>(arguments);
   const auto p = in_all_lanes<E, D>(a.parameters);
   const double* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset;
@@ -250,14 +250,14 @@ void diagonal_kernel(const void* arguments, const Stage<double>& stage) {
 
 // ---- a list of pairs ----------------------------------------------------------------------------
 
-inline Pack gather(const double* from, const std::size_t* index) {
+TOMLIN_INLINE Pack gather(const double* from, const std::size_t* index) {
   alignas(64) double lane[kGroup];
   for (std::size_t k = 0; k < kGroup; ++k) lane[k] = from[index[k]];
   return Pack::load(lane);
 }
 
 template <class E, int D>
-void pair_list_kernel(const void* arguments, const Stage<double>& stage) {
+TOMLIN_FLATTEN void pair_list_kernel(const void* arguments, const Stage<double>& stage) {
   const PairListArguments<double> a = *static_cast<const PairListArguments<double>*>(arguments);
   const auto p = in_all_lanes<E, D>(a.parameters);
   const double* x1 = (a.first.mapped ? stage.mapped_position : stage.position) + a.first.offset;

@@ -49,7 +49,7 @@ TOMLIN_INLINE T estrin8(T z, const double (&c)[8]) {
 // sin(2 pi r) / r in z = r^2 on [0, 1/16]; error of the sine 4.4e-18.
 inline constexpr double kSin0 = 0x1.921fb54442d18p+2, kSin1 = -0x1.4abbce625be40p+5;
 inline constexpr double kSin[7] = {
-    0x1.466bc6775a409p+6,  -0x1.32d2cce604ae5p+6, 0x1.5078347826517p+5, -0x1.e307483c1b49bp+3,
+    0x1.466bc6775a409p+6, -0x1.32d2cce604ae5p+6, 0x1.5078347826517p+5, -0x1.e307483c1b49bp+3,
     0x1.e8f1f3b8d1890p+1, -0x1.6f486175c2fe9p-1, 0x1.97972a35f7df8p-4};
 // cos(2 pi r) in z = r^2 on [0, 1/16], the constant term 1; error of the cosine 5.5e-18.
 inline constexpr double kCos1 = -0x1.3bd3cc9be45dcp+4;
@@ -63,9 +63,9 @@ inline constexpr double kExp[8] = {
 inline constexpr double kExp8 = 0x1.28b0b47905805p-22;
 inline constexpr double kExp9 = 0x1.adfd93bffe702p-26;
 // (2 atanh(s) / s - 2) / s^2 in z = s^2, |s| <= tanh(ln(2) / 4); error of 2 atanh(s)/s 1.9e-20.
-inline constexpr double kLog[8] = {
-    0x1.5555555555555p-1, 0x1.9999999999d0ap-2, 0x1.249249243a361p-2, 0x1.c71c724a82c6fp-3,
-    0x1.745ce20ffd0bcp-3, 0x1.3b2018a521d73p-3, 0x1.0f68463bb8667p-3, 0x1.0f05040883d52p-3};
+inline constexpr double kLog[8] = {0x1.5555555555555p-1, 0x1.9999999999d0ap-2, 0x1.249249243a361p-2,
+                                   0x1.c71c724a82c6fp-3, 0x1.745ce20ffd0bcp-3, 0x1.3b2018a521d73p-3,
+                                   0x1.0f68463bb8667p-3, 0x1.0f05040883d52p-3};
 // (atanh(s) / s - 1 - z / 3) / z^2 in z = s^2, same interval; error of atanh(s)/s 9.0e-23.
 inline constexpr double kLogTail[8] = {
     0x1.9999999999995p-3, 0x1.2492492493150p-3, 0x1.c71c71c56444fp-4, 0x1.745d183dec639p-4,
@@ -306,7 +306,8 @@ TOMLIN_INLINE void sincos_turns(double x, double& s, double& c) {
   s = half.sine();
   c = half.cosine();
 }
-// Errors: exp 1.3 ulp, log 0.8 ulp, pow 1.3 ulp (0.7 for results near 1); subnormal arguments and results included.
+// Errors: exp 1.3 ulp, log 0.8 ulp, pow 1.3 ulp (0.7 for results near 1); subnormal arguments and
+// results included.
 TOMLIN_INLINE double exp(double x) { return math_detail::exp_of(x); }
 TOMLIN_INLINE double log(double x) { return math_detail::log_of(x); }
 // pow(x, 0) = pow(1, y) = 1; a negative base with a fractional exponent is a NaN.

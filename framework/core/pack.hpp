@@ -184,29 +184,29 @@ TOMLIN_INLINE PackMask compare(F f, const Pack& a, const Pack& b) {
 
 }  // namespace pack_detail
 
-#define TOMLIN_PACK_MAP1(name, expression)                                               \
-  TOMLIN_INLINE Pack name(const Pack& a) {                                               \
+#define TOMLIN_PACK_MAP1(name, expression)                                                \
+  TOMLIN_INLINE Pack name(const Pack& a) {                                                \
     return pack_detail::map([](double x) TOMLIN_INLINE_LAMBDA { return expression; }, a); \
   }
-#define TOMLIN_PACK_MAP2(name, expression)                                                     \
-  TOMLIN_INLINE Pack name(const Pack& a, const Pack& b) {                                      \
-    return pack_detail::map(                                                                   \
-        [](double x, double y) TOMLIN_INLINE_LAMBDA { return expression; }, a, b);             \
+#define TOMLIN_PACK_MAP2(name, expression)                                                         \
+  TOMLIN_INLINE Pack name(const Pack& a, const Pack& b) {                                          \
+    return pack_detail::map([](double x, double y) TOMLIN_INLINE_LAMBDA { return expression; }, a, \
+                            b);                                                                    \
   }
-#define TOMLIN_PACK_MAP3(name, expression)                                                     \
-  TOMLIN_INLINE Pack name(const Pack& a, const Pack& b, const Pack& c) {                       \
-    return pack_detail::map(                                                                   \
+#define TOMLIN_PACK_MAP3(name, expression)                                                      \
+  TOMLIN_INLINE Pack name(const Pack& a, const Pack& b, const Pack& c) {                        \
+    return pack_detail::map(                                                                    \
         [](double x, double y, double z) TOMLIN_INLINE_LAMBDA { return expression; }, a, b, c); \
   }
-#define TOMLIN_PACK_COMPARE(name, expression)                                                  \
-  TOMLIN_INLINE PackMask name(const Pack& a, const Pack& b) {                                  \
-    return pack_detail::compare(                                                               \
-        [](double x, double y) TOMLIN_INLINE_LAMBDA { return expression; }, a, b);             \
+#define TOMLIN_PACK_COMPARE(name, expression)                                      \
+  TOMLIN_INLINE PackMask name(const Pack& a, const Pack& b) {                      \
+    return pack_detail::compare(                                                   \
+        [](double x, double y) TOMLIN_INLINE_LAMBDA { return expression; }, a, b); \
   }
 
 TOMLIN_PACK_MAP2(operator+, x + y)
 TOMLIN_PACK_MAP2(operator-, x - y)
-TOMLIN_PACK_MAP2(operator*, x * y)
+TOMLIN_PACK_MAP2(operator*, x* y)
 TOMLIN_PACK_MAP2(operator/, x / y)
 TOMLIN_PACK_MAP1(operator-, -x)
 TOMLIN_PACK_MAP3(fma, tomlin::fma(x, y, z))
@@ -310,9 +310,7 @@ struct Pack {
     return Pack(hn::LoadU(pack_detail::part_tag, from));
   }
   TOMLIN_INLINE void store(double* to) const { hn::Store(v, pack_detail::part_tag, to); }
-  TOMLIN_INLINE void store_unaligned(double* to) const {
-    hn::StoreU(v, pack_detail::part_tag, to);
-  }
+  TOMLIN_INLINE void store_unaligned(double* to) const { hn::StoreU(v, pack_detail::part_tag, to); }
   TOMLIN_INLINE double lane(int i) const {
     double lanes[kLanes];
     store_unaligned(lanes);
@@ -320,20 +318,20 @@ struct Pack {
   }
 };
 
-#define TOMLIN_PACK_OP1(Result, name, Arg, call)                \
-  TOMLIN_INLINE Result name(Arg a) {                            \
+#define TOMLIN_PACK_OP1(Result, name, Arg, call)                     \
+  TOMLIN_INLINE Result name(Arg a) {                                 \
     const auto f = [](auto x) TOMLIN_INLINE_LAMBDA { return call; }; \
-    return Result{f(a.v)};                                      \
+    return Result{f(a.v)};                                           \
   }
-#define TOMLIN_PACK_OP2(Result, name, Arg, call)                        \
-  TOMLIN_INLINE Result name(Arg a, Arg b) {                             \
+#define TOMLIN_PACK_OP2(Result, name, Arg, call)                             \
+  TOMLIN_INLINE Result name(Arg a, Arg b) {                                  \
     const auto f = [](auto x, auto y) TOMLIN_INLINE_LAMBDA { return call; }; \
-    return Result{f(a.v, b.v)};                                         \
+    return Result{f(a.v, b.v)};                                              \
   }
-#define TOMLIN_PACK_OP3(Result, name, First, Arg, call)                         \
-  TOMLIN_INLINE Result name(First a, Arg b, Arg c) {                            \
+#define TOMLIN_PACK_OP3(Result, name, First, Arg, call)                              \
+  TOMLIN_INLINE Result name(First a, Arg b, Arg c) {                                 \
     const auto f = [](auto x, auto y, auto z) TOMLIN_INLINE_LAMBDA { return call; }; \
-    return Result{f(a.v, b.v, c.v)};                                            \
+    return Result{f(a.v, b.v, c.v)};                                                 \
   }
 
 TOMLIN_INLINE bool all(PackMask a) { return hn::AllTrue(pack_detail::part_tag, a.v); }
@@ -379,20 +377,20 @@ struct Pack {
   }
 };
 
-#define TOMLIN_PACK_OP1(Result, name, Arg, call)                \
-  TOMLIN_INLINE Result name(Arg a) {                            \
+#define TOMLIN_PACK_OP1(Result, name, Arg, call)                     \
+  TOMLIN_INLINE Result name(Arg a) {                                 \
     const auto f = [](auto x) TOMLIN_INLINE_LAMBDA { return call; }; \
-    return Result{f(a.lo), f(a.hi)};                            \
+    return Result{f(a.lo), f(a.hi)};                                 \
   }
-#define TOMLIN_PACK_OP2(Result, name, Arg, call)                        \
-  TOMLIN_INLINE Result name(Arg a, Arg b) {                             \
+#define TOMLIN_PACK_OP2(Result, name, Arg, call)                             \
+  TOMLIN_INLINE Result name(Arg a, Arg b) {                                  \
     const auto f = [](auto x, auto y) TOMLIN_INLINE_LAMBDA { return call; }; \
-    return Result{f(a.lo, b.lo), f(a.hi, b.hi)};                        \
+    return Result{f(a.lo, b.lo), f(a.hi, b.hi)};                             \
   }
-#define TOMLIN_PACK_OP3(Result, name, First, Arg, call)                         \
-  TOMLIN_INLINE Result name(First a, Arg b, Arg c) {                            \
+#define TOMLIN_PACK_OP3(Result, name, First, Arg, call)                              \
+  TOMLIN_INLINE Result name(First a, Arg b, Arg c) {                                 \
     const auto f = [](auto x, auto y, auto z) TOMLIN_INLINE_LAMBDA { return call; }; \
-    return Result{f(a.lo, b.lo, c.lo), f(a.hi, b.hi, c.hi)};                    \
+    return Result{f(a.lo, b.lo, c.lo), f(a.hi, b.hi, c.hi)};                         \
   }
 
 TOMLIN_INLINE bool all(PackMask a) {
@@ -454,8 +452,8 @@ TOMLIN_PACK_OP3(Pack, select, PackMask, Pack, hn::IfThenElse(x, y, z))
 // The one rule: lanes i and i+4, then i and i+2, then i and i+1.
 TOMLIN_INLINE double sum(Pack a) {
 #if TOMLIN_TARGET_IS_AVX512
-  const __m256d fours = _mm256_add_pd(_mm512_castpd512_pd256(a.v.raw),
-                                      _mm512_extractf64x4_pd(a.v.raw, 1));
+  const __m256d fours =
+      _mm256_add_pd(_mm512_castpd512_pd256(a.v.raw), _mm512_extractf64x4_pd(a.v.raw, 1));
 #else
   const __m256d fours = _mm256_add_pd(a.lo.raw, a.hi.raw);
 #endif

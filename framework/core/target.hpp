@@ -29,6 +29,8 @@
 
 // Inlining is forced, not hoped for: a Pack passed through memory costs more than the arithmetic.
 #define TOMLIN_INLINE __attribute__((always_inline)) inline
+// A kernel takes everything that it calls into itself, evaluators of users included.
+#define TOMLIN_FLATTEN __attribute__((flatten))
 #define TOMLIN_INLINE_LAMBDA __attribute__((always_inline))
 
 #if TOMLIN_TARGET_IS_AVX2 && TOMLIN_TARGET_IS_AVX512
@@ -40,7 +42,9 @@ namespace tomlin {
 // The name of the namespace and the derived macros must tell the same story.
 namespace target_check {
 inline constexpr int baseline = 0, avx2 = 1, avx512 = 2;
-static_assert(TOMLIN_TARGET == (TOMLIN_TARGET_IS_AVX512 ? 2 : TOMLIN_TARGET_IS_AVX2 ? 1 : 0),
+static_assert(TOMLIN_TARGET == (TOMLIN_TARGET_IS_AVX512 ? 2
+                                : TOMLIN_TARGET_IS_AVX2 ? 1
+                                                        : 0),
               "TOMLIN_TARGET contradicts TOMLIN_TARGET_AVX2 / TOMLIN_TARGET_AVX512");
 }  // namespace target_check
 

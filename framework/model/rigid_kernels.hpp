@@ -28,7 +28,7 @@ struct RigidKernels {
   static constexpr double kTau = 6.283185307179586476925286766559;
 
   /// x_i = c + R(phi) r_i,  v_i = c' + omega (-arm_y, arm_x).
-  static void place(const void* arguments, const Stage<double>& stage) {
+  TOMLIN_FLATTEN static void place(const void* arguments, const Stage<double>& stage) {
     const RigidArguments a = *static_cast<const RigidArguments*>(arguments);
     const double* q = stage.position + a.body.centre;
     const double* u = stage.velocity + a.body.centre;
@@ -62,7 +62,7 @@ struct RigidKernels {
   }
 
   /// The coordinate counts turns, so its generalised force is 2 pi times the torque.
-  static void gather(const void* arguments, const Stage<double>& stage) {
+  TOMLIN_FLATTEN static void gather(const void* arguments, const Stage<double>& stage) {
     const RigidArguments a = *static_cast<const RigidArguments*>(arguments);
     const std::size_t stride = a.body.stride;
     const double* f = stage.mapped_force + a.body.offset;

@@ -16,7 +16,7 @@ struct ObserveTable {
 inline namespace TOMLIN_TARGET {
 
 struct ObserveKernels {
-  static void mean(const BodySlot<double>& slot, const double* numbers, int axes, double* result) {
+  TOMLIN_FLATTEN static void mean(const BodySlot<double>& slot, const double* numbers, int axes, double* result) {
     for (int d = 0; d < axes; ++d) {
       const double* from = numbers + slot.offset + d * slot.stride;
       Pack total(0.0);

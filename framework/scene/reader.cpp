@@ -3,7 +3,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -32,6 +32,7 @@ constexpr Extent kTopOfFile{{1, 1}, {1, 1}, 0};
 template <class Record>
 std::vector<std::string> names_of(const std::vector<std::unique_ptr<Record>>& records) {
   std::vector<std::string> names;
+  names.reserve(records.size());
   for (const auto& record : records) names.push_back(record->name);
   return names;
 }
@@ -199,7 +200,8 @@ class SceneReader {
 
   void read_bodies() {
     const auto given = sections("body");
-    if (given.empty() && document_.find("body") == nullptr) {
+    const Node* node = document_.find("body");
+    if (node == nullptr || (node->as<List>() && node->as<List>()->empty())) {
       faults_.of_key(kTopOfFile, {"body", "missing: a scene needs at least one [[body]]"});
     }
     for (const Section& body : given) {
@@ -258,12 +260,12 @@ class SceneReader {
     const std::string key = path + ".type";
     const Node* node = given.table->find("type");
     if (node == nullptr) {
-      faults_.of_key(given.where, {key, "missing", listed_in_quotes(names)});
+      faults_.of_key(given.where, {key, "missing", listed(in_quotes(names))});
       return nullptr;
     }
     const auto* type = node->as<std::string>();
     if (type == nullptr) {
-      faults_.of_value(*node, {key, "found " + kind_of(*node), listed_in_quotes(names)});
+      faults_.of_value(*node, {key, "found " + kind_of(*node), listed(in_quotes(names))});
       return nullptr;
     }
     for (const auto& record : records) {
@@ -272,7 +274,7 @@ class SceneReader {
     const bool later = is_later_type(kind, *type);
     faults_.of_value(
         *node, {key, later ? kNotInThisVersion : "there is no such " + kind,
-                listed_in_quotes(names), later ? "" : nearest_name(*type, names).value_or("")});
+                listed(in_quotes(names)), later ? "" : nearest_name(*type, names).value_or("")});
     return nullptr;
   }
 

@@ -53,7 +53,7 @@ TableReading read_table(const Table& table, const Extent& where, const TableLayo
       reading.effective.set(row.key, *node);
     } else if (row.standard) {
       value = row.standard;
-      if (auto node = to_node(*value)) reading.effective.set(row.key, *std::move(node));
+      if (auto written = to_node(*value)) reading.effective.set(row.key, *std::move(written));
     } else if (row.required()) {
       faults.of_key(where, {key, "missing", what_is_due(row)});
       reading.sound = false;

@@ -101,10 +101,11 @@ std::string listed(const std::vector<std::string>& names) {
   return result;
 }
 
-std::string listed_in_quotes(const std::vector<std::string>& words) {
-  std::vector<std::string> in_quotes;
-  for (const std::string& word : words) in_quotes.push_back(quoted_text(word));
-  return listed(in_quotes);
+std::vector<std::string> in_quotes(const std::vector<std::string>& words) {
+  std::vector<std::string> result;
+  result.reserve(words.size());
+  for (const std::string& word : words) result.push_back(quoted_text(word));
+  return result;
 }
 
 bool is_component_name(std::string_view name) {

@@ -31,8 +31,8 @@ std::string key_text(std::string_view key);
 /// "a, b, c"; the tail of a long list is left out.
 std::string listed(const std::vector<std::string>& names);
 
-/// "\"a\", \"b\"".
-std::string listed_in_quotes(const std::vector<std::string>& words);
+/// Each word in double quotes.
+std::vector<std::string> in_quotes(const std::vector<std::string>& words);
 
 /// [A-Za-z_][A-Za-z0-9_-]*: the name of a body or a force.
 bool is_component_name(std::string_view name);

@@ -55,16 +55,10 @@ std::string joined_with_or(const std::vector<std::string>& alternatives) {
   return result;
 }
 
-std::vector<std::string> in_quotes(const std::vector<std::string>& words) {
-  std::vector<std::string> result;
-  for (const std::string& word : words) result.push_back(quoted_text(word));
-  return result;
-}
-
 }  // namespace
 
 std::string what_is_due(const Parameter& row) {
-  const std::string a_number = with_range("a number", row.interval);
+  std::string a_number = with_range("a number", row.interval);
   return std::visit(
       [&](const auto& prototype) -> std::string {
         using Kind = std::decay_t<decltype(prototype)>;

@@ -1,9 +1,9 @@
 #include "framework/core/double_double.hpp"
 
-#include <gtest/gtest.h>
+#include <cmath>
 
 #include <boost/multiprecision/cpp_int.hpp>
-#include <cmath>
+#include <gtest/gtest.h>
 
 #include "tests/framework/core/target_test.hpp"
 

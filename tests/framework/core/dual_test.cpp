@@ -1,8 +1,8 @@
 #include "framework/core/dual.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 #include "tests/framework/core/target_test.hpp"
 
@@ -115,8 +115,8 @@ TARGET_TEST(Dual, NestedGivesTheHessian) {
   EXPECT_NEAR(f.value.value, x * x * y * y * y + e + std::sqrt(x), kRounding);
   EXPECT_NEAR(f.value.derivative[0], 2 * x * y * y * y + y * e + 0.5 / std::sqrt(x), kRounding);
   EXPECT_NEAR(f.derivative[1].value, 3 * x * x * y * y + x * e, kRounding);
-  EXPECT_NEAR(f.derivative[0].derivative[0],
-              2 * y * y * y + y * y * e - 0.25 / (x * std::sqrt(x)), kRounding);
+  EXPECT_NEAR(f.derivative[0].derivative[0], 2 * y * y * y + y * y * e - 0.25 / (x * std::sqrt(x)),
+              kRounding);
   EXPECT_NEAR(f.derivative[0].derivative[1], 6 * x * y * y + (1 + x * y) * e, kRounding);
   EXPECT_EQ(f.derivative[0].derivative[1], f.derivative[1].derivative[0]);
   EXPECT_NEAR(f.derivative[1].derivative[1], 6 * x * x * y + x * x * e, kRounding);

@@ -16,8 +16,7 @@ class BitsHash {
  public:
   void add(double x) {
     // The standard leaves sign and payload of a NaN open; they are not part of the promise.
-    const std::uint64_t bits =
-        x != x ? 0x7ff8000000000000u : __builtin_bit_cast(std::uint64_t, x);
+    const std::uint64_t bits = x != x ? 0x7ff8000000000000u : __builtin_bit_cast(std::uint64_t, x);
     state_ = (state_ ^ bits) * 0x9e3779b97f4a7c15u;
     state_ ^= state_ >> 29;
   }
@@ -45,10 +44,26 @@ std::uint64_t math_bits() {
   BitsHash hash;
   TestNumbers numbers(20240917);
   constexpr int kBlocks = 4000;
-  const double special[] = {0.0,      -0.0,    1.0,     -1.0,    0.5,    -2.0,   0.25,
-                            0x1p-1074, -0x1p-1074, 0x1p-1022, 0x1p50, -0x1p50, 709.782712893384,
-                            -745.13321910194122, __builtin_inf(), -__builtin_inf(),
-                            __builtin_nan(""), 3.0, 1e300, -1e-300};
+  const double special[] = {0.0,
+                            -0.0,
+                            1.0,
+                            -1.0,
+                            0.5,
+                            -2.0,
+                            0.25,
+                            0x1p-1074,
+                            -0x1p-1074,
+                            0x1p-1022,
+                            0x1p50,
+                            -0x1p50,
+                            709.782712893384,
+                            -745.13321910194122,
+                            __builtin_inf(),
+                            -__builtin_inf(),
+                            __builtin_nan(""),
+                            3.0,
+                            1e300,
+                            -1e-300};
   constexpr int kSpecial = sizeof(special) / sizeof(special[0]);
   for (int block = 0; block < kBlocks; ++block) {
     double a[kLanes], b[kLanes], c[kLanes], turns[kLanes];
@@ -73,11 +88,14 @@ std::uint64_t math_bits() {
           turns[i] = a[i] == 1e300 ? 0.125 : a[i];
       }
     }
-#define TOMLIN_ADD(expression)                                                       \
-  add_results<T>(hash, [](auto x, auto y, auto z) {                                  \
-    static_cast<void>(x), static_cast<void>(y), static_cast<void>(z);                \
-    return expression;                                                               \
-  }, a, b, c)
+#define TOMLIN_ADD(expression)                                            \
+  add_results<T>(                                                         \
+      hash,                                                               \
+      [](auto x, auto y, auto z) {                                        \
+        static_cast<void>(x), static_cast<void>(y), static_cast<void>(z); \
+        return expression;                                                \
+      },                                                                  \
+      a, b, c)
     TOMLIN_ADD(x + y);
     TOMLIN_ADD(x - y);
     TOMLIN_ADD(x * y);

@@ -19,13 +19,13 @@ constexpr long double kLongTwoPi = 6.283185307179586476925286766559L;
 // up to for the way the function is evaluated, a little above the worst case in 1e7 samples; the
 // truncation of the polynomials is a hundred times smaller. The reference is the x87 long double,
 // whose own error is 1/2048 of such a unit.
-constexpr double kSineError = 2.5e-16;        // absolute: three roundings near 1, one of r^2
-constexpr double kCosineError = 1.6e-16;      // absolute: one rounding near 1, one of r^2
-constexpr double kSineNearZeroError = 2.0;    // coefficient, product, sum
-constexpr double kExpError = 1.35;            // 1 + r, and the sum, just below a power of two
+constexpr double kSineError = 2.5e-16;      // absolute: three roundings near 1, one of r^2
+constexpr double kCosineError = 1.6e-16;    // absolute: one rounding near 1, one of r^2
+constexpr double kSineNearZeroError = 2.0;  // coefficient, product, sum
+constexpr double kExpError = 1.35;          // 1 + r, and the sum, just below a power of two
 constexpr double kLogError = 0.85;
-constexpr double kPowError = 1.3;             // one rounding, and 709 times 2^-63 of the logarithm
-constexpr double kFloatError = 0.501;         // one rounding of an almost exact double
+constexpr double kPowError = 1.3;      // one rounding, and 709 times 2^-63 of the logarithm
+constexpr double kFloatError = 0.501;  // one rounding of an almost exact double
 
 // The distance of doubles at x; below 2^-1022 it no longer shrinks.
 double unit_at(long double x) {
@@ -62,10 +62,14 @@ struct Phases {
   TestNumbers numbers{11};
   double operator()(int i) {
     switch (i % 4) {
-      case 0: return numbers.uniform(-1, 1);
-      case 1: return numbers.uniform(0.2499, 0.2501);
-      case 2: return numbers.uniform(-4000, 4000);
-      default: return numbers.uniform(-0.26, 0.26);
+      case 0:
+        return numbers.uniform(-1, 1);
+      case 1:
+        return numbers.uniform(0.2499, 0.2501);
+      case 2:
+        return numbers.uniform(-4000, 4000);
+      default:
+        return numbers.uniform(-0.26, 0.26);
     }
   }
 };

@@ -127,9 +127,9 @@ TARGET_TEST(Pack, ComparisonsAndMasks) {
 }
 
 TARGET_TEST(Pack, RoundGoesToTheEvenHalf) {
-  const double in[] = {0.5,  1.5, 2.5, -0.5, -1.5, 0.49999999999999994, 4503599627370495.5,
+  const double in[] = {0.5,  1.5,   2.5,   -0.5, -1.5, 0.49999999999999994, 4503599627370495.5,
                        -2.7, 1e300, -kInf, -0.0};
-  const double out[] = {0.0, 2.0, 2.0, -0.0, -2.0, 0.0, 4503599627370496.0,
+  const double out[] = {0.0,  2.0,   2.0,   -0.0, -2.0, 0.0, 4503599627370496.0,
                         -3.0, 1e300, -kInf, -0.0};
   for (int i = 0; i < 11; ++i) {
     EXPECT_EQ(bits_of(round(in[i])), bits_of(out[i])) << in[i];

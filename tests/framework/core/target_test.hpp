@@ -1,9 +1,9 @@
 // For tests that are compiled once per instruction set and linked into one program.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstdint>
+
+#include <gtest/gtest.h>
 
 #include "framework/core/target.hpp"
 
@@ -11,12 +11,12 @@
 // on a processor that cannot run the copy.
 #define TARGET_TEST(suite, name) TARGET_TEST_EXPAND(suite, TOMLIN_TARGET, name)
 #define TARGET_TEST_EXPAND(suite, target, name) TARGET_TEST_PASTE(suite, target, name)
-#define TARGET_TEST_PASTE(suite, target, name)                                          \
-  static void suite##_##target##_##name##_body();                                       \
-  TEST(suite##_##target, name) {                                                        \
+#define TARGET_TEST_PASTE(suite, target, name)                                                   \
+  static void suite##_##target##_##name##_body();                                                \
+  TEST(suite##_##target, name) {                                                                 \
     if (!cpu_runs_target()) GTEST_SKIP() << "this processor lacks the instructions of " #target; \
-    suite##_##target##_##name##_body();                                                 \
-  }                                                                                     \
+    suite##_##target##_##name##_body();                                                          \
+  }                                                                                              \
   static void suite##_##target##_##name##_body()
 
 namespace tomlin {

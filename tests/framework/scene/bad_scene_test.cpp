@@ -705,6 +705,12 @@ TEST(BadScene, ParticlesOfAllBodiesAreLimitedTogether) {
             "bodies before; admissible: at most 10000000 particles in a scene\n");
 }
 
+TEST(BadScene, AnEmptyListOfBodiesIsNone) {
+  const auto row = std::string(kRow);
+  EXPECT_EQ(faults_of("body = []\n" + row.substr(0, row.find("[[body]]"))),
+            "ring.toml:1:1: error: body: missing: a scene needs at least one [[body]]\n");
+}
+
 TEST(BadScene, ForcesOfABodyWithAnUnfitNameAreNotBlamed) {
   EXPECT_EQ(faults_of(replaced_all(kRing, "\"ring\"", "\"drivers\"")),
             "ring.toml:9:8: error: body.drivers.name = \"drivers\": a word of the summary; choose "

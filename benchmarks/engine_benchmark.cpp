@@ -1,0 +1,163 @@
+// Time per rk4 step of the engine, with everything that a run does along the way: running means,
+// extremes, checks of every step. The scenes are those of the plain loops.
+#include <benchmark/benchmark.h>
+
+#include <memory>
+#include <string>
+
+#include "forcefields/register.hpp"
+#include "framework/bodies/register.hpp"
+#include "framework/run/engine.hpp"
+#include "framework/scene/scene.hpp"
+#include "integrators/register.hpp"
+
+namespace {
+
+using namespace tomlin;
+
+const Registry& registry() {
+  static const Registry all = [] {
+    Registry r;
+    register_bodies(r);
+    register_forcefields(r);
+    register_integrators(r);
+    return r;
+  }();
+  return all;
+}
+
+const std::string kPt = R"--(
+[[body]]
+type = "point"
+position = [0.0]
+particle_mass = 1.0
+[[force]]
+type = "driving_spring"
+stiffness = 2.0
+velocity = [1e-3]
+[[force]]
+type = "viscous_damping"
+coefficient = "2 * sqrt(2)"
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.1
+period = 1.0
+[run]
+duration = 1e12
+integrator = { type = "rk4", dt = 1e-2 }
+)--";
+
+std::string ring(const std::string& coordinates, const std::string& dt) {
+  return R"--(
+[parameters]
+N = 8
+[[body]]
+type = "ring"
+count = "N"
+radius = 1.0
+particle_mass = "1 / N"
+centre = [0.0, 1.0]
+coordinates = ")--" + coordinates + R"--("
+[[force]]
+type = "harmonic_bonds"
+pairs = "all"
+stiffness = 1e6
+[[force]]
+type = "driving_spring"
+stiffness = 2.0
+velocity = [1e-3, 0.0]
+[[force]]
+type = "viscous_damping"
+coefficient = "2 * sqrt(2) / N"
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = "0.1 / N"
+period = 1.0
+decay = 1.0
+[run]
+duration = 1e12
+integrator = { type = "rk4", dt = )--" + dt + " }\n";
+}
+
+std::string chain(const std::string& count, const std::string& spacing) {
+  return R"--(
+[[body]]
+type = "chain"
+count = )--" + count + R"--(
+spacing = )--" + spacing + R"--(
+particle_mass = 1.0
+[[force]]
+type = "harmonic_bonds"
+pairs = "neighbours"
+stiffness = 1.0
+[[force]]
+type = "driving_spring"
+stiffness = 1.0
+velocity = [1e-3]
+[[force]]
+type = "viscous_damping"
+coefficient = 0.1
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.05
+period = 1.0
+[run]
+duration = 1e12
+integrator = { type = "rk4", dt = 1e-2 }
+)--";
+}
+
+Engine& engine_for(const std::string& scene) {
+  // Leaked on purpose: repetitions go on along the trajectory, and the benchmark ends the process.
+  return *new Engine(parse_scene(scene, "benchmark.toml", registry()), RunOptions());
+}
+
+void run(benchmark::State& state, Engine& engine, std::uint64_t batch) {
+  for (auto _ : state) {
+    engine.advance(batch);
+    benchmark::ClobberMemory();
+  }
+  if (engine.done()) state.SkipWithError("the run ended");
+  const double steps = static_cast<double>(state.iterations()) * static_cast<double>(batch);
+  state.SetItemsProcessed(static_cast<std::int64_t>(steps));
+  state.counters["s_per_step"] =
+      benchmark::Counter(steps, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+void BM_pt(benchmark::State& state) {
+  static Engine& engine = engine_for(kPt);
+  run(state, engine, 64);
+}
+BENCHMARK(BM_pt)->Name("pt/tomlin");
+
+void BM_flexible_ring(benchmark::State& state) {
+  static Engine& engine = engine_for(ring("particles", "1e-4"));
+  run(state, engine, 16);
+}
+BENCHMARK(BM_flexible_ring)->Name("flexible_ring_8/tomlin");
+
+void BM_rigid_ring(benchmark::State& state) {
+  static Engine& engine = engine_for(ring("rigid", "1e-2"));
+  run(state, engine, 16);
+}
+BENCHMARK(BM_rigid_ring)->Name("rigid_ring_8/tomlin");
+
+void BM_chain_1000(benchmark::State& state) {
+  static Engine& engine = engine_for(chain("1000", "1.0"));
+  run(state, engine, 1);
+}
+BENCHMARK(BM_chain_1000)->Name("chain_1000/tomlin");
+
+void BM_golden_chain_1000(benchmark::State& state) {
+  static Engine& engine = engine_for(chain("1000", "1.618033988749895"));
+  run(state, engine, 1);
+}
+BENCHMARK(BM_golden_chain_1000)->Name("golden_chain_1000/tomlin");
+
+void BM_golden_chain_100000(benchmark::State& state) {
+  static Engine& engine = engine_for(chain("100000", "1.618033988749895"));
+  run(state, engine, 1);
+}
+BENCHMARK(BM_golden_chain_100000)->Name("golden_chain_100000/tomlin");
+
+}  // namespace

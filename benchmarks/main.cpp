@@ -1,0 +1,68 @@
+// Runs the benchmarks and prints, for each model, the engine's time per step over that of its
+// hand-written twins in this same process. The ratio is the figure; absolute times drift.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "framework/core/instruction_set.hpp"
+
+namespace {
+
+class RatioReporter : public benchmark::ConsoleReporter {
+ public:
+  void ReportRuns(const std::vector<Run>& runs) override {
+    for (const Run& run : runs) {
+      const bool median = run.run_type == Run::RT_Aggregate && run.aggregate_name == "median";
+      if ((run.run_type == Run::RT_Iteration || median) && !run.error_occurred) {
+        const auto counter = run.counters.find("s_per_step");
+        if (counter != run.counters.end()) {
+          times_[run.run_name.function_name].push_back(1e9 * counter->second.value);
+        }
+      }
+    }
+    ConsoleReporter::ReportRuns(runs);
+  }
+
+  void Finalize() override {
+    std::printf("\nMedian ns per step; kernels: %s; plain loops: -O3 -march=x86-64-v3\n",
+                std::string(tomlin::to_string(tomlin::chosen_instruction_set())).c_str());
+    std::printf("%-22s %12s %12s %12s %10s %10s\n", "model", "plain", "own sine", "tomlin",
+                "/ plain", "/ own");
+    for (const auto& [name, values] : times_) {
+      const std::size_t at = name.find("/tomlin");
+      if (at == std::string::npos) continue;
+      const std::string model = name.substr(0, at);
+      const double plain = median(model + "/plain");
+      const double own = median(model + "/plain_own_math");
+      const double ours = median(name);
+      std::printf("%-22s %12.1f %12.1f %12.1f %10.3f %10.3f\n", model.c_str(), plain, own, ours,
+                  ours / plain, ours / own);
+    }
+    ConsoleReporter::Finalize();
+  }
+
+ private:
+  double median(const std::string& name) {
+    std::vector<double>& values = times_[name];
+    if (values.empty()) return 0.0;
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+  }
+
+  std::map<std::string, std::vector<double>> times_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  RatioReporter reporter;
+  benchmark::RunSpecifiedBenchmarks(&reporter);
+  benchmark::Shutdown();
+  return 0;
+}

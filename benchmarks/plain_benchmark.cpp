@@ -1,0 +1,78 @@
+// Nanoseconds per RK4 step (four force evaluations) of the reference loops.
+#include <benchmark/benchmark.h>
+
+#include "benchmarks/plain_loops.hpp"
+
+namespace {
+
+using namespace tomlin::plain;
+
+// The model outlives the call, so that repetitions go on along the trajectory rather than time its
+// beginning again and again.
+template <class Model>
+void run(benchmark::State& state, Model& model, std::int64_t batch, double h) {
+  for (auto _ : state) {
+    model.advance(batch, h);
+    benchmark::ClobberMemory();
+  }
+  const double steps = static_cast<double>(state.iterations()) * static_cast<double>(batch);
+  state.SetItemsProcessed(static_cast<std::int64_t>(steps));
+  // An inverted rate is seconds per step, which is printed as such (57n: 57 nanoseconds).
+  state.counters["s_per_step"] =
+      benchmark::Counter(steps, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+template <class Math>
+void BM_plain_pt(benchmark::State& state) {
+  static PrandtlTomlinson<Math> model;
+  run(state, model, 64, 1e-2);
+}
+
+template <class Math>
+void BM_plain_flexible_ring(benchmark::State& state) {
+  static FlexibleRing<Math> model(8);
+  run(state, model, 16, 1e-4);
+}
+
+template <class Math>
+void BM_plain_rigid_ring(benchmark::State& state) {
+  static RigidRing<Math> model(8);
+  run(state, model, 16, 1e-2);
+}
+
+// Rest length equal to the period: the particles move nearly in phase, which flatters a library sine
+// with branches. The golden chain below is the fairer case.
+template <class Math>
+void BM_plain_chain_1000(benchmark::State& state) {
+  static Chain<Math> model(1000);
+  run(state, model, 1, 1e-2);
+}
+
+// Golden mean: the phases fill the period.
+template <class Math>
+void BM_plain_golden_chain_1000(benchmark::State& state) {
+  static Chain<Math> model(1000, std::numbers::phi);
+  run(state, model, 1, 1e-2);
+}
+
+template <class Math>
+void BM_plain_golden_chain_100000(benchmark::State& state) {
+  static Chain<Math> model(100000, std::numbers::phi);
+  run(state, model, 1, 1e-2);
+}
+
+// Named MODEL/plain and MODEL/plain_own_math: main.cpp holds the engine's MODEL/tomlin against them.
+BENCHMARK(BM_plain_pt<StdMath>)->Name("pt/plain");
+BENCHMARK(BM_plain_flexible_ring<StdMath>)->Name("flexible_ring_8/plain");
+BENCHMARK(BM_plain_rigid_ring<StdMath>)->Name("rigid_ring_8/plain");
+BENCHMARK(BM_plain_chain_1000<StdMath>)->Name("chain_1000/plain");
+BENCHMARK(BM_plain_golden_chain_1000<StdMath>)->Name("golden_chain_1000/plain");
+BENCHMARK(BM_plain_golden_chain_100000<StdMath>)->Name("golden_chain_100000/plain");
+BENCHMARK(BM_plain_pt<OwnMath>)->Name("pt/plain_own_math");
+BENCHMARK(BM_plain_flexible_ring<OwnMath>)->Name("flexible_ring_8/plain_own_math");
+BENCHMARK(BM_plain_rigid_ring<OwnMath>)->Name("rigid_ring_8/plain_own_math");
+BENCHMARK(BM_plain_chain_1000<OwnMath>)->Name("chain_1000/plain_own_math");
+BENCHMARK(BM_plain_golden_chain_1000<OwnMath>)->Name("golden_chain_1000/plain_own_math");
+BENCHMARK(BM_plain_golden_chain_100000<OwnMath>)->Name("golden_chain_100000/plain_own_math");
+
+}  // namespace

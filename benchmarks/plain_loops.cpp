@@ -1,0 +1,369 @@
+#include "benchmarks/plain_loops.hpp"
+
+namespace tomlin::plain {
+
+// ---- Prandtl-Tomlinson --------------------------------------------------------------------------
+
+template <class Math>
+[[gnu::noinline]] void PrandtlTomlinson<Math>::advance(std::int64_t steps, double h) {
+  const Math math(period);
+  const double k = stiffness;
+  const double xi = damping;
+  const double site = 2.0 * std::numbers::pi * amplitude / period;
+  const double inverse_mass = 1.0 / mass;
+  const double half = 0.5 * h;
+  const double sixth = h / 6.0;
+  double position = x;
+  double velocity = v;
+  double integral = force_integral;
+
+  for (std::int64_t n = done; n < done + steps; ++n) {
+    const double t = static_cast<double>(n) * h;
+    const double driver1 = speed * t;
+    const double driver2 = speed * (t + half);
+    const double driver4 = speed * (t + h);
+
+    const double f1 = k * (driver1 - position);
+    const double a1 = (f1 - xi * velocity + site * math.sine(position)) * inverse_mass;
+
+    const double x2 = position + half * velocity;
+    const double v2 = velocity + half * a1;
+    const double f2 = k * (driver2 - x2);
+    const double a2 = (f2 - xi * v2 + site * math.sine(x2)) * inverse_mass;
+
+    const double x3 = position + half * v2;
+    const double v3 = velocity + half * a2;
+    const double f3 = k * (driver2 - x3);
+    const double a3 = (f3 - xi * v3 + site * math.sine(x3)) * inverse_mass;
+
+    const double x4 = position + h * v3;
+    const double v4 = velocity + h * a3;
+    const double f4 = k * (driver4 - x4);
+    const double a4 = (f4 - xi * v4 + site * math.sine(x4)) * inverse_mass;
+
+    position += sixth * (velocity + 2.0 * (v2 + v3) + v4);
+    velocity += sixth * (a1 + 2.0 * (a2 + a3) + a4);
+    integral += sixth * (f1 + 2.0 * (f2 + f3) + f4);
+  }
+  x = position;
+  v = velocity;
+  force_integral = integral;
+  done += steps;
+}
+
+// ---- flexible ring ------------------------------------------------------------------------------
+
+template <class Math>
+FlexibleRing<Math>::FlexibleRing(int particles, double ring_radius)
+    : count(particles), radius(ring_radius) {
+  for (std::vector<double>* a : {&x, &y, &vx, &vy, &xs, &ys, &vxs, &vys, &ax, &ay, &sum_vx, &sum_vy,
+                                 &sum_ax, &sum_ay}) {
+    a->assign(count, 0.0);
+  }
+  for (int i = 0; i < count; ++i) {
+    const double theta = 2.0 * std::numbers::pi * i / count;
+    x[i] = radius * std::cos(theta);
+    y[i] = radius + radius * std::sin(theta);
+  }
+  rest_length.assign(count * count, 0.0);
+  for (int i = 0; i < count; ++i) {
+    for (int j = i + 1; j < count; ++j) {
+      const double dx = x[j] - x[i];
+      const double dy = y[j] - y[i];
+      rest_length[i * count + j] = std::sqrt(dx * dx + dy * dy);
+    }
+  }
+}
+
+// Every force of the model in one function.
+template <class Math>
+void FlexibleRing<Math>::accelerations(const double* px, const double* py, const double* ux,
+                                       const double* uy, double t, double& driver_x,
+                                       double& driver_y) {
+  const Math math(period);
+  const int n = count;
+  const double share = 1.0 / n;
+  const double xi = damping * share;
+  const double v0 = amplitude * share;
+  const double kx = 2.0 * std::numbers::pi / period;
+  const double b = lambda / radius;
+  const double inverse_mass = n / mass;
+  const double k_bond = bond_stiffness;
+  double* fx = ax.data();
+  double* fy = ay.data();
+
+  double centre_x = 0.0;
+  double centre_y = 0.0;
+  for (int i = 0; i < n; ++i) {
+    centre_x += px[i];
+    centre_y += py[i];
+  }
+  driver_x = stiffness * (speed * t - centre_x * share);
+  driver_y = stiffness * (radius - centre_y * share);
+  const double spring_x = driver_x * share;
+  const double spring_y = driver_y * share;
+
+  for (int i = 0; i < n; ++i) {
+    double s, c;
+    math.sine_cosine(px[i], s, c);
+    const double v = v0 * Math::exponential(-b * py[i] * py[i]);
+    fx[i] = spring_x - xi * ux[i] + v * kx * s;
+    fy[i] = spring_y - xi * uy[i] + 2.0 * b * py[i] * v * c;
+  }
+
+  for (int i = 0; i < n; ++i) {
+    const double xpos = px[i];
+    const double ypos = py[i];
+    const double* r0 = rest_length.data() + i * n;
+    double fxi = fx[i];
+    double fyi = fy[i];
+    for (int j = i + 1; j < n; ++j) {
+      const double dx = px[j] - xpos;
+      const double dy = py[j] - ypos;
+      const double r = std::sqrt(dx * dx + dy * dy);
+      const double f = k_bond * (r - r0[j]) / r;
+      fxi += f * dx;
+      fyi += f * dy;
+      fx[j] -= f * dx;
+      fy[j] -= f * dy;
+    }
+    fx[i] = fxi * inverse_mass;
+    fy[i] = fyi * inverse_mass;
+  }
+}
+
+template <class Math>
+[[gnu::noinline]] void FlexibleRing<Math>::advance(std::int64_t steps, double h) {
+  const int n = count;
+  const double half = 0.5 * h;
+  const double sixth = h / 6.0;
+
+  for (std::int64_t m = 0; m < steps; ++m) {
+    const double t = static_cast<double>(done) * h;
+    double f1x, f1y, f2x, f2y, f3x, f3y, f4x, f4y;
+
+    accelerations(x.data(), y.data(), vx.data(), vy.data(), t, f1x, f1y);
+    for (int i = 0; i < n; ++i) {
+      sum_vx[i] = vx[i];
+      sum_vy[i] = vy[i];
+      sum_ax[i] = ax[i];
+      sum_ay[i] = ay[i];
+      xs[i] = x[i] + half * vx[i];
+      ys[i] = y[i] + half * vy[i];
+      vxs[i] = vx[i] + half * ax[i];
+      vys[i] = vy[i] + half * ay[i];
+    }
+
+    accelerations(xs.data(), ys.data(), vxs.data(), vys.data(), t + half, f2x, f2y);
+    for (int i = 0; i < n; ++i) {
+      sum_vx[i] += 2.0 * vxs[i];
+      sum_vy[i] += 2.0 * vys[i];
+      sum_ax[i] += 2.0 * ax[i];
+      sum_ay[i] += 2.0 * ay[i];
+      xs[i] = x[i] + half * vxs[i];
+      ys[i] = y[i] + half * vys[i];
+      vxs[i] = vx[i] + half * ax[i];
+      vys[i] = vy[i] + half * ay[i];
+    }
+
+    accelerations(xs.data(), ys.data(), vxs.data(), vys.data(), t + half, f3x, f3y);
+    for (int i = 0; i < n; ++i) {
+      sum_vx[i] += 2.0 * vxs[i];
+      sum_vy[i] += 2.0 * vys[i];
+      sum_ax[i] += 2.0 * ax[i];
+      sum_ay[i] += 2.0 * ay[i];
+      xs[i] = x[i] + h * vxs[i];
+      ys[i] = y[i] + h * vys[i];
+      vxs[i] = vx[i] + h * ax[i];
+      vys[i] = vy[i] + h * ay[i];
+    }
+
+    accelerations(xs.data(), ys.data(), vxs.data(), vys.data(), t + h, f4x, f4y);
+    for (int i = 0; i < n; ++i) {
+      x[i] += sixth * (sum_vx[i] + vxs[i]);
+      y[i] += sixth * (sum_vy[i] + vys[i]);
+      vx[i] += sixth * (sum_ax[i] + ax[i]);
+      vy[i] += sixth * (sum_ay[i] + ay[i]);
+    }
+    force_integral_x += sixth * (f1x + 2.0 * (f2x + f3x) + f4x);
+    force_integral_y += sixth * (f1y + 2.0 * (f2y + f3y) + f4y);
+    ++done;
+  }
+}
+
+// ---- rigid ring ---------------------------------------------------------------------------------
+
+template <class Math>
+RigidRing<Math>::RigidRing(int particles, double ring_radius)
+    : count(particles), radius(ring_radius), y(ring_radius) {
+  for (int i = 0; i < count; ++i) {
+    const double theta = 2.0 * std::numbers::pi * i / count;
+    reference_x.push_back(radius * std::cos(theta));
+    reference_y.push_back(radius * std::sin(theta));
+  }
+}
+
+template <class Math>
+auto RigidRing<Math>::acceleration(double px, double py, double angle, double ux, double uy,
+                                   double spin, double t) const -> Acceleration {
+  const Math math(period);
+  const double v0 = amplitude / count;
+  const double kx = 2.0 * std::numbers::pi / period;
+  const double b = lambda / radius;
+  const double inertia = mass * radius * radius;
+  double sin_phi, cos_phi;
+  Math::rotation(angle, sin_phi, cos_phi);
+
+  double sum_x = 0.0;
+  double sum_y = 0.0;
+  double torque = 0.0;
+  for (int i = 0; i < count; ++i) {
+    const double rx = cos_phi * reference_x[i] - sin_phi * reference_y[i];
+    const double ry = sin_phi * reference_x[i] + cos_phi * reference_y[i];
+    const double site_y = py + ry;
+    double s, c;
+    math.sine_cosine(px + rx, s, c);
+    const double v = v0 * Math::exponential(-b * site_y * site_y);
+    const double fx = v * kx * s;
+    const double fy = 2.0 * b * site_y * v * c;
+    sum_x += fx;
+    sum_y += fy;
+    torque += rx * fy - ry * fx;
+  }
+
+  const double driver_x = stiffness * (speed * t - px);
+  const double driver_y = stiffness * (radius - py);
+  return {(driver_x - damping * ux + sum_x) / mass, (driver_y - damping * uy + sum_y) / mass,
+          (torque - damping * radius * radius * spin) / inertia, driver_x, driver_y};
+}
+
+template <class Math>
+[[gnu::noinline]] void RigidRing<Math>::advance(std::int64_t steps, double h) {
+  const double half = 0.5 * h;
+  const double sixth = h / 6.0;
+
+  for (std::int64_t m = 0; m < steps; ++m) {
+    const double t = static_cast<double>(done) * h;
+    const Acceleration a1 = acceleration(x, y, phi, vx, vy, omega, t);
+
+    const double vx2 = vx + half * a1.x;
+    const double vy2 = vy + half * a1.y;
+    const double om2 = omega + half * a1.phi;
+    const Acceleration a2 = acceleration(x + half * vx, y + half * vy, phi + half * omega, vx2, vy2,
+                                         om2, t + half);
+
+    const double vx3 = vx + half * a2.x;
+    const double vy3 = vy + half * a2.y;
+    const double om3 = omega + half * a2.phi;
+    const Acceleration a3 = acceleration(x + half * vx2, y + half * vy2, phi + half * om2, vx3, vy3,
+                                         om3, t + half);
+
+    const double vx4 = vx + h * a3.x;
+    const double vy4 = vy + h * a3.y;
+    const double om4 = omega + h * a3.phi;
+    const Acceleration a4 = acceleration(x + h * vx3, y + h * vy3, phi + h * om3, vx4, vy4, om4,
+                                         t + h);
+
+    x += sixth * (vx + 2.0 * (vx2 + vx3) + vx4);
+    y += sixth * (vy + 2.0 * (vy2 + vy3) + vy4);
+    phi += sixth * (omega + 2.0 * (om2 + om3) + om4);
+    vx += sixth * (a1.x + 2.0 * (a2.x + a3.x) + a4.x);
+    vy += sixth * (a1.y + 2.0 * (a2.y + a3.y) + a4.y);
+    omega += sixth * (a1.phi + 2.0 * (a2.phi + a3.phi) + a4.phi);
+    force_integral_x += sixth * (a1.driver_x + 2.0 * (a2.driver_x + a3.driver_x) + a4.driver_x);
+    force_integral_y += sixth * (a1.driver_y + 2.0 * (a2.driver_y + a3.driver_y) + a4.driver_y);
+    ++done;
+  }
+}
+
+// ---- chain --------------------------------------------------------------------------------------
+
+template <class Math>
+Chain<Math>::Chain(int particles, double spacing) : count(particles), rest_length(spacing) {
+  for (std::vector<double>* a : {&x, &v, &xs, &vs, &acc, &sum_v, &sum_a}) a->assign(count, 0.0);
+  for (int i = 0; i < count; ++i) x[i] = i * spacing;
+  start_centre = 0.5 * (count - 1) * spacing;
+}
+
+// Returns the force of the driving spring. The chain cannot turn over in one dimension, so a bond
+// needs no absolute value.
+template <class Math>
+double Chain<Math>::accelerations(const double* px, const double* pv, double t) {
+  const Math math(period);
+  const int n = count;
+  const double k = bond_stiffness;
+  const double r0 = rest_length;
+  const double xi = damping_each;
+  const double site = 2.0 * std::numbers::pi * amplitude_each / period;
+  const double inverse_mass = 1.0 / mass_each;
+  double* a = acc.data();
+
+  double centre = 0.0;
+  for (int i = 0; i < n; ++i) centre += px[i];
+  centre /= n;
+  const double driver = stiffness * (start_centre + speed * t - centre);
+  const double spring = driver / n;
+
+  double left = 0.0;  // each bond is evaluated once and handed on to its right end
+  for (int i = 0; i < n - 1; ++i) {
+    const double right = k * (px[i + 1] - px[i] - r0);
+    a[i] = (spring + right - left - xi * pv[i] + site * math.sine(px[i])) * inverse_mass;
+    left = right;
+  }
+  a[n - 1] = (spring - left - xi * pv[n - 1] + site * math.sine(px[n - 1])) * inverse_mass;
+  return driver;
+}
+
+template <class Math>
+[[gnu::noinline]] void Chain<Math>::advance(std::int64_t steps, double h) {
+  const int n = count;
+  const double half = 0.5 * h;
+  const double sixth = h / 6.0;
+
+  for (std::int64_t m = 0; m < steps; ++m) {
+    const double t = static_cast<double>(done) * h;
+
+    const double f1 = accelerations(x.data(), v.data(), t);
+    for (int i = 0; i < n; ++i) {
+      sum_v[i] = v[i];
+      sum_a[i] = acc[i];
+      xs[i] = x[i] + half * v[i];
+      vs[i] = v[i] + half * acc[i];
+    }
+
+    const double f2 = accelerations(xs.data(), vs.data(), t + half);
+    for (int i = 0; i < n; ++i) {
+      sum_v[i] += 2.0 * vs[i];
+      sum_a[i] += 2.0 * acc[i];
+      xs[i] = x[i] + half * vs[i];
+      vs[i] = v[i] + half * acc[i];
+    }
+
+    const double f3 = accelerations(xs.data(), vs.data(), t + half);
+    for (int i = 0; i < n; ++i) {
+      sum_v[i] += 2.0 * vs[i];
+      sum_a[i] += 2.0 * acc[i];
+      xs[i] = x[i] + h * vs[i];
+      vs[i] = v[i] + h * acc[i];
+    }
+
+    const double f4 = accelerations(xs.data(), vs.data(), t + h);
+    for (int i = 0; i < n; ++i) {
+      x[i] += sixth * (sum_v[i] + vs[i]);
+      v[i] += sixth * (sum_a[i] + acc[i]);
+    }
+    force_integral += sixth * (f1 + 2.0 * (f2 + f3) + f4);
+    ++done;
+  }
+}
+
+template struct PrandtlTomlinson<StdMath>;
+template struct FlexibleRing<StdMath>;
+template struct RigidRing<StdMath>;
+template struct Chain<StdMath>;
+template struct PrandtlTomlinson<OwnMath>;
+template struct FlexibleRing<OwnMath>;
+template struct RigidRing<OwnMath>;
+template struct Chain<OwnMath>;
+
+}  // namespace tomlin::plain

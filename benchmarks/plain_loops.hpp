@@ -1,0 +1,158 @@
+// Reference loops: each model as a one-off C++ program would have it. No part of the engine is
+// used, save its sine and exponential in the OwnMath variants, which shows how much of a
+// difference comes from the library functions alone.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include "framework/core/math.hpp"
+
+namespace tomlin::plain {
+
+// Sines of 2 pi x / period, and the exponential, from the system's library.
+struct StdMath {
+  double wave_number;
+
+  explicit StdMath(double period) : wave_number(2.0 * std::numbers::pi / period) {}
+  double sine(double x) const { return std::sin(wave_number * x); }
+  void sine_cosine(double x, double& s, double& c) const {
+    const double angle = wave_number * x;
+    s = std::sin(angle);
+    c = std::cos(angle);
+  }
+  static void rotation(double angle, double& s, double& c) {
+    s = std::sin(angle);
+    c = std::cos(angle);
+  }
+  static double exponential(double x) { return std::exp(x); }
+};
+
+// The same from the engine, whose sines take their argument in turns.
+struct OwnMath {
+  double inverse_period;
+
+  explicit OwnMath(double period) : inverse_period(1.0 / period) {}
+  double sine(double x) const { return tomlin::sin_turns(inverse_period * x); }
+  void sine_cosine(double x, double& s, double& c) const {
+    tomlin::sincos_turns(inverse_period * x, s, c);
+  }
+  static void rotation(double angle, double& s, double& c) {
+    tomlin::sincos_turns(angle * (0.5 * std::numbers::inv_pi), s, c);
+  }
+  static double exponential(double x) { return tomlin::exp(x); }
+};
+
+// One particle dragged over a cosine: m x'' = k (v t - x) - xi x' + (2 pi V0 / a) sin(2 pi x / a).
+template <class Math>
+struct PrandtlTomlinson {
+  double mass = 1.0;
+  double stiffness = 2.0;
+  double damping = 2.0 * std::numbers::sqrt2;
+  double speed = 1e-3;
+  double period = 1.0;
+  double amplitude = 0.1;
+
+  double x = 0.0;
+  double v = 0.0;
+  double force_integral = 0.0;  // of the driving spring's force over time
+  std::int64_t done = 0;
+
+  void advance(std::int64_t steps, double h);
+};
+
+// A ring of particles in the plane with a harmonic bond between every two of them. Quantities
+// without "each" are the whole ring's; the particles share them equally.
+template <class Math>
+struct FlexibleRing {
+  int count;
+  double radius;
+  double bond_stiffness = 1e6;
+  double stiffness = 2.0;
+  double damping = 2.0 * std::numbers::sqrt2;
+  double speed = 1e-3;
+  double period = 1.0;
+  double amplitude = 0.1;
+  double lambda = 1.0;
+  double mass = 1.0;
+
+  std::vector<double> x, y, vx, vy;
+  double force_integral_x = 0.0;
+  double force_integral_y = 0.0;
+  std::int64_t done = 0;
+
+  explicit FlexibleRing(int particles = 8, double ring_radius = 1.0);
+  void advance(std::int64_t steps, double h);
+
+ private:
+  std::vector<double> rest_length;                     // count x count, the upper half used
+  std::vector<double> xs, ys, vxs, vys;                // the state at a stage
+  std::vector<double> ax, ay;                          // its accelerations
+  std::vector<double> sum_vx, sum_vy, sum_ax, sum_ay;  // weighted sums over the stages
+
+  void accelerations(const double* px, const double* py, const double* ux, const double* uy,
+                     double t, double& driver_x, double& driver_y);
+};
+
+// The same ring as a rigid body: centre and angle are the unknowns.
+template <class Math>
+struct RigidRing {
+  int count;
+  double radius;
+  double stiffness = 2.0;
+  double damping = 2.0 * std::numbers::sqrt2;
+  double speed = 1e-3;
+  double period = 1.0;
+  double amplitude = 0.1;
+  double lambda = 1.0;
+  double mass = 1.0;
+
+  double x = 0.0, y, phi = 0.0;
+  double vx = 0.0, vy = 0.0, omega = 0.0;
+  double force_integral_x = 0.0;
+  double force_integral_y = 0.0;
+  std::int64_t done = 0;
+
+  explicit RigidRing(int particles = 8, double ring_radius = 1.0);
+  void advance(std::int64_t steps, double h);
+
+ private:
+  struct Acceleration {
+    double x, y, phi, driver_x, driver_y;
+  };
+  std::vector<double> reference_x, reference_y;
+
+  Acceleration acceleration(double px, double py, double angle, double ux, double uy,
+                            double spin, double t) const;
+};
+
+// An open Frenkel-Kontorova chain, dragged by its centre of mass.
+template <class Math>
+struct Chain {
+  int count;
+  double rest_length;
+  double bond_stiffness = 1.0;
+  double stiffness = 1.0;
+  double damping_each = 0.1;
+  double speed = 1e-3;
+  double period = 1.0;
+  double amplitude_each = 0.05;
+  double mass_each = 1.0;
+
+  std::vector<double> x, v;
+  double force_integral = 0.0;
+  std::int64_t done = 0;
+
+  explicit Chain(int particles, double spacing = 1.0);
+  void advance(std::int64_t steps, double h);
+
+ private:
+  double start_centre;
+  std::vector<double> xs, vs, acc, sum_v, sum_a;
+
+  double accelerations(const double* px, const double* pv, double t);
+};
+
+}  // namespace tomlin::plain

@@ -1,0 +1,271 @@
+#include "framework/cli/arguments.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "framework/core/fault.hpp"
+#include "framework/core/nearest_name.hpp"
+
+namespace tomlin {
+namespace {
+
+constexpr const char* kVersion = "tomlin " TOMLIN_VERSION;
+
+struct LaterCommand {
+  const char* name;
+  const char* what;
+};
+
+constexpr std::array kLaterCommands = {
+    LaterCommand{"sweep", "many runs over the values of parameters"},
+    LaterCommand{"tradeoff", "what accuracy costs, and the cheapest setting that is good enough"},
+    LaterCommand{"compare", "several models side by side"},
+    LaterCommand{"stability", "thresholds and equilibria"},
+    LaterCommand{"explain", "what a scene would build, its scales, its stable step, its cost"},
+    LaterCommand{"check", "validate a scene and check the claims of its forces"},
+    LaterCommand{"schema", "JSON Schema of scenes, for editors"},
+    LaterCommand{"new", "a commented scene to start from"},
+    LaterCommand{"report", "a web page of a run"},
+    LaterCommand{"plot", "figures of a run"},
+};
+
+constexpr const char* kProgramFooter = R"(
+A first run. Write this to pt.toml, the Prandtl-Tomlinson model:
+
+  [parameters]
+  v = 1e-2
+
+  [[body]]
+  type = "point"
+  position = [0.0]
+  particle_mass = 1.0
+
+  [[force]]
+  type = "driving_spring"
+  stiffness = 2.0
+  velocity = ["v"]
+
+  [[force]]
+  type = "viscous_damping"
+  coefficient = 2.0
+
+  [[force]]
+  type = "sinusoidal_substrate"
+  amplitude = 0.1
+  period = 1.0
+
+  [run]
+  duration = 1000.0
+  integrator = { type = "rk4", dt = 1e-2 }
+
+  [output]
+  every = 1.0
+
+and type
+
+  tomlin run pt.toml
+
+The mean lateral force is printed; pt.out/ then holds summary.json with all results,
+observables.csv with the friction trace, and scene.toml, the scene with every default filled in.
+
+  tomlin run --help            how to change parameters and choose the folder
+  tomlin describe              the bodies, forces and integrators
+  tomlin describe NAME         one of them: equation, source, parameters, an example
+
+Exit status: 0 done; 1 a run failed; 2 the input was not right, and nothing was done.)";
+
+constexpr const char* kRunFooter = R"(
+Examples:
+
+  tomlin run pt.toml
+      writes to pt.out/ in the current folder.
+  tomlin run pt.toml --set v=1e-3 -o slow
+      the parameter v has another value; writes to slow/.
+  tomlin run pt.toml --set "v=V0/10" --set run.integrator.dt=1e-3 --force
+      an expression over [parameters]; a dotted path; pt.out/ may hold an earlier run.
+
+PATH is a parameter's name or a dotted path such as run.duration, body.ring.coordinates or
+force.driver.stiffness, with a component's name, or its type where it has none. VALUE is as in a
+scene: a number, true, [1.0, 0.0], a word or an expression.
+
+DIR then holds
+  summary.json      mean, static and extreme forces, work, motion of the bodies, warnings
+  observables.csv   the samples in time, when the scene has [output] every
+  scene.toml        the scene with all defaults filled in; running it gives the same bits
+
+Ctrl-C ends a run early and leaves what is known so far; a second Ctrl-C ends it at once.
+
+Exit status: 0 done; 1 the run failed numerically (the message says when, where and why) or its
+results could not be written; 2 the input was not right, and nothing was written; 130 or 143 after
+an interrupt.)";
+
+constexpr const char* kDescribeFooter = R"(
+Examples:
+
+  tomlin describe                          all components in a line each
+  tomlin describe sinusoidal_substrate     equation, source, parameters, an example that runs
+  tomlin describe rk4 --json               the same for programs)";
+
+[[noreturn]] void refuse(std::string why, std::string nearest = "", std::string admissible = "") {
+  Fault fault;
+  fault.place.file = "tomlin";
+  fault.why = std::move(why);
+  fault.admissible = std::move(admissible);
+  fault.nearest = std::move(nearest);
+  throw InputError({fault});
+}
+
+bool is_option(std::string_view word) { return word.size() > 1 && word.front() == '-'; }
+
+/// The command must be one of ours. Those to come take any arguments.
+void check_command(std::string_view word) {
+  std::vector<std::string> names = {"run", "describe"};
+  if (std::find(names.begin(), names.end(), word) != names.end()) return;
+  for (const LaterCommand& later : kLaterCommands) {
+    if (word == later.name) refuse(fmt::format("\"{}\" is not in this version", word));
+    names.emplace_back(later.name);
+  }
+  refuse(fmt::format("there is no command \"{}\"", word), nearest_name(word, names).value_or(""),
+         "run, describe; tomlin --help tells more");
+}
+
+/// "PATH=VALUE" each.
+std::vector<Setting> settings_of(const std::vector<std::string>& texts) {
+  std::vector<Setting> settings;
+  std::vector<Fault> faults;
+  for (const std::string& text : texts) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos) {
+      Fault fault;
+      fault.place.file = "--set";
+      fault.key = text.empty() ? "\"\"" : text;
+      fault.why = "no value";
+      fault.admissible = "PATH=VALUE";
+      faults.push_back(std::move(fault));
+      continue;
+    }
+    settings.push_back({text.substr(0, equals), text.substr(equals + 1)});
+  }
+  if (!faults.empty()) throw InputError(std::move(faults));
+  return settings;
+}
+
+/// The command line as CLI11 sees it.
+class CommandLine {
+ public:
+  CommandLine() {
+    app_.set_help_flag("-h,--help", "show this and leave");
+    app_.set_version_flag("--version", kVersion, "show the version and leave");
+    app_.get_formatter()->column_width(28);
+    app_.require_subcommand(1);
+    app_.footer(kProgramFooter);
+    set_up_run();
+    set_up_describe();
+    for (const LaterCommand& later : kLaterCommands) {
+      app_.add_subcommand(later.name, later.what)->group("Later, not in this version");
+    }
+  }
+
+  Arguments parse(int argc, const char* const* argv) {
+    try {
+      app_.parse(argc, argv);
+    } catch (const CLI::CallForHelp&) {
+      return TextToPrint{app_.help()};
+    } catch (const CLI::CallForVersion&) {
+      return TextToPrint{std::string(kVersion) + "\n"};
+    } catch (const CLI::ExtrasError&) {
+      refuse_extras();
+    } catch (const CLI::ParseError& error) {
+      refuse(fmt::format("{} ({} --help tells more)", error.what(), chosen_name()));
+    }
+    if (app_.got_subcommand(describe_)) return described_;
+    return run_arguments();
+  }
+
+ private:
+  void set_up_run() {
+    run_ = app_.add_subcommand("run", "run one scene");
+    run_->footer(kRunFooter);
+    run_->add_option("SCENE", asked_.scene, "the scene, a TOML file")->option_text(" ")->required();
+    run_->add_option("--set", settings_, "replace a parameter or any value of the scene")
+        ->option_text("PATH=VALUE ...")
+        ->allow_extra_args(false);
+    run_->add_option("-o,--output", asked_.folder, "folder for the results; SCENE's stem + .out")
+        ->option_text("DIR");
+    run_->add_flag("--force", asked_.force,
+                   "DIR need not be empty; only files that tomlin writes are replaced");
+    run_->add_flag("--quiet", asked_.quiet, "say nothing but errors");
+    resume_ = run_->add_flag("--resume", resume_wanted_, "continue a run")
+                  ->group("Later, not in this version");
+    plugin_ = run_->add_option("--plugin", plugins_, "more components from a shared library")
+                  ->option_text("LIB")
+                  ->group("Later, not in this version");
+  }
+
+  void set_up_describe() {
+    describe_ = app_.add_subcommand("describe", "show the components that scenes are made of");
+    describe_->footer(kDescribeFooter);
+    describe_->add_option("NAME", described_.name, "a body, force or integrator; all by default")
+        ->option_text(" ");
+    describe_->add_flag("--json", described_.json, "as JSON");
+  }
+
+  RunArguments run_arguments() {
+    for (const CLI::Option* later : {resume_, plugin_}) {
+      if (later->count() > 0) refuse(later->get_name() + " is not in this version");
+    }
+    asked_.settings = settings_of(settings_);
+    return asked_;
+  }
+
+  const CLI::App& chosen() const {
+    const auto subcommands = app_.get_subcommands();
+    return subcommands.empty() ? app_ : *subcommands.back();
+  }
+
+  std::string chosen_name() const {
+    return &chosen() == &app_ ? "tomlin" : "tomlin " + chosen().get_name();
+  }
+
+  [[noreturn]] void refuse_extras() const {
+    const auto extras = app_.remaining(true);
+    const std::string word = extras.empty() ? "" : extras.front();
+    if (!is_option(word)) {
+      refuse(fmt::format("{} does not expect \"{}\" ({} --help tells more)", chosen_name(), word,
+                         chosen_name()));
+    }
+    std::vector<std::string> names;
+    for (const CLI::Option* option : chosen().get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    }
+    const std::string name = word.substr(0, word.find('='));
+    refuse(fmt::format("{} has no option {}", chosen_name(), name),
+           nearest_name(name, names).value_or(""), chosen_name() + " --help shows them");
+  }
+
+  CLI::App app_{"Nanoscale friction models from plain scene files.", "tomlin"};
+  CLI::App* run_ = nullptr;
+  CLI::App* describe_ = nullptr;
+  CLI::Option* resume_ = nullptr;
+  CLI::Option* plugin_ = nullptr;
+  RunArguments asked_;
+  DescribeArguments described_;
+  std::vector<std::string> settings_;
+  std::vector<std::string> plugins_;
+  bool resume_wanted_ = false;
+};
+
+}  // namespace
+
+Arguments parse_arguments(int argc, const char* const* argv) {
+  if (argc < 2) refuse("a command is due", "", "run, describe; tomlin --help tells more");
+  if (!is_option(argv[1])) check_command(argv[1]);
+  return CommandLine().parse(argc, argv);
+}
+
+}  // namespace tomlin

@@ -1,0 +1,3 @@
+#include "framework/cli/program.hpp"
+
+int main(int argc, char** argv) { return tomlin::program(argc, argv); }

@@ -1,0 +1,54 @@
+#include "framework/cli/program.hpp"
+
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <variant>
+
+#include "framework/cli/arguments.hpp"
+#include "framework/cli/commands.hpp"
+#include "framework/cli/exit_status.hpp"
+#include "framework/core/fault.hpp"
+
+namespace tomlin {
+namespace {
+
+int carry_out(const RunArguments& arguments) { return run_command(arguments); }
+
+int carry_out(const DescribeArguments& arguments) { return describe_command(arguments); }
+
+int carry_out(const TextToPrint& text) { return print_result(text.text); }
+
+int end_with(int status, const std::string& message) {
+  std::fputs((message + "\n").c_str(), stderr);
+  return status;
+}
+
+int guarded_program(int argc, const char* const* argv) {
+  try {
+    return std::visit([](const auto& arguments) { return carry_out(arguments); },
+                      parse_arguments(argc, argv));
+  } catch (const InputError& error) {
+    return end_with(kExitBadInput, error.what());
+  } catch (const std::bad_alloc&) {
+    return end_with(kExitBadInput, "tomlin: error: this takes more memory than there is");
+  } catch (const std::length_error&) {
+    return end_with(kExitBadInput, "tomlin: error: this takes more memory than there is");
+  } catch (const std::exception& error) {
+    return end_with(kExitFailed, std::string("tomlin: error: ") + error.what());
+  }
+}
+
+}  // namespace
+
+int program(int argc, const char* const* argv) noexcept {
+  try {
+    return guarded_program(argc, argv);
+  } catch (...) {  // not even a message can be put together
+    return kExitFailed;
+  }
+}
+
+}  // namespace tomlin

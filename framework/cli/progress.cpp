@@ -1,0 +1,65 @@
+#include "framework/cli/progress.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace tomlin {
+namespace {
+
+constexpr double kPlainEvery = 10.0;  // seconds
+
+std::string duration_text(double seconds) {
+  constexpr double kLongest = 1e9;  // thirty years
+  if (!(seconds < kLongest)) return "very long";
+  const auto whole = static_cast<std::int64_t>(std::llround(std::max(seconds, 0.0)));
+  const auto hours = whole / 3600;
+  const auto minutes = whole / 60 % 60;
+  if (hours > 0) return fmt::format("{}:{:02}:{:02}", hours, minutes, whole % 60);
+  return fmt::format("{}:{:02}", minutes, whole % 60);
+}
+
+}  // namespace
+
+std::string progress_text(const RunProgress& progress) {
+  const double fraction = std::clamp(progress.time / progress.duration, 0.0, 1.0);
+  const double elapsed = progress.elapsed_seconds;
+  const double remaining = elapsed * (1.0 - fraction) / fraction;
+  const double rate = elapsed > 0.0 ? static_cast<double>(progress.steps) / elapsed : 0.0;
+  return fmt::format("{} %, time {:.6g} of {:.6g}, {} elapsed, {} remaining, {:.2g} steps/s",
+                     std::floor(100.0 * fraction), progress.time, progress.duration,
+                     duration_text(elapsed), duration_text(remaining), rate);
+}
+
+void ProgressLine::show(const RunProgress& progress) {
+  if (style_ == Style::silent) return;
+  if (style_ == Style::plain) {
+    if (progress.elapsed_seconds - last_shown_ < kPlainEvery) return;
+    last_shown_ = progress.elapsed_seconds;
+    std::fputs(("tomlin: " + progress_text(progress) + "\n").c_str(), stderr);
+    return;
+  }
+  std::string line = "tomlin: " + progress_text(progress);
+  const std::size_t width = line.size();
+  if (width < width_) line.append(width_ - width, ' ');
+  width_ = width;
+  std::fputs(("\r" + line).c_str(), stderr);
+  std::fflush(stderr);
+}
+
+void ProgressLine::finish() {
+  if (style_ != Style::terminal || width_ == 0) return;
+  std::fputs(("\r" + std::string(width_, ' ') + "\r").c_str(), stderr);
+  std::fflush(stderr);
+  width_ = 0;
+}
+
+ProgressLine::Style progress_style() {
+  return ::isatty(STDERR_FILENO) != 0 ? ProgressLine::Style::terminal : ProgressLine::Style::plain;
+}
+
+}  // namespace tomlin

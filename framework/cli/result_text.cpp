@@ -1,0 +1,115 @@
+#include "framework/cli/result_text.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <iterator>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace tomlin {
+namespace {
+
+constexpr std::size_t kMostShown = 6;  // drivers, bodies, warnings: the summary has all of them
+
+std::string text_of(double x) { return fmt::format("{:.9g}", x); }
+
+std::string text_of(const std::vector<double>& components) {
+  if (components.size() == 1) return text_of(components[0]);
+  std::string text;
+  for (const double x : components) text += (text.empty() ? "" : ", ") + text_of(x);
+  return "(" + text + ")";
+}
+
+/// "mean force 0.1, static force 0.2": what is defined, by name.
+class Numbers {
+ public:
+  Numbers& add(const char* name, const std::vector<double>& components) {
+    if (!components.empty()) append(name, text_of(components));
+    return *this;
+  }
+  Numbers& add(const char* name, const std::optional<double>& x) {
+    if (x) append(name, text_of(*x));
+    return *this;
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  void append(const char* name, const std::string& number) {
+    if (!text_.empty()) text_ += ", ";
+    text_ += std::string(name) + " " + number;
+  }
+
+  std::string text_;
+};
+
+std::string about(const DriverResult& driver) {
+  return Numbers()
+      .add("mean force", driver.mean_force)
+      .add("work/distance", driver.work_per_distance)
+      .add("static force", driver.static_force)
+      .text();
+}
+
+std::string about(const BodyResult& body) {
+  return Numbers()
+      .add("mean velocity", body.mean_velocity)
+      .add("turns", body.turns)
+      .add("rolling", body.rolling)
+      .text();
+}
+
+using Line = std::pair<std::string, std::string>;
+
+template <class Results>
+void add_lines(std::vector<Line>& lines, const Results& results) {
+  const std::size_t shown = std::min(results.size(), kMostShown);
+  for (std::size_t k = 0; k < shown; ++k) {
+    std::string text = about(results[k]);
+    lines.emplace_back(results[k].name, text.empty() ? "the window was not reached" : text);
+  }
+  if (results.size() > shown) {
+    lines.emplace_back("...", fmt::format("and {} more", results.size() - shown));
+  }
+}
+
+std::string title(const Scene& scene) {
+  return scene.name.empty() ? std::filesystem::path(scene.file).stem().string() : scene.name;
+}
+
+}  // namespace
+
+std::string result_text(const Scene& scene, const RunResult& result, const std::string& where) {
+  std::vector<Line> lines;
+  const std::string refused =
+      result.refused_steps > 0 ? fmt::format(" ({} refused)", result.refused_steps) : "";
+  lines.emplace_back(to_string(result.status),
+                     fmt::format("at time {:.9g} after {} steps{}, {} force evaluations",
+                                 result.end_time, result.steps, refused,
+                                 result.force_evaluations));
+  lines.emplace_back("speed", fmt::format("{:.3g} s, {:.3g} steps/s, {}", result.wall_seconds,
+                                          result.steps_per_second,
+                                          to_string(result.instruction_set)));
+  lines.emplace_back("window",
+                     fmt::format("time {:.9g} to {:.9g}", result.window_from, result.window_to));
+  add_lines(lines, result.drivers);
+  add_lines(lines, result.bodies);
+  for (const auto& [force, why] : result.left_out) lines.emplace_back("left out", force + ": " + why);
+  for (std::size_t k = 0; k < std::min(result.warnings.size(), kMostShown); ++k) {
+    lines.emplace_back("warning", result.warnings[k]);
+  }
+  lines.emplace_back("results", where);
+
+  std::size_t width = 0;
+  for (const Line& line : lines) width = std::max(width, line.first.size());
+  std::string text = title(scene) + "\n";
+  for (const auto& [label, content] : lines) {
+    fmt::format_to(std::back_inserter(text), "  {:<{}}  {}\n", label, width, content);
+  }
+  return text;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <atomic>
+
+namespace tomlin {
+
+/// While this lives, the first SIGINT or SIGTERM asks the run to stop and leave its results; the
+/// second one kills. There is one at a time.
+class StopSignals {
+ public:
+  StopSignals();
+  ~StopSignals();
+  StopSignals(const StopSignals&) = delete;
+  StopSignals& operator=(const StopSignals&) = delete;
+
+  /// Set when the run is to stop.
+  const std::atomic<bool>& stop() const;
+  /// Stop for another reason.
+  void request_stop();
+  /// The signal that came; 0 when none did.
+  int caught() const;
+};
+
+}  // namespace tomlin

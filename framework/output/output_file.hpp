@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace tomlin {
+
+/// A result that could not be written; the message names the file and the reason.
+class OutputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What stands behind a file's name until the file is complete.
+inline constexpr std::string_view kUnfinished = ".part";
+
+/// A file that appears complete or not at all: it is written as NAME.part and renamed when it is
+/// published. One that never is, because the run was killed or the disk is full, stays NAME.part.
+/// Everything throws OutputError.
+class OutputFile {
+ public:
+  /// Opens NAME.part, which must not exist.
+  explicit OutputFile(std::filesystem::path file);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  /// Not buffered.
+  void append(std::string_view text);
+  /// Brings everything to the disk and gives the file its name, replacing one that has it.
+  void publish();
+
+ private:
+  [[noreturn]] void fail(int error) const;
+
+  std::filesystem::path file_;
+  std::filesystem::path unfinished_;
+  int descriptor_ = -1;
+};
+
+}  // namespace tomlin

@@ -1,0 +1,149 @@
+#include "framework/output/run_folder.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "framework/core/fault.hpp"
+
+namespace tomlin {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kUsableFolder = "a new or an empty folder";
+
+[[noreturn]] void refuse(const fs::path& folder, std::string why, std::string admissible = "") {
+  Fault fault;
+  fault.place.file = "-o";
+  fault.key = folder.empty() ? "\"\"" : folder.string();
+  fault.why = std::move(why);
+  fault.admissible = std::move(admissible);
+  throw InputError({fault});
+}
+
+std::string message(int error) { return std::generic_category().message(error); }
+
+/// 0, or why this process may not make files in the folder.
+int reason_not_writable(const fs::path& folder) {
+  return ::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) == 0 ? 0 : errno;
+}
+
+/// The folder above; "." above a plain name.
+fs::path above(const fs::path& path) {
+  const fs::path parent = path.parent_path();
+  return parent.empty() ? fs::path(".") : parent;
+}
+
+fs::path unfinished(fs::path file) { return file += kUnfinished; }
+
+/// The path as a folder's: without a slash at its end.
+fs::path trimmed(const fs::path& path) {
+  return path.has_filename() || !path.has_relative_path() ? path : path.parent_path();
+}
+
+}  // namespace
+
+RunFolder::RunFolder(fs::path folder, Occupied occupied)
+    : folder_(trimmed(folder)), occupied_(occupied) {
+  if (folder_.empty()) refuse(folder_, "no name for a folder", kUsableFolder);
+  std::error_code error;
+  const auto status = fs::status(folder_, error);
+  if (fs::exists(status)) {
+    if (!fs::is_directory(status)) {
+      refuse(folder_, "there is something of this name that is not a folder", kUsableFolder);
+    }
+    check_folder();
+  } else if (status.type() == fs::file_type::not_found) {
+    if (fs::is_symlink(fs::symlink_status(folder_, error))) {
+      refuse(folder_, "a link that leads nowhere", kUsableFolder);
+    }
+    check_place_for_new();
+  } else {
+    refuse(folder_, error.message());
+  }
+}
+
+RunFolder::~RunFolder() {
+  // rmdir takes empty folders only.
+  std::for_each(made_.rbegin(), made_.rend(), [](const fs::path& path) { ::rmdir(path.c_str()); });
+}
+
+void RunFolder::check_folder() const {
+  std::error_code error;
+  const fs::directory_iterator content(folder_, error);
+  if (error) refuse(folder_, "cannot be read: " + error.message());
+  if (content != fs::directory_iterator() && occupied_ == Occupied::refuse) {
+    refuse(folder_, "the folder is not empty",
+           "a new or an empty folder, or --force, which replaces what an earlier run left");
+  }
+  if (const int reason = reason_not_writable(folder_)) {
+    refuse(folder_, "cannot be written to: " + message(reason));
+  }
+  for (const char* name : kFilesOfARun) {
+    for (const fs::path& path : {file(name), unfinished(file(name))}) {
+      if (fs::is_directory(fs::symlink_status(path, error))) {
+        refuse(path, "a folder where a file is to be written");
+      }
+    }
+  }
+}
+
+void RunFolder::check_place_for_new() const {
+  std::error_code error;
+  fs::path ancestor = above(folder_);
+  while (!fs::exists(fs::status(ancestor, error)) && ancestor != above(ancestor)) {
+    if (error && error != std::errc::no_such_file_or_directory &&
+        error != std::errc::not_a_directory) {
+      refuse(folder_, error.message());
+    }
+    ancestor = above(ancestor);
+  }
+  if (!fs::is_directory(fs::status(ancestor, error))) {
+    refuse(folder_, fmt::format("{} is not a folder", ancestor.string()));
+  }
+  if (const int reason = reason_not_writable(ancestor)) {
+    refuse(folder_, fmt::format("cannot be made in {}: {}", ancestor.string(), message(reason)));
+  }
+}
+
+void RunFolder::create() {
+  fs::path path;
+  for (const fs::path& part : folder_) {
+    path /= part;
+    if (::mkdir(path.c_str(), 0777) == 0) {
+      made_.push_back(path);
+      continue;
+    }
+    const int reason = errno;
+    std::error_code error;
+    if (!fs::is_directory(path, error)) refuse(folder_, "cannot be made: " + message(reason));
+  }
+  // What a killed run left would be in the way of the same files.
+  if (occupied_ == Occupied::replace_results) {
+    for (const char* name : kFilesOfARun) ::unlink(unfinished(file(name)).c_str());
+  }
+}
+
+void RunFolder::remove_earlier_results() {
+  // The summary goes first and comes last: where it is, everything else belongs to it.
+  for (const char* name : kFilesOfARun) {
+    if (::unlink(file(name).c_str()) != 0 && errno != ENOENT) {
+      throw OutputError(fmt::format("cannot replace {}: {}", file(name).string(), message(errno)));
+    }
+  }
+}
+
+void RunFolder::write_file(std::string_view name, std::string_view text) const {
+  OutputFile output(file(name));
+  output.append(text);
+  output.publish();
+}
+
+}  // namespace tomlin

@@ -1,0 +1,108 @@
+#include "framework/output/summary.hpp"
+
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace tomlin {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// JSON knows neither nan nor inf.
+Json number(double x) { return std::isfinite(x) ? Json(x) : Json(); }
+
+Json number(const std::optional<double>& x) { return x ? number(*x) : Json(); }
+
+Json by_axis(const std::vector<double>& components) {
+  if (components.empty()) return {};
+  Json list = Json::array();
+  for (const double x : components) list.push_back(number(x));
+  return list;
+}
+
+Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
+
+Json failure_entry(const RunFailure& failure) {
+  Json entry;
+  entry["step"] = failure.step;
+  entry["time"] = number(failure.time);
+  entry["body"] = text_or_null(failure.body);
+  entry["particle"] = failure.particle >= 0 ? Json(failure.particle) : Json();
+  entry["axis"] = text_or_null(failure.axis);
+  entry["force"] = text_or_null(failure.force);
+  entry["what"] = failure.what;
+  entry["cause"] = failure.cause;
+  return entry;
+}
+
+Json driver_entry(const DriverResult& driver) {
+  Json entry;
+  entry["mean_force"] = by_axis(driver.mean_force);
+  entry["final_force"] = by_axis(driver.final_force);
+  entry["max_force"] = by_axis(driver.max_force);
+  entry["min_force"] = by_axis(driver.min_force);
+  entry["static_force"] = number(driver.static_force);
+  entry["work"] = number(driver.work);
+  entry["work_per_distance"] = number(driver.work_per_distance);
+  entry["distance"] = number(driver.distance);
+  return entry;
+}
+
+Json body_entry(const BodyResult& body, bool planar) {
+  Json entry;
+  entry["centre_of_mass"] = by_axis(body.centre_of_mass);
+  entry["velocity"] = by_axis(body.velocity);
+  if (planar) {
+    entry["rotation"] = number(body.rotation);
+    entry["turns"] = number(body.turns);
+    entry["rolling"] = number(body.rolling);
+  }
+  entry["mean_velocity"] = by_axis(body.mean_velocity);
+  entry["max_speed"] = number(body.max_speed);
+  return entry;
+}
+
+}  // namespace
+
+std::string summary_json(const Scene& scene, const RunResult& result) {
+  Json summary;
+  summary["status"] = to_string(result.status);
+  if (result.failure) summary["failure"] = failure_entry(*result.failure);
+
+  summary["parameters"] = Json::object();
+  for (const auto& [name, value] : scene.parameters) summary["parameters"][name] = number(value);
+
+  summary["time"] = {{"end", number(result.end_time)},
+                     {"steps", result.steps},
+                     {"force_evaluations", result.force_evaluations},
+                     {"refused_steps", result.refused_steps}};
+  summary["window"] = {{"from", number(result.window_from)}, {"to", number(result.window_to)}};
+
+  summary["drivers"] = Json::object();
+  for (const DriverResult& driver : result.drivers) {
+    summary["drivers"][driver.name] = driver_entry(driver);
+  }
+  summary["bodies"] = Json::object();
+  for (const BodyResult& body : result.bodies) {
+    summary["bodies"][body.name] = body_entry(body, scene.dimension == 2);
+  }
+
+  // Not counted in this version.
+  summary["events"] = {{"slips", nullptr}, {"turns", nullptr}, {"reversals", nullptr}};
+
+  summary["warnings"] = result.warnings;
+  summary["left_out"] = Json::array();
+  for (const auto& [force, why] : result.left_out) {
+    summary["left_out"].push_back({{"force", force}, {"why", why}});
+  }
+  summary["performance"] = {{"wall_seconds", number(result.wall_seconds)},
+                            {"steps_per_second", number(result.steps_per_second)},
+                            {"instruction_set", std::string(to_string(result.instruction_set))}};
+  return summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace tomlin

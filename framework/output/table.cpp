@@ -1,0 +1,68 @@
+#include "framework/output/table.hpp"
+
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace tomlin {
+namespace {
+
+constexpr std::size_t kBuffer = std::size_t{1} << 16;  // bytes that are written at once
+constexpr std::size_t kLongestNumber = 25;             // "-1.2345678901234567e-308" and a comma
+
+}  // namespace
+
+TableWriter::TableWriter(std::filesystem::path file) : file_(std::move(file)) {}
+
+void TableWriter::begin(const std::vector<SampleColumn>& columns) {
+  output_.emplace(file_);
+  // Room for the longest row behind a buffer that is just not full: no sample allocates.
+  buffer_.reserve(kBuffer + kLongestNumber * columns.size());
+  for (const SampleColumn& column : columns) {
+    if (!names_.empty()) buffer_ += ',';
+    fmt::format_to(std::back_inserter(buffer_), "{} [{}]", column.name, column.unit);
+    names_.push_back(column.name);
+  }
+  buffer_ += '\n';
+}
+
+void TableWriter::sample(const std::vector<double>& values) {
+  if (values.size() != names_.size()) {
+    throw OutputError(fmt::format("{}: a sample of {} numbers for {} columns", file_.string(),
+                                  values.size(), names_.size()));
+  }
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (!std::isfinite(values[k])) {
+      throw OutputError(fmt::format("{}: sample {}: {} is not a finite number", file_.string(),
+                                    rows_, names_[k]));
+    }
+  }
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (k > 0) buffer_ += ',';
+    fmt::format_to(std::back_inserter(buffer_), "{:.17g}", values[k]);
+  }
+  buffer_ += '\n';
+  ++rows_;
+  if (buffer_.size() >= kBuffer) flush();
+}
+
+void TableWriter::flush() {
+  if (!output_) return;
+  try {
+    output_->append(buffer_);
+  } catch (const OutputError&) {
+    buffer_.clear();  // part of it is in the file: another attempt would write that part twice
+    throw;
+  }
+  buffer_.clear();
+}
+
+void TableWriter::finish() {
+  if (!output_) return;
+  flush();
+  output_->publish();
+}
+
+}  // namespace tomlin

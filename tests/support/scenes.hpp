@@ -1,0 +1,135 @@
+#pragma once
+
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "forcefields/register.hpp"
+#include "framework/bodies/register.hpp"
+#include "framework/run/engine.hpp"
+#include "framework/run/run.hpp"
+#include "framework/scene/scene.hpp"
+#include "integrators/register.hpp"
+
+/// Scenes for tests, with every component of this version or with a registry of the test's own.
+namespace tomlin::test {
+
+inline Registry all_components() {
+  Registry registry;
+  register_bodies(registry);
+  register_forcefields(registry);
+  register_integrators(registry);
+  return registry;
+}
+
+inline const Registry& standard() {
+  static const Registry registry = all_components();
+  return registry;
+}
+
+inline std::shared_ptr<const Scene> scene_of(std::string_view text,
+                                             const std::vector<Setting>& settings = {}) {
+  return parse_scene(text, "test.toml", standard(), settings);
+}
+
+inline RunResult run_text(std::string_view text, const std::vector<Setting>& settings = {},
+                          const RunOptions& options = {}) {
+  return run(scene_of(text, settings), options);
+}
+
+/// A number as a setting, to the last digit.
+inline std::string digits(double x) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.17g", x);
+  return text;
+}
+
+inline std::string fixed_step(double dt) { return "{ type = \"rk4\", dt = " + digits(dt) + " }"; }
+
+inline std::string adaptive(double tolerance) {
+  return "{ type = \"dopri5\", absolute_tolerance = " + digits(tolerance) +
+         ", relative_tolerance = " + digits(tolerance) + " }";
+}
+
+/// The pair 5(4) held to steps of h: the tolerance is too wide to have a say.
+inline std::string adaptive_held_to(double h) {
+  return "{ type = \"dopri5\", absolute_tolerance = 1e30, relative_tolerance = 0.0, "
+         "initial_step = " + digits(h) + ", largest_step = " + digits(h) + " }";
+}
+
+/// Keeps what an observables table would hold.
+class KeptSamples : public SampleSink {
+ public:
+  void begin(const std::vector<SampleColumn>& columns) override {
+    for (const SampleColumn& column : columns) names.push_back(column.name);
+  }
+  void sample(const std::vector<double>& values) override { rows.push_back(values); }
+
+  std::size_t column(const std::string& name) const {
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      if (names[k] == name) return k;
+    }
+    throw std::logic_error("no column " + name);
+  }
+
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> rows;
+};
+
+inline bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+inline bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0);
+}
+
+/// All numbers of one field of a run's state.
+inline std::vector<double> field_of(Engine& engine, const std::string& name) {
+  for (const auto& field : engine.state().layout().reals()) {
+    if (field.name != name) continue;
+    const double* from = engine.state().reals(name);
+    return std::vector<double>(from, from + field.count);
+  }
+  throw std::logic_error("no field " + name);
+}
+
+inline std::vector<std::int64_t> integers_of(Engine& engine, const std::string& name) {
+  for (const auto& field : engine.state().layout().integers()) {
+    if (field.name != name) continue;
+    const std::int64_t* from = engine.state().integers(name);
+    return std::vector<std::int64_t>(from, from + field.count);
+  }
+  throw std::logic_error("no field " + name);
+}
+
+/// What the equations of motion carry: it may not depend on who looks.
+struct Motion {
+  std::vector<double> position, velocity, integrals, clock;
+  std::vector<std::int64_t> cells, turns;
+
+  explicit Motion(Engine& engine)
+      : position(field_of(engine, "position")),
+        velocity(field_of(engine, "velocity")),
+        integrals(field_of(engine, "integrals")),
+        clock(field_of(engine, "clock")),
+        cells(integers_of(engine, "origin_cells")),
+        turns(integers_of(engine, "whole_turns")) {}
+
+  friend bool operator==(const Motion& a, const Motion& b) {
+    return same_bits(a.position, b.position) && same_bits(a.velocity, b.velocity) &&
+           same_bits(a.integrals, b.integrals) && same_bits(a.clock, b.clock) &&
+           a.cells == b.cells && a.turns == b.turns;
+  }
+};
+
+inline Motion motion_at_end(std::string_view text, const std::vector<Setting>& settings = {},
+                            const RunOptions& options = {}) {
+  Engine engine(scene_of(text, settings), options);
+  engine.run();
+  return Motion(engine);
+}
+
+}  // namespace tomlin::test
