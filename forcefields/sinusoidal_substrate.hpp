@@ -42,13 +42,14 @@ struct SinusoidalSubstrate {
     T phase;           ///< of the scene's origin, in turns
     T decay;
     T vertical_slope;  ///< 2 b A
+    T base;            ///< y of the scene's origin
   };
 
   template <class T, int D>
   static Parameters<T, D> parameters(const Description& d) {
     const T tau = T(6.283185307179586476925286766559);
     return {T(d.amplitude),       tau * T(d.amplitude) / T(d.period), T(1.0) / T(d.period), T(0.0),
-            T(d.decay), T(2.0) * T(d.decay) * T(d.amplitude)};
+            T(d.decay), T(2.0) * T(d.decay) * T(d.amplitude), T(0.0)};
   }
 
   template <class T, int D>
@@ -58,6 +59,8 @@ struct SinusoidalSubstrate {
         DoubleDouble(static_cast<double>(origin.cells[0])) * DoubleDouble(origin.unit[0]);
     std::int64_t periods = 0;
     p.phase = T(remainder_of(place, d.period, periods) / d.period);
+    // Another force may declare a period along y; heights are the scene's own, whatever the origin.
+    p.base = T(static_cast<double>(origin.cells[1]) * origin.unit[1]);
   }
 
   template <class T, int D>
@@ -66,7 +69,7 @@ struct SinusoidalSubstrate {
     if constexpr (D == 1) {
       return p.amplitude * wave;
     } else {
-      const T y = site.position[1];
+      const T y = site.position[1] + p.base;
       return p.amplitude * exp(-(p.decay * y) * y) * wave;
     }
   }
@@ -81,7 +84,7 @@ struct SinusoidalSubstrate {
       T sine;
       T cosine;
       sincos_turns(turns, sine, cosine);
-      const T y = site.position[1];
+      const T y = site.position[1] + p.base;
       const T height = exp(-(p.decay * y) * y);
       force[0] = height * (p.slope * sine);
       force[1] = (height * y) * (p.vertical_slope * cosine);

@@ -32,7 +32,7 @@ constexpr double kStretch = 1.01;
 class Dopri5 : public Integrator<double> {
  public:
   Dopri5(const Description& description, System<double>& system)
-      : d_(description), system_(system), kernels_(kernels::Dopri5Kernels.on(system.set)) {
+      : Integrator(system), d_(description), kernels_(kernels::Dopri5Kernels.on(system.set)) {
     const std::size_t n = system.view.dofs;
     const std::size_t m = system.view.rates;
     memory_.assign(17 * (n + kGap) + 9 * (m + kGap), 0.0);
@@ -65,9 +65,8 @@ class Dopri5 : public Integrator<double> {
     counts_ = state.integers("dopri5.counts");
   }
 
-  StepReport step(const DoubleDouble& time, double h, bool) override {
-    system_.begin_step(system_.model, time.hi, time.lo);
-    if (counts_[kStarted] == 0) start(h);
+  StepReport step_from(double since, double h, bool) override {
+    if (counts_[kStarted] == 0) start(since, h);
     double next = control_[kNext];
     double last_error = control_[kOldError];
     bool refused = false;
@@ -78,7 +77,7 @@ class Dopri5 : public Integrator<double> {
       if (counts_[kTaken] + counts_[kRefused] >= d_.most_steps) {
         return {0.0, StepFault::too_many_steps};
       }
-      const Dopri5Trial trial = kernels_.attempt(system_.view, arrays_, trial_step,
+      const Dopri5Trial trial = kernels_.attempt(system_.view, arrays_, since, trial_step,
                                                  d_.absolute_tolerance, d_.relative_tolerance);
       system_.evaluations += Tableau::stages - 1;
       if (trial.error <= 1.0 && trial.within_moves) {
@@ -113,7 +112,7 @@ class Dopri5 : public Integrator<double> {
 
   const double* first_rates() const override { return start_rates_; }
 
-  void finish_dense(const DoubleDouble&) override {}
+  void finish_dense_from(double) override {}
 
   void interpolate(double theta, double* position, double* velocity,
                    double* integrals) const override {
@@ -141,8 +140,8 @@ class Dopri5 : public Integrator<double> {
   enum { kNext, kOldError };
   enum { kStarted, kTaken, kRefused };
 
-  void start(double h) {
-    kernels_.first(system_.view, arrays_);
+  void start(double since, double h) {
+    kernels_.first(system_.view, arrays_, since);
     system_.evaluations += 1;
     control_[kNext] = d_.initial_step > 0.0 ? d_.initial_step : std::min(h, guessed_step());
     control_[kOldError] = kLeastOldError;
@@ -207,7 +206,6 @@ class Dopri5 : public Integrator<double> {
   }
 
   Description d_;
-  System<double>& system_;
   const Dopri5Table& kernels_;
   AlignedVector<double> memory_;
   Dopri5Arrays arrays_;

@@ -46,9 +46,10 @@ struct Dopri5Trial {
 };
 
 struct Dopri5Table {
-  void (*first)(const SystemView<double>& system, const Dopri5Arrays& arrays) = nullptr;
-  Dopri5Trial (*attempt)(const SystemView<double>& system, const Dopri5Arrays& arrays, double h,
-                         double absolute_tolerance, double relative_tolerance) = nullptr;
+  void (*first)(const SystemView<double>& system, const Dopri5Arrays& arrays,
+                double since) = nullptr;
+  Dopri5Trial (*attempt)(const SystemView<double>& system, const Dopri5Arrays& arrays,
+                         double since, double h, double absolute_tolerance, double relative_tolerance) = nullptr;
 };
 
 inline namespace TOMLIN_TARGET {
@@ -56,10 +57,10 @@ inline namespace TOMLIN_TARGET {
 struct Dopri5Kernels {
   using Tableau = Dopri5Tableau;
 
-  TOMLIN_FLATTEN static void first(const SystemView<double>& s, const Dopri5Arrays& w) {
+  TOMLIN_FLATTEN static void first(const SystemView<double>& s, const Dopri5Arrays& w, double since) {
     evaluate(s, stage_of(s, static_cast<const double*>(s.position),
                          static_cast<const double*>(s.velocity),
-                         static_cast<const double*>(s.integrals), w.rates[0], 0.0));
+                         static_cast<const double*>(s.integrals), w.rates[0], since));
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       (Pack::load(s.force + i) * Pack::load(s.inverse_mass + i)).store(w.acceleration[0] + i);
     }
@@ -74,7 +75,8 @@ struct Dopri5Kernels {
   }
 
   template <int stage>
-  TOMLIN_INLINE static void advance(const SystemView<double>& s, const Dopri5Arrays& w, double h) {
+  TOMLIN_INLINE static void advance(const SystemView<double>& s, const Dopri5Arrays& w, double since,
+                                    double h) {
     Pack weight[7];
     for (int j = 0; j < stage; ++j) weight[j] = Pack(h * Tableau::a[stage][j]);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
@@ -89,7 +91,7 @@ struct Dopri5Kernels {
     evaluate(s, stage_of(s, static_cast<const double*>(w.position),
                          static_cast<const double*>(w.velocity[stage]),
                          static_cast<const double*>(w.integrals), w.rates[stage],
-                         Tableau::c[stage] * h));
+                         since + Tableau::c[stage] * h));
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       (Pack::load(s.force + i) * Pack::load(s.inverse_mass + i)).store(w.acceleration[stage] + i);
     }
@@ -102,19 +104,19 @@ struct Dopri5Kernels {
     return error * scale / (fma(relative, size, absolute) + Pack(1e-300));
   }
 
-  TOMLIN_FLATTEN static Dopri5Trial attempt(const SystemView<double>& system, const Dopri5Arrays& arrays, double h,
+  TOMLIN_FLATTEN static Dopri5Trial attempt(const SystemView<double>& system, const Dopri5Arrays& arrays, double since, double h,
                              double absolute_tolerance, double relative_tolerance) {
     const SystemView<double> s = system;
     const Dopri5Arrays w = arrays;
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       Pack::load(s.velocity + i).store(w.velocity[0] + i);
     }
-    advance<1>(s, w, h);
-    advance<2>(s, w, h);
-    advance<3>(s, w, h);
-    advance<4>(s, w, h);
-    advance<5>(s, w, h);
-    advance<6>(s, w, h);
+    advance<1>(s, w, since, h);
+    advance<2>(s, w, since, h);
+    advance<3>(s, w, since, h);
+    advance<4>(s, w, since, h);
+    advance<5>(s, w, since, h);
+    advance<6>(s, w, since, h);
 
     Pack weight[7];
     for (int j = 0; j < 7; ++j) weight[j] = Pack(h * Tableau::error[j]);

@@ -21,7 +21,7 @@ using Description = Rk4Description;
 class Rk4 : public Integrator<double> {
  public:
   explicit Rk4(System<double>& system)
-      : system_(system), kernels_(kernels::Rk4Kernels.on(system.set)) {
+      : Integrator(system), kernels_(kernels::Rk4Kernels.on(system.set)) {
     const std::size_t n = system.view.dofs;
     const std::size_t m = system.view.rates;
     memory_.assign(6 * (n + kGap) + 4 * (m + kGap) + system.view.own + kGap + hermite_size(n, m), 0.0);
@@ -37,23 +37,33 @@ class Rk4 : public Integrator<double> {
     hermite_.place(next, n, m);
   }
 
-  StepReport step(const DoubleDouble& time, double h, bool dense) override {
-    system_.begin_step(system_.model, time.hi, time.lo);
+  StepReport step_from(double since, double h, bool dense) override {
     system_.evaluations += arrays_.first_known ? 3 : 4;
     if (dense) hermite_.keep_start(system_.view);
     last_ = h;
-    const bool sound = kernels_.step(system_.view, arrays_, h);
+    const bool sound = kernels_.step(system_.view, arrays_, since, h);
     if (!sound) return {0.0, StepFault::not_finite_or_too_far};
     arrays_.first_known = false;
     return {h, StepFault::none};
   }
 
+  bool has_point_block() const override { return system_.view.point_force_count > 0; }
+
+  std::size_t point_block(std::size_t first, double h, std::size_t most, double* rates,
+                          double* velocities) override {
+    // What finish_dense_from() knows already is computed again: the same bits, and simpler.
+    arrays_.first_known = false;
+    const std::size_t taken =
+        kernels_.point_block(system_.view, first, h, most, rates, velocities);
+    system_.evaluations += 4 * taken;
+    return taken;
+  }
+
   const double* first_rates() const override { return arrays_.rates[0]; }
 
-  void finish_dense(const DoubleDouble& end) override {
+  void finish_dense_from(double since) override {
     hermite_.keep_first(arrays_.acceleration[0], arrays_.rates[0]);
-    system_.begin_step(system_.model, end.hi, end.lo);
-    kernels_.first(system_.view, arrays_);
+    kernels_.first(system_.view, arrays_, since);
     system_.evaluations += 1;
     arrays_.first_known = true;
   }
@@ -70,7 +80,6 @@ class Rk4 : public Integrator<double> {
   /// Between arrays, to keep them off powers of two.
   static constexpr std::size_t kGap = 3 * kGroup;
 
-  System<double>& system_;
   const Rk4Table& kernels_;
   AlignedVector<double> memory_;
   Rk4Arrays arrays_;

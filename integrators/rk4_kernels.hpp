@@ -20,8 +20,11 @@ struct Rk4Arrays {
 
 struct Rk4Table {
   /// Returns whether every coordinate stayed finite and within its largest move.
-  bool (*step)(const SystemView<double>& system, const Rk4Arrays& arrays, double h) = nullptr;
-  void (*first)(const SystemView<double>& system, const Rk4Arrays& arrays) = nullptr;
+  bool (*step)(const SystemView<double>& system, const Rk4Arrays& arrays, double since,
+               double h) = nullptr;
+  void (*first)(const SystemView<double>& system, const Rk4Arrays& arrays, double since) = nullptr;
+  std::size_t (*point_block)(const SystemView<double>& system, std::size_t first, double h,
+                             std::size_t most, double* rates, double* velocities) = nullptr;
 };
 
 inline namespace TOMLIN_TARGET {
@@ -53,10 +56,10 @@ struct Rk4Kernels {
     }
   }
 
-  TOMLIN_FLATTEN static void first(const SystemView<double>& s, const Rk4Arrays& w) {
+  TOMLIN_FLATTEN static void first(const SystemView<double>& s, const Rk4Arrays& w, double since) {
     evaluate(s, stage_of(s, static_cast<const double*>(s.position),
                          static_cast<const double*>(s.velocity),
-                         static_cast<const double*>(s.integrals), w.rates[0], 0.0));
+                         static_cast<const double*>(s.integrals), w.rates[0], since));
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       (Pack::load(s.force + i) * Pack::load(s.inverse_mass + i)).store(w.acceleration[0] + i);
     }
@@ -68,7 +71,8 @@ struct Rk4Kernels {
                          static_cast<const double*>(w.stage_own), w.rates[stage], elapsed));
   }
 
-  TOMLIN_FLATTEN static bool step(const SystemView<double>& system, const Rk4Arrays& arrays, double h) {
+  TOMLIN_FLATTEN static bool step(const SystemView<double>& system, const Rk4Arrays& arrays, double since,
+                                  double h) {
     const SystemView<double> s = system;
     const Rk4Arrays w = arrays;
     const double half = 0.5 * h;
@@ -86,14 +90,14 @@ struct Rk4Kernels {
     } else {
       evaluate(s, stage_of(s, static_cast<const double*>(s.position),
                            static_cast<const double*>(s.velocity),
-                           static_cast<const double*>(s.integrals), w.rates[0], 0.0));
+                           static_cast<const double*>(s.integrals), w.rates[0], since));
       pass(s, w, 0, half, half);
     }
-    later(s, w, 1, half);
+    later(s, w, 1, since + half);
     pass(s, w, 1, half, half);
-    later(s, w, 2, half);
+    later(s, w, 2, since + half);
     pass(s, w, 2, h, h);
-    later(s, w, 3, h);
+    later(s, w, 3, since + h);
 
     const Pack sixth(h / 6.0);
     const Pack sixth_square(h * h / 6.0);
@@ -128,7 +132,76 @@ struct Rk4Kernels {
     return true;
   }
 
-  static constexpr Rk4Table kernels() { return {&step, &first}; }
+  /// Steps of a single particle on a line with the state held in registers. The same operations in
+  /// the same order as `step`, so that the bits are the same too.
+  TOMLIN_FLATTEN static std::size_t point_block(const SystemView<double>& system, std::size_t first,
+                                                double h, std::size_t most, double* rates,
+                                                double* velocities) {
+    const SystemView<double> s = system;
+    const PointForce<double>* const forces = s.point_forces;
+    const std::size_t count = s.point_force_count;
+    const double inverse_mass = s.inverse_mass[0];
+    const double largest_move = s.largest_move[0];
+    const double half = 0.5 * h;
+    const double sixth = h / 6.0;
+    const double sixth_square = h * h / 6.0;
+    double x = s.position[0];
+    double v = s.velocity[0];
+    double stage_rates[3][kGroup];
+
+    const auto acceleration = [&](double at, double velocity, double elapsed,
+                                  double* into) TOMLIN_INLINE_LAMBDA {
+      PointResult<double> part =
+          forces[0].run(forces[0].parameters, at, velocity, forces[0].start, elapsed);
+      double force = part.force;
+      if (forces[0].rate != kNoRate) {
+        into[forces[0].rate] = part.force;
+        into[forces[0].rate + 1] = part.power;
+      }
+      for (std::size_t k = 1; k < count; ++k) {
+        part = forces[k].run(forces[k].parameters, at, velocity, forces[k].start, elapsed);
+        force += part.force;
+        if (forces[k].rate != kNoRate) {
+          into[forces[k].rate] = part.force;
+          into[forces[k].rate + 1] = part.power;
+        }
+      }
+      return force * inverse_mass;
+    };
+
+    std::size_t taken = 0;
+    for (; taken < most; ++taken) {
+      const double since = static_cast<double>(first + taken) * h;
+      double* first_rates = rates + taken * s.rates;
+      velocities[taken] = v;
+      const double a1 = acceleration(x, v, since, first_rates);
+      const double x2 = fma(half, v, x);
+      const double v2 = fma(half, a1, v);
+      const double a2 = acceleration(x2, v2, since + half, stage_rates[0]);
+      const double x3 = fma(half, v2, x);
+      const double v3 = fma(half, a2, v);
+      const double a3 = acceleration(x3, v3, since + half, stage_rates[1]);
+      const double x4 = fma(h, v3, x);
+      const double v4 = fma(h, a3, v);
+      const double a4 = acceleration(x4, v4, since + h, stage_rates[2]);
+      const double a23 = a2 + a3;
+      const double move = fma(sixth_square, a1 + a23, h * v);
+      const double change = fma(2.0, a23, a1 + a4);
+      if (!(abs(move) <= largest_move && abs(change) < __builtin_inf())) break;
+      x += move;
+      v = fma(sixth, change, v);
+      for (std::size_t k = 0; k < s.used_rates; ++k) {
+        const double g23 = stage_rates[0][k] + stage_rates[1][k];
+        const double g = fma(2.0, g23, first_rates[k] + stage_rates[2][k]);
+        s.integrals[k] = fma(sixth, g, s.integrals[k]);
+      }
+    }
+    s.position[0] = x;
+    s.velocity[0] = v;
+    return taken;
+  }
+
+  static constexpr Rk4Table kernels() { return {&step, &first, &point_block}; }
 };
 
 }  // namespace TOMLIN_TARGET

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -181,7 +183,7 @@ class CommandLine {
     } catch (const CLI::ExtrasError&) {
       refuse_extras();
     } catch (const CLI::ParseError& error) {
-      refuse(fmt::format("{} ({} --help tells more)", error.what(), chosen_name()));
+      refuse(fmt::format("{} ({} --help tells more)", error.what(), name_of(chosen())));
     }
     if (app_.got_subcommand(describe_)) return described_;
     return run_arguments();
@@ -193,17 +195,18 @@ class CommandLine {
     run_->footer(kRunFooter);
     run_->add_option("SCENE", asked_.scene, "the scene, a TOML file")->option_text(" ")->required();
     run_->add_option("--set", settings_, "replace a parameter or any value of the scene")
+        ->type_name("PATH=VALUE")
         ->option_text("PATH=VALUE ...")
         ->allow_extra_args(false);
     run_->add_option("-o,--output", asked_.folder, "folder for the results; SCENE's stem + .out")
-        ->option_text("DIR");
+        ->type_name("DIR");
     run_->add_flag("--force", asked_.force,
                    "DIR need not be empty; only files that tomlin writes are replaced");
     run_->add_flag("--quiet", asked_.quiet, "say nothing but errors");
     resume_ = run_->add_flag("--resume", resume_wanted_, "continue a run")
                   ->group("Later, not in this version");
     plugin_ = run_->add_option("--plugin", plugins_, "more components from a shared library")
-                  ->option_text("LIB")
+                  ->type_name("LIB")
                   ->group("Later, not in this version");
   }
 
@@ -228,24 +231,26 @@ class CommandLine {
     return subcommands.empty() ? app_ : *subcommands.back();
   }
 
-  std::string chosen_name() const {
-    return &chosen() == &app_ ? "tomlin" : "tomlin " + chosen().get_name();
+  std::string name_of(const CLI::App& app) const {
+    return &app == &app_ ? "tomlin" : "tomlin " + app.get_name();
   }
 
+  /// What is left over stands before the command or behind it.
   [[noreturn]] void refuse_extras() const {
-    const auto extras = app_.remaining(true);
+    const CLI::App& app = app_.remaining().empty() ? chosen() : app_;
+    const auto extras = app.remaining();
     const std::string word = extras.empty() ? "" : extras.front();
     if (!is_option(word)) {
-      refuse(fmt::format("{} does not expect \"{}\" ({} --help tells more)", chosen_name(), word,
-                         chosen_name()));
+      refuse(fmt::format("{} does not expect \"{}\" ({} --help tells more)", name_of(app), word,
+                         name_of(app)));
     }
     std::vector<std::string> names;
-    for (const CLI::Option* option : chosen().get_options()) {
+    for (const CLI::Option* option : app.get_options()) {
       for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
     }
     const std::string name = word.substr(0, word.find('='));
-    refuse(fmt::format("{} has no option {}", chosen_name(), name),
-           nearest_name(name, names).value_or(""), chosen_name() + " --help shows them");
+    refuse(fmt::format("{} has no option {}", name_of(app), name),
+           nearest_name(name, names).value_or(""), name_of(app) + " --help shows them");
   }
 
   CLI::App app_{"Nanoscale friction models from plain scene files.", "tomlin"};

@@ -118,14 +118,14 @@ std::vector<std::pair<std::string, std::string>> later(const TableLayout& layout
   for (const Parameter& row : layout.rows) {
     if (row.only_standard) result.emplace_back(row.key, "any value but the default");
     if (!row.later_choices.empty()) {
-      result.emplace_back(row.key,
-                          fmt::format("\"{}\"", fmt::join(row.later_choices, "\", \"")));
+      result.emplace_back(row.key, fmt::format("\"{}\"", fmt::join(row.later_choices, "\", \"")));
     }
   }
   return result;
 }
 
-// ---- text -----------------------------------------------------------------------------------------
+// ---- text
+// -----------------------------------------------------------------------------------------
 
 std::string list_text(const std::vector<Described>& all) {
   std::size_t width = 0;
@@ -139,7 +139,8 @@ std::string list_text(const std::vector<Described>& all) {
                      component.record->summary);
     }
   }
-  return text + "\n`tomlin describe NAME` shows one with its equation, parameters and an example.\n";
+  return text +
+         "\n`tomlin describe NAME` shows one with its equation, parameters and an example.\n";
 }
 
 void append_indented(std::string& text, std::string_view lines) {
@@ -195,7 +196,8 @@ std::string component_text(const Described& component) {
   return text;
 }
 
-// ---- JSON -----------------------------------------------------------------------------------------
+// ---- JSON
+// -----------------------------------------------------------------------------------------
 
 Json json_of(const Node& node) {
   return std::visit(

@@ -69,7 +69,7 @@ void add_lines(std::vector<Line>& lines, const Results& results) {
   const std::size_t shown = std::min(results.size(), kMostShown);
   for (std::size_t k = 0; k < shown; ++k) {
     std::string text = about(results[k]);
-    lines.emplace_back(results[k].name, text.empty() ? "the window was not reached" : text);
+    lines.emplace_back(results[k].name, text.empty() ? "the run ended before the window" : text);
   }
   if (results.size() > shown) {
     lines.emplace_back("...", fmt::format("and {} more", results.size() - shown));
@@ -88,16 +88,16 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
       result.refused_steps > 0 ? fmt::format(" ({} refused)", result.refused_steps) : "";
   lines.emplace_back(to_string(result.status),
                      fmt::format("at time {:.9g} after {} steps{}, {} force evaluations",
-                                 result.end_time, result.steps, refused,
-                                 result.force_evaluations));
-  lines.emplace_back("speed", fmt::format("{:.3g} s, {:.3g} steps/s, {}", result.wall_seconds,
-                                          result.steps_per_second,
-                                          to_string(result.instruction_set)));
+                                 result.end_time, result.steps, refused, result.force_evaluations));
+  lines.emplace_back("speed",
+                     fmt::format("{:.3g} s, {:.3g} steps/s, {}", result.wall_seconds,
+                                 result.steps_per_second, to_string(result.instruction_set)));
   lines.emplace_back("window",
                      fmt::format("time {:.9g} to {:.9g}", result.window_from, result.window_to));
   add_lines(lines, result.drivers);
   add_lines(lines, result.bodies);
-  for (const auto& [force, why] : result.left_out) lines.emplace_back("left out", force + ": " + why);
+  for (const auto& [force, why] : result.left_out)
+    lines.emplace_back("left out", fmt::format("{}: {}", force, why));
   for (std::size_t k = 0; k < std::min(result.warnings.size(), kMostShown); ++k) {
     lines.emplace_back("warning", result.warnings[k]);
   }

@@ -9,6 +9,7 @@
 #include "framework/core/aligned.hpp"
 #include "framework/core/double_double.hpp"
 #include "framework/core/instruction_set.hpp"
+#include "framework/core/kernel_arguments.hpp"
 #include "framework/core/stage.hpp"
 
 /// What a force is once a scene is bound: complete, with every number resolved. The contracts of
@@ -114,11 +115,18 @@ class BoundForce {
 
   /// Kernel calls of one evaluation. Their arguments live as long as this object.
   virtual std::vector<Pass<Real>> passes() = 0;
+  /// On a single particle on a line: the same force for one point, in registers. False when there
+  /// is no such kernel.
+  virtual bool point(PointForce<Real>& force) const {
+    (void)force;
+    return false;
+  }
   /// Time derivatives that its kernels write: rates of its own state, then a driver's force on
   /// each axis and power. `place_rates` says where among all rates.
   virtual std::size_t rate_count() const { return 0; }
   virtual void place_rates(std::ptrdiff_t first) { (void)first; }
-  /// Called at the start of every step by forces that depend on time.
+  /// For forces that depend on time: stages count their `elapsed` from this time on. Called every
+  /// few steps, not at each.
   virtual bool depends_on_time() const { return false; }
   virtual void begin_step(const DoubleDouble& time) { (void)time; }
   /// The scene's origin has moved; positions are relative to the new one from now on.

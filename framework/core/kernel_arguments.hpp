@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "framework/core/stage.hpp"
 
@@ -36,22 +37,31 @@ struct CentreArguments {
   std::ptrdiff_t rate = kNoRate;
 };
 
-/// Pairs within one body along diagonals (i, i + shift), each pair evaluated once.
-///  cyclic: i + shift is taken modulo count; `rows` shifts 1..rows; with `all`, every pair.
-///  open:   only i + shift < count.
+/// Pairs (i, i + shift modulo count) within one body, shifts 1..rows, each pair evaluated once.
 template <class Real>
-struct DiagonalArguments {
+struct CyclicArguments {
   BodySlot<Real> body;
   const void* parameters = nullptr;
-  bool cyclic = false;
-  std::size_t rows = 0;          ///< shifts 1..rows are evaluated
-  bool half_row_last = false;    ///< cyclic and count = 2 rows: the last row holds each pair twice
-  std::size_t row_stride = 0;    ///< from one row of `datum` to the next
-  const Real* datum = nullptr;   ///< [row][i]
-  Real* extended = nullptr;      ///< scratch [axis][extended_stride], cyclic only
+  std::size_t rows = 0;
+  bool half_row_last = false;   ///< count = 2 rows: the last row holds each pair twice
+  std::size_t row_stride = 0;   ///< from one row of `datum` to the next
+  const Real* datum = nullptr;  ///< [row][i]
+  // Up to kGroup particles stay in registers and are permuted by these orders, [row][kGroup].
+  const std::int64_t* forward = nullptr;   ///< i -> i + shift
+  const std::int64_t* backward = nullptr;  ///< i -> i - shift
+  // More go through memory.
+  Real* extended = nullptr;  ///< scratch [axis][extended_stride]
   std::size_t extended_stride = 0;
-  Real* result = nullptr;        ///< scratch [row][axis][result_stride]
+  Real* result = nullptr;    ///< scratch [row][axis][result_stride]
   std::size_t result_stride = 0;
+};
+
+/// Pairs (i, i + 1) within one body, open at both ends.
+template <class Real>
+struct ChainArguments {
+  BodySlot<Real> body;
+  const void* parameters = nullptr;
+  const Real* datum = nullptr;  ///< [i]
 };
 
 /// Any list of pairs, within one body or between two.
@@ -81,12 +91,33 @@ struct KernelPair {
   Kernel<Real> add[3] = {};
 };
 
+/// A force on a single particle on a line, and a driver's power. Two numbers come back in registers.
+template <class Real>
+struct PointResult {
+  Real force{};
+  Real power{};
+};
+template <class Real>
+using PointKernel = PointResult<Real> (*)(const void* parameters, Real position, Real velocity,
+                                          Real start, Real elapsed);
+
+/// One force of a scene that is a single particle on a line.
+template <class Real>
+struct PointForce {
+  PointKernel<Real> run = nullptr;
+  const void* parameters = nullptr;
+  Real start{};
+  std::ptrdiff_t rate = kNoRate;
+};
+
 template <class Real>
 struct KernelTable {
   KernelPair<Real> site;
   KernelPair<Real> centre;
-  KernelPair<Real> diagonals;
+  KernelPair<Real> cyclic;
+  KernelPair<Real> chain;
   KernelPair<Real> pair_list;
+  PointKernel<Real> point = nullptr;
 };
 
 }  // namespace tomlin

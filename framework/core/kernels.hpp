@@ -68,7 +68,7 @@ TOMLIN_FLATTEN void site_kernel(const void* arguments, const Stage<double>& stag
     site.elapsed = Pack(stage.elapsed);
     Vec<Pack, D> force = force_on<E, Pack, D>(p, site);
     if (i + kGroup > count) {
-      const PackMask real = first_lanes(count - i);
+      const PackMask real = first_lanes(static_cast<int>(count - i));
       for (int d = 0; d < D; ++d) force[d] = select(real, force[d], Pack(0.0));
     }
     for (int d = 0; d < D; ++d) put<set>(f + d * stride + i, force[d]);
@@ -83,6 +83,21 @@ TOMLIN_FLATTEN void site_kernel(const void* arguments, const Stage<double>& stag
       stage.rates[a.rate + D] = sum(power);
     }
   }
+}
+
+/// The same on a single particle on a line, in registers: small scenes are bound by latency.
+template <class E>
+TOMLIN_FLATTEN PointResult<double> point_kernel(const void* parameters, double position,
+                                                double velocity, double start, double elapsed) {
+  const auto& p = *static_cast<const typename E::template Parameters<double, 1>*>(parameters);
+  Site<double, 1> site;
+  site.position[0] = position;
+  site.velocity[0] = velocity;
+  site.start[0] = start;
+  site.elapsed = elapsed;
+  const Vec<double, 1> force = force_on<E, double, 1>(p, site);
+  if constexpr (DoesWork<E, 1>) return {force[0], E::power(p, site, force)};
+  return {force[0], 0.0};
 }
 
 // ---- the centre of mass of a body, or one particle of it ----------------------------------------
@@ -133,10 +148,10 @@ TOMLIN_FLATTEN void centre_kernel(const void* arguments, const Stage<double>& st
   const Vec<double, D> force = force_on<E, double, D>(p, site);
 
   if (a.on_coordinates) {
-    for (int d = 0; d < D; ++d) {
-      double& at = stage.force[a.body.centre + d];
-      at = set ? force[d] : at + force[d];
-    }
+    // Written whole: a group stored in parts would stall the load that takes it whole.
+    const Pack lanes = three_lanes(force[0], D > 1 ? force[D > 1 ? 1 : 0] : 0.0,
+                                   D > 2 ? force[D > 2 ? 2 : 0] : 0.0);
+    put<set>(stage.force + a.body.centre, lanes);
   } else {
     double* f = (a.body.mapped ? stage.mapped_force : stage.force) + a.body.offset;
     if constexpr (set) {
@@ -160,7 +175,37 @@ TOMLIN_FLATTEN void centre_kernel(const void* arguments, const Stage<double>& st
   }
 }
 
-// ---- pairs along diagonals ----------------------------------------------------------------------
+// ---- pairs around a ring --------------------------------------------------------------------------
+
+/// Each particle's row is i + 1, i + 2, ... i - 1: forces computed forwards are added first, then
+/// those of the particles behind are taken off, the furthest first.
+template <class E, int D, bool set>
+TOMLIN_INLINE void cyclic_in_registers(const CyclicArguments<double>& a, const double* x, double* f) {
+  const auto p = in_all_lanes<E, D>(a.parameters);
+  const std::size_t stride = a.body.stride;
+  const PackMask real = first_lanes(static_cast<int>(a.body.count));
+  Vec<Pack, D> position;
+  for (int d = 0; d < D; ++d) position[d] = Pack::load(x + d * stride);
+  constexpr std::size_t kMostRows = kGroup / 2;
+  Vec<Pack, D> force[kMostRows];
+  Vec<Pack, D> total;
+  for (int d = 0; d < D; ++d) total[d] = Pack(0.0);
+  for (std::size_t row = 0; row < a.rows; ++row) {
+    Pair<Pack, D> pair;
+    for (int d = 0; d < D; ++d) {
+      pair.separation[d] = permute(position[d], a.forward + row * kGroup) - position[d];
+    }
+    pair.datum = Pack::load(a.datum + row * a.row_stride);
+    force[row] = force_on<E, Pack, D>(p, pair);
+    for (int d = 0; d < D; ++d) total[d] += force[row][d];
+  }
+  for (std::size_t row = a.half_row_last ? a.rows - 1 : a.rows; row-- > 0;) {
+    for (int d = 0; d < D; ++d) {
+      total[d] = total[d] - permute(force[row][d], a.backward + row * kGroup);
+    }
+  }
+  for (int d = 0; d < D; ++d) put<set>(f + d * stride, select(real, total[d], Pack(0.0)));
+}
 
 /// Positions of one axis followed by a second copy, so that i + shift needs no modulo.
 TOMLIN_INLINE void extend(const double* x, std::size_t count, double* extended) {
@@ -171,80 +216,103 @@ TOMLIN_INLINE void extend(const double* x, std::size_t count, double* extended) 
 }
 
 template <class E, int D, bool set>
-TOMLIN_FLATTEN void diagonal_kernel(const void* arguments, const Stage<double>& stage) {
-  const DiagonalArguments<double> a = *static_cast<const DiagonalArguments<double>*>(arguments);
+TOMLIN_FLATTEN void cyclic_kernel(const void* arguments, const Stage<double>& stage) {
+  const CyclicArguments<double> a = *static_cast<const CyclicArguments<double>*>(arguments);
+  const double* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset;
+  double* f = (a.body.mapped ? stage.mapped_force : stage.force) + a.body.offset;
+  const std::size_t stride = a.body.stride;
+  const std::size_t count = a.body.count;
+  if (count <= kGroup) {
+    cyclic_in_registers<E, D, set>(a, x, f);
+    return;
+  }
+  const auto p = in_all_lanes<E, D>(a.parameters);
+  for (int d = 0; d < D; ++d) extend(x + d * stride, count, a.extended + d * a.extended_stride);
+
+  // The force on i from i + shift, every pair once; each row is stored twice over, so that
+  // i - shift needs no modulo either.
+  for (std::size_t row = 0; row < a.rows; ++row) {
+    const std::size_t shift = row + 1;
+    double* result = a.result + row * D * a.result_stride;
+    for (std::size_t i = 0; i < count; i += kGroup) {
+      Pair<Pack, D> pair;
+      for (int d = 0; d < D; ++d) {
+        pair.separation[d] = Pack::load_unaligned(a.extended + d * a.extended_stride + i + shift) -
+                             Pack::load(x + d * stride + i);
+      }
+      pair.datum = Pack::load(a.datum + row * a.row_stride + i);
+      Vec<Pack, D> force = force_on<E, Pack, D>(p, pair);
+      if (i + kGroup > count) {
+        const PackMask real = first_lanes(static_cast<int>(count - i));
+        for (int d = 0; d < D; ++d) force[d] = select(real, force[d], Pack(0.0));
+      }
+      for (int d = 0; d < D; ++d) force[d].store(result + d * a.result_stride + i);
+    }
+    // The second copy begins in the padding of the first, so it is written after it.
+    for (int d = 0; d < D; ++d) {
+      double* at = result + d * a.result_stride;
+      for (std::size_t i = 0; i < count; i += kGroup) {
+        Pack::load(at + i).store_unaligned(at + count + i);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < count; i += kGroup) {
+    Vec<Pack, D> total;
+    for (int d = 0; d < D; ++d) total[d] = Pack(0.0);
+    for (std::size_t row = 0; row < a.rows; ++row) {
+      const double* result = a.result + row * D * a.result_stride + i;
+      for (int d = 0; d < D; ++d) total[d] += Pack::load(result + d * a.result_stride);
+    }
+    for (std::size_t row = a.half_row_last ? a.rows - 1 : a.rows; row-- > 0;) {
+      const double* result = a.result + row * D * a.result_stride + i + count - (row + 1);
+      for (int d = 0; d < D; ++d) {
+        total[d] = total[d] - Pack::load_unaligned(result + d * a.result_stride);
+      }
+    }
+    if (i + kGroup > count) {
+      const PackMask real = first_lanes(static_cast<int>(count - i));
+      for (int d = 0; d < D; ++d) total[d] = select(real, total[d], Pack(0.0));
+    }
+    for (int d = 0; d < D; ++d) put<set>(f + d * stride + i, total[d]);
+  }
+}
+
+// ---- pairs along an open chain --------------------------------------------------------------------
+
+alignas(64) inline constexpr std::int64_t kOneBack[kGroup] = {7, 0, 1, 2, 3, 4, 5, 6};
+
+template <class E, int D, bool set>
+TOMLIN_FLATTEN void chain_kernel(const void* arguments, const Stage<double>& stage) {
+  const ChainArguments<double> a = *static_cast<const ChainArguments<double>*>(arguments);
   const auto p = in_all_lanes<E, D>(a.parameters);
   const double* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset;
   double* f = (a.body.mapped ? stage.mapped_force : stage.force) + a.body.offset;
   const std::size_t stride = a.body.stride;
   const std::size_t count = a.body.count;
+  const std::size_t bonds = count - 1;
+  const PackMask lane_zero = first_lanes(1);
 
-  const bool whole = count % kGroup == 0;
-
-  const double* from = x;
-  std::size_t from_stride = stride;
-  if (a.cyclic) {
-    for (int d = 0; d < D; ++d) extend(x + d * stride, count, a.extended + d * a.extended_stride);
-    from = a.extended;
-    from_stride = a.extended_stride;
-  }
-
-  // The force on i from i + shift, every pair once. A cyclic row is stored twice in a row, so that
-  // i - shift needs no modulo either; an open one has zeros before and after it.
-  for (std::size_t row = 0; row < a.rows; ++row) {
-    const std::size_t shift = row + 1;
-    const std::size_t used = a.cyclic ? count : count - shift;
-    double* result = a.result + row * D * a.result_stride;
-    for (std::size_t i = 0; i < used; i += kGroup) {
-      Pair<Pack, D> pair;
-      for (int d = 0; d < D; ++d) {
-        pair.separation[d] = Pack::load_unaligned(from + d * from_stride + i + shift) -
-                             Pack::load(x + d * stride + i);
-      }
-      pair.datum = Pack::load(a.datum + row * a.row_stride + i);
-      Vec<Pack, D> force = force_on<E, Pack, D>(p, pair);
-      if (i + kGroup > used) {
-        const PackMask real = first_lanes(used - i);
-        for (int d = 0; d < D; ++d) force[d] = select(real, force[d], Pack(0.0));
-      }
-      for (int d = 0; d < D; ++d) {
-        double* at = result + d * a.result_stride + kGroup + i;
-        force[d].store(at);
-        if (a.cyclic && whole) force[d].store_unaligned(at + count);
-      }
-    }
-    // The second copy begins in the padding of the first, so it is written after it.
-    if (a.cyclic && !whole) {
-      for (int d = 0; d < D; ++d) {
-        double* at = result + d * a.result_stride + kGroup;
-        for (std::size_t i = 0; i < count; i += kGroup) {
-          Pack::load(at + i).store_unaligned(at + count + i);
-        }
-      }
-    }
-  }
-
-  // Each particle's row: i + 1, i + 2, ... to i - 1.
+  // Forwards bond by bond; the bond behind each particle is the forward one of its predecessor,
+  // carried over from group to group in lane 0.
+  Vec<Pack, D> behind;
+  for (int d = 0; d < D; ++d) behind[d] = Pack(0.0);
   for (std::size_t i = 0; i < count; i += kGroup) {
-    Vec<Pack, D> total;
-    for (int d = 0; d < D; ++d) total[d] = Pack(0.0);
-    for (std::size_t row = 0; row < a.rows; ++row) {
-      const double* result = a.result + row * D * a.result_stride + kGroup + i;
-      for (int d = 0; d < D; ++d) total[d] += Pack::load(result + d * a.result_stride);
+    Pair<Pack, D> pair;
+    for (int d = 0; d < D; ++d) {
+      pair.separation[d] =
+          Pack::load_unaligned(x + d * stride + i + 1) - Pack::load(x + d * stride + i);
     }
-    for (std::size_t row = a.half_row_last ? a.rows - 1 : a.rows; row-- > 0;) {
-      const std::size_t back = a.cyclic ? count - (row + 1) : 0;
-      const double* result = a.result + row * D * a.result_stride + kGroup + i + back;
-      for (int d = 0; d < D; ++d) {
-        const double* at = result + d * a.result_stride;
-        total[d] = total[d] - Pack::load_unaligned(a.cyclic ? at : at - (row + 1));
-      }
+    pair.datum = Pack::load(a.datum + i);
+    Vec<Pack, D> force = force_on<E, Pack, D>(p, pair);
+    if (i + kGroup > bonds) {
+      const PackMask real = first_lanes(bonds > i ? static_cast<int>(bonds - i) : 0);
+      for (int d = 0; d < D; ++d) force[d] = select(real, force[d], Pack(0.0));
     }
-    if (i + kGroup > count) {
-      const PackMask real = first_lanes(count - i);
-      for (int d = 0; d < D; ++d) total[d] = select(real, total[d], Pack(0.0));
+    for (int d = 0; d < D; ++d) {
+      const Pack moved = permute(force[d], kOneBack);
+      put<set>(f + d * stride + i, force[d] - select(lane_zero, behind[d], moved));
+      behind[d] = moved;
     }
-    for (int d = 0; d < D; ++d) put<set>(f + d * stride + i, total[d]);
   }
 }
 
@@ -302,10 +370,13 @@ constexpr void fill_table(KernelTable<double>& table) {
     table.site.add[D - 1] = &site_kernel<E, D, false>;
     table.centre.set[D - 1] = &centre_kernel<E, D, true>;
     table.centre.add[D - 1] = &centre_kernel<E, D, false>;
+    if constexpr (D == 1) table.point = &point_kernel<E>;
   }
   if constexpr (HasForce<E, D, Pair> || HasEnergy<E, D, Pair>) {
-    table.diagonals.set[D - 1] = &diagonal_kernel<E, D, true>;
-    table.diagonals.add[D - 1] = &diagonal_kernel<E, D, false>;
+    table.cyclic.set[D - 1] = &cyclic_kernel<E, D, true>;
+    table.cyclic.add[D - 1] = &cyclic_kernel<E, D, false>;
+    table.chain.set[D - 1] = &chain_kernel<E, D, true>;
+    table.chain.add[D - 1] = &chain_kernel<E, D, false>;
     table.pair_list.add[D - 1] = &pair_list_kernel<E, D>;
   }
 }

@@ -273,6 +273,21 @@ TOMLIN_INLINE double sum(const Pack& a) {
   return ((a.v[0] + a.v[4]) + (a.v[2] + a.v[6])) + ((a.v[1] + a.v[5]) + (a.v[3] + a.v[7]));
 }
 
+// Lane i becomes lane order[i].
+TOMLIN_INLINE Pack permute(const Pack& a, const std::int64_t* order) {
+  Pack r;
+  for (int i = 0; i < kLanes; ++i) r.v[i] = a.v[order[i]];
+  return r;
+}
+// {a, b, c, 0, ...}
+TOMLIN_INLINE Pack three_lanes(double a, double b, double c) {
+  Pack r(0.0);
+  r.v[0] = a;
+  r.v[1] = b;
+  r.v[2] = c;
+  return r;
+}
+
 #else  // avx2, avx512
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -479,6 +494,31 @@ struct MaskOf<Pack> {
 };
 template <class T>
 using Mask = typename MaskOf<T>::Type;
+
+#if TOMLIN_TARGET_IS_AVX512
+// Lane i becomes lane order[i].
+TOMLIN_INLINE Pack permute(Pack a, const std::int64_t* order) {
+  const auto indices = hn::SetTableIndices(pack_detail::part_tag, order);
+  return Pack(hn::TableLookupLanes(a.v, indices));
+}
+// {a, b, c, 0, ...}
+TOMLIN_INLINE Pack three_lanes(double a, double b, double c) {
+  return Pack(pack_detail::Part{_mm512_zextpd256_pd512(_mm256_set_pd(0.0, c, b, a))});
+}
+#elif TOMLIN_TARGET_IS_AVX2
+TOMLIN_INLINE Pack permute(const Pack& a, const std::int64_t* order) {
+  // No instruction permutes across two registers.
+  alignas(32) double lanes[kLanes];
+  a.store(lanes);
+  alignas(32) double moved[kLanes];
+  for (int i = 0; i < kLanes; ++i) moved[i] = lanes[order[i]];
+  return Pack::load(moved);
+}
+TOMLIN_INLINE Pack three_lanes(double a, double b, double c) {
+  alignas(32) const double lanes[kLanes] = {a, b, c};
+  return Pack::load(lanes);
+}
+#endif
 
 }  // namespace TOMLIN_TARGET
 }  // namespace tomlin

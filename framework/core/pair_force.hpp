@@ -45,8 +45,8 @@ inline std::vector<BoundPair> pairs_of(const PairSelection& selection, std::size
   return pairs;
 }
 
-/// The evaluator on pairs within one body. "all" and "neighbours" run along diagonals of
-/// contiguous numbers; any other list gathers.
+/// The evaluator on pairs within one body. "all" and "neighbours" run along contiguous numbers; any
+/// other list gathers.
 template <class E, int D>
 class PairForce : public BoundForce<double> {
  public:
@@ -60,24 +60,38 @@ class PairForce : public BoundForce<double> {
         body_(*binding.bodies.front()),
         pairs_(std::move(pairs)),
         rank_(rank) {
-    const bool cyclic = selection.kind == PairSelection::Kind::all ||
-                        (selection.kind == PairSelection::Kind::neighbours && body_.closed &&
-                         body_.slot.count > 2);
-    diagonal_ = selection.kind != PairSelection::Kind::list;
-    if (pairs_.empty()) return;
-    if (diagonal_) {
-      lay_diagonals(selection, cyclic);
+    const bool all = selection.kind == PairSelection::Kind::all;
+    if (selection.kind == PairSelection::Kind::list) {
+      topology_ = Topology::list;
+    } else if (all || (body_.closed && body_.slot.count > 2)) {
+      topology_ = Topology::cyclic;
     } else {
-      lay_list();
+      topology_ = Topology::chain;
+    }
+    if (pairs_.empty()) return;
+    switch (topology_) {
+      case Topology::cyclic:
+        lay_cyclic(all);
+        break;
+      case Topology::chain:
+        lay_chain();
+        break;
+      case Topology::list:
+        lay_list();
+        break;
     }
   }
 
   std::vector<Pass<double>> passes() override {
     if (pairs_.empty()) return {};
     const std::vector<Region> writes = {{body_.index, false}};
-    if (diagonal_) {
-      return {{tables_.diagonals.set[D - 1], tables_.diagonals.add[D - 1], &diagonals_, writes,
-               rank_}};
+    switch (topology_) {
+      case Topology::cyclic:
+        return {{tables_.cyclic.set[D - 1], tables_.cyclic.add[D - 1], &cyclic_, writes, rank_}};
+      case Topology::chain:
+        return {{tables_.chain.set[D - 1], tables_.chain.add[D - 1], &chain_, writes, rank_}};
+      case Topology::list:
+        break;
     }
     return {{nullptr, tables_.pair_list.add[D - 1], &list_, writes, rank_}};
   }
@@ -121,37 +135,53 @@ class PairForce : public BoundForce<double> {
     return pair;
   }
 
-  void lay_diagonals(const PairSelection& selection, bool cyclic) {
+  void lay_cyclic(bool all) {
     const std::size_t count = body_.slot.count;
-    const bool all = selection.kind == PairSelection::Kind::all;
-    diagonals_.body = body_.slot;
-    diagonals_.parameters = &parameters_;
-    diagonals_.cyclic = cyclic;
-    diagonals_.rows = all ? count / 2 : 1;
-    diagonals_.half_row_last = all && count % 2 == 0;
-    diagonals_.row_stride = padded(count);
-    datum_.assign(diagonals_.rows * diagonals_.row_stride, 0.0);
+    cyclic_.body = body_.slot;
+    cyclic_.parameters = &parameters_;
+    cyclic_.rows = all ? count / 2 : 1;
+    cyclic_.half_row_last = all && count % 2 == 0;
+    cyclic_.row_stride = padded(count);
+    datum_.assign(cyclic_.rows * cyclic_.row_stride, 0.0);
     for (const BoundPair& bound : pairs_) {
       // Row `shift - 1` holds the pair (i, i + shift); with half a turn it stands there twice.
       const std::size_t ahead = (bound.j + count - bound.i) % count;
       const std::size_t behind = count - ahead;
-      if (!cyclic || ahead <= diagonals_.rows) {
-        datum_[(ahead - 1) * diagonals_.row_stride + bound.i] = bound.datum;
+      if (ahead <= cyclic_.rows) {
+        datum_[(ahead - 1) * cyclic_.row_stride + bound.i] = bound.datum;
       }
-      if (cyclic && behind <= diagonals_.rows) {
-        datum_[(behind - 1) * diagonals_.row_stride + bound.j] = bound.datum;
+      if (behind <= cyclic_.rows) {
+        datum_[(behind - 1) * cyclic_.row_stride + bound.j] = bound.datum;
       }
     }
-    diagonals_.datum = datum_.data();
+    cyclic_.datum = datum_.data();
+    if (count <= kGroup) {
+      for (std::size_t row = 0; row < cyclic_.rows; ++row) {
+        for (std::size_t i = 0; i < kGroup; ++i) {
+          const std::size_t here = std::min(i, count - 1);
+          forward_.push_back(static_cast<std::int64_t>((here + row + 1) % count));
+          backward_.push_back(static_cast<std::int64_t>((here + count - row - 1) % count));
+        }
+      }
+      cyclic_.forward = forward_.data();
+      cyclic_.backward = backward_.data();
+      return;
+    }
     // Kernels read and write up to a group past each copy; strides keep off powers of two.
-    if (cyclic) {
-      diagonals_.extended_stride = padded(2 * count) + 3 * kGroup;
-      extended_.assign(D * diagonals_.extended_stride, 0.0);
-      diagonals_.extended = extended_.data();
-    }
-    diagonals_.result_stride = padded((cyclic ? 2 : 1) * count) + 5 * kGroup;
-    result_.assign(diagonals_.rows * D * diagonals_.result_stride, 0.0);
-    diagonals_.result = result_.data();
+    cyclic_.extended_stride = padded(2 * count) + 3 * kGroup;
+    extended_.assign(D * cyclic_.extended_stride, 0.0);
+    cyclic_.extended = extended_.data();
+    cyclic_.result_stride = padded(2 * count) + 5 * kGroup;
+    result_.assign(cyclic_.rows * D * cyclic_.result_stride, 0.0);
+    cyclic_.result = result_.data();
+  }
+
+  void lay_chain() {
+    chain_.body = body_.slot;
+    chain_.parameters = &parameters_;
+    datum_.assign(padded(body_.slot.count), 0.0);
+    for (const BoundPair& bound : pairs_) datum_[bound.i] = bound.datum;
+    chain_.datum = datum_.data();
   }
 
   void lay_list() {
@@ -194,11 +224,14 @@ class PairForce : public BoundForce<double> {
   BoundBody<double> body_;
   std::vector<BoundPair> pairs_;
   int rank_;
-  bool diagonal_ = true;
+  enum class Topology { cyclic, chain, list } topology_ = Topology::cyclic;
 
-  DiagonalArguments<double> diagonals_;
+  CyclicArguments<double> cyclic_;
+  ChainArguments<double> chain_;
   PairListArguments<double> list_;
   AlignedVector<double> datum_;
+  AlignedVector<std::int64_t> forward_;
+  AlignedVector<std::int64_t> backward_;
   AlignedVector<double> extended_;
   AlignedVector<double> result_;
   std::vector<std::size_t> index_i_;

@@ -35,16 +35,37 @@ class Integrator {
   /// The state it works on from now on; outlives the integrator's use of it.
   virtual void attach(RunState& state) { (void)state; }
 
-  /// One step from `time`. A fixed scheme takes exactly `h`; an adaptive one takes at most `h`.
-  /// With `dense`, interpolate() will be asked for. A failed step leaves the state as it was.
-  virtual StepReport step(const DoubleDouble& time, double h, bool dense) = 0;
+  /// One step from `since` after the time that forces are anchored at. A fixed scheme takes exactly
+  /// `h`; an adaptive one takes at most `h`. With `dense`, interpolate() will be asked for. A failed
+  /// step leaves the state as it was.
+  virtual StepReport step_from(double since, double h, bool dense) = 0;
+
+  /// The same from a time of its own.
+  StepReport step(const DoubleDouble& time, double h, bool dense) {
+    anchor(time);
+    return step_from(0.0, h, dense);
+  }
+
+  /// Up to `most` plain steps in one go for scenes with `point_forces`, the first `first` steps of
+  /// `h` after the anchor: returns how many were taken before one failed (all, when none did).
+  /// Row k of `rates` and `velocities` holds the start of step k.
+  virtual bool has_point_block() const { return false; }
+  virtual std::size_t point_block(std::size_t first, double h, std::size_t most, Real* rates,
+                                  Real* velocities) {
+    (void)first, (void)h, (void)most, (void)rates, (void)velocities;
+    return 0;
+  }
 
   /// Rates at the start of the last step.
   virtual const Real* first_rates() const = 0;
 
-  /// Complete the last step (made with `dense`, ending at `end`) for interpolation; any evaluation
-  /// this takes is the next step's first, so that steps do not depend on samples.
-  virtual void finish_dense(const DoubleDouble& end) = 0;
+  /// Complete the last step (made with `dense`) for interpolation. Where that takes an evaluation at
+  /// its end, `since` after the anchor, it is the next step's first: steps do not depend on samples.
+  virtual void finish_dense_from(double since) = 0;
+  void finish_dense(const DoubleDouble& end) {
+    anchor(end);
+    finish_dense_from(0.0);
+  }
   /// The state at a fraction theta in [0, 1] of the last step.
   virtual void interpolate(double theta, Real* position, Real* velocity, Real* integrals) const = 0;
 
@@ -54,6 +75,12 @@ class Integrator {
 
   /// Accepted and refused attempts of an adaptive scheme.
   virtual std::uint64_t refused_steps() const { return 0; }
+
+ protected:
+  explicit Integrator(System<Real>& system) : system_(system) {}
+  void anchor(const DoubleDouble& time) { system_.begin_step(system_.model, time.hi, time.lo); }
+
+  System<Real>& system_;
 };
 
 }  // namespace tomlin

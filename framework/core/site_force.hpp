@@ -89,7 +89,10 @@ class ParticleForce : public ForceOnSites<E, D> {
  public:
   ParticleForce(const typename E::Description& description, const Binding<double>& binding,
                 const KernelTables& tables, int rank)
-      : Base(description, binding), kernels_(tables.on(binding.set).site), rank_(rank) {
+      : Base(description, binding),
+        kernels_(tables.on(binding.set).site),
+        point_(tables.on(binding.set).point),
+        rank_(rank) {
     arguments_.body = this->body_.slot;
     arguments_.parameters = &this->parameters_;
     if constexpr (E::reads.start) {
@@ -110,6 +113,12 @@ class ParticleForce : public ForceOnSites<E, D> {
   }
 
   void place_rates(std::ptrdiff_t first) override { arguments_.rate = first; }
+
+  bool point(PointForce<double>& force) const override {
+    if (D != 1 || this->body_.slot.count != 1 || !point_) return false;
+    force = {point_, &this->parameters_, start_.empty() ? 0.0 : start_[0], arguments_.rate};
+    return true;
+  }
 
   double energy(const Stage<double>& stage) const override {
     InterleavedSum<double> total;
@@ -167,6 +176,7 @@ class ParticleForce : public ForceOnSites<E, D> {
   }
 
   const KernelPair<double>& kernels_;
+  PointKernel<double> point_;
   int rank_;
   SiteArguments<double> arguments_;
   AlignedVector<double> start_;
@@ -182,7 +192,10 @@ class AttachedForce : public ForceOnSites<E, D> {
   AttachedForce(const typename E::Description& description, const Binding<double>& binding,
                 const KernelTables& tables, int rank, std::ptrdiff_t particle = kCentreOfMass,
                 const std::vector<double>& start = {})
-      : Base(description, binding), kernels_(tables.on(binding.set).centre), rank_(rank) {
+      : Base(description, binding),
+        kernels_(tables.on(binding.set).centre),
+        point_(tables.on(binding.set).point),
+        rank_(rank) {
     const BoundBody<double>& body = this->body_;
     arguments_.body = body.slot;
     arguments_.parameters = &this->parameters_;
@@ -217,6 +230,12 @@ class AttachedForce : public ForceOnSites<E, D> {
   }
 
   void place_rates(std::ptrdiff_t first) override { arguments_.rate = first; }
+
+  bool point(PointForce<double>& force) const override {
+    if (D != 1 || this->body_.slot.count != 1 || !point_) return false;
+    force = {point_, &this->parameters_, arguments_.start[0], arguments_.rate};
+    return true;
+  }
 
   double energy(const Stage<double>& stage) const override {
     if constexpr (HasEnergy<E, D, Site>) return E::energy(this->parameters_, site(stage));
@@ -255,6 +274,7 @@ class AttachedForce : public ForceOnSites<E, D> {
 
  private:
   const KernelPair<double>& kernels_;
+  PointKernel<double> point_;
   int rank_;
   AlignedVector<double> weight_;
 };

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "framework/core/instruction_set.hpp"
+#include "framework/core/kernel_arguments.hpp"
 #include "framework/core/stage.hpp"
 
 /// A bound scene as integrators and kernels see it: plain arrays and a list of kernel calls.
@@ -14,6 +15,7 @@ struct SystemView {
   std::size_t dofs = 0;   ///< length of position, velocity and force, padding included
   std::size_t own = 0;    ///< state variables owned by forces, padded; the first of the integrals
   std::size_t rates = 0;  ///< own variables and running integrals, padded
+  std::size_t used_rates = 0;  ///< without the padding at the end
 
   // The current state, relative to the scene's origin.
   Real* position = nullptr;
@@ -27,6 +29,10 @@ struct SystemView {
 
   const Operation<Real>* operations = nullptr;  ///< one evaluation of all forces
   std::size_t operation_count = 0;
+
+  /// The forces of a scene that is a single particle on a line; none otherwise.
+  const PointForce<Real>* point_forces = nullptr;
+  std::size_t point_force_count = 0;
 
   Real* force = nullptr;  ///< scratch for one evaluation
   Real* mapped_position = nullptr;
@@ -55,7 +61,7 @@ struct System {
   InstructionSet set = InstructionSet::baseline;
   std::uint64_t evaluations = 0;  ///< of all forces, so far
 
-  /// Tell forces that depend on time where a step starts.
+  /// Tell forces that depend on time from where stages count their `elapsed`.
   void (*begin_step)(void* model, double time_high, double time_low) = nullptr;
   void* model = nullptr;
 };

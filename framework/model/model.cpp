@@ -255,6 +255,7 @@ void Model::bind_forces() {
   }
   system_.view.own = padded(own);
   system_.view.rates = padded(rates);
+  system_.view.used_rates = rates;
   s.rates.assign(system_.view.rates + 2 * kGroup, 0.0);
 
   // A bond may not turn over in one step: half the shortest bond of a body bounds its particles.
@@ -352,13 +353,36 @@ void Model::order_operations() {
     if (slot.rigid && !centre_set[b]) zero(b, true);
     if (!slot.mapped && !particles_set[b]) zero(b, false);
   }
+  // A single particle on a line has kernels that pass numbers in registers.
+  if (dimension() == 1 && bodies_.size() == 1 && s.dofs == kGroup && s.own_count == 0 &&
+      system_.view.used_rates <= kGroup && !bodies_.front().bound.slot.mapped) {
+    std::vector<const BoundForce<double>*> in_order;
+    for (const Pass<double>& pass : passes) {
+      for (const Force& force : forces_) {
+        for (const Pass<double>& own : force.bound->passes()) {
+          if (own.arguments == pass.arguments) in_order.push_back(force.bound.get());
+        }
+      }
+    }
+    for (const BoundForce<double>* force : in_order) {
+      PointForce<double> point;
+      if (!force->point(point)) {
+        s.point_forces.clear();
+        break;
+      }
+      s.point_forces.push_back(point);
+    }
+    system_.view.point_forces = s.point_forces.data();
+    system_.view.point_force_count = s.point_forces.size();
+  }
   system_.view.operations = operations_.data();
   system_.view.operation_count = operations_.size();
 }
 
 void Model::begin_step(void* model, double time_high, double time_low) {
-  const DoubleDouble time{time_high, time_low};
-  for (BoundForce<double>* force : static_cast<Model*>(model)->timed_) force->begin_step(time);
+  auto* const self = static_cast<Model*>(model);
+  self->anchor_ = DoubleDouble(time_high, time_low);
+  for (BoundForce<double>* force : self->timed_) force->begin_step(self->anchor_);
 }
 
 void Model::declare(StateLayout& layout) const {
@@ -505,6 +529,7 @@ bool Model::rebase_if_due() {
     place_fixed();
     rebased = true;
   }
+  if (rebased) begin_step(this, anchor_.hi, anchor_.lo);
   return rebased;
 }
 

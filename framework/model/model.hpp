@@ -68,6 +68,10 @@ class Model {
   /// it did.
   bool rebase_if_due();
 
+  /// Stages count their time from here on.
+  void anchor(const DoubleDouble& time) { begin_step(this, time.hi, time.lo); }
+  const DoubleDouble& anchor_time() const { return anchor_; }
+
   /// Evaluate all forces at a state (not counted among the run's evaluations). Leaves generalised
   /// forces in system().view.force and rates in `rates`.
   void evaluate_at(const DoubleDouble& time, const double* position, const double* velocity,
@@ -131,6 +135,7 @@ class Model {
   std::vector<Operation<double>> operations_;
   struct Storage;
   std::unique_ptr<Storage> storage_;
+  DoubleDouble anchor_;  ///< the time from which stages count
   std::int64_t* cells_ = nullptr;
   std::int64_t* whole_turns_ = nullptr;
 };

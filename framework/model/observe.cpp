@@ -26,9 +26,11 @@ Stage<double> Model::stage(const double* position, const double* velocity, const
 
 void Model::evaluate_at(const DoubleDouble& time, const double* position, const double* velocity,
                         const double* integrals, double* rates) {
-  begin_step(this, time.hi, time.lo);
+  const DoubleDouble anchored = anchor_;
+  anchor(time);
   const Stage<double> here = stage(position, velocity, integrals, rates);
   for (const Operation<double>& operation : operations_) operation.run(operation.arguments, here);
+  anchor(anchored);
 }
 
 void Model::centre(std::size_t b, const double* position, double* result) const {
@@ -90,10 +92,14 @@ double Model::kinetic_energy(const double* velocity) const {
 
 double Model::potential_energy(const DoubleDouble& time, const double* position,
                                const double* velocity, const double* integrals) {
+  // Rigid bodies place their particles in an evaluation.
   evaluate_at(time, position, velocity, integrals, storage_->rates.data());
+  const DoubleDouble anchored = anchor_;
+  anchor(time);
   const Stage<double> here = stage(position, velocity, integrals, storage_->rates.data());
   double total = 0.0;
   for (const Force& force : forces_) total += force.bound->energy(here);
+  anchor(anchored);
   return total;
 }
 

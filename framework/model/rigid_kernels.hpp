@@ -77,10 +77,8 @@ struct RigidKernels {
       torque = fma(Pack::load(a.arm + i), fy, torque);
       torque = fma(-Pack::load(a.arm + stride + i), fx, torque);
     }
-    double* generalised = stage.force + a.body.centre;
-    generalised[0] = sum(force_x);
-    generalised[1] = sum(force_y);
-    generalised[2] = kTau * sum(torque);
+    // Written whole: a group stored in parts would stall the load that takes it whole.
+    three_lanes(sum(force_x), sum(force_y), kTau * sum(torque)).store(stage.force + a.body.centre);
   }
 
   static constexpr RigidTable kernels() { return {&place, &gather}; }

@@ -21,6 +21,7 @@ struct Model::Storage {
   std::deque<AlignedVector<double>> arms;
   std::vector<std::unique_ptr<RigidArguments>> rigid;
   std::vector<std::shared_ptr<void>> zeros;
+  std::vector<PointForce<double>> point_forces;
   AlignedVector<double> inverse_mass;
   AlignedVector<double> largest_move;
   AlignedVector<double> tolerance_scale;

@@ -20,7 +20,8 @@ bool synchronised(int descriptor) {
 /// So that the new name survives a power cut. The file itself is safe already.
 void synchronise_folder_of(const std::filesystem::path& file) {
   const auto parent = file.parent_path();
-  const int folder = ::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int folder =
+      ::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder < 0) return;
   ::fsync(folder);
   ::close(folder);

@@ -50,7 +50,7 @@ fs::path trimmed(const fs::path& path) {
 
 }  // namespace
 
-RunFolder::RunFolder(fs::path folder, Occupied occupied)
+RunFolder::RunFolder(const fs::path& folder, Occupied occupied)
     : folder_(trimmed(folder)), occupied_(occupied) {
   if (folder_.empty()) refuse(folder_, "no name for a folder", kUsableFolder);
   std::error_code error;

@@ -26,7 +26,7 @@ enum class Occupied {
 class RunFolder {
  public:
   /// Looks, and makes nothing. Throws InputError when the folder cannot be used.
-  RunFolder(std::filesystem::path folder, Occupied occupied);
+  RunFolder(const std::filesystem::path& folder, Occupied occupied);
   /// A folder that was made and never written to disappears again.
   ~RunFolder();
   RunFolder(const RunFolder&) = delete;

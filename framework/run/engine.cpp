@@ -73,6 +73,19 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   dense_integrals_.assign(view.rates + 2 * kGroup, 0.0);
   dense_rates_.assign(view.rates + 2 * kGroup, 0.0);
   final_rates_.assign(view.rates + 2 * kGroup, 0.0);
+  if (integrator_->has_point_block()) {
+    block_rates_.assign(kHousekeepingEvery * view.rates, 0.0);
+    block_velocities_.assign(kHousekeepingEvery, 0.0);
+  }
+  if (dt_ > 0.0) {
+    full_steps_ = static_cast<std::int64_t>(duration_ / dt_);
+    const auto remains = [&](std::int64_t steps) {
+      return static_cast<double>(DoubleDouble(duration_) -
+                                 two_prod(static_cast<double>(steps), dt_));
+    };
+    while (remains(full_steps_) < -kNoStep * dt_) --full_steps_;
+    while (remains(full_steps_ + 1) >= -kNoStep * dt_) ++full_steps_;
+  }
   for (Moment* moment : {&from_, &to_}) {
     moment->integrals.assign(view.rates, 0.0);
     moment->centre.assign(model_.bodies().size() * model_.dimension(), DoubleDouble());
@@ -86,6 +99,7 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   started_ = std::chrono::steady_clock::now();
   last_report_ = started_;
   check_step();
+  model_.anchor(DoubleDouble(0.0));
   if (!failure_) observe_start();
 }
 
@@ -94,6 +108,7 @@ void Engine::list_signals() {
     const Model::Force& force = model_.forces()[k];
     if (!force.record->traits.does_work) continue;
     drivers_.push_back(k);
+    first_rates_.push_back(static_cast<std::size_t>(force.first_rate));
     const Drive* drive = force.bound->drive();
     drags_.push_back(drive != nullptr && norm(drive->velocity) > 0.0);
   }
@@ -226,47 +241,132 @@ double Engine::next_dense() const {
   return to_.reached ? next : std::min(next, to_.time);
 }
 
-bool Engine::take(double h, const DoubleDouble& end, bool to_grid) {
+/// One step with everything that may go with it: samples, edges of the window, looks at the origin.
+/// Every step that is not plain takes this path, and any event would split a step here.
+bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid) {
   const DoubleDouble begin = now();
   const bool dense = dt_ == 0.0 || next_dense() <= static_cast<double>(end);
-  const SystemView<double>& view = model_.system().view;
-  signals_from(nullptr, view.velocity, signals_.data());
-
-  const StepReport report = integrator_->step(begin, h, dense);
+  signals_from_velocity(model_.system().view.velocity);
+  const StepReport report = integrator_->step_from(since, h, dense);
   if (report.fault != StepFault::none) {
     fail(report.fault, h);
     return false;
   }
   const DoubleDouble arrived = dt_ == 0.0 && report.taken < h ? begin + report.taken : end;
-  signals_from(integrator_->first_rates(), nullptr, signals_.data());
-  const double at = static_cast<double>(begin);
-  extremes_.add(at, signals_.data(), at >= from_.time && at <= to_.time);
-  if (first_maximum_.searching()) first_maximum_.add(at, pulls_.data());
+  signals_from_rates(integrator_->first_rates());
+  look(static_cast<double>(begin));
 
   clock_[0] = arrived.hi;
   clock_[1] = arrived.lo;
   ++counts_[kSteps];
   if (to_grid) ++counts_[kGridSteps];
-  if (next_dense() <= static_cast<double>(arrived)) serve_dense(begin, arrived);
+  // Anchored afresh before any evaluation that belongs to the next step.
+  double next_since = 0.0;
+  if (dt_ == 0.0) {
+    model_.anchor(arrived);
+  } else {
+    next_since = since_anchor();
+  }
+  if (next_dense() <= static_cast<double>(arrived)) serve_dense(begin, arrived, next_since);
   if (counts_[kSteps] % kHousekeepingEvery == 0 || counts_[kRotationEvery] == 1) housekeeping();
   return true;
 }
 
+/// How far the next grid step starts after the anchor, which is set every few steps of the grid.
+double Engine::since_anchor() {
+  const std::int64_t since = counts_[kGridSteps] % kHousekeepingEvery;
+  if (since == 0) model_.anchor(two_prod(static_cast<double>(counts_[kGridSteps]), dt_));
+  return static_cast<double>(since) * dt_;
+}
+
+/// Of the grid: how many steps end before the next sample or edge of the window is due.
+std::int64_t Engine::plain_steps() const {
+  const double due = next_dense();
+  std::int64_t plain = full_steps_ - counts_[kGridSteps];
+  if (!(due < duration_)) return plain - 1;  // the last may end on a sample
+  auto before = static_cast<std::int64_t>(due / dt_) - counts_[kGridSteps];
+  // Rounding of the quotient: the step that ends at or past the time is the one that is not plain.
+  while (before > 0 && due <= static_cast<double>(counts_[kGridSteps] + before) * dt_) --before;
+  return std::min(plain - 1, before);
+}
+
 /// Times on the grid are products, not sums: step n ends at (n + 1) dt however many there were.
-void Engine::step_fixed() {
-  const DoubleDouble grid = two_prod(static_cast<double>(counts_[kGridSteps] + 1), dt_);
-  const double rest = static_cast<double>(DoubleDouble(duration_) - now());
-  if (rest <= kNoStep * dt_) {
-    ended_ = true;
+void Engine::step_fixed(std::uint64_t most) {
+  if (counts_[kGridSteps] == full_steps_) {
+    // What remains is shorter than a step, or nothing.
+    const double rest = static_cast<double>(DoubleDouble(duration_) - now());
+    if (rest <= kNoStep * dt_) {
+      ended_ = true;
+    } else {
+      take(since_anchor(), rest, DoubleDouble(duration_), false);
+    }
     return;
   }
-  const double past = static_cast<double>(grid - duration_);
-  if (past > kNoStep * dt_) {
-    // The last step is shortened to end exactly. Any event would split a step in the same way.
-    take(rest, DoubleDouble(duration_), false);
-  } else {
-    take(dt_, past >= -kNoStep * dt_ ? DoubleDouble(duration_) : grid, true);
+  if (plain_left_ == 0) plain_left_ = std::max<std::int64_t>(0, plain_steps());
+  if (plain_left_ == 0 || counts_[kRotationEvery] == 1) {
+    const DoubleDouble grid = two_prod(static_cast<double>(counts_[kGridSteps] + 1), dt_);
+    const bool at_end = std::abs(static_cast<double>(grid - duration_)) <= kNoStep * dt_;
+    take(since_anchor(), dt_, at_end ? DoubleDouble(duration_) : grid, true);
+    if (plain_left_ > 0) --plain_left_;
+    return;
   }
+  const std::int64_t to_anchor = kHousekeepingEvery - counts_[kGridSteps] % kHousekeepingEvery;
+  plain_block(std::min({to_anchor, plain_left_, static_cast<std::int64_t>(most)}));
+}
+
+/// Steps of the grid with nothing to serve between them.
+void Engine::plain_block(std::int64_t most) {
+  const double since = since_anchor();
+  const std::int64_t first = counts_[kGridSteps] % kHousekeepingEvery;
+  std::int64_t taken = 0;
+  StepFault fault = StepFault::none;
+  if (integrator_->has_point_block()) {
+    taken = static_cast<std::int64_t>(
+        integrator_->point_block(static_cast<std::size_t>(first), dt_,
+                                 static_cast<std::size_t>(most), block_rates_.data(),
+                                 block_velocities_.data()));
+    if (taken < most) fault = StepFault::not_finite_or_too_far;
+    const std::size_t rates = model_.system().view.rates;
+    for (std::int64_t k = 0; k < taken; ++k) {
+      signals_[drivers_.size()] = std::abs(block_velocities_[k]);
+      signals_from_rates(block_rates_.data() + k * rates);
+      look(static_cast<double>(counts_[kGridSteps] + k) * dt_);
+    }
+  } else {
+    double after = since;
+    for (; taken < most; ++taken) {
+      signals_from_velocity(model_.system().view.velocity);
+      fault = integrator_->step_from(after, dt_, false).fault;
+      if (fault != StepFault::none) break;
+      signals_from_rates(integrator_->first_rates());
+      look(static_cast<double>(counts_[kGridSteps] + taken) * dt_);
+      after = static_cast<double>(first + taken + 1) * dt_;
+    }
+  }
+  counts_[kGridSteps] += taken;
+  counts_[kSteps] += taken;
+  plain_left_ -= taken;
+  const DoubleDouble time = two_prod(static_cast<double>(counts_[kGridSteps]), dt_);
+  clock_[0] = time.hi;
+  clock_[1] = time.lo;
+  if (fault != StepFault::none) {
+    fail(fault, dt_);
+    return;
+  }
+  if (counts_[kSteps] % kHousekeepingEvery == 0) housekeeping();
+}
+
+/// Extremes see the values at the start of a step.
+void Engine::look(double at) {
+  extremes_.add(at, signals_.data(), at >= from_.time && at <= to_.time);
+  if (!first_maximum_.searching()) return;
+  const int axes = model_.dimension();
+  for (std::size_t k = 0; k < drivers_.size(); ++k) {
+    const Drive* drive = model_.forces()[drivers_[k]].bound->drive();
+    pulls_[k] = 0.0;
+    for (int d = 0; d < axes; ++d) pulls_[k] += drive->velocity[d] * signals_[k * axes + d];
+  }
+  first_maximum_.add(at, pulls_.data());
 }
 
 void Engine::step_adaptive() {
@@ -275,67 +375,61 @@ void Engine::step_adaptive() {
     ended_ = true;
     return;
   }
-  take(rest, DoubleDouble(duration_), false);
+  take(0.0, rest, DoubleDouble(duration_), false);
 }
 
 void Engine::advance(std::uint64_t steps) {
-  for (std::uint64_t k = 0; k < steps && !done(); ++k) {
+  const auto target = static_cast<std::uint64_t>(counts_[kSteps]) + steps;
+  while (!done() && static_cast<std::uint64_t>(counts_[kSteps]) < target) {
     if (dt_ > 0.0) {
-      step_fixed();
+      step_fixed(target - static_cast<std::uint64_t>(counts_[kSteps]));
     } else {
       step_adaptive();
     }
   }
 }
 
-/// Driver forces from rates, speeds of centres from velocities; either may be left out.
-void Engine::signals_from(const double* rates, const double* velocity, double* signals) const {
+/// Driver forces.
+void Engine::signals_from_rates(const double* rates) {
   const int axes = model_.dimension();
-  std::size_t at = drivers_.size() * axes;
-  if (rates) {
-    for (std::size_t k = 0; k < drivers_.size(); ++k) {
-      const Model::Force& force = model_.forces()[drivers_[k]];
-      for (int d = 0; d < axes; ++d) signals[k * axes + d] = rates[force.first_rate + d];
-    }
-    if (first_maximum_.searching()) {
-      for (std::size_t k = 0; k < drivers_.size(); ++k) {
-        const Drive* drive = model_.forces()[drivers_[k]].bound->drive();
-        double along = 0.0;
-        for (int d = 0; d < axes; ++d) along += drive->velocity[d] * signals[k * axes + d];
-        const_cast<double*>(pulls_.data())[k] = along;
-      }
-    }
-  }
-  if (velocity) {
-    for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
-      const BodySlot<double>& slot = model_.bodies()[b].bound.slot;
-      double v[3] = {0.0, 0.0, 0.0};
-      if (slot.rigid) {
-        for (int d = 0; d < axes; ++d) v[d] = velocity[slot.centre + d];
-      } else if (slot.count == 1 && !slot.mapped) {
-        for (int d = 0; d < axes; ++d) v[d] = velocity[slot.offset + d * slot.stride];
-      } else if (!slot.mapped) {
-        observe_.mean(slot, velocity, axes, v);
-      }
-      double square = 0.0;
-      for (int d = 0; d < axes; ++d) square += v[d] * v[d];
-      signals[at + b] = std::sqrt(square);
-    }
+  for (std::size_t k = 0; k < drivers_.size(); ++k) {
+    const double* force = rates + first_rates_[k];
+    for (int d = 0; d < axes; ++d) signals_[k * axes + d] = force[d];
   }
 }
 
-void Engine::serve_dense(const DoubleDouble& from, const DoubleDouble& to) {
-  integrator_->finish_dense(to);
+/// Speeds of centres.
+void Engine::signals_from_velocity(const double* velocity) {
+  const int axes = model_.dimension();
+  double* speed = signals_.data() + drivers_.size() * axes;
+  for (const Model::Body& body : model_.bodies()) {
+    const BodySlot<double>& slot = body.bound.slot;
+    double v[3] = {0.0, 0.0, 0.0};
+    if (slot.rigid) {
+      for (int d = 0; d < axes; ++d) v[d] = velocity[slot.centre + d];
+    } else if (slot.count == 1 && !slot.mapped) {
+      for (int d = 0; d < axes; ++d) v[d] = velocity[slot.offset + d * slot.stride];
+    } else if (!slot.mapped) {
+      observe_.mean(slot, velocity, axes, v);
+    }
+    double square = 0.0;
+    for (int d = 0; d < axes; ++d) square += v[d] * v[d];
+    *speed++ = std::sqrt(square);
+  }
+}
+
+void Engine::serve_dense(const DoubleDouble& from, const DoubleDouble& to, double next_since) {
+  integrator_->finish_dense_from(next_since);
   const double length = static_cast<double>(to - from);
   for (double at = next_dense(); at <= static_cast<double>(to); at = next_dense()) {
     const double theta = std::clamp(static_cast<double>(DoubleDouble(at) - from) / length, 0.0, 1.0);
     integrator_->interpolate(theta, dense_position_.data(), dense_velocity_.data(),
                              dense_integrals_.data());
-    serve_point(at, theta);
+    serve_point(at);
   }
 }
 
-void Engine::serve_point(double at, double) {
+void Engine::serve_point(double at) {
   const double* x = dense_position_.data();
   const double* v = dense_velocity_.data();
   const double* z = dense_integrals_.data();
@@ -358,11 +452,12 @@ void Engine::sample(double at, const double* position, const double* velocity,
     const Model::Force& force = model_.forces()[k];
     for (int d = 0; d < axes; ++d) sample_values_[column++] = dense_rates_[force.first_rate + d];
   }
+  const double since = static_cast<double>(DoubleDouble(at) - model_.anchor_time());
   for (const std::size_t k : drivers_) {
     const Drive& drive = *model_.forces()[k].bound->drive();
     for (int d = 0; d < axes; ++d) {
-      sample_values_[column++] =
-          static_cast<double>(model_.placed(d, drive.start[d] + drive.travel[d]));
+      const double offset = drive.start[d] + std::fma(drive.velocity[d], since, drive.travel[d]);
+      sample_values_[column++] = static_cast<double>(model_.placed(d, offset));
     }
   }
   for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
@@ -391,7 +486,8 @@ void Engine::keep_moment(Moment& moment, double at, const double* position, cons
   }
   model_.evaluate_at(DoubleDouble(at), position, velocity, integrals, dense_rates_.data());
   // The signals of the step's start have been used; this is scratch until the next.
-  signals_from(dense_rates_.data(), velocity, signals_.data());
+  signals_from_rates(dense_rates_.data());
+  signals_from_velocity(velocity);
   extremes_.include(signals_.data());
 }
 

@@ -45,14 +45,18 @@ class Engine {
   void resolve_window();
   void list_signals();
   void check_step();
-  /// The one path for steps: from the clock's time, h long, ending at `end`.
-  bool take(double h, const DoubleDouble& end, bool to_grid);
-  void step_fixed();
+  bool take(double since, double h, const DoubleDouble& end, bool to_grid);
+  double since_anchor();
+  std::int64_t plain_steps() const;
+  void plain_block(std::int64_t most);
+  void look(double at);
+  void step_fixed(std::uint64_t most);
   void step_adaptive();
   void observe_start();
-  void signals_from(const double* rates, const double* velocity, double* signals) const;
-  void serve_dense(const DoubleDouble& from, const DoubleDouble& to);
-  void serve_point(double at, double theta);
+  void signals_from_rates(const double* rates);
+  void signals_from_velocity(const double* velocity);
+  void serve_dense(const DoubleDouble& from, const DoubleDouble& to, double next_since);
+  void serve_point(double at);
   double next_dense() const;
   void sample(double at, const double* position, const double* velocity, const double* integrals);
   void keep_moment(Moment& moment, double at, const double* position, const double* velocity,
@@ -76,6 +80,8 @@ class Engine {
   double duration_;
   double dt_ = 0.0;  ///< 0: adaptive
   double stable_step_ = 0.0;
+  std::int64_t full_steps_ = 0;  ///< whole steps of the grid that the run has room for
+  std::int64_t plain_left_ = 0;  ///< steps known to have nothing to serve
 
   // In the run state.
   double* clock_ = nullptr;          ///< high and low part of the time
@@ -87,6 +93,7 @@ class Engine {
   // Drivers and bodies among the signals that extremes are taken of.
   std::vector<std::size_t> drivers_;  ///< indices into model_.forces()
   std::vector<bool> drags_;           ///< drivers with a velocity
+  std::vector<std::size_t> first_rates_;  ///< of each driver
   std::size_t signal_count_ = 0;
   std::vector<double> signals_;
   std::vector<double> pulls_;
@@ -101,6 +108,8 @@ class Engine {
   std::vector<double> dense_rates_;
   std::vector<double> sample_values_;
   std::vector<double> final_rates_;
+  AlignedVector<double> block_rates_;
+  AlignedVector<double> block_velocities_;
 
   bool sampling_ = false;
   bool ended_ = false;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -29,6 +30,13 @@ inline Registry all_components() {
 inline const Registry& registry() {
   static const Registry components = all_components();
   return components;
+}
+
+/// All digits, as a setting takes them.
+inline std::string text_of(double number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", number);
+  return text;
 }
 
 /// A run that does not finish is no result to test.

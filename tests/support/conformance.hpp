@@ -578,8 +578,8 @@ class ClaimCheck {
     const std::vector<double> added = bench.evaluate(true, kBackground);
     const std::vector<double> afresh = bench.evaluate(true, 0.0);
     // A pass that sets clears whatever was there before.
-    bool sets = true;
-    for (const Pass<double>& pass : bench.force().passes()) sets = sets && pass.set != nullptr;
+    const auto passes = bench.force().passes();
+    const bool sets = !passes.empty() && passes.front().set != nullptr;
     const std::vector<double> over = sets ? bench.evaluate(false, kBackground) : set;
     for (std::size_t k = 0; k < set.size(); ++k) {
       const bool acts = set[k] != 0.0;

@@ -1,0 +1,167 @@
+#!/usr/bin/env python3
+"""Runs what the READMEs tell people to type.
+
+    python3 tests/documentation/snippets_test.py SOURCE_DIR PROGRAM
+
+Every block fenced as ```sh is run by bash from a folder that looks like the project's after
+./dev build; a block fenced as ```sh long is not run. A block fenced as ```toml is a whole scene,
+and is run by the program. Lines that start with ./dev are not run: their command must be one that
+`./dev help` names. The blocks of one README are run in order, in one folder.
+
+Exit status: 0 all went well, 1 one did not, 2 bad arguments.
+"""
+
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+SECONDS_PER_BLOCK = 300  # a snippet that takes longer has no place in an `sh` block
+
+FENCE = re.compile(r"^```(.*)$")
+DEV = re.compile(r"^\s*\./dev\b\s*(\S*)")
+
+
+class Block:
+    """A fenced block: its info string, the line of its first command, its lines."""
+
+    def __init__(self, info, line):
+        self.info = info
+        self.line = line
+        self.lines = []
+
+
+def blocks_of(text):
+    """All fenced blocks; raises ValueError when the last one is left open."""
+    blocks = []
+    current = None
+    for number, line in enumerate(text.splitlines(), start=1):
+        fence = FENCE.match(line)
+        if fence and current is None:
+            current = Block(fence.group(1).strip(), number + 1)
+        elif fence:
+            blocks.append(current)
+            current = None
+        elif current is not None:
+            current.lines.append(line)
+    if current is not None:
+        raise ValueError(f"the block that begins in line {current.line} is not closed")
+    return blocks
+
+
+def dev_commands(source):
+    """The commands that ./dev knows, by its own help."""
+    text = subprocess.run([str(source / "dev"), "help"], capture_output=True, text=True,
+                          check=True).stdout
+    return set(re.findall(r"^  (\w+)\b", text, flags=re.MULTILINE))
+
+
+def lay_out(folder, source, program):
+    """A folder like the project's, with the program where ./dev build leaves it."""
+    for entry in source.iterdir():
+        if not entry.name.startswith((".", "build")):
+            (folder / entry.name).symlink_to(entry)
+    (folder / "build" / "bin").mkdir(parents=True)
+    (folder / "build" / "bin" / "tomlin").symlink_to(program)
+
+
+def commands_of(block, folder, commands):
+    """What bash is to run for a block, and why it cannot be; one of them is None."""
+    if block.info == "toml":
+        scene = folder / f"scene_of_line_{block.line}.toml"
+        scene.write_text("\n".join(block.lines) + "\n", encoding="utf-8")
+        return f"build/bin/tomlin run {scene.name}", None
+    kept = []
+    for line in block.lines:
+        dev = DEV.match(line)
+        if dev is None:
+            kept.append(line)
+        elif dev.group(1) not in commands:
+            return None, f"./dev has no command \"{dev.group(1)}\""
+        else:
+            kept.append("")  # keeps bash's line numbers
+    return "\n".join(kept), None
+
+
+def run_block(block, folder, commands):
+    """Why the block fails, or None."""
+    script, why = commands_of(block, folder, commands)
+    if why:
+        return why
+    try:
+        done = subprocess.run(["bash", "-euo", "pipefail", "-c", script], cwd=folder,
+                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, check=False,
+                              timeout=SECONDS_PER_BLOCK)
+    except subprocess.TimeoutExpired:
+        return f"takes longer than {SECONDS_PER_BLOCK} s"
+    if done.returncode != 0:
+        return f"ends with status {done.returncode}:\n{done.stdout.rstrip()}"
+    return None
+
+
+def check_readme(readme, source, program, commands):
+    """Runs the blocks of one README; returns how many were run, and the complaints."""
+    run = 0
+    complaints = []
+    try:
+        blocks = blocks_of(readme.read_text(encoding="utf-8"))
+    except ValueError as error:
+        return 0, [f"{readme}: {error}"]
+    with tempfile.TemporaryDirectory(prefix="tomlin-snippets-") as name:
+        folder = pathlib.Path(name)
+        lay_out(folder, source, program)
+        for block in blocks:
+            if block.info not in ("sh", "toml"):
+                continue
+            run += 1
+            why = run_block(block, folder, commands)
+            if why:
+                complaints.append(f"{readme}:{block.line}: {why}")
+    return run, complaints
+
+
+def sees_faults(source, program, commands):
+    """Planted faults, which must all be noticed; and what must not be taken for one."""
+    faulty = ["```sh\nfalse\n```\n", "```sh\n./dev nonsense\n```\n", "```sh\ntrue\n",
+              "```sh\nbuild/bin/tomlin run no_such_scene.toml\n```\n", "```sh\nfalse | cat\n```\n",
+              "```toml\n[run]\n```\n"]
+    sound = ["```sh\n./dev test\ntest -x build/bin/tomlin\n```\n", "```text\nfalse\n```\n",
+             "```sh long\nfalse\n```\n"]
+    with tempfile.TemporaryDirectory(prefix="tomlin-snippets-") as name:
+        readme = pathlib.Path(name) / "README.md"
+        for text, is_faulty in [(t, True) for t in faulty] + [(t, False) for t in sound]:
+            readme.write_text(text, encoding="utf-8")
+            _, complaints = check_readme(readme, source, program, commands)
+            if bool(complaints) != is_faulty:
+                print(f"the test itself is broken: {text!r} gives {complaints}", flush=True)
+                return False
+    return True
+
+
+def main():
+    if len(sys.argv) != 3:
+        print(__doc__, file=sys.stderr)
+        return 2
+    source = pathlib.Path(sys.argv[1]).resolve()
+    program = pathlib.Path(sys.argv[2]).resolve()
+    if not (source / "README.md").is_file() or not program.is_file():
+        print(f"{source}/README.md and {program} must exist", file=sys.stderr)
+        return 2
+    commands = dev_commands(source)
+    if not sees_faults(source, program, commands):
+        return 1
+    failed = False
+    for readme in [source / "README.md", *sorted((source / "scenarios").glob("*/README.md"))]:
+        run, complaints = check_readme(readme, source, program, commands)
+        print(f"{readme.relative_to(source)}: {run} blocks run, {len(complaints)} failed",
+              flush=True)
+        for complaint in complaints:
+            print(complaint, flush=True)
+        failed = failed or bool(complaints) or run == 0
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,517 @@
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "tests/framework/cli/program_runner.hpp"
+#include "tests/framework/output/temporary_folder.hpp"
+
+namespace tomlin::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kTip = R"([scene]
+name = "a tip"
+
+[parameters]
+v = 1e-2
+two_v = "2 * v"
+
+[[body]]
+name = "tip"
+type = "point"
+position = [0.0]
+particle_mass = 1.0
+
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 2.0
+velocity = ["v"]
+
+[[force]]
+type = "viscous_damping"
+coefficient = 2.0
+
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.1
+period = 1.0
+
+[run]
+duration = 300.0
+integrator = { type = "rk4", dt = 1e-2 }
+
+[measure]
+from = 1.0
+to = 2.0
+in = "driver_periods"
+
+[output]
+every = 0.7
+)";
+
+/// A folder with the tip's scene in it.
+class Cli : public testing::Test {
+ protected:
+  void SetUp() override { write(folder_ / "tip.toml", kTip); }
+
+  Ended tomlin(const std::vector<std::string>& arguments, const Conditions& conditions = {}) {
+    return run_program(folder_.path(), arguments, conditions);
+  }
+  std::string file(const std::string& path) { return content(folder_.path() / path); }
+  Json summary(const std::string& folder) { return Json::parse(file(folder + "/summary.json")); }
+  bool exists(const std::string& path) { return fs::exists(folder_.path() / path); }
+
+  /// Exit status 2, these lines on standard error, nothing on standard output, nothing made.
+  void expect_refused(const std::vector<std::string>& arguments, const std::string& errors) {
+    const auto before = all_files();
+    const Ended ended = tomlin(arguments);
+    EXPECT_EQ(ended.status, 2);
+    EXPECT_EQ(ended.err, errors);
+    EXPECT_EQ(ended.out, "");
+    EXPECT_EQ(all_files(), before);
+  }
+
+  std::vector<std::string> all_files() {
+    std::vector<std::string> files;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_.path())) {
+      files.push_back(entry.path().string());
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+  }
+
+  TemporaryFolder folder_;
+};
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+std::ptrdiff_t lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+
+// ---- the command line
+// -----------------------------------------------------------------------------
+
+TEST_F(Cli, HelpIsEverywhere) {
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{}, std::vector<std::string>{"run"},
+        std::vector<std::string>{"describe"}}) {
+    for (const char* flag : {"--help", "-h"}) {
+      auto arguments = command;
+      arguments.emplace_back(flag);
+      const Ended ended = tomlin(arguments);
+      EXPECT_EQ(ended.status, 0);
+      EXPECT_EQ(ended.err, "");
+      EXPECT_TRUE(contains(ended.out, "Usage: tomlin")) << ended.out;
+    }
+  }
+  const std::string help = tomlin({"--help"}).out;
+  for (const char* name : {"run", "describe", "sweep", "tradeoff", "compare", "stability",
+                           "explain", "check", "schema", "new", "report", "plot"}) {
+    EXPECT_TRUE(contains(help, std::string("\n  ") + name + " ")) << name;
+  }
+}
+
+TEST_F(Cli, TheSceneInTheHelpRuns) {
+  const std::string help = tomlin({"--help"}).out;
+  const auto begin = help.find("  [parameters]");
+  const auto end = help.find("\nand type");
+  ASSERT_TRUE(begin < end && end < help.size());
+  write(folder_ / "pt.toml", help.substr(begin, end - begin));
+  const Ended ended = tomlin({"run", "pt.toml"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_TRUE(exists("pt.out/observables.csv"));
+}
+
+TEST_F(Cli, VersionIsANumber) {
+  const Ended ended = tomlin({"--version"});
+  EXPECT_EQ(ended.status, 0);
+  EXPECT_EQ(ended.out.substr(0, 7), "tomlin ");
+  EXPECT_EQ(std::count(ended.out.begin(), ended.out.end(), '.'), 2) << ended.out;
+}
+
+TEST_F(Cli, WhatItDoesNotKnowIsBadInput) {
+  expect_refused({},
+                 "tomlin: error: a command is due; admissible: run, describe; "
+                 "tomlin --help tells more\n");
+  expect_refused({"swep"},
+                 "tomlin: error: there is no command \"swep\"; admissible: run, describe; "
+                 "tomlin --help tells more; did you mean \"sweep\"?\n");
+  expect_refused({"run", "tip.toml", "--frce"},
+                 "tomlin: error: tomlin run has no option --frce; admissible: tomlin run --help "
+                 "shows them; did you mean \"--force\"?\n");
+  expect_refused({"--quiet", "run", "tip.toml"},
+                 "tomlin: error: tomlin has no option --quiet; admissible: tomlin --help shows "
+                 "them\n");
+  expect_refused(
+      {"run", "tip.toml", "other.toml"},
+      "tomlin: error: tomlin run does not expect \"other.toml\" (tomlin run --help tells "
+      "more)\n");
+  expect_refused({"run"}, "tomlin: error: SCENE is required (tomlin run --help tells more)\n");
+  EXPECT_EQ(tomlin({"run", "tip.toml", "-o"}).status, 2);
+  EXPECT_EQ(tomlin({"run", "tip.toml", "-o", "a", "-o", "b"}).status, 2);
+}
+
+TEST_F(Cli, WhatIsToComeSaysSo) {
+  for (const std::string name : {"sweep", "tradeoff", "compare", "stability", "explain", "check",
+                                 "schema", "new", "report", "plot"}) {
+    expect_refused({name}, "tomlin: error: \"" + name + "\" is not in this version\n");
+  }
+  expect_refused({"sweep", "tip.toml", "--over", "v=1,2", "-o", "x"},
+                 "tomlin: error: \"sweep\" is not in this version\n");
+  expect_refused({"run", "tip.toml", "--resume"},
+                 "tomlin: error: --resume is not in this version\n");
+  expect_refused({"run", "tip.toml", "--plugin", "x.so"},
+                 "tomlin: error: --plugin is not in this version\n");
+}
+
+// ---- describe
+// -------------------------------------------------------------------------------------
+
+TEST_F(Cli, DescribeListsTheComponents) {
+  const Ended ended = tomlin({"describe"});
+  EXPECT_EQ(ended.status, 0);
+  const Json list = Json::parse(tomlin({"describe", "--json"}).out);
+  std::size_t count = 0;
+  for (const char* kinds : {"bodies", "forces", "integrators"}) {
+    for (const Json& component : list[kinds]) {
+      ++count;
+      EXPECT_TRUE(contains(ended.out, "\n  " + component["name"].get<std::string>() + " "));
+      EXPECT_TRUE(contains(ended.out, component["summary"].get<std::string>()));
+    }
+  }
+  EXPECT_GE(count, 10U);
+}
+
+TEST_F(Cli, DescribeShowsOneComponentAndItsExampleRuns) {
+  const Json list = Json::parse(tomlin({"describe", "--json"}).out);
+  for (const char* kinds : {"bodies", "forces", "integrators"}) {
+    for (const Json& listed : list[kinds]) {
+      const auto name = listed["name"].get<std::string>();
+      const Ended text = tomlin({"describe", name});
+      EXPECT_EQ(text.status, 0);
+      const Json component = Json::parse(tomlin({"describe", name, "--json"}).out);
+      for (const char* key : {"summary", "equation", "source"}) {
+        const auto value = component[key].get<std::string>();
+        EXPECT_TRUE(contains(text.out, value.substr(0, value.find('\n')))) << name << " " << key;
+      }
+      for (const Json& row : component["parameters"]) {
+        EXPECT_TRUE(contains(text.out, "\n  " + row["key"].get<std::string>() + " ["));
+        EXPECT_FALSE(row["dimension"].get<std::string>().empty());
+        EXPECT_FALSE(row["admissible"].get<std::string>().empty());
+      }
+      write(folder_ / (name + ".toml"), component["example"].get<std::string>());
+      const Ended ended = tomlin({"run", name + ".toml", "--quiet"});
+      EXPECT_EQ(ended.status, 0) << name << ": " << ended.err;
+    }
+  }
+}
+
+TEST_F(Cli, DescribeKnowsWhatItDoesNotKnow) {
+  const Ended unknown = tomlin({"describe", "sinusoidal_substrat"});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_TRUE(contains(unknown.err, "there is no component \"sinusoidal_substrat\"; admissible: "));
+  EXPECT_TRUE(contains(unknown.err, "; did you mean \"sinusoidal_substrate\"?\n"));
+  EXPECT_TRUE(contains(tomlin({"describe", "velocity_verlet"}).err,
+                       "\"velocity_verlet\" is not in this version"));
+}
+
+// ---- run
+// ------------------------------------------------------------------------------------------
+
+TEST_F(Cli, ARunLeavesItsFilesAndAShortResult) {
+  const Ended ended = tomlin({"run", "tip.toml"});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  EXPECT_EQ(ended.err, "");
+  EXPECT_EQ(ended.out.substr(0, 6), "a tip\n");
+  for (const char* part : {"finished", "mean force", "static force", "mean velocity", "tip.out/"}) {
+    EXPECT_TRUE(contains(ended.out, part)) << part << "\n" << ended.out;
+  }
+  EXPECT_LE(lines(ended.out), 12);
+
+  const Json results = summary("tip.out");
+  EXPECT_EQ(results["status"], "finished");
+  EXPECT_EQ(results["parameters"]["two_v"], 0.02);
+  EXPECT_EQ(results["time"]["end"], 300.0);
+  EXPECT_EQ(results["time"]["steps"], 30000);
+  EXPECT_EQ(results["window"]["from"], 100.0);
+  EXPECT_EQ(results["window"]["to"], 200.0);
+  EXPECT_EQ(results["drivers"]["driver"]["mean_force"].size(), 1U);
+  EXPECT_GT(results["drivers"]["driver"]["mean_force"][0], 0.0);
+
+  const std::string table = file("tip.out/observables.csv");
+  EXPECT_EQ(table.substr(0, 35), "time [time],driver.force.x [force],");
+  EXPECT_EQ(lines(table), 1 + 429);   // the header, and 0, 0.7, ... below 300
+  EXPECT_EQ(all_files().size(), 5U);  // the scene, the folder and three files in it
+}
+
+TEST_F(Cli, NoTableWithoutASamplingInterval) {
+  std::string scene = kTip;
+  scene.erase(scene.find("[output]"));
+  write(folder_ / "tip.toml", scene);
+  ASSERT_EQ(tomlin({"run", "tip.toml"}).status, 0);
+  EXPECT_TRUE(exists("tip.out/summary.json"));
+  EXPECT_FALSE(exists("tip.out/observables.csv"));
+}
+
+TEST_F(Cli, QuietSaysNothing) {
+  const Ended ended = tomlin({"run", "tip.toml", "--quiet", "-o", "deep/down"});
+  EXPECT_EQ(ended.status, 0);
+  EXPECT_EQ(ended.out, "");
+  EXPECT_EQ(ended.err, "");
+  EXPECT_TRUE(exists("deep/down/summary.json"));
+}
+
+TEST_F(Cli, TheDefaultFolderIsInTheCurrentOne) {
+  fs::create_directory(folder_ / "scenes");
+  fs::rename(folder_ / "tip.toml", folder_.path() / "scenes" / "tip.toml");
+  ASSERT_EQ(tomlin({"run", "scenes/tip.toml"}).status, 0);
+  EXPECT_TRUE(exists("tip.out/summary.json"));
+}
+
+TEST_F(Cli, ASecondRunGivesTheSameBits) {
+  ASSERT_EQ(tomlin({"run", "tip.toml", "-o", "first"}).status, 0);
+  ASSERT_EQ(tomlin({"run", "tip.toml", "-o", "second"}).status, 0);
+  ASSERT_EQ(tomlin({"run", "first/scene.toml", "-o", "third"}).status, 0);
+  Json first = summary("first");
+  first.erase("performance");
+  for (const std::string other : {"second", "third"}) {
+    EXPECT_EQ(file("first/observables.csv"), file(other + "/observables.csv"));
+    EXPECT_EQ(file("first/scene.toml"), file(other + "/scene.toml"));
+    Json results = summary(other);
+    results.erase("performance");
+    EXPECT_EQ(first.dump(), results.dump());
+  }
+  // The comparison can fail.
+  ASSERT_EQ(tomlin({"run", "tip.toml", "--set", "v=1.0000001e-2", "-o", "fourth"}).status, 0);
+  EXPECT_NE(file("first/observables.csv"), file("fourth/observables.csv"));
+}
+
+TEST_F(Cli, SetReplacesValues) {
+  const Ended ended = tomlin({"run", "tip.toml", "--set", "v=two_v0 / 2", "--set", "two_v=0.03"});
+  EXPECT_EQ(ended.status, 2);
+  ASSERT_EQ(tomlin({"run", "tip.toml", "--set", "v=2e-2", "--set", "run.integrator.dt=2e-2",
+                    "--set", "force.driver.stiffness=4 * v", "--set=run.duration=200"})
+                .status,
+            0);
+  const Json results = summary("tip.out");
+  EXPECT_EQ(results["parameters"]["v"], 0.02);
+  EXPECT_EQ(results["parameters"]["two_v"], 0.04);
+  EXPECT_EQ(results["time"]["steps"], 10000);
+}
+
+TEST_F(Cli, SetRefusesWhatIsNotThere) {
+  expect_refused({"run", "tip.toml", "--set", "v", "--set", ""},
+                 "--set: error: v: no value; admissible: PATH=VALUE\n"
+                 "--set: error: \"\": no value; admissible: PATH=VALUE\n");
+  for (const char* setting : {"w=1", "=1", "run.integrator.step=1", "force.drivr.stiffness=1",
+                              "v=nan", "run.duration=-1", "v=1/0"}) {
+    const Ended ended = tomlin({"run", "tip.toml", "--set", setting});
+    EXPECT_EQ(ended.status, 2) << setting;
+    EXPECT_EQ(ended.err.substr(0, 5), "--set") << setting << ": " << ended.err;
+    EXPECT_FALSE(exists("tip.out"));
+  }
+}
+
+TEST_F(Cli, AFolderThatIsNotEmptyNeedsForce) {
+  ASSERT_EQ(tomlin({"run", "tip.toml"}).status, 0);
+  write(folder_.path() / "tip.out" / "notes.txt", "mine");
+  const std::string before = file("tip.out/summary.json");
+  expect_refused(
+      {"run", "tip.toml"},
+      "-o: error: tip.out: the folder is not empty; admissible: a new or an empty folder, "
+      "or --force, which replaces what an earlier run left\n");
+  EXPECT_EQ(file("tip.out/summary.json"), before);
+
+  std::string scene = kTip;
+  scene.erase(scene.find("[output]"));
+  write(folder_ / "tip.toml", scene);
+  ASSERT_EQ(tomlin({"run", "tip.toml", "--force", "--set", "v=2e-2"}).status, 0);
+  EXPECT_EQ(summary("tip.out")["parameters"]["v"], 0.02);
+  EXPECT_EQ(file("tip.out/notes.txt"), "mine");
+  EXPECT_FALSE(exists("tip.out/observables.csv"));  // the earlier run's
+}
+
+TEST_F(Cli, ASceneIsNeverReplacedByAnother) {
+  fs::create_directory(folder_ / "work");
+  write(folder_.path() / "work" / "scene.toml", kTip);
+  const Ended ended = tomlin({"run", "work/scene.toml", "-o", "work", "--force"});
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_TRUE(contains(ended.err, "would replace the scene itself")) << ended.err;
+  EXPECT_EQ(file("work/scene.toml"), kTip);
+
+  // An effective scene is written again as it is.
+  ASSERT_EQ(tomlin({"run", "tip.toml"}).status, 0);
+  EXPECT_EQ(tomlin({"run", "tip.out/scene.toml", "-o", "tip.out", "--force"}).status, 0);
+}
+
+TEST_F(Cli, AFolderThatCannotBeUsedIsBadInput) {
+  write(folder_ / "file", "");
+  expect_refused({"run", "tip.toml", "-o", "file"},
+                 "-o: error: file: there is something of this name that is not a folder; "
+                 "admissible: a new or an empty folder\n");
+  expect_refused({"run", "tip.toml", "-o", "file/run"},
+                 "-o: error: file/run: file is not a folder\n");
+  expect_refused({"run", "tip.toml", "-o", ""},
+                 "-o: error: \"\": no name for a folder; admissible: a new or an empty folder\n");
+  if (fs::exists("/proc/self")) {
+    EXPECT_EQ(tomlin({"run", "tip.toml", "-o", "/proc/tomlin"}).status, 2);
+  }
+}
+
+TEST_F(Cli, AFolderThatMayNotBeWrittenIsBadInput) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  fs::create_directory(folder_ / "locked");
+  fs::permissions(folder_ / "locked", fs::perms::owner_read | fs::perms::owner_exec);
+  for (const char* folder : {"locked", "locked/run"}) {
+    const Ended ended = tomlin({"run", "tip.toml", "-o", folder});
+    EXPECT_EQ(ended.status, 2);
+    EXPECT_TRUE(contains(ended.err, "Permission denied")) << ended.err;
+  }
+}
+
+// ---- scenes that cannot be run
+// --------------------------------------------------------------------
+
+TEST_F(Cli, ASceneThatIsNotThereIsBadInput) {
+  write(folder_ / "empty.toml", "");
+  fs::create_directory(folder_ / "folder.toml");
+  for (const std::string scene : {"missing.toml", "empty.toml", "folder.toml", ""}) {
+    const Ended ended = tomlin({"run", scene, "-o", "out"});
+    EXPECT_EQ(ended.status, 2) << scene;
+    EXPECT_TRUE(contains(ended.err, ": error: ")) << scene << ": " << ended.err;
+    EXPECT_EQ(ended.err.substr(0, scene.size()), scene) << ended.err;
+    EXPECT_FALSE(exists("out"));
+  }
+}
+
+TEST_F(Cli, ASyntaxErrorStandsAloneWithItsPlace) {
+  write(folder_ / "bad.toml", "[run]\nduratoin = 1.0\nintegrator = { type = \n[[body]]\n");
+  const Ended ended = tomlin({"run", "bad.toml"});
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_EQ(lines(ended.err), 1) << ended.err;
+  EXPECT_EQ(ended.err.substr(0, 11), "bad.toml:3:") << ended.err;
+  EXPECT_FALSE(exists("bad.out"));
+}
+
+TEST_F(Cli, AllFaultsOfASceneComeTogether) {
+  std::string scene = kTip;
+  const auto replace = [&scene](const std::string& old_text, const std::string& new_text) {
+    scene.replace(scene.find(old_text), old_text.size(), new_text);
+  };
+  replace("particle_mass = 1.0", "particle_mass = 0.0");
+  replace("stiffness = 2.0", "stifness = 2.0");
+  replace("duration = 300.0", "duration = inf");
+  write(folder_ / "tip.toml", scene);
+  const Ended ended = tomlin({"run", "tip.toml"});
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_TRUE(contains(ended.err, "tip.toml:12:")) << ended.err;
+  EXPECT_TRUE(contains(ended.err, "did you mean \"stiffness\"?")) << ended.err;
+  EXPECT_TRUE(contains(ended.err, "run.duration = inf")) << ended.err;
+  EXPECT_GE(lines(ended.err), 3) << ended.err;
+  EXPECT_FALSE(exists("tip.out"));
+}
+
+TEST_F(Cli, WhatShowsOnlyWhenTheSceneIsBoundMakesNoFolder) {
+  const Ended ended = tomlin({"run", "tip.toml", "--set", "measure.to=50", "-o", "a/b"});
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_TRUE(contains(ended.err, "measure.to")) << ended.err;
+  EXPECT_FALSE(exists("a"));
+}
+
+// ---- runs that do not end well
+// --------------------------------------------------------------------
+
+TEST_F(Cli, AFailedRunLeavesItsSummary) {
+  const Ended ended = tomlin({"run", "tip.toml", "--set", "run.integrator.dt=10"});
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_EQ(ended.err.substr(0, 30), "tip.toml: error: step 0, time ") << ended.err;
+  EXPECT_TRUE(contains(ended.err, "likely cause: ")) << ended.err;
+  EXPECT_EQ(lines(ended.err), 1);
+  const Json results = summary("tip.out");
+  EXPECT_EQ(results["status"], "failed");
+  EXPECT_TRUE(contains(results["failure"]["what"].get<std::string>(), "stability limit"));
+  EXPECT_TRUE(exists("tip.out/scene.toml"));
+}
+
+TEST_F(Cli, ARunThatBreaksDownLeavesItsSummary) {
+  // Beyond the limit, insisting.
+  const Ended ended = tomlin({"run", "tip.toml", "--set", "run.integrator.dt=5", "--set",
+                              "run.allow_unstable=true", "--set", "run.duration=1e6"});
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_TRUE(contains(ended.err, "tip.toml: error: step ")) << ended.err;
+  EXPECT_EQ(summary("tip.out")["status"], "failed");
+  EXPECT_FALSE(contains(file("tip.out/observables.csv"), "nan"));
+}
+
+TEST_F(Cli, AFullDiskIsReportedAndEndsTheRun) {
+  const Ended ended =
+      tomlin({"run", "tip.toml", "--set", "run.duration=1e7"}, {.largest_file = 100000});
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_EQ(ended.err,
+            "tomlin: error: cannot write tip.out/observables.csv.part: File too large\n");
+  EXPECT_FALSE(exists("tip.out/observables.csv"));
+  EXPECT_TRUE(exists("tip.out/observables.csv.part"));
+  const Json results = summary("tip.out");
+  EXPECT_EQ(results["status"], "failed");
+  EXPECT_LT(results["time"]["end"], 1e7);
+}
+
+TEST_F(Cli, AStandardOutputThatIsFullIsReported) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full here";
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"run", "tip.toml"}, std::vector<std::string>{"describe"},
+        std::vector<std::string>{"--help"}}) {
+    const Ended ended = tomlin(arguments, {.standard_output = "/dev/full"});
+    EXPECT_EQ(ended.status, 1);
+    EXPECT_TRUE(contains(ended.err, "cannot write to standard output")) << ended.err;
+  }
+  EXPECT_EQ(summary("tip.out")["status"], "finished");
+}
+
+TEST_F(Cli, ASignalEndsARunThatLeavesWhatIsKnown) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const std::string folder = "signal-" + std::to_string(signal);
+    const auto table = folder_.path() / folder / "observables.csv.part";
+    const Ended ended = tomlin({"run", "tip.toml", "--set", "run.duration=1e9", "-o", folder},
+                               {.then = [&](pid_t child) {
+                                 EXPECT_TRUE(appears(table));
+                                 ::kill(child, signal);
+                               }});
+    EXPECT_EQ(ended.status, 128 + signal) << ended.err;
+    const Json results = summary(folder);
+    EXPECT_EQ(results["status"], "interrupted");
+    EXPECT_LT(results["time"]["end"], 1e9);
+    EXPECT_TRUE(exists(folder + "/observables.csv"));
+    EXPECT_TRUE(exists(folder + "/scene.toml"));
+  }
+}
+
+TEST_F(Cli, AKilledRunLeavesNothingThatLooksComplete) {
+  const auto table = folder_.path() / "tip.out" / "observables.csv.part";
+  const Ended ended =
+      tomlin({"run", "tip.toml", "--set", "run.duration=1e9"}, {.then = [&](pid_t child) {
+               EXPECT_TRUE(appears(table));
+               ::kill(child, SIGKILL);
+             }});
+  EXPECT_EQ(ended.status, 128 + SIGKILL);
+  EXPECT_FALSE(exists("tip.out/summary.json"));
+  EXPECT_FALSE(exists("tip.out/observables.csv"));
+  EXPECT_EQ(tomlin({"run", "tip.toml"}).status, 2);
+  EXPECT_EQ(tomlin({"run", "tip.toml", "--force"}).status, 0);
+  EXPECT_FALSE(fs::exists(table));
+}
+
+}  // namespace
+}  // namespace tomlin::test

@@ -1,0 +1,151 @@
+#include "framework/output/run_folder.hpp"
+
+#include <string>
+
+#include <gtest/gtest.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+#include "framework/core/fault.hpp"
+#include "tests/framework/output/disk_limit.hpp"
+#include "tests/framework/output/temporary_folder.hpp"
+
+namespace tomlin::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Why the folder is refused; empty when it is not.
+std::string refusal(const fs::path& path, Occupied occupied = Occupied::refuse) {
+  try {
+    RunFolder folder(path, occupied);
+    folder.create();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.faults().size(), 1U);
+    EXPECT_EQ(error.faults()[0].place.file, "-o");
+    return error.what();
+  }
+  return "";
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(RunFolder, IsMadeWithAllAboveIt) {
+  const TemporaryFolder temporary;
+  RunFolder folder(temporary.path() / "a" / "b" / "", Occupied::refuse);
+  EXPECT_TRUE(fs::is_empty(temporary.path()));  // looking makes nothing
+  folder.create();
+  folder.write_file("summary.json", "{}");
+  EXPECT_EQ(content(temporary.path() / "a" / "b" / "summary.json"), "{}");
+}
+
+TEST(RunFolder, DisappearsWhenNothingWasWritten) {
+  const TemporaryFolder temporary;
+  {
+    RunFolder folder(temporary.path() / "a" / "b", Occupied::refuse);
+    folder.create();
+    EXPECT_TRUE(fs::is_directory(temporary.path() / "a" / "b"));
+  }
+  EXPECT_TRUE(fs::is_empty(temporary.path()));
+}
+
+TEST(RunFolder, StaysWhenItWasThereBefore) {
+  const TemporaryFolder temporary;
+  EXPECT_EQ(refusal(temporary.path()), "");
+  EXPECT_TRUE(fs::is_directory(temporary.path()));
+}
+
+TEST(RunFolder, MustBeEmpty) {
+  const TemporaryFolder temporary;
+  write(temporary / ".hidden", "");
+  const std::string why = refusal(temporary.path());
+  EXPECT_TRUE(contains(why, "is not empty")) << why;
+  EXPECT_TRUE(contains(why, "--force")) << why;
+}
+
+TEST(RunFolder, ForceReplacesWhatARunLeftAndNothingElse) {
+  const TemporaryFolder temporary;
+  for (const char* name : {"summary.json", "observables.csv", "scene.toml", "scene.toml.part"}) {
+    write(temporary / name, "earlier");
+  }
+  write(temporary / "notes.txt", "mine");
+  {
+    RunFolder folder(temporary.path(), Occupied::replace_results);
+    EXPECT_EQ(content(temporary / "scene.toml.part"), "earlier");
+    folder.create();
+    EXPECT_EQ(content(temporary / "summary.json"), "earlier");  // until there is something better
+    folder.remove_earlier_results();
+    folder.write_file(kSceneFile, "new");
+  }
+  EXPECT_EQ(content(temporary / "scene.toml"), "new");
+  EXPECT_EQ(content(temporary / "notes.txt"), "mine");
+  EXPECT_FALSE(fs::exists(temporary / "summary.json"));
+  EXPECT_FALSE(fs::exists(temporary / "observables.csv"));
+  EXPECT_FALSE(fs::exists(temporary / "scene.toml.part"));
+}
+
+TEST(RunFolder, ForceReplacesALinkAndNotWhereItLeads) {
+  const TemporaryFolder temporary;
+  fs::create_directory(temporary / "run");
+  write(temporary / "precious", "mine");
+  fs::create_symlink(temporary / "precious", temporary.path() / "run" / "summary.json");
+  RunFolder folder(temporary / "run", Occupied::replace_results);
+  folder.create();
+  folder.remove_earlier_results();
+  folder.write_file(kSummaryFile, "{}");
+  EXPECT_EQ(content(temporary / "precious"), "mine");
+  EXPECT_EQ(content(temporary.path() / "run" / "summary.json"), "{}");
+}
+
+TEST(RunFolder, RefusesWhatIsNoFolder) {
+  const TemporaryFolder temporary;
+  write(temporary / "file", "");
+  fs::create_symlink("nowhere", temporary / "link");
+  fs::create_directories(temporary.path() / "run" / "summary.json");
+  EXPECT_TRUE(contains(refusal(""), "no name"));
+  EXPECT_TRUE(contains(refusal(temporary / "file"), "not a folder"));
+  EXPECT_TRUE(contains(refusal(temporary.path() / "file" / "run"), "not a folder"));
+  EXPECT_TRUE(contains(refusal(temporary / "link"), "leads nowhere"));
+  EXPECT_TRUE(contains(refusal(temporary / "run", Occupied::replace_results), "a folder where"));
+  EXPECT_TRUE(contains(refusal(temporary / std::string(300, 'x')), "name too long") ||
+              contains(refusal(temporary / std::string(300, 'x')), "File name too long"));
+}
+
+TEST(RunFolder, RefusesWhereNothingCanBeMade) {
+  if (!fs::is_directory("/proc/self")) GTEST_SKIP() << "there is no /proc here";
+  EXPECT_NE(refusal("/proc/tomlin.out"), "");
+}
+
+TEST(RunFolder, RefusesAFolderThatMayNotBeWritten) {
+  const TemporaryFolder temporary;
+  fs::permissions(temporary.path(), fs::perms::owner_read | fs::perms::owner_exec);
+  // Root may write everywhere, so it becomes somebody else for a moment.
+  constexpr uid_t kNobody = 65534;
+  const bool root = ::geteuid() == 0;
+  if (root && (::chown(temporary.path().c_str(), kNobody, static_cast<gid_t>(-1)) != 0 ||
+               ::seteuid(kNobody) != 0)) {
+    GTEST_SKIP() << "root may write everywhere, and cannot become somebody else here";
+  }
+  const std::string inside = refusal(temporary.path());
+  const std::string below = refusal(temporary / "run");
+  if (root) {
+    ASSERT_EQ(::seteuid(0), 0);
+  }
+  EXPECT_TRUE(contains(inside, "Permission denied")) << inside;
+  EXPECT_TRUE(contains(below, "Permission denied")) << below;
+}
+
+TEST(RunFolder, AFileAppearsWholeOrNotAtAll) {
+  const TemporaryFolder temporary;
+  RunFolder folder(temporary.path(), Occupied::refuse);
+  folder.create();
+  folder.write_file(kSummaryFile, "first");
+  const DiskLimit limit(1000);
+  EXPECT_THROW(folder.write_file(kSummaryFile, std::string(2000, 'x')), OutputError);
+  EXPECT_EQ(content(temporary / "summary.json"), "first");
+}
+
+}  // namespace
+}  // namespace tomlin::test

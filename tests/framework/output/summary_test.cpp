@@ -1,0 +1,181 @@
+#include "framework/output/summary.hpp"
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace tomlin::test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Scene planar_scene() {
+  Scene scene;
+  scene.dimension = 2;
+  scene.parameters = {{"xi", 2.0 * std::sqrt(2.0)}, {"N", 8.0}};
+  return scene;
+}
+
+RunResult planar_result() {
+  RunResult result;
+  result.end_time = 1e4;
+  result.steps = 12345678901234567ULL;
+  result.force_evaluations = 7;
+  result.refused_steps = 2;
+  result.window_from = 0.1;
+  result.window_to = 1.0 / 3.0;
+  DriverResult driver;
+  driver.name = "driver";
+  driver.mean_force = {4.628633704e-3, -1e-17};
+  driver.final_force = {1.0, 2.0};
+  driver.max_force = {3.0, 4.0};
+  driver.min_force = {-3.0, -4.0};
+  driver.static_force = 0.25;
+  driver.work = 5.0;
+  driver.work_per_distance = 0.5;
+  driver.distance = 10.0;
+  result.drivers = {driver};
+  BodyResult body;
+  body.name = "ring";
+  body.centre_of_mass = {9.0, 1.0};
+  body.velocity = {0.0, -0.0};
+  body.rotation = -0.785;
+  body.turns = -1.125;
+  body.rolling = 0.7853981633974483;
+  body.mean_velocity = {1e-3, 0.0};
+  body.max_speed = 0.1;
+  result.bodies = {body};
+  result.warnings = {"a warning with \"quotes\""};
+  result.left_out = {{"springs", "inside a rigid body"}};
+  result.wall_seconds = 0.5;
+  result.steps_per_second = 1e6;
+  return result;
+}
+
+std::vector<std::string> keys(const Json& object) {
+  std::vector<std::string> names;
+  for (const auto& [key, value] : object.items()) names.push_back(key);
+  return names;
+}
+
+using Names = std::vector<std::string>;
+
+TEST(Summary, HasEveryKeyOfAFinishedRun) {
+  const Json summary = Json::parse(summary_json(planar_scene(), planar_result()));
+  EXPECT_EQ(keys(summary), (Names{"status", "parameters", "time", "window", "drivers", "bodies",
+                                  "events", "warnings", "left_out", "performance"}));
+  EXPECT_EQ(summary["status"], "finished");
+  EXPECT_EQ(keys(summary["parameters"]), (Names{"xi", "N"}));
+  EXPECT_EQ(keys(summary["time"]), (Names{"end", "steps", "force_evaluations", "refused_steps"}));
+  EXPECT_EQ(summary["time"]["steps"], 12345678901234567ULL);
+  EXPECT_EQ(keys(summary["window"]), (Names{"from", "to"}));
+  EXPECT_EQ(keys(summary["drivers"]["driver"]),
+            (Names{"mean_force", "final_force", "max_force", "min_force", "static_force", "work",
+                   "work_per_distance", "distance"}));
+  EXPECT_EQ(keys(summary["bodies"]["ring"]),
+            (Names{"centre_of_mass", "velocity", "rotation", "turns", "rolling", "mean_velocity",
+                   "max_speed"}));
+  EXPECT_EQ(keys(summary["events"]), (Names{"slips", "turns", "reversals"}));
+  for (const auto& count : summary["events"]) EXPECT_TRUE(count.is_null());
+  EXPECT_EQ(summary["warnings"], Json({"a warning with \"quotes\""}));
+  EXPECT_EQ(summary["left_out"],
+            Json::parse(R"([{"force": "springs", "why": "inside a rigid body"}])"));
+  EXPECT_EQ(keys(summary["performance"]),
+            (Names{"wall_seconds", "steps_per_second", "instruction_set"}));
+  EXPECT_EQ(summary["performance"]["instruction_set"], "baseline");
+}
+
+TEST(Summary, NumbersReadBackAsTheSameBits) {
+  const Json summary = Json::parse(summary_json(planar_scene(), planar_result()));
+  EXPECT_EQ(summary["parameters"]["xi"].get<double>(), 2.0 * std::sqrt(2.0));
+  EXPECT_EQ(summary["window"]["from"].get<double>(), 0.1);
+  EXPECT_EQ(summary["window"]["to"].get<double>(), 1.0 / 3.0);
+  const Json& driver = summary["drivers"]["driver"];
+  EXPECT_EQ(driver["mean_force"].get<std::vector<double>>(),
+            (std::vector<double>{4.628633704e-3, -1e-17}));
+  EXPECT_EQ(driver["static_force"].get<double>(), 0.25);
+  const Json& body = summary["bodies"]["ring"];
+  EXPECT_EQ(body["rolling"].get<double>(), 0.7853981633974483);
+  EXPECT_TRUE(std::signbit(body["velocity"][1].get<double>()));
+}
+
+TEST(Summary, NumbersAreAsShortAsTheyCanBe) {
+  const std::string text = summary_json(planar_scene(), planar_result());
+  EXPECT_NE(text.find("\"from\": 0.1,"), std::string::npos) << text;
+  EXPECT_NE(text.find("0.004628633704"), std::string::npos) << text;
+}
+
+TEST(Summary, WhatIsUndefinedIsNull) {
+  Scene scene = planar_scene();
+  RunResult result;
+  result.drivers.resize(1);
+  result.drivers[0].name = "driver";
+  result.drivers[0].final_force = {std::nan(""), kInfinity};
+  result.bodies.resize(1);
+  result.bodies[0].name = "ring";
+  result.end_time = -kInfinity;
+  const Json summary = Json::parse(summary_json(scene, result));
+  const Json& driver = summary["drivers"]["driver"];
+  EXPECT_TRUE(driver["mean_force"].is_null());
+  EXPECT_EQ(driver["final_force"], Json::parse("[null, null]"));
+  for (const char* key : {"static_force", "work", "work_per_distance", "distance"}) {
+    EXPECT_TRUE(driver.contains(key) && driver[key].is_null()) << key;
+  }
+  const Json& body = summary["bodies"]["ring"];
+  for (const char* key : {"rotation", "turns", "rolling", "mean_velocity", "max_speed"}) {
+    EXPECT_TRUE(body.contains(key) && body[key].is_null()) << key;
+  }
+  EXPECT_TRUE(summary["time"]["end"].is_null());
+}
+
+TEST(Summary, OnlyPlanarBodiesRotate) {
+  Scene scene = planar_scene();
+  scene.dimension = 1;
+  const Json summary = Json::parse(summary_json(scene, planar_result()));
+  EXPECT_EQ(keys(summary["bodies"]["ring"]),
+            (Names{"centre_of_mass", "velocity", "mean_velocity", "max_speed"}));
+}
+
+TEST(Summary, EmptyListsAndTablesAreThere) {
+  const Json summary = Json::parse(summary_json(Scene(), RunResult()));
+  EXPECT_EQ(summary["parameters"], Json::object());
+  EXPECT_EQ(summary["drivers"], Json::object());
+  EXPECT_EQ(summary["bodies"], Json::object());
+  EXPECT_EQ(summary["warnings"], Json::array());
+  EXPECT_EQ(summary["left_out"], Json::array());
+}
+
+TEST(Summary, AFailureHasItsPlace) {
+  RunResult result = planar_result();
+  result.status = RunStatus::failed;
+  result.failure = {
+      41, 0.5, "ring", 3, "y", "harmonic_bonds", "the speed runs away", "the step is too long"};
+  Json summary = Json::parse(summary_json(planar_scene(), result));
+  EXPECT_EQ(summary["status"], "failed");
+  EXPECT_EQ(summary["failure"], Json::parse(R"({"step": 41, "time": 0.5, "body": "ring",
+      "particle": 3, "axis": "y", "force": "harmonic_bonds", "what": "the speed runs away",
+      "cause": "the step is too long"})"));
+
+  result.failure->particle = -1;
+  result.failure->axis = "";
+  summary = Json::parse(summary_json(planar_scene(), result));
+  EXPECT_TRUE(summary["failure"]["particle"].is_null());
+  EXPECT_TRUE(summary["failure"]["axis"].is_null());
+}
+
+TEST(Summary, AnInterruptedRunSaysSo) {
+  RunResult result = planar_result();
+  result.status = RunStatus::interrupted;
+  const Json summary = Json::parse(summary_json(planar_scene(), result));
+  EXPECT_EQ(summary["status"], "interrupted");
+  EXPECT_FALSE(summary.contains("failure"));
+}
+
+}  // namespace
+}  // namespace tomlin::test

@@ -1,0 +1,603 @@
+#include <array>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "framework/core/integrator.hpp"
+#include "integrators/dopri5_kernels.hpp"
+#include "tests/support/order.hpp"
+#include "tests/support/scenes.hpp"
+
+// The contract of each integrator: its order for forces with and without velocity, the order of
+// what it integrates along the way and of its dense output, its evaluations, its limits.
+
+namespace tomlin::test {
+namespace {
+
+// Orders are fitted over four halvings; the next term of the error bends them by a few percent.
+constexpr Window kRk4Order{3.8, 4.2};
+constexpr Window kDopri5Order{4.75, 5.4};
+// Cubic Hermite is of order 4 like the scheme; the continuous extension of the pair has error
+// O(h^5) within a step, and its constant competes with that of the steps.
+constexpr Window kRk4Dense{3.5, 4.5};
+constexpr Window kDopri5Dense{4.0, 5.5};
+// Rounding of some hundred steps on numbers of order one.
+constexpr double kRoundingFloor = 2e-13;
+
+struct Scheme {
+  std::string name;
+  std::function<std::string(double h)> held_to;
+  Window order;
+  Window dense;
+};
+
+const std::vector<Scheme>& schemes() {
+  static const std::vector<Scheme> all = {{"rk4", fixed_step, kRk4Order, kRk4Dense},
+                                          {"dopri5", adaptive_held_to, kDopri5Order, kDopri5Dense}};
+  return all;
+}
+
+// ---- problems with known motion ------------------------------------------------------------------
+
+struct State {
+  double x = 0.0;
+  double v = 0.0;
+};
+
+/// m x'' = k (V t - x) - c x', from x0, v0; k = 0: no spring.
+struct Oscillator {
+  double m = 1.3;
+  double k = 2.1;
+  double c = 0.4;
+  double pull = 0.35;
+  double x0 = 0.7;
+  double v0 = -0.2;
+  double duration = 6.4;
+
+  State at(double t) const {
+    if (k == 0.0) {
+      if (c == 0.0) return {x0 + v0 * t, v0};
+      const double rate = c / m;
+      return {x0 - v0 * std::expm1(-rate * t) / rate, v0 * std::exp(-rate * t)};
+    }
+    const double gamma = 0.5 * c / m;
+    const double omega = std::sqrt(k / m - gamma * gamma);
+    const double a = x0 + c * pull / k;
+    const double b = (v0 - pull + gamma * a) / omega;
+    const double decay = std::exp(-gamma * t);
+    const double cosine = std::cos(omega * t);
+    const double sine = std::sin(omega * t);
+    return {pull * t - c * pull / k + decay * (a * cosine + b * sine),
+            pull + decay * ((b * omega - gamma * a) * cosine - (a * omega + gamma * b) * sine)};
+  }
+  /// From m v' = F - c v, integrated over the run.
+  double mean_force() const {
+    const State end = at(duration);
+    return (m * (end.v - v0) + c * (end.x - x0)) / duration;
+  }
+
+  std::string scene(const std::string& integrator, const std::string& more = "") const {
+    std::string text = "[[body]]\nname = \"tip\"\ntype = \"point\"\nposition = [" + digits(x0) +
+                       "]\nvelocity = [" + digits(v0) + "]\nparticle_mass = " + digits(m) + "\n";
+    if (k > 0.0) {
+      text += "[[force]]\nname = \"driver\"\ntype = \"driving_spring\"\nstart = [0.0]\nstiffness = " +
+              digits(k) + "\nvelocity = [" + digits(pull) + "]\n";
+    }
+    if (c > 0.0) text += "[[force]]\ntype = \"viscous_damping\"\ncoefficient = " + digits(c) + "\n";
+    return text + "[run]\nduration = " + digits(duration) + "\nintegrator = " + integrator + "\n" +
+           more;
+  }
+};
+
+Oscillator free_flight() { return {.k = 0.0, .c = 0.0}; }
+Oscillator coasting() { return {.k = 0.0, .c = 0.9}; }
+Oscillator undamped() { return {.c = 0.0, .pull = 0.0}; }
+Oscillator damped() { return {.pull = 0.0}; }
+Oscillator driven() { return {}; }
+
+double error_at_end(const RunResult& result, const State& exact) {
+  return std::hypot(result.bodies[0].centre_of_mass[0] - exact.x,
+                    result.bodies[0].velocity[0] - exact.v);
+}
+
+std::vector<double> halved(double h, int times = 4) {
+  std::vector<double> steps;
+  for (int k = 0; k < times; ++k) steps.push_back(h / static_cast<double>(1 << k));
+  return steps;
+}
+
+constexpr double kLongStep = 0.2;
+
+TEST(Order, FreeFlightIsExact) {
+  for (const Scheme& scheme : schemes()) {
+    const Oscillator o = free_flight();
+    const RunResult result = run_text(o.scene(scheme.held_to(kLongStep)));
+    EXPECT_LT(error_at_end(result, o.at(o.duration)), kRoundingFloor) << scheme.name;
+  }
+}
+
+TEST(Order, OfMotionWithKnownSolutions) {
+  for (const Scheme& scheme : schemes()) {
+    for (const Oscillator& o : {coasting(), undamped(), damped(), driven()}) {
+      SCOPED_TRACE(scheme.name + ", k = " + digits(o.k) + ", c = " + digits(o.c) + ", V = " +
+                   digits(o.pull));
+      std::vector<double> errors;
+      for (const double h : halved(kLongStep)) {
+        const RunResult result = run_text(o.scene(scheme.held_to(h)));
+        ASSERT_EQ(result.steps, static_cast<std::uint64_t>(std::llround(o.duration / h)));
+        errors.push_back(error_at_end(result, o.at(o.duration)));
+      }
+      const double order = fitted_order(halved(kLongStep), errors, kRoundingFloor);
+      EXPECT_TRUE(scheme.order.holds(order)) << order;
+      EXPECT_GT(errors.front(), 1e3 * kRoundingFloor) << "nothing to fit";
+    }
+  }
+}
+
+TEST(Order, OfTheRunningIntegral) {
+  for (const Scheme& scheme : schemes()) {
+    const Oscillator o = driven();
+    std::vector<double> errors;
+    for (const double h : halved(kLongStep)) {
+      const RunResult result = run_text(o.scene(scheme.held_to(h)));
+      errors.push_back(std::abs(result.drivers[0].mean_force[0] - o.mean_force()));
+    }
+    const double order = fitted_order(halved(kLongStep), errors, 0.1 * kRoundingFloor);
+    EXPECT_TRUE(scheme.order.holds(order)) << scheme.name << ": " << order;
+  }
+}
+
+/// The window's edges fall within steps, so that the mean rests on dense output as well.
+TEST(Order, OfAMeanBetweenStepEnds) {
+  for (const Scheme& scheme : schemes()) {
+    const Oscillator o = driven();
+    const double from = 1.2345;
+    const double to = 5.4321;
+    const State a = o.at(from);
+    const State b = o.at(to);
+    const double exact = (o.m * (b.v - a.v) + o.c * (b.x - a.x)) / (to - from);
+    const std::string window =
+        "[measure]\nin = \"time\"\nfrom = " + digits(from) + "\nto = " + digits(to) + "\n";
+    std::vector<double> errors;
+    for (const double h : halved(kLongStep)) {
+      const RunResult result = run_text(o.scene(scheme.held_to(h), window));
+      errors.push_back(std::abs(result.drivers[0].mean_force[0] - exact));
+    }
+    const double order = fitted_order(halved(kLongStep), errors, 0.1 * kRoundingFloor);
+    // Where in a step the edge falls changes with the step, so the fit scatters more.
+    EXPECT_GT(order, scheme.dense.low - 0.3) << scheme.name;
+    EXPECT_LT(order, scheme.dense.high + 0.7) << scheme.name;
+  }
+}
+
+/// Prandtl and Tomlinson's particle, stick-slip, 1.5 periods on; the reference is the same scene
+/// by the other scheme at a step whose own error is 1e-4 of the smallest fitted.
+const char* const kTip = R"([[body]]
+name = "tip"
+type = "point"
+position = [0.1]
+particle_mass = 1.0
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 2.0
+velocity = [0.25]
+[[force]]
+type = "viscous_damping"
+coefficient = 1.0
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.1
+period = 1.0
+[run]
+duration = 6.4
+integrator = )";
+
+TEST(Order, OfTheParticleOnACorrugation) {
+  const RunResult reference = run_text(kTip + fixed_step(6.4 / 40960));
+  const State end{reference.bodies[0].centre_of_mass[0], reference.bodies[0].velocity[0]};
+  for (const Scheme& scheme : schemes()) {
+    const double longest = 0.1;
+    std::vector<double> errors;
+    std::vector<double> mean_errors;
+    for (const double h : halved(longest)) {
+      const RunResult result = run_text(kTip + scheme.held_to(h));
+      errors.push_back(error_at_end(result, end));
+      mean_errors.push_back(
+          std::abs(result.drivers[0].mean_force[0] - reference.drivers[0].mean_force[0]));
+    }
+    const double order = fitted_order(halved(longest), errors, kRoundingFloor);
+    const double mean_order = fitted_order(halved(longest), mean_errors, kRoundingFloor);
+    EXPECT_TRUE(scheme.order.holds(order)) << scheme.name << ": " << order;
+    EXPECT_TRUE(scheme.order.holds(mean_order)) << scheme.name << ", mean force: " << mean_order;
+  }
+}
+
+TEST(DenseOutput, HasTheOrderItClaims) {
+  for (const Scheme& scheme : schemes()) {
+    const Oscillator o = driven();
+    std::vector<double> x_errors, v_errors, force_errors;
+    for (const double h : halved(kLongStep)) {
+      KeptSamples kept;
+      RunOptions options;
+      options.sink = &kept;
+      // 0.0377: no multiple of any of the steps.
+      run(scene_of(o.scene(scheme.held_to(h), "[output]\nevery = 0.0377\n")), options);
+      ASSERT_EQ(kept.rows.size(), 170u);
+      double x_error = 0.0, v_error = 0.0, force_error = 0.0;
+      for (const auto& row : kept.rows) {
+        const State exact = o.at(row[0]);
+        x_error = std::max(x_error, std::abs(row[kept.column("tip.centre_of_mass.x")] - exact.x));
+        v_error = std::max(v_error, std::abs(row[kept.column("tip.velocity.x")] - exact.v));
+        force_error = std::max(force_error, std::abs(row[kept.column("driver.force.x")] -
+                                                     o.k * (o.pull * row[0] - exact.x)));
+      }
+      x_errors.push_back(x_error);
+      v_errors.push_back(v_error);
+      force_errors.push_back(force_error);
+    }
+    for (const auto& errors : {x_errors, v_errors, force_errors}) {
+      const double order = fitted_order(halved(kLongStep), errors, kRoundingFloor);
+      EXPECT_TRUE(scheme.dense.holds(order)) << scheme.name << ": " << order;
+    }
+  }
+}
+
+// ---- step control ----------------------------------------------------------------------------------
+
+/// Error proportional to tolerance: the embedded error is of order h^5 in a step, and so is what
+/// the fifth-order solution accumulates.
+TEST(StepControl, ErrorIsProportionalToTolerance) {
+  constexpr Window kProportional{0.75, 1.25};
+  const RunResult reference = run_text(kTip + fixed_step(6.4 / 40960));
+  const State end{reference.bodies[0].centre_of_mass[0], reference.bodies[0].velocity[0]};
+  std::vector<double> tolerances, errors;
+  for (double tolerance = 1e-5; tolerance > 2e-11; tolerance *= 0.1) {
+    tolerances.push_back(tolerance);
+    errors.push_back(error_at_end(run_text(kTip + adaptive(tolerance)), end));
+    EXPECT_LT(errors.back(), 100.0 * tolerance) << tolerance;
+  }
+  const double slope = fitted_order(tolerances, errors, kRoundingFloor);
+  EXPECT_TRUE(kProportional.holds(slope)) << slope;
+}
+
+TEST(StepControl, TolerancesScaleAsStated) {
+  // In units a million times smaller, the relative tolerance gives the same steps, and so does an
+  // absolute one that is scaled along.
+  Oscillator o = damped();
+  Oscillator small = o;
+  constexpr double kScale = 1.0 / (1 << 20);  // a power of two: no rounding comes in
+  small.x0 *= kScale;
+  small.v0 *= kScale;
+  const auto control = [](double absolute, double relative) {
+    return "{ type = \"dopri5\", initial_step = 0.01, absolute_tolerance = " + digits(absolute) +
+           ", relative_tolerance = " + digits(relative) + " }";
+  };
+  const RunResult a = run_text(o.scene(control(1e-7, 0.0)));
+  const RunResult b = run_text(small.scene(control(1e-7 * kScale, 0.0)));
+  const RunResult c = run_text(small.scene(control(1e-7, 0.0)));
+  EXPECT_EQ(a.steps, b.steps);
+  EXPECT_LT(2 * c.steps, a.steps) << "an absolute tolerance is absolute";
+  const RunResult d = run_text(o.scene(control(0.0, 1e-7)));
+  const RunResult e = run_text(small.scene(control(0.0, 1e-7)));
+  EXPECT_EQ(d.steps, e.steps);
+}
+
+// ---- evaluations -------------------------------------------------------------------------------------
+
+TEST(Evaluations, FourPerStepOfRk4) {
+  const RunResult result = run_text(kTip + fixed_step(0.01));
+  EXPECT_EQ(result.steps, 640u);
+  EXPECT_EQ(result.force_evaluations, 4 * result.steps);
+}
+
+/// What a sample needs at the end of a step is the next step's first evaluation.
+TEST(Evaluations, SamplesCostRk4NothingTwice) {
+  KeptSamples kept;
+  RunOptions options;
+  options.sink = &kept;
+  const RunResult result =
+      run_text(kTip + fixed_step(0.01) + "\n[output]\nevery = 0.037\n", {}, options);
+  EXPECT_LE(result.force_evaluations, 4 * result.steps + 1);
+  EXPECT_GE(result.force_evaluations, 4 * result.steps);
+}
+
+TEST(Evaluations, SixPerAttemptOfDopri5) {
+  for (const double tolerance : {1e-4, 1e-7, 1e-10}) {
+    const RunResult result = run_text(kTip + adaptive(tolerance));
+    EXPECT_EQ(result.force_evaluations, 6 * (result.steps + result.refused_steps) + 1);
+  }
+}
+
+TEST(Evaluations, RefusedStepsAreCounted) {
+  // The first step is far too long.
+  const RunResult result = run_text(
+      std::string(kTip) +
+      "{ type = \"dopri5\", absolute_tolerance = 1e-9, relative_tolerance = 1e-9, "
+      "initial_step = 2.0 }");
+  EXPECT_EQ(result.status, RunStatus::finished);
+  EXPECT_GT(result.refused_steps, 0u);
+  EXPECT_EQ(result.force_evaluations, 6 * (result.steps + result.refused_steps) + 1);
+}
+
+TEST(Evaluations, RecordsSayHowMany) {
+  EXPECT_EQ(standard().integrator("rk4")->evaluations_per_step, 4);
+  EXPECT_EQ(standard().integrator("rk4")->order, 4);
+  EXPECT_FALSE(standard().integrator("rk4")->adaptive);
+  EXPECT_EQ(standard().integrator("dopri5")->evaluations_per_step, 6);
+  EXPECT_EQ(standard().integrator("dopri5")->order, 5);
+  EXPECT_TRUE(standard().integrator("dopri5")->adaptive);
+}
+
+// ---- limits of the adaptive scheme ---------------------------------------------------------------------
+
+std::string limited(const std::string& limits) {
+  return std::string(kTip) + "{ type = \"dopri5\", " + limits + " }\n";
+}
+
+TEST(Limits, SmallestStep) {
+  Engine engine(scene_of(limited("absolute_tolerance = 1e-14, relative_tolerance = 0.0, "
+                                 "smallest_step = 0.05, initial_step = 0.1")),
+                {});
+  const Motion before(engine);
+  const StepReport report = engine.integrator().step(DoubleDouble(0.0), 6.4, false);
+  EXPECT_EQ(report.fault, StepFault::step_too_small);
+  EXPECT_EQ(report.taken, 0.0);
+  EXPECT_TRUE(Motion(engine) == before) << "a failed step leaves the state as it was";
+
+  const RunResult result =
+      run_text(limited("absolute_tolerance = 1e-14, relative_tolerance = 0.0, "
+                       "smallest_step = 0.05, initial_step = 0.1"));
+  EXPECT_EQ(result.status, RunStatus::failed);
+  ASSERT_TRUE(result.failure);
+  EXPECT_NE(result.failure->what.find("smallest_step"), std::string::npos);
+}
+
+TEST(Limits, MostSteps) {
+  const std::string scene = limited("most_steps = 5, largest_step = 0.01");
+  Engine engine(scene_of(scene), {});
+  double time = 0.0;
+  for (int k = 0; k < 5; ++k) {
+    const StepReport report = engine.integrator().step(DoubleDouble(time), 6.4 - time, false);
+    ASSERT_EQ(report.fault, StepFault::none);
+    time += report.taken;
+  }
+  const StepReport report = engine.integrator().step(DoubleDouble(time), 6.4 - time, false);
+  EXPECT_EQ(report.fault, StepFault::too_many_steps);
+  EXPECT_EQ(report.taken, 0.0);
+
+  const RunResult result = run_text(scene);
+  EXPECT_EQ(result.status, RunStatus::failed);
+  EXPECT_EQ(result.steps, 5u);
+  ASSERT_TRUE(result.failure);
+  EXPECT_EQ(result.failure->step, 5u);
+  EXPECT_NE(result.failure->what.find("most_steps"), std::string::npos);
+}
+
+TEST(Limits, LargestStep) {
+  constexpr double kLargest = 0.02;
+  Engine engine(scene_of(limited("absolute_tolerance = 1.0, largest_step = " + digits(kLargest))),
+                {});
+  // A remainder just above the largest step is not taken along with it.
+  double time = 0.0;
+  for (const double rest : {6.4, 3.0, 1.005 * kLargest, kLargest, 0.5 * kLargest}) {
+    const StepReport report = engine.integrator().step(DoubleDouble(time), rest, false);
+    ASSERT_EQ(report.fault, StepFault::none);
+    EXPECT_LE(report.taken, kLargest) << "with " << rest << " to go";
+    EXPECT_GT(report.taken, 0.0);
+    time += report.taken;
+  }
+  const RunResult result =
+      run_text(limited("absolute_tolerance = 1.0, largest_step = " + digits(kLargest)));
+  EXPECT_GE(result.steps, 320u);
+  EXPECT_LE(result.steps, 322u);
+}
+
+TEST(Limits, InitialStep) {
+  Engine engine(scene_of(limited("absolute_tolerance = 1.0, initial_step = 0.003")), {});
+  EXPECT_EQ(engine.integrator().step(DoubleDouble(0.0), 6.4, false).taken, 0.003);
+}
+
+/// A tip that starts in a place where its acceleration overflows.
+TEST(Limits, LeavingTheFiniteNumbers) {
+  for (const std::string& integrator : {fixed_step(0.01), adaptive(1e-9)}) {
+    Engine engine(scene_of("[[body]]\ntype = \"point\"\nposition = [1.0]\nparticle_mass = 1e-200\n"
+                           "[[force]]\ntype = \"constant_force\"\nforce = [1e200]\n"
+                           "[run]\nduration = 1.0\nintegrator = " + integrator + "\n"),
+                  {});
+    const Motion before(engine);
+    const StepReport report = engine.integrator().step(DoubleDouble(0.0), 0.01, false);
+    EXPECT_EQ(report.fault, StepFault::not_finite_or_too_far) << integrator;
+    EXPECT_EQ(report.taken, 0.0);
+    EXPECT_TRUE(Motion(engine) == before);
+  }
+}
+
+// ---- growth ------------------------------------------------------------------------------------------
+
+/// |R(h lambda)| of a real mode of the overdamped oscillator, or of the pair +-i omega.
+struct Mode {
+  Oscillator oscillator;
+  std::complex<double> lambda;
+  double amplitude(const State& s) const {
+    if (lambda.imag() == 0.0) return std::hypot(s.x, s.v) / std::hypot(1.0, lambda.real());
+    return std::hypot(s.x, s.v / lambda.imag());
+  }
+};
+
+TEST(Growth, IsWhatAStepDoes) {
+  constexpr double kTolerance = 1e-13;  // rounding of one step
+  std::vector<Mode> modes;
+  // Undamped, omega = 1.5, from (1, 0).
+  modes.push_back({{.m = 1.0, .k = 2.25, .c = 0.0, .pull = 0.0, .x0 = 1.0, .v0 = 0.0}, {0.0, 1.5}});
+  // Overdamped: lambda^2 + 5 lambda + 4 = 0, along the mode -4, and along the mode -1.
+  for (const double lambda : {-4.0, -1.0}) {
+    modes.push_back(
+        {{.m = 1.0, .k = 4.0, .c = 5.0, .pull = 0.0, .x0 = 1.0, .v0 = lambda}, {lambda, 0.0}});
+  }
+  for (const auto& record : standard().integrators()) {
+    for (const Mode& mode : modes) {
+      for (const double z : {0.01, 0.3, 1.0, 2.0, 2.7, 3.2}) {
+        const double h = z / std::abs(mode.lambda);
+        Oscillator o = mode.oscillator;
+        o.duration = h;
+        const std::string integrator =
+            record->adaptive ? adaptive_held_to(h) : fixed_step(h);
+        const RunResult result =
+            run_text(o.scene(integrator), {{"run.allow_unstable", "true"}});
+        ASSERT_EQ(result.steps, 1u);
+        const State end{result.bodies[0].centre_of_mass[0], result.bodies[0].velocity[0]};
+        EXPECT_NEAR(mode.amplitude(end), record->growth(h * mode.lambda), kTolerance * (1 + z * z))
+            << record->name << ", z = " << z << ", lambda = " << mode.lambda;
+      }
+    }
+  }
+}
+
+TEST(Growth, HasTheKnownLimits) {
+  using Complex = std::complex<double>;
+  constexpr double kNear = 1e-3;
+  const auto* rk4 = standard().integrator("rk4");
+  const auto* dopri5 = standard().integrator("dopri5");
+  // Real axis: zeros of |R| = 1 by bisection elsewhere, 2.785293563 and 3.306.
+  EXPECT_LT(rk4->growth({-2.785293563 + kNear, 0.0}), 1.0);
+  EXPECT_GT(rk4->growth({-2.785293563 - kNear, 0.0}), 1.0);
+  EXPECT_LT(dopri5->growth({-3.30, 0.0}), 1.0);
+  EXPECT_GT(dopri5->growth({-3.31, 0.0}), 1.0);
+  // Imaginary axis: rk4 damps up to 2 sqrt(2).
+  const double limit = 2.0 * std::sqrt(2.0);
+  EXPECT_NEAR(rk4->growth({0.0, limit}), 1.0, 1e-14);
+  EXPECT_LT(rk4->growth({0.0, limit - kNear}), 1.0);
+  EXPECT_GT(rk4->growth({0.0, limit + kNear}), 1.0);
+  for (const auto* scheme : {rk4, dopri5}) {
+    EXPECT_EQ(scheme->growth({0.0, 0.0}), 1.0);
+    // To its order, |R| is the exponential; one power on, it is not.
+    const Complex z(-0.02, 0.03);
+    const double error = std::abs(scheme->growth(z) - std::exp(z.real()));
+    const double next = std::pow(std::abs(z), scheme->order + 1);
+    EXPECT_LT(error, next);
+    EXPECT_GT(error, 1e-5 * next);
+  }
+}
+
+// ---- the tableau ---------------------------------------------------------------------------------------
+
+using Stages = std::array<double, 7>;
+using T = Dopri5Tableau;
+
+Stages times(const Stages& a, const Stages& b) {
+  Stages product{};
+  for (int i = 0; i < 7; ++i) product[i] = a[i] * b[i];
+  return product;
+}
+
+Stages through(const Stages& x) {
+  Stages y{};
+  for (int i = 0; i < 7; ++i) {
+    for (int j = 0; j < 6; ++j) y[i] += T::a[i][j] * x[j];
+  }
+  return y;
+}
+
+struct Condition {
+  int order;
+  Stages weights;  ///< elementary weight of each stage
+  double value;    ///< 1/gamma of the tree
+};
+
+/// The 17 rooted trees up to order 5 (Hairer, Norsett, Wanner, table II.2.2).
+std::vector<Condition> conditions() {
+  Stages one;
+  one.fill(1.0);
+  Stages c;
+  std::copy(std::begin(T::c), std::end(T::c), c.begin());
+  const Stages c2 = times(c, c), c3 = times(c2, c), c4 = times(c3, c);
+  const Stages ac = through(c), ac2 = through(c2), aac = through(ac);
+  return {{1, one, 1.0},
+          {2, c, 1.0 / 2},
+          {3, c2, 1.0 / 3},
+          {3, ac, 1.0 / 6},
+          {4, c3, 1.0 / 4},
+          {4, times(c, ac), 1.0 / 8},
+          {4, ac2, 1.0 / 12},
+          {4, aac, 1.0 / 24},
+          {5, c4, 1.0 / 5},
+          {5, times(c2, ac), 1.0 / 10},
+          {5, times(ac, ac), 1.0 / 20},
+          {5, times(c, ac2), 1.0 / 15},
+          {5, times(c, aac), 1.0 / 30},
+          {5, through(c3), 1.0 / 20},
+          {5, through(times(c, ac)), 1.0 / 40},
+          {5, through(ac2), 1.0 / 60},
+          {5, through(aac), 1.0 / 120}};
+}
+
+double weighted_sum(const Stages& b, const Stages& weights) {
+  double sum = 0.0;
+  for (int i = 0; i < 7; ++i) sum += b[i] * weights[i];
+  return sum;
+}
+
+TEST(Tableau, MeetsTheOrderConditions) {
+  constexpr double kRounded = 1e-14;  // coefficients up to 30, rounded
+  Stages b{};
+  Stages embedded{};
+  for (int i = 0; i < 7; ++i) {
+    b[i] = i < 6 ? T::a[6][i] : 0.0;
+    embedded[i] = b[i] - T::error[i];
+  }
+  double worst_embedded = 0.0;
+  for (const Condition& condition : conditions()) {
+    EXPECT_NEAR(weighted_sum(b, condition.weights), condition.value, kRounded) << condition.order;
+    const double off = std::abs(weighted_sum(embedded, condition.weights) - condition.value);
+    if (condition.order <= 4) {
+      EXPECT_LT(off, kRounded) << "embedded, " << condition.order;
+    } else {
+      worst_embedded = std::max(worst_embedded, off);
+    }
+  }
+  EXPECT_GT(worst_embedded, 1e-5) << "the embedded solution would say nothing about the error";
+  // Rows sum to the nodes; the last stage is the new point.
+  Stages one;
+  one.fill(1.0);
+  const Stages rows = through(one);
+  for (int i = 0; i < 7; ++i) EXPECT_NEAR(rows[i], T::c[i], kRounded);
+  EXPECT_EQ(T::c[6], 1.0);
+}
+
+/// The check sees a coefficient that is off by one digit.
+TEST(Tableau, AWrongCoefficientIsSeen) {
+  Stages b{};
+  for (int i = 0; i < 6; ++i) b[i] = T::a[6][i];
+  b[3] *= 1.0 + 1e-9;
+  double worst = 0.0;
+  for (const Condition& condition : conditions()) {
+    worst = std::max(worst, std::abs(weighted_sum(b, condition.weights) - condition.value));
+  }
+  EXPECT_GT(worst, 1e-11);
+}
+
+/// What the order test makes of a scheme that is not one of fourth order: the Euler step.
+TEST(Order, AnotherOrderIsSeen) {
+  const Oscillator o = damped();
+  std::vector<double> errors;
+  for (const double h : halved(0.01)) {
+    State s{o.x0, o.v0};
+    for (int k = 0; k < std::lround(o.duration / h); ++k) {
+      const double a = (-o.k * s.x - o.c * s.v) / o.m;
+      s = {s.x + h * s.v, s.v + h * a};
+    }
+    const State exact = o.at(o.duration);
+    errors.push_back(std::hypot(s.x - exact.x, s.v - exact.v));
+  }
+  const double order = fitted_order(halved(0.01), errors);
+  EXPECT_NEAR(order, 1.0, 0.1);
+  EXPECT_FALSE(kRk4Order.holds(order));
+}
+
+}  // namespace
+}  // namespace tomlin::test
