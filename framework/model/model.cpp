@@ -273,8 +273,8 @@ void Model::bind_forces() {
   }
 }
 
-/// One evaluation, in order: rigid bodies place their particles; forces on particles, cheap ones
-/// first; rigid bodies gather; forces on rigid centres. The first on each region sets, the rest add.
+/// One evaluation, in order: rigid bodies place their particles; forces on rigid centres; forces on
+/// particles, cheap ones first; rigid bodies gather. The first on each region sets, the rest add.
 void Model::order_operations() {
   Storage& s = *storage_;
   const RigidTable& rigid = kernels::RigidKernels.on(set_);
@@ -336,17 +336,17 @@ void Model::order_operations() {
 
   for (const auto& arguments : s.rigid) operations_.push_back({rigid.place, arguments.get()});
   for (const auto& pass : passes) {
+    if (pass.writes.front().centre) emit(pass);
+  }
+  for (const auto& pass : passes) {
     if (!pass.writes.front().centre) emit(pass);
   }
   for (const auto& arguments : s.rigid) {
     std::size_t b = 0;
     while (bodies_[b].bound.slot.centre != arguments->body.centre || !bodies_[b].bound.slot.rigid) ++b;
     if (!particles_set[b]) continue;
-    operations_.push_back({rigid.gather, arguments.get()});
+    operations_.push_back({centre_set[b] ? rigid.gather_add : rigid.gather_set, arguments.get()});
     centre_set[b] = true;
-  }
-  for (const auto& pass : passes) {
-    if (pass.writes.front().centre) emit(pass);
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const BodySlot<double>& slot = bodies_[b].bound.slot;

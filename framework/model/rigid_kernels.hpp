@@ -19,7 +19,9 @@ struct RigidArguments {
 
 struct RigidTable {
   Kernel<double> place = nullptr;   ///< coordinates -> particles
-  Kernel<double> gather = nullptr;  ///< forces on particles -> force, torque (virtual work)
+  /// Forces on particles -> force and torque (virtual work), set or added to what is there.
+  Kernel<double> gather_set = nullptr;
+  Kernel<double> gather_add = nullptr;
 };
 
 inline namespace TOMLIN_TARGET {
@@ -62,6 +64,7 @@ struct RigidKernels {
   }
 
   /// The coordinate counts turns, so its generalised force is 2 pi times the torque.
+  template <bool set>
   TOMLIN_FLATTEN static void gather(const void* arguments, const Stage<double>& stage) {
     const RigidArguments a = *static_cast<const RigidArguments*>(arguments);
     const std::size_t stride = a.body.stride;
@@ -78,10 +81,12 @@ struct RigidKernels {
       torque = fma(-Pack::load(a.arm + stride + i), fx, torque);
     }
     // Written whole: a group stored in parts would stall the load that takes it whole.
-    three_lanes(sum(force_x), sum(force_y), kTau * sum(torque)).store(stage.force + a.body.centre);
+    const Pack total = three_lanes(sum(force_x), sum(force_y), kTau * sum(torque));
+    double* generalised = stage.force + a.body.centre;
+    (set ? total : Pack::load(generalised) + total).store(generalised);
   }
 
-  static constexpr RigidTable kernels() { return {&place, &gather}; }
+  static constexpr RigidTable kernels() { return {&place, &gather<true>, &gather<false>}; }
 };
 
 }  // namespace TOMLIN_TARGET

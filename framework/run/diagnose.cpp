@@ -34,7 +34,7 @@ std::string strongest_force(Model& model, std::size_t coordinate) {
   const Model::CoordinateName name = model.name_of(coordinate);
   std::string strongest;
   double most = -1.0;
-  std::vector<double> rates(s.rates + 2 * kGroup, 0.0);
+  AlignedVector<double> rates(s.rates + 2 * kGroup, 0.0);
   Stage<double> stage =
       stage_of(s, static_cast<const double*>(s.position), static_cast<const double*>(s.velocity),
                static_cast<const double*>(s.integrals), rates.data(), 0.0);
@@ -96,7 +96,7 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
   RunFailure failure;
   failure.step = step;
   failure.time = static_cast<double>(time);
-  std::vector<double> rates(s.rates + 2 * kGroup, 0.0);
+  AlignedVector<double> rates(s.rates + 2 * kGroup, 0.0);
   model.evaluate_at(time, s.position, s.velocity, s.integrals, rates.data());
   const std::size_t worst = worst_coordinate(model, h);
   const Model::CoordinateName name = model.name_of(worst);

@@ -102,12 +102,12 @@ class Engine {
 
   Moment from_;
   Moment to_;
-  std::vector<double> dense_position_;
-  std::vector<double> dense_velocity_;
-  std::vector<double> dense_integrals_;
-  std::vector<double> dense_rates_;
+  AlignedVector<double> dense_position_;  // aligned: kernels read them
+  AlignedVector<double> dense_velocity_;
+  AlignedVector<double> dense_integrals_;
+  AlignedVector<double> dense_rates_;
   std::vector<double> sample_values_;
-  std::vector<double> final_rates_;
+  AlignedVector<double> final_rates_;
   AlignedVector<double> block_rates_;
   AlignedVector<double> block_velocities_;
 
