@@ -1,9 +1,9 @@
 // Time per rk4 step of the engine, with everything that a run does along the way: running means,
 // extremes, checks of every step. The scenes are those of the plain loops.
-#include <benchmark/benchmark.h>
-
 #include <memory>
 #include <string>
+
+#include <benchmark/benchmark.h>
 
 #include "forcefields/register.hpp"
 #include "framework/bodies/register.hpp"
@@ -57,7 +57,8 @@ count = "N"
 radius = 1.0
 particle_mass = "1 / N"
 centre = [0.0, 1.0]
-coordinates = ")--" + coordinates + R"--("
+coordinates = ")--" +
+         coordinates + R"--("
 [[force]]
 type = "harmonic_bonds"
 pairs = "all"
@@ -76,15 +77,18 @@ period = 1.0
 decay = 1.0
 [run]
 duration = 1e12
-integrator = { type = "rk4", dt = )--" + dt + " }\n";
+integrator = { type = "rk4", dt = )--" +
+         dt + " }\n";
 }
 
 std::string chain(const std::string& count, const std::string& spacing) {
   return R"--(
 [[body]]
 type = "chain"
-count = )--" + count + R"--(
-spacing = )--" + spacing + R"--(
+count = )--" +
+         count + R"--(
+spacing = )--" +
+         spacing + R"--(
 particle_mass = 1.0
 [[force]]
 type = "harmonic_bonds"

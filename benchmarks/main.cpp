@@ -1,12 +1,12 @@
 // Runs the benchmarks and prints, for each model, the engine's time per step over that of its
 // hand-written twins in this same process. The ratio is the figure; absolute times drift.
-#include <benchmark/benchmark.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <map>
 #include <string>
 #include <vector>
+
+#include <benchmark/benchmark.h>
 
 #include "framework/core/instruction_set.hpp"
 

@@ -40,8 +40,8 @@ void BM_plain_rigid_ring(benchmark::State& state) {
   run(state, model, 16, 1e-2);
 }
 
-// Rest length equal to the period: the particles move nearly in phase, which flatters a library sine
-// with branches. The golden chain below is the fairer case.
+// Rest length equal to the period: the particles move nearly in phase, which flatters a library
+// sine with branches. The golden chain below is the fairer case.
 template <class Math>
 void BM_plain_chain_1000(benchmark::State& state) {
   static Chain<Math> model(1000);
@@ -61,7 +61,8 @@ void BM_plain_golden_chain_100000(benchmark::State& state) {
   run(state, model, 1, 1e-2);
 }
 
-// Named MODEL/plain and MODEL/plain_own_math: main.cpp holds the engine's MODEL/tomlin against them.
+// Named MODEL/plain and MODEL/plain_own_math: main.cpp holds the engine's MODEL/tomlin against
+// them.
 BENCHMARK(BM_plain_pt<StdMath>)->Name("pt/plain");
 BENCHMARK(BM_plain_flexible_ring<StdMath>)->Name("flexible_ring_8/plain");
 BENCHMARK(BM_plain_rigid_ring<StdMath>)->Name("rigid_ring_8/plain");

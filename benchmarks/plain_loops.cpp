@@ -56,8 +56,8 @@ template <class Math>
 template <class Math>
 FlexibleRing<Math>::FlexibleRing(int particles, double ring_radius)
     : count(particles), radius(ring_radius) {
-  for (std::vector<double>* a : {&x, &y, &vx, &vy, &xs, &ys, &vxs, &vys, &ax, &ay, &sum_vx, &sum_vy,
-                                 &sum_ax, &sum_ay}) {
+  for (std::vector<double>* a :
+       {&x, &y, &vx, &vy, &xs, &ys, &vxs, &vys, &ax, &ay, &sum_vx, &sum_vy, &sum_ax, &sum_ay}) {
     a->assign(count, 0.0);
   }
   for (int i = 0; i < count; ++i) {
@@ -249,20 +249,20 @@ template <class Math>
     const double vx2 = vx + half * a1.x;
     const double vy2 = vy + half * a1.y;
     const double om2 = omega + half * a1.phi;
-    const Acceleration a2 = acceleration(x + half * vx, y + half * vy, phi + half * omega, vx2, vy2,
-                                         om2, t + half);
+    const Acceleration a2 =
+        acceleration(x + half * vx, y + half * vy, phi + half * omega, vx2, vy2, om2, t + half);
 
     const double vx3 = vx + half * a2.x;
     const double vy3 = vy + half * a2.y;
     const double om3 = omega + half * a2.phi;
-    const Acceleration a3 = acceleration(x + half * vx2, y + half * vy2, phi + half * om2, vx3, vy3,
-                                         om3, t + half);
+    const Acceleration a3 =
+        acceleration(x + half * vx2, y + half * vy2, phi + half * om2, vx3, vy3, om3, t + half);
 
     const double vx4 = vx + h * a3.x;
     const double vy4 = vy + h * a3.y;
     const double om4 = omega + h * a3.phi;
-    const Acceleration a4 = acceleration(x + h * vx3, y + h * vy3, phi + h * om3, vx4, vy4, om4,
-                                         t + h);
+    const Acceleration a4 =
+        acceleration(x + h * vx3, y + h * vy3, phi + h * om3, vx4, vy4, om4, t + h);
 
     x += sixth * (vx + 2.0 * (vx2 + vx3) + vx4);
     y += sixth * (vy + 2.0 * (vy2 + vy3) + vy4);

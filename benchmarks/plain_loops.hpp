@@ -124,8 +124,8 @@ struct RigidRing {
   };
   std::vector<double> reference_x, reference_y;
 
-  Acceleration acceleration(double px, double py, double angle, double ux, double uy,
-                            double spin, double t) const;
+  Acceleration acceleration(double px, double py, double angle, double ux, double uy, double spin,
+                            double t) const;
 };
 
 // An open Frenkel-Kontorova chain, dragged by its centre of mass.

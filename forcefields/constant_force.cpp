@@ -29,8 +29,9 @@ ForceRecord constant_force_record() {
   record.name = "constant_force";
   record.summary = "the same constant force on every particle of a body";
   record.equation = "F = force, per particle";
-  record.source = "elementary; with a substrate the tilted washboard of Ambegaokar and Halperin, "
-                  "doi:10.1103/PhysRevLett.22.1364";
+  record.source =
+      "elementary; with a substrate the tilted washboard of Ambegaokar and Halperin, "
+      "doi:10.1103/PhysRevLett.22.1364";
   record.element = Element::site;
   record.traits = {.conservative = true};
   record.make_description = &make_description<Description>;

@@ -37,9 +37,9 @@ struct SinusoidalSubstrate {
   template <class T, int D>
   struct Parameters {
     T amplitude;
-    T slope;           ///< 2 pi A / a
-    T wave_number;     ///< 1/a, in turns per length
-    T phase;           ///< of the scene's origin, in turns
+    T slope;        ///< 2 pi A / a
+    T wave_number;  ///< 1/a, in turns per length
+    T phase;        ///< of the scene's origin, in turns
     T decay;
     T vertical_slope;  ///< 2 b A
     T base;            ///< y of the scene's origin
@@ -48,8 +48,13 @@ struct SinusoidalSubstrate {
   template <class T, int D>
   static Parameters<T, D> parameters(const Description& d) {
     const T tau = T(6.283185307179586476925286766559);
-    return {T(d.amplitude),       tau * T(d.amplitude) / T(d.period), T(1.0) / T(d.period), T(0.0),
-            T(d.decay), T(2.0) * T(d.decay) * T(d.amplitude), T(0.0)};
+    return {T(d.amplitude),
+            tau * T(d.amplitude) / T(d.period),
+            T(1.0) / T(d.period),
+            T(0.0),
+            T(d.decay),
+            T(2.0) * T(d.decay) * T(d.amplitude),
+            T(0.0)};
   }
 
   template <class T, int D>

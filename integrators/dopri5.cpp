@@ -72,7 +72,7 @@ class Dopri5 : public Integrator<double> {
     bool refused = false;
     for (;;) {
       next = std::min(next, d_.largest_step);
-      const bool ends = kStretch * next >= h;
+      const bool ends = kStretch * next >= h && h <= d_.largest_step;
       const double trial_step = ends ? h : next;
       if (counts_[kTaken] + counts_[kRefused] >= d_.most_steps) {
         return {0.0, StepFault::too_many_steps};
@@ -89,7 +89,8 @@ class Dopri5 : public Integrator<double> {
         }
         factor = std::clamp(factor, kLeastFactor, refused ? 1.0 : kMostFactor);
         // A step cut short by the end of the run says nothing against a longer one.
-        next = std::max(trial_step * factor, ends && !refused ? std::min(next, d_.largest_step) : 0.0);
+        next =
+            std::max(trial_step * factor, ends && !refused ? std::min(next, d_.largest_step) : 0.0);
         control_[kNext] = next;
         control_[kOldError] = std::max(trial.error, kLeastOldError);
         accept(trial_step);
@@ -220,7 +221,8 @@ class Dopri5 : public Integrator<double> {
 
 double growth(std::complex<double> z) {
   return std::abs(
-      1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0 * (1.0 + z / 5.0 * (1.0 + z / 5.0))))));
+      1.0 +
+      z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0 * (1.0 + z / 5.0 * (1.0 + z / 5.0))))));
 }
 
 double step(const void*) { return 0.0; }
@@ -251,8 +253,9 @@ IntegratorRecord dopri5_record() {
   record.name = "dopri5";
   record.summary = "embedded Runge-Kutta pair 5(4) of Dormand and Prince, adaptive, dense output";
   record.equation = "y' = f: y + h sum b_i k_i, seven stages, error from the embedded order 4";
-  record.source = "J. R. Dormand and P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19, "
-                  "doi:10.1016/0771-050X(80)90013-3";
+  record.source =
+      "J. R. Dormand and P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19, "
+      "doi:10.1016/0771-050X(80)90013-3";
   record.order = 5;
   record.adaptive = true;
   record.evaluations_per_step = 6;

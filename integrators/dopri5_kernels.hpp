@@ -21,14 +21,15 @@ struct Dopri5Tableau {
       {9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0},
       {35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0}};
   /// Fifth-order weights less fourth-order ones.
-  static constexpr double error[7] = {71.0 / 57600.0,      0.0,           -71.0 / 16695.0,
-                                      71.0 / 1920.0,       -17253.0 / 339200.0,
-                                      22.0 / 525.0,        -1.0 / 40.0};
+  static constexpr double error[7] = {
+      71.0 / 57600.0,      0.0,          -71.0 / 16695.0, 71.0 / 1920.0,
+      -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0};
   /// Of the continuous extension.
   static constexpr double dense[7] = {
-      -12715105075.0 / 11282082432.0, 0.0, 87487479700.0 / 32700410799.0,
-      -10690763975.0 / 1880347072.0,  701980252875.0 / 199316789632.0,
-      -1453857185.0 / 822651844.0,    69997945.0 / 29380423.0};
+      -12715105075.0 / 11282082432.0,  0.0,
+      87487479700.0 / 32700410799.0,   -10690763975.0 / 1880347072.0,
+      701980252875.0 / 199316789632.0, -1453857185.0 / 822651844.0,
+      69997945.0 / 29380423.0};
 };
 
 /// Work space of one step. Slopes of positions are the stage velocities.
@@ -36,8 +37,8 @@ struct Dopri5Arrays {
   double* velocity[7] = {};      ///< [0] is a copy of the start's
   double* acceleration[7] = {};  ///< [0] holds the start's before a step
   double* rates[7] = {};
-  double* position = nullptr;    ///< of the stage, at the end of the step the new one
-  double* integrals = nullptr;   ///< the same for integrals (own variables at stages)
+  double* position = nullptr;   ///< of the stage, at the end of the step the new one
+  double* integrals = nullptr;  ///< the same for integrals (own variables at stages)
 };
 
 struct Dopri5Trial {
@@ -48,8 +49,8 @@ struct Dopri5Trial {
 struct Dopri5Table {
   void (*first)(const SystemView<double>& system, const Dopri5Arrays& arrays,
                 double since) = nullptr;
-  Dopri5Trial (*attempt)(const SystemView<double>& system, const Dopri5Arrays& arrays,
-                         double since, double h, double absolute_tolerance, double relative_tolerance) = nullptr;
+  Dopri5Trial (*attempt)(const SystemView<double>& system, const Dopri5Arrays& arrays, double since,
+                         double h, double absolute_tolerance, double relative_tolerance) = nullptr;
 };
 
 inline namespace TOMLIN_TARGET {
@@ -57,7 +58,8 @@ inline namespace TOMLIN_TARGET {
 struct Dopri5Kernels {
   using Tableau = Dopri5Tableau;
 
-  TOMLIN_FLATTEN static void first(const SystemView<double>& s, const Dopri5Arrays& w, double since) {
+  TOMLIN_FLATTEN static void first(const SystemView<double>& s, const Dopri5Arrays& w,
+                                   double since) {
     evaluate(s, stage_of(s, static_cast<const double*>(s.position),
                          static_cast<const double*>(s.velocity),
                          static_cast<const double*>(s.integrals), w.rates[0], since));
@@ -75,8 +77,8 @@ struct Dopri5Kernels {
   }
 
   template <int stage>
-  TOMLIN_INLINE static void advance(const SystemView<double>& s, const Dopri5Arrays& w, double since,
-                                    double h) {
+  TOMLIN_INLINE static void advance(const SystemView<double>& s, const Dopri5Arrays& w,
+                                    double since, double h) {
     Pack weight[7];
     for (int j = 0; j < stage; ++j) weight[j] = Pack(h * Tableau::a[stage][j]);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
@@ -104,8 +106,9 @@ struct Dopri5Kernels {
     return error * scale / (fma(relative, size, absolute) + Pack(1e-300));
   }
 
-  TOMLIN_FLATTEN static Dopri5Trial attempt(const SystemView<double>& system, const Dopri5Arrays& arrays, double since, double h,
-                             double absolute_tolerance, double relative_tolerance) {
+  TOMLIN_FLATTEN static Dopri5Trial attempt(const SystemView<double>& system,
+                                            const Dopri5Arrays& arrays, double since, double h,
+                                            double absolute_tolerance, double relative_tolerance) {
     const SystemView<double> s = system;
     const Dopri5Arrays w = arrays;
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
@@ -128,7 +131,8 @@ struct Dopri5Kernels {
       const Pack scale = Pack::load(s.tolerance_scale + i);
       const Pack x0 = Pack::load(s.position + i);
       const Pack x1 = Pack::load(w.position + i);
-      const Pack ex = weighted(combined<7>(weight, w.velocity, i), x0, x1, scale, absolute, relative);
+      const Pack ex =
+          weighted(combined<7>(weight, w.velocity, i), x0, x1, scale, absolute, relative);
       const Pack ev = weighted(combined<7>(weight, w.acceleration, i), Pack::load(s.velocity + i),
                                Pack::load(w.velocity[6] + i), scale, absolute, relative);
       squares = fma(ex, ex, squares);

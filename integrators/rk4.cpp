@@ -1,5 +1,6 @@
 #include "integrators/rk4.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -24,7 +25,8 @@ class Rk4 : public Integrator<double> {
       : Integrator(system), kernels_(kernels::Rk4Kernels.on(system.set)) {
     const std::size_t n = system.view.dofs;
     const std::size_t m = system.view.rates;
-    memory_.assign(6 * (n + kGap) + 4 * (m + kGap) + system.view.own + kGap + hermite_size(n, m), 0.0);
+    memory_.assign(6 * (n + kGap) + 4 * (m + kGap) + system.view.own + kGap + hermite_size(n, m),
+                   0.0);
     double* next = memory_.data();
     const auto take = [&next](std::size_t count) {
       return std::exchange(next, next + count + kGap);
@@ -51,12 +53,19 @@ class Rk4 : public Integrator<double> {
 
   std::size_t point_block(std::size_t first, double h, std::size_t most, double* rates,
                           double* velocities) override {
-    // What finish_dense_from() knows already is computed again: the same bits, and simpler.
-    arrays_.first_known = false;
-    const std::size_t taken =
-        kernels_.point_block(system_.view, first, h, most, rates, velocities);
-    system_.evaluations += 4 * taken;
-    return taken;
+    std::size_t taken = 0;
+    if (arrays_.first_known && most > 0) {
+      // After a sample the first evaluation is there already; either path has the same bits.
+      velocities[0] = system_.view.velocity[0];
+      std::copy(arrays_.rates[0], arrays_.rates[0] + system_.view.rates, rates);
+      if (step_from(static_cast<double>(first) * h, h, false).fault != StepFault::none) return 0;
+      taken = 1;
+    }
+    const std::size_t more =
+        kernels_.point_block(system_.view, first + taken, h, most - taken,
+                             rates + taken * system_.view.rates, velocities + taken);
+    system_.evaluations += 4 * more;
+    return taken + more;
   }
 
   const double* first_rates() const override { return arrays_.rates[0]; }
@@ -106,13 +115,13 @@ IntegratorRecord rk4_record() {
   record.name = "rk4";
   record.summary = "classical Runge-Kutta scheme of fourth order with a fixed step";
   record.equation = "y' = f: y + h/6 (k1 + 2 k2 + 2 k3 + k4)";
-  record.source = "W. Kutta (1901); Hairer, Norsett, Wanner, Solving Ordinary Differential "
-                  "Equations I, section II.1, doi:10.1007/978-3-540-78862-1";
+  record.source =
+      "W. Kutta (1901); Hairer, Norsett, Wanner, Solving Ordinary Differential "
+      "Equations I, section II.1, doi:10.1007/978-3-540-78862-1";
   record.order = 4;
   record.evaluations_per_step = 4;
   record.make_description = &make_description<Description>;
-  record.parameters = {
-      parameter("dt", &Description::dt, dimension::time, "the step").in(positive)};
+  record.parameters = {parameter("dt", &Description::dt, dimension::time, "the step").in(positive)};
   record.growth = &growth;
   record.step = &step;
   record.complaints = &complaints;

@@ -31,8 +31,8 @@ inline namespace TOMLIN_TARGET {
 
 struct Rk4Kernels {
   /// Forces to accelerations, and the next stage from them: x + a_x * v_stage, v + a_v * a.
-  TOMLIN_INLINE static void pass(const SystemView<double>& s, const Rk4Arrays& w, int stage, double step_v,
-                   double step_x) {
+  TOMLIN_INLINE static void pass(const SystemView<double>& s, const Rk4Arrays& w, int stage,
+                                 double step_v, double step_x) {
     const double* force = s.force;
     const double* inverse_mass = s.inverse_mass;
     const double* x = s.position;
@@ -65,14 +65,15 @@ struct Rk4Kernels {
     }
   }
 
-  TOMLIN_INLINE static void later(const SystemView<double>& s, const Rk4Arrays& w, int stage, double elapsed) {
+  TOMLIN_INLINE static void later(const SystemView<double>& s, const Rk4Arrays& w, int stage,
+                                  double elapsed) {
     evaluate(s, stage_of(s, static_cast<const double*>(w.stage_position),
                          static_cast<const double*>(w.stage_velocity),
                          static_cast<const double*>(w.stage_own), w.rates[stage], elapsed));
   }
 
-  TOMLIN_FLATTEN static bool step(const SystemView<double>& system, const Rk4Arrays& arrays, double since,
-                                  double h) {
+  TOMLIN_FLATTEN static bool step(const SystemView<double>& system, const Rk4Arrays& arrays,
+                                  double since, double h) {
     const SystemView<double> s = system;
     const Rk4Arrays w = arrays;
     const double half = 0.5 * h;

@@ -42,8 +42,9 @@ BodyRecord chain_record() {
   record.name = "chain";
   record.summary = "equally spaced particles on a straight line, with open ends";
   record.equation = "x_i = origin + i * spacing along the axis, i = 0 .. count - 1";
-  record.source = "Frenkel and Kontorova (1938); O. M. Braun and Y. S. Kivshar, The "
-                  "Frenkel-Kontorova Model, doi:10.1007/978-3-662-10331-9";
+  record.source =
+      "Frenkel and Kontorova (1938); O. M. Braun and Y. S. Kivshar, The "
+      "Frenkel-Kontorova Model, doi:10.1007/978-3-662-10331-9";
   record.make_description = &make_description<Description>;
   record.parameters = with_body_parameters<Description>(
       {parameter("count", &Description::count, dimension::none, "number of particles").in(positive),

@@ -46,8 +46,8 @@ template <class Real>
 struct Binding {
   int dimension = 0;
   InstructionSet set = InstructionSet::baseline;
-  Origin origin;                                ///< at time 0
-  std::vector<const BoundBody<Real>*> bodies;   ///< those the force acts on
+  Origin origin;                               ///< at time 0
+  std::vector<const BoundBody<Real>*> bodies;  ///< those the force acts on
 };
 
 /// Forces on the particles of a body, or on the centre of a rigid one.

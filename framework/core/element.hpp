@@ -23,8 +23,8 @@ template <class T, int D>
 struct Site {
   Vec<T, D> position;  ///< relative to the scene's origin
   Vec<T, D> velocity;
-  Vec<T, D> start;     ///< where a driver's end for this site started, relative to the first origin
-  T elapsed;           ///< time since the start of the step
+  Vec<T, D> start;  ///< where a driver's end for this site started, relative to the first origin
+  T elapsed;        ///< time since the start of the step
 };
 
 /// Two particles.
@@ -58,7 +58,8 @@ TOMLIN_INLINE Vec<T, D> pull(const Vec<T, D>& separation, const T& r, const T& t
   return force;
 }
 
-// ---- the same parameters and elements in another number type --------------------------------------
+// ---- the same parameters and elements in another number type
+// --------------------------------------
 
 /// Parameters<T, D> hold nothing but T, so they convert number by number.
 template <class E, class To, class From, int D>
@@ -108,15 +109,20 @@ TOMLIN_INLINE Pair<Dual<T, D>, D> differentiable(const Pair<T, D>& pair) {
 
 template <class E, int D, template <class, int> class ElementOf>
 concept HasForce = requires(const typename E::template Parameters<double, D>& p,
-                            const ElementOf<double, D>& element) { E::force(p, element); };
+                            const ElementOf<double, D>& element) {
+  E::force(p, element);
+};
 
 template <class E, int D, template <class, int> class ElementOf>
 concept HasEnergy = requires(const typename E::template Parameters<double, D>& p,
-                             const ElementOf<double, D>& element) { E::energy(p, element); };
+                             const ElementOf<double, D>& element) {
+  E::energy(p, element);
+};
 
 /// The evaluator's force on a site, or its energy differentiated where it gives no force.
 template <class E, class T, int D>
-TOMLIN_INLINE Vec<T, D> force_on(const typename E::template Parameters<T, D>& p, const Site<T, D>& site) {
+TOMLIN_INLINE Vec<T, D> force_on(const typename E::template Parameters<T, D>& p,
+                                 const Site<T, D>& site) {
   if constexpr (HasForce<E, D, Site>) {
     return E::force(p, site);
   } else {
@@ -129,7 +135,8 @@ TOMLIN_INLINE Vec<T, D> force_on(const typename E::template Parameters<T, D>& p,
 
 /// The same on the first particle of a pair: its energy grows with the separation.
 template <class E, class T, int D>
-TOMLIN_INLINE Vec<T, D> force_on(const typename E::template Parameters<T, D>& p, const Pair<T, D>& pair) {
+TOMLIN_INLINE Vec<T, D> force_on(const typename E::template Parameters<T, D>& p,
+                                 const Pair<T, D>& pair) {
   if constexpr (HasForce<E, D, Pair>) {
     return E::force(p, pair);
   } else {

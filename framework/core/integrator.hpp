@@ -18,9 +18,9 @@ template <class Real>
 struct System;
 
 struct IntegratorRecord : ComponentRecord {
-  int order = 0;                ///< global order in the positions, velocity-dependent forces included
-  bool adaptive = false;        ///< chooses its own steps
-  int evaluations_per_step = 0; ///< of all forces, per accepted step
+  int order = 0;          ///< global order in the positions, velocity-dependent forces included
+  bool adaptive = false;  ///< chooses its own steps
+  int evaluations_per_step = 0;  ///< of all forces, per accepted step
 
   /// Growth factor |R(z)| on y' = lambda y, z = h lambda; stable where it does not exceed 1.
   double (*growth)(std::complex<double> z) = nullptr;

@@ -16,8 +16,8 @@ template <class Real>
 struct SiteArguments {
   BodySlot<Real> body;
   const void* parameters = nullptr;  ///< the evaluator's Parameters<Real, D>
-  const Real* start = nullptr;       ///< [axis * body.stride + particle], for evaluators that read it
-  std::ptrdiff_t rate = kNoRate;     ///< where a driver's force and power go among the rates
+  const Real* start = nullptr;    ///< [axis * body.stride + particle], for evaluators that read it
+  std::ptrdiff_t rate = kNoRate;  ///< where a driver's force and power go among the rates
 };
 
 /// A force on one attached point of a body: its centre of mass, or a single particle. The point is
@@ -30,9 +30,9 @@ struct CentreArguments {
   const Real* weight = nullptr;  ///< per particle, sum 1, zero in the padding
   std::size_t first = 0;         ///< particles [first, last) carry weight; multiples of kGroup
   std::size_t last = 0;
-  bool on_coordinates = false;   ///< act on a rigid body's centre directly
-  bool single = false;           ///< all weight on one particle (no sum is needed)
-  std::size_t particle = 0;      ///< that particle
+  bool on_coordinates = false;  ///< act on a rigid body's centre directly
+  bool single = false;          ///< all weight on one particle (no sum is needed)
+  std::size_t particle = 0;     ///< that particle
   Real start[3] = {};
   std::ptrdiff_t rate = kNoRate;
 };
@@ -52,7 +52,7 @@ struct CyclicArguments {
   // More go through memory.
   Real* extended = nullptr;  ///< scratch [axis][extended_stride]
   std::size_t extended_stride = 0;
-  Real* result = nullptr;    ///< scratch [row][axis][result_stride]
+  Real* result = nullptr;  ///< scratch [row][axis][result_stride]
   std::size_t result_stride = 0;
 };
 
@@ -73,8 +73,8 @@ struct PairListArguments {
   std::size_t pairs = 0;
   const std::size_t* i = nullptr;  ///< [padded pairs]; the padding repeats the last pair
   const std::size_t* j = nullptr;
-  const Real* datum = nullptr;     ///< [padded pairs]
-  Real* result = nullptr;          ///< scratch [axis][padded pairs]
+  const Real* datum = nullptr;  ///< [padded pairs]
+  Real* result = nullptr;       ///< scratch [axis][padded pairs]
   /// For each particle of `first`, then of `second`: its pairs in row order, as +/-(pair + 1).
   std::size_t particles_first = 0;
   std::size_t particles_second = 0;
@@ -91,7 +91,8 @@ struct KernelPair {
   Kernel<Real> add[3] = {};
 };
 
-/// A force on a single particle on a line, and a driver's power. Two numbers come back in registers.
+/// A force on a single particle on a line, and a driver's power. Two numbers come back in
+/// registers.
 template <class Real>
 struct PointResult {
   Real force{};

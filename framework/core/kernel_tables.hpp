@@ -26,17 +26,17 @@ using KernelTables = TablesBySet<KernelTable<double>>;
 /// In a component's .cpp: the tables that its kernel files define (framework/core/kernels.hpp),
 /// as tomlin::kernels::NAME. A macro, because names are pasted.
 #if defined(__x86_64__)
-#define TOMLIN_DECLARE_TABLES(Name, Table)                                                  \
-  namespace tomlin::kernels {                                                               \
-  extern const Table Name##_baseline;                                                       \
-  extern const Table Name##_avx2;                                                           \
-  extern const Table Name##_avx512;                                                         \
+#define TOMLIN_DECLARE_TABLES(Name, Table)                                                     \
+  namespace tomlin::kernels {                                                                  \
+  extern const Table Name##_baseline;                                                          \
+  extern const Table Name##_avx2;                                                              \
+  extern const Table Name##_avx512;                                                            \
   inline constexpr TablesBySet<Table> Name = {&Name##_baseline, &Name##_avx2, &Name##_avx512}; \
   }
 #else
-#define TOMLIN_DECLARE_TABLES(Name, Table)                                    \
-  namespace tomlin::kernels {                                                 \
-  extern const Table Name##_baseline;                                         \
+#define TOMLIN_DECLARE_TABLES(Name, Table)                                         \
+  namespace tomlin::kernels {                                                      \
+  extern const Table Name##_baseline;                                              \
   inline constexpr TablesBySet<Table> Name = {&Name##_baseline, nullptr, nullptr}; \
   }
 #endif

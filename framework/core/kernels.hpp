@@ -175,12 +175,14 @@ TOMLIN_FLATTEN void centre_kernel(const void* arguments, const Stage<double>& st
   }
 }
 
-// ---- pairs around a ring --------------------------------------------------------------------------
+// ---- pairs around a ring
+// --------------------------------------------------------------------------
 
 /// Each particle's row is i + 1, i + 2, ... i - 1: forces computed forwards are added first, then
 /// those of the particles behind are taken off, the furthest first.
 template <class E, int D, bool set>
-TOMLIN_INLINE void cyclic_in_registers(const CyclicArguments<double>& a, const double* x, double* f) {
+TOMLIN_INLINE void cyclic_in_registers(const CyclicArguments<double>& a, const double* x,
+                                       double* f) {
   const auto p = in_all_lanes<E, D>(a.parameters);
   const std::size_t stride = a.body.stride;
   const PackMask real = first_lanes(static_cast<int>(a.body.count));
@@ -277,7 +279,8 @@ TOMLIN_FLATTEN void cyclic_kernel(const void* arguments, const Stage<double>& st
   }
 }
 
-// ---- pairs along an open chain --------------------------------------------------------------------
+// ---- pairs along an open chain
+// --------------------------------------------------------------------
 
 alignas(64) inline constexpr std::int64_t kOneBack[kGroup] = {7, 0, 1, 2, 3, 4, 5, 6};
 
@@ -343,7 +346,8 @@ TOMLIN_FLATTEN void pair_list_kernel(const void* arguments, const Stage<double>&
     for (int d = 0; d < D; ++d) force[d].store(a.result + d * row_length + k);
   }
 
-  const auto share_out = [&](const BodySlot<double>& body, std::size_t rows, std::size_t first_row) {
+  const auto share_out = [&](const BodySlot<double>& body, std::size_t rows,
+                             std::size_t first_row) {
     double* f = (body.mapped ? stage.mapped_force : stage.force) + body.offset;
     for (int d = 0; d < D; ++d) {
       const double* result = a.result + d * row_length;
@@ -403,9 +407,9 @@ constexpr auto kernel_table() {
 #define TOMLIN_JOIN(a, b) TOMLIN_JOIN_(a, b)
 
 /// In a kernel file, which is compiled once per instruction set: define the evaluator's table.
-#define TOMLIN_DEFINE_KERNELS(Evaluator)                                                     \
-  namespace tomlin::kernels {                                                                \
-  extern const decltype(kernel_table<Evaluator>()) TOMLIN_JOIN(Evaluator##_, TOMLIN_TARGET); \
-  constinit const decltype(kernel_table<Evaluator>())                                        \
-      TOMLIN_JOIN(Evaluator##_, TOMLIN_TARGET) = kernel_table<Evaluator>();                  \
+#define TOMLIN_DEFINE_KERNELS(Evaluator)                                                         \
+  namespace tomlin::kernels {                                                                    \
+  extern const decltype(kernel_table<Evaluator>()) TOMLIN_JOIN(Evaluator##_, TOMLIN_TARGET);     \
+  constinit const decltype(kernel_table<Evaluator>()) TOMLIN_JOIN(Evaluator##_, TOMLIN_TARGET) = \
+      kernel_table<Evaluator>();                                                                 \
   }

@@ -95,21 +95,22 @@ struct PerParticleVector {
   friend bool operator==(const PerParticleVector&, const PerParticleVector&) = default;
 };
 
-using ParameterValue = std::variant<double, std::int64_t, bool, std::string, SpaceVector, PerParticle,
-                                    PerParticleVector, PairSelection, WordOrNumbers, Attachment>;
+using ParameterValue =
+    std::variant<double, std::int64_t, bool, std::string, SpaceVector, PerParticle,
+                 PerParticleVector, PairSelection, WordOrNumbers, Attachment>;
 
 /// One row of a parameter table; the member is reached through `assign` and `read`.
 struct Parameter {
   std::string key;
   std::string doc;
   Dimension dimension;
-  Interval interval;                      ///< for each number in the value
-  std::vector<std::string> choices;       ///< for a string, or the words of WordOrNumbers
-  std::vector<std::string> later_choices; ///< words of the scene language that this version lacks
-  ParameterValue prototype;               ///< its alternative tells the kind of value
-  std::optional<ParameterValue> standard; ///< the default; without one the key is required
-  bool optional = false;                  ///< may be absent without a default (value stays empty)
-  bool only_standard = false;             ///< any value but the default: not in this version
+  Interval interval;                       ///< for each number in the value
+  std::vector<std::string> choices;        ///< for a string, or the words of WordOrNumbers
+  std::vector<std::string> later_choices;  ///< words of the scene language that this version lacks
+  ParameterValue prototype;                ///< its alternative tells the kind of value
+  std::optional<ParameterValue> standard;  ///< the default; without one the key is required
+  bool optional = false;                   ///< may be absent without a default (value stays empty)
+  bool only_standard = false;              ///< any value but the default: not in this version
 
   std::function<void(void* description, ParameterValue value)> assign;
   std::function<ParameterValue(const void* description)> read;

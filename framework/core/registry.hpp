@@ -13,7 +13,7 @@ namespace tomlin {
 
 /// What every component says about itself. A record without these is rejected when registered.
 struct ComponentRecord {
-  std::string name;      ///< `type = "..."` in a scene; the file's and, in CamelCase, the class's name
+  std::string name;  ///< `type = "..."` in a scene; the file's and, in CamelCase, the class's name
   std::string summary;   ///< one line
   std::string equation;  ///< in plain text or TeX-like notation, with the sign convention
   std::string source;    ///< paper with equation number, DOI or textbook

@@ -36,8 +36,8 @@ class Integrator {
   virtual void attach(RunState& state) { (void)state; }
 
   /// One step from `since` after the time that forces are anchored at. A fixed scheme takes exactly
-  /// `h`; an adaptive one takes at most `h`. With `dense`, interpolate() will be asked for. A failed
-  /// step leaves the state as it was.
+  /// `h`; an adaptive one takes at most `h`. With `dense`, interpolate() will be asked for. A
+  /// failed step leaves the state as it was.
   virtual StepReport step_from(double since, double h, bool dense) = 0;
 
   /// The same from a time of its own.
@@ -59,8 +59,9 @@ class Integrator {
   /// Rates at the start of the last step.
   virtual const Real* first_rates() const = 0;
 
-  /// Complete the last step (made with `dense`) for interpolation. Where that takes an evaluation at
-  /// its end, `since` after the anchor, it is the next step's first: steps do not depend on samples.
+  /// Complete the last step (made with `dense`) for interpolation. Where that takes an evaluation
+  /// at its end, `since` after the anchor, it is the next step's first: steps do not depend on
+  /// samples.
   virtual void finish_dense_from(double since) = 0;
   void finish_dense(const DoubleDouble& end) {
     anchor(end);

@@ -31,8 +31,8 @@ Vec<double, D> vector_at(const BodySlot<double>& slot, const double* plain, cons
 template <class E, int D, class Use>
 void for_curvature(const typename E::template Parameters<double, D>& p, const Site<double, D>& site,
                    Use&& use) {
-  const auto force =
-      force_on<E, Dual<double, D>, D>(in_type<E, Dual<double, D>, double, D>(p), differentiable(site));
+  const auto force = force_on<E, Dual<double, D>, D>(in_type<E, Dual<double, D>, double, D>(p),
+                                                     differentiable(site));
   for (int a = 0; a < D; ++a) {
     for (int b = 0; b < D; ++b) use(a, b, -force[a].derivative[b]);
   }
@@ -69,8 +69,8 @@ class ForceOnSites : public BoundForce<double> {
   bool has_flow() const override { return kHasFlow; }
 
  protected:
-  static constexpr bool kDoesWork = requires(const Parameters& p, const Site<double, D>& site,
-                                             const Vec<double, D>& force) {
+  static constexpr bool kDoesWork =
+      requires(const Parameters& p, const Site<double, D>& site, const Vec<double, D>& force) {
     E::power(p, site, force);
   };
   static constexpr bool kHasFlow = requires(const Parameters& p) { E::decay_factor(p, 1.0); };
@@ -98,7 +98,8 @@ class ParticleForce : public ForceOnSites<E, D> {
     if constexpr (E::reads.start) {
       start_.assign(D * this->body_.slot.stride, 0.0);
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
-        for (int d = 0; d < D; ++d) start_[d * this->body_.slot.stride + i] = this->body_.start[i][d];
+        for (int d = 0; d < D; ++d)
+          start_[d * this->body_.slot.stride + i] = this->body_.start[i][d];
       }
       arguments_.start = start_.data();
     }
@@ -188,7 +189,8 @@ class AttachedForce : public ForceOnSites<E, D> {
   using Base = ForceOnSites<E, D>;
 
  public:
-  /// `particle` may be kCentreOfMass; `start` in the scene's coordinates, empty: the attached point.
+  /// `particle` may be kCentreOfMass; `start` in the scene's coordinates, empty: the attached
+  /// point.
   AttachedForce(const typename E::Description& description, const Binding<double>& binding,
                 const KernelTables& tables, int rank, std::ptrdiff_t particle = kCentreOfMass,
                 const std::vector<double>& start = {})
@@ -216,8 +218,7 @@ class AttachedForce : public ForceOnSites<E, D> {
     arguments_.weight = weight_.data();
     const auto& attached = particle < 0 ? body.start_centre : body.start[particle];
     for (int d = 0; d < D; ++d) {
-      arguments_.start[d] =
-          start.empty() ? attached[d] : relative_to(binding.origin, d, start[d]);
+      arguments_.start[d] = start.empty() ? attached[d] : relative_to(binding.origin, d, start[d]);
     }
   }
 
@@ -261,7 +262,8 @@ class AttachedForce : public ForceOnSites<E, D> {
       }
       InterleavedSum<double> total;
       const double* x = (slot.mapped ? stage.mapped_position : stage.position) + slot.offset;
-      for (std::size_t i = 0; i < slot.count; ++i) total.add(i, weight_[i] * x[d * slot.stride + i]);
+      for (std::size_t i = 0; i < slot.count; ++i)
+        total.add(i, weight_[i] * x[d * slot.stride + i]);
       site.position[d] = total.total();
     }
     for (int d = 0; d < D; ++d) site.start[d] = arguments_.start[d];

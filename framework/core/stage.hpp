@@ -14,13 +14,13 @@ template <class Real>
 struct Stage {
   const Real* position = nullptr;  ///< generalised coordinates, relative to the scene's origin
   const Real* velocity = nullptr;
-  Real* force = nullptr;           ///< generalised forces
-  Real* mapped_position = nullptr; ///< particles of rigid and fixed bodies
+  Real* force = nullptr;            ///< generalised forces
+  Real* mapped_position = nullptr;  ///< particles of rigid and fixed bodies
   Real* mapped_velocity = nullptr;
   Real* mapped_force = nullptr;
-  const Real* own = nullptr;       ///< state variables owned by forces
-  Real* rates = nullptr;           ///< time derivatives: of own variables, then of running integrals
-  Real elapsed{};                  ///< time since the start of the step
+  const Real* own = nullptr;  ///< state variables owned by forces
+  Real* rates = nullptr;      ///< time derivatives: of own variables, then of running integrals
+  Real elapsed{};             ///< time since the start of the step
 };
 
 /// A kernel reads its own plain arguments and a stage. It neither allocates nor throws.
@@ -36,12 +36,12 @@ struct Operation {
 /// Where the numbers of a body stand.
 template <class Real>
 struct BodySlot {
-  std::size_t offset = 0;  ///< of the first particle's x
-  std::size_t stride = 0;  ///< from one axis to the next
-  std::size_t count = 0;   ///< particles, without padding
-  bool mapped = false;     ///< particles stand in the mapped arrays, not among the coordinates
-  bool rigid = false;      ///< the centre of mass is itself a coordinate
-  std::size_t centre = 0;  ///< rigid: where its coordinates x, y, (z), turns stand
+  std::size_t offset = 0;       ///< of the first particle's x
+  std::size_t stride = 0;       ///< from one axis to the next
+  std::size_t count = 0;        ///< particles, without padding
+  bool mapped = false;          ///< particles stand in the mapped arrays, not among the coordinates
+  bool rigid = false;           ///< the centre of mass is itself a coordinate
+  std::size_t centre = 0;       ///< rigid: where its coordinates x, y, (z), turns stand
   const Real* share = nullptr;  ///< mass fractions m_i/M, zero in the padding
 };
 

@@ -21,7 +21,8 @@ const StateLayout::Field& find(const std::vector<StateLayout::Field>& fields,
 bool same(const std::vector<StateLayout::Field>& a, const std::vector<StateLayout::Field>& b) {
   if (a.size() != b.size()) return false;
   for (std::size_t k = 0; k < a.size(); ++k) {
-    if (a[k].name != b[k].name || a[k].first != b[k].first || a[k].count != b[k].count) return false;
+    if (a[k].name != b[k].name || a[k].first != b[k].first || a[k].count != b[k].count)
+      return false;
   }
   return true;
 }

@@ -107,7 +107,8 @@ void Model::place_bodies() {
     if (slot.rigid) {
       if (dimension() != 2) {
         faults.push_back({from.place_of("coordinates"), "body." + from.name + ".coordinates",
-                          "\"rigid\"", "rigid bodies are planar; other dimensions are not in this version",
+                          "\"rigid\"",
+                          "rigid bodies are planar; other dimensions are not in this version",
                           "\"particles\" or \"fixed\"", ""});
       }
       slot.centre = s.dofs;
@@ -129,7 +130,8 @@ void Model::place_bodies() {
     for (std::size_t i = 0; i < count; ++i) mass.add(i, body.bound.mass[i]);
     body.total_mass = mass.total();
     s.share.emplace_back(padded(count), 0.0);
-    for (std::size_t i = 0; i < count; ++i) s.share.back()[i] = body.bound.mass[i] / body.total_mass;
+    for (std::size_t i = 0; i < count; ++i)
+      s.share.back()[i] = body.bound.mass[i] / body.total_mass;
     bodies_.push_back(std::move(body));
   }
   if (!faults.empty()) throw InputError(std::move(faults));
@@ -141,9 +143,11 @@ void Model::place_bodies() {
     std::vector<double> middle(dimension());
     for (int d = 0; d < dimension(); ++d) {
       InterleavedSum<double> mean;
-      for (std::size_t i = 0; i < count; ++i) mean.add(i, s.share[b][i] * geometry_[b].relative[i][d]);
+      for (std::size_t i = 0; i < count; ++i)
+        mean.add(i, s.share[b][i] * geometry_[b].relative[i][d]);
       middle[d] = mean.total();
-      body.bound.start_centre.push_back(relative_to(origin_, d, geometry_[b].anchor[d]) + middle[d]);
+      body.bound.start_centre.push_back(relative_to(origin_, d, geometry_[b].anchor[d]) +
+                                        middle[d]);
     }
     InterleavedSum<double> inertia;
     body.arms.assign(count, std::vector<double>(dimension()));
@@ -288,7 +292,8 @@ void Model::order_operations() {
       arguments->reference = s.reference[k].data();
       arguments->arm = s.arms[k].data();
       for (const Force& force : forces_) {
-        const bool acts = std::count(force.bodies.begin(), force.bodies.end(), body.bound.index) > 0;
+        const bool acts =
+            std::count(force.bodies.begin(), force.bodies.end(), body.bound.index) > 0;
         if (acts && force.record->traits.depends_on_velocity) arguments->velocities = true;
       }
       s.rigid.push_back(std::move(arguments));
@@ -343,7 +348,8 @@ void Model::order_operations() {
   }
   for (const auto& arguments : s.rigid) {
     std::size_t b = 0;
-    while (bodies_[b].bound.slot.centre != arguments->body.centre || !bodies_[b].bound.slot.rigid) ++b;
+    while (bodies_[b].bound.slot.centre != arguments->body.centre || !bodies_[b].bound.slot.rigid)
+      ++b;
     if (!particles_set[b]) continue;
     operations_.push_back({centre_set[b] ? rigid.gather_add : rigid.gather_set, arguments.get()});
     centre_set[b] = true;
@@ -418,8 +424,8 @@ void Model::start() {
       // The velocity field's momentum and angular momentum, which is all that a rigid body keeps.
       InterleavedSum<double> spin;
       for (std::size_t i = 0; i < slot.count; ++i) {
-        spin.add(i, body.bound.mass[i] * (body.arms[i][0] * velocity(i, 1) -
-                                          body.arms[i][1] * velocity(i, 0)));
+        spin.add(i, body.bound.mass[i] *
+                        (body.arms[i][0] * velocity(i, 1) - body.arms[i][1] * velocity(i, 0)));
       }
       for (int d = 0; d < 2; ++d) {
         InterleavedSum<double> mean;
@@ -505,10 +511,10 @@ bool Model::rebase_if_due() {
       if (slot.rigid) {
         all = moved(view.position[slot.centre + d], body.bound.start_centre[d]);
       } else {
-        const double* x =
-            (slot.mapped ? storage_->mapped_position.data() : view.position) + slot.offset +
-            d * slot.stride;
-        for (std::size_t i = 0; all && i < slot.count; ++i) all = moved(x[i], body.bound.start[i][d]);
+        const double* x = (slot.mapped ? storage_->mapped_position.data() : view.position) +
+                          slot.offset + d * slot.stride;
+        for (std::size_t i = 0; all && i < slot.count; ++i)
+          all = moved(x[i], body.bound.start[i][d]);
       }
     }
     if (!all || !(least >= unit || most <= -unit)) continue;

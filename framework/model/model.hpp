@@ -19,8 +19,7 @@ namespace tomlin {
 class Model {
  public:
   /// Binds a scene; throws InputError for faults that only show now.
-  explicit Model(std::shared_ptr<const Scene> scene,
-                 InstructionSet set = chosen_instruction_set());
+  explicit Model(std::shared_ptr<const Scene> scene, InstructionSet set = chosen_instruction_set());
   ~Model();
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
@@ -29,7 +28,7 @@ class Model {
     BoundBody<double> bound;
     double rolling_radius = 0.0;
     double total_mass = 0.0;
-    double inertia = 0.0;               ///< about the centre, planar rigid bodies
+    double inertia = 0.0;                   ///< about the centre, planar rigid bodies
     std::vector<std::vector<double>> arms;  ///< [count][dimension] at the start, about the centre
     bool rotates() const { return arms.size() > 1 && arms.front().size() == 2; }
   };

@@ -12,13 +12,14 @@ namespace tomlin {
 /// rotation is counter-clockwise positive.
 struct RigidArguments {
   BodySlot<double> body;
-  const double* reference = nullptr;  ///< particles about the centre, unrotated: [axis * stride + i]
-  double* arm = nullptr;              ///< the same, rotated; written by `place`, read by `gather`
-  bool velocities = false;            ///< some force reads the particles' velocities
+  const double* reference =
+      nullptr;              ///< particles about the centre, unrotated: [axis * stride + i]
+  double* arm = nullptr;    ///< the same, rotated; written by `place`, read by `gather`
+  bool velocities = false;  ///< some force reads the particles' velocities
 };
 
 struct RigidTable {
-  Kernel<double> place = nullptr;   ///< coordinates -> particles
+  Kernel<double> place = nullptr;  ///< coordinates -> particles
   /// Forces on particles -> force and torque (virtual work), set or added to what is there.
   Kernel<double> gather_set = nullptr;
   Kernel<double> gather_add = nullptr;

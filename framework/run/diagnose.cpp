@@ -127,15 +127,16 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
   if (particles_coincide(model, s, name.body)) {
     failure.cause = "two particles of the body coincide, and a bond has no direction there";
   } else if (!scheme.adaptive && h > stable_step) {
-    failure.cause = fmt::format(
-        "the step of {:g} is beyond the stability limit of {}, about {:.3g} here", h, scheme.name,
-        stable_step);
+    failure.cause =
+        fmt::format("the step of {:g} is beyond the stability limit of {}, about {:.3g} here", h,
+                    scheme.name, stable_step);
   } else if (!finite) {
     failure.cause = "a force law was left where it is defined, or its numbers overflow";
   } else {
-    failure.cause = fmt::format("the speed runs away: a step of {:g} is too long for it, or the "
-                                "scene's forces are too strong",
-                                h);
+    failure.cause = fmt::format(
+        "the speed runs away: a step of {:g} is too long for it, or the "
+        "scene's forces are too strong",
+        h);
   }
   return failure;
 }

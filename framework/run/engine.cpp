@@ -170,11 +170,12 @@ void Engine::resolve_window() {
   to_.time = m.to ? *m.to * unit : duration_;
   if (to_.time > duration_ * (1.0 + kWindowSlack) || from_.time >= duration_) {
     const auto found = m.places.find(to_.time > duration_ ? "to" : "from");
-    throw InputError({{found == m.places.end() ? m.place : found->second,
-                       to_.time > duration_ ? "measure.to" : "measure.from", "",
-                       fmt::format("the window reaches to time {:g}, past the end of the run at {:g}",
-                                   std::max(to_.time, from_.time), duration_),
-                       "a window within the run, or a longer run.duration", ""}});
+    throw InputError(
+        {{found == m.places.end() ? m.place : found->second,
+          to_.time > duration_ ? "measure.to" : "measure.from", "",
+          fmt::format("the window reaches to time {:g}, past the end of the run at {:g}",
+                      std::max(to_.time, from_.time), duration_),
+          "a window within the run, or a longer run.duration", ""}});
   }
   to_.time = std::min(to_.time, duration_);
 }
@@ -186,18 +187,17 @@ void Engine::check_step() {
   const double longest = std::min(dt_, duration_);
   if (longest <= stable_step_ * (1.0 + kNoStep)) return;
   if (scene_->run.allow_unstable) {
-    warnings_.push_back(
-        fmt::format("dt = {:g} is beyond the stability limit of {}, about {:.4g}", dt_,
-                    scheme_.name, stable_step_));
+    warnings_.push_back(fmt::format("dt = {:g} is beyond the stability limit of {}, about {:.4g}",
+                                    dt_, scheme_.name, stable_step_));
     return;
   }
   fail(StepFault::not_finite_or_too_far, dt_);
-  failure_->what =
-      fmt::format("dt = {:g} is beyond the stability limit of {}, about {:.4g}", dt_, scheme_.name,
-                  stable_step_);
+  failure_->what = fmt::format("dt = {:g} is beyond the stability limit of {}, about {:.4g}", dt_,
+                               scheme_.name, stable_step_);
   failure_->force = model_.stiffest_force();
-  failure_->cause = "the stiffest force allows no longer step; take a smaller dt, or insist with "
-                    "run.allow_unstable = true";
+  failure_->cause =
+      "the stiffest force allows no longer step; take a smaller dt, or insist with "
+      "run.allow_unstable = true";
 }
 
 void Engine::fail(StepFault fault, double h) {
@@ -321,10 +321,9 @@ void Engine::plain_block(std::int64_t most) {
   std::int64_t taken = 0;
   StepFault fault = StepFault::none;
   if (integrator_->has_point_block()) {
-    taken = static_cast<std::int64_t>(
-        integrator_->point_block(static_cast<std::size_t>(first), dt_,
-                                 static_cast<std::size_t>(most), block_rates_.data(),
-                                 block_velocities_.data()));
+    taken = static_cast<std::int64_t>(integrator_->point_block(
+        static_cast<std::size_t>(first), dt_, static_cast<std::size_t>(most), block_rates_.data(),
+        block_velocities_.data()));
     if (taken < most) fault = StepFault::not_finite_or_too_far;
     const std::size_t rates = model_.system().view.rates;
     for (std::int64_t k = 0; k < taken; ++k) {
@@ -419,10 +418,12 @@ void Engine::signals_from_velocity(const double* velocity) {
 }
 
 void Engine::serve_dense(const DoubleDouble& from, const DoubleDouble& to, double next_since) {
-  integrator_->finish_dense_from(next_since);
+  // The end of the step itself needs no interpolation, and so no evaluation.
+  if (next_dense() < static_cast<double>(to)) integrator_->finish_dense_from(next_since);
   const double length = static_cast<double>(to - from);
   for (double at = next_dense(); at <= static_cast<double>(to); at = next_dense()) {
-    const double theta = std::clamp(static_cast<double>(DoubleDouble(at) - from) / length, 0.0, 1.0);
+    const double theta =
+        std::clamp(static_cast<double>(DoubleDouble(at) - from) / length, 0.0, 1.0);
     integrator_->interpolate(theta, dense_position_.data(), dense_velocity_.data(),
                              dense_integrals_.data());
     serve_point(at);
@@ -435,8 +436,8 @@ void Engine::serve_point(double at) {
   const double* z = dense_integrals_.data();
   if (!from_.reached && at >= from_.time) keep_moment(from_, at, x, v, z);
   if (from_.reached && !to_.reached && at >= to_.time) keep_moment(to_, at, x, v, z);
-  if (sampling_ && static_cast<double>(counts_[kNextSample]) * *scene_->output.every <=
-                       at * (1.0 + kNoStep)) {
+  if (sampling_ &&
+      static_cast<double>(counts_[kNextSample]) * *scene_->output.every <= at * (1.0 + kNoStep)) {
     sample(at, x, v, z);
     ++counts_[kNextSample];
   }
@@ -526,8 +527,8 @@ void Engine::housekeeping() {
     if (moment - last_report_ >= kReportEvery) {
       last_report_ = moment;
       const std::chrono::duration<double> elapsed = moment - started_;
-      options_.on_progress({time(), duration_, static_cast<std::uint64_t>(counts_[kSteps]),
-                            elapsed.count()});
+      options_.on_progress(
+          {time(), duration_, static_cast<std::uint64_t>(counts_[kSteps]), elapsed.count()});
     }
   }
 }

@@ -84,15 +84,15 @@ class Engine {
   std::int64_t plain_left_ = 0;  ///< steps known to have nothing to serve
 
   // In the run state.
-  double* clock_ = nullptr;          ///< high and low part of the time
-  std::int64_t* counts_ = nullptr;   ///< steps taken, steps on the grid, next sample
-  double* last_turns_ = nullptr;     ///< flexible bodies: rotation when last looked at
+  double* clock_ = nullptr;         ///< high and low part of the time
+  std::int64_t* counts_ = nullptr;  ///< steps taken, steps on the grid, next sample
+  double* last_turns_ = nullptr;    ///< flexible bodies: rotation when last looked at
   std::int64_t* turn_wraps_ = nullptr;
   enum { kSteps, kGridSteps, kNextSample, kRotationEvery };
 
   // Drivers and bodies among the signals that extremes are taken of.
-  std::vector<std::size_t> drivers_;  ///< indices into model_.forces()
-  std::vector<bool> drags_;           ///< drivers with a velocity
+  std::vector<std::size_t> drivers_;      ///< indices into model_.forces()
+  std::vector<bool> drags_;               ///< drivers with a velocity
   std::vector<std::size_t> first_rates_;  ///< of each driver
   std::size_t signal_count_ = 0;
   std::vector<double> signals_;

@@ -9,14 +9,15 @@ namespace tomlin {
 
 struct ObserveTable {
   /// Weighted sums of a body's numbers, one per axis.
-  void (*mean)(const BodySlot<double>& slot, const double* numbers, int axes, double* result) =
-      nullptr;
+  void (*mean)(const BodySlot<double>& slot, const double* numbers, int axes,
+               double* result) = nullptr;
 };
 
 inline namespace TOMLIN_TARGET {
 
 struct ObserveKernels {
-  TOMLIN_FLATTEN static void mean(const BodySlot<double>& slot, const double* numbers, int axes, double* result) {
+  TOMLIN_FLATTEN static void mean(const BodySlot<double>& slot, const double* numbers, int axes,
+                                  double* result) {
     for (int d = 0; d < axes; ++d) {
       const double* from = numbers + slot.offset + d * slot.stride;
       Pack total(0.0);

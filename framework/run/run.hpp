@@ -102,9 +102,9 @@ struct RunProgress {
 };
 
 struct RunOptions {
-  SampleSink* sink = nullptr;                             ///< used when the scene has output.every
-  std::function<void(const RunProgress&)> on_progress;    ///< called a few times a second
-  const std::atomic<bool>* stop = nullptr;                ///< set by a signal: end as interrupted
+  SampleSink* sink = nullptr;                           ///< used when the scene has output.every
+  std::function<void(const RunProgress&)> on_progress;  ///< called a few times a second
+  const std::atomic<bool>* stop = nullptr;              ///< set by a signal: end as interrupted
   InstructionSet instruction_set = chosen_instruction_set();
 };
 

@@ -25,8 +25,8 @@ struct SceneComponent {
   std::string name;
   const Record* record = nullptr;
   std::shared_ptr<const void> description;
-  Place place;                           ///< of its table
-  std::map<std::string, Place> places;   ///< of each key that was given
+  Place place;                          ///< of its table
+  std::map<std::string, Place> places;  ///< of each key that was given
 
   Place place_of(const std::string& key) const {
     const auto found = places.find(key);
@@ -60,9 +60,9 @@ struct MeasureSettings {
   /// whole_run: there is no [measure].
   enum class Unit { whole_run, time, driver_periods } unit = Unit::whole_run;
   double from = 0.0;
-  std::optional<double> to;     ///< the end of the run when absent
-  std::string driver;           ///< whose periods are counted; empty: the only one
-  std::optional<double> period; ///< a length, when given
+  std::optional<double> to;      ///< the end of the run when absent
+  std::string driver;            ///< whose periods are counted; empty: the only one
+  std::optional<double> period;  ///< a length, when given
   Place place;
   std::map<std::string, Place> places;
 };
@@ -75,7 +75,7 @@ struct OutputSettings {
 };
 
 struct Scene {
-  std::string file;             ///< as given; for messages
+  std::string file;  ///< as given; for messages
   std::string name;
   std::string source;
   std::string units = "reduced";

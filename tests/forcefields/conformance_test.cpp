@@ -1,3 +1,5 @@
+#include "tests/support/conformance.hpp"
+
 #include <array>
 #include <filesystem>
 #include <fstream>
@@ -16,7 +18,6 @@
 #include "framework/core/kernels.hpp"
 #include "framework/core/pair_force.hpp"
 #include "framework/core/site_force.hpp"
-#include "tests/support/conformance.hpp"
 #include "tests/support/scenes.hpp"
 
 // Every force of the registry against its claims, and the same checks against forces that are
@@ -113,7 +114,8 @@ TEST(Conformance, TheEdgeOfARangeIsAccepted) {
   EXPECT_EQ(refusal(*damping, "force.viscous_damping.coefficient", "1e-300"), "");
 }
 
-// ---- names ---------------------------------------------------------------------------------------
+// ---- names
+// ---------------------------------------------------------------------------------------
 
 std::string contents(const std::filesystem::path& file) {
   std::ifstream in(file);
@@ -157,8 +159,7 @@ TEST(Names, TypeFileAndClassAgree) {
     EXPECT_NE(code.find("class " + camel_case(scheme->name) + " "), std::string::npos);
   }
   for (const auto& body : standard().bodies()) {
-    const std::string header =
-        contents(source / "framework/bodies" / (body->name + ".hpp"));
+    const std::string header = contents(source / "framework/bodies" / (body->name + ".hpp"));
     EXPECT_NE(header.find("struct " + camel_case(body->name) + "Description "), std::string::npos)
         << body->name;
   }
@@ -176,7 +177,8 @@ TEST(Names, EveryFilePairIsRegistered) {
   EXPECT_EQ(files, static_cast<int>(standard().forces().size()));
 }
 
-// ---- registration ----------------------------------------------------------------------------------
+// ---- registration
+// ----------------------------------------------------------------------------------
 
 template <class Record, class Spoil>
 bool refused(const Record& complete, Spoil&& spoil) {
@@ -233,7 +235,8 @@ TEST(Registration, ANameIsTakenOnce) {
   EXPECT_THROW(registry.add(body), std::invalid_argument);
 }
 
-// ---- evaluators: exact derivatives -------------------------------------------------------------------
+// ---- evaluators: exact derivatives
+// -------------------------------------------------------------------
 
 // Energy and force are rounded differently: some units in the last place of their size.
 constexpr double kDualRounding = 64.0 * std::numeric_limits<double>::epsilon();
@@ -263,11 +266,10 @@ struct OnlyEnergyOnSites {
   }
   template <class T, int D>
   static void rebase(typename E::template Parameters<T, D>& p, const Description& d,
-                     const Origin& origin)
-    requires requires { E::template rebase<T, D>(p, d, origin); }
-  {
+                     const Origin& origin) requires requires {
     E::template rebase<T, D>(p, d, origin);
   }
+  { E::template rebase<T, D>(p, d, origin); }
   template <class T, int D>
   static auto energy(const typename E::template Parameters<T, D>& p, const Site<T, D>& site) {
     return E::energy(p, site);
@@ -361,7 +363,8 @@ TEST(Evaluators, BondsAreTheExactDerivativeOfTheEnergy) {
   expect_bond_is_gradient<3>();
 }
 
-// ---- planted faults ------------------------------------------------------------------------------------
+// ---- planted faults
+// ------------------------------------------------------------------------------------
 
 /// Kernels of an evaluator that lives in this file.
 template <class E>
@@ -497,8 +500,7 @@ TEST(PlantedFaults, ForceOffByLittle) {
 template <int reaction_shift>
 class LopsidedBonds : public BoundForce<double> {
  public:
-  LopsidedBonds(double stiffness, const Binding<double>& binding)
-      : body_(*binding.bodies.front()) {
+  LopsidedBonds(double stiffness, const Binding<double>& binding) : body_(*binding.bodies.front()) {
     arguments_.body = body_.slot;
     arguments_.axes = binding.dimension;
     arguments_.stiffness = stiffness;

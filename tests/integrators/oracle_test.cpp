@@ -8,7 +8,8 @@
 
 #include "tests/support/scenes.hpp"
 
-// Someone else's integrators on someone else's sine: Boost.Odeint on the Prandtl-Tomlinson particle.
+// Someone else's integrators on someone else's sine: Boost.Odeint on the Prandtl-Tomlinson
+// particle.
 
 namespace tomlin::test {
 namespace {
@@ -61,8 +62,8 @@ TEST(Odeint, Rk4AgreesStepByStep) {
 }
 
 TEST(Odeint, Dopri5StepsAgree) {
-  // Fixed steps of the same tableau: rounding only.
-  constexpr double kRounding = 1e-13;
+  // Fixed steps of the same tableau: rounding only, which the start of a slip magnifies.
+  constexpr double kRounding = 1e-12;
   constexpr double kStep = 0.03125;
   Engine engine(scene_of(kTip + adaptive_held_to(kStep)), {});
   odeint::runge_kutta_dopri5<State> stepper;

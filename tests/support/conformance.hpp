@@ -111,8 +111,15 @@ class ForceBench {
   }
 
   Stage<double> stage() {
-    return {position_.data(), velocity_.data(),        force_numbers_.data(), mapped_position_.data(),
-            mapped_velocity_.data(), mapped_force_.data(), own_.data(), rates_.data(), elapsed_};
+    return {position_.data(),
+            velocity_.data(),
+            force_numbers_.data(),
+            mapped_position_.data(),
+            mapped_velocity_.data(),
+            mapped_force_.data(),
+            own_.data(),
+            rates_.data(),
+            elapsed_};
   }
 
   /// The forces at the present state, by the passes as an engine runs them.
@@ -328,7 +335,8 @@ inline std::shared_ptr<void> random_description(const ForceRecord& record,
   return nullptr;
 }
 
-// ---- second derivatives and friction --------------------------------------------------------------
+// ---- second derivatives and friction
+// --------------------------------------------------------------
 
 /// The Hessian in the bench's variables.
 class DenseHessian : public HessianSink {
@@ -701,7 +709,8 @@ class ClaimCheck {
       ForceBench bench(record_, description, arrangement, seed);
       const std::vector<double> before = bench.evaluate();
       const double energy = bench.energy();
-      for (const std::int64_t cells : {std::int64_t{3}, std::int64_t{-7}, std::int64_t{2000000011}}) {
+      for (const std::int64_t cells :
+           {std::int64_t{3}, std::int64_t{-7}, std::int64_t{2000000011}}) {
         Origin origin;
         origin.unit[axis] = period;
         origin.cells[axis] = cells;

@@ -57,7 +57,8 @@ inline std::string adaptive(double tolerance) {
 /// The pair 5(4) held to steps of h: the tolerance is too wide to have a say.
 inline std::string adaptive_held_to(double h) {
   return "{ type = \"dopri5\", absolute_tolerance = 1e30, relative_tolerance = 0.0, "
-         "initial_step = " + digits(h) + ", largest_step = " + digits(h) + " }";
+         "initial_step = " +
+         digits(h) + ", largest_step = " + digits(h) + " }";
 }
 
 /// Keeps what an observables table would hold.

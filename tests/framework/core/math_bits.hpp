@@ -121,14 +121,14 @@ std::uint64_t math_bits() {
     const auto sine = [](auto x, auto, auto) { return sin_turns(x); };
     const auto cosine = [](auto x, auto, auto) { return cos_turns(x); };
     const auto both_sine = [](auto x, auto, auto) {
-      decltype(x) s, c;
-      sincos_turns(x, s, c);
-      return s;
+      decltype(x) sine_of, cosine_of;
+      sincos_turns(x, sine_of, cosine_of);
+      return sine_of;
     };
     const auto both_cosine = [](auto x, auto, auto) {
-      decltype(x) s, c;
-      sincos_turns(x, s, c);
-      return c;
+      decltype(x) sine_of, cosine_of;
+      sincos_turns(x, sine_of, cosine_of);
+      return cosine_of;
     };
     add_results<T>(hash, sine, turns, b, c);
     add_results<T>(hash, cosine, turns, b, c);

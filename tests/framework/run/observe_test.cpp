@@ -1,0 +1,160 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "framework/run/extremes.hpp"
+#include "tests/support/ring_scenes.hpp"
+
+// Extremes, the first maximum, and rotations that go round many times.
+
+namespace tomlin::test {
+namespace {
+
+/// Column of a finely sampled run.
+std::vector<double> column(const KeptSamples& kept, const std::string& name) {
+  std::vector<double> values;
+  for (const auto& row : kept.rows) values.push_back(row[kept.column(name)]);
+  return values;
+}
+
+constexpr double kSampling = 1e-3;
+
+/// The tip in stick-slip, sampled at every step of a fine run: heights by mere comparison.
+struct Reference {
+  double high = 0.0, low = 0.0, first = 0.0, speed = 0.0;
+};
+
+Reference reference_of(TipScene tip, double from, double to) {
+  tip.integrator = fixed_step(kSampling);
+  tip.more = "[output]\nevery = " + digits(kSampling) + "\n";
+  KeptSamples kept;
+  RunOptions options;
+  options.sink = &kept;
+  run(scene_of(tip.text()), options);
+  const std::vector<double> time = column(kept, "time");
+  const std::vector<double> force = column(kept, "driver.force.x");
+  const std::vector<double> velocity = column(kept, "tip.velocity.x");
+  Reference reference{-1e300, 1e300, 0.0, 0.0};
+  for (std::size_t k = 0; k < time.size(); ++k) {
+    if (time[k] < from || time[k] > to) continue;
+    reference.high = std::max(reference.high, force[k]);
+    reference.low = std::min(reference.low, force[k]);
+    reference.speed = std::max(reference.speed, std::abs(velocity[k]));
+  }
+  for (std::size_t k = 1; k + 1 < force.size(); ++k) {
+    if (force[k] > force[k - 1] && force[k] >= force[k + 1]) {
+      reference.first = force[k];
+      break;
+    }
+  }
+  return reference;
+}
+
+TEST(Extremes, AreThoseOfTheCurveNotOfTheSteps) {
+  // A peak of curvature ~ omega^2 seen through a parabola over steps h: the error is of third
+  // order, (omega h)^3 with omega about 3, on forces of about 1.
+  const TipScene tip{.duration = 20.0};
+  const Reference reference = reference_of(tip, 8.0, 18.0);
+  struct Setting {
+    std::string integrator;
+    double tolerance;
+  };
+  for (const Setting& setting : {Setting{fixed_step(0.01), 3e-6}, Setting{fixed_step(0.05), 4e-4},
+                                 Setting{adaptive(1e-8), 1e-3}}) {
+    SCOPED_TRACE(setting.integrator);
+    TipScene coarse = tip;
+    coarse.integrator = setting.integrator;
+    coarse.more = "[measure]\nin = \"time\"\nfrom = 8.0\nto = 18.0\n";
+    const RunResult result = run_text(coarse.text());
+    EXPECT_NEAR(result.drivers[0].max_force[0], reference.high, setting.tolerance);
+    EXPECT_NEAR(result.drivers[0].min_force[0], reference.low, setting.tolerance);
+    EXPECT_NEAR(*result.bodies[0].max_speed, reference.speed, setting.tolerance);
+    EXPECT_NEAR(*result.drivers[0].static_force, reference.first, setting.tolerance);
+  }
+}
+
+/// The window's edges count, and what is outside does not.
+TEST(Extremes, AreOfTheWindow) {
+  TipScene tip{.duration = 20.0};
+  // While the tip sticks the force only rises: extremes are at the edges.
+  const Reference reference = reference_of(tip, 1.0, 1.5);
+  tip.more = "[measure]\nin = \"time\"\nfrom = 1.0\nto = 1.5\n";
+  const RunResult result = run_text(tip.text());
+  constexpr double kDense = 1e-8;  // Hermite at steps of 0.01, and the reference's own samples
+  EXPECT_NEAR(result.drivers[0].max_force[0], reference.high, kDense);
+  EXPECT_NEAR(result.drivers[0].min_force[0], reference.low, kDense);
+  EXPECT_LT(result.drivers[0].max_force[0], *result.drivers[0].static_force);
+}
+
+TEST(Extremes, AParabolaIsMeasuredExactly) {
+  const auto y = [](double t) { return 3.0 - 2.0 * (t - 0.37) * (t - 0.37); };
+  EXPECT_NEAR(parabola_vertex(0.1, y(0.1), 0.3, y(0.3), 0.9, y(0.9)), 3.0, 1e-14);
+  EXPECT_EQ(parabola_vertex(0.0, 1.0, 1.0, 2.0, 2.0, 3.0), 2.0) << "a line has no vertex";
+}
+
+/// Nothing is pulled: there is no first maximum, rather than a zero.
+TEST(Extremes, NoFirstMaximumWithoutAPull) {
+  const TipScene tip{.velocity = 0.0, .duration = 5.0};
+  EXPECT_FALSE(run_text(tip.text()).drivers[0].static_force);
+}
+
+// ---- rotation
+// ----------------------------------------------------------------------------------------
+
+/// A free ring that spins: velocity omega times (-y, x) of each particle.
+std::string spinning(const std::string& coordinates, double omega, double duration, double dt,
+                     double bonds = 1e4) {
+  constexpr int kCount = 8;
+  std::string velocities;
+  for (int i = 0; i < kCount; ++i) {
+    const double angle = 2.0 * std::acos(-1.0) * i / kCount;
+    velocities += std::string(i > 0 ? ", " : "") + "[" + digits(-omega * std::sin(angle)) + ", " +
+                  digits(omega * std::cos(angle)) + "]";
+  }
+  return "[[body]]\nname = \"ring\"\ntype = \"ring\"\ncount = 8\nradius = 1.0\ncentre = [0.0, "
+         "0.0]\n"
+         "particle_mass = 0.125\nvelocity = [" +
+         velocities + "]\ncoordinates = \"" + coordinates +
+         "\"\n[[force]]\ntype = \"harmonic_bonds\"\npairs = \"all\"\nstiffness = " + digits(bonds) +
+         "\n[run]\nduration = " + digits(duration) + "\nintegrator = " + fixed_step(dt) + "\n";
+}
+
+TEST(Rotation, OfARigidRingIsUnwrapped) {
+  constexpr double kRounding = 1e-11;  // 250 turns in 10 000 steps
+  for (const double omega : {2.0, -80.0}) {
+    const RunResult result = run_text(spinning("rigid", omega, 20.0, 0.002));
+    EXPECT_NEAR(*result.bodies[0].rotation, omega * 20.0, kRounding * std::abs(omega * 20.0));
+    EXPECT_NEAR(*result.bodies[0].turns, omega * 20.0 / (2.0 * std::acos(-1.0)), 1e-9);
+  }
+}
+
+TEST(Rotation, OfAFlexibleRingIsUnwrapped) {
+  // Spinning stretches the ring by m omega^2/(N k) and so slows it by twice that, as its angular
+  // momentum stays: parts of 1e-5 at omega = 2, of 4e-3 at 40; the ring breathes about that.
+  for (const double omega : {2.0, -2.0, 40.0}) {
+    const double duration = 20.0;
+    const RunResult result = run_text(spinning("particles", omega, duration, 0.002));
+    ASSERT_EQ(result.status, RunStatus::finished);
+    const double stretch = 0.125 * omega * omega / (8 * 1e4);
+    const double turned = *result.bodies[0].rotation / (omega * duration);
+    EXPECT_NEAR(turned, 1.0 - 2.0 * stretch, 0.1 * stretch + 1e-6) << omega;
+    EXPECT_NEAR(2.0 * std::acos(-1.0) * *result.bodies[0].turns, *result.bodies[0].rotation, 1e-9);
+  }
+}
+
+/// At a tenth of a turn a step, sixteen steps would lose count.
+TEST(Rotation, OfAFlexibleRingThatTurnsFast) {
+  constexpr double kDt = 0.002;
+  constexpr double kOmega = 300.0;
+  const double duration = 1.0;
+  const RunResult result = run_text(spinning("particles", kOmega, duration, kDt, 1e5));
+  ASSERT_EQ(result.status, RunStatus::finished);
+  const double stretch = 0.125 * kOmega * kOmega / (8 * 1e5);
+  EXPECT_NEAR(*result.bodies[0].rotation / (kOmega * duration), 1.0 - 2.0 * stretch, 0.2 * stretch);
+}
+
+}  // namespace
+}  // namespace tomlin::test

@@ -1,0 +1,331 @@
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "framework/core/state_layout.hpp"
+#include "tests/support/ring_scenes.hpp"
+
+// Everything that changes during a run is in one declared layout: it can be taken apart by replica,
+// written as bytes, and gone on from.
+
+namespace tomlin::test {
+namespace {
+
+StateLayout some_layout() {
+  StateLayout layout;
+  layout.add_reals("position", 5);
+  layout.add_integers("counts", 3);
+  layout.add_reals("velocity", 11);
+  layout.add_reals("nothing", 0);
+  layout.add_integers("cells", 1);
+  return layout;
+}
+
+/// A number that says where it stands.
+double mark(std::size_t replica, std::size_t k) {
+  return 1000.0 * static_cast<double>(replica + 1) + static_cast<double>(k);
+}
+
+RunState marked(std::size_t replicas) {
+  RunState state(some_layout(), replicas);
+  for (const auto& field : state.layout().reals()) {
+    for (std::size_t k = 0; k < field.count; ++k) {
+      for (std::size_t w = 0; w < replicas; ++w) {
+        state.reals(field.name)[k * replicas + w] = mark(w, field.first + k);
+      }
+    }
+  }
+  for (const auto& field : state.layout().integers()) {
+    for (std::size_t k = 0; k < field.count; ++k) {
+      for (std::size_t w = 0; w < replicas; ++w) {
+        state.integers(field.name)[k * replicas + w] =
+            static_cast<std::int64_t>(mark(w, field.first + k));
+      }
+    }
+  }
+  return state;
+}
+
+TEST(RunState, ReplicasComeOutAndGoBack) {
+  const RunState batch = marked(3);
+  RunState rebuilt(some_layout(), 3);
+  for (std::size_t w = 0; w < 3; ++w) {
+    const RunState single = batch.extract(w);
+    EXPECT_EQ(single.replicas(), 1u);
+    for (const auto& field : single.layout().reals()) {
+      for (std::size_t k = 0; k < field.count; ++k) {
+        EXPECT_EQ(single.reals(field.name)[k], mark(w, field.first + k)) << field.name;
+      }
+    }
+    for (const auto& field : single.layout().integers()) {
+      for (std::size_t k = 0; k < field.count; ++k) {
+        EXPECT_EQ(single.integers(field.name)[k],
+                  static_cast<std::int64_t>(mark(w, field.first + k)));
+      }
+    }
+    rebuilt.insert(w, single);
+  }
+  EXPECT_EQ(rebuilt.to_bytes(), batch.to_bytes());
+  EXPECT_NE(RunState(some_layout(), 3).to_bytes(), batch.to_bytes());
+}
+
+TEST(RunState, InsertingOneReplicaLeavesTheOthers) {
+  RunState batch = marked(3);
+  RunState other = batch.extract(1);
+  other.reals("velocity")[10] = -1.0;
+  other.integers("cells")[0] = -2;
+  batch.insert(1, other);
+  const RunState before = marked(3);
+  EXPECT_EQ(batch.extract(0).to_bytes(), before.extract(0).to_bytes());
+  EXPECT_EQ(batch.extract(2).to_bytes(), before.extract(2).to_bytes());
+  EXPECT_EQ(batch.extract(1).to_bytes(), other.to_bytes());
+  EXPECT_NE(batch.extract(1).to_bytes(), before.extract(1).to_bytes());
+}
+
+TEST(RunState, BytesAreTheWholeOfIt) {
+  for (const std::size_t replicas : {1u, 3u, 8u}) {
+    const RunState state = marked(replicas);
+    RunState read(some_layout(), replicas);
+    read.from_bytes(state.to_bytes());
+    EXPECT_EQ(read.to_bytes(), state.to_bytes());
+    EXPECT_EQ(read.reals("velocity")[0], state.reals("velocity")[0]);
+    EXPECT_EQ(read.integers("counts")[2], state.integers("counts")[2]);
+  }
+}
+
+TEST(RunState, FieldsDoNotOverlap) {
+  RunState state = marked(3);
+  const RunState before = marked(3);
+  for (std::size_t k = 0; k < 5 * 3; ++k) state.reals("position")[k] = -1.0;
+  for (std::size_t k = 0; k < 11 * 3; ++k) {
+    EXPECT_EQ(state.reals("velocity")[k], before.reals("velocity")[k]);
+  }
+  // Kernels load whole groups: each field starts on one.
+  for (const auto& field : state.layout().reals()) EXPECT_EQ(field.first % kGroup, 0u);
+}
+
+TEST(RunState, WhatDoesNotFitIsRefused) {
+  RunState state = marked(3);
+  EXPECT_THROW(state.extract(3), std::invalid_argument);
+  EXPECT_THROW(state.insert(3, marked(1)), std::invalid_argument);
+  EXPECT_THROW(state.insert(0, marked(2)), std::invalid_argument);
+  StateLayout other = some_layout();
+  other.add_reals("more", 1);
+  EXPECT_THROW(state.insert(0, RunState(other, 1)), std::invalid_argument);
+  EXPECT_THROW(state.from_bytes(marked(2).to_bytes()), std::invalid_argument);
+  EXPECT_THROW(state.reals("no such field"), std::invalid_argument);
+}
+
+// ---- going on from a state
+// -------------------------------------------------------------------------
+
+struct Case {
+  const char* what;
+  std::string text;
+};
+
+std::vector<Case> cases() {
+  const std::string window = "[measure]\nin = \"time\"\nfrom = 1.5\nto = 9.0\n";
+  TipScene tip{.duration = 10.0, .more = window};
+  TipScene fast = tip;
+  fast.velocity = 4.0;  // many cells
+  TipScene tip_adaptive = tip;
+  tip_adaptive.integrator = adaptive(1e-8);
+  RingScene flexible{.duration = 10.0, .more = window};
+  RingScene rigid = flexible;
+  rigid.coordinates = "rigid";
+  RingScene rigid_adaptive = rigid;
+  rigid_adaptive.integrator = adaptive(1e-8);
+  return {{"tip, rk4", tip.text()},
+          {"fast tip, rk4", fast.text()},
+          {"tip, dopri5", tip_adaptive.text()},
+          {"flexible ring, rk4", flexible.text()},
+          {"rigid ring, rk4", rigid.text()},
+          {"rigid ring, dopri5", rigid_adaptive.text()}};
+}
+
+bool same(const std::optional<double>& a, const std::optional<double>& b) {
+  return a.has_value() == b.has_value() && (!a || same_bits(*a, *b));
+}
+
+void expect_same_result(const RunResult& a, const RunResult& b) {
+  EXPECT_EQ(a.status, b.status);
+  EXPECT_EQ(a.steps, b.steps);
+  EXPECT_EQ(a.refused_steps, b.refused_steps);
+  ASSERT_EQ(a.drivers.size(), b.drivers.size());
+  for (std::size_t k = 0; k < a.drivers.size(); ++k) {
+    EXPECT_FALSE(a.drivers[k].mean_force.empty());
+    EXPECT_TRUE(same_bits(a.drivers[k].mean_force, b.drivers[k].mean_force));
+    EXPECT_TRUE(same_bits(a.drivers[k].final_force, b.drivers[k].final_force));
+    EXPECT_TRUE(same_bits(a.drivers[k].max_force, b.drivers[k].max_force));
+    EXPECT_TRUE(same_bits(a.drivers[k].min_force, b.drivers[k].min_force));
+    EXPECT_TRUE(same(a.drivers[k].static_force, b.drivers[k].static_force));
+    EXPECT_TRUE(same(a.drivers[k].work, b.drivers[k].work));
+  }
+  for (std::size_t k = 0; k < a.bodies.size(); ++k) {
+    EXPECT_TRUE(same_bits(a.bodies[k].centre_of_mass, b.bodies[k].centre_of_mass));
+    EXPECT_TRUE(same_bits(a.bodies[k].velocity, b.bodies[k].velocity));
+    EXPECT_TRUE(same_bits(a.bodies[k].mean_velocity, b.bodies[k].mean_velocity));
+    EXPECT_TRUE(same(a.bodies[k].rotation, b.bodies[k].rotation));
+    EXPECT_TRUE(same(a.bodies[k].turns, b.bodies[k].turns));
+    EXPECT_TRUE(same(a.bodies[k].rolling, b.bodies[k].rolling));
+    EXPECT_TRUE(same(a.bodies[k].max_speed, b.bodies[k].max_speed));
+  }
+}
+
+/// Wherever a run is stopped, another engine goes on from its bytes and ends with the same bits:
+/// before, in and after the window, at and between the steps where forces are anchored.
+TEST(Resume, EndsWithTheSameBits) {
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.what);
+    const auto scene = scene_of(c.text);
+    Engine whole(scene, {});
+    const RunResult expected = whole.run();
+    ASSERT_EQ(expected.status, RunStatus::finished);
+    for (const std::uint64_t stop : {1u, 16u, 37u, 160u, 411u}) {
+      if (stop >= expected.steps) continue;
+      SCOPED_TRACE(stop);
+      Engine first(scene, {});
+      first.advance(stop);
+      const std::vector<std::byte> numbers = first.state().to_bytes();
+      Engine second(scene, {});
+      second.resume(numbers);
+      EXPECT_EQ(second.state().to_bytes(), numbers);
+      const RunResult resumed = second.run();
+      EXPECT_TRUE(Motion(second) == Motion(whole));
+      EXPECT_EQ(second.state().to_bytes(), whole.state().to_bytes());
+      expect_same_result(resumed, expected);
+      EXPECT_EQ(resumed.force_evaluations, expected.force_evaluations);
+    }
+  }
+}
+
+TEST(Resume, IntoAnEngineThatHasRunFurther) {
+  const auto scene = scene_of(RingScene{.duration = 4.0}.text());
+  Engine whole(scene, {});
+  whole.run();
+  Engine engine(scene, {});
+  engine.advance(203);
+  const auto numbers = engine.state().to_bytes();
+  engine.advance(900);
+  engine.resume(numbers);
+  engine.run();
+  EXPECT_TRUE(Motion(engine) == Motion(whole));
+}
+
+// ---- the same bits
+// -----------------------------------------------------------------------------------
+
+TEST(SameBits, OnASecondRun) {
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.what);
+    Engine a(scene_of(c.text), {});
+    Engine b(scene_of(c.text), {});
+    const RunResult first = a.run();
+    expect_same_result(first, b.run());
+    EXPECT_EQ(a.state().to_bytes(), b.state().to_bytes());
+  }
+}
+
+TEST(SameBits, OnEveryInstructionSet) {
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.what);
+    RunOptions baseline;
+    baseline.instruction_set = InstructionSet::baseline;
+    Engine plain(scene_of(c.text), baseline);
+    const RunResult expected = plain.run();
+    for (const InstructionSet set : {InstructionSet::avx2, InstructionSet::avx512}) {
+      if (!is_supported(set)) continue;
+      RunOptions options;
+      options.instruction_set = set;
+      Engine wide(scene_of(c.text), options);
+      expect_same_result(expected, wide.run());
+      EXPECT_EQ(plain.state().to_bytes(), wide.state().to_bytes());
+    }
+  }
+}
+
+/// A test that passes on anything: a change in the last digit of a parameter must be seen.
+TEST(SameBits, ADifferenceIsSeen) {
+  const TipScene tip{.duration = 10.0};
+  const TipScene other{.amplitude = std::nextafter(0.1, 1.0), .duration = 10.0};
+  Engine a(scene_of(tip.text()), {});
+  Engine b(scene_of(other.text()), {});
+  a.run();
+  b.run();
+  EXPECT_FALSE(Motion(a) == Motion(b));
+}
+
+// ---- independent bodies
+// --------------------------------------------------------------------------------
+
+std::string two_tips(bool swapped, const std::string& integrator) {
+  const auto body = [](const char* name, double position, double mass) {
+    return std::string("[[body]]\nname = \"") + name + "\"\ntype = \"point\"\nposition = [" +
+           digits(position) + "]\nparticle_mass = " + digits(mass) + "\n";
+  };
+  const auto forces = [](const std::string& name, double stiffness, double velocity,
+                         double amplitude) {
+    return "[[force]]\nname = \"pull_" + name + "\"\ntype = \"driving_spring\"\nbody = \"" + name +
+           "\"\nstiffness = " + digits(stiffness) + "\nvelocity = [" + digits(velocity) +
+           "]\n[[force]]\nname = \"drag_" + name + "\"\ntype = \"viscous_damping\"\nbody = \"" +
+           name + "\"\ncoefficient = 1.0\n[[force]]\nname = \"corrugation_" + name +
+           "\"\ntype = \"sinusoidal_substrate\"\nbody = \"" + name +
+           "\"\namplitude = " + digits(amplitude) + "\nperiod = 1.0\n";
+  };
+  // They start in different cells.
+  const std::string one = body("one", 0.3, 1.0);
+  const std::string two = body("two", 7.4, 1.7);
+  const std::string on_one = forces("one", 2.0, 0.8, 0.1);
+  const std::string on_two = forces("two", 1.1, 0.6, 0.2);
+  return (swapped ? two + one + on_two + on_one : one + two + on_one + on_two) +
+         "[run]\nduration = 30.0\nintegrator = " + integrator + "\n";
+}
+
+const DriverResult& driver(const RunResult& result, const std::string& name) {
+  for (const DriverResult& d : result.drivers) {
+    if (d.name == name) return d;
+  }
+  throw std::logic_error(name);
+}
+
+const BodyResult& body(const RunResult& result, const std::string& name) {
+  for (const BodyResult& b : result.bodies) {
+    if (b.name == name) return b;
+  }
+  throw std::logic_error(name);
+}
+
+TEST(IndependentBodies, TheirOrderDoesNotMatter) {
+  const RunResult a = run_text(two_tips(false, fixed_step(0.01)));
+  const RunResult b = run_text(two_tips(true, fixed_step(0.01)));
+  ASSERT_EQ(a.status, RunStatus::finished);
+  for (const char* name : {"one", "two"}) {
+    SCOPED_TRACE(name);
+    EXPECT_TRUE(same_bits(body(a, name).centre_of_mass, body(b, name).centre_of_mass));
+    EXPECT_TRUE(same_bits(body(a, name).velocity, body(b, name).velocity));
+    EXPECT_TRUE(same_bits(body(a, name).mean_velocity, body(b, name).mean_velocity));
+    const std::string pull = std::string("pull_") + name;
+    EXPECT_TRUE(same_bits(driver(a, pull).mean_force, driver(b, pull).mean_force));
+    EXPECT_TRUE(same_bits(driver(a, pull).max_force, driver(b, pull).max_force));
+    EXPECT_TRUE(same(driver(a, pull).static_force, driver(b, pull).static_force));
+    EXPECT_TRUE(same(driver(a, pull).work, driver(b, pull).work));
+  }
+}
+
+TEST(IndependentBodies, TheirOrderDoesNotMatterWithSharedSteps) {
+  const RunResult a = run_text(two_tips(false, adaptive(1e-8)));
+  const RunResult b = run_text(two_tips(true, adaptive(1e-8)));
+  EXPECT_EQ(a.steps, b.steps);
+  for (const char* name : {"one", "two"}) {
+    EXPECT_TRUE(same_bits(body(a, name).centre_of_mass, body(b, name).centre_of_mass)) << name;
+    EXPECT_TRUE(same_bits(driver(a, std::string("pull_") + name).mean_force,
+                          driver(b, std::string("pull_") + name).mean_force))
+        << name;
+  }
+}
+
+}  // namespace
+}  // namespace tomlin::test
