@@ -30,6 +30,13 @@ class Driven : public Base {
         drive_.start.push_back(relative_to(binding.origin, k, description.start.components[k]));
       } else if (description.attach.kind == Attachment::Kind::particle) {
         drive_.start.push_back(this->body_.start[description.attach.particle][k]);
+      } else if (description.attach.kind == Attachment::Kind::each_particle) {
+        // Equal springs pull together as one from the plain mean of their ends.
+        InterleavedSum<double> ends;
+        for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
+          ends.add(i, this->body_.start[i][k]);
+        }
+        drive_.start.push_back(ends.total() / static_cast<double>(this->body_.slot.count));
       } else {
         drive_.start.push_back(this->body_.start_centre[k]);
       }
@@ -65,13 +72,7 @@ class Driven : public Base {
   Drive drive_;
 };
 
-std::vector<Complaint> complaints(const void* description, const SceneOutline&) {
-  const auto& d = *static_cast<const Description*>(description);
-  if (d.attach.kind == Attachment::Kind::each_particle && !d.start.components.empty()) {
-    return {{"start", "each particle's spring starts at its own particle", "leave it out"}};
-  }
-  return {};
-}
+std::vector<Complaint> complaints(const void*, const SceneOutline&) { return {}; }
 
 double period(const void*, int) { return 0.0; }
 
@@ -80,7 +81,7 @@ std::unique_ptr<BoundForce<double>> bind(const void* description, const Binding<
   return for_dimension(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<double>> {
     if (d.attach.kind == Attachment::Kind::each_particle) {
       return std::make_unique<Driven<ParticleForce<DrivingSpring, D>, D>>(
-          d, binding, kernels::DrivingSpring, kRankCheap);
+          d, binding, kernels::DrivingSpring, kRankCheap, d.start.components);
     }
     const std::ptrdiff_t particle = d.attach.kind == Attachment::Kind::particle
                                         ? static_cast<std::ptrdiff_t>(d.attach.particle)

@@ -12,6 +12,10 @@ namespace {
 
 using Description = HarmonicBondsDescription;
 
+/// More than any machine steps through in a sensible time.
+constexpr std::size_t kMostPairs = 50'000'000;
+constexpr std::size_t kBytesPerPair = 64;
+
 std::size_t pair_count(const PairSelection& selection, const SceneOutline::Body& body) {
   const auto n = static_cast<std::size_t>(body.count);
   switch (selection.kind) {
@@ -29,6 +33,11 @@ std::vector<Complaint> complaints(const void* description, const SceneOutline& s
   const auto& d = *static_cast<const Description*>(description);
   std::vector<Complaint> found;
   const std::size_t pairs = pair_count(d.pairs, scene.bodies.front());
+  if (pairs > kMostPairs) {
+    return {{"pairs",
+             fmt::format("{} pairs would take about {} GB", pairs, pairs * kBytesPerPair >> 30),
+             fmt::format("at most {} pairs", kMostPairs)}};
+  }
   const std::size_t given = d.rest_lengths.numbers.size();
   if (given > 1 && given != pairs) {
     found.push_back({"rest_lengths", fmt::format("{} lengths for {} pairs", given, pairs),

@@ -118,18 +118,27 @@ class Dopri5 : public Integrator<double> {
   void interpolate(double theta, double* position, double* velocity,
                    double* integrals) const override {
     const SystemView<double>& s = system_.view;
-    double* const* v = arrays_.velocity;
-    const double* accelerations[7] = {start_acceleration_};
-    const double* rates[7] = {start_rates_};
-    for (int j = 1; j < 6; ++j) {
-      accelerations[j] = arrays_.acceleration[j];
-      rates[j] = arrays_.rates[j];
+    extension(theta, s.dofs, start_position_, s.position, arrays_.velocity, position);
+    extension(theta, s.dofs, arrays_.velocity[0], s.velocity, slopes().accelerations, velocity);
+    extension(theta, s.rates, start_integrals_, s.integrals, slopes().rates, integrals);
+  }
+
+  bool between(double theta, double* velocity, double* rates) const override {
+    const SystemView<double>& s = system_.view;
+    const Slopes slope = slopes();
+    extension(theta, s.dofs, arrays_.velocity[0], s.velocity, slope.accelerations, velocity);
+    // Rates are the slope of the integrals' extension.
+    const double rest = 1.0 - theta;
+    for (std::size_t i = 0; i < s.used_rates; ++i) {
+      const double change = s.integrals[i] - start_integrals_[i];
+      const double bend = last_ * slope.rates[0][i] - change;
+      const double quartic = last_ * weighted_slopes(slope.rates, i);
+      const double twist = change - last_ * slope.rates[6][i] - bend;
+      rates[i] = (change + (rest - theta) * bend + theta * (2.0 - 3.0 * theta) * twist +
+                  2.0 * theta * rest * (rest - theta) * quartic) /
+                 last_;
     }
-    accelerations[6] = arrays_.acceleration[0];  // the last stage is the next step's first
-    rates[6] = arrays_.rates[0];
-    extension(theta, s.dofs, start_position_, s.position, v, position);
-    extension(theta, s.dofs, v[0], s.velocity, accelerations, velocity);
-    extension(theta, s.rates, start_integrals_, s.integrals, rates, integrals);
+    return true;
   }
 
   std::uint64_t refused_steps() const override {
@@ -189,17 +198,43 @@ class Dopri5 : public Integrator<double> {
     for (std::size_t i = 0; i < n; ++i) to[i] = from[i];
   }
 
-  template <class Slopes>
+  /// Slopes of the last step's stages; the last stage is kept as the next step's first.
+  struct Slopes {
+    const double* accelerations[7];
+    const double* rates[7];
+  };
+
+  Slopes slopes() const {
+    Slopes slope;
+    slope.accelerations[0] = start_acceleration_;
+    slope.rates[0] = start_rates_;
+    for (int j = 1; j < 6; ++j) {
+      slope.accelerations[j] = arrays_.acceleration[j];
+      slope.rates[j] = arrays_.rates[j];
+    }
+    slope.accelerations[6] = arrays_.acceleration[0];
+    slope.rates[6] = arrays_.rates[0];
+    return slope;
+  }
+
+  template <class Pointer>
+  static double weighted_slopes(const Pointer* slope, std::size_t i) {
+    double sum = 0.0;
+    for (int j = 0; j < 7; ++j) sum = std::fma(Tableau::dense[j], slope[j][i], sum);
+    return sum;
+  }
+
+  /// y0 + theta (change + (1 - theta) (bend + theta (twist + (1 - theta) quartic))).
+  template <class Pointer>
   void extension(double theta, std::size_t n, const double* y0, const double* y1,
-                 const Slopes& slope, double* y) const {
+                 const Pointer* slope, double* y) const {
     const double h = last_;
     const double rest = 1.0 - theta;
     for (std::size_t i = 0; i < n; ++i) {
       const double change = y1[i] - y0[i];
       const double bend = h * slope[0][i] - change;
-      double quartic = 0.0;
-      for (int j = 0; j < 7; ++j) quartic = std::fma(Tableau::dense[j], slope[j][i], quartic);
-      const double inner = std::fma(rest, h * quartic, change - h * slope[6][i] - bend);
+      const double twist = change - h * slope[6][i] - bend;
+      const double inner = std::fma(rest, h * weighted_slopes(slope, i), twist);
       y[i] = theta == 1.0
                  ? y1[i]
                  : std::fma(theta, std::fma(rest, std::fma(theta, inner, bend), change), y0[i]);

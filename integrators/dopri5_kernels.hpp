@@ -55,6 +55,22 @@ struct Dopri5Table {
 
 inline namespace TOMLIN_TARGET {
 
+/// Rounded once, at the end: all bodies have a say in the step, and their order in the scene none.
+class OrderFreeSum {
+ public:
+  TOMLIN_INLINE void add(const Pack& x) {
+    const Pack total = high_ + x;
+    const Pack part = total - high_;
+    low_ += (high_ - (total - part)) + (x - part);
+    high_ = total;
+  }
+  TOMLIN_INLINE Pack total() const { return high_ + low_; }
+
+ private:
+  Pack high_ = Pack(0.0);
+  Pack low_ = Pack(0.0);
+};
+
 struct Dopri5Kernels {
   using Tableau = Dopri5Tableau;
 
@@ -126,7 +142,7 @@ struct Dopri5Kernels {
     const Pack absolute(absolute_tolerance);
     const Pack relative(relative_tolerance);
     PackMask within = first_lanes(kGroup);
-    Pack squares(0.0);
+    OrderFreeSum squares;
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       const Pack scale = Pack::load(s.tolerance_scale + i);
       const Pack x0 = Pack::load(s.position + i);
@@ -135,12 +151,17 @@ struct Dopri5Kernels {
           weighted(combined<7>(weight, w.velocity, i), x0, x1, scale, absolute, relative);
       const Pack ev = weighted(combined<7>(weight, w.acceleration, i), Pack::load(s.velocity + i),
                                Pack::load(w.velocity[6] + i), scale, absolute, relative);
-      squares = fma(ex, ex, squares);
-      squares = fma(ev, ev, squares);
+      squares.add(fma(ex, ex, ev * ev));
       within = within & (abs(x1 - x0) <= Pack::load(s.largest_move + i));
     }
-    const double count = 2.0 * static_cast<double>(s.coordinates);
-    return {sqrt(sum(squares) / (count > 0.0 ? count : 1.0)), all(within)};
+    for (std::size_t i = 0; i < s.own; i += kGroup) {
+      const Pack e = weighted(combined<7>(weight, w.rates, i), Pack::load(s.integrals + i),
+                              Pack::load(w.integrals + i), Pack(1.0), absolute, relative);
+      squares.add(e * e);
+    }
+    const double count =
+        2.0 * static_cast<double>(s.coordinates) + static_cast<double>(s.own_count);
+    return {sqrt(sum(squares.total()) / (count > 0.0 ? count : 1.0)), all(within)};
   }
 
   static constexpr Dopri5Table kernels() { return {&first, &attempt}; }

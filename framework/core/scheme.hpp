@@ -70,6 +70,13 @@ class Integrator {
   /// The state at a fraction theta in [0, 1] of the last step.
   virtual void interpolate(double theta, Real* position, Real* velocity, Real* integrals) const = 0;
 
+  /// Velocities and rates at a fraction theta of the last step, to the order of the dense output
+  /// and without an evaluation. False for a scheme that cannot.
+  virtual bool between(double theta, Real* velocity, Real* rates) const {
+    (void)theta, (void)velocity, (void)rates;
+    return false;
+  }
+
   /// The origin has moved: drop what was computed ahead, so that it is computed as it would have
   /// been without samples.
   virtual void rebased() {}

@@ -66,7 +66,8 @@ class ForceOnSites : public BoundForce<double> {
     return -1.0;
   }
 
-  bool has_flow() const override { return kHasFlow; }
+  /// Of free particles: a rigid body's velocities are not its particles'.
+  bool has_flow() const override { return kHasFlow && !body_.slot.mapped; }
 
  protected:
   static constexpr bool kDoesWork =
@@ -81,14 +82,15 @@ class ForceOnSites : public BoundForce<double> {
   BoundBody<double> body_;
 };
 
-/// The evaluator on every particle of a body.
+/// The evaluator on every particle of a body. `start`, in the scene's coordinates, is where drivers'
+/// ends are at time 0; empty: each at its own particle.
 template <class E, int D>
 class ParticleForce : public ForceOnSites<E, D> {
   using Base = ForceOnSites<E, D>;
 
  public:
   ParticleForce(const typename E::Description& description, const Binding<double>& binding,
-                const KernelTables& tables, int rank)
+                const KernelTables& tables, int rank, const std::vector<double>& start = {})
       : Base(description, binding),
         kernels_(tables.on(binding.set).site),
         point_(tables.on(binding.set).point),
@@ -99,7 +101,8 @@ class ParticleForce : public ForceOnSites<E, D> {
       start_.assign(D * this->body_.slot.stride, 0.0);
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
         for (int d = 0; d < D; ++d)
-          start_[d * this->body_.slot.stride + i] = this->body_.start[i][d];
+          start_[d * this->body_.slot.stride + i] =
+              start.empty() ? this->body_.start[i][d] : relative_to(binding.origin, d, start[d]);
       }
       arguments_.start = start_.data();
     }

@@ -27,6 +27,16 @@ std::size_t stride_for(std::size_t count) {
   return length % 512 == 0 ? length + 3 * kGroup : length;
 }
 
+/// Places so far away that they cannot be counted in periods come out as no numbers.
+bool placed_finitely(const std::vector<std::vector<double>>& start) {
+  for (const auto& particle : start) {
+    for (const double x : particle) {
+      if (!std::isfinite(x)) return false;
+    }
+  }
+  return true;
+}
+
 double per_particle(const PerParticle& given, std::size_t i) {
   return given.values.size() == 1 ? given.values.front() : given.values[i];
 }
@@ -59,8 +69,8 @@ Model::Model(std::shared_ptr<const Scene> scene, InstructionSet set)
 
 Model::~Model() = default;
 
-/// The unit of each axis is the longest period that a force declares on it; the first body decides
-/// how many of them the scene is away.
+/// The unit of each axis is the longest period that a force declares on it; the body with the
+/// lowest start decides how many of them the scene is away, so that the order of bodies does not.
 void Model::choose_origin() {
   for (int axis = 0; axis < dimension(); ++axis) {
     double unit = 0.0;
@@ -68,11 +78,11 @@ void Model::choose_origin() {
       unit = std::max(unit, force.record->period(force.description.get(), axis));
     }
     origin_.unit[axis] = unit;
-    if (unit > 0.0) {
-      std::int64_t cells = 0;
-      remainder_of(DoubleDouble(geometry_.front().anchor[axis]), unit, cells);
-      origin_.cells[axis] = cells;
-    }
+    if (!(unit > 0.0)) continue;
+    double lowest = geometry_.front().anchor[axis];
+    for (const BodyGeometry& geometry : geometry_) lowest = std::min(lowest, geometry.anchor[axis]);
+    remainder_of(DoubleDouble(lowest), unit, first_cells_[axis]);
+    origin_.cells[axis] = first_cells_[axis];
   }
 }
 
@@ -129,6 +139,15 @@ void Model::place_bodies() {
     InterleavedSum<double> mass;
     for (std::size_t i = 0; i < count; ++i) mass.add(i, body.bound.mass[i]);
     body.total_mass = mass.total();
+    if (!std::isfinite(body.total_mass)) {
+      faults.push_back({from.place_of("particle_mass"), "body." + from.name + ".particle_mass", "",
+                        "the body's total mass overflows", "smaller masses", ""});
+    }
+    if (!placed_finitely(body.bound.start)) {
+      faults.push_back({from.place, "body." + from.name, "",
+                        "further from the origin than can be counted in periods",
+                        "a place nearer the origin", ""});
+    }
     s.share.emplace_back(padded(count), 0.0);
     for (std::size_t i = 0; i < count; ++i)
       s.share.back()[i] = body.bound.mass[i] / body.total_mass;
@@ -258,6 +277,7 @@ void Model::bind_forces() {
     rates += force.bound->rate_count();
   }
   system_.view.own = padded(own);
+  system_.view.own_count = own;
   system_.view.rates = padded(rates);
   system_.view.used_rates = rates;
   s.rates.assign(system_.view.rates + 2 * kGroup, 0.0);
@@ -448,13 +468,7 @@ void Model::start() {
   for (Force& force : forces_) {
     if (force.bound->own_count() > 0) force.bound->start_own(view.integrals);
   }
-  Origin first;
-  for (int d = 0; d < dimension(); ++d) {
-    if (origin_.unit[d] > 0.0) {
-      remainder_of(DoubleDouble(geometry_.front().anchor[d]), origin_.unit[d], first.cells[d]);
-    }
-    cells_[d] = origin_.cells[d] = first.cells[d];
-  }
+  for (int d = 0; d < dimension(); ++d) cells_[d] = origin_.cells[d] = first_cells_[d];
   for (Force& force : forces_) force.bound->rebase(origin_);
   place_fixed();
 }

@@ -134,7 +134,8 @@ class Model {
   std::vector<Operation<double>> operations_;
   struct Storage;
   std::unique_ptr<Storage> storage_;
-  DoubleDouble anchor_;  ///< the time from which stages count
+  std::array<std::int64_t, 3> first_cells_{};  ///< of the origin at time 0
+  DoubleDouble anchor_;                        ///< the time from which stages count
   std::int64_t* cells_ = nullptr;
   std::int64_t* whole_turns_ = nullptr;
 };

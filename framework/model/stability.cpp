@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <limits>
@@ -15,7 +16,8 @@ namespace {
 /// Up to so many coordinates the fastest mode is found exactly, beyond it bounded row by row.
 constexpr std::size_t kDenseLimit = 300;
 
-/// Second derivatives scaled by mass: M^(-1/2) H M^(-1/2), or its absolute row sums.
+/// Second derivatives scaled by mass: M^(-1/2) H M^(-1/2), or its absolute row sums. Particles of a
+/// rigid body count by what they do to its centre and its rotation.
 class ScaledHessian : public HessianSink {
  public:
   ScaledHessian(const Model& model, bool dense) : model_(model), dense_(dense) {
@@ -28,23 +30,21 @@ class ScaledHessian : public HessianSink {
   }
 
   void site(std::size_t body, std::size_t particle, int a, int b, double value) override {
-    add(at(body, particle, a), at(body, particle, b), value);
+    add(parts(body, particle, a), parts(body, particle, b), value);
   }
 
   void pair(std::size_t body1, std::size_t i, std::size_t body2, std::size_t j, int a, int b,
             double value) override {
-    add(at(body1, i, a), at(body1, i, b), value);
-    add(at(body2, j, a), at(body2, j, b), value);
-    add(at(body1, i, a), at(body2, j, b), -value);
-    add(at(body2, j, a), at(body1, i, b), -value);
+    add(parts(body1, i, a), parts(body1, i, b), value);
+    add(parts(body2, j, a), parts(body2, j, b), value);
+    add(parts(body1, i, a), parts(body2, j, b), -value);
+    add(parts(body2, j, a), parts(body1, i, b), -value);
   }
 
   void centre(std::size_t body, const double* weight, int a, int b, double value) override {
     const BodySlot<double>& slot = model_.bodies()[body].bound.slot;
     if (slot.rigid) {
-      // Weight off the centre of mass turns the body too; its arm is bounded by the inertia, which
-      // the centre's own mass covers, so only the translation is counted.
-      add(first_[body] + a, first_[body] + b, value);
+      add(weighted_parts(body, weight, a), weighted_parts(body, weight, b), value);
       return;
     }
     if (!dense_) {
@@ -59,7 +59,7 @@ class ScaledHessian : public HessianSink {
     for (std::size_t i = 0; i < slot.count; ++i) {
       if (weight[i] == 0.0) continue;
       for (std::size_t j = 0; j < slot.count; ++j) {
-        add(at(body, i, a), at(body, j, b), value * weight[i] * weight[j]);
+        add(parts(body, i, a), parts(body, j, b), value * weight[i] * weight[j]);
       }
     }
   }
@@ -84,7 +84,8 @@ class ScaledHessian : public HessianSink {
       const int axes = model_.dimension();
       if (slot.rigid) {
         for (int d = 0; d < axes; ++d) root_.push_back(1.0 / std::sqrt(body.total_mass));
-        n += axes;
+        root_.push_back(body.inertia > 0.0 ? 1.0 / std::sqrt(body.inertia) : 0.0);
+        n += axes + 1;
       } else if (slot.mapped) {
         first_.back() = kNone;
       } else {
@@ -97,18 +98,49 @@ class ScaledHessian : public HessianSink {
     return n;
   }
 
-  std::ptrdiff_t at(std::size_t body, std::size_t particle, int axis) const {
-    if (first_[body] == kNone || model_.bodies()[body].bound.slot.rigid) return kNone;
-    return first_[body] + static_cast<std::ptrdiff_t>(particle) * model_.dimension() + axis;
+  /// How a place follows from coordinates: by one of them, or by a rigid body's centre and rotation.
+  struct Part {
+    std::ptrdiff_t coordinate = kNone;
+    double factor = 0.0;
+  };
+  using Parts = std::array<Part, 2>;
+
+  Parts parts(std::size_t b, std::size_t particle, int axis) const {
+    const Model::Body& body = model_.bodies()[b];
+    if (first_[b] == kNone) return {};
+    if (body.bound.slot.rigid) return rigid_parts(b, axis, across(body.arms[particle], axis));
+    return {Part{first_[b] + static_cast<std::ptrdiff_t>(particle) * model_.dimension() + axis, 1.0},
+            Part{}};
   }
 
-  void add(std::ptrdiff_t i, std::ptrdiff_t j, double value) {
-    if (i == kNone || j == kNone) return;
-    const double scaled = value * root_[i] * root_[j];
-    if (dense_) {
-      matrix_(i, j) += scaled;
-    } else {
-      rows_[i] += std::abs(scaled);
+  Parts weighted_parts(std::size_t b, const double* weight, int axis) const {
+    const Model::Body& body = model_.bodies()[b];
+    double arm = 0.0;
+    for (std::size_t i = 0; i < body.arms.size(); ++i) arm += weight[i] * across(body.arms[i], axis);
+    return rigid_parts(b, axis, arm);
+  }
+
+  Parts rigid_parts(std::size_t b, int axis, double arm) const {
+    return {Part{first_[b] + axis, 1.0}, Part{first_[b] + model_.dimension(), arm}};
+  }
+
+  /// How far a place moves along an axis when the body turns by a small angle.
+  static double across(const std::vector<double>& arm, int axis) {
+    return axis == 0 ? -arm[1] : arm[0];
+  }
+
+  void add(const Parts& one, const Parts& other, double value) {
+    for (const Part& i : one) {
+      for (const Part& j : other) {
+        if (i.coordinate == kNone || j.coordinate == kNone) continue;
+        const double scaled =
+            value * i.factor * j.factor * root_[i.coordinate] * root_[j.coordinate];
+        if (dense_) {
+          matrix_(i.coordinate, j.coordinate) += scaled;
+        } else {
+          rows_[i.coordinate] += std::abs(scaled);
+        }
+      }
     }
   }
 

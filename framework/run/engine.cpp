@@ -21,11 +21,16 @@ constexpr double kNoStep = 1e-9;
 /// Steps between looks at the origin, at rotations and at signals. A particle moves less than a
 /// period in a step, so the origin is never left far behind.
 constexpr std::int64_t kHousekeepingEvery = 16;
-/// A flexible body that turns more than this between looks is looked at after every step.
+/// A flexible body that would turn more than this between such looks is looked at after every step.
 constexpr double kMuchTurning = 0.05;
 constexpr std::chrono::milliseconds kReportEvery{200};
 /// How far past the end of the run a window may reach through rounding alone.
 constexpr double kWindowSlack = 1e-9;
+
+/// Doubles count no further without gaps.
+constexpr double kMostSteps = 9007199254740992.0;
+/// A table of a hundred terabytes.
+constexpr double kMostSamples = 1e12;
 
 double norm(const std::vector<double>& v) {
   double squares = 0.0;
@@ -49,23 +54,9 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   resolve_window();
 
   StateLayout layout;
-  model_.declare(layout);
-  integrator_->declare(layout);
-  layout.add_reals("clock", 2);
-  layout.add_integers("counts", 4);
-  layout.add_reals("last_turns", model_.bodies().size());
-  layout.add_integers("turn_wraps", model_.bodies().size());
-  extremes_.declare(layout, signal_count_);
-  first_maximum_.declare(layout, drivers_.size());
+  declare(layout);
   state_ = RunState(layout, 1);
-  model_.attach(state_);
-  integrator_->attach(state_);
-  extremes_.attach(state_);
-  first_maximum_.attach(state_);
-  clock_ = state_.reals("clock");
-  counts_ = state_.integers("counts");
-  last_turns_ = state_.reals("last_turns");
-  turn_wraps_ = state_.integers("turn_wraps");
+  attach();
 
   const SystemView<double>& view = model_.system().view;
   dense_position_.assign(view.dofs + 2 * kGroup, 0.0);
@@ -77,6 +68,7 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
     block_rates_.assign(kHousekeepingEvery * view.rates, 0.0);
     block_velocities_.assign(kHousekeepingEvery, 0.0);
   }
+  refuse_endless();
   if (dt_ > 0.0) {
     full_steps_ = static_cast<std::int64_t>(duration_ / dt_);
     const auto remains = [&](std::int64_t steps) {
@@ -85,11 +77,6 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
     };
     while (remains(full_steps_) < -kNoStep * dt_) --full_steps_;
     while (remains(full_steps_ + 1) >= -kNoStep * dt_) ++full_steps_;
-  }
-  for (Moment* moment : {&from_, &to_}) {
-    moment->integrals.assign(view.rates, 0.0);
-    moment->centre.assign(model_.bodies().size() * model_.dimension(), DoubleDouble());
-    moment->turns.assign(model_.bodies().size(), 0.0);
   }
   sampling_ = options_.sink != nullptr && scene_->output.every.has_value();
   counts_[kRotationEvery] = 1;
@@ -103,6 +90,81 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   if (!failure_) observe_start();
 }
 
+/// Counts must stay exact, and a signal must get through between samples.
+void Engine::refuse_endless() const {
+  const auto place = [](const std::map<std::string, Place>& places, const char* key,
+                        const Place& table) {
+    const auto found = places.find(key);
+    return found == places.end() ? table : found->second;
+  };
+  if (dt_ > 0.0 && !(duration_ / dt_ <= kMostSteps)) {
+    throw InputError({{place(scene_->run.integrator.places, "dt", scene_->run.place),
+                       "run.integrator.dt", fmt::format("{}", dt_),
+                       fmt::format("the run would take {:.3g} steps", duration_ / dt_),
+                       fmt::format("at most {:g} steps", kMostSteps), ""}});
+  }
+  if (scene_->output.every && !(duration_ / *scene_->output.every <= kMostSamples)) {
+    throw InputError({{place(scene_->output.places, "every", scene_->output.place), "output.every",
+                       fmt::format("{}", *scene_->output.every),
+                       fmt::format("the run would leave {:.3g} samples",
+                                   duration_ / *scene_->output.every),
+                       fmt::format("at most {:g} samples", kMostSamples), ""}});
+  }
+}
+
+void Engine::declare(StateLayout& layout) {
+  const std::size_t bodies = model_.bodies().size();
+  model_.declare(layout);
+  integrator_->declare(layout);
+  layout.add_reals("clock", 2);
+  layout.add_integers("counts", kCounts);
+  layout.add_reals("last_turns", bodies);
+  layout.add_integers("turn_wraps", bodies);
+  for (const char* edge : {"window.from", "window.to"}) {
+    const std::string name = edge;
+    layout.add_integers(name, 1);
+    layout.add_reals(name + ".integrals", model_.system().view.rates);
+    layout.add_reals(name + ".centre", 2 * bodies * model_.dimension());
+    layout.add_reals(name + ".turns", bodies);
+  }
+  extremes_.declare(layout, signal_count_);
+  first_maximum_.declare(layout, drivers_.size());
+}
+
+void Engine::attach() {
+  model_.attach(state_);
+  integrator_->attach(state_);
+  extremes_.attach(state_);
+  first_maximum_.attach(state_);
+  clock_ = state_.reals("clock");
+  counts_ = state_.integers("counts");
+  last_turns_ = state_.reals("last_turns");
+  turn_wraps_ = state_.integers("turn_wraps");
+  for (Moment* moment : {&from_, &to_}) {
+    const std::string name = moment == &from_ ? "window.from" : "window.to";
+    moment->reached = state_.integers(name);
+    moment->integrals = state_.reals(name + ".integrals");
+    moment->centre = state_.reals(name + ".centre");
+    moment->turns = state_.reals(name + ".turns");
+  }
+}
+
+void Engine::resume(const std::vector<std::byte>& numbers) {
+  state_.from_bytes(numbers);
+  attach();
+  integrator_->rebased();  // nothing computed ahead is known here
+  model_.system().evaluations = static_cast<std::uint64_t>(counts_[kEvaluations]);
+  plain_left_ = 0;
+  ended_ = interrupted_ = false;
+  failure_.reset();
+  if (dt_ == 0.0) {
+    model_.anchor(now());
+  } else {
+    const std::int64_t anchor = counts_[kGridSteps] / kHousekeepingEvery * kHousekeepingEvery;
+    model_.anchor(two_prod(static_cast<double>(anchor), dt_));
+  }
+}
+
 void Engine::list_signals() {
   for (std::size_t k = 0; k < model_.forces().size(); ++k) {
     const Model::Force& force = model_.forces()[k];
@@ -114,6 +176,7 @@ void Engine::list_signals() {
   }
   signal_count_ = drivers_.size() * model_.dimension() + model_.bodies().size();
   signals_.assign(signal_count_, 0.0);
+  for (std::vector<double>& signals : between_) signals.assign(signal_count_, 0.0);
   pulls_.assign(drivers_.size(), 0.0);
 }
 
@@ -237,8 +300,8 @@ double Engine::next_dense() const {
     // The last sample may miss the end of the run by rounding.
     next = std::abs(at - duration_) <= kNoStep * *scene_->output.every ? duration_ : at;
   }
-  if (!from_.reached) return std::min(next, from_.time);
-  return to_.reached ? next : std::min(next, to_.time);
+  if (*from_.reached == 0) return std::min(next, from_.time);
+  return *to_.reached != 0 ? next : std::min(next, to_.time);
 }
 
 /// One step with everything that may go with it: samples, edges of the window, looks at the origin.
@@ -254,10 +317,13 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid)
   }
   const DoubleDouble arrived = dt_ == 0.0 && report.taken < h ? begin + report.taken : end;
   signals_from_rates(integrator_->first_rates());
-  look(static_cast<double>(begin));
+  if (dt_ > 0.0 || !look_between(static_cast<double>(begin), static_cast<double>(arrived))) {
+    look(static_cast<double>(begin));
+  }
 
   clock_[0] = arrived.hi;
   clock_[1] = arrived.lo;
+  counts_[kEvaluations] = static_cast<std::int64_t>(model_.system().evaluations);
   ++counts_[kSteps];
   if (to_grid) ++counts_[kGridSteps];
   // Anchored afresh before any evaluation that belongs to the next step.
@@ -295,7 +361,7 @@ void Engine::step_fixed(std::uint64_t most) {
   if (counts_[kGridSteps] == full_steps_) {
     // What remains is shorter than a step, or nothing.
     const double rest = static_cast<double>(DoubleDouble(duration_) - now());
-    if (rest <= kNoStep * dt_) {
+    if (rest <= kNoStep * dt_ && (counts_[kSteps] > 0 || rest <= 0.0)) {
       ended_ = true;
     } else {
       take(since_anchor(), rest, DoubleDouble(duration_), false);
@@ -344,6 +410,7 @@ void Engine::plain_block(std::int64_t most) {
   }
   counts_[kGridSteps] += taken;
   counts_[kSteps] += taken;
+  counts_[kEvaluations] = static_cast<std::int64_t>(model_.system().evaluations);
   plain_left_ -= taken;
   const DoubleDouble time = two_prod(static_cast<double>(counts_[kGridSteps]), dt_);
   clock_[0] = time.hi;
@@ -352,19 +419,64 @@ void Engine::plain_block(std::int64_t most) {
     fail(fault, dt_);
     return;
   }
-  if (counts_[kSteps] % kHousekeepingEvery == 0) housekeeping();
+  if (counts_[kSteps] % kHousekeepingEvery != 0) return;
+  // How far drivers have come counts for the origin: they are looked at where `take` leaves them.
+  since_anchor();
+  housekeeping();
+}
+
+/// Along the driver's way, times its speed.
+double Engine::pull_of(std::size_t k, const double* signals) const {
+  const int axes = model_.dimension();
+  const Drive* drive = model_.forces()[drivers_[k]].bound->drive();
+  double pull = 0.0;
+  for (int d = 0; d < axes; ++d) pull += drive->velocity[d] * signals[k * axes + d];
+  return pull;
+}
+
+/// Long steps hide extremes: those of the cubic through the dense output at thirds of the step are
+/// as good as the dense output. signals_ holds the values at its start. False: no dense rates.
+bool Engine::look_between(double from, double to) {
+  between_[0] = signals_;
+  for (int k = 1; k <= 3; ++k) {
+    if (!integrator_->between(k / 3.0, dense_velocity_.data(), dense_rates_.data())) return false;
+    signals_from_rates(dense_rates_.data());
+    signals_from_velocity(dense_velocity_.data());
+    between_[k] = signals_;
+  }
+  const bool inside = from >= from_.time && to <= to_.time;
+  if (inside) {
+    extremes_.include(between_[0].data());
+    extremes_.include(between_[3].data());
+    for (std::size_t s = 0; s < signal_count_; ++s) {
+      const CubicExtremes found =
+          cubic_extremes(between_[0][s], between_[1][s], between_[2][s], between_[3][s]);
+      for (int e = 0; e < found.count; ++e) extremes_.include(s, found.value[e]);
+    }
+  } else if (to > from_.time && from < to_.time) {
+    // A step across an edge: only what lies within counts.
+    for (int k = 0; k <= 3; ++k) {
+      const double at = from + (to - from) * k / 3.0;
+      if (at >= from_.time && at <= to_.time) extremes_.include(between_[k].data());
+    }
+  }
+  if (!first_maximum_.searching()) return true;
+  for (std::size_t k = 0; k < drivers_.size(); ++k) {
+    const CubicExtremes found =
+        cubic_extremes(pull_of(k, between_[0].data()), pull_of(k, between_[1].data()),
+                       pull_of(k, between_[2].data()), pull_of(k, between_[3].data()));
+    for (int e = 0; e < found.count; ++e) {
+      if (found.is_maximum[e]) first_maximum_.settle(k, found.value[e]);
+    }
+  }
+  return true;
 }
 
 /// Extremes see the values at the start of a step.
 void Engine::look(double at) {
   extremes_.add(at, signals_.data(), at >= from_.time && at <= to_.time);
   if (!first_maximum_.searching()) return;
-  const int axes = model_.dimension();
-  for (std::size_t k = 0; k < drivers_.size(); ++k) {
-    const Drive* drive = model_.forces()[drivers_[k]].bound->drive();
-    pulls_[k] = 0.0;
-    for (int d = 0; d < axes; ++d) pulls_[k] += drive->velocity[d] * signals_[k * axes + d];
-  }
+  for (std::size_t k = 0; k < drivers_.size(); ++k) pulls_[k] = pull_of(k, signals_.data());
   first_maximum_.add(at, pulls_.data());
 }
 
@@ -422,6 +534,7 @@ void Engine::serve_dense(const DoubleDouble& from, const DoubleDouble& to, doubl
   if (next_dense() < static_cast<double>(to)) integrator_->finish_dense_from(next_since);
   const double length = static_cast<double>(to - from);
   for (double at = next_dense(); at <= static_cast<double>(to); at = next_dense()) {
+    if (options_.stop && options_.stop->load(std::memory_order_relaxed)) return;
     const double theta =
         std::clamp(static_cast<double>(DoubleDouble(at) - from) / length, 0.0, 1.0);
     integrator_->interpolate(theta, dense_position_.data(), dense_velocity_.data(),
@@ -434,8 +547,8 @@ void Engine::serve_point(double at) {
   const double* x = dense_position_.data();
   const double* v = dense_velocity_.data();
   const double* z = dense_integrals_.data();
-  if (!from_.reached && at >= from_.time) keep_moment(from_, at, x, v, z);
-  if (from_.reached && !to_.reached && at >= to_.time) keep_moment(to_, at, x, v, z);
+  if (*from_.reached == 0 && at >= from_.time) keep_moment(from_, at, x, v, z);
+  if (*from_.reached != 0 && *to_.reached == 0 && at >= to_.time) keep_moment(to_, at, x, v, z);
   if (sampling_ &&
       static_cast<double>(counts_[kNextSample]) * *scene_->output.every <= at * (1.0 + kNoStep)) {
     sample(at, x, v, z);
@@ -476,13 +589,17 @@ void Engine::sample(double at, const double* position, const double* velocity,
 
 void Engine::keep_moment(Moment& moment, double at, const double* position, const double* velocity,
                          const double* integrals) {
-  moment.reached = true;
-  std::copy(integrals, integrals + moment.integrals.size(), moment.integrals.begin());
+  *moment.reached = 1;
+  std::copy(integrals, integrals + model_.system().view.rates, moment.integrals);
   const int axes = model_.dimension();
   for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
     double centre[3];
     model_.centre(b, position, centre);
-    for (int d = 0; d < axes; ++d) moment.centre[b * axes + d] = model_.placed(d, centre[d]);
+    for (int d = 0; d < axes; ++d) {
+      const DoubleDouble place = model_.placed(d, centre[d]);
+      moment.centre[2 * (b * axes + d)] = place.hi;
+      moment.centre[2 * (b * axes + d) + 1] = place.lo;
+    }
     moment.turns[b] = turns_of(b, position);
   }
   model_.evaluate_at(DoubleDouble(at), position, velocity, integrals, dense_rates_.data());
@@ -502,6 +619,7 @@ double Engine::turns_of(std::size_t b, const double* position) const {
 
 /// Flexible bodies have no rotation coordinate: whole turns are counted by looking often enough.
 void Engine::track_rotation() {
+  const std::int64_t looked = counts_[kRotationEvery];
   counts_[kRotationEvery] = kHousekeepingEvery;
   for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
     const Model::Body& body = model_.bodies()[b];
@@ -511,7 +629,8 @@ void Engine::track_rotation() {
     const double wraps = std::nearbyint(change);
     turn_wraps_[b] -= static_cast<std::int64_t>(wraps);
     last_turns_[b] = turns + static_cast<double>(turn_wraps_[b]);
-    if (std::abs(change - wraps) > kMuchTurning) counts_[kRotationEvery] = 1;
+    const double a_step = std::abs(change - wraps) / static_cast<double>(looked);
+    if (a_step * kHousekeepingEvery > kMuchTurning) counts_[kRotationEvery] = 1;
   }
 }
 
@@ -542,7 +661,7 @@ RunResult Engine::run() {
 /// What is known at the end: the window may close there, and the final forces are read off.
 void Engine::finish() {
   const SystemView<double>& view = model_.system().view;
-  if (!failure_ && !interrupted_ && from_.reached && !to_.reached) {
+  if (!failure_ && !interrupted_ && *from_.reached != 0 && *to_.reached == 0) {
     keep_moment(to_, to_.time, view.position, view.velocity, view.integrals);
   }
   model_.evaluate_at(now(), view.position, view.velocity, view.integrals, final_rates_.data());
@@ -571,7 +690,7 @@ RunResult Engine::result() {
   result.instruction_set = options_.instruction_set;
 
   const int axes = model_.dimension();
-  const bool window = from_.reached && to_.reached;
+  const bool window = *from_.reached != 0 && *to_.reached != 0;
   const double length = to_.time - from_.time;
   for (std::size_t k = 0; k < drivers_.size(); ++k) {
     const Model::Force& force = model_.forces()[drivers_[k]];
@@ -610,13 +729,13 @@ RunResult Engine::result() {
     if (from.rotates()) body.rotation = kTau * turns_of(b, view.position);
     if (window) {
       for (int d = 0; d < axes; ++d) {
-        const DoubleDouble moved = to_.centre[b * axes + d] - from_.centre[b * axes + d];
+        const DoubleDouble moved = to_.place(b * axes + d) - from_.place(b * axes + d);
         body.mean_velocity.push_back(static_cast<double>(moved) / length);
       }
       body.max_speed = extremes_.high(drivers_.size() * axes + b);
       if (from.rotates()) {
         body.turns = to_.turns[b] - from_.turns[b];
-        const double moved = static_cast<double>(to_.centre[b * axes] - from_.centre[b * axes]);
+        const double moved = static_cast<double>(to_.place(b * axes) - from_.place(b * axes));
         if (from.rolling_radius > 0.0 && moved != 0.0) {
           body.rolling = -from.rolling_radius * kTau * *body.turns / moved;
         }

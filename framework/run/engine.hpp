@@ -26,6 +26,10 @@ class Engine {
   Integrator<double>& integrator() { return *integrator_; }
   double stable_step() const { return stable_step_; }
 
+  /// Go on from the numbers of another engine of the same scene: state().to_bytes(). Throws
+  /// std::invalid_argument when they are not.
+  void resume(const std::vector<std::byte>& numbers);
+
   /// Take up to this many steps (fewer at the end of the run, or when one fails) with everything
   /// that a run does along the way. For benchmarks and tests.
   void advance(std::uint64_t steps);
@@ -33,23 +37,30 @@ class Engine {
   double time() const { return clock_[0] + clock_[1]; }
 
  private:
-  /// Everything that the window needs to know of one moment.
+  /// Everything that the window needs to know of one moment; the numbers stand in the run state.
   struct Moment {
     double time = 0.0;
-    bool reached = false;
-    std::vector<double> integrals;
-    std::vector<DoubleDouble> centre;  ///< [body * dimension + axis], cells included
-    std::vector<double> turns;         ///< [body]
+    std::int64_t* reached = nullptr;
+    double* integrals = nullptr;
+    double* centre = nullptr;  ///< [body * dimension + axis][high, low], cells included
+    double* turns = nullptr;   ///< [body]
+
+    DoubleDouble place(std::size_t k) const { return {centre[2 * k], centre[2 * k + 1]}; }
   };
 
+  void declare(StateLayout& layout);
+  void attach();
   void resolve_window();
   void list_signals();
   void check_step();
+  void refuse_endless() const;
   bool take(double since, double h, const DoubleDouble& end, bool to_grid);
   double since_anchor();
   std::int64_t plain_steps() const;
   void plain_block(std::int64_t most);
   void look(double at);
+  bool look_between(double from, double to);
+  double pull_of(std::size_t driver, const double* signals) const;
   void step_fixed(std::uint64_t most);
   void step_adaptive();
   void observe_start();
@@ -88,7 +99,7 @@ class Engine {
   std::int64_t* counts_ = nullptr;  ///< steps taken, steps on the grid, next sample
   double* last_turns_ = nullptr;    ///< flexible bodies: rotation when last looked at
   std::int64_t* turn_wraps_ = nullptr;
-  enum { kSteps, kGridSteps, kNextSample, kRotationEvery };
+  enum { kSteps, kGridSteps, kNextSample, kRotationEvery, kEvaluations, kCounts };
 
   // Drivers and bodies among the signals that extremes are taken of.
   std::vector<std::size_t> drivers_;      ///< indices into model_.forces()
@@ -97,6 +108,7 @@ class Engine {
   std::size_t signal_count_ = 0;
   std::vector<double> signals_;
   std::vector<double> pulls_;
+  std::vector<double> between_[4];  ///< signals at thirds of a step
   Extremes extremes_;
   FirstMaximum first_maximum_;
 

@@ -1,6 +1,8 @@
 #include "framework/run/extremes.hpp"
 
+#include <cmath>
 #include <limits>
+#include <utility>
 
 namespace tomlin {
 
@@ -12,6 +14,34 @@ double parabola_vertex(double t0, double y0, double t1, double y1, double t2, do
   // Slope at t1, and from there down to the vertex.
   const double slope = (left * (t2 - t1) + right * (t1 - t0)) / (t2 - t0);
   return y1 - 0.25 * slope * slope / curvature;
+}
+
+CubicExtremes cubic_extremes(double y0, double y1, double y2, double y3) {
+  // y0 + u (c1 + u (c2 + u c3)) with u = 3 theta, by divided differences.
+  const double d1 = y1 - y0;
+  const double d2 = (y2 - 2.0 * y1 + y0) / 2.0;
+  const double c3 = (y3 - 3.0 * y2 + 3.0 * y1 - y0) / 6.0;
+  const double c2 = d2 - 3.0 * c3;
+  const double c1 = d1 - d2 + 2.0 * c3;
+  CubicExtremes found;
+  const auto keep = [&](double u) {
+    if (!(u > 0.0 && u < 3.0)) return;
+    const double bend = 2.0 * c2 + 6.0 * c3 * u;
+    if (bend == 0.0) return;
+    found.value[found.count] = y0 + u * (c1 + u * (c2 + u * c3));
+    found.is_maximum[found.count] = bend < 0.0;
+    ++found.count;
+  };
+  // Roots of c1 + 2 c2 u + 3 c3 u^2, the stable way round.
+  const double root = c2 * c2 - 3.0 * c3 * c1;
+  if (!(root > 0.0)) return found;
+  const double q = -(c2 + std::copysign(std::sqrt(root), c2));
+  double first = c3 != 0.0 ? q / (3.0 * c3) : -1.0;
+  double second = q != 0.0 ? c1 / q : -1.0;
+  if (second < first) std::swap(first, second);
+  keep(first);
+  keep(second);
+  return found;
 }
 
 void Extremes::declare(StateLayout& layout, std::size_t signals) {
@@ -75,6 +105,18 @@ void Extremes::include(const double* values) {
     if (values[k] > high_[k]) high_[k] = values[k];
     if (values[k] < low_[k]) low_[k] = values[k];
   }
+}
+
+void Extremes::include(std::size_t k, double value) {
+  if (value > high_[k]) high_[k] = value;
+  if (value < low_[k]) low_[k] = value;
+}
+
+void FirstMaximum::settle(std::size_t k, double value) {
+  if (found_[k] != 0) return;
+  height_[k] = value;
+  found_[k] = 1;
+  --*missing_;
 }
 
 void FirstMaximum::declare(StateLayout& layout, std::size_t signals) {

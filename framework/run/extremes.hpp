@@ -17,8 +17,9 @@ class Extremes {
 
   /// Values at a time; those outside [from, to] only serve as neighbours.
   void add(double time, const double* values, bool inside);
-  /// Values at the window's edges, where no step ends.
+  /// Values that no step ends on: at the window's edges, at peaks within a step.
   void include(const double* values);
+  void include(std::size_t signal, double value);
 
   bool any(std::size_t signal) const { return high_[signal] >= low_[signal]; }
   double high(std::size_t signal) const { return high_[signal]; }
@@ -43,6 +44,8 @@ class FirstMaximum {
   void declare(StateLayout& layout, std::size_t signals);
   void attach(RunState& state);
   void add(double time, const double* values);
+  /// A peak known to be the first.
+  void settle(std::size_t signal, double value);
   bool searching() const { return *missing_ > 0; }
   bool found(std::size_t signal) const { return found_[signal] != 0; }
   double value(std::size_t signal) const { return height_[signal]; }
@@ -58,6 +61,14 @@ class FirstMaximum {
   std::int64_t* seen_ = nullptr;
   std::int64_t* missing_ = nullptr;
 };
+
+/// Local extremes of the cubic through values at 0, 1/3, 2/3 and 1, in the order of their place.
+struct CubicExtremes {
+  int count = 0;
+  double value[2] = {};
+  bool is_maximum[2] = {};
+};
+CubicExtremes cubic_extremes(double y0, double y1, double y2, double y3);
 
 /// Height of the parabola through (t0, y0), (t1, y1), (t2, y2) at its vertex.
 double parabola_vertex(double t0, double y0, double t1, double y1, double t2, double y2);

@@ -17,7 +17,7 @@ struct TipScene {
   double start_velocity = 0.0;
   double duration = 20.0;
   std::string integrator = "{ type = \"rk4\", dt = 0.01 }";
-  std::string more;  ///< [measure], [output]
+  std::string more = "";  ///< [measure], [output]
 
   std::string text() const {
     return "[[body]]\nname = \"tip\"\ntype = \"point\"\nparticle_mass = 1.0\nposition = [" +
@@ -44,7 +44,7 @@ struct RingScene {
   double centre = 0.0;
   double duration = 10.0;
   std::string integrator = "{ type = \"rk4\", dt = 0.002 }";
-  std::string more;
+  std::string more = "";
 
   std::string text() const {
     const std::string n = std::to_string(count);
