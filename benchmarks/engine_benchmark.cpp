@@ -43,7 +43,7 @@ type = "sinusoidal_substrate"
 amplitude = 0.1
 period = 1.0
 [run]
-duration = 1e12
+duration = 1e11
 integrator = { type = "rk4", dt = 1e-2 }
 )--";
 
@@ -76,7 +76,7 @@ amplitude = "0.1 / N"
 period = 1.0
 decay = 1.0
 [run]
-duration = 1e12
+duration = 1e11
 integrator = { type = "rk4", dt = )--" +
          dt + " }\n";
 }
@@ -106,7 +106,7 @@ type = "sinusoidal_substrate"
 amplitude = 0.05
 period = 1.0
 [run]
-duration = 1e12
+duration = 1e11
 integrator = { type = "rk4", dt = 1e-2 }
 )--";
 }

@@ -162,8 +162,9 @@ class Dopri5 : public Integrator<double> {
   /// more than the tolerance allows (Hairer, Norsett, Wanner, section II.4).
   double guessed_step() const {
     const SystemView<double>& s = system_.view;
-    double size = 0.0;
-    double slope = 0.0;
+    // Sums that do not depend on the order of bodies, as in the error estimate.
+    DoubleDouble sizes;
+    DoubleDouble slopes;
     for (std::size_t i = 0; i < s.dofs; ++i) {
       const double scale = s.tolerance_scale[i];
       const double x = s.position[i] * scale;
@@ -171,11 +172,11 @@ class Dopri5 : public Integrator<double> {
       const double a = arrays_.acceleration[0][i] * scale;
       const double weight_x = d_.absolute_tolerance + d_.relative_tolerance * std::abs(x) + 1e-300;
       const double weight_v = d_.absolute_tolerance + d_.relative_tolerance * std::abs(v) + 1e-300;
-      size += x / weight_x * (x / weight_x) + v / weight_v * (v / weight_v);
-      slope += v / weight_x * (v / weight_x) + a / weight_v * (a / weight_v);
+      sizes += x / weight_x * (x / weight_x) + v / weight_v * (v / weight_v);
+      slopes += v / weight_x * (v / weight_x) + a / weight_v * (a / weight_v);
     }
-    size = std::sqrt(size);
-    slope = std::sqrt(slope);
+    const double size = std::sqrt(static_cast<double>(sizes));
+    const double slope = std::sqrt(static_cast<double>(slopes));
     const double guess = size < 1e-5 || slope < 1e-5 ? 1e-6 : 0.01 * size / slope;
     return std::clamp(guess, std::max(d_.smallest_step, 1e-10), d_.largest_step);
   }

@@ -180,19 +180,18 @@ TOMLIN_FLATTEN void centre_kernel(const void* arguments, const Stage<double>& st
 
 /// Each particle's row is i + 1, i + 2, ... i - 1: forces computed forwards are added first, then
 /// those of the particles behind are taken off, the furthest first.
-template <class E, int D, bool set>
+template <class E, int D, bool set, int rows>
 TOMLIN_INLINE void cyclic_in_registers(const CyclicArguments<double>& a, const double* x,
                                        double* f) {
   const auto p = in_all_lanes<E, D>(a.parameters);
   const std::size_t stride = a.body.stride;
-  const PackMask real = first_lanes(static_cast<int>(a.body.count));
   Vec<Pack, D> position;
   for (int d = 0; d < D; ++d) position[d] = Pack::load(x + d * stride);
-  constexpr std::size_t kMostRows = kGroup / 2;
-  Vec<Pack, D> force[kMostRows];
+  Vec<Pack, D> force[rows];
   Vec<Pack, D> total;
   for (int d = 0; d < D; ++d) total[d] = Pack(0.0);
-  for (std::size_t row = 0; row < a.rows; ++row) {
+#pragma GCC unroll 4
+  for (int row = 0; row < rows; ++row) {
     Pair<Pack, D> pair;
     for (int d = 0; d < D; ++d) {
       pair.separation[d] = permute(position[d], a.forward + row * kGroup) - position[d];
@@ -201,11 +200,14 @@ TOMLIN_INLINE void cyclic_in_registers(const CyclicArguments<double>& a, const d
     force[row] = force_on<E, Pack, D>(p, pair);
     for (int d = 0; d < D; ++d) total[d] += force[row][d];
   }
-  for (std::size_t row = a.half_row_last ? a.rows - 1 : a.rows; row-- > 0;) {
+#pragma GCC unroll 4
+  for (int row = rows - 1; row >= 0; --row) {
+    if (row == rows - 1 && a.half_row_last) continue;
     for (int d = 0; d < D; ++d) {
       total[d] = total[d] - permute(force[row][d], a.backward + row * kGroup);
     }
   }
+  const PackMask real = first_lanes(static_cast<int>(a.body.count));
   for (int d = 0; d < D; ++d) put<set>(f + d * stride, select(real, total[d], Pack(0.0)));
 }
 
@@ -225,8 +227,16 @@ TOMLIN_FLATTEN void cyclic_kernel(const void* arguments, const Stage<double>& st
   const std::size_t stride = a.body.stride;
   const std::size_t count = a.body.count;
   if (count <= kGroup) {
-    cyclic_in_registers<E, D, set>(a, x, f);
-    return;
+    switch (a.rows) {
+      case 1:
+        return cyclic_in_registers<E, D, set, 1>(a, x, f);
+      case 2:
+        return cyclic_in_registers<E, D, set, 2>(a, x, f);
+      case 3:
+        return cyclic_in_registers<E, D, set, 3>(a, x, f);
+      default:
+        return cyclic_in_registers<E, D, set, 4>(a, x, f);
+    }
   }
   const auto p = in_all_lanes<E, D>(a.parameters);
   for (int d = 0; d < D; ++d) extend(x + d * stride, count, a.extended + d * a.extended_stride);

@@ -506,12 +506,25 @@ TOMLIN_INLINE Pack three_lanes(double a, double b, double c) {
   return Pack(pack_detail::Part{_mm512_zextpd256_pd512(_mm256_set_pd(0.0, c, b, a))});
 }
 #elif TOMLIN_TARGET_IS_AVX2
+// No instruction permutes across two registers: each half of the result is picked from both halves.
+// Doubles move as pairs of 32-bit words, of whose index only the lowest three bits count.
 TOMLIN_INLINE Pack permute(const Pack& a, const std::int64_t* order) {
-  // No instruction permutes across two registers.
-  alignas(32) double lanes[kLanes];
-  a.store(lanes);
+  double halves[kLanes];
+  a.store_unaligned(halves);
+  const __m256i low = _mm256_castpd_si256(_mm256_loadu_pd(halves));
+  const __m256i high = _mm256_castpd_si256(_mm256_loadu_pd(halves + 4));
   alignas(32) double moved[kLanes];
-  for (int i = 0; i < kLanes; ++i) moved[i] = lanes[order[i]];
+  for (int half = 0; half < 2; ++half) {
+    const __m256i from =
+        _mm256_loadu_si256(reinterpret_cast<const __m256i*>(order + 4 * half));
+    const __m256i word = _mm256_add_epi64(from, from);
+    const __m256i next = _mm256_slli_epi64(_mm256_add_epi64(word, _mm256_set1_epi64x(1)), 32);
+    const __m256i words = _mm256_or_si256(word, next);
+    const __m256i in_high = _mm256_cmpgt_epi64(from, _mm256_set1_epi64x(3));
+    const __m256i picked = _mm256_blendv_epi8(_mm256_permutevar8x32_epi32(low, words),
+                                              _mm256_permutevar8x32_epi32(high, words), in_high);
+    _mm256_store_pd(moved + 4 * half, _mm256_castsi256_pd(picked));
+  }
   return Pack::load(moved);
 }
 TOMLIN_INLINE Pack three_lanes(double a, double b, double c) {

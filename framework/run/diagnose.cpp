@@ -1,5 +1,6 @@
 #include "framework/run/diagnose.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -69,19 +70,40 @@ std::string strongest_force(Model& model, std::size_t coordinate) {
   return strongest;
 }
 
-bool particles_coincide(const Model& model, const SystemView<double>& s, const std::string& name) {
-  constexpr std::size_t kFew = 500;  // a message is not worth more than this squared
+/// Whether two particles of a body stand in one place, or meet within a step of h on their way.
+bool particles_meet(const Model& model, const SystemView<double>& s, const std::string& name,
+                    double h) {
+  constexpr std::size_t kFew = 500;     // a message is not worth more than this squared
+  constexpr double kAsGoodAsZero = 1e-6;  // of the distance
   for (const Model::Body& body : model.bodies()) {
     const BodySlot<double>& slot = body.bound.slot;
     if (body.bound.name != name || slot.mapped || slot.count > kFew) continue;
     for (std::size_t i = 0; i < slot.count; ++i) {
       for (std::size_t j = i + 1; j < slot.count; ++j) {
-        bool same = true;
+        double apart[3] = {};
+        double closing[3] = {};
+        double square = 0.0;
+        double along = 0.0;
+        double speed = 0.0;
         for (int d = 0; d < model.dimension(); ++d) {
           const double* x = s.position + slot.offset + d * slot.stride;
-          same = same && x[i] == x[j];
+          const double* v = s.velocity + slot.offset + d * slot.stride;
+          apart[d] = x[j] - x[i];
+          closing[d] = v[j] - v[i];
+          square += apart[d] * apart[d];
+          along -= apart[d] * closing[d];
+          speed += closing[d] * closing[d];
         }
-        if (same) return true;
+        if (square == 0.0) return true;
+        // On a line particles pass through each other: a bond has a direction on either side.
+        if (model.dimension() == 1 || !(along > 0.0)) continue;
+        const double meeting = std::min(along / speed, h);
+        double closest = 0.0;
+        for (int d = 0; d < model.dimension(); ++d) {
+          const double left = apart[d] + meeting * closing[d];
+          closest += left * left;
+        }
+        if (closest <= kAsGoodAsZero * kAsGoodAsZero * square) return true;
       }
     }
   }
@@ -124,7 +146,7 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
                             : "an acceleration is not a finite number";
       break;
   }
-  if (particles_coincide(model, s, name.body)) {
+  if (particles_meet(model, s, name.body, h)) {
     failure.cause = "two particles of the body coincide, and a bond has no direction there";
   } else if (!scheme.adaptive && h > stable_step) {
     failure.cause =
