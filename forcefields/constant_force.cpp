@@ -10,18 +10,6 @@ namespace {
 
 using Description = ConstantForceDescription;
 
-std::vector<Complaint> complaints(const void*, const SceneOutline&) { return {}; }
-
-double period(const void*, int) { return 0.0; }
-
-std::unique_ptr<BoundForce<double>> bind(const void* description, const Binding<double>& binding) {
-  const auto& d = *static_cast<const Description*>(description);
-  return for_dimension(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<double>> {
-    return std::make_unique<ParticleForce<ConstantForce, D>>(d, binding, kernels::ConstantForce,
-                                                             kRankCheap);
-  });
-}
-
 }  // namespace
 
 ForceRecord constant_force_record() {
@@ -37,9 +25,7 @@ ForceRecord constant_force_record() {
   record.make_description = &make_description<Description>;
   record.parameters = {
       parameter("force", &Description::force, dimension::force, "on each particle, per axis")};
-  record.complaints = &complaints;
-  record.period = &period;
-  record.bind = &bind;
+  record.bind = &bind_on_particles<ConstantForce, kernels::ConstantForce, kRankCheap>;
   record.example = R"(# A falling particle.
 [[body]]
 type = "point"

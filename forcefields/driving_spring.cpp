@@ -72,10 +72,6 @@ class Driven : public Base {
   Drive drive_;
 };
 
-std::vector<Complaint> complaints(const void*, const SceneOutline&) { return {}; }
-
-double period(const void*, int) { return 0.0; }
-
 std::unique_ptr<BoundForce<double>> bind(const void* description, const Binding<double>& binding) {
   const auto& d = *static_cast<const Description*>(description);
   return for_dimension(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<double>> {
@@ -116,8 +112,6 @@ ForceRecord driving_spring_record() {
                 "place of the pulled end at t = 0; the attached point by default")
           .or_absent()};
   record.reserved = {{"reverse", "turn the driver round when an observable passes a value"}};
-  record.complaints = &complaints;
-  record.period = &period;
   record.bind = &bind;
   record.example = R"(# A damped particle follows a spring.
 [[body]]

@@ -52,8 +52,6 @@ std::vector<Complaint> complaints(const void* description, const SceneOutline& s
   return found;
 }
 
-double period(const void*, int) { return 0.0; }
-
 /// Rest lengths for the pairs of this body, in the pairs' order. The distances at the start are
 /// taken as the kernels take them, so that no bond starts with a force of rounding.
 template <int D>
@@ -106,7 +104,6 @@ ForceRecord harmonic_bonds_record() {
           .one_of({"initial"})
           .by_default(WordOrNumbers{.word = "initial", .numbers = {}})};
   record.complaints = &complaints;
-  record.period = &period;
   record.bind = &bind;
   record.example = R"(# Three particles on a line, stretched and let go.
 [[body]]

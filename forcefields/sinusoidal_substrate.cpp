@@ -22,14 +22,6 @@ double period(const void* description, int axis) {
   return axis == 0 ? static_cast<const Description*>(description)->period : 0.0;
 }
 
-std::unique_ptr<BoundForce<double>> bind(const void* description, const Binding<double>& binding) {
-  const auto& d = *static_cast<const Description*>(description);
-  return for_dimension(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<double>> {
-    return std::make_unique<ParticleForce<SinusoidalSubstrate, D>>(
-        d, binding, kernels::SinusoidalSubstrate, kRankTranscendental);
-  });
-}
-
 }  // namespace
 
 ForceRecord sinusoidal_substrate_record() {
@@ -53,7 +45,8 @@ ForceRecord sinusoidal_substrate_record() {
           .by_default(0.0)};
   record.complaints = &complaints;
   record.period = &period;
-  record.bind = &bind;
+  record.bind =
+      &bind_on_particles<SinusoidalSubstrate, kernels::SinusoidalSubstrate, kRankTranscendental>;
   record.example = R"(# A particle released near the top of a corrugation swings about the minimum.
 [[body]]
 type = "point"

@@ -10,18 +10,6 @@ namespace {
 
 using Description = ViscousDampingDescription;
 
-std::vector<Complaint> complaints(const void*, const SceneOutline&) { return {}; }
-
-double period(const void*, int) { return 0.0; }
-
-std::unique_ptr<BoundForce<double>> bind(const void* description, const Binding<double>& binding) {
-  const auto& d = *static_cast<const Description*>(description);
-  return for_dimension(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<double>> {
-    return std::make_unique<ParticleForce<ViscousDamping, D>>(d, binding, kernels::ViscousDamping,
-                                                              kRankCheap);
-  });
-}
-
 }  // namespace
 
 ForceRecord viscous_damping_record() {
@@ -38,9 +26,7 @@ ForceRecord viscous_damping_record() {
   record.parameters = {parameter("coefficient", &Description::coefficient, dimension::friction,
                                  "mass/time, per particle (not the rate, which is 1/time)")
                            .in(non_negative)};
-  record.complaints = &complaints;
-  record.period = &period;
-  record.bind = &bind;
+  record.bind = &bind_on_particles<ViscousDamping, kernels::ViscousDamping, kRankCheap>;
   record.example = R"(# A particle coasts to rest.
 [[body]]
 type = "point"

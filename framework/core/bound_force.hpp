@@ -122,7 +122,8 @@ class BoundForce {
     return false;
   }
   /// Running integrals that its kernels give the rates of: a driver's force on each axis, then its
-  /// power. `place_rates` says where among all rates. (Variables of its own stand apart, see below.)
+  /// power. `place_rates` says where among all rates. (Variables of its own stand apart, see
+  /// below.)
   virtual std::size_t rate_count() const { return 0; }
   virtual void place_rates(std::ptrdiff_t first) { (void)first; }
   /// For forces that depend on time: stages count their `elapsed` from this time on. Called every
@@ -161,8 +162,8 @@ class BoundForce {
   virtual void friction(FrictionSink& sink) const { (void)sink; }
 
   // The state contract: variables of its own, laid out, integrated and saved by the engine. Kernels
-  // read variable k at stage.own[first + k] and write its time derivative to stage.rates[first + k],
-  // with the `first` that place_own() gave; start_own() fills own[first + k].
+  // read variable k at stage.own[first + k] and write its time derivative to stage.rates[first +
+  // k], with the `first` that place_own() gave; start_own() fills own[first + k].
 
   virtual std::size_t own_count() const { return 0; }
   virtual void place_own(std::size_t first) { (void)first; }

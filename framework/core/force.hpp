@@ -29,6 +29,12 @@ struct SceneOutline {
   std::vector<Body> bodies;  ///< those the force acts on, in the order named
 };
 
+/// For forces whose keys need no checking against each other.
+inline std::vector<Complaint> no_complaints(const void*, const SceneOutline&) { return {}; }
+
+/// For forces that declare no period.
+inline double no_period(const void*, int) { return 0.0; }
+
 struct ForceRecord : ComponentRecord {
   Element element = Element::site;
   Traits traits;
@@ -37,10 +43,10 @@ struct ForceRecord : ComponentRecord {
 
   /// Faults across keys and against the bodies; empty when sound.
   std::vector<Complaint> (*complaints)(const void* description,
-                                       const SceneOutline& scene) = nullptr;
+                                       const SceneOutline& scene) = &no_complaints;
   /// Period of the force along an axis; 0 when it declares none. The longest period declared on
   /// an axis becomes the unit in which the scene's origin moves.
-  double (*period)(const void* description, int axis) = nullptr;
+  double (*period)(const void* description, int axis) = &no_period;
 
   /// Factories by number type. A missing one removes that number type for scenes with this force.
   std::unique_ptr<BoundForce<double>> (*bind)(const void* description,

@@ -515,8 +515,7 @@ TOMLIN_INLINE Pack permute(const Pack& a, const std::int64_t* order) {
   const __m256i high = _mm256_castpd_si256(_mm256_loadu_pd(halves + 4));
   alignas(32) double moved[kLanes];
   for (int half = 0; half < 2; ++half) {
-    const __m256i from =
-        _mm256_loadu_si256(reinterpret_cast<const __m256i*>(order + 4 * half));
+    const __m256i from = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(order + 4 * half));
     const __m256i word = _mm256_add_epi64(from, from);
     const __m256i next = _mm256_slli_epi64(_mm256_add_epi64(word, _mm256_set1_epi64x(1)), 32);
     const __m256i words = _mm256_or_si256(word, next);

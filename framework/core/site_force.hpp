@@ -82,8 +82,8 @@ class ForceOnSites : public BoundForce<double> {
   BoundBody<double> body_;
 };
 
-/// The evaluator on every particle of a body. `start`, in the scene's coordinates, is where drivers'
-/// ends are at time 0; empty: each at its own particle.
+/// The evaluator on every particle of a body. `start`, in the scene's coordinates, is where
+/// drivers' ends are at time 0; empty: each at its own particle.
 template <class E, int D>
 class ParticleForce : public ForceOnSites<E, D> {
   using Base = ForceOnSites<E, D>;
@@ -295,6 +295,16 @@ std::unique_ptr<BoundForce<double>> for_dimension(int dimension, Make&& make) {
     default:
       return make.template operator()<3>();
   }
+}
+
+/// The whole binding of a force on particles: `record.bind = &bind_on_particles<Evaluator, ...>`.
+template <class E, const KernelTables& tables, int rank>
+std::unique_ptr<BoundForce<double>> bind_on_particles(const void* description,
+                                                      const Binding<double>& binding) {
+  const auto& d = *static_cast<const typename E::Description*>(description);
+  return for_dimension(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<double>> {
+    return std::make_unique<ParticleForce<E, D>>(d, binding, tables, rank);
+  });
 }
 
 }  // namespace tomlin

@@ -12,10 +12,10 @@ namespace tomlin {
 
 template <class Real>
 struct SystemView {
-  std::size_t dofs = 0;   ///< length of position, velocity and force, padding included
-  std::size_t own = 0;    ///< state variables owned by forces, padded; the first of the integrals
-  std::size_t own_count = 0;  ///< the same without padding
-  std::size_t rates = 0;  ///< own variables and running integrals, padded
+  std::size_t dofs = 0;  ///< length of position, velocity and force, padding included
+  std::size_t own = 0;   ///< state variables owned by forces, padded; the first of the integrals
+  std::size_t own_count = 0;   ///< the same without padding
+  std::size_t rates = 0;       ///< own variables and running integrals, padded
   std::size_t used_rates = 0;  ///< without the padding at the end
 
   // The current state, relative to the scene's origin.

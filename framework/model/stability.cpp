@@ -98,7 +98,8 @@ class ScaledHessian : public HessianSink {
     return n;
   }
 
-  /// How a place follows from coordinates: by one of them, or by a rigid body's centre and rotation.
+  /// How a place follows from coordinates: by one of them, or by a rigid body's centre and
+  /// rotation.
   struct Part {
     std::ptrdiff_t coordinate = kNone;
     double factor = 0.0;
@@ -109,14 +110,16 @@ class ScaledHessian : public HessianSink {
     const Model::Body& body = model_.bodies()[b];
     if (first_[b] == kNone) return {};
     if (body.bound.slot.rigid) return rigid_parts(b, axis, across(body.arms[particle], axis));
-    return {Part{first_[b] + static_cast<std::ptrdiff_t>(particle) * model_.dimension() + axis, 1.0},
-            Part{}};
+    return {
+        Part{first_[b] + static_cast<std::ptrdiff_t>(particle) * model_.dimension() + axis, 1.0},
+        Part{}};
   }
 
   Parts weighted_parts(std::size_t b, const double* weight, int axis) const {
     const Model::Body& body = model_.bodies()[b];
     double arm = 0.0;
-    for (std::size_t i = 0; i < body.arms.size(); ++i) arm += weight[i] * across(body.arms[i], axis);
+    for (std::size_t i = 0; i < body.arms.size(); ++i)
+      arm += weight[i] * across(body.arms[i], axis);
     return rigid_parts(b, axis, arm);
   }
 

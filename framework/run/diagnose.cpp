@@ -73,7 +73,7 @@ std::string strongest_force(Model& model, std::size_t coordinate) {
 /// Whether two particles of a body stand in one place, or meet within a step of h on their way.
 bool particles_meet(const Model& model, const SystemView<double>& s, const std::string& name,
                     double h) {
-  constexpr std::size_t kFew = 500;     // a message is not worth more than this squared
+  constexpr std::size_t kFew = 500;       // a message is not worth more than this squared
   constexpr double kAsGoodAsZero = 1e-6;  // of the distance
   for (const Model::Body& body : model.bodies()) {
     const BodySlot<double>& slot = body.bound.slot;

@@ -98,17 +98,17 @@ void Engine::refuse_endless() const {
     return found == places.end() ? table : found->second;
   };
   if (dt_ > 0.0 && !(duration_ / dt_ <= kMostSteps)) {
-    throw InputError({{place(scene_->run.integrator.places, "dt", scene_->run.place),
-                       "run.integrator.dt", fmt::format("{}", dt_),
-                       fmt::format("the run would take {:.3g} steps", duration_ / dt_),
-                       fmt::format("at most {:g} steps", kMostSteps), ""}});
+    throw InputError(
+        {{place(scene_->run.integrator.places, "dt", scene_->run.place), "run.integrator.dt",
+          fmt::format("{}", dt_), fmt::format("the run would take {:.3g} steps", duration_ / dt_),
+          fmt::format("at most {:g} steps", kMostSteps), ""}});
   }
   if (scene_->output.every && !(duration_ / *scene_->output.every <= kMostSamples)) {
-    throw InputError({{place(scene_->output.places, "every", scene_->output.place), "output.every",
-                       fmt::format("{}", *scene_->output.every),
-                       fmt::format("the run would leave {:.3g} samples",
-                                   duration_ / *scene_->output.every),
-                       fmt::format("at most {:g} samples", kMostSamples), ""}});
+    throw InputError(
+        {{place(scene_->output.places, "every", scene_->output.place), "output.every",
+          fmt::format("{}", *scene_->output.every),
+          fmt::format("the run would leave {:.3g} samples", duration_ / *scene_->output.every),
+          fmt::format("at most {:g} samples", kMostSamples), ""}});
   }
 }
 

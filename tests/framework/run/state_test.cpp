@@ -279,14 +279,13 @@ std::string three_tips(const std::vector<int>& order, const std::string& integra
       return std::string("[[force]]\nname = \"") + prefix + tip.name + "\"\ntype = \"" + type +
              "\"\n" + on;
     };
-    bodies += std::string("[[body]]\nname = \"") + tip.name +
-              "\"\ntype = \"point\"\nposition = [" + digits(tip.position) +
-              "]\nparticle_mass = " + digits(tip.mass) + "\n";
+    bodies += std::string("[[body]]\nname = \"") + tip.name + "\"\ntype = \"point\"\nposition = [" +
+              digits(tip.position) + "]\nparticle_mass = " + digits(tip.mass) + "\n";
     forces += force("pull_", "driving_spring") + "stiffness = " + digits(tip.stiffness) +
               "\nvelocity = [" + digits(tip.velocity) + "]\n";
     forces += force("drag_", "viscous_damping") + "coefficient = 1.0\n";
-    forces += force("corrugation_", "sinusoidal_substrate") + "amplitude = " +
-              digits(tip.amplitude) + "\nperiod = 1.0\n";
+    forces += force("corrugation_", "sinusoidal_substrate") +
+              "amplitude = " + digits(tip.amplitude) + "\nperiod = 1.0\n";
   }
   return bodies + forces + "[run]\nduration = 30.0\nintegrator = " + integrator + "\n";
 }
