@@ -125,7 +125,6 @@ std::vector<std::pair<std::string, std::string>> later(const TableLayout& layout
 }
 
 // ---- text
-// -----------------------------------------------------------------------------------------
 
 std::string list_text(const std::vector<Described>& all) {
   std::size_t width = 0;
@@ -197,7 +196,6 @@ std::string component_text(const Described& component) {
 }
 
 // ---- JSON
-// -----------------------------------------------------------------------------------------
 
 Json json_of(const Node& node) {
   return std::visit(

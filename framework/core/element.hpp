@@ -59,7 +59,6 @@ TOMLIN_INLINE Vec<T, D> pull(const Vec<T, D>& separation, const T& r, const T& t
 }
 
 // ---- the same parameters and elements in another number type
-// --------------------------------------
 
 /// Parameters<T, D> hold nothing but T, so they convert number by number.
 template <class E, class To, class From, int D>

@@ -176,7 +176,6 @@ TOMLIN_FLATTEN void centre_kernel(const void* arguments, const Stage<double>& st
 }
 
 // ---- pairs around a ring
-// --------------------------------------------------------------------------
 
 /// Each particle's row is i + 1, i + 2, ... i - 1: forces computed forwards are added first, then
 /// those of the particles behind are taken off, the furthest first.
@@ -290,7 +289,6 @@ TOMLIN_FLATTEN void cyclic_kernel(const void* arguments, const Stage<double>& st
 }
 
 // ---- pairs along an open chain
-// --------------------------------------------------------------------
 
 alignas(64) inline constexpr std::int64_t kOneBack[kGroup] = {7, 0, 1, 2, 3, 4, 5, 6};
 

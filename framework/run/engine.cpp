@@ -156,7 +156,6 @@ void Engine::resume(const std::vector<std::byte>& numbers) {
   model_.system().evaluations = static_cast<std::uint64_t>(counts_[kEvaluations]);
   plain_left_ = 0;
   ended_ = interrupted_ = false;
-  failure_.reset();
   if (dt_ == 0.0) {
     model_.anchor(now());
   } else {
@@ -444,20 +443,21 @@ bool Engine::look_between(double from, double to) {
     signals_from_velocity(dense_velocity_.data());
     between_[k] = signals_;
   }
-  const bool inside = from >= from_.time && to <= to_.time;
-  if (inside) {
-    extremes_.include(between_[0].data());
-    extremes_.include(between_[3].data());
+  // Of a step across an edge of the window only what lies within counts.
+  const auto inside = [&](double theta) {
+    const double at = from + (to - from) * theta;
+    return at >= from_.time && at <= to_.time;
+  };
+  if (to > from_.time && from < to_.time) {
+    for (const int k : {0, 3}) {
+      if (inside(k / 3.0)) extremes_.include(between_[k].data());
+    }
     for (std::size_t s = 0; s < signal_count_; ++s) {
       const CubicExtremes found =
           cubic_extremes(between_[0][s], between_[1][s], between_[2][s], between_[3][s]);
-      for (int e = 0; e < found.count; ++e) extremes_.include(s, found.value[e]);
-    }
-  } else if (to > from_.time && from < to_.time) {
-    // A step across an edge: only what lies within counts.
-    for (int k = 0; k <= 3; ++k) {
-      const double at = from + (to - from) * k / 3.0;
-      if (at >= from_.time && at <= to_.time) extremes_.include(between_[k].data());
+      for (int e = 0; e < found.count; ++e) {
+        if (inside(found.place[e])) extremes_.include(s, found.value[e]);
+      }
     }
   }
   if (!first_maximum_.searching()) return true;

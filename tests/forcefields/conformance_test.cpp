@@ -115,7 +115,6 @@ TEST(Conformance, TheEdgeOfARangeIsAccepted) {
 }
 
 // ---- names
-// ---------------------------------------------------------------------------------------
 
 std::string contents(const std::filesystem::path& file) {
   std::ifstream in(file);
@@ -178,7 +177,6 @@ TEST(Names, EveryFilePairIsRegistered) {
 }
 
 // ---- registration
-// ----------------------------------------------------------------------------------
 
 template <class Record, class Spoil>
 bool refused(const Record& complete, Spoil&& spoil) {
@@ -236,7 +234,6 @@ TEST(Registration, ANameIsTakenOnce) {
 }
 
 // ---- evaluators: exact derivatives
-// -------------------------------------------------------------------
 
 // Energy and force are rounded differently: some units in the last place of their size.
 constexpr double kDualRounding = 64.0 * std::numeric_limits<double>::epsilon();
@@ -364,7 +361,6 @@ TEST(Evaluators, BondsAreTheExactDerivativeOfTheEnergy) {
 }
 
 // ---- planted faults
-// ------------------------------------------------------------------------------------
 
 /// Kernels of an evaluator that lives in this file.
 template <class E>

@@ -43,7 +43,6 @@ const std::vector<Scheme>& schemes() {
 }
 
 // ---- problems with known motion
-// ------------------------------------------------------------------
 
 struct State {
   double x = 0.0;
@@ -251,7 +250,6 @@ TEST(DenseOutput, HasTheOrderItClaims) {
 }
 
 // ---- step control
-// ----------------------------------------------------------------------------------
 
 /// Error proportional to tolerance: the embedded error is of order h^5 in a step, and so is what
 /// the fifth-order solution accumulates.
@@ -292,7 +290,6 @@ TEST(StepControl, TolerancesScaleAsStated) {
 }
 
 // ---- evaluations
-// -------------------------------------------------------------------------------------
 
 TEST(Evaluations, FourPerStepOfRk4) {
   const RunResult result = run_text(kTip + fixed_step(0.01));
@@ -340,7 +337,6 @@ TEST(Evaluations, RecordsSayHowMany) {
 }
 
 // ---- limits of the adaptive scheme
-// ---------------------------------------------------------------------
 
 std::string limited(const std::string& limits) {
   return std::string(kTip) + "{ type = \"dopri5\", " + limits + " }\n";
@@ -426,7 +422,6 @@ TEST(Limits, LeavingTheFiniteNumbers) {
 }
 
 // ---- growth
-// ------------------------------------------------------------------------------------------
 
 /// |R(h lambda)| of a real mode of the overdamped oscillator, or of the pair +-i omega.
 struct Mode {
@@ -492,7 +487,6 @@ TEST(Growth, HasTheKnownLimits) {
 }
 
 // ---- the tableau
-// ---------------------------------------------------------------------------------------
 
 using Stages = std::array<double, 7>;
 using T = Dopri5Tableau;

@@ -336,7 +336,6 @@ inline std::shared_ptr<void> random_description(const ForceRecord& record,
 }
 
 // ---- second derivatives and friction
-// --------------------------------------------------------------
 
 /// The Hessian in the bench's variables.
 class DenseHessian : public HessianSink {

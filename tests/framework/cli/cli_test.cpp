@@ -101,7 +101,6 @@ bool contains(const std::string& text, const std::string& part) {
 std::ptrdiff_t lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
 // ---- the command line
-// -----------------------------------------------------------------------------
 
 TEST_F(Cli, HelpIsEverywhere) {
   for (const std::vector<std::string>& command :
@@ -177,7 +176,6 @@ TEST_F(Cli, WhatIsToComeSaysSo) {
 }
 
 // ---- describe
-// -------------------------------------------------------------------------------------
 
 TEST_F(Cli, DescribeListsTheComponents) {
   const Ended ended = tomlin({"describe"});
@@ -228,7 +226,6 @@ TEST_F(Cli, DescribeKnowsWhatItDoesNotKnow) {
 }
 
 // ---- run
-// ------------------------------------------------------------------------------------------
 
 TEST_F(Cli, ARunLeavesItsFilesAndAShortResult) {
   const Ended ended = tomlin({"run", "tip.toml"});
@@ -382,7 +379,6 @@ TEST_F(Cli, AFolderThatMayNotBeWrittenIsBadInput) {
 }
 
 // ---- scenes that cannot be run
-// --------------------------------------------------------------------
 
 TEST_F(Cli, ASceneThatIsNotThereIsBadInput) {
   write(folder_ / "empty.toml", "");
@@ -431,7 +427,6 @@ TEST_F(Cli, WhatShowsOnlyWhenTheSceneIsBoundMakesNoFolder) {
 }
 
 // ---- runs that do not end well
-// --------------------------------------------------------------------
 
 TEST_F(Cli, AFailedRunLeavesItsSummary) {
   const Ended ended = tomlin({"run", "tip.toml", "--set", "run.integrator.dt=10"});

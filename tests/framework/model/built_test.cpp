@@ -103,7 +103,6 @@ TEST(Built, NoSamplesUnlessAsked) {
 }
 
 // ---- generalised forces of rigid bodies: virtual work
-// --------------------------------------------------
 
 /// A rigid ring under one force: the generalised forces are minus the gradient of the potential
 /// energy in x, y and the rotation (in turns), by central differences.

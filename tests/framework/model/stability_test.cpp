@@ -159,7 +159,6 @@ TEST(StableStep, AdaptiveSchemesAreNotHeldToIt) {
 }
 
 // ---- failures
-// -----------------------------------------------------------------------------------------
 
 TEST(Failure, ASpeedThatRunsAwayIsNoticedAtAPeriodAStep) {
   const std::string text =

@@ -91,6 +91,41 @@ TEST(Extremes, AreOfTheWindow) {
   EXPECT_LT(result.drivers[0].max_force[0], *result.drivers[0].static_force);
 }
 
+/// Adaptive steps do not end at the window's edges: a peak within counts, one outside does not.
+TEST(Extremes, PeaksBesideTheWindowsEdges) {
+  constexpr double kDense = 2e-6;  // the dense output's error at 1e-8, and the reference's samples
+  const TipScene tip{.duration = 20.0};
+  for (int shift = 0; shift < 16; ++shift) {
+    const double from = 8.0 + 0.13 * shift;
+    const double to = from + 0.9;
+    SCOPED_TRACE(from);
+    const Reference reference = reference_of(tip, from - 1e-9, to + 1e-9);
+    TipScene long_steps = tip;
+    long_steps.integrator = adaptive(1e-8);
+    long_steps.more =
+        "[measure]\nin = \"time\"\nfrom = " + digits(from) + "\nto = " + digits(to) + "\n";
+    const RunResult result = run_text(long_steps.text());
+    EXPECT_NEAR(result.drivers[0].max_force[0], reference.high, kDense);
+    EXPECT_NEAR(result.drivers[0].min_force[0], reference.low, kDense);
+    EXPECT_NEAR(*result.bodies[0].max_speed, reference.speed, kDense);
+  }
+}
+
+TEST(Extremes, ACubicIsMeasuredExactly) {
+  // Extremes of (t - 0.2) (t - 0.7) integrated: a maximum at 0.2, a minimum at 0.7.
+  const auto y = [](double t) { return t * t * t / 3.0 - 0.45 * t * t + 0.14 * t; };
+  const CubicExtremes found = cubic_extremes(y(0.0), y(1.0 / 3.0), y(2.0 / 3.0), y(1.0));
+  ASSERT_EQ(found.count, 2);
+  EXPECT_TRUE(found.is_maximum[0]);
+  EXPECT_FALSE(found.is_maximum[1]);
+  constexpr double kRounding = 1e-14;
+  EXPECT_NEAR(found.place[0], 0.2, kRounding);
+  EXPECT_NEAR(found.place[1], 0.7, kRounding);
+  EXPECT_NEAR(found.value[0], y(0.2), kRounding);
+  EXPECT_NEAR(found.value[1], y(0.7), kRounding);
+  EXPECT_EQ(cubic_extremes(0.0, 1.0, 2.0, 3.0).count, 0) << "a line has none";
+}
+
 TEST(Extremes, AParabolaIsMeasuredExactly) {
   const auto y = [](double t) { return 3.0 - 2.0 * (t - 0.37) * (t - 0.37); };
   EXPECT_NEAR(parabola_vertex(0.1, y(0.1), 0.3, y(0.3), 0.9, y(0.9)), 3.0, 1e-14);
@@ -104,7 +139,6 @@ TEST(Extremes, NoFirstMaximumWithoutAPull) {
 }
 
 // ---- rotation
-// ----------------------------------------------------------------------------------------
 
 /// A free ring that spins: velocity omega times (-y, x) of each particle.
 std::string spinning(const std::string& coordinates, double omega, double duration, double dt,

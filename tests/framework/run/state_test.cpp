@@ -119,7 +119,6 @@ TEST(RunState, WhatDoesNotFitIsRefused) {
 }
 
 // ---- going on from a state
-// -------------------------------------------------------------------------
 
 struct Case {
   const char* what;
@@ -216,7 +215,6 @@ TEST(Resume, IntoAnEngineThatHasRunFurther) {
 }
 
 // ---- the same bits
-// -----------------------------------------------------------------------------------
 
 TEST(SameBits, OnASecondRun) {
   for (const Case& c : cases()) {
@@ -259,7 +257,6 @@ TEST(SameBits, ADifferenceIsSeen) {
 }
 
 // ---- independent bodies
-// --------------------------------------------------------------------------------
 
 /// Three tips of their own, which start in different cells.
 std::string three_tips(const std::vector<int>& order, const std::string& integrator) {

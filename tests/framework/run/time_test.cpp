@@ -72,7 +72,6 @@ TEST(Time, AnAdaptiveRunEndsExactly) {
 }
 
 // ---- looking changes nothing
-// -------------------------------------------------------------------------
 
 std::vector<std::string> looks(double dt, double duration) {
   const auto every = [](double interval) { return "[output]\nevery = " + digits(interval) + "\n"; };
@@ -159,7 +158,6 @@ TEST(Looking, SamplesAreAllThere) {
 }
 
 // ---- far out
-// -----------------------------------------------------------------------------------------
 
 // Offsets within a cell keep all their digits; what is left are other roundings of the start, which
 // damping forgets. Twenty periods' worth of steps.
@@ -206,7 +204,6 @@ TEST(FarOut, TheMeanForceOfAFlexibleRing) {
 }
 
 // ---- many cells
-// ----------------------------------------------------------------------------------------
 
 /// A flat substrate declares its period all the same. Steady sliding: the spring pulls c V, and
 /// lags c V/k behind, however many cells it has come.
