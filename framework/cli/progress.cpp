@@ -6,6 +6,8 @@
 #include <cstdio>
 
 #include <fmt/format.h>
+#include <spdlog/logger.h>
+#include <spdlog/sinks/stdout_sinks.h>
 #include <unistd.h>
 
 namespace tomlin {
@@ -35,12 +37,20 @@ std::string progress_text(const RunProgress& progress) {
                      duration_text(elapsed), duration_text(remaining), rate);
 }
 
+ProgressLine::ProgressLine(Style style) : style_(style) {
+  if (style != Style::plain) return;
+  log_ = std::make_shared<spdlog::logger>("tomlin",
+                                          std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  log_->set_pattern("%n: %v");
+  log_->flush_on(spdlog::level::info);
+}
+
 void ProgressLine::show(const RunProgress& progress) {
   if (style_ == Style::silent) return;
   if (style_ == Style::plain) {
     if (progress.elapsed_seconds - last_shown_ < kPlainEvery) return;
     last_shown_ = progress.elapsed_seconds;
-    std::fputs(("tomlin: " + progress_text(progress) + "\n").c_str(), stderr);
+    log_->info(progress_text(progress));
     return;
   }
   std::string line = "tomlin: " + progress_text(progress);

@@ -1,9 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string>
 
 #include "framework/run/run.hpp"
+
+namespace spdlog {
+class logger;
+}
 
 namespace tomlin {
 
@@ -16,7 +21,7 @@ class ProgressLine {
  public:
   enum class Style { silent, terminal, plain };
 
-  explicit ProgressLine(Style style) : style_(style) {}
+  explicit ProgressLine(Style style);
 
   void show(const RunProgress& progress);
   /// Clears the terminal's line.
@@ -24,6 +29,7 @@ class ProgressLine {
 
  private:
   Style style_;
+  std::shared_ptr<spdlog::logger> log_;  ///< for plain lines
   std::size_t width_ = 0;    ///< of what stands on the terminal's line
   double last_shown_ = 0.0;  ///< elapsed seconds at the last plain line
 };
