@@ -39,8 +39,8 @@ std::string progress_text(const RunProgress& progress) {
 
 ProgressLine::ProgressLine(Style style) : style_(style) {
   if (style != Style::plain) return;
-  log_ = std::make_shared<spdlog::logger>("tomlin",
-                                          std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  log_ =
+      std::make_shared<spdlog::logger>("tomlin", std::make_shared<spdlog::sinks::stderr_sink_mt>());
   log_->set_pattern("%n: %v");
   log_->flush_on(spdlog::level::info);
 }

@@ -30,8 +30,8 @@ class ProgressLine {
  private:
   Style style_;
   std::shared_ptr<spdlog::logger> log_;  ///< for plain lines
-  std::size_t width_ = 0;    ///< of what stands on the terminal's line
-  double last_shown_ = 0.0;  ///< elapsed seconds at the last plain line
+  std::size_t width_ = 0;                ///< of what stands on the terminal's line
+  double last_shown_ = 0.0;              ///< elapsed seconds at the last plain line
 };
 
 /// The style for standard error as it is.
