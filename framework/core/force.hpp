@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -21,10 +22,11 @@ struct Binding;
 /// What a force may ask about the scene when its description is checked.
 struct SceneOutline {
   int dimension = 0;
+  std::array<double, 3> box{};  ///< length of each periodic axis, else 0
   struct Body {
     std::string name;
     std::int64_t count = 0;
-    bool closed = false;
+    bool closed = false;  ///< "neighbours" joins its ends, by its shape or through the box
   };
   std::vector<Body> bodies;  ///< those the force acts on, in the order named
 };
