@@ -14,16 +14,23 @@ set(TOMLIN_FLAGS_avx512 -march=x86-64-v4 -maes -mpclmul -DTOMLIN_TARGET=avx512
                         -DTOMLIN_TARGET_AVX512=1)
 
 # tomlin_kernels(TARGET HEADER CLASS): compile the kernels of CLASS, defined in HEADER (relative to
-# the project), for every instruction set, into TARGET.
+# the project), into TARGET: in each number type for every instruction set. Quadruple numbers have
+# no vector instructions.
 function(tomlin_kernels target header class)
   set(TOMLIN_KERNEL_HEADER ${header})
   set(TOMLIN_KERNEL_CLASS ${class})
-  foreach(set ${TOMLIN_INSTRUCTION_SETS})
-    set(file ${CMAKE_CURRENT_BINARY_DIR}/${class}_${set}.cpp)
-    configure_file(${TOMLIN_KERNEL_TEMPLATE} ${file} @ONLY)
-    set_source_files_properties(${file} PROPERTIES COMPILE_OPTIONS "${TOMLIN_FLAGS_${set}}"
-                                                   SKIP_PRECOMPILE_HEADERS ON)
-    target_sources(${target} PRIVATE ${file})
+  foreach(TOMLIN_KERNEL_TYPE double float Quad)
+    set(sets ${TOMLIN_INSTRUCTION_SETS})
+    if(TOMLIN_KERNEL_TYPE STREQUAL "Quad")
+      set(sets baseline)
+    endif()
+    foreach(set ${sets})
+      set(file ${CMAKE_CURRENT_BINARY_DIR}/${class}_${TOMLIN_KERNEL_TYPE}_${set}.cpp)
+      configure_file(${TOMLIN_KERNEL_TEMPLATE} ${file} @ONLY)
+      set_source_files_properties(${file} PROPERTIES COMPILE_OPTIONS "${TOMLIN_FLAGS_${set}}"
+                                                     SKIP_PRECOMPILE_HEADERS ON)
+      target_sources(${target} PRIVATE ${file})
+    endforeach()
   endforeach()
 endfunction()
 

@@ -52,32 +52,28 @@ std::vector<Complaint> complaints(const void* description, const SceneOutline& s
   return found;
 }
 
-/// Rest lengths for the pairs of this body, in the pairs' order. The distances at the start are
-/// taken as the kernels take them, so that no bond starts with a force of rounding.
-template <int D>
-void set_rest_lengths(const WordOrNumbers& rest, const BoundBody<double>& body,
-                      std::vector<BoundPair>& pairs) {
+/// Rest lengths in the pairs' order. The distances at the start are taken as the kernels take
+/// them, so that no bond starts with a force of rounding.
+template <class Real, int D>
+void set_rest_lengths(const WordOrNumbers& rest, const Binding<Real>& binding,
+                      std::vector<BoundPair<Real>>& pairs) {
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (rest.numbers.empty()) {
-      Vec<double, D> separation;
-      for (int d = 0; d < D; ++d) {
-        separation[d] = body.start[pairs[k].j][d] - body.start[pairs[k].i][d];
-      }
-      pairs[k].datum = distance(separation);
+      pairs[k].datum = distance(separation_at_start<Real, D>(binding, pairs[k]));
     } else {
-      pairs[k].datum = rest.numbers[rest.numbers.size() == 1 ? 0 : k];
+      pairs[k].datum = Real(rest.numbers[rest.numbers.size() == 1 ? 0 : k]);
     }
   }
 }
 
-std::unique_ptr<BoundForce<double>> bind(const void* description, const Binding<double>& binding) {
+template <class Real>
+std::unique_ptr<BoundForce<Real>> bind(const void* description, const Binding<Real>& binding) {
   const auto& d = *static_cast<const Description*>(description);
-  const BoundBody<double>& body = *binding.bodies.front();
-  std::vector<BoundPair> pairs = pairs_of(d.pairs, body.slot.count, body.closed);
-  return for_dimension(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<double>> {
-    set_rest_lengths<D>(d.rest_lengths, body, pairs);
-    return std::make_unique<PairForce<HarmonicBonds, D>>(d, binding, kernels::HarmonicBonds,
-                                                         d.pairs, std::move(pairs), kRankPairs);
+  BoundPairs<Real> bound = pairs_of(d.pairs, binding);
+  return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
+    set_rest_lengths<Real, D>(d.rest_lengths, binding, bound.pairs);
+    return std::make_unique<PairForce<HarmonicBonds, Real, D>>(d, binding, kernels::HarmonicBonds,
+                                                               std::move(bound), kRankPairs);
   });
 }
 
@@ -104,7 +100,7 @@ ForceRecord harmonic_bonds_record() {
           .one_of({"initial"})
           .by_default(WordOrNumbers{.word = "initial", .numbers = {}})};
   record.complaints = &complaints;
-  record.bind = &bind;
+  record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
   record.example = R"(# Three particles on a line, stretched and let go.
 [[body]]
 type = "chain"
