@@ -13,13 +13,17 @@ set(TOMLIN_FLAGS_avx2 -march=x86-64-v3 -maes -mpclmul -DTOMLIN_TARGET=avx2 -DTOM
 set(TOMLIN_FLAGS_avx512 -march=x86-64-v4 -maes -mpclmul -DTOMLIN_TARGET=avx512
                         -DTOMLIN_TARGET_AVX512=1)
 
-# tomlin_kernels(TARGET HEADER CLASS): compile the kernels of CLASS, defined in HEADER (relative to
+# tomlin_kernels(TARGET HEADER CLASS [TYPE...]): compile the kernels of CLASS, defined in HEADER (relative to
 # the project), into TARGET: in each number type for every instruction set. Quadruple numbers have
-# no vector instructions.
+# no vector instructions. By default all of double, float, Quad.
 function(tomlin_kernels target header class)
   set(TOMLIN_KERNEL_HEADER ${header})
   set(TOMLIN_KERNEL_CLASS ${class})
-  foreach(TOMLIN_KERNEL_TYPE double float Quad)
+  set(types ${ARGN})
+  if(NOT types)
+    set(types double float Quad)
+  endif()
+  foreach(TOMLIN_KERNEL_TYPE ${types})
     set(sets ${TOMLIN_INSTRUCTION_SETS})
     if(TOMLIN_KERNEL_TYPE STREQUAL "Quad")
       set(sets baseline)

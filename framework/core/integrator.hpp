@@ -53,6 +53,9 @@ struct IntegratorRecord : ComponentRecord {
 
   /// Growth factor |R(z)| on y' = lambda y, z = h lambda; stable where it does not exceed 1.
   double (*growth)(std::complex<double> z) = nullptr;
+  /// In its place, for a scheme that is no function of h lambda: the largest step for an oscillator
+  /// of this angular frequency and damping rate.
+  double (*stable_step)(double frequency, double damping_rate) = nullptr;
   /// The fixed step; 0 for an adaptive scheme.
   double (*step)(const void* description) = nullptr;
   /// Faults across keys; empty when sound.

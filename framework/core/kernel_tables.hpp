@@ -47,8 +47,16 @@ using KernelTables = TablesByType<KernelTable>;
 }  // namespace tomlin
 
 /// In a component's .cpp: the tables that its kernel files define (framework/core/kernels.hpp),
-/// as tomlin::kernels::NAME. A macro, because names are pasted.
+/// as tomlin::kernels::NAME. Macros, because names are pasted.
 #if defined(__x86_64__)
+#define TOMLIN_DECLARE_DOUBLE_TABLES(Name, Table)                            \
+  namespace tomlin::kernels {                                                \
+  extern const Table Name##_double_baseline;                                 \
+  extern const Table Name##_double_avx2;                                     \
+  extern const Table Name##_double_avx512;                                   \
+  inline constexpr TablesBySet<Table> Name = {                               \
+      &Name##_double_baseline, &Name##_double_avx2, &Name##_double_avx512};  \
+  }
 #define TOMLIN_DECLARE_TABLES(Name, Table)                            \
   namespace tomlin::kernels {                                         \
   extern const Table<double> Name##_double_baseline;                  \
@@ -64,6 +72,11 @@ using KernelTables = TablesByType<KernelTable>;
       {&Name##_Quad_baseline, nullptr, nullptr}};                     \
   }
 #else
+#define TOMLIN_DECLARE_DOUBLE_TABLES(Name, Table)                                           \
+  namespace tomlin::kernels {                                                               \
+  extern const Table Name##_double_baseline;                                                \
+  inline constexpr TablesBySet<Table> Name = {&Name##_double_baseline, nullptr, nullptr};   \
+  }
 #define TOMLIN_DECLARE_TABLES(Name, Table)                            \
   namespace tomlin::kernels {                                         \
   extern const Table<double> Name##_double_baseline;                  \

@@ -199,7 +199,6 @@ bool is_later_type(std::string_view kind, std::string_view type) {
   static constexpr std::pair<std::string_view, std::string_view> kLater[] = {
       {"body", "particles"},
       {"force", "expression"},
-      {"integrator", "velocity_verlet"},
   };
   return std::find(std::begin(kLater), std::end(kLater), std::pair(kind, type)) != std::end(kLater);
 }
