@@ -48,19 +48,21 @@ void check_period(const ForceDraft& force, int axis, double length, const TableR
 
 }  // namespace
 
-void check_box(const BoxSettings& box, const TableReading& reading,
-               const std::vector<ForceDraft>& forces, std::optional<int> dimension,
+bool check_box(const BoxSettings& box, const TableReading& reading, std::optional<int> dimension,
                FaultList& faults) {
-  if (!dimension) return;
+  if (!dimension) return false;
   const bool lengths = has_size(reading, "lengths", box.lengths.size(), *dimension, faults);
   const bool periodic = has_size(reading, "periodic", box.periodic.size(), *dimension, faults);
-  if (!lengths || !periodic) return;
-  for (int axis = 0; axis < *dimension; ++axis) {
-    const auto index = static_cast<std::size_t>(axis);
-    if (!box.periodic[index]) continue;
+  return lengths && periodic;
+}
+
+void check_box_periods(const BoxSettings& box, const TableReading& reading,
+                       const std::vector<ForceDraft>& forces, FaultList& faults) {
+  for (std::size_t axis = 0; axis < box.lengths.size(); ++axis) {
+    if (!box.periodic[axis]) continue;
     for (const ForceDraft& force : forces) {
       if (force.record == nullptr || !force.sound) continue;
-      check_period(force, axis, box.lengths[index], reading, faults);
+      check_period(force, static_cast<int>(axis), box.lengths[axis], reading, faults);
     }
   }
 }

@@ -13,10 +13,13 @@ namespace tomlin {
 /// A period divides a length when that many times the length it is off by no more.
 inline constexpr double kPeriodTolerance = 1e-9;
 
-/// The box has the scene's dimension, and along its periodic axes each force's period divides its
-/// length. Forces with faults are left out.
-void check_box(const BoxSettings& box, const TableReading& reading,
-               const std::vector<ForceDraft>& forces, std::optional<int> dimension,
+/// True when the box was read without faults and has the scene's dimension.
+bool check_box(const BoxSettings& box, const TableReading& reading, std::optional<int> dimension,
                FaultList& faults);
+
+/// Along the periodic axes of a sound box each force's period divides the length. Forces with
+/// faults are left out.
+void check_box_periods(const BoxSettings& box, const TableReading& reading,
+                       const std::vector<ForceDraft>& forces, FaultList& faults);
 
 }  // namespace tomlin

@@ -184,15 +184,14 @@ std::vector<const BodyDraft*> counted_bodies(const ForceDraft& force,
 }
 
 /// Whether each body's ends are joined. Known once it is built, and only a sound one can be.
-std::vector<bool> closed_bodies(const std::vector<BodyDraft>& bodies, const BoxSettings& box,
-                                std::optional<int> dimension) {
+std::vector<bool> closed_bodies(const std::vector<BodyDraft>& bodies,
+                                const std::array<double, 3>& box, int dimension) {
   std::vector<bool> closed(bodies.size(), false);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!bodies[i].sound || !dimension) continue;
-    const auto geometry = bodies[i].record->build(bodies[i].description.get(), *dimension);
-    const auto axis = static_cast<std::size_t>(std::max(geometry.open_along, 0));
-    const bool by_box =
-        geometry.open_along >= 0 && axis < box.periodic.size() && box.periodic[axis];
+    if (!bodies[i].sound) continue;
+    const auto geometry = bodies[i].record->build(bodies[i].description.get(), dimension);
+    const int axis = geometry.open_along;
+    const bool by_box = axis >= 0 && box[static_cast<std::size_t>(axis)] > 0.0;
     closed[i] = geometry.closed || by_box;
   }
   return closed;
@@ -200,7 +199,7 @@ std::vector<bool> closed_bodies(const std::vector<BodyDraft>& bodies, const BoxS
 
 std::array<double, 3> periodic_lengths(const BoxSettings& box) {
   std::array<double, 3> lengths{};
-  for (std::size_t axis = 0; axis < std::min(box.lengths.size(), box.periodic.size()); ++axis) {
+  for (std::size_t axis = 0; axis < box.lengths.size(); ++axis) {
     if (box.periodic[axis]) lengths[axis] = box.lengths[axis];
   }
   return lengths;
@@ -209,12 +208,12 @@ std::array<double, 3> periodic_lengths(const BoxSettings& box) {
 /// The bodies that a force acts on; nothing when one of them is unfit or was not found.
 std::optional<SceneOutline> outline_for(const ForceDraft& force,
                                         const std::vector<BodyDraft>& bodies,
-                                        const std::vector<bool>& closed, const BoxSettings& box,
-                                        int dimension) {
+                                        const std::vector<bool>& closed,
+                                        const std::array<double, 3>& box, int dimension) {
   if (force.bodies.empty()) return std::nullopt;
   SceneOutline outline;
   outline.dimension = dimension;
-  outline.box = periodic_lengths(box);
+  outline.box = box;
   for (const std::size_t index : force.bodies) {
     const BodyDraft& body = bodies[index];
     if (!body.sound || !body.count) return std::nullopt;
@@ -289,14 +288,17 @@ void check_bodies(std::vector<BodyDraft>& bodies, std::optional<int> dimension, 
 }
 
 void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>& bodies,
-                  const BoxSettings& box, std::optional<int> dimension, FaultList& faults) {
-  const auto closed = closed_bodies(bodies, box, dimension);
+                  const BoxSettings* box, std::optional<int> dimension, FaultList& faults) {
+  const bool bodies_are_known = dimension && box;
+  const auto lengths = bodies_are_known ? periodic_lengths(*box) : std::array<double, 3>{};
+  const auto closed =
+      bodies_are_known ? closed_bodies(bodies, lengths, *dimension) : std::vector<bool>();
   for (ForceDraft& force : forces) {
     if (force.record == nullptr) continue;
     const auto counted = counted_bodies(force, bodies);
     if (!check_values(force.reading, dimension, counted, faults)) force.sound = false;
-    if (!force.sound || !dimension) continue;
-    const auto outline = outline_for(force, bodies, closed, box, *dimension);
+    if (!force.sound || !bodies_are_known) continue;
+    const auto outline = outline_for(force, bodies, closed, lengths, *dimension);
     if (!outline) continue;
     const auto complaints = force.record->complaints(force.description.get(), *outline);
     report(complaints, force.reading, faults);

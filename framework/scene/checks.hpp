@@ -53,8 +53,9 @@ std::optional<int> scene_dimension(const std::vector<BodyDraft>& bodies);
 
 /// Lengths of vectors and lists, indices, and what the records themselves find.
 void check_bodies(std::vector<BodyDraft>& bodies, std::optional<int> dimension, FaultList& faults);
+/// The box is null where it has faults; then what the records find is not asked for.
 void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>& bodies,
-                  const BoxSettings& box, std::optional<int> dimension, FaultList& faults);
+                  const BoxSettings* box, std::optional<int> dimension, FaultList& faults);
 
 /// What a record found when it held a component's keys against each other.
 void report(const std::vector<Complaint>& complaints, const TableReading& reading,

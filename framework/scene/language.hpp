@@ -25,7 +25,7 @@ struct TableLayout {
   std::vector<Parameter> rows;
   std::vector<ReservedKey> reserved;
 
-  /// Every admissible key, in the order of the effective scene.
+  /// Every admissible key: its own, then those of the rows.
   std::vector<std::string> keys() const;
   const Parameter* row(std::string_view key) const;
   const ReservedKey* reserved_key(std::string_view key) const;

@@ -448,8 +448,11 @@ class SceneReader {
     if (dimension) scene_->dimension = *dimension;
     check_freedom(bodies_, dimension, faults_);
     check_bodies(bodies_, dimension, faults_);
-    check_forces(forces_, bodies_, scene_->box, dimension, faults_);
-    if (box_) check_box(scene_->box, *box_, forces_, dimension, faults_);
+    const BoxSettings& box = scene_->box;
+    const bool box_is_sound =
+        !box_ ? document_.find("box") == nullptr : check_box(box, *box_, dimension, faults_);
+    check_forces(forces_, bodies_, box_is_sound ? &box : nullptr, dimension, faults_);
+    if (box_ && box_is_sound) check_box_periods(box, *box_, forces_, faults_);
   }
 
   void read_run() {
