@@ -263,8 +263,9 @@ TEST_F(ParticlesFile, FaultsComeWithTheScenes) {
 
 // What the effective scene would say must be readable again.
 TEST_F(ParticlesFile, IsRefusedWhereWrittenOutItWouldBeTooMuch) {
+  const std::string short_form = "1e15\n";  // 1000000000000000.0 where written out
   std::string text;
-  while (text.size() + 2 <= kLargestSceneFile / 2) text += "1\n";
+  while (text.size() < kLargestSceneFile / 3) text += short_form;
   write(folder_ / "p.dat", text);
   const std::string found = faults("file = \"p.dat\"");
   EXPECT_NE(found.find("with all positions written out the scene takes "), std::string::npos)
