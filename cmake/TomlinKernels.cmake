@@ -7,28 +7,32 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   list(APPEND TOMLIN_INSTRUCTION_SETS avx2 avx512)
 endif()
 
+# What kernels are compiled with wherever they are compiled.
+set(TOMLIN_KERNEL_FLAGS -ffp-contract=off -fno-math-errno -fno-trapping-math)
 # -march alone makes Highway fall back to two lanes: it wants the cryptographic sets as well.
 set(TOMLIN_FLAGS_baseline "")
 set(TOMLIN_FLAGS_avx2 -march=x86-64-v3 -maes -mpclmul -DTOMLIN_TARGET=avx2 -DTOMLIN_TARGET_AVX2=1)
 set(TOMLIN_FLAGS_avx512 -march=x86-64-v4 -maes -mpclmul -DTOMLIN_TARGET=avx512
                         -DTOMLIN_TARGET_AVX512=1)
 
-# tomlin_kernels(TARGET HEADER CLASS): compile the kernels of CLASS, defined in HEADER (relative to
-# the project), for every instruction set, into TARGET.
+# tomlin_kernels(TARGET HEADER CLASS): compile the kernels of CLASS, defined in HEADER (as an
+# #include in TARGET names it, or absolute), for every instruction set, into TARGET.
 function(tomlin_kernels target header class)
   set(TOMLIN_KERNEL_HEADER ${header})
   set(TOMLIN_KERNEL_CLASS ${class})
   foreach(set ${TOMLIN_INSTRUCTION_SETS})
     set(file ${CMAKE_CURRENT_BINARY_DIR}/${class}_${set}.cpp)
     configure_file(${TOMLIN_KERNEL_TEMPLATE} ${file} @ONLY)
-    set_source_files_properties(${file} PROPERTIES COMPILE_OPTIONS "${TOMLIN_FLAGS_${set}}"
-                                                   SKIP_PRECOMPILE_HEADERS ON)
+    set_source_files_properties(${file} PROPERTIES
+                                COMPILE_OPTIONS "${TOMLIN_KERNEL_FLAGS};${TOMLIN_FLAGS_${set}}"
+                                SKIP_PRECOMPILE_HEADERS ON)
     target_sources(${target} PRIVATE ${file})
   endforeach()
 endfunction()
 
-# tomlin_force(NAME): the file pair NAME.hpp/.cpp, whose evaluator is NAME in CamelCase.
-function(tomlin_force name)
+# tomlin_add_force(TARGET NAME): the file pair NAME.hpp/.cpp in the current folder, whose evaluator
+# is NAME in CamelCase, becomes part of TARGET. It works in any project that has found tomlin.
+function(tomlin_add_force target name)
   string(REPLACE "_" ";" words ${name})
   set(class "")
   foreach(word ${words})
@@ -37,6 +41,6 @@ function(tomlin_force name)
     string(TOUPPER ${first} first)
     string(APPEND class ${first}${rest})
   endforeach()
-  target_sources(tomlin_forcefields PRIVATE ${name}.cpp)
-  tomlin_kernels(tomlin_forcefields forcefields/${name}.hpp ${class})
+  target_sources(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/${name}.cpp)
+  tomlin_kernels(${target} ${CMAKE_CURRENT_SOURCE_DIR}/${name}.hpp ${class})
 endfunction()
