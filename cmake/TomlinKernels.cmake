@@ -7,8 +7,11 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   list(APPEND TOMLIN_INSTRUCTION_SETS avx2 avx512)
 endif()
 
-# What kernels are compiled with wherever they are compiled.
-set(TOMLIN_KERNEL_FLAGS -ffp-contract=off -fno-math-errno -fno-trapping-math)
+# What kernels are compiled with wherever they are compiled. Highway's own assertions, which builds
+# without optimisation would switch on, need its library; here only its headers are used.
+set(TOMLIN_KERNEL_FLAGS -ffp-contract=off -fno-math-errno -fno-trapping-math
+                        -DHWY_IS_DEBUG_BUILD=0)
+
 # -march alone makes Highway fall back to two lanes: it wants the cryptographic sets as well.
 set(TOMLIN_FLAGS_baseline "")
 set(TOMLIN_FLAGS_avx2 -march=x86-64-v3 -maes -mpclmul -DTOMLIN_TARGET=avx2 -DTOMLIN_TARGET_AVX2=1)
