@@ -5,24 +5,16 @@
 
 #include <benchmark/benchmark.h>
 
-#include "forcefields/register.hpp"
-#include "framework/bodies/register.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/scene/scene.hpp"
-#include "integrators/register.hpp"
+#include "framework/standard_registry.hpp"
 
 namespace {
 
 using namespace tomlin;
 
 const Registry& registry() {
-  static const Registry all = [] {
-    Registry r;
-    register_bodies(r);
-    register_forcefields(r);
-    register_integrators(r);
-    return r;
-  }();
+  static const Registry all = standard_registry();
   return all;
 }
 

@@ -7,15 +7,20 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   list(APPEND TOMLIN_INSTRUCTION_SETS avx2 avx512)
 endif()
 
+# What kernels are compiled with wherever they are compiled. Highway's own assertions, which builds
+# without optimisation would switch on, need its library; here only its headers are used.
+set(TOMLIN_KERNEL_FLAGS -ffp-contract=off -fno-math-errno -fno-trapping-math
+                        -DHWY_IS_DEBUG_BUILD=0)
+
 # -march alone makes Highway fall back to two lanes: it wants the cryptographic sets as well.
 set(TOMLIN_FLAGS_baseline "")
 set(TOMLIN_FLAGS_avx2 -march=x86-64-v3 -maes -mpclmul -DTOMLIN_TARGET=avx2 -DTOMLIN_TARGET_AVX2=1)
 set(TOMLIN_FLAGS_avx512 -march=x86-64-v4 -maes -mpclmul -DTOMLIN_TARGET=avx512
                         -DTOMLIN_TARGET_AVX512=1)
 
-# tomlin_kernels(TARGET HEADER CLASS [TYPE...]): compile the kernels of CLASS, defined in HEADER (relative to
-# the project), into TARGET: in each number type for every instruction set. Quadruple numbers have
-# no vector instructions. By default all of double, float, Quad.
+# tomlin_kernels(TARGET HEADER CLASS [TYPE...]): compile the kernels of CLASS, defined in HEADER (as
+# an #include in TARGET names it, or absolute), into TARGET: in each number type (by default double,
+# float and Quad) for every instruction set. Quadruple numbers have no vector instructions.
 function(tomlin_kernels target header class)
   set(TOMLIN_KERNEL_HEADER ${header})
   set(TOMLIN_KERNEL_CLASS ${class})
@@ -31,15 +36,17 @@ function(tomlin_kernels target header class)
     foreach(set ${sets})
       set(file ${CMAKE_CURRENT_BINARY_DIR}/${class}_${TOMLIN_KERNEL_TYPE}_${set}.cpp)
       configure_file(${TOMLIN_KERNEL_TEMPLATE} ${file} @ONLY)
-      set_source_files_properties(${file} PROPERTIES COMPILE_OPTIONS "${TOMLIN_FLAGS_${set}}"
-                                                     SKIP_PRECOMPILE_HEADERS ON)
+      set_source_files_properties(${file} PROPERTIES
+                                  COMPILE_OPTIONS "${TOMLIN_KERNEL_FLAGS};${TOMLIN_FLAGS_${set}}"
+                                  SKIP_PRECOMPILE_HEADERS ON)
       target_sources(${target} PRIVATE ${file})
     endforeach()
   endforeach()
 endfunction()
 
-# tomlin_force(NAME): the file pair NAME.hpp/.cpp, whose evaluator is NAME in CamelCase.
-function(tomlin_force name)
+# tomlin_add_force(TARGET NAME): the file pair NAME.hpp/.cpp in the current folder, whose evaluator
+# is NAME in CamelCase, becomes part of TARGET. It works in any project that has found tomlin.
+function(tomlin_add_force target name)
   string(REPLACE "_" ";" words ${name})
   set(class "")
   foreach(word ${words})
@@ -48,6 +55,6 @@ function(tomlin_force name)
     string(TOUPPER ${first} first)
     string(APPEND class ${first}${rest})
   endforeach()
-  target_sources(tomlin_forcefields PRIVATE ${name}.cpp)
-  tomlin_kernels(tomlin_forcefields forcefields/${name}.hpp ${class})
+  target_sources(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/${name}.cpp)
+  tomlin_kernels(${target} ${CMAKE_CURRENT_SOURCE_DIR}/${name}.hpp ${class})
 endfunction()

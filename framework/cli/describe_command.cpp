@@ -15,7 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "framework/cli/commands.hpp"
-#include "framework/cli/standard_registry.hpp"
+#include "framework/standard_registry.hpp"
 #include "framework/core/body.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/core/force.hpp"

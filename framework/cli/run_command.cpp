@@ -14,7 +14,7 @@
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/progress.hpp"
 #include "framework/cli/result_text.hpp"
-#include "framework/cli/standard_registry.hpp"
+#include "framework/standard_registry.hpp"
 #include "framework/cli/stop_signals.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/output/run_folder.hpp"

@@ -34,8 +34,8 @@ bool Interval::contains(double x) const {
 std::string Interval::to_string() const {
   const bool bounded_below = std::isfinite(low);
   const bool bounded_above = std::isfinite(high);
-  const auto lower = fmt::format("{} {}", low_open ? ">" : ">=", low);
-  const auto upper = fmt::format("{} {}", high_open ? "<" : "<=", high);
+  auto lower = fmt::format("{} {}", low_open ? ">" : ">=", low);
+  auto upper = fmt::format("{} {}", high_open ? "<" : "<=", high);
   if (bounded_below && bounded_above) return lower + " and " + upper;
   if (bounded_below) return lower;
   if (bounded_above) return upper;

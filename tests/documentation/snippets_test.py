@@ -4,9 +4,10 @@
     python3 tests/documentation/snippets_test.py SOURCE_DIR PROGRAM
 
 Every block fenced as ```sh is run by bash from a folder that looks like the project's after
-./dev build; a block fenced as ```sh long is not run. A block fenced as ```toml is a whole scene,
-and is run by the program. Lines that start with ./dev are not run: their command must be one that
-`./dev help` names. The blocks of one README are run in order, in one folder.
+./dev build; a block fenced as ```sh long is not run, and ```sh library is left to library_test.py.
+A block fenced as ```toml is a whole scene, and is run by the program. Lines that start with ./dev
+are not run: their command must be one that `./dev help` names. The blocks of one README are run in
+order, in one folder.
 
 Exit status: 0 all went well, 1 one did not, 2 bad arguments.
 """

@@ -224,7 +224,7 @@ TEST(Registration, AnIncompleteRecordIsRejected) {
 }
 
 TEST(Registration, ANameIsTakenOnce) {
-  Registry registry = all_components();
+  Registry registry = standard_registry();
   const ForceRecord force = *registry.force("viscous_damping");
   EXPECT_THROW(registry.add(force), std::invalid_argument);
   // Nor by a component of another kind.

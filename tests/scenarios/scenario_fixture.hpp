@@ -7,28 +7,18 @@
 #include <string_view>
 #include <vector>
 
-#include "forcefields/register.hpp"
-#include "framework/bodies/register.hpp"
 #include "framework/core/registry.hpp"
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
-#include "integrators/register.hpp"
+#include "framework/standard_registry.hpp"
 
 /// Runs the scenes that are shipped, and scenes given as text.
 namespace tomlin::test {
 
 inline constexpr double kPi = 3.141592653589793;
 
-inline Registry all_components() {
-  Registry registry;
-  register_bodies(registry);
-  register_forcefields(registry);
-  register_integrators(registry);
-  return registry;
-}
-
 inline const Registry& registry() {
-  static const Registry components = all_components();
+  static const Registry components = standard_registry();
   return components;
 }
 

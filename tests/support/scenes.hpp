@@ -7,26 +7,16 @@
 #include <string_view>
 #include <vector>
 
-#include "forcefields/register.hpp"
-#include "framework/bodies/register.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
-#include "integrators/register.hpp"
+#include "framework/standard_registry.hpp"
 
 /// Scenes for tests, with every component of this version or with a registry of the test's own.
 namespace tomlin::test {
 
-inline Registry all_components() {
-  Registry registry;
-  register_bodies(registry);
-  register_forcefields(registry);
-  register_integrators(registry);
-  return registry;
-}
-
 inline const Registry& standard() {
-  static const Registry registry = all_components();
+  static const Registry registry = standard_registry();
   return registry;
 }
 

@@ -105,7 +105,7 @@ ForceRecord maxwell_record() {
 
 const Registry& with_maxwell() {
   static const Registry registry = [] {
-    Registry r = all_components();
+    Registry r = standard_registry();
     r.add(maxwell_record());
     return r;
   }();

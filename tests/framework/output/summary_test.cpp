@@ -1,12 +1,16 @@
 #include "framework/output/summary.hpp"
 
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include "framework/run/observables.hpp"
 
 namespace tomlin::test {
 namespace {
@@ -103,6 +107,39 @@ TEST(Summary, NumbersReadBackAsTheSameBits) {
   const Json& body = summary["bodies"]["ring"];
   EXPECT_EQ(body["rolling"].get<double>(), 0.7853981633974483);
   EXPECT_TRUE(std::signbit(body["velocity"][1].get<double>()));
+}
+
+/// The numbers below `json`, by path.
+void collect(const Json& json, const std::string& path, std::map<std::string, Json>& numbers) {
+  constexpr const char* kAxes[] = {"x", "y", "z"};
+  if (json.is_object()) {
+    for (const auto& [key, value] : json.items()) collect(value, path + "." + key, numbers);
+  } else if (json.is_array()) {
+    for (std::size_t d = 0; d < json.size(); ++d) collect(json[d], path + "." + kAxes[d], numbers);
+  } else if (!json.is_string()) {
+    numbers[path] = json;
+  }
+}
+
+/// Neither list forgets what the other one has.
+TEST(Summary, HoldsTheObservables) {
+  const RunResult result = planar_result();
+  const Json summary = Json::parse(summary_json(planar_scene(), result));
+  std::map<std::string, Json> numbers;
+  for (const auto& [key, value] : summary.items()) {
+    // Not results, or not there yet.
+    if (key == "parameters" || key == "left_out" || key == "warnings" || key == "events") continue;
+    collect(value, key, numbers);
+  }
+  std::size_t found = 0;
+  for (const Observable& one : observables(result)) {
+    SCOPED_TRACE(one.path);
+    ASSERT_TRUE(numbers.contains(one.path));
+    ASSERT_TRUE(one.value.has_value());
+    EXPECT_EQ(numbers[one.path].get<double>(), *one.value);
+    ++found;
+  }
+  EXPECT_EQ(found, numbers.size());
 }
 
 TEST(Summary, NumbersAreAsShortAsTheyCanBe) {

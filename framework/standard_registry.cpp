@@ -1,4 +1,4 @@
-#include "framework/cli/standard_registry.hpp"
+#include "framework/standard_registry.hpp"
 
 #include "forcefields/register.hpp"
 #include "framework/bodies/register.hpp"

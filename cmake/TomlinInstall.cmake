@@ -1,0 +1,38 @@
+# cmake --install: the program, the libraries with their headers, and what find_package(tomlin)
+# needs to use them and to compile forces of one's own.
+
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(libraries options core bodies scene model run output forcefields integrators library)
+list(TRANSFORM libraries PREPEND tomlin_ OUTPUT_VARIABLE targets)
+foreach(library ${libraries})
+  set_target_properties(tomlin_${library} PROPERTIES EXPORT_NAME ${library})
+endforeach()
+set_target_properties(tomlin_library PROPERTIES EXPORT_NAME tomlin)
+
+# Headers name each other from the root of the tree, and keep their places below it.
+set(header_folder ${CMAKE_INSTALL_INCLUDEDIR}/tomlin)
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/tomlin)
+
+install(TARGETS tomlin RUNTIME)
+install(TARGETS ${targets} EXPORT tomlin INCLUDES DESTINATION ${header_folder})
+install(EXPORT tomlin FILE tomlinTargets.cmake NAMESPACE tomlin:: DESTINATION ${package_folder})
+
+install(DIRECTORY framework forcefields integrators DESTINATION ${header_folder}
+        FILES_MATCHING PATTERN "*.hpp" PATTERN "cli" EXCLUDE)
+# The checks that every force has to pass are for forces of others, too.
+install(FILES tests/support/conformance.hpp tests/support/order.hpp
+        DESTINATION ${header_folder}/tests/support)
+
+configure_package_config_file(cmake/tomlinConfig.cmake.in
+                              ${CMAKE_BINARY_DIR}/package/tomlinConfig.cmake
+                              INSTALL_DESTINATION ${package_folder})
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/tomlinConfigVersion.cmake
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/package/tomlinConfig.cmake
+              ${CMAKE_BINARY_DIR}/package/tomlinConfigVersion.cmake
+              cmake/TomlinKernels.cmake cmake/kernels.cpp.in
+        DESTINATION ${package_folder})
+
+install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})

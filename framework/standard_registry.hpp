@@ -1,0 +1,11 @@
+#pragma once
+
+#include "framework/core/registry.hpp"
+
+namespace tomlin {
+
+/// Every component that comes with tomlin. The registry is the caller's: components of one's own
+/// are added to it before a scene is read.
+Registry standard_registry();
+
+}  // namespace tomlin

@@ -1,0 +1,138 @@
+#include "framework/run/observables.hpp"
+
+#include <cmath>
+#include <limits>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "framework/core/fault.hpp"
+#include "tests/support/scenes.hpp"
+
+// The numbers of a result by dotted path.
+
+namespace tomlin::test {
+namespace {
+
+RunResult planar_result() {
+  RunResult result;
+  result.end_time = 20.0;
+  result.steps = 7;
+  DriverResult driver;
+  driver.name = "driver";
+  driver.mean_force = {1.0, 2.0};
+  driver.final_force = {3.0, 4.0};
+  driver.work = 5.0;
+  BodyResult ring;
+  ring.name = "ring";
+  ring.centre_of_mass = {6.0, 7.0};
+  ring.velocity = {8.0, 9.0};
+  ring.turns = -1.5;
+  BodyResult tip;
+  tip.name = "tip";
+  tip.centre_of_mass = {10.0, 11.0};
+  tip.velocity = {12.0, 13.0};
+  result.drivers = {driver};
+  result.bodies = {ring, tip};
+  return result;
+}
+
+Fault fault_of(const RunResult& result, const std::string& path) {
+  try {
+    (void)observable(result, path);
+  } catch (const InputError& error) {
+    return error.faults().front();
+  }
+  ADD_FAILURE() << path << " is an observable";
+  return {};
+}
+
+TEST(Observables, AreFoundByTheirFullPathAndWithoutTheFamily) {
+  const RunResult result = planar_result();
+  for (const std::string family : {"drivers.", ""}) {
+    EXPECT_EQ(observable(result, family + "driver.mean_force.x"), 1.0);
+    EXPECT_EQ(observable(result, family + "driver.mean_force.y"), 2.0);
+    EXPECT_EQ(observable(result, family + "driver.work"), 5.0);
+  }
+  for (const std::string family : {"bodies.", ""}) {
+    EXPECT_EQ(observable(result, family + "ring.turns"), -1.5);
+    EXPECT_EQ(observable(result, family + "tip.velocity.y"), 13.0);
+  }
+  EXPECT_EQ(observable(result, "time.end"), 20.0);
+  EXPECT_EQ(observable(result, "time.steps"), 7.0);
+}
+
+TEST(Observables, WhatIsUndefinedIsNothing) {
+  RunResult result = planar_result();
+  EXPECT_EQ(observable(result, "driver.static_force"), std::nullopt);
+  EXPECT_EQ(observable(result, "driver.max_force.y"), std::nullopt);  // no window: an empty list
+  EXPECT_EQ(observable(result, "ring.rolling"), std::nullopt);
+  result.drivers[0].work = std::nan("");
+  result.drivers[0].final_force[0] = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(observable(result, "driver.work"), std::nullopt);
+  EXPECT_EQ(observable(result, "driver.final_force.x"), std::nullopt);
+}
+
+TEST(Observables, PathsDoNotDependOnHowFarTheRunGot) {
+  const auto paths = [](const RunResult& result) {
+    std::set<std::string> all;
+    for (const Observable& one : observables(result)) {
+      EXPECT_TRUE(all.insert(one.path).second) << one.path;
+    }
+    return all;
+  };
+  RunResult early = planar_result();
+  early.drivers[0].mean_force.clear();
+  early.drivers[0].work.reset();
+  early.bodies[0].turns.reset();
+  EXPECT_EQ(paths(early), paths(planar_result()));
+}
+
+TEST(Observables, UnknownNamesAreErrorsThatKnowTheNearest) {
+  const RunResult result = planar_result();
+  EXPECT_EQ(fault_of(result, "drivr.mean_force.x").nearest, "driver.mean_force.x");
+  EXPECT_EQ(fault_of(result, "bodies.ring.turn").nearest, "bodies.ring.turns");
+  EXPECT_EQ(fault_of(result, "ring.Turns").nearest, "ring.turns");
+  // A list is no number, and the plane has two components.
+  EXPECT_EQ(fault_of(result, "driver.mean_force").nearest, "driver.mean_force.x");
+  EXPECT_EQ(fault_of(result, "driver.mean_force.z").nearest, "driver.mean_force.x");
+  // The families are not interchangeable.
+  EXPECT_EQ(fault_of(result, "bodies.driver.work").key, "bodies.driver.work");
+  EXPECT_EQ(fault_of(result, "").nearest, "");
+  EXPECT_EQ(fault_of(RunResult{}, "driver.work").nearest, "");
+}
+
+TEST(Observables, AnErrorSaysWhereThePathWasWritten) {
+  try {
+    (void)observable(planar_result(), "drivr.work", {.file = "--observable"});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "--observable: error: drivr.work: there is no observable of that name; "
+                 "admissible: a dotted path as in summary.json, components by letter, say "
+                 "\"driver.mean_force.x\"; did you mean \"driver.work\"?");
+  }
+}
+
+TEST(Observables, RotateInThePlaneOnly) {
+  RunResult result = planar_result();
+  result.drivers.clear();
+  for (BodyResult& body : result.bodies) body.centre_of_mass = {1.0};
+  EXPECT_EQ(fault_of(result, "ring.turns").key, "ring.turns");
+  EXPECT_EQ(fault_of(result, "ring.velocity.y").nearest, "ring.velocity.x");
+}
+
+TEST(Observables, OfARun) {
+  // One unit of time under a unit force on a unit mass.
+  const RunResult result =
+      run_text(standard().force("constant_force")->example, {{"run.duration", "1.0"}});
+  // Fourth order is exact on a parabola; a hundred steps' rounding.
+  constexpr double kRounding = 1e-13;
+  EXPECT_NEAR(observable(result, "point.centre_of_mass.x").value(), -0.5, kRounding);
+  EXPECT_NEAR(observable(result, "point.velocity.x").value(), -1.0, kRounding);
+  EXPECT_EQ(observable(result, "time.steps"), 100.0);
+}
+
+}  // namespace
+}  // namespace tomlin::test
