@@ -125,7 +125,24 @@ class Assembly {
   const std::deque<Steered>& steered() const { return steered_; }
 
  private:
-  struct Steering;
+  /// Where a prescribed body is: its way since the start from the time alone, or from its own
+  /// variables.
+  struct Steering {
+    const Motion* motion = nullptr;
+    int axes = 0;
+    bool planar = false;
+    Real start[3] = {};   ///< of the centre, relative to the present origin
+    Real speed[4] = {};   ///< x, y, z, turns: where they do not change
+    Real travel[4] = {};  ///< since the start, at the anchor
+    std::ptrdiff_t own[4] = {-1, -1, -1, -1};
+    DoubleDouble anchor;
+    Real coordinates[3] = {};  ///< as a rigid body's: in the plane x, y, turns
+    Real speeds[3] = {};
+
+    const TimeFunction& function(int k) const {
+      return k < 3 ? motion->velocity[k] : motion->angular_velocity;
+    }
+  };
 
   void size_bodies();
   void place_bodies();

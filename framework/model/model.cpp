@@ -130,7 +130,10 @@ void Model::start(const Perturbation* noise) {
   assembly_.start(view.position, view.velocity, view.integrals, noise);
   for (int d = 0; d < dimension(); ++d) cells_[d] = origin_.cells[d] = plan_.origin.cells[d];
   assembly_.rebase(origin_);
-  if (follower_) follower_->rebase(origin_, {});
+  if (follower_) {
+    follower_->start(noise);
+    follower_->rebase(origin_, {});
+  }
   if (view.inertial) return;
   evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates_.data());
   drift_velocity(view.velocity);
@@ -144,7 +147,7 @@ void Model::drift_velocity(double* velocity) const {
 bool Model::rebase_if_due() {
   bool rebased = false;
   SystemView<double>& view = system().view;
-  std::array<double, 3> shifts{};
+  std::array<std::int64_t, 3> moved_cells{};
   for (const Body& body : bodies()) {
     // Rotation has cells of its own: whole turns.
     const BodySlot<double>& slot = body.bound.slot;
@@ -203,12 +206,12 @@ bool Model::rebase_if_due() {
     }
     cells_[d] += static_cast<std::int64_t>(cells);
     origin_.cells[d] = cells_[d];
-    shifts[d] = shift;
+    moved_cells[d] = static_cast<std::int64_t>(cells);
     rebased = true;
   }
   if (!rebased) return false;
   assembly_.rebase(origin_);
-  if (follower_) follower_->rebase(origin_, shifts);
+  if (follower_) follower_->rebase(origin_, moved_cells);
   begin_step(this, anchor_.hi, anchor_.lo);
   return true;
 }

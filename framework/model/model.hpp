@@ -23,8 +23,9 @@ class ModelFollower {
  public:
   virtual ~ModelFollower() = default;
   virtual void begin_step(const DoubleDouble& time) = 0;
-  /// The origin has moved by whole cells of these lengths; the model's own numbers are moved.
-  virtual void rebase(const Origin& origin, const std::array<double, 3>& shift) = 0;
+  /// The origin has moved by so many cells more; the model's own numbers are moved already.
+  virtual void rebase(const Origin& origin, const std::array<std::int64_t, 3>& cells) = 0;
+  virtual void start(const Perturbation* noise) = 0;
 
  protected:
   ModelFollower() = default;

@@ -9,6 +9,7 @@
 
 #include "framework/core/kernel_tables.hpp"
 #include "framework/run/diagnose.hpp"
+#include "framework/run/number_type.hpp"
 
 TOMLIN_DECLARE_DOUBLE_TABLES(ObserveKernels, ObserveTable)
 
@@ -49,6 +50,7 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
       duration_(scene_->run.duration) {
   const void* description = scene_->run.integrator.description.get();
   dt_ = scheme_.step(description);
+  ledger_ = scene_->run.ledger;
   integrator_ = integrator_in(scene_->run.number_type, model_, description, scheme_);
   list_signals();
   resolve_window();
@@ -130,6 +132,7 @@ void Engine::declare(StateLayout& layout) {
     layout.add_reals(name + ".integrals", model_.system().view.rates);
     layout.add_reals(name + ".centre", 2 * bodies * model_.dimension());
     layout.add_reals(name + ".turns", bodies);
+    layout.add_reals(name + ".stored", 1);
   }
   extremes_.declare(layout, signal_count_);
   first_maximum_.declare(layout, drivers_.size());
@@ -150,6 +153,7 @@ void Engine::attach() {
     moment->integrals = state_.reals(name + ".integrals");
     moment->centre = state_.reals(name + ".centre");
     moment->turns = state_.reals(name + ".turns");
+    moment->stored = state_.reals(name + ".stored");
   }
 }
 
@@ -608,7 +612,11 @@ void Engine::keep_moment(Moment& moment, double at, const double* position, cons
     }
     moment.turns[b] = turns_of(b, position);
   }
-  if (ledger_) *moment.stored = model_.stored_energy(DoubleDouble(at), position, velocity, integrals);
+  if (ledger_) {
+    *moment.stored =
+        model_.kinetic_energy(velocity) +
+        model_.potential_energy(DoubleDouble(at), position, velocity, integrals);
+  }
   // The signals of the step's start have been used; this is scratch until the next.
   signals_from_rates(dense_rates_.data());
   signals_from_velocity(velocity);
@@ -671,6 +679,35 @@ void Engine::finish() {
     keep_moment(to_, to_.time, view.position, view.velocity, view.integrals);
   }
   model_.evaluate_at(now(), view.position, view.velocity, view.integrals, final_rates_.data());
+  if (!ledger_) return;
+  kinetic_energy_ = model_.kinetic_energy(view.velocity);
+  potential_energy_ =
+      model_.potential_energy(now(), view.position, view.velocity, view.integrals);
+}
+
+/// Over the window, each term from its own integral; what does not balance is the integrator's.
+EnergyResult Engine::energy(bool window) const {
+  EnergyResult energy;
+  energy.kinetic = kinetic_energy_;
+  energy.potential = potential_energy_;
+  if (!window) return energy;
+  const auto over_window = [&](std::ptrdiff_t rate) {
+    return to_.integrals[rate] - from_.integrals[rate];
+  };
+  double work = 0.0;
+  for (const Model::Driver& driver : drivers_) {
+    work += over_window(driver.first_rate + model_.dimension());
+  }
+  double heat = 0.0;
+  for (const Model::Force& force : model_.forces()) {
+    if (force.heat_rate != kNoRate) heat += over_window(force.heat_rate);
+  }
+  if (model_.friction_rate() != kNoRate) heat += over_window(model_.friction_rate());
+  energy.work_in = work;
+  energy.heat_out = heat;
+  energy.stored_change = *to_.stored - *from_.stored;
+  energy.numerical_work = *energy.stored_change + heat - work;
+  return energy;
 }
 
 RunResult Engine::result() {
@@ -720,6 +757,7 @@ RunResult Engine::result() {
     }
     result.drivers.push_back(std::move(driver));
   }
+  if (ledger_) result.energy = energy(window);
   for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
     const Model::Body& from = model_.bodies()[b];
     const SystemView<double>& view = model_.system().view;

@@ -44,6 +44,7 @@ class Engine {
     double* integrals = nullptr;
     double* centre = nullptr;  ///< [body * dimension + axis][high, low], cells included
     double* turns = nullptr;   ///< [body]
+    double* stored = nullptr;  ///< kinetic and potential energy, with the ledger
 
     DoubleDouble place(std::size_t k) const { return {centre[2 * k], centre[2 * k + 1]}; }
   };
@@ -78,6 +79,7 @@ class Engine {
   void finish();
   void fail(StepFault fault, double h);
   RunResult result();
+  EnergyResult energy(bool window) const;
   DoubleDouble now() const { return {clock_[0], clock_[1]}; }
 
   std::shared_ptr<const Scene> scene_;
@@ -102,9 +104,8 @@ class Engine {
   enum { kSteps, kGridSteps, kNextSample, kRotationEvery, kEvaluations, kCounts };
 
   // Drivers and bodies among the signals that extremes are taken of.
-  std::vector<std::size_t> drivers_;      ///< indices into model_.forces()
-  std::vector<bool> drags_;               ///< drivers with a velocity
-  std::vector<std::size_t> first_rates_;  ///< of each driver
+  std::vector<Model::Driver> drivers_;
+  std::vector<bool> drags_;  ///< drivers with a velocity
   std::size_t signal_count_ = 0;
   std::vector<double> signals_;
   std::vector<double> pulls_;
@@ -124,6 +125,9 @@ class Engine {
   AlignedVector<double> block_velocities_;
 
   bool sampling_ = false;
+  bool ledger_ = false;
+  double kinetic_energy_ = 0.0;    ///< at the end
+  double potential_energy_ = 0.0;  ///< at the end
   bool ended_ = false;
   bool interrupted_ = false;
   std::optional<RunFailure> failure_;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "framework/core/instruction_set.hpp"
+#include "framework/model/assembly.hpp"
 #include "framework/scene/scene.hpp"
 
 /// Runs a scene from start to end and reports what happened.
@@ -59,6 +60,28 @@ struct BodyResult {
   std::optional<double> max_speed;     ///< of the centre, over the window
 };
 
+/// The energy ledger. Kinetic and potential energy are those at the end of the run; the rest is over
+/// the window, each term integrated on its own with the scheme's order.
+struct EnergyResult {
+  double kinetic = 0.0;
+  double potential = 0.0;
+  std::optional<double> work_in;        ///< by all drivers, at their pulled ends
+  std::optional<double> heat_out;       ///< to all dampers
+  std::optional<double> stored_change;  ///< of kinetic and potential energy
+  /// stored_change + heat_out - work_in: what the integrator itself added.
+  std::optional<double> numerical_work;
+};
+
+/// How far an observable is determined: its values in runs from slightly other starts.
+struct DeterminedResult {
+  std::string path;
+  std::optional<double> value;  ///< of the run as it is
+  double spread = 0.0;          ///< largest less smallest value, the run as it is included
+  double digits = 0.0;          ///< decimal digits that all runs share, 0 to 17
+  double min = 0.0;
+  double max = 0.0;
+};
+
 struct RunResult {
   RunStatus status = RunStatus::finished;
   std::optional<RunFailure> failure;
@@ -70,6 +93,8 @@ struct RunResult {
   double window_to = 0.0;
   std::vector<DriverResult> drivers;
   std::vector<BodyResult> bodies;
+  std::optional<EnergyResult> energy;        ///< with `[run] ledger`
+  std::vector<DeterminedResult> determined;  ///< with `[run] perturb`
   std::vector<std::string> warnings;
   std::vector<std::pair<std::string, std::string>> left_out;  ///< force and why it was not built
   double wall_seconds = 0.0;
@@ -106,6 +131,7 @@ struct RunOptions {
   std::function<void(const RunProgress&)> on_progress;  ///< called a few times a second
   const std::atomic<bool>* stop = nullptr;              ///< set by a signal: end as interrupted
   InstructionSet instruction_set = chosen_instruction_set();
+  std::optional<Perturbation> perturbation;  ///< noise on the start; see also `[run] perturb`
 };
 
 /// Throws InputError for what only shows when the scene is bound; everything later is in the
