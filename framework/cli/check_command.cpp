@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
@@ -68,9 +69,9 @@ Check check_of(const ClaimResult& result) {
   check.subject = result.force;
   check.claim = result.claim;
   check.holds = result.holds;
-  const std::string where = result.worst.empty() ? "" : ", worst: " + result.worst;
-  check.text = fmt::format("{}; relative error {:.1e}, {:.1e} allowed, {} states{}", result.meaning,
-                           result.error, std::max(result.allowed, 0.0), result.states, where);
+  check.text = fmt::format("{}, to {:.2g} ({:.2g} allowed)", result.meaning, result.error,
+                           std::max(result.allowed, 0.0));
+  if (!result.holds && !result.worst.empty()) check.text += "; worst: " + result.worst;
   check.numbers = Json{{"type", result.type},
                        {"error", std::isfinite(result.error) ? Json(result.error) : Json()},
                        {"allowed", std::max(result.allowed, 0.0)},
@@ -86,7 +87,8 @@ Report report_on(const std::shared_ptr<const Scene>& scene) {
   for (const ClaimResult& result : check_claims(*scene)) {
     report.checks.push_back(check_of(result));
   }
-  for (const Model::LeftOut& left : Model(scene).left_out()) {
+  const Model model(scene);
+  for (const Model::LeftOut& left : model.left_out()) {
     report.warnings.push_back(left.force + " is not built and was not checked: " + left.why);
   }
   return report;
@@ -103,7 +105,9 @@ std::string text_of(const Scene& scene, const Report& report) {
   }
   for (const std::string& warning : report.warnings) sections.row("warning", warning);
   const std::size_t count = report.checks.size();
-  sections.row("in all", failed == 0 ? fmt::format("{} checks hold", count)
+  sections.row("in all", failed == 0 ? fmt::format("{} checks hold; errors are relative, the "
+                                                   "largest over the start and displaced states",
+                                                   count)
                                      : fmt::format("{} of {} checks FAILED", failed, count));
   return sections.text();
 }

@@ -87,6 +87,12 @@ void add_frequencies(Sections& sections, const Scales& scales) {
   sections.row("regime", to_string(damping.regime) + ratio);
 }
 
+/// The parts that particles out of phase add cancel, but for rounding.
+bool nothing_but_rounding(const Sliding& sliding) {
+  constexpr double kRounding = 1e-9;
+  return sliding.curvature_as_placed < kRounding * sliding.curvature;
+}
+
 std::string verdict(double s) {
   return s < 1.0 ? "s < 1: smooth sliding" : "s > 1: stick-slip possible";
 }
@@ -103,7 +109,7 @@ void add_sliding(Sections& sections, const Explanation& e) {
                     text_of(sliding.stiffness), verdict(sliding.stick_slip())));
     if (!alone) {
       sections.row("", "an upper bound: all particles in phase");
-      const double s = sliding.stick_slip_as_placed();
+      const double s = nothing_but_rounding(sliding) ? 0.0 : sliding.stick_slip_as_placed();
       sections.row("as placed", fmt::format("s = {} for the body as it is placed, moved without a "
                                             "change of shape",
                                             text_of(s)));
@@ -126,9 +132,9 @@ void add_misfits(Sections& sections, const Scales& scales) {
     const auto fraction = as_fraction(misfit.ratio());
     sections.section(
         fmt::format("{} on {} along {}", misfit.body, misfit.substrate, axis_name(misfit.axis)));
-    sections.row("spacing/period",
-                 fmt::format("{:.10g} = {}/{}; misfit {}", misfit.ratio(), text_of(misfit.spacing),
-                             text_of(misfit.period), text_of(misfit.misfit())));
+    sections.row("spacing/period", fmt::format("{:.10g}, of {} and {}; misfit {}", misfit.ratio(),
+                                               text_of(misfit.spacing), text_of(misfit.period),
+                                               text_of(misfit.misfit())));
     sections.row("commensurability",
                  fraction ? fmt::format("commensurate, {}/{}", fraction->p, fraction->q)
                           : "incommensurate: no fraction with a denominator up to 1000 is close");
@@ -149,12 +155,11 @@ void add_step(Sections& sections, const Explanation& e) {
                              step.stable ? "" : ": NOT STABLE"));
   }
   if (e.scales.shortest_time > 0.0) {
-    const std::string force =
-        e.scales.stiffest_force.empty() ? "" : ", by " + e.scales.stiffest_force;
-    sections.row("shortest time scale", text_of(e.scales.shortest_time) +
-                                            ", 1/omega or 1/damping rate of the fastest motion" +
-                                            force);
+    sections.row(
+        "shortest time scale",
+        text_of(e.scales.shortest_time) + ", the least of 1/omega, 1/damping rate and a/(2 pi v)");
   }
+  if (!e.scales.stiffest_force.empty()) sections.row("stiffest force", e.scales.stiffest_force);
 }
 
 /// A time of about this many seconds, as people say it.
@@ -163,6 +168,11 @@ std::string seconds_text(double seconds) {
   if (seconds < 2.0 * 3600.0) return fmt::format("{:.2g} min", seconds / 60.0);
   if (seconds < 48.0 * 3600.0) return fmt::format("{:.2g} h", seconds / 3600.0);
   return fmt::format("{:.2g} days", seconds / 86400.0);
+}
+
+std::string count_text(double count) {
+  constexpr double kReadable = 1e7;
+  return count < kReadable ? fmt::format("{:.0f}", count) : fmt::format("{:.3g}", count);
 }
 
 void add_cost(Sections& sections, const Explanation& e) {
@@ -174,11 +184,14 @@ void add_cost(Sections& sections, const Explanation& e) {
   const Explanation::Cost& cost = *e.cost;
   // Fixed steps are counted, all else is estimated.
   const std::string about = cost.exact ? "" : "about ";
-  sections.row("steps", (e.step.adaptive ? about : "") + fmt::format("{:.3g}", cost.steps));
-  sections.row("force evaluations", about + fmt::format("{:.3g}", cost.evaluations));
-  sections.row("time on this machine", "about " + seconds_text(cost.seconds) +
-                                           fmt::format(", {}, from a trial of {:.2g} % of the run",
-                                                       cost.instruction_set, 100.0 * cost.part));
+  sections.row("steps", (e.step.adaptive ? about : "") + count_text(cost.steps));
+  sections.row("force evaluations", about + count_text(cost.evaluations));
+  const std::string trial =
+      cost.exact ? "the trial ran all of it"
+                 : fmt::format("from a trial of {:.2g} % of the run", 100.0 * cost.part);
+  sections.row("time on this machine", fmt::format("about {}, {}, {}", seconds_text(cost.seconds),
+                                                   cost.instruction_set, trial));
+  if (e.scene->output.every) sections.row("", "samples come on top of it");
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ constexpr double kTau = 6.283185307179586476925286766559;
 /// sinusoid's largest slope is met to 1e-4 and taken to 1e-5.
 constexpr int kShifts = 200;
 constexpr double kDifference = 1e-3;  // of the period
-/// Spacings that are equal but for the rounding of places.
+/// Numbers that are equal but for rounding.
 constexpr double kEqual = 1e-9;
 constexpr std::int64_t kLargestDenominator = 1000;
 
@@ -113,6 +113,13 @@ void add_misfits(Scales& scales, const Model& model, const SceneForce& from,
   }
 }
 
+/// The damping is given in parts of the critical one.
+Regime regime_of(double ratio) {
+  if (!(ratio > 0.0)) return Regime::undamped;
+  if (std::abs(ratio - 1.0) <= kEqual) return Regime::critically_damped;
+  return ratio < 1.0 ? Regime::underdamped : Regime::overdamped;
+}
+
 Damping damping_of(const Scales& scales) {
   const ForceScale* fastest = nullptr;
   for (const ForceScale& force : scales.forces) {
@@ -128,9 +135,7 @@ Damping damping_of(const Scales& scales) {
   if (fastest == nullptr) return damping;
   damping.oscillator = fastest->force;
   damping.critical = 2.0 * fastest->frequency;
-  damping.regime = !(damping.rate > 0.0)             ? Regime::undamped
-                   : damping.rate < damping.critical ? Regime::underdamped
-                                                     : Regime::overdamped;
+  damping.regime = regime_of(damping.rate / damping.critical);
   return damping;
 }
 
@@ -150,6 +155,8 @@ const char* to_string(Regime regime) {
       return "undamped";
     case Regime::underdamped:
       return "underdamped";
+    case Regime::critically_damped:
+      return "critically damped";
     case Regime::overdamped:
       return "overdamped";
     case Regime::no_oscillation:

@@ -21,9 +21,9 @@ struct ForceScale {
   bool internal = false;      ///< acts within bodies: the centre of mass does not feel it
 };
 
-enum class Regime { undamped, underdamped, overdamped, no_oscillation };
+enum class Regime { undamped, underdamped, critically_damped, overdamped, no_oscillation };
 
-/// "undamped", "underdamped", "overdamped", "no oscillation".
+/// "undamped", "critically damped", ...
 const char* to_string(Regime regime);
 
 /// The damping against the critical damping, 2 * frequency, of the fastest oscillation that the
@@ -81,9 +81,10 @@ struct Misfit {
 };
 
 struct Scales {
-  double frequency = 0.0;          ///< of the fastest motion of all, angular
-  double damping_rate = 0.0;       ///< the largest
-  double shortest_time = 0.0;      ///< 1/frequency, 1/damping rate, 1/washboard: the least; 0: none
+  double frequency = 0.0;     ///< of the fastest motion of all, angular
+  double damping_rate = 0.0;  ///< the largest
+  /// The least of 1/frequency, 1/damping rate and 1/washboard frequency; 0: none.
+  double shortest_time = 0.0;
   std::string stiffest_force;      ///< behind the fastest motion or damping; may be empty
   std::vector<ForceScale> forces;  ///< those built, in the scene's order
   Damping damping;
