@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
@@ -69,12 +68,12 @@ Check check_of(const ClaimResult& result) {
   check.subject = result.force;
   check.claim = result.claim;
   check.holds = result.holds;
-  check.text = fmt::format("{}, to {:.2g} ({:.2g} allowed)", result.meaning, result.error,
-                           std::max(result.allowed, 0.0));
+  check.text =
+      fmt::format("{}, to {:.2g} ({:.2g} allowed)", result.meaning, result.error, result.allowed);
   if (!result.holds && !result.worst.empty()) check.text += "; worst: " + result.worst;
   check.numbers = Json{{"type", result.type},
                        {"error", std::isfinite(result.error) ? Json(result.error) : Json()},
-                       {"allowed", std::max(result.allowed, 0.0)},
+                       {"allowed", result.allowed},
                        {"states", result.states},
                        {"worst", result.worst}};
   return check;
@@ -106,7 +105,7 @@ std::string text_of(const Scene& scene, const Report& report) {
   for (const std::string& warning : report.warnings) sections.row("warning", warning);
   const std::size_t count = report.checks.size();
   sections.row("in all", failed == 0 ? fmt::format("{} checks hold; errors are relative, the "
-                                                   "largest over the start and displaced states",
+                                                   "worst of the start and displaced states",
                                                    count)
                                      : fmt::format("{} of {} checks FAILED", failed, count));
   return sections.text();

@@ -121,7 +121,7 @@ std::optional<Explanation::Cost> cost_of(const Scene& scene, const Explanation::
 
 }  // namespace
 
-Explanation explain(std::shared_ptr<const Scene> scene, double trial_seconds) {
+Explanation explain(const std::shared_ptr<const Scene>& scene, double trial_seconds) {
   Explanation explanation;
   explanation.scene = scene;
   Model model(scene);

@@ -69,7 +69,7 @@ struct Explanation {
 
 /// Binds the scene and tries a few steps for up to `trial_seconds`. Throws InputError for
 /// everything that a run would refuse.
-Explanation explain(std::shared_ptr<const Scene> scene, double trial_seconds = 0.1);
+Explanation explain(const std::shared_ptr<const Scene>& scene, double trial_seconds = 0.1);
 
 /// For people, and for programs.
 std::string explanation_text(const Explanation& explanation);

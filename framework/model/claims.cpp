@@ -85,6 +85,7 @@ class Examination {
   ClaimOptions options_;
   double latest_ = 0.0;
   ClaimResult now_;
+  double strain_ = 0.0;  ///< the largest part of what is allowed
 };
 
 /// Drivers are looked at while they are about a length away from their start.
@@ -102,11 +103,13 @@ ClaimResult Examination::over_all_states(const char* claim, const char* meaning,
                                          const LookAt& look_at) {
   const Model::Force& force = alone_.force();
   now_ = {force.name, force.record->name, claim, meaning, true, 0.0, 0.0, 0, ""};
+  strain_ = -1.0;
   Random random(options_.seed);
   alone_.restart();
   State start;
   for (const Variable& variable : alone_.variables()) start.x.push_back(alone_.position(variable));
-  for (int k = 0; k <= options_.displaced_states; ++k) {
+  // The start comes last: where forces balance, sizes are known from where they do not.
+  for (int k = options_.displaced_states; k >= 0; --k) {
     State state = start;
     if (k > 0) {
       for (std::size_t i = 0; i < count(); ++i) {
@@ -123,14 +126,16 @@ ClaimResult Examination::over_all_states(const char* claim, const char* meaning,
 
 void Examination::note(double difference, double size, double allowed, const std::string& where) {
   const bool holds = difference <= allowed;  // false for what is no number
-  const double error = size > 0.0 ? difference / size : (difference == 0.0 ? 0.0 : 1.0);
-  const bool first_fault = now_.holds && !holds;
-  if (first_fault || (holds == now_.holds && !(error <= now_.error))) {
-    now_.error = error;
-    now_.allowed = size > 0.0 ? allowed / size : 0.0;
-    now_.worst = where;
-  }
+  const double strain = difference == 0.0 ? 0.0
+                        : holds || (difference > allowed && allowed > 0.0)
+                            ? difference / allowed
+                            : std::numeric_limits<double>::infinity();
   now_.holds = now_.holds && holds;
+  if (strain < strain_) return;
+  strain_ = strain;
+  now_.error = size > 0.0 ? difference / size : difference;
+  now_.allowed = size > 0.0 ? std::max(allowed, 0.0) / size : 0.0;
+  now_.worst = where;
 }
 
 void Examination::place(const State& state) {
@@ -218,7 +223,7 @@ ClaimResult Examination::conservative() {
 }
 
 ClaimResult Examination::internal() {
-  double largest = 0.0;  // where all is balanced, rounding is that of the states that are not
+  double largest = 0.0;  // over the states so far
   return over_all_states(
       "internal", "forces and torques sum to zero", [&](const State& state, Random&) {
         place(state);

@@ -18,10 +18,11 @@ struct ClaimResult {
   std::string claim;    ///< "conservative", "internal", "dissipative", "periodic"
   std::string meaning;  ///< what was compared: "force = -gradient of the energy"
   bool holds = false;
-  double error = 0.0;    ///< largest relative error over all states that were looked at
-  double allowed = 0.0;  ///< what rounding and finite differences explain at that state
+  /// Relative, at the state where it is the largest part of what is allowed.
+  double error = 0.0;
+  double allowed = 0.0;  ///< what rounding and finite differences explain there
   int states = 0;        ///< that were looked at
-  std::string worst;     ///< where the error is largest: "ring, particle 3, x"; may be empty
+  std::string worst;     ///< there: "ring, particle 3, x"; may be empty
 };
 
 struct ClaimOptions {

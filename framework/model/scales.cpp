@@ -186,7 +186,7 @@ std::optional<Fraction> as_fraction(double ratio) {
   return std::nullopt;
 }
 
-Scales scales_of(std::shared_ptr<const Scene> scene) {
+Scales scales_of(const std::shared_ptr<const Scene>& scene) {
   Model model(scene);
   StateLayout layout;
   model.declare(layout);

@@ -93,6 +93,6 @@ struct Scales {
 };
 
 /// Throws InputError when the scene cannot be bound.
-Scales scales_of(std::shared_ptr<const Scene> scene);
+Scales scales_of(const std::shared_ptr<const Scene>& scene);
 
 }  // namespace tomlin

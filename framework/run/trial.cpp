@@ -17,7 +17,7 @@ constexpr std::uint64_t kMostBetweenLooks = 4096;
 
 }  // namespace
 
-Trial try_out(std::shared_ptr<const Scene> scene, double seconds, InstructionSet set) {
+Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds, InstructionSet set) {
   const RunSettings& run = scene->run;
   const double dt = run.integrator.record->step(run.integrator.description.get());
   RunOptions options;

@@ -22,7 +22,7 @@ struct Trial {
 
 /// Binds the scene and steps it for about so many seconds; leaves nothing behind. Throws InputError
 /// for everything that a run would refuse.
-Trial try_out(std::shared_ptr<const Scene> scene, double seconds,
+Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds,
               InstructionSet set = chosen_instruction_set());
 
 }  // namespace tomlin
