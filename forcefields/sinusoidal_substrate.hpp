@@ -111,6 +111,15 @@ struct SinusoidalSubstrate {
     const double mixed = wave * sqrt(2.0 * d.decay / 2.718281828459045);
     return amplitude * sqrt(diagonal * diagonal + mixed * mixed);
   }
+
+  /// Largest diagonal entry of the Hessian.
+  template <int D>
+  static double curvature_bound_along(const Description& d, int axis) {
+    const double wave = 6.283185307179586 / d.period;
+    const double amplitude = d.amplitude < 0.0 ? -d.amplitude : d.amplitude;
+    if (axis == 0) return amplitude * wave * wave;
+    return axis == 1 ? amplitude * 2.0 * d.decay : 0.0;
+  }
 };
 
 }  // namespace TOMLIN_TARGET

@@ -28,10 +28,7 @@ constexpr std::array kLaterCommands = {
     LaterCommand{"tradeoff", "what accuracy costs, and the cheapest setting that is good enough"},
     LaterCommand{"compare", "several models side by side"},
     LaterCommand{"stability", "thresholds and equilibria"},
-    LaterCommand{"explain", "what a scene would build, its scales, its stable step, its cost"},
-    LaterCommand{"check", "validate a scene and check the claims of its forces"},
     LaterCommand{"schema", "JSON Schema of scenes, for editors"},
-    LaterCommand{"new", "a commented scene to start from"},
     LaterCommand{"report", "a web page of a run"},
     LaterCommand{"plot", "figures of a run"},
 };
@@ -76,10 +73,13 @@ The mean lateral force is printed; pt.out/ then holds summary.json with all resu
 observables.csv with the friction trace, and scene.toml, the scene with every default filled in.
 
   tomlin run --help            how to change parameters and choose the folder
+  tomlin explain pt.toml       its scales, its regime, the stable step, what a run costs
+  tomlin check pt.toml         is the scene sound, and do its forces what they claim
+  tomlin new pt|fk|ring        a commented scene to start from
   tomlin describe              the bodies, forces and integrators
   tomlin describe NAME         one of them: equation, source, parameters, an example
 
-Exit status: 0 done; 1 a run failed; 2 the input was not right, and nothing was done.)";
+Exit status: 0 done; 1 a run or a check failed; 2 the input was not right, and nothing was done.)";
 
 constexpr const char* kRunFooter = R"(
 Examples:
@@ -106,6 +106,56 @@ Exit status: 0 done; 1 the run failed numerically (the message says when, where 
 results could not be written; 2 the input was not right, and nothing was written; 130 or 143 after
 an interrupt.)";
 
+constexpr const char* kExplainFooter = R"(
+Shows, without running the scene:
+
+  built          bodies, coordinates, forces; what is left out and why; what was not asked for
+  scales         natural frequencies, damping and its regime, the stick-slip parameter, the
+                 washboard frequency, spacing against period
+  time step      against the stable step of the integrator. A step that is too long is shown, and
+                 refused by run.
+  cost           steps, force evaluations and time, from a trial of a tenth of a second
+
+Examples:
+
+  tomlin explain pt.toml
+  tomlin explain pt.toml --set v=1e-3 --json
+
+Exit status: 0 done; 2 the scene is not right.)";
+
+constexpr const char* kCheckFooter = R"(
+Reads and binds the scene as run does, compares a fixed step with the stable step, and holds every
+force against its own claims on this scene's bodies, at the start and at small displacements:
+
+  conservative   its force is minus the gradient of its energy
+  internal       its forces and torques sum to zero
+  dissipative    its power is never positive
+  periodic       a shift by its period changes nothing
+
+Examples:
+
+  tomlin check pt.toml
+  tomlin check pt.toml --set run.integrator.dt=0.1 --json
+
+With --json faults of the scene are listed on standard output.
+
+Exit status: 0 all checks hold; 1 one does not; 2 the scene is not right.)";
+
+constexpr const char* kNewFooter = R"(
+Models:
+
+  pt     one tip on a substrate: Prandtl-Tomlinson
+  fk     a driven chain of particles and springs: Frenkel-Kontorova
+  ring   a ring that drags, rolls or hops
+
+Examples:
+
+  tomlin new pt                  writes pt.toml, a scene with comments that runs as it is
+  tomlin new ring my_ring        writes my_ring.toml
+  tomlin new fk -o scenes/a.toml
+
+Exit status: 0 done; 1 the file could not be written; 2 the input was not right.)";
+
 constexpr const char* kDescribeFooter = R"(
 Examples:
 
@@ -124,16 +174,22 @@ Examples:
 
 bool is_option(std::string_view word) { return word.size() > 1 && word.front() == '-'; }
 
+constexpr std::array kCommands = {"run", "explain", "check", "new", "describe"};
+
+std::string all_commands() {
+  return fmt::format("{}; tomlin --help tells more", fmt::join(kCommands, ", "));
+}
+
 /// The command must be one of ours. Those to come take any arguments.
 void check_command(std::string_view word) {
-  std::vector<std::string> names = {"run", "describe"};
+  std::vector<std::string> names(kCommands.begin(), kCommands.end());
   if (std::find(names.begin(), names.end(), word) != names.end()) return;
   for (const LaterCommand& later : kLaterCommands) {
     if (word == later.name) refuse(fmt::format("\"{}\" is not in this version", word));
     names.emplace_back(later.name);
   }
   refuse(fmt::format("there is no command \"{}\"", word), nearest_name(word, names).value_or(""),
-         "run, describe; tomlin --help tells more");
+         all_commands());
 }
 
 /// "PATH=VALUE" each.
@@ -167,6 +223,9 @@ class CommandLine {
     app_.require_subcommand(1);
     app_.footer(kProgramFooter);
     set_up_run();
+    set_up_explain();
+    set_up_check();
+    set_up_new();
     set_up_describe();
     for (const LaterCommand& later : kLaterCommands) {
       app_.add_subcommand(later.name, later.what)->group("Later, not in this version");
@@ -186,18 +245,32 @@ class CommandLine {
       refuse(fmt::format("{} ({} --help tells more)", error.what(), name_of(chosen())));
     }
     if (app_.got_subcommand(describe_)) return described_;
+    if (app_.got_subcommand(new_)) return new_arguments();
+    if (app_.got_subcommand(explain_)) {
+      explained_.settings = settings_of(settings_);
+      return explained_;
+    }
+    if (app_.got_subcommand(check_)) {
+      checked_.settings = settings_of(settings_);
+      return checked_;
+    }
     return run_arguments();
   }
 
  private:
-  void set_up_run() {
-    run_ = app_.add_subcommand("run", "run one scene");
-    run_->footer(kRunFooter);
-    run_->add_option("SCENE", asked_.scene, "the scene, a TOML file")->option_text(" ")->required();
-    run_->add_option("--set", settings_, "replace a parameter or any value of the scene")
+  /// SCENE and --set.
+  void take_scene(CLI::App& command, std::string& scene) {
+    command.add_option("SCENE", scene, "the scene, a TOML file")->option_text(" ")->required();
+    command.add_option("--set", settings_, "replace a parameter or any value of the scene")
         ->type_name("PATH=VALUE")
         ->option_text("PATH=VALUE ...")
         ->allow_extra_args(false);
+  }
+
+  void set_up_run() {
+    run_ = app_.add_subcommand("run", "run one scene");
+    run_->footer(kRunFooter);
+    take_scene(*run_, asked_.scene);
     run_->add_option("-o,--output", asked_.folder, "folder for the results; SCENE's stem + .out")
         ->type_name("DIR");
     run_->add_flag("--force", asked_.force,
@@ -210,12 +283,44 @@ class CommandLine {
                   ->group("Later, not in this version");
   }
 
+  void set_up_explain() {
+    explain_ = app_.add_subcommand("explain", "what a scene builds, its scales, its cost");
+    explain_->footer(kExplainFooter);
+    take_scene(*explain_, explained_.scene);
+    explain_->add_flag("--json", explained_.json, "as JSON");
+  }
+
+  void set_up_check() {
+    check_ = app_.add_subcommand("check", "validate a scene and check the claims of its forces");
+    check_->footer(kCheckFooter);
+    take_scene(*check_, checked_.scene);
+    check_->add_flag("--json", checked_.json, "as JSON");
+  }
+
+  void set_up_new() {
+    new_ = app_.add_subcommand("new", "write a commented scene to start from");
+    new_->footer(kNewFooter);
+    new_->add_option("MODEL", begun_.model, "pt, fk or ring")->option_text(" ")->required();
+    CLI::Option* name =
+        new_->add_option("NAME", begun_.name, "of the file; MODEL by default")->option_text(" ");
+    new_->add_option("-o,--output", begun_.file, "the file; NAME.toml by default")
+        ->type_name("FILE")
+        ->excludes(name);
+    new_->add_flag("--force", begun_.force, "replace a file that is there");
+  }
+
   void set_up_describe() {
     describe_ = app_.add_subcommand("describe", "show the components that scenes are made of");
     describe_->footer(kDescribeFooter);
     describe_->add_option("NAME", described_.name, "a body, force or integrator; all by default")
         ->option_text(" ");
     describe_->add_flag("--json", described_.json, "as JSON");
+  }
+
+  NewArguments new_arguments() const {
+    if (begun_.name && begun_.name->empty()) refuse("NAME is empty");
+    if (begun_.file && begun_.file->empty()) refuse("-o is empty");
+    return begun_;
   }
 
   RunArguments run_arguments() {
@@ -255,10 +360,16 @@ class CommandLine {
 
   CLI::App app_{"Nanoscale friction models from plain scene files.", "tomlin"};
   CLI::App* run_ = nullptr;
+  CLI::App* explain_ = nullptr;
+  CLI::App* check_ = nullptr;
+  CLI::App* new_ = nullptr;
   CLI::App* describe_ = nullptr;
   CLI::Option* resume_ = nullptr;
   CLI::Option* plugin_ = nullptr;
   RunArguments asked_;
+  ExplainArguments explained_;
+  CheckArguments checked_;
+  NewArguments begun_;
   DescribeArguments described_;
   std::vector<std::string> settings_;
   std::vector<std::string> plugins_;
@@ -268,7 +379,7 @@ class CommandLine {
 }  // namespace
 
 Arguments parse_arguments(int argc, const char* const* argv) {
-  if (argc < 2) refuse("a command is due", "", "run, describe; tomlin --help tells more");
+  if (argc < 2) refuse("a command is due", "", all_commands());
   if (!is_option(argv[1])) check_command(argv[1]);
   return CommandLine().parse(argc, argv);
 }

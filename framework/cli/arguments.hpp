@@ -19,6 +19,28 @@ struct RunArguments {
   bool quiet = false;
 };
 
+/// `tomlin explain SCENE ...`
+struct ExplainArguments {
+  std::string scene;
+  std::vector<Setting> settings;
+  bool json = false;
+};
+
+/// `tomlin check SCENE ...`
+struct CheckArguments {
+  std::string scene;
+  std::vector<Setting> settings;
+  bool json = false;
+};
+
+/// `tomlin new MODEL [NAME] ...`
+struct NewArguments {
+  std::string model;                ///< "pt", "fk", "ring"
+  std::optional<std::string> name;  ///< of the file, without .toml
+  std::optional<std::string> file;  ///< instead of the name
+  bool force = false;
+};
+
 /// `tomlin describe [NAME] ...`
 struct DescribeArguments {
   std::string name;  ///< empty: all components
@@ -30,7 +52,8 @@ struct TextToPrint {
   std::string text;
 };
 
-using Arguments = std::variant<RunArguments, DescribeArguments, TextToPrint>;
+using Arguments = std::variant<RunArguments, ExplainArguments, CheckArguments, NewArguments,
+                               DescribeArguments, TextToPrint>;
 
 /// Throws InputError when the command line does not say anything that can be done.
 Arguments parse_arguments(int argc, const char* const* argv);

@@ -8,6 +8,11 @@
 namespace tomlin {
 
 int run_command(const RunArguments& arguments);
+int explain_command(const ExplainArguments& arguments);
+/// kExitFailed when a check fails; with `json` faults of the scene go to standard output.
+int check_command(const CheckArguments& arguments);
+/// Writes a scene to start from. Throws OutputError too.
+int new_command(const NewArguments& arguments);
 int describe_command(const DescribeArguments& arguments);
 
 /// Writes a command's result to standard output; kExitFailed when that does not take it.

@@ -15,10 +15,11 @@
 #include <nlohmann/json.hpp>
 
 #include "framework/cli/commands.hpp"
-#include "framework/standard_registry.hpp"
+#include "framework/cli/component_text.hpp"
 #include "framework/core/body.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/core/force.hpp"
+#include "framework/standard_registry.hpp"
 #include "framework/core/integrator.hpp"
 #include "framework/core/nearest_name.hpp"
 #include "framework/scene/document.hpp"
@@ -78,18 +79,6 @@ const Described& find(const std::vector<Described>& all, const std::string& name
   fault.admissible = listed(names);
   fault.nearest = nearest_name(name, names).value_or("");
   throw InputError({fault});
-}
-
-const char* text_of(Element element) {
-  switch (element) {
-    case Element::site:
-      return "each particle";
-    case Element::pair:
-      return "pairs of particles";
-    case Element::body:
-      return "a body as a whole, or particles of it";
-  }
-  return "";
 }
 
 using Claim = std::pair<const char*, bool>;
@@ -157,7 +146,7 @@ void append_traits(std::string& text, const Described& component) {
     for (const auto& [name, holds] : claims(component.force->traits)) {
       if (holds) held.emplace_back(name);
     }
-    text += std::string("\nacts on\n  ") + text_of(component.force->element) + "\n";
+    text += std::string("\nacts on\n  ") + to_string(component.force->element) + "\n";
     text += "\ntraits\n  " + (held.empty() ? "none" : listed(held)) + "\n";
   }
   if (component.integrator != nullptr) {
@@ -220,14 +209,32 @@ Json json_of(const Node& node) {
       node.value);
 }
 
+/// What kind of value a row takes.
+const char* kind_name(const Parameter& row) {
+  static constexpr std::array kNames = {"number",
+                                        "integer",
+                                        "boolean",
+                                        "word",
+                                        "vector",
+                                        "number_per_particle",
+                                        "vector_per_particle",
+                                        "pairs",
+                                        "word_or_numbers",
+                                        "attachment"};
+  static_assert(kNames.size() == std::variant_size_v<ParameterValue>, "each kind has its name");
+  return kNames[row.prototype.index()];
+}
+
 Json parameter_json(const Parameter& row) {
   Json entry;
   entry["key"] = row.key;
+  entry["kind"] = kind_name(row);
   entry["dimension"] = to_string(row.dimension);
   entry["required"] = row.required();
   const auto standard = row.standard ? to_node(*row.standard) : std::nullopt;
   entry["default"] = standard ? json_of(*standard) : Json();
   entry["admissible"] = what_is_due(row);
+  entry["choices"] = row.choices;
   entry["doc"] = row.doc;
   return entry;
 }
@@ -257,7 +264,7 @@ Json component_json(const Described& component) {
   entry["summary"] = record.summary;
   entry["equation"] = record.equation;
   entry["source"] = record.source;
-  if (component.force != nullptr) entry["acts_on"] = text_of(component.force->element);
+  if (component.force != nullptr) entry["acts_on"] = to_string(component.force->element);
   entry["traits"] = traits_json(component);
   entry["parameters"] = Json::array();
   for (const Parameter& row : component.layout.rows) {

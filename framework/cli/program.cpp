@@ -17,6 +17,12 @@ namespace {
 
 int carry_out(const RunArguments& arguments) { return run_command(arguments); }
 
+int carry_out(const ExplainArguments& arguments) { return explain_command(arguments); }
+
+int carry_out(const CheckArguments& arguments) { return check_command(arguments); }
+
+int carry_out(const NewArguments& arguments) { return new_command(arguments); }
+
 int carry_out(const DescribeArguments& arguments) { return describe_command(arguments); }
 
 int carry_out(const TextToPrint& text) { return print_result(text.text); }

@@ -96,6 +96,20 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
                      fmt::format("time {:.9g} to {:.9g}", result.window_from, result.window_to));
   add_lines(lines, result.drivers);
   add_lines(lines, result.bodies);
+  if (result.energy) {
+    lines.emplace_back("energy", Numbers()
+                                     .add("work in", result.energy->work_in)
+                                     .add("heat out", result.energy->heat_out)
+                                     .add("stored", result.energy->stored_change)
+                                     .add("numerical work", result.energy->numerical_work)
+                                     .text());
+  }
+  for (std::size_t k = 0; k < std::min(result.determined.size(), kMostShown); ++k) {
+    const DeterminedResult& found = result.determined[k];
+    lines.emplace_back("determined", fmt::format("{} to {:.1f} digits ({} to {})", found.path,
+                                                 found.digits, text_of(found.min),
+                                                 text_of(found.max)));
+  }
   for (const auto& [force, why] : result.left_out)
     lines.emplace_back("left out", fmt::format("{}: {}", force, why));
   for (std::size_t k = 0; k < std::min(result.warnings.size(), kMostShown); ++k) {

@@ -148,6 +148,12 @@ class BoundForce {
   /// Bound on the curvature of a site force's energy, over all positions; negative when the
   /// Hessian at the start is the better estimate (springs).
   virtual double curvature_bound() const { return -1.0; }
+  /// The same of the curvature along one axis; the bound over all directions unless a force knows
+  /// better.
+  virtual double curvature_bound_along(int axis) const {
+    (void)axis;
+    return curvature_bound();
+  }
   virtual const Drive* drive() const { return nullptr; }
   /// Shortest distance that a pair of it keeps; 0 when there are none.
   virtual double shortest_bond() const { return 0.0; }

@@ -72,6 +72,13 @@ class ForceOnSites : public BoundForce<Real> {
     return -1.0;
   }
 
+  double curvature_bound_along(int axis) const override {
+    if constexpr (requires { E::template curvature_bound_along<D>(description_, axis); }) {
+      return E::template curvature_bound_along<D>(description_, axis);
+    }
+    return curvature_bound();
+  }
+
   /// Of free particles: a rigid body's velocities are not its particles'.
   bool has_flow() const override { return kHasFlow && !body_.slot.mapped; }
 

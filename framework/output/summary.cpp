@@ -52,6 +52,23 @@ Json driver_entry(const DriverResult& driver) {
   return entry;
 }
 
+Json energy_entry(const EnergyResult& energy) {
+  return {{"kinetic", number(energy.kinetic)},
+          {"potential", number(energy.potential)},
+          {"work_in", number(energy.work_in)},
+          {"heat_out", number(energy.heat_out)},
+          {"stored_change", number(energy.stored_change)},
+          {"numerical_work", number(energy.numerical_work)}};
+}
+
+Json determined_entry(const DeterminedResult& found) {
+  return {{"value", number(found.value)},
+          {"spread", number(found.spread)},
+          {"digits", number(found.digits)},
+          {"min", number(found.min)},
+          {"max", number(found.max)}};
+}
+
 Json body_entry(const BodyResult& body, bool planar) {
   Json entry;
   entry["centre_of_mass"] = by_axis(body.centre_of_mass);
@@ -93,6 +110,14 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
 
   // Not counted in this version.
   summary["events"] = {{"slips", nullptr}, {"turns", nullptr}, {"reversals", nullptr}};
+
+  if (result.energy) summary["energy"] = energy_entry(*result.energy);
+  if (!result.determined.empty()) {
+    summary["determined"] = Json::object();
+    for (const DeterminedResult& found : result.determined) {
+      summary["determined"][found.path] = determined_entry(found);
+    }
+  }
 
   summary["warnings"] = result.warnings;
   summary["left_out"] = Json::array();

@@ -35,6 +35,7 @@ class Engine {
   void advance(std::uint64_t steps);
   bool done() const { return ended_ || failure_.has_value(); }
   double time() const { return clock_[0] + clock_[1]; }
+  std::uint64_t steps() const { return static_cast<std::uint64_t>(counts_[kSteps]); }
 
  private:
   /// Everything that the window needs to know of one moment; the numbers stand in the run state.

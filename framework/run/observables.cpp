@@ -116,6 +116,15 @@ std::vector<Observable> observables(const RunResult& result) {
   Collector all(dimension);
   for (const DriverResult& driver : result.drivers) add_driver(all, driver);
   for (const BodyResult& body : result.bodies) add_body(all, body, dimension == 2);
+  if (result.energy) {
+    all.under("energy")
+        .add("kinetic", result.energy->kinetic)
+        .add("potential", result.energy->potential)
+        .add("work_in", result.energy->work_in)
+        .add("heat_out", result.energy->heat_out)
+        .add("stored_change", result.energy->stored_change)
+        .add("numerical_work", result.energy->numerical_work);
+  }
   all.under("time")
       .add("end", result.end_time)
       .add_count("steps", result.steps)

@@ -10,7 +10,7 @@
 #include "framework/core/kernel_tables.hpp"
 #include "framework/core/scheme.hpp"
 #include "framework/model/model.hpp"
-#include "framework/run/diagnose.hpp"
+#include "framework/run/determined.hpp"
 #include "framework/run/engine.hpp"
 
 namespace tomlin {
@@ -37,8 +37,10 @@ std::string to_string(const RunFailure& failure) {
 }
 
 RunResult run(std::shared_ptr<const Scene> scene, const RunOptions& options) {
-  Engine engine(std::move(scene), options);
-  return engine.run();
+  Engine engine(scene, options);
+  RunResult result = engine.run();
+  if (scene->run.perturb) determine(scene, options, result);
+  return result;
 }
 
 }  // namespace tomlin

@@ -651,7 +651,15 @@ struct BoundTooLarge : SinusoidalSubstrate {
   }
 };
 
+struct BoundAlongTooSmall : SinusoidalSubstrate {
+  template <int D>
+  static double curvature_bound_along(const Description& d, int axis) {
+    return 0.9 * SinusoidalSubstrate::curvature_bound_along<D>(d, axis);
+  }
+};
+
 TEST(PlantedFaults, CurvatureBoundThatIsNone) {
+  EXPECT_CAUGHT("curvature bound", "sinusoidal_substrate", bind_on_particles<BoundAlongTooSmall>);
   EXPECT_CAUGHT("curvature bound", "sinusoidal_substrate", bind_on_particles<BoundTooSmall>);
   EXPECT_CAUGHT("curvature bound is far too large", "sinusoidal_substrate",
                 bind_on_particles<BoundTooLarge>);

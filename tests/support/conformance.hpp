@@ -767,6 +767,11 @@ class ClaimCheck {
       for (std::size_t i = 0; i < bench.count(); ++i) {
         const double norm = hessian.block_norm(i);
         if (norm > bound * (1.0 + kRounding)) fault("curvature bound");
+        for (int a = 0; a < bench.axes(); ++a) {
+          const std::size_t k = bench.variable(i, a);
+          const double along = bench.force().curvature_bound_along(a);
+          if (std::abs(hessian.value(k, k)) > along * (1.0 + kRounding)) fault("curvature bound");
+        }
         if (bound > 0.0) tightest_ = std::max(tightest_, norm / bound);
       }
     }

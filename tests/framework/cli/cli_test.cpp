@@ -10,102 +10,18 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "tests/framework/cli/program_runner.hpp"
-#include "tests/framework/output/temporary_folder.hpp"
+#include "tests/framework/cli/cli_fixture.hpp"
 
 namespace tomlin::test {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
-constexpr const char* kTip = R"([scene]
-name = "a tip"
-
-[parameters]
-v = 1e-2
-two_v = "2 * v"
-
-[[body]]
-name = "tip"
-type = "point"
-position = [0.0]
-particle_mass = 1.0
-
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 2.0
-velocity = ["v"]
-
-[[force]]
-type = "viscous_damping"
-coefficient = 2.0
-
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.1
-period = 1.0
-
-[run]
-duration = 300.0
-integrator = { type = "rk4", dt = 1e-2 }
-
-[measure]
-from = 1.0
-to = 2.0
-in = "driver_periods"
-
-[output]
-every = 0.7
-)";
-
-/// A folder with the tip's scene in it.
-class Cli : public testing::Test {
- protected:
-  void SetUp() override { write(folder_ / "tip.toml", kTip); }
-
-  Ended tomlin(const std::vector<std::string>& arguments, const Conditions& conditions = {}) {
-    return run_program(folder_.path(), arguments, conditions);
-  }
-  std::string file(const std::string& path) { return content(folder_.path() / path); }
-  Json summary(const std::string& folder) { return Json::parse(file(folder + "/summary.json")); }
-  bool exists(const std::string& path) { return fs::exists(folder_.path() / path); }
-
-  /// Exit status 2, these lines on standard error, nothing on standard output, nothing made.
-  void expect_refused(const std::vector<std::string>& arguments, const std::string& errors) {
-    const auto before = all_files();
-    const Ended ended = tomlin(arguments);
-    EXPECT_EQ(ended.status, 2);
-    EXPECT_EQ(ended.err, errors);
-    EXPECT_EQ(ended.out, "");
-    EXPECT_EQ(all_files(), before);
-  }
-
-  std::vector<std::string> all_files() {
-    std::vector<std::string> files;
-    for (const auto& entry : fs::recursive_directory_iterator(folder_.path())) {
-      files.push_back(entry.path().string());
-    }
-    std::sort(files.begin(), files.end());
-    return files;
-  }
-
-  TemporaryFolder folder_;
-};
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-std::ptrdiff_t lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
 // ---- the command line
 
 TEST_F(Cli, HelpIsEverywhere) {
   for (const std::vector<std::string>& command :
        {std::vector<std::string>{}, std::vector<std::string>{"run"},
-        std::vector<std::string>{"describe"}}) {
+        std::vector<std::string>{"explain"}, std::vector<std::string>{"check"},
+        std::vector<std::string>{"new"}, std::vector<std::string>{"describe"}}) {
     for (const char* flag : {"--help", "-h"}) {
       auto arguments = command;
       arguments.emplace_back(flag);
@@ -142,11 +58,14 @@ TEST_F(Cli, VersionIsANumber) {
 
 TEST_F(Cli, WhatItDoesNotKnowIsBadInput) {
   expect_refused({},
-                 "tomlin: error: a command is due; admissible: run, describe; "
+                 "tomlin: error: a command is due; admissible: run, explain, check, new, "
+                 "describe; "
                  "tomlin --help tells more\n");
-  expect_refused({"swep"},
-                 "tomlin: error: there is no command \"swep\"; admissible: run, describe; "
-                 "tomlin --help tells more; did you mean \"sweep\"?\n");
+  expect_refused(
+      {"swep"},
+      "tomlin: error: there is no command \"swep\"; admissible: run, explain, check, new, "
+      "describe; "
+      "tomlin --help tells more; did you mean \"sweep\"?\n");
   expect_refused({"run", "tip.toml", "--frce"},
                  "tomlin: error: tomlin run has no option --frce; admissible: tomlin run --help "
                  "shows them; did you mean \"--force\"?\n");
@@ -163,12 +82,15 @@ TEST_F(Cli, WhatItDoesNotKnowIsBadInput) {
 }
 
 TEST_F(Cli, WhatIsToComeSaysSo) {
-  for (const std::string name : {"sweep", "tradeoff", "compare", "stability", "explain", "check",
-                                 "schema", "new", "report", "plot"}) {
+  for (const std::string name :
+       {"sweep", "tradeoff", "compare", "stability", "schema", "report", "plot"}) {
     expect_refused({name}, "tomlin: error: \"" + name + "\" is not in this version\n");
   }
   expect_refused({"sweep", "tip.toml", "--over", "v=1,2", "-o", "x"},
                  "tomlin: error: \"sweep\" is not in this version\n");
+  expect_refused(
+      {"new", "plugin"},
+      "tomlin: error: \"new plugin\" is not in this version; admissible: pt, fk, ring\n");
   expect_refused({"run", "tip.toml", "--resume"},
                  "tomlin: error: --resume is not in this version\n");
   expect_refused({"run", "tip.toml", "--plugin", "x.so"},
@@ -208,6 +130,10 @@ TEST_F(Cli, DescribeShowsOneComponentAndItsExampleRuns) {
         EXPECT_TRUE(contains(text.out, "\n  " + row["key"].get<std::string>() + " ["));
         EXPECT_FALSE(row["dimension"].get<std::string>().empty());
         EXPECT_FALSE(row["admissible"].get<std::string>().empty());
+        EXPECT_FALSE(row["kind"].get<std::string>().empty());
+        EXPECT_FALSE(row["doc"].get<std::string>().empty());
+        EXPECT_TRUE(row["choices"].is_array());
+        EXPECT_EQ(row["required"].get<bool>() && !row["default"].is_null(), false);
       }
       write(folder_ / (name + ".toml"), component["example"].get<std::string>());
       const Ended ended = tomlin({"run", name + ".toml", "--quiet"});

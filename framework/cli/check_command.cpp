@@ -1,0 +1,170 @@
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "framework/cli/commands.hpp"
+#include "framework/cli/exit_status.hpp"
+#include "framework/cli/sections.hpp"
+#include "framework/cli/standard_registry.hpp"
+#include "framework/core/fault.hpp"
+#include "framework/model/claims.hpp"
+#include "framework/model/model.hpp"
+#include "framework/run/trial.hpp"
+
+namespace tomlin {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// One line of the answer.
+struct Check {
+  std::string subject;  ///< a force, or "step"
+  std::string claim;    ///< "conservative", "stable"
+  bool holds = false;
+  std::string text;
+  Json numbers = Json::object();
+};
+
+struct Report {
+  std::vector<Check> checks;
+  std::vector<std::string> warnings;
+
+  bool sound() const {
+    for (const Check& check : checks) {
+      if (!check.holds) return false;
+    }
+    return true;
+  }
+};
+
+/// The fixed step against the stable step; `trial` has bound the scene as a run does.
+void check_step(const Scene& scene, const Trial& trial, Report& report) {
+  const SceneIntegrator& integrator = scene.run.integrator;
+  if (integrator.record->adaptive) return;
+  const double dt = integrator.record->step(integrator.description.get());
+  const bool limited = std::isfinite(trial.stable_step);
+  Check check;
+  check.subject = integrator.record->name;
+  check.claim = "stable";
+  check.holds = trial.step_is_stable || scene.run.allow_unstable;
+  check.text = limited ? fmt::format("dt = {:g} is {:.3g} of the stable step {:.4g}", dt,
+                                     dt / trial.stable_step, trial.stable_step)
+                       : fmt::format("dt = {:g}; nothing limits it", dt);
+  check.numbers = Json{{"dt", dt}, {"stable_step", limited ? Json(trial.stable_step) : Json()}};
+  if (!trial.step_is_stable && check.holds) {
+    report.warnings.push_back(check.text + ": run.allow_unstable insists");
+  }
+  report.checks.push_back(std::move(check));
+}
+
+Check check_of(const ClaimResult& result) {
+  Check check;
+  check.subject = result.force;
+  check.claim = result.claim;
+  check.holds = result.holds;
+  check.text =
+      fmt::format("{}, to {:.2g} ({:.2g} allowed)", result.meaning, result.error, result.allowed);
+  if (!result.holds && !result.worst.empty()) check.text += "; worst: " + result.worst;
+  check.numbers = Json{{"type", result.type},
+                       {"error", std::isfinite(result.error) ? Json(result.error) : Json()},
+                       {"allowed", result.allowed},
+                       {"states", result.states},
+                       {"worst", result.worst}};
+  return check;
+}
+
+Report report_on(const std::shared_ptr<const Scene>& scene) {
+  Report report;
+  const Trial trial = try_out(scene, 0.0);
+  check_step(*scene, trial, report);
+  for (const ClaimResult& result : check_claims(*scene)) {
+    report.checks.push_back(check_of(result));
+  }
+  const Model model(scene);
+  for (const Model::LeftOut& left : model.left_out()) {
+    report.warnings.push_back(left.force + " is not built and was not checked: " + left.why);
+  }
+  return report;
+}
+
+std::string text_of(const Scene& scene, const Report& report) {
+  Sections sections;
+  sections.section(scene.file + ": a valid scene");
+  std::size_t failed = 0;
+  for (const Check& check : report.checks) {
+    failed += check.holds ? 0 : 1;
+    sections.row(check.subject + " " + check.claim,
+                 (check.holds ? "ok      " : "FAILED  ") + check.text);
+  }
+  for (const std::string& warning : report.warnings) sections.row("warning", warning);
+  const std::size_t count = report.checks.size();
+  sections.row("in all", failed == 0 ? fmt::format("{} checks hold; errors are relative, the "
+                                                   "worst of the start and displaced states",
+                                                   count)
+                                     : fmt::format("{} of {} checks FAILED", failed, count));
+  return sections.text();
+}
+
+Json json_of(const Report& report) {
+  Json json;
+  json["valid"] = true;
+  json["sound"] = report.sound();
+  json["checks"] = Json::array();
+  for (const Check& check : report.checks) {
+    Json entry{{"subject", check.subject}, {"check", check.claim}, {"ok", check.holds}};
+    entry.update(check.numbers);
+    entry["text"] = check.text;
+    json["checks"].push_back(std::move(entry));
+  }
+  json["warnings"] = report.warnings;
+  return json;
+}
+
+Json json_of(const std::vector<Fault>& faults) {
+  const auto text = [](const std::string& given) { return given.empty() ? Json() : Json(given); };
+  const auto position = [](int given) { return given > 0 ? Json(given) : Json(); };
+  Json json;
+  json["valid"] = false;
+  json["faults"] = Json::array();
+  for (const Fault& fault : faults) {
+    json["faults"].push_back(Json{{"file", fault.place.file},
+                                  {"line", position(fault.place.line)},
+                                  {"column", position(fault.place.column)},
+                                  {"key", text(fault.key)},
+                                  {"value", text(fault.value)},
+                                  {"why", fault.why},
+                                  {"admissible", text(fault.admissible)},
+                                  {"did_you_mean", text(fault.nearest)}});
+  }
+  return json;
+}
+
+/// Values as written may hold anything, broken UTF-8 included.
+std::string dumped(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+int check_command(const CheckArguments& arguments) {
+  const Registry registry = standard_registry();
+  try {
+    const auto scene = read_scene(arguments.scene, registry, arguments.settings);
+    const Report report = report_on(scene);
+    const int status =
+        print_result(arguments.json ? dumped(json_of(report)) : text_of(*scene, report));
+    return report.sound() ? status : kExitFailed;
+  } catch (const InputError& error) {
+    if (!arguments.json) throw;
+    const int status = print_result(dumped(json_of(error.faults())));
+    return status == kExitDone ? kExitBadInput : status;
+  }
+}
+
+}  // namespace tomlin

@@ -1,0 +1,22 @@
+#include "framework/cli/component_text.hpp"
+
+namespace tomlin {
+
+const char* to_string(Element element) {
+  switch (element) {
+    case Element::site:
+      return "each particle";
+    case Element::pair:
+      return "pairs of particles";
+    case Element::body:
+      return "a body as a whole, or particles of it";
+  }
+  return "";
+}
+
+const char* axis_name(int axis) {
+  static const char* const names[] = {"x", "y", "z"};
+  return names[axis];
+}
+
+}  // namespace tomlin

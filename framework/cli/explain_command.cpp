@@ -1,0 +1,15 @@
+#include "framework/cli/commands.hpp"
+#include "framework/cli/explanation.hpp"
+#include "framework/cli/standard_registry.hpp"
+
+namespace tomlin {
+
+int explain_command(const ExplainArguments& arguments) {
+  const Registry registry = standard_registry();
+  const Explanation explanation =
+      explain(read_scene(arguments.scene, registry, arguments.settings));
+  return print_result(arguments.json ? explanation_json(explanation)
+                                     : explanation_text(explanation));
+}
+
+}  // namespace tomlin

@@ -1,0 +1,145 @@
+#include "framework/cli/explanation.hpp"
+
+#include <cmath>
+#include <cstddef>
+
+#include <fmt/format.h>
+
+#include "framework/cli/component_text.hpp"
+#include "framework/core/force.hpp"
+#include "framework/core/instruction_set.hpp"
+#include "framework/model/model.hpp"
+#include "framework/run/trial.hpp"
+
+namespace tomlin {
+namespace {
+
+/// A rest shorter than this part of a step is no step.
+constexpr double kNoStep = 1e-9;
+
+/// Coordinates of a body, and those of them that may move.
+void count_coordinates(Model& model, std::size_t b, Explanation::Body& body) {
+  const auto& slot = model.bodies()[b].bound.slot;
+  const double* inverse_mass = model.system().view.inverse_mass;
+  const auto count = [&](std::size_t at) {
+    ++body.coordinate_count;
+    if (inverse_mass[at] > 0.0) ++body.degrees_of_freedom;
+  };
+  const auto axes = static_cast<std::size_t>(model.dimension());
+  if (slot.rigid) {
+    for (std::size_t k = 0; k <= axes; ++k) count(slot.centre + k);
+  } else if (!slot.mapped) {
+    for (std::size_t d = 0; d < axes; ++d) {
+      for (std::size_t i = 0; i < slot.count; ++i) count(slot.offset + d * slot.stride + i);
+    }
+  }
+}
+
+void add_built(Explanation& explanation, Model& model) {
+  const Scene& scene = *explanation.scene;
+  for (std::size_t b = 0; b < model.bodies().size(); ++b) {
+    const Model::Body& from = model.bodies()[b];
+    Explanation::Body body;
+    body.name = from.bound.name;
+    body.type = scene.bodies[b].record->name;
+    body.coordinates = from.bound.coordinates;
+    body.particles = from.bound.slot.count;
+    body.mass = from.total_mass;
+    body.rolling_radius = from.rolling_radius;
+    count_coordinates(model, b, body);
+    explanation.bodies.push_back(std::move(body));
+  }
+  for (const Model::Force& from : model.forces()) {
+    Explanation::Force force{from.name, from.record->name, {}, from.record->element};
+    for (const std::size_t b : from.bodies) force.bodies.push_back(scene.bodies[b].name);
+    explanation.forces.push_back(std::move(force));
+  }
+  for (const Model::LeftOut& left : model.left_out()) {
+    explanation.left_out.emplace_back(left.force, left.why);
+  }
+}
+
+void add_parts(Explanation& explanation, const Model& model) {
+  const Scene& scene = *explanation.scene;
+  auto& parts = explanation.parts;
+  bool random = false;
+  bool works = false;
+  for (const Model::Force& force : model.forces()) {
+    random = random || force.record->traits.stochastic;
+    works = works || force.record->traits.does_work;
+  }
+  parts.push_back({"driver integrals", works,
+                   works ? "the force and the power of every driver" : "no force does work"});
+  std::string cells;
+  for (int axis = 0; axis < model.dimension(); ++axis) {
+    const double unit = model.origin().unit[axis];
+    if (!(unit > 0.0)) continue;
+    cells += fmt::format("{}{:g} along {}", cells.empty() ? "" : ", ", unit, axis_name(axis));
+  }
+  parts.push_back({"moving origin", !cells.empty(),
+                   cells.empty() ? "no force declares a period" : "cells of " + cells});
+  parts.push_back({"energy ledger", scene.run.ledger, "run.ledger = true keeps it"});
+  parts.push_back({"random numbers", random,
+                   random ? fmt::format("seed {}", scene.run.seed) : "no force is stochastic"});
+  const bool samples = scene.output.every.has_value();
+  parts.push_back(
+      {"samples", samples,
+       samples ? fmt::format("every {:g}: {:.6g} rows", *scene.output.every,
+                             std::floor(scene.run.duration / *scene.output.every + kNoStep) + 1)
+               : "output.every = INTERVAL takes them"});
+  parts.push_back({"trajectory", scene.output.trajectory, "output.trajectory = true writes it"});
+}
+
+Explanation::Step step_of(const Scene& scene, const Trial& trial) {
+  const SceneIntegrator& integrator = scene.run.integrator;
+  Explanation::Step step;
+  step.type = integrator.record->name;
+  step.adaptive = integrator.record->adaptive;
+  step.dt = integrator.record->step(integrator.description.get());
+  step.stable_step = trial.stable_step;
+  step.stable = trial.step_is_stable;
+  step.allow_unstable = scene.run.allow_unstable;
+  return step;
+}
+
+/// The trial, stretched to the whole run.
+std::optional<Explanation::Cost> cost_of(const Scene& scene, const Explanation::Step& step,
+                                         const Trial& trial) {
+  if (trial.steps == 0 || trial.failed) return std::nullopt;
+  const double tried = static_cast<double>(trial.steps);
+  Explanation::Cost cost;
+  cost.exact = trial.finished;
+  cost.part = trial.time / scene.run.duration;
+  cost.steps = trial.finished  ? tried
+               : step.adaptive ? tried / cost.part
+                               : std::ceil(scene.run.duration / step.dt - kNoStep);
+  cost.evaluations = cost.steps * static_cast<double>(trial.evaluations) / tried;
+  cost.seconds = cost.steps * trial.seconds / tried;
+  cost.instruction_set = to_string(chosen_instruction_set());
+  return cost;
+}
+
+}  // namespace
+
+Explanation explain(const std::shared_ptr<const Scene>& scene, double trial_seconds) {
+  Explanation explanation;
+  explanation.scene = scene;
+  Model model(scene);
+  add_built(explanation, model);
+  add_parts(explanation, model);
+  explanation.scales = scales_of(scene);
+  const Trial trial = try_out(scene, trial_seconds);
+  explanation.step = step_of(*scene, trial);
+  explanation.cost = cost_of(*scene, explanation.step, trial);
+  if (!explanation.step.stable) {
+    explanation.warnings.push_back(fmt::format("dt = {:g} is beyond the stable step {:.4g}: {}",
+                                               explanation.step.dt, explanation.step.stable_step,
+                                               scene->run.allow_unstable
+                                                   ? "the run will probably fail"
+                                                   : "the run is refused; take a smaller dt"));
+  }
+  if (trial.failed) explanation.warnings.emplace_back("a step of the trial failed: run says why");
+  return explanation;
+}
+
+}  // namespace tomlin

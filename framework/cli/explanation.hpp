@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "framework/core/traits.hpp"
+#include "framework/model/scales.hpp"
+#include "framework/scene/scene.hpp"
+
+namespace tomlin {
+
+/// What a scene builds, its scales and what running it would cost.
+struct Explanation {
+  struct Body {
+    std::string name;
+    std::string type;
+    std::string coordinates;  ///< "particles", "rigid", "fixed"
+    std::size_t particles = 0;
+    double mass = 0.0;  ///< of all particles together
+    std::size_t coordinate_count = 0;
+    std::size_t degrees_of_freedom = 0;  ///< coordinates that may move
+    double rolling_radius = 0.0;         ///< 0: does not roll
+  };
+  struct Force {
+    std::string name;
+    std::string type;
+    std::vector<std::string> bodies;
+    Element element = Element::site;
+  };
+  /// A part of the engine and whether the scene asks for it.
+  struct Part {
+    std::string name;
+    bool built = false;
+    std::string note;
+  };
+  struct Step {
+    std::string type;
+    bool adaptive = false;
+    double dt = 0.0;           ///< 0: adaptive
+    double stable_step = 0.0;  ///< infinite where nothing limits it
+    bool stable = true;
+    bool allow_unstable = false;
+    /// Above 1 the step is too long.
+    double part_of_stable_step() const { return dt / stable_step; }
+  };
+  struct Cost {
+    double steps = 0.0;
+    double evaluations = 0.0;  ///< of all forces
+    double seconds = 0.0;
+    bool exact = false;  ///< the trial was the whole run
+    double part = 0.0;   ///< of the run that was tried
+    std::string instruction_set;
+  };
+
+  std::shared_ptr<const Scene> scene;
+  std::vector<Body> bodies;
+  std::vector<Force> forces;
+  std::vector<std::pair<std::string, std::string>> left_out;  ///< force and why
+  std::vector<Part> parts;
+  Scales scales;
+  Step step;
+  std::optional<Cost> cost;  ///< nothing when no step could be tried
+  std::vector<std::string> warnings;
+};
+
+/// Binds the scene and tries a few steps for up to `trial_seconds`. Throws InputError for
+/// everything that a run would refuse.
+Explanation explain(const std::shared_ptr<const Scene>& scene, double trial_seconds = 0.1);
+
+/// For people, and for programs.
+std::string explanation_text(const Explanation& explanation);
+std::string explanation_json(const Explanation& explanation);
+
+}  // namespace tomlin

@@ -1,0 +1,77 @@
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "framework/cli/commands.hpp"
+#include "framework/cli/exit_status.hpp"
+#include "framework/cli/templates.hpp"
+#include "framework/core/fault.hpp"
+#include "framework/core/nearest_name.hpp"
+#include "framework/output/output_file.hpp"
+
+namespace tomlin {
+namespace fs = std::filesystem;
+namespace {
+
+[[noreturn]] void refuse(Fault fault) { throw InputError({std::move(fault)}); }
+
+const SceneTemplate& template_of(const std::string& model) {
+  std::vector<std::string> names;
+  for (const SceneTemplate& known : scene_templates()) {
+    if (known.name == model) return known;
+    names.push_back(known.name);
+  }
+  Fault fault;
+  fault.place.file = "tomlin";
+  fault.why = model == "plugin" ? "\"new plugin\" is not in this version"
+                                : fmt::format("there is no model \"{}\" to start from", model);
+  fault.admissible = fmt::format("{}", fmt::join(names, ", "));
+  fault.nearest = nearest_name(model, names).value_or("");
+  refuse(std::move(fault));
+}
+
+/// FILE, or NAME.toml.
+fs::path file_of(const NewArguments& arguments) {
+  if (arguments.file) return *arguments.file;
+  const fs::path name = arguments.name.value_or(arguments.model);
+  return name.extension() == ".toml" ? name : fs::path(name.string() + ".toml");
+}
+
+void refuse_to_replace(const fs::path& file, bool force) {
+  std::error_code error;
+  const auto status = fs::status(file, error);
+  Fault fault;
+  fault.place.file = "-o";
+  fault.key = file.string();
+  if (fs::is_directory(status)) {
+    fault.why = "this is a folder";
+    fault.admissible = "a file";
+  } else if (fs::exists(status) && !force) {
+    fault.why = "the file is there already";
+    fault.admissible = "another name, or --force to replace it";
+  } else {
+    return;
+  }
+  refuse(std::move(fault));
+}
+
+}  // namespace
+
+int new_command(const NewArguments& arguments) {
+  const SceneTemplate& scene = template_of(arguments.model);
+  const fs::path file = file_of(arguments);
+  refuse_to_replace(file, arguments.force);
+  OutputFile output(file);
+  output.append(scene.text);
+  output.publish();
+  return print_result(fmt::format(
+      "{}: {}\n  tomlin explain {}    what it builds, its scales, its stable step, its cost\n"
+      "  tomlin run {}        runs it\n",
+      file.string(), scene.summary, file.string(), file.string()));
+}
+
+}  // namespace tomlin

@@ -1,0 +1,121 @@
+#include "framework/model/force_alone.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace tomlin {
+namespace {
+
+constexpr double kTau = 6.283185307179586476925286766559;
+
+/// Dynamics and number type are matters of the run, not of the force.
+std::shared_ptr<const Scene> with_only(const Scene& scene, std::size_t force) {
+  auto alone = std::make_shared<Scene>(scene);
+  alone->forces = {scene.forces[force]};
+  alone->run.dynamics = "inertial";
+  alone->run.number_type = "double";
+  alone->run.ledger = false;
+  return alone;
+}
+
+double farthest_arm(const Model::Body& body) {
+  double farthest = 0.0;
+  for (const std::vector<double>& arm : body.arms) {
+    farthest = std::max(farthest, std::hypot(arm[0], arm[1]));
+  }
+  return farthest;
+}
+
+}  // namespace
+
+ForceAlone::ForceAlone(const Scene& scene, std::size_t force) : model_(with_only(scene, force)) {
+  StateLayout layout;
+  model_.declare(layout);
+  state_ = RunState(layout, 1);
+  model_.attach(state_);
+  model_.start();
+  rates_.assign(model_.system().view.rates + 2 * kGroup, 0.0);
+  restart();
+  list_variables();
+}
+
+void ForceAlone::restart() {
+  const auto& view = model_.system().view;
+  // Kernels may read a group past the end.
+  position_.assign(view.dofs + 2 * kGroup, 0.0);
+  velocity_.assign(view.dofs + 2 * kGroup, 0.0);
+  std::copy(view.position, view.position + view.dofs, position_.begin());
+  std::copy(view.velocity, view.velocity + view.dofs, velocity_.begin());
+}
+
+void ForceAlone::list_variables() {
+  const double* inverse_mass = model_.system().view.inverse_mass;
+  const auto add = [&](std::size_t at, std::size_t body, int axis, double unit) {
+    if (inverse_mass[at] > 0.0) variables_.push_back({at, body, axis, unit});
+  };
+  for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
+    const Model::Body& body = model_.bodies()[b];
+    const auto& slot = body.bound.slot;
+    if (slot.rigid) {
+      for (int d = 0; d < model_.dimension(); ++d) add(slot.centre + d, b, d, 1.0);
+      const double reach = farthest_arm(body);
+      if (reach > 0.0) add(slot.centre + model_.dimension(), b, -1, 1.0 / (kTau * reach));
+    } else if (!slot.mapped) {
+      for (int d = 0; d < model_.dimension(); ++d) {
+        for (std::size_t i = 0; i < slot.count; ++i) {
+          add(slot.offset + d * slot.stride + i, b, d, 1.0);
+        }
+      }
+    }
+  }
+}
+
+const double* ForceAlone::forces(double time) {
+  model_.evaluate_at(DoubleDouble(time), position_.data(), velocity_.data(),
+                     state_.reals("integrals"), rates_.data());
+  return model_.system().view.force;
+}
+
+double ForceAlone::energy(double time) {
+  return model_.potential_energy(DoubleDouble(time), position_.data(), velocity_.data(),
+                                 state_.reals("integrals"));
+}
+
+ForceAlone::Wrench ForceAlone::wrench(std::size_t b) {
+  const auto& slot = model_.bodies()[b].bound.slot;
+  const auto& view = model_.system().view;
+  Wrench total;
+  const auto act = [&](const std::array<double, 3>& x, const std::array<double, 3>& f) {
+    for (int a = 0; a < 3; ++a) {
+      const int next = (a + 1) % 3;
+      const int last = (a + 2) % 3;
+      total.force[a] += f[a];
+      total.torque[a] += x[next] * f[last] - x[last] * f[next];
+    }
+  };
+  std::array<double, 3> x{};
+  std::array<double, 3> f{};
+  if (slot.rigid) {
+    for (int d = 0; d < model_.dimension(); ++d) {
+      x[d] = position_[slot.centre + d];
+      f[d] = view.force[slot.centre + d];
+    }
+    act(x, f);
+    total.torque[2] += view.force[slot.centre + model_.dimension()] / kTau;
+    return total;
+  }
+  const double* const from = slot.mapped ? view.mapped_position : position_.data();
+  const double* const acting = slot.mapped ? view.mapped_force : view.force;
+  for (std::size_t i = 0; i < slot.count; ++i) {
+    for (int d = 0; d < model_.dimension(); ++d) {
+      const std::size_t at = slot.offset + d * slot.stride + i;
+      x[d] = from[at];
+      f[d] = acting[at];
+    }
+    act(x, f);
+  }
+  return total;
+}
+
+}  // namespace tomlin

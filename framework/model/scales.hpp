@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/model/model.hpp"
+#include "framework/scene/scene.hpp"
+
+/// The scales of a scene, composed from what its forces and bodies declare: periods, bounds on
+/// curvature, stiffness and velocity of drivers, friction.
+namespace tomlin {
+
+/// How fast one force alone makes the scene's bodies move.
+struct ForceScale {
+  std::string force;
+  double frequency = 0.0;     ///< angular, sqrt(k/m): bound of its fastest motion; 0: no spring
+  double damping_rate = 0.0;  ///< coefficient/mass, 1/time; 0: does not damp
+  bool internal = false;      ///< acts within bodies: the centre of mass does not feel it
+};
+
+enum class Regime { undamped, underdamped, critically_damped, overdamped, no_oscillation };
+
+/// "undamped", "critically damped", ...
+const char* to_string(Regime regime);
+
+/// The damping against the critical damping, 2 * frequency, of the fastest oscillation that the
+/// bodies' places feel; one within a body counts only when there is no other.
+struct Damping {
+  Regime regime = Regime::no_oscillation;
+  double rate = 0.0;       ///< the largest, 1/time
+  double critical = 0.0;   ///< 2 * frequency of that oscillation
+  std::string oscillator;  ///< the force behind it
+};
+
+/// A driver that pulls a body over a periodic force, along one axis.
+struct Sliding {
+  std::string body;
+  std::string driver;
+  std::string substrate;
+  int axis = 0;
+  std::size_t particles = 0;
+  double period = 0.0;
+  double stiffness = 0.0;  ///< of the driver, all its springs together
+  /// Largest curvature of the substrate's energy for the body as a whole if all its particles were
+  /// in phase, mass/time^2.
+  double curvature = 0.0;
+  /// The same for the body as it is placed, moved along the axis without changing its shape.
+  double curvature_as_placed = 0.0;
+  /// 0: the driver does not move.
+  double washboard_frequency = 0.0;  ///< angular, 2 pi |v| / period
+  double rolling_radius = 0.0;       ///< 0: the body does not roll
+
+  /// Smooth sliding below 1, stick-slip possible above.
+  double stick_slip() const { return curvature / stiffness; }
+  double stick_slip_as_placed() const { return curvature_as_placed / stiffness; }
+};
+
+/// p/q.
+struct Fraction {
+  std::int64_t p = 0;
+  std::int64_t q = 1;
+};
+
+/// The ratio as a fraction with a denominator up to 1000, where there is one within 1e-9: a
+/// quadratic irrational such as the golden mean is never that close.
+std::optional<Fraction> as_fraction(double ratio);
+
+/// Equally spaced particles of a body on a periodic force.
+struct Misfit {
+  std::string body;
+  std::string substrate;
+  int axis = 0;
+  double spacing = 0.0;
+  double period = 0.0;
+  double ratio() const { return spacing / period; }
+  /// In parts of the period, from the nearest whole number of periods.
+  double misfit() const;
+};
+
+struct Scales {
+  double frequency = 0.0;     ///< of the fastest motion of all, angular
+  double damping_rate = 0.0;  ///< the largest
+  /// The least of 1/frequency, 1/damping rate and 1/washboard frequency; 0: none.
+  double shortest_time = 0.0;
+  std::string stiffest_force;      ///< behind the fastest motion or damping; may be empty
+  std::vector<ForceScale> forces;  ///< those built, in the scene's order
+  Damping damping;
+  std::vector<Sliding> sliding;
+  std::vector<Misfit> misfits;
+};
+
+/// Throws InputError when the scene cannot be bound.
+Scales scales_of(const std::shared_ptr<const Scene>& scene);
+
+}  // namespace tomlin

@@ -1,0 +1,128 @@
+#include "framework/run/determined.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "framework/core/math.hpp"
+#include "framework/run/engine.hpp"
+#include "framework/run/observables.hpp"
+
+namespace tomlin {
+namespace {
+
+constexpr double kMostDigits = 17.0;  // of a double
+constexpr double kLog10 = 2.302585092994046;
+
+/// An observable that is followed, and the size that its spread is held against: a component of a
+/// vector is as large as the vector.
+struct Followed {
+  std::string path;
+  std::vector<std::string> vector;
+  std::vector<double> values;
+};
+
+std::vector<Followed> mean_forces(const RunResult& result) {
+  static constexpr const char* kAxes[] = {"x", "y", "z"};
+  std::vector<Followed> all;
+  for (const DriverResult& driver : result.drivers) {
+    std::vector<std::string> components;
+    for (std::size_t d = 0; d < driver.final_force.size(); ++d) {
+      components.push_back("drivers." + driver.name + ".mean_force." + kAxes[d]);
+    }
+    for (const std::string& path : components) all.push_back({path, components, {}});
+  }
+  return all;
+}
+
+std::vector<Followed> asked_for(const PerturbSettings& settings, const RunResult& result) {
+  if (settings.observables.empty()) return mean_forces(result);
+  const auto found = settings.places.find("observables");
+  const Place& place = found == settings.places.end() ? settings.place : found->second;
+  std::vector<Followed> all;
+  for (const std::string& path : settings.observables) {
+    observable(result, path, place);
+    all.push_back({path, {path}, {}});
+  }
+  return all;
+}
+
+double size_of(const RunResult& result, const Followed& followed) {
+  double squares = 0.0;
+  for (const std::string& path : followed.vector) {
+    const double x = observable(result, path).value_or(0.0);
+    squares += x * x;
+  }
+  return std::sqrt(squares);
+}
+
+DeterminedResult judged(const RunResult& result, const Followed& followed, double largest) {
+  DeterminedResult found;
+  found.path = followed.path;
+  found.value = observable(result, followed.path);
+  const auto [low, high] = std::minmax_element(followed.values.begin(), followed.values.end());
+  found.min = *low;
+  found.max = *high;
+  found.spread = found.max - found.min;
+  if (found.spread <= 0.0) {
+    found.digits = kMostDigits;
+  } else if (largest > 0.0) {
+    found.digits = std::clamp(log(largest / found.spread) / kLog10, 0.0, kMostDigits);
+  }
+  return found;
+}
+
+}  // namespace
+
+void determine(const std::shared_ptr<const Scene>& scene, const RunOptions& options,
+               RunResult& result) {
+  if (result.status != RunStatus::finished) return;
+  const PerturbSettings& settings = *scene->run.perturb;
+  std::vector<Followed> all = asked_for(settings, result);
+  std::vector<double> sizes;
+  for (Followed& followed : all) {
+    sizes.push_back(size_of(result, followed));
+    if (const auto value = observable(result, followed.path)) followed.values.push_back(*value);
+  }
+  RunOptions quiet = options;
+  quiet.sink = nullptr;
+  for (std::int64_t repeat = 1; repeat <= settings.repeats; ++repeat) {
+    quiet.perturbation = Perturbation{settings.bodies, settings.size,
+                                      static_cast<std::uint64_t>(scene->run.seed),
+                                      static_cast<std::uint64_t>(repeat)};
+    const RunResult other = Engine(scene, quiet).run();
+    if (other.status == RunStatus::interrupted) {
+      result.status = RunStatus::interrupted;
+      result.warnings.push_back(
+          fmt::format("stopped after {} of {} runs from perturbed starts", repeat - 1,
+                      settings.repeats));
+      break;
+    }
+    if (other.failure) {
+      result.warnings.push_back(fmt::format("the run from perturbed start {} failed: {}", repeat,
+                                            to_string(*other.failure)));
+      continue;
+    }
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      if (const auto value = observable(other, all[k].path)) all[k].values.push_back(*value);
+      sizes[k] = std::max(sizes[k], size_of(other, all[k]));
+    }
+  }
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (all[k].values.size() < 2) continue;
+    const DeterminedResult found = judged(result, all[k], sizes[k]);
+    if (found.digits < kDigitsOfADeterminedResult) {
+      result.warnings.push_back(fmt::format(
+          "{} is not determined: starts that differ by {:g} move it between {:.6g} and {:.6g}",
+          found.path, settings.size, found.min, found.max));
+    }
+    result.determined.push_back(found);
+  }
+}
+
+}  // namespace tomlin

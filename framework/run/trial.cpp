@@ -1,0 +1,50 @@
+#include "framework/run/trial.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <utility>
+
+#include "framework/run/engine.hpp"
+
+namespace tomlin {
+namespace {
+
+/// Rounding of a step that stands at the limit, as the run tolerates it.
+constexpr double kSlack = 1e-9;
+/// Looks at the clock come ever more rarely, so that they do not count.
+constexpr std::uint64_t kMostBetweenLooks = 4096;
+
+}  // namespace
+
+Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds, InstructionSet set) {
+  const RunSettings& run = scene->run;
+  const double dt = run.integrator.record->step(run.integrator.description.get());
+  RunOptions options;
+  options.instruction_set = set;
+  Engine engine(scene, options);
+
+  Trial trial;
+  trial.stable_step = dt > 0.0 ? engine.stable_step() : std::numeric_limits<double>::infinity();
+  trial.step_is_stable = std::min(dt, run.duration) <= trial.stable_step * (1.0 + kSlack);
+  if (!trial.step_is_stable) return trial;
+
+  const auto started = std::chrono::steady_clock::now();
+  const auto elapsed = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  };
+  std::uint64_t next = 1;
+  while (!engine.done() && elapsed() < seconds) {
+    engine.advance(next);
+    next = std::min(2 * next, kMostBetweenLooks);
+  }
+  trial.seconds = elapsed();
+  trial.time = engine.time();
+  trial.finished = trial.time >= run.duration;
+  trial.failed = engine.done() && !trial.finished;
+  trial.evaluations = engine.model().system().evaluations;
+  trial.steps = engine.steps();
+  return trial;
+}
+
+}  // namespace tomlin

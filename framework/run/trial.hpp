@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "framework/core/instruction_set.hpp"
+#include "framework/scene/scene.hpp"
+
+namespace tomlin {
+
+/// What a few steps tell about a whole run.
+struct Trial {
+  double stable_step = 0.0;    ///< of a fixed-step scheme; infinite where nothing limits it
+  bool step_is_stable = true;  ///< false: the scene's step is longer; no step is taken then
+  bool failed = false;         ///< a step failed
+  bool finished = false;       ///< the trial was the whole run
+  std::uint64_t steps = 0;
+  std::uint64_t evaluations = 0;  ///< of all forces
+  double time = 0.0;              ///< of the scene, reached
+  double seconds = 0.0;           ///< of this machine
+};
+
+/// Binds the scene and steps it for about so many seconds; leaves nothing behind. Throws InputError
+/// for everything that a run would refuse.
+Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds,
+              InstructionSet set = chosen_instruction_set());
+
+}  // namespace tomlin

@@ -1,0 +1,114 @@
+#include <string>
+
+#include "tests/framework/cli/cli_fixture.hpp"
+
+namespace tomlin::test {
+namespace {
+
+class Check : public Cli {
+ protected:
+  Json checked(std::vector<std::string> arguments, int status) {
+    arguments.insert(arguments.begin(), "check");
+    arguments.emplace_back("--json");
+    const Ended ended = tomlin(arguments);
+    EXPECT_EQ(ended.status, status) << ended.err;
+    EXPECT_EQ(ended.err, "");
+    return Json::parse(ended.out);
+  }
+};
+
+TEST_F(Check, ASoundSceneHasALineForEachClaim) {
+  const auto before = all_files();
+  const Ended ended = tomlin({"check", "tip.toml"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_EQ(ended.err, "");
+  EXPECT_EQ(all_files(), before);
+  for (const char* part : {"tip.toml: a valid scene\n", "rk4 stable ", "driver conservative ",
+                           "viscous_damping dissipative ", "sinusoidal_substrate conservative ",
+                           "sinusoidal_substrate periodic ", "5 checks hold"}) {
+    EXPECT_TRUE(contains(ended.out, part)) << part << "\n" << ended.out;
+  }
+  EXPECT_FALSE(contains(ended.out, "FAILED"));
+
+  const Json json = checked({"tip.toml"}, 0);
+  EXPECT_EQ(json["valid"], true);
+  EXPECT_EQ(json["sound"], true);
+  EXPECT_EQ(json["warnings"].size(), 0U);
+  ASSERT_EQ(json["checks"].size(), 5U);
+  for (const Json& check : json["checks"]) EXPECT_EQ(check["ok"], true) << check;
+  const Json& spring = json["checks"][1];
+  EXPECT_EQ(spring["subject"], "driver");
+  EXPECT_EQ(spring["type"], "driving_spring");
+  EXPECT_EQ(spring["check"], "conservative");
+  EXPECT_LE(spring["error"], spring["allowed"]);
+  EXPECT_EQ(spring["states"], 9);
+}
+
+TEST_F(Check, AStepThatIsTooLongFails) {
+  const Ended ended = tomlin({"check", "tip.toml", "--set", "run.integrator.dt=5"});
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_TRUE(contains(ended.out, "FAILED  dt = 5 is ")) << ended.out;
+  EXPECT_TRUE(contains(ended.out, "1 of 5 checks FAILED")) << ended.out;
+  const Json json = checked({"tip.toml", "--set", "run.integrator.dt=5"}, 1);
+  EXPECT_EQ(json["valid"], true);
+  EXPECT_EQ(json["sound"], false);
+  EXPECT_EQ(json["checks"][0]["ok"], false);
+  // Insisting makes a warning of it, as in a run.
+  const Json insisted =
+      checked({"tip.toml", "--set", "run.integrator.dt=5", "--set", "run.allow_unstable=true"}, 0);
+  EXPECT_EQ(insisted["sound"], true);
+  EXPECT_EQ(insisted["warnings"].size(), 1U);
+}
+
+TEST_F(Check, WhatIsNotBuiltIsNamed) {
+  ASSERT_EQ(tomlin({"new", "ring"}).status, 0);
+  const Json json = checked({"ring.toml"}, 0);
+  ASSERT_EQ(json["warnings"].size(), 1U);
+  EXPECT_TRUE(contains(json["warnings"][0].get<std::string>(), "harmonic_bonds is not built"));
+}
+
+TEST_F(Check, FaultsComeWithTheirPlaces) {
+  std::string scene = kTip;
+  const auto replace = [&scene](const std::string& old_text, const std::string& new_text) {
+    scene.replace(scene.find(old_text), old_text.size(), new_text);
+  };
+  replace("particle_mass = 1.0", "particle_mass = 0.0");
+  replace("stiffness = 2.0", "stifness = 2.0");
+  write(folder_ / "tip.toml", scene);
+  const Ended ended = tomlin({"check", "tip.toml"});
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_EQ(ended.out, "");
+  EXPECT_EQ(ended.err, tomlin({"run", "tip.toml"}).err);
+
+  const Json json = checked({"tip.toml"}, 2);
+  EXPECT_EQ(json["valid"], false);
+  EXPECT_EQ(static_cast<std::ptrdiff_t>(json["faults"].size()), lines(ended.err));
+  const Json& mass = json["faults"][0];
+  EXPECT_EQ(mass["file"], "tip.toml");
+  EXPECT_EQ(mass["line"], 12);
+  EXPECT_EQ(mass["key"], "body.tip.particle_mass");
+  EXPECT_EQ(mass["value"], "0.0");
+  EXPECT_EQ(mass["admissible"], "> 0");
+  EXPECT_TRUE(mass["did_you_mean"].is_null());
+  bool meant = false;
+  for (const Json& fault : json["faults"]) meant = meant || fault["did_you_mean"] == "stiffness";
+  EXPECT_TRUE(meant) << json;
+}
+
+TEST_F(Check, WhatShowsOnlyWhenBoundIsAFaultToo) {
+  const Json json = checked({"tip.toml", "--set", "measure.to=50"}, 2);
+  EXPECT_EQ(json["valid"], false);
+  EXPECT_EQ(json["faults"][0]["key"], "measure.to");
+  EXPECT_EQ(json["faults"][0]["file"], "--set");
+  const Json missing = checked({"missing.toml"}, 2);
+  EXPECT_EQ(missing["faults"][0]["file"], "missing.toml");
+}
+
+/// Text that is no UTF-8 must not break the JSON.
+TEST_F(Check, ValuesMayHoldAnything) {
+  write(folder_ / "bytes.toml", "[run]\nduration = \"\xff\xfe\"\n");
+  EXPECT_EQ(checked({"bytes.toml"}, 2)["valid"], false);
+}
+
+}  // namespace
+}  // namespace tomlin::test

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/framework/cli/program_runner.hpp"
+#include "tests/framework/output/temporary_folder.hpp"
+
+/// What tests of the program share: a folder with a scene in it.
+namespace tomlin::test {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+inline constexpr const char* kTip = R"([scene]
+name = "a tip"
+
+[parameters]
+v = 1e-2
+two_v = "2 * v"
+
+[[body]]
+name = "tip"
+type = "point"
+position = [0.0]
+particle_mass = 1.0
+
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 2.0
+velocity = ["v"]
+
+[[force]]
+type = "viscous_damping"
+coefficient = 2.0
+
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.1
+period = 1.0
+
+[run]
+duration = 300.0
+integrator = { type = "rk4", dt = 1e-2 }
+
+[measure]
+from = 1.0
+to = 2.0
+in = "driver_periods"
+
+[output]
+every = 0.7
+)";
+
+/// A folder with the tip's scene in it.
+class Cli : public testing::Test {
+ protected:
+  void SetUp() override { write(folder_ / "tip.toml", kTip); }
+
+  Ended tomlin(const std::vector<std::string>& arguments, const Conditions& conditions = {}) {
+    return run_program(folder_.path(), arguments, conditions);
+  }
+  std::string file(const std::string& path) { return content(folder_.path() / path); }
+  Json summary(const std::string& folder) { return Json::parse(file(folder + "/summary.json")); }
+  bool exists(const std::string& path) { return fs::exists(folder_.path() / path); }
+
+  /// Exit status 2, these lines on standard error, nothing on standard output, nothing made.
+  void expect_refused(const std::vector<std::string>& arguments, const std::string& errors) {
+    const auto before = all_files();
+    const Ended ended = tomlin(arguments);
+    EXPECT_EQ(ended.status, 2);
+    EXPECT_EQ(ended.err, errors);
+    EXPECT_EQ(ended.out, "");
+    EXPECT_EQ(all_files(), before);
+  }
+
+  std::vector<std::string> all_files() {
+    std::vector<std::string> files;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_.path())) {
+      files.push_back(entry.path().string());
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+  }
+
+  TemporaryFolder folder_;
+};
+
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+inline std::ptrdiff_t lines(const std::string& text) {
+  return std::count(text.begin(), text.end(), '\n');
+}
+
+}  // namespace tomlin::test

@@ -1,0 +1,134 @@
+#include <cmath>
+#include <string>
+
+#include "tests/framework/cli/cli_fixture.hpp"
+
+namespace tomlin::test {
+namespace {
+
+const double kTau = 2.0 * std::acos(-1.0);
+constexpr double kRounding = 1e-12;
+
+class Explain : public Cli {
+ protected:
+  Json explained(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "explain");
+    arguments.emplace_back("--json");
+    const Ended ended = tomlin(arguments);
+    EXPECT_EQ(ended.status, 0) << ended.err;
+    EXPECT_EQ(ended.err, "");
+    return Json::parse(ended.out);
+  }
+};
+
+TEST_F(Explain, ShowsWhatIsBuiltAndLeavesNothingBehind) {
+  const auto before = all_files();
+  const Ended ended = tomlin({"explain", "tip.toml"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_EQ(ended.err, "");
+  EXPECT_EQ(all_files(), before);
+  EXPECT_EQ(ended.out.substr(0, 7), "a tip: ");
+  for (const char* part :
+       {"\nbuilt\n", "point: 1 particle, mass 1", "1 degree of freedom", "driving_spring on tip",
+        "energy ledger", "off: ", "\nnatural angular frequencies", "underdamped: 0.50",
+        "s = 1.974 = substrate curvature 3.948 / driver stiffness 2; s > 1: stick-slip possible",
+        "washboard", "of the stable step", "force evaluations", "about "}) {
+    EXPECT_TRUE(contains(ended.out, part)) << part << "\n" << ended.out;
+  }
+  EXPECT_FALSE(contains(ended.out, "warnings"));
+}
+
+TEST_F(Explain, NumbersAreThoseOfTheScene) {
+  const Json tip = explained({"tip.toml"});
+  EXPECT_EQ(tip["bodies"][0]["type"], "point");
+  EXPECT_EQ(tip["bodies"][0]["degrees_of_freedom"], 1);
+  EXPECT_EQ(tip["forces"].size(), 3U);
+  EXPECT_EQ(tip["left_out"].size(), 0U);
+  const double curvature = 0.1 * kTau * kTau;
+  EXPECT_NEAR(tip["scales"]["frequency"], std::sqrt(2.0 + curvature), kRounding);
+  EXPECT_NEAR(tip["scales"]["damping_rate"], 2.0, kRounding);
+  EXPECT_NEAR(tip["scales"]["damping_ratio"], 1.0 / std::sqrt(curvature), kRounding);
+  EXPECT_EQ(tip["scales"]["regime"], "underdamped");
+  EXPECT_NEAR(tip["sliding"][0]["stick_slip"], curvature / 2.0, kRounding);
+  EXPECT_EQ(tip["sliding"][0]["stick_slip_is_upper_bound"], false);
+  EXPECT_NEAR(tip["sliding"][0]["period_duration"], 100.0, 1e-9);
+  EXPECT_EQ(tip["integrator"]["type"], "rk4");
+  EXPECT_EQ(tip["integrator"]["stable"], true);
+  EXPECT_EQ(tip["cost"]["steps"], 30000);
+  EXPECT_EQ(tip["cost"]["force_evaluations"], 120000);
+  EXPECT_EQ(tip["misfits"].size(), 0U);
+
+  const Json stiff = explained({"tip.toml", "--set", "force.driver.stiffness=8"});
+  EXPECT_NEAR(stiff["sliding"][0]["stick_slip"], curvature / 8.0, kRounding);
+  EXPECT_TRUE(contains(tomlin({"explain", "tip.toml", "--set", "force.driver.stiffness=8"}).out,
+                       "s < 1: smooth sliding"));
+}
+
+/// What is said about steps is what run does.
+TEST_F(Explain, AStepBeyondTheLimitIsShownAndNotRefused) {
+  const double stable = explained({"tip.toml"})["integrator"]["stable_step"];
+  const auto with_step = [](double dt) {
+    return std::vector<std::string>{"tip.toml", "--set", "run.integrator.dt=" + std::to_string(dt)};
+  };
+  const Json beyond = explained(with_step(1.01 * stable));
+  EXPECT_EQ(beyond["integrator"]["stable"], false);
+  EXPECT_TRUE(beyond["cost"].is_null());
+  EXPECT_EQ(beyond["warnings"].size(), 1U);
+  EXPECT_EQ(explained(with_step(0.99 * stable))["integrator"]["stable"], true);
+  EXPECT_EQ(
+      tomlin({"run", "tip.toml", "--set", "run.integrator.dt=" + std::to_string(1.01 * stable)})
+          .status,
+      1);
+  const Ended text = tomlin({"explain", "tip.toml", "--set", "run.integrator.dt=5"});
+  EXPECT_EQ(text.status, 0);
+  EXPECT_TRUE(contains(text.out, "NOT STABLE")) << text.out;
+}
+
+TEST_F(Explain, AnAdaptiveSchemesCostIsEstimated) {
+  const Json tip = explained(
+      {"tip.toml", "--set", "run.integrator={ type = \"dopri5\" }", "--set", "run.duration=1e7"});
+  EXPECT_EQ(tip["integrator"]["adaptive"], true);
+  EXPECT_TRUE(tip["integrator"]["dt"].is_null());
+  EXPECT_TRUE(tip["integrator"]["stable_step"].is_null());
+  EXPECT_EQ(tip["cost"]["exact"], false);
+  EXPECT_GT(tip["cost"]["tried_part"], 0.0);
+  EXPECT_LT(tip["cost"]["tried_part"], 1.0);
+  EXPECT_GT(tip["cost"]["force_evaluations"], tip["cost"]["steps"]);
+}
+
+TEST_F(Explain, SaysWhatIsLeftOutAndWhy) {
+  ASSERT_EQ(tomlin({"new", "ring"}).status, 0);
+  const Json ring = explained({"ring.toml"});
+  ASSERT_EQ(ring["left_out"].size(), 1U);
+  EXPECT_EQ(ring["left_out"][0]["force"], "harmonic_bonds");
+  EXPECT_EQ(ring["bodies"][0]["coordinate_count"], 3);
+  EXPECT_EQ(ring["sliding"][0]["stick_slip_is_upper_bound"], true);
+  EXPECT_NEAR(ring["sliding"][0]["circumference_in_periods"], kTau, kRounding);
+  EXPECT_TRUE(contains(tomlin({"explain", "ring.toml"}).out, "an upper bound: all particles in"));
+  const Json flexible = explained({"ring.toml", "--set", "body.ring.coordinates=particles"});
+  EXPECT_EQ(flexible["left_out"].size(), 0U);
+  EXPECT_EQ(flexible["bodies"][0]["coordinate_count"], 16);
+}
+
+TEST_F(Explain, TellsSpacingAgainstPeriod) {
+  ASSERT_EQ(tomlin({"new", "fk"}).status, 0);
+  const Json chain = explained({"fk.toml"});
+  ASSERT_EQ(chain["misfits"].size(), 1U);
+  EXPECT_EQ(chain["misfits"][0]["fraction"], (Json{21, 34}));
+  EXPECT_TRUE(contains(tomlin({"explain", "fk.toml"}).out, "commensurate, 21/34"));
+  const Json golden = explained({"fk.toml", "--set", "b=(sqrt(5) - 1) / 2"});
+  EXPECT_TRUE(golden["misfits"][0]["fraction"].is_null());
+}
+
+TEST_F(Explain, ABadSceneIsBadInput) {
+  expect_refused({"explain", "missing.toml"}, tomlin({"run", "missing.toml"}).err);
+  expect_refused({"explain", "tip.toml", "--set", "force.driver.stiffness=-1", "--json"},
+                 tomlin({"run", "tip.toml", "--set", "force.driver.stiffness=-1"}).err);
+  expect_refused({"explain", "tip.toml", "--set", "measure.to=50"},
+                 tomlin({"run", "tip.toml", "--set", "measure.to=50"}).err);
+  expect_refused({"explain"},
+                 "tomlin: error: SCENE is required (tomlin explain --help tells more)\n");
+}
+
+}  // namespace
+}  // namespace tomlin::test

@@ -1,0 +1,91 @@
+#include <chrono>
+#include <string>
+
+#include "tests/framework/cli/cli_fixture.hpp"
+
+namespace tomlin::test {
+namespace {
+
+constexpr const char* kModels[] = {"pt", "fk", "ring"};
+// A starting point answers at once; sanitizers and a busy machine get the rest.
+constexpr std::chrono::seconds kAtOnce{20};
+
+class New : public Cli {};
+
+TEST_F(New, EachSceneRunsAsItIs) {
+  for (const std::string model : kModels) {
+    const Ended made = tomlin({"new", model});
+    EXPECT_EQ(made.status, 0) << made.err;
+    EXPECT_TRUE(contains(made.out, "tomlin run " + model + ".toml")) << made.out;
+    const auto begun = std::chrono::steady_clock::now();
+    const Ended ended = tomlin({"run", model + ".toml"});
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, kAtOnce);
+    EXPECT_EQ(ended.status, 0) << ended.err;
+    const Json results = summary(model + ".out");
+    EXPECT_EQ(results["status"], "finished");
+    EXPECT_GT(results["drivers"]["driver"]["mean_force"][0], 0.0);
+    EXPECT_TRUE(exists(model + ".out/observables.csv"));
+    EXPECT_EQ(tomlin({"check", model + ".toml"}).status, 0);
+    EXPECT_EQ(tomlin({"explain", model + ".toml"}).status, 0);
+  }
+}
+
+TEST_F(New, EachSceneIsExplainedInItself) {
+  for (const std::string model : kModels) {
+    ASSERT_EQ(tomlin({"new", model}).status, 0);
+    const std::string scene = file(model + ".toml");
+    for (const char* part : {"\n[scene]\n", "source = \"", "units ", "[parameters]", "[[body]]",
+                             "coordinates = ", "[[force]]", "[run]", "dynamics = ", "duration = ",
+                             "integrator = ", "[measure]", "[output]", "[mass/time]", "[length]"}) {
+      EXPECT_TRUE(contains(scene, part)) << model << ": " << part;
+    }
+    EXPECT_EQ(scene.substr(0, 2), "# ");
+  }
+}
+
+TEST_F(New, TheRingMayBecomeFlexible) {
+  ASSERT_EQ(tomlin({"new", "ring"}).status, 0);
+  EXPECT_EQ(tomlin({"run", "ring.toml", "--set", "body.ring.coordinates=particles"}).status, 0);
+}
+
+TEST_F(New, TheFileHasTheNameThatIsGiven) {
+  ASSERT_EQ(tomlin({"new", "pt", "mine"}).status, 0);
+  ASSERT_EQ(tomlin({"new", "pt", "other.toml"}).status, 0);
+  fs::create_directory(folder_ / "scenes");
+  ASSERT_EQ(tomlin({"new", "pt", "-o", "scenes/third"}).status, 0);
+  EXPECT_EQ(file("mine.toml"), file("other.toml"));
+  EXPECT_EQ(file("mine.toml"), file("scenes/third"));
+  EXPECT_EQ(tomlin({"new", "pt", "name", "-o", "file"}).status, 2);
+}
+
+TEST_F(New, NothingIsReplacedUnlessForced) {
+  expect_refused({"new", "pt", "tip"},
+                 "-o: error: tip.toml: the file is there already; admissible: another name, or "
+                 "--force to replace it\n");
+  EXPECT_EQ(file("tip.toml"), kTip);
+  EXPECT_EQ(tomlin({"new", "pt", "tip", "--force"}).status, 0);
+  EXPECT_NE(file("tip.toml"), kTip);
+  fs::create_directory(folder_ / "folder.toml");
+  expect_refused({"new", "pt", "folder", "--force"},
+                 "-o: error: folder.toml: this is a folder; admissible: a file\n");
+}
+
+TEST_F(New, AModelIsDue) {
+  expect_refused({"new", "rign"},
+                 "tomlin: error: there is no model \"rign\" to start from; admissible: pt, fk, "
+                 "ring; did you mean \"ring\"?\n");
+  expect_refused({"new"}, "tomlin: error: MODEL is required (tomlin new --help tells more)\n");
+  EXPECT_EQ(tomlin({"new", "pt", ""}).status, 2);
+  EXPECT_EQ(tomlin({"new", "pt", "-o", ""}).status, 2);
+}
+
+TEST_F(New, AFileThatCannotBeWrittenIsReported) {
+  const auto before = all_files();
+  const Ended ended = tomlin({"new", "pt", "-o", "nowhere/pt.toml"});
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_TRUE(contains(ended.err, "nowhere/pt.toml")) << ended.err;
+  EXPECT_EQ(all_files(), before);
+}
+
+}  // namespace
+}  // namespace tomlin::test

@@ -1,0 +1,285 @@
+#include "framework/model/claims.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "forcefields/harmonic_bonds.hpp"
+#include "forcefields/sinusoidal_substrate.hpp"
+#include "forcefields/viscous_damping.hpp"
+#include "framework/core/bound_force.hpp"
+#include "tests/support/ring_scenes.hpp"
+
+// The forces of a scene against their claims on its own bodies, and forces that are wrong on
+// purpose: each must be caught.
+
+namespace tomlin::test {
+namespace {
+
+// What finite differences leave of a force that is right: rounding, and an error of order h^8.
+constexpr double kRight = 1e-8;
+// A driver alone declares no period that places could be counted in: 1e5 away they lose 5 digits.
+constexpr double kRightFarAway = 1e-6;
+
+using Claims = std::vector<std::pair<std::string, std::string>>;
+
+Claims claims_of(const std::vector<ClaimResult>& results) {
+  Claims claims;
+  for (const ClaimResult& result : results) claims.emplace_back(result.force, result.claim);
+  return claims;
+}
+
+/// The claims that fail, each as "force: claim".
+std::vector<std::string> broken(const Scene& scene, const ClaimOptions& options = {}) {
+  std::vector<std::string> failed;
+  for (const ClaimResult& result : check_claims(scene, options)) {
+    if (!result.holds) failed.push_back(result.force + ": " + result.claim);
+  }
+  return failed;
+}
+
+using Failed = std::vector<std::string>;
+
+void expect_sound(const std::string& text, double right = kRight) {
+  for (const ClaimResult& result : check_claims(*scene_of(text))) {
+    EXPECT_TRUE(result.holds) << result.force << " " << result.claim << " " << result.error << " > "
+                              << result.allowed << " at " << result.worst << "\n"
+                              << text;
+    EXPECT_LT(result.error, right) << result.force << " " << result.claim;
+    EXPECT_LT(result.allowed, 1e-4) << "a check that allows all checks nothing: " << result.force;
+    EXPECT_EQ(result.states, 9);
+  }
+}
+
+std::string chain(int count, double spacing, const std::string& axis, int dimension) {
+  std::string origin = "0.3";
+  for (int d = 1; d < dimension; ++d) origin += ", 0.2";
+  return "[[body]]\ntype = \"chain\"\nparticle_mass = 0.7\ncount = " + std::to_string(count) +
+         "\nspacing = " + digits(spacing) + "\naxis = \"" + axis + "\"\norigin = [" + origin +
+         "]\n[[force]]\ntype = \"harmonic_bonds\"\npairs = \"neighbours\"\nstiffness = 3.0\n"
+         "rest_lengths = " +
+         digits(0.9 * spacing) +
+         "\n[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = 0.2\nperiod = 1.0\n"
+         "[run]\nduration = 1.0\nintegrator = { type = \"rk4\", dt = 1e-3 }\n";
+}
+
+TEST(Claims, AreThoseOfTheForcesThatAreBuilt) {
+  EXPECT_EQ(claims_of(check_claims(*scene_of(TipScene{}.text()))),
+            (Claims{{"driver", "conservative"},
+                    {"viscous_damping", "dissipative"},
+                    {"sinusoidal_substrate", "conservative"},
+                    {"sinusoidal_substrate", "periodic"}}));
+  const auto rigid = claims_of(check_claims(*scene_of(RingScene{.coordinates = "rigid"}.text())));
+  EXPECT_EQ(std::count(rigid.begin(), rigid.end(),
+                       std::pair<std::string, std::string>("harmonic_bonds", "internal")),
+            0);
+  const auto flexible = claims_of(check_claims(*scene_of(RingScene{}.text())));
+  EXPECT_EQ(std::count(flexible.begin(), flexible.end(),
+                       std::pair<std::string, std::string>("harmonic_bonds", "internal")),
+            1);
+  EXPECT_TRUE(check_claims(*scene_of(RingScene{.coordinates = "fixed"}.text())).empty())
+      << "nothing moves";
+}
+
+TEST(Claims, HoldOnTipsChainsAndRings) {
+  expect_sound(TipScene{}.text());
+  for (const char* coordinates : {"particles", "rigid"}) {
+    for (const int count : {2, 8, 11}) {
+      expect_sound(RingScene{.coordinates = coordinates, .count = count}.text());
+    }
+  }
+  for (const int count : {2, 9, 60}) {
+    for (int dimension = 1; dimension <= 3; ++dimension) {
+      expect_sound(chain(count, 0.618, "x", dimension));
+    }
+    expect_sound(chain(count, 1.0, "y", 2));
+  }
+}
+
+TEST(Claims, HoldFarFromTheOriginAndForStiffBonds) {
+  expect_sound(TipScene{.position = 1e5 + 0.1}.text(), kRightFarAway);
+  expect_sound(RingScene{.bonds = 1e6, .centre = 1e4}.text(), kRightFarAway);
+}
+
+/// An atomic force microscope in kg, m and s: nothing is near one.
+const TipScene kInSIUnits{.velocity = 1e-6,
+                          .stiffness = 1.0,
+                          .damping = 1e-6,
+                          .amplitude = 1e-19,
+                          .period = 2.5e-10,
+                          .position = 1e-10,
+                          .duration = 1e-4,
+                          .integrator = adaptive(1e-9)};
+
+TEST(Claims, HoldInSIUnits) { expect_sound(kInSIUnits.text()); }
+
+// ---- planted faults
+
+/// The forces of one description and the energy of another.
+class TwoFaced : public BoundForce<double> {
+ public:
+  TwoFaced(std::unique_ptr<BoundForce<double>> pulls, std::unique_ptr<BoundForce<double>> stores)
+      : pulls_(std::move(pulls)), stores_(std::move(stores)) {}
+
+  std::vector<Pass<double>> passes() override { return pulls_->passes(); }
+  double energy(const Stage<double>& stage) const override { return stores_->energy(stage); }
+  void rebase(const Origin& origin) override {
+    pulls_->rebase(origin);
+    stores_->rebase(origin);
+  }
+  double shortest_bond() const override { return stores_->shortest_bond(); }
+
+ private:
+  std::unique_ptr<BoundForce<double>> pulls_;
+  std::unique_ptr<BoundForce<double>> stores_;
+};
+
+/// Binds a force whose forces, but not whose energy, have a spoilt description.
+template <class Description, auto record, auto spoil>
+std::unique_ptr<BoundForce<double>> bind_spoilt(const void* description,
+                                                const Binding<double>& binding) {
+  static const ForceRecord sound = record();
+  Description wrong = *static_cast<const Description*>(description);
+  spoil(wrong);
+  return std::make_unique<TwoFaced>(sound.bind(&wrong, binding), sound.bind(description, binding));
+}
+
+template <auto spoil>
+constexpr auto kSpoiltSubstrate =
+    &bind_spoilt<SinusoidalSubstrateDescription, &sinusoidal_substrate_record, spoil>;
+template <auto spoil>
+constexpr auto kSpoiltBonds = &bind_spoilt<HarmonicBondsDescription, &harmonic_bonds_record, spoil>;
+
+constexpr auto kUnspoilt = [](SinusoidalSubstrateDescription&) {};
+constexpr auto kWrongSign = [](SinusoidalSubstrateDescription& d) { d.amplitude = -d.amplitude; };
+constexpr auto kTwice = [](SinusoidalSubstrateDescription& d) { d.amplitude *= 2.0; };
+constexpr auto kSlightly = [](SinusoidalSubstrateDescription& d) { d.amplitude *= 1.0 + 1e-5; };
+constexpr auto kOtherDecay = [](SinusoidalSubstrateDescription& d) { d.decay *= 1.001; };
+constexpr auto kSofterBonds = [](HarmonicBondsDescription& d) { d.stiffness *= 0.5; };
+
+using Bind = decltype(ForceRecord::bind);
+
+/// All components, with one force changed.
+class Spoilt {
+ public:
+  Spoilt(const std::string& force, Bind bind, void (*change)(ForceRecord&) = nullptr) {
+    for (const auto& body : standard().bodies()) registry_.add(*body);
+    for (const auto& scheme : standard().integrators()) registry_.add(*scheme);
+    for (const auto& sound : standard().forces()) {
+      ForceRecord record = *sound;
+      if (record.name == force && bind) record.bind = bind;
+      if (record.name == force && change) change(record);
+      registry_.add(std::move(record));
+    }
+  }
+  Failed broken_in(const std::string& text, std::uint64_t seed = 1) const {
+    return broken(*parse_scene(text, "test.toml", registry_), {.seed = seed});
+  }
+
+ private:
+  Registry registry_;
+};
+
+const Failed kGradient = {"sinusoidal_substrate: conservative"};
+
+TEST(PlantedFaults, ASoundForceBoundTheSameWayIsNotAccused) {
+  const Spoilt sound("sinusoidal_substrate", kSpoiltSubstrate<kUnspoilt>);
+  EXPECT_EQ(sound.broken_in(TipScene{}.text()), Failed{});
+  EXPECT_EQ(sound.broken_in(RingScene{.coordinates = "rigid"}.text()), Failed{});
+}
+
+TEST(PlantedFaults, WrongSignFactorTwoAndLess) {
+  const std::string scenes[] = {TipScene{}.text(), RingScene{}.text(),
+                                RingScene{.coordinates = "rigid"}.text(),
+                                TipScene{.position = 1e5 + 0.1}.text(), kInSIUnits.text()};
+  for (const std::string& text : scenes) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      for (const Bind bind :
+           {kSpoiltSubstrate<kWrongSign>, kSpoiltSubstrate<kTwice>, kSpoiltSubstrate<kSlightly>}) {
+        EXPECT_EQ(Spoilt("sinusoidal_substrate", bind).broken_in(text, seed), kGradient) << text;
+      }
+    }
+  }
+}
+
+TEST(PlantedFaults, ADecayThatIsNotTheEnergys) {
+  const Spoilt spoilt("sinusoidal_substrate", kSpoiltSubstrate<kOtherDecay>);
+  EXPECT_EQ(spoilt.broken_in(RingScene{}.text()), kGradient);
+  EXPECT_EQ(spoilt.broken_in(RingScene{.coordinates = "rigid"}.text()), kGradient);
+  EXPECT_EQ(spoilt.broken_in(TipScene{}.text()), Failed{}) << "there is no decay in it";
+}
+
+TEST(PlantedFaults, BondsOfHalfTheStiffness) {
+  const Spoilt spoilt("harmonic_bonds", kSpoiltBonds<kSofterBonds>);
+  EXPECT_EQ(spoilt.broken_in(RingScene{}.text()), Failed{"harmonic_bonds: conservative"});
+  EXPECT_EQ(spoilt.broken_in(chain(60, 1.0, "x", 1)), Failed{"harmonic_bonds: conservative"});
+}
+
+TEST(PlantedFaults, DampingThatDrives) {
+  constexpr auto kDrives = [](ViscousDampingDescription& d) { d.coefficient = -d.coefficient; };
+  const Spoilt spoilt("viscous_damping",
+                      &bind_spoilt<ViscousDampingDescription, &viscous_damping_record, kDrives>);
+  EXPECT_EQ(spoilt.broken_in(TipScene{}.text()), Failed{"viscous_damping: dissipative"});
+  EXPECT_EQ(spoilt.broken_in(RingScene{.coordinates = "rigid"}.text()),
+            Failed{"viscous_damping: dissipative"});
+}
+
+TEST(PlantedFaults, ClaimsThatAreNotTrue) {
+  EXPECT_EQ(
+      Spoilt("sinusoidal_substrate", nullptr, [](ForceRecord& r) { r.traits.internal = true; })
+          .broken_in(RingScene{}.text()),
+      Failed{"sinusoidal_substrate: internal"});
+  EXPECT_EQ(Spoilt("viscous_damping", nullptr, [](ForceRecord& r) { r.traits.conservative = true; })
+                .broken_in(TipScene{.start_velocity = 0.3}.text()),
+            Failed{"viscous_damping: conservative"});
+  EXPECT_EQ(
+      Spoilt("sinusoidal_substrate", nullptr,
+             [](ForceRecord& r) {
+               r.period = [](const void* d, int axis) {
+                 return axis == 0
+                            ? 1.5 * static_cast<const SinusoidalSubstrateDescription*>(d)->period
+                            : 0.0;
+               };
+             })
+          .broken_in(TipScene{}.text()),
+      Failed{"sinusoidal_substrate: periodic"});
+}
+
+/// Bonds that pull on one of the two only.
+class OneSided : public BoundForce<double> {
+ public:
+  OneSided(std::unique_ptr<BoundForce<double>> pulls, const BoundBody<double>& body)
+      : pulls_(std::move(pulls)), body_(body) {}
+
+  std::vector<Pass<double>> passes() override {
+    std::vector<Pass<double>> passes = pulls_->passes();
+    passes.push_back({nullptr, &push, this, {{body_.index, false}}, kRankPairs});
+    return passes;
+  }
+  double energy(const Stage<double>& stage) const override { return pulls_->energy(stage); }
+
+ private:
+  static void push(const void* self, const Stage<double>& stage) {
+    stage.force[static_cast<const OneSided*>(self)->body_.slot.offset] += 1e-3;
+  }
+
+  std::unique_ptr<BoundForce<double>> pulls_;
+  BoundBody<double> body_;
+};
+
+TEST(PlantedFaults, ForcesThatDoNotSumToZero) {
+  const Bind bind = [](const void* description,
+                       const Binding<double>& binding) -> std::unique_ptr<BoundForce<double>> {
+    static const ForceRecord sound = harmonic_bonds_record();
+    return std::make_unique<OneSided>(sound.bind(description, binding), *binding.bodies.front());
+  };
+  EXPECT_EQ(Spoilt("harmonic_bonds", bind).broken_in(chain(5, 1.0, "x", 2)),
+            (Failed{"harmonic_bonds: conservative", "harmonic_bonds: internal"}));
+}
+
+}  // namespace
+}  // namespace tomlin::test

@@ -1,0 +1,151 @@
+#include "framework/model/scales.hpp"
+
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/ring_scenes.hpp"
+
+// The scales of a scene against closed forms.
+
+namespace tomlin::test {
+namespace {
+
+const double kTau = 2.0 * std::acos(-1.0);
+constexpr double kRounding = 1e-12;  // of a few operations on numbers of order one
+// A scan of 200 places meets the largest slope of a sinusoid to (pi/200)^2/2.
+constexpr double kScan = 2e-4;
+
+Scales scales(const std::string& text) { return scales_of(scene_of(text)); }
+
+const ForceScale& of(const Scales& scales, const std::string& force) {
+  for (const ForceScale& scale : scales.forces) {
+    if (scale.force == force) return scale;
+  }
+  throw std::logic_error("no force " + force);
+}
+
+TEST(Scales, OfATip) {
+  const TipScene tip{.velocity = 0.25, .stiffness = 2.0, .damping = 1.5, .period = 0.5};
+  const Scales found = scales(tip.text());
+  const double curvature = 0.1 * kTau * kTau / 0.25;
+  EXPECT_NEAR(of(found, "driver").frequency, std::sqrt(2.0), kRounding);
+  EXPECT_NEAR(of(found, "sinusoidal_substrate").frequency, std::sqrt(curvature), 10 * kRounding);
+  EXPECT_NEAR(of(found, "viscous_damping").damping_rate, 1.5, kRounding);
+  EXPECT_NEAR(found.frequency, std::sqrt(2.0 + curvature), 10 * kRounding);
+  EXPECT_NEAR(found.shortest_time, 1.0 / found.frequency, kRounding);
+  EXPECT_EQ(found.stiffest_force, "sinusoidal_substrate");
+  EXPECT_TRUE(found.misfits.empty());
+
+  ASSERT_EQ(found.sliding.size(), 1u);
+  const Sliding& sliding = found.sliding.front();
+  EXPECT_EQ(sliding.body, "tip");
+  EXPECT_EQ(sliding.driver, "driver");
+  EXPECT_EQ(sliding.substrate, "sinusoidal_substrate");
+  EXPECT_NEAR(sliding.stick_slip(), curvature / 2.0, 10 * kRounding);
+  EXPECT_NEAR(sliding.stick_slip_as_placed(), curvature / 2.0, kScan * curvature);
+  EXPECT_NEAR(sliding.washboard_frequency, kTau * 0.25 / 0.5, kRounding);
+}
+
+TEST(Scales, AWashboardMayBeTheFastestOfAll) {
+  const Scales found = scales(TipScene{.velocity = 100.0}.text());
+  EXPECT_NEAR(found.shortest_time, 1.0 / (kTau * 100.0), kRounding);
+}
+
+TEST(Scales, RegimeAgainstTheCriticalDamping) {
+  const double omega = std::sqrt(0.1) * kTau;  // of the substrate, which is faster than the driver
+  const auto damping = [&](double parts) {
+    return scales(TipScene{.damping = 2.0 * omega * parts}.text()).damping;
+  };
+  EXPECT_EQ(damping(0.0).regime, Regime::undamped);
+  EXPECT_EQ(damping(0.99).regime, Regime::underdamped);
+  EXPECT_EQ(damping(1.0).regime, Regime::critically_damped);
+  EXPECT_EQ(damping(1.01).regime, Regime::overdamped);
+  EXPECT_EQ(damping(1.01).oscillator, "sinusoidal_substrate");
+  EXPECT_NEAR(damping(1.01).critical, 2.0 * omega, 10 * kRounding);
+}
+
+/// Stiff bonds shake within the ring; its place does not feel them.
+TEST(Scales, BondsAreNotWhatTheBodySlidesBy) {
+  const Scales found = scales(RingScene{.bonds = 1e6}.text());
+  EXPECT_TRUE(of(found, "harmonic_bonds").internal);
+  EXPECT_NEAR(of(found, "harmonic_bonds").frequency, std::sqrt(8.0 * 1e6 * 8.0), 1e-6);
+  EXPECT_EQ(found.stiffest_force, "harmonic_bonds");
+  EXPECT_EQ(found.damping.oscillator, "sinusoidal_substrate");
+}
+
+TEST(Scales, ARingsBoundHoldsWhateverItsHeightAndCoordinates) {
+  const double bound = 0.1 * kTau * kTau / 2.0;
+  for (const char* coordinates : {"particles", "rigid"}) {
+    for (const double decay : {0.0, 0.5, 3.0}) {
+      const Scales found = scales(RingScene{.coordinates = coordinates, .decay = decay}.text());
+      ASSERT_EQ(found.sliding.size(), 1u) << "pulled along x only";
+      const Sliding& sliding = found.sliding.front();
+      EXPECT_NEAR(sliding.stick_slip(), bound, 10 * kRounding);
+      EXPECT_GT(sliding.stick_slip_as_placed(), 0.0);
+      EXPECT_LE(sliding.stick_slip_as_placed(), bound * (1.0 + kScan));
+      EXPECT_EQ(sliding.rolling_radius, 1.0);
+    }
+  }
+}
+
+std::string driven_chain(const std::string& spacing, int count, const std::string& velocity) {
+  return "[parameters]\nb = \"" + spacing +
+         "\"\n[[body]]\nname = \"chain\"\ntype = \"chain\"\nspacing = \"b\"\nparticle_mass = 1.0\n"
+         "count = " +
+         std::to_string(count) +
+         "\n[[force]]\ntype = \"driving_spring\"\nname = \"driver\"\nstiffness = 0.5\n"
+         "attach = \"each_particle\"\nvelocity = [" +
+         velocity +
+         "]\n[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = 0.2\nperiod = 2.0\n"
+         "[run]\nduration = 1.0\nintegrator = { type = \"rk4\", dt = 1e-3 }\n";
+}
+
+TEST(Scales, AChainInStepMeetsTheBoundAndOneOutOfStepCancels) {
+  const double bound = 0.2 * kTau * kTau / 4.0 / 0.5;
+  const Sliding in_step = scales(driven_chain("2.0", 8, "0.1")).sliding.at(0);
+  EXPECT_NEAR(in_step.stick_slip(), bound, 10 * kRounding);
+  EXPECT_NEAR(in_step.stick_slip_as_placed(), bound, kScan * bound);
+  const Sliding cancelled = scales(driven_chain("2.0 * 5 / 8", 8, "0.1")).sliding.at(0);
+  EXPECT_NEAR(cancelled.stick_slip(), bound, 10 * kRounding);
+  EXPECT_LT(cancelled.stick_slip_as_placed(), 1e-9);
+}
+
+TEST(Scales, ADriverAtRestPullsOverNothing) {
+  EXPECT_TRUE(scales(driven_chain("2.0", 8, "0.0")).sliding.empty());
+}
+
+TEST(Scales, SpacingAgainstPeriod) {
+  const auto misfit = [](const std::string& spacing) {
+    return scales(driven_chain(spacing, 8, "0.1")).misfits.at(0);
+  };
+  EXPECT_NEAR(misfit("2.0").misfit(), 0.0, kRounding);
+  EXPECT_NEAR(misfit("2.2").misfit(), 0.1, kRounding);
+  EXPECT_NEAR(misfit("4.2").misfit(), 0.1, kRounding);
+  EXPECT_NEAR(misfit("1.2").misfit(), -0.4, kRounding);
+  EXPECT_NEAR(misfit("0.2").misfit(), -0.9, kRounding) << "no particles without a period";
+  EXPECT_TRUE(scales(RingScene{}.text()).misfits.empty()) << "a ring has no spacing along x";
+}
+
+TEST(Fractions, AreFoundWhereThereAreAny) {
+  const auto expect = [](double ratio, std::int64_t p, std::int64_t q) {
+    const auto fraction = as_fraction(ratio);
+    ASSERT_TRUE(fraction) << ratio;
+    EXPECT_EQ(fraction->p, p);
+    EXPECT_EQ(fraction->q, q);
+  };
+  expect(1.0, 1, 1);
+  expect(0.5, 1, 2);
+  expect(21.0 / 34.0, 21, 34);
+  expect(610.0 / 987.0, 610, 987);
+  expect(377.0 / 233.0, 377, 233);
+  expect(1000.0, 1000, 1);
+  EXPECT_FALSE(as_fraction(0.5 * (std::sqrt(5.0) - 1.0)));
+  EXPECT_FALSE(as_fraction(std::sqrt(2.0)));
+  EXPECT_FALSE(as_fraction(1597.0 / 2584.0)) << "a denominator above 1000";
+  EXPECT_FALSE(as_fraction(0.5 + 1e-7));
+}
+
+}  // namespace
+}  // namespace tomlin::test
