@@ -11,7 +11,7 @@
 #include "framework/cli/commands.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/sections.hpp"
-#include "framework/cli/standard_registry.hpp"
+#include "framework/standard_registry.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/model/claims.hpp"
 #include "framework/model/model.hpp"

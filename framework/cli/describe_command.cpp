@@ -220,7 +220,10 @@ const char* kind_name(const Parameter& row) {
                                         "vector_per_particle",
                                         "pairs",
                                         "word_or_numbers",
-                                        "attachment"};
+                                        "attachment",
+                                        "points",
+                                        "words",
+                                        "flags"};
   static_assert(kNames.size() == std::variant_size_v<ParameterValue>, "each kind has its name");
   return kNames[row.prototype.index()];
 }

@@ -1,6 +1,6 @@
 #include "framework/cli/commands.hpp"
 #include "framework/cli/explanation.hpp"
-#include "framework/cli/standard_registry.hpp"
+#include "framework/standard_registry.hpp"
 
 namespace tomlin {
 
