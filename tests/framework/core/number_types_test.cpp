@@ -54,7 +54,8 @@ struct {
     const std::uint64_t choice = numbers.bits() % 32;
     if (choice < 6) return static_cast<Real>(specials[choice]);
     // More bits than a double has, which only Quad keeps.
-    const Quad fine = Quad(numbers.uniform(-9, 9)) + Quad(numbers.uniform(-1, 1)) * Quad(0x1p-60);
+    const Quad coarse = numbers.uniform(-9, 9);
+    const Quad fine = coarse + Quad(numbers.uniform(-1, 1)) * Quad(0x1p-60);
     return static_cast<Real>(fine);
   }
 } const any_number;
