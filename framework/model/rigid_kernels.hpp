@@ -122,9 +122,9 @@ struct RigidKernels {
         force += here;
         power = fma(here, Group::load(v + d * stride + i), power);
       }
-      stage.rates[a.rate + d] = -sum(force);
+      stage.rates[a.rate + d] = Real(0.0) - sum(force);
     }
-    stage.rates[a.rate + D] = -sum(power);
+    stage.rates[a.rate + D] = Real(0.0) - sum(power);
   }
 
   template <class Real>
