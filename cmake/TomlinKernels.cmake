@@ -18,18 +18,29 @@ set(TOMLIN_FLAGS_avx2 -march=x86-64-v3 -maes -mpclmul -DTOMLIN_TARGET=avx2 -DTOM
 set(TOMLIN_FLAGS_avx512 -march=x86-64-v4 -maes -mpclmul -DTOMLIN_TARGET=avx512
                         -DTOMLIN_TARGET_AVX512=1)
 
-# tomlin_kernels(TARGET HEADER CLASS): compile the kernels of CLASS, defined in HEADER (as an
-# #include in TARGET names it, or absolute), for every instruction set, into TARGET.
+# tomlin_kernels(TARGET HEADER CLASS [TYPE...]): compile the kernels of CLASS, defined in HEADER (as
+# an #include in TARGET names it, or absolute), into TARGET: in each number type (by default double,
+# float and Quad) for every instruction set. Quadruple numbers have no vector instructions.
 function(tomlin_kernels target header class)
   set(TOMLIN_KERNEL_HEADER ${header})
   set(TOMLIN_KERNEL_CLASS ${class})
-  foreach(set ${TOMLIN_INSTRUCTION_SETS})
-    set(file ${CMAKE_CURRENT_BINARY_DIR}/${class}_${set}.cpp)
-    configure_file(${TOMLIN_KERNEL_TEMPLATE} ${file} @ONLY)
-    set_source_files_properties(${file} PROPERTIES
-                                COMPILE_OPTIONS "${TOMLIN_KERNEL_FLAGS};${TOMLIN_FLAGS_${set}}"
-                                SKIP_PRECOMPILE_HEADERS ON)
-    target_sources(${target} PRIVATE ${file})
+  set(types ${ARGN})
+  if(NOT types)
+    set(types double float Quad)
+  endif()
+  foreach(TOMLIN_KERNEL_TYPE ${types})
+    set(sets ${TOMLIN_INSTRUCTION_SETS})
+    if(TOMLIN_KERNEL_TYPE STREQUAL "Quad")
+      set(sets baseline)
+    endif()
+    foreach(set ${sets})
+      set(file ${CMAKE_CURRENT_BINARY_DIR}/${class}_${TOMLIN_KERNEL_TYPE}_${set}.cpp)
+      configure_file(${TOMLIN_KERNEL_TEMPLATE} ${file} @ONLY)
+      set_source_files_properties(${file} PROPERTIES
+                                  COMPILE_OPTIONS "${TOMLIN_KERNEL_FLAGS};${TOMLIN_FLAGS_${set}}"
+                                  SKIP_PRECOMPILE_HEADERS ON)
+      target_sources(${target} PRIVATE ${file})
+    endforeach()
   endforeach()
 endfunction()
 

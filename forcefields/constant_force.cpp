@@ -25,7 +25,7 @@ ForceRecord constant_force_record() {
   record.make_description = &make_description<Description>;
   record.parameters = {
       parameter("force", &Description::force, dimension::force, "on each particle, per axis")};
-  record.bind = &bind_on_particles<ConstantForce, kernels::ConstantForce, kRankCheap>;
+  record.bind = on_particles<ConstantForce, kernels::ConstantForce, kRankCheap>();
   record.example = R"(# A falling particle.
 [[body]]
 type = "point"

@@ -1,16 +1,17 @@
 #pragma once
 
+#include "framework/core/bound_force.hpp"
 #include "framework/core/element.hpp"
 #include "framework/core/registry.hpp"
 
 /// The same force on every particle, for ever.
 ///
-///   V = -F.x,  relative to the scene's origin
+///   V = -F.x,  x counted from the cell in which the scene starts
 ///
 ///   F  force  per particle, one component per axis
 ///
-/// Source: elementary. Its energy falls without end when a body slides, so it is counted as
-/// potential energy only between two times, never absolutely.
+/// Source: elementary. Its energy falls without end when a body slides: only differences of it mean
+/// anything.
 namespace tomlin {
 
 struct ConstantForceDescription {
@@ -28,18 +29,30 @@ struct ConstantForce {
   template <class T, int D>
   struct Parameters {
     Vec<T, D> force;
+    Vec<T, D> base;  ///< how far the scene's origin has come from where it was at first
   };
 
   template <class T, int D>
   static Parameters<T, D> parameters(const Description& d) {
     Parameters<T, D> p;
-    for (int k = 0; k < D; ++k) p.force[k] = T(d.force.components[k]);
+    for (int k = 0; k < D; ++k) {
+      p.force[k] = T(d.force.components[k]);
+      p.base[k] = T(0.0);
+    }
     return p;
   }
 
   template <class T, int D>
+  static void rebase(Parameters<T, D>& p, const Description&, const Origin& origin,
+                     const Origin& first) {
+    for (int k = 0; k < D; ++k) {
+      p.base[k] = T(static_cast<double>(origin.cells[k] - first.cells[k])) * T(origin.unit[k]);
+    }
+  }
+
+  template <class T, int D>
   static T energy(const Parameters<T, D>& p, const Site<T, D>& site) {
-    return -dot(p.force, site.position);
+    return -dot(p.force, site.position + p.base);
   }
 
   template <class T, int D>

@@ -13,13 +13,12 @@ namespace {
 using Description = DrivingSpringDescription;
 
 /// Either kind of bound spring, with a pulled end that follows from the time alone.
-template <class Base, int D>
+template <class Base, class Real, int D>
 class Driven : public Base {
  public:
   template <class... Arguments>
-  Driven(const Description& description, const Binding<double>& binding, Arguments&&... arguments)
-      : Base(description, binding, std::forward<Arguments>(arguments)...),
-        first_origin_(binding.origin) {
+  Driven(const Description& description, const Binding<Real>& binding, Arguments&&... arguments)
+      : Base(description, binding, std::forward<Arguments>(arguments)...) {
     drive_.velocity = description.velocity.components;
     drive_.stiffness = description.stiffness;
     if (description.attach.kind == Attachment::Kind::each_particle) {
@@ -51,15 +50,15 @@ class Driven : public Base {
   /// place within the cell to the last digit.
   void begin_step(const DoubleDouble& time) override {
     for (int k = 0; k < D; ++k) {
-      const double velocity = this->parameters_.velocity[k];
-      this->parameters_.travel[k] = static_cast<double>(time * velocity - shift_[k]);
-      drive_.travel[k] = this->parameters_.travel[k];
+      const DoubleDouble travel = time * drive_.velocity[k] - shift_[k];
+      this->parameters_.travel[k] = from_double_double<Real>(travel);
+      drive_.travel[k] = static_cast<double>(travel);
     }
   }
 
   void rebase(const Origin& origin) override {
     for (int k = 0; k < D; ++k) {
-      const auto cells = static_cast<double>(origin.cells[k] - first_origin_.cells[k]);
+      const auto cells = static_cast<double>(origin.cells[k] - this->first_origin_.cells[k]);
       shift_[k] = DoubleDouble(cells) * origin.unit[k];
     }
   }
@@ -67,22 +66,22 @@ class Driven : public Base {
   const Drive* drive() const override { return &drive_; }
 
  private:
-  Origin first_origin_;
   DoubleDouble shift_[D];
   Drive drive_;
 };
 
-std::unique_ptr<BoundForce<double>> bind(const void* description, const Binding<double>& binding) {
+template <class Real>
+std::unique_ptr<BoundForce<Real>> bind(const void* description, const Binding<Real>& binding) {
   const auto& d = *static_cast<const Description*>(description);
-  return for_dimension(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<double>> {
+  return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
     if (d.attach.kind == Attachment::Kind::each_particle) {
-      return std::make_unique<Driven<ParticleForce<DrivingSpring, D>, D>>(
+      return std::make_unique<Driven<ParticleForce<DrivingSpring, Real, D>, Real, D>>(
           d, binding, kernels::DrivingSpring, kRankCheap, d.start.components);
     }
     const std::ptrdiff_t particle = d.attach.kind == Attachment::Kind::particle
                                         ? static_cast<std::ptrdiff_t>(d.attach.particle)
                                         : kCentreOfMass;
-    return std::make_unique<Driven<AttachedForce<DrivingSpring, D>, D>>(
+    return std::make_unique<Driven<AttachedForce<DrivingSpring, Real, D>, Real, D>>(
         d, binding, kernels::DrivingSpring, kRankCheap, particle, d.start.components);
   });
 }
@@ -112,7 +111,7 @@ ForceRecord driving_spring_record() {
                 "place of the pulled end at t = 0; the attached point by default")
           .or_absent()};
   record.reserved = {{"reverse", "turn the driver round when an observable passes a value"}};
-  record.bind = &bind;
+  record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
   record.example = R"(# A damped particle follows a spring.
 [[body]]
 type = "point"

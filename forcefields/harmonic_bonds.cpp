@@ -16,13 +16,14 @@ using Description = HarmonicBondsDescription;
 constexpr std::size_t kMostPairs = 50'000'000;
 constexpr std::size_t kBytesPerPair = 64;
 
-std::size_t pair_count(const PairSelection& selection, const SceneOutline::Body& body) {
-  const auto n = static_cast<std::size_t>(body.count);
+std::size_t pair_count(const PairSelection& selection, const SceneOutline& scene) {
+  const auto n = static_cast<std::size_t>(scene.bodies.front().count);
   switch (selection.kind) {
     case PairSelection::Kind::all:
-      return n * (n - 1) / 2;
+      return scene.bodies.size() == 2 ? n * static_cast<std::size_t>(scene.bodies.back().count)
+                                      : n * (n - 1) / 2;
     case PairSelection::Kind::neighbours:
-      return n - 1 + (body.closed && n > 2 ? 1 : 0);
+      return n - 1 + (scene.bodies.front().closed && n > 2 ? 1 : 0);
     case PairSelection::Kind::list:
       return selection.list.size();
   }
@@ -32,7 +33,7 @@ std::size_t pair_count(const PairSelection& selection, const SceneOutline::Body&
 std::vector<Complaint> complaints(const void* description, const SceneOutline& scene) {
   const auto& d = *static_cast<const Description*>(description);
   std::vector<Complaint> found;
-  const std::size_t pairs = pair_count(d.pairs, scene.bodies.front());
+  const std::size_t pairs = pair_count(d.pairs, scene);
   if (pairs > kMostPairs) {
     return {{"pairs",
              fmt::format("{} pairs would take about {} GB", pairs, pairs * kBytesPerPair >> 30),
@@ -52,32 +53,28 @@ std::vector<Complaint> complaints(const void* description, const SceneOutline& s
   return found;
 }
 
-/// Rest lengths for the pairs of this body, in the pairs' order. The distances at the start are
-/// taken as the kernels take them, so that no bond starts with a force of rounding.
-template <int D>
-void set_rest_lengths(const WordOrNumbers& rest, const BoundBody<double>& body,
-                      std::vector<BoundPair>& pairs) {
+/// Rest lengths in the pairs' order. The distances at the start are taken as the kernels take
+/// them, so that no bond starts with a force of rounding.
+template <class Real, int D>
+void set_rest_lengths(const WordOrNumbers& rest, const Binding<Real>& binding,
+                      std::vector<BoundPair<Real>>& pairs) {
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (rest.numbers.empty()) {
-      Vec<double, D> separation;
-      for (int d = 0; d < D; ++d) {
-        separation[d] = body.start[pairs[k].j][d] - body.start[pairs[k].i][d];
-      }
-      pairs[k].datum = distance(separation);
+      pairs[k].datum = distance(separation_at_start<Real, D>(binding, pairs[k]));
     } else {
-      pairs[k].datum = rest.numbers[rest.numbers.size() == 1 ? 0 : k];
+      pairs[k].datum = Real(rest.numbers[rest.numbers.size() == 1 ? 0 : k]);
     }
   }
 }
 
-std::unique_ptr<BoundForce<double>> bind(const void* description, const Binding<double>& binding) {
+template <class Real>
+std::unique_ptr<BoundForce<Real>> bind(const void* description, const Binding<Real>& binding) {
   const auto& d = *static_cast<const Description*>(description);
-  const BoundBody<double>& body = *binding.bodies.front();
-  std::vector<BoundPair> pairs = pairs_of(d.pairs, body.slot.count, body.closed);
-  return for_dimension(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<double>> {
-    set_rest_lengths<D>(d.rest_lengths, body, pairs);
-    return std::make_unique<PairForce<HarmonicBonds, D>>(d, binding, kernels::HarmonicBonds,
-                                                         d.pairs, std::move(pairs), kRankPairs);
+  BoundPairs<Real> bound = pairs_of(d.pairs, binding);
+  return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
+    set_rest_lengths<Real, D>(d.rest_lengths, binding, bound.pairs);
+    return std::make_unique<PairForce<HarmonicBonds, Real, D>>(d, binding, kernels::HarmonicBonds,
+                                                               std::move(bound), kRankPairs);
   });
 }
 
@@ -86,17 +83,20 @@ std::unique_ptr<BoundForce<double>> bind(const void* description, const Binding<
 ForceRecord harmonic_bonds_record() {
   ForceRecord record;
   record.name = "harmonic_bonds";
-  record.summary = "linear springs between the particles of a body";
+  record.summary = "linear springs between the particles of a body, or of two";
   record.equation = "V = stiffness/2 * (r_ij - r0_ij)^2, each pair once";
   record.source =
       "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study "
       "nanoscale rolling friction, eq. (3)";
   record.element = Element::pair;
   record.traits = {.conservative = true, .internal = true};
+  record.most_bodies = 2;
   record.make_description = &make_description<Description>;
   record.parameters = {
       parameter("pairs", &Description::pairs, dimension::none,
-                "which pairs are bonded: \"all\", \"neighbours\" or a list of index pairs"),
+                "which pairs are bonded: \"all\", \"neighbours\" or a list of index pairs; between "
+                "two bodies \"all\" is each particle of the first with each of the second, and "
+                "the first index of a pair is in the first body"),
       parameter("stiffness", &Description::stiffness, dimension::stiffness, "of each bond")
           .in(non_negative),
       parameter("rest_lengths", &Description::rest_lengths, dimension::length,
@@ -104,7 +104,7 @@ ForceRecord harmonic_bonds_record() {
           .one_of({"initial"})
           .by_default(WordOrNumbers{.word = "initial", .numbers = {}})};
   record.complaints = &complaints;
-  record.bind = &bind;
+  record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
   record.example = R"(# Three particles on a line, stretched and let go.
 [[body]]
 type = "chain"

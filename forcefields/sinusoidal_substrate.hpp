@@ -3,6 +3,7 @@
 #include "framework/core/bound_force.hpp"
 #include "framework/core/double_double.hpp"
 #include "framework/core/element.hpp"
+#include "framework/core/number_types.hpp"
 #include "framework/core/registry.hpp"
 
 /// Corrugated substrate, felt by each particle on its own.
@@ -47,9 +48,8 @@ struct SinusoidalSubstrate {
 
   template <class T, int D>
   static Parameters<T, D> parameters(const Description& d) {
-    const T tau = T(6.283185307179586476925286766559);
     return {T(d.amplitude),
-            tau * T(d.amplitude) / T(d.period),
+            tau<T>() * T(d.amplitude) / T(d.period),
             T(1.0) / T(d.period),
             T(0.0),
             T(d.decay),
@@ -63,7 +63,7 @@ struct SinusoidalSubstrate {
     const DoubleDouble place =
         DoubleDouble(static_cast<double>(origin.cells[0])) * DoubleDouble(origin.unit[0]);
     std::int64_t periods = 0;
-    p.phase = T(remainder_of(place, d.period, periods) / d.period);
+    p.phase = T(remainder_of(place, d.period, periods)) / T(d.period);
     // Another force may declare a period along y; heights are the scene's own, whatever the origin.
     p.base = T(static_cast<double>(origin.cells[1]) * origin.unit[1]);
   }

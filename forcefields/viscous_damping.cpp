@@ -26,7 +26,7 @@ ForceRecord viscous_damping_record() {
   record.parameters = {parameter("coefficient", &Description::coefficient, dimension::friction,
                                  "mass/time, per particle (not the rate, which is 1/time)")
                            .in(non_negative)};
-  record.bind = &bind_on_particles<ViscousDamping, kernels::ViscousDamping, kRankCheap>;
+  record.bind = on_particles<ViscousDamping, kernels::ViscousDamping, kRankCheap>();
   record.example = R"(# A particle coasts to rest.
 [[body]]
 type = "point"

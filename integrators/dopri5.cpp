@@ -10,6 +10,7 @@
 #include "framework/core/math.hpp"
 #include "framework/core/scheme.hpp"
 #include "integrators/dopri5_kernels.hpp"
+#include "integrators/hermite.hpp"
 
 TOMLIN_DECLARE_TABLES(Dopri5Kernels, Dopri5Table)
 
@@ -29,18 +30,21 @@ constexpr double kLeastOldError = 1e-4;
 /// A remainder below this part of a step is taken along with it.
 constexpr double kStretch = 1.01;
 
-class Dopri5 : public Integrator<double> {
+template <class Real>
+class Dopri5 : public Integrator<Real> {
  public:
-  Dopri5(const Description& description, System<double>& system)
-      : Integrator(system), d_(description), kernels_(kernels::Dopri5Kernels.on(system.set)) {
+  Dopri5(const Description& description, System<Real>& system)
+      : Integrator<Real>(system),
+        d_(description),
+        kernels_(kernels::Dopri5Kernels.on<Real>(system.set)) {
     const std::size_t n = system.view.dofs;
     const std::size_t m = system.view.rates;
-    memory_.assign(17 * (n + kGap) + 9 * (m + kGap), 0.0);
-    double* next = memory_.data();
+    memory_.assign(21 * (n + kGap) + 11 * (m + kGap), Real(0.0));
+    Real* next = memory_.data();
     const auto take = [&next](std::size_t count) {
       return std::exchange(next, next + count + kGap);
     };
-    for (double*& v : arrays_.velocity) v = take(n);
+    for (Real*& v : arrays_.velocity) v = take(n);
     for (int s = 1; s < Tableau::stages; ++s) arrays_.acceleration[s] = take(n);
     for (int s = 1; s < Tableau::stages; ++s) arrays_.rates[s] = take(m);
     arrays_.position = take(n);
@@ -49,18 +53,25 @@ class Dopri5 : public Integrator<double> {
     start_acceleration_ = take(n);
     start_integrals_ = take(m);
     start_rates_ = take(m);
+    if (kCompensated<Real>) {
+      arrays_.position_rest = take(n);
+      arrays_.velocity_rest = take(n);
+      arrays_.integrals_rest = take(m);
+      start_position_rest_ = take(n);
+      start_integrals_rest_ = take(m);
+    }
   }
 
   void declare(StateLayout& layout) override {
-    layout.add_reals("dopri5.first_acceleration", system_.view.dofs);
-    layout.add_reals("dopri5.first_rates", system_.view.rates);
+    layout.add_numbers<Real>("dopri5.first_acceleration", system_.view.dofs);
+    layout.add_numbers<Real>("dopri5.first_rates", system_.view.rates);
     layout.add_reals("dopri5.control", 2);
     layout.add_integers("dopri5.counts", 3);
   }
 
   void attach(RunState& state) override {
-    arrays_.acceleration[0] = state.reals("dopri5.first_acceleration");
-    arrays_.rates[0] = state.reals("dopri5.first_rates");
+    arrays_.acceleration[0] = state.numbers<Real>("dopri5.first_acceleration");
+    arrays_.rates[0] = state.numbers<Real>("dopri5.first_rates");
     control_ = state.reals("dopri5.control");
     counts_ = state.integers("dopri5.counts");
   }
@@ -111,32 +122,44 @@ class Dopri5 : public Integrator<double> {
     }
   }
 
-  const double* first_rates() const override { return start_rates_; }
+  const Real* first_rates() const override { return start_rates_; }
 
   void finish_dense_from(double) override {}
 
   void interpolate(double theta, double* position, double* velocity,
                    double* integrals) const override {
-    const SystemView<double>& s = system_.view;
-    extension(theta, s.dofs, start_position_, s.position, arrays_.velocity, position);
-    extension(theta, s.dofs, arrays_.velocity[0], s.velocity, slopes().accelerations, velocity);
-    extension(theta, s.rates, start_integrals_, s.integrals, slopes().rates, integrals);
+    const SystemView<Real>& s = system_.view;
+    const Slopes slope = slopes();
+    for (std::size_t i = 0; i < s.dofs; ++i) {
+      position[i] =
+          extension(theta, observed(start_position_, start_position_rest_, i),
+                    observed(s.position, s.position_rest, i), slope.velocities, i);
+      velocity[i] = s.inertial ? velocity_within(theta, slope, i)
+                               : extension_slope(theta,
+                                                 observed(start_position_, start_position_rest_, i),
+                                                 observed(s.position, s.position_rest, i),
+                                                 slope.velocities, i);
+    }
+    for (std::size_t i = 0; i < s.rates; ++i) {
+      integrals[i] =
+          extension(theta, observed(start_integrals_, start_integrals_rest_, i),
+                    observed(s.integrals, s.integrals_rest, i), slope.rates, i);
+    }
   }
 
   bool between(double theta, double* velocity, double* rates) const override {
-    const SystemView<double>& s = system_.view;
+    const SystemView<Real>& s = system_.view;
     const Slopes slope = slopes();
-    extension(theta, s.dofs, arrays_.velocity[0], s.velocity, slope.accelerations, velocity);
-    // Rates are the slope of the integrals' extension.
-    const double rest = 1.0 - theta;
+    for (std::size_t i = 0; i < s.dofs; ++i) {
+      velocity[i] = s.inertial ? velocity_within(theta, slope, i)
+                               : extension_slope(theta,
+                                                 observed(start_position_, start_position_rest_, i),
+                                                 observed(s.position, s.position_rest, i),
+                                                 slope.velocities, i);
+    }
     for (std::size_t i = 0; i < s.used_rates; ++i) {
-      const double change = s.integrals[i] - start_integrals_[i];
-      const double bend = last_ * slope.rates[0][i] - change;
-      const double quartic = last_ * weighted_slopes(slope.rates, i);
-      const double twist = change - last_ * slope.rates[6][i] - bend;
-      rates[i] = (change + (rest - theta) * bend + theta * (2.0 - 3.0 * theta) * twist +
-                  2.0 * theta * rest * (rest - theta) * quartic) /
-                 last_;
+      rates[i] = extension_slope(theta, observed(start_integrals_, start_integrals_rest_, i),
+                                 observed(s.integrals, s.integrals_rest, i), slope.rates, i);
     }
     return true;
   }
@@ -161,15 +184,15 @@ class Dopri5 : public Integrator<double> {
   /// A step over which the state changes by about a hundredth of its size, and by an Euler step no
   /// more than the tolerance allows (Hairer, Norsett, Wanner, section II.4).
   double guessed_step() const {
-    const SystemView<double>& s = system_.view;
+    const SystemView<Real>& s = system_.view;
     // Sums that do not depend on the order of bodies, as in the error estimate.
     DoubleDouble sizes;
     DoubleDouble slopes;
     for (std::size_t i = 0; i < s.dofs; ++i) {
-      const double scale = s.tolerance_scale[i];
-      const double x = s.position[i] * scale;
-      const double v = s.velocity[i] * scale;
-      const double a = arrays_.acceleration[0][i] * scale;
+      const auto scale = static_cast<double>(s.tolerance_scale[i]);
+      const double x = static_cast<double>(s.position[i]) * scale;
+      const double v = static_cast<double>(s.velocity[i]) * scale;
+      const double a = static_cast<double>(arrays_.acceleration[0][i]) * scale;
       const double weight_x = d_.absolute_tolerance + d_.relative_tolerance * std::abs(x) + 1e-300;
       const double weight_v = d_.absolute_tolerance + d_.relative_tolerance * std::abs(v) + 1e-300;
       sizes += x / weight_x * (x / weight_x) + v / weight_v * (v / weight_v);
@@ -182,7 +205,7 @@ class Dopri5 : public Integrator<double> {
   }
 
   void accept(double h) {
-    SystemView<double>& s = system_.view;
+    SystemView<Real>& s = system_.view;
     copy(s.position, s.dofs, start_position_);
     copy(s.integrals, s.rates, start_integrals_);
     copy(arrays_.acceleration[0], s.dofs, start_acceleration_);
@@ -192,21 +215,30 @@ class Dopri5 : public Integrator<double> {
     copy(arrays_.integrals, s.rates, s.integrals);
     copy(arrays_.acceleration[6], s.dofs, arrays_.acceleration[0]);
     copy(arrays_.rates[6], s.rates, arrays_.rates[0]);
+    if (kCompensated<Real>) {
+      copy(s.position_rest, s.dofs, start_position_rest_);
+      copy(s.integrals_rest, s.rates, start_integrals_rest_);
+      copy(arrays_.position_rest, s.dofs, s.position_rest);
+      if (s.inertial) copy(arrays_.velocity_rest, s.dofs, s.velocity_rest);
+      copy(arrays_.integrals_rest, s.rates, s.integrals_rest);
+    }
     last_ = h;
   }
 
-  static void copy(const double* from, std::size_t n, double* to) {
+  static void copy(const Real* from, std::size_t n, Real* to) {
     for (std::size_t i = 0; i < n; ++i) to[i] = from[i];
   }
 
   /// Slopes of the last step's stages; the last stage is kept as the next step's first.
   struct Slopes {
-    const double* accelerations[7];
-    const double* rates[7];
+    const Real* velocities[7];
+    const Real* accelerations[7];
+    const Real* rates[7];
   };
 
   Slopes slopes() const {
     Slopes slope;
+    for (int j = 0; j < 7; ++j) slope.velocities[j] = arrays_.velocity[j];
     slope.accelerations[0] = start_acceleration_;
     slope.rates[0] = start_rates_;
     for (int j = 1; j < 6; ++j) {
@@ -218,40 +250,58 @@ class Dopri5 : public Integrator<double> {
     return slope;
   }
 
-  template <class Pointer>
-  static double weighted_slopes(const Pointer* slope, std::size_t i) {
+  double velocity_within(double theta, const Slopes& slope, std::size_t i) const {
+    const auto start = static_cast<double>(arrays_.velocity[0][i]);
+    const double end = observed(system_.view.velocity, system_.view.velocity_rest, i);
+    return extension(theta, start, end, slope.accelerations, i);
+  }
+
+  static double weighted_slopes(const Real* const* slope, std::size_t i) {
     double sum = 0.0;
-    for (int j = 0; j < 7; ++j) sum = std::fma(Tableau::dense[j], slope[j][i], sum);
+    for (int j = 0; j < 7; ++j) {
+      sum = std::fma(Tableau::dense[j], static_cast<double>(slope[j][i]), sum);
+    }
     return sum;
   }
 
   /// y0 + theta (change + (1 - theta) (bend + theta (twist + (1 - theta) quartic))).
-  template <class Pointer>
-  void extension(double theta, std::size_t n, const double* y0, const double* y1,
-                 const Pointer* slope, double* y) const {
-    const double h = last_;
+  double extension(double theta, double y0, double y1, const Real* const* slope,
+                   std::size_t i) const {
+    if (theta == 1.0) return y1;
     const double rest = 1.0 - theta;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double change = y1[i] - y0[i];
-      const double bend = h * slope[0][i] - change;
-      const double twist = change - h * slope[6][i] - bend;
-      const double inner = std::fma(rest, h * weighted_slopes(slope, i), twist);
-      y[i] = theta == 1.0
-                 ? y1[i]
-                 : std::fma(theta, std::fma(rest, std::fma(theta, inner, bend), change), y0[i]);
-    }
+    const double change = y1 - y0;
+    const double bend = last_ * static_cast<double>(slope[0][i]) - change;
+    const double twist = change - last_ * static_cast<double>(slope[6][i]) - bend;
+    const double inner = std::fma(rest, last_ * weighted_slopes(slope, i), twist);
+    return std::fma(theta, std::fma(rest, std::fma(theta, inner, bend), change), y0);
+  }
+
+  /// Its derivative with respect to time.
+  double extension_slope(double theta, double y0, double y1, const Real* const* slope,
+                         std::size_t i) const {
+    const double rest = 1.0 - theta;
+    const double change = y1 - y0;
+    const double bend = last_ * static_cast<double>(slope[0][i]) - change;
+    const double quartic = last_ * weighted_slopes(slope, i);
+    const double twist = change - last_ * static_cast<double>(slope[6][i]) - bend;
+    return (change + (rest - theta) * bend + theta * (2.0 - 3.0 * theta) * twist +
+            2.0 * theta * rest * (rest - theta) * quartic) /
+           last_;
   }
 
   Description d_;
-  const Dopri5Table& kernels_;
-  AlignedVector<double> memory_;
-  Dopri5Arrays arrays_;
+  using Integrator<Real>::system_;
+  const Dopri5Table<Real>& kernels_;
+  AlignedVector<Real> memory_;
+  Dopri5Arrays<Real> arrays_;
   double* control_ = nullptr;
   std::int64_t* counts_ = nullptr;
-  double* start_position_ = nullptr;
-  double* start_acceleration_ = nullptr;
-  double* start_integrals_ = nullptr;
-  double* start_rates_ = nullptr;
+  Real* start_position_ = nullptr;
+  Real* start_acceleration_ = nullptr;
+  Real* start_integrals_ = nullptr;
+  Real* start_rates_ = nullptr;
+  Real* start_position_rest_ = nullptr;
+  Real* start_integrals_rest_ = nullptr;
   double last_ = 0.0;
 };
 
@@ -278,8 +328,9 @@ std::vector<Complaint> complaints(const void* description) {
   return found;
 }
 
-std::unique_ptr<Integrator<double>> bind(const void* description, System<double>& system) {
-  return std::make_unique<Dopri5>(*static_cast<const Description*>(description), system);
+template <class Real>
+std::unique_ptr<Integrator<Real>> bind(const void* description, System<Real>& system) {
+  return std::make_unique<Dopri5<Real>>(*static_cast<const Description*>(description), system);
 }
 
 }  // namespace
@@ -323,7 +374,7 @@ IntegratorRecord dopri5_record() {
   record.growth = &growth;
   record.step = &step;
   record.complaints = &complaints;
-  record.bind = &bind;
+  record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
   record.example = R"(# A tip that sticks and slips.
 [[body]]
 type = "point"

@@ -2,29 +2,40 @@
 
 #include <cstddef>
 
+#include "framework/core/compensated.hpp"
 #include "framework/core/evaluate.hpp"
-#include "framework/core/pack.hpp"
+#include "framework/core/number_types.hpp"
 #include "framework/core/system.hpp"
 
 namespace tomlin {
 
+/// A coefficient, exact in every number type.
+struct Fraction {
+  double numerator = 0.0;
+  double denominator = 1.0;
+
+  template <class Real>
+  constexpr Real as() const {
+    return Real(numerator) / Real(denominator);
+  }
+};
+
 /// Coefficients of the pair; the scheme is autonomous in its stages, so times are c[s] h.
 struct Dopri5Tableau {
   static constexpr int stages = 7;
-  static constexpr double c[7] = {0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0};
-  static constexpr double a[7][6] = {
+  static constexpr Fraction c[7] = {{0}, {1, 5}, {3, 10}, {4, 5}, {8, 9}, {1}, {1}};
+  static constexpr Fraction a[7][6] = {
       {},
-      {1.0 / 5.0},
-      {3.0 / 40.0, 9.0 / 40.0},
-      {44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0},
-      {19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0},
-      {9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0},
-      {35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0}};
+      {{1, 5}},
+      {{3, 40}, {9, 40}},
+      {{44, 45}, {-56, 15}, {32, 9}},
+      {{19372, 6561}, {-25360, 2187}, {64448, 6561}, {-212, 729}},
+      {{9017, 3168}, {-355, 33}, {46732, 5247}, {49, 176}, {-5103, 18656}},
+      {{35, 384}, {0}, {500, 1113}, {125, 192}, {-2187, 6784}, {11, 84}}};
   /// Fifth-order weights less fourth-order ones.
-  static constexpr double error[7] = {
-      71.0 / 57600.0,      0.0,          -71.0 / 16695.0, 71.0 / 1920.0,
-      -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0};
-  /// Of the continuous extension.
+  static constexpr Fraction error[7] = {{71, 57600}, {0},      {-71, 16695}, {71, 1920},
+                                        {-17253, 339200}, {22, 525}, {-1, 40}};
+  /// Of the continuous extension, which is for observers, in double.
   static constexpr double dense[7] = {
       -12715105075.0 / 11282082432.0,  0.0,
       87487479700.0 / 32700410799.0,   -10690763975.0 / 1880347072.0,
@@ -33,12 +44,17 @@ struct Dopri5Tableau {
 };
 
 /// Work space of one step. Slopes of positions are the stage velocities.
+template <class Real>
 struct Dopri5Arrays {
-  double* velocity[7] = {};      ///< [0] is a copy of the start's
-  double* acceleration[7] = {};  ///< [0] holds the start's before a step
-  double* rates[7] = {};
-  double* position = nullptr;   ///< of the stage, at the end of the step the new one
-  double* integrals = nullptr;  ///< the same for integrals (own variables at stages)
+  Real* velocity[7] = {};      ///< [0] is a copy of the start's
+  Real* acceleration[7] = {};  ///< [0] holds the start's before a step; unused without inertia
+  Real* rates[7] = {};
+  Real* position = nullptr;   ///< of the stage, at the end of the step the new one
+  Real* integrals = nullptr;  ///< the same for integrals (own variables at stages)
+  // What the new numbers lack, where that is kept (compensated.hpp).
+  Real* position_rest = nullptr;
+  Real* velocity_rest = nullptr;
+  Real* integrals_rest = nullptr;
 };
 
 struct Dopri5Trial {
@@ -46,125 +62,186 @@ struct Dopri5Trial {
   bool within_moves = true;
 };
 
+template <class Real>
 struct Dopri5Table {
-  void (*first)(const SystemView<double>& system, const Dopri5Arrays& arrays,
+  void (*first)(const SystemView<Real>& system, const Dopri5Arrays<Real>& arrays,
                 double since) = nullptr;
-  Dopri5Trial (*attempt)(const SystemView<double>& system, const Dopri5Arrays& arrays, double since,
-                         double h, double absolute_tolerance, double relative_tolerance) = nullptr;
+  Dopri5Trial (*attempt)(const SystemView<Real>& system, const Dopri5Arrays<Real>& arrays,
+                         double since, double h, double absolute_tolerance,
+                         double relative_tolerance) = nullptr;
 };
 
 inline namespace TOMLIN_TARGET {
 
 /// Rounded once, at the end: all bodies have a say in the step, and their order in the scene none.
+template <class Group>
 class OrderFreeSum {
  public:
-  TOMLIN_INLINE void add(const Pack& x) {
-    const Pack total = high_ + x;
-    const Pack part = total - high_;
-    low_ += (high_ - (total - part)) + (x - part);
+  TOMLIN_INLINE explicit OrderFreeSum(const Group& zero) : high_(zero), low_(zero) {}
+  TOMLIN_INLINE void add(const Group& x) {
+    const Group total = high_ + x;
+    const Group part = total - high_;
+    low_ = low_ + ((high_ - (total - part)) + (x - part));
     high_ = total;
   }
-  TOMLIN_INLINE Pack total() const { return high_ + low_; }
+  TOMLIN_INLINE Group total() const { return high_ + low_; }
 
  private:
-  Pack high_ = Pack(0.0);
-  Pack low_ = Pack(0.0);
+  Group high_;
+  Group low_;
 };
 
 struct Dopri5Kernels {
   using Tableau = Dopri5Tableau;
 
-  TOMLIN_FLATTEN static void first(const SystemView<double>& s, const Dopri5Arrays& w,
+  /// Slopes at the start; without inertia they are the velocity.
+  template <class Real>
+  TOMLIN_FLATTEN static void first(const SystemView<Real>& s, const Dopri5Arrays<Real>& w,
                                    double since) {
-    evaluate(s, stage_of(s, static_cast<const double*>(s.position),
-                         static_cast<const double*>(s.velocity),
-                         static_cast<const double*>(s.integrals), w.rates[0], since));
+    using Group = Packed<Real>;
+    evaluate(s, stage_of(s, static_cast<const Real*>(s.position),
+                         static_cast<const Real*>(s.velocity),
+                         static_cast<const Real*>(s.integrals), w.rates[0], Real(since)));
+    Real* slope = s.inertial ? w.acceleration[0] : s.velocity;
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      (Pack::load(s.force + i) * Pack::load(s.inverse_mass + i)).store(w.acceleration[0] + i);
+      (Group::load(s.force + i) * Group::load(s.inverse_mass + i)).store(slope + i);
     }
   }
 
   /// Sum of h * weight[j] * slope[j] for j < n, smallest index first.
-  template <int n>
-  TOMLIN_INLINE static Pack combined(const Pack (&weight)[7], double* const* slope, std::size_t i) {
-    Pack total = weight[0] * Pack::load(slope[0] + i);
-    for (int j = 1; j < n; ++j) total = fma(weight[j], Pack::load(slope[j] + i), total);
+  template <int n, class Real>
+  TOMLIN_INLINE static Packed<Real> combined(const Packed<Real> (&weight)[7], Real* const* slope,
+                                             std::size_t i) {
+    using Group = Packed<Real>;
+    Group total = weight[0] * Group::load(slope[0] + i);
+    for (int j = 1; j < n; ++j) total = fma(weight[j], Group::load(slope[j] + i), total);
     return total;
   }
 
-  template <int stage>
-  TOMLIN_INLINE static void advance(const SystemView<double>& s, const Dopri5Arrays& w,
-                                    double since, double h) {
-    Pack weight[7];
-    for (int j = 0; j < stage; ++j) weight[j] = Pack(h * Tableau::a[stage][j]);
-    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      (Pack::load(s.position + i) + combined<stage>(weight, w.velocity, i)).store(w.position + i);
-      (Pack::load(s.velocity + i) + combined<stage>(weight, w.acceleration, i))
-          .store(w.velocity[stage] + i);
+  /// start + change, and at the end of the step what the sum leaves out, where that is kept.
+  template <bool ends, class Real>
+  TOMLIN_INLINE static void put_sum(const Real* start, const Real* start_rest,
+                                    const Packed<Real>& change, std::size_t i, Real* result,
+                                    Real* result_rest) {
+    using Group = Packed<Real>;
+    if constexpr (ends && kCompensated<Real>) {
+      Group::load(start + i).store(result + i);
+      Group::load(start_rest + i).store(result_rest + i);
+      add_move(result, result_rest, i, change);
+    } else {
+      (Group::load(start + i) + change).store(result + i);
     }
-    const std::size_t needed = stage == Tableau::stages - 1 ? s.rates : s.own;
+  }
+
+  template <int stage, bool inertial, class Real>
+  TOMLIN_INLINE static void advance(const SystemView<Real>& s, const Dopri5Arrays<Real>& w,
+                                    Real since, Real h) {
+    using Group = Packed<Real>;
+    constexpr bool ends = stage == Tableau::stages - 1;
+    Group weight[7];
+    for (int j = 0; j < stage; ++j) weight[j] = Group(h * Tableau::a[stage][j].as<Real>());
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      put_sum<ends, Real>(s.position, s.position_rest, combined<stage, Real>(weight, w.velocity, i),
+                          i, w.position, w.position_rest);
+      if constexpr (inertial) {
+        put_sum<ends, Real>(s.velocity, s.velocity_rest,
+                            combined<stage, Real>(weight, w.acceleration, i), i, w.velocity[stage],
+                            w.velocity_rest);
+      }
+    }
+    const std::size_t needed = ends ? s.rates : s.own;
     for (std::size_t i = 0; i < needed; i += kGroup) {
-      (Pack::load(s.integrals + i) + combined<stage>(weight, w.rates, i)).store(w.integrals + i);
+      put_sum<ends, Real>(s.integrals, s.integrals_rest, combined<stage, Real>(weight, w.rates, i),
+                          i, w.integrals, w.integrals_rest);
     }
-    evaluate(s, stage_of(s, static_cast<const double*>(w.position),
-                         static_cast<const double*>(w.velocity[stage]),
-                         static_cast<const double*>(w.integrals), w.rates[stage],
-                         since + Tableau::c[stage] * h));
+    evaluate(s, stage_of(s, static_cast<const Real*>(w.position),
+                         static_cast<const Real*>(w.velocity[inertial ? stage : 0]),
+                         static_cast<const Real*>(w.integrals), w.rates[stage],
+                         since + Tableau::c[stage].as<Real>() * h));
+    Real* slope = inertial ? w.acceleration[stage] : w.velocity[stage];
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      (Pack::load(s.force + i) * Pack::load(s.inverse_mass + i)).store(w.acceleration[stage] + i);
+      (Group::load(s.force + i) * Group::load(s.inverse_mass + i)).store(slope + i);
     }
   }
 
-  TOMLIN_INLINE static Pack weighted(Pack error, Pack before, Pack after, Pack scale, Pack absolute,
-                                     Pack relative) {
-    const Pack size = max(abs(before), abs(after)) * scale;
+  template <class Group>
+  TOMLIN_INLINE static Group weighted(Group error, Group before, Group after, Group scale,
+                                      Group absolute, Group relative, Group smallest) {
+    const Group size = max(abs(before), abs(after)) * scale;
     // The smallest number keeps a coordinate that is exactly zero from giving 0/0.
-    return error * scale / (fma(relative, size, absolute) + Pack(1e-300));
+    return error * scale / (fma(relative, size, absolute) + smallest);
   }
 
-  TOMLIN_FLATTEN static Dopri5Trial attempt(const SystemView<double>& system,
-                                            const Dopri5Arrays& arrays, double since, double h,
-                                            double absolute_tolerance, double relative_tolerance) {
-    const SystemView<double> s = system;
-    const Dopri5Arrays w = arrays;
+  template <bool inertial, class Real>
+  TOMLIN_INLINE static Dopri5Trial attempt_of(const SystemView<Real>& s,
+                                              const Dopri5Arrays<Real>& w, Real since, Real h,
+                                              double absolute_tolerance,
+                                              double relative_tolerance) {
+    using Group = Packed<Real>;
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      Pack::load(s.velocity + i).store(w.velocity[0] + i);
+      Group::load(s.velocity + i).store(w.velocity[0] + i);
     }
-    advance<1>(s, w, since, h);
-    advance<2>(s, w, since, h);
-    advance<3>(s, w, since, h);
-    advance<4>(s, w, since, h);
-    advance<5>(s, w, since, h);
-    advance<6>(s, w, since, h);
+    advance<1, inertial>(s, w, since, h);
+    advance<2, inertial>(s, w, since, h);
+    advance<3, inertial>(s, w, since, h);
+    advance<4, inertial>(s, w, since, h);
+    advance<5, inertial>(s, w, since, h);
+    advance<6, inertial>(s, w, since, h);
 
-    Pack weight[7];
-    for (int j = 0; j < 7; ++j) weight[j] = Pack(h * Tableau::error[j]);
-    const Pack absolute(absolute_tolerance);
-    const Pack relative(relative_tolerance);
-    PackMask within = first_lanes(kGroup);
-    OrderFreeSum squares;
+    Group weight[7];
+    for (int j = 0; j < 7; ++j) weight[j] = Group(h * Tableau::error[j].as<Real>());
+    const Group absolute{Real(absolute_tolerance)};
+    const Group relative{Real(relative_tolerance)};
+    const Group smallest{Real(sizeof(Real) < sizeof(double) ? 1e-37 : 1e-300)};
+    auto within = first_lanes_of<Group>(kGroup);
+    OrderFreeSum<Group> squares(Group(Real(0.0)));
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      const Pack scale = Pack::load(s.tolerance_scale + i);
-      const Pack x0 = Pack::load(s.position + i);
-      const Pack x1 = Pack::load(w.position + i);
-      const Pack ex =
-          weighted(combined<7>(weight, w.velocity, i), x0, x1, scale, absolute, relative);
-      const Pack ev = weighted(combined<7>(weight, w.acceleration, i), Pack::load(s.velocity + i),
-                               Pack::load(w.velocity[6] + i), scale, absolute, relative);
-      squares.add(fma(ex, ex, ev * ev));
-      within = within & (abs(x1 - x0) <= Pack::load(s.largest_move + i));
+      const Group scale = Group::load(s.tolerance_scale + i);
+      const Group x0 = Group::load(s.position + i);
+      const Group x1 = Group::load(w.position + i);
+      const Group ex = weighted(combined<7, Real>(weight, w.velocity, i), x0, x1, scale, absolute,
+                                relative, smallest);
+      if constexpr (inertial) {
+        const Group ev = weighted(combined<7, Real>(weight, w.acceleration, i),
+                                  Group::load(s.velocity + i), Group::load(w.velocity[6] + i),
+                                  scale, absolute, relative, smallest);
+        squares.add(fma(ex, ex, ev * ev));
+      } else {
+        squares.add(ex * ex);
+      }
+      within = within & (abs(x1 - x0) <= Group::load(s.largest_move + i));
     }
     for (std::size_t i = 0; i < s.own; i += kGroup) {
-      const Pack e = weighted(combined<7>(weight, w.rates, i), Pack::load(s.integrals + i),
-                              Pack::load(w.integrals + i), Pack(1.0), absolute, relative);
+      const Group e = weighted(combined<7, Real>(weight, w.rates, i), Group::load(s.integrals + i),
+                               Group::load(w.integrals + i), Group(Real(1.0)), absolute, relative,
+                               smallest);
       squares.add(e * e);
     }
-    const double count =
-        2.0 * static_cast<double>(s.coordinates) + static_cast<double>(s.own_count);
-    return {sqrt(sum(squares.total()) / (count > 0.0 ? count : 1.0)), all(within)};
+    const double count = (inertial ? 2.0 : 1.0) * static_cast<double>(s.coordinates) +
+                         static_cast<double>(s.own_count);
+    const auto total = static_cast<double>(sum(squares.total()));
+    return {sqrt(total / (count > 0.0 ? count : 1.0)), all(within)};
   }
 
-  static constexpr Dopri5Table kernels() { return {&first, &attempt}; }
+  template <class Real>
+  TOMLIN_FLATTEN static Dopri5Trial attempt(const SystemView<Real>& system,
+                                            const Dopri5Arrays<Real>& arrays, double since,
+                                            double h, double absolute_tolerance,
+                                            double relative_tolerance) {
+    const SystemView<Real> s = system;
+    const Dopri5Arrays<Real> w = arrays;
+    if (s.inertial) {
+      return attempt_of<true, Real>(s, w, Real(since), Real(h), absolute_tolerance,
+                                    relative_tolerance);
+    }
+    return attempt_of<false, Real>(s, w, Real(since), Real(h), absolute_tolerance,
+                                   relative_tolerance);
+  }
+
+  template <class Real>
+  static constexpr Dopri5Table<Real> kernels() {
+    return {&first<Real>, &attempt<Real>};
+  }
 };
 
 }  // namespace TOMLIN_TARGET

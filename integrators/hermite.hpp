@@ -8,68 +8,91 @@
 
 namespace tomlin {
 
+/// A number of the state as a double, with its rest where it has one.
+template <class Real>
+double observed(const Real* x, const Real* rest, std::size_t i) {
+  const auto value = static_cast<double>(x[i]);
+  return rest == nullptr ? value : value + static_cast<double>(rest[i]);
+}
+
 /// Dense output of schemes without one of their own: the cubic through value and slope at both
-/// ends of a step, for positions, velocities and running integrals alike. Error O(h^4).
+/// ends of a step, for positions, velocities and running integrals alike. Error O(h^4); without
+/// inertia velocities are the slope of the positions' cubic, error O(h^3).
+template <class Real>
 class HermiteOutput {
  public:
-  /// Work space: room for hermite_size() numbers.
-  void place(double* memory, std::size_t dofs, std::size_t rates) {
-    position_ = memory;
-    velocity_ = position_ + dofs;
-    acceleration_ = velocity_ + dofs;
-    integrals_ = acceleration_ + dofs;
-    rates_ = integrals_ + rates;
-  }
+  HermiteOutput(std::size_t dofs, std::size_t rates)
+      : position_(dofs, 0.0),
+        velocity_(dofs, 0.0),
+        acceleration_(dofs, 0.0),
+        integrals_(rates, 0.0),
+        rates_(rates, 0.0) {}
 
-  void keep_start(const SystemView<double>& system) {
-    copy(system.position, system.dofs, position_);
-    copy(system.velocity, system.dofs, velocity_);
-    copy(system.integrals, system.rates, integrals_);
-    dofs_ = system.dofs;
-    rate_count_ = system.rates;
+  void keep_start(const SystemView<Real>& s) {
+    copy(s.position, s.position_rest, position_);
+    copy(s.velocity, s.velocity_rest, velocity_);
+    copy(s.integrals, s.integrals_rest, integrals_);
   }
 
   /// Slopes at the start, before the arrays are used for the end.
-  void keep_first(const double* acceleration, const double* rates) {
-    copy(acceleration, dofs_, acceleration_);
-    copy(rates, rate_count_, rates_);
+  void keep_first(const Real* acceleration, const Real* rates) {
+    copy<Real>(acceleration, nullptr, acceleration_);
+    copy<Real>(rates, nullptr, rates_);
   }
 
-  void interpolate(double theta, double h, const SystemView<double>& end,
-                   const double* end_acceleration, const double* end_rates, double* position,
+  void interpolate(double theta, double h, const SystemView<Real>& end,
+                   const Real* end_acceleration, const Real* end_rates, double* position,
                    double* velocity, double* integrals) const {
-    cubic(theta, h, dofs_, position_, velocity_, end.position, end.velocity, position);
-    cubic(theta, h, dofs_, velocity_, acceleration_, end.velocity, end_acceleration, velocity);
-    cubic(theta, h, rate_count_, integrals_, rates_, end.integrals, end_rates, integrals);
+    cubic(theta, h, position_, velocity_, end.position, end.position_rest, end.velocity, position);
+    if (end.inertial) {
+      cubic(theta, h, velocity_, acceleration_, end.velocity, end.velocity_rest, end_acceleration,
+            velocity);
+    } else {
+      slope(theta, h, position_, velocity_, end.position, end.position_rest, end.velocity,
+            velocity);
+    }
+    cubic(theta, h, integrals_, rates_, end.integrals, end.integrals_rest, end_rates, integrals);
   }
 
  private:
-  static void copy(const double* from, std::size_t n, double* to) {
-    for (std::size_t i = 0; i < n; ++i) to[i] = from[i];
+  using Numbers = AlignedVector<double>;
+
+  template <class From>
+  static void copy(const From* from, const From* rest, Numbers& to) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] = observed(from, rest, i);
   }
 
   /// y(theta) = y0 + theta (dy + (1 - theta) ((h y0' - dy) (1 - theta) - (h y1' - dy) theta)).
-  static void cubic(double theta, double h, std::size_t n, const double* y0, const double* slope0,
-                    const double* y1, const double* slope1, double* y) {
+  static void cubic(double theta, double h, const Numbers& y0, const Numbers& slope0,
+                    const Real* y1, const Real* rest1, const Real* slope1, double* y) {
     const double rest = 1.0 - theta;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double change = y1[i] - y0[i];
-      const double bend = rest * (h * slope0[i] - change) - theta * (h * slope1[i] - change);
-      y[i] = theta == 1.0 ? y1[i] : std::fma(theta, std::fma(rest, bend, change), y0[i]);
+    for (std::size_t i = 0; i < y0.size(); ++i) {
+      const double end = observed(y1, rest1, i);
+      const double change = end - y0[i];
+      const double bend = rest * (h * slope0[i] - change) -
+                          theta * (h * static_cast<double>(slope1[i]) - change);
+      y[i] = theta == 1.0 ? end : std::fma(theta, std::fma(rest, bend, change), y0[i]);
     }
   }
 
-  double* position_ = nullptr;
-  double* velocity_ = nullptr;
-  double* acceleration_ = nullptr;
-  double* integrals_ = nullptr;
-  double* rates_ = nullptr;
-  std::size_t dofs_ = 0;
-  std::size_t rate_count_ = 0;
-};
+  /// Its derivative with respect to time.
+  static void slope(double theta, double h, const Numbers& y0, const Numbers& slope0,
+                    const Real* y1, const Real* rest1, const Real* slope1, double* y) {
+    const double rest = 1.0 - theta;
+    for (std::size_t i = 0; i < y0.size(); ++i) {
+      const double mean = (observed(y1, rest1, i) - y0[i]) / h;
+      const auto last = static_cast<double>(slope1[i]);
+      const double along = rest * (slope0[i] - mean) * (1.0 - 3.0 * theta) -
+                           theta * (last - mean) * (2.0 - 3.0 * theta);
+      y[i] = theta == 1.0 ? last : mean + along;
+    }
+  }
 
-constexpr std::size_t hermite_size(std::size_t dofs, std::size_t rates) {
-  return 3 * dofs + 2 * rates;
-}
+  Numbers position_;
+  Numbers velocity_;
+  Numbers acceleration_;
+  Numbers integrals_;
+  Numbers rates_;
+};
 
 }  // namespace tomlin

@@ -1,97 +1,154 @@
 #pragma once
 
 #include <cstddef>
+#include <type_traits>
 
+#include "framework/core/compensated.hpp"
 #include "framework/core/evaluate.hpp"
-#include "framework/core/pack.hpp"
+#include "framework/core/number_types.hpp"
 #include "framework/core/system.hpp"
 
 namespace tomlin {
 
 /// Scratch of one rk4 step: arrays of `dofs` and of `rates` numbers.
+template <class Real>
 struct Rk4Arrays {
-  double* acceleration[4] = {};
-  double* rates[4] = {};
-  double* stage_position = nullptr;
-  double* stage_velocity = nullptr;
-  double* stage_own = nullptr;
+  Real* acceleration[4] = {};  ///< without inertia velocities, the slopes of positions
+  Real* rates[4] = {};
+  Real* stage_position = nullptr;
+  Real* stage_velocity = nullptr;
+  Real* stage_own = nullptr;
   bool first_known = false;  ///< acceleration[0] and rates[0] hold the start of this step already
 };
 
+template <class Real>
 struct Rk4Table {
   /// Returns whether every coordinate stayed finite and within its largest move.
-  bool (*step)(const SystemView<double>& system, const Rk4Arrays& arrays, double since,
+  bool (*step)(const SystemView<Real>& system, const Rk4Arrays<Real>& arrays, double since,
                double h) = nullptr;
-  void (*first)(const SystemView<double>& system, const Rk4Arrays& arrays, double since) = nullptr;
-  std::size_t (*point_block)(const SystemView<double>& system, std::size_t first, double h,
-                             std::size_t most, double* rates, double* velocities) = nullptr;
+  /// The same without inertia. The slopes at the start are known beforehand; those at the end are
+  /// left in their place.
+  bool (*drift)(const SystemView<Real>& system, const Rk4Arrays<Real>& arrays, double since,
+                double h) = nullptr;
+  void (*first)(const SystemView<Real>& system, const Rk4Arrays<Real>& arrays,
+                double since) = nullptr;
+  /// Null where there is none.
+  std::size_t (*point_block)(const SystemView<Real>& system, std::size_t first, double h,
+                             std::size_t most, Real* rates, Real* velocities) = nullptr;
 };
 
 inline namespace TOMLIN_TARGET {
 
 struct Rk4Kernels {
   /// Forces to accelerations, and the next stage from them: x + a_x * v_stage, v + a_v * a.
-  TOMLIN_INLINE static void pass(const SystemView<double>& s, const Rk4Arrays& w, int stage,
-                                 double step_v, double step_x) {
-    const double* force = s.force;
-    const double* inverse_mass = s.inverse_mass;
-    const double* x = s.position;
-    const double* v = s.velocity;
-    double* acceleration = w.acceleration[stage];
-    double* stage_x = w.stage_position;
-    double* stage_v = w.stage_velocity;
-    const Pack hv(step_v);
-    const Pack hx(step_x);
+  template <class Real>
+  TOMLIN_INLINE static void pass(const SystemView<Real>& s, const Rk4Arrays<Real>& w, int stage,
+                                 Real step_v, Real step_x) {
+    using Group = Packed<Real>;
+    const Real* force = s.force;
+    const Real* inverse_mass = s.inverse_mass;
+    const Real* x = s.position;
+    const Real* v = s.velocity;
+    Real* acceleration = w.acceleration[stage];
+    Real* stage_x = w.stage_position;
+    Real* stage_v = w.stage_velocity;
+    const Group hv(step_v);
+    const Group hx(step_x);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      const Pack a = Pack::load(force + i) * Pack::load(inverse_mass + i);
+      const Group a = Group::load(force + i) * Group::load(inverse_mass + i);
       a.store(acceleration + i);
       // The position of the next stage uses the velocity of this one, still in stage_v.
-      const Pack v_here = stage == 0 ? Pack::load(v + i) : Pack::load(stage_v + i);
-      fma(hx, v_here, Pack::load(x + i)).store(stage_x + i);
-      fma(hv, a, Pack::load(v + i)).store(stage_v + i);
+      const Group v_here = stage == 0 ? Group::load(v + i) : Group::load(stage_v + i);
+      fma(hx, v_here, Group::load(x + i)).store(stage_x + i);
+      fma(hv, a, Group::load(v + i)).store(stage_v + i);
     }
-    const double* rates = w.rates[stage];
-    for (std::size_t i = 0; i < s.own; i += kGroup) {
-      fma(hv, Pack::load(rates + i), Pack::load(s.integrals + i)).store(w.stage_own + i);
-    }
+    own_pass(s, w, stage, step_v);
   }
 
-  TOMLIN_FLATTEN static void first(const SystemView<double>& s, const Rk4Arrays& w, double since) {
-    evaluate(s, stage_of(s, static_cast<const double*>(s.position),
-                         static_cast<const double*>(s.velocity),
-                         static_cast<const double*>(s.integrals), w.rates[0], since));
+  /// The same without inertia: forces to velocities, x + a_x * v.
+  template <class Real>
+  TOMLIN_INLINE static void drift_pass(const SystemView<Real>& s, const Rk4Arrays<Real>& w,
+                                       int stage, Real step) {
+    using Group = Packed<Real>;
+    const Group h(step);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      (Pack::load(s.force + i) * Pack::load(s.inverse_mass + i)).store(w.acceleration[0] + i);
+      const Group v = Group::load(w.acceleration[stage] + i);
+      fma(h, v, Group::load(s.position + i)).store(w.stage_position + i);
+    }
+    own_pass(s, w, stage, step);
+  }
+
+  template <class Real>
+  TOMLIN_INLINE static void own_pass(const SystemView<Real>& s, const Rk4Arrays<Real>& w,
+                                     int stage, Real step) {
+    using Group = Packed<Real>;
+    const Real* rates = w.rates[stage];
+    for (std::size_t i = 0; i < s.own; i += kGroup) {
+      fma(Group(step), Group::load(rates + i), Group::load(s.integrals + i)).store(w.stage_own + i);
     }
   }
 
-  TOMLIN_INLINE static void later(const SystemView<double>& s, const Rk4Arrays& w, int stage,
-                                  double elapsed) {
-    evaluate(s, stage_of(s, static_cast<const double*>(w.stage_position),
-                         static_cast<const double*>(w.stage_velocity),
-                         static_cast<const double*>(w.stage_own), w.rates[stage], elapsed));
+  template <class Real>
+  TOMLIN_INLINE static void slopes(const SystemView<Real>& s, Real* slope) {
+    using Group = Packed<Real>;
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      (Group::load(s.force + i) * Group::load(s.inverse_mass + i)).store(slope + i);
+    }
   }
 
-  TOMLIN_FLATTEN static bool step(const SystemView<double>& system, const Rk4Arrays& arrays,
-                                  double since, double h) {
-    const SystemView<double> s = system;
-    const Rk4Arrays w = arrays;
-    const double half = 0.5 * h;
+  template <class Real>
+  TOMLIN_INLINE static void at_state(const SystemView<Real>& s, Real* rates, Real elapsed) {
+    evaluate(s, stage_of(s, static_cast<const Real*>(s.position),
+                         static_cast<const Real*>(s.velocity),
+                         static_cast<const Real*>(s.integrals), rates, elapsed));
+  }
+
+  template <class Real>
+  TOMLIN_FLATTEN static void first(const SystemView<Real>& s, const Rk4Arrays<Real>& w,
+                                   double since) {
+    at_state(s, w.rates[0], Real(since));
+    slopes(s, w.acceleration[0]);
+  }
+
+  template <class Real>
+  TOMLIN_INLINE static void later(const SystemView<Real>& s, const Rk4Arrays<Real>& w, int stage,
+                                  Real elapsed) {
+    evaluate(s, stage_of(s, static_cast<const Real*>(w.stage_position),
+                         static_cast<const Real*>(w.stage_velocity),
+                         static_cast<const Real*>(w.stage_own), w.rates[stage], elapsed));
+  }
+
+  template <class Real>
+  TOMLIN_INLINE static void add_integrals(const SystemView<Real>& s, const Rk4Arrays<Real>& w,
+                                          Real sixth) {
+    using Group = Packed<Real>;
+    for (std::size_t i = 0; i < s.rates; i += kGroup) {
+      const Group g23 = Group::load(w.rates[1] + i) + Group::load(w.rates[2] + i);
+      const Group g =
+          fma(Group(Real(2.0)), g23, Group::load(w.rates[0] + i) + Group::load(w.rates[3] + i));
+      add_scaled(s.integrals, s.integrals_rest, i, Group(sixth), g);
+    }
+  }
+
+  template <class Real>
+  TOMLIN_FLATTEN static bool step(const SystemView<Real>& system, const Rk4Arrays<Real>& arrays,
+                                  double start, double length) {
+    using Group = Packed<Real>;
+    const SystemView<Real> s = system;
+    const Rk4Arrays<Real> w = arrays;
+    const Real since(start);
+    const Real h(length);
+    const Real half = Real(0.5) * h;
     if (w.first_known) {
       // The pass turns forces into accelerations; here those are known, so only the stage is due.
       for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-        const Pack v = Pack::load(s.velocity + i);
-        fma(Pack(half), v, Pack::load(s.position + i)).store(w.stage_position + i);
-        fma(Pack(half), Pack::load(w.acceleration[0] + i), v).store(w.stage_velocity + i);
+        const Group v = Group::load(s.velocity + i);
+        fma(Group(half), v, Group::load(s.position + i)).store(w.stage_position + i);
+        fma(Group(half), Group::load(w.acceleration[0] + i), v).store(w.stage_velocity + i);
       }
-      for (std::size_t i = 0; i < s.own; i += kGroup) {
-        fma(Pack(half), Pack::load(w.rates[0] + i), Pack::load(s.integrals + i))
-            .store(w.stage_own + i);
-      }
+      own_pass(s, w, 0, half);
     } else {
-      evaluate(s, stage_of(s, static_cast<const double*>(s.position),
-                           static_cast<const double*>(s.velocity),
-                           static_cast<const double*>(s.integrals), w.rates[0], since));
+      at_state(s, w.rates[0], since);
       pass(s, w, 0, half, half);
     }
     later(s, w, 1, since + half);
@@ -100,35 +157,71 @@ struct Rk4Kernels {
     pass(s, w, 2, h, h);
     later(s, w, 3, since + h);
 
-    const Pack sixth(h / 6.0);
-    const Pack sixth_square(h * h / 6.0);
-    const Pack whole(h);
-    const Pack two(2.0);
+    const Real sixth = h / Real(6.0);
+    const Group sixth_square(h * h / Real(6.0));
+    const Group whole(h);
+    const Group two(Real(2.0));
     // First see whether the step is sound, so that a failed one leaves the state as it was.
-    PackMask sound = first_lanes(kGroup);
+    auto sound = first_lanes_of<Group>(kGroup);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      const Pack a1 = Pack::load(w.acceleration[0] + i);
-      const Pack a23 = Pack::load(w.acceleration[1] + i) + Pack::load(w.acceleration[2] + i);
-      const Pack a4 = Pack::load(s.force + i) * Pack::load(s.inverse_mass + i);
-      const Pack v = Pack::load(s.velocity + i);
-      const Pack move = fma(sixth_square, a1 + a23, whole * v);
-      const Pack change = fma(two, a23, a1 + a4);
+      const Group a1 = Group::load(w.acceleration[0] + i);
+      const Group a23 = Group::load(w.acceleration[1] + i) + Group::load(w.acceleration[2] + i);
+      const Group a4 = Group::load(s.force + i) * Group::load(s.inverse_mass + i);
+      const Group v = Group::load(s.velocity + i);
+      const Group move = fma(sixth_square, a1 + a23, whole * v);
+      const Group change = fma(two, a23, a1 + a4);
       // A NaN in either fails the comparison; inf - inf and 0 * inf give one.
-      sound = sound & (abs(move) <= Pack::load(s.largest_move + i)) &
-              (abs(change) < Pack(__builtin_inf()));
+      sound = sound & (abs(move) <= Group::load(s.largest_move + i)) &
+              (abs(change) < Group(Real(__builtin_inf())));
       move.store(w.stage_position + i);
       change.store(w.stage_velocity + i);
     }
     if (!all(sound)) return false;
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      (Pack::load(s.position + i) + Pack::load(w.stage_position + i)).store(s.position + i);
-      fma(sixth, Pack::load(w.stage_velocity + i), Pack::load(s.velocity + i))
-          .store(s.velocity + i);
+      add_move(s.position, s.position_rest, i, Group::load(w.stage_position + i));
+      add_scaled(s.velocity, s.velocity_rest, i, Group(sixth), Group::load(w.stage_velocity + i));
     }
-    for (std::size_t i = 0; i < s.rates; i += kGroup) {
-      const Pack g23 = Pack::load(w.rates[1] + i) + Pack::load(w.rates[2] + i);
-      const Pack g = fma(two, g23, Pack::load(w.rates[0] + i) + Pack::load(w.rates[3] + i));
-      fma(sixth, g, Pack::load(s.integrals + i)).store(s.integrals + i);
+    add_integrals(s, w, sixth);
+    return true;
+  }
+
+  template <class Real>
+  TOMLIN_FLATTEN static bool drift(const SystemView<Real>& system, const Rk4Arrays<Real>& arrays,
+                                   double start, double length) {
+    using Group = Packed<Real>;
+    const SystemView<Real> s = system;
+    const Rk4Arrays<Real> w = arrays;
+    const Real since(start);
+    const Real h(length);
+    const Real half = Real(0.5) * h;
+    drift_pass(s, w, 0, half);
+    later(s, w, 1, since + half);
+    slopes(s, w.acceleration[1]);
+    drift_pass(s, w, 1, half);
+    later(s, w, 2, since + half);
+    slopes(s, w.acceleration[2]);
+    drift_pass(s, w, 2, h);
+    later(s, w, 3, since + h);
+
+    const Real sixth = h / Real(6.0);
+    auto sound = first_lanes_of<Group>(kGroup);
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      const Group v23 = Group::load(w.acceleration[1] + i) + Group::load(w.acceleration[2] + i);
+      const Group v4 = Group::load(s.force + i) * Group::load(s.inverse_mass + i);
+      const Group move =
+          Group(sixth) * fma(Group(Real(2.0)), v23, Group::load(w.acceleration[0] + i) + v4);
+      sound = sound & (abs(move) <= Group::load(s.largest_move + i));
+      move.store(w.stage_position + i);
+    }
+    if (!all(sound)) return false;
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      add_move(s.position, s.position_rest, i, Group::load(w.stage_position + i));
+    }
+    add_integrals(s, w, sixth);
+    at_state(s, w.rates[0], since + h);
+    slopes(s, w.acceleration[0]);
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      Group::load(w.acceleration[0] + i).store(s.velocity + i);
     }
     return true;
   }
@@ -202,7 +295,12 @@ struct Rk4Kernels {
     return taken;
   }
 
-  static constexpr Rk4Table kernels() { return {&step, &first, &point_block}; }
+  template <class Real>
+  static constexpr Rk4Table<Real> kernels() {
+    Rk4Table<Real> table = {&step<Real>, &drift<Real>, &first<Real>, nullptr};
+    if constexpr (std::is_same_v<Real, double>) table.point_block = &point_block;
+    return table;
+  }
 };
 
 }  // namespace TOMLIN_TARGET

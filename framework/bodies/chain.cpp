@@ -32,6 +32,7 @@ BodyGeometry build(const void* description, int dimension) {
   for (std::int64_t i = 0; i < d.count; ++i) {
     geometry.relative[i][axis_index(d)] = static_cast<double>(i) * d.spacing;
   }
+  geometry.open_along = axis_index(d);
   return geometry;
 }
 
@@ -40,7 +41,9 @@ BodyGeometry build(const void* description, int dimension) {
 BodyRecord chain_record() {
   BodyRecord record;
   record.name = "chain";
-  record.summary = "equally spaced particles on a straight line, with open ends";
+  record.summary =
+      "equally spaced particles on a straight line; its ends are open unless a periodic [box] "
+      "joins them";
   record.equation = "x_i = origin + i * spacing along the axis, i = 0 .. count - 1";
   record.source =
       "Frenkel and Kontorova (1938); O. M. Braun and Y. S. Kivshar, The "

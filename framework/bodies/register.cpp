@@ -1,6 +1,7 @@
 #include "framework/bodies/register.hpp"
 
 #include "framework/bodies/chain.hpp"
+#include "framework/bodies/particles.hpp"
 #include "framework/bodies/point.hpp"
 #include "framework/bodies/ring.hpp"
 
@@ -8,6 +9,7 @@ namespace tomlin {
 
 void register_bodies(Registry& registry) {
   registry.add(chain_record());
+  registry.add(particles_record());
   registry.add(point_record());
   registry.add(ring_record());
 }

@@ -182,8 +182,10 @@ std::string component_text(const Described& component) {
     fmt::format_to(std::back_inserter(text), "  {} [{}]: {}\n      {}; {}\n", row.key,
                    to_string(row.dimension), row.doc, what_is_due(row), default_text(row));
   }
-  fmt::format_to(std::back_inserter(text), "\nevery {} also takes\n  {}\n", component.kind,
-                 listed(component.layout.own_keys));
+  fmt::format_to(std::back_inserter(text), "\nevery {} also takes\n", component.kind);
+  for (const OwnKey& own : component.layout.own_keys) {
+    text += "  " + own.key + ": " + own.doc + "\n";
+  }
   if (const auto to_come = later(component.layout); !to_come.empty()) {
     text += "\nnot in this version\n";
     for (const auto& [key, note] : to_come) {
@@ -261,7 +263,10 @@ Json component_json(const Described& component) {
   for (const Parameter& row : component.layout.rows) {
     entry["parameters"].push_back(parameter_json(row));
   }
-  entry["other_keys"] = component.layout.own_keys;
+  entry["other_keys"] = Json::array();
+  for (const OwnKey& own : component.layout.own_keys) {
+    entry["other_keys"].push_back(Json{{"key", own.key}, {"doc", own.doc}});
+  }
   entry["not_in_this_version"] = Json::array();
   for (const auto& [key, note] : later(component.layout)) {
     entry["not_in_this_version"].push_back(Json{{"key", key}, {"note", note}});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -26,11 +27,12 @@ std::vector<Parameter> with_body_parameters(std::vector<Parameter> own) {
                                 "starting velocity: one vector for all particles, or one each; "
                                 "at rest by default")
                     .or_absent());
-  own.push_back(parameter_of<D>("coordinates", &BodyDescription::coordinates, dimension::none,
-                                "what may move: every particle, the body as a whole, nothing")
-                    .one_of({"particles", "rigid", "fixed"})
-                    .not_yet({"prescribed"})
-                    .by_default("particles"));
+  own.push_back(
+      parameter_of<D>("coordinates", &BodyDescription::coordinates, dimension::none,
+                      "what may move: every particle, the body as a whole, nothing, or the body "
+                      "as a whole by its motion")
+          .one_of({"particles", "rigid", "fixed", "prescribed"})
+          .by_default("particles"));
   return own;
 }
 
@@ -41,6 +43,7 @@ struct BodyGeometry {
   std::vector<std::vector<double>> relative;  ///< [count][dimension]
   bool closed = false;                        ///< "neighbours" joins the last particle to the first
   double rolling_radius = 0.0;                ///< 0 when the body does not roll
+  int open_along = -1;  ///< axis along which a periodic box closes "neighbours"; -1: none
 };
 
 /// A fault that only shows when several keys are held against each other.
@@ -53,6 +56,11 @@ struct Complaint {
 struct BodyRecord : ComponentRecord {
   /// The part that every body's description has.
   const BodyDescription& (*common)(const void* description) = nullptr;
+  /// Fetch what the description refers to, by paths relative to the scene's folder; null where
+  /// there is no such thing. Afterwards the description holds it by value, so that the effective
+  /// scene runs anywhere. Called once, before all below.
+  std::vector<Complaint> (*prepare)(void* description,
+                                    const std::filesystem::path& folder) = nullptr;
   /// Length of the body's vectors as given; 0 when the description has none.
   int (*dimension)(const void* description) = nullptr;
   /// Number of particles.

@@ -34,9 +34,10 @@ template <class Real>
 struct BoundBody {
   std::string name;
   std::size_t index = 0;
-  std::string coordinates;  ///< "particles", "rigid" or "fixed"
+  std::string coordinates;  ///< "particles", "rigid", "fixed" or "prescribed"
   bool closed = false;
   BodySlot<Real> slot;
+  int open_along = -1;                     ///< a chain that the box closes: along this axis
   std::vector<double> mass;                ///< [count]
   std::vector<std::vector<double>> start;  ///< [count][dimension], relative to the scene's origin
   std::vector<double> start_centre;        ///< [dimension], centre of mass
@@ -47,6 +48,7 @@ struct Binding {
   int dimension = 0;
   InstructionSet set = InstructionSet::baseline;
   Origin origin;                               ///< at time 0
+  std::array<double, 3> box{};                 ///< length of each periodic axis, else 0
   std::vector<const BoundBody<Real>*> bodies;  ///< those the force acts on
 };
 
@@ -99,7 +101,8 @@ class FrictionSink {
 
 /// What a driver tells about itself for summaries and for the window in driver periods.
 struct Drive {
-  std::vector<double> velocity;  ///< of the pulled end
+  std::vector<double> velocity;  ///< of the pulled end, where it is steady
+  bool steady = true;            ///< false: the velocity changes with time
   double stiffness = 0.0;        ///< of all its springs together
   std::vector<double> start;     ///< of the pulled end, relative to the first origin; the centre's
                                  ///< where each particle has its own
@@ -133,9 +136,9 @@ class BoundForce {
   /// The scene's origin has moved; positions are relative to the new one from now on.
   virtual void rebase(const Origin& origin) { (void)origin; }
   /// Potential energy; 0 for a force without one.
-  virtual double energy(const Stage<Real>& stage) const {
+  virtual Real energy(const Stage<Real>& stage) const {
     (void)stage;
-    return 0.0;
+    return Real(0.0);
   }
   /// Second derivatives of the energy at a stage.
   virtual void hessian(const Stage<Real>& stage, HessianSink& sink) const {
@@ -149,6 +152,14 @@ class BoundForce {
   /// Shortest distance that a pair of it keeps; 0 when there are none.
   virtual double shortest_bond() const { return 0.0; }
 
+  /// For the energy ledger: a kernel that writes the power which this force takes out of the
+  /// particles to stage.rates[rate]. False for a force that only stores energy.
+  virtual bool heat(std::ptrdiff_t rate, Operation<Real>& operation) {
+    (void)rate;
+    (void)operation;
+    return false;
+  }
+
   // The operator contract: the exact flow of this force alone over a time h.
 
   virtual bool has_flow() const { return false; }
@@ -158,7 +169,9 @@ class BoundForce {
     (void)velocity;
     (void)h;
   }
-  /// Friction coefficients, for dynamics without inertia and for stability.
+  /// True when this force is linear friction and nothing else, with the coefficients that
+  /// friction() gives: dynamics without inertia and splitting schemes then take it as a matrix.
+  virtual bool is_friction() const { return false; }
   virtual void friction(FrictionSink& sink) const { (void)sink; }
 
   // The state contract: variables of its own, laid out, integrated and saved by the engine. Kernels

@@ -85,6 +85,16 @@ constexpr bool operator<=(DoubleDouble a, DoubleDouble b) {
 }
 constexpr bool operator>=(DoubleDouble a, DoubleDouble b) { return b <= a; }
 
+// With all the digits that Real has.
+template <class Real>
+constexpr Real from_double_double(DoubleDouble x) {
+  if constexpr (sizeof(Real) > sizeof(double)) {
+    return Real(x.hi) + Real(x.lo);
+  } else {
+    return Real(static_cast<double>(x));
+  }
+}
+
 // x = cells * unit + rest with |rest| <= unit / 2; returns rest, correctly to its own rounding.
 //
 // unit > 0. Not a number, infinite, or 2^62 units and more: rest is a NaN and cells 0.

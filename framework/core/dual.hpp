@@ -1,13 +1,14 @@
 // Dual: a value and its derivatives along n directions, carried through every operation.
 //
-// Nests for second derivatives, Dual<Dual<double, 3>, 3>, and takes Pack as its number. Comparisons
-// look at the value only, so that a Dual takes the branch its number would take.
+// Nests for second derivatives, Dual<Dual<double, 3>, 3>, and takes every number of
+// number_types.hpp. Comparisons look at the value only, so that a Dual takes the branch its number
+// would take.
 #pragma once
 
 #include <type_traits>
 
 #include "framework/core/math.hpp"
-#include "framework/core/pack.hpp"
+#include "framework/core/number_types.hpp"
 
 namespace tomlin {
 inline namespace TOMLIN_TARGET {
@@ -19,6 +20,9 @@ template <class T, int n>
 struct MaskOf<Dual<T, n>> {
   using Type = Mask<T>;
 };
+
+template <class T, int n>
+struct ScalarOf<Dual<T, n>> : ScalarOf<T> {};
 
 template <class T>
 inline constexpr bool is_dual = false;
@@ -89,11 +93,12 @@ struct Dual {
     return r;
   }
 
-  // Constants get their own operators: multiplying their zero derivatives would not be free.
+  // Constants get their own operators: multiplying their zero derivatives would not be free. They
+  // become a T first, so that a float has the bits of a lane of a FloatPack.
   template <ConstantFor<T> S>
   TOMLIN_INLINE friend Dual operator+(const Dual& a, const S& b) {
     Dual r = a;
-    r.value = a.value + b;
+    r.value = a.value + constant(b);
     return r;
   }
   template <ConstantFor<T> S>
@@ -103,20 +108,21 @@ struct Dual {
   template <ConstantFor<T> S>
   TOMLIN_INLINE friend Dual operator-(const Dual& a, const S& b) {
     Dual r = a;
-    r.value = a.value - b;
+    r.value = a.value - constant(b);
     return r;
   }
   template <ConstantFor<T> S>
   TOMLIN_INLINE friend Dual operator-(const S& a, const Dual& b) {
     Dual r = -b;
-    r.value = a - b.value;
+    r.value = constant(a) - b.value;
     return r;
   }
   template <ConstantFor<T> S>
   TOMLIN_INLINE friend Dual operator*(const Dual& a, const S& b) {
     Dual r;
-    r.value = a.value * b;
-    for (int i = 0; i < n; ++i) r.derivative[i] = a.derivative[i] * b;
+    const auto factor = constant(b);
+    r.value = a.value * factor;
+    for (int i = 0; i < n; ++i) r.derivative[i] = a.derivative[i] * factor;
     return r;
   }
   template <ConstantFor<T> S>
@@ -126,13 +132,14 @@ struct Dual {
   template <ConstantFor<T> S>
   TOMLIN_INLINE friend Dual operator/(const Dual& a, const S& b) {
     Dual r;
-    r.value = a.value / b;
-    for (int i = 0; i < n; ++i) r.derivative[i] = a.derivative[i] / b;
+    const auto divisor = constant(b);
+    r.value = a.value / divisor;
+    for (int i = 0; i < n; ++i) r.derivative[i] = a.derivative[i] / divisor;
     return r;
   }
   template <ConstantFor<T> S>
   TOMLIN_INLINE friend Dual operator/(const S& a, const Dual& b) {
-    const T quotient = a / b.value;
+    const T quotient = constant(a) / b.value;
     return chain(quotient, -(quotient / b.value), b);
   }
 
@@ -212,8 +219,8 @@ struct Dual {
     T sine, cosine;
     sincos_turns(a.value, sine, cosine);
     const Dual copy = a;  // a may be s or c
-    s = chain(sine, cosine * kTwoPi, copy);
-    c = chain(cosine, sine * -kTwoPi, copy);
+    s = chain(sine, cosine * tau<Scalar<T>>(), copy);
+    c = chain(cosine, sine * -tau<Scalar<T>>(), copy);
   }
   TOMLIN_INLINE friend Dual sin_turns(const Dual& a) {
     Dual s, c;
@@ -252,9 +259,7 @@ struct Dual {
   }
 
  private:
-  static constexpr double kTwoPi = 0x1.921fb54442d18p+2;
-
-  // What the functions of T take beside a T.
+  // What the operations of T take beside a T.
   template <class S>
   TOMLIN_INLINE static auto constant(const S& x) {
     if constexpr (!is_dual<T>) {

@@ -7,7 +7,8 @@ namespace tomlin {
 inline namespace TOMLIN_TARGET {
 
 /// All forces of a system at one stage.
-TOMLIN_INLINE void evaluate(const SystemView<double>& system, const Stage<double>& stage) {
+template <class Real>
+TOMLIN_INLINE void evaluate(const SystemView<Real>& system, const Stage<Real>& stage) {
   for (std::size_t k = 0; k < system.operation_count; ++k) {
     system.operations[k].run(system.operations[k].arguments, stage);
   }

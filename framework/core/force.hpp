@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "framework/core/body.hpp"
@@ -17,14 +19,44 @@ template <class Real>
 class BoundForce;
 template <class Real>
 struct Binding;
+struct Quad;
+
+template <class Real>
+using ForceFactory = std::unique_ptr<BoundForce<Real>> (*)(const void* description,
+                                                           const Binding<Real>& binding);
+
+/// Factories by number type. A missing one removes that number type for scenes with this force;
+/// the first is required.
+struct ForceFactories {
+  ForceFactory<double> in_double = nullptr;
+  ForceFactory<float> in_float = nullptr;
+  ForceFactory<Quad> in_quadruple = nullptr;
+
+  ForceFactories() = default;
+  ForceFactories(ForceFactory<double> d, ForceFactory<float> f = nullptr,  // NOLINT: one will do
+                 ForceFactory<Quad> q = nullptr)
+      : in_double(d), in_float(f), in_quadruple(q) {}
+
+  template <class Real>
+  ForceFactory<Real> in() const {
+    if constexpr (std::is_same_v<Real, double>) {
+      return in_double;
+    } else if constexpr (std::is_same_v<Real, float>) {
+      return in_float;
+    } else {
+      return in_quadruple;
+    }
+  }
+};
 
 /// What a force may ask about the scene when its description is checked.
 struct SceneOutline {
   int dimension = 0;
+  std::array<double, 3> box{};  ///< length of each periodic axis, else 0
   struct Body {
     std::string name;
     std::int64_t count = 0;
-    bool closed = false;
+    bool closed = false;  ///< "neighbours" joins its ends, by its shape or through the box
   };
   std::vector<Body> bodies;  ///< those the force acts on, in the order named
 };
@@ -48,9 +80,7 @@ struct ForceRecord : ComponentRecord {
   /// an axis becomes the unit in which the scene's origin moves.
   double (*period)(const void* description, int axis) = &no_period;
 
-  /// Factories by number type. A missing one removes that number type for scenes with this force.
-  std::unique_ptr<BoundForce<double>> (*bind)(const void* description,
-                                              const Binding<double>& binding) = nullptr;
+  ForceFactories bind;
 };
 
 }  // namespace tomlin

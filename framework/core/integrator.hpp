@@ -3,6 +3,7 @@
 #include <complex>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "framework/core/body.hpp"
@@ -17,20 +18,50 @@ class Integrator;
 template <class Real>
 struct System;
 
+struct Quad;
+
+template <class Real>
+using IntegratorFactory = std::unique_ptr<Integrator<Real>> (*)(const void* description,
+                                                                System<Real>& system);
+
+/// Factories by number type; the first is required.
+struct IntegratorFactories {
+  IntegratorFactory<double> in_double = nullptr;
+  IntegratorFactory<float> in_float = nullptr;
+  IntegratorFactory<Quad> in_quadruple = nullptr;
+
+  template <class Real>
+  IntegratorFactory<Real> in() const {
+    if constexpr (std::is_same_v<Real, double>) {
+      return in_double;
+    } else if constexpr (std::is_same_v<Real, float>) {
+      return in_float;
+    } else {
+      return in_quadruple;
+    }
+  }
+};
+
 struct IntegratorRecord : ComponentRecord {
   int order = 0;          ///< global order in the positions, velocity-dependent forces included
   bool adaptive = false;  ///< chooses its own steps
   int evaluations_per_step = 0;  ///< of all forces, per accepted step
+  bool without_inertia = true;   ///< takes overdamped scenes too
+  /// Takes friction as an operator, its exact flow over a step's halves, in place of a force. Other
+  /// forces that depend on velocity, and forces with variables of their own, are then refused.
+  bool splits_friction = false;
 
   /// Growth factor |R(z)| on y' = lambda y, z = h lambda; stable where it does not exceed 1.
   double (*growth)(std::complex<double> z) = nullptr;
+  /// In its place, for a scheme that is no function of h lambda: the largest step for an oscillator
+  /// of this angular frequency and damping rate.
+  double (*stable_step)(double frequency, double damping_rate) = nullptr;
   /// The fixed step; 0 for an adaptive scheme.
   double (*step)(const void* description) = nullptr;
   /// Faults across keys; empty when sound.
   std::vector<Complaint> (*complaints)(const void* description) = nullptr;
 
-  std::unique_ptr<Integrator<double>> (*bind)(const void* description,
-                                              System<double>& system) = nullptr;
+  IntegratorFactories bind;
 };
 
 }  // namespace tomlin

@@ -56,12 +56,15 @@ struct CyclicArguments {
   std::size_t result_stride = 0;
 };
 
-/// Pairs (i, i + 1) within one body, open at both ends.
+/// Pairs (i, i + 1) within one body: open at both ends, or closed by the pair of the last particle
+/// and the first one's image.
 template <class Real>
 struct ChainArguments {
   BodySlot<Real> body;
   const void* parameters = nullptr;
   const Real* datum = nullptr;  ///< [i]
+  bool closed = false;
+  Real wrap[3] = {};  ///< from the first particle to its image behind the last
 };
 
 /// Any list of pairs, within one body or between two.
@@ -74,6 +77,7 @@ struct PairListArguments {
   const std::size_t* i = nullptr;  ///< [padded pairs]; the padding repeats the last pair
   const std::size_t* j = nullptr;
   const Real* datum = nullptr;  ///< [padded pairs]
+  const Real* image = nullptr;  ///< [axis][padded pairs], added to separations; null without a box
   Real* result = nullptr;       ///< scratch [axis][padded pairs]
   /// For each particle of `first`, then of `second`: its pairs in row order, as +/-(pair + 1).
   std::size_t particles_first = 0;
@@ -81,6 +85,14 @@ struct PairListArguments {
   const std::size_t* row_start = nullptr;  ///< [particles_first + particles_second + 1]
   const std::ptrdiff_t* row = nullptr;
   bool same_body = true;
+};
+
+/// The power that a damper takes out of a body's particles.
+template <class Real>
+struct HeatArguments {
+  BodySlot<Real> body;
+  const void* parameters = nullptr;
+  std::ptrdiff_t rate = kNoRate;
 };
 
 /// Kernels of one evaluator for dimensions 1 to 3: `set` overwrites the force, `add` adds to it.
@@ -118,6 +130,7 @@ struct KernelTable {
   KernelPair<Real> cyclic;
   KernelPair<Real> chain;
   KernelPair<Real> pair_list;
+  Kernel<Real> heat[3] = {};
   PointKernel<Real> point = nullptr;
 };
 

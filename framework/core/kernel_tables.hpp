@@ -1,7 +1,10 @@
 #pragma once
 
+#include <type_traits>
+
 #include "framework/core/instruction_set.hpp"
 #include "framework/core/kernel_arguments.hpp"
+#include "framework/core/quad.hpp"
 
 namespace tomlin {
 
@@ -19,25 +22,70 @@ struct TablesBySet {
   }
 };
 
-using KernelTables = TablesBySet<KernelTable<double>>;
+/// The same kernels in each number type. Quadruple numbers have no vector instructions, and so one
+/// table only.
+template <template <class Real> class Table>
+struct TablesByType {
+  TablesBySet<Table<double>> in_double;
+  TablesBySet<Table<float>> in_float;
+  TablesBySet<Table<Quad>> in_quadruple;
+
+  template <class Real>
+  const Table<Real>& on(InstructionSet set) const {
+    if constexpr (std::is_same_v<Real, double>) {
+      return in_double.on(set);
+    } else if constexpr (std::is_same_v<Real, float>) {
+      return in_float.on(set);
+    } else {
+      return in_quadruple.on(set);
+    }
+  }
+};
+
+using KernelTables = TablesByType<KernelTable>;
 
 }  // namespace tomlin
 
 /// In a component's .cpp: the tables that its kernel files define (framework/core/kernels.hpp),
-/// as tomlin::kernels::NAME. A macro, because names are pasted.
+/// as tomlin::kernels::NAME. Macros, because names are pasted.
 #if defined(__x86_64__)
-#define TOMLIN_DECLARE_TABLES(Name, Table)                                                     \
-  namespace tomlin::kernels {                                                                  \
-  extern const Table Name##_baseline;                                                          \
-  extern const Table Name##_avx2;                                                              \
-  extern const Table Name##_avx512;                                                            \
-  inline constexpr TablesBySet<Table> Name = {&Name##_baseline, &Name##_avx2, &Name##_avx512}; \
+#define TOMLIN_DECLARE_DOUBLE_TABLES(Name, Table)                            \
+  namespace tomlin::kernels {                                                \
+  extern const Table Name##_double_baseline;                                 \
+  extern const Table Name##_double_avx2;                                     \
+  extern const Table Name##_double_avx512;                                   \
+  inline constexpr TablesBySet<Table> Name = {                               \
+      &Name##_double_baseline, &Name##_double_avx2, &Name##_double_avx512};  \
+  }
+#define TOMLIN_DECLARE_TABLES(Name, Table)                            \
+  namespace tomlin::kernels {                                         \
+  extern const Table<double> Name##_double_baseline;                  \
+  extern const Table<double> Name##_double_avx2;                      \
+  extern const Table<double> Name##_double_avx512;                    \
+  extern const Table<float> Name##_float_baseline;                    \
+  extern const Table<float> Name##_float_avx2;                        \
+  extern const Table<float> Name##_float_avx512;                      \
+  extern const Table<Quad> Name##_Quad_baseline;                      \
+  inline constexpr TablesByType<Table> Name = {                       \
+      {&Name##_double_baseline, &Name##_double_avx2, &Name##_double_avx512}, \
+      {&Name##_float_baseline, &Name##_float_avx2, &Name##_float_avx512},    \
+      {&Name##_Quad_baseline, nullptr, nullptr}};                     \
   }
 #else
-#define TOMLIN_DECLARE_TABLES(Name, Table)                                         \
-  namespace tomlin::kernels {                                                      \
-  extern const Table Name##_baseline;                                              \
-  inline constexpr TablesBySet<Table> Name = {&Name##_baseline, nullptr, nullptr}; \
+#define TOMLIN_DECLARE_DOUBLE_TABLES(Name, Table)                                           \
+  namespace tomlin::kernels {                                                               \
+  extern const Table Name##_double_baseline;                                                \
+  inline constexpr TablesBySet<Table> Name = {&Name##_double_baseline, nullptr, nullptr};   \
+  }
+#define TOMLIN_DECLARE_TABLES(Name, Table)                            \
+  namespace tomlin::kernels {                                         \
+  extern const Table<double> Name##_double_baseline;                  \
+  extern const Table<float> Name##_float_baseline;                    \
+  extern const Table<Quad> Name##_Quad_baseline;                      \
+  inline constexpr TablesByType<Table> Name = {                       \
+      {&Name##_double_baseline, nullptr, nullptr},                    \
+      {&Name##_float_baseline, nullptr, nullptr},                     \
+      {&Name##_Quad_baseline, nullptr, nullptr}};                     \
   }
 #endif
-#define TOMLIN_DECLARE_KERNELS(Evaluator) TOMLIN_DECLARE_TABLES(Evaluator, KernelTable<double>)
+#define TOMLIN_DECLARE_KERNELS(Evaluator) TOMLIN_DECLARE_TABLES(Evaluator, KernelTable)

@@ -10,6 +10,7 @@
 // latency of Horner's; the scheme is part of the result, so it is the same on every target.
 #pragma once
 
+#include "framework/core/float_pack.hpp"
 #include "framework/core/pack.hpp"
 
 namespace tomlin {
@@ -336,6 +337,20 @@ TOMLIN_INLINE void sincos_turns(float x, float& s, float& c) {
 TOMLIN_INLINE float exp(float x) { return static_cast<float>(exp(double{x})); }
 TOMLIN_INLINE float log(float x) { return static_cast<float>(log(double{x})); }
 TOMLIN_INLINE float pow(float x, float y) { return static_cast<float>(pow(double{x}, double{y})); }
+
+TOMLIN_INLINE FloatPack sin_turns(FloatPack x) { return to_float(sin_turns(to_double(x))); }
+TOMLIN_INLINE FloatPack cos_turns(FloatPack x) { return to_float(cos_turns(to_double(x))); }
+TOMLIN_INLINE void sincos_turns(FloatPack x, FloatPack& s, FloatPack& c) {
+  Pack s_wide, c_wide;
+  sincos_turns(to_double(x), s_wide, c_wide);
+  s = to_float(s_wide);
+  c = to_float(c_wide);
+}
+TOMLIN_INLINE FloatPack exp(FloatPack x) { return to_float(exp(to_double(x))); }
+TOMLIN_INLINE FloatPack log(FloatPack x) { return to_float(log(to_double(x))); }
+TOMLIN_INLINE FloatPack pow(FloatPack x, FloatPack y) {
+  return to_float(pow(to_double(x), to_double(y)));
+}
 
 }  // namespace TOMLIN_TARGET
 }  // namespace tomlin

@@ -157,80 +157,68 @@ struct Pack {
 
 namespace pack_detail {
 
-template <class F>
-TOMLIN_INLINE Pack map(F f, const Pack& a) {
-  Pack r;
-  for (int i = 0; i < kLanes; ++i) r.v[i] = f(a.v[i]);
+// f in every lane, for any pack P whose lanes are an array v.
+template <class P, class F, class... Rest>
+TOMLIN_INLINE P map(F f, const P& a, const Rest&... rest) {
+  P r;
+  for (int i = 0; i < kLanes; ++i) r.v[i] = f(a.v[i], rest.v[i]...);
   return r;
 }
-template <class F>
-TOMLIN_INLINE Pack map(F f, const Pack& a, const Pack& b) {
-  Pack r;
-  for (int i = 0; i < kLanes; ++i) r.v[i] = f(a.v[i], b.v[i]);
-  return r;
-}
-template <class F>
-TOMLIN_INLINE Pack map(F f, const Pack& a, const Pack& b, const Pack& c) {
-  Pack r;
-  for (int i = 0; i < kLanes; ++i) r.v[i] = f(a.v[i], b.v[i], c.v[i]);
-  return r;
-}
-template <class F>
-TOMLIN_INLINE PackMask compare(F f, const Pack& a, const Pack& b) {
-  PackMask r;
+template <class M, class P, class F>
+TOMLIN_INLINE M compare(F f, const P& a, const P& b) {
+  M r;
   for (int i = 0; i < kLanes; ++i) r.v[i] = f(a.v[i], b.v[i]);
   return r;
 }
 
 }  // namespace pack_detail
 
-#define TOMLIN_PACK_MAP1(name, expression)                                                \
-  TOMLIN_INLINE Pack name(const Pack& a) {                                                \
-    return pack_detail::map([](double x) TOMLIN_INLINE_LAMBDA { return expression; }, a); \
+#define TOMLIN_PACK_MAP1(P, name, expression)                                           \
+  TOMLIN_INLINE P name(const P& a) {                                                    \
+    return pack_detail::map([](auto x) TOMLIN_INLINE_LAMBDA { return expression; }, a); \
   }
-#define TOMLIN_PACK_MAP2(name, expression)                                                         \
-  TOMLIN_INLINE Pack name(const Pack& a, const Pack& b) {                                          \
-    return pack_detail::map([](double x, double y) TOMLIN_INLINE_LAMBDA { return expression; }, a, \
-                            b);                                                                    \
+#define TOMLIN_PACK_MAP2(P, name, expression)                                                      \
+  TOMLIN_INLINE P name(const P& a, const P& b) {                                                   \
+    return pack_detail::map([](auto x, auto y) TOMLIN_INLINE_LAMBDA { return expression; }, a, b); \
   }
-#define TOMLIN_PACK_MAP3(name, expression)                                                      \
-  TOMLIN_INLINE Pack name(const Pack& a, const Pack& b, const Pack& c) {                        \
-    return pack_detail::map(                                                                    \
-        [](double x, double y, double z) TOMLIN_INLINE_LAMBDA { return expression; }, a, b, c); \
+#define TOMLIN_PACK_MAP3(P, name, expression)                                             \
+  TOMLIN_INLINE P name(const P& a, const P& b, const P& c) {                              \
+    return pack_detail::map(                                                              \
+        [](auto x, auto y, auto z) TOMLIN_INLINE_LAMBDA { return expression; }, a, b, c); \
   }
-#define TOMLIN_PACK_COMPARE(name, expression)                                      \
-  TOMLIN_INLINE PackMask name(const Pack& a, const Pack& b) {                      \
-    return pack_detail::compare(                                                   \
-        [](double x, double y) TOMLIN_INLINE_LAMBDA { return expression; }, a, b); \
+#define TOMLIN_PACK_COMPARE(M, P, name, expression)                                                \
+  TOMLIN_INLINE M name(const P& a, const P& b) {                                                   \
+    return pack_detail::compare<M>([](auto x, auto y) TOMLIN_INLINE_LAMBDA { return expression; }, \
+                                   a, b);                                                          \
   }
 
-TOMLIN_PACK_MAP2(operator+, x + y)
-TOMLIN_PACK_MAP2(operator-, x - y)
-TOMLIN_PACK_MAP2(operator*, x* y)
-TOMLIN_PACK_MAP2(operator/, x / y)
-TOMLIN_PACK_MAP1(operator-, -x)
-TOMLIN_PACK_MAP3(fma, tomlin::fma(x, y, z))
-TOMLIN_PACK_MAP3(fnma, tomlin::fnma(x, y, z))
-TOMLIN_PACK_MAP1(sqrt, tomlin::sqrt(x))
-TOMLIN_PACK_MAP1(abs, tomlin::abs(x))
-TOMLIN_PACK_MAP1(round, tomlin::round(x))
-TOMLIN_PACK_MAP2(min, tomlin::min(x, y))
-TOMLIN_PACK_MAP2(max, tomlin::max(x, y))
-TOMLIN_PACK_MAP2(copysign, tomlin::copysign(x, y))
-TOMLIN_PACK_MAP2(bits_and, tomlin::bits_and(x, y))
-TOMLIN_PACK_MAP2(bits_or, tomlin::bits_or(x, y))
-TOMLIN_PACK_MAP2(bits_xor, tomlin::bits_xor(x, y))
-TOMLIN_PACK_MAP2(bits_add, tomlin::bits_add(x, y))
+TOMLIN_PACK_MAP2(Pack, operator+, x + y)
+TOMLIN_PACK_MAP2(Pack, operator-, x - y)
+TOMLIN_PACK_MAP2(Pack, operator*, x* y)
+TOMLIN_PACK_MAP2(Pack, operator/, x / y)
+TOMLIN_PACK_MAP1(Pack, operator-, -x)
+TOMLIN_PACK_MAP3(Pack, fma, tomlin::fma(x, y, z))
+TOMLIN_PACK_MAP3(Pack, fnma, tomlin::fnma(x, y, z))
+TOMLIN_PACK_MAP1(Pack, sqrt, tomlin::sqrt(x))
+TOMLIN_PACK_MAP1(Pack, abs, tomlin::abs(x))
+TOMLIN_PACK_MAP1(Pack, round, tomlin::round(x))
+TOMLIN_PACK_MAP2(Pack, min, tomlin::min(x, y))
+TOMLIN_PACK_MAP2(Pack, max, tomlin::max(x, y))
+TOMLIN_PACK_MAP2(Pack, copysign, tomlin::copysign(x, y))
+TOMLIN_PACK_MAP2(Pack, bits_and, tomlin::bits_and(x, y))
+TOMLIN_PACK_MAP2(Pack, bits_or, tomlin::bits_or(x, y))
+TOMLIN_PACK_MAP2(Pack, bits_xor, tomlin::bits_xor(x, y))
+TOMLIN_PACK_MAP2(Pack, bits_add, tomlin::bits_add(x, y))
 template <int count>
-TOMLIN_PACK_MAP1(bits_shift_left, tomlin::bits_shift_left<count>(x))
+TOMLIN_PACK_MAP1(Pack, bits_shift_left, tomlin::bits_shift_left<count>(x))
 template <int count>
-TOMLIN_PACK_MAP1(bits_shift_right, tomlin::bits_shift_right<count>(x))
-TOMLIN_PACK_COMPARE(operator<, x < y)
-TOMLIN_PACK_COMPARE(operator<=, x <= y)
-TOMLIN_PACK_COMPARE(operator>, x > y)
-TOMLIN_PACK_COMPARE(operator>=, x >= y)
-TOMLIN_PACK_COMPARE(operator==, x == y)
-TOMLIN_PACK_COMPARE(operator!=, x != y)
+TOMLIN_PACK_MAP1(Pack, bits_shift_right, tomlin::bits_shift_right<count>(x))
+TOMLIN_PACK_COMPARE(PackMask, Pack, operator<, x < y)
+TOMLIN_PACK_COMPARE(PackMask, Pack, operator<=, x <= y)
+TOMLIN_PACK_COMPARE(PackMask, Pack, operator>, x > y)
+TOMLIN_PACK_COMPARE(PackMask, Pack, operator>=, x >= y)
+TOMLIN_PACK_COMPARE(PackMask, Pack, operator==, x == y)
+TOMLIN_PACK_COMPARE(PackMask, Pack, operator!=, x != y)
 
 TOMLIN_INLINE PackMask operator&(const PackMask& a, const PackMask& b) {
   PackMask r;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -95,9 +96,29 @@ struct PerParticleVector {
   friend bool operator==(const PerParticleVector&, const PerParticleVector&) = default;
 };
 
-using ParameterValue =
-    std::variant<double, std::int64_t, bool, std::string, SpaceVector, PerParticle,
-                 PerParticleVector, PairSelection, WordOrNumbers, Attachment>;
+/// `positions = [[0.0, 1.0], ...]`; in one dimension `[0.0, 1.0]` too. Empty when not given.
+struct PointList {
+  std::size_t dimension = 0;
+  std::vector<double> coordinates;  ///< point after point
+  std::size_t count() const { return dimension == 0 ? 0 : coordinates.size() / dimension; }
+  friend bool operator==(const PointList&, const PointList&) = default;
+};
+
+/// `hold = ["x", "rotation"]`: names, each once.
+struct WordList {
+  std::vector<std::string> words;
+  friend bool operator==(const WordList&, const WordList&) = default;
+};
+
+/// `periodic = [true, false]`.
+struct FlagList {
+  std::vector<bool> flags;
+  friend bool operator==(const FlagList&, const FlagList&) = default;
+};
+
+using ParameterValue = std::variant<double, std::int64_t, bool, std::string, SpaceVector,
+                                    PerParticle, PerParticleVector, PairSelection, WordOrNumbers,
+                                    Attachment, PointList, WordList, FlagList>;
 
 /// One row of a parameter table; the member is reached through `assign` and `read`.
 struct Parameter {

@@ -55,13 +55,15 @@ void Registry::add(BodyRecord record) {
 
 void Registry::add(ForceRecord record) {
   refuse_if_unfit(record);
-  require(record.complaints && record.period && record.bind, record, "factory");
+  require(record.complaints && record.period && record.bind.in_double, record, "factory");
   forces_.push_back(std::make_unique<ForceRecord>(std::move(record)));
 }
 
 void Registry::add(IntegratorRecord record) {
   refuse_if_unfit(record);
-  require(record.growth && record.step && record.complaints && record.bind, record, "factory");
+  require((record.growth || record.stable_step) && record.step && record.complaints &&
+              record.bind.in_double,
+          record, "factory");
   integrators_.push_back(std::make_unique<IntegratorRecord>(std::move(record)));
 }
 

@@ -67,12 +67,14 @@ class Integrator {
     anchor(end);
     finish_dense_from(0.0);
   }
-  /// The state at a fraction theta in [0, 1] of the last step.
-  virtual void interpolate(double theta, Real* position, Real* velocity, Real* integrals) const = 0;
+  /// The state at a fraction theta in [0, 1] of the last step, as doubles: whoever looks on needs
+  /// no more.
+  virtual void interpolate(double theta, double* position, double* velocity,
+                           double* integrals) const = 0;
 
   /// Velocities and rates at a fraction theta of the last step, to the order of the dense output
   /// and without an evaluation. False for a scheme that cannot.
-  virtual bool between(double theta, Real* velocity, Real* rates) const {
+  virtual bool between(double theta, double* velocity, double* rates) const {
     (void)theta, (void)velocity, (void)rates;
     return false;
   }

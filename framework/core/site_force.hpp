@@ -7,6 +7,7 @@
 
 #include "framework/core/bound_force.hpp"
 #include "framework/core/element.hpp"
+#include "framework/core/force.hpp"
 #include "framework/core/kernel_tables.hpp"
 #include "framework/core/sum.hpp"
 
@@ -18,44 +19,49 @@ namespace tomlin {
 inline constexpr std::ptrdiff_t kCentreOfMass = -1;
 
 /// Numbers of one particle of a body.
-template <int D>
-Vec<double, D> vector_at(const BodySlot<double>& slot, const double* plain, const double* mapped,
-                         std::size_t particle) {
-  const double* from = (slot.mapped ? mapped : plain) + slot.offset + particle;
-  Vec<double, D> x;
+template <int D, class Real>
+Vec<Real, D> vector_at(const BodySlot<Real>& slot, const Real* plain, const Real* mapped,
+                       std::size_t particle) {
+  const Real* from = (slot.mapped ? mapped : plain) + slot.offset + particle;
+  Vec<Real, D> x;
   for (int d = 0; d < D; ++d) x[d] = from[d * slot.stride];
   return x;
 }
 
 /// d2V/dx_a dx_b of a site, from the derivative of the force.
-template <class E, int D, class Use>
-void for_curvature(const typename E::template Parameters<double, D>& p, const Site<double, D>& site,
+template <class E, class Real, int D, class Use>
+void for_curvature(const typename E::template Parameters<Real, D>& p, const Site<Real, D>& site,
                    Use&& use) {
-  const auto force = force_on<E, Dual<double, D>, D>(in_type<E, Dual<double, D>, double, D>(p),
-                                                     differentiable(site));
+  const auto force =
+      force_on<E, Dual<Real, D>, D>(in_type<E, Dual<Real, D>, Real, D>(p), differentiable(site));
   for (int a = 0; a < D; ++a) {
-    for (int b = 0; b < D; ++b) use(a, b, -force[a].derivative[b]);
+    for (int b = 0; b < D; ++b) use(a, b, static_cast<double>(-force[a].derivative[b]));
   }
 }
 
 /// What sites of either kind share: parameters, rates, bounds.
-template <class E, int D>
-class ForceOnSites : public BoundForce<double> {
+template <class E, class Real, int D>
+class ForceOnSites : public BoundForce<Real> {
  public:
-  using Parameters = typename E::template Parameters<double, D>;
+  using Parameters = typename E::template Parameters<Real, D>;
 
-  ForceOnSites(const typename E::Description& description, const Binding<double>& binding)
+  ForceOnSites(const typename E::Description& description, const Binding<Real>& binding)
       : description_(description),
-        parameters_(E::template parameters<double, D>(description)),
-        body_(*binding.bodies.front()) {
+        parameters_(E::template parameters<Real, D>(description)),
+        body_(*binding.bodies.front()),
+        first_origin_(binding.origin) {
     rebase(binding.origin);
   }
 
   std::size_t rate_count() const override { return kDoesWork ? D + 1 : 0; }
 
   void rebase(const Origin& origin) override {
-    if constexpr (requires { E::template rebase<double, D>(parameters_, description_, origin); }) {
-      E::template rebase<double, D>(parameters_, description_, origin);
+    if constexpr (requires { E::template rebase<Real, D>(parameters_, description_, origin); }) {
+      E::template rebase<Real, D>(parameters_, description_, origin);
+    } else if constexpr (requires {
+                           E::template rebase<Real, D>(parameters_, description_, origin, origin);
+                         }) {
+      E::template rebase<Real, D>(parameters_, description_, origin, first_origin_);
     }
   }
 
@@ -71,44 +77,47 @@ class ForceOnSites : public BoundForce<double> {
 
  protected:
   static constexpr bool kDoesWork =
-      requires(const Parameters& p, const Site<double, D>& site, const Vec<double, D>& force) {
+      requires(const Parameters& p, const Site<Real, D>& site, const Vec<Real, D>& force) {
     E::power(p, site, force);
   };
-  static constexpr bool kHasFlow = requires(const Parameters& p) { E::decay_factor(p, 1.0); };
+  static constexpr bool kHasFlow = requires(const Parameters& p) { E::decay_factor(p, Real(1.0)); };
   static constexpr bool kHasFriction = requires(const Parameters& p) { E::friction(p); };
 
   typename E::Description description_;
   Parameters parameters_;
-  BoundBody<double> body_;
+  BoundBody<Real> body_;
+  Origin first_origin_;
 };
 
 /// The evaluator on every particle of a body. `start`, in the scene's coordinates, is where
 /// drivers' ends are at time 0; empty: each at its own particle.
-template <class E, int D>
-class ParticleForce : public ForceOnSites<E, D> {
-  using Base = ForceOnSites<E, D>;
+template <class E, class Real, int D>
+class ParticleForce : public ForceOnSites<E, Real, D> {
+  using Base = ForceOnSites<E, Real, D>;
 
  public:
-  ParticleForce(const typename E::Description& description, const Binding<double>& binding,
+  ParticleForce(const typename E::Description& description, const Binding<Real>& binding,
                 const KernelTables& tables, int rank, const std::vector<double>& start = {})
       : Base(description, binding),
-        kernels_(tables.on(binding.set).site),
-        point_(tables.on(binding.set).point),
+        kernels_(tables.on<Real>(binding.set).site),
+        point_(tables.on<Real>(binding.set).point),
+        heat_kernel_(tables.on<Real>(binding.set).heat[D - 1]),
         rank_(rank) {
     arguments_.body = this->body_.slot;
     arguments_.parameters = &this->parameters_;
     if constexpr (E::reads.start) {
-      start_.assign(D * this->body_.slot.stride, 0.0);
+      start_.assign(D * this->body_.slot.stride, Real(0.0));
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
         for (int d = 0; d < D; ++d)
           start_[d * this->body_.slot.stride + i] =
-              start.empty() ? this->body_.start[i][d] : relative_to(binding.origin, d, start[d]);
+              Real(start.empty() ? this->body_.start[i][d]
+                                 : relative_to(binding.origin, d, start[d]));
       }
       arguments_.start = start_.data();
     }
   }
 
-  std::vector<Pass<double>> passes() override {
+  std::vector<Pass<Real>> passes() override {
     return {{kernels_.set[D - 1],
              kernels_.add[D - 1],
              &arguments_,
@@ -118,14 +127,14 @@ class ParticleForce : public ForceOnSites<E, D> {
 
   void place_rates(std::ptrdiff_t first) override { arguments_.rate = first; }
 
-  bool point(PointForce<double>& force) const override {
+  bool point(PointForce<Real>& force) const override {
     if (D != 1 || this->body_.slot.count != 1 || !point_) return false;
-    force = {point_, &this->parameters_, start_.empty() ? 0.0 : start_[0], arguments_.rate};
+    force = {point_, &this->parameters_, start_.empty() ? Real(0.0) : start_[0], arguments_.rate};
     return true;
   }
 
-  double energy(const Stage<double>& stage) const override {
-    InterleavedSum<double> total;
+  Real energy(const Stage<Real>& stage) const override {
+    InterleavedSum<Real> total;
     if constexpr (HasEnergy<E, D, Site>) {
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
         total.add(i, E::energy(this->parameters_, site(stage, i)));
@@ -134,10 +143,19 @@ class ParticleForce : public ForceOnSites<E, D> {
     return total.total();
   }
 
-  void hessian(const Stage<double>& stage, HessianSink& sink) const override {
+  bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
+    if (!heat_kernel_) return false;
+    heat_ = {this->body_.slot, &this->parameters_, rate};
+    operation = {heat_kernel_, &heat_};
+    return true;
+  }
+
+  bool is_friction() const override { return Base::kHasFriction; }
+
+  void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
     if constexpr (HasEnergy<E, D, Site>) {
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
-        for_curvature<E, D>(this->parameters_, site(stage, i), [&](int a, int b, double value) {
+        for_curvature<E, Real, D>(this->parameters_, site(stage, i), [&](int a, int b, double value) {
           sink.site(this->body_.index, i, a, b, value);
         });
       }
@@ -147,13 +165,13 @@ class ParticleForce : public ForceOnSites<E, D> {
   void friction(FrictionSink& sink) const override {
     if constexpr (Base::kHasFriction) {
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
-        sink.site(this->body_.index, i, E::friction(this->parameters_));
+        sink.site(this->body_.index, i, static_cast<double>(E::friction(this->parameters_)));
       }
     }
   }
 
-  void flow(const Stage<double>&, const double* inverse_mass, double* velocity,
-            double h) const override {
+  void flow(const Stage<Real>&, const Real* inverse_mass, Real* velocity,
+            Real h) const override {
     if constexpr (Base::kHasFlow) {
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
         for (int d = 0; d < D; ++d) {
@@ -165,9 +183,9 @@ class ParticleForce : public ForceOnSites<E, D> {
   }
 
  private:
-  Site<double, D> site(const Stage<double>& stage, std::size_t i) const {
-    const BodySlot<double>& slot = this->body_.slot;
-    Site<double, D> site{};
+  Site<Real, D> site(const Stage<Real>& stage, std::size_t i) const {
+    const BodySlot<Real>& slot = this->body_.slot;
+    Site<Real, D> site{};
     site.position = vector_at<D>(slot, stage.position, stage.mapped_position, i);
     if constexpr (E::reads.velocity) {
       site.velocity = vector_at<D>(slot, stage.velocity, stage.mapped_velocity, i);
@@ -179,32 +197,34 @@ class ParticleForce : public ForceOnSites<E, D> {
     return site;
   }
 
-  const KernelPair<double>& kernels_;
-  PointKernel<double> point_;
+  const KernelPair<Real>& kernels_;
+  PointKernel<Real> point_;
+  Kernel<Real> heat_kernel_;
   int rank_;
-  SiteArguments<double> arguments_;
-  AlignedVector<double> start_;
+  SiteArguments<Real> arguments_;
+  HeatArguments<Real> heat_;
+  AlignedVector<Real> start_;
 };
 
 /// The evaluator on one attached point: a body's centre of mass, or one particle of it.
-template <class E, int D>
-class AttachedForce : public ForceOnSites<E, D> {
-  using Base = ForceOnSites<E, D>;
+template <class E, class Real, int D>
+class AttachedForce : public ForceOnSites<E, Real, D> {
+  using Base = ForceOnSites<E, Real, D>;
 
  public:
   /// `particle` may be kCentreOfMass; `start` in the scene's coordinates, empty: the attached
   /// point.
-  AttachedForce(const typename E::Description& description, const Binding<double>& binding,
+  AttachedForce(const typename E::Description& description, const Binding<Real>& binding,
                 const KernelTables& tables, int rank, std::ptrdiff_t particle = kCentreOfMass,
                 const std::vector<double>& start = {})
       : Base(description, binding),
-        kernels_(tables.on(binding.set).centre),
-        point_(tables.on(binding.set).point),
+        kernels_(tables.on<Real>(binding.set).centre),
+        point_(tables.on<Real>(binding.set).point),
         rank_(rank) {
-    const BoundBody<double>& body = this->body_;
+    const BoundBody<Real>& body = this->body_;
     arguments_.body = body.slot;
     arguments_.parameters = &this->parameters_;
-    weight_.assign(padded(body.slot.count), 0.0);
+    weight_.assign(padded(body.slot.count), Real(0.0));
     arguments_.on_coordinates = body.slot.rigid && particle < 0;
     if (particle < 0) {
       for (std::size_t i = 0; i < weight_.size(); ++i) weight_[i] = body.slot.share[i];
@@ -212,20 +232,22 @@ class AttachedForce : public ForceOnSites<E, D> {
       arguments_.single = body.slot.count == 1;
     } else {
       const auto at = static_cast<std::size_t>(particle);
-      weight_[at] = 1.0;
+      weight_[at] = Real(1.0);
       arguments_.first = at / kGroup * kGroup;
       arguments_.last = arguments_.first + kGroup;
       arguments_.single = true;
       arguments_.particle = at;
     }
     arguments_.weight = weight_.data();
+    for (const Real& weight : weight_) weight_in_double_.push_back(static_cast<double>(weight));
     const auto& attached = particle < 0 ? body.start_centre : body.start[particle];
     for (int d = 0; d < D; ++d) {
-      arguments_.start[d] = start.empty() ? attached[d] : relative_to(binding.origin, d, start[d]);
+      arguments_.start[d] =
+          Real(start.empty() ? attached[d] : relative_to(binding.origin, d, start[d]));
     }
   }
 
-  std::vector<Pass<double>> passes() override {
+  std::vector<Pass<Real>> passes() override {
     return {{kernels_.set[D - 1],
              kernels_.add[D - 1],
              &arguments_,
@@ -235,36 +257,36 @@ class AttachedForce : public ForceOnSites<E, D> {
 
   void place_rates(std::ptrdiff_t first) override { arguments_.rate = first; }
 
-  bool point(PointForce<double>& force) const override {
+  bool point(PointForce<Real>& force) const override {
     if (D != 1 || this->body_.slot.count != 1 || !point_) return false;
     force = {point_, &this->parameters_, arguments_.start[0], arguments_.rate};
     return true;
   }
 
-  double energy(const Stage<double>& stage) const override {
+  Real energy(const Stage<Real>& stage) const override {
     if constexpr (HasEnergy<E, D, Site>) return E::energy(this->parameters_, site(stage));
-    return 0.0;
+    return Real(0.0);
   }
 
-  void hessian(const Stage<double>& stage, HessianSink& sink) const override {
+  void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
     if constexpr (HasEnergy<E, D, Site>) {
-      for_curvature<E, D>(this->parameters_, site(stage), [&](int a, int b, double value) {
-        sink.centre(this->body_.index, weight_.data(), a, b, value);
+      for_curvature<E, Real, D>(this->parameters_, site(stage), [&](int a, int b, double value) {
+        sink.centre(this->body_.index, weight_in_double_.data(), a, b, value);
       });
     }
   }
 
  private:
-  Site<double, D> site(const Stage<double>& stage) const {
-    Site<double, D> site{};
-    const BodySlot<double>& slot = this->body_.slot;
+  Site<Real, D> site(const Stage<Real>& stage) const {
+    Site<Real, D> site{};
+    const BodySlot<Real>& slot = this->body_.slot;
     for (int d = 0; d < D; ++d) {
       if (arguments_.on_coordinates) {
         site.position[d] = stage.position[slot.centre + d];
         continue;
       }
-      InterleavedSum<double> total;
-      const double* x = (slot.mapped ? stage.mapped_position : stage.position) + slot.offset;
+      InterleavedSum<Real> total;
+      const Real* x = (slot.mapped ? stage.mapped_position : stage.position) + slot.offset;
       for (std::size_t i = 0; i < slot.count; ++i)
         total.add(i, weight_[i] * x[d * slot.stride + i]);
       site.position[d] = total.total();
@@ -275,18 +297,19 @@ class AttachedForce : public ForceOnSites<E, D> {
   }
 
  protected:
-  CentreArguments<double> arguments_;
+  CentreArguments<Real> arguments_;
 
  private:
-  const KernelPair<double>& kernels_;
-  PointKernel<double> point_;
+  const KernelPair<Real>& kernels_;
+  PointKernel<Real> point_;
   int rank_;
-  AlignedVector<double> weight_;
+  AlignedVector<Real> weight_;
+  std::vector<double> weight_in_double_;
 };
 
 /// Calls `make` with the scene's dimension as a constant.
-template <class Make>
-std::unique_ptr<BoundForce<double>> for_dimension(int dimension, Make&& make) {
+template <class Real, class Make>
+std::unique_ptr<BoundForce<Real>> for_dimension(int dimension, Make&& make) {
   switch (dimension) {
     case 1:
       return make.template operator()<1>();
@@ -297,14 +320,21 @@ std::unique_ptr<BoundForce<double>> for_dimension(int dimension, Make&& make) {
   }
 }
 
-/// The whole binding of a force on particles: `record.bind = &bind_on_particles<Evaluator, ...>`.
-template <class E, const KernelTables& tables, int rank>
-std::unique_ptr<BoundForce<double>> bind_on_particles(const void* description,
-                                                      const Binding<double>& binding) {
+/// The whole binding of a force on particles, in every number type:
+/// `record.bind = on_particles<Evaluator, kernels::Evaluator, kRankCheap>()`.
+template <class E, const KernelTables& tables, int rank, class Real>
+std::unique_ptr<BoundForce<Real>> bind_on_particles(const void* description,
+                                                    const Binding<Real>& binding) {
   const auto& d = *static_cast<const typename E::Description*>(description);
-  return for_dimension(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<double>> {
-    return std::make_unique<ParticleForce<E, D>>(d, binding, tables, rank);
+  return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
+    return std::make_unique<ParticleForce<E, Real, D>>(d, binding, tables, rank);
   });
+}
+
+template <class E, const KernelTables& tables, int rank>
+ForceFactories on_particles() {
+  return {&bind_on_particles<E, tables, rank, double>, &bind_on_particles<E, tables, rank, float>,
+          &bind_on_particles<E, tables, rank, Quad>};
 }
 
 }  // namespace tomlin

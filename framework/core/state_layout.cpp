@@ -43,15 +43,25 @@ std::size_t StateLayout::add_integers(std::string name, std::size_t count) {
   return first;
 }
 
+void StateLayout::add_raw(std::string name, std::size_t bytes) {
+  raw_.push_back({std::move(name), raw_count_, bytes});
+  raw_count_ += (bytes + kAlignment - 1) / kAlignment * kAlignment;
+}
+
 bool operator==(const StateLayout& a, const StateLayout& b) {
-  return same(a.reals_, b.reals_) && same(a.integers_, b.integers_);
+  return same(a.reals_, b.reals_) && same(a.integers_, b.integers_) && same(a.raw_, b.raw_);
 }
 
 RunState::RunState(const StateLayout& layout, std::size_t replicas)
     : layout_(layout),
       replicas_(replicas),
       reals_(layout.real_count() * replicas, 0.0),
-      integers_(layout.integer_count() * replicas, 0) {}
+      integers_(layout.integer_count() * replicas, 0),
+      raw_(layout.raw_count(), std::byte{0}) {
+  if (replicas != 1 && !raw_.empty()) {
+    throw std::invalid_argument("only states of doubles have several replicas");
+  }
+}
 
 double* RunState::reals(std::string_view field) {
   return reals_.data() + find(layout_.reals(), field).first * replicas_;
@@ -69,6 +79,10 @@ const std::int64_t* RunState::integers(std::string_view field) const {
   return integers_.data() + find(layout_.integers(), field).first * replicas_;
 }
 
+std::byte* RunState::raw(std::string_view field) {
+  return raw_.data() + find(layout_.raw(), field).first;
+}
+
 RunState RunState::extract(std::size_t replica) const {
   if (replica >= replicas_) throw std::invalid_argument("no such replica");
   RunState single(layout_, 1);
@@ -78,6 +92,7 @@ RunState RunState::extract(std::size_t replica) const {
   for (std::size_t k = 0; k < single.integers_.size(); ++k) {
     single.integers_[k] = integers_[k * replicas_ + replica];
   }
+  single.raw_ = raw_;
   return single;
 }
 
@@ -91,25 +106,36 @@ void RunState::insert(std::size_t replica, const RunState& single) {
   for (std::size_t k = 0; k < single.integers_.size(); ++k) {
     integers_[k * replicas_ + replica] = single.integers_[k];
   }
+  raw_ = single.raw_;
 }
 
 std::vector<std::byte> RunState::to_bytes() const {
-  const std::size_t real_bytes = reals_.size() * sizeof(double);
-  const std::size_t integer_bytes = integers_.size() * sizeof(std::int64_t);
-  std::vector<std::byte> bytes(real_bytes + integer_bytes);
-  if (real_bytes > 0) std::memcpy(bytes.data(), reals_.data(), real_bytes);
-  if (integer_bytes > 0) std::memcpy(bytes.data() + real_bytes, integers_.data(), integer_bytes);
+  std::vector<std::byte> bytes;
+  const auto append = [&bytes](const auto& numbers) {
+    const auto* first = reinterpret_cast<const std::byte*>(numbers.data());
+    bytes.insert(bytes.end(), first, first + numbers.size() * sizeof(numbers[0]));
+  };
+  append(reals_);
+  append(integers_);
+  append(raw_);
   return bytes;
 }
 
 void RunState::from_bytes(const std::vector<std::byte>& bytes) {
-  const std::size_t real_bytes = reals_.size() * sizeof(double);
-  const std::size_t integer_bytes = integers_.size() * sizeof(std::int64_t);
-  if (bytes.size() != real_bytes + integer_bytes) {
+  const std::size_t due = reals_.size() * sizeof(double) +
+                          integers_.size() * sizeof(std::int64_t) + raw_.size();
+  if (bytes.size() != due) {
     throw std::invalid_argument("the bytes are of a run state of another size");
   }
-  if (real_bytes > 0) std::memcpy(reals_.data(), bytes.data(), real_bytes);
-  if (integer_bytes > 0) std::memcpy(integers_.data(), bytes.data() + real_bytes, integer_bytes);
+  const std::byte* next = bytes.data();
+  const auto take = [&next](auto& numbers) {
+    const std::size_t length = numbers.size() * sizeof(numbers[0]);
+    if (length > 0) std::memcpy(numbers.data(), next, length);
+    next += length;
+  };
+  take(reals_);
+  take(integers_);
+  take(raw_);
 }
 
 }  // namespace tomlin

@@ -10,6 +10,17 @@
 /// A bound scene as integrators and kernels see it: plain arrays and a list of kernel calls.
 namespace tomlin {
 
+/// Friction of one body as a matrix that acts on its generalised velocities.
+template <class Real>
+struct FrictionOperator {
+  /// velocity <- exp(-h inverse_mass friction) velocity.
+  void (*flow)(const void* arguments, const Real* position, Real* velocity, Real h) = nullptr;
+  /// Force <- force - friction velocity; returns the heat, velocity.friction.velocity.
+  Real (*drag)(const void* arguments, const Real* position, const Real* velocity,
+               Real* force) = nullptr;
+  const void* arguments = nullptr;
+};
+
 template <class Real>
 struct SystemView {
   std::size_t dofs = 0;  ///< length of position, velocity and force, padding included
@@ -23,13 +34,26 @@ struct SystemView {
   Real* velocity = nullptr;
   Real* integrals = nullptr;
 
-  const Real* inverse_mass = nullptr;     ///< zero where nothing moves and in the padding
+  // What the numbers above lack to the true state, for a number type that carries it along (see
+  // compensated.hpp); null otherwise.
+  Real* position_rest = nullptr;
+  Real* velocity_rest = nullptr;
+  Real* integrals_rest = nullptr;
+
+  bool inertial = true;  ///< false: force times inverse_mass is the velocity, not its change
+  const Real* inverse_mass = nullptr;     ///< zero where nothing moves and in the padding; without
+                                          ///< inertia the inverse friction coefficient
   const Real* largest_move = nullptr;     ///< in one step, per coordinate; infinite where unbounded
   const Real* tolerance_scale = nullptr;  ///< coordinate times this is a length or an angle in rad
   std::size_t coordinates = 0;            ///< without padding
 
   const Operation<Real>* operations = nullptr;  ///< one evaluation of all forces
   std::size_t operation_count = 0;
+
+  /// Friction taken as an operator (empty unless the scheme splits it off).
+  const FrictionOperator<Real>* friction = nullptr;
+  std::size_t friction_count = 0;
+  std::ptrdiff_t friction_rate = kNoRate;  ///< where its heat stands among the rates, if kept
 
   /// The forces of a scene that is a single particle on a line; none otherwise.
   const PointForce<Real>* point_forces = nullptr;

@@ -11,10 +11,24 @@
 #include "framework/core/integrator.hpp"
 #include "framework/core/state_layout.hpp"
 #include "framework/core/system.hpp"
+#include "framework/model/assembly.hpp"
 #include "framework/scene/scene.hpp"
 
 /// A scene bound: particles, coordinates, forces and the list of kernel calls that evaluates them.
 namespace tomlin {
+
+/// Follows the model's clock and origin: the same scene bound in another number type, which does
+/// the stepping while the model looks on.
+class ModelFollower {
+ public:
+  virtual ~ModelFollower() = default;
+  virtual void begin_step(const DoubleDouble& time) = 0;
+  /// The origin has moved by whole cells of these lengths; the model's own numbers are moved.
+  virtual void rebase(const Origin& origin, const std::array<double, 3>& shift) = 0;
+
+ protected:
+  ModelFollower() = default;
+};
 
 class Model {
  public:
@@ -24,44 +38,33 @@ class Model {
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
-  struct Body {
-    BoundBody<double> bound;
-    double rolling_radius = 0.0;
-    double total_mass = 0.0;
-    double inertia = 0.0;                   ///< about the centre, planar rigid bodies
-    std::vector<std::vector<double>> arms;  ///< [count][dimension] at the start, about the centre
-    bool rotates() const { return arms.size() > 1 && arms.front().size() == 2; }
-  };
-
-  struct Force {
-    std::string name;
-    const ForceRecord* record = nullptr;
-    std::unique_ptr<BoundForce<double>> bound;
-    std::vector<std::size_t> bodies;
-    std::ptrdiff_t first_rate = -1;  ///< where its force and power stand among the integrals
-  };
-
-  /// A force of the scene that was not built, and why.
-  struct LeftOut {
-    std::string force;
-    std::string why;
-  };
+  using Body = Assembly<double>::Body;
+  using Force = Assembly<double>::Force;
+  using Driver = Assembly<double>::Driver;
+  using LeftOut = Assembly<double>::LeftOut;
 
   const Scene& scene() const { return *scene_; }
   int dimension() const { return scene_->dimension; }
-  const std::vector<Body>& bodies() const { return bodies_; }
-  const std::vector<Force>& forces() const { return forces_; }
-  const std::vector<LeftOut>& left_out() const { return left_out_; }
-  System<double>& system() { return system_; }
+  /// What any number type binds the scene with.
+  const AssemblyPlan& plan() const { return plan_; }
+  const std::vector<Body>& bodies() const { return assembly_.bodies(); }
+  const std::vector<Force>& forces() const { return assembly_.forces(); }
+  const std::vector<Driver>& drivers() const { return assembly_.drivers(); }
+  const std::vector<LeftOut>& left_out() const { return assembly_.left_out(); }
+  /// Where friction's heat stands among the rates when it is an operator, with the ledger.
+  std::ptrdiff_t friction_rate() const { return assembly_.friction_rate(); }
+  System<double>& system() { return assembly_.system(); }
+  const System<double>& system() const { return assembly_.system(); }
   const Origin& origin() const { return origin_; }
-  std::size_t coordinate_count() const { return system_.view.coordinates; }
+  std::size_t coordinate_count() const { return system().view.coordinates; }
+  void follow(ModelFollower* follower) { follower_ = follower; }
 
   /// Position, velocity, integrals and origin of the run.
   void declare(StateLayout& layout) const;
   /// Work on this state from now on, as it is.
   void attach(RunState& state);
-  /// Fill the attached state with the scene's start.
-  void start();
+  /// Fill the attached state with the scene's start, disturbed when there is noise.
+  void start(const Perturbation* noise = nullptr);
 
   /// Move the origin when everything has moved by a cell or more. Cheap when nothing has. True when
   /// it did.
@@ -72,7 +75,8 @@ class Model {
   const DoubleDouble& anchor_time() const { return anchor_; }
 
   /// Evaluate all forces at a state (not counted among the run's evaluations). Leaves generalised
-  /// forces in system().view.force and rates in `rates`.
+  /// forces in system().view.force (without inertia: those of rigid bodies as velocities) and rates
+  /// in `rates`.
   void evaluate_at(const DoubleDouble& time, const double* position, const double* velocity,
                    const double* integrals, double* rates);
 
@@ -85,15 +89,21 @@ class Model {
   /// A place relative to the origin in the scene's own coordinates: cells added back.
   DoubleDouble placed(int axis, double offset) const;
 
-  /// Kinetic and potential energy at a state.
+  /// Without inertia velocities follow from forces: those at the last evaluated state.
+  void drift_velocity(double* velocity) const;
+
+  /// Kinetic and potential energy at a state; the potential energy leaves out what is held by
+  /// nothing but the choice of zero, so that only differences of it count.
   double kinetic_energy(const double* velocity) const;
   double potential_energy(const DoubleDouble& time, const double* position, const double* velocity,
                           const double* integrals);
 
-  /// Bounds on the fastest motion about the start: angular frequency and damping rate.
+  /// Bounds on the fastest motion about the start: angular frequency and damping rate, or without
+  /// inertia the relaxation rate.
   struct Stiffness {
     double frequency = 0.0;
     double damping_rate = 0.0;
+    double relaxation_rate = 0.0;
   };
   Stiffness stiffness();
   /// Name of the force with the largest share in it.
@@ -111,31 +121,19 @@ class Model {
   CoordinateName name_of(std::size_t coordinate) const;
 
  private:
-  void choose_origin();
-  void place_bodies();
-  void bind_forces();
-  void order_operations();
+  static AssemblyPlan plan_for(const Scene& scene, InstructionSet set);
   static void begin_step(void* model, double time_high, double time_low);
-  void place_fixed();
   double share_of_stiffness(const Force& force, const Stage<double>& here);
   Stage<double> stage(const double* position, const double* velocity, const double* integrals,
-                      double* rates);
+                      double* rates) const;
 
   std::shared_ptr<const Scene> scene_;
-  InstructionSet set_;
+  AssemblyPlan plan_;
+  Assembly<double> assembly_;
   Origin origin_;
-  std::vector<BodyGeometry> geometry_;
-  std::vector<Body> bodies_;
-  std::vector<Force> forces_;
-  std::vector<LeftOut> left_out_;
-  std::vector<BoundForce<double>*> timed_;
-
-  System<double> system_;
-  std::vector<Operation<double>> operations_;
-  struct Storage;
-  std::unique_ptr<Storage> storage_;
-  std::array<std::int64_t, 3> first_cells_{};  ///< of the origin at time 0
-  DoubleDouble anchor_;                        ///< the time from which stages count
+  DoubleDouble anchor_;  ///< the time from which stages count
+  ModelFollower* follower_ = nullptr;
+  AlignedVector<double> rates_;
   std::int64_t* cells_ = nullptr;
   std::int64_t* whole_turns_ = nullptr;
 };

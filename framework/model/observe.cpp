@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "framework/core/angle.hpp"
+#include "framework/core/sum.hpp"
 #include "framework/model/model.hpp"
-#include "framework/model/storage.hpp"
 
 /// What can be read off a bound model at a given state.
 namespace tomlin {
@@ -20,8 +20,8 @@ double mean(const BodySlot<double>& slot, const double* numbers, int axis) {
 }  // namespace
 
 Stage<double> Model::stage(const double* position, const double* velocity, const double* integrals,
-                           double* rates) {
-  return stage_of(system_.view, position, velocity, integrals, rates, 0.0);
+                           double* rates) const {
+  return stage_of(system().view, position, velocity, integrals, rates, 0.0);
 }
 
 void Model::evaluate_at(const DoubleDouble& time, const double* position, const double* velocity,
@@ -29,23 +29,28 @@ void Model::evaluate_at(const DoubleDouble& time, const double* position, const 
   const DoubleDouble anchored = anchor_;
   anchor(time);
   const Stage<double> here = stage(position, velocity, integrals, rates);
-  for (const Operation<double>& operation : operations_) operation.run(operation.arguments, here);
+  const SystemView<double>& view = system().view;
+  for (std::size_t k = 0; k < view.operation_count; ++k) {
+    view.operations[k].run(view.operations[k].arguments, here);
+  }
   anchor(anchored);
 }
 
 void Model::centre(std::size_t b, const double* position, double* result) const {
-  const BodySlot<double>& slot = bodies_[b].bound.slot;
-  const double* from = slot.mapped ? storage_->mapped_position.data() : position;
+  const BodySlot<double>& slot = bodies()[b].bound.slot;
+  const double* from = slot.mapped ? system().view.mapped_position : position;
   for (int d = 0; d < dimension(); ++d) {
     result[d] = slot.rigid ? position[slot.centre + d] : mean(slot, from, d);
   }
 }
 
 void Model::centre_velocity(std::size_t b, const double* velocity, double* result) const {
-  const BodySlot<double>& slot = bodies_[b].bound.slot;
+  const BodySlot<double>& slot = bodies()[b].bound.slot;
   for (int d = 0; d < dimension(); ++d) {
     if (slot.rigid) {
       result[d] = velocity[slot.centre + d];
+    } else if (bodies()[b].prescribed()) {
+      result[d] = assembly_.speed_of(bodies()[b], d);
     } else {
       result[d] = slot.mapped ? 0.0 : mean(slot, velocity, d);
     }
@@ -58,10 +63,11 @@ DoubleDouble Model::placed(int axis, double offset) const {
 }
 
 double Model::rotation(std::size_t b, const double* position) const {
-  const Body& body = bodies_[b];
+  const Body& body = bodies()[b];
   const BodySlot<double>& slot = body.bound.slot;
-  if (slot.rigid) {
-    return static_cast<double>(whole_turns_[b]) + position[slot.centre + 2];
+  if (body.prescribed()) return assembly_.turns_of(body);
+  if (slot.rigid && dimension() == 2) {
+    return static_cast<double>(whole_turns_[b]) + position[slot.centre + kRotation];
   }
   if (slot.mapped || !body.rotates()) return 0.0;
   // Least squares: the angle that turns the starting arms closest to the present ones.
@@ -83,8 +89,9 @@ double Model::rotation(std::size_t b, const double* position) const {
 
 double Model::kinetic_energy(const double* velocity) const {
   InterleavedSum<double> total;
-  for (std::size_t i = 0; i < system_.view.dofs; ++i) {
-    const double inverse_mass = system_.view.inverse_mass[i];
+  if (!system().view.inertial) return 0.0;
+  for (std::size_t i = 0; i < system().view.dofs; ++i) {
+    const double inverse_mass = system().view.inverse_mass[i];
     if (inverse_mass > 0.0) total.add(i, 0.5 * velocity[i] * velocity[i] / inverse_mass);
   }
   return total.total();
@@ -93,23 +100,23 @@ double Model::kinetic_energy(const double* velocity) const {
 double Model::potential_energy(const DoubleDouble& time, const double* position,
                                const double* velocity, const double* integrals) {
   // Rigid bodies place their particles in an evaluation.
-  evaluate_at(time, position, velocity, integrals, storage_->rates.data());
+  evaluate_at(time, position, velocity, integrals, rates_.data());
   const DoubleDouble anchored = anchor_;
   anchor(time);
-  const Stage<double> here = stage(position, velocity, integrals, storage_->rates.data());
+  const Stage<double> here = stage(position, velocity, integrals, rates_.data());
   double total = 0.0;
-  for (const Force& force : forces_) total += force.bound->energy(here);
+  for (const Force& force : forces()) total += force.bound->energy(here);
   anchor(anchored);
   return total;
 }
 
 Model::CoordinateName Model::name_of(std::size_t coordinate) const {
   static const char* const axes[] = {"x", "y", "z"};
-  for (const Body& body : bodies_) {
+  for (const Body& body : bodies()) {
     const BodySlot<double>& slot = body.bound.slot;
     if (slot.rigid && coordinate >= slot.centre && coordinate < slot.centre + kGroup) {
       const std::size_t d = coordinate - slot.centre;
-      return {body.bound.name, -1, d < 2 ? axes[d] : "rotation"};
+      return {body.bound.name, -1, d == 2 && dimension() == 2 ? "rotation" : axes[d]};
     }
     if (!slot.mapped && coordinate >= slot.offset &&
         coordinate < slot.offset + slot.stride * dimension()) {

@@ -2,92 +2,138 @@
 
 #include <cstddef>
 
+#include "framework/core/kernel_arguments.hpp"
 #include "framework/core/math.hpp"
-#include "framework/core/pack.hpp"
+#include "framework/core/number_types.hpp"
 #include "framework/core/stage.hpp"
 
 namespace tomlin {
 
-/// A planar rigid body. Its coordinates are the centre x, y and the rotation in turns; the
-/// rotation is counter-clockwise positive.
+/// A body that moves as one. Its coordinates are the centre and, in the plane, the rotation in
+/// turns; the rotation is counter-clockwise positive.
+template <class Real>
 struct RigidArguments {
-  BodySlot<double> body;
-  const double* reference =
+  BodySlot<Real> body;
+  const Real* reference =
       nullptr;              ///< particles about the centre, unrotated: [axis * stride + i]
-  double* arm = nullptr;    ///< the same, rotated; written by `place`, read by `gather`
+  Real* arm = nullptr;      ///< the same, rotated; written by `place`, read by `gather`
   bool velocities = false;  ///< some force reads the particles' velocities
+  /// Of a prescribed body: where its coordinates and velocities stand; null for a rigid body, whose
+  /// coordinates are part of the state.
+  const Real* coordinates = nullptr;
+  const Real* speeds = nullptr;
+  std::ptrdiff_t rate = kNoRate;  ///< where the force and the power of a prescribed body go
 };
 
+template <class Real>
 struct RigidTable {
-  Kernel<double> place = nullptr;  ///< coordinates -> particles
+  /// For dimensions 1 to 3. Coordinates -> particles.
+  Kernel<Real> place[3] = {};
   /// Forces on particles -> force and torque (virtual work), set or added to what is there.
-  Kernel<double> gather_set = nullptr;
-  Kernel<double> gather_add = nullptr;
+  Kernel<Real> gather_set[3] = {};
+  Kernel<Real> gather_add[3] = {};
+  /// Forces on particles -> the force that keeps up a prescribed motion, and its power.
+  Kernel<Real> react[3] = {};
 };
 
 inline namespace TOMLIN_TARGET {
 
 struct RigidKernels {
-  static constexpr double kTau = 6.283185307179586476925286766559;
-
-  /// x_i = c + R(phi) r_i,  v_i = c' + omega (-arm_y, arm_x).
-  TOMLIN_FLATTEN static void place(const void* arguments, const Stage<double>& stage) {
-    const RigidArguments a = *static_cast<const RigidArguments*>(arguments);
-    const double* q = stage.position + a.body.centre;
-    const double* u = stage.velocity + a.body.centre;
-    double sine;
-    double cosine;
-    sincos_turns(q[2], sine, cosine);
-    const Pack s(sine);
-    const Pack c(cosine);
-    const Pack centre_x(q[0]);
-    const Pack centre_y(q[1]);
-    const Pack velocity_x(u[0]);
-    const Pack velocity_y(u[1]);
-    const Pack omega(kTau * u[2]);
+  /// x_i = c + R(phi) r_i,  v_i = c' + omega (-arm_y, arm_x); without rotation but in the plane.
+  template <class Real, int D>
+  TOMLIN_FLATTEN static void place(const void* arguments, const Stage<Real>& stage) {
+    using Group = Packed<Real>;
+    const RigidArguments<Real> a = *static_cast<const RigidArguments<Real>*>(arguments);
+    const Real* q = a.coordinates ? a.coordinates : stage.position + a.body.centre;
+    const Real* u = a.speeds ? a.speeds : stage.velocity + a.body.centre;
     const std::size_t stride = a.body.stride;
-    double* x = stage.mapped_position + a.body.offset;
-    double* v = stage.mapped_velocity + a.body.offset;
-    for (std::size_t i = 0; i < a.body.count; i += kGroup) {
-      const Pack rx = Pack::load(a.reference + i);
-      const Pack ry = Pack::load(a.reference + stride + i);
-      const Pack ax = fma(c, rx, -(s * ry));
-      const Pack ay = fma(s, rx, c * ry);
-      ax.store(a.arm + i);
-      ay.store(a.arm + stride + i);
-      (centre_x + ax).store(x + i);
-      (centre_y + ay).store(x + stride + i);
-      if (a.velocities) {
-        fma(-omega, ay, velocity_x).store(v + i);
-        fma(omega, ax, velocity_y).store(v + stride + i);
+    Real* x = stage.mapped_position + a.body.offset;
+    Real* v = stage.mapped_velocity + a.body.offset;
+    if constexpr (D == 2) {
+      Real sine;
+      Real cosine;
+      sincos_turns(q[2], sine, cosine);
+      const Group s(sine);
+      const Group c(cosine);
+      const Group centre_x(q[0]);
+      const Group centre_y(q[1]);
+      const Group velocity_x(u[0]);
+      const Group velocity_y(u[1]);
+      const Group omega(tau<Real>() * u[2]);
+      for (std::size_t i = 0; i < a.body.count; i += kGroup) {
+        const Group rx = Group::load(a.reference + i);
+        const Group ry = Group::load(a.reference + stride + i);
+        const Group ax = fma(c, rx, -(s * ry));
+        const Group ay = fma(s, rx, c * ry);
+        ax.store(a.arm + i);
+        ay.store(a.arm + stride + i);
+        (centre_x + ax).store(x + i);
+        (centre_y + ay).store(x + stride + i);
+        if (a.velocities) {
+          fma(-omega, ay, velocity_x).store(v + i);
+          fma(omega, ax, velocity_y).store(v + stride + i);
+        }
+      }
+    } else {
+      for (int d = 0; d < D; ++d) {
+        for (std::size_t i = 0; i < a.body.count; i += kGroup) {
+          (Group(q[d]) + Group::load(a.reference + d * stride + i)).store(x + d * stride + i);
+          if (a.velocities) Group(u[d]).store(v + d * stride + i);
+        }
       }
     }
   }
 
   /// The coordinate counts turns, so its generalised force is 2 pi times the torque.
-  template <bool set>
-  TOMLIN_FLATTEN static void gather(const void* arguments, const Stage<double>& stage) {
-    const RigidArguments a = *static_cast<const RigidArguments*>(arguments);
+  template <class Real, int D, bool set>
+  TOMLIN_FLATTEN static void gather(const void* arguments, const Stage<Real>& stage) {
+    using Group = Packed<Real>;
+    const RigidArguments<Real> a = *static_cast<const RigidArguments<Real>*>(arguments);
     const std::size_t stride = a.body.stride;
-    const double* f = stage.mapped_force + a.body.offset;
-    Pack force_x(0.0);
-    Pack force_y(0.0);
-    Pack torque(0.0);
+    const Real* f = stage.mapped_force + a.body.offset;
+    Group force[3] = {Group(Real(0.0)), Group(Real(0.0)), Group(Real(0.0))};
+    Group torque(Real(0.0));
     for (std::size_t i = 0; i < a.body.count; i += kGroup) {
-      const Pack fx = Pack::load(f + i);
-      const Pack fy = Pack::load(f + stride + i);
-      force_x += fx;
-      force_y += fy;
-      torque = fma(Pack::load(a.arm + i), fy, torque);
-      torque = fma(-Pack::load(a.arm + stride + i), fx, torque);
+      for (int d = 0; d < D; ++d) force[d] += Group::load(f + d * stride + i);
+      if constexpr (D == 2) {
+        torque = fma(Group::load(a.arm + i), Group::load(f + stride + i), torque);
+        torque = fma(-Group::load(a.arm + stride + i), Group::load(f + i), torque);
+      }
     }
     // Written whole: a group stored in parts would stall the load that takes it whole.
-    const Pack total = three_lanes(sum(force_x), sum(force_y), kTau * sum(torque));
-    double* generalised = stage.force + a.body.centre;
-    (set ? total : Pack::load(generalised) + total).store(generalised);
+    const Real third = D == 2 ? tau<Real>() * sum(torque) : sum(force[2]);
+    const Group total = three_lanes(sum(force[0]), D > 1 ? sum(force[1]) : Real(0.0), third);
+    Real* generalised = stage.force + a.body.centre;
+    (set ? total : Group::load(generalised) + total).store(generalised);
   }
 
-  static constexpr RigidTable kernels() { return {&place, &gather<true>, &gather<false>}; }
+  template <class Real, int D>
+  TOMLIN_FLATTEN static void react(const void* arguments, const Stage<Real>& stage) {
+    using Group = Packed<Real>;
+    const RigidArguments<Real> a = *static_cast<const RigidArguments<Real>*>(arguments);
+    const std::size_t stride = a.body.stride;
+    const Real* f = stage.mapped_force + a.body.offset;
+    const Real* v = stage.mapped_velocity + a.body.offset;
+    Group power(Real(0.0));
+    for (int d = 0; d < D; ++d) {
+      Group force(Real(0.0));
+      for (std::size_t i = 0; i < a.body.count; i += kGroup) {
+        const Group here = Group::load(f + d * stride + i);
+        force += here;
+        power = fma(here, Group::load(v + d * stride + i), power);
+      }
+      stage.rates[a.rate + d] = -sum(force);
+    }
+    stage.rates[a.rate + D] = -sum(power);
+  }
+
+  template <class Real>
+  static constexpr RigidTable<Real> kernels() {
+    return {{&place<Real, 1>, &place<Real, 2>, &place<Real, 3>},
+            {&gather<Real, 1, true>, &gather<Real, 2, true>, &gather<Real, 3, true>},
+            {&gather<Real, 1, false>, &gather<Real, 2, false>, &gather<Real, 3, false>},
+            {&react<Real, 1>, &react<Real, 2>, &react<Real, 3>}};
+  }
 };
 
 }  // namespace TOMLIN_TARGET

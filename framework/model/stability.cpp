@@ -7,7 +7,6 @@
 #include <Eigen/Dense>
 
 #include "framework/model/model.hpp"
-#include "framework/model/storage.hpp"
 
 /// The largest stable step, from bounds on curvature and damping before the first step.
 namespace tomlin {
@@ -51,7 +50,8 @@ class ScaledHessian : public HessianSink {
       // Largest eigenvalue of value * w w^T scaled by mass: value * sum w_i^2 / m_i.
       double sum = 0.0;
       for (std::size_t i = 0; i < slot.count; ++i) {
-        sum += weight[i] * weight[i] / model_.bodies()[body].bound.mass[i];
+        const double response = model_.system().view.inverse_mass[slot.offset + a * slot.stride + i];
+        sum += weight[i] * weight[i] * response;
       }
       if (a == b) common_ += std::abs(value) * sum;
       return;
@@ -83,14 +83,15 @@ class ScaledHessian : public HessianSink {
       first_.push_back(static_cast<std::ptrdiff_t>(n));
       const int axes = model_.dimension();
       if (slot.rigid) {
-        for (int d = 0; d < axes; ++d) root_.push_back(1.0 / std::sqrt(body.total_mass));
-        root_.push_back(body.inertia > 0.0 ? 1.0 / std::sqrt(body.inertia) : 0.0);
+        for (int d = 0; d < axes; ++d) root_.push_back(std::sqrt(body.response[d]));
+        root_.push_back(std::sqrt(body.response_of_rotation));
         n += axes + 1;
       } else if (slot.mapped) {
         first_.back() = kNone;
       } else {
+        const double* inverse = model_.system().view.inverse_mass + slot.offset;
         for (std::size_t i = 0; i < slot.count; ++i) {
-          for (int d = 0; d < axes; ++d) root_.push_back(1.0 / std::sqrt(body.bound.mass[i]));
+          for (int d = 0; d < axes; ++d) root_.push_back(std::sqrt(inverse[d * slot.stride + i]));
         }
         n += slot.count * axes;
       }
@@ -129,6 +130,7 @@ class ScaledHessian : public HessianSink {
 
   /// How far a place moves along an axis when the body turns by a small angle.
   static double across(const std::vector<double>& arm, int axis) {
+    if (arm.size() != 2) return 0.0;
     return axis == 0 ? -arm[1] : arm[0];
   }
 
@@ -177,61 +179,86 @@ class LargestDampingRate : public FrictionSink {
   std::vector<std::vector<double>> sums_;
 };
 
-/// Largest h at which a damped oscillator, y'' = -omega^2 y - gamma y', does not grow.
+/// Largest h with which y' = mode y does not grow.
+double stable_step_of(const IntegratorRecord& scheme, std::complex<double> mode) {
+  constexpr double kForever = std::numeric_limits<double>::infinity();
+  const double speed = std::abs(mode);
+  if (!(speed > 0.0)) return kForever;
+  // Growth of rounding, and of schemes that are neutral only to their order, is not instability.
+  constexpr double kTolerated = 1.0 + 1e-9;
+  const auto stable = [&](double h) { return scheme.growth(h * mode) <= kTolerated; };
+  // March outwards in units of the mode's own time until it grows, then bisect.
+  constexpr double kMarch = 0.02;
+  constexpr double kFarthest = 50.0;
+  double high = kMarch;
+  while (high < kFarthest && stable(high / speed)) high += kMarch;
+  if (high >= kFarthest) return kForever;
+  double low = high - kMarch;
+  for (int pass = 0; pass < 60; ++pass) {
+    const double middle = 0.5 * (low + high);
+    (stable(middle / speed) ? low : high) = middle;
+  }
+  return low / speed;
+}
+
+/// The same for a damped oscillator, y'' = -omega^2 y - gamma y'.
 double stable_step_of(const IntegratorRecord& scheme, double omega, double gamma) {
+  if (scheme.stable_step != nullptr) return scheme.stable_step(omega, gamma);
   using Complex = std::complex<double>;
   const Complex root = std::sqrt(Complex(0.25 * gamma * gamma - omega * omega, 0.0));
-  const Complex modes[2] = {-0.5 * gamma + root, -0.5 * gamma - root};
-  double largest = std::numeric_limits<double>::infinity();
-  for (const Complex& mode : modes) {
-    const double speed = std::abs(mode);
-    if (!(speed > 0.0)) continue;
-    // Growth of rounding, and of schemes that are neutral only to their order, is not instability.
-    constexpr double kTolerated = 1.0 + 1e-9;
-    const auto stable = [&](double h) { return scheme.growth(h * mode) <= kTolerated; };
-    // March outwards in units of the mode's own time until it grows, then bisect.
-    constexpr double kMarch = 0.02;
-    constexpr double kFarthest = 50.0;
-    double high = kMarch;
-    while (high < kFarthest && stable(high / speed)) high += kMarch;
-    if (high >= kFarthest) continue;
-    double low = high - kMarch;
-    for (int pass = 0; pass < 60; ++pass) {
-      const double middle = 0.5 * (low + high);
-      (stable(middle / speed) ? low : high) = middle;
+  return std::min(stable_step_of(scheme, -0.5 * gamma + root),
+                  stable_step_of(scheme, -0.5 * gamma - root));
+}
+
+/// What a curvature of the energy per particle does to the fastest motion of a body at most: its
+/// square frequency, or without inertia the relaxation rate.
+double response_to_sites(const Model& model, const Model::Body& body, double curvature) {
+  const BodySlot<double>& slot = body.bound.slot;
+  double most = 0.0;
+  if (slot.rigid) {
+    double squares = 0.0;
+    for (const auto& arm : body.arms) {
+      for (const double part : arm) squares += part * part;
     }
-    largest = std::min(largest, low / speed);
+    for (int d = 0; d < model.dimension(); ++d) {
+      most = std::max(most, static_cast<double>(slot.count) * body.response[d]);
+    }
+    most = std::max(most, squares * body.response_of_rotation);
+  } else if (!slot.mapped) {
+    const double* inverse = model.system().view.inverse_mass + slot.offset;
+    for (int d = 0; d < model.dimension(); ++d) {
+      for (std::size_t i = 0; i < slot.count; ++i) {
+        most = std::max(most, inverse[d * slot.stride + i]);
+      }
+    }
   }
-  return largest;
+  return curvature * most;
 }
 
 }  // namespace
 
 Model::Stiffness Model::stiffness() {
-  const DoubleDouble zero(0.0);
-  evaluate_at(zero, system_.view.position, system_.view.velocity, system_.view.integrals,
-              storage_->rates.data());
-  const Stage<double> here = stage(system_.view.position, system_.view.velocity,
-                                   system_.view.integrals, storage_->rates.data());
+  const SystemView<double>& view = system().view;
+  evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates_.data());
+  const Stage<double> here = stage(view.position, view.velocity, view.integrals, rates_.data());
   ScaledHessian springs(*this, coordinate_count() <= kDenseLimit);
   LargestDampingRate damping(*this);
-  std::vector<double> site_bounds(bodies_.size(), 0.0);
-  for (const Force& force : forces_) {
+  std::vector<double> site_bounds(bodies().size(), 0.0);
+  for (const Force& force : forces()) {
     const double bound = force.bound->curvature_bound();
     if (bound >= 0.0) {
       for (const std::size_t b : force.bodies) {
-        const auto& mass = bodies_[b].bound.mass;
-        if (bodies_[b].bound.coordinates == "fixed") continue;
-        site_bounds[b] += bound / *std::min_element(mass.begin(), mass.end());
+        site_bounds[b] += response_to_sites(*this, bodies()[b], bound);
       }
     } else {
       force.bound->hessian(here, springs);
     }
     force.bound->friction(damping);
   }
-  const double squared =
+  const double fastest =
       springs.largest() + *std::max_element(site_bounds.begin(), site_bounds.end());
-  return {std::sqrt(squared), damping.largest()};
+  if (!view.inertial) return {.relaxation_rate = fastest};
+  return {.frequency = std::sqrt(fastest), .damping_rate = damping.largest()};
 }
 
 double Model::share_of_stiffness(const Force& force, const Stage<double>& here) {
@@ -239,25 +266,25 @@ double Model::share_of_stiffness(const Force& force, const Stage<double>& here) 
   const double bound = force.bound->curvature_bound();
   if (bound >= 0.0) {
     for (const std::size_t b : force.bodies) {
-      const auto& mass = bodies_[b].bound.mass;
-      share = std::max(share, bound / *std::min_element(mass.begin(), mass.end()));
+      share = std::max(share, response_to_sites(*this, bodies()[b], bound));
     }
   } else {
     ScaledHessian alone(*this, coordinate_count() <= kDenseLimit);
     force.bound->hessian(here, alone);
     share = alone.largest();
   }
+  if (!system().view.inertial) return share;
   LargestDampingRate damping(*this);
   force.bound->friction(damping);
   return std::max(share, damping.largest() * damping.largest());
 }
 
 std::string Model::stiffest_force() {
-  const Stage<double> here = stage(system_.view.position, system_.view.velocity,
-                                   system_.view.integrals, storage_->rates.data());
+  const SystemView<double>& view = system().view;
+  const Stage<double> here = stage(view.position, view.velocity, view.integrals, rates_.data());
   std::string name;
   double most = 0.0;
-  for (const Force& force : forces_) {
+  for (const Force& force : forces()) {
     const double share = share_of_stiffness(force, here);
     if (share > most) {
       most = share;
@@ -270,6 +297,7 @@ std::string Model::stiffest_force() {
 double Model::stable_step(const IntegratorRecord& scheme) {
   if (scheme.adaptive) return std::numeric_limits<double>::infinity();
   const Stiffness fastest = stiffness();
+  if (!system().view.inertial) return stable_step_of(scheme, -fastest.relaxation_rate);
   // Slower modes meet the same damping: the worst of a range of frequencies counts.
   double largest = std::numeric_limits<double>::infinity();
   constexpr int kModes = 16;

@@ -10,7 +10,7 @@
 #include "framework/core/kernel_tables.hpp"
 #include "framework/run/diagnose.hpp"
 
-TOMLIN_DECLARE_TABLES(ObserveKernels, ObserveTable)
+TOMLIN_DECLARE_DOUBLE_TABLES(ObserveKernels, ObserveTable)
 
 namespace tomlin {
 namespace {
@@ -49,7 +49,7 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
       duration_(scene_->run.duration) {
   const void* description = scene_->run.integrator.description.get();
   dt_ = scheme_.step(description);
-  integrator_ = scheme_.bind(description, model_.system());
+  integrator_ = integrator_in(scene_->run.number_type, model_, description, scheme_);
   list_signals();
   resolve_window();
 
@@ -82,7 +82,11 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   counts_[kRotationEvery] = 1;
   extremes_.start();
   first_maximum_.start();
-  model_.start();
+  if (options_.perturbation) {
+    model_.start(&*options_.perturbation);
+  } else {
+    model_.start();
+  }
   started_ = std::chrono::steady_clock::now();
   last_report_ = started_;
   check_step();
@@ -165,13 +169,10 @@ void Engine::resume(const std::vector<std::byte>& numbers) {
 }
 
 void Engine::list_signals() {
-  for (std::size_t k = 0; k < model_.forces().size(); ++k) {
-    const Model::Force& force = model_.forces()[k];
-    if (!force.record->traits.does_work) continue;
-    drivers_.push_back(k);
-    first_rates_.push_back(static_cast<std::size_t>(force.first_rate));
-    const Drive* drive = force.bound->drive();
-    drags_.push_back(drive != nullptr && norm(drive->velocity) > 0.0);
+  for (const Model::Driver& driver : model_.drivers()) {
+    drivers_.push_back(driver);
+    const Drive* drive = driver.drive;
+    drags_.push_back(drive != nullptr && drive->steady && norm(drive->velocity) > 0.0);
   }
   signal_count_ = drivers_.size() * model_.dimension() + model_.bodies().size();
   signals_.assign(signal_count_, 0.0);
@@ -191,8 +192,8 @@ void Engine::resolve_window() {
     };
     std::vector<std::size_t> candidates;
     for (std::size_t k = 0; k < drivers_.size(); ++k) {
-      if (drags_[k] && (m.driver.empty() || model_.forces()[drivers_[k]].name == m.driver)) {
-        candidates.push_back(drivers_[k]);
+      if (drags_[k] && (m.driver.empty() || drivers_[k].name == m.driver)) {
+        candidates.push_back(k);
       }
     }
     if (candidates.empty()) {
@@ -203,7 +204,7 @@ void Engine::resolve_window() {
       fault("in", "several drivers move: say whose periods are meant", "driver = NAME");
     }
     const std::vector<double>& velocity =
-        model_.forces()[candidates.front()].bound->drive()->velocity;
+        drivers_[candidates.front()].drive->velocity;
     if (m.period) {
       unit = *m.period / norm(velocity);
     } else {
@@ -275,8 +276,10 @@ void Engine::observe_start() {
     const auto per_axis = [&](const std::string& name, const char* unit) {
       for (int d = 0; d < model_.dimension(); ++d) columns.push_back({name + "." + axes[d], unit});
     };
-    for (const std::size_t k : drivers_) per_axis(model_.forces()[k].name + ".force", "force");
-    for (const std::size_t k : drivers_) per_axis(model_.forces()[k].name + ".position", "length");
+    for (const auto& driver : drivers_) per_axis(driver.name + ".force", "force");
+    for (const auto& driver : drivers_) {
+      if (driver.drive->steady) per_axis(driver.name + ".position", "length");
+    }
     for (const Model::Body& body : model_.bodies()) {
       per_axis(body.bound.name + ".centre_of_mass", "length");
       per_axis(body.bound.name + ".velocity", "length/time");
@@ -427,7 +430,7 @@ void Engine::plain_block(std::int64_t most) {
 /// Along the driver's way, times its speed.
 double Engine::pull_of(std::size_t k, const double* signals) const {
   const int axes = model_.dimension();
-  const Drive* drive = model_.forces()[drivers_[k]].bound->drive();
+  const Drive* drive = drivers_[k].drive;
   double pull = 0.0;
   for (int d = 0; d < axes; ++d) pull += drive->velocity[d] * signals[k * axes + d];
   return pull;
@@ -504,7 +507,7 @@ void Engine::advance(std::uint64_t steps) {
 void Engine::signals_from_rates(const double* rates) {
   const int axes = model_.dimension();
   for (std::size_t k = 0; k < drivers_.size(); ++k) {
-    const double* force = rates + first_rates_[k];
+    const double* force = rates + drivers_[k].first_rate;
     for (int d = 0; d < axes; ++d) signals_[k * axes + d] = force[d];
   }
 }
@@ -518,6 +521,8 @@ void Engine::signals_from_velocity(const double* velocity) {
     double v[3] = {0.0, 0.0, 0.0};
     if (slot.rigid) {
       for (int d = 0; d < axes; ++d) v[d] = velocity[slot.centre + d];
+    } else if (body.prescribed()) {
+      model_.centre_velocity(body.bound.index, velocity, v);
     } else if (slot.count == 1 && !slot.mapped) {
       for (int d = 0; d < axes; ++d) v[d] = velocity[slot.offset + d * slot.stride];
     } else if (!slot.mapped) {
@@ -562,13 +567,13 @@ void Engine::sample(double at, const double* position, const double* velocity,
   std::size_t column = 0;
   const int axes = model_.dimension();
   sample_values_[column++] = at;
-  for (const std::size_t k : drivers_) {
-    const Model::Force& force = model_.forces()[k];
-    for (int d = 0; d < axes; ++d) sample_values_[column++] = dense_rates_[force.first_rate + d];
+  for (const auto& driver : drivers_) {
+    for (int d = 0; d < axes; ++d) sample_values_[column++] = dense_rates_[driver.first_rate + d];
   }
   const double since = static_cast<double>(DoubleDouble(at) - model_.anchor_time());
-  for (const std::size_t k : drivers_) {
-    const Drive& drive = *model_.forces()[k].bound->drive();
+  for (const auto& driver : drivers_) {
+    const Drive& drive = *driver.drive;
+    if (!drive.steady) continue;
     for (int d = 0; d < axes; ++d) {
       const double offset = drive.start[d] + std::fma(drive.velocity[d], since, drive.travel[d]);
       sample_values_[column++] = static_cast<double>(model_.placed(d, offset));
@@ -590,6 +595,7 @@ void Engine::sample(double at, const double* position, const double* velocity,
 void Engine::keep_moment(Moment& moment, double at, const double* position, const double* velocity,
                          const double* integrals) {
   *moment.reached = 1;
+  model_.evaluate_at(DoubleDouble(at), position, velocity, integrals, dense_rates_.data());
   std::copy(integrals, integrals + model_.system().view.rates, moment.integrals);
   const int axes = model_.dimension();
   for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
@@ -602,7 +608,7 @@ void Engine::keep_moment(Moment& moment, double at, const double* position, cons
     }
     moment.turns[b] = turns_of(b, position);
   }
-  model_.evaluate_at(DoubleDouble(at), position, velocity, integrals, dense_rates_.data());
+  if (ledger_) *moment.stored = model_.stored_energy(DoubleDouble(at), position, velocity, integrals);
   // The signals of the step's start have been used; this is scratch until the next.
   signals_from_rates(dense_rates_.data());
   signals_from_velocity(velocity);
@@ -693,24 +699,24 @@ RunResult Engine::result() {
   const bool window = *from_.reached != 0 && *to_.reached != 0;
   const double length = to_.time - from_.time;
   for (std::size_t k = 0; k < drivers_.size(); ++k) {
-    const Model::Force& force = model_.forces()[drivers_[k]];
+    const Model::Driver& from = drivers_[k];
     DriverResult driver;
-    driver.name = force.name;
+    driver.name = from.name;
     for (int d = 0; d < axes; ++d) {
-      const std::size_t rate = force.first_rate + d;
+      const std::size_t rate = from.first_rate + d;
       driver.final_force.push_back(final_rates_[rate]);
       if (!window) continue;
       driver.mean_force.push_back((to_.integrals[rate] - from_.integrals[rate]) / length);
       driver.max_force.push_back(extremes_.high(k * axes + d));
       driver.min_force.push_back(extremes_.low(k * axes + d));
     }
-    const double speed = norm(force.bound->drive()->velocity);
+    const double speed = norm(from.drive->velocity);
     if (drags_[k] && first_maximum_.found(k)) driver.static_force = first_maximum_.value(k) / speed;
     if (window) {
-      const std::size_t power = force.first_rate + axes;
+      const std::size_t power = from.first_rate + axes;
       driver.work = to_.integrals[power] - from_.integrals[power];
-      driver.distance = speed * length;
-      if (speed > 0.0) driver.work_per_distance = *driver.work / *driver.distance;
+      if (from.drive->steady) driver.distance = speed * length;
+      if (from.drive->steady && speed > 0.0) driver.work_per_distance = *driver.work / *driver.distance;
     }
     result.drivers.push_back(std::move(driver));
   }

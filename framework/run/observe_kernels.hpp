@@ -28,7 +28,10 @@ struct ObserveKernels {
     }
   }
 
-  static constexpr ObserveTable kernels() { return {&mean}; }
+  template <class Real>
+  static constexpr ObserveTable kernels() {
+    return {&mean};
+  }
 };
 
 }  // namespace TOMLIN_TARGET

@@ -10,6 +10,9 @@
 
 #include <fmt/format.h>
 
+#include "framework/scene/effective.hpp"
+#include "framework/scene/text.hpp"
+
 namespace tomlin {
 namespace {
 
@@ -24,13 +27,39 @@ bool is_common_key(std::string_view key) {
 }
 
 /// Whether all keys that a body's shape depends on were read.
-bool shape_is_known(const BodyDraft& body) {
+bool shape_was_read(const BodyDraft& body) {
   if (body.record == nullptr) return false;
   const auto& rows = body.record->parameters;
   return std::all_of(rows.begin(), rows.end(), [&body](const Parameter& row) {
     const bool absent = row.optional && body.reading.given->find(row.key) == nullptr;
     return absent || is_common_key(row.key) || body.reading.has(row.key);
   });
+}
+
+bool says_nothing(const ParameterValue& value) {
+  const auto* text = std::get_if<std::string>(&value);
+  return text ? text->empty() : !to_node(value);
+}
+
+/// What the description says now stands in the effective scene.
+void update_effective(BodyDraft& body) {
+  TableReading& reading = body.reading;
+  Table effective;
+  for (const Parameter& row : body.record->parameters) {
+    const Node* before = reading.effective.find(row.key);
+    if (before == nullptr && !row.optional) continue;  // it has a fault
+    ParameterValue value = row.read(body.description.get());
+    const auto known = reading.values.find(row.key);
+    if (before != nullptr && known != reading.values.end() && known->second == value) {
+      effective.set(row.key, *before);
+    } else if (row.optional && says_nothing(value)) {
+      reading.values.erase(row.key);
+    } else if (auto node = to_node(value)) {
+      effective.set(row.key, *std::move(node));
+      reading.values.insert_or_assign(row.key, std::move(value));
+    }
+  }
+  reading.effective = std::move(effective);
 }
 
 std::size_t length_of(const ParameterValue& value) {
@@ -55,12 +84,19 @@ std::string wrong_dimension(const ParameterValue& value, int dimension) {
   return "";
 }
 
-std::string wrong_pairs(const PairSelection& pairs, std::int64_t count) {
+std::string wrong_index(const std::string& pair, std::int64_t index, const BodyDraft& body) {
+  if (index >= 0 && index < *body.count) return "";
+  return fmt::format("{}: indices of {} are 0 to {}", pair, quoted_text(body.name),
+                     *body.count - 1);
+}
+
+/// Pairs within a body; either order is the same pair.
+std::string wrong_pairs(const PairSelection& pairs, const BodyDraft& body) {
   std::set<std::array<std::int64_t, 2>> seen;
   for (const auto& [first, second] : pairs.list) {
     const std::string pair = fmt::format("pair [{}, {}]", first, second);
-    if (std::min(first, second) < 0 || std::max(first, second) >= count) {
-      return fmt::format("{}: indices are 0 to {}", pair, count - 1);
+    if (std::min(first, second) < 0 || std::max(first, second) >= *body.count) {
+      return fmt::format("{}: indices are 0 to {}", pair, *body.count - 1);
     }
     if (first == second) return pair + ": a particle and itself";
     if (!seen.insert({std::min(first, second), std::max(first, second)}).second) {
@@ -70,10 +106,27 @@ std::string wrong_pairs(const PairSelection& pairs, std::int64_t count) {
   return "";
 }
 
-/// Empty when lists have one entry or `count`, and indices name particles.
-std::string wrong_for_count(const ParameterValue& value, std::int64_t count) {
+/// Pairs of a particle of the first body with one of the second.
+std::string wrong_pairs(const PairSelection& pairs, const BodyDraft& one, const BodyDraft& other) {
+  if (pairs.kind == PairSelection::Kind::neighbours) {
+    return "particles of two bodies are no neighbours; give \"all\" or a list of index pairs";
+  }
+  std::set<std::array<std::int64_t, 2>> seen;
+  for (const auto& [first, second] : pairs.list) {
+    const std::string pair = fmt::format("pair [{}, {}]", first, second);
+    std::string why = wrong_index(pair, first, one);
+    if (why.empty()) why = wrong_index(pair, second, other);
+    if (!why.empty()) return why;
+    if (!seen.insert({first, second}).second) return pair + " is given twice";
+  }
+  return "";
+}
+
+/// Empty when lists have one entry or one per particle, and indices name particles.
+std::string wrong_for_body(const ParameterValue& value, const BodyDraft& body) {
+  const std::int64_t count = *body.count;
   return std::visit(
-      [count](const auto& given) -> std::string {
+      [&](const auto& given) -> std::string {
         using Kind = std::decay_t<decltype(given)>;
         if constexpr (std::is_same_v<Kind, PerParticle> ||
                       std::is_same_v<Kind, PerParticleVector>) {
@@ -82,7 +135,7 @@ std::string wrong_for_count(const ParameterValue& value, std::int64_t count) {
           return fmt::format("{} entries, but the body has {} particle{}", length, count,
                              count == 1 ? "" : "s");
         } else if constexpr (std::is_same_v<Kind, PairSelection>) {
-          return wrong_pairs(given, count);
+          return wrong_pairs(given, body);
         } else if constexpr (std::is_same_v<Kind, Attachment>) {
           if (given.kind != Attachment::Kind::particle) return "";
           if (given.particle >= 0 && given.particle < count) return "";
@@ -95,14 +148,23 @@ std::string wrong_for_count(const ParameterValue& value, std::int64_t count) {
       value);
 }
 
-/// Each sound key on its own; true when nothing is wrong.
+/// The same for a component of several bodies; what a list would be one each of is not known.
+std::string wrong_for_bodies(const ParameterValue& value,
+                             const std::vector<const BodyDraft*>& bodies) {
+  if (bodies.size() == 1) return wrong_for_body(value, *bodies.front());
+  const auto* pairs = std::get_if<PairSelection>(&value);
+  if (bodies.size() == 2 && pairs) return wrong_pairs(*pairs, *bodies[0], *bodies[1]);
+  return "";
+}
+
+/// Each sound key on its own; true when nothing is wrong. No bodies: not all counts are known.
 bool check_values(const TableReading& reading, std::optional<int> dimension,
-                  std::optional<std::int64_t> count, FaultList& faults) {
+                  const std::vector<const BodyDraft*>& bodies, FaultList& faults) {
   bool sound = true;
   for (const auto& [key, value] : reading.values) {
     std::string why;
     if (dimension) why = wrong_dimension(value, *dimension);
-    if (why.empty() && count) why = wrong_for_count(value, *count);
+    if (why.empty()) why = wrong_for_bodies(value, bodies);
     if (why.empty()) continue;
     reading.complain(faults, key, {"", why});
     sound = false;
@@ -110,13 +172,48 @@ bool check_values(const TableReading& reading, std::optional<int> dimension,
   return sound;
 }
 
+/// The bodies of a force where the particles of each could be counted; else none.
+std::vector<const BodyDraft*> counted_bodies(const ForceDraft& force,
+                                             const std::vector<BodyDraft>& bodies) {
+  std::vector<const BodyDraft*> counted;
+  for (const std::size_t index : force.bodies) {
+    if (!bodies[index].count) return {};
+    counted.push_back(&bodies[index]);
+  }
+  return counted;
+}
+
+/// Whether each body's ends are joined. Known once it is built, and only a sound one can be.
+std::vector<bool> closed_bodies(const std::vector<BodyDraft>& bodies,
+                                const std::array<double, 3>& box, int dimension) {
+  std::vector<bool> closed(bodies.size(), false);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!bodies[i].sound) continue;
+    const auto geometry = bodies[i].record->build(bodies[i].description.get(), dimension);
+    const int axis = geometry.open_along;
+    const bool by_box = axis >= 0 && box[static_cast<std::size_t>(axis)] > 0.0;
+    closed[i] = geometry.closed || by_box;
+  }
+  return closed;
+}
+
+std::array<double, 3> periodic_lengths(const BoxSettings& box) {
+  std::array<double, 3> lengths{};
+  for (std::size_t axis = 0; axis < box.lengths.size(); ++axis) {
+    if (box.periodic[axis]) lengths[axis] = box.lengths[axis];
+  }
+  return lengths;
+}
+
 /// The bodies that a force acts on; nothing when one of them is unfit or was not found.
 std::optional<SceneOutline> outline_for(const ForceDraft& force,
                                         const std::vector<BodyDraft>& bodies,
-                                        const std::vector<bool>& closed, int dimension) {
+                                        const std::vector<bool>& closed,
+                                        const std::array<double, 3>& box, int dimension) {
   if (force.bodies.empty()) return std::nullopt;
   SceneOutline outline;
   outline.dimension = dimension;
+  outline.box = box;
   for (const std::size_t index : force.bodies) {
     const BodyDraft& body = bodies[index];
     if (!body.sound || !body.count) return std::nullopt;
@@ -127,10 +224,25 @@ std::optional<SceneOutline> outline_for(const ForceDraft& force,
 
 }  // namespace
 
+void prepare_bodies(std::vector<BodyDraft>& bodies, const std::filesystem::path& folder,
+                    FaultList& faults) {
+  for (BodyDraft& body : bodies) {
+    body.shape_is_known = shape_was_read(body);
+    if (!body.shape_is_known || body.record->prepare == nullptr) continue;
+    const auto complaints = body.record->prepare(body.description.get(), folder);
+    report(complaints, body.reading, faults);
+    if (complaints.empty()) {
+      update_effective(body);
+    } else {
+      body.shape_is_known = body.sound = false;
+    }
+  }
+}
+
 void count_particles(std::vector<BodyDraft>& bodies, FaultList& faults) {
   std::int64_t total = 0;
   for (BodyDraft& body : bodies) {
-    if (!shape_is_known(body)) continue;
+    if (!body.shape_is_known) continue;
     const std::int64_t count = body.record->count(body.description.get());
     const std::string limit = fmt::format("at most {} particles in a scene", kMostParticles);
     if (count > kMostParticles) {
@@ -152,7 +264,7 @@ void count_particles(std::vector<BodyDraft>& bodies, FaultList& faults) {
 std::optional<int> scene_dimension(const std::vector<BodyDraft>& bodies) {
   if (bodies.empty()) return std::nullopt;
   const BodyDraft& first = bodies.front();
-  if (!shape_is_known(first)) return std::nullopt;
+  if (!first.shape_is_known) return std::nullopt;
   if (const int dimension = first.record->dimension(first.description.get())) return dimension;
 
   // The body's shape has no vectors: its velocity has, or there are none at all.
@@ -165,7 +277,9 @@ std::optional<int> scene_dimension(const std::vector<BodyDraft>& bodies) {
 void check_bodies(std::vector<BodyDraft>& bodies, std::optional<int> dimension, FaultList& faults) {
   for (BodyDraft& body : bodies) {
     if (body.record == nullptr) continue;
-    if (!check_values(body.reading, dimension, body.count, faults)) body.sound = false;
+    std::vector<const BodyDraft*> counted;
+    if (body.count) counted.push_back(&body);
+    if (!check_values(body.reading, dimension, counted, faults)) body.sound = false;
     if (!body.sound || !dimension) continue;
     const auto complaints = body.record->complaints(body.description.get(), *dimension);
     report(complaints, body.reading, faults);
@@ -174,20 +288,17 @@ void check_bodies(std::vector<BodyDraft>& bodies, std::optional<int> dimension, 
 }
 
 void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>& bodies,
-                  std::optional<int> dimension, FaultList& faults) {
-  // Whether a body is closed is known when it is built, and only a sound one can be.
-  std::vector<bool> closed(bodies.size(), false);
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!bodies[i].sound || !dimension) continue;
-    closed[i] = bodies[i].record->build(bodies[i].description.get(), *dimension).closed;
-  }
+                  const BoxSettings* box, std::optional<int> dimension, FaultList& faults) {
+  const bool bodies_are_known = dimension && box;
+  const auto lengths = bodies_are_known ? periodic_lengths(*box) : std::array<double, 3>{};
+  const auto closed =
+      bodies_are_known ? closed_bodies(bodies, lengths, *dimension) : std::vector<bool>();
   for (ForceDraft& force : forces) {
     if (force.record == nullptr) continue;
-    const bool one_body = force.bodies.size() == 1;
-    const auto count = one_body ? bodies[force.bodies.front()].count : std::nullopt;
-    if (!check_values(force.reading, dimension, count, faults)) force.sound = false;
-    if (!force.sound || !dimension) continue;
-    const auto outline = outline_for(force, bodies, closed, *dimension);
+    const auto counted = counted_bodies(force, bodies);
+    if (!check_values(force.reading, dimension, counted, faults)) force.sound = false;
+    if (!force.sound || !bodies_are_known) continue;
+    const auto outline = outline_for(force, bodies, closed, lengths, *dimension);
     if (!outline) continue;
     const auto complaints = force.record->complaints(force.description.get(), *outline);
     report(complaints, force.reading, faults);

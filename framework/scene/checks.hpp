@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 #include "framework/core/body.hpp"
 #include "framework/core/force.hpp"
 #include "framework/scene/fault_list.hpp"
+#include "framework/scene/scene.hpp"
 #include "framework/scene/table_reader.hpp"
 
 /// Faults that only show when keys are held against each other or against the bodies.
@@ -29,12 +31,19 @@ struct ComponentDraft {
 };
 
 struct BodyDraft : ComponentDraft<BodyRecord> {
+  std::vector<std::string> hold;
+  std::optional<Motion> motion;
+  bool shape_is_known = false;        ///< every key that the shape depends on was read
   std::optional<std::int64_t> count;  ///< when known
 };
 
 struct ForceDraft : ComponentDraft<ForceRecord> {
   std::vector<std::size_t> bodies;  ///< those that could be found
 };
+
+/// Files that bodies refer to are fetched; afterwards it is known which shapes are.
+void prepare_bodies(std::vector<BodyDraft>& bodies, const std::filesystem::path& folder,
+                    FaultList& faults);
 
 /// Number of particles of each body, where it can be told.
 void count_particles(std::vector<BodyDraft>& bodies, FaultList& faults);
@@ -44,8 +53,9 @@ std::optional<int> scene_dimension(const std::vector<BodyDraft>& bodies);
 
 /// Lengths of vectors and lists, indices, and what the records themselves find.
 void check_bodies(std::vector<BodyDraft>& bodies, std::optional<int> dimension, FaultList& faults);
+/// The box is null where it has faults; then what the records find is not asked for.
 void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>& bodies,
-                  std::optional<int> dimension, FaultList& faults);
+                  const BoxSettings* box, std::optional<int> dimension, FaultList& faults);
 
 /// What a record found when it held a component's keys against each other.
 void report(const std::vector<Complaint>& complaints, const TableReading& reading,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -63,6 +64,32 @@ std::optional<Node> node_of(const Attachment& attachment) {
   Table table;
   table.set("particle", node(attachment.particle));
   return node(std::move(table));
+}
+
+std::optional<Node> node_of(const PointList& points) {
+  if (points.coordinates.empty()) return std::nullopt;
+  if (points.dimension == 1) return list_of(points.coordinates);
+  List list;
+  for (auto point = points.coordinates.begin(); point != points.coordinates.end();) {
+    const auto next = point + static_cast<std::ptrdiff_t>(points.dimension);
+    list.push_back(list_of({point, next}));
+    point = next;
+  }
+  return node(std::move(list));
+}
+
+std::optional<Node> node_of(const WordList& names) {
+  if (names.words.empty()) return std::nullopt;
+  List list;
+  for (const std::string& word : names.words) list.push_back(node(word));
+  return node(std::move(list));
+}
+
+std::optional<Node> node_of(const FlagList& switches) {
+  if (switches.flags.empty()) return std::nullopt;
+  List list;
+  for (const bool flag : switches.flags) list.push_back(node(flag));
+  return node(std::move(list));
 }
 
 // double, std::int64_t, bool and std::string stand for themselves.

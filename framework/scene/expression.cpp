@@ -10,6 +10,8 @@
 #include <system_error>
 #include <tuple>
 
+#include <boost/container/small_vector.hpp>
+
 #include "framework/core/nearest_name.hpp"
 #include "framework/scene/rounded_functions.hpp"
 
@@ -21,6 +23,8 @@ namespace {
 using Id = ExpressionFunction::Id;
 
 constexpr std::size_t kAnyNumber = Expression::kMaxLength;
+
+constexpr std::size_t kUsualDepth = 32;  // of the stack that an evaluation needs
 
 // In the order of Id.
 constexpr std::array<ExpressionFunction, 14> kFunctions{{
@@ -463,7 +467,8 @@ Outcome call_function(const ExpressionFunction& function, std::span<const double
 }  // namespace
 
 std::variant<double, ExpressionError> Expression::evaluate(const Lookup& lookup) const {
-  std::vector<double> stack;
+  // Prescribed motions are evaluated in every step: no allocation for expressions of usual size.
+  boost::container::small_vector<double, kUsualDepth> stack;
   for (const Node& node : nodes_) {
     Outcome outcome;
     switch (node.op) {
@@ -487,7 +492,8 @@ std::variant<double, ExpressionError> Expression::evaluate(const Lookup& lookup)
         outcome = -stack.back();
         break;
       case Op::call:
-        outcome = call_function(kFunctions[node.index], std::span(stack).last(node.arguments));
+        outcome = call_function(kFunctions[node.index],
+                                {stack.data() + stack.size() - node.arguments, node.arguments});
         break;
       default:
         outcome = combine(node.op, *(stack.end() - 2), stack.back());
@@ -495,7 +501,7 @@ std::variant<double, ExpressionError> Expression::evaluate(const Lookup& lookup)
     if (const std::string* why = std::get_if<std::string>(&outcome)) {
       return ExpressionError{node.column, *why};
     }
-    stack.resize(stack.size() - node.arguments);
+    stack.erase(stack.end() - node.arguments, stack.end());
     stack.push_back(std::get<double>(outcome));
   }
   return stack.back();
@@ -804,19 +810,30 @@ std::vector<std::pair<std::string, double>> ParameterTable::values() const {
 }
 
 std::variant<double, ExpressionError> ParameterTable::evaluate(std::string_view text) const {
-  const auto source = parsed<Source>(text);
+  const auto bound = bind(text, "");
+  if (const auto* error = std::get_if<ExpressionError>(&bound)) return *error;
+  return std::get<BoundExpression>(bound).expression.evaluate(
+      [this](std::string_view name) { return value(name); });
+}
+
+std::variant<BoundExpression, ExpressionError> ParameterTable::bind(
+    std::string_view text, std::string_view variable) const {
+  auto source = parsed<Source>(text);
   if (const auto* error = std::get_if<ExpressionError>(&source)) return *error;
-  const Expression& expression = std::get<Expression>(source);
+  BoundExpression bound{std::get<Expression>(std::move(source)), {}};
   std::optional<ExpressionError> consequence;
-  for (const Expression::Name& used : expression.names()) {
+  for (const Expression::Name& used : bound.expression.names()) {
+    if (used.name == variable) continue;
     if (!contains(used.name)) return explain_unknown(used.name, used.column, std::nullopt);
-    if (!value(used.name) && !consequence) {
+    if (const auto known = value(used.name)) {
+      bound.parameters.emplace_back(used.name, *known);
+    } else if (!consequence) {
       consequence = ExpressionError{
           used.column, "parameter " + in_quotes(used.name) + " has no value", "", true};
     }
   }
   if (consequence) return *consequence;
-  return expression.evaluate([this](std::string_view name) { return value(name); });
+  return bound;
 }
 
 }  // namespace tomlin

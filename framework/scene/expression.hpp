@@ -141,6 +141,12 @@ struct ParameterFault {
   std::string nearest = {};  ///< nearest valid name; empty when there is none
 };
 
+/// An expression with the values of the parameters that it names.
+struct BoundExpression {
+  Expression expression;
+  std::vector<std::pair<std::string, double>> parameters;
+};
+
 /// `[parameters]`: names with numbers or expressions over each other, in any order.
 class ParameterTable {
  public:
@@ -171,6 +177,9 @@ class ParameterTable {
 
   /// Value of an expression over the parameters, for any other key of a scene.
   std::variant<double, ExpressionError> evaluate(std::string_view text) const;
+  /// An expression over the parameters and one variable, to be evaluated later.
+  std::variant<BoundExpression, ExpressionError> bind(std::string_view text,
+                                                      std::string_view variable) const;
 
  private:
   using Source = std::variant<double, Expression, ExpressionError>;

@@ -33,6 +33,26 @@ Parameter optional_number(std::string key, std::optional<double> D::*member, Dim
   return row;
 }
 
+/// A row for a member that holds the contents of W plainly.
+template <class W, class D, class T>
+Parameter plain_list(std::string key, T D::*member, T W::*contents, Dimension dimension,
+                     std::string doc) {
+  Parameter row;
+  row.key = std::move(key);
+  row.doc = std::move(doc);
+  row.dimension = dimension;
+  row.prototype = W{};
+  row.assign = [member, contents](void* description, ParameterValue value) {
+    static_cast<D*>(description)->*member = std::get<W>(std::move(value)).*contents;
+  };
+  row.read = [member, contents](const void* description) {
+    W list;
+    list.*contents = static_cast<const D*>(description)->*member;
+    return ParameterValue(std::move(list));
+  };
+  return row;
+}
+
 /// `in = "driver_periods"`.
 Parameter unit_of_window() {
   using Unit = MeasureSettings::Unit;
@@ -54,7 +74,7 @@ Parameter unit_of_window() {
 }
 
 /// A component's layout: its record's rows, and what all components of the kind take.
-TableLayout component_layout(const ComponentRecord& record, std::vector<std::string> own_keys,
+TableLayout component_layout(const ComponentRecord& record, std::vector<OwnKey> own_keys,
                              std::vector<ReservedKey> reserved) {
   TableLayout layout;
   layout.own_keys = std::move(own_keys);
@@ -67,7 +87,8 @@ TableLayout component_layout(const ComponentRecord& record, std::vector<std::str
 }  // namespace
 
 std::vector<std::string> TableLayout::keys() const {
-  std::vector<std::string> result = own_keys;
+  std::vector<std::string> result;
+  for (const OwnKey& own : own_keys) result.push_back(own.key);
   for (const Parameter& parameter : rows) result.push_back(parameter.key);
   return result;
 }
@@ -82,6 +103,11 @@ const ReservedKey* TableLayout::reserved_key(std::string_view key) const {
   const auto found = std::find_if(reserved.begin(), reserved.end(),
                                   [key](const auto& candidate) { return candidate.key == key; });
   return found == reserved.end() ? nullptr : &*found;
+}
+
+bool TableLayout::is_own_key(std::string_view key) const {
+  return std::any_of(own_keys.begin(), own_keys.end(),
+                     [key](const OwnKey& own) { return own.key == key; });
 }
 
 TableLayout scene_layout() {
@@ -99,25 +125,37 @@ TableLayout scene_layout() {
   return layout;
 }
 
+TableLayout box_layout() {
+  TableLayout layout;
+  layout.rows = {
+      plain_list("lengths", &BoxSettings::lengths, &SpaceVector::components, dimension::length,
+                 "of the box along each axis; along a periodic one every period of a force "
+                 "divides it")
+          .in(positive),
+      plain_list("periodic", &BoxSettings::periodic, &FlagList::flags, dimension::none,
+                 "the axes along which everything repeats with the box"),
+  };
+  return layout;
+}
+
 TableLayout run_layout() {
   TableLayout layout;
-  layout.own_keys = {"integrator"};
+  layout.own_keys = {{"integrator", "the scheme: { type = ..., ... }"},
+                     {"perturb", "repeats from perturbed starts: { size = ..., ... }"}};
   layout.rows = {
       parameter("dynamics", &RunSettings::dynamics, dimension::none, "the equations of motion")
-          .one_of({"inertial"})
-          .not_yet({"overdamped", "quasistatic"})
+          .one_of({"inertial", "overdamped"})
+          .not_yet({"quasistatic"})
           .by_default("inertial"),
       parameter("duration", &RunSettings::duration, dimension::time,
                 "length of the run; the last step is shortened to end exactly")
           .in(positive),
       parameter("number_type", &RunSettings::number_type, dimension::none,
                 "the numbers that the state is held in")
-          .one_of({"double"})
-          .not_yet({"float", "quadruple"})
+          .one_of({"double", "float", "quadruple"})
           .by_default("double"),
       parameter("ledger", &RunSettings::ledger, dimension::none, "keep the energy ledger")
-          .by_default(false)
-          .only_default_yet(),
+          .by_default(false),
       parameter("seed", &RunSettings::seed, dimension::none, "key of all random numbers")
           .in(non_negative)
           .by_default(std::int64_t{0}),
@@ -130,9 +168,25 @@ TableLayout run_layout() {
                 "run even when the step is beyond the estimated stability limit")
           .by_default(false),
   };
-  layout.reserved = {{"perturb", "repeats from perturbed starts"},
-                     {"accuracy", "an accuracy to choose the steps by"},
+  layout.reserved = {{"accuracy", "an accuracy to choose the steps by"},
                      {"until", "a condition that ends the run"}};
+  return layout;
+}
+
+TableLayout perturb_layout() {
+  TableLayout layout;
+  layout.own_keys = {{"bodies", "those whose starts are perturbed; all by default"}};
+  layout.rows = {
+      parameter("size", &PerturbSettings::size, dimension::none,
+                "of the uniform noise that is added to each generalised coordinate")
+          .in(positive),
+      parameter("repeats", &PerturbSettings::repeats, dimension::none, "number of perturbed runs")
+          .in({.low = 1.0, .high = 1000.0, .low_open = false, .high_open = false})
+          .by_default(std::int64_t{3}),
+      plain_list("observables", &PerturbSettings::observables, &WordList::words, dimension::none,
+                 "what is looked at; the mean forces of all drivers by default")
+          .or_absent(),
+  };
   return layout;
 }
 
@@ -171,35 +225,51 @@ TableLayout output_layout() {
 }
 
 TableLayout body_layout(const BodyRecord& record) {
-  return component_layout(record, {"name", "type"},
-                          {{"hold", "freezing of coordinates"}, {"motion", "prescribed motion"}});
+  static const std::vector<OwnKey> keys = {
+      {"name", "its type's where no other body has that type"},
+      {"type", "which body it is"},
+      {"hold", hold_row().doc},
+      {"motion",
+       "of a prescribed body: { velocity = [..], angular_velocity = .. }, numbers or "
+       "expressions in t; zero by default"}};
+  return component_layout(record, keys, {});
+}
+
+Parameter hold_row() {
+  return plain_list("hold", &SceneBody::hold, &WordList::words, dimension::none,
+                    "coordinates to freeze: \"x\", \"y\", \"z\" of each particle, or of the "
+                    "centre of a rigid body, and its \"rotation\"")
+      .one_of({"x", "y", "z", "rotation"})
+      .or_absent();
 }
 
 TableLayout force_layout(const ForceRecord& record) {
-  return component_layout(record, {"name", "type", "body"}, {{"bodies", "forces between bodies"}});
+  static const std::vector<OwnKey> keys = {
+      {"name", "its type's where no other force has that type"},
+      {"type", "which force it is"},
+      {"body", "the body it acts on; needless where there is one only"},
+      {"bodies", "in place of body: a list, where a force acts between two"}};
+  return component_layout(record, keys, {});
 }
 
 TableLayout integrator_layout(const IntegratorRecord& record) {
-  return component_layout(record, {"type"}, {});
+  return component_layout(record, {{"type", "which integrator it is"}}, {});
 }
 
 const std::vector<std::string>& top_level_keys() {
-  static const std::vector<std::string> keys = {"scene", "parameters", "body",  "force",
-                                                "run",   "measure",    "output"};
+  static const std::vector<std::string> keys = {"scene", "parameters", "box",     "body",
+                                                "force", "run",        "measure", "output"};
   return keys;
 }
 
 const std::vector<ReservedKey>& reserved_top_level_keys() {
-  static const std::vector<ReservedKey> keys = {{"box", "lengths and periodicity"},
-                                                {"plugins", "components from shared libraries"}};
+  static const std::vector<ReservedKey> keys = {{"plugins", "components from shared libraries"}};
   return keys;
 }
 
 bool is_later_type(std::string_view kind, std::string_view type) {
   static constexpr std::pair<std::string_view, std::string_view> kLater[] = {
-      {"body", "particles"},
       {"force", "expression"},
-      {"integrator", "velocity_verlet"},
   };
   return std::find(std::begin(kLater), std::end(kLater), std::pair(kind, type)) != std::end(kLater);
 }

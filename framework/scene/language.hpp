@@ -13,31 +13,43 @@ namespace tomlin {
 
 inline constexpr const char* kNotInThisVersion = "not in this version";
 
+/// A key that the scene reader reads itself, e.g. name and type.
+struct OwnKey {
+  std::string key;
+  std::string doc;
+};
+
 /// What one table of a scene takes.
 struct TableLayout {
-  std::vector<std::string> own_keys;  ///< read by the scene reader itself, e.g. name and type
+  std::vector<OwnKey> own_keys;
   std::vector<Parameter> rows;
   std::vector<ReservedKey> reserved;
 
-  /// Every admissible key, in the order of the effective scene.
+  /// Every admissible key: its own, then those of the rows.
   std::vector<std::string> keys() const;
   const Parameter* row(std::string_view key) const;
   const ReservedKey* reserved_key(std::string_view key) const;
+  bool is_own_key(std::string_view key) const;
 };
 
-// The rows of these assign members of Scene, RunSettings, MeasureSettings and OutputSettings.
+// The rows of these assign members of Scene, BoxSettings, RunSettings, PerturbSettings,
+// MeasureSettings and OutputSettings.
 TableLayout scene_layout();
+TableLayout box_layout();
 TableLayout run_layout();
+TableLayout perturb_layout();
 TableLayout measure_layout();
 TableLayout output_layout();
 
 // The rows of these assign members of the component's description.
 TableLayout body_layout(const BodyRecord& record);
+/// `hold`, which every body takes; assigns SceneBody::hold.
+Parameter hold_row();
 TableLayout force_layout(const ForceRecord& record);
 TableLayout integrator_layout(const IntegratorRecord& record);
 
-/// scene, parameters, body, force, run, measure, output: the tables of a scene, in the order of
-/// the effective scene.
+/// scene, parameters, box, body, force, run, measure, output: the tables of a scene, in the order
+/// of the effective scene.
 const std::vector<std::string>& top_level_keys();
 const std::vector<ReservedKey>& reserved_top_level_keys();
 

@@ -1,23 +1,25 @@
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "framework/core/nearest_name.hpp"
+#include "framework/core/text_file.hpp"
+#include "framework/scene/box_checks.hpp"
 #include "framework/scene/checks.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/expression.hpp"
 #include "framework/scene/fault_list.hpp"
+#include "framework/scene/freedom_checks.hpp"
 #include "framework/scene/language.hpp"
+#include "framework/scene/motion_reader.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/scene/settings.hpp"
 #include "framework/scene/table_reader.hpp"
@@ -71,6 +73,7 @@ class SceneReader {
     report_unknown_tables();
     read_parameters();
     read_heading();
+    read_box();
     read_bodies();
     read_forces();
     check_names();
@@ -91,12 +94,10 @@ class SceneReader {
   };
 
   void report_unknown_tables() {
-    const TableLayout layout{top_level_keys(), {}, reserved_top_level_keys()};
+    TableLayout layout{{}, {}, reserved_top_level_keys()};
+    for (const std::string& key : top_level_keys()) layout.own_keys.push_back({key, ""});
     for (const Entry& entry : document_.entries) {
-      const auto& known = layout.own_keys;
-      if (std::find(known.begin(), known.end(), entry.key) == known.end()) {
-        report_key(entry, "", layout, faults_);
-      }
+      if (!layout.is_own_key(entry.key)) report_key(entry, "", layout, faults_);
     }
   }
 
@@ -198,6 +199,16 @@ class SceneReader {
     put("scene", read_section(given, scene_layout(), "scene", scene_.get()).effective);
   }
 
+  void read_box() {
+    const auto given = section("box");
+    if (!given) return;
+    BoxSettings& box = scene_->box;
+    box_ = read_section(*given, box_layout(), "box", &box);
+    box.place = source_.place(given->where);
+    box.places = box_->places;
+    put("box", box_->effective);
+  }
+
   void read_bodies() {
     const auto given = sections("body");
     const Node* node = document_.find("body");
@@ -207,7 +218,21 @@ class SceneReader {
     for (const Section& body : given) {
       BodyDraft draft;
       read_component(draft, "body", body, given, bodies_.size(), registry_.bodies(), body_layout);
+      read_freedom(draft, body);
       bodies_.push_back(std::move(draft));
+    }
+  }
+
+  /// `hold` and `motion`.
+  void read_freedom(BodyDraft& draft, const Section& given) {
+    if (const Node* node = given.table->find("hold")) {
+      const auto held = values_.read(hold_row(), *node, draft.reading.path + ".hold");
+      if (held) draft.hold = std::get<WordList>(*held).words;
+      draft.sound = draft.sound && held;
+    }
+    if (const Node* node = given.table->find("motion")) {
+      draft.motion = read_motion(*node, draft.reading.path + ".motion", parameters_, faults_);
+      draft.sound = draft.sound && draft.motion;
     }
   }
 
@@ -217,7 +242,7 @@ class SceneReader {
       ForceDraft draft;
       read_component(draft, "force", force, given, forces_.size(), registry_.forces(),
                      force_layout);
-      read_body_of_force(draft, force);
+      read_bodies_of_force(draft, force);
       forces_.push_back(std::move(draft));
     }
   }
@@ -314,24 +339,54 @@ class SceneReader {
     return "";
   }
 
-  /// `body = NAME`, which may be left out where there is one body only.
-  void read_body_of_force(ForceDraft& force, const Section& given) {
+  /// `body = NAME`, which may be left out where there is one body only, or `bodies = [..]`.
+  void read_bodies_of_force(ForceDraft& force, const Section& given) {
     if (bodies_.empty()) return;
-    const std::string key = force.reading.path + ".body";
-    const Node* node = given.table->find("body");
-    if (node == nullptr) {
-      if (bodies_.size() == 1) {
-        force.bodies = {0};
-      } else {
-        faults_.of_key(given.where,
-                       {key, "missing: there are several bodies", listed(names_of(bodies_))});
-      }
+    const std::string& path = force.reading.path;
+    const Node* one = given.table->find("body");
+    const Node* several = given.table->find("bodies");
+    if (one && several) {
+      faults_.of_key(given.table->find_entry("bodies")->where,
+                     {path + ".bodies", "body is given too", "one of the two"});
       return;
     }
-    const auto* name = node->as<std::string>();
+    const std::string key = path + (several ? ".bodies" : ".body");
+    if (several) {
+      force.bodies = bodies_in(*several, key);
+    } else if (one) {
+      if (const auto index = body_named(*one, key)) force.bodies = {*index};
+    } else if (bodies_.size() == 1) {
+      force.bodies = {0};
+    } else {
+      faults_.of_key(given.where,
+                     {key, "missing: there are several bodies", listed(names_of(bodies_))});
+    }
+    check_number_of_bodies(force, several ? several : one, key);
+  }
+
+  void check_number_of_bodies(ForceDraft& force, const Node* node, const std::string& key) {
+    if (force.record == nullptr || force.bodies.empty()) return;
+    const auto given = static_cast<int>(force.bodies.size());
+    const auto& [fewest, most] = std::pair(force.record->fewest_bodies, force.record->most_bodies);
+    if (given >= fewest && given <= most) return;
+    const std::string due =
+        fewest == most ? fmt::format("{}", most) : fmt::format("{} to {}", fewest, most);
+    const Wrong wrong{key, fmt::format("found {} bod{}, but {} acts on {}", given,
+                                       given == 1 ? "y" : "ies", force.record->name, due)};
+    if (node) {
+      faults_.of_value(*node, wrong);
+    } else {
+      faults_.of_key(force.reading.where, wrong);
+    }
+    force.bodies.clear();
+  }
+
+  /// The body of that name; nothing when there is none, and reported.
+  std::optional<std::size_t> body_named(const Node& node, const std::string& key) {
+    const auto* name = node.as<std::string>();
     if (name == nullptr) {
-      faults_.of_value(*node, {key, "found " + kind_of(*node), "the name of a body"});
-      return;
+      faults_.of_value(node, {key, "found " + kind_of(node), "the name of a body"});
+      return std::nullopt;
     }
     // A body whose own name is unfit is still the one that is meant.
     const auto found = std::find_if(bodies_.begin(), bodies_.end(), [name](const BodyDraft& body) {
@@ -339,13 +394,33 @@ class SceneReader {
       const auto* text = written ? written->as<std::string>() : nullptr;
       return text ? *text == *name : body.name == *name && !name->empty();
     });
-    if (found != bodies_.end()) {
-      force.bodies = {static_cast<std::size_t>(found - bodies_.begin())};
-      return;
-    }
+    if (found != bodies_.end()) return static_cast<std::size_t>(found - bodies_.begin());
     const auto names = names_of(bodies_);
-    faults_.of_value(*node, {key, "there is no such body", listed(names),
-                             nearest_name(*name, names).value_or("")});
+    faults_.of_value(node, {key, "there is no such body", listed(names),
+                            nearest_name(*name, names).value_or("")});
+    return std::nullopt;
+  }
+
+  /// A list of different bodies by their names; empty when one is unfit, and reported.
+  std::vector<std::size_t> bodies_in(const Node& node, const std::string& key) {
+    const std::string due = "a list of names of bodies";
+    const auto* list = node.as<List>();
+    if (list == nullptr || list->empty()) {
+      faults_.of_value(node, {key, list ? "the list is empty" : "found " + kind_of(node), due});
+      return {};
+    }
+    std::vector<std::size_t> result;
+    bool sound = true;
+    for (const Node& element : *list) {
+      const auto index = body_named(element, key);
+      if (index && std::find(result.begin(), result.end(), *index) != result.end()) {
+        faults_.of_value(element, {key, "the body is named twice", "different bodies"});
+        sound = false;
+      }
+      if (index) result.push_back(*index);
+      sound = sound && index;
+    }
+    return sound ? result : std::vector<std::size_t>();
   }
 
   /// Bodies and forces share their names: an observable says "ring.turns", whatever "ring" is.
@@ -367,11 +442,17 @@ class SceneReader {
   }
 
   void check_components() {
+    prepare_bodies(bodies_, std::filesystem::path(scene_->file).parent_path(), faults_);
     count_particles(bodies_, faults_);
     const auto dimension = scene_dimension(bodies_);
     if (dimension) scene_->dimension = *dimension;
+    check_freedom(bodies_, dimension, faults_);
     check_bodies(bodies_, dimension, faults_);
-    check_forces(forces_, bodies_, dimension, faults_);
+    const BoxSettings& box = scene_->box;
+    const bool box_is_sound =
+        !box_ ? document_.find("box") == nullptr : check_box(box, *box_, dimension, faults_);
+    check_forces(forces_, bodies_, box_is_sound ? &box : nullptr, dimension, faults_);
+    if (box_ && box_is_sound) check_box_periods(box, *box_, forces_, faults_);
   }
 
   void read_run() {
@@ -392,7 +473,40 @@ class SceneReader {
     Table effective;
     if (const auto integrator = read_integrator(*given)) effective.set("integrator", *integrator);
     append(effective, reading.effective);
+    if (const auto perturb = read_perturb(*given)) effective.set("perturb", *perturb);
     put("run", std::move(effective));
+  }
+
+  /// The effective table of `perturb`; nothing when it is absent or unfit.
+  std::optional<Node> read_perturb(const Section& run) {
+    const std::string path = "run.perturb";
+    const Node* node = run.table->find("perturb");
+    if (node == nullptr) return std::nullopt;
+    const auto* table = node->as<Table>();
+    if (table == nullptr) {
+      faults_.of_value(*node, {path, "found " + kind_of(*node), "{ size = ..., ... }"});
+      return std::nullopt;
+    }
+    PerturbSettings& perturb = scene_->run.perturb.emplace();
+    const auto reading = read_section({table, node->where}, perturb_layout(), path, &perturb);
+    perturb.place = source_.place(node->where);
+    perturb.places = reading.places;
+    if (const Node* bodies = table->find("bodies")) {
+      perturb.bodies = bodies_in(*bodies, path + ".bodies");
+    } else {
+      perturb.bodies.resize(bodies_.size());
+      std::iota(perturb.bodies.begin(), perturb.bodies.end(), std::size_t{0});
+    }
+    Table effective;
+    effective.set("bodies", names_of_bodies(perturb.bodies));
+    append(effective, reading.effective);
+    return Node{std::move(effective), {}};
+  }
+
+  Node names_of_bodies(const std::vector<std::size_t>& indices) const {
+    List names;
+    for (const std::size_t index : indices) names.push_back(text_node(bodies_[index].name));
+    return Node{std::move(names), {}};
   }
 
   /// The integrator's effective table; nothing when it is unfit.
@@ -513,11 +627,18 @@ class SceneReader {
   void hand_over() {
     List bodies;
     for (const BodyDraft& draft : bodies_) {
-      scene_->bodies.push_back(component_of<SceneBody>(draft));
+      auto body = component_of<SceneBody>(draft);
+      body.hold = draft.hold;
+      body.motion = draft.motion;
+      scene_->bodies.push_back(std::move(body));
       Table table;
       table.set("name", text_node(draft.name));
       table.set("type", text_node(draft.record->name));
       append(table, draft.reading.effective);
+      if (const Node* hold = draft.reading.given->find("hold")) table.set("hold", *hold);
+      if (const Node* motion = draft.reading.given->find("motion")) {
+        table.set("motion", {effective_motion(*motion->as<Table>(), scene_->dimension), {}});
+      }
       bodies.push_back({std::move(table), {}});
     }
     List forces;
@@ -528,7 +649,11 @@ class SceneReader {
       Table table;
       table.set("name", text_node(draft.name));
       table.set("type", text_node(draft.record->name));
-      table.set("body", text_node(bodies_[draft.bodies.front()].name));
+      if (draft.bodies.size() == 1) {
+        table.set("body", text_node(bodies_[draft.bodies.front()].name));
+      } else {
+        table.set("bodies", names_of_bodies(draft.bodies));
+      }
       append(table, draft.reading.effective);
       forces.push_back({std::move(table), {}});
     }
@@ -540,6 +665,15 @@ class SceneReader {
       if (const Node* node = effective_.find(key)) in_order.set(key, *node);
     }
     scene_->effective_toml = to_toml(in_order);
+    // With the contents of files written out it may have become more than can be read again.
+    if (scene_->effective_toml.size() > kLargestSceneFile) {
+      faults_.of_key(kTopOfFile,
+                     {"body",
+                      fmt::format("with all positions written out the scene takes {} MB",
+                                  scene_->effective_toml.size() >> 20),
+                      fmt::format("at most {} MB", kLargestSceneFile >> 20)});
+      faults_.throw_if_any();
+    }
   }
 
   const Table& document_;
@@ -549,41 +683,20 @@ class SceneReader {
   ParameterTable parameters_;
   ValueReader values_;
   std::shared_ptr<Scene> scene_;
+  std::optional<TableReading> box_;
   std::vector<BodyDraft> bodies_;
   std::vector<ForceDraft> forces_;
   Table effective_;
   bool duration_is_known_ = false;
 };
 
-[[noreturn]] void refuse_file(const std::string& file, std::string why) {
+std::string contents_of(const std::string& file) {
+  TextFile contents = read_text_file(file, kLargestSceneFile);
+  if (contents.why.empty()) return std::move(contents.text);
   Fault fault;
   fault.place = {file, 1, 1};
-  fault.why = std::move(why);
+  fault.why = std::move(contents.why);
   throw InputError({std::move(fault)});
-}
-
-std::string contents_of(const std::string& file) {
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) {
-    refuse_file(file, error && error != std::errc::no_such_file_or_directory
-                          ? "the file cannot be read: " + error.message()
-                          : "there is no such file");
-  }
-  if (std::filesystem::is_directory(status)) {
-    refuse_file(file, "a directory, where a scene file is due");
-  }
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) {
-    refuse_file(file, std::string("the file cannot be read: ") + std::strerror(errno));
-  }
-  // One byte more than is admissible, so that the excess is noticed; a device may never end.
-  std::string text(kLargestSceneFile + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (stream.bad()) refuse_file(file, "the file cannot be read");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  return text;
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "framework/core/force.hpp"
 #include "framework/core/integrator.hpp"
 #include "framework/core/registry.hpp"
+#include "framework/scene/motion.hpp"
 
 /// A scene: what a TOML file says, checked and immutable. Nothing is bound yet; see
 /// framework/model for that.
@@ -34,13 +35,27 @@ struct SceneComponent {
   }
 };
 
-struct SceneBody : SceneComponent<BodyRecord> {};
+struct SceneBody : SceneComponent<BodyRecord> {
+  std::vector<std::string> hold;  ///< frozen coordinates: each of "x", "y", "z", "rotation"
+  std::optional<Motion> motion;   ///< of a prescribed body, and of no other
+};
 
 struct SceneForce : SceneComponent<ForceRecord> {
   std::vector<std::size_t> bodies;  ///< indices into Scene::bodies, in the order named
 };
 
 struct SceneIntegrator : SceneComponent<IntegratorRecord> {};
+
+/// `perturb = { ... }`: runs repeated from slightly other starts, to see how far the result is
+/// determined at all.
+struct PerturbSettings {
+  std::vector<std::size_t> bodies;       ///< indices into Scene::bodies; all by default
+  double size = 0.0;                     ///< of the noise on each generalised coordinate
+  std::int64_t repeats = 3;              ///< one seed each
+  std::vector<std::string> observables;  ///< empty: the mean forces of all drivers
+  Place place;
+  std::map<std::string, Place> places;
+};
 
 struct RunSettings {
   std::string dynamics = "inertial";
@@ -51,6 +66,7 @@ struct RunSettings {
   std::int64_t seed = 0;
   bool allow_unstable = false;
   double checkpoint_every = 60.0;
+  std::optional<PerturbSettings> perturb;
   Place place;
   std::map<std::string, Place> places;
 };
@@ -74,6 +90,14 @@ struct OutputSettings {
   std::map<std::string, Place> places;
 };
 
+/// `[box]`: along a periodic axis everything repeats with the box's length.
+struct BoxSettings {
+  std::vector<double> lengths;  ///< [dimension]; empty: there is no box
+  std::vector<bool> periodic;   ///< [dimension]; the length of another axis is only recorded
+  Place place;
+  std::map<std::string, Place> places;
+};
+
 struct Scene {
   std::string file;  ///< as given; for messages
   std::string name;
@@ -81,6 +105,7 @@ struct Scene {
   std::string units = "reduced";
   int dimension = 0;
   std::vector<std::pair<std::string, double>> parameters;  ///< resolved, in file order
+  BoxSettings box;
   std::vector<SceneBody> bodies;
   std::vector<SceneForce> forces;
   RunSettings run;

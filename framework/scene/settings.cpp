@@ -15,7 +15,7 @@ namespace tomlin {
 namespace {
 
 constexpr const char* kAdmissiblePaths =
-    "a parameter's name, scene.KEY, run.KEY, measure.KEY, output.KEY, body.NAME.KEY, "
+    "a parameter's name, scene.KEY, box.KEY, run.KEY, measure.KEY, output.KEY, body.NAME.KEY, "
     "force.NAME.KEY";
 
 std::vector<std::string> parts_of(std::string_view path) {

@@ -35,9 +35,7 @@ TableReading read_table(const Table& table, const Extent& where, const TableLayo
 
   for (const Entry& entry : table.entries) {
     reading.places[entry.key] = source.place(entry.value.where);
-    const auto& own = layout.own_keys;
-    const bool known = layout.row(entry.key) != nullptr ||
-                       std::find(own.begin(), own.end(), entry.key) != own.end();
+    const bool known = layout.row(entry.key) != nullptr || layout.is_own_key(entry.key);
     if (!known) report_key(entry, reading.path, layout, faults);
   }
 

@@ -85,11 +85,18 @@ std::string what_is_due(const Parameter& row) {
           ways.push_back(a_number);
           ways.emplace_back("a list of such");
           return joined_with_or(ways);
-        } else {
-          static_assert(std::is_same_v<Kind, Attachment>);
+        } else if constexpr (std::is_same_v<Kind, Attachment>) {
           auto ways = in_quotes(words_of(row, kAttachmentWords));
           ways.emplace_back("{ particle = INDEX }");
           return joined_with_or(ways);
+        } else if constexpr (std::is_same_v<Kind, PointList>) {
+          return "a list of points, each a list with " + a_number + " per dimension";
+        } else if constexpr (std::is_same_v<Kind, WordList>) {
+          return row.choices.empty() ? "a list of names"
+                                     : "a list of " + joined_with_or(in_quotes(row.choices));
+        } else {
+          static_assert(std::is_same_v<Kind, FlagList>);
+          return "a list with true or false per dimension";
         }
       },
       row.prototype);
@@ -130,9 +137,15 @@ std::optional<ParameterValue> ValueReader::read_kind(const Subject& subject,
           return pair_selection(subject, node);
         } else if constexpr (std::is_same_v<Kind, WordOrNumbers>) {
           return word_or_numbers(subject, node);
-        } else {
-          static_assert(std::is_same_v<Kind, Attachment>);
+        } else if constexpr (std::is_same_v<Kind, Attachment>) {
           return attachment(subject, node);
+        } else if constexpr (std::is_same_v<Kind, PointList>) {
+          return point_list(subject, node);
+        } else if constexpr (std::is_same_v<Kind, WordList>) {
+          return word_list(subject, node);
+        } else {
+          static_assert(std::is_same_v<Kind, FlagList>);
+          return flag_list(subject, node);
         }
       },
       subject.row.prototype);
@@ -309,6 +322,59 @@ std::optional<Attachment> ValueReader::attachment(const Subject& subject, const 
   if (!given) return std::nullopt;
   result.kind = Attachment::Kind::particle;
   result.particle = *given;
+  return result;
+}
+
+std::optional<PointList> ValueReader::point_list(const Subject& subject, const Node& node) const {
+  const auto* list = node.as<List>();
+  if (list == nullptr) return wrong_kind(subject, node);
+  PointList result;
+  if (list->empty() || list->front().as<List>() == nullptr) {
+    auto coordinates = numbers(subject, *list, node);
+    if (!coordinates) return std::nullopt;
+    return PointList{1, *std::move(coordinates)};
+  }
+  for (const Node& element : *list) {
+    const auto point = space_vector(subject, element);
+    if (!point) return std::nullopt;
+    const std::size_t dimension = point->components.size();
+    if (result.dimension == 0) result.dimension = dimension;
+    if (dimension != result.dimension) {
+      return wrong(subject, element,
+                   fmt::format("point {} has {} coordinate{}, the first has {}", result.count(),
+                               dimension, dimension == 1 ? "" : "s", result.dimension));
+    }
+    result.coordinates.insert(result.coordinates.end(), point->components.begin(),
+                              point->components.end());
+  }
+  return result;
+}
+
+std::optional<WordList> ValueReader::word_list(const Subject& subject, const Node& node) const {
+  const auto* list = node.as<List>();
+  if (list == nullptr) return wrong_kind(subject, node);
+  WordList result;
+  for (const Node& element : *list) {
+    auto word = text(subject, element);
+    if (!word) return std::nullopt;
+    if (std::find(result.words.begin(), result.words.end(), *word) != result.words.end()) {
+      return wrong(subject, element, "is given twice");
+    }
+    result.words.push_back(*std::move(word));
+  }
+  return result;
+}
+
+std::optional<FlagList> ValueReader::flag_list(const Subject& subject, const Node& node) const {
+  const auto* list = node.as<List>();
+  if (list == nullptr) return wrong_kind(subject, node);
+  if (list->empty()) return wrong(subject, node, "the list is empty");
+  FlagList result;
+  for (const Node& element : *list) {
+    const bool* flag = element.as<bool>();
+    if (flag == nullptr) return wrong_kind(subject, element);
+    result.flags.push_back(*flag);
+  }
   return result;
 }
 

@@ -49,6 +49,9 @@ class ValueReader {
   std::optional<PairSelection> pair_selection(const Subject& subject, const Node& node) const;
   std::optional<WordOrNumbers> word_or_numbers(const Subject& subject, const Node& node) const;
   std::optional<Attachment> attachment(const Subject& subject, const Node& node) const;
+  std::optional<PointList> point_list(const Subject& subject, const Node& node) const;
+  std::optional<WordList> word_list(const Subject& subject, const Node& node) const;
+  std::optional<FlagList> flag_list(const Subject& subject, const Node& node) const;
 
   std::optional<double> evaluated(const Subject& subject, const Node& node) const;
   bool in_range(const Subject& subject, const Node& node, double x) const;

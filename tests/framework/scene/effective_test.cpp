@@ -22,6 +22,40 @@ void expect_same_description(const Component& a, const Component& b) {
   }
 }
 
+void expect_same(const TimeFunction& a, const TimeFunction& b) {
+  EXPECT_EQ(a.text, b.text);
+  EXPECT_EQ(a.is_constant(), b.is_constant());
+  for (const double t : {0.0, 0.3, 1e6}) EXPECT_EQ(a(t), b(t)) << t;
+}
+
+void expect_same(const SceneBody& a, const SceneBody& b) {
+  expect_same_description(a, b);
+  EXPECT_EQ(a.hold, b.hold);
+  ASSERT_EQ(a.motion.has_value(), b.motion.has_value());
+  if (!a.motion) return;
+  ASSERT_EQ(a.motion->velocity.size(), b.motion->velocity.size());
+  for (std::size_t d = 0; d < a.motion->velocity.size(); ++d) {
+    expect_same(a.motion->velocity[d], b.motion->velocity[d]);
+  }
+  expect_same(a.motion->angular_velocity, b.motion->angular_velocity);
+}
+
+void expect_same(const RunSettings& a, const RunSettings& b) {
+  expect_same_description(a.integrator, b.integrator);
+  EXPECT_EQ(a.dynamics, b.dynamics);
+  EXPECT_EQ(a.duration, b.duration);
+  EXPECT_EQ(a.number_type, b.number_type);
+  EXPECT_EQ(a.ledger, b.ledger);
+  EXPECT_EQ(a.seed, b.seed);
+  EXPECT_EQ(a.allow_unstable, b.allow_unstable);
+  ASSERT_EQ(a.perturb.has_value(), b.perturb.has_value());
+  if (!a.perturb) return;
+  EXPECT_EQ(a.perturb->bodies, b.perturb->bodies);
+  EXPECT_EQ(a.perturb->size, b.perturb->size);
+  EXPECT_EQ(a.perturb->repeats, b.perturb->repeats);
+  EXPECT_EQ(a.perturb->observables, b.perturb->observables);
+}
+
 void expect_same(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.source, b.source);
@@ -29,17 +63,16 @@ void expect_same(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.parameters, b.parameters);
   ASSERT_EQ(a.bodies.size(), b.bodies.size());
   for (std::size_t i = 0; i < a.bodies.size(); ++i) {
-    expect_same_description(a.bodies[i], b.bodies[i]);
+    expect_same(a.bodies[i], b.bodies[i]);
   }
   ASSERT_EQ(a.forces.size(), b.forces.size());
   for (std::size_t i = 0; i < a.forces.size(); ++i) {
     expect_same_description(a.forces[i], b.forces[i]);
     EXPECT_EQ(a.forces[i].bodies, b.forces[i].bodies);
   }
-  expect_same_description(a.run.integrator, b.run.integrator);
-  EXPECT_EQ(a.run.duration, b.run.duration);
-  EXPECT_EQ(a.run.seed, b.run.seed);
-  EXPECT_EQ(a.run.allow_unstable, b.run.allow_unstable);
+  expect_same(a.run, b.run);
+  EXPECT_EQ(a.box.lengths, b.box.lengths);
+  EXPECT_EQ(a.box.periodic, b.box.periodic);
   EXPECT_EQ(a.measure.unit, b.measure.unit);
   EXPECT_EQ(a.measure.from, b.measure.from);
   EXPECT_EQ(a.measure.to, b.measure.to);
@@ -125,6 +158,24 @@ lines''')"),
       replaced("duration = 1e4",
                "duration = 1e4\nseed = 9223372036854775807\n"
                "allow_unstable = true\nledger = false"),
+      replaced("radius = \"R\"",
+               "radius = 1\ncoordinates = \"rigid\"\nhold = [\"x\", \"rotation\"]"),
+      replaced("radius = \"R\"", "radius = 1\nhold = []"),
+      replaced(
+          "radius = \"R\"",
+          "radius = 1\ncoordinates = \"prescribed\"\nmotion = { angular_velocity = \"k * t\" }"),
+      replaced("radius = \"R\"",
+               "radius = 1\ncoordinates = \"prescribed\"\nmotion = { velocity = [1, \"-k\"] }"),
+      replaced("[scene]", "[box]\nlengths = [\"N\", 0.1]\nperiodic = [true, false]\n[scene]"),
+      replaced("duration = 1e4",
+               "duration = 1e4\ndynamics = \"overdamped\"\nnumber_type = \"quadruple\"\n"
+               "ledger = true\nperturb = { size = \"R / 3\" }"),
+      replaced(kDots, "duration = 1\n",
+               "duration = 1\nperturb = { size = 1e-12, repeats = 5, bodies = [\"two\"], "
+               "observables = [\"one.velocity.x\", \"two.velocity.x\"] }\n"),
+      std::string(kDots) +
+          "[[force]]\ntype = \"bonds\"\nbodies = [\"two\", \"one\"]\npairs = [[0, 0]]",
+      std::string(kDots) + "[[force]]\ntype = \"bonds\"\nbodies = [\"two\"]",
   };
   for (const std::string& text : scenes) {
     SCOPED_TRACE(text);
@@ -170,6 +221,13 @@ TEST(EffectiveScene, DefaultsOfEveryKindHaveTheirForm) {
   EXPECT_EQ(text(WordOrNumbers{"", {1.0}}), "1.0");
   EXPECT_EQ(text(Attachment{Attachment::Kind::particle, 3}), "{ particle = 3 }");
   EXPECT_EQ(text(Attachment{}), R"("centre_of_mass")");
+  EXPECT_EQ(text(PointList{}), "(absent)");
+  EXPECT_EQ(text(PointList{1, {1.0, 2.0}}), "[1.0, 2.0]");
+  EXPECT_EQ(text(PointList{2, {1.0, 2.0, 3.0, 4.0}}), "[[1.0, 2.0], [3.0, 4.0]]");
+  EXPECT_EQ(text(WordList{}), "(absent)");
+  EXPECT_EQ(text(WordList{{"a", "b"}}), R"(["a", "b"])");
+  EXPECT_EQ(text(FlagList{}), "(absent)");
+  EXPECT_EQ(text(FlagList{{true, false}}), "[true, false]");
 }
 
 TEST(Text, IsCutBetweenCharacters) {

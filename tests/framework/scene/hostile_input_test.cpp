@@ -170,7 +170,7 @@ TEST_F(Files, ThatCannotBeReadAreRefused) {
   expect_one_fault(faults_reading(path("empty.toml")),
                    path("empty.toml") + ":1:1: error: the file is empty");
   expect_one_fault(faults_reading(folder_),
-                   folder_ + ":1:1: error: a directory, where a scene file is due");
+                   folder_ + ":1:1: error: a directory, where a file is due");
   expect_one_fault(faults_reading(path("plain/scene.toml")),
                    path("plain/scene.toml") + ":1:1: error: ");
   expect_one_fault(faults_reading(path("large.toml")),

@@ -92,7 +92,7 @@ struct Unfit {
 
 TEST(Settings, FaultsNameTheSetting) {
   const std::string paths =
-      "a parameter's name, scene.KEY, run.KEY, measure.KEY, output.KEY, body.NAME.KEY, "
+      "a parameter's name, scene.KEY, box.KEY, run.KEY, measure.KEY, output.KEY, body.NAME.KEY, "
       "force.NAME.KEY";
   const std::vector<Unfit> all = {
       {{"run.integrator.dt", "-1"}, "run.integrator.dt = -1: out of range; admissible: > 0"},
@@ -105,8 +105,9 @@ TEST(Settings, FaultsNameTheSetting) {
        "run.integrator.type = rk9: there is no such integrator; ..."},
       {{"run.integrator.dt.x", "1"},
        "run.integrator.dt.x = 1: dt is a number, which has no keys of its own"},
-      {{"run.perturb", "{ size = 1 }"}, "run.perturb: not in this version..."},
-      {{"box.lengths", "[1]"}, "box: not in this version..."},
+      {{"run.accuracy", "1"}, "run.accuracy: not in this version..."},
+      {{"run.perturb.size", "-1"}, "run.perturb.size = -1: out of range; admissible: > 0"},
+      {{"plugins.mine", "1"}, "plugins: not in this version..."},
       {{"K", "1"},
        R"(K = 1: there is no such parameter; admissible: N, R, k; or a dotted path; )"
        R"(did you mean "k"?)"},
@@ -124,7 +125,7 @@ TEST(Settings, FaultsNameTheSetting) {
        R"(force.pull.stiffness = 1: there is no force of that name; admissible: bonds, driver)"},
       {{"forces.driver.stiffness", "1"},
        R"(forces.driver.stiffness = 1: there is no such table; admissible: scene, parameters, )"
-       R"(body, force, run, measure, output; did you mean "force"?)"},
+       R"(box, body, force, run, measure, output; did you mean "force"?)"},
       {{"run..dt", "1"}, "run..dt = 1: not a path; admissible: " + paths},
       {{".", "1"}, ". = 1: not a path; admissible: " + paths},
       {{"", "1"}, "not a path; admissible: " + paths},

@@ -45,7 +45,7 @@ inline BodyRecord dot() {
   record.complaints = [](const void*, int) { return std::vector<Complaint>(); };
   record.build = [](const void* description, int) {
     const auto& position = static_cast<const Dot*>(description)->position.components;
-    return BodyGeometry{position, {std::vector<double>(position.size(), 0.0)}, false, 0.0};
+    return BodyGeometry{position, {std::vector<double>(position.size(), 0.0)}, false, 0.0, -1};
   };
   return record;
 }
@@ -89,7 +89,7 @@ inline BodyRecord loop() {
   return record;
 }
 
-/// Its shape has no vectors; open.
+/// Its shape has no vectors; open, along x.
 struct Row : BodyDescription {
   std::int64_t count = 0;
 };
@@ -106,7 +106,11 @@ inline BodyRecord row() {
     return static_cast<const Row*>(description)->count;
   };
   record.complaints = [](const void*, int) { return std::vector<Complaint>(); };
-  record.build = [](const void*, int) { return BodyGeometry(); };
+  record.build = [](const void*, int) {
+    BodyGeometry geometry;
+    geometry.open_along = 0;
+    return geometry;
+  };
   return record;
 }
 
@@ -144,8 +148,10 @@ struct Bonds {
   PerParticle charge;
 };
 
+/// Within a body or between two.
 inline ForceRecord bonds() {
   ForceRecord record;
+  record.most_bodies = 2;
   describe(record, "bonds",
            {parameter("pairs", &Bonds::pairs, dimension::none, "which").by_default(PairSelection{}),
             parameter("rest_lengths", &Bonds::rest_lengths, dimension::length, "how long")
@@ -170,6 +176,24 @@ inline ForceRecord bonds() {
     return complaints;
   };
   record.period = no_period;
+  record.bind = no_force;
+  return record;
+}
+
+struct Wave {
+  double period = 0.0;
+};
+
+/// Periodic along x.
+inline ForceRecord wave() {
+  ForceRecord record;
+  describe(record, "wave",
+           {parameter("period", &Wave::period, dimension::length, "along x").in(positive)});
+  record.make_description = make_description<Wave>;
+  record.complaints = no_complaints;
+  record.period = [](const void* description, int axis) {
+    return axis == 0 ? static_cast<const Wave*>(description)->period : 0.0;
+  };
   record.bind = no_force;
   return record;
 }
@@ -209,6 +233,7 @@ inline Registry components() {
   registry.add(row());
   registry.add(pull());
   registry.add(bonds());
+  registry.add(wave());
   registry.add(euler());
   return registry;
 }

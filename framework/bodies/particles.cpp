@@ -1,0 +1,136 @@
+#include "framework/bodies/particles.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/bodies/position_file.hpp"
+#include "framework/core/text_file.hpp"
+
+namespace tomlin {
+namespace {
+
+using Description = ParticlesDescription;
+
+constexpr std::size_t kLargestFile = std::size_t{16} << 20;  // bytes; as of a scene
+
+int dimension_of(const void* description) {
+  return static_cast<int>(static_cast<const Description*>(description)->positions.dimension);
+}
+
+std::int64_t count(const void* description) {
+  return static_cast<std::int64_t>(static_cast<const Description*>(description)->positions.count());
+}
+
+/// Fills in the positions that the file holds.
+std::vector<Complaint> fetch(Description& d, const std::filesystem::path& folder) {
+  if (d.file.find('\0') != std::string::npos) return {{"file", "not the name of a file", ""}};
+  const auto path = folder / d.file;
+  const TextFile contents = read_text_file(path, kLargestFile);
+  if (!contents.why.empty()) return {{"file", path.string() + ": " + contents.why, ""}};
+  if (contents.text.size() > kLargestFile) {
+    return {{"file", path.string() + ": the file is too large",
+             fmt::format("at most {} MB", kLargestFile >> 20)}};
+  }
+  PositionFile file = parse_positions(contents.text, path.string());
+  std::vector<Complaint> complaints;
+  for (std::string& fault : file.faults) complaints.push_back({"file", std::move(fault), ""});
+  d.positions = std::move(file.positions);
+  d.read_from = std::exchange(d.file, "");
+  return complaints;
+}
+
+std::vector<Complaint> prepare(void* description, const std::filesystem::path& folder) {
+  auto& d = *static_cast<Description*>(description);
+  const bool listed = !d.positions.coordinates.empty();
+  const bool in_file = !d.file.empty();
+  if (listed && in_file) return {{"file", "positions are given too", "one of the two"}};
+  if (!listed && !in_file)
+    return {{"positions", "missing", "positions = [[..], ..] or file = \"..\""}};
+  return in_file ? fetch(d, folder) : std::vector<Complaint>();
+}
+
+std::vector<double> relative_to_first(const PointList& positions, std::size_t particle) {
+  std::vector<double> relative(positions.dimension);
+  for (std::size_t axis = 0; axis < positions.dimension; ++axis) {
+    relative[axis] =
+        positions.coordinates[particle * positions.dimension + axis] - positions.coordinates[axis];
+  }
+  return relative;
+}
+
+std::vector<Complaint> complaints(const void* description, int dimension) {
+  const auto& d = *static_cast<const Description*>(description);
+  const std::string key = d.read_from.empty() ? "positions" : "file";
+  if (d.positions.dimension != static_cast<std::size_t>(dimension)) {
+    return {{key,
+             fmt::format("mixed dimensions: points of {}, but the scene has {}, by its first body",
+                         d.positions.dimension, dimension),
+             ""}};
+  }
+  for (std::size_t i = 0; i < d.positions.count(); ++i) {
+    for (const double distance : relative_to_first(d.positions, i)) {
+      if (std::isfinite(distance)) continue;
+      return {{key, fmt::format("particle {} is infinitely far from the first", i), ""}};
+    }
+  }
+  return {};
+}
+
+BodyGeometry build(const void* description, int dimension) {
+  const PointList& positions = static_cast<const Description*>(description)->positions;
+  BodyGeometry geometry;
+  geometry.anchor.assign(positions.coordinates.begin(), positions.coordinates.begin() + dimension);
+  geometry.relative.reserve(positions.count());
+  for (std::size_t i = 0; i < positions.count(); ++i) {
+    geometry.relative.push_back(relative_to_first(positions, i));
+  }
+  if (dimension == 1) geometry.open_along = 0;
+  return geometry;
+}
+
+}  // namespace
+
+BodyRecord particles_record() {
+  BodyRecord record;
+  record.name = "particles";
+  record.summary = "particles at given positions, from a list or a file";
+  record.equation = "x_i = positions[i]";
+  record.source = "no model of its own; D. Frenkel and B. Smit, Understanding Molecular Simulation";
+  record.make_description = &make_description<Description>;
+  record.parameters = with_body_parameters<Description>(
+      {parameter("positions", &Description::positions, dimension::length,
+                 "a list of points; in one dimension of numbers")
+           .or_absent(),
+       parameter("file", &Description::file, dimension::none,
+                 "in place of positions: a file with one particle per line, one column per "
+                 "dimension, # comments; its path is relative to the scene's folder")
+           .or_absent()});
+  record.prepare = &prepare;
+  record.common = &body_part<Description>;
+  record.dimension = &dimension_of;
+  record.count = &count;
+  record.complaints = &complaints;
+  record.build = &build;
+  record.example = R"(# Three particles, bonded to each other in a triangle.
+[[body]]
+type = "particles"
+positions = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.8]]
+velocity = [[0.1, 0.0], [0.0, 0.0], [0.0, 0.0]]
+particle_mass = 1.0
+
+[[force]]
+type = "harmonic_bonds"
+pairs = "all"
+stiffness = 1.0
+
+[run]
+duration = 1.0
+integrator = { type = "rk4", dt = 1e-2 }
+)";
+  return record;
+}
+
+}  // namespace tomlin

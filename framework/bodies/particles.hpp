@@ -1,0 +1,16 @@
+#pragma once
+
+#include "framework/core/body.hpp"
+
+/// Particles anywhere: listed in the scene, or in a file of coordinates.
+namespace tomlin {
+
+struct ParticlesDescription : BodyDescription {
+  PointList positions;
+  std::string file;       ///< empty once its positions are fetched
+  std::string read_from;  ///< the file that they were fetched from; for messages
+};
+
+BodyRecord particles_record();
+
+}  // namespace tomlin

@@ -1,0 +1,128 @@
+#include "framework/bodies/position_file.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace tomlin {
+namespace {
+
+constexpr std::size_t kMostColumns = 3;
+constexpr std::size_t kMostFaults = 10;        // of a file; nobody reads more
+constexpr std::size_t kLongestShownWord = 30;  // bytes
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+/// In quotes, on one line, ASCII whatever the file holds.
+std::string shown(std::string_view word) {
+  std::string text;
+  for (const char c : word.substr(0, kLongestShownWord)) text += c > ' ' && c <= '~' ? c : '?';
+  return '"' + text + (word.size() > kLongestShownWord ? "...\"" : "\"");
+}
+
+/// The columns of one line.
+struct Row {
+  std::vector<double> numbers;
+  std::string why;  ///< what is wrong; empty when sound
+};
+
+class RowReader {
+ public:
+  explicit RowReader(std::string_view line) : rest_(line.substr(0, line.find('#'))) {}
+
+  Row read() {
+    Row row;
+    skip_spaces();
+    bool after_comma = false;
+    while (!rest_.empty() || after_comma) {
+      const std::string_view word = take_word();
+      if (word.empty()) return refused("a column is empty");
+      const auto end = word.data() + word.size();
+      // A sign that from_chars does not know.
+      const char* begin = word.data() + (word.size() > 1 && word[0] == '+' && word[1] != '-');
+      double number = 0.0;
+      const auto [stop, error] = std::from_chars(begin, end, number);
+      if (error == std::errc::result_out_of_range) {
+        return refused(shown(word) + " is too large or too small for a double");
+      }
+      if (error != std::errc() || stop != end) return refused(shown(word) + " is not a number");
+      if (!std::isfinite(number)) return refused(shown(word) + " is not a finite number");
+      row.numbers.push_back(number);
+      after_comma = take_comma();
+    }
+    return row;
+  }
+
+ private:
+  static Row refused(std::string why) { return {{}, std::move(why)}; }
+
+  void skip_spaces() {
+    while (!rest_.empty() && is_space(rest_.front())) rest_.remove_prefix(1);
+  }
+
+  std::string_view take_word() {
+    std::size_t length = 0;
+    while (length < rest_.size() && !is_space(rest_[length]) && rest_[length] != ',') ++length;
+    const std::string_view word = rest_.substr(0, length);
+    rest_.remove_prefix(length);
+    skip_spaces();
+    return word;
+  }
+
+  bool take_comma() {
+    if (rest_.empty() || rest_.front() != ',') return false;
+    rest_.remove_prefix(1);
+    skip_spaces();
+    return true;
+  }
+
+  std::string_view rest_;
+};
+
+std::string columns(std::size_t count) {
+  return fmt::format("{} column{}", count, count == 1 ? "" : "s");
+}
+
+}  // namespace
+
+PositionFile parse_positions(std::string_view text, const std::string& name) {
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  PositionFile file;
+  PointList& positions = file.positions;
+  std::size_t first_line = 0;
+  for (std::size_t line = 1; !text.empty() && file.faults.size() < kMostFaults; ++line) {
+    const std::size_t length = std::min(text.find('\n'), text.size());
+    Row row = RowReader(text.substr(0, length)).read();
+    text.remove_prefix(std::min(length + 1, text.size()));
+    const std::size_t count = row.numbers.size();
+    if (row.why.empty() && count == 0) continue;
+    if (row.why.empty() && count > kMostColumns) {
+      row.why =
+          fmt::format("{}, but space has at most {} dimensions", columns(count), kMostColumns);
+    } else if (row.why.empty() && first_line > 0 && count != positions.dimension) {
+      row.why =
+          fmt::format("{}, but line {} has {}", columns(count), first_line, positions.dimension);
+    }
+    if (!row.why.empty()) {
+      file.faults.push_back(fmt::format("{}:{}: {}", name, line, row.why));
+      continue;
+    }
+    if (first_line == 0) first_line = line;
+    positions.dimension = count;
+    positions.coordinates.insert(positions.coordinates.end(), row.numbers.begin(),
+                                 row.numbers.end());
+  }
+  if (file.faults.empty() && positions.coordinates.empty()) {
+    file.faults.push_back(name + ":1: there are no positions in it");
+  }
+  return file;
+}
+
+}  // namespace tomlin

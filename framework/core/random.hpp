@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+
+/// Random numbers that depend on nothing but their key and their place: the counter-based generator
+/// Philox 4x64-10 (Salmon, Moraes, Dror, Shaw, SC '11, doi:10.1145/2063384.2063405; Random123).
+namespace tomlin {
+
+struct RandomKey {
+  std::uint64_t seed = 0;
+  std::uint64_t stream = 0;
+};
+
+/// Where in the stream: e.g. step, particle, stage. Never mix a seed into it.
+struct RandomPlace {
+  std::uint64_t a = 0;
+  std::uint64_t b = 0;
+  std::uint64_t c = 0;
+  std::uint64_t d = 0;
+};
+
+/// Uniform in (-1, 1), symmetric about zero.
+double uniform_symmetric(const RandomKey& key, const RandomPlace& place);
+
+}  // namespace tomlin

@@ -1,0 +1,130 @@
+#include "framework/scene/freedom_checks.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "framework/scene/text.hpp"
+
+namespace tomlin {
+namespace {
+
+constexpr const char* kAxes[] = {"x", "y", "z"};
+constexpr const char* kRotation = "rotation";
+
+class FreedomCheck {
+ public:
+  FreedomCheck(BodyDraft& body, std::optional<int> dimension, FaultList& faults)
+      : body_(body), dimension_(dimension), faults_(faults) {
+    const auto found = body.reading.values.find("coordinates");
+    if (found != body.reading.values.end()) coordinates_ = std::get<std::string>(found->second);
+  }
+
+  void run() {
+    if (coordinates_.empty()) return;  // unfit, and reported
+    check_whether_held();
+    for (const std::string& name : body_.hold) check_held(name);
+    check_whether_in_motion();
+    if (body_.motion && dimension_) check_motion(*body_.motion);
+  }
+
+ private:
+  bool is_given(const char* key) const { return body_.reading.given->find(key) != nullptr; }
+
+  void complain(const std::string& key, std::string why, std::string admissible = "") {
+    const Entry* entry = body_.reading.given->find_entry(key);
+    const Extent& where = entry ? entry->where : body_.reading.where;
+    faults_.of_key(where, {body_.reading.path + "." + key, std::move(why), std::move(admissible)});
+    body_.sound = false;
+  }
+
+  void check_whether_held() {
+    const bool moves = coordinates_ == "particles" || coordinates_ == "rigid";
+    if (moves || body_.hold.empty()) return;
+    complain("hold", fmt::format("nothing of a {} body is free", coordinates_),
+             "coordinates = \"particles\" or \"rigid\"");
+    body_.hold.clear();  // more about it is no news
+  }
+
+  void check_held(const std::string& name) {
+    if (name == kRotation) {
+      if (coordinates_ == "rigid") return;
+      complain("hold", "only a rigid body has a rotation", "coordinates = \"rigid\"");
+      return;
+    }
+    const auto* axis = std::find(std::begin(kAxes), std::end(kAxes), name);
+    const auto index = static_cast<std::size_t>(axis - std::begin(kAxes));
+    if (dimension_ && index >= static_cast<std::size_t>(*dimension_)) {
+      complain("hold", fmt::format("{} is no axis of a scene of {} dimension{}", quoted_text(name),
+                                   *dimension_, *dimension_ == 1 ? "" : "s"));
+    } else if (starts_along(index)) {
+      complain("velocity", fmt::format("a held coordinate does not move: {} is held", name),
+               fmt::format("0 along {}", name));
+    }
+  }
+
+  bool starts_along(std::size_t axis) const {
+    const auto found = body_.reading.values.find("velocity");
+    if (found == body_.reading.values.end()) return false;
+    const auto& vectors = std::get<PerParticleVector>(found->second).values;
+    return std::any_of(vectors.begin(), vectors.end(), [axis](const SpaceVector& velocity) {
+      return axis < velocity.components.size() && velocity.components[axis] != 0.0;
+    });
+  }
+
+  void check_whether_in_motion() {
+    const bool prescribed = coordinates_ == "prescribed";
+    if (prescribed && !is_given("motion")) {
+      complain("motion", "missing: a prescribed body needs one",
+               "{ velocity = [..], angular_velocity = .. }");
+    }
+    if (!prescribed && is_given("motion")) {
+      complain("motion", "only a prescribed body has one", "coordinates = \"prescribed\"");
+    }
+    if (prescribed && is_given("velocity")) {
+      complain("velocity", "a prescribed body has the velocity of its motion",
+               "motion = { velocity = [..] }");
+    }
+  }
+
+  void check_motion(Motion& motion) {
+    const Table& given = *body_.reading.given->find("motion")->as<Table>();
+    const auto dimension = static_cast<std::size_t>(*dimension_);
+    if (motion.velocity.empty()) motion.velocity.resize(dimension);
+    const std::size_t length = motion.velocity.size();
+    if (length != dimension) {
+      refuse(
+          given, "velocity",
+          fmt::format("mixed dimensions: {} component{}, but the scene has {}, by its first body",
+                      length, length == 1 ? "" : "s", dimension));
+    }
+    if (dimension != 2 && given.find("angular_velocity") != nullptr) {
+      refuse(given, "angular_velocity", "only a planar body turns by one number");
+    }
+  }
+
+  void refuse(const Table& motion, const std::string& key, std::string why) {
+    faults_.of_value(*motion.find(key), {body_.reading.path + ".motion." + key, std::move(why)});
+    body_.sound = false;
+  }
+
+  BodyDraft& body_;
+  std::optional<int> dimension_;
+  FaultList& faults_;
+  std::string coordinates_;
+};
+
+}  // namespace
+
+void check_freedom(std::vector<BodyDraft>& bodies, std::optional<int> dimension,
+                   FaultList& faults) {
+  for (BodyDraft& body : bodies) {
+    if (body.record != nullptr) FreedomCheck(body, dimension, faults).run();
+  }
+}
+
+}  // namespace tomlin

@@ -1,0 +1,156 @@
+#include "framework/scene/motion_reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "framework/scene/effective.hpp"
+#include "framework/scene/language.hpp"
+#include "framework/scene/table_reader.hpp"
+
+namespace tomlin {
+namespace {
+
+constexpr const char* kVariable = "t";
+constexpr const char* kNumberDue = "a number or an expression in t";
+constexpr const char* kVelocityDue = "a list with a number or an expression in t per dimension";
+
+TableLayout motion_layout() {
+  TableLayout layout;
+  layout.own_keys = {{"velocity", "of the centre of mass"},
+                     {"angular_velocity", "rad/time, counter-clockwise"}};
+  return layout;
+}
+
+TimeFunction constant_function(double value, std::string text) {
+  TimeFunction function;
+  function.constant = value;
+  function.text = std::move(text);
+  return function;
+}
+
+class MotionReader {
+ public:
+  MotionReader(const ParameterTable& parameters, FaultList& faults)
+      : parameters_(parameters), faults_(faults) {}
+
+  std::optional<std::vector<TimeFunction>> vector(const Node& node, const std::string& key) {
+    const auto* list = node.as<List>();
+    if (list == nullptr) {
+      faults_.of_value(node, {key, "found " + kind_of(node), kVelocityDue});
+      return std::nullopt;
+    }
+    std::vector<TimeFunction> result;
+    for (const Node& element : *list) {
+      if (auto component = number(element, key)) result.push_back(*std::move(component));
+    }
+    if (result.size() < list->size()) return std::nullopt;
+    if (!result.empty()) return result;
+    faults_.of_value(node, {key, "the list is empty", kVelocityDue});
+    return std::nullopt;
+  }
+
+  std::optional<TimeFunction> number(const Node& node, const std::string& key) {
+    if (const auto* integer = node.as<std::int64_t>()) {
+      return constant_function(static_cast<double>(*integer), value_text(node));
+    }
+    if (const auto* text = node.as<std::string>()) return function(node, *text, key);
+    const auto* given = node.as<double>();
+    if (given != nullptr && std::isfinite(*given)) {
+      return constant_function(*given, value_text(node));
+    }
+    faults_.of_value(node,
+                     {key, given ? "not a finite number" : "found " + kind_of(node), kNumberDue});
+    return std::nullopt;
+  }
+
+ private:
+  std::optional<TimeFunction> function(const Node& node, const std::string& text,
+                                       const std::string& key) {
+    auto result = parameters_.bind(text, kVariable);
+    if (const auto* error = std::get_if<ExpressionError>(&result)) return refuse(node, key, *error);
+    auto& bound = std::get<BoundExpression>(result);
+
+    // Every run begins at 0: there at least it must have a value.
+    const auto& known = bound.parameters;
+    const auto at_start = bound.expression.evaluate([&known](std::string_view name) {
+      const auto found = std::find_if(known.begin(), known.end(),
+                                      [name](const auto& one) { return one.first == name; });
+      return std::optional(found == known.end() ? 0.0 : found->second);
+    });
+    if (const auto* error = std::get_if<ExpressionError>(&at_start)) {
+      return refuse(node, key, *error);
+    }
+    const auto& names = bound.expression.names();
+    const bool changes = std::any_of(names.begin(), names.end(),
+                                     [](const auto& used) { return used.name == kVariable; });
+    if (!changes) return constant_function(std::get<double>(at_start), text);
+    TimeFunction function;
+    function.text = text;
+    function.expression = std::make_shared<const Expression>(std::move(bound.expression));
+    function.parameters = std::move(bound.parameters);
+    return function;
+  }
+
+  std::nullopt_t refuse(const Node& node, const std::string& key, const ExpressionError& error) {
+    if (!error.consequence) {
+      faults_.inside(node, error.column, {key, error.why, "", error.nearest});
+    }
+    return std::nullopt;
+  }
+
+  const ParameterTable& parameters_;
+  FaultList& faults_;
+};
+
+}  // namespace
+
+std::optional<Motion> read_motion(const Node& node, const std::string& key,
+                                  const ParameterTable& parameters, FaultList& faults) {
+  const auto* table = node.as<Table>();
+  if (table == nullptr) {
+    faults.of_value(node,
+                    {key, "found " + kind_of(node), "{ velocity = [..], angular_velocity = .. }"});
+    return std::nullopt;
+  }
+  MotionReader reader(parameters, faults);
+  Motion motion;
+  bool sound = true;
+  for (const Entry& entry : table->entries) {
+    const std::string path = key + "." + entry.key;
+    if (entry.key == "velocity") {
+      auto velocity = reader.vector(entry.value, path);
+      sound = sound && velocity;
+      if (velocity) motion.velocity = *std::move(velocity);
+    } else if (entry.key == "angular_velocity") {
+      auto angular = reader.number(entry.value, path);
+      sound = sound && angular;
+      if (angular) motion.angular_velocity = *std::move(angular);
+    } else {
+      report_key(entry, key, motion_layout(), faults);
+      sound = false;
+    }
+  }
+  if (!sound) return std::nullopt;
+  return motion;
+}
+
+Table effective_motion(const Table& given, int dimension) {
+  Table motion = given;
+  const Node zero{0.0, {}};
+  if (motion.find("velocity") == nullptr) {
+    motion.set("velocity", Node{List(static_cast<std::size_t>(dimension), zero), {}});
+  }
+  if (dimension == 2 && motion.find("angular_velocity") == nullptr) {
+    motion.set("angular_velocity", zero);
+  }
+  return motion;
+}
+
+}  // namespace tomlin
