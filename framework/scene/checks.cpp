@@ -222,6 +222,9 @@ std::optional<SceneOutline> outline_for(const ForceDraft& force,
   return outline;
 }
 
+/// What tells the number of particles; empty where that is no key.
+std::string count_key(const BodyDraft& body) { return body.reading.has("count") ? "count" : ""; }
+
 }  // namespace
 
 void prepare_bodies(std::vector<BodyDraft>& bodies, const std::filesystem::path& folder,
@@ -246,13 +249,13 @@ void count_particles(std::vector<BodyDraft>& bodies, FaultList& faults) {
     const std::int64_t count = body.record->count(body.description.get());
     const std::string limit = fmt::format("at most {} particles in a scene", kMostParticles);
     if (count > kMostParticles) {
-      body.reading.complain(faults, "count", {"", "too many particles", limit});
+      body.reading.complain(faults, count_key(body), {"", "too many particles", limit});
     } else if (total <= kMostParticles && total + count > kMostParticles) {
       body.reading.complain(
-          faults, "count",
+          faults, count_key(body),
           {"", fmt::format("too many particles: {} with the bodies before", total + count), limit});
     } else if (count < 1) {
-      body.reading.complain(faults, "count", {"", "a body has at least one particle"});
+      body.reading.complain(faults, count_key(body), {"", "a body has at least one particle"});
     } else {
       body.count = count;
     }
@@ -267,7 +270,10 @@ std::optional<int> scene_dimension(const std::vector<BodyDraft>& bodies) {
   if (!first.shape_is_known) return std::nullopt;
   if (const int dimension = first.record->dimension(first.description.get())) return dimension;
 
-  // The body's shape has no vectors: its velocity has, or there are none at all.
+  // The body's shape has no vectors: its motion or velocity has, or there are none at all.
+  if (first.motion && !first.motion->velocity.empty()) {
+    return static_cast<int>(first.motion->velocity.size());
+  }
   if (first.reading.given->find("velocity") == nullptr) return 1;
   const auto velocity = first.reading.values.find("velocity");
   if (velocity == first.reading.values.end() || !is_vector(velocity->second)) return std::nullopt;

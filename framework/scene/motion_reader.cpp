@@ -17,6 +17,7 @@
 namespace tomlin {
 namespace {
 
+constexpr std::size_t kMostDimensions = 3;
 constexpr const char* kVariable = "t";
 constexpr const char* kNumberDue = "a number or an expression in t";
 constexpr const char* kVelocityDue = "a list with a number or an expression in t per dimension";
@@ -51,8 +52,10 @@ class MotionReader {
       if (auto component = number(element, key)) result.push_back(*std::move(component));
     }
     if (result.size() < list->size()) return std::nullopt;
-    if (!result.empty()) return result;
-    faults_.of_value(node, {key, "the list is empty", kVelocityDue});
+    if (!result.empty() && result.size() <= kMostDimensions) return result;
+    faults_.of_value(
+        node, {key, result.empty() ? "the list is empty" : "space has at most three dimensions",
+               kVelocityDue});
     return std::nullopt;
   }
 

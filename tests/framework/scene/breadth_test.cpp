@@ -101,6 +101,9 @@ TEST(Motion, FaultsHaveTheirPlace) {
   EXPECT_EQ(instead_of("[\"k * cos(t)\", \"k / 4\"]", "[]"),
             "14:23: body.ring.motion.velocity = []: the list is empty; admissible: a list with a "
             "number or an expression in t per dimension\n");
+  EXPECT_EQ(instead_of("\"k / 4\"", "0, 0, 0"),
+            "14:23: body.ring.motion.velocity = [\"k * cos(t)\", 0, 0, 0]: space has at most three "
+            "dimensions; admissible: a list with a number or an expression in t per dimension\n");
   EXPECT_EQ(instead_of("[\"k * cos(t)\", \"k / 4\"]", "1"),
             "14:23: body.ring.motion.velocity = 1: found an integer; admissible: a list with a "
             "number or an expression in t per dimension\n");
@@ -122,6 +125,16 @@ TEST(Motion, BelongsToPrescribedBodies) {
   EXPECT_EQ(spoilt(kSlider, "motion = {", "velocity = [1, 0]\nmotion = {"),
             "14:1: body.ring.velocity: a prescribed body has the velocity of its motion; "
             "admissible: motion = { velocity = [..] }\n");
+}
+
+TEST(Motion, TellsTheDimensionWhereTheShapeHasNoVectors) {
+  const auto dimension = [](const std::string& motion) {
+    return parsed(replaced(kRow, "count = 3",
+                           "count = 3\ncoordinates = \"prescribed\"\nmotion = " + motion))
+        ->dimension;
+  };
+  EXPECT_EQ(dimension("{ velocity = [\"t\", 0] }"), 2);
+  EXPECT_EQ(dimension("{}"), 1);
 }
 
 TEST(Motion, OfAngleIsPlanar) {
