@@ -35,4 +35,8 @@ install(FILES ${CMAKE_BINARY_DIR}/package/tomlinConfig.cmake
               cmake/TomlinKernels.cmake cmake/kernels.cpp.in
         DESTINATION ${package_folder})
 
+# The pages, laid out as they link to each other, with the scenes that they run.
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES forcefields/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/forcefields)
+install(DIRECTORY scenarios DESTINATION ${CMAKE_INSTALL_DOCDIR}
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.toml")

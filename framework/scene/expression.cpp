@@ -509,7 +509,8 @@ std::variant<double, ExpressionError> Expression::evaluate(const Lookup& lookup)
 
 std::string Expression::to_string() const {
   // How tightly a text binds, from a sum to what needs no parentheses ever.
-  enum Binding { sum, product, sign, power, closed };
+  enum class Binding { sum, product, sign, power, closed };
+  using enum Binding;
   struct Piece {
     std::string text;
     Binding binding;
