@@ -30,6 +30,11 @@ struct IntegratorFactories {
   IntegratorFactory<float> in_float = nullptr;
   IntegratorFactory<Quad> in_quadruple = nullptr;
 
+  IntegratorFactories() = default;
+  IntegratorFactories(IntegratorFactory<double> d,  // NOLINT: one will do
+                      IntegratorFactory<float> f = nullptr, IntegratorFactory<Quad> q = nullptr)
+      : in_double(d), in_float(f), in_quadruple(q) {}
+
   template <class Real>
   IntegratorFactory<Real> in() const {
     if constexpr (std::is_same_v<Real, double>) {
