@@ -139,8 +139,9 @@ void Engine::declare(StateLayout& layout) {
 }
 
 void Engine::attach() {
-  model_.attach(state_);
+  // The integrator first: what it steps follows the model's origin.
   integrator_->attach(state_);
+  model_.attach(state_);
   extremes_.attach(state_);
   first_maximum_.attach(state_);
   clock_ = state_.reals("clock");
