@@ -10,7 +10,7 @@
 namespace tomlin {
 
 /// A coefficient, exact in every number type.
-struct Fraction {
+struct Coefficient {
   double numerator = 0.0;
   double denominator = 1.0;
 
@@ -23,8 +23,8 @@ struct Fraction {
 /// Coefficients of the pair; the scheme is autonomous in its stages, so times are c[s] h.
 struct Dopri5Tableau {
   static constexpr int stages = 7;
-  static constexpr Fraction c[7] = {{0}, {1, 5}, {3, 10}, {4, 5}, {8, 9}, {1}, {1}};
-  static constexpr Fraction a[7][6] = {
+  static constexpr Coefficient c[7] = {{0}, {1, 5}, {3, 10}, {4, 5}, {8, 9}, {1}, {1}};
+  static constexpr Coefficient a[7][6] = {
       {},
       {{1, 5}},
       {{3, 40}, {9, 40}},
@@ -33,7 +33,7 @@ struct Dopri5Tableau {
       {{9017, 3168}, {-355, 33}, {46732, 5247}, {49, 176}, {-5103, 18656}},
       {{35, 384}, {0}, {500, 1113}, {125, 192}, {-2187, 6784}, {11, 84}}};
   /// Fifth-order weights less fourth-order ones.
-  static constexpr Fraction error[7] = {{71, 57600}, {0},      {-71, 16695}, {71, 1920},
+  static constexpr Coefficient error[7] = {{71, 57600}, {0},      {-71, 16695}, {71, 1920},
                                         {-17253, 339200}, {22, 525}, {-1, 40}};
   /// Of the continuous extension, which is for observers, in double.
   static constexpr double dense[7] = {

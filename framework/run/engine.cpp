@@ -782,7 +782,7 @@ RunResult Engine::result() {
         body.turns = to_.turns[b] - from_.turns[b];
         const double moved = static_cast<double>(to_.place(b * axes) - from_.place(b * axes));
         if (from.rolling_radius > 0.0 && moved != 0.0) {
-          body.rolling = -from.rolling_radius * kTau * *body.turns / moved;
+          body.rolling = from.rolling_radius * kTau * (0.0 - *body.turns) / moved;
         }
       }
     }
