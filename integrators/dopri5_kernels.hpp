@@ -62,6 +62,19 @@ struct Dopri5Trial {
   bool within_moves = true;
 };
 
+/// One kind of numbers over the last step: where they started, where they are, and the slopes of the
+/// seven stages; with the rests, where those are kept.
+template <class Real>
+struct Dopri5Step {
+  double length = 0.0;
+  std::size_t count = 0;
+  const Real* start = nullptr;
+  const Real* start_rest = nullptr;
+  const Real* end = nullptr;
+  const Real* end_rest = nullptr;
+  const Real* slope[7] = {};
+};
+
 template <class Real>
 struct Dopri5Table {
   void (*first)(const SystemView<Real>& system, const Dopri5Arrays<Real>& arrays,
@@ -69,6 +82,9 @@ struct Dopri5Table {
   Dopri5Trial (*attempt)(const SystemView<Real>& system, const Dopri5Arrays<Real>& arrays,
                          double since, double h, double absolute_tolerance,
                          double relative_tolerance) = nullptr;
+  /// The continuous extension at a fraction of the step, and its derivative with respect to time.
+  void (*extension)(const Dopri5Step<Real>& step, double theta, double* y) = nullptr;
+  void (*extension_slope)(const Dopri5Step<Real>& step, double theta, double* slope) = nullptr;
 };
 
 inline namespace TOMLIN_TARGET {
@@ -239,8 +255,59 @@ struct Dopri5Kernels {
   }
 
   template <class Real>
+  TOMLIN_INLINE static double observed(const Real* x, const Real* rest, std::size_t i) {
+    return rest ? static_cast<double>(x[i]) + static_cast<double>(rest[i])
+                : static_cast<double>(x[i]);
+  }
+
+  template <class Real>
+  TOMLIN_INLINE static double weighted_slopes(const Dopri5Step<Real>& s, std::size_t i) {
+    double sum = 0.0;
+    for (int j = 0; j < 7; ++j) {
+      sum = fma(Tableau::dense[j], static_cast<double>(s.slope[j][i]), sum);
+    }
+    return sum;
+  }
+
+  /// y0 + theta (change + (1 - theta) (bend + theta (twist + (1 - theta) quartic))).
+  template <class Real>
+  TOMLIN_FLATTEN static void extension(const Dopri5Step<Real>& step, double theta, double* y) {
+    const Dopri5Step<Real> s = step;
+    const double rest = 1.0 - theta;
+    for (std::size_t i = 0; i < s.count; ++i) {
+      const double y0 = observed(s.start, s.start_rest, i);
+      const double y1 = observed(s.end, s.end_rest, i);
+      const double change = y1 - y0;
+      const double bend = s.length * static_cast<double>(s.slope[0][i]) - change;
+      const double twist = change - s.length * static_cast<double>(s.slope[6][i]) - bend;
+      const double inner = fma(rest, s.length * weighted_slopes(s, i), twist);
+      const double within = fma(theta, fma(rest, fma(theta, inner, bend), change), y0);
+      y[i] = theta == 1.0 ? y1 : within;
+    }
+  }
+
+  template <class Real>
+  TOMLIN_FLATTEN static void extension_slope(const Dopri5Step<Real>& step, double theta,
+                                             double* slope) {
+    const Dopri5Step<Real> s = step;
+    const double rest = 1.0 - theta;
+    const double bending = rest - theta;
+    const double twisting = theta * (2.0 - 3.0 * theta);
+    const double quartic = 2.0 * theta * rest * (rest - theta);
+    for (std::size_t i = 0; i < s.count; ++i) {
+      const double change =
+          observed(s.end, s.end_rest, i) - observed(s.start, s.start_rest, i);
+      const double bend = s.length * static_cast<double>(s.slope[0][i]) - change;
+      const double twist = change - s.length * static_cast<double>(s.slope[6][i]) - bend;
+      slope[i] = (change + bending * bend + twisting * twist +
+                  quartic * (s.length * weighted_slopes(s, i))) /
+                 s.length;
+    }
+  }
+
+  template <class Real>
   static constexpr Dopri5Table<Real> kernels() {
-    return {&first<Real>, &attempt<Real>};
+    return {&first<Real>, &attempt<Real>, &extension<Real>, &extension_slope<Real>};
   }
 };
 
