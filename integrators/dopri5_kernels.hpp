@@ -10,7 +10,7 @@
 namespace tomlin {
 
 /// A coefficient, exact in every number type.
-struct Fraction {
+struct Coefficient {
   double numerator = 0.0;
   double denominator = 1.0;
 
@@ -23,8 +23,8 @@ struct Fraction {
 /// Coefficients of the pair; the scheme is autonomous in its stages, so times are c[s] h.
 struct Dopri5Tableau {
   static constexpr int stages = 7;
-  static constexpr Fraction c[7] = {{0}, {1, 5}, {3, 10}, {4, 5}, {8, 9}, {1}, {1}};
-  static constexpr Fraction a[7][6] = {
+  static constexpr Coefficient c[7] = {{0}, {1, 5}, {3, 10}, {4, 5}, {8, 9}, {1}, {1}};
+  static constexpr Coefficient a[7][6] = {
       {},
       {{1, 5}},
       {{3, 40}, {9, 40}},
@@ -33,8 +33,8 @@ struct Dopri5Tableau {
       {{9017, 3168}, {-355, 33}, {46732, 5247}, {49, 176}, {-5103, 18656}},
       {{35, 384}, {0}, {500, 1113}, {125, 192}, {-2187, 6784}, {11, 84}}};
   /// Fifth-order weights less fourth-order ones.
-  static constexpr Fraction error[7] = {{71, 57600}, {0},      {-71, 16695}, {71, 1920},
-                                        {-17253, 339200}, {22, 525}, {-1, 40}};
+  static constexpr Coefficient error[7] = {{71, 57600},      {0},       {-71, 16695}, {71, 1920},
+                                           {-17253, 339200}, {22, 525}, {-1, 40}};
   /// Of the continuous extension, which is for observers, in double.
   static constexpr double dense[7] = {
       -12715105075.0 / 11282082432.0,  0.0,
@@ -99,9 +99,9 @@ struct Dopri5Kernels {
   TOMLIN_FLATTEN static void first(const SystemView<Real>& s, const Dopri5Arrays<Real>& w,
                                    double since) {
     using Group = Packed<Real>;
-    evaluate(s, stage_of(s, static_cast<const Real*>(s.position),
-                         static_cast<const Real*>(s.velocity),
-                         static_cast<const Real*>(s.integrals), w.rates[0], Real(since)));
+    evaluate(s,
+             stage_of(s, static_cast<const Real*>(s.position), static_cast<const Real*>(s.velocity),
+                      static_cast<const Real*>(s.integrals), w.rates[0], Real(since)));
     Real* slope = s.inertial ? w.acceleration[0] : s.velocity;
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       (Group::load(s.force + i) * Group::load(s.inverse_mass + i)).store(slope + i);
@@ -202,9 +202,9 @@ struct Dopri5Kernels {
       const Group ex = weighted(combined<7, Real>(weight, w.velocity, i), x0, x1, scale, absolute,
                                 relative, smallest);
       if constexpr (inertial) {
-        const Group ev = weighted(combined<7, Real>(weight, w.acceleration, i),
-                                  Group::load(s.velocity + i), Group::load(w.velocity[6] + i),
-                                  scale, absolute, relative, smallest);
+        const Group ev =
+            weighted(combined<7, Real>(weight, w.acceleration, i), Group::load(s.velocity + i),
+                     Group::load(w.velocity[6] + i), scale, absolute, relative, smallest);
         squares.add(fma(ex, ex, ev * ev));
       } else {
         squares.add(ex * ex);
@@ -212,9 +212,9 @@ struct Dopri5Kernels {
       within = within & (abs(x1 - x0) <= Group::load(s.largest_move + i));
     }
     for (std::size_t i = 0; i < s.own; i += kGroup) {
-      const Group e = weighted(combined<7, Real>(weight, w.rates, i), Group::load(s.integrals + i),
-                               Group::load(w.integrals + i), Group(Real(1.0)), absolute, relative,
-                               smallest);
+      const Group e =
+          weighted(combined<7, Real>(weight, w.rates, i), Group::load(s.integrals + i),
+                   Group::load(w.integrals + i), Group(Real(1.0)), absolute, relative, smallest);
       squares.add(e * e);
     }
     const double count = (inertial ? 2.0 : 1.0) * static_cast<double>(s.coordinates) +

@@ -444,6 +444,7 @@ TEST(Growth, IsWhatAStepDoes) {
         {{.m = 1.0, .k = 4.0, .c = 5.0, .pull = 0.0, .x0 = 1.0, .v0 = lambda}, {lambda, 0.0}});
   }
   for (const auto& record : standard().integrators()) {
+    if (record->growth == nullptr) continue;  // no function of h lambda
     for (const Mode& mode : modes) {
       for (const double z : {0.01, 0.3, 1.0, 2.0, 2.7, 3.2}) {
         const double h = z / std::abs(mode.lambda);
@@ -489,7 +490,13 @@ TEST(Growth, HasTheKnownLimits) {
 // ---- the tableau
 
 using Stages = std::array<double, 7>;
-using T = Dopri5Tableau;
+
+/// The scheme's coefficients as doubles.
+struct T {
+  static double a(int i, int j) { return Dopri5Tableau::a[i][j].as<double>(); }
+  static double c(int i) { return Dopri5Tableau::c[i].as<double>(); }
+  static double error(int i) { return Dopri5Tableau::error[i].as<double>(); }
+};
 
 Stages times(const Stages& a, const Stages& b) {
   Stages product{};
@@ -500,7 +507,7 @@ Stages times(const Stages& a, const Stages& b) {
 Stages through(const Stages& x) {
   Stages y{};
   for (int i = 0; i < 7; ++i) {
-    for (int j = 0; j < 6; ++j) y[i] += T::a[i][j] * x[j];
+    for (int j = 0; j < 6; ++j) y[i] += T::a(i, j) * x[j];
   }
   return y;
 }
@@ -516,7 +523,7 @@ std::vector<Condition> conditions() {
   Stages one;
   one.fill(1.0);
   Stages c;
-  std::copy(std::begin(T::c), std::end(T::c), c.begin());
+  for (int i = 0; i < 7; ++i) c[i] = T::c(i);
   const Stages c2 = times(c, c), c3 = times(c2, c), c4 = times(c3, c);
   const Stages ac = through(c), ac2 = through(c2), aac = through(ac);
   return {{1, one, 1.0},
@@ -549,8 +556,8 @@ TEST(Tableau, MeetsTheOrderConditions) {
   Stages b{};
   Stages embedded{};
   for (int i = 0; i < 7; ++i) {
-    b[i] = i < 6 ? T::a[6][i] : 0.0;
-    embedded[i] = b[i] - T::error[i];
+    b[i] = i < 6 ? T::a(6, i) : 0.0;
+    embedded[i] = b[i] - T::error(i);
   }
   double worst_embedded = 0.0;
   for (const Condition& condition : conditions()) {
@@ -567,14 +574,14 @@ TEST(Tableau, MeetsTheOrderConditions) {
   Stages one;
   one.fill(1.0);
   const Stages rows = through(one);
-  for (int i = 0; i < 7; ++i) EXPECT_NEAR(rows[i], T::c[i], kRounded);
-  EXPECT_EQ(T::c[6], 1.0);
+  for (int i = 0; i < 7; ++i) EXPECT_NEAR(rows[i], T::c(i), kRounded);
+  EXPECT_EQ(T::c(6), 1.0);
 }
 
 /// The check sees a coefficient that is off by one digit.
 TEST(Tableau, AWrongCoefficientIsSeen) {
   Stages b{};
-  for (int i = 0; i < 6; ++i) b[i] = T::a[6][i];
+  for (int i = 0; i < 6; ++i) b[i] = T::a(6, i);
   b[3] *= 1.0 + 1e-9;
   double worst = 0.0;
   for (const Condition& condition : conditions()) {
