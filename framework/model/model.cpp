@@ -122,7 +122,7 @@ void Model::attach(RunState& state) {
   whole_turns_ = state.integers("whole_turns");
   for (int d = 0; d < 3; ++d) origin_.cells[d] = cells_[d];
   assembly_.rebase(origin_);
-  if (follower_) follower_->rebase(origin_, {});
+  if (follower_) follower_->rebase(origin_);
 }
 
 void Model::start(const Perturbation* noise) {
@@ -132,7 +132,7 @@ void Model::start(const Perturbation* noise) {
   assembly_.rebase(origin_);
   if (follower_) {
     follower_->start(noise);
-    follower_->rebase(origin_, {});
+    follower_->rebase(origin_);
   }
   if (view.inertial) return;
   evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates_.data());
@@ -211,7 +211,10 @@ bool Model::rebase_if_due() {
   }
   if (!rebased) return false;
   assembly_.rebase(origin_);
-  if (follower_) follower_->rebase(origin_, moved_cells);
+  if (follower_) {
+    follower_->rebase(origin_);
+    follower_->shift_by(moved_cells);
+  }
   begin_step(this, anchor_.hi, anchor_.lo);
   return true;
 }
