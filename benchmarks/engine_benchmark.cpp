@@ -210,9 +210,9 @@ const std::vector<Variant>& common_variants() {
   register_variants("rigid_ring_8", ring("rigid", "1e-2"),
                     {{"1e9 periods out", {{"body.ring.centre", "[1e9, 1.0]"}}}});
   register_variants("chain_1000", chain("1000", "1.0"), common_variants());
-  register_variants("chain_1000", chain("1000", "1.0"),
-                    {{"closed by a box",
-                      {{"box.lengths", "[1000.0]"}, {"box.periodic", "[true]"}}}});
+  register_variants(
+      "chain_1000", chain("1000", "1.0"),
+      {{"closed by a box", {{"box.lengths", "[1000.0]"}, {"box.periodic", "[true]"}}}});
   return true;
 }();
 

@@ -207,16 +207,16 @@ class Dopri5 : public Integrator<Real> {
 
   Dopri5Step<Real> positions() const {
     const SystemView<Real>& s = system_.view;
-    Dopri5Step<Real> step = {last_,      s.dofs,          start_position_, start_position_rest_,
-                             s.position, s.position_rest, {}};
+    Dopri5Step<Real> step = {
+        last_, s.dofs, start_position_, start_position_rest_, s.position, s.position_rest, {}};
     for (int j = 0; j < 7; ++j) step.slope[j] = arrays_.velocity[j];
     return step;
   }
 
   Dopri5Step<Real> velocities() const {
     const SystemView<Real>& s = system_.view;
-    Dopri5Step<Real> step = {last_,      s.dofs,          arrays_.velocity[0], nullptr,
-                             s.velocity, s.velocity_rest, {}};
+    Dopri5Step<Real> step = {last_,           s.dofs, arrays_.velocity[0], nullptr, s.velocity,
+                             s.velocity_rest, {}};
     for (int j = 1; j < 6; ++j) step.slope[j] = arrays_.acceleration[j];
     step.slope[0] = start_acceleration_;
     step.slope[6] = arrays_.acceleration[0];
@@ -225,8 +225,8 @@ class Dopri5 : public Integrator<Real> {
 
   Dopri5Step<Real> integrals_of_step(std::size_t count) const {
     const SystemView<Real>& s = system_.view;
-    Dopri5Step<Real> step = {last_,       count,            start_integrals_, start_integrals_rest_,
-                             s.integrals, s.integrals_rest, {}};
+    Dopri5Step<Real> step = {
+        last_, count, start_integrals_, start_integrals_rest_, s.integrals, s.integrals_rest, {}};
     for (int j = 1; j < 6; ++j) step.slope[j] = arrays_.rates[j];
     step.slope[0] = start_rates_;
     step.slope[6] = arrays_.rates[0];

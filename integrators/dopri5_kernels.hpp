@@ -33,8 +33,8 @@ struct Dopri5Tableau {
       {{9017, 3168}, {-355, 33}, {46732, 5247}, {49, 176}, {-5103, 18656}},
       {{35, 384}, {0}, {500, 1113}, {125, 192}, {-2187, 6784}, {11, 84}}};
   /// Fifth-order weights less fourth-order ones.
-  static constexpr Coefficient error[7] = {{71, 57600}, {0},      {-71, 16695}, {71, 1920},
-                                        {-17253, 339200}, {22, 525}, {-1, 40}};
+  static constexpr Coefficient error[7] = {{71, 57600},      {0},       {-71, 16695}, {71, 1920},
+                                           {-17253, 339200}, {22, 525}, {-1, 40}};
   /// Of the continuous extension, which is for observers, in double.
   static constexpr double dense[7] = {
       -12715105075.0 / 11282082432.0,  0.0,
@@ -62,8 +62,8 @@ struct Dopri5Trial {
   bool within_moves = true;
 };
 
-/// One kind of numbers over the last step: where they started, where they are, and the slopes of the
-/// seven stages; with the rests, where those are kept.
+/// One kind of numbers over the last step: where they started, where they are, and the slopes of
+/// the seven stages; with the rests, where those are kept.
 template <class Real>
 struct Dopri5Step {
   double length = 0.0;
@@ -115,9 +115,9 @@ struct Dopri5Kernels {
   TOMLIN_FLATTEN static void first(const SystemView<Real>& s, const Dopri5Arrays<Real>& w,
                                    double since) {
     using Group = Packed<Real>;
-    evaluate(s, stage_of(s, static_cast<const Real*>(s.position),
-                         static_cast<const Real*>(s.velocity),
-                         static_cast<const Real*>(s.integrals), w.rates[0], Real(since)));
+    evaluate(s,
+             stage_of(s, static_cast<const Real*>(s.position), static_cast<const Real*>(s.velocity),
+                      static_cast<const Real*>(s.integrals), w.rates[0], Real(since)));
     Real* slope = s.inertial ? w.acceleration[0] : s.velocity;
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       (Group::load(s.force + i) * Group::load(s.inverse_mass + i)).store(slope + i);
@@ -218,9 +218,9 @@ struct Dopri5Kernels {
       const Group ex = weighted(combined<7, Real>(weight, w.velocity, i), x0, x1, scale, absolute,
                                 relative, smallest);
       if constexpr (inertial) {
-        const Group ev = weighted(combined<7, Real>(weight, w.acceleration, i),
-                                  Group::load(s.velocity + i), Group::load(w.velocity[6] + i),
-                                  scale, absolute, relative, smallest);
+        const Group ev =
+            weighted(combined<7, Real>(weight, w.acceleration, i), Group::load(s.velocity + i),
+                     Group::load(w.velocity[6] + i), scale, absolute, relative, smallest);
         squares.add(fma(ex, ex, ev * ev));
       } else {
         squares.add(ex * ex);
@@ -228,9 +228,9 @@ struct Dopri5Kernels {
       within = within & (abs(x1 - x0) <= Group::load(s.largest_move + i));
     }
     for (std::size_t i = 0; i < s.own; i += kGroup) {
-      const Group e = weighted(combined<7, Real>(weight, w.rates, i), Group::load(s.integrals + i),
-                               Group::load(w.integrals + i), Group(Real(1.0)), absolute, relative,
-                               smallest);
+      const Group e =
+          weighted(combined<7, Real>(weight, w.rates, i), Group::load(s.integrals + i),
+                   Group::load(w.integrals + i), Group(Real(1.0)), absolute, relative, smallest);
       squares.add(e * e);
     }
     const double count = (inertial ? 2.0 : 1.0) * static_cast<double>(s.coordinates) +
@@ -295,8 +295,7 @@ struct Dopri5Kernels {
     const double twisting = theta * (2.0 - 3.0 * theta);
     const double quartic = 2.0 * theta * rest * (rest - theta);
     for (std::size_t i = 0; i < s.count; ++i) {
-      const double change =
-          observed(s.end, s.end_rest, i) - observed(s.start, s.start_rest, i);
+      const double change = observed(s.end, s.end_rest, i) - observed(s.start, s.start_rest, i);
       const double bend = s.length * static_cast<double>(s.slope[0][i]) - change;
       const double twist = change - s.length * static_cast<double>(s.slope[6][i]) - bend;
       slope[i] = (change + bending * bend + twisting * twist +

@@ -208,8 +208,7 @@ void Engine::resolve_window() {
     if (candidates.size() > 1) {
       fault("in", "several drivers move: say whose periods are meant", "driver = NAME");
     }
-    const std::vector<double>& velocity =
-        drivers_[candidates.front()].drive->velocity;
+    const std::vector<double>& velocity = drivers_[candidates.front()].drive->velocity;
     if (m.period) {
       unit = *m.period / norm(velocity);
     } else {
@@ -614,9 +613,8 @@ void Engine::keep_moment(Moment& moment, double at, const double* position, cons
     moment.turns[b] = turns_of(b, position);
   }
   if (ledger_) {
-    *moment.stored =
-        model_.kinetic_energy(velocity) +
-        model_.potential_energy(DoubleDouble(at), position, velocity, integrals);
+    *moment.stored = model_.kinetic_energy(velocity) +
+                     model_.potential_energy(DoubleDouble(at), position, velocity, integrals);
   }
   // The signals of the step's start have been used; this is scratch until the next.
   signals_from_rates(dense_rates_.data());
@@ -682,8 +680,7 @@ void Engine::finish() {
   model_.evaluate_at(now(), view.position, view.velocity, view.integrals, final_rates_.data());
   if (!ledger_) return;
   kinetic_energy_ = model_.kinetic_energy(view.velocity);
-  potential_energy_ =
-      model_.potential_energy(now(), view.position, view.velocity, view.integrals);
+  potential_energy_ = model_.potential_energy(now(), view.position, view.velocity, view.integrals);
 }
 
 /// Over the window, each term from its own integral; what does not balance is the integrator's.
@@ -754,7 +751,8 @@ RunResult Engine::result() {
       const std::size_t power = from.first_rate + axes;
       driver.work = to_.integrals[power] - from_.integrals[power];
       if (from.drive->steady) driver.distance = speed * length;
-      if (from.drive->steady && speed > 0.0) driver.work_per_distance = *driver.work / *driver.distance;
+      if (from.drive->steady && speed > 0.0)
+        driver.work_per_distance = *driver.work / *driver.distance;
     }
     result.drivers.push_back(std::move(driver));
   }

@@ -1,3 +1,5 @@
+#include "tests/support/number_types.hpp"
+
 #include <cstdint>
 #include <limits>
 #include <set>
@@ -11,7 +13,6 @@
 #include "forcefields/viscous_damping.hpp"
 #include "framework/core/parameter.hpp"
 #include "tests/forcefields/planted.hpp"
-#include "tests/support/number_types.hpp"
 
 // Every force in float, double and quadruple numbers: one force, each to its own rounding.
 
@@ -125,8 +126,8 @@ struct ThroughDouble : ViscousDamping {
     if constexpr (std::is_same_v<T, QuadPack>) {
       for (int d = 0; d < D; ++d) {
         for (std::size_t i = 0; i < kGroup; ++i) {
-          force[d].v[i] = -static_cast<double>(p.coefficient.v[i]) *
-                          static_cast<double>(site.velocity[d].v[i]);
+          force[d].v[i] =
+              -static_cast<double>(p.coefficient.v[i]) * static_cast<double>(site.velocity[d].v[i]);
         }
       }
     }
