@@ -408,9 +408,9 @@ TOMLIN_FLATTEN void pair_list_kernel(const void* arguments, const Stage<Real>& s
   for (std::size_t k = 0; k < a.pairs; k += kGroup) {
     Pair<Group, D> pair;
     for (int d = 0; d < D; ++d) {
-      pair.separation[d] =
+      const Group apart =
           gather(x2 + d * a.second.stride, a.j + k) - gather(x1 + d * a.first.stride, a.i + k);
-      if (a.image) pair.separation[d] += Group::load(a.image + d * row_length + k);
+      pair.separation[d] = a.image ? apart + Group::load(a.image + d * row_length + k) : apart;
     }
     pair.datum = Group::load(a.datum + k);
     const Vec<Group, D> force = force_on<E, Group, D>(p, pair);

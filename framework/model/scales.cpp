@@ -216,7 +216,10 @@ Scales scales_of(const std::shared_ptr<const Scene>& scene) {
   }
   scales.relaxation_rate = all.relaxation_rate;
   scales.damping = damping_of(scales);
-  if (!model.system().view.inertial) scales.damping = {.regime = Regime::no_inertia};
+  if (!model.system().view.inertial) {
+    scales.damping = Damping();
+    scales.damping.regime = Regime::no_inertia;
+  }
   scales.shortest_time = shortest_time_of(scales);
   return scales;
 }
