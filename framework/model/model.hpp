@@ -122,6 +122,8 @@ class Model {
     std::string axis;
   };
   CoordinateName name_of(std::size_t coordinate) const;
+  /// Name of the prescribed body whose way a variable holds; empty for a force's own.
+  std::string owner_of(std::size_t own_variable) const;
 
  private:
   static AssemblyPlan plan_for(const Scene& scene, InstructionSet set);

@@ -128,4 +128,15 @@ Model::CoordinateName Model::name_of(std::size_t coordinate) const {
   return {};
 }
 
+std::string Model::owner_of(std::size_t own_variable) const {
+  for (const auto& steered : assembly_.steered()) {
+    for (const std::ptrdiff_t own : steered.own) {
+      if (own == static_cast<std::ptrdiff_t>(own_variable)) {
+        return bodies()[steered.body].bound.name;
+      }
+    }
+  }
+  return "";
+}
+
 }  // namespace tomlin

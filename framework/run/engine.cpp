@@ -91,6 +91,7 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   }
   started_ = std::chrono::steady_clock::now();
   last_report_ = started_;
+  warn_of_idle_velocities();
   check_step();
   model_.anchor(DoubleDouble(0.0));
   if (!failure_) observe_start();
@@ -247,6 +248,22 @@ void Engine::resolve_window() {
   to_.time = std::min(to_.time, duration_);
 }
 
+/// Without inertia velocities follow from forces, whatever the scene says of them at the start.
+void Engine::warn_of_idle_velocities() {
+  if (model_.system().view.inertial) return;
+  for (const SceneBody& body : scene_->bodies) {
+    const PerParticleVector& given = body.record->common(body.description.get()).velocity;
+    const bool any = std::any_of(given.values.begin(), given.values.end(), [](const auto& vector) {
+      return std::any_of(vector.components.begin(), vector.components.end(),
+                         [](double v) { return v != 0.0; });
+    });
+    if (!any) continue;
+    warnings_.push_back(fmt::format(
+        "body.{}.velocity means nothing without inertia: velocities follow from forces",
+        body.name));
+  }
+}
+
 /// A step beyond the stability limit is refused before it is taken.
 void Engine::check_step() {
   if (dt_ == 0.0) return;
@@ -321,6 +338,7 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid)
     fail(report.fault, h);
     return false;
   }
+  if (!own_variables_are_finite(h)) return false;
   const DoubleDouble arrived = dt_ == 0.0 && report.taken < h ? begin + report.taken : end;
   signals_from_rates(integrator_->first_rates());
   if (dt_ > 0.0 || !look_between(static_cast<double>(begin), static_cast<double>(arrived))) {
@@ -341,6 +359,23 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid)
   }
   if (next_dense() <= static_cast<double>(arrived)) serve_dense(begin, arrived, next_since);
   if (counts_[kSteps] % kHousekeepingEvery == 0 || counts_[kRotationEvery] == 1) housekeeping();
+  return true;
+}
+
+/// Schemes watch the coordinates; forces' own variables and prescribed ways are watched here.
+bool Engine::own_variables_are_finite(double h) {
+  const SystemView<double>& view = model_.system().view;
+  for (std::size_t k = 0; k < view.own_count; ++k) {
+    if (std::isfinite(view.integrals[k])) continue;
+    fail(StepFault::not_finite_or_too_far, h);
+    failure_->what = "a variable that is not a coordinate left the finite numbers";
+    failure_->cause = "a prescribed motion or a force law was left where it is defined";
+    failure_->body = model_.owner_of(k);
+    failure_->particle = -1;
+    failure_->axis.clear();
+    failure_->force.clear();
+    return false;
+  }
   return true;
 }
 
@@ -425,6 +460,7 @@ void Engine::plain_block(std::int64_t most) {
     fail(fault, dt_);
     return;
   }
+  if (!own_variables_are_finite(dt_)) return;
   if (counts_[kSteps] % kHousekeepingEvery != 0) return;
   // How far drivers have come counts for the origin: they are looked at where `take` leaves them.
   since_anchor();

@@ -55,6 +55,8 @@ class Engine {
   void resolve_window();
   void list_signals();
   void check_step();
+  void warn_of_idle_velocities();
+  bool own_variables_are_finite(double h);
   void refuse_endless() const;
   bool take(double since, double h, const DoubleDouble& end, bool to_grid);
   double since_anchor();
