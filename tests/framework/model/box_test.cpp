@@ -1,0 +1,176 @@
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/ring_scenes.hpp"
+
+// A chain that the box closes: minimum images, phonons, translations.
+
+namespace tomlin::test {
+namespace {
+
+constexpr double kTau = 6.283185307179586476925286766559;
+
+constexpr double kSpacing = 1.25;
+constexpr double kStiffness = 3.0;
+constexpr double kMass = 0.7;
+
+struct Chain {
+  int count = 6;
+  double origin = 0.0;
+  std::vector<double> velocity;
+  bool closed = true;
+  double amplitude = 0.0;
+  double duration = 1.0;
+  std::string more = "";
+
+  std::string text(const std::string& integrator) const {
+    std::string speeds;
+    for (const double v : velocity) speeds += (speeds.empty() ? "[" : ", [") + digits(v) + "]";
+    std::string all =
+        closed ? "[box]\nlengths = [" + digits(count * kSpacing) + "]\nperiodic = [true]\n" : "";
+    all += "[[body]]\nname = \"chain\"\ntype = \"chain\"\ncount = " + std::to_string(count) +
+           "\nspacing = " + digits(kSpacing) + "\norigin = [" + digits(origin) +
+           "]\nparticle_mass = " + digits(kMass) + "\n";
+    if (!speeds.empty()) all += "velocity = [" + speeds + "]\n";
+    all += "[[force]]\ntype = \"harmonic_bonds\"\npairs = \"neighbours\"\nstiffness = " +
+           digits(kStiffness) + "\n";
+    if (amplitude != 0.0) {
+      all += "[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = " + digits(amplitude) +
+             "\nperiod = " + digits(kSpacing) + "\n";
+    }
+    return all + "[run]\nduration = " + digits(duration) + "\nintegrator = " + integrator + "\n" +
+           more;
+  }
+};
+
+std::vector<double> numbers(Engine& engine, const char* field) {
+  const BodySlot<double>& slot = engine.model().bodies()[0].bound.slot;
+  const double* from = engine.state().reals(field) + slot.offset;
+  return std::vector<double>(from, from + slot.count);
+}
+
+/// Mode number n of N: omega^2 = (4 k / m) sin^2(pi n / N). Started with the mode's velocities, a
+/// particle moves as v0 sin(omega t) / omega.
+TEST(Box, PhononsHaveTheirFrequencies) {
+  constexpr int kCount = 6;
+  constexpr double kSpeed = 0.01;
+  for (int n = 1; n <= kCount / 2; ++n) {
+    for (const double phase : {0.0, 0.9}) {
+      Chain chain{.count = kCount, .duration = 5.0};
+      for (int i = 0; i < kCount; ++i) {
+        chain.velocity.push_back(kSpeed * std::cos(kTau * n * i / kCount + phase));
+      }
+      const double omega =
+          2.0 * std::sqrt(kStiffness / kMass) * std::abs(std::sin(0.5 * kTau * n / kCount));
+      Engine engine(scene_of(chain.text(adaptive(1e-12))), {});
+      engine.run();
+      const auto x = numbers(engine, "position");
+      const auto v = numbers(engine, "velocity");
+      for (int i = 0; i < kCount; ++i) {
+        // Bonds never turn over here, so a line of them is linear.
+        EXPECT_NEAR(x[i] - i * kSpacing,
+                    chain.velocity[i] * std::sin(omega * chain.duration) / omega, 1e-10)
+            << n;
+        EXPECT_NEAR(v[i], chain.velocity[i] * std::cos(omega * chain.duration), 1e-10) << n;
+      }
+    }
+  }
+}
+
+/// An open chain has other frequencies: the test sees the closing bond.
+TEST(Box, TheClosingBondIsSeen) {
+  Chain chain{.duration = 5.0, .more = "ledger = true\n"};
+  for (int i = 0; i < 6; ++i) chain.velocity.push_back(0.01 * std::cos(kTau * i / 6));
+  Chain open = chain;
+  open.closed = false;
+  Engine a(scene_of(chain.text(adaptive(1e-12))), {});
+  Engine b(scene_of(open.text(adaptive(1e-12))), {});
+  a.run();
+  b.run();
+  EXPECT_GT(std::abs(numbers(a, "position")[0] - numbers(b, "position")[0]), 1e-3);
+}
+
+TEST(Box, ForcesSumToZeroAndStartAtRest) {
+  // Also where images of the start are far from the box.
+  for (const double origin : {0.0, -2.0, 1e6}) {
+    for (const int count : {2, 3, 6}) {
+      Chain chain{.count = count, .origin = origin, .duration = 3.0};
+      for (int i = 0; i < count; ++i) chain.velocity.push_back(i == 0 ? 0.2 : 0.0);
+      Engine engine(scene_of(chain.text(fixed_step(0.01))), {});
+      Model& model = engine.model();
+      const SystemView<double>& view = model.system().view;
+      std::vector<double> rates(view.rates + 2 * kGroup);
+      const auto total = [&](double& largest) {
+        model.evaluate_at(DoubleDouble(engine.time()), view.position, view.velocity, view.integrals,
+                          rates.data());
+        double sum = 0.0;
+        largest = 0.0;
+        for (int i = 0; i < count; ++i) {
+          sum += view.force[i];
+          largest = std::max(largest, std::abs(view.force[i]));
+        }
+        return sum;
+      };
+      double largest = 0.0;
+      total(largest);
+      EXPECT_LT(largest, 1e-8) << "rest lengths are those of the start";
+      engine.run();
+      EXPECT_NEAR(total(largest), 0.0, 1e-14);
+      EXPECT_GT(largest, 1e-3);
+      double momentum = 0.0;
+      for (const double v : numbers(engine, "velocity")) momentum += kMass * v;
+      EXPECT_NEAR(momentum, kMass * 0.2, 1e-14);
+    }
+  }
+}
+
+/// Two particles in a box have two bonds: omega^2 = 4 k / m for their one vibration.
+TEST(Box, OfTwoParticlesHoldsTwoBonds) {
+  const double omega = 2.0 * std::sqrt(kStiffness / kMass);
+  Chain chain{.count = 2, .velocity = {0.02, -0.02}, .duration = 2.1};
+  Engine engine(scene_of(chain.text(adaptive(1e-12))), {});
+  engine.run();
+  EXPECT_NEAR(numbers(engine, "velocity")[0], 0.02 * std::cos(omega * 2.1), 1e-10);
+}
+
+/// Where on a corrugation of its own period a closed chain starts is all that counts: moved by a
+/// period, or renumbered, it does the same.
+TEST(Box, ATranslationByAPeriodChangesNothing) {
+  Chain chain{.origin = 0.3,
+              .velocity = {0.5, 0.1, -0.2, 0.0, 0.3, 0.4},
+              .amplitude = 0.05,
+              .duration = 6.0};
+  Chain moved = chain;
+  moved.origin += 4.0 * kSpacing;
+  Chain renumbered = chain;
+  renumbered.velocity = {0.4, 0.5, 0.1, -0.2, 0.0, 0.3};
+  Engine a(scene_of(chain.text(fixed_step(0.01))), {});
+  Engine b(scene_of(moved.text(fixed_step(0.01))), {});
+  Engine c(scene_of(renumbered.text(fixed_step(0.01))), {});
+  a.run();
+  b.run();
+  c.run();
+  const auto at = numbers(a, "velocity");
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_NEAR(numbers(b, "velocity")[i], at[i], 1e-12);
+    EXPECT_NEAR(numbers(c, "velocity")[(i + 1) % 6], at[i], 1e-12);
+  }
+}
+
+/// A ring is closed by its shape; a box wide enough changes nothing.
+TEST(Box, LeavesARingAlone) {
+  const RingScene ring{.duration = 2.0};
+  const std::string box = "[box]\nlengths = [8.0, 8.0]\nperiodic = [true, false]\n";
+  const RunResult alone = run_text(ring.text());
+  const RunResult boxed = run_text(box + ring.text());
+  for (int d = 0; d < 2; ++d) {
+    EXPECT_NEAR(boxed.bodies[0].centre_of_mass[d], alone.bodies[0].centre_of_mass[d], 1e-12);
+    EXPECT_NEAR(boxed.drivers[0].mean_force[d], alone.drivers[0].mean_force[d], 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace tomlin::test

@@ -1,0 +1,164 @@
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/order.hpp"
+#include "tests/support/ring_scenes.hpp"
+
+// Bodies whose motion the scene gives: where they are, what keeps them going, what they do to
+// others.
+
+namespace tomlin::test {
+namespace {
+
+constexpr double kTau = 6.283185307179586476925286766559;
+
+struct Wheel {
+  std::string velocity = "[0.3, 0.0]";
+  std::string angular_velocity = "0.0";
+  double centre = 0.0;
+  double friction = 0.25;  ///< of each of four particles
+  double duration = 1.0;
+  std::string more = "";
+
+  std::string text(const std::string& integrator) const {
+    return "[[body]]\nname = \"wheel\"\ntype = \"ring\"\ncount = 4\nradius = 0.5\n"
+           "particle_mass = 1.0\ncentre = [" +
+           digits(centre) +
+           ", 0.5]\ncoordinates = \"prescribed\"\nmotion = { velocity = " + velocity +
+           ", angular_velocity = " + angular_velocity +
+           " }\n[[force]]\ntype = \"viscous_damping\"\ncoefficient = " + digits(friction) +
+           "\n[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = 0.1\nperiod = 1.0\n"
+           "[run]\nduration = " +
+           digits(duration) + "\nintegrator = " + integrator + "\n" + more;
+  }
+};
+
+TEST(Prescribed, IsWhereItsMotionPutsItAfterAMillionSteps) {
+  // 1e6 steps of 0.001 at the velocity 0.3, which no binary fraction is.
+  for (const double centre : {0.0, 1e9}) {
+    const Wheel wheel{.angular_velocity = "0.7", .centre = centre, .duration = 1000.0};
+    const RunResult result = run_text(wheel.text(fixed_step(1e-3)));
+    EXPECT_EQ(result.steps, 1'000'000u);
+    const BodyResult& body = result.bodies[0];
+    EXPECT_NEAR(body.centre_of_mass[0], centre + 300.0, 1.2e-16 * (centre + 600.0));
+    EXPECT_NEAR(body.centre_of_mass[1], 0.5, 1e-16);
+    EXPECT_NEAR(*body.rotation, 700.0, 2e-13);
+    EXPECT_EQ(body.velocity[0], 0.3);
+    EXPECT_NEAR(body.mean_velocity[0], 0.3, 1e-15);
+    EXPECT_NEAR(*body.turns, 700.0 / kTau, 1e-13);
+  }
+}
+
+/// What drags it through a fluid: C V, and C V^2 t of work, all of it heat.
+TEST(Prescribed, IsADriverOfItsOwn) {
+  // With nothing free an adaptive scheme has no error to go by.
+  for (const std::string& integrator : {fixed_step(0.01), adaptive_held_to(0.01), verlet(0.01)}) {
+    Wheel wheel{.angular_velocity = "0.7", .duration = 10.0, .more = "ledger = true\n"};
+    const RunResult result = run_text(wheel.text(integrator));
+    ASSERT_EQ(result.status, RunStatus::finished);
+    const DriverResult& driver = driver_of(result, "wheel");
+    const double drag = 4.0 * 0.25 * 0.3;
+    EXPECT_NEAR(*driver.distance, 3.0, 1e-12);
+    const double spin = 4.0 * 0.25 * std::pow(0.7 * 0.5, 2);
+    const EnergyResult& e = *result.energy;
+    EXPECT_NEAR(*e.heat_out, (drag * 0.3 + spin) * 10.0, 1e-10) << integrator;
+    EXPECT_EQ(*e.work_in, *driver.work);
+    EXPECT_NEAR(*driver.work, *e.heat_out + *e.stored_change,
+                integrator == verlet(0.01) ? 1e-4 : 1e-8);
+  }
+}
+
+/// Without a substrate it is drag alone, and work is force times way, exactly.
+TEST(Prescribed, PowerIsForceTimesVelocity) {
+  const std::string scene =
+      "[[body]]\nname = \"ball\"\ntype = \"point\"\nposition = [0.0]\nparticle_mass = 1.0\n"
+      "coordinates = \"prescribed\"\nmotion = { velocity = [\"0.4 * cos(2 * t)\"] }\n"
+      "[[force]]\ntype = \"viscous_damping\"\ncoefficient = 1.5\n"
+      "[run]\nduration = 2.0\nledger = true\nintegrator = ";
+  const RunResult result = run_text(scene + fixed_step(0.01) + "\n");
+  const DriverResult& driver = driver_of(result, "ball");
+  EXPECT_NEAR(driver.final_force[0], 1.5 * 0.4 * std::cos(4.0), 1e-12);
+  EXPECT_NEAR(driver.mean_force[0], 1.5 * 0.4 * std::sin(4.0) / 2.0 / 2.0, 1e-9);
+  const double work = 1.5 * 0.16 * (1.0 + std::sin(8.0) / 8.0);
+  EXPECT_NEAR(*driver.work, work, 1e-9);
+  EXPECT_NEAR(*result.energy->heat_out, work, 1e-9);
+}
+
+/// The place follows from the velocity's integral, with the order of the scheme.
+TEST(Prescribed, AnOscillatingMotionIsIntegratedToTheSchemesOrder) {
+  const double duration = 3.2;
+  const Wheel wheel{.velocity = "[\"0.3 * cos(2 * t)\", 0.0]",
+                    .angular_velocity = "\"0.5 * sin(t)\"",
+                    .duration = duration};
+  const double x = 0.15 * std::sin(2.0 * duration);
+  const double angle = 0.5 * (1.0 - std::cos(duration));
+  const auto order_of = [&](auto integrator) {
+    std::vector<double> steps, errors;
+    for (double h = 0.2; h > 0.02; h *= 0.5) {
+      const BodyResult body = run_text(wheel.text(integrator(h))).bodies[0];
+      steps.push_back(h);
+      errors.push_back(std::hypot(body.centre_of_mass[0] - x, *body.rotation - angle));
+    }
+    return fitted_order(steps, errors, 1e-14);
+  };
+  const double rk4 = order_of(fixed_step);
+  EXPECT_TRUE((Window{3.8, 4.2}.holds(rk4))) << rk4;
+  const double split = order_of(verlet);
+  EXPECT_TRUE((Window{1.9, 2.1}.holds(split))) << split;
+}
+
+/// A prescribed point that pulls a tip by a bond is a driving spring.
+TEST(Prescribed, PullsLikeADrivingSpring) {
+  const std::string tip =
+      "[[body]]\nname = \"tip\"\ntype = \"point\"\nposition = [0.1]\nparticle_mass = 1.0\n";
+  const auto rest = [](const std::string& integrator) {
+    return "[[force]]\ntype = \"viscous_damping\"\nbody = \"tip\"\ncoefficient = 0.7\n"
+           "[[force]]\ntype = \"sinusoidal_substrate\"\nbody = \"tip\"\namplitude = 0.1\n"
+           "period = 1.0\n[run]\nduration = 12.0\nintegrator = " +
+           integrator + "\n";
+  };
+  // The bond is long and keeps its direction, so its force is k (x1 - x0 - r0).
+  const std::string puller =
+      "[[body]]\nname = \"puller\"\ntype = \"point\"\nposition = [50.1]\nparticle_mass = 1.0\n"
+      "coordinates = \"prescribed\"\nmotion = { velocity = [0.25] }\n"
+      "[[force]]\ntype = \"harmonic_bonds\"\nbodies = [\"tip\", \"puller\"]\npairs = [[0, 0]]\n"
+      "stiffness = 2.0\n";
+  const std::string spring =
+      "[[force]]\nname = \"driver\"\ntype = \"driving_spring\"\nstiffness = 2.0\n"
+      "velocity = [0.25]\n";
+  for (const std::string& integrator : {fixed_step(0.01), verlet(0.01)}) {
+    const RunResult a = run_text(tip + puller + rest(integrator));
+    const RunResult b = run_text(tip + spring + rest(integrator));
+    const DriverResult& pulled = driver_of(a, "puller");
+    const DriverResult& driven = driver_of(b, "driver");
+    EXPECT_NEAR(body_of(a, "tip").centre_of_mass[0], body_of(b, "tip").centre_of_mass[0], 1e-11);
+    EXPECT_NEAR(pulled.mean_force[0], driven.mean_force[0], 1e-11);
+    EXPECT_NEAR(*pulled.work, *driven.work, 1e-11);
+    EXPECT_NEAR(*pulled.static_force, *driven.static_force, 1e-11);
+    EXPECT_NEAR(*pulled.distance, 3.0, 1e-12);
+  }
+}
+
+TEST(Prescribed, InEveryNumberType) {
+  for (const std::string type : {"float", "quadruple"}) {
+    const Wheel wheel{
+        .velocity = "[\"0.3 * cos(2 * t)\", 0.1]", .angular_velocity = "0.7", .duration = 3.0};
+    Wheel other = wheel;
+    other.more = "number_type = \"" + type + "\"\n";
+    const BodyResult a = run_text(wheel.text(fixed_step(0.01))).bodies[0];
+    const BodyResult b = run_text(other.text(fixed_step(0.01))).bodies[0];
+    const double tolerance = type == "float" ? 1e-6 : 1e-13;
+    for (int d = 0; d < 2; ++d) {
+      EXPECT_NEAR(b.centre_of_mass[d], a.centre_of_mass[d], tolerance) << type;
+      EXPECT_NEAR(b.velocity[d], a.velocity[d], tolerance) << type;
+    }
+    EXPECT_NEAR(*b.rotation, *a.rotation, tolerance) << type;
+    EXPECT_NEAR(*b.max_speed, *a.max_speed, tolerance) << type;
+  }
+}
+
+}  // namespace
+}  // namespace tomlin::test

@@ -1,0 +1,156 @@
+#include "framework/run/determined.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/ring_scenes.hpp"
+
+// Is the result determined at all? Runs from starts that hardly differ.
+
+namespace tomlin::test {
+namespace {
+
+std::string perturb(const std::string& more = "", int seed = 0) {
+  return "seed = " + std::to_string(seed) + "\nperturb = { size = 1e-12, repeats = 3" + more +
+         " }\n";
+}
+
+/// The rigid ring of the paper's Table I, only faster: at decay 0 its orientation is an unstable
+/// symmetric equilibrium twice a period.
+RingScene ring(double decay, const std::string& keys) {
+  return {.coordinates = "rigid",
+          .velocity = 0.02,
+          .decay = decay,
+          .duration = 500.0,
+          .integrator = adaptive(1e-10),
+          .more = keys + "[measure]\nin = \"driver_periods\"\nfrom = 1\n"};
+}
+
+const DeterminedResult& of(const RunResult& result, const std::string& path) {
+  for (const DeterminedResult& one : result.determined) {
+    if (one.path == path) return one;
+  }
+  throw std::logic_error(path);
+}
+
+constexpr const char* kForce = "drivers.driver.mean_force.x";
+
+TEST(Determined, ASymmetryThatNothingBreaksIsNot) {
+  // As slowly as there, so that the instability has time to grow from 1e-12.
+  RingScene slow = ring(0.0, perturb());
+  slow.velocity = 1e-3;
+  slow.duration = 1e4;
+  const RunResult result = run_text(slow.text());
+  const DeterminedResult& force = of(result, kForce);
+  EXPECT_LT(force.digits, kDigitsOfADeterminedResult);
+  EXPECT_GT(force.spread, 1e-3 * force.max);
+  ASSERT_FALSE(result.warnings.empty());
+  EXPECT_NE(result.warnings[0].find(kForce), std::string::npos);
+  EXPECT_NE(result.warnings[0].find("not determined"), std::string::npos);
+}
+
+TEST(Determined, ARollingRingIs) {
+  const RunResult result = run_text(ring(1.0, perturb()).text());
+  const DeterminedResult& force = of(result, kForce);
+  EXPECT_GE(force.digits, 8.0);
+  EXPECT_GT(force.spread, 0.0) << "the starts do differ";
+  EXPECT_TRUE(result.warnings.empty());
+  EXPECT_EQ(*force.value, result.drivers[0].mean_force[0]);
+  EXPECT_GE(*force.value, force.min);
+  EXPECT_LE(*force.value, force.max);
+  EXPECT_EQ(force.spread, force.max - force.min);
+}
+
+TEST(Determined, TheRunItselfIsTheUnperturbedOne) {
+  const RunResult with = run_text(ring(1.0, perturb()).text());
+  const RunResult without = run_text(ring(1.0, "").text());
+  EXPECT_TRUE(same_bits(with.drivers[0].mean_force, without.drivers[0].mean_force));
+  EXPECT_TRUE(without.determined.empty());
+}
+
+TEST(Determined, SeedsAreReproducedAndDiffer) {
+  const auto spread = [](int seed) {
+    return of(run_text(ring(1.0, perturb("", seed)).text()), kForce).max;
+  };
+  EXPECT_TRUE(same_bits(spread(1), spread(1)));
+  EXPECT_NE(spread(1), spread(2));
+}
+
+/// The noise is of the stated size, on every coordinate of the bodies named and on no other.
+TEST(Determined, APerturbedStartDiffersByTheSize) {
+  const auto scene = scene_of(RingScene{.duration = 1.0}.text());
+  RunOptions options;
+  const double size = 1e-3;
+  options.perturbation = Perturbation{{0}, size, 5, 1};
+  Engine plain(scene, {});
+  Engine noisy(scene, options);
+  options.perturbation->bodies = {};
+  Engine other(scene, options);
+  const auto x = field_of(plain, "position");
+  const auto y = field_of(noisy, "position");
+  EXPECT_TRUE(same_bits(x, field_of(other, "position")));
+  double largest = 0.0;
+  int moved = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    largest = std::max(largest, std::abs(y[i] - x[i]));
+    moved += y[i] != x[i];
+  }
+  EXPECT_EQ(moved, 16);
+  EXPECT_LE(largest, size);
+  EXPECT_GT(largest, 0.5 * size);
+}
+
+TEST(Determined, OtherObservablesOnRequest) {
+  const RunResult result = run_text(ring(1.0, perturb(", observables = [\"ring.turns\"]")).text());
+  ASSERT_EQ(result.determined.size(), 1u);
+  EXPECT_EQ(*result.determined[0].value, *result.bodies[0].turns);
+  EXPECT_THROW(run_text(ring(1.0, perturb(", observables = [\"ring.turnips\"]")).text()),
+               InputError);
+}
+
+// ---- interrupted
+
+TEST(Interrupted, IsAStatusAndNoWindow) {
+  std::atomic<bool> stop{true};
+  RunOptions options;
+  options.stop = &stop;
+  const RunResult result = run_text(ring(1.0, perturb()).text(), {}, options);
+  EXPECT_EQ(result.status, RunStatus::interrupted);
+  EXPECT_LT(result.end_time, 500.0);
+  EXPECT_TRUE(result.drivers[0].mean_force.empty());
+  EXPECT_TRUE(result.determined.empty());
+  EXPECT_FALSE(result.drivers[0].final_force.empty());
+}
+
+/// Stopped while it repeats: the run itself is complete, what was asked on top is not.
+TEST(Interrupted, WhileItRepeatsRuns) {
+  std::atomic<bool> stop{false};
+  class Stopper : public SampleSink {
+   public:
+    explicit Stopper(std::atomic<bool>& stop) : stop_(stop) {}
+    void begin(const std::vector<SampleColumn>&) override {}
+    void sample(const std::vector<double>& values) override {
+      if (values[0] >= 500.0) stop_ = true;  // the last sample of the run itself
+    }
+
+   private:
+    std::atomic<bool>& stop_;
+  };
+  Stopper stopper(stop);
+  RunOptions options;
+  options.sink = &stopper;
+  options.stop = &stop;
+  const RunResult result =
+      run_text(ring(1.0, perturb()).text() + "[output]\nevery = 100.0\n", {}, options);
+  EXPECT_EQ(result.status, RunStatus::interrupted);
+  EXPECT_FALSE(result.drivers[0].mean_force.empty());
+  ASSERT_FALSE(result.warnings.empty());
+  EXPECT_NE(result.warnings.back().find("perturbed"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tomlin::test

@@ -1,0 +1,113 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "framework/core/quad.hpp"
+#include "tests/support/order.hpp"
+#include "tests/support/ring_scenes.hpp"
+
+// The same scene in float, double and quadruple.
+
+namespace tomlin::test {
+namespace {
+
+std::string in(const std::string& type) { return "number_type = \"" + type + "\"\n"; }
+
+TipScene tip(const std::string& type, double dt) {
+  return {.velocity = 0.25, .duration = 6.4, .integrator = fixed_step(dt), .more = in(type)};
+}
+
+double end_of(const RunResult& result) { return result.bodies[0].centre_of_mass[0]; }
+
+TEST(NumberTypes, AgreeToTheirDigits) {
+  const std::vector<std::string> integrators = {fixed_step(0.01), verlet(0.01), adaptive(1e-5)};
+  for (const std::string& integrator : integrators) {
+    for (const std::string dynamics : {"inertial", "overdamped"}) {
+      if (dynamics == "overdamped" && integrator == verlet(0.01)) continue;
+      SCOPED_TRACE(dynamics + ", " + integrator);
+      const auto result = [&](const std::string& type) {
+        const std::string keys = in(type) + "dynamics = \"" + dynamics + "\"\n";
+        return run_text(TipScene{.duration = 6.4, .integrator = integrator, .more = keys}.text());
+      };
+      const RunResult exact = result("quadruple");
+      const double x = end_of(exact);
+      const double force = exact.drivers[0].mean_force[0];
+      const RunResult in_double = result("double");
+      const RunResult in_float = result("float");
+      EXPECT_NEAR(end_of(in_double), x, 2e-13);
+      EXPECT_NEAR(in_double.drivers[0].mean_force[0], force, 2e-13);
+      // An adaptive float takes other steps, too: the tolerance's difference comes on top.
+      const double float_error = integrator == integrators[2] ? 1e-4 : 5e-6;
+      EXPECT_NEAR(end_of(in_float), x, float_error);
+      EXPECT_NEAR(in_float.drivers[0].mean_force[0], force, float_error);
+      EXPECT_GT(std::abs(end_of(in_float) - x), 1e-10) << "that is a double";
+    }
+  }
+}
+
+TEST(NumberTypes, OfRings) {
+  for (const std::string coordinates : {"particles", "rigid"}) {
+    const auto result = [&](const std::string& type) {
+      return run_text(RingScene{.coordinates = coordinates,
+                                .bonds = 100.0,
+                                .velocity = 0.9,
+                                .duration = 3.0,
+                                .integrator = fixed_step(0.005),
+                                .more = in(type)}
+                          .text());
+    };
+    const RunResult exact = result("quadruple");
+    for (const auto& [type, low, high] :
+         {std::tuple("double", 0.0, 1e-12), std::tuple("float", 1e-10, 2e-5)}) {
+      const RunResult other = result(type);
+      double error = std::abs(*other.bodies[0].rotation - *exact.bodies[0].rotation);
+      for (int d = 0; d < 2; ++d) {
+        error = std::max(
+            error, std::abs(other.bodies[0].centre_of_mass[d] - exact.bodies[0].centre_of_mass[d]));
+      }
+      EXPECT_GE(error, low) << coordinates << ", " << type;
+      EXPECT_LT(error, high) << coordinates << ", " << type;
+    }
+  }
+}
+
+/// Where double stalls at its rounding, quadruple goes on converging with the scheme's order.
+TEST(NumberTypes, QuadrupleConvergesBelowTheRoundingOfDouble) {
+  const auto end = [](double h) {
+    Engine engine(scene_of(tip("quadruple", h).text()), {});
+    engine.run();
+    return engine.state().numbers<Quad>("stepped.position")[0];
+  };
+  std::vector<double> steps, differences;
+  for (double h = 0.8 / 1024; h > 0.8 / 10000; h *= 0.5) {
+    steps.push_back(h);
+    differences.push_back(std::abs(static_cast<double>(end(h) - end(0.5 * h))));
+  }
+  const double order = fitted_order(steps, differences);
+  EXPECT_NEAR(order, 4.0, 0.05);
+  EXPECT_LT(differences.back(), 1e-16) << "finer than a double";
+  EXPECT_GT(differences.back(), 1e-26);
+}
+
+/// Differences in the 22nd digit: dopri5 with steps that double has long given up on.
+TEST(NumberTypes, QuadrupleReachesTwentyTwoDigits) {
+  const auto end = [](double h) {
+    TipScene scene = tip("quadruple", h);
+    scene.duration = 0.8;
+    scene.integrator = adaptive_held_to(h);
+    Engine engine(scene_of(scene.text()), {});
+    engine.run();
+    return engine.state().numbers<Quad>("stepped.position")[0];
+  };
+  const double h = 0.8 / 8192;
+  const double coarse = std::abs(static_cast<double>(end(2.0 * h) - end(h)));
+  const double fine = std::abs(static_cast<double>(end(h) - end(0.5 * h)));
+  EXPECT_NEAR(std::log2(coarse / fine), 5.0, 0.2);
+  EXPECT_LT(fine, 1e-20);
+}
+
+}  // namespace
+}  // namespace tomlin::test
