@@ -17,6 +17,7 @@ namespace {
 constexpr const char* kSmooth = "prandtl_tomlinson/smooth.toml";
 constexpr const char* kStickSlip = "prandtl_tomlinson/stick_slip.toml";
 constexpr const char* kMultipleSlip = "prandtl_tomlinson/multiple_slip.toml";
+constexpr const char* kOverdamped = "prandtl_tomlinson/overdamped.toml";
 
 /// What all three scenes share.
 constexpr double kAmplitude = 0.1;
@@ -31,6 +32,7 @@ struct QuasiStatic {
   double fold_place;  ///< of the tip, in the well around a/2
   double fold_force;
   double mean_force;  ///< what a slip loses, per period
+  double slip;        ///< from the fold to the next well
 
   explicit QuasiStatic(double s) {
     const double k = stiffness_of(s);
@@ -49,6 +51,7 @@ struct QuasiStatic {
       return 0.5 * k * (x - pulled) * (x - pulled) + kAmplitude * std::cos(2.0 * kPi * x);
     };
     mean_force = (energy(fold_place) - energy(low)) / kPeriod;
+    slip = low - fold_place;
   }
 };
 
@@ -152,6 +155,54 @@ TEST(PrandtlTomlinson, UnderdampedSlipsGoSeveralPeriods) {
   const auto single = slips(damped["tip.centre_of_mass.x"], kPeriod);
   ASSERT_GE(single.size(), 20U);
   for (const double length : single) EXPECT_LT(length, 1.0);
+}
+
+TEST(PrandtlTomlinson, WithoutInertiaAConstantForceGivesTheKnownSpeed) {
+  for (const double force : {0.629, 0.65, 0.7, 1.0, 2.0, 10.0}) {
+    const auto result = run_shipped(kOverdamped, {{"F", text_of(force)}});
+    const double speed = std::sqrt(force * force - kLargestForce * kLargestForce);  // xi = 1
+    // 1e-11 per step, a thousand steps; close to F_c an error in force counts 30 times.
+    EXPECT_NEAR(result.bodies.at(0).mean_velocity.at(0) / speed, 1.0, 1e-7) << "F = " << force;
+  }
+  const auto held = run_shipped(kOverdamped, {{"F", "0.6"}, {"run.duration", "100"}});
+  const double rest = 0.5 + std::asin(0.6 / kLargestForce) / (2.0 * kPi);
+  EXPECT_NEAR(held.bodies.at(0).centre_of_mass.at(0), rest, 1e-9);  // decays at 1.2 per time
+}
+
+/// The stick-slip scene without inertia.
+RunResult run_without_inertia(double v) {
+  return run_shipped(kStickSlip, {{"run.dynamics", "\"overdamped\""}, {"v", text_of(v)}});
+}
+
+TEST(PrandtlTomlinson, WithoutInertiaTheLargestForceIsTheSteepestSlopeAndDrag) {
+  const double xi = parameter_of(kStickSlip, "xi");
+  const std::vector<double> speeds = {1e-4, 2e-4, 4e-4};
+  std::vector<double> short_by;
+  for (const double v : speeds) {
+    const auto result = run_without_inertia(v);
+    short_by.push_back(kLargestForce + xi * v - result.drivers.at(0).max_force.at(0));
+    EXPECT_LT(std::abs(short_by.back()), 0.05 * xi * v) << "v = " << v;
+  }
+  EXPECT_NEAR(fitted_power(speeds, short_by), 2.0, 0.2);  // drag is there to first order
+}
+
+TEST(PrandtlTomlinson, WithoutInertiaSlipsComeLateAsAirysEquationSays) {
+  const double s = parameter_of(kStickSlip, "s");
+  const double xi = parameter_of(kStickSlip, "xi");
+  const QuasiStatic slow(s);
+  const double k = stiffness_of(s);
+  const double bend = kLargestForce * 2.0 * kPi * kPi * std::sqrt(1.0 - 1.0 / (s * s));
+  constexpr double kAiryZero = 2.338107410459767;
+  const std::vector<double> speeds = {2.5e-5, 1e-4, 4e-4};
+  std::vector<double> parts;
+  for (const double v : speeds) {
+    const double late = kAiryZero * std::pow(xi * v, 2.0 / 3.0) / std::cbrt(bend * k);
+    const double excess = mean_force(run_without_inertia(v)) - slow.mean_force;
+    parts.push_back(excess / (k * slow.slip * late));
+  }
+  // The leading order; what is missing falls with v.
+  EXPECT_NEAR(parts.front(), 1.0, 0.01);
+  EXPECT_LT(std::abs(parts.front() - 1.0), std::abs(parts.back() - 1.0));
 }
 
 constexpr const char* kReleased = R"toml(
