@@ -431,12 +431,17 @@ TEST(RollingRingFig9, HopsAndDoesNotTurn) {
 }
 
 TEST(RollingRingFig9, SmallestRingIsPulledDownToTheSubstrate) {
-  // In a well, to first order in y: k (y - R) = -2 b V0 y, b = lambda/R.
+  // In the middle of a well, to first order in y: k (y - R) = -2 b V0 y, b = lambda/R.
   Trace trace;
   run_shipped(kFig9, {{"R", "0.001"}}, &trace);
+  const auto x = steady(trace["ring.centre_of_mass.x"]);
   const auto y = steady(trace["ring.centre_of_mass.y"]);
-  const double lowest = *std::min_element(y.begin(), y.end());
-  EXPECT_NEAR(lowest / (2.0 * 0.001 / (2.0 + 2.0 * 1000.0 * 0.1)), 1.0, 5e-3);
+  const auto from_middle = [](double place) { return std::abs(place - std::floor(place) - 0.5); };
+  std::size_t middle = 0;
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    if (from_middle(x[n]) < from_middle(x[middle])) middle = n;
+  }
+  EXPECT_NEAR(y[middle] / (2.0 * 0.001 / (2.0 + 2.0 * 1000.0 * 0.1)), 1.0, 5e-3);
 }
 
 }  // namespace
