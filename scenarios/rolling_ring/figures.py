@@ -62,7 +62,7 @@ def drag_alone(parameters):
 
 def figure_2(tomlin):
     """A small ring and a tip, which is a ring of next to no radius."""
-    say("Fig. 2, R = 0.001: a Prandtl-Tomlinson tip for lambda -> 0, more and more another for larger")
+    say("Fig. 2, R = 0.001: a Prandtl-Tomlinson tip for lambda -> 0, less and less one for larger")
     say("  lambda   mean force     against the tip  mean |x_c - x_tip|  max speed/v  turns/period")
     tip = mean_force(tomlin.run("fig_2.toml", {"R": "1e-9", **HELD}))
     place = steady(tomlin.trace()["ring.centre_of_mass.x"])
@@ -149,8 +149,8 @@ def jump(trace):
 def figure_5(tomlin):
     """Friction for different lambda, free to turn and held."""
     say("Fig. 5, R = 1: dragging and rolling for small lambda, rolling for large")
-    say("  lambda   mean force    the same, held  90 % of a turn   largest step   of F_x between two")
-    say("           free to turn  from turning    in this part     of F_f         samples")
+    say("  lambda   mean force    the same, held  90 % of a turn   largest step   largest step")
+    say("           free to turn  from turning    in this part     of F_f         of F_x")
     sound = True
     for row in ("0.001", "0.01", "0.1", "1", "10", "100"):
         held = mean_force(tomlin.run("fig_5.toml", {"lambda": row, **HELD}))

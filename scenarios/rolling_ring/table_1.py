@@ -95,7 +95,7 @@ def minimum(tomlin, scene):
 
 
 def perturbed(tomlin, scene, row, starts):
-    """How far the mean force of a row is determined, and whether the program warns that it is not."""
+    """How far a row's mean force is determined, and whether the program warns that it is not."""
     summary = tomlin.run(scene, {
         "lambda": row,
         "run.perturb": f"{{ size = {PERTURBATION!r}, repeats = {starts} }}",
