@@ -1,7 +1,9 @@
 // Time per rk4 step of the engine, with everything that a run does along the way: running means,
 // extremes, checks of every step. The scenes are those of the plain loops.
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <benchmark/benchmark.h>
 
@@ -103,9 +105,21 @@ integrator = { type = "rk4", dt = 1e-2 }
 )--";
 }
 
-Engine& engine_for(const std::string& scene) {
+/// Takes samples and forgets them.
+class NoTable : public SampleSink {
+ public:
+  void begin(const std::vector<SampleColumn>&) override {}
+  void sample(const std::vector<double>& values) override {
+    benchmark::DoNotOptimize(values.front());
+  }
+};
+
+Engine& engine_for(const std::string& scene, const std::vector<Setting>& settings = {}) {
+  static NoTable table;
+  RunOptions options;
+  options.sink = &table;
   // Leaked on purpose: repetitions go on along the trajectory, and the benchmark ends the process.
-  return *new Engine(parse_scene(scene, "benchmark.toml", registry()), RunOptions());
+  return *new Engine(parse_scene(scene, "benchmark.toml", registry(), settings), options);
 }
 
 void run(benchmark::State& state, Engine& engine, std::uint64_t batch) {
@@ -155,5 +169,51 @@ void BM_golden_chain_100000(benchmark::State& state) {
   run(state, engine, 1);
 }
 BENCHMARK(BM_golden_chain_100000)->Name("golden_chain_100000/tomlin");
+
+// ---- what features cost: the same scene with one thing changed, over the scene as it is
+
+struct Variant {
+  const char* name;
+  std::vector<Setting> settings;
+  std::uint64_t batch = 16;
+};
+
+void register_variants(const std::string& model, const std::string& scene,
+                       const std::vector<Variant>& variants) {
+  for (const Variant& variant : variants) {
+    const auto engine = std::make_shared<Engine*>(nullptr);
+    benchmark::RegisterBenchmark((model + "/" + variant.name).c_str(),
+                                 [engine, scene, variant](benchmark::State& state) {
+                                   if (!*engine) *engine = &engine_for(scene, variant.settings);
+                                   run(state, **engine, variant.batch);
+                                 });
+  }
+}
+
+const std::vector<Variant>& common_variants() {
+  static const std::vector<Variant> variants = {
+      {"ledger", {{"run.ledger", "true"}}},
+      {"sample every 100 steps", {{"output.every", "100 * 1e-2"}}},
+      {"sample every step", {{"output.every", "1e-2"}, {"run.duration", "1e9"}}},
+      {"float", {{"run.number_type", "\"float\""}}},
+      {"quadruple", {{"run.number_type", "\"quadruple\""}}, 1},
+      {"velocity_verlet", {{"run.integrator.type", "\"velocity_verlet\""}}},
+      {"overdamped", {{"run.dynamics", "\"overdamped\""}}},
+      {"dopri5", {{"run.integrator", "{ type = \"dopri5\" }"}}, 1},
+  };
+  return variants;
+}
+
+[[maybe_unused]] const bool registered = [] {
+  register_variants("pt", kPt, common_variants());
+  register_variants("rigid_ring_8", ring("rigid", "1e-2"), common_variants());
+  register_variants("rigid_ring_8", ring("rigid", "1e-2"),
+                    {{"1e9 periods out", {{"body.ring.centre", "[1e9, 1.0]"}}}});
+  register_variants("chain_1000", chain("1000", "1.0"), common_variants());
+  register_variants(
+      "chain_1000", chain("1000", "1.0"),
+      {{"closed by a box", {{"box.lengths", "[1000.0]"}, {"box.periodic", "[true]"}}}});
+  return true;
+}();
 
 }  // namespace

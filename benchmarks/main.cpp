@@ -42,10 +42,26 @@ class RatioReporter : public benchmark::ConsoleReporter {
       std::printf("%-22s %12.1f %12.1f %12.1f %10.3f %10.3f\n", model.c_str(), plain, own, ours,
                   ours / plain, ours / own);
     }
+    print_costs();
     ConsoleReporter::Finalize();
   }
 
  private:
+  /// Variants of a model, over the model as it is.
+  void print_costs() {
+    std::printf("\n%-22s %-26s %12s %12s\n", "model", "with", "ns per step", "/ without");
+    for (const auto& [name, values] : times_) {
+      const std::size_t at = name.find('/');
+      const std::string variant = name.substr(at + 1);
+      if (variant == "tomlin" || variant.rfind("plain", 0) == 0) continue;
+      const std::string model = name.substr(0, at);
+      const double plain = median(model + "/tomlin");
+      const double ours = median(name);
+      std::printf("%-22s %-26s %12.1f %12.3f\n", model.c_str(), variant.c_str(), ours,
+                  plain > 0.0 ? ours / plain : 0.0);
+    }
+  }
+
   double median(const std::string& name) {
     std::vector<double>& values = times_[name];
     if (values.empty()) return 0.0;

@@ -22,7 +22,9 @@ install(EXPORT tomlin FILE tomlinTargets.cmake NAMESPACE tomlin:: DESTINATION ${
 install(DIRECTORY framework forcefields integrators DESTINATION ${header_folder}
         FILES_MATCHING PATTERN "*.hpp" PATTERN "cli" EXCLUDE)
 # The checks that every force has to pass are for forces of others, too.
-install(FILES tests/support/conformance.hpp tests/support/order.hpp
+install(FILES tests/support/conformance.hpp tests/support/force_bench.hpp
+              tests/support/number_types.hpp tests/support/order.hpp
+              tests/support/random_description.hpp
         DESTINATION ${header_folder}/tests/support)
 
 configure_package_config_file(cmake/tomlinConfig.cmake.in

@@ -45,7 +45,8 @@ ForceRecord sinusoidal_substrate_record() {
           .by_default(0.0)};
   record.complaints = &complaints;
   record.period = &period;
-  record.bind = on_particles<SinusoidalSubstrate, kernels::SinusoidalSubstrate, kRankTranscendental>();
+  record.bind =
+      on_particles<SinusoidalSubstrate, kernels::SinusoidalSubstrate, kRankTranscendental>();
   record.example = R"(# A particle released near the top of a corrugation swings about the minimum.
 [[body]]
 type = "point"

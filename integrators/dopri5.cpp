@@ -10,7 +10,6 @@
 #include "framework/core/math.hpp"
 #include "framework/core/scheme.hpp"
 #include "integrators/dopri5_kernels.hpp"
-#include "integrators/hermite.hpp"
 
 TOMLIN_DECLARE_TABLES(Dopri5Kernels, Dopri5Table)
 
@@ -128,39 +127,14 @@ class Dopri5 : public Integrator<Real> {
 
   void interpolate(double theta, double* position, double* velocity,
                    double* integrals) const override {
-    const SystemView<Real>& s = system_.view;
-    const Slopes slope = slopes();
-    for (std::size_t i = 0; i < s.dofs; ++i) {
-      position[i] =
-          extension(theta, observed(start_position_, start_position_rest_, i),
-                    observed(s.position, s.position_rest, i), slope.velocities, i);
-      velocity[i] = s.inertial ? velocity_within(theta, slope, i)
-                               : extension_slope(theta,
-                                                 observed(start_position_, start_position_rest_, i),
-                                                 observed(s.position, s.position_rest, i),
-                                                 slope.velocities, i);
-    }
-    for (std::size_t i = 0; i < s.rates; ++i) {
-      integrals[i] =
-          extension(theta, observed(start_integrals_, start_integrals_rest_, i),
-                    observed(s.integrals, s.integrals_rest, i), slope.rates, i);
-    }
+    kernels_.extension(positions(), theta, position);
+    velocity_within(theta, velocity);
+    kernels_.extension(integrals_of_step(system_.view.rates), theta, integrals);
   }
 
   bool between(double theta, double* velocity, double* rates) const override {
-    const SystemView<Real>& s = system_.view;
-    const Slopes slope = slopes();
-    for (std::size_t i = 0; i < s.dofs; ++i) {
-      velocity[i] = s.inertial ? velocity_within(theta, slope, i)
-                               : extension_slope(theta,
-                                                 observed(start_position_, start_position_rest_, i),
-                                                 observed(s.position, s.position_rest, i),
-                                                 slope.velocities, i);
-    }
-    for (std::size_t i = 0; i < s.used_rates; ++i) {
-      rates[i] = extension_slope(theta, observed(start_integrals_, start_integrals_rest_, i),
-                                 observed(s.integrals, s.integrals_rest, i), slope.rates, i);
-    }
+    velocity_within(theta, velocity);
+    kernels_.extension_slope(integrals_of_step(system_.view.used_rates), theta, rates);
     return true;
   }
 
@@ -229,64 +203,43 @@ class Dopri5 : public Integrator<Real> {
     for (std::size_t i = 0; i < n; ++i) to[i] = from[i];
   }
 
-  /// Slopes of the last step's stages; the last stage is kept as the next step's first.
-  struct Slopes {
-    const Real* velocities[7];
-    const Real* accelerations[7];
-    const Real* rates[7];
-  };
+  // The last step, for its continuous extension. Its last stage is kept as the next one's first.
 
-  Slopes slopes() const {
-    Slopes slope;
-    for (int j = 0; j < 7; ++j) slope.velocities[j] = arrays_.velocity[j];
-    slope.accelerations[0] = start_acceleration_;
-    slope.rates[0] = start_rates_;
-    for (int j = 1; j < 6; ++j) {
-      slope.accelerations[j] = arrays_.acceleration[j];
-      slope.rates[j] = arrays_.rates[j];
+  Dopri5Step<Real> positions() const {
+    const SystemView<Real>& s = system_.view;
+    Dopri5Step<Real> step = {
+        last_, s.dofs, start_position_, start_position_rest_, s.position, s.position_rest, {}};
+    for (int j = 0; j < 7; ++j) step.slope[j] = arrays_.velocity[j];
+    return step;
+  }
+
+  Dopri5Step<Real> velocities() const {
+    const SystemView<Real>& s = system_.view;
+    Dopri5Step<Real> step = {last_,           s.dofs, arrays_.velocity[0], nullptr, s.velocity,
+                             s.velocity_rest, {}};
+    for (int j = 1; j < 6; ++j) step.slope[j] = arrays_.acceleration[j];
+    step.slope[0] = start_acceleration_;
+    step.slope[6] = arrays_.acceleration[0];
+    return step;
+  }
+
+  Dopri5Step<Real> integrals_of_step(std::size_t count) const {
+    const SystemView<Real>& s = system_.view;
+    Dopri5Step<Real> step = {
+        last_, count, start_integrals_, start_integrals_rest_, s.integrals, s.integrals_rest, {}};
+    for (int j = 1; j < 6; ++j) step.slope[j] = arrays_.rates[j];
+    step.slope[0] = start_rates_;
+    step.slope[6] = arrays_.rates[0];
+    return step;
+  }
+
+  /// Without inertia velocities are the slope of positions.
+  void velocity_within(double theta, double* velocity) const {
+    if (system_.view.inertial) {
+      kernels_.extension(velocities(), theta, velocity);
+    } else {
+      kernels_.extension_slope(positions(), theta, velocity);
     }
-    slope.accelerations[6] = arrays_.acceleration[0];
-    slope.rates[6] = arrays_.rates[0];
-    return slope;
-  }
-
-  double velocity_within(double theta, const Slopes& slope, std::size_t i) const {
-    const auto start = static_cast<double>(arrays_.velocity[0][i]);
-    const double end = observed(system_.view.velocity, system_.view.velocity_rest, i);
-    return extension(theta, start, end, slope.accelerations, i);
-  }
-
-  static double weighted_slopes(const Real* const* slope, std::size_t i) {
-    double sum = 0.0;
-    for (int j = 0; j < 7; ++j) {
-      sum = std::fma(Tableau::dense[j], static_cast<double>(slope[j][i]), sum);
-    }
-    return sum;
-  }
-
-  /// y0 + theta (change + (1 - theta) (bend + theta (twist + (1 - theta) quartic))).
-  double extension(double theta, double y0, double y1, const Real* const* slope,
-                   std::size_t i) const {
-    if (theta == 1.0) return y1;
-    const double rest = 1.0 - theta;
-    const double change = y1 - y0;
-    const double bend = last_ * static_cast<double>(slope[0][i]) - change;
-    const double twist = change - last_ * static_cast<double>(slope[6][i]) - bend;
-    const double inner = std::fma(rest, last_ * weighted_slopes(slope, i), twist);
-    return std::fma(theta, std::fma(rest, std::fma(theta, inner, bend), change), y0);
-  }
-
-  /// Its derivative with respect to time.
-  double extension_slope(double theta, double y0, double y1, const Real* const* slope,
-                         std::size_t i) const {
-    const double rest = 1.0 - theta;
-    const double change = y1 - y0;
-    const double bend = last_ * static_cast<double>(slope[0][i]) - change;
-    const double quartic = last_ * weighted_slopes(slope, i);
-    const double twist = change - last_ * static_cast<double>(slope[6][i]) - bend;
-    return (change + (rest - theta) * bend + theta * (2.0 - 3.0 * theta) * twist +
-            2.0 * theta * rest * (rest - theta) * quartic) /
-           last_;
   }
 
   Description d_;

@@ -10,7 +10,7 @@
 namespace tomlin {
 
 /// A coefficient, exact in every number type.
-struct Fraction {
+struct Coefficient {
   double numerator = 0.0;
   double denominator = 1.0;
 
@@ -23,8 +23,8 @@ struct Fraction {
 /// Coefficients of the pair; the scheme is autonomous in its stages, so times are c[s] h.
 struct Dopri5Tableau {
   static constexpr int stages = 7;
-  static constexpr Fraction c[7] = {{0}, {1, 5}, {3, 10}, {4, 5}, {8, 9}, {1}, {1}};
-  static constexpr Fraction a[7][6] = {
+  static constexpr Coefficient c[7] = {{0}, {1, 5}, {3, 10}, {4, 5}, {8, 9}, {1}, {1}};
+  static constexpr Coefficient a[7][6] = {
       {},
       {{1, 5}},
       {{3, 40}, {9, 40}},
@@ -33,8 +33,8 @@ struct Dopri5Tableau {
       {{9017, 3168}, {-355, 33}, {46732, 5247}, {49, 176}, {-5103, 18656}},
       {{35, 384}, {0}, {500, 1113}, {125, 192}, {-2187, 6784}, {11, 84}}};
   /// Fifth-order weights less fourth-order ones.
-  static constexpr Fraction error[7] = {{71, 57600}, {0},      {-71, 16695}, {71, 1920},
-                                        {-17253, 339200}, {22, 525}, {-1, 40}};
+  static constexpr Coefficient error[7] = {{71, 57600},      {0},       {-71, 16695}, {71, 1920},
+                                           {-17253, 339200}, {22, 525}, {-1, 40}};
   /// Of the continuous extension, which is for observers, in double.
   static constexpr double dense[7] = {
       -12715105075.0 / 11282082432.0,  0.0,
@@ -62,6 +62,19 @@ struct Dopri5Trial {
   bool within_moves = true;
 };
 
+/// One kind of numbers over the last step: where they started, where they are, and the slopes of
+/// the seven stages; with the rests, where those are kept.
+template <class Real>
+struct Dopri5Step {
+  double length = 0.0;
+  std::size_t count = 0;
+  const Real* start = nullptr;
+  const Real* start_rest = nullptr;
+  const Real* end = nullptr;
+  const Real* end_rest = nullptr;
+  const Real* slope[7] = {};
+};
+
 template <class Real>
 struct Dopri5Table {
   void (*first)(const SystemView<Real>& system, const Dopri5Arrays<Real>& arrays,
@@ -69,6 +82,9 @@ struct Dopri5Table {
   Dopri5Trial (*attempt)(const SystemView<Real>& system, const Dopri5Arrays<Real>& arrays,
                          double since, double h, double absolute_tolerance,
                          double relative_tolerance) = nullptr;
+  /// The continuous extension at a fraction of the step, and its derivative with respect to time.
+  void (*extension)(const Dopri5Step<Real>& step, double theta, double* y) = nullptr;
+  void (*extension_slope)(const Dopri5Step<Real>& step, double theta, double* slope) = nullptr;
 };
 
 inline namespace TOMLIN_TARGET {
@@ -99,9 +115,9 @@ struct Dopri5Kernels {
   TOMLIN_FLATTEN static void first(const SystemView<Real>& s, const Dopri5Arrays<Real>& w,
                                    double since) {
     using Group = Packed<Real>;
-    evaluate(s, stage_of(s, static_cast<const Real*>(s.position),
-                         static_cast<const Real*>(s.velocity),
-                         static_cast<const Real*>(s.integrals), w.rates[0], Real(since)));
+    evaluate(s,
+             stage_of(s, static_cast<const Real*>(s.position), static_cast<const Real*>(s.velocity),
+                      static_cast<const Real*>(s.integrals), w.rates[0], Real(since)));
     Real* slope = s.inertial ? w.acceleration[0] : s.velocity;
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       (Group::load(s.force + i) * Group::load(s.inverse_mass + i)).store(slope + i);
@@ -202,9 +218,9 @@ struct Dopri5Kernels {
       const Group ex = weighted(combined<7, Real>(weight, w.velocity, i), x0, x1, scale, absolute,
                                 relative, smallest);
       if constexpr (inertial) {
-        const Group ev = weighted(combined<7, Real>(weight, w.acceleration, i),
-                                  Group::load(s.velocity + i), Group::load(w.velocity[6] + i),
-                                  scale, absolute, relative, smallest);
+        const Group ev =
+            weighted(combined<7, Real>(weight, w.acceleration, i), Group::load(s.velocity + i),
+                     Group::load(w.velocity[6] + i), scale, absolute, relative, smallest);
         squares.add(fma(ex, ex, ev * ev));
       } else {
         squares.add(ex * ex);
@@ -212,9 +228,9 @@ struct Dopri5Kernels {
       within = within & (abs(x1 - x0) <= Group::load(s.largest_move + i));
     }
     for (std::size_t i = 0; i < s.own; i += kGroup) {
-      const Group e = weighted(combined<7, Real>(weight, w.rates, i), Group::load(s.integrals + i),
-                               Group::load(w.integrals + i), Group(Real(1.0)), absolute, relative,
-                               smallest);
+      const Group e =
+          weighted(combined<7, Real>(weight, w.rates, i), Group::load(s.integrals + i),
+                   Group::load(w.integrals + i), Group(Real(1.0)), absolute, relative, smallest);
       squares.add(e * e);
     }
     const double count = (inertial ? 2.0 : 1.0) * static_cast<double>(s.coordinates) +
@@ -239,8 +255,58 @@ struct Dopri5Kernels {
   }
 
   template <class Real>
+  TOMLIN_INLINE static double observed(const Real* x, const Real* rest, std::size_t i) {
+    return rest ? static_cast<double>(x[i]) + static_cast<double>(rest[i])
+                : static_cast<double>(x[i]);
+  }
+
+  template <class Real>
+  TOMLIN_INLINE static double weighted_slopes(const Dopri5Step<Real>& s, std::size_t i) {
+    double sum = 0.0;
+    for (int j = 0; j < 7; ++j) {
+      sum = fma(Tableau::dense[j], static_cast<double>(s.slope[j][i]), sum);
+    }
+    return sum;
+  }
+
+  /// y0 + theta (change + (1 - theta) (bend + theta (twist + (1 - theta) quartic))).
+  template <class Real>
+  TOMLIN_FLATTEN static void extension(const Dopri5Step<Real>& step, double theta, double* y) {
+    const Dopri5Step<Real> s = step;
+    const double rest = 1.0 - theta;
+    for (std::size_t i = 0; i < s.count; ++i) {
+      const double y0 = observed(s.start, s.start_rest, i);
+      const double y1 = observed(s.end, s.end_rest, i);
+      const double change = y1 - y0;
+      const double bend = s.length * static_cast<double>(s.slope[0][i]) - change;
+      const double twist = change - s.length * static_cast<double>(s.slope[6][i]) - bend;
+      const double inner = fma(rest, s.length * weighted_slopes(s, i), twist);
+      const double within = fma(theta, fma(rest, fma(theta, inner, bend), change), y0);
+      y[i] = theta == 1.0 ? y1 : within;
+    }
+  }
+
+  template <class Real>
+  TOMLIN_FLATTEN static void extension_slope(const Dopri5Step<Real>& step, double theta,
+                                             double* slope) {
+    const Dopri5Step<Real> s = step;
+    const double rest = 1.0 - theta;
+    const double bending = rest - theta;
+    const double twisting = theta * (2.0 - 3.0 * theta);
+    const double quartic = 2.0 * theta * rest * (rest - theta);
+    for (std::size_t i = 0; i < s.count; ++i) {
+      const double change = observed(s.end, s.end_rest, i) - observed(s.start, s.start_rest, i);
+      const double bend = s.length * static_cast<double>(s.slope[0][i]) - change;
+      const double twist = change - s.length * static_cast<double>(s.slope[6][i]) - bend;
+      slope[i] = (change + bending * bend + twisting * twist +
+                  quartic * (s.length * weighted_slopes(s, i))) /
+                 s.length;
+    }
+  }
+
+  template <class Real>
   static constexpr Dopri5Table<Real> kernels() {
-    return {&first<Real>, &attempt<Real>};
+    return {&first<Real>, &attempt<Real>, &extension<Real>, &extension_slope<Real>};
   }
 };
 

@@ -69,8 +69,8 @@ class HermiteOutput {
     for (std::size_t i = 0; i < y0.size(); ++i) {
       const double end = observed(y1, rest1, i);
       const double change = end - y0[i];
-      const double bend = rest * (h * slope0[i] - change) -
-                          theta * (h * static_cast<double>(slope1[i]) - change);
+      const double bend =
+          rest * (h * slope0[i] - change) - theta * (h * static_cast<double>(slope1[i]) - change);
       y[i] = theta == 1.0 ? end : std::fma(theta, std::fma(rest, bend, change), y0[i]);
     }
   }

@@ -79,8 +79,8 @@ struct Rk4Kernels {
   }
 
   template <class Real>
-  TOMLIN_INLINE static void own_pass(const SystemView<Real>& s, const Rk4Arrays<Real>& w,
-                                     int stage, Real step) {
+  TOMLIN_INLINE static void own_pass(const SystemView<Real>& s, const Rk4Arrays<Real>& w, int stage,
+                                     Real step) {
     using Group = Packed<Real>;
     const Real* rates = w.rates[stage];
     for (std::size_t i = 0; i < s.own; i += kGroup) {
@@ -98,9 +98,9 @@ struct Rk4Kernels {
 
   template <class Real>
   TOMLIN_INLINE static void at_state(const SystemView<Real>& s, Real* rates, Real elapsed) {
-    evaluate(s, stage_of(s, static_cast<const Real*>(s.position),
-                         static_cast<const Real*>(s.velocity),
-                         static_cast<const Real*>(s.integrals), rates, elapsed));
+    evaluate(s,
+             stage_of(s, static_cast<const Real*>(s.position), static_cast<const Real*>(s.velocity),
+                      static_cast<const Real*>(s.integrals), rates, elapsed));
   }
 
   template <class Real>

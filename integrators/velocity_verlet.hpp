@@ -11,14 +11,15 @@
 ///   v <- v + h/2 F(x, t + h)/m      the evaluation is the next step's first
 ///   v <- exp(-h/2 G/m) v
 /// The composition is symmetric, hence of second order with friction too; without friction it is
-/// symplectic, and the energy error stays bounded. One evaluation per step; stable up to h omega = 2
-/// at any friction. (A kick with the friction of the old velocity, the common shortcut, is of first
-/// order.) Running integrals: trapezoidal rule. Dense output: cubic Hermite.
+/// symplectic, and the energy error stays bounded. One evaluation per step; stable up to h omega =
+/// 2 at any friction. (A kick with the friction of the old velocity, the common shortcut, is of
+/// first order.) Running integrals: trapezoidal rule. Dense output: cubic Hermite.
 ///
 /// Refused: forces that depend on velocity but are not linear friction, forces with variables of
 /// their own, dynamics without inertia.
 /// Source: Swope, Andersen, Berens, Wilson, J. Chem. Phys. 76 (1982) 637, doi:10.1063/1.442716;
-/// splitting: Leimkuhler and Matthews, Molecular Dynamics, doi:10.1007/978-3-319-16375-8, chapter 7.
+/// splitting: Leimkuhler and Matthews, Molecular Dynamics, doi:10.1007/978-3-319-16375-8,
+/// chapter 7.
 namespace tomlin {
 
 struct VelocityVerletDescription {

@@ -75,9 +75,9 @@ struct VelocityVerletKernels {
   template <class Real>
   TOMLIN_FLATTEN static void first(const SystemView<Real>& s, const VerletArrays<Real>& w,
                                    double since) {
-    evaluate(s, stage_of(s, static_cast<const Real*>(s.position),
-                         static_cast<const Real*>(s.velocity),
-                         static_cast<const Real*>(s.integrals), w.rates, Real(since)));
+    evaluate(s,
+             stage_of(s, static_cast<const Real*>(s.position), static_cast<const Real*>(s.velocity),
+                      static_cast<const Real*>(s.integrals), w.rates, Real(since)));
     copy<Real>(s.force, s.dofs, w.force);
     add_heat<Real>(s, s.position, s.velocity, w.rates);
   }
@@ -107,9 +107,9 @@ struct VelocityVerletKernels {
     for (std::size_t i = 0; i < s.own; i += kGroup) {
       fma(Group(h), Group::load(w.rates + i), Group::load(s.integrals + i)).store(w.own + i);
     }
-    evaluate(s, stage_of(s, static_cast<const Real*>(w.position),
-                         static_cast<const Real*>(w.velocity), static_cast<const Real*>(w.own),
-                         w.end_rates, since + h));
+    evaluate(s,
+             stage_of(s, static_cast<const Real*>(w.position), static_cast<const Real*>(w.velocity),
+                      static_cast<const Real*>(w.own), w.end_rates, since + h));
     // A force that is no number must not enter the state.
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       const Group a = Group::load(s.force + i) * Group::load(s.inverse_mass + i);

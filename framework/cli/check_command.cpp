@@ -11,11 +11,11 @@
 #include "framework/cli/commands.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/sections.hpp"
-#include "framework/standard_registry.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/model/claims.hpp"
 #include "framework/model/model.hpp"
 #include "framework/run/trial.hpp"
+#include "framework/standard_registry.hpp"
 
 namespace tomlin {
 namespace {

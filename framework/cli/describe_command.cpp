@@ -19,13 +19,13 @@
 #include "framework/core/body.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/core/force.hpp"
-#include "framework/standard_registry.hpp"
 #include "framework/core/integrator.hpp"
 #include "framework/core/nearest_name.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/language.hpp"
 #include "framework/scene/value_reader.hpp"
+#include "framework/standard_registry.hpp"
 
 namespace tomlin {
 namespace {

@@ -63,13 +63,12 @@ void add_parts(Explanation& explanation, const Model& model) {
   const Scene& scene = *explanation.scene;
   auto& parts = explanation.parts;
   bool random = false;
-  bool works = false;
+  const bool works = !model.drivers().empty();
   for (const Model::Force& force : model.forces()) {
     random = random || force.record->traits.stochastic;
-    works = works || force.record->traits.does_work;
   }
   parts.push_back({"driver integrals", works,
-                   works ? "the force and the power of every driver" : "no force does work"});
+                   works ? "the force and the power of every driver" : "nothing does work"});
   std::string cells;
   for (int axis = 0; axis < model.dimension(); ++axis) {
     const double unit = model.origin().unit[axis];
@@ -78,7 +77,9 @@ void add_parts(Explanation& explanation, const Model& model) {
   }
   parts.push_back({"moving origin", !cells.empty(),
                    cells.empty() ? "no force declares a period" : "cells of " + cells});
-  parts.push_back({"energy ledger", scene.run.ledger, "run.ledger = true keeps it"});
+  parts.push_back({"energy ledger", scene.run.ledger,
+                   scene.run.ledger ? "work, heat, stored energy, and what does not balance"
+                                    : "run.ledger = true keeps it"});
   parts.push_back({"random numbers", random,
                    random ? fmt::format("seed {}", scene.run.seed) : "no force is stochastic"});
   const bool samples = scene.output.every.has_value();

@@ -64,6 +64,7 @@ Json parts_json(const Explanation& e) {
 Json scales_json(const Scales& scales) {
   Json json;
   json["frequency"] = scales.frequency;
+  json["relaxation_rate"] = scales.relaxation_rate;
   json["period"] = inverse(kTau, scales.frequency);
   json["damping_rate"] = scales.damping_rate;
   json["shortest_time"] = scales.shortest_time > 0.0 ? Json(scales.shortest_time) : Json();

@@ -60,7 +60,16 @@ std::string oscillation(double frequency) {
                      text_of(kTau / frequency));
 }
 
+void add_relaxation(Sections& sections, const Scales& scales) {
+  sections.section("relaxation rate, curvature / friction coefficient");
+  if (!(scales.relaxation_rate > 0.0)) return;
+  sections.row("fastest of all",
+               fmt::format("{}, relaxation time {}, a bound on all together",
+                           text_of(scales.relaxation_rate), text_of(1.0 / scales.relaxation_rate)));
+}
+
 void add_frequencies(Sections& sections, const Scales& scales) {
+  if (scales.damping.regime == Regime::no_inertia) return add_relaxation(sections, scales);
   sections.section("natural angular frequencies, omega = sqrt(stiffness or curvature / mass)");
   for (const ForceScale& force : scales.forces) {
     if (!(force.frequency > 0.0)) continue;

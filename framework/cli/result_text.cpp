@@ -106,9 +106,9 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
   }
   for (std::size_t k = 0; k < std::min(result.determined.size(), kMostShown); ++k) {
     const DeterminedResult& found = result.determined[k];
-    lines.emplace_back("determined", fmt::format("{} to {:.1f} digits ({} to {})", found.path,
-                                                 found.digits, text_of(found.min),
-                                                 text_of(found.max)));
+    lines.emplace_back("determined",
+                       fmt::format("{} to {:.1f} digits ({} to {})", found.path, found.digits,
+                                   text_of(found.min), text_of(found.max)));
   }
   for (const auto& [force, why] : result.left_out)
     lines.emplace_back("left out", fmt::format("{}: {}", force, why));

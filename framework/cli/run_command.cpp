@@ -14,13 +14,13 @@
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/progress.hpp"
 #include "framework/cli/result_text.hpp"
-#include "framework/standard_registry.hpp"
 #include "framework/cli/stop_signals.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/output/run_folder.hpp"
 #include "framework/output/summary.hpp"
 #include "framework/output/table.hpp"
 #include "framework/run/run.hpp"
+#include "framework/standard_registry.hpp"
 
 namespace tomlin {
 namespace fs = std::filesystem;

@@ -49,43 +49,42 @@ using KernelTables = TablesByType<KernelTable>;
 /// In a component's .cpp: the tables that its kernel files define (framework/core/kernels.hpp),
 /// as tomlin::kernels::NAME. Macros, because names are pasted.
 #if defined(__x86_64__)
-#define TOMLIN_DECLARE_DOUBLE_TABLES(Name, Table)                            \
-  namespace tomlin::kernels {                                                \
-  extern const Table Name##_double_baseline;                                 \
-  extern const Table Name##_double_avx2;                                     \
-  extern const Table Name##_double_avx512;                                   \
-  inline constexpr TablesBySet<Table> Name = {                               \
-      &Name##_double_baseline, &Name##_double_avx2, &Name##_double_avx512};  \
-  }
-#define TOMLIN_DECLARE_TABLES(Name, Table)                            \
-  namespace tomlin::kernels {                                         \
-  extern const Table<double> Name##_double_baseline;                  \
-  extern const Table<double> Name##_double_avx2;                      \
-  extern const Table<double> Name##_double_avx512;                    \
-  extern const Table<float> Name##_float_baseline;                    \
-  extern const Table<float> Name##_float_avx2;                        \
-  extern const Table<float> Name##_float_avx512;                      \
-  extern const Table<Quad> Name##_Quad_baseline;                      \
-  inline constexpr TablesByType<Table> Name = {                       \
-      {&Name##_double_baseline, &Name##_double_avx2, &Name##_double_avx512}, \
-      {&Name##_float_baseline, &Name##_float_avx2, &Name##_float_avx512},    \
-      {&Name##_Quad_baseline, nullptr, nullptr}};                     \
-  }
-#else
 #define TOMLIN_DECLARE_DOUBLE_TABLES(Name, Table)                                           \
   namespace tomlin::kernels {                                                               \
   extern const Table Name##_double_baseline;                                                \
-  inline constexpr TablesBySet<Table> Name = {&Name##_double_baseline, nullptr, nullptr};   \
+  extern const Table Name##_double_avx2;                                                    \
+  extern const Table Name##_double_avx512;                                                  \
+  inline constexpr TablesBySet<Table> Name = {&Name##_double_baseline, &Name##_double_avx2, \
+                                              &Name##_double_avx512};                       \
   }
-#define TOMLIN_DECLARE_TABLES(Name, Table)                            \
-  namespace tomlin::kernels {                                         \
-  extern const Table<double> Name##_double_baseline;                  \
-  extern const Table<float> Name##_float_baseline;                    \
-  extern const Table<Quad> Name##_Quad_baseline;                      \
-  inline constexpr TablesByType<Table> Name = {                       \
-      {&Name##_double_baseline, nullptr, nullptr},                    \
-      {&Name##_float_baseline, nullptr, nullptr},                     \
-      {&Name##_Quad_baseline, nullptr, nullptr}};                     \
+#define TOMLIN_DECLARE_TABLES(Name, Table)                                   \
+  namespace tomlin::kernels {                                                \
+  extern const Table<double> Name##_double_baseline;                         \
+  extern const Table<double> Name##_double_avx2;                             \
+  extern const Table<double> Name##_double_avx512;                           \
+  extern const Table<float> Name##_float_baseline;                           \
+  extern const Table<float> Name##_float_avx2;                               \
+  extern const Table<float> Name##_float_avx512;                             \
+  extern const Table<Quad> Name##_Quad_baseline;                             \
+  inline constexpr TablesByType<Table> Name = {                              \
+      {&Name##_double_baseline, &Name##_double_avx2, &Name##_double_avx512}, \
+      {&Name##_float_baseline, &Name##_float_avx2, &Name##_float_avx512},    \
+      {&Name##_Quad_baseline, nullptr, nullptr}};                            \
+  }
+#else
+#define TOMLIN_DECLARE_DOUBLE_TABLES(Name, Table)                                         \
+  namespace tomlin::kernels {                                                             \
+  extern const Table Name##_double_baseline;                                              \
+  inline constexpr TablesBySet<Table> Name = {&Name##_double_baseline, nullptr, nullptr}; \
+  }
+#define TOMLIN_DECLARE_TABLES(Name, Table)                                                  \
+  namespace tomlin::kernels {                                                               \
+  extern const Table<double> Name##_double_baseline;                                        \
+  extern const Table<float> Name##_float_baseline;                                          \
+  extern const Table<Quad> Name##_Quad_baseline;                                            \
+  inline constexpr TablesByType<Table> Name = {{&Name##_double_baseline, nullptr, nullptr}, \
+                                               {&Name##_float_baseline, nullptr, nullptr},  \
+                                               {&Name##_Quad_baseline, nullptr, nullptr}};  \
   }
 #endif
 #define TOMLIN_DECLARE_KERNELS(Evaluator) TOMLIN_DECLARE_TABLES(Evaluator, KernelTable)

@@ -89,8 +89,8 @@ TOMLIN_FLATTEN void site_kernel(const void* arguments, const Stage<Real>& stage)
 
 /// The same on a single particle on a line, in registers: small scenes are bound by latency.
 template <class E, class Real>
-TOMLIN_FLATTEN PointResult<Real> point_kernel(const void* parameters, Real position,
-                                                Real velocity, Real start, Real elapsed) {
+TOMLIN_FLATTEN PointResult<Real> point_kernel(const void* parameters, Real position, Real velocity,
+                                              Real start, Real elapsed) {
   const auto& p = *static_cast<const typename E::template Parameters<Real, 1>*>(parameters);
   Site<Real, 1> site;
   site.position[0] = position;
@@ -186,7 +186,8 @@ TOMLIN_FLATTEN void centre_kernel(const void* arguments, const Stage<Real>& stag
     Real* f = (a.body.mapped ? stage.mapped_force : stage.force) + a.body.offset;
     if constexpr (set) {
       for (int d = 0; d < D; ++d) {
-        for (std::size_t i = 0; i < a.first; i += kGroup) Group(Real(0.0)).store(f + d * stride + i);
+        for (std::size_t i = 0; i < a.first; i += kGroup)
+          Group(Real(0.0)).store(f + d * stride + i);
         for (std::size_t i = a.last; i < a.body.count; i += kGroup) {
           Group(Real(0.0)).store(f + d * stride + i);
         }
@@ -210,8 +211,7 @@ TOMLIN_FLATTEN void centre_kernel(const void* arguments, const Stage<Real>& stag
 /// Each particle's row is i + 1, i + 2, ... i - 1: forces computed forwards are added first, then
 /// those of the particles behind are taken off, the furthest first.
 template <class E, class Real, int D, bool set, int rows>
-TOMLIN_INLINE void cyclic_in_registers(const CyclicArguments<Real>& a, const Real* x,
-                                       Real* f) {
+TOMLIN_INLINE void cyclic_in_registers(const CyclicArguments<Real>& a, const Real* x, Real* f) {
   using Group = Packed<Real>;
   const auto p = in_all_lanes<E, Real, D>(a.parameters);
   const std::size_t stride = a.body.stride;
@@ -379,8 +379,7 @@ TOMLIN_FLATTEN void chain_kernel(const void* arguments, const Stage<Real>& stage
       Group total = force[d] - select(lane_zero, behind[d], moved);
       if (last && i + kGroup > count) {
         // The bond past the end pulls on padding, which must stay zero.
-        total = select(first_lanes_of<Group>(static_cast<int>(count - i)), total,
-                       Group(Real(0.0)));
+        total = select(first_lanes_of<Group>(static_cast<int>(count - i)), total, Group(Real(0.0)));
       }
       put<set>(f + d * stride + i, total);
       behind[d] = moved;
@@ -409,17 +408,16 @@ TOMLIN_FLATTEN void pair_list_kernel(const void* arguments, const Stage<Real>& s
   for (std::size_t k = 0; k < a.pairs; k += kGroup) {
     Pair<Group, D> pair;
     for (int d = 0; d < D; ++d) {
-      pair.separation[d] =
+      const Group apart =
           gather(x2 + d * a.second.stride, a.j + k) - gather(x1 + d * a.first.stride, a.i + k);
-      if (a.image) pair.separation[d] += Group::load(a.image + d * row_length + k);
+      pair.separation[d] = a.image ? apart + Group::load(a.image + d * row_length + k) : apart;
     }
     pair.datum = Group::load(a.datum + k);
     const Vec<Group, D> force = force_on<E, Group, D>(p, pair);
     for (int d = 0; d < D; ++d) force[d].store(a.result + d * row_length + k);
   }
 
-  const auto share_out = [&](const BodySlot<Real>& body, std::size_t rows,
-                             std::size_t first_row) {
+  const auto share_out = [&](const BodySlot<Real>& body, std::size_t rows, std::size_t first_row) {
     Real* f = (body.mapped ? stage.mapped_force : stage.force) + body.offset;
     for (int d = 0; d < D; ++d) {
       const Real* result = a.result + d * row_length;
@@ -481,11 +479,10 @@ constexpr auto kernel_table() {
 
 /// In a kernel file, which is compiled once per number type and instruction set: define the
 /// evaluator's table. `type` names the number type: double, float or Quad.
-#define TOMLIN_DEFINE_KERNELS(Evaluator, type)                                              \
-  namespace tomlin::kernels {                                                               \
-  extern const decltype(kernel_table<Evaluator, type>()) TOMLIN_JOIN3(Evaluator, type,      \
-                                                                      TOMLIN_TARGET);       \
-  constinit const decltype(kernel_table<Evaluator, type>()) TOMLIN_JOIN3(Evaluator, type,   \
-                                                                         TOMLIN_TARGET) =   \
-      kernel_table<Evaluator, type>();                                                      \
+#define TOMLIN_DEFINE_KERNELS(Evaluator, type)                                         \
+  namespace tomlin::kernels {                                                          \
+  extern const decltype(kernel_table<Evaluator, type>()) TOMLIN_JOIN3(Evaluator, type, \
+                                                                      TOMLIN_TARGET);  \
+  constinit const decltype(kernel_table<Evaluator, type>()) TOMLIN_JOIN3(              \
+      Evaluator, type, TOMLIN_TARGET) = kernel_table<Evaluator, type>();               \
   }

@@ -21,9 +21,9 @@ namespace tomlin {
 /// One pair, with the number of its own that the evaluator reads (a rest length, say).
 template <class Real>
 struct BoundPair {
-  std::size_t i = 0;             ///< of the first body
-  std::size_t j = 0;             ///< of the second, or of the same
-  std::array<double, 3> image{}; ///< through a periodic box: added to the way from i to j
+  std::size_t i = 0;              ///< of the first body
+  std::size_t j = 0;              ///< of the second, or of the same
+  std::array<double, 3> image{};  ///< through a periodic box: added to the way from i to j
   Real datum{};
 };
 
@@ -79,7 +79,8 @@ BoundPairs<Real> pairs_of(const PairSelection& selection, const Binding<Real>& b
       for (std::size_t i = 0; i + 1 < count; ++i) add(i, i + 1);
       const bool through_box = one.open_along >= 0 && binding.box[one.open_along] > 0.0;
       if ((one.closed && count > 2) || (through_box && count > 1)) add(count - 1, 0);
-      // Neighbours are bonded as they stand; only a chain's last bond passes through the box's side.
+      // Neighbours are bonded as they stand; only a chain's last bond passes through the box's
+      // side.
       for (BoundPair<Real>& pair : found.pairs) pair.image = {};
       if (through_box && count > 1) {
         BoundPair<Real>& closing = found.pairs.back();

@@ -116,9 +116,8 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
       start_.assign(D * this->body_.slot.stride, Real(0.0));
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
         for (int d = 0; d < D; ++d)
-          start_[d * this->body_.slot.stride + i] =
-              Real(start.empty() ? this->body_.start[i][d]
-                                 : relative_to(binding.origin, d, start[d]));
+          start_[d * this->body_.slot.stride + i] = Real(
+              start.empty() ? this->body_.start[i][d] : relative_to(binding.origin, d, start[d]));
       }
       arguments_.start = start_.data();
     }
@@ -162,9 +161,9 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
     if constexpr (HasEnergy<E, D, Site>) {
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
-        for_curvature<E, Real, D>(this->parameters_, site(stage, i), [&](int a, int b, double value) {
-          sink.site(this->body_.index, i, a, b, value);
-        });
+        for_curvature<E, Real, D>(
+            this->parameters_, site(stage, i),
+            [&](int a, int b, double value) { sink.site(this->body_.index, i, a, b, value); });
       }
     }
   }
@@ -177,8 +176,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
     }
   }
 
-  void flow(const Stage<Real>&, const Real* inverse_mass, Real* velocity,
-            Real h) const override {
+  void flow(const Stage<Real>&, const Real* inverse_mass, Real* velocity, Real h) const override {
     if constexpr (Base::kHasFlow) {
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
         for (int d = 0; d < D; ++d) {

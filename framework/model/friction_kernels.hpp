@@ -32,12 +32,12 @@ struct FrictionArguments {
 
   // A body that moves as one.
   bool rotates = false;
-  bool free[3] = {};  ///< centre's axes; the rotation's freedom is `rotates`
-  Real total{};       ///< C
+  bool free[3] = {};    ///< centre's axes; the rotation's freedom is `rotates`
+  Real total{};         ///< C
   Real moment[2] = {};  ///< S, unrotated
-  Real second{};      ///< tau^2 J
+  Real second{};        ///< tau^2 J
   Real mass{};
-  Real inertia{};     ///< tau^2 I
+  Real inertia{};                ///< tau^2 I
   Real* heat_of_body = nullptr;  ///< left by the mobility, for the ledger; null without one
 };
 
@@ -82,8 +82,9 @@ struct FrictionKernels {
 
   /// Solves (diagonal + scale G) u = f for the free coordinates, others get zero.
   template <class Real>
-  TOMLIN_INLINE static void solve(const FrictionArguments<Real>& a, Real turns, const Real* diagonal,
-                                  Real diagonal_of_rotation, Real scale, const Real* f, Real* u) {
+  TOMLIN_INLINE static void solve(const FrictionArguments<Real>& a, Real turns,
+                                  const Real* diagonal, Real diagonal_of_rotation, Real scale,
+                                  const Real* f, Real* u) {
     Real sx(0.0);
     Real sy(0.0);
     if (a.axes == 2 && a.rotates) turned_moment(a, turns, sx, sy);
@@ -160,8 +161,7 @@ struct FrictionKernels {
                                           Real* velocity, Real h) {
     const FrictionArguments<Real> a = *static_cast<const FrictionArguments<Real>*>(arguments);
     Real* v = velocity + a.body.centre;
-    const bool coupled =
-        a.rotates && (a.moment[0] != Real(0.0) || a.moment[1] != Real(0.0));
+    const bool coupled = a.rotates && (a.moment[0] != Real(0.0) || a.moment[1] != Real(0.0));
     if (!coupled) {
       const Real centre = exp(-(h * (a.total / a.mass)));
       for (int d = 0; d < a.axes; ++d) v[d] = v[d] * centre;

@@ -63,8 +63,7 @@ void check_scheme(const Assembly<double>& assembly) {
       }
       if (force.bound->own_count() > 0) {
         refuse("run.integrator.type", place,
-               "does not advance the variables of the force \"" + force.name + "\"",
-               "rk4, dopri5");
+               "does not advance the variables of the force \"" + force.name + "\"", "rk4, dopri5");
       }
     }
   }
@@ -72,11 +71,11 @@ void check_scheme(const Assembly<double>& assembly) {
     for (const auto& force : assembly.forces()) {
       if (force.record->traits.depends_on_velocity && !force.bound->is_friction()) {
         const auto found = scene.run.places.find("dynamics");
-        faults.push_back({found == scene.run.places.end() ? scene.run.place : found->second,
-                          "run.dynamics", "\"overdamped\"",
-                          "the force \"" + force.name +
-                              "\" depends on velocity and is not linear friction",
-                          "\"inertial\"", ""});
+        faults.push_back(
+            {found == scene.run.places.end() ? scene.run.place : found->second, "run.dynamics",
+             "\"overdamped\"",
+             "the force \"" + force.name + "\" depends on velocity and is not linear friction",
+             "\"inertial\"", ""});
       }
     }
   }
@@ -122,7 +121,7 @@ void Model::attach(RunState& state) {
   whole_turns_ = state.integers("whole_turns");
   for (int d = 0; d < 3; ++d) origin_.cells[d] = cells_[d];
   assembly_.rebase(origin_);
-  if (follower_) follower_->rebase(origin_, {});
+  if (follower_) follower_->rebase(origin_);
 }
 
 void Model::start(const Perturbation* noise) {
@@ -132,7 +131,7 @@ void Model::start(const Perturbation* noise) {
   assembly_.rebase(origin_);
   if (follower_) {
     follower_->start(noise);
-    follower_->rebase(origin_, {});
+    follower_->rebase(origin_);
   }
   if (view.inertial) return;
   evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates_.data());
@@ -173,7 +172,8 @@ bool Model::rebase_if_due() {
     };
     bool all = true;
     for (const Driver& driver : drivers()) {
-      if (driver.drive == nullptr || driver.drive->travel.empty() || !driver.drive->steady) continue;
+      if (driver.drive == nullptr || driver.drive->travel.empty() || !driver.drive->steady)
+        continue;
       all = all && moved(driver.drive->travel[d]);
     }
     for (const Body& body : bodies()) {
@@ -184,9 +184,10 @@ bool Model::rebase_if_due() {
       } else if (body.prescribed()) {
         all = moved(assembly_.travel_of(body, d));
       } else {
-        const double* x = (slot.mapped ? view.mapped_position : view.position) + slot.offset +
-                          d * slot.stride;
-        for (std::size_t i = 0; all && i < slot.count; ++i) all = moved(x[i] - body.bound.start[i][d]);
+        const double* x =
+            (slot.mapped ? view.mapped_position : view.position) + slot.offset + d * slot.stride;
+        for (std::size_t i = 0; all && i < slot.count; ++i)
+          all = moved(x[i] - body.bound.start[i][d]);
       }
     }
     if (!all || !(least >= unit || most <= -unit)) continue;
@@ -211,7 +212,10 @@ bool Model::rebase_if_due() {
   }
   if (!rebased) return false;
   assembly_.rebase(origin_);
-  if (follower_) follower_->rebase(origin_, moved_cells);
+  if (follower_) {
+    follower_->rebase(origin_);
+    follower_->shift_by(moved_cells);
+  }
   begin_step(this, anchor_.hi, anchor_.lo);
   return true;
 }

@@ -23,8 +23,10 @@ class ModelFollower {
  public:
   virtual ~ModelFollower() = default;
   virtual void begin_step(const DoubleDouble& time) = 0;
-  /// The origin has moved by so many cells more; the model's own numbers are moved already.
-  virtual void rebase(const Origin& origin, const std::array<std::int64_t, 3>& cells) = 0;
+  /// Places are relative to this origin from now on.
+  virtual void rebase(const Origin& origin) = 0;
+  /// The state follows an origin that has moved by so many cells; the model's own has done so.
+  virtual void shift_by(const std::array<std::int64_t, 3>& cells) = 0;
   virtual void start(const Perturbation* noise) = 0;
 
  protected:

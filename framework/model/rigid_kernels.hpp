@@ -14,10 +14,9 @@ namespace tomlin {
 template <class Real>
 struct RigidArguments {
   BodySlot<Real> body;
-  const Real* reference =
-      nullptr;              ///< particles about the centre, unrotated: [axis * stride + i]
-  Real* arm = nullptr;      ///< the same, rotated; written by `place`, read by `gather`
-  bool velocities = false;  ///< some force reads the particles' velocities
+  const Real* reference = nullptr;  ///< particles about the centre, unrotated: [axis * stride + i]
+  Real* arm = nullptr;              ///< the same, rotated; written by `place`, read by `gather`
+  bool velocities = false;          ///< some force reads the particles' velocities
   /// Of a prescribed body: where its coordinates and velocities stand; null for a rigid body, whose
   /// coordinates are part of the state.
   const Real* coordinates = nullptr;

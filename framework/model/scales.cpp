@@ -140,7 +140,7 @@ Damping damping_of(const Scales& scales) {
 }
 
 double shortest_time_of(const Scales& scales) {
-  double fastest = std::max(scales.frequency, scales.damping_rate);
+  double fastest = std::max({scales.frequency, scales.damping_rate, scales.relaxation_rate});
   for (const Sliding& sliding : scales.sliding) {
     fastest = std::max(fastest, sliding.washboard_frequency);
   }
@@ -161,6 +161,8 @@ const char* to_string(Regime regime) {
       return "overdamped";
     case Regime::no_oscillation:
       return "no oscillation";
+    case Regime::no_inertia:
+      return "no inertia";
   }
   return "";
 }
@@ -212,7 +214,12 @@ Scales scales_of(const std::shared_ptr<const Scene>& scene) {
       add_misfits(scales, model, scene->forces[k], force);
     }
   }
+  scales.relaxation_rate = all.relaxation_rate;
   scales.damping = damping_of(scales);
+  if (!model.system().view.inertial) {
+    scales.damping = Damping();
+    scales.damping.regime = Regime::no_inertia;
+  }
   scales.shortest_time = shortest_time_of(scales);
   return scales;
 }

@@ -21,7 +21,14 @@ struct ForceScale {
   bool internal = false;      ///< acts within bodies: the centre of mass does not feel it
 };
 
-enum class Regime { undamped, underdamped, critically_damped, overdamped, no_oscillation };
+enum class Regime {
+  undamped,
+  underdamped,
+  critically_damped,
+  overdamped,
+  no_oscillation,
+  no_inertia
+};
 
 /// "undamped", "critically damped", ...
 const char* to_string(Regime regime);
@@ -83,7 +90,10 @@ struct Misfit {
 struct Scales {
   double frequency = 0.0;     ///< of the fastest motion of all, angular
   double damping_rate = 0.0;  ///< the largest
-  /// The least of 1/frequency, 1/damping rate and 1/washboard frequency; 0: none.
+  /// Without inertia, in their place: curvature/friction of the fastest motion.
+  double relaxation_rate = 0.0;
+  /// The least of 1/frequency, 1/damping rate, 1/relaxation rate and 1/washboard frequency;
+  /// 0: none.
   double shortest_time = 0.0;
   std::string stiffest_force;      ///< behind the fastest motion or damping; may be empty
   std::vector<ForceScale> forces;  ///< those built, in the scene's order

@@ -50,7 +50,8 @@ class ScaledHessian : public HessianSink {
       // Largest eigenvalue of value * w w^T scaled by mass: value * sum w_i^2 / m_i.
       double sum = 0.0;
       for (std::size_t i = 0; i < slot.count; ++i) {
-        const double response = model_.system().view.inverse_mass[slot.offset + a * slot.stride + i];
+        const double response =
+            model_.system().view.inverse_mass[slot.offset + a * slot.stride + i];
         sum += weight[i] * weight[i] * response;
       }
       if (a == b) common_ += std::abs(value) * sum;

@@ -92,15 +92,14 @@ void determine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
   RunOptions quiet = options;
   quiet.sink = nullptr;
   for (std::int64_t repeat = 1; repeat <= settings.repeats; ++repeat) {
-    quiet.perturbation = Perturbation{settings.bodies, settings.size,
-                                      static_cast<std::uint64_t>(scene->run.seed),
-                                      static_cast<std::uint64_t>(repeat)};
+    quiet.perturbation =
+        Perturbation{settings.bodies, settings.size, static_cast<std::uint64_t>(scene->run.seed),
+                     static_cast<std::uint64_t>(repeat)};
     const RunResult other = Engine(scene, quiet).run();
     if (other.status == RunStatus::interrupted) {
       result.status = RunStatus::interrupted;
-      result.warnings.push_back(
-          fmt::format("stopped after {} of {} runs from perturbed starts", repeat - 1,
-                      settings.repeats));
+      result.warnings.push_back(fmt::format("stopped after {} of {} runs from perturbed starts",
+                                            repeat - 1, settings.repeats));
       break;
     }
     if (other.failure) {

@@ -17,8 +17,9 @@ std::size_t worst_coordinate(Model& model, double h) {
   double furthest = -1.0;
   for (std::size_t i = 0; i < s.dofs; ++i) {
     if (s.inverse_mass[i] == 0.0) continue;
-    const double acceleration = s.force[i] * s.inverse_mass[i];
-    const double move = h * std::abs(s.velocity[i]) + 0.5 * h * h * std::abs(acceleration);
+    const double response = s.force[i] * s.inverse_mass[i];  // acceleration, or velocity
+    const double move = s.inertial ? h * std::abs(s.velocity[i]) + 0.5 * h * h * std::abs(response)
+                                   : h * std::abs(response);
     if (!std::isfinite(move)) return i;
     const double limit = s.largest_move[i] < 1e300 ? s.largest_move[i] : 1.0;
     if (move / limit > furthest) {

@@ -139,8 +139,9 @@ void Engine::declare(StateLayout& layout) {
 }
 
 void Engine::attach() {
-  model_.attach(state_);
+  // The integrator first: what it steps follows the model's origin.
   integrator_->attach(state_);
+  model_.attach(state_);
   extremes_.attach(state_);
   first_maximum_.attach(state_);
   clock_ = state_.reals("clock");
@@ -207,8 +208,7 @@ void Engine::resolve_window() {
     if (candidates.size() > 1) {
       fault("in", "several drivers move: say whose periods are meant", "driver = NAME");
     }
-    const std::vector<double>& velocity =
-        drivers_[candidates.front()].drive->velocity;
+    const std::vector<double>& velocity = drivers_[candidates.front()].drive->velocity;
     if (m.period) {
       unit = *m.period / norm(velocity);
     } else {
@@ -613,9 +613,8 @@ void Engine::keep_moment(Moment& moment, double at, const double* position, cons
     moment.turns[b] = turns_of(b, position);
   }
   if (ledger_) {
-    *moment.stored =
-        model_.kinetic_energy(velocity) +
-        model_.potential_energy(DoubleDouble(at), position, velocity, integrals);
+    *moment.stored = model_.kinetic_energy(velocity) +
+                     model_.potential_energy(DoubleDouble(at), position, velocity, integrals);
   }
   // The signals of the step's start have been used; this is scratch until the next.
   signals_from_rates(dense_rates_.data());
@@ -681,8 +680,7 @@ void Engine::finish() {
   model_.evaluate_at(now(), view.position, view.velocity, view.integrals, final_rates_.data());
   if (!ledger_) return;
   kinetic_energy_ = model_.kinetic_energy(view.velocity);
-  potential_energy_ =
-      model_.potential_energy(now(), view.position, view.velocity, view.integrals);
+  potential_energy_ = model_.potential_energy(now(), view.position, view.velocity, view.integrals);
 }
 
 /// Over the window, each term from its own integral; what does not balance is the integrator's.
@@ -753,7 +751,8 @@ RunResult Engine::result() {
       const std::size_t power = from.first_rate + axes;
       driver.work = to_.integrals[power] - from_.integrals[power];
       if (from.drive->steady) driver.distance = speed * length;
-      if (from.drive->steady && speed > 0.0) driver.work_per_distance = *driver.work / *driver.distance;
+      if (from.drive->steady && speed > 0.0)
+        driver.work_per_distance = *driver.work / *driver.distance;
     }
     result.drivers.push_back(std::move(driver));
   }
@@ -781,7 +780,7 @@ RunResult Engine::result() {
         body.turns = to_.turns[b] - from_.turns[b];
         const double moved = static_cast<double>(to_.place(b * axes) - from_.place(b * axes));
         if (from.rolling_radius > 0.0 && moved != 0.0) {
-          body.rolling = -from.rolling_radius * kTau * *body.turns / moved;
+          body.rolling = from.rolling_radius * kTau * (0.0 - *body.turns) / moved;
         }
       }
     }

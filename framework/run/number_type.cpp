@@ -85,18 +85,20 @@ class MirroredIntegrator : public Integrator<double>, public ModelFollower {
 
   void begin_step(const DoubleDouble& time) override { assembly_.begin_step(time); }
 
-  void rebase(const Origin& origin, const std::array<std::int64_t, 3>& cells) override {
-    assembly_.rebase(origin);
+  void rebase(const Origin& origin) override { assembly_.rebase(origin); }
+
+  void shift_by(const std::array<std::int64_t, 3>& cells) override {
+    const std::array<double, 3>& unit = model_.origin().unit;
     SystemView<Real>& view = assembly_.system().view;
     for (const auto& body : assembly_.bodies()) {
       const BodySlot<Real>& slot = body.bound.slot;
       for (int d = 0; d < model_.dimension(); ++d) {
         if (slot.rigid) {
-          shift(view.position, view.position_rest, slot.centre + d, cells[d], origin.unit[d]);
+          shift(view.position, view.position_rest, slot.centre + d, cells[d], unit[d]);
         } else if (!slot.mapped) {
           for (std::size_t i = 0; i < slot.count; ++i) {
             shift(view.position, view.position_rest, slot.offset + d * slot.stride + i, cells[d],
-                  origin.unit[d]);
+                  unit[d]);
           }
         }
       }
@@ -112,7 +114,7 @@ class MirroredIntegrator : public Integrator<double>, public ModelFollower {
       for (int d = 0; d < model_.dimension(); ++d) {
         if (steered.own[d] < 0) continue;
         shift(view.integrals, view.integrals_rest, static_cast<std::size_t>(steered.own[d]),
-              cells[d], origin.unit[d]);
+              cells[d], unit[d]);
       }
     }
   }
@@ -131,8 +133,7 @@ class MirroredIntegrator : public Integrator<double>, public ModelFollower {
     if (cells == 0) return;
     const auto count = static_cast<double>(cells);
     if constexpr (kCompensated<Real>) {
-      const double exact =
-          static_cast<double>(x[i]) + static_cast<double>(rest[i]) - count * unit;
+      const double exact = static_cast<double>(x[i]) + static_cast<double>(rest[i]) - count * unit;
       x[i] = static_cast<Real>(exact);
       rest[i] = static_cast<Real>(exact - static_cast<double>(x[i]));
     } else {

@@ -60,8 +60,8 @@ struct BodyResult {
   std::optional<double> max_speed;     ///< of the centre, over the window
 };
 
-/// The energy ledger. Kinetic and potential energy are those at the end of the run; the rest is over
-/// the window, each term integrated on its own with the scheme's order.
+/// The energy ledger. Kinetic and potential energy are those at the end of the run; the rest is
+/// over the window, each term integrated on its own with the scheme's order.
 struct EnergyResult {
   double kinetic = 0.0;
   double potential = 0.0;

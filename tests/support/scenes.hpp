@@ -39,6 +39,10 @@ inline std::string digits(double x) {
 
 inline std::string fixed_step(double dt) { return "{ type = \"rk4\", dt = " + digits(dt) + " }"; }
 
+inline std::string verlet(double dt) {
+  return "{ type = \"velocity_verlet\", dt = " + digits(dt) + " }";
+}
+
 inline std::string adaptive(double tolerance) {
   return "{ type = \"dopri5\", absolute_tolerance = " + digits(tolerance) +
          ", relative_tolerance = " + digits(tolerance) + " }";
@@ -49,6 +53,30 @@ inline std::string adaptive_held_to(double h) {
   return "{ type = \"dopri5\", absolute_tolerance = 1e30, relative_tolerance = 0.0, "
          "initial_step = " +
          digits(h) + ", largest_step = " + digits(h) + " }";
+}
+
+inline const DriverResult& driver_of(const RunResult& result, const std::string& name) {
+  for (const DriverResult& driver : result.drivers) {
+    if (driver.name == name) return driver;
+  }
+  throw std::logic_error("no driver " + name);
+}
+
+inline const BodyResult& body_of(const RunResult& result, const std::string& name) {
+  for (const BodyResult& body : result.bodies) {
+    if (body.name == name) return body;
+  }
+  throw std::logic_error("no body " + name);
+}
+
+/// The faults that a scene is refused with, as one text; empty when it is not.
+inline std::string refusal(std::string_view text, const Registry& registry = standard()) {
+  try {
+    Engine engine(parse_scene(text, "test.toml", registry), {});
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
 }
 
 /// Keeps what an observables table would hold.

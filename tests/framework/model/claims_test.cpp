@@ -145,7 +145,8 @@ std::unique_ptr<BoundForce<double>> bind_spoilt(const void* description,
   static const ForceRecord sound = record();
   Description wrong = *static_cast<const Description*>(description);
   spoil(wrong);
-  return std::make_unique<TwoFaced>(sound.bind(&wrong, binding), sound.bind(description, binding));
+  return std::make_unique<TwoFaced>(sound.bind.in_double(&wrong, binding),
+                                    sound.bind.in_double(description, binding));
 }
 
 template <auto spoil>
@@ -161,7 +162,7 @@ constexpr auto kSlightly = [](SinusoidalSubstrateDescription& d) { d.amplitude *
 constexpr auto kOtherDecay = [](SinusoidalSubstrateDescription& d) { d.decay *= 1.001; };
 constexpr auto kSofterBonds = [](HarmonicBondsDescription& d) { d.stiffness *= 0.5; };
 
-using Bind = decltype(ForceRecord::bind);
+using Bind = ForceFactory<double>;
 
 /// All components, with one force changed.
 class Spoilt {
@@ -275,7 +276,8 @@ TEST(PlantedFaults, ForcesThatDoNotSumToZero) {
   const Bind bind = [](const void* description,
                        const Binding<double>& binding) -> std::unique_ptr<BoundForce<double>> {
     static const ForceRecord sound = harmonic_bonds_record();
-    return std::make_unique<OneSided>(sound.bind(description, binding), *binding.bodies.front());
+    return std::make_unique<OneSided>(sound.bind.in_double(description, binding),
+                                      *binding.bodies.front());
   };
   EXPECT_EQ(Spoilt("harmonic_bonds", bind).broken_in(chain(5, 1.0, "x", 2)),
             (Failed{"harmonic_bonds: conservative", "harmonic_bonds: internal"}));

@@ -96,8 +96,8 @@ ForceRecord maxwell_record() {
           .by_default(0.0)};
   record.complaints = [](const void*, const SceneOutline&) { return std::vector<Complaint>(); };
   record.period = [](const void*, int) { return 0.0; };
-  record.bind = [](const void* d,
-                   const Binding<double>& binding) -> std::unique_ptr<BoundForce<double>> {
+  record.bind =
+      +[](const void* d, const Binding<double>& binding) -> std::unique_ptr<BoundForce<double>> {
     return std::make_unique<BoundMaxwell>(*static_cast<const MaxwellDescription*>(d), binding);
   };
   return record;

@@ -1,0 +1,203 @@
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <variant>
+
+#include <gtest/gtest.h>
+
+#include "framework/core/fault.hpp"
+#include "framework/core/force.hpp"
+#include "tests/support/scenes.hpp"
+
+// What components say about themselves: examples, ranges, names, and that nothing is left out.
+
+namespace tomlin::test {
+namespace {
+
+TEST(Conformance, ExamplesUseTheirComponentAndRun) {
+  const auto runs = [](const ComponentRecord& record) {
+    SCOPED_TRACE(record.name);
+    const auto scene = scene_of(record.example);
+    const bool used =
+        std::any_of(scene->forces.begin(), scene->forces.end(),
+                    [&](const auto& force) { return force.record->name == record.name; }) ||
+        std::any_of(scene->bodies.begin(), scene->bodies.end(),
+                    [&](const auto& body) { return body.record->name == record.name; }) ||
+        scene->run.integrator.record->name == record.name;
+    EXPECT_TRUE(used);
+    const RunResult result = run(scene);
+    EXPECT_EQ(result.status, RunStatus::finished)
+        << (result.failure ? to_string(*result.failure) : "");
+    EXPECT_GT(result.steps, 0u);
+  };
+  for (const auto& record : standard().bodies()) runs(*record);
+  for (const auto& record : standard().forces()) runs(*record);
+  for (const auto& record : standard().integrators()) runs(*record);
+}
+
+/// The force of this type in its example, by the name that a setting takes.
+std::string refusal(const ComponentRecord& record, const std::string& path,
+                    const std::string& value) {
+  try {
+    (void)scene_of(record.example, {{path, value}});
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Conformance, ParametersOutOfRangeAreRefused) {
+  int bounded = 0;
+  const auto look_at = [&](const ComponentRecord& record, const std::string& component) {
+    for (const Parameter& row : record.parameters) {
+      if (!std::holds_alternative<double>(row.prototype)) continue;
+      const std::string path = component + "." + row.key;
+      SCOPED_TRACE(path);
+      for (const char* value : {"nan", "inf", "-inf"}) {
+        EXPECT_NE(refusal(record, path, value).find(row.key), std::string::npos) << value;
+      }
+      if (row.interval.low == 0.0) {
+        ++bounded;
+        EXPECT_NE(refusal(record, path, "-1e-300").find(row.key), std::string::npos);
+        if (row.interval.low_open) {
+          EXPECT_NE(refusal(record, path, "0.0").find(row.key), std::string::npos);
+        }
+      }
+    }
+  };
+  for (const auto& record : standard().forces()) look_at(*record, "force." + record->name);
+  for (const auto& record : standard().integrators()) look_at(*record, "run.integrator");
+  EXPECT_GT(bounded, 5);
+}
+
+TEST(Conformance, TheEdgeOfARangeIsAccepted) {
+  const ForceRecord* damping = standard().force("viscous_damping");
+  EXPECT_EQ(refusal(*damping, "force.viscous_damping.coefficient", "0.0"), "");
+  EXPECT_EQ(refusal(*damping, "force.viscous_damping.coefficient", "1e-300"), "");
+}
+
+// ---- names
+
+std::string contents(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+std::string camel_case(const std::string& name) {
+  std::string camel;
+  bool up = true;
+  for (const char c : name) {
+    if (c == '_') {
+      up = true;
+    } else {
+      camel += up ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
+      up = false;
+    }
+  }
+  return camel;
+}
+
+/// type = "..." is the file's name and, in CamelCase, the class's.
+TEST(Names, TypeFileAndClassAgree) {
+  const std::filesystem::path source = TOMLIN_SOURCE_DIR;
+  const auto look_at = [&](const std::string& folder, const std::string& name,
+                           const std::string& declared) {
+    SCOPED_TRACE(folder + "/" + name);
+    const std::string header = contents(source / folder / (name + ".hpp"));
+    EXPECT_NE(header.find("struct " + declared + " {"), std::string::npos) << declared;
+    EXPECT_NE(header.find(name + "_record()"), std::string::npos);
+    EXPECT_NE(contents(source / folder / (name + ".cpp")).find("\"" + name + "\""),
+              std::string::npos);
+  };
+  for (const auto& force : standard().forces()) {
+    look_at("forcefields", force->name, camel_case(force->name));
+  }
+  for (const auto& scheme : standard().integrators()) {
+    look_at("integrators", scheme->name, camel_case(scheme->name) + "Description");
+    const std::string code = contents(source / "integrators" / (scheme->name + ".cpp"));
+    EXPECT_NE(code.find("class " + camel_case(scheme->name) + " "), std::string::npos);
+  }
+  for (const auto& body : standard().bodies()) {
+    const std::string header = contents(source / "framework/bodies" / (body->name + ".hpp"));
+    EXPECT_NE(header.find("struct " + camel_case(body->name) + "Description "), std::string::npos)
+        << body->name;
+  }
+}
+
+/// No file of a component without its component.
+TEST(Names, EveryFilePairIsRegistered) {
+  const std::filesystem::path source = TOMLIN_SOURCE_DIR;
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(source / "forcefields")) {
+    if (entry.path().extension() != ".cpp" || entry.path().stem() == "register") continue;
+    EXPECT_NE(standard().force(entry.path().stem().string()), nullptr) << entry.path();
+    ++files;
+  }
+  EXPECT_EQ(files, static_cast<int>(standard().forces().size()));
+}
+
+// ---- registration
+
+template <class Record, class Spoil>
+bool refused(const Record& complete, Spoil&& spoil) {
+  Registry registry;
+  Record record = complete;
+  spoil(record);
+  try {
+    registry.add(record);
+  } catch (const std::invalid_argument& error) {
+    return std::string(error.what()).size() > 10;
+  }
+  return false;
+}
+
+template <class Record>
+void expect_completeness_is_required(const Record& record) {
+  SCOPED_TRACE(record.name);
+  EXPECT_FALSE(refused(record, [](Record&) {}));
+  EXPECT_TRUE(refused(record, [](Record& r) { r.name.clear(); }));
+  EXPECT_TRUE(refused(record, [](Record& r) { r.summary.clear(); }));
+  EXPECT_TRUE(refused(record, [](Record& r) { r.equation.clear(); }));
+  EXPECT_TRUE(refused(record, [](Record& r) { r.source.clear(); }));
+  EXPECT_TRUE(refused(record, [](Record& r) { r.example.clear(); }));
+  EXPECT_TRUE(refused(record, [](Record& r) { r.make_description = nullptr; }));
+  EXPECT_TRUE(refused(record, [](Record& r) { r.complaints = nullptr; }));
+  EXPECT_TRUE(refused(record, [](Record& r) { r.parameters.front().doc.clear(); }));
+  EXPECT_TRUE(refused(record, [](Record& r) { r.parameters.front().key.clear(); }));
+}
+
+TEST(Registration, AnIncompleteRecordIsRejected) {
+  for (const auto& force : standard().forces()) {
+    expect_completeness_is_required(*force);
+    EXPECT_TRUE(refused(*force, [](ForceRecord& r) { r.bind = nullptr; }));
+    EXPECT_TRUE(refused(*force, [](ForceRecord& r) { r.period = nullptr; }));
+  }
+  for (const auto& scheme : standard().integrators()) {
+    expect_completeness_is_required(*scheme);
+    EXPECT_TRUE(refused(*scheme, [](IntegratorRecord& r) { r.bind = nullptr; }));
+    EXPECT_TRUE(refused(*scheme, [](IntegratorRecord& r) { r.growth = nullptr; }));
+  }
+  for (const auto& body : standard().bodies()) {
+    expect_completeness_is_required(*body);
+    EXPECT_TRUE(refused(*body, [](BodyRecord& r) { r.build = nullptr; }));
+  }
+}
+
+TEST(Registration, ANameIsTakenOnce) {
+  Registry registry = standard_registry();
+  const ForceRecord force = *registry.force("viscous_damping");
+  EXPECT_THROW(registry.add(force), std::invalid_argument);
+  // Nor by a component of another kind.
+  BodyRecord body = *registry.body("point");
+  body.name = "viscous_damping";
+  EXPECT_THROW(registry.add(body), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace tomlin::test

@@ -1,0 +1,391 @@
+#include "integrators/velocity_verlet.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "framework/core/bound_force.hpp"
+#include "framework/core/force.hpp"
+#include "tests/support/order.hpp"
+#include "tests/support/oscillator.hpp"
+#include "tests/support/ring_scenes.hpp"
+
+// What velocity Verlet promises beyond its order for one particle (order_test.cpp): friction as an
+// exact flow, second order for every kind of body, energy that does not drift, and refusals where
+// it would be silently wrong.
+
+namespace tomlin::test {
+namespace {
+
+constexpr Window kOrder{1.9, 2.1};
+
+// ---- friction
+
+/// Free flight with friction is the flow itself: exact at any c dt / m, however many steps.
+TEST(Friction, FreeFlightKeepsTheExactVelocity) {
+  constexpr double kDt = 0.5;
+  constexpr int kSteps = 12;
+  for (const double rate : {1e-6, 0.1, 2.0, 40.0}) {
+    const Oscillator o{.m = 1.3, .k = 0.0, .c = 1.3 * rate, .v0 = 0.7, .duration = kSteps * kDt};
+    const double v = run_text(o.scene(verlet(kDt))).bodies[0].velocity[0];
+    const double exact = o.at(o.duration).v;
+    // Each half step rounds exponent and product; the exponent's error grows with its size.
+    const double rounding = 2.0 * kSteps * (2.0 + 0.5 * rate * kDt) * 1.2e-16;
+    EXPECT_NEAR(v, exact, rounding * std::abs(exact)) << rate;
+  }
+}
+
+/// A friction far faster than the step: the scheme stays bounded up to h omega = 2, where an
+/// explicit kick with the friction of the old velocity grows by (c dt / m) a step.
+TEST(Friction, StableHoweverStrong) {
+  for (const double rate : {1.0, 30.0, 1e3, 1e6}) {
+    const double omega = 1.1;
+    const Oscillator o{.m = 1.0,
+                       .k = omega * omega,
+                       .c = rate,
+                       .pull = 0.0,
+                       .x0 = 1.0,
+                       .v0 = 0.0,
+                       .duration = 400.0};
+    for (const double h_omega : {0.5, 1.9}) {
+      const RunResult result = run_text(o.scene(verlet(h_omega / omega)));
+      ASSERT_EQ(result.status, RunStatus::finished) << rate;
+      EXPECT_LE(std::abs(result.bodies[0].centre_of_mass[0]), 1.0) << rate << ", " << h_omega;
+    }
+    EXPECT_EQ(run_text(o.scene(verlet(2.1 / omega))).status, RunStatus::failed)
+        << "the stability limit is refused";
+  }
+}
+
+// ---- order, for every kind of body
+
+struct System {
+  std::string what;
+  std::function<std::string(const std::string& integrator)> text;
+  double longest;  ///< step
+};
+
+/// Three particles of a rigid body with unequal masses and equal friction: not centred alike.
+std::string lopsided(const std::string& integrator) {
+  return R"([[body]]
+name = "ring"
+type = "ring"
+count = 5
+radius = 0.8
+particle_mass = [0.1, 0.7, 0.3, 0.2, 0.4]
+centre = [0.1, 0.8]
+velocity = [[0.3, 0.0], [0.1, 0.2], [0.0, -0.4], [0.2, 0.1], [0.5, 0.3]]
+coordinates = "rigid"
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 2.0
+velocity = [0.6, 0.1]
+[[force]]
+type = "viscous_damping"
+coefficient = 0.35
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.05
+period = 1.0
+decay = 0.4
+[run]
+duration = 4.0
+integrator = )" +
+         integrator + "\n";
+}
+
+/// A flexible ring, bonded to a tip, next to a rigid ring.
+std::string several(const std::string& integrator) {
+  return R"([[body]]
+name = "soft"
+type = "ring"
+count = 4
+radius = 0.5
+particle_mass = 0.25
+centre = [0.1, 0.6]
+[[body]]
+name = "tip"
+type = "point"
+position = [0.2, 1.7]
+particle_mass = 0.5
+velocity = [0.3, 0.0]
+[[body]]
+name = "stiff"
+type = "ring"
+count = 6
+radius = 0.7
+particle_mass = 0.2
+centre = [3.1, 0.7]
+coordinates = "rigid"
+[[force]]
+name = "inside"
+type = "harmonic_bonds"
+body = "soft"
+pairs = "all"
+stiffness = 6.0
+[[force]]
+name = "between"
+type = "harmonic_bonds"
+bodies = ["soft", "tip"]
+pairs = "all"
+stiffness = 1.5
+[[force]]
+name = "pull"
+type = "driving_spring"
+body = "stiff"
+stiffness = 1.0
+velocity = [0.5, 0.0]
+[[force]]
+name = "drag_soft"
+type = "viscous_damping"
+body = "soft"
+coefficient = 0.2
+[[force]]
+name = "drag_tip"
+type = "viscous_damping"
+body = "tip"
+coefficient = 0.3
+[[force]]
+name = "drag_stiff"
+type = "viscous_damping"
+body = "stiff"
+coefficient = 0.1
+[[force]]
+name = "under_soft"
+type = "sinusoidal_substrate"
+body = "soft"
+amplitude = 0.02
+period = 1.0
+decay = 0.5
+[[force]]
+name = "under_stiff"
+type = "sinusoidal_substrate"
+body = "stiff"
+amplitude = 0.03
+period = 1.0
+decay = 0.5
+[run]
+duration = 4.0
+integrator = )" +
+         integrator + "\n";
+}
+
+std::vector<System> systems() {
+  const auto ring = [](const std::string& coordinates) {
+    return [coordinates](const std::string& integrator) {
+      return RingScene{.coordinates = coordinates,
+                       .bonds = 40.0,
+                       .velocity = 0.6,
+                       .duration = 4.0,
+                       .integrator = integrator}
+          .text();
+    };
+  };
+  return {{"flexible ring", ring("particles"), 0.01},
+          {"rigid ring", ring("rigid"), 0.04},
+          {"rigid ring, friction beside the centre of mass", lopsided, 0.04},
+          {"several bodies", several, 0.04}};
+}
+
+std::vector<double> numbers_of(const RunResult& result) {
+  std::vector<double> all;
+  for (const BodyResult& body : result.bodies) {
+    all.insert(all.end(), body.centre_of_mass.begin(), body.centre_of_mass.end());
+    all.insert(all.end(), body.velocity.begin(), body.velocity.end());
+    if (body.rotation) all.push_back(*body.rotation);
+  }
+  for (const DriverResult& driver : result.drivers) {
+    all.insert(all.end(), driver.mean_force.begin(), driver.mean_force.end());
+    all.push_back(*driver.work);
+  }
+  return all;
+}
+
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  EXPECT_EQ(a.size(), b.size());
+  double largest = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) largest = std::max(largest, std::abs(a[k] - b[k]));
+  return largest;
+}
+
+TEST(VerletOrder, OfEveryKindOfBody) {
+  for (const System& system : systems()) {
+    const auto exact = numbers_of(run_text(system.text(adaptive(1e-12))));
+    std::vector<double> steps;
+    std::vector<double> errors;
+    for (double h = system.longest; h > system.longest / 10.0; h *= 0.5) {
+      const RunResult result = run_text(system.text(verlet(h)));
+      ASSERT_EQ(result.status, RunStatus::finished) << system.what;
+      steps.push_back(h);
+      errors.push_back(largest_difference(numbers_of(result), exact));
+    }
+    const double order = fitted_order(steps, errors);
+    EXPECT_TRUE(kOrder.holds(order)) << system.what << ": " << order;
+    EXPECT_GT(errors.back(), 1e-9) << system.what << ": the reference is no better";
+  }
+}
+
+// ---- energy
+
+const char* const kPendulum = R"([[body]]
+type = "point"
+position = [0.3]
+velocity = [0.1]
+particle_mass = 1.0
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.5
+period = 6.283185307179586
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 1.0
+velocity = [0.0]
+start = [0.0]
+[run]
+duration = 1e9
+integrator = )";
+
+double energy_of(Engine& engine) {
+  Model& model = engine.model();
+  const SystemView<double>& view = model.system().view;
+  return model.kinetic_energy(view.velocity) + model.potential_energy(DoubleDouble(engine.time()),
+                                                                      view.position, view.velocity,
+                                                                      view.integrals);
+}
+
+/// The largest deviation of the energy from `start` over so many steps, looked at often.
+double swing(Engine& engine, double start, int looks, std::uint64_t every) {
+  double largest = 0.0;
+  for (int k = 0; k < looks; ++k) {
+    engine.advance(every);
+    largest = std::max(largest, std::abs(energy_of(engine) - start));
+  }
+  return largest;
+}
+
+/// An anharmonic oscillator over 1e5 of its periods: the energy swings by O(h^2) and comes back.
+TEST(VerletEnergy, StaysBoundedOverAHundredThousandPeriods) {
+  constexpr double kDt = 0.2;  // some 30 steps a period
+  constexpr std::uint64_t kSteps = 3'000'000;
+  Engine engine(scene_of(kPendulum + verlet(kDt)), {});
+  const double start = energy_of(engine);
+  const double early = swing(engine, start, 1000, 7);
+  engine.advance(kSteps);
+  const double late = swing(engine, start, 1000, 7);
+  EXPECT_GT(early, 1e-5) << "nothing to see";
+  EXPECT_NEAR(late / early, 1.0, 0.02) << "a drift";
+
+  Engine rk4(scene_of(kPendulum + fixed_step(kDt)), {});
+  rk4.advance(kSteps);
+  EXPECT_GT(std::abs(energy_of(rk4) - start), 10.0 * late) << "the test sees a drift";
+}
+
+TEST(VerletEnergy, SwingsWithTheSquareOfTheStep) {
+  std::vector<double> steps;
+  std::vector<double> swings;
+  for (double h = 0.2; h > 0.02; h *= 0.5) {
+    Engine engine(scene_of(kPendulum + verlet(h)), {});
+    const double start = energy_of(engine);
+    steps.push_back(h);
+    swings.push_back(swing(engine, start, static_cast<int>(400.0 / h), 1));
+  }
+  const double order = fitted_order(steps, swings);
+  EXPECT_TRUE(kOrder.holds(order)) << order;
+}
+
+/// Symmetric: with velocities turned round, a run without friction goes back where it came from.
+TEST(VerletEnergy, ARunCanBeRetraced) {
+  const auto scene = [](double x, double v) {
+    return TipScene{.velocity = 0.0,
+                    .damping = 0.0,
+                    .amplitude = 0.4,
+                    .position = x,
+                    .start_velocity = v,
+                    .duration = 40.0,
+                    .integrator = verlet(0.05)};
+  };
+  // The spring's end stays where it is on both ways.
+  const auto at_rest = [](const TipScene& tip) {
+    std::string text = tip.text();
+    const std::string key = "velocity = [0]\n[[force]]\ntype = \"viscous";
+    const auto found = text.find(key);
+    EXPECT_NE(found, std::string::npos);
+    return text.insert(found, "start = [0.0]\n");
+  };
+  const RunResult there = run_text(at_rest(scene(0.3, 0.2)));
+  const RunResult back =
+      run_text(at_rest(scene(there.bodies[0].centre_of_mass[0], -there.bodies[0].velocity[0])));
+  constexpr double kRounding = 1e-12;  // 1600 steps
+  EXPECT_NEAR(back.bodies[0].centre_of_mass[0], 0.3, kRounding);
+  EXPECT_NEAR(back.bodies[0].velocity[0], -0.2, kRounding);
+}
+
+// ---- refusals
+
+/// Reads velocities and is no linear friction: a drag with the square of the speed.
+class QuadraticDrag : public BoundForce<double> {
+ public:
+  explicit QuadraticDrag(const Binding<double>& binding) : slot_(binding.bodies[0]->slot) {}
+  std::vector<Pass<double>> passes() override {
+    return {{&run<true>, &run<false>, this, {{0, false}}, kRankCheap}};
+  }
+
+ private:
+  template <bool set>
+  static void run(const void* self, const Stage<double>& stage) {
+    const std::size_t at = static_cast<const QuadraticDrag*>(self)->slot_.offset;
+    const double v = stage.velocity[at];
+    stage.force[at] = (set ? 0.0 : stage.force[at]) - v * std::abs(v);
+  }
+  BodySlot<double> slot_;
+};
+
+struct Nothing {};
+
+ForceRecord quadratic_drag() {
+  ForceRecord record;
+  record.name = "quadratic_drag";
+  record.summary = "drag with the square of the speed";
+  record.equation = "F = -v |v|";
+  record.source = "a test";
+  record.example = "a test";
+  record.traits = {.depends_on_velocity = true, .dissipative = true};
+  record.make_description = &make_description<Nothing>;
+  record.bind = +[](const void*, const Binding<double>& b) -> std::unique_ptr<BoundForce<double>> {
+    return std::make_unique<QuadraticDrag>(b);
+  };
+  return record;
+}
+
+std::string with_drag(const std::string& run) {
+  return "[[body]]\ntype = \"point\"\nposition = [0.0]\nvelocity = [1.0]\nparticle_mass = 1.0\n"
+         "[[force]]\nname = \"wind\"\ntype = \"quadratic_drag\"\n[run]\nduration = 1.0\n" +
+         run + "\n";
+}
+
+TEST(VerletRefuses, ForcesThatDependOnVelocityOtherwise) {
+  Registry registry = standard_registry();
+  registry.add(quadratic_drag());
+  const std::string why = refusal(with_drag("integrator = " + verlet(0.1)), registry);
+  EXPECT_NE(why.find("\"wind\""), std::string::npos) << why;
+  EXPECT_NE(why.find("velocity"), std::string::npos) << why;
+  EXPECT_EQ(refusal(with_drag("integrator = " + fixed_step(0.1)), registry), "") << "rk4 takes it";
+}
+
+TEST(VerletRefuses, DynamicsWithoutInertia) {
+  const std::string why =
+      refusal(TipScene{.integrator = verlet(0.01), .more = "dynamics = \"overdamped\"\n"}.text());
+  EXPECT_NE(why.find("velocity_verlet"), std::string::npos) << why;
+  EXPECT_NE(why.find("inertia"), std::string::npos) << why;
+}
+
+}  // namespace
+}  // namespace tomlin::test
