@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <string>
@@ -225,6 +226,33 @@ TEST(RollingRing, WithoutHeightIsNotDetermined) {
               "[0.125, 0.125000000000125, 0.125, 0.125, 0.125, 0.125, 0.125, 0.125]"}});
   EXPECT_GT(uneven, 10.0 * never_turns);
   EXPECT_LT(uneven, 20.0 * never_turns);
+}
+
+TEST(RollingRing, IsToldToBeNotDeterminedWithoutHeightOnly) {
+  const auto perturbed = [](const char* lambda) {
+    return run_shipped(kRigid,
+                       {{"lambda", lambda}, {"run.perturb", "{ size = 1e-12, repeats = 3 }"}});
+  };
+  const auto warned = [](const RunResult& result) {
+    const auto names_it = [](const std::string& warning) {
+      return warning.find("drivers.driver.mean_force.x is not determined") != std::string::npos;
+    };
+    return std::any_of(result.warnings.begin(), result.warnings.end(), names_it);
+  };
+  const auto without = perturbed("0");
+  const DeterminedResult& open = without.determined.at(0);
+  EXPECT_EQ(open.path, "drivers.driver.mean_force.x");
+  EXPECT_LT(open.digits, 1.0);
+  EXPECT_NEAR(open.min, 4.1e-3, 0.05e-3);  // never turns; two digits were given, as below
+  EXPECT_NEAR(open.max, 5.8e-2, 0.2e-2);   // turns whenever it may
+  EXPECT_TRUE(warned(without));
+
+  const auto with = perturbed("1");
+  const DeterminedResult& settled = with.determined.at(0);
+  EXPECT_GT(settled.digits, 9.0);  // the start is forgotten down to the error of the run
+  EXPECT_LE(settled.digits, 17.0);
+  EXPECT_GT(settled.spread, 0.0);  // it was another start
+  EXPECT_FALSE(warned(with));
 }
 
 }  // namespace
