@@ -1,10 +1,11 @@
+#include "tests/support/conformance.hpp"
+
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "tests/support/conformance.hpp"
 #include "tests/support/scenes.hpp"
 
 // Every force of the registry against its claims. What depends on a single force's formula has a

@@ -78,8 +78,8 @@ std::unique_ptr<BoundForce<Real>> planted_by_set(const void* description,
                                                  const Binding<Real>& binding) {
   const auto& d = *static_cast<const typename E::Description*>(description);
   return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
-    return std::make_unique<ParticleForce<E, Real, D>>(
-        d, binding, kTablesBySet<E, OnWider, Real>, kRankCheap);
+    return std::make_unique<ParticleForce<E, Real, D>>(d, binding, kTablesBySet<E, OnWider, Real>,
+                                                       kRankCheap);
   });
 }
 

@@ -23,14 +23,11 @@ namespace {
 /// The evaluators themselves, bound here: the checker is silent, so what it says below is said of
 /// the fault and not of the way it was planted.
 TEST(PlantedFaults, SoundForcesBoundTheSameWayAreNotAccused) {
-  EXPECT_EQ(broken_claims("constant_force", planted<ConstantForce>),
-            std::vector<std::string>{});
+  EXPECT_EQ(broken_claims("constant_force", planted<ConstantForce>), std::vector<std::string>{});
   EXPECT_EQ(broken_claims("sinusoidal_substrate", planted<SinusoidalSubstrate>),
             std::vector<std::string>{});
-  EXPECT_EQ(broken_claims("viscous_damping", planted<ViscousDamping>),
-            std::vector<std::string>{});
-  EXPECT_EQ(broken_claims("sinusoidal_substrate",
-                          planted<OnlyEnergyOnSites<SinusoidalSubstrate>>),
+  EXPECT_EQ(broken_claims("viscous_damping", planted<ViscousDamping>), std::vector<std::string>{});
+  EXPECT_EQ(broken_claims("sinusoidal_substrate", planted<OnlyEnergyOnSites<SinusoidalSubstrate>>),
             std::vector<std::string>{});
 }
 
@@ -304,8 +301,7 @@ struct BoundAlongTooSmall : SinusoidalSubstrate {
 TEST(PlantedFaults, CurvatureBoundThatIsNone) {
   EXPECT_CAUGHT("curvature bound", "sinusoidal_substrate", planted<BoundAlongTooSmall>);
   EXPECT_CAUGHT("curvature bound", "sinusoidal_substrate", planted<BoundTooSmall>);
-  EXPECT_CAUGHT("curvature bound is far too large", "sinusoidal_substrate",
-                planted<BoundTooLarge>);
+  EXPECT_CAUGHT("curvature bound is far too large", "sinusoidal_substrate", planted<BoundTooLarge>);
 }
 
 /// `set` that adds to what is there, and `add` that overwrites.
@@ -353,8 +349,7 @@ class TwiceTheHessian : public ParticleForce<E, Real, D> {
 };
 
 TEST(PlantedFaults, HessianOff) {
-  EXPECT_CAUGHT("hessian", "sinusoidal_substrate",
-                (wrapped<TwiceTheHessian, SinusoidalSubstrate>));
+  EXPECT_CAUGHT("hessian", "sinusoidal_substrate", (wrapped<TwiceTheHessian, SinusoidalSubstrate>));
 }
 
 /// A driver whose power has the sign of what the body receives; the checker only needs the rates.

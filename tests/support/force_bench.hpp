@@ -57,8 +57,7 @@ inline std::vector<Arrangement> arrangements_of(const ForceRecord& record, std::
       if (record.most_bodies > 1) {
         // Of another length, and once the longer of the two.
         const std::size_t second = closed ? count + 2 : (count + 1) / 2;
-        all.push_back(
-            {.dimension = dimension, .count = count, .closed = closed, .second = second});
+        all.push_back({.dimension = dimension, .count = count, .closed = closed, .second = second});
       }
     }
     if (record.fewest_bodies > 1) continue;
@@ -293,8 +292,7 @@ class ForceBench {
     for (std::size_t i = 0; i < slot.count; ++i) {
       for (int d = 0; d < arrangement_.dimension; ++d) {
         const std::size_t k = slot.offset + d * slot.stride + i;
-        at_.push_back(
-            {position + k, velocity + k, force + k, body.start[i][d], body.mass[i], d});
+        at_.push_back({position + k, velocity + k, force + k, body.start[i][d], body.mass[i], d});
         if (!slot.mapped) inverse_mass_[k] = Real(1.0 / body.mass[i]);
       }
     }

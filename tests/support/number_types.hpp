@@ -28,16 +28,17 @@
 /// by slope times 2 pi x/a times eps for a substrate.
 namespace tomlin::test {
 
-// Rounding of the inputs and of about as many operations, none of it worse than its own unit.
-inline constexpr double kMostUnits = 8.0;
+// Rounding of the inputs and of the operations, twice what the worst force shows: one particle's
+// bonds to 39 others, a sum that rounds 39 times while its terms cancel.
+inline constexpr double kMostUnits = 16.0;
 // A type whose rounding never shows is another type under its name. A single product is off by
 // a third of a unit on average; the worst of many results is not far below that.
 inline constexpr double kFewestUnits = 0.05;
 // Relative change of the inputs: small enough to be linear, far above the digits of a Quad.
 inline constexpr double kShake = 1e-9;
 inline constexpr int kShakes = 8;  // all small by chance once in 10^8 results
-// The gradient in quadruple numbers, by differences whose error is h^4 times a fifth derivative: what
-// is left is rounding, 1e-34/h. A constant good to double only is off by some 1e-17.
+// The gradient in quadruple numbers, by differences whose error is h^4 times a fifth derivative:
+// what is left is rounding, 1e-34/h. A constant good to double only is off by some 1e-17.
 inline constexpr double kQuadDifference = 1e-8;
 inline constexpr double kQuadGradient = 1e-22;
 inline constexpr double kQuadSum = 1e-31;  // some hundred units of 2^-112

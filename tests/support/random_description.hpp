@@ -120,7 +120,6 @@ inline std::shared_ptr<void> random_description(const ForceRecord& record,
   return nullptr;
 }
 
-
 /// A copy with every number changed by up to `size`, relatively.
 inline std::shared_ptr<void> shaken(const ForceRecord& record, const void* description, double size,
                                     Random& random) {
