@@ -120,7 +120,11 @@ class NumberTypeCheck {
 
   static State shaken(State state, Random& random) {
     const auto shake = [&](double& x) { x *= 1.0 + kShake * uniform(random, -1.0, 1.0); };
-    for (double& x : state.x) shake(x);
+    // Positions by the size of the whole: distances between particles round by it, whichever of
+    // the two stands near the origin.
+    double reach = 0.0;
+    for (const double x : state.x) reach = std::max(reach, std::abs(x));
+    for (double& x : state.x) x += kShake * reach * uniform(random, -1.0, 1.0);
     for (double& v : state.v) shake(v);
     shake(state.time);
     shake(state.elapsed);
