@@ -28,9 +28,9 @@
 /// by slope times 2 pi x/a times eps for a substrate.
 namespace tomlin::test {
 
-// Rounding of the inputs and of the operations, twice what the worst force shows: one particle's
-// bonds to 39 others, a sum that rounds 39 times while its terms cancel.
-inline constexpr double kMostUnits = 16.0;
+// Rounding of the inputs and of the operations: twice what the worst force shows, a spring on a
+// centre of mass.
+inline constexpr double kMostUnits = 8.0;
 // A type whose rounding never shows is another type under its name. A single product is off by
 // a third of a unit on average; the worst of many results is not far below that.
 inline constexpr double kFewestUnits = 0.05;
