@@ -181,7 +181,12 @@ TEST(Registration, AnIncompleteRecordIsRejected) {
   for (const auto& scheme : standard().integrators()) {
     expect_completeness_is_required(*scheme);
     EXPECT_TRUE(refused(*scheme, [](IntegratorRecord& r) { r.bind = nullptr; }));
-    EXPECT_TRUE(refused(*scheme, [](IntegratorRecord& r) { r.growth = nullptr; }));
+    EXPECT_TRUE(refused(*scheme, [](IntegratorRecord& r) { r.step = nullptr; }));
+    // What it says of its stability, in either way.
+    EXPECT_TRUE(refused(*scheme, [](IntegratorRecord& r) {
+      r.growth = nullptr;
+      r.stable_step = nullptr;
+    }));
   }
   for (const auto& body : standard().bodies()) {
     expect_completeness_is_required(*body);

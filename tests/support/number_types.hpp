@@ -28,7 +28,8 @@
 /// by slope times 2 pi x/a times eps for a substrate.
 namespace tomlin::test {
 
-// Rounding of the inputs and of about as many operations, none of it worse than its own unit.
+// Rounding of the inputs and of the operations: twice what the worst force shows, a spring on a
+// centre of mass.
 inline constexpr double kMostUnits = 8.0;
 // A type whose rounding never shows is another type under its name. A single product is off by
 // a third of a unit on average; the worst of many results is not far below that.
@@ -119,7 +120,11 @@ class NumberTypeCheck {
 
   static State shaken(State state, Random& random) {
     const auto shake = [&](double& x) { x *= 1.0 + kShake * uniform(random, -1.0, 1.0); };
-    for (double& x : state.x) shake(x);
+    // Positions by the size of the whole: distances between particles round by it, whichever of
+    // the two stands near the origin.
+    double reach = 0.0;
+    for (const double x : state.x) reach = std::max(reach, std::abs(x));
+    for (double& x : state.x) x += kShake * reach * uniform(random, -1.0, 1.0);
     for (double& v : state.v) shake(v);
     shake(state.time);
     shake(state.elapsed);
