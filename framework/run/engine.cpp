@@ -258,9 +258,9 @@ void Engine::warn_of_idle_velocities() {
                          [](double v) { return v != 0.0; });
     });
     if (!any) continue;
-    warnings_.push_back(fmt::format(
-        "body.{}.velocity means nothing without inertia: velocities follow from forces",
-        body.name));
+    warnings_.push_back(
+        fmt::format("body.{}.velocity means nothing without inertia: velocities follow from forces",
+                    body.name));
   }
 }
 
