@@ -62,17 +62,24 @@ std::string about(const BodyResult& body) {
       .text();
 }
 
-using Line = std::pair<std::string, std::string>;
+struct Line {
+  std::string label;
+  std::string content;
+};
+
+void row(std::vector<Line>& lines, std::string label, std::string content) {
+  lines.push_back({std::move(label), std::move(content)});
+}
 
 template <class Results>
 void add_lines(std::vector<Line>& lines, const Results& results) {
   const std::size_t shown = std::min(results.size(), kMostShown);
   for (std::size_t k = 0; k < shown; ++k) {
     std::string text = about(results[k]);
-    lines.emplace_back(results[k].name, text.empty() ? "the run ended before the window" : text);
+    row(lines, results[k].name, text.empty() ? "the run ended before the window" : text);
   }
   if (results.size() > shown) {
-    lines.emplace_back("...", fmt::format("and {} more", results.size() - shown));
+    row(lines, "...", fmt::format("and {} more", results.size() - shown));
   }
 }
 
@@ -86,39 +93,39 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
   std::vector<Line> lines;
   const std::string refused =
       result.refused_steps > 0 ? fmt::format(" ({} refused)", result.refused_steps) : "";
-  lines.emplace_back(to_string(result.status),
-                     fmt::format("at time {:.9g} after {} steps{}, {} force evaluations",
-                                 result.end_time, result.steps, refused, result.force_evaluations));
-  lines.emplace_back("speed",
-                     fmt::format("{:.3g} s, {:.3g} steps/s, {}", result.wall_seconds,
-                                 result.steps_per_second, to_string(result.instruction_set)));
-  lines.emplace_back("window",
-                     fmt::format("time {:.9g} to {:.9g}", result.window_from, result.window_to));
+  row(lines, to_string(result.status),
+      fmt::format("at time {:.9g} after {} steps{}, {} force evaluations", result.end_time,
+                  result.steps, refused, result.force_evaluations));
+  row(lines, "speed",
+      fmt::format("{:.3g} s, {:.3g} steps/s, {}", result.wall_seconds, result.steps_per_second,
+                  to_string(result.instruction_set)));
+  row(lines, "window", fmt::format("time {:.9g} to {:.9g}", result.window_from, result.window_to));
   add_lines(lines, result.drivers);
   add_lines(lines, result.bodies);
   if (result.energy) {
-    lines.emplace_back("energy", Numbers()
-                                     .add("work in", result.energy->work_in)
-                                     .add("heat out", result.energy->heat_out)
-                                     .add("stored", result.energy->stored_change)
-                                     .add("numerical work", result.energy->numerical_work)
-                                     .text());
+    row(lines, "energy",
+        Numbers()
+            .add("work in", result.energy->work_in)
+            .add("heat out", result.energy->heat_out)
+            .add("stored", result.energy->stored_change)
+            .add("numerical work", result.energy->numerical_work)
+            .text());
   }
   for (std::size_t k = 0; k < std::min(result.determined.size(), kMostShown); ++k) {
     const DeterminedResult& found = result.determined[k];
-    lines.emplace_back("determined",
-                       fmt::format("{} to {:.1f} digits ({} to {})", found.path, found.digits,
-                                   text_of(found.min), text_of(found.max)));
+    row(lines, "determined",
+        fmt::format("{} to {:.1f} digits ({} to {})", found.path, found.digits, text_of(found.min),
+                    text_of(found.max)));
   }
   for (const auto& [force, why] : result.left_out)
-    lines.emplace_back("left out", fmt::format("{}: {}", force, why));
+    row(lines, "left out", fmt::format("{}: {}", force, why));
   for (std::size_t k = 0; k < std::min(result.warnings.size(), kMostShown); ++k) {
-    lines.emplace_back("warning", result.warnings[k]);
+    row(lines, "warning", result.warnings[k]);
   }
-  lines.emplace_back("results", where);
+  row(lines, "results", where);
 
   std::size_t width = 0;
-  for (const Line& line : lines) width = std::max(width, line.first.size());
+  for (const Line& line : lines) width = std::max(width, line.label.size());
   std::string text = title(scene) + "\n";
   for (const auto& [label, content] : lines) {
     fmt::format_to(std::back_inserter(text), "  {:<{}}  {}\n", label, width, content);
