@@ -301,11 +301,11 @@ void Assembly<Real>::bind_forces() {
     const auto factory = from.record->bind.template in<Real>();
     if (factory == nullptr) {
       const auto place = scene().run.places.find("number_type");
-      faults.push_back({place == scene().run.places.end() ? scene().run.place : place->second,
-                        "run.number_type", "\"" + scene().run.number_type + "\"",
-                        "not available with the force \"" + from.name + "\", of type " +
-                            from.record->name,
-                        "\"double\"", ""});
+      faults.push_back(
+          {place == scene().run.places.end() ? scene().run.place : place->second, "run.number_type",
+           "\"" + scene().run.number_type + "\"",
+           "not available with the force \"" + from.name + "\", of type " + from.record->name,
+           "\"double\"", ""});
       continue;
     }
     Force force;
@@ -475,8 +475,7 @@ void Assembly<Real>::lay_friction() {
       arguments.second = tau<Real>() * tau<Real>() * second.total();
       arguments.mass = Real(body.total_mass);
       arguments.inertia = tau<Real>() * tau<Real>() * Real(body.inertia);
-      arguments.rotates =
-          dimension() == 2 && inverse_mass_[slot.centre + kRotation] != Real(0.0);
+      arguments.rotates = dimension() == 2 && inverse_mass_[slot.centre + kRotation] != Real(0.0);
       for (int d = 0; d < dimension(); ++d) arguments.free[d] = !body.held[d];
       if (!plan_.inertial) {
         for (int d = 0; d < dimension(); ++d) {
@@ -487,8 +486,17 @@ void Assembly<Real>::lay_friction() {
         for (int d = 0; d < dimension(); ++d) {
           body.response[d] = arguments.free[d] ? 1.0 / static_cast<double>(arguments.total) : 0.0;
         }
-        body.response_of_rotation =
-            arguments.rotates ? 1.0 / static_cast<double>(second.total()) : 0.0;
+        if (arguments.rotates) {
+          const auto total_friction = static_cast<double>(arguments.total);
+          auto about_pivot = static_cast<double>(second.total());
+          for (int d = 0; d < 2; ++d) {
+            if (!arguments.free[1 - d]) continue;
+            const auto moment_of_friction = static_cast<double>(arguments.moment[d]);
+            body.pivot[d] = moment_of_friction / total_friction;
+            about_pivot -= moment_of_friction * body.pivot[d];
+          }
+          body.response_of_rotation = 1.0 / about_pivot;
+        }
         if (plan_.ledger) arguments.heat_of_body = &heat_of_bodies_[body.bound.index];
       }
     } else {
@@ -524,8 +532,7 @@ void Assembly<Real>::lay_friction() {
   for (const FrictionArguments<Real>& arguments : friction_) {
     const bool one = arguments.body.rigid;
     friction_operators_.push_back({one ? table.flow_of_body : table.flow_of_particles,
-                                   one ? table.drag_of_body : table.drag_of_particles,
-                                   &arguments});
+                                   one ? table.drag_of_body : table.drag_of_particles, &arguments});
   }
   system_.view.friction = friction_operators_.data();
   system_.view.friction_count = friction_operators_.size();

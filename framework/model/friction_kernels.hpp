@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "framework/core/compensated.hpp"
 #include "framework/core/kernel_arguments.hpp"
 #include "framework/core/math.hpp"
 #include "framework/core/number_types.hpp"
@@ -27,17 +28,17 @@ struct FrictionArguments {
   std::size_t length = 0;
   const Real* coefficient = nullptr;
   const Real* inverse_mass = nullptr;
-  Real* factor = nullptr;  ///< scratch: exp(-h c/m) for the last h
+  Real* factor = nullptr;  ///< scratch: exp(-h c/m) for the last h, or that less one
   Real* factor_h = nullptr;
 
   // A body that moves as one.
   bool rotates = false;
-  bool free[3] = {};  ///< centre's axes; the rotation's freedom is `rotates`
-  Real total{};       ///< C
+  bool free[3] = {};    ///< centre's axes; the rotation's freedom is `rotates`
+  Real total{};         ///< C
   Real moment[2] = {};  ///< S, unrotated
-  Real second{};      ///< tau^2 J
+  Real second{};        ///< tau^2 J
   Real mass{};
-  Real inertia{};     ///< tau^2 I
+  Real inertia{};                ///< tau^2 I
   Real* heat_of_body = nullptr;  ///< left by the mobility, for the ledger; null without one
 };
 
@@ -53,9 +54,9 @@ struct DriftHeatArguments {
 
 template <class Real>
 struct FrictionTable {
-  void (*flow_of_particles)(const void* arguments, const Real* position, Real* velocity,
+  void (*flow_of_particles)(const void* arguments, const Real* position, Real* velocity, Real* rest,
                             Real h) = nullptr;
-  void (*flow_of_body)(const void* arguments, const Real* position, Real* velocity,
+  void (*flow_of_body)(const void* arguments, const Real* position, Real* velocity, Real* rest,
                        Real h) = nullptr;
   Real (*drag_of_particles)(const void* arguments, const Real* position, const Real* velocity,
                             Real* force) = nullptr;
@@ -82,8 +83,9 @@ struct FrictionKernels {
 
   /// Solves (diagonal + scale G) u = f for the free coordinates, others get zero.
   template <class Real>
-  TOMLIN_INLINE static void solve(const FrictionArguments<Real>& a, Real turns, const Real* diagonal,
-                                  Real diagonal_of_rotation, Real scale, const Real* f, Real* u) {
+  TOMLIN_INLINE static void solve(const FrictionArguments<Real>& a, Real turns,
+                                  const Real* diagonal, Real diagonal_of_rotation, Real scale,
+                                  const Real* f, Real* u) {
     Real sx(0.0);
     Real sy(0.0);
     if (a.axes == 2 && a.rotates) turned_moment(a, turns, sx, sy);
@@ -135,20 +137,39 @@ struct FrictionKernels {
     stage.rates[a.rate] = heat;
   }
 
+  /// What exp(-h rate) takes off a velocity, to the last digit: a float near one would be off by
+  /// the same part in every step.
+  template <class Real>
+  TOMLIN_INLINE static Real loss(Real rate, Real h) {
+    return Real(exp(-(static_cast<double>(h) * static_cast<double>(rate))) - 1.0);
+  }
+
   /// Exact: v <- v exp(-h c/m).
   template <class Real>
   TOMLIN_FLATTEN static void flow_of_particles(const void* arguments, const Real*, Real* velocity,
-                                               Real h) {
+                                               Real* velocity_rest, Real h) {
     using Group = Packed<Real>;
     const FrictionArguments<Real> a = *static_cast<const FrictionArguments<Real>*>(arguments);
     Real* v = velocity + a.body.offset;
     const bool known = *a.factor_h == h;
-    for (std::size_t i = 0; i < a.length; i += kGroup) {
+    if constexpr (kCompensated<Real>) {
+      Real* rest = velocity_rest + a.body.offset;
       if (!known) {
-        const Group rate = Group::load(a.coefficient + i) * Group::load(a.inverse_mass + i);
-        exp(-(Group(h) * rate)).store(a.factor + i);
+        for (std::size_t i = 0; i < a.length; ++i) {
+          a.factor[i] = loss(a.coefficient[i] * a.inverse_mass[i], h);
+        }
       }
-      (Group::load(v + i) * Group::load(a.factor + i)).store(v + i);
+      for (std::size_t i = 0; i < a.length; i += kGroup) {
+        add_scaled(v, rest, i, Group::load(a.factor + i), Group::load(v + i));
+      }
+    } else {
+      for (std::size_t i = 0; i < a.length; i += kGroup) {
+        if (!known) {
+          const Group rate = Group::load(a.coefficient + i) * Group::load(a.inverse_mass + i);
+          exp(-(Group(h) * rate)).store(a.factor + i);
+        }
+        (Group::load(v + i) * Group::load(a.factor + i)).store(v + i);
+      }
     }
     *a.factor_h = h;
   }
@@ -157,24 +178,30 @@ struct FrictionKernels {
   /// which is of second order, as the schemes are that split.
   template <class Real>
   TOMLIN_FLATTEN static void flow_of_body(const void* arguments, const Real* position,
-                                          Real* velocity, Real h) {
+                                          Real* velocity, Real* velocity_rest, Real h) {
     const FrictionArguments<Real> a = *static_cast<const FrictionArguments<Real>*>(arguments);
     Real* v = velocity + a.body.centre;
-    const bool coupled =
-        a.rotates && (a.moment[0] != Real(0.0) || a.moment[1] != Real(0.0));
-    if (!coupled) {
+    const bool coupled = a.rotates && (a.moment[0] != Real(0.0) || a.moment[1] != Real(0.0));
+    if (!kCompensated<Real> && !coupled) {
       const Real centre = exp(-(h * (a.total / a.mass)));
       for (int d = 0; d < a.axes; ++d) v[d] = v[d] * centre;
       if (a.rotates) v[2] = v[2] * exp(-(h * (a.second / a.inertia)));
       return;
     }
-    Real drag[3] = {Real(0.0), Real(0.0), Real(0.0)};
-    add_drag(a, position, v, drag);
-    for (Real& part : drag) part = part * h;
-    const Real masses[3] = {a.mass, a.mass, a.mass};
     Real change[3] = {Real(0.0), Real(0.0), Real(0.0)};
-    solve(a, position[a.body.centre + 2], masses, a.inertia, Real(0.5) * h, drag, change);
-    for (int k = 0; k < 3; ++k) v[k] = v[k] + change[k];
+    if (coupled) {
+      Real drag[3] = {Real(0.0), Real(0.0), Real(0.0)};
+      add_drag(a, position, v, drag);
+      for (Real& part : drag) part = part * h;
+      const Real masses[3] = {a.mass, a.mass, a.mass};
+      solve(a, position[a.body.centre + 2], masses, a.inertia, Real(0.5) * h, drag, change);
+    } else {
+      const Real centre = loss(a.total / a.mass, h);
+      for (int d = 0; d < a.axes; ++d) change[d] = v[d] * centre;
+      if (a.rotates) change[2] = v[2] * loss(a.second / a.inertia, h);
+    }
+    const Packed<Real> changes = three_lanes(change[0], change[1], change[2]);
+    add_move(velocity, velocity_rest, a.body.centre, changes);
   }
 
   /// force -= G v; returns v.G v.
