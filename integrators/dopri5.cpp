@@ -266,6 +266,12 @@ double growth(std::complex<double> z) {
 
 double step(const void*) { return 0.0; }
 
+/// Where one of the two tolerances is zero, the other rules.
+double tolerance(const void* description) {
+  const auto& d = *static_cast<const Description*>(description);
+  return std::max(d.absolute_tolerance, d.relative_tolerance);
+}
+
 std::vector<Complaint> complaints(const void* description) {
   const auto& d = *static_cast<const Description*>(description);
   std::vector<Complaint> found;
@@ -326,6 +332,7 @@ IntegratorRecord dopri5_record() {
           .by_default(std::int64_t{1'000'000'000})};
   record.growth = &growth;
   record.step = &step;
+  record.tolerance = &tolerance;
   record.complaints = &complaints;
   record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
   record.example = R"(# A tip that sticks and slips.

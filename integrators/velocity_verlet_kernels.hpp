@@ -47,9 +47,10 @@ struct VelocityVerletKernels {
   }
 
   template <class Real>
-  TOMLIN_INLINE static void damp(const SystemView<Real>& s, const Real* position, Real h, Real* v) {
+  TOMLIN_INLINE static void damp(const SystemView<Real>& s, const Real* position, Real h, Real* v,
+                                 Real* v_rest) {
     for (std::size_t k = 0; k < s.friction_count; ++k) {
-      s.friction[k].flow(s.friction[k].arguments, position, v, h);
+      s.friction[k].flow(s.friction[k].arguments, position, v, v_rest, h);
     }
   }
 
@@ -94,7 +95,7 @@ struct VelocityVerletKernels {
 
     copy<Real>(s.velocity, s.dofs, w.velocity);
     if (kCompensated<Real>) copy<Real>(s.velocity_rest, s.dofs, w.velocity_rest);
-    damp<Real>(s, s.position, half, w.velocity);
+    damp<Real>(s, s.position, half, w.velocity, w.velocity_rest);
     kick<Real>(s, w.force, half, w.velocity, w.velocity_rest);
     auto sound = first_lanes_of<Group>(kGroup);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
@@ -122,7 +123,7 @@ struct VelocityVerletKernels {
     }
     copy<Real>(s.force, s.dofs, w.force);
     kick<Real>(s, w.force, half, w.velocity, w.velocity_rest);
-    damp<Real>(s, s.position, half, w.velocity);
+    damp<Real>(s, s.position, half, w.velocity, w.velocity_rest);
     copy<Real>(w.velocity, s.dofs, s.velocity);
     if (kCompensated<Real>) copy<Real>(w.velocity_rest, s.dofs, s.velocity_rest);
     add_heat<Real>(s, s.position, s.velocity, w.end_rates);

@@ -61,6 +61,8 @@ struct IntegratorRecord : ComponentRecord {
   /// In its place, for a scheme that is no function of h lambda: the largest step for an oscillator
   /// of this angular frequency and damping rate.
   double (*stable_step)(double frequency, double damping_rate) = nullptr;
+  /// The finest tolerance that an adaptive scheme is asked to keep; null for a fixed one.
+  double (*tolerance)(const void* description) = nullptr;
   /// The fixed step; 0 for an adaptive scheme.
   double (*step)(const void* description) = nullptr;
   /// Faults across keys; empty when sound.

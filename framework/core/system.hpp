@@ -13,8 +13,9 @@ namespace tomlin {
 /// Friction of one body as a matrix that acts on its generalised velocities.
 template <class Real>
 struct FrictionOperator {
-  /// velocity <- exp(-h inverse_mass friction) velocity.
-  void (*flow)(const void* arguments, const Real* position, Real* velocity, Real h) = nullptr;
+  /// velocity <- exp(-h inverse_mass friction) velocity; `rest` is null unless compensated.
+  void (*flow)(const void* arguments, const Real* position, Real* velocity, Real* rest,
+               Real h) = nullptr;
   /// Force <- force - friction velocity; returns the heat, velocity.friction.velocity.
   Real (*drag)(const void* arguments, const Real* position, const Real* velocity,
                Real* force) = nullptr;

@@ -23,6 +23,8 @@ TextFile read_text_file(const std::filesystem::path& path, std::size_t most_byte
                           : "the file cannot be read: " + error.message());
   }
   if (std::filesystem::is_directory(status)) return refused("a directory, where a file is due");
+  // Reading from a pipe that nobody writes to would never end.
+  if (std::filesystem::is_fifo(status)) return refused("a pipe, where a file is due");
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
   if (!stream) return refused(std::string("the file cannot be read: ") + std::strerror(errno));

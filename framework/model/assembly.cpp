@@ -486,8 +486,17 @@ void Assembly<Real>::lay_friction() {
         for (int d = 0; d < dimension(); ++d) {
           body.response[d] = arguments.free[d] ? 1.0 / static_cast<double>(arguments.total) : 0.0;
         }
-        body.response_of_rotation =
-            arguments.rotates ? 1.0 / static_cast<double>(second.total()) : 0.0;
+        if (arguments.rotates) {
+          const auto total_friction = static_cast<double>(arguments.total);
+          auto about_pivot = static_cast<double>(second.total());
+          for (int d = 0; d < 2; ++d) {
+            if (!arguments.free[1 - d]) continue;
+            const auto moment_of_friction = static_cast<double>(arguments.moment[d]);
+            body.pivot[d] = moment_of_friction / total_friction;
+            about_pivot -= moment_of_friction * body.pivot[d];
+          }
+          body.response_of_rotation = 1.0 / about_pivot;
+        }
         if (plan_.ledger) arguments.heat_of_body = &heat_of_bodies_[body.bound.index];
       }
     } else {

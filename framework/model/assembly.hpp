@@ -62,6 +62,9 @@ class Assembly {
     // where held.
     std::array<double, 3> response{};
     double response_of_rotation = 0.0;
+    /// From the centre to the point about which these responses are independent of each other: the
+    /// centre of friction without inertia.
+    std::array<double, 2> pivot{};
     const Motion* motion = nullptr;  ///< of a prescribed body
     std::size_t steering = 0;        ///< which of the steered bodies it is
 

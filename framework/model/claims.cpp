@@ -224,8 +224,12 @@ ClaimResult Examination::conservative() {
 
 ClaimResult Examination::internal() {
   double largest = 0.0;  // over the states so far
+  // Through the sides of a box partners pull from elsewhere: torques do not cancel there.
+  const std::vector<bool>& periodic = alone_.model().scene().box.periodic;
+  const bool open = std::find(periodic.begin(), periodic.end(), true) == periodic.end();
   return over_all_states(
-      "internal", "forces and torques sum to zero", [&](const State& state, Random&) {
+      "internal", open ? "forces and torques sum to zero" : "forces sum to zero",
+      [&](const State& state, Random&) {
         place(state);
         const double* force = alone_.forces(state.time);
         double reach = length_;
@@ -245,6 +249,7 @@ ClaimResult Examination::internal() {
         const double terms = static_cast<double>(count());
         for (int a = 0; a < 3; ++a) {
           note(std::abs(total.force[a]), largest * terms, kRounding * largest * terms, "force");
+          if (!open) continue;
           note(std::abs(total.torque[a]), largest * reach * terms,
                kRounding * largest * reach * terms, "torque");
         }
@@ -272,6 +277,7 @@ ClaimResult Examination::dissipative() {
 }
 
 ClaimResult Examination::periodic() {
+  double largest = 0.0;  // over the states so far: a force may vanish at the start
   return over_all_states(
       "periodic", "a shift by its period changes nothing", [&](const State& state, Random&) {
         const Scene& scene = alone_.model().scene();
@@ -279,7 +285,6 @@ ClaimResult Examination::periodic() {
         place(state);
         const double* force = alone_.forces(state.time);
         std::vector<double> before;
-        double largest = 0.0;
         double reach = length_;
         for (std::size_t i = 0; i < count(); ++i) {
           const Variable& variable = alone_.variables()[i];

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "framework/core/compensated.hpp"
 #include "framework/core/kernel_arguments.hpp"
 #include "framework/core/math.hpp"
 #include "framework/core/number_types.hpp"
@@ -27,7 +28,7 @@ struct FrictionArguments {
   std::size_t length = 0;
   const Real* coefficient = nullptr;
   const Real* inverse_mass = nullptr;
-  Real* factor = nullptr;  ///< scratch: exp(-h c/m) for the last h
+  Real* factor = nullptr;  ///< scratch: exp(-h c/m) for the last h, or that less one
   Real* factor_h = nullptr;
 
   // A body that moves as one.
@@ -53,9 +54,9 @@ struct DriftHeatArguments {
 
 template <class Real>
 struct FrictionTable {
-  void (*flow_of_particles)(const void* arguments, const Real* position, Real* velocity,
+  void (*flow_of_particles)(const void* arguments, const Real* position, Real* velocity, Real* rest,
                             Real h) = nullptr;
-  void (*flow_of_body)(const void* arguments, const Real* position, Real* velocity,
+  void (*flow_of_body)(const void* arguments, const Real* position, Real* velocity, Real* rest,
                        Real h) = nullptr;
   Real (*drag_of_particles)(const void* arguments, const Real* position, const Real* velocity,
                             Real* force) = nullptr;
@@ -136,45 +137,58 @@ struct FrictionKernels {
     stage.rates[a.rate] = heat;
   }
 
+  /// exp(-h rate) - 1 to the last digit: a factor near one, rounded, would be off by the same part
+  /// in every step.
+  template <class Real>
+  TOMLIN_INLINE static Real loss(Real rate, Real h) {
+    const Real x = h * rate;
+    if (!(x < Real(0.35))) return exp(-x) - Real(1.0);
+    // -x (1 - x/2 (1 - x/3 (1 - ...))), to the digits of each type.
+    constexpr int kTerms = sizeof(Real) == sizeof(float) ? 9 : sizeof(Real) == 8 ? 16 : 30;
+    Real sum(1.0);
+    for (int n = kTerms; n >= 2; --n) sum = fnma(x / Real(n), sum, Real(1.0));
+    return -(x * sum);
+  }
+
   /// Exact: v <- v exp(-h c/m).
   template <class Real>
   TOMLIN_FLATTEN static void flow_of_particles(const void* arguments, const Real*, Real* velocity,
-                                               Real h) {
+                                               Real* velocity_rest, Real h) {
     using Group = Packed<Real>;
     const FrictionArguments<Real> a = *static_cast<const FrictionArguments<Real>*>(arguments);
     Real* v = velocity + a.body.offset;
-    const bool known = *a.factor_h == h;
-    for (std::size_t i = 0; i < a.length; i += kGroup) {
-      if (!known) {
-        const Group rate = Group::load(a.coefficient + i) * Group::load(a.inverse_mass + i);
-        exp(-(Group(h) * rate)).store(a.factor + i);
+    Real* rest = velocity_rest == nullptr ? nullptr : velocity_rest + a.body.offset;
+    if (!(*a.factor_h == h)) {
+      for (std::size_t i = 0; i < a.length; ++i) {
+        a.factor[i] = loss(a.coefficient[i] * a.inverse_mass[i], h);
       }
-      (Group::load(v + i) * Group::load(a.factor + i)).store(v + i);
+      *a.factor_h = h;
     }
-    *a.factor_h = h;
+    for (std::size_t i = 0; i < a.length; i += kGroup) {
+      add_scaled(v, rest, i, Group::load(a.factor + i), Group::load(v + i));
+    }
   }
 
   /// Exact where friction is centred on the mass (S = 0); otherwise by the implicit midpoint rule,
   /// which is of second order, as the schemes are that split.
   template <class Real>
   TOMLIN_FLATTEN static void flow_of_body(const void* arguments, const Real* position,
-                                          Real* velocity, Real h) {
+                                          Real* velocity, Real* velocity_rest, Real h) {
     const FrictionArguments<Real> a = *static_cast<const FrictionArguments<Real>*>(arguments);
-    Real* v = velocity + a.body.centre;
-    const bool coupled = a.rotates && (a.moment[0] != Real(0.0) || a.moment[1] != Real(0.0));
-    if (!coupled) {
-      const Real centre = exp(-(h * (a.total / a.mass)));
-      for (int d = 0; d < a.axes; ++d) v[d] = v[d] * centre;
-      if (a.rotates) v[2] = v[2] * exp(-(h * (a.second / a.inertia)));
-      return;
-    }
-    Real drag[3] = {Real(0.0), Real(0.0), Real(0.0)};
-    add_drag(a, position, v, drag);
-    for (Real& part : drag) part = part * h;
-    const Real masses[3] = {a.mass, a.mass, a.mass};
+    const Real* v = velocity + a.body.centre;
     Real change[3] = {Real(0.0), Real(0.0), Real(0.0)};
-    solve(a, position[a.body.centre + 2], masses, a.inertia, Real(0.5) * h, drag, change);
-    for (int k = 0; k < 3; ++k) v[k] = v[k] + change[k];
+    if (a.rotates && (a.moment[0] != Real(0.0) || a.moment[1] != Real(0.0))) {
+      Real drag[3] = {Real(0.0), Real(0.0), Real(0.0)};
+      add_drag(a, position, v, drag);
+      for (Real& part : drag) part = part * h;
+      const Real masses[3] = {a.mass, a.mass, a.mass};
+      solve(a, position[a.body.centre + 2], masses, a.inertia, Real(0.5) * h, drag, change);
+    } else {
+      const Real centre = loss(a.total / a.mass, h);
+      for (int d = 0; d < a.axes; ++d) change[d] = v[d] * centre;
+      if (a.rotates) change[2] = v[2] * loss(a.second / a.inertia, h);
+    }
+    add_move(velocity, velocity_rest, a.body.centre, three_lanes(change[0], change[1], change[2]));
   }
 
   /// force -= G v; returns v.G v.

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -122,8 +123,8 @@ class Model {
     std::string axis;
   };
   CoordinateName name_of(std::size_t coordinate) const;
-  /// Name of the prescribed body whose way a variable holds; empty for a force's own.
-  std::string owner_of(std::size_t own_variable) const;
+  /// Name of a prescribed body whose motion has no finite value at one of these times, or halfway.
+  std::optional<std::string> body_without_velocity(double from, double to) const;
 
  private:
   static AssemblyPlan plan_for(const Scene& scene, InstructionSet set);

@@ -128,15 +128,18 @@ Model::CoordinateName Model::name_of(std::size_t coordinate) const {
   return {};
 }
 
-std::string Model::owner_of(std::size_t own_variable) const {
-  for (const auto& steered : assembly_.steered()) {
-    for (const std::ptrdiff_t own : steered.own) {
-      if (own == static_cast<std::ptrdiff_t>(own_variable)) {
-        return bodies()[steered.body].bound.name;
+std::optional<std::string> Model::body_without_velocity(double from, double to) const {
+  for (const Body& body : bodies()) {
+    if (!body.prescribed()) continue;
+    for (const double at : {from, from + 0.5 * (to - from), to}) {
+      bool finite = std::isfinite(body.motion->angular_velocity(at));
+      for (const TimeFunction& function : body.motion->velocity) {
+        finite = finite && std::isfinite(function(at));
       }
+      if (!finite) return body.bound.name;
     }
   }
-  return "";
+  return std::nullopt;
 }
 
 }  // namespace tomlin

@@ -111,7 +111,7 @@ class ScaledHessian : public HessianSink {
   Parts parts(std::size_t b, std::size_t particle, int axis) const {
     const Model::Body& body = model_.bodies()[b];
     if (first_[b] == kNone) return {};
-    if (body.bound.slot.rigid) return rigid_parts(b, axis, across(body.arms[particle], axis));
+    if (body.bound.slot.rigid) return rigid_parts(b, axis, across(body, body.arms[particle], axis));
     return {
         Part{first_[b] + static_cast<std::ptrdiff_t>(particle) * model_.dimension() + axis, 1.0},
         Part{}};
@@ -120,8 +120,9 @@ class ScaledHessian : public HessianSink {
   Parts weighted_parts(std::size_t b, const double* weight, int axis) const {
     const Model::Body& body = model_.bodies()[b];
     double arm = 0.0;
-    for (std::size_t i = 0; i < body.arms.size(); ++i)
-      arm += weight[i] * across(body.arms[i], axis);
+    for (std::size_t i = 0; i < body.arms.size(); ++i) {
+      arm += weight[i] * across(body, body.arms[i], axis);
+    }
     return rigid_parts(b, axis, arm);
   }
 
@@ -129,10 +130,10 @@ class ScaledHessian : public HessianSink {
     return {Part{first_[b] + axis, 1.0}, Part{first_[b] + model_.dimension(), arm}};
   }
 
-  /// How far a place moves along an axis when the body turns by a small angle.
-  static double across(const std::vector<double>& arm, int axis) {
+  /// How far a place moves along an axis when the body turns by a small angle about its pivot.
+  static double across(const Model::Body& body, const std::vector<double>& arm, int axis) {
     if (arm.size() != 2) return 0.0;
-    return axis == 0 ? -arm[1] : arm[0];
+    return axis == 0 ? body.pivot[1] - arm[1] : arm[0] - body.pivot[0];
   }
 
   void add(const Parts& one, const Parts& other, double value) {
@@ -219,7 +220,10 @@ double response_to_sites(const Model& model, const Model::Body& body, double cur
   if (slot.rigid) {
     double squares = 0.0;
     for (const auto& arm : body.arms) {
-      for (const double part : arm) squares += part * part;
+      for (std::size_t d = 0; d < arm.size(); ++d) {
+        const double part = arm[d] - (d < 2 ? body.pivot[d] : 0.0);
+        squares += part * part;
+      }
     }
     for (int d = 0; d < model.dimension(); ++d) {
       most = std::max(most, static_cast<double>(slot.count) * body.response[d]);

@@ -47,6 +47,11 @@ std::vector<Followed> asked_for(const PerturbSettings& settings, const RunResult
   std::vector<Followed> all;
   for (const std::string& path : settings.observables) {
     observable(result, path, place);
+    if (path.starts_with("performance.")) {
+      throw InputError({{place, "run.perturb.observables", path,
+                         "how fast a run was is not a result of it", "an observable of the scene",
+                         ""}});
+    }
     all.push_back({path, {path}, {}});
   }
   return all;

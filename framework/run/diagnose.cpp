@@ -120,7 +120,19 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
   failure.step = step;
   failure.time = static_cast<double>(time);
   AlignedVector<double> rates(s.rates + 2 * kGroup, 0.0);
+  if (const auto body = model.body_without_velocity(failure.time, failure.time + h)) {
+    failure.body = *body;
+    failure.what = "its prescribed motion has no finite value";
+    failure.cause = "an expression in motion is left where it is defined";
+    return failure;
+  }
   model.evaluate_at(time, s.position, s.velocity, s.integrals, rates.data());
+  if (s.coordinates == 0) {
+    failure.what = "a variable that is not a coordinate left the finite numbers, or cannot be kept "
+                   "to the tolerance";
+    failure.cause = "a force law was left where it is defined, or a motion jumps";
+    return failure;
+  }
   const std::size_t worst = worst_coordinate(model, h);
   const Model::CoordinateName name = model.name_of(worst);
   const double acceleration = s.force[worst] * s.inverse_mass[worst];

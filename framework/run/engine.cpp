@@ -28,6 +28,9 @@ constexpr std::chrono::milliseconds kReportEvery{200};
 /// How far past the end of the run a window may reach through rounding alone.
 constexpr double kWindowSlack = 1e-9;
 
+/// Tolerances that floats can keep: ten units in the last place.
+constexpr double kFinestOfFloat = 1e-6;
+
 /// Doubles count no further without gaps.
 constexpr double kMostSteps = 9007199254740992.0;
 /// A table of a hundred terabytes.
@@ -92,6 +95,7 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   started_ = std::chrono::steady_clock::now();
   last_report_ = started_;
   warn_of_idle_velocities();
+  warn_of_fine_tolerance();
   check_step();
   model_.anchor(DoubleDouble(0.0));
   if (!failure_) observe_start();
@@ -248,6 +252,17 @@ void Engine::resolve_window() {
   to_.time = std::min(to_.time, duration_);
 }
 
+/// An adaptive scheme that is asked for more digits than its numbers have.
+void Engine::warn_of_fine_tolerance() {
+  if (scheme_.tolerance == nullptr || scene_->run.number_type != "float") return;
+  const double asked = scheme_.tolerance(scene_->run.integrator.description.get());
+  if (asked >= kFinestOfFloat) return;
+  warnings_.push_back(fmt::format(
+      "floats carry no tolerance of {:g}: below about {:g} steps follow their rounding and get "
+      "very short",
+      asked, kFinestOfFloat));
+}
+
 /// Without inertia velocities follow from forces, whatever the scene says of them at the start.
 void Engine::warn_of_idle_velocities() {
   if (model_.system().view.inertial) return;
@@ -332,7 +347,7 @@ double Engine::next_dense() const {
 bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid) {
   const DoubleDouble begin = now();
   const bool dense = dt_ == 0.0 || next_dense() <= static_cast<double>(end);
-  signals_from_velocity(model_.system().view.velocity);
+  signals_from_velocity(model_.system().view.velocity, static_cast<double>(begin));
   const StepReport report = integrator_->step_from(since, h, dense);
   if (report.fault != StepFault::none) {
     fail(report.fault, h);
@@ -368,12 +383,6 @@ bool Engine::own_variables_are_finite(double h) {
   for (std::size_t k = 0; k < view.own_count; ++k) {
     if (std::isfinite(view.integrals[k])) continue;
     fail(StepFault::not_finite_or_too_far, h);
-    failure_->what = "a variable that is not a coordinate left the finite numbers";
-    failure_->cause = "a prescribed motion or a force law was left where it is defined";
-    failure_->body = model_.owner_of(k);
-    failure_->particle = -1;
-    failure_->axis.clear();
-    failure_->force.clear();
     return false;
   }
   return true;
@@ -441,7 +450,8 @@ void Engine::plain_block(std::int64_t most) {
   } else {
     double after = since;
     for (; taken < most; ++taken) {
-      signals_from_velocity(model_.system().view.velocity);
+      signals_from_velocity(model_.system().view.velocity,
+                            static_cast<double>(counts_[kGridSteps] + taken) * dt_);
       fault = integrator_->step_from(after, dt_, false).fault;
       if (fault != StepFault::none) break;
       signals_from_rates(integrator_->first_rates());
@@ -483,7 +493,7 @@ bool Engine::look_between(double from, double to) {
   for (int k = 1; k <= 3; ++k) {
     if (!integrator_->between(k / 3.0, dense_velocity_.data(), dense_rates_.data())) return false;
     signals_from_rates(dense_rates_.data());
-    signals_from_velocity(dense_velocity_.data());
+    signals_from_velocity(dense_velocity_.data(), from + (to - from) * k / 3.0);
     between_[k] = signals_;
   }
   // Of a step across an edge of the window only what lies within counts.
@@ -553,7 +563,7 @@ void Engine::signals_from_rates(const double* rates) {
 }
 
 /// Speeds of centres.
-void Engine::signals_from_velocity(const double* velocity) {
+void Engine::signals_from_velocity(const double* velocity, double at) {
   const int axes = model_.dimension();
   double* speed = signals_.data() + drivers_.size() * axes;
   for (const Model::Body& body : model_.bodies()) {
@@ -562,7 +572,7 @@ void Engine::signals_from_velocity(const double* velocity) {
     if (slot.rigid) {
       for (int d = 0; d < axes; ++d) v[d] = velocity[slot.centre + d];
     } else if (body.prescribed()) {
-      model_.centre_velocity(body.bound.index, velocity, v);
+      for (int d = 0; d < axes; ++d) v[d] = body.motion->velocity[d](at);
     } else if (slot.count == 1 && !slot.mapped) {
       for (int d = 0; d < axes; ++d) v[d] = velocity[slot.offset + d * slot.stride];
     } else if (!slot.mapped) {
@@ -654,7 +664,7 @@ void Engine::keep_moment(Moment& moment, double at, const double* position, cons
   }
   // The signals of the step's start have been used; this is scratch until the next.
   signals_from_rates(dense_rates_.data());
-  signals_from_velocity(velocity);
+  signals_from_velocity(velocity, at);
   extremes_.include(signals_.data());
 }
 

@@ -56,6 +56,7 @@ class Engine {
   void list_signals();
   void check_step();
   void warn_of_idle_velocities();
+  void warn_of_fine_tolerance();
   bool own_variables_are_finite(double h);
   void refuse_endless() const;
   bool take(double since, double h, const DoubleDouble& end, bool to_grid);
@@ -69,7 +70,7 @@ class Engine {
   void step_adaptive();
   void observe_start();
   void signals_from_rates(const double* rates);
-  void signals_from_velocity(const double* velocity);
+  void signals_from_velocity(const double* velocity, double at);
   void serve_dense(const DoubleDouble& from, const DoubleDouble& to, double next_since);
   void serve_point(double at);
   double next_dense() const;

@@ -260,6 +260,26 @@ TEST(OverdampedRigid, ConvergesWithTheOrderOfTheScheme) {
   EXPECT_TRUE((Window{4.5, 6.0}.holds(dopri5))) << dopri5;
 }
 
+/// Heavy at one end, equal friction at both: pulled at the heavy end across its length, that end
+/// yields as if alone, twice as fast as the sum of frictions would have it.
+TEST(OverdampedRigid, TheStableStepKnowsOfFrictionBesideTheCentre) {
+  const double k = 100.0, c = 1.0;
+  const auto dumbbell = [&](double dt) {
+    return "[[body]]\ntype = \"particles\"\npositions = [[0.0, 0.0], [1.0, 0.0]]\n"
+           "particle_mass = [1e9, 1.0]\ncoordinates = \"rigid\"\n"
+           "[[force]]\ntype = \"driving_spring\"\nvelocity = [0.0, 0.0]\nstart = [0.0, 0.01]\n"
+           "attach = { particle = 0 }\nstiffness = " +
+           digits(k) + "\n[[force]]\ntype = \"viscous_damping\"\ncoefficient = " + digits(c) +
+           "\n[run]\ndynamics = \"overdamped\"\nduration = 5.0\nintegrator = " + fixed_step(dt) +
+           "\n";
+  };
+  const double limit = 2.785293563 * c / k;
+  Engine engine(scene_of(dumbbell(0.01)), {});
+  EXPECT_NEAR(engine.stable_step() / limit, 1.0, 1e-6);
+  EXPECT_EQ(run_text(dumbbell(0.98 * limit)).status, RunStatus::finished);
+  EXPECT_EQ(run_text(dumbbell(1.02 * limit)).steps, 0u) << "refused before it is taken";
+}
+
 // ---- held coordinates, and friction that is missing
 
 TEST(Overdamped, WhatIsHeldNeedsNoFrictionAndStays) {

@@ -74,6 +74,26 @@ TEST(NumberTypes, OfRings) {
   }
 }
 
+/// Friction takes little off a velocity in a short step; a float must not lose that. A ring's
+/// centre and rotation and a particle, with ever shorter steps.
+TEST(NumberTypes, AFloatsFrictionDoesNotDependOnTheStep) {
+  for (const std::string coordinates : {"particles", "rigid"}) {
+    for (const double dt : {1e-2, 1e-3, 1e-4}) {
+      const auto velocity = [&](const std::string& type) {
+        const std::string scene =
+            "[[body]]\nname = \"raft\"\ntype = \"ring\"\nradius = 0.5\ncount = 3\n"
+            "particle_mass = 1.0\ncentre = [0.0, 1.0]\n"
+            "velocity = [[1.0, 0.2], [0.7, 0.1], [0.9, -0.3]]\ncoordinates = \"" +
+            coordinates + "\"\n[[force]]\ntype = \"viscous_damping\"\ncoefficient = 0.7\n" +
+            "[run]\nduration = 2.0\nintegrator = " + verlet(dt) + "\n" + in(type);
+        const BodyResult raft = run_text(scene).bodies[0];
+        return std::hypot(raft.velocity[0], raft.velocity[1]) + *raft.rotation;
+      };
+      EXPECT_NEAR(velocity("float"), velocity("double"), 1e-6) << coordinates << ", dt " << dt;
+    }
+  }
+}
+
 /// Where double stalls at its rounding, quadruple goes on converging with the scheme's order.
 TEST(NumberTypes, QuadrupleConvergesBelowTheRoundingOfDouble) {
   const auto end = [](double h) {
