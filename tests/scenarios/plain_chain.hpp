@@ -37,8 +37,7 @@ class PlainChain {
     double sum = 0.0;
     for (std::size_t i = 0; i < u_.size(); ++i) {
       const double stretch = after(u_, i, periods_) - u_[i] - spacing();
-      sum +=
-          0.5 * stretch * stretch + K_ / (4.0 * kPi_ * kPi_) * (1.0 - std::cos(2.0 * kPi_ * u_[i]));
+      sum += 0.5 * stretch * stretch + K_ / (kTwoPi * kTwoPi) * (1.0 - std::cos(kTwoPi * u_[i]));
     }
     return sum;
   }
@@ -51,7 +50,7 @@ class PlainChain {
       auto next = e;  // what is not the zero mode decays under the linearised equations
       for (std::size_t i = 0; i < e.size(); ++i) {
         const double bonds = after(e, i, 0.0) - 2.0 * e[i] + before(e, i, 0.0);
-        next[i] += kStep * (bonds - K_ * std::cos(2.0 * kPi_ * u_[i]) * e[i]);
+        next[i] += kStep * (bonds - K_ * std::cos(kTwoPi * u_[i]) * e[i]);
       }
       e = next;
     }
@@ -61,7 +60,7 @@ class PlainChain {
   }
 
  private:
-  static constexpr double kPi_ = 3.141592653589793;
+  static constexpr double kTwoPi = 6.283185307179586;
   static constexpr double kStep = 0.3;  // stable below 2/(4 + K)
 
   double spacing() const { return periods_ / static_cast<double>(u_.size()); }
@@ -82,7 +81,7 @@ class PlainChain {
     std::vector<double> f(u_.size());
     for (std::size_t i = 0; i < u_.size(); ++i) {
       f[i] = after(u_, i, periods_) - 2.0 * u_[i] + before(u_, i, periods_) -
-             K_ / (2.0 * kPi_) * std::sin(2.0 * kPi_ * u_[i]);
+             K_ / kTwoPi * std::sin(kTwoPi * u_[i]);
     }
     return f;
   }
