@@ -216,9 +216,10 @@ double plain_driven(std::size_t count, double b, double K, double k, double xi, 
   Numbers y(2 * count, 0.0);
   double sum = 0.0;
   const auto steps = static_cast<int>(std::lround(10.0 / v / kStep));
+  const int half = steps / 2;
   for (int n = 0; n < steps; ++n) {
     const double t = n * kStep;
-    if (2 * n >= steps) {
+    if (n >= half) {
       for (std::size_t i = 0; i < count; ++i) sum += k * (v * t - y[i]);
     }
     const auto k1 = rates(t, y);
@@ -229,7 +230,7 @@ double plain_driven(std::size_t count, double b, double K, double k, double xi, 
       y[i] += kStep / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
     }
   }
-  return sum / (steps - steps / 2);
+  return sum / (steps - half);
 }
 
 TEST(FrenkelKontorova, DrivenChainIsThatOfAPlainLoop) {
