@@ -46,7 +46,8 @@ def slides(program, folder, K, particles, force, digits):
         command += ["--set", f"{path}={value}"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        raise RuntimeError(f"{' '.join(command)}\nends with status {done.returncode}:\n{done.stderr}")
+        raise RuntimeError(f"{' '.join(command)}\nends with status {done.returncode}:\n"
+                           f"{done.stderr}")
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     moved = summary["bodies"]["chain"]["mean_velocity"][0] * window
     return moved * particles > 1.0

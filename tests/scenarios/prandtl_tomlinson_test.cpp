@@ -193,16 +193,12 @@ TEST(PrandtlTomlinson, WithoutInertiaSlipsComeLateAsAirysEquationSays) {
   const double k = stiffness_of(s);
   const double bend = kLargestForce * 2.0 * kPi * kPi * std::sqrt(1.0 - 1.0 / (s * s));
   constexpr double kAiryZero = 2.338107410459767;
-  const std::vector<double> speeds = {2.5e-5, 1e-4, 4e-4};
-  std::vector<double> parts;
-  for (const double v : speeds) {
+  for (const double v : {2.5e-5, 1e-4, 4e-4}) {
     const double late = kAiryZero * std::pow(xi * v, 2.0 / 3.0) / std::cbrt(bend * k);
     const double excess = mean_force(run_without_inertia(v)) - slow.mean_force;
-    parts.push_back(excess / (k * slow.slip * late));
+    // The leading order: the fold is not quite a parabola.
+    EXPECT_NEAR(excess / (k * slow.slip * late), 1.0, 0.005) << "v = " << v;
   }
-  // The leading order; what is missing falls with v.
-  EXPECT_NEAR(parts.front(), 1.0, 0.01);
-  EXPECT_LT(std::abs(parts.front() - 1.0), std::abs(parts.back() - 1.0));
 }
 
 constexpr const char* kReleased = R"toml(
