@@ -160,25 +160,55 @@ class ScaledHessian : public HessianSink {
   double common_ = 0.0;
 };
 
+/// The fastest decay by friction alone: coefficient/mass of a free particle, the largest eigenvalue
+/// of friction over mass and inertia for a rigid body.
 class LargestDampingRate : public FrictionSink {
  public:
   explicit LargestDampingRate(const Model& model) : model_(model) {
-    for (const Model::Body& body : model.bodies()) sums_.emplace_back(body.bound.slot.count, 0.0);
+    for (const Model::Body& body : model.bodies()) {
+      coefficients_.emplace_back(body.bound.slot.count, 0.0);
+    }
   }
   void site(std::size_t body, std::size_t particle, double coefficient) override {
-    sums_[body][particle] += coefficient / model_.bodies()[body].bound.mass[particle];
+    coefficients_[body][particle] += coefficient;
   }
   double largest() const {
     double largest = 0.0;
-    for (const auto& body : sums_) {
-      for (const double rate : body) largest = std::max(largest, rate);
+    for (const Model::Body& body : model_.bodies()) {
+      const std::vector<double>& coefficient = coefficients_[body.bound.index];
+      if (body.bound.slot.rigid) {
+        largest = std::max(largest, rate_of_rigid(body, coefficient));
+        continue;
+      }
+      for (std::size_t i = 0; i < coefficient.size(); ++i) {
+        largest = std::max(largest, coefficient[i] / body.bound.mass[i]);
+      }
     }
     return largest;
   }
 
  private:
+  /// Scaled by the roots of inverse mass and inertia on both sides; what is held has none.
+  static double rate_of_rigid(const Model::Body& body, const std::vector<double>& coefficient) {
+    Eigen::Matrix3d friction = Eigen::Matrix3d::Zero();
+    const bool planar = body.arms.front().size() == 2;
+    const double root_of_rotation = std::sqrt(body.response_of_rotation);
+    for (std::size_t i = 0; i < coefficient.size(); ++i) {
+      const std::vector<double>& arm = body.arms[i];
+      for (std::size_t d = 0; d < arm.size(); ++d) {
+        const auto axis = static_cast<Eigen::Index>(d);
+        Eigen::Vector3d moves = Eigen::Vector3d::Zero();
+        moves[axis] = std::sqrt(body.response[d]);
+        if (planar) moves[2] = (d == 0 ? -arm[1] : arm[0]) * root_of_rotation;
+        friction += coefficient[i] * moves * moves.transpose();
+      }
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(friction, Eigen::EigenvaluesOnly);
+    return std::max(0.0, solver.eigenvalues().maxCoeff());
+  }
+
   const Model& model_;
-  std::vector<std::vector<double>> sums_;
+  std::vector<std::vector<double>> coefficients_;
 };
 
 /// Largest h with which y' = mode y does not grow.

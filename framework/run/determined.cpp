@@ -48,9 +48,9 @@ std::vector<Followed> asked_for(const PerturbSettings& settings, const RunResult
   for (const std::string& path : settings.observables) {
     observable(result, path, place);
     if (path.starts_with("performance.")) {
-      throw InputError({{place, "run.perturb.observables", path,
-                         "how fast a run was is not a result of it", "an observable of the scene",
-                         ""}});
+      throw InputError(
+          {{place, "run.perturb.observables", path, "how fast a run was is not a result of it",
+            "an observable of the scene", ""}});
     }
     all.push_back({path, {path}, {}});
   }

@@ -128,8 +128,9 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
   }
   model.evaluate_at(time, s.position, s.velocity, s.integrals, rates.data());
   if (s.coordinates == 0) {
-    failure.what = "a variable that is not a coordinate left the finite numbers, or cannot be kept "
-                   "to the tolerance";
+    failure.what =
+        "a variable that is not a coordinate left the finite numbers, or cannot be kept "
+        "to the tolerance";
     failure.cause = "a force law was left where it is defined, or a motion jumps";
     return failure;
   }

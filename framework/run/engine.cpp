@@ -96,6 +96,7 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   last_report_ = started_;
   warn_of_idle_velocities();
   warn_of_fine_tolerance();
+  bound_unwatched_steps();
   check_step();
   model_.anchor(DoubleDouble(0.0));
   if (!failure_) observe_start();
@@ -250,6 +251,32 @@ void Engine::resolve_window() {
           "a window within the run, or a longer run.duration", ""}});
   }
   to_.time = std::min(to_.time, duration_);
+}
+
+/// Where nothing is free there is no error for an adaptive scheme to control, yet forces on what is
+/// prescribed change along its way: parts of a period, or of the run where there is none.
+void Engine::bound_unwatched_steps() {
+  const SystemView<double>& view = model_.system().view;
+  if (dt_ > 0.0 || view.coordinates > 0 || view.own_count > 0) return;
+  constexpr double kPartOfPeriod = 0.02;
+  constexpr double kPartOfRun = 1e-3;
+  longest_unwatched_ = kPartOfRun * duration_;
+  double period = std::numeric_limits<double>::infinity();
+  for (int d = 0; d < model_.dimension(); ++d) {
+    if (model_.origin().unit[d] > 0.0) period = std::min(period, model_.origin().unit[d]);
+  }
+  for (const Model::Body& body : model_.bodies()) {
+    if (!body.prescribed()) continue;
+    double reach = 0.0;
+    for (const auto& arm : body.arms) reach = std::max(reach, norm(arm));
+    double speed = reach * std::abs(body.motion->angular_velocity.constant);
+    for (const TimeFunction& function : body.motion->velocity) {
+      speed += std::abs(function.constant);
+    }
+    if (!(speed > 0.0)) continue;
+    const double scale = std::isfinite(period) ? period : std::max(reach, speed * duration_);
+    longest_unwatched_ = std::min(longest_unwatched_, kPartOfPeriod * scale / speed);
+  }
 }
 
 /// An adaptive scheme that is asked for more digits than its numbers have.
@@ -539,7 +566,7 @@ void Engine::step_adaptive() {
     ended_ = true;
     return;
   }
-  take(0.0, rest, DoubleDouble(duration_), false);
+  take(0.0, std::min(rest, longest_unwatched_), DoubleDouble(duration_), false);
 }
 
 void Engine::advance(std::uint64_t steps) {

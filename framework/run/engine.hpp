@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -57,6 +58,7 @@ class Engine {
   void check_step();
   void warn_of_idle_velocities();
   void warn_of_fine_tolerance();
+  void bound_unwatched_steps();
   bool own_variables_are_finite(double h);
   void refuse_endless() const;
   bool take(double since, double h, const DoubleDouble& end, bool to_grid);
@@ -97,6 +99,7 @@ class Engine {
   double duration_;
   double dt_ = 0.0;  ///< 0: adaptive
   double stable_step_ = 0.0;
+  double longest_unwatched_ = std::numeric_limits<double>::infinity();  ///< of an adaptive scheme
   std::int64_t full_steps_ = 0;  ///< whole steps of the grid that the run has room for
   std::int64_t plain_left_ = 0;  ///< steps known to have nothing to serve
 
