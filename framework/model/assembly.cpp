@@ -481,7 +481,6 @@ void Assembly<Real>::lay_friction() {
         for (int d = 0; d < dimension(); ++d) {
           if (arguments.free[d] && !any) missing(body, kAxes[d]);
         }
-        if (arguments.rotates && !(arguments.second > Real(0.0))) missing(body, "the rotation");
         for (std::size_t k = 0; k < 3; ++k) inverse_mass_[slot.centre + k] = Real(1.0);
         for (int d = 0; d < dimension(); ++d) {
           body.response[d] = arguments.free[d] ? 1.0 / static_cast<double>(arguments.total) : 0.0;
@@ -494,6 +493,11 @@ void Assembly<Real>::lay_friction() {
             const auto moment_of_friction = static_cast<double>(arguments.moment[d]);
             body.pivot[d] = moment_of_friction / total_friction;
             about_pivot -= moment_of_friction * body.pivot[d];
+          }
+          // Friction at a single point lets the body turn freely about it.
+          constexpr double kNothing = 1e-12;
+          if (!(about_pivot > kNothing * static_cast<double>(second.total()))) {
+            missing(body, "the rotation");
           }
           body.response_of_rotation = 1.0 / about_pivot;
         }
