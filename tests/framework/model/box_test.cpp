@@ -20,7 +20,7 @@ constexpr double kMass = 0.7;
 struct Chain {
   int count = 6;
   double origin = 0.0;
-  std::vector<double> velocity;
+  std::vector<double> velocity = {};
   bool closed = true;
   double amplitude = 0.0;
   double duration = 1.0;
