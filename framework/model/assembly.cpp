@@ -523,9 +523,11 @@ void Assembly<Real>::lay_friction() {
       arguments.coefficient = array.data();
       arguments.inverse_mass = inverse_mass_.data() + slot.offset;
       friction_arrays_.emplace_back(padded(arguments.length), Real(0.0));
-      arguments.factor = friction_arrays_.back().data();
+      arguments.keep = friction_arrays_.back().data();
+      friction_arrays_.emplace_back(padded(arguments.length), Real(0.0));
+      arguments.loss = friction_arrays_.back().data();
       friction_arrays_.emplace_back(kGroup, Real(-1.0));
-      arguments.factor_h = friction_arrays_.back().data();
+      arguments.known_h = friction_arrays_.back().data();
     }
     if (plan_.inertial && !any) continue;
     friction_.push_back(arguments);

@@ -28,8 +28,9 @@ struct FrictionArguments {
   std::size_t length = 0;
   const Real* coefficient = nullptr;
   const Real* inverse_mass = nullptr;
-  Real* factor = nullptr;  ///< scratch: exp(-h c/m) for the last h, or that less one
-  Real* factor_h = nullptr;
+  Real* keep = nullptr;  ///< scratch: exp(-h c/m) for the last h, in two parts
+  Real* loss = nullptr;
+  Real* known_h = nullptr;
 
   // A body that moves as one.
   bool rotates = false;
@@ -137,17 +138,36 @@ struct FrictionKernels {
     stage.rates[a.rate] = heat;
   }
 
-  /// exp(-h rate) - 1 to the last digit: a factor near one, rounded, would be off by the same part
-  /// in every step.
+  /// exp(-h rate) as keep + loss keep: for slow decay keep is 1 and loss exp(-h rate) - 1 to its
+  /// last digit (a factor near one, rounded, would be off by the same part in every step); for fast
+  /// decay loss is 0.
   template <class Real>
-  TOMLIN_INLINE static Real loss(Real rate, Real h) {
-    const Real x = h * rate;
-    if (!(x < Real(0.35))) return exp(-x) - Real(1.0);
-    // -x (1 - x/2 (1 - x/3 (1 - ...))), to the digits of each type.
-    constexpr int kTerms = sizeof(Real) == sizeof(float) ? 9 : sizeof(Real) == 8 ? 16 : 30;
-    Real sum(1.0);
-    for (int n = kTerms; n >= 2; --n) sum = fnma(x / Real(n), sum, Real(1.0));
-    return -(x * sum);
+  struct Decay {
+    Real keep;
+    Real loss;
+
+    TOMLIN_INLINE Decay(Real rate, Real h) : keep(Real(1.0)), loss(Real(0.0)) {
+      const Real x = h * rate;
+      if (!(x < Real(0.35))) {
+        keep = exp(-x);
+        return;
+      }
+      // -x (1 - x/2 (1 - x/3 (1 - ...))), to the digits of each type.
+      constexpr int kTerms = sizeof(Real) == sizeof(float) ? 9 : sizeof(Real) == 8 ? 16 : 30;
+      Real sum(1.0);
+      for (int n = kTerms; n >= 2; --n) sum = fnma(x / Real(n), sum, Real(1.0));
+      loss = -(x * sum);
+    }
+  };
+
+  /// v <- (keep + loss keep) v, of a group.
+  template <class Real>
+  TOMLIN_INLINE static void decay(Real* v, Real* rest, std::size_t i, const Packed<Real>& keep,
+                                  const Packed<Real>& loss) {
+    using Group = Packed<Real>;
+    (keep * Group::load(v + i)).store(v + i);
+    if (rest != nullptr) (keep * Group::load(rest + i)).store(rest + i);
+    add_scaled(v, rest, i, loss, Group::load(v + i));
   }
 
   /// Exact: v <- v exp(-h c/m).
@@ -158,14 +178,16 @@ struct FrictionKernels {
     const FrictionArguments<Real> a = *static_cast<const FrictionArguments<Real>*>(arguments);
     Real* v = velocity + a.body.offset;
     Real* rest = velocity_rest == nullptr ? nullptr : velocity_rest + a.body.offset;
-    if (!(*a.factor_h == h)) {
+    if (!(*a.known_h == h)) {
       for (std::size_t i = 0; i < a.length; ++i) {
-        a.factor[i] = loss(a.coefficient[i] * a.inverse_mass[i], h);
+        const Decay<Real> decay(a.coefficient[i] * a.inverse_mass[i], h);
+        a.keep[i] = decay.keep;
+        a.loss[i] = decay.loss;
       }
-      *a.factor_h = h;
+      *a.known_h = h;
     }
     for (std::size_t i = 0; i < a.length; i += kGroup) {
-      add_scaled(v, rest, i, Group::load(a.factor + i), Group::load(v + i));
+      decay(v, rest, i, Group::load(a.keep + i), Group::load(a.loss + i));
     }
   }
 
@@ -175,20 +197,23 @@ struct FrictionKernels {
   TOMLIN_FLATTEN static void flow_of_body(const void* arguments, const Real* position,
                                           Real* velocity, Real* velocity_rest, Real h) {
     const FrictionArguments<Real> a = *static_cast<const FrictionArguments<Real>*>(arguments);
-    const Real* v = velocity + a.body.centre;
-    Real change[3] = {Real(0.0), Real(0.0), Real(0.0)};
+    Real* v = velocity + a.body.centre;
+    Real* rest = velocity_rest == nullptr ? nullptr : velocity_rest + a.body.centre;
     if (a.rotates && (a.moment[0] != Real(0.0) || a.moment[1] != Real(0.0))) {
       Real drag[3] = {Real(0.0), Real(0.0), Real(0.0)};
+      Real change[3] = {Real(0.0), Real(0.0), Real(0.0)};
       add_drag(a, position, v, drag);
       for (Real& part : drag) part = part * h;
       const Real masses[3] = {a.mass, a.mass, a.mass};
       solve(a, position[a.body.centre + 2], masses, a.inertia, Real(0.5) * h, drag, change);
-    } else {
-      const Real centre = loss(a.total / a.mass, h);
-      for (int d = 0; d < a.axes; ++d) change[d] = v[d] * centre;
-      if (a.rotates) change[2] = v[2] * loss(a.second / a.inertia, h);
+      add_move(v, rest, 0, three_lanes(change[0], change[1], change[2]));
+      return;
     }
-    add_move(velocity, velocity_rest, a.body.centre, three_lanes(change[0], change[1], change[2]));
+    const Decay<Real> centre(a.total / a.mass, h);
+    const Decay<Real> turning(a.rotates ? a.second / a.inertia : Real(0.0), h);
+    const bool planar = a.axes == 2;
+    decay(v, rest, 0, three_lanes(centre.keep, centre.keep, planar ? turning.keep : centre.keep),
+          three_lanes(centre.loss, centre.loss, planar ? turning.loss : centre.loss));
   }
 
   /// force -= G v; returns v.G v.

@@ -566,7 +566,11 @@ void Engine::step_adaptive() {
     ended_ = true;
     return;
   }
-  take(0.0, std::min(rest, longest_unwatched_), DoubleDouble(duration_), false);
+  if (longest_unwatched_ < rest) {
+    take(0.0, longest_unwatched_, now() + longest_unwatched_, false);
+    return;
+  }
+  take(0.0, rest, DoubleDouble(duration_), false);
 }
 
 void Engine::advance(std::uint64_t steps) {
