@@ -15,6 +15,9 @@
 /// 2 at any friction. (A kick with the friction of the old velocity, the common shortcut, is of
 /// first order.) Running integrals: trapezoidal rule. Dense output: cubic Hermite.
 ///
+/// Friction far stronger than inertia, c h/m >> 1, is stable but not accurate: between kicks the
+/// velocity has died out. Overdamped dynamics, or a smaller h, is for that.
+///
 /// Refused: forces that depend on velocity but are not linear friction, forces with variables of
 /// their own, dynamics without inertia.
 /// Source: Swope, Andersen, Berens, Wilson, J. Chem. Phys. 76 (1982) 637, doi:10.1063/1.442716;

@@ -102,7 +102,7 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
   row(lines, "window", fmt::format("time {:.9g} to {:.9g}", result.window_from, result.window_to));
   add_lines(lines, result.drivers);
   add_lines(lines, result.bodies);
-  if (result.energy) {
+  if (result.energy && result.energy->work_in) {
     row(lines, "energy",
         Numbers()
             .add("work in", result.energy->work_in)

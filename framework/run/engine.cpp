@@ -380,7 +380,10 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid)
     fail(report.fault, h);
     return false;
   }
-  if (!own_variables_are_finite(h)) return false;
+  if (!own_variables_are_finite()) {
+    fail(StepFault::not_finite_or_too_far, h);
+    return false;
+  }
   const DoubleDouble arrived = dt_ == 0.0 && report.taken < h ? begin + report.taken : end;
   signals_from_rates(integrator_->first_rates());
   if (dt_ > 0.0 || !look_between(static_cast<double>(begin), static_cast<double>(arrived))) {
@@ -405,14 +408,10 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid)
 }
 
 /// Schemes watch the coordinates; forces' own variables and prescribed ways are watched here.
-bool Engine::own_variables_are_finite(double h) {
+bool Engine::own_variables_are_finite() const {
   const SystemView<double>& view = model_.system().view;
-  for (std::size_t k = 0; k < view.own_count; ++k) {
-    if (std::isfinite(view.integrals[k])) continue;
-    fail(StepFault::not_finite_or_too_far, h);
-    return false;
-  }
-  return true;
+  return std::all_of(view.integrals, view.integrals + view.own_count,
+                     [](double x) { return std::isfinite(x); });
 }
 
 /// How far the next grid step starts after the anchor, which is set every few steps of the grid.
@@ -480,6 +479,9 @@ void Engine::plain_block(std::int64_t most) {
       signals_from_velocity(model_.system().view.velocity,
                             static_cast<double>(counts_[kGridSteps] + taken) * dt_);
       fault = integrator_->step_from(after, dt_, false).fault;
+      if (fault == StepFault::none && !own_variables_are_finite()) {
+        fault = StepFault::not_finite_or_too_far;
+      }
       if (fault != StepFault::none) break;
       signals_from_rates(integrator_->first_rates());
       look(static_cast<double>(counts_[kGridSteps] + taken) * dt_);
@@ -497,7 +499,6 @@ void Engine::plain_block(std::int64_t most) {
     fail(fault, dt_);
     return;
   }
-  if (!own_variables_are_finite(dt_)) return;
   if (counts_[kSteps] % kHousekeepingEvery != 0) return;
   // How far drivers have come counts for the origin: they are looked at where `take` leaves them.
   since_anchor();

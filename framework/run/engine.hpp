@@ -59,7 +59,7 @@ class Engine {
   void warn_of_idle_velocities();
   void warn_of_fine_tolerance();
   void bound_unwatched_steps();
-  bool own_variables_are_finite(double h);
+  bool own_variables_are_finite() const;
   void refuse_endless() const;
   bool take(double since, double h, const DoubleDouble& end, bool to_grid);
   double since_anchor();
