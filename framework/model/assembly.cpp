@@ -17,8 +17,6 @@ TOMLIN_DECLARE_TABLES(FrictionKernels, FrictionTable)
 namespace tomlin {
 namespace {
 
-constexpr double kTau = 6.283185307179586476925286766559;
-
 /// No limit on a move, though still a finite one: infinity would let an infinite move pass.
 template <class Real>
 Real unbounded() {
