@@ -36,7 +36,7 @@ std::string to_string(const RunFailure& failure) {
                      failure.force.empty() ? "none" : failure.force, failure.cause);
 }
 
-RunResult run(std::shared_ptr<const Scene> scene, const RunOptions& options) {
+RunResult run(const std::shared_ptr<const Scene>& scene, const RunOptions& options) {
   Engine engine(scene, options);
   RunResult result = engine.run();
   if (scene->run.perturb) determine(scene, options, result);

@@ -136,6 +136,6 @@ struct RunOptions {
 
 /// Throws InputError for what only shows when the scene is bound; everything later is in the
 /// result. Allocates nothing between the first step and the last.
-RunResult run(std::shared_ptr<const Scene> scene, const RunOptions& options = {});
+RunResult run(const std::shared_ptr<const Scene>& scene, const RunOptions& options = {});
 
 }  // namespace tomlin
