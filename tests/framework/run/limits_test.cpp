@@ -1,0 +1,120 @@
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "framework/core/fault.hpp"
+#include "tests/support/scenes.hpp"
+
+// What a run says where a scene asks for more than it can have.
+
+namespace tomlin::test {
+namespace {
+
+/// A body that is moved over a substrate; nothing else is free.
+std::string pushed(const std::string& velocity, const std::string& run) {
+  return "[[body]]\ntype = \"point\"\nname = \"slider\"\nposition = [0.0]\nparticle_mass = 1.0\n"
+         "coordinates = \"prescribed\"\nmotion = { velocity = [" +
+         velocity +
+         "] }\n"
+         "[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = 0.1\nperiod = 1.0\n"
+         "[[force]]\ntype = \"viscous_damping\"\ncoefficient = 0.5\n"
+         "[run]\nduration = 5.0\nledger = true\n" +
+         run;
+}
+
+const std::vector<std::string> kSchemes = {
+    "integrator = { type = \"rk4\", dt = 0.01 }\n",
+    "integrator = { type = \"velocity_verlet\", dt = 0.01 }\n",
+    "integrator = { type = \"dopri5\" }\n"};
+
+bool warns(const RunResult& result, const std::string& of) {
+  for (const std::string& warning : result.warnings) {
+    if (warning.find(of) != std::string::npos) return true;
+  }
+  return false;
+}
+
+TEST(PrescribedMotion, ThatLeavesTheNumbersEndsTheRunThere) {
+  constexpr double kAStep = 0.011;  // the failing step starts at most one step before
+  for (const std::string& scheme : kSchemes) {
+    for (const char* type : {"double", "float"}) {
+      const RunResult result =
+          run_text(pushed("\"sqrt(2 - t)\"", scheme + "number_type = \"" + type + "\"\n"));
+      ASSERT_EQ(result.status, RunStatus::failed) << scheme << type;
+      EXPECT_EQ(result.failure->body, "slider") << scheme << type;
+      EXPECT_NE(result.failure->what.find("no finite value"), std::string::npos);
+      EXPECT_NEAR(result.end_time, 2.0, kAStep) << scheme << type;
+    }
+  }
+}
+
+TEST(PrescribedMotion, AloneIsFollowedInStepsThatSeeTheSubstrate) {
+  // Simpson-like quadrature at a fiftieth of a period: far below; unbounded steps miss by percents.
+  constexpr double kBalance = 1e-6;
+  const RunResult result = run_text(pushed("0.7", kSchemes.back()));
+  ASSERT_EQ(result.status, RunStatus::finished);
+  EXPECT_NEAR(*result.energy->heat_out, 0.5 * 0.7 * 0.7 * 5.0, kBalance);
+  EXPECT_NEAR(*result.energy->numerical_work, 0.0, kBalance);
+}
+
+TEST(PrescribedMotion, HasItsOwnLargestSpeedInEveryNumberType) {
+  for (const std::string& scheme : kSchemes) {
+    for (const char* type : {"double", "float"}) {
+      const RunResult result =
+          run_text(pushed("\"0.2 * cos(t)\"", scheme + "number_type = \"" + type + "\"\n"));
+      // At the start: the vertex of a parabola through the first steps would exceed it.
+      EXPECT_NEAR(*result.bodies[0].max_speed, 0.2, 1e-6) << scheme << type;
+    }
+  }
+}
+
+std::string tip(const std::string& body, const std::string& run) {
+  return "[[body]]\ntype = \"point\"\nposition = [1.0]\nparticle_mass = 1.0\n" + body +
+         "[[force]]\ntype = \"driving_spring\"\nstiffness = 1.0\nvelocity = [0.0]\n"
+         "start = [0.0]\n[[force]]\ntype = \"viscous_damping\"\ncoefficient = 1.0\n"
+         "[run]\nduration = 1.0\n" +
+         run;
+}
+
+TEST(Warnings, ToleranceThatAFloatDoesNotCarry) {
+  const auto with = [](const std::string& type, const std::string& tolerance) {
+    return run_text(tip("", "number_type = \"" + type +
+                                "\"\nintegrator = { type = \"dopri5\", absolute_tolerance = " +
+                                tolerance + ", relative_tolerance = " + tolerance + " }\n"));
+  };
+  EXPECT_TRUE(warns(with("float", "1e-9"), "floats carry no tolerance"));
+  EXPECT_FALSE(warns(with("float", "1e-5"), "floats carry"));
+  EXPECT_FALSE(warns(with("double", "1e-9"), "floats carry"));
+}
+
+TEST(Warnings, VelocityWithoutInertia) {
+  const std::string fixed = "integrator = { type = \"rk4\", dt = 0.01 }\n";
+  const std::string drift = "dynamics = \"overdamped\"\n" + fixed;
+  EXPECT_TRUE(warns(run_text(tip("velocity = [1.0]\n", drift)), "means nothing without inertia"));
+  EXPECT_FALSE(warns(run_text(tip("", drift)), "without inertia"));
+  EXPECT_FALSE(warns(run_text(tip("velocity = [1.0]\n", fixed)), "without inertia"));
+}
+
+TEST(Perturb, HowFastARunWasIsNoResult) {
+  const std::string run =
+      "integrator = { type = \"rk4\", dt = 0.01 }\nperturb = { size = 1e-9, "
+      "repeats = 1, observables = [\"";
+  EXPECT_THROW(run_text(tip("", run + "performance.wall_seconds\"] }\n")), InputError);
+  EXPECT_NO_THROW(run_text(tip("", run + "energy.kinetic\"] }\nledger = true\n")));
+}
+
+TEST(SplitFriction, OfSlowDecayIsNotBiased) {
+  // A rounded factor near one errs by eps/2 in each of 2e5 half-steps alike: some 1e-11 at the end.
+  // What is left is a random walk of rounding, and the rounding of the closed form.
+  constexpr double kWalk = 3e-13;
+  const RunResult result = run_text(
+      "[[body]]\ntype = \"point\"\nposition = [0.0]\nvelocity = [1.0]\nparticle_mass = 1.0\n"
+      "[[force]]\ntype = \"viscous_damping\"\ncoefficient = 0.01\n"
+      "[run]\nduration = 100.0\nintegrator = { type = \"velocity_verlet\", dt = 1e-3 }\n");
+  EXPECT_NEAR(result.bodies[0].velocity[0], std::exp(-1.0), kWalk);
+}
+
+}  // namespace
+}  // namespace tomlin::test
