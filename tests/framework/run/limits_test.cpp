@@ -106,7 +106,7 @@ TEST(Perturb, HowFastARunWasIsNoResult) {
 }
 
 TEST(SplitFriction, OfSlowDecayIsNotBiased) {
-  // A rounded factor near one errs by eps/2 in each of 2e5 half-steps alike: some 1e-11 at the end.
+  // A rounded factor near one errs alike in each of 2e5 half-steps: 8e-13 at the end, when planted.
   // What is left is a random walk of rounding, and the rounding of the closed form.
   constexpr double kWalk = 3e-13;
   const RunResult result = run_text(
