@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<SampleColumn> kColumns = {{"time", "time"}, {"driver.force.x", "force"}};
+const RunLayout kColumns = {{{"time", "time"}, {"driver.force.x", "force"}}, {}, 1, {}, {}};
 
 TEST(Table, HasAHeaderWithUnitsAndOneRowPerSample) {
   const TemporaryFolder folder;
