@@ -17,7 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const RunLayout kColumns = {{{"time", "time"}, {"driver.force.x", "force"}}, {}, 1, {}, {}};
+const std::vector<SampleColumn> kTwo = {{"time", "time"}, {"driver.force.x", "force"}};
+const RunLayout kColumns = {
+    .columns = kTwo, .bodies = {}, .dimension = 1, .box = {}, .periodic = {}};
 
 TEST(Table, HasAHeaderWithUnitsAndOneRowPerSample) {
   const TemporaryFolder folder;
