@@ -37,14 +37,26 @@ struct JournalMark {
   friend bool operator==(const JournalMark&, const JournalMark&) = default;
 };
 
+/// Another program writes this journal.
+class JournalInUse : public OutputError {
+ public:
+  using OutputError::OutputError;
+};
+
+enum class Absent { make_it, leave_it };
+
+/// The journal of this name, opened for writing; whoever has it has the folder. Where there is none
+/// it is made, empty, or what comes back is not open. Throws JournalInUse or OutputError.
+Descriptor own_journal(const std::filesystem::path& file, Absent absent);
+
 /// Appends to a journal, which no other program may write to meanwhile. Everything throws
 /// OutputError; after that nothing more can be written.
 class JournalWriter {
  public:
-  /// A new journal; there must be none of this name.
-  JournalWriter(std::filesystem::path file, const JournalHeader& header);
-  /// Goes on behind `mark`, dropping whatever comes after it. `lock` is the journal, locked.
-  JournalWriter(std::filesystem::path file, Descriptor lock, const RunLayout& layout,
+  /// A new journal in an owned file; what stands there is dropped.
+  JournalWriter(std::filesystem::path file, Descriptor owned, const JournalHeader& header);
+  /// Goes on behind `mark`; what comes after it is dropped.
+  JournalWriter(std::filesystem::path file, Descriptor owned, const RunLayout& layout,
                 const JournalMark& mark);
 
   /// RunLayout::row() numbers. Costs a copy; a block of rows is written when it is full.
@@ -76,7 +88,8 @@ class JournalWriter {
 };
 
 /// Reads a journal from its start, record by record: it may be larger than memory. Whatever the
-/// file holds, it is read to the first fault and no further. Everything throws DamagedFile.
+/// file holds, it is read to the first fault and no further. Everything throws DamagedFile;
+/// TruncatedFile where the file ends too early and nothing else is wrong.
 class JournalReader {
  public:
   /// Reads the header.
@@ -100,6 +113,7 @@ class JournalReader {
   void play_rows(std::span<const std::byte> content, RunSink& sink);
   void play_events(std::span<const std::byte> content, RunSink& sink);
   void read(std::span<std::byte> bytes, std::uint64_t at);
+  [[noreturn]] void refuse_truncated() const;
   [[noreturn]] void refuse(const std::string& why) const;
 
   std::string file_;
@@ -110,16 +124,6 @@ class JournalReader {
   std::vector<std::byte> record_;
   std::vector<double> row_;
   std::set<std::string, std::less<>> names_;
-};
-
-/// The journal of this name, opened for writing and locked; -1 when there is none. Throws
-/// JournalInUse when another program has it, OutputError when it cannot be opened.
-Descriptor lock_journal(const std::filesystem::path& file);
-
-/// Another program writes this journal.
-class JournalInUse : public OutputError {
- public:
-  using OutputError::OutputError;
 };
 
 }  // namespace tomlin

@@ -22,6 +22,12 @@ class DamagedFile : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// One that ends too early.
+class TruncatedFile : public DamagedFile {
+ public:
+  using DamagedFile::DamagedFile;
+};
+
 enum class RecordKind : std::uint32_t { journal = 1, rows = 2, events = 3, checkpoint = 4 };
 
 inline constexpr std::size_t kRecordHead = 16;      ///< bytes in front of the content

@@ -37,6 +37,17 @@ constexpr double kMostSteps = 9007199254740992.0;
 /// A table of a hundred terabytes.
 constexpr double kMostSamples = 1e12;
 
+/// "position 8, clock 2, ...": numbers mean something only where the same fields are kept.
+std::string fields_of(const StateLayout& layout) {
+  std::string fields;
+  for (const auto* group : {&layout.reals(), &layout.integers(), &layout.raw()}) {
+    for (const StateLayout::Field& field : *group) {
+      fields += fmt::format("{}{} {}", fields.empty() ? "" : ", ", field.name, field.count);
+    }
+  }
+  return fields;
+}
+
 double norm(const std::vector<double>& v) {
   double squares = 0.0;
   for (const double x : v) squares = std::fma(x, x, squares);
@@ -346,6 +357,7 @@ void Engine::begin_sink() {
   layout.dimension = model_.dimension();
   layout.box = scene_->box.lengths;
   layout.periodic = scene_->box.periodic;
+  layout.state = fields_of(state_.layout());
   if (sampling_) {
     static const char* const axes[] = {"x", "y", "z"};
     std::vector<SampleColumn>& columns = layout.columns;
