@@ -27,8 +27,10 @@ RecordWriter::RecordWriter(RecordKind kind, std::size_t capacity) {
 }
 
 void RecordWriter::append(const void* data, std::size_t size) {
-  const auto* first = static_cast<const std::byte*>(data);
-  bytes_.insert(bytes_.end(), first, first + size);
+  if (size == 0) return;
+  const std::size_t before = bytes_.size();
+  bytes_.resize(before + size);
+  std::memcpy(bytes_.data() + before, data, size);
 }
 
 void RecordWriter::text(std::string_view text) { bytes(std::as_bytes(std::span(text))); }
