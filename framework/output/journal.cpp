@@ -49,6 +49,7 @@ RecordWriter header_record(const JournalHeader& header) {
   record.numbers(layout.box);
   record.number(static_cast<std::uint64_t>(layout.periodic.size()));
   for (const bool periodic : layout.periodic) record.number(static_cast<std::uint8_t>(periodic));
+  record.number(static_cast<std::uint8_t>(layout.events));
   record.text(layout.state);
   return record;
 }
@@ -82,6 +83,7 @@ JournalHeader header_in(RecordReader record) {
   for (std::size_t k = 0; k < layout.periodic.size(); ++k) {
     layout.periodic[k] = record.number<std::uint8_t>() != 0;
   }
+  layout.events = record.number<std::uint8_t>() != 0;
   layout.state = record.text();
   record.end();
   return header;
@@ -137,8 +139,7 @@ void JournalWriter::row(std::span<const double> row) {
 }
 
 void JournalWriter::event(const Event& event) {
-  if (event_block_.size() > 0 &&
-      event_block_.size() + kEventBytes + event.name.size() > kBlock) {
+  if (event_block_.size() > 0 && event_block_.size() + kEventBytes + event.name.size() > kBlock) {
     write_events();
   }
   if (event_block_.size() == 0) event_block_.number(events_);
@@ -163,9 +164,9 @@ void JournalWriter::synchronise() {
 
 void JournalWriter::check_in_place() const {
   if (is_at(descriptor_, file_)) return;
-  throw OutputError(fmt::format(
-      "cannot write {}: it has gone; the folder was removed or replaced during the run",
-      file_.string()));
+  throw OutputError(
+      fmt::format("cannot write {}: it has gone; the folder was removed or replaced during the run",
+                  file_.string()));
 }
 
 void JournalWriter::write_rows() {
@@ -267,8 +268,8 @@ void JournalReader::play_events(std::span<const std::byte> content, RunSink& sin
     if (kind >= kEventKinds) refuse("an event of a kind that this program does not know");
     event.kind = static_cast<EventKind>(kind);
     event.name = *names_.insert(record.text()).first;
-    for (double* x : {&event.time, &event.duration, &event.size, &event.energy_lost,
-                      &event.peak_force}) {
+    for (double* x :
+         {&event.time, &event.duration, &event.size, &event.energy_lost, &event.peak_force}) {
       *x = record.number<double>();
     }
     sink.event(event);
@@ -283,8 +284,8 @@ void JournalReader::read(std::span<std::byte> bytes, std::uint64_t at) {
 }
 
 void JournalReader::refuse_truncated() const {
-  throw TruncatedFile(fmt::format("{}: truncated: it ends in the record at byte {}", file_,
-                                  mark_.bytes));
+  throw TruncatedFile(
+      fmt::format("{}: truncated: it ends in the record at byte {}", file_, mark_.bytes));
 }
 
 void JournalReader::refuse(const std::string& why) const {

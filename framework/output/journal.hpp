@@ -78,9 +78,9 @@ class JournalWriter {
 
   std::filesystem::path file_;
   Descriptor descriptor_;
-  JournalMark mark_;             ///< of what is in the file
-  std::size_t row_length_ = 0;   ///< numbers
-  std::uint64_t rows_ = 0;       ///< with those that are not written yet
+  JournalMark mark_;            ///< of what is in the file
+  std::size_t row_length_ = 0;  ///< numbers
+  std::uint64_t rows_ = 0;      ///< with those that are not written yet
   std::uint64_t events_ = 0;
   RecordWriter row_block_;
   RecordWriter event_block_;

@@ -9,7 +9,7 @@
 namespace tomlin {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x52'4d'4f'54;         // "TOMR" in a file of a little-endian machine
+constexpr std::uint32_t kMagic = 0x52'4d'4f'54;  // "TOMR" in a file of a little-endian machine
 constexpr std::uint32_t kMagicSwapped = 0x54'4f'4d'52;  // as seen by the other kind
 
 struct Head {

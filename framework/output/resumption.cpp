@@ -60,7 +60,8 @@ std::string first_difference(std::string_view before, std::string_view now) {
     if (text.size() <= kShown) return fmt::format("\"{}\"", text);
     return fmt::format("\"{}...\"", text.substr(0, kShown));
   };
-  return fmt::format("line {} of the effective scene was {} and is {}", line, shown(was), shown(is));
+  return fmt::format("line {} of the effective scene was {} and is {}", line, shown(was),
+                     shown(is));
 }
 
 void require_same_scene(const fs::path& file, std::string_view before, const Scene& scene) {
@@ -97,8 +98,7 @@ Ended read_summary(const RunFolder& folder) {
   };
   Ended ended;
   ended.status = text(summary, "status");
-  for (const RunStatus known :
-       {RunStatus::finished, RunStatus::interrupted, RunStatus::failed}) {
+  for (const RunStatus known : {RunStatus::finished, RunStatus::interrupted, RunStatus::failed}) {
     if (ended.status != to_string(known)) continue;
     if (summary.contains("failure")) ended.failure = text(summary["failure"], "what");
     return ended;
@@ -189,8 +189,9 @@ Resumption from_journal(const RunFolder& folder, const Scene& scene,
   }
   require_same_scene(folder.file(kJournalFile), header.scene, scene);
   require_same_scene_file(folder, scene);
-  return has_checkpoint ? with_checkpoint(folder, *journal, std::move(owned), scene, program_version)
-                        : without_checkpoint(folder, *journal, std::move(owned));
+  return has_checkpoint
+             ? with_checkpoint(folder, *journal, std::move(owned), scene, program_version)
+             : without_checkpoint(folder, *journal, std::move(owned));
 }
 
 /// There is neither a journal nor a summary: only a start that was killed leaves such a folder.

@@ -23,9 +23,9 @@ struct Resumption {
   Kind kind = Kind::from_start;
   Descriptor journal;  ///< owned; may be closed when starting anew
   JournalMark mark;
-  RunLayout layout;               ///< of the run that was stopped
-  std::vector<std::byte> state;   ///< see RunOptions::resume_from
-  std::string failure;            ///< what a failed run said
+  RunLayout layout;              ///< of the run that was stopped
+  std::vector<std::byte> state;  ///< see RunOptions::resume_from
+  std::string failure;           ///< what a failed run said
 };
 
 /// What is there to begin with in a folder, for --resume. Touches nothing. Throws InputError, with

@@ -25,8 +25,9 @@ inline constexpr std::array kResultFiles = {kSummaryFile, kTableFile, kEventsFil
                                             kXyzFile};
 
 /// Everything that a run leaves in its folder, and so all that --force may replace.
-inline constexpr std::array kFilesOfARun = {kSummaryFile, kTableFile, kEventsFile,     kH5mdFile,
-                                            kXyzFile,     kSceneFile, kCheckpointFile, kJournalFile};
+inline constexpr std::array kFilesOfARun = {kSummaryFile,    kTableFile,  kEventsFile,
+                                            kH5mdFile,       kXyzFile,    kSceneFile,
+                                            kCheckpointFile, kJournalFile};
 
 /// What to do with a folder that has something in it.
 enum class Occupied {

@@ -114,10 +114,9 @@ void RunRecorder::checkpoint(const RunState& state) {
     checkpoint.state = state.to_bytes();
     journal_->check_in_place();
     // A power cut right after the start costs nothing but the start: short runs stay quick.
-    const auto lasting = std::exchange(kept_once_, true)
-                             ? OutputFile::Lasting::from_its_name_on
-                             : OutputFile::Lasting::some_time_later;
-    if (lasting == OutputFile::Lasting::from_its_name_on) journal_->synchronise();
+    const auto lasting = std::exchange(kept_once_, true) ? OutputFile::Lasting::with_its_name
+                                                         : OutputFile::Lasting::some_time_later;
+    if (lasting == OutputFile::Lasting::with_its_name) journal_->synchronise();
     write_checkpoint(folder_.file(kCheckpointFile), checkpoint, lasting);
   });
 }
@@ -132,8 +131,8 @@ void RunRecorder::write_results() {
     JournalReader journal(folder_.file(kJournalFile));
     journal.play(all);
     if (journal.mark() != end) {
-      throw DamagedFile(fmt::format("{}: it was changed during the run",
-                                    folder_.file(kJournalFile).string()));
+      throw DamagedFile(
+          fmt::format("{}: it was changed during the run", folder_.file(kJournalFile).string()));
     }
     for (const auto& file : files) file->finish();
   } catch (const DamagedFile& error) {
@@ -155,7 +154,10 @@ std::optional<std::string> RunRecorder::finish(RunResult& result) {
   }
   try {
     // Beside results of an earlier run it would speak for them.
-    if (cleared_) folder_.write_file(kSummaryFile, summary_json(scene_, result));
+    if (cleared_) {
+      folder_.write_file(kSummaryFile, summary_json(scene_, result));
+      synchronise_folder_of(folder_.file(kSummaryFile));
+    }
   } catch (const OutputError& error) {
     if (!trouble_) trouble_ = error.what();
   }
