@@ -92,7 +92,7 @@ JournalHeader header_in(RecordReader record) {
 }  // namespace
 
 Descriptor own_journal(const fs::path& file, Absent absent) {
-  const int flags = O_RDWR | O_CLOEXEC | (absent == Absent::make_it ? O_CREAT : 0);
+  const int flags = O_RDWR | O_NOFOLLOW | O_CLOEXEC | (absent == Absent::make_it ? O_CREAT : 0);
   Descriptor journal(::open(file.c_str(), flags, 0666));
   if (!journal.open()) {
     if (errno == ENOENT && absent == Absent::leave_it) return journal;
