@@ -512,19 +512,24 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid,
 }
 
 /// Back to the start of the step, and to the event alone: what is left of a step of the grid is a
-/// step of its own. An event at a step's end splits nothing.
+/// step of its own. An event at either end of a step splits nothing.
 bool Engine::take_to(const Passed& passed, const DoubleDouble& begin, double length, double since,
                      const DoubleDouble& arrived, bool to_grid) {
   state_.copy_numbers(before_);
   model_.attach(state_);
   anchor_here();
   integrator_->rebased();
-  const bool split =
-      passed.theta * length > kNoStep * length && (1.0 - passed.theta) * length > kNoStep * length;
+  const Trigger& trigger = triggers_[passed.trigger];
+  if (passed.theta <= kNoStep) {
+    fire(trigger);
+    return true;
+  }
+  const bool split = passed.theta < 1.0 - kNoStep;
   const DoubleDouble end = split ? begin + passed.theta * length : arrived;
   const double part = split ? passed.theta * length : length;
   if (!take(since, part, end, to_grid && !split, false)) return false;
-  if (static_cast<double>(now() - end) == 0.0) fire(triggers_[passed.trigger]);
+  // An adaptive scheme may have stopped before.
+  if (static_cast<double>(now() - end) == 0.0) fire(trigger);
   return true;
 }
 
@@ -929,7 +934,10 @@ void Engine::finish() {
     keep_moment(to_, to_.time, view.position, view.velocity, view.integrals);
   }
   model_.evaluate_at(now(), view.position, view.velocity, view.integrals, final_rates_.data());
-  if (!failure_ && !interrupted_) finish_events();
+  if (!failure_ && !interrupted_) {
+    finish_events();
+    warn_of_unsteadiness();
+  }
   if (!ledger_) return;
   kinetic_energy_ = model_.kinetic_energy(view.velocity);
   potential_energy_ = model_.potential_energy(now(), view.position, view.velocity, view.integrals);

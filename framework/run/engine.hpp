@@ -107,6 +107,7 @@ class Engine {
   void set_directions();
   void start_until();
   void end_period();
+  void warn_of_unsteadiness();
   std::int64_t plain_steps() const;
   void plain_block(std::int64_t most);
   void look(double at);

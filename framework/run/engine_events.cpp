@@ -272,19 +272,18 @@ void Engine::watch(double at, const double* signals, const std::vector<Reading>&
   }
 }
 
-/// What is going on when the run ends counts as far as it got.
+/// The end is one more moment. What is going on then counts as far as it got.
 void Engine::finish_events() {
+  const SystemView<double>& view = model_.system().view;
+  signals_from_rates(final_rates_.data());
+  read_bodies(view.position, nullptr, readings_);
+  watch(time(), signals_.data(), readings_);
   for (DriverWatch& watch : driver_watches_) {
     event_name_ = drivers_[watch.driver()].name;
     watch.finish(time(), emit_);
   }
-  const SystemView<double>& view = model_.system().view;
-  read_bodies(view.position, nullptr, readings_);
-  for (std::size_t k = 0; k < body_watches_.size(); ++k) {
-    BodyWatch& watch = body_watches_[k];
-    const Model::Body& body = model_.bodies()[watch.body()];
-    event_name_ = body.bound.name;
-    if (watch.watches_hops()) watch.add_height(time(), readings_[k].height, emit_);
+  for (BodyWatch& watch : body_watches_) {
+    event_name_ = model_.bodies()[watch.body()].bound.name;
     watch.add_turns(time(), turns_of(watch.body(), view.position), emit_);
     watch.finish(time(), emit_);
   }
@@ -349,6 +348,17 @@ void Engine::end_period() {
   std::copy(to_.turns, to_.turns + model_.bodies().size(), from_.turns);
   *from_.stored = *to_.stored;
   extremes_.start();
+}
+
+void Engine::warn_of_unsteadiness() {
+  if (period_ == 0.0 || steady_[kReached] != 0.0) return;
+  const UntilSettings& until = *scene_->run.until;
+  const std::string change =
+      steady_[kPeriods] < 2.0
+          ? "after one period"
+          : fmt::format("it still changes by a part of {:.2g}", steady_[kChange]);
+  warnings_.push_back(fmt::format("{} is not steady to {:g} by time {:g}: {}", until.steady,
+                                  until.tolerance, duration_, change));
 }
 
 SteadyResult Engine::steady() const {
