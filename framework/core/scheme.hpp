@@ -83,6 +83,10 @@ class Integrator {
   /// been without samples.
   virtual void rebased() {}
 
+  /// Evaluations that are counted already and belong to the next step. They are lost with the
+  /// state's bytes, and made again.
+  virtual std::uint64_t evaluations_ahead() const { return 0; }
+
   /// Accepted and refused attempts of an adaptive scheme.
   virtual std::uint64_t refused_steps() const { return 0; }
 

@@ -90,6 +90,9 @@ class Model {
   /// Rotation from the start in turns, within (-1/2, 1/2] for a flexible body and as the coordinate
   /// has it for a rigid one.
   double rotation(std::size_t body, const double* position) const;
+  /// Places of a body's particles in the scene's own coordinates, [particle][axis]; those of bodies
+  /// whose particles follow from few coordinates are as of the last evaluation. Returns the end.
+  double* place_particles(std::size_t body, const double* position, double* result) const;
   /// A place relative to the origin in the scene's own coordinates: cells added back.
   DoubleDouble placed(int axis, double offset) const;
 

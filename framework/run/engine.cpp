@@ -25,6 +25,7 @@ constexpr std::int64_t kHousekeepingEvery = 16;
 /// A flexible body that would turn more than this between such looks is looked at after every step.
 constexpr double kMuchTurning = 0.05;
 constexpr std::chrono::milliseconds kReportEvery{200};
+constexpr std::uint64_t kSamplesBetweenLooks = 100'000;
 /// How far past the end of the run a window may reach through rounding alone.
 constexpr double kWindowSlack = 1e-9;
 
@@ -94,12 +95,20 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   }
   started_ = std::chrono::steady_clock::now();
   last_report_ = started_;
+  last_checkpoint_ = started_;
   warn_of_idle_velocities();
   warn_of_fine_tolerance();
   bound_unwatched_steps();
   check_step();
   model_.anchor(DoubleDouble(0.0));
-  if (!failure_) observe_start();
+  if (options_.sink) begin_sink();
+  if (failure_) return;
+  if (options_.resume_from) {
+    resume(*options_.resume_from);
+  } else {
+    observe_start();
+    keep_checkpoint();
+  }
 }
 
 /// Counts must stay exact, and a signal must get through between samples.
@@ -331,14 +340,19 @@ void Engine::fail(StepFault fault, double h) {
                       stable_step_);
 }
 
-void Engine::observe_start() {
-  const SystemView<double>& view = model_.system().view;
+/// Columns of the table, and whose positions come with them.
+void Engine::begin_sink() {
+  RunLayout layout;
+  layout.dimension = model_.dimension();
+  layout.box = scene_->box.lengths;
+  layout.periodic = scene_->box.periodic;
   if (sampling_) {
-    std::vector<SampleColumn> columns = {{"time", "time"}};
     static const char* const axes[] = {"x", "y", "z"};
+    std::vector<SampleColumn>& columns = layout.columns;
     const auto per_axis = [&](const std::string& name, const char* unit) {
       for (int d = 0; d < model_.dimension(); ++d) columns.push_back({name + "." + axes[d], unit});
     };
+    columns.push_back({"time", "time"});
     for (const auto& driver : drivers_) per_axis(driver.name + ".force", "force");
     for (const auto& driver : drivers_) {
       if (driver.drive->steady) per_axis(driver.name + ".position", "length");
@@ -348,14 +362,33 @@ void Engine::observe_start() {
       per_axis(body.bound.name + ".velocity", "length/time");
       if (body.rotates()) columns.push_back({body.bound.name + ".rotation", "rad"});
     }
-    sample_values_.assign(columns.size(), 0.0);
-    options_.sink->begin(columns);
+    if (scene_->output.trajectory) {
+      for (const Model::Body& body : model_.bodies()) {
+        layout.bodies.push_back({body.bound.name, body.bound.mass});
+      }
+    }
+  }
+  sample_values_.assign(layout.row(), 0.0);
+  options_.sink->begin(layout);
+}
+
+void Engine::observe_start() {
+  const SystemView<double>& view = model_.system().view;
+  if (sampling_) {
     sample(0.0, view.position, view.velocity, view.integrals);
     counts_[kNextSample] = 1;
   }
   if (from_.time == 0.0) {
     keep_moment(from_, 0.0, view.position, view.velocity, view.integrals);
   }
+}
+
+/// What was computed ahead is computed again by whoever goes on from these numbers.
+void Engine::keep_checkpoint() {
+  if (options_.sink == nullptr) return;
+  counts_[kEvaluations] = static_cast<std::int64_t>(model_.system().evaluations) -
+                          static_cast<std::int64_t>(integrator_->evaluations_ahead());
+  options_.sink->checkpoint(state_);
 }
 
 double Engine::next_dense() const {
@@ -404,6 +437,7 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid)
   }
   if (next_dense() <= static_cast<double>(arrived)) serve_dense(begin, arrived, next_since);
   if (counts_[kSteps] % kHousekeepingEvery == 0 || counts_[kRotationEvery] == 1) housekeeping();
+  if (within_step_) interrupted_ = ended_ = true;
   return true;
 }
 
@@ -620,8 +654,13 @@ void Engine::serve_dense(const DoubleDouble& from, const DoubleDouble& to, doubl
   // The end of the step itself needs no interpolation, and so no evaluation.
   if (next_dense() < static_cast<double>(to)) integrator_->finish_dense_from(next_since);
   const double length = static_cast<double>(to - from);
+  std::uint64_t served = 0;
   for (double at = next_dense(); at <= static_cast<double>(to); at = next_dense()) {
-    if (options_.stop && options_.stop->load(std::memory_order_relaxed)) return;
+    // A signal gets through between samples of a very long step, which is then left unfinished.
+    if (++served % kSamplesBetweenLooks == 0 && stopped()) {
+      within_step_ = true;
+      return;
+    }
     const double theta =
         std::clamp(static_cast<double>(DoubleDouble(at) - from) / length, 0.0, 1.0);
     integrator_->interpolate(theta, dense_position_.data(), dense_velocity_.data(),
@@ -670,6 +709,12 @@ void Engine::sample(double at, const double* position, const double* velocity,
     model_.centre_velocity(b, velocity, numbers);
     for (int d = 0; d < axes; ++d) sample_values_[column++] = numbers[d];
     if (model_.bodies()[b].rotates()) sample_values_[column++] = kTau * turns_of(b, position);
+  }
+  if (scene_->output.trajectory) {
+    for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
+      column = model_.place_particles(b, position, sample_values_.data() + column) -
+               sample_values_.data();
+    }
   }
   options_.sink->sample(sample_values_);
 }
@@ -729,18 +774,28 @@ void Engine::housekeeping() {
   track_rotation();
   if (counts_[kSteps] % kHousekeepingEvery != 0) return;
   if (model_.rebase_if_due()) integrator_->rebased();
-  if (options_.stop && options_.stop->load(std::memory_order_relaxed)) {
+  if (stopped()) {
     interrupted_ = ended_ = true;
+    if (!within_step_) keep_checkpoint();
+    return;
   }
-  if (options_.on_progress) {
-    const auto moment = std::chrono::steady_clock::now();
-    if (moment - last_report_ >= kReportEvery) {
-      last_report_ = moment;
-      const std::chrono::duration<double> elapsed = moment - started_;
-      options_.on_progress(
-          {time(), duration_, static_cast<std::uint64_t>(counts_[kSteps]), elapsed.count()});
-    }
+  if (!options_.on_progress && options_.sink == nullptr) return;
+  const auto moment = std::chrono::steady_clock::now();
+  if (options_.on_progress && moment - last_report_ >= kReportEvery) {
+    last_report_ = moment;
+    const std::chrono::duration<double> elapsed = moment - started_;
+    options_.on_progress(
+        {time(), duration_, static_cast<std::uint64_t>(counts_[kSteps]), elapsed.count()});
   }
+  const std::chrono::duration<double> since = moment - last_checkpoint_;
+  if (since.count() >= scene_->run.checkpoint_every) {
+    keep_checkpoint();
+    last_checkpoint_ = std::chrono::steady_clock::now();
+  }
+}
+
+bool Engine::stopped() const {
+  return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
 }
 
 RunResult Engine::run() {

@@ -70,7 +70,10 @@ class Engine {
   double pull_of(std::size_t driver, const double* signals) const;
   void step_fixed(std::uint64_t most);
   void step_adaptive();
+  void begin_sink();
   void observe_start();
+  void keep_checkpoint();
+  bool stopped() const;
   void signals_from_rates(const double* rates);
   void signals_from_velocity(const double* velocity, double at);
   void serve_dense(const DoubleDouble& from, const DoubleDouble& to, double next_since);
@@ -137,10 +140,12 @@ class Engine {
   double potential_energy_ = 0.0;  ///< at the end
   bool ended_ = false;
   bool interrupted_ = false;
+  bool within_step_ = false;  ///< stopped before all samples of the last step were served
   std::optional<RunFailure> failure_;
   std::vector<std::string> warnings_;
   std::chrono::steady_clock::time_point started_;
   std::chrono::steady_clock::time_point last_report_;
+  std::chrono::steady_clock::time_point last_checkpoint_;
 };
 
 }  // namespace tomlin

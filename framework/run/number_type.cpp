@@ -76,6 +76,7 @@ class MirroredIntegrator : public Integrator<double>, public ModelFollower {
   }
 
   void rebased() override { scheme_->rebased(); }
+  std::uint64_t evaluations_ahead() const override { return scheme_->evaluations_ahead(); }
   std::uint64_t refused_steps() const override { return scheme_->refused_steps(); }
 
   void start(const Perturbation* noise) override {

@@ -162,8 +162,7 @@ TableLayout run_layout() {
       parameter("checkpoint_every", &RunSettings::checkpoint_every, dimension::none,
                 "wall time between checkpoints, in seconds")
           .in(positive)
-          .by_default(60.0)
-          .only_default_yet(),
+          .by_default(60.0),
       parameter("allow_unstable", &RunSettings::allow_unstable, dimension::none,
                 "run even when the step is beyond the estimated stability limit")
           .by_default(false),
@@ -218,8 +217,11 @@ TableLayout output_layout() {
           .in(positive),
       parameter("trajectory", &OutputSettings::trajectory, dimension::none,
                 "write the particles' positions too")
-          .by_default(false)
-          .only_default_yet(),
+          .by_default(false),
+      parameter("trajectory_format", &OutputSettings::trajectory_format, dimension::none,
+                "H5MD in trajectory.h5, or extended XYZ in trajectory.xyz")
+          .one_of({"h5md", "xyz"})
+          .by_default("h5md"),
   };
   return layout;
 }

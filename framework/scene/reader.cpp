@@ -603,6 +603,11 @@ class SceneReader {
     const auto reading = read_section(given, output_layout(), "output", &scene_->output);
     scene_->output.place = source_.place(given.where);
     scene_->output.places = reading.places;
+    if (scene_->output.trajectory && given.table->find("every") == nullptr) {
+      reading.complain(faults_, "trajectory",
+                       {"", "positions come with samples, and there are none",
+                        "with every, the sampling interval"});
+    }
     put("output", reading.effective);
   }
 

@@ -85,7 +85,8 @@ struct MeasureSettings {
 
 struct OutputSettings {
   std::optional<double> every;  ///< sampling interval in time units; no table without it
-  bool trajectory = false;
+  bool trajectory = false;      ///< particles' positions too
+  std::string trajectory_format = "h5md";
   Place place;
   std::map<std::string, Place> places;
 };
