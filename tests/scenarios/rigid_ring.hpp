@@ -51,8 +51,7 @@ struct RigidRing {
 
   Place place(const State& s, const Driver& driver, double t) const {
     const double along = driver.at(t);
-    return {s[0],  s[1], s[2], stiffness * (along - s[0]), stiffness * (radius - s[1]),
-            along, s[6]};
+    return {s[0], s[1], s[2], stiffness * (along - s[0]), stiffness * (radius - s[1]), along, s[6]};
   }
 
   State rates(const State& s, const Driver& driver, double t) const {

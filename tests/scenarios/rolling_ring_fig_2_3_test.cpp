@@ -11,6 +11,10 @@
 namespace tomlin::test {
 namespace {
 
+constexpr const char* kFig2 = "rolling_ring/fig_2.toml";
+constexpr const char* kFig3 = "rolling_ring/fig_3.toml";
+constexpr const char* kFig3Tip = "rolling_ring/fig_3_tip.toml";
+
 /// Fig. 2
 
 TEST(RollingRingFig2, IsTheRingThatIsMovedByHand) {
@@ -66,6 +70,118 @@ TEST(RollingRingFig2, DoesNotTurn) {
   for (const char* lambda : {"0", "0.01", "1"}) {
     EXPECT_NEAR(turns(run_shipped(kFig2, {{"lambda", lambda}})), 0.0, 1e-8) << lambda;
   }
+}
+
+/// Fig. 3
+
+/// Force of the driver over its place, there and back, and the work it has done.
+struct Hysteresis {
+  std::vector<double> place, force;
+  double work;
+
+  Hysteresis(const char* scene, const std::vector<Setting>& settings = {}) {
+    Trace trace;
+    work = *run_shipped(scene, settings, &trace).drivers.at(0).work;
+    place = trace["driver.position.x"];
+    force = trace["driver.force.x"];
+  }
+
+  std::size_t turn() const {
+    const auto furthest = std::max_element(place.begin(), place.end());
+    return static_cast<std::size_t>(furthest - place.begin());
+  }
+
+  /// Between the branches, from where the driver set out to where it turned round.
+  double area() const {
+    double area = 0.0;
+    for (std::size_t n = 1; n < place.size() && place[n] >= 0.0; ++n) {
+      area += 0.5 * (force[n] + force[n - 1]) * (place[n] - place[n - 1]);
+    }
+    return area;
+  }
+
+  /// Over whole periods before and after the driver turned round.
+  double mean_force(std::size_t from, std::size_t samples) const {
+    double sum = 0.0;
+    for (std::size_t n = from; n < from + samples; ++n) sum += force[n];
+    return sum / static_cast<double>(samples);
+  }
+};
+
+/// Largest difference of force at the same sample; their drivers are at the same place.
+double difference(const Hysteresis& a, const Hysteresis& b) {
+  double largest = 0.0;
+  for (std::size_t n = 0; n < a.force.size(); ++n) {
+    largest = std::max(largest, std::abs(a.force[n] - b.force[n]));
+  }
+  return largest;
+}
+
+constexpr double kLargestForce = 2.0 * kPi * 0.1;  // of the substrate
+
+RigidRing ring_of_fig_3() {
+  RigidRing ring;
+  ring.radius = 0.001;
+  ring.stiffness = 0.1;
+  ring.reverse_above = 10.0;
+  return ring;
+}
+
+TEST(RollingRingFig3, IsTheRingThatIsMovedByHand) {
+  constexpr int kSteps = 200;  // of 0.05 between two samples
+  for (const double lambda : {0.0, 0.01}) {
+    Trace trace;
+    const auto result = run_shipped(kFig3, {{"lambda", text_of(lambda)}}, &trace);
+    RigidRing ring = ring_of_fig_3();
+    ring.lambda = lambda;
+    EXPECT_LT(difference_to(ring, trace, kSteps), kSameTrace) << "lambda = " << lambda;
+    const double work = ring.trace(4000, 10.0, kSteps).back().work;
+    EXPECT_NEAR(*result.drivers.at(0).work / work, 1.0, 1e-7) << "lambda = " << lambda;
+    // A driver that turns round a little later leaves another trace.
+    ring.reverse_above = 10.0 + 1e-3;
+    EXPECT_GT(difference_to(ring, trace, kSteps), 10.0 * kSameTrace) << "lambda = " << lambda;
+  }
+}
+
+TEST(RollingRingFig3, BranchesAndLoopAreThoseOfATip) {
+  constexpr double kSameLoop = 1e-6;
+  const Hysteresis ring(kFig3);
+  const Hysteresis tip(kFig3Tip);
+  EXPECT_NEAR(parameter_of(kFig3Tip, "V"), 0.1 * std::abs(share(kParticles, 0.001)), 1e-16);
+  EXPECT_LT(difference(ring, tip) / kLargestForce, kSameLoop);
+  EXPECT_NEAR(ring.work / tip.work, 1.0, kSameLoop);
+  EXPECT_NEAR(ring.area() / tip.area(), 1.0, kSameLoop);
+  EXPECT_NEAR(ring.place[ring.turn()] / tip.place[tip.turn()], 1.0, kSameLoop);
+  // The plain tip, of amplitude V0, is another: by (2 pi R/a)^2/4 = 1e-5 in the amplitude.
+  const Hysteresis plain(kFig3Tip, {{"R", "0"}});
+  EXPECT_GT(difference(ring, plain) / kLargestForce, 100.0 * kSameLoop);
+  EXPECT_GT(std::abs(ring.work / plain.work - 1.0), 3.0 * kSameLoop);
+  EXPECT_LT(std::abs(ring.work / plain.work - 1.0), 1e-5);
+}
+
+TEST(RollingRingFig3, IsNearerToTheTipTheSmallerLambda) {
+  const Hysteresis tip(kFig3Tip);
+  double last = HUGE_VAL;
+  for (const char* lambda : {"1e-2", "1e-3", "1e-4", "1e-5"}) {
+    const double away = difference(Hysteresis(kFig3, {{"lambda", lambda}}), tip);
+    EXPECT_LT(away, 0.2 * last) << "lambda = " << lambda;
+    last = away;
+  }
+}
+
+TEST(RollingRingFig3, BranchesAreEachOthersMirrorImage) {
+  // The substrate looks the same from both sides: once steady, the way back is the way there.
+  // A sample of a slip may fall on either side of it: a tenth of F_c, once in a hundred samples.
+  constexpr double kSampled = 2e-3;
+  const Hysteresis ring(kFig3);
+  const std::size_t period = 100;
+  ASSERT_GT(ring.turn(), 16 * period);
+  const double there = ring.mean_force(8 * period, 8 * period);
+  const double back = ring.mean_force(ring.force.size() - 8 * period, 8 * period);
+  EXPECT_NEAR(there / -back, 1.0, kSampled);
+  // Friction there and back, whatever the speed: the loop of a slow driver is as wide.
+  const double loss = quasistatic_loss(0.1 * std::abs(share(kParticles, 0.001)), 0.1);
+  EXPECT_NEAR(there / loss, 1.0, 0.03);  // of order v^(2/3), with a weak spring
 }
 
 }  // namespace

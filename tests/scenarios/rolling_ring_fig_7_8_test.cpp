@@ -6,11 +6,17 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/scenarios/rolling_phases.hpp"
 #include "tests/scenarios/rolling_ring_figures.hpp"
 
 /// Figs. 7 and 8 of Sircar and Patra: slow and fast rings.
 namespace tomlin::test {
 namespace {
+
+constexpr const char* kFig7 = "rolling_ring/fig_7.toml";
+constexpr const char* kFig8 = "rolling_ring/fig_8.toml";
+
+/// Fig. 7
 
 /// Fig. 7
 
@@ -77,6 +83,106 @@ TEST(RollingRingFig7, IsOnlyShakenWhenVeryFast) {
   const double added = mean_force(result) - kDamping * v;
   // The next order is the square of how far the ring is shaken, 2 pi times 0.005 of a period.
   EXPECT_NEAR(added / shaking(v, 0.01), 1.0, 2e-3);
+}
+
+TEST(RollingRingFig7, HasKinksWhenSlowAndNoneWhenFast) {
+  constexpr double kKink = 3.0;  // change of slope
+  constexpr double kWithin = 0.01;
+  constexpr int kPeriods = 20;
+  const auto sharpest = [&](double v) {
+    Trace trace;
+    run_shipped(kFig7, {{"v", text_of(v)}}, &trace);
+    return sharpest_kink(period(trace["driver.position.x"], kPeriods, kPeriods - 1),
+                         period(trace["driver.force.x"], kPeriods, kPeriods - 1), kWithin);
+  };
+  for (const double v : {0.0005, 0.001, 0.005, 0.01}) {
+    EXPECT_GT(sharpest(v), 2.0 * kKink) << "v = " << v;
+  }
+  // At 0.02 too, which the paper does not show: there are kinks where the ring rolls.
+  for (const double v : {0.02, 0.05, 0.1}) EXPECT_LT(sharpest(v), 0.8 * kKink) << "v = " << v;
+}
+
+TEST(RollingRingFig7, AKinkIsSeenAndATurningPointIsNone) {
+  std::vector<double> place, wave, saw;
+  for (int n = 0; n <= 500; ++n) {
+    place.push_back(0.002 * n);
+    wave.push_back(std::sin(2.0 * kPi * place.back()));
+    saw.push_back(n < 400 ? place.back() : 4.0 * (1.0 - place.back()));  // slopes 1 and -4
+  }
+  EXPECT_LT(sharpest_kink(place, wave, 0.01), 1.5);
+  EXPECT_NEAR(sharpest_kink(place, saw, 0.01), 4.0, 1e-9);
+}
+
+/// Fig. 8
+
+struct Motion {
+  double v;
+  std::size_t phases;  ///< a period
+};
+
+constexpr int kPeriodsOfFig8 = 11;
+
+TEST(RollingRingFig8, IsDraggedAndRollsWhenSlow) {
+  for (const Motion motion : {Motion{0.0005, 4}, Motion{0.001, 4}, Motion{0.005, 4},
+                              Motion{0.01, 4}, Motion{0.02, 1}, Motion{0.05, 1}, Motion{0.1, 1}}) {
+    Trace trace;
+    const auto result = run_shipped(kFig8, {{"v", text_of(motion.v)}}, &trace);
+    const auto phases = phases_of_a_period(trace, 1.0, kPeriodsOfFig8);
+    EXPECT_EQ(phases.size(), motion.phases) << "v = " << motion.v;
+    EXPECT_EQ(phases.front().rolls, motion.phases > 1 && phases.front().rolls);
+    EXPECT_NEAR(turns(result), motion.phases > 1 ? -1.0 / kParticles : 0.0, 1e-6) << motion.v;
+  }
+}
+
+/// By how much a particle's way over a period differs from that of the centre.
+double besides_translation(const Trace& trace) {
+  const auto& x = trace["ring.centre_of_mass.x"];
+  const auto& y = trace["ring.centre_of_mass.y"];
+  const std::size_t first = x.size() - 1 - (x.size() - 1) / kPeriodsOfFig8;
+  double largest = 0.0;
+  for (std::size_t n = first; n < x.size(); ++n) {
+    for (std::size_t i = 0; i < kParticles; ++i) {
+      const double dx = trace.position(n, i, 0) - trace.position(first, i, 0) - (x[n] - x[first]);
+      const double dy = trace.position(n, i, 1) - trace.position(first, i, 1) - (y[n] - y[first]);
+      largest = std::max(largest, std::hypot(dx, dy));
+    }
+  }
+  return largest;
+}
+
+TEST(RollingRingFig8, IsMovedWithoutTurningWhenFast) {
+  // "A translation motion": the ring rocks a little under way, by 0.018 and 0.007 rad.
+  const auto moved = [](const char* v) {
+    Trace trace;
+    run_shipped(kFig8, {{"v", v}}, &trace);
+    return besides_translation(trace);
+  };
+  EXPECT_LT(moved("0.05"), 0.02);
+  EXPECT_LT(moved("0.1"), 0.01);
+  EXPECT_GT(moved("0.02"), 0.05);
+  EXPECT_GT(moved("0.01"), 0.7);  // 2 sin(pi/8), the way of a turn by 1/8
+}
+
+TEST(RollingRingFig8, SlopeTellsRollingOnlyWhenSlow) {
+  // "The slope of friction is more when rolling occurs than sliding": of both rolling phases up to
+  // 0.001; of one of them from 0.005 on.
+  for (const double v : {0.0005, 0.001, 0.005, 0.01}) {
+    Trace trace;
+    run_shipped(kFig8, {{"v", text_of(v)}}, &trace);
+    double gentlest = HUGE_VAL;
+    double steepest = 0.0;
+    double dragging = 0.0;
+    for (const Phase& phase : phases_of_a_period(trace, 1.0, kPeriodsOfFig8)) {
+      if (!phase.rolls) {
+        dragging = std::max(dragging, phase.slope);
+      } else {
+        gentlest = std::min(gentlest, phase.slope);
+        steepest = std::max(steepest, phase.slope);
+      }
+    }
+    EXPECT_GT(steepest, 2.0 * dragging) << "v = " << v;
+    EXPECT_EQ(gentlest > dragging, v < 0.002) << "v = " << v;
+  }
 }
 
 }  // namespace
