@@ -51,6 +51,46 @@ TEST(RollingRingFig4, ThresholdIsTheSumOverTheRing) {
   EXPECT_GT(std::abs(share(5, 0.5)) - std::abs(share(5, 0.5).real()), 0.01);
 }
 
+/// Largest u' of u' = s - u^3: a particle that a force growing with time drives through the place
+/// where its potential is flat up to the fourth power.
+double fastest_through_a_cubic() {
+  constexpr double kStep = 1e-3;
+  const auto rate = [](double s, double u) { return s - u * u * u; };
+  double u = std::cbrt(-30.0);
+  double fastest = 0.0;
+  for (double s = -30.0; s < 10.0; s += kStep) {
+    const double a = rate(s, u);
+    const double b = rate(s + 0.5 * kStep, u + 0.5 * kStep * a);
+    const double c = rate(s + 0.5 * kStep, u + 0.5 * kStep * b);
+    const double d = rate(s + kStep, u + kStep * c);
+    u += kStep / 6.0 * (a + 2.0 * b + 2.0 * c + d);
+    fastest = std::max(fastest, rate(s + kStep, u));
+  }
+  return fastest;
+}
+
+TEST(RollingRingFig4, LargestSpeedAtTheThresholdIsThatOfACubic) {
+  // On the top xi x' = k v t - c x^3, c = k (2 pi/a)^2/6: x' = v (k tau/xi) u', s = t/tau.
+  const double k = 4.0 * kPi * kPi * share(8, 0.1).real();
+  const double c = k * 4.0 * kPi * kPi / 6.0;
+  const double v = 1e-5;
+  const double tau = std::pow(kDamping * kDamping * kDamping / (c * k * k * v * v), 0.2);
+  const auto result = run_shipped(kFig4, {{"k", text_of(k)}, {"v", text_of(v)}});
+  // Inertia is of relative order 1/(xi tau) = 0.02.
+  EXPECT_NEAR(max_speed(result) / (v * k * tau / kDamping * fastest_through_a_cubic()), 1.0, 0.02);
+}
+
+TEST(RollingRingFig4, IsTheRingThatIsMovedByHand) {
+  for (const double k : {34.0, 38.0}) {
+    RigidRing ring;
+    ring.radius = 0.1;
+    ring.corrugation = 1.0;
+    ring.stiffness = k;
+    const auto trace = two_periods(kFig4, {{"k", text_of(k)}});
+    EXPECT_LT(difference_to(ring, trace, 1000), kSameTrace) << "k = " << k;
+  }
+}
+
 TEST(RollingRingFig4, ManyParticlesFeelABesselFunction) {
   for (const double radius : {0.1, 0.5, 1.0}) {
     EXPECT_NEAR(share(64, radius).real(), std::cyl_bessel_j(0.0, 2.0 * kPi * radius), 1e-14);
@@ -145,6 +185,18 @@ TEST(RollingRingFig5a, ThresholdIsTheFoldOfThePathInBothDirections) {
   // Half the paper's threshold: it should stick and slip, and slides along its path.
   const auto result = run_shipped(kFig5a, {{"lambda", "0.05"}, {"k", "300"}, {"v", "1e-4"}});
   EXPECT_NEAR(max_speed(result) / 1e-4 / Path(300.0, 0.001, 50.0).fastest(), 1.0, 1e-4);
+}
+
+TEST(RollingRingFig5a, IsTheRingThatIsMovedByHand) {
+  for (const double k : {38.0, 40.0}) {
+    RigidRing ring;
+    ring.radius = 0.001;
+    ring.lambda = 0.001;
+    ring.corrugation = 1.0;
+    ring.stiffness = k;
+    const auto trace = two_periods(kFig5a, {{"k", text_of(k)}});
+    EXPECT_LT(difference_to(ring, trace, 1000), kSameTrace) << "k = " << k;
+  }
 }
 
 TEST(RollingRingFig5a, HasTheThresholdOfX) {

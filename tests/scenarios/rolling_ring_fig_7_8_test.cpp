@@ -129,8 +129,9 @@ TEST(RollingRingFig8, IsDraggedAndRollsWhenSlow) {
     const auto result = run_shipped(kFig8, {{"v", text_of(motion.v)}}, &trace);
     const auto phases = phases_of_a_period(trace, 1.0, kPeriodsOfFig8);
     EXPECT_EQ(phases.size(), motion.phases) << "v = " << motion.v;
-    EXPECT_EQ(phases.front().rolls, motion.phases > 1 && phases.front().rolls);
-    EXPECT_NEAR(turns(result), motion.phases > 1 ? -1.0 / kParticles : 0.0, 1e-6) << motion.v;
+    const bool rolls = motion.phases > 1;
+    EXPECT_TRUE(rolls || !phases.front().rolls) << "v = " << motion.v;
+    EXPECT_NEAR(turns(result), rolls ? -1.0 / kParticles : 0.0, 1e-6) << "v = " << motion.v;
   }
 }
 
