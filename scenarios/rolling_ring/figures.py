@@ -163,11 +163,11 @@ def figure_5(tomlin):
     return sound
 
 
-def say_phases(found, periods):
-    """A line for each phase; the letters are those of the paper's Fig. 5."""
+def say_phases(found):
+    """A line for each phase of a period; the letters are those of the paper's Fig. 5."""
     for letter, phase in zip("ABCDEF", found):
         say(f"    {letter}-{chr(ord(letter) + 1)}  {'rolls  ' if phase['rolls'] else 'dragged'}"
-            f"  v t = {phase['from']:7.3f} to {phase['to']:7.3f}, mod {periods}"
+            f"  v t = {phase['from']:7.3f} to {phase['to']:7.3f}"
             f"   turns by {phase['rotation']:+.4f}, advances by {phase['advance']:.4f},"
             f" mean |dF/d(v t)| {phase['slope']:.3f}")
 
@@ -180,7 +180,7 @@ def figure_6(tomlin):
         summary = tomlin.run("fig_6.toml", {"lambda": row})
         found = phases(tomlin.trace(), summary["parameters"]["R"], 3)
         say(f"  lambda = {row}")
-        say_phases(found, summary["parameters"]["a"])
+        say_phases(found)
         sound = sound and len(found) == count
     return sound
 
@@ -219,7 +219,7 @@ def figure_8(tomlin):
         turned = last(trace["ring.rotation"], 11)
         say(f"  v = {row}: turns by {turned[-1] - turned[0]:+.4f} in a period,"
             f" {max(turned) - min(turned):.4f} at most")
-        say_phases(found, summary["parameters"]["a"])
+        say_phases(found)
         rolls = float(row) <= 0.01
         sound = sound and len(found) == (4 if rolls else 1)
         sound = sound and (max(turned) - min(turned) < 0.02) != rolls

@@ -96,14 +96,15 @@ def largest_step(column):
 def phases(trace, radius, periods):
     """Phases of rolling (-R dphi/dx above 1/2) and dragging of one period, in order.
 
-    They begin at the first change of phase in the last two periods; without one there is one phase.
+    They begin where the ring first sets out to roll in the last two periods; where it never does,
+    or never stops, there is one phase.
     """
     x, turned, driver, force = (last(trace[name], periods, 2) for name in (
         "ring.centre_of_mass.x", "ring.rotation", "driver.position.x", "driver.force.x"))
     samples = (len(x) - 1) // 2
     rolls = [radius * (a - b) > 0.5 * abs(q - p)
              for a, b, p, q in zip(turned, turned[1:], x, x[1:])]
-    start = next((n for n in range(1, samples) if rolls[n] != rolls[n - 1]), 0)
+    start = next((n for n in range(1, samples) if rolls[n] > rolls[n - 1]), 0)
     borders = [n for n in range(start + 1, start + samples) if rolls[n] != rolls[n - 1]]
     found = []
     for begin, end in zip([start] + borders, borders + [start + samples]):

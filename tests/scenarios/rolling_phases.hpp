@@ -21,8 +21,8 @@ struct Phase {
   double slope = 0.0;     ///< mean of |dF/dX|, force over place of the driver
 };
 
-/// The phases of one period, in order, from the first change of phase in the last two periods of a
-/// trace; one phase, from the start of these two, where there is no change.
+/// The phases of one period, in order, from where the ring first sets out to roll in the last two
+/// periods of a trace; one phase, from the start of these two, where it never does, or never stops.
 inline std::vector<Phase> phases_of_a_period(const Trace& trace, double radius, int periods) {
   const auto& x = trace["ring.centre_of_mass.x"];
   const auto& rotation = trace["ring.rotation"];
@@ -35,7 +35,7 @@ inline std::vector<Phase> phases_of_a_period(const Trace& trace, double radius, 
 
   std::size_t start = x.size() - 1 - 2 * period;
   for (std::size_t n = start + 1; n < start + period; ++n) {
-    if (rolls(n) == rolls(n - 1)) continue;
+    if (!rolls(n) || rolls(n - 1)) continue;
     start = n;
     break;
   }

@@ -96,10 +96,10 @@ TEST(RollingRingFig7, HasKinksWhenSlowAndNoneWhenFast) {
                          period(trace["driver.force.x"], kPeriods, kPeriods - 1), kWithin);
   };
   for (const double v : {0.0005, 0.001, 0.005, 0.01}) {
-    EXPECT_GT(sharpest(v), 2.0 * kKink) << "v = " << v;
+    EXPECT_GT(sharpest(v), 1.5 * kKink) << "v = " << v;
   }
   // At 0.02 too, which the paper does not show: there are kinks where the ring rolls.
-  for (const double v : {0.02, 0.05, 0.1}) EXPECT_LT(sharpest(v), 0.8 * kKink) << "v = " << v;
+  for (const double v : {0.02, 0.05, 0.1}) EXPECT_LT(sharpest(v), 0.75 * kKink) << "v = " << v;
 }
 
 TEST(RollingRingFig7, AKinkIsSeenAndATurningPointIsNone) {
