@@ -81,6 +81,8 @@ TEST(RollingRingFig6, ParticlesAreWhereTheyAreByHand) {
     RigidRing ring;
     ring.lambda = lambda;
     EXPECT_LT(difference_of_particles(ring, trace, 250), kSameTrace) << "lambda = " << lambda;
+    ring.lambda *= 1.01;  // another ring leaves another trace
+    EXPECT_GT(difference_of_particles(ring, trace, 250), 100.0 * kSameTrace) << lambda;
   }
 }
 

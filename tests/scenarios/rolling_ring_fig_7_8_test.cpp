@@ -98,7 +98,7 @@ TEST(RollingRingFig7, HasKinksWhenSlowAndNoneWhenFast) {
   for (const double v : {0.0005, 0.001, 0.005, 0.01}) {
     EXPECT_GT(sharpest(v), 1.5 * kKink) << "v = " << v;
   }
-  // At 0.02 too, which the paper does not show: there are kinks where the ring rolls.
+  // At 0.02, which the paper does not name, the ring does not roll: no kinks there either.
   for (const double v : {0.02, 0.05, 0.1}) EXPECT_LT(sharpest(v), 0.75 * kKink) << "v = " << v;
 }
 

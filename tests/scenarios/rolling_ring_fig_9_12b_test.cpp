@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -131,6 +132,8 @@ TEST(RollingRingFig12b, IsTheRingThatIsMovedByHand) {
     ring.velocity = v;
     const auto trace = two_periods(kFig12b, {{"v", text_of(v)}});
     EXPECT_LT(difference_to(ring, trace, 500), kSameTrace) << "v = " << v;
+    ring.radius += 0.001;  // another ring leaves another trace
+    EXPECT_GT(difference_to(ring, trace, 500), 100.0 * kSameTrace) << "v = " << v;
   }
 }
 
