@@ -43,12 +43,18 @@ double quasistatic_loss(double amplitude, double stiffness) {
   const double fold = -std::acos(1.0 / s) / (2.0 * kPi);  // before the top at 0
   const double driver = driver_over(fold);
   double low = std::acos(1.0 / s) / (2.0 * kPi);  // the branch of the next well, rising
-  double high = 0.5;
+  double high = 1.0 - low;                        // where it ends
   for (int n = 0; n < 100; ++n) {
     const double middle = 0.5 * (low + high);
     (driver_over(middle) < driver ? low : high) = middle;
   }
   return energy(fold, driver) - energy(low, driver);
+}
+
+/// The limit for v -> 0 of what grows as v^(2/3), from its values at some v and at half of it.
+double without_smearing(double slow, double slower) {
+  const double ratio = std::pow(2.0, 2.0 / 3.0);
+  return (ratio * slower - slow) / (ratio - 1.0);
 }
 
 TEST(RollingRingFig2, IsStickSlipAlready) {
@@ -57,8 +63,7 @@ TEST(RollingRingFig2, IsStickSlipAlready) {
   // Friction stays as the driving slows down, up to v^(2/3), which two velocities take out.
   const double slow = mean_force(run_shipped(kFig2, {{"v", "2e-5"}}));
   const double slower = mean_force(run_shipped(kFig2, {{"v", "1e-5"}}));
-  const double ratio = std::pow(2.0, 2.0 / 3.0);
-  const double limit = (ratio * slower - slow) / (ratio - 1.0);
+  const double limit = without_smearing(slow, slower);
   EXPECT_NEAR(limit / quasistatic_loss(amplitude, 2.0), 1.0, 5e-3);  // higher powers of v^(1/3)
   // On a spring that holds, nothing but drag is left.
   const double s = 4.0 * kPi * kPi * amplitude / 8.0;
@@ -76,10 +81,12 @@ TEST(RollingRingFig2, DoesNotTurn) {
 
 /// Force of the driver over its place, there and back, and the work it has done.
 struct Hysteresis {
-  std::vector<double> place, force;
-  double work;
+  static constexpr std::size_t kEightPeriods = 800;  // samples
 
-  Hysteresis(const char* scene, const std::vector<Setting>& settings = {}) {
+  std::vector<double> place, force;
+  double work = 0.0;
+
+  explicit Hysteresis(const char* scene, const std::vector<Setting>& settings = {}) {
     Trace trace;
     work = *run_shipped(scene, settings, &trace).drivers.at(0).work;
     place = trace["driver.position.x"];
@@ -100,11 +107,11 @@ struct Hysteresis {
     return area;
   }
 
-  /// Over whole periods before and after the driver turned round.
-  double mean_force(std::size_t from, std::size_t samples) const {
+  /// Mean force over eight periods, from a sample on.
+  double mean_from(std::size_t sample) const {
     double sum = 0.0;
-    for (std::size_t n = from; n < from + samples; ++n) sum += force[n];
-    return sum / static_cast<double>(samples);
+    for (std::size_t n = sample; n < sample + kEightPeriods; ++n) sum += force[n];
+    return sum / kEightPeriods;
   }
 };
 
@@ -138,7 +145,7 @@ TEST(RollingRingFig3, IsTheRingThatIsMovedByHand) {
     const double work = ring.trace(4000, 10.0, kSteps).back().work;
     EXPECT_NEAR(*result.drivers.at(0).work / work, 1.0, 1e-7) << "lambda = " << lambda;
     // A driver that turns round a little later leaves another trace.
-    ring.reverse_above = 10.0 + 1e-3;
+    ring.reverse_above = 10.0 + 1e-2;
     EXPECT_GT(difference_to(ring, trace, kSteps), 10.0 * kSameTrace) << "lambda = " << lambda;
   }
 }
@@ -171,17 +178,25 @@ TEST(RollingRingFig3, IsNearerToTheTipTheSmallerLambda) {
 
 TEST(RollingRingFig3, BranchesAreEachOthersMirrorImage) {
   // The substrate looks the same from both sides: once steady, the way back is the way there.
-  // A sample of a slip may fall on either side of it: a tenth of F_c, once in a hundred samples.
+  // A sample of a slip may fall on either side of it: 0.1 of 0.6, once in a hundred samples.
   constexpr double kSampled = 2e-3;
   const Hysteresis ring(kFig3);
-  const std::size_t period = 100;
-  ASSERT_GT(ring.turn(), 16 * period);
-  const double there = ring.mean_force(8 * period, 8 * period);
-  const double back = ring.mean_force(ring.force.size() - 8 * period, 8 * period);
+  ASSERT_GT(ring.turn(), 2 * Hysteresis::kEightPeriods);
+  const double there = ring.mean_from(Hysteresis::kEightPeriods);
+  const double back = ring.mean_from(ring.force.size() - Hysteresis::kEightPeriods);
   EXPECT_NEAR(there / -back, 1.0, kSampled);
-  // Friction there and back, whatever the speed: the loop of a slow driver is as wide.
+}
+
+TEST(RollingRingFig3, LoopIsAsWideAsSlipsAreLossy) {
+  // For v -> 0 slips by single periods lose what is between the fold and the next place of rest.
+  const auto forward = [](const char* v) {
+    return mean_force(run_shipped(kFig3, {{"v", v},
+                                          {"run.duration", "16 * a / v"},
+                                          {"measure.from", "8 * a / v"},
+                                          {"measure.to", "16 * a / v"}}));
+  };
   const double loss = quasistatic_loss(0.1 * std::abs(share(kParticles, 0.001)), 0.1);
-  EXPECT_NEAR(there / loss, 1.0, 0.03);  // of order v^(2/3), with a weak spring
+  EXPECT_NEAR(without_smearing(forward("2e-4"), forward("1e-4")) / loss, 1.0, 1e-4);
 }
 
 }  // namespace
