@@ -53,6 +53,7 @@ TEST(RollingRingFig9, HopsAndDoesNotTurn) {
     Trace trace;
     const auto result = run_shipped(kFig9, {{"R", ring.radius}}, &trace);
     EXPECT_NEAR(turns(result), 0.0, 1e-3) << "R = " << ring.radius;
+    EXPECT_GE(result.events.hops, 10u) << "R = " << ring.radius;  // one a period, and bounces
     const auto y = steady(trace["ring.centre_of_mass.y"]);
     const auto [low, high] = std::minmax_element(y.begin(), y.end());
     EXPECT_EQ(rises(y, 0.5 * (*low + *high)), 9) << "R = " << ring.radius;

@@ -48,15 +48,12 @@ inline Trace two_periods(const char* scene, std::vector<Setting> settings) {
   return trace;
 }
 
-/// Largest difference of a trace, sampled each hundredth of a period, to the same ring moved by
-/// hand, over places, rotation and forces.
-inline double difference_to(const RigidRing& ring, const Trace& trace, int steps) {
-  const auto samples = trace["driver.force.x"].size();
-  const auto places = ring.trace(static_cast<int>(samples) - 1, 0.01 / ring.velocity, steps);
+/// Largest difference of a trace to the same ring moved by hand, over places, rotation and forces.
+inline double difference_to(const std::vector<RigidRing::Place>& places, const Trace& trace) {
   double largest = 0.0;
   const auto look = [&](const char* column, double RigidRing::Place::*quantity) {
     const auto& values = trace[column];
-    for (std::size_t n = 0; n < samples; ++n) {
+    for (std::size_t n = 0; n < places.size(); ++n) {
       largest = std::max(largest, std::abs(values[n] - places[n].*quantity));
     }
   };
@@ -67,6 +64,12 @@ inline double difference_to(const RigidRing& ring, const Trace& trace, int steps
   look("driver.force.y", &RigidRing::Place::force_y);
   look("driver.position.x", &RigidRing::Place::driver);
   return largest;
+}
+
+/// The same for a trace that is sampled each hundredth of a period, with `steps` between samples.
+inline double difference_to(const RigidRing& ring, const Trace& trace, int steps) {
+  const auto intervals = static_cast<int>(trace["time"].size()) - 1;
+  return difference_to(ring.trace(intervals, 0.01 / ring.velocity, steps), trace);
 }
 
 // Runs at 1e-10 per step, by hand at 2e-2 and less per step of fourth order; a slip, where places
