@@ -224,7 +224,10 @@ Figure body_figure(const std::vector<StoredRun>& runs, const std::vector<std::st
                    const BodyRequest& request, const Registry& registry,
                    std::vector<std::string>& notes) {
   Figure figure;
-  figure.x_label = {"{/:Italic x} [length]", true};
+  const auto along = [](const char* axis) {
+    return FigureText{fmt::format("{{/:Italic {}}} [length]", axis), true};
+  };
+  figure.x_label = along("x");
   for (std::size_t r = 0; r < runs.size(); ++r) {
     const SampleTable table(file_of(runs[r], kTableFile));
     const std::string body = chosen_owner(table, Owner::body, "rotation", request.owners);
@@ -232,7 +235,7 @@ Figure body_figure(const std::vector<StoredRun>& runs, const std::vector<std::st
     const Course course(table, body);
     Panel panel;
     panel.title = labels[r];
-    panel.y_label = {"{/:Italic y} [length]", true};
+    panel.y_label = along("y");
     int colour = 0;
     bool driven = false;
     for (const double time : request.at.empty() ? course.even_moments() : request.at) {

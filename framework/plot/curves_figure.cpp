@@ -1,6 +1,7 @@
 #include "framework/plot/curves_figure.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <utility>
@@ -16,6 +17,7 @@ namespace {
 
 constexpr double kHeightAlone = 330.0;  // of a panel, in points of the screen
 constexpr double kHeightOfSeveral = 170.0;
+constexpr double kMargin = 0.04;  // above and below, as a share of what is between
 
 [[noreturn]] void refuse(std::string file, std::string key, std::string why,
                          std::string admissible) {
@@ -121,14 +123,17 @@ void check_units(const std::vector<StoredRun>& runs, const std::vector<RunCurves
   }
 }
 
-FigureText axis_label(const Series& series) {
-  const std::string unit = series.unit.empty() ? "" : " [" + series.unit + "]";
-  return {series.label + unit, series.enhanced};
+FigureText axis_label(const Series& series, bool with_words) {
+  std::string text = series.symbol;
+  if (with_words && !series.words.empty()) text = series.words + " " + text;
+  if (!series.unit.empty()) text += " [" + series.unit + "]";
+  return {text, series.enhanced};
 }
 
-/// Several curves' axis has only their unit in common.
-FigureText y_label(const std::vector<Series>& panel) {
-  return panel.size() == 1 ? axis_label(panel.front()) : FigureText{"[" + panel.front().unit + "]"};
+/// Several curves' axis has only their unit in common; a low panel has no room for words.
+FigureText y_label(const std::vector<Series>& panel, bool alone) {
+  if (panel.size() > 1) return {"[" + panel.front().unit + "]"};
+  return axis_label(panel.front(), alone);
 }
 
 /// The part of the x axis that is shown.
@@ -180,6 +185,13 @@ Window window_of(const std::vector<std::vector<Polyline>>& curves, const Range& 
   return {x.from, x.to, y.from, y.to, kPanelWidth, height};
 }
 
+/// Room above and below the curves, also where they are level.
+double margin_of(const Window& window) {
+  const double extent = window.y_to - window.y_from;
+  if (extent > 0.0) return kMargin * extent;
+  return window.y_to == 0.0 ? 1.0 : kMargin * std::abs(window.y_to);
+}
+
 /// Where the spring is not stretched: x_c = v t.
 Curve unstretched(const Range& x) {
   Curve line;
@@ -196,12 +208,13 @@ std::string curve_label(const std::string& run, const std::vector<Series>& panel
 }
 
 Panel panel_of(const std::vector<RunCurves>& all, const std::vector<std::string>& labels,
-               std::size_t index, const Range& x, double height) {
+               std::size_t index, const Range& x) {
+  const bool alone = all.front().y.size() == 1;
   const std::vector<Series>& first = all.front().y[index];
   std::vector<std::vector<Polyline>> curves;
   Panel panel;
-  panel.y_label = y_label(first);
-  panel.height = height;
+  panel.y_label = y_label(first, alone);
+  panel.height = alone ? kHeightAlone : kHeightOfSeveral;
   for (std::size_t r = 0; r < all.size(); ++r) {
     for (std::size_t c = 0; c < first.size(); ++c) {
       Curve curve;
@@ -211,10 +224,13 @@ Panel panel_of(const std::vector<RunCurves>& all, const std::vector<std::string>
       curves.push_back(cut(all[r].x_values, all[r].y_values[index][c], x));
     }
   }
-  const Window window = window_of(curves, x, height);
+  const Window window = window_of(curves, x, panel.height);
   for (std::size_t c = 0; c < curves.size(); ++c) {
     panel.curves[c].pieces = reduced(curves[c], window);
   }
+  const double margin = margin_of(window);
+  panel.y_from = window.y_from - margin;
+  panel.y_to = window.y_to + margin;
   const bool against_driver = all.front().x.name == "driver_position" && first.size() == 1 &&
                               first.front().name == "position";
   if (against_driver) panel.curves.insert(panel.curves.begin(), unstretched(x));
@@ -231,12 +247,11 @@ Figure curves_figure(const std::vector<StoredRun>& runs, const std::vector<std::
   check_units(runs, all);
   const Range x = shown_range(all, request);
   Figure figure;
-  figure.x_label = axis_label(all.front().x);
+  figure.x_label = axis_label(all.front().x, true);
   figure.x_from = x.from;
   figure.x_to = x.to;
-  const double height = request.y.size() == 1 ? kHeightAlone : kHeightOfSeveral;
   for (std::size_t p = 0; p < request.y.size(); ++p) {
-    figure.panels.push_back(panel_of(all, labels, p, x, height));
+    figure.panels.push_back(panel_of(all, labels, p, x));
   }
   return figure;
 }

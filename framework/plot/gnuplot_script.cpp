@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <iterator>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -20,16 +21,25 @@ constexpr std::array kPalette = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
 constexpr const char* kGreyColour = "#999999";
 
 // Sizes in points of the screen; one is 1/72 inch on paper.
-constexpr double kLeft = 78.0;
+constexpr double kLeft = 84.0;
 constexpr double kRight = 18.0;
 constexpr double kTop = 14.0;
 constexpr double kTitle = 26.0;
-constexpr double kBottom = 50.0;
+constexpr double kBottom = 54.0;
 constexpr double kGap = 16.0;
 constexpr double kPanelTitle = 18.0;
 constexpr double kKeySample = 40.0;
 constexpr double kKeyCharacter = 7.0;
 constexpr double kPointsPerInch = 72.0;
+
+/// What the key of a panel says.
+std::vector<std::string> key_of(const Panel& panel) {
+  std::vector<std::string> labels;
+  for (const Curve& curve : panel.curves) {
+    if (!curve.label.empty()) labels.push_back(curve.label);
+  }
+  return labels;
+}
 
 /// Where everything is, in points of the screen from the top left.
 class Layout {
@@ -62,8 +72,8 @@ class Layout {
   static double key_width(const Figure& figure) {
     std::ptrdiff_t longest = 0;
     for (const Panel& panel : figure.panels) {
-      for (const Curve& curve : panel.curves) {
-        const std::string shown = shortened(curve.label, kLongestText);
+      for (const std::string& label : key_of(panel)) {
+        const std::string shown = shortened(label, kLongestText);
         longest = std::max(longest, std::count_if(shown.begin(), shown.end(),
                                                   [](char c) { return !is_utf8_continuation(c); }));
       }
@@ -82,9 +92,9 @@ std::string terminal(PictureFormat format, const Layout& layout) {
     case PictureFormat::svg:
       return fmt::format("svg size {:.0f},{:.0f} {} background rgb 'white'", layout.width(),
                          layout.height(), kFont);
-    case PictureFormat::png:  // two pixels to a point
+    case PictureFormat::png:  // two pixels to a point; its fonts come at 96 pixels to 72 points
       return fmt::format(
-          "pngcairo size {:.0f},{:.0f} {} fontscale 2 linewidth 2 pointscale 2 "
+          "pngcairo size {:.0f},{:.0f} {} fontscale 1.5 linewidth 2 pointscale 2 "
           "background rgb 'white'",
           2.0 * layout.width(), 2.0 * layout.height(), kFont);
     case PictureFormat::pdf:
@@ -114,7 +124,7 @@ std::string style_of(const Curve& curve) {
     case Mark::none:
       break;
     case Mark::small_disc:
-      style += " pt 7 ps 0.4";
+      style += " pt 7 ps 0.45";
       break;
     case Mark::large_disc:
       style += " pt 7 ps 0.9";
@@ -147,11 +157,6 @@ void append_data(std::string& script, const std::string& name, const Curve& curv
   script += "END\n";
 }
 
-bool same_labels(const Panel& a, const Panel& b) {
-  return std::equal(a.curves.begin(), a.curves.end(), b.curves.begin(), b.curves.end(),
-                    [](const Curve& one, const Curve& other) { return one.label == other.label; });
-}
-
 /// `$data using ...`, or for a curve without points its entry in the key alone.
 std::string plotted(const Curve& curve, const std::string& data) {
   return (curve.pieces.empty() ? "keyentry " : data + " using 1:2 ") + style_of(curve) +
@@ -161,7 +166,7 @@ std::string plotted(const Curve& curve, const std::string& data) {
 void append_panel(std::string& script, const Figure& figure, std::size_t index,
                   const Layout& layout) {
   const Panel& panel = figure.panels[index];
-  const bool keyed = index == 0 || !same_labels(panel, figure.panels[index - 1]);
+  const bool keyed = index == 0 || key_of(panel) != key_of(figure.panels[index - 1]);
   const bool last = index + 1 == figure.panels.size();
   const auto line = [&](const std::string& text) { script += text + "\n"; };
   line(fmt::format("set tmargin at screen {:.6f}", layout.top_of(index)));
@@ -169,7 +174,7 @@ void append_panel(std::string& script, const Figure& figure, std::size_t index,
   line("set title " + gnuplot_string(panel.title) + " noenhanced offset 0,-0.6");
   line("set ylabel " + text(panel.y_label));
   line("set yrange " + range(panel.y_from, panel.y_to));
-  line(last ? "set xlabel " + text(figure.x_label) : "unset xlabel");
+  line(last ? "set xlabel " + text(figure.x_label) + " offset 0,0.4" : "unset xlabel");
   line(last ? "set format x '%h'" : "set format x ''");
   line(keyed ? fmt::format("set key at screen {:.6f},screen {:.6f}", layout.key(),
                            layout.top_of(index))

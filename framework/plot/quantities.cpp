@@ -15,20 +15,20 @@ namespace tomlin {
 namespace {
 
 constexpr std::array kQuantities = {
-    Quantity{"time", "time {/:Italic t}", Owner::nobody, "time", Measure::component, "time"},
-    Quantity{"driver_position", "driver position {/:Italic v t}", Owner::driver, "position.x",
+    Quantity{"time", "time", "{/:Italic t}", Owner::nobody, "time", Measure::component, "time"},
+    Quantity{"driver_position", "driver position", "{/:Italic vt}", Owner::driver, "position.x",
              Measure::component, "where the driver's pulled end is along x: v t"},
-    Quantity{"force", "lateral force {/:Italic F_x}", Owner::driver, "force.x", Measure::component,
-             "x component of the driver's force"},
-    Quantity{"force_size", "friction force {/:Italic F_f}", Owner::driver, "force",
+    Quantity{"force", "lateral force", "{/:Italic F_x}", Owner::driver, "force.x",
+             Measure::component, "x component of the driver's force"},
+    Quantity{"force_size", "friction force", "{/:Italic F_f}", Owner::driver, "force",
              Measure::signed_size, "size of the driver's force, with the sign of its x component"},
-    Quantity{"position", "centre of mass {/:Italic x_c}", Owner::body, "centre_of_mass.x",
+    Quantity{"position", "centre of mass", "{/:Italic x_c}", Owner::body, "centre_of_mass.x",
              Measure::component, "the centre of mass along x"},
-    Quantity{"height", "height {/:Italic y_c}", Owner::body, "centre_of_mass.y", Measure::component,
-             "the centre of mass along y"},
-    Quantity{"rotation", "rotation {/:Italic φ}", Owner::body, "rotation", Measure::component,
+    Quantity{"height", "height", "{/:Italic y_c}", Owner::body, "centre_of_mass.y",
+             Measure::component, "the centre of mass along y"},
+    Quantity{"rotation", "rotation", "{/:Italic φ}", Owner::body, "rotation", Measure::component,
              "rotation, unwrapped, counter-clockwise positive"},
-    Quantity{"speed", "speed {/:Italic v_c}", Owner::body, "velocity", Measure::size,
+    Quantity{"speed", "speed", "{/:Italic v_c}", Owner::body, "velocity", Measure::size,
              "speed of the centre of mass"},
 };
 
@@ -79,7 +79,8 @@ Series series_of(const SampleTable& table, const Quantity& quantity, const Owner
   prefix += quantity.column;
   Series series;
   series.name = quantity.name;
-  series.label = quantity.label;
+  series.words = quantity.words;
+  series.symbol = quantity.symbol;
   series.enhanced = true;
   series.measure = quantity.measure;
   if (quantity.measure == Measure::component) {
@@ -142,7 +143,7 @@ Series find_series(const SampleTable& table, const std::string& name, const Owne
   if (const Quantity* quantity = find_quantity(name)) return series_of(table, *quantity, owners);
   if (const auto column = table.find(name)) {
     const SampleTable::Column& found = table.columns()[*column];
-    return {found.name, found.name, false, found.unit, Measure::component, {*column}};
+    return {found.name, "", found.name, false, found.unit, Measure::component, {*column}};
   }
   std::vector<std::string> known = table.names();
   for (const Quantity& quantity : quantities()) known.emplace_back(quantity.name);

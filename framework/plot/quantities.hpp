@@ -23,8 +23,9 @@ enum class Measure {
 };
 
 struct Quantity {
-  std::string_view name;   ///< "force_size"
-  std::string_view label;  ///< for an axis, in gnuplot's enhanced text
+  std::string_view name;    ///< "force_size"
+  std::string_view words;   ///< for an axis: "lateral force"
+  std::string_view symbol;  ///< behind the words, in gnuplot's enhanced text
   Owner owner;
   std::string_view column;  ///< behind the owner's name; of a vector without the axis
   Measure measure;
@@ -48,8 +49,9 @@ const FigureKind* find_figure_kind(std::string_view name);
 
 /// A quantity, or a plain column, found in a run's table.
 struct Series {
-  std::string name;   ///< as asked for
-  std::string label;  ///< for an axis, without the unit
+  std::string name;    ///< as asked for
+  std::string words;   ///< of a quantity; a column has none
+  std::string symbol;  ///< of a quantity, in gnuplot's enhanced text; a column's name
   bool enhanced = false;
   std::string unit;
   Measure measure = Measure::component;

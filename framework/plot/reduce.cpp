@@ -131,7 +131,7 @@ std::size_t points_in(const std::vector<Polyline>& pieces) {
 }  // namespace
 
 std::vector<Polyline> reduced(const std::vector<Polyline>& curve, const Window& window) {
-  if (points_in(curve) <= kMostPoints) return curve;
+  if (points_in(curve) <= kFewPoints) return curve;
   std::vector<Polyline> thinned;
   thinned.reserve(curve.size());
   for (const Polyline& piece : curve) thinned.push_back(by_columns(piece, window));

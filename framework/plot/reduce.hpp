@@ -23,13 +23,12 @@ struct Window {
   double height = 1.0;  ///< likewise
 };
 
-/// No curve gets more points than this.
-inline constexpr std::size_t kMostPoints = 6000;
+inline constexpr std::size_t kFewPoints = 1000;   ///< a curve of so many is left alone
+inline constexpr std::size_t kMostPoints = 6000;  ///< no curve gets more
 
 /// A curve, in the pieces it is given in, as the eye sees it: in a few thousand points however long
 /// it is, and in other pieces where parts of it would lie on what is drawn already. Every point is
-/// one of the curve's, in its order, and its extremes along x and y are among them. A curve of few
-/// points comes back as it is.
+/// one of the curve's, in its order, and its extremes along x and y are among them.
 std::vector<Polyline> reduced(const std::vector<Polyline>& curve, const Window& window);
 
 }  // namespace tomlin
