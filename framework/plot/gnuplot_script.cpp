@@ -20,6 +20,15 @@ constexpr std::array kPalette = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                  "#E69F00", "#56B4E9", "#000000"};
 constexpr const char* kGreyColour = "#999999";
 
+/// In a string between double quotes, whatever stands around it.
+bool means_itself(char c) {
+  constexpr std::string_view kHarmless = " _=.,:;/[]{}()<>+-*^&!?";
+  const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+  const bool digit = c >= '0' && c <= '9';
+  const bool beyond_ascii = static_cast<unsigned char>(c) >= 0x80U;
+  return letter || digit || beyond_ascii || kHarmless.find(c) != std::string_view::npos;
+}
+
 // Sizes in points of the screen; one is 1/72 inch on paper.
 constexpr double kLeft = 84.0;
 constexpr double kRight = 18.0;
@@ -100,8 +109,8 @@ std::string terminal(PictureFormat format, const Layout& layout) {
     case PictureFormat::pdf:
       break;
   }
-  return fmt::format("pdfcairo size {:.4f}in,{:.4f}in {}", layout.width() / kPointsPerInch,
-                     layout.height() / kPointsPerInch, kFont);
+  return fmt::format("pdfcairo size {:.4f}in,{:.4f}in {} linewidth 1.5",
+                     layout.width() / kPointsPerInch, layout.height() / kPointsPerInch, kFont);
 }
 
 std::string text(const FigureText& given) {
@@ -190,9 +199,15 @@ void append_panel(std::string& script, const Figure& figure, std::size_t index,
 }  // namespace
 
 std::string gnuplot_string(std::string_view given) {
-  std::string result = "'";
-  for (const char c : shortened(given, kLongestText)) result.append(c == '\'' ? 2 : 1, c);
-  return result + "'";
+  std::string result = "\"";
+  for (const char c : shortened(given, kLongestText)) {
+    if (means_itself(c)) {
+      result += c;
+    } else {
+      fmt::format_to(std::back_inserter(result), "\\{:03o}", static_cast<unsigned char>(c));
+    }
+  }
+  return result + '"';
 }
 
 std::string gnuplot_script(const Figure& figure, PictureFormat format) {

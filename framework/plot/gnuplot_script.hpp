@@ -9,8 +9,9 @@ namespace tomlin {
 
 enum class PictureFormat { svg, png, pdf };
 
-/// A text as gnuplot takes it: in single quotes, where it substitutes nothing, on one line and
-/// shortened. Whatever the text holds, no part of it is a command.
+/// A text as gnuplot takes it: in double quotes, on one line and shortened. What could mean more
+/// than itself, quotes, backquotes, backslashes, is written as its number, so that no part of any
+/// text is a command. (Between single quotes gnuplot 5.4 misreads a text that begins with one.)
 std::string gnuplot_string(std::string_view text);
 
 /// What gnuplot 5.4 has to be told to write the figure to its standard output, data included. The

@@ -146,7 +146,9 @@ Series find_series(const SampleTable& table, const std::string& name, const Owne
     return {found.name, "", found.name, false, found.unit, Measure::component, {*column}};
   }
   std::vector<std::string> known = table.names();
-  for (const Quantity& quantity : quantities()) known.emplace_back(quantity.name);
+  for (const Quantity& quantity : quantities()) {
+    if (!table.find(quantity.name)) known.emplace_back(quantity.name);
+  }
   refuse(table.file(), option + " " + name, "there is no such column or quantity", listed(known),
          nearest_name(name, known).value_or(""));
 }

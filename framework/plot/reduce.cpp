@@ -132,13 +132,12 @@ std::size_t points_in(const std::vector<Polyline>& pieces) {
 
 std::vector<Polyline> reduced(const std::vector<Polyline>& curve, const Window& window) {
   if (points_in(curve) <= kFewPoints) return curve;
-  std::vector<Polyline> thinned;
-  thinned.reserve(curve.size());
-  for (const Polyline& piece : curve) thinned.push_back(by_columns(piece, window));
-  std::vector<Polyline> pieces = thinned;
+  std::vector<Polyline> pieces;
+  pieces.reserve(curve.size());
+  for (const Polyline& piece : curve) pieces.push_back(by_columns(piece, window));
   // Coarser cells until it fits: a curve that fills the panel is a surface whatever is left out.
   for (double cell = kFinestCell; points_in(pieces) > kMostPoints; cell *= 2.0) {
-    pieces = Overdrawn(thinned, window, cell).dropped();
+    pieces = Overdrawn(pieces, window, cell).dropped();
   }
   return pieces;
 }
