@@ -20,13 +20,14 @@ constexpr std::array kPalette = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                  "#E69F00", "#56B4E9", "#000000"};
 constexpr const char* kGreyColour = "#999999";
 
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
 /// In a string between double quotes, whatever stands around it.
 bool means_itself(char c) {
   constexpr std::string_view kHarmless = " _=.,:;/[]{}()<>+-*^&!?";
   const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-  const bool digit = c >= '0' && c <= '9';
   const bool beyond_ascii = static_cast<unsigned char>(c) >= 0x80U;
-  return letter || digit || beyond_ascii || kHarmless.find(c) != std::string_view::npos;
+  return letter || is_digit(c) || beyond_ascii || kHarmless.find(c) != std::string_view::npos;
 }
 
 // Sizes in points of the screen; one is 1/72 inch on paper.
@@ -200,12 +201,15 @@ void append_panel(std::string& script, const Figure& figure, std::size_t index,
 
 std::string gnuplot_string(std::string_view given) {
   std::string result = "\"";
+  bool behind_number = false;  // gnuplot takes all octal digits that it finds for one number
   for (const char c : shortened(given, kLongestText)) {
-    if (means_itself(c)) {
-      result += c;
-    } else {
+    const bool as_number = !means_itself(c) || (behind_number && is_digit(c));
+    if (as_number) {
       fmt::format_to(std::back_inserter(result), "\\{:03o}", static_cast<unsigned char>(c));
+    } else {
+      result += c;
     }
+    behind_number = as_number;
   }
   return result + '"';
 }

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kLargestSummary = std::size_t{64} << 20;  // bytes
+constexpr std::size_t kLargestSummary = std::size_t{8} << 20;  // bytes
 
 [[noreturn]] void refuse(const std::string& file, std::string why) {
   Fault fault;

@@ -36,7 +36,7 @@ TEST(GnuplotString, IsOneQuotedWord) {
   EXPECT_EQ(gnuplot_string("plain"), "\"plain\"");
   EXPECT_EQ(gnuplot_string(""), "\"\"");
   EXPECT_EQ(gnuplot_string("{/:Italic F_x} [force]"), "\"{/:Italic F_x} [force]\"");
-  EXPECT_EQ(gnuplot_string("it's \"1\""), "\"it\\047s \\0421\\042\"");
+  EXPECT_EQ(gnuplot_string("it's \"1\""), "\"it\\047s \\042\\061\\042\"");
   EXPECT_EQ(gnuplot_string("\\n`a` @b $c"), "\"\\134n\\140a\\140 \\100b \\044c\"");
   EXPECT_EQ(gnuplot_string("two\nlines\r\tand\vmore"), "\"two lines and more\"");
   EXPECT_EQ(gnuplot_string("\xff!\xfe"), "\"?!?\"");

@@ -13,7 +13,7 @@
 namespace tomlin {
 namespace {
 
-constexpr std::size_t kMany = 200000;
+constexpr std::size_t kMany = 100000;
 constexpr std::size_t kColumns = 540;
 constexpr double kTau = 6.283185307179586;
 
