@@ -106,11 +106,11 @@ integrator = { type = "rk4", dt = 1e-2 }
 }
 
 /// Takes samples and forgets them.
-class NoTable : public SampleSink {
+class NoTable : public RunSink {
  public:
-  void begin(const std::vector<SampleColumn>&) override {}
-  void sample(const std::vector<double>& values) override {
-    benchmark::DoNotOptimize(values.front());
+  void begin(const RunLayout&) override {}
+  void sample(const std::vector<double>& row) override {
+    benchmark::DoNotOptimize(row.front());
   }
 };
 

@@ -100,6 +100,7 @@ class Rk4 : public Rk4Base<Real> {
   }
 
   void rebased() override { arrays_.first_known = false; }
+  std::uint64_t evaluations_ahead() const override { return arrays_.first_known ? 1 : 0; }
 
   void interpolate(double theta, double* position, double* velocity,
                    double* integrals) const override {
@@ -157,6 +158,7 @@ class Rk4Drift : public Rk4Base<Real> {
   }
 
   const Real* first_rates() const override { return start_rates_; }
+  void forces_changed() override { *started_ = 0; }
 
   void finish_dense_from(double) override {}
 

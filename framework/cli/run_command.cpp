@@ -28,12 +28,12 @@ namespace {
 
 /// Passes samples on to the table. When the table cannot take them, the run stops instead of
 /// breaking off, so that what is known so far is still written.
-class StoppingSink : public SampleSink {
+class StoppingSink : public RunSink {
  public:
   StoppingSink(TableWriter& table, StopSignals& signals) : table_(table), signals_(signals) {}
 
-  void begin(const std::vector<SampleColumn>& columns) override {
-    attempt([&] { table_.begin(columns); });
+  void begin(const RunLayout& layout) override {
+    attempt([&] { table_.begin(layout); });
   }
   void sample(const std::vector<double>& values) override {
     attempt([&] { table_.sample(values); });

@@ -90,8 +90,15 @@ class Model {
   /// Rotation from the start in turns, within (-1/2, 1/2] for a flexible body and as the coordinate
   /// has it for a rigid one.
   double rotation(std::size_t body, const double* position) const;
+  /// Places of a body's particles in the scene's own coordinates, [particle][axis]; those of bodies
+  /// whose particles follow from few coordinates are as of the last evaluation. Returns the end.
+  double* place_particles(std::size_t body, const double* position, double* result) const;
   /// A place relative to the origin in the scene's own coordinates: cells added back.
   DoubleDouble placed(int axis, double offset) const;
+
+  /// Where the pulled end of a driver of steady velocity is, in the scene's own coordinates, at a
+  /// time since which its velocity has not changed.
+  DoubleDouble pulled_end(std::size_t driver, const DoubleDouble& time, int axis) const;
 
   /// Without inertia velocities follow from forces: those at the last evaluated state.
   void drift_velocity(double* velocity) const;

@@ -57,6 +57,17 @@ void Model::centre_velocity(std::size_t b, const double* velocity, double* resul
   }
 }
 
+double* Model::place_particles(std::size_t b, const double* position, double* result) const {
+  const BodySlot<double>& slot = bodies()[b].bound.slot;
+  const double* from = (slot.mapped ? system().view.mapped_position : position) + slot.offset;
+  for (std::size_t i = 0; i < slot.count; ++i) {
+    for (int d = 0; d < dimension(); ++d) {
+      *result++ = static_cast<double>(placed(d, from[d * slot.stride + i]));
+    }
+  }
+  return result;
+}
+
 DoubleDouble Model::placed(int axis, double offset) const {
   const DoubleDouble cells(static_cast<double>(origin_.cells[axis]));
   return cells * origin_.unit[axis] + offset;
@@ -108,6 +119,13 @@ double Model::potential_energy(const DoubleDouble& time, const double* position,
   for (const Force& force : forces()) total += force.bound->energy(here);
   anchor(anchored);
   return total;
+}
+
+DoubleDouble Model::pulled_end(std::size_t driver, const DoubleDouble& time, int axis) const {
+  const Drive& drive = *drivers()[driver].drive;
+  const auto since = static_cast<double>(time - anchor_);
+  return placed(axis,
+                drive.start[axis] + std::fma(drive.velocity[axis], since, drive.travel[axis]));
 }
 
 Model::CoordinateName Model::name_of(std::size_t coordinate) const {

@@ -16,11 +16,12 @@ constexpr std::size_t kLongestNumber = 25;             // "-1.2345678901234567e-
 
 TableWriter::TableWriter(std::filesystem::path file) : file_(std::move(file)) {}
 
-void TableWriter::begin(const std::vector<SampleColumn>& columns) {
+void TableWriter::begin(const RunLayout& layout) {
+  if (layout.columns.empty()) return;
   output_.emplace(file_);
   // Room for the longest row behind a buffer that is just not full: no sample allocates.
-  buffer_.reserve(kBuffer + kLongestNumber * columns.size());
-  for (const SampleColumn& column : columns) {
+  buffer_.reserve(kBuffer + kLongestNumber * layout.columns.size());
+  for (const SampleColumn& column : layout.columns) {
     if (!names_.empty()) buffer_ += ',';
     fmt::format_to(std::back_inserter(buffer_), "{} [{}]", column.name, column.unit);
     names_.push_back(column.name);

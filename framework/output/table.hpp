@@ -14,12 +14,12 @@ namespace tomlin {
 /// Writes samples as comma-separated values: a header `time [time],driver.force.x [force],...`,
 /// then one row per sample with 17 significant digits, which read back as the same bits. A number
 /// that is not finite is never written. Throws OutputError.
-class TableWriter : public SampleSink {
+class TableWriter : public RunSink {
  public:
   /// Nothing is opened before the first sample is due.
   explicit TableWriter(std::filesystem::path file);
 
-  void begin(const std::vector<SampleColumn>& columns) override;
+  void begin(const RunLayout& layout) override;
   void sample(const std::vector<double>& values) override;
 
   /// True from begin() on.

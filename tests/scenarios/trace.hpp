@@ -11,11 +11,11 @@
 namespace tomlin::test {
 
 /// The samples of a run, in memory.
-class Trace : public SampleSink {
+class Trace : public RunSink {
  public:
-  void begin(const std::vector<SampleColumn>& columns) override {
-    for (const SampleColumn& column : columns) names_.push_back(column.name);
-    columns_.resize(columns.size());
+  void begin(const RunLayout& layout) override {
+    for (const SampleColumn& column : layout.columns) names_.push_back(column.name);
+    columns_.resize(layout.columns.size());
   }
   void sample(const std::vector<double>& values) override {
     for (std::size_t k = 0; k < values.size(); ++k) columns_[k].push_back(values[k]);

@@ -80,10 +80,10 @@ inline std::string refusal(std::string_view text, const Registry& registry = sta
 }
 
 /// Keeps what an observables table would hold.
-class KeptSamples : public SampleSink {
+class KeptSamples : public RunSink {
  public:
-  void begin(const std::vector<SampleColumn>& columns) override {
-    for (const SampleColumn& column : columns) names.push_back(column.name);
+  void begin(const RunLayout& layout) override {
+    for (const SampleColumn& column : layout.columns) names.push_back(column.name);
   }
   void sample(const std::vector<double>& values) override { rows.push_back(values); }
 

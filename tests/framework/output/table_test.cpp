@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -17,7 +18,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<SampleColumn> kColumns = {{"time", "time"}, {"driver.force.x", "force"}};
+RunLayout table_of(std::vector<SampleColumn> columns) {
+  RunLayout layout;
+  layout.columns = std::move(columns);
+  return layout;
+}
+
+const RunLayout kColumns = table_of({{"time", "time"}, {"driver.force.x", "force"}});
 
 TEST(Table, HasAHeaderWithUnitsAndOneRowPerSample) {
   const TemporaryFolder folder;
@@ -40,7 +47,7 @@ TEST(Table, NumbersReadBackAsTheSameBits) {
                                        123456789012345678.0};
   const TemporaryFolder folder;
   TableWriter table(folder / "t.csv");
-  table.begin({{"x", "1"}});
+  table.begin(table_of({{"x", "1"}}));
   for (const double x : numbers) table.sample({x});
   table.finish();
 
@@ -63,7 +70,7 @@ TEST(Table, IsTheSameInEveryLocale) {
   if (changed == nullptr) GTEST_SKIP() << "no locale with a decimal comma is installed";
   const TemporaryFolder folder;
   TableWriter table(folder / "t.csv");
-  table.begin({{"x", "1"}});
+  table.begin(table_of({{"x", "1"}}));
   table.sample({0.5});
   table.finish();
   std::setlocale(LC_ALL, "C");
