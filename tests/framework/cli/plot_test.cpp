@@ -130,7 +130,7 @@ TEST_F(Plot, AxesPanelsAndRangesAreChosen) {
   EXPECT_FALSE(contains(panels, "$panel0_curve1"));
   EXPECT_TRUE(contains(panels, "\"driver.force.x [force]\" noenhanced"));
   EXPECT_TRUE(contains(panels, "\"it\\047s\""));
-  EXPECT_TRUE(contains(script({"tip", "--from", "-0.5"}), "set xrange [-0.5:3]"));
+  EXPECT_TRUE(contains(script({"tip", "--from", "-0.5"}), "set xrange [-0.5:2.99"));
 }
 
 TEST_F(Plot, ARunThatIsNotFinishedIsDrawnWithANote) {
