@@ -28,7 +28,9 @@ curve() {
 curves() {
   local scene=$1 parameter=$2 value
   shift 2
-  for value in "$@"; do curve "$scene" "${scene}_${parameter}_$value" --set "$parameter=$value"; done
+  for value in "$@"; do
+    curve "$scene" "${scene}_${parameter}_$value" --set "$parameter=$value"
+  done
 }
 
 # draw PICTURE RUN... [WHAT] [OPTION ...]: as `tomlin plot` takes them.
