@@ -1,5 +1,6 @@
 #include "framework/output/output_file.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <system_error>
@@ -31,7 +32,7 @@ void synchronise_folder_of(const std::filesystem::path& file) {
 
 OutputFile::OutputFile(std::filesystem::path file) : file_(std::move(file)), unfinished_(file_) {
   unfinished_ += kUnfinished;
-  descriptor_ = ::open(unfinished_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  descriptor_ = ::open(unfinished_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor_ < 0) fail(errno);
 }
 
@@ -45,6 +46,36 @@ void OutputFile::append(std::string_view text) {
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) fail(errno);
     text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+void OutputFile::write_at(std::uint64_t place, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written =
+        ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(place));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(errno);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+    place += static_cast<std::uint64_t>(written);
+  }
+}
+
+void OutputFile::read_at(std::uint64_t place, std::span<std::byte> bytes) const {
+  while (!bytes.empty()) {
+    const ssize_t read =
+        ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(place));
+    if (read < 0 && errno == EINTR) continue;
+    if (read < 0) fail(errno);
+    if (read == 0) break;
+    bytes = bytes.subspan(static_cast<std::size_t>(read));
+    place += static_cast<std::uint64_t>(read);
+  }
+  std::fill(bytes.begin(), bytes.end(), std::byte{0});
+}
+
+void OutputFile::resize(std::uint64_t size) {
+  while (::ftruncate(descriptor_, static_cast<off_t>(size)) != 0) {
+    if (errno != EINTR) fail(errno);
   }
 }
 
