@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "framework/output/number_text.hpp"
+
 namespace tomlin {
 namespace {
 
@@ -42,7 +44,7 @@ void TableWriter::sample(const std::vector<double>& values) {
   }
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (k > 0) buffer_ += ',';
-    fmt::format_to(std::back_inserter(buffer_), "{:.17g}", values[k]);
+    append_number(buffer_, values[k]);
   }
   buffer_ += '\n';
   ++rows_;

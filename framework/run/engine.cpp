@@ -406,7 +406,8 @@ double Engine::next_dense() const {
 /// Every step that is not plain takes this path, and any event would split a step here.
 bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid) {
   const DoubleDouble begin = now();
-  const bool dense = dt_ == 0.0 || next_dense() <= static_cast<double>(end);
+  // The end of a fixed step needs no interpolation.
+  const bool dense = dt_ == 0.0 || next_dense() < static_cast<double>(end);
   signals_from_velocity(model_.system().view.velocity, static_cast<double>(begin));
   const StepReport report = integrator_->step_from(since, h, dense);
   if (report.fault != StepFault::none) {
@@ -661,18 +662,20 @@ void Engine::serve_dense(const DoubleDouble& from, const DoubleDouble& to, doubl
       within_step_ = true;
       return;
     }
+    if (dt_ > 0.0 && at == static_cast<double>(to)) {
+      const SystemView<double>& view = model_.system().view;
+      serve_point(at, view.position, view.velocity, view.integrals);
+      continue;
+    }
     const double theta =
         std::clamp(static_cast<double>(DoubleDouble(at) - from) / length, 0.0, 1.0);
     integrator_->interpolate(theta, dense_position_.data(), dense_velocity_.data(),
                              dense_integrals_.data());
-    serve_point(at);
+    serve_point(at, dense_position_.data(), dense_velocity_.data(), dense_integrals_.data());
   }
 }
 
-void Engine::serve_point(double at) {
-  const double* x = dense_position_.data();
-  const double* v = dense_velocity_.data();
-  const double* z = dense_integrals_.data();
+void Engine::serve_point(double at, const double* x, const double* v, const double* z) {
   if (*from_.reached == 0 && at >= from_.time) keep_moment(from_, at, x, v, z);
   if (*from_.reached != 0 && *to_.reached == 0 && at >= to_.time) keep_moment(to_, at, x, v, z);
   if (sampling_ &&
