@@ -60,12 +60,15 @@ void Model::centre_velocity(std::size_t b, const double* velocity, double* resul
 double* Model::place_particles(std::size_t b, const double* position, double* result) const {
   const BodySlot<double>& slot = bodies()[b].bound.slot;
   const double* from = (slot.mapped ? system().view.mapped_position : position) + slot.offset;
-  for (std::size_t i = 0; i < slot.count; ++i) {
-    for (int d = 0; d < dimension(); ++d) {
-      *result++ = static_cast<double>(placed(d, from[d * slot.stride + i]));
+  const int axes = dimension();
+  for (int d = 0; d < axes; ++d) {
+    const DoubleDouble origin = placed(d, 0.0);
+    const double* offset = from + d * slot.stride;
+    for (std::size_t i = 0; i < slot.count; ++i) {
+      result[i * axes + d] = static_cast<double>(origin + offset[i]);
     }
   }
-  return result;
+  return result + slot.count * axes;
 }
 
 DoubleDouble Model::placed(int axis, double offset) const {
