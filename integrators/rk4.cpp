@@ -167,6 +167,7 @@ class Rk4Drift : public Rk4Base<Real> {
   }
 
   const Real* first_rates() const override { return start_rates_; }
+  void forces_changed() override { *started_ = 0; }
 
   void finish_dense_from(double) override {}
 

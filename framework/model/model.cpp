@@ -110,6 +110,7 @@ void Model::declare(StateLayout& layout) const {
   layout.add_reals("integrals", system().view.rates);
   layout.add_integers("origin_cells", 3);
   layout.add_integers("whole_turns", bodies().size());
+  assembly_.declare_controls(layout);
 }
 
 void Model::attach(RunState& state) {
@@ -120,6 +121,7 @@ void Model::attach(RunState& state) {
   cells_ = state.integers("origin_cells");
   whole_turns_ = state.integers("whole_turns");
   for (int d = 0; d < 3; ++d) origin_.cells[d] = cells_[d];
+  assembly_.attach_controls(state);
   assembly_.rebase(origin_);
   if (follower_) follower_->rebase(origin_);
 }
@@ -127,6 +129,7 @@ void Model::attach(RunState& state) {
 void Model::start(const Perturbation* noise) {
   const SystemView<double>& view = system().view;
   assembly_.start(view.position, view.velocity, view.integrals, noise);
+  assembly_.start_controls();
   for (int d = 0; d < dimension(); ++d) cells_[d] = origin_.cells[d] = plan_.origin.cells[d];
   assembly_.rebase(origin_);
   if (follower_) {

@@ -124,6 +124,13 @@ double Model::potential_energy(const DoubleDouble& time, const double* position,
   return total;
 }
 
+DoubleDouble Model::pulled_end(std::size_t driver, const DoubleDouble& time, int axis) const {
+  const Drive& drive = *drivers()[driver].drive;
+  const auto since = static_cast<double>(time - anchor_);
+  return placed(axis,
+                drive.start[axis] + std::fma(drive.velocity[axis], since, drive.travel[axis]));
+}
+
 Model::CoordinateName Model::name_of(std::size_t coordinate) const {
   static const char* const axes[] = {"x", "y", "z"};
   for (const Body& body : bodies()) {

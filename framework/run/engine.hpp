@@ -4,11 +4,15 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "framework/core/scheme.hpp"
 #include "framework/model/model.hpp"
+#include "framework/run/events.hpp"
 #include "framework/run/extremes.hpp"
+#include "framework/run/instant.hpp"
 #include "framework/run/observe_kernels.hpp"
 #include "framework/run/run.hpp"
 
@@ -51,6 +55,24 @@ class Engine {
     DoubleDouble place(std::size_t k) const { return {centre[2 * k], centre[2 * k + 1]}; }
   };
 
+  /// A force that waits for an observable to pass a value.
+  struct Trigger {
+    std::size_t force = 0;
+    Instant instant;
+    std::int64_t* beyond = nullptr;  ///< above the upper value, below the lower one
+  };
+  struct Passed {
+    std::size_t trigger = 0;
+    double theta = 1.0;  ///< part of the step
+  };
+  /// Where a body that is watched is, and how fast: height, and rotation in turns.
+  struct Reading {
+    double height = 0.0;
+    double rise = 0.0;
+    double turns = 0.0;
+    double spin = 0.0;
+  };
+
   void declare(StateLayout& layout);
   void attach();
   void resolve_window();
@@ -59,10 +81,31 @@ class Engine {
   void warn_of_idle_velocities();
   void warn_of_fine_tolerance();
   void bound_unwatched_steps();
+  bool take_to(const Passed& passed, const DoubleDouble& begin, double length, double since,
+               const DoubleDouble& arrived, bool to_grid);
   bool own_variables_are_finite() const;
   void refuse_endless() const;
-  bool take(double since, double h, const DoubleDouble& end, bool to_grid);
+  bool take(double since, double h, const DoubleDouble& end, bool to_grid, bool watched = true);
   double since_anchor();
+  void anchor_here();
+  DoubleDouble into_step() const;
+  void list_watches();
+  void list_triggers();
+  void start_triggers();
+  bool waiting() const;
+  void read_triggers(const DoubleDouble& time, const double* position, const double* velocity,
+                     const double* integrals);
+  double beyond(const Trigger& trigger, int side) const;
+  std::optional<Passed> first_passed(const DoubleDouble& begin, double h, double since);
+  void fire(const Trigger& trigger);
+  void read_bodies(const double* position, const double* velocity, std::vector<Reading>& readings);
+  void interpolate_readings(double theta, double h);
+  void watch(double at, const double* signals, const std::vector<Reading>& readings);
+  void record(Event event);
+  double heat_so_far();
+  double direction_of(std::size_t driver) const;
+  void start_until();
+  void end_period();
   std::int64_t plain_steps() const;
   void plain_block(std::int64_t most);
   void look(double at);
@@ -82,13 +125,17 @@ class Engine {
   void sample(double at, const double* position, const double* velocity, const double* integrals);
   void keep_moment(Moment& moment, double at, const double* position, const double* velocity,
                    const double* integrals);
+  bool housekeeping_due() const;
   void housekeeping();
   void track_rotation();
   double turns_of(std::size_t body, const double* position) const;
   void finish();
+  void finish_events();
   void fail(StepFault fault, double h);
   RunResult result();
   EnergyResult energy(bool window) const;
+  EventCounts event_counts() const;
+  SteadyResult steady() const;
   DoubleDouble now() const { return {clock_[0], clock_[1]}; }
 
   std::shared_ptr<const Scene> scene_;
@@ -119,9 +166,34 @@ class Engine {
   std::size_t signal_count_ = 0;
   std::vector<double> signals_;
   std::vector<double> pulls_;
-  std::vector<double> between_[4];  ///< signals at thirds of a step
+  std::vector<double> between_[4];              ///< signals at thirds of a step
+  std::vector<std::vector<double>> direction_;  ///< velocity of each driver at the start
+  std::vector<double> speed_;                   ///< its size
   Extremes extremes_;
   FirstMaximum first_maximum_;
+
+  // Events. Those that are only told of follow from signals; those that change a force split steps.
+  std::vector<DriverWatch> driver_watches_;
+  std::vector<BodyWatch> body_watches_;
+  DriverWatch::Emit emit_;
+  DriverWatch::Heat heat_;
+  std::string_view event_name_;
+  std::int64_t* event_counts_ = nullptr;  ///< by kind, in the run state
+  std::vector<Reading> readings_;         ///< by body watch, at the start of the step
+  std::vector<Reading> end_readings_;
+  std::vector<Reading> between_readings_;
+  std::vector<Trigger> triggers_;
+  AlignedVector<double> trigger_rates_;
+  std::vector<double> trigger_turns_;
+  Instant::State instant_;
+  DoubleDouble seen_;  ///< the time of the state while its last step is looked at
+  RunState before_;    ///< the state at the start of a step that may be split
+
+  // Until it is steady.
+  double period_ = 0.0;       ///< of the driver, as a time; 0: runs for its duration
+  double* steady_ = nullptr;  ///< in the run state
+  enum { kPeriods, kLastValue, kLastChange, kChange, kAlike, kReached, kSteadyNumbers };
+  bool period_over_ = false;
 
   Moment from_;
   Moment to_;
