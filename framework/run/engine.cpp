@@ -7,11 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/kernel_tables.hpp"
 #include "framework/run/diagnose.hpp"
 #include "framework/run/number_type.hpp"
-
-TOMLIN_DECLARE_DOUBLE_TABLES(ObserveKernels, ObserveTable)
 
 namespace tomlin {
 namespace {
@@ -50,7 +47,7 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
       options_(options),
       model_(scene_, options.instruction_set),
       scheme_(*scene_->run.integrator.record),
-      observe_(kernels::ObserveKernels.on(options.instruction_set)),
+      observe_(model_.observe()),
       duration_(scene_->run.duration) {
   const void* description = scene_->run.integrator.description.get();
   dt_ = scheme_.step(description);

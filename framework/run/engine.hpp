@@ -10,10 +10,10 @@
 
 #include "framework/core/scheme.hpp"
 #include "framework/model/model.hpp"
+#include "framework/model/observe_kernels.hpp"
 #include "framework/run/events.hpp"
 #include "framework/run/extremes.hpp"
 #include "framework/run/instant.hpp"
-#include "framework/run/observe_kernels.hpp"
 #include "framework/run/run.hpp"
 
 namespace tomlin {
