@@ -20,7 +20,7 @@ install(TARGETS ${targets} EXPORT tomlin INCLUDES DESTINATION ${header_folder})
 install(EXPORT tomlin FILE tomlinTargets.cmake NAMESPACE tomlin:: DESTINATION ${package_folder})
 
 install(DIRECTORY framework forcefields integrators DESTINATION ${header_folder}
-        FILES_MATCHING PATTERN "*.hpp" PATTERN "cli" EXCLUDE)
+        FILES_MATCHING PATTERN "*.hpp" PATTERN "cli" EXCLUDE PATTERN "plot" EXCLUDE)
 # The checks that every force has to pass are for forces of others, too.
 install(FILES tests/support/conformance.hpp tests/support/force_bench.hpp
               tests/support/number_types.hpp tests/support/order.hpp
