@@ -139,6 +139,7 @@ class Model {
  private:
   static AssemblyPlan plan_for(const Scene& scene, InstructionSet set);
   static void begin_step(void* model, double time_high, double time_low);
+  void evaluate_point(double position, double velocity, double* rates) const;
   void keep_shapes();
   void place_origin();
   double share_of_stiffness(const Force& force, const Stage<double>& here);

@@ -15,12 +15,32 @@ void Model::evaluate_at(const DoubleDouble& time, const double* position, const 
                         const double* integrals, double* rates) {
   const DoubleDouble anchored = anchor_;
   anchor(time);
-  const Stage<double> here = stage(position, velocity, integrals, rates);
   const SystemView<double>& view = system().view;
-  for (std::size_t k = 0; k < view.operation_count; ++k) {
-    view.operations[k].run(view.operations[k].arguments, here);
+  if (view.point_force_count > 0) {
+    evaluate_point(*position, *velocity, rates);
+  } else {
+    const Stage<double> here = stage(position, velocity, integrals, rates);
+    for (std::size_t k = 0; k < view.operation_count; ++k) {
+      view.operations[k].run(view.operations[k].arguments, here);
+    }
   }
   anchor(anchored);
+}
+
+/// The same numbers for a particle alone, without a loop over particles in each force.
+void Model::evaluate_point(double position, double velocity, double* rates) const {
+  const SystemView<double>& view = system().view;
+  double total = 0.0;
+  for (std::size_t k = 0; k < view.point_force_count; ++k) {
+    const PointForce<double>& force = view.point_forces[k];
+    const PointResult<double> part =
+        force.run(force.parameters, position, velocity, force.start, 0.0);
+    total = k == 0 ? part.force : total + part.force;
+    if (force.rate == kNoRate) continue;
+    rates[force.rate] = part.force;
+    rates[force.rate + 1] = part.power;
+  }
+  view.force[0] = total;
 }
 
 void Model::centre(std::size_t b, const double* position, double* result) const {

@@ -50,4 +50,20 @@ std::unique_ptr<TrajectoryWriter> trajectory_writer(const std::string& format,
   return std::make_unique<H5mdWriter>(file, layout, facts);
 }
 
+TrajectoryFile::TrajectoryFile(std::filesystem::path file, std::string format,
+                               TrajectoryFacts facts)
+    : file_(std::move(file)), format_(std::move(format)), facts_(std::move(facts)) {}
+
+void TrajectoryFile::begin(const RunLayout& layout) {
+  if (!layout.bodies.empty()) writer_ = trajectory_writer(format_, file_, layout, facts_);
+}
+
+void TrajectoryFile::sample(const std::vector<double>& row) {
+  if (writer_) writer_->frame(row);
+}
+
+void TrajectoryFile::finish() {
+  if (writer_) writer_->finish();
+}
+
 }  // namespace tomlin

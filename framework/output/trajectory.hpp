@@ -5,7 +5,9 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "framework/output/result_file.hpp"
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
 
@@ -51,6 +53,23 @@ std::unique_ptr<TrajectoryWriter> trajectory_writer(const std::string& format,
                                                     const std::filesystem::path& file,
                                                     const RunLayout& layout,
                                                     const TrajectoryFacts& facts);
+
+/// The trajectory among the results of a run. Nothing is opened before the run begins, and nothing
+/// ever where no positions are to come.
+class TrajectoryFile : public ResultFile {
+ public:
+  TrajectoryFile(std::filesystem::path file, std::string format, TrajectoryFacts facts);
+
+  void begin(const RunLayout& layout) override;
+  void sample(const std::vector<double>& row) override;
+  void finish() override;
+
+ private:
+  std::filesystem::path file_;
+  std::string format_;
+  TrajectoryFacts facts_;
+  std::unique_ptr<TrajectoryWriter> writer_;
+};
 
 /// The axes that the field's programs expect, whatever a scene has.
 inline constexpr std::size_t kTrajectoryAxes = 3;

@@ -129,7 +129,7 @@ class Engine {
   bool stopped() const;
   void signals_from_rates(const double* rates);
   void signals_from_velocity(const double* velocity, double at);
-  void serve_dense(const DoubleDouble& from, const DoubleDouble& to, double next_since);
+  void serve_dense(double due, const DoubleDouble& from, const DoubleDouble& to, double next_since);
   void serve_point(double at, const double* x, const double* v, const double* z);
   double next_dense() const;
   void sample(double at, const double* position, const double* velocity, const double* integrals);
