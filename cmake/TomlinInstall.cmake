@@ -34,7 +34,7 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/tomlinConfigVersion
                                  COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/package/tomlinConfig.cmake
               ${CMAKE_BINARY_DIR}/package/tomlinConfigVersion.cmake
-              cmake/TomlinKernels.cmake cmake/kernels.cpp.in
+              cmake/TomlinHdf5.cmake cmake/TomlinKernels.cmake cmake/kernels.cpp.in
         DESTINATION ${package_folder})
 
 # The pages, laid out as they link to each other, with the scenes that they run.

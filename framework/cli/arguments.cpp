@@ -101,12 +101,22 @@ PATH is a parameter's name or a dotted path such as run.duration, body.ring.coor
 force.driver.stiffness, with a component's name, or its type where it has none. VALUE is as in a
 scene: a number, true, [1.0, 0.0], a word or an expression.
 
+  tomlin run pt.toml --resume
+      goes on with the run that was stopped in pt.out/, or begins it when there is none yet.
+
 DIR then holds
   summary.json      mean, static and extreme forces, work, motion of the bodies, warnings
   observables.csv   the samples in time, when the scene has [output] every
+  events.csv        slips, turns and the like: when, how large
   scene.toml        the scene with all defaults filled in; running it gives the same bits
+and, while the run is going on or after it was stopped, what it can be resumed from
+  run.checkpoint    kept every [run] checkpoint_every seconds
+  run.journal       all samples and events so far
 
-Ctrl-C ends a run early and leaves what is known so far; a second Ctrl-C ends it at once.
+Ctrl-C ends a run early and leaves what is known so far, with a checkpoint; a second Ctrl-C ends it
+at once. A run that was stopped, killed, or found its disk full goes on with --resume, from the last
+checkpoint to the same bits as one that was left alone. The scene must be the same, and so must the
+version of tomlin.
 
 Exit status: 0 done; 1 the run failed numerically (the message says when, where and why) or its
 results could not be written; 2 the input was not right, and nothing was written; 130 or 143 after
@@ -303,11 +313,10 @@ class CommandLine {
     take_scene(*run_, asked_.scene);
     run_->add_option("-o,--output", asked_.folder, "folder for the results; SCENE's stem + .out")
         ->type_name("DIR");
+    run_->add_flag("--resume", asked_.resume, "go on with the run that was stopped in DIR");
     run_->add_flag("--force", asked_.force,
                    "DIR need not be empty; only files that tomlin writes are replaced");
     run_->add_flag("--quiet", asked_.quiet, "say nothing but errors");
-    resume_ = run_->add_flag("--resume", resume_wanted_, "continue a run")
-                  ->group("Later, not in this version");
     plugin_ = run_->add_option("--plugin", plugins_, "more components from a shared library")
                   ->type_name("LIB")
                   ->group("Later, not in this version");
@@ -395,8 +404,9 @@ class CommandLine {
   }
 
   RunArguments run_arguments() {
-    for (const CLI::Option* later : {resume_, plugin_}) {
-      if (later->count() > 0) refuse(later->get_name() + " is not in this version");
+    if (plugin_->count() > 0) refuse(plugin_->get_name() + " is not in this version");
+    if (asked_.resume && asked_.force) {
+      refuse("--resume goes on with a run, --force starts it again", "", "one of them");
     }
     asked_.settings = settings_of(settings_);
     return asked_;
@@ -436,7 +446,6 @@ class CommandLine {
   CLI::App* new_ = nullptr;
   CLI::App* describe_ = nullptr;
   CLI::App* plot_ = nullptr;
-  CLI::Option* resume_ = nullptr;
   CLI::Option* plugin_ = nullptr;
   RunArguments asked_;
   ExplainArguments explained_;
@@ -448,7 +457,6 @@ class CommandLine {
   std::vector<std::string> moments_;
   std::vector<std::string> settings_;
   std::vector<std::string> plugins_;
-  bool resume_wanted_ = false;
 };
 
 }  // namespace

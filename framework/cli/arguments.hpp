@@ -15,6 +15,7 @@ struct RunArguments {
   std::string scene;
   std::vector<Setting> settings;
   std::optional<std::string> folder;
+  bool resume = false;
   bool force = false;
   bool quiet = false;
 };

@@ -7,11 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/kernel_tables.hpp"
 #include "framework/run/diagnose.hpp"
 #include "framework/run/number_type.hpp"
-
-TOMLIN_DECLARE_DOUBLE_TABLES(ObserveKernels, ObserveTable)
 
 namespace tomlin {
 namespace {
@@ -37,6 +34,17 @@ constexpr double kMostSteps = 9007199254740992.0;
 /// A table of a hundred terabytes.
 constexpr double kMostSamples = 1e12;
 
+/// "position 8, clock 2, ...": numbers mean something only where the same fields are kept.
+std::string fields_of(const StateLayout& layout) {
+  std::string fields;
+  for (const auto* group : {&layout.reals(), &layout.integers(), &layout.raw()}) {
+    for (const StateLayout::Field& field : *group) {
+      fields += fmt::format("{}{} {}", fields.empty() ? "" : ", ", field.name, field.count);
+    }
+  }
+  return fields;
+}
+
 double norm(const std::vector<double>& v) {
   double squares = 0.0;
   for (const double x : v) squares = std::fma(x, x, squares);
@@ -50,7 +58,7 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
       options_(options),
       model_(scene_, options.instruction_set),
       scheme_(*scene_->run.integrator.record),
-      observe_(kernels::ObserveKernels.on(options.instruction_set)),
+      observe_(model_.observe()),
       duration_(scene_->run.duration) {
   const void* description = scene_->run.integrator.description.get();
   dt_ = scheme_.step(description);
@@ -404,6 +412,7 @@ void Engine::begin_sink() {
   layout.dimension = model_.dimension();
   layout.box = scene_->box.lengths;
   layout.periodic = scene_->box.periodic;
+  layout.state = fields_of(state_.layout());
   if (sampling_) {
     static const char* const axes[] = {"x", "y", "z"};
     std::vector<SampleColumn>& columns = layout.columns;
@@ -465,7 +474,9 @@ double Engine::next_dense() const {
 bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid, bool watched) {
   const DoubleDouble begin = now();
   const bool waits = watched && waiting();
-  const bool dense = dt_ == 0.0 || waits || next_dense() <= static_cast<double>(end);
+  const double due = next_dense();
+  // What falls on the end of a fixed step needs no interpolation.
+  const bool dense = dt_ == 0.0 || waits || due < static_cast<double>(end);
   if (waits) before_.copy_numbers(state_);
   read_bodies(model_.system().view.position, dt_ == 0.0 ? model_.system().view.velocity : nullptr,
               readings_);
@@ -504,7 +515,7 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid,
   } else {
     next_since = since_anchor();
   }
-  if (next_dense() <= static_cast<double>(arrived)) serve_dense(begin, arrived, next_since);
+  if (due <= static_cast<double>(arrived)) serve_dense(due, begin, arrived, next_since);
   if (period_over_) end_period();
   if (housekeeping_due() || counts_[kRotationEvery] == 1) housekeeping();
   if (within_step_) interrupted_ = ended_ = true;
@@ -762,29 +773,32 @@ void Engine::signals_from_velocity(const double* velocity, double at) {
   }
 }
 
-void Engine::serve_dense(const DoubleDouble& from, const DoubleDouble& to, double next_since) {
+void Engine::serve_dense(double due, const DoubleDouble& from, const DoubleDouble& to,
+                         double next_since) {
   // The end of the step itself needs no interpolation, and so no evaluation.
-  if (next_dense() < static_cast<double>(to)) integrator_->finish_dense_from(next_since);
+  if (due < static_cast<double>(to)) integrator_->finish_dense_from(next_since);
   const double length = static_cast<double>(to - from);
   std::uint64_t served = 0;
-  for (double at = next_dense(); at <= static_cast<double>(to); at = next_dense()) {
+  for (double at = due; at <= static_cast<double>(to); at = next_dense()) {
     // A signal gets through between samples of a very long step, which is then left unfinished.
     if (++served % kSamplesBetweenLooks == 0 && stopped()) {
       within_step_ = true;
       return;
     }
+    if (dt_ > 0.0 && at == static_cast<double>(to)) {
+      const SystemView<double>& view = model_.system().view;
+      serve_point(at, view.position, view.velocity, view.integrals);
+      continue;
+    }
     const double theta =
         std::clamp(static_cast<double>(DoubleDouble(at) - from) / length, 0.0, 1.0);
     integrator_->interpolate(theta, dense_position_.data(), dense_velocity_.data(),
                              dense_integrals_.data());
-    serve_point(at);
+    serve_point(at, dense_position_.data(), dense_velocity_.data(), dense_integrals_.data());
   }
 }
 
-void Engine::serve_point(double at) {
-  const double* x = dense_position_.data();
-  const double* v = dense_velocity_.data();
-  const double* z = dense_integrals_.data();
+void Engine::serve_point(double at, const double* x, const double* v, const double* z) {
   if (*from_.reached == 0 && at >= from_.time) keep_moment(from_, at, x, v, z);
   if (*from_.reached != 0 && *to_.reached == 0 && at >= to_.time) {
     keep_moment(to_, at, x, v, z);

@@ -10,10 +10,10 @@
 
 #include "framework/core/scheme.hpp"
 #include "framework/model/model.hpp"
+#include "framework/model/observe_kernels.hpp"
 #include "framework/run/events.hpp"
 #include "framework/run/extremes.hpp"
 #include "framework/run/instant.hpp"
-#include "framework/run/observe_kernels.hpp"
 #include "framework/run/run.hpp"
 
 namespace tomlin {
@@ -130,8 +130,8 @@ class Engine {
   bool stopped() const;
   void signals_from_rates(const double* rates);
   void signals_from_velocity(const double* velocity, double at);
-  void serve_dense(const DoubleDouble& from, const DoubleDouble& to, double next_since);
-  void serve_point(double at);
+  void serve_dense(double due, const DoubleDouble& from, const DoubleDouble& to, double next_since);
+  void serve_point(double at, const double* x, const double* v, const double* z);
   double next_dense() const;
   void sample(double at, const double* position, const double* velocity, const double* integrals);
   void keep_moment(Moment& moment, double at, const double* position, const double* velocity,

@@ -144,6 +144,7 @@ struct RunLayout {
   int dimension = 0;
   std::vector<double> box;     ///< lengths by axis; empty: there is none
   std::vector<bool> periodic;  ///< by axis, with a box
+  std::string state;           ///< names and sizes of what stands in a checkpoint's numbers
 
   std::size_t particles() const;
   /// Numbers of one sample: the columns, then positions [particle][axis].
