@@ -17,6 +17,18 @@ int write_all(const Descriptor& file, std::span<const std::byte> bytes) {
   return 0;
 }
 
+int write_at(const Descriptor& file, std::span<const std::byte> bytes, std::size_t at) {
+  while (!bytes.empty()) {
+    const ssize_t written =
+        ::pwrite(file.number(), bytes.data(), bytes.size(), static_cast<off_t>(at));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return errno;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+    at += static_cast<std::size_t>(written);
+  }
+  return 0;
+}
+
 std::ptrdiff_t read_at(const Descriptor& file, std::span<std::byte> bytes, std::size_t at) {
   std::size_t done = 0;
   while (done < bytes.size()) {

@@ -1,5 +1,6 @@
 #include "framework/output/output_file.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <system_error>
@@ -20,7 +21,7 @@ std::filesystem::path unfinished(std::filesystem::path file) { return file += kU
 OutputFile::OutputFile(std::filesystem::path file)
     : file_(std::move(file)), unfinished_(unfinished(file_)) {
   descriptor_ =
-      Descriptor(::open(unfinished_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+      Descriptor(::open(unfinished_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
   if (!descriptor_.open()) fail(errno);
 }
 
@@ -32,6 +33,20 @@ void OutputFile::append(std::string_view text) { append(std::as_bytes(std::span(
 
 void OutputFile::append(std::span<const std::byte> bytes) {
   if (const int error = write_all(descriptor_, bytes)) fail(error);
+}
+
+void OutputFile::write_at(std::uint64_t place, std::span<const std::byte> bytes) {
+  if (const int error = tomlin::write_at(descriptor_, bytes, place)) fail(error);
+}
+
+void OutputFile::read_at(std::uint64_t place, std::span<std::byte> bytes) const {
+  const std::ptrdiff_t read = tomlin::read_at(descriptor_, bytes, place);
+  if (read < 0) fail(static_cast<int>(-read));
+  std::fill(bytes.begin() + read, bytes.end(), std::byte{0});
+}
+
+void OutputFile::resize(std::uint64_t size) {
+  if (::ftruncate(descriptor_.number(), static_cast<off_t>(size)) != 0) fail(errno);
 }
 
 void OutputFile::publish(Lasting lasting) {

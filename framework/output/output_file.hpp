@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -41,6 +44,11 @@ class OutputFile {
   /// Not buffered.
   void append(std::string_view text);
   void append(std::span<const std::byte> bytes);
+  /// The same anywhere in the file; what lies before it and was never written is zero.
+  void write_at(std::uint64_t place, std::span<const std::byte> bytes);
+  /// What was written there; zeros behind the end.
+  void read_at(std::uint64_t place, std::span<std::byte> bytes) const;
+  void resize(std::uint64_t size);
   /// Gives the file its name, replacing one that has it.
   void publish(Lasting lasting = Lasting::with_its_name);
 

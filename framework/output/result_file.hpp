@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "framework/output/run_folder.hpp"
@@ -20,6 +21,7 @@ class ResultFile : public RunSink {
 };
 
 /// The files that a scene's runs leave beside the summary.
-std::vector<std::unique_ptr<ResultFile>> result_files(const Scene& scene, const RunFolder& folder);
+std::vector<std::unique_ptr<ResultFile>> result_files(const Scene& scene, const RunFolder& folder,
+                                                      const std::string& program_version);
 
 }  // namespace tomlin

@@ -125,7 +125,7 @@ void RunRecorder::checkpoint(const RunState& state) {
 void RunRecorder::write_results() {
   const JournalMark end = journal_->flush();
   journal_->check_in_place();
-  auto files = result_files(scene_, folder_);
+  auto files = result_files(scene_, folder_, version_);
   ToAll all(files);
   try {
     JournalReader journal(folder_.file(kJournalFile));

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "framework/output/number_text.hpp"
+
 namespace tomlin {
 namespace {
 
@@ -43,7 +45,7 @@ void TableWriter::sample(const std::vector<double>& row) {
   }
   for (std::size_t k = 0; k < names_.size(); ++k) {
     if (k > 0) buffer_ += ',';
-    fmt::format_to(std::back_inserter(buffer_), "{:.17g}", row[k]);
+    append_number(buffer_, row[k]);
   }
   buffer_ += '\n';
   ++rows_;

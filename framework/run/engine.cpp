@@ -7,11 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/kernel_tables.hpp"
 #include "framework/run/diagnose.hpp"
 #include "framework/run/number_type.hpp"
-
-TOMLIN_DECLARE_DOUBLE_TABLES(ObserveKernels, ObserveTable)
 
 namespace tomlin {
 namespace {
@@ -61,7 +58,7 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
       options_(options),
       model_(scene_, options.instruction_set),
       scheme_(*scene_->run.integrator.record),
-      observe_(kernels::ObserveKernels.on(options.instruction_set)),
+      observe_(model_.observe()),
       duration_(scene_->run.duration) {
   const void* description = scene_->run.integrator.description.get();
   dt_ = scheme_.step(description);
@@ -170,8 +167,10 @@ void Engine::declare(StateLayout& layout) {
   extremes_.declare(layout, signal_count_);
   first_maximum_.declare(layout, drivers_.size());
   layout.add_integers("events.counts", kEventKinds);
-  layout.add_reals("events.drivers", driver_watches_.size() * DriverWatch::kNumbers);
-  layout.add_reals("events.bodies", body_watches_.size() * BodyWatch::kNumbers);
+  layout.add_reals("events.drivers", driver_watches_.size() * DriverWatch::kReals);
+  layout.add_integers("events.drivers", driver_watches_.size() * DriverWatch::kIntegers);
+  layout.add_reals("events.bodies", body_watches_.size() * BodyWatch::kReals);
+  layout.add_integers("events.bodies", body_watches_.size() * BodyWatch::kIntegers);
   layout.add_integers("events.beyond", 2 * triggers_.size());
   if (period_ > 0.0) layout.add_reals("until", kSteadyNumbers);
 }
@@ -187,14 +186,16 @@ void Engine::attach() {
   last_turns_ = state_.reals("last_turns");
   turn_wraps_ = state_.integers("turn_wraps");
   event_counts_ = state_.integers("events.counts");
-  double* numbers = state_.reals("events.drivers");
-  for (DriverWatch& watch : driver_watches_) {
-    watch.attach(std::exchange(numbers, numbers + DriverWatch::kNumbers));
-  }
-  numbers = state_.reals("events.bodies");
-  for (BodyWatch& watch : body_watches_) {
-    watch.attach(std::exchange(numbers, numbers + BodyWatch::kNumbers));
-  }
+  const auto attach_watches = [this](const char* field, auto& watches) {
+    double* reals = state_.reals(field);
+    std::int64_t* integers = state_.integers(field);
+    for (auto& watch : watches) {
+      watch.attach(std::exchange(reals, reals + watch.kReals),
+                   std::exchange(integers, integers + watch.kIntegers));
+    }
+  };
+  attach_watches("events.drivers", driver_watches_);
+  attach_watches("events.bodies", body_watches_);
   std::int64_t* beyond = state_.integers("events.beyond");
   for (Trigger& trigger : triggers_) trigger.beyond = std::exchange(beyond, beyond + 2);
   if (period_ > 0.0) steady_ = state_.reals("until");
@@ -218,6 +219,7 @@ void Engine::resume(const std::vector<std::byte>& numbers) {
   time_before_ = time();
   steps_before_ = steps();
   anchor_here();
+  set_directions();
   if (period_ > 0.0) {
     // After the run's last period its window stays.
     const double last = std::nearbyint(duration_ / period_) - 1.0;
@@ -242,8 +244,9 @@ void Engine::list_signals() {
     drivers_.push_back(driver);
     const Drive* drive = driver.drive;
     drags_.push_back(drive != nullptr && drive->steady && norm(drive->velocity) > 0.0);
-    direction_.push_back(drive->velocity);
+    direction_.insert(direction_.end(), drive->velocity.begin(), drive->velocity.end());
     speed_.push_back(norm(drive->velocity));
+    along_.push_back(1.0 / speed_.back());
   }
   signal_count_ = drivers_.size() * model_.dimension() + model_.bodies().size();
   signals_.assign(signal_count_, 0.0);
@@ -474,9 +477,12 @@ double Engine::next_dense() const {
 bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid, bool watched) {
   const DoubleDouble begin = now();
   const bool waits = watched && waiting();
-  const bool dense = dt_ == 0.0 || waits || next_dense() <= static_cast<double>(end);
+  const double due = next_dense();
+  // What falls on the end of a fixed step needs no interpolation.
+  const bool dense = dt_ == 0.0 || waits || due < static_cast<double>(end);
   if (waits) before_.copy_numbers(state_);
-  read_bodies(model_.system().view.position, model_.system().view.velocity, readings_);
+  read_bodies(model_.system().view.position, dt_ == 0.0 ? model_.system().view.velocity : nullptr,
+              readings_);
   signals_from_velocity(model_.system().view.velocity, static_cast<double>(begin));
   const StepReport report = integrator_->step_from(since, h, dense);
   if (report.fault != StepFault::none) {
@@ -512,7 +518,7 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid,
   } else {
     next_since = since_anchor();
   }
-  if (next_dense() <= static_cast<double>(arrived)) serve_dense(begin, arrived, next_since);
+  if (due <= static_cast<double>(arrived)) serve_dense(due, begin, arrived, next_since);
   if (period_over_) end_period();
   if (housekeeping_due() || counts_[kRotationEvery] == 1) housekeeping();
   if (within_step_) interrupted_ = ended_ = true;
@@ -520,19 +526,24 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid,
 }
 
 /// Back to the start of the step, and to the event alone: what is left of a step of the grid is a
-/// step of its own. An event at a step's end splits nothing.
+/// step of its own. An event at either end of a step splits nothing.
 bool Engine::take_to(const Passed& passed, const DoubleDouble& begin, double length, double since,
                      const DoubleDouble& arrived, bool to_grid) {
   state_.copy_numbers(before_);
   model_.attach(state_);
   anchor_here();
   integrator_->rebased();
-  const bool split =
-      passed.theta * length > kNoStep * length && (1.0 - passed.theta) * length > kNoStep * length;
+  const Trigger& trigger = triggers_[passed.trigger];
+  if (passed.theta <= kNoStep) {
+    fire(trigger);
+    return true;
+  }
+  const bool split = passed.theta < 1.0 - kNoStep;
   const DoubleDouble end = split ? begin + passed.theta * length : arrived;
   const double part = split ? passed.theta * length : length;
   if (!take(since, part, end, to_grid && !split, false)) return false;
-  if (static_cast<double>(now() - end) == 0.0) fire(triggers_[passed.trigger]);
+  // An adaptive scheme may have stopped before.
+  if (static_cast<double>(now() - end) == 0.0) fire(trigger);
   return true;
 }
 
@@ -626,7 +637,7 @@ void Engine::plain_block(std::int64_t most) {
     for (; taken < most; ++taken) {
       signals_from_velocity(model_.system().view.velocity,
                             static_cast<double>(counts_[kGridSteps] + taken) * dt_);
-      read_bodies(model_.system().view.position, model_.system().view.velocity, readings_);
+      read_bodies(model_.system().view.position, nullptr, readings_);
       fault = integrator_->step_from(after, dt_, false).fault;
       if (fault == StepFault::none && !own_variables_are_finite()) {
         fault = StepFault::not_finite_or_too_far;
@@ -653,14 +664,6 @@ void Engine::plain_block(std::int64_t most) {
   // How far drivers have come counts for the origin: they are looked at where `take` leaves them.
   since_anchor();
   housekeeping();
-}
-
-/// Along the driver's way at the start, times its speed.
-double Engine::pull_of(std::size_t k, const double* signals) const {
-  const int axes = model_.dimension();
-  double pull = 0.0;
-  for (int d = 0; d < axes; ++d) pull += direction_[k][d] * signals[k * axes + d];
-  return pull;
 }
 
 /// Long steps hide extremes: those of the cubic through the dense output at thirds of the step are
@@ -773,29 +776,32 @@ void Engine::signals_from_velocity(const double* velocity, double at) {
   }
 }
 
-void Engine::serve_dense(const DoubleDouble& from, const DoubleDouble& to, double next_since) {
+void Engine::serve_dense(double due, const DoubleDouble& from, const DoubleDouble& to,
+                         double next_since) {
   // The end of the step itself needs no interpolation, and so no evaluation.
-  if (next_dense() < static_cast<double>(to)) integrator_->finish_dense_from(next_since);
+  if (due < static_cast<double>(to)) integrator_->finish_dense_from(next_since);
   const double length = static_cast<double>(to - from);
   std::uint64_t served = 0;
-  for (double at = next_dense(); at <= static_cast<double>(to); at = next_dense()) {
+  for (double at = due; at <= static_cast<double>(to); at = next_dense()) {
     // A signal gets through between samples of a very long step, which is then left unfinished.
     if (++served % kSamplesBetweenLooks == 0 && stopped()) {
       within_step_ = true;
       return;
     }
+    if (dt_ > 0.0 && at == static_cast<double>(to)) {
+      const SystemView<double>& view = model_.system().view;
+      serve_point(at, view.position, view.velocity, view.integrals);
+      continue;
+    }
     const double theta =
         std::clamp(static_cast<double>(DoubleDouble(at) - from) / length, 0.0, 1.0);
     integrator_->interpolate(theta, dense_position_.data(), dense_velocity_.data(),
                              dense_integrals_.data());
-    serve_point(at);
+    serve_point(at, dense_position_.data(), dense_velocity_.data(), dense_integrals_.data());
   }
 }
 
-void Engine::serve_point(double at) {
-  const double* x = dense_position_.data();
-  const double* v = dense_velocity_.data();
-  const double* z = dense_integrals_.data();
+void Engine::serve_point(double at, const double* x, const double* v, const double* z) {
   if (*from_.reached == 0 && at >= from_.time) keep_moment(from_, at, x, v, z);
   if (*from_.reached != 0 && *to_.reached == 0 && at >= to_.time) {
     keep_moment(to_, at, x, v, z);
@@ -945,7 +951,10 @@ void Engine::finish() {
     keep_moment(to_, to_.time, view.position, view.velocity, view.integrals);
   }
   model_.evaluate_at(now(), view.position, view.velocity, view.integrals, final_rates_.data());
-  if (!failure_ && !interrupted_) finish_events();
+  if (!failure_ && !interrupted_) {
+    finish_events();
+    warn_of_unsteadiness();
+  }
   if (!ledger_) return;
   kinetic_energy_ = model_.kinetic_energy(view.velocity);
   potential_energy_ = model_.potential_energy(now(), view.position, view.velocity, view.integrals);
