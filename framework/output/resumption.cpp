@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,7 +16,6 @@ namespace tomlin {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kLargestText = std::size_t{1} << 30;
 constexpr const char* kStartAgain = "--force, which starts again from the beginning";
 
 [[noreturn]] void refuse(const fs::path& what, std::string why, std::string admissible = "") {
@@ -70,13 +70,20 @@ void require_same_scene(const fs::path& file, std::string_view before, const Sce
          "the scene as it was, another folder, or --force, which starts again from the beginning");
 }
 
+/// All of a text file; what cannot be read is refused.
+std::string text_of(const fs::path& path) {
+  std::error_code error;
+  const auto size = fs::file_size(path, error);
+  TextFile file = read_text_file(path, error ? 0 : static_cast<std::size_t>(size));
+  if (!file.why.empty()) refuse(path, file.why);
+  return std::move(file.text);
+}
+
 /// scene.toml, where it is there, is the scene that the run is of.
 void require_same_scene_file(const RunFolder& folder, const Scene& scene) {
   if (!folder.holds(kSceneFile)) return;
   const fs::path path = folder.file(kSceneFile);
-  const TextFile file = read_text_file(path, kLargestText);
-  if (!file.why.empty()) refuse(path, file.why);
-  require_same_scene(path, file.text, scene);
+  require_same_scene(path, text_of(path), scene);
 }
 
 /// What the summary says, as far as it matters here.
@@ -88,9 +95,7 @@ struct Ended {
 Ended read_summary(const RunFolder& folder) {
   if (!folder.holds(kSummaryFile)) return {};
   const fs::path path = folder.file(kSummaryFile);
-  const TextFile file = read_text_file(path, kLargestText);
-  if (!file.why.empty()) refuse(path, file.why);
-  const auto summary = nlohmann::json::parse(file.text, nullptr, false);
+  const auto summary = nlohmann::json::parse(text_of(path), nullptr, false);
   const auto text = [](const nlohmann::json& object, const char* key) {
     if (!object.is_object()) return std::string();
     const auto found = object.find(key);
@@ -115,7 +120,8 @@ class Ignored : public RunSink {
 
 /// A journal without a checkpoint is that of a run which was killed before it kept any; then it
 /// holds no more than the start.
-Resumption without_checkpoint(const RunFolder& folder, JournalReader& journal, Descriptor owned) {
+Resumption without_checkpoint(const RunFolder& folder, JournalReader& journal, Descriptor owned,
+                              const Ended& ended) {
   Ignored ignored;
   try {
     journal.play(ignored);
@@ -123,7 +129,7 @@ Resumption without_checkpoint(const RunFolder& folder, JournalReader& journal, D
     // What was being written when the run was killed.
   }
   const JournalMark& mark = journal.mark();
-  if (folder.holds(kSummaryFile)) {
+  if (ended.status == to_string(RunStatus::interrupted)) {
     refuse(folder.file(kCheckpointFile), "there is none, though the run was stopped with one");
   }
   if (mark.rows > 1 || mark.events > 0) {
@@ -167,7 +173,7 @@ Resumption with_checkpoint(const RunFolder& folder, JournalReader& journal, Desc
 }
 
 Resumption from_journal(const RunFolder& folder, const Scene& scene,
-                        const std::string& program_version, Descriptor owned) {
+                        const std::string& program_version, Descriptor owned, const Ended& ended) {
   const bool has_checkpoint = folder.holds(kCheckpointFile);
   std::optional<JournalReader> journal;
   try {
@@ -191,7 +197,7 @@ Resumption from_journal(const RunFolder& folder, const Scene& scene,
   require_same_scene_file(folder, scene);
   return has_checkpoint
              ? with_checkpoint(folder, *journal, std::move(owned), scene, program_version)
-             : without_checkpoint(folder, *journal, std::move(owned));
+             : without_checkpoint(folder, *journal, std::move(owned), ended);
 }
 
 /// There is neither a journal nor a summary: only a start that was killed leaves such a folder.
@@ -240,7 +246,7 @@ Resumption find_resumption(const RunFolder& folder, const Scene& scene,
     return resumption;
   }
   if (!owned.open()) return without_journal(folder, scene, ended);
-  return from_journal(folder, scene, program_version, std::move(owned));
+  return from_journal(folder, scene, program_version, std::move(owned), ended);
 } catch (const DamagedFile& damage) {
   refuse(damage);
 }

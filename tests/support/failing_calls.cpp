@@ -1,9 +1,8 @@
 /// A library that stands between the program and the system (LD_PRELOAD). It counts the calls that
 /// change files, and lets the one that is asked for go wrong:
 ///   FAILING_CALLS_AT=N        which one, from 1
-///   FAILING_CALLS_HOW=        "error": it fails, "from_then_on": and so does every later one,
-///                             "half": if it writes, half is written, and the rest not any more,
-///                             "kill": the program is killed before it
+///   FAILING_CALLS_HOW=        "error": it fails; "half": it fails, if it writes after half of it,
+///                             and so does every later one; "kill": the program is killed before it
 ///   FAILING_CALLS_ERROR=E     errno of the failure; no space by default
 ///   FAILING_CALLS_COUNT=FILE  gets the number of calls at the end
 /// fsync() counts and fails, but never waits: nothing here survives a power cut anyway.
@@ -13,6 +12,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -46,6 +46,12 @@ bool fails() {
   const long error = asked_for("FAILING_CALLS_ERROR");
   errno = error != 0 ? static_cast<int>(error) : ENOSPC;
   return true;
+}
+
+/// Of the first write that fails half gets through, where that was asked for.
+bool half_is_left(size_t size) {
+  static bool done = false;
+  return how("half") && size > 1 && !std::exchange(done, true);
 }
 
 template <class Function>
@@ -83,11 +89,13 @@ int open(const char* path, int flags, ...) {
 ssize_t write(int file, const void* data, size_t size) {
   static auto* const next = real<ssize_t(int, const void*, size_t)>("write");
   if (file < kStandardStreams || !fails()) return next(file, data, size);
-  if (!how("half")) return -1;
-  static bool done = false;
-  if (done || size < 2) return -1;
-  done = true;
-  return next(file, data, size / 2);
+  return half_is_left(size) ? next(file, data, size / 2) : -1;
+}
+
+ssize_t pwrite(int file, const void* data, size_t size, off_t place) {
+  static auto* const next = real<ssize_t(int, const void*, size_t, off_t)>("pwrite");
+  if (!fails()) return next(file, data, size, place);
+  return half_is_left(size) ? next(file, data, size / 2, place) : -1;
 }
 
 int fsync(int file) {
