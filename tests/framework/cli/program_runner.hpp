@@ -41,6 +41,8 @@ inline Ended run_program(const std::filesystem::path& folder,
   const TemporaryFolder capture;
   const std::string out = (capture / "out").string();
   const std::string err = (capture / "err").string();
+  write(out, "");  // there even when the program is killed before it begins
+  write(err, "");
   const std::string target = conditions.standard_output.empty() ? out : conditions.standard_output;
   std::vector<std::string> words = {TOMLIN_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
