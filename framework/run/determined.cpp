@@ -96,6 +96,7 @@ void determine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
   }
   RunOptions quiet = options;
   quiet.sink = nullptr;
+  quiet.resume_from = nullptr;
   for (std::int64_t repeat = 1; repeat <= settings.repeats; ++repeat) {
     quiet.perturbation =
         Perturbation{settings.bodies, settings.size, static_cast<std::uint64_t>(scene->run.seed),

@@ -19,6 +19,7 @@ constexpr double kNoStep = 1e-9;
 /// Steps between looks at the origin, at rotations and at signals. A particle moves less than a
 /// period in a step, so the origin is never left far behind.
 constexpr std::int64_t kHousekeepingEvery = 16;
+constexpr std::uint64_t kBatch = 64 * kHousekeepingEvery;
 /// A flexible body that would turn more than this between such looks is looked at after every step.
 constexpr double kMuchTurning = 0.05;
 constexpr std::chrono::milliseconds kReportEvery{200};
@@ -939,7 +940,9 @@ bool Engine::stopped() const {
 }
 
 RunResult Engine::run() {
-  while (!done()) advance(1024);
+  // Where batches end blocks of steps do, and some of what is watched is looked at there: at the
+  // same steps whether the run began here or goes on from a checkpoint.
+  while (!done()) advance(kBatch - steps() % kBatch);
   finish();
   return result();
 }
