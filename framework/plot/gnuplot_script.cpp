@@ -229,7 +229,7 @@ std::string gnuplot_script(const Figure& figure, PictureFormat format) {
       "set pointintervalbox 0\n";
   script += fmt::format("set lmargin at screen {:.6f}\n", layout.left());
   script += fmt::format("set rmargin at screen {:.6f}\n", layout.right());
-  script += "set key left top Left reverse samplen 2 noenhanced\n";
+  script += "set key left top Left reverse samplen 2 maxrows 1000 noenhanced\n";
   script += "set xrange " + range(figure.x_from, figure.x_to) + "\nset autoscale xfix\n";
   script += "set multiplot\n";
   if (!figure.title.empty()) {
