@@ -159,8 +159,10 @@ void Engine::declare(StateLayout& layout) {
   extremes_.declare(layout, signal_count_);
   first_maximum_.declare(layout, drivers_.size());
   layout.add_integers("events.counts", kEventKinds);
-  layout.add_reals("events.drivers", driver_watches_.size() * DriverWatch::kNumbers);
-  layout.add_reals("events.bodies", body_watches_.size() * BodyWatch::kNumbers);
+  layout.add_reals("events.drivers", driver_watches_.size() * DriverWatch::kReals);
+  layout.add_integers("events.drivers", driver_watches_.size() * DriverWatch::kIntegers);
+  layout.add_reals("events.bodies", body_watches_.size() * BodyWatch::kReals);
+  layout.add_integers("events.bodies", body_watches_.size() * BodyWatch::kIntegers);
   layout.add_integers("events.beyond", 2 * triggers_.size());
   if (period_ > 0.0) layout.add_reals("until", kSteadyNumbers);
 }
@@ -176,14 +178,16 @@ void Engine::attach() {
   last_turns_ = state_.reals("last_turns");
   turn_wraps_ = state_.integers("turn_wraps");
   event_counts_ = state_.integers("events.counts");
-  double* numbers = state_.reals("events.drivers");
-  for (DriverWatch& watch : driver_watches_) {
-    watch.attach(std::exchange(numbers, numbers + DriverWatch::kNumbers));
-  }
-  numbers = state_.reals("events.bodies");
-  for (BodyWatch& watch : body_watches_) {
-    watch.attach(std::exchange(numbers, numbers + BodyWatch::kNumbers));
-  }
+  const auto attach_watches = [this](const char* field, auto& watches) {
+    double* reals = state_.reals(field);
+    std::int64_t* integers = state_.integers(field);
+    for (auto& watch : watches) {
+      watch.attach(std::exchange(reals, reals + watch.kReals),
+                   std::exchange(integers, integers + watch.kIntegers));
+    }
+  };
+  attach_watches("events.drivers", driver_watches_);
+  attach_watches("events.bodies", body_watches_);
   std::int64_t* beyond = state_.integers("events.beyond");
   for (Trigger& trigger : triggers_) trigger.beyond = std::exchange(beyond, beyond + 2);
   if (period_ > 0.0) steady_ = state_.reals("until");
@@ -205,6 +209,7 @@ void Engine::resume(const std::vector<std::byte>& numbers) {
   plain_left_ = 0;
   ended_ = interrupted_ = false;
   anchor_here();
+  set_directions();
   if (period_ > 0.0) {
     // After the run's last period its window stays.
     const double last = std::nearbyint(duration_ / period_) - 1.0;
@@ -229,8 +234,9 @@ void Engine::list_signals() {
     drivers_.push_back(driver);
     const Drive* drive = driver.drive;
     drags_.push_back(drive != nullptr && drive->steady && norm(drive->velocity) > 0.0);
-    direction_.push_back(drive->velocity);
+    direction_.insert(direction_.end(), drive->velocity.begin(), drive->velocity.end());
     speed_.push_back(norm(drive->velocity));
+    along_.push_back(1.0 / speed_.back());
   }
   signal_count_ = drivers_.size() * model_.dimension() + model_.bodies().size();
   signals_.assign(signal_count_, 0.0);
@@ -461,7 +467,8 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid,
   const bool waits = watched && waiting();
   const bool dense = dt_ == 0.0 || waits || next_dense() <= static_cast<double>(end);
   if (waits) before_.copy_numbers(state_);
-  read_bodies(model_.system().view.position, model_.system().view.velocity, readings_);
+  read_bodies(model_.system().view.position, dt_ == 0.0 ? model_.system().view.velocity : nullptr,
+              readings_);
   signals_from_velocity(model_.system().view.velocity, static_cast<double>(begin));
   const StepReport report = integrator_->step_from(since, h, dense);
   if (report.fault != StepFault::none) {
@@ -505,19 +512,24 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid,
 }
 
 /// Back to the start of the step, and to the event alone: what is left of a step of the grid is a
-/// step of its own. An event at a step's end splits nothing.
+/// step of its own. An event at either end of a step splits nothing.
 bool Engine::take_to(const Passed& passed, const DoubleDouble& begin, double length, double since,
                      const DoubleDouble& arrived, bool to_grid) {
   state_.copy_numbers(before_);
   model_.attach(state_);
   anchor_here();
   integrator_->rebased();
-  const bool split =
-      passed.theta * length > kNoStep * length && (1.0 - passed.theta) * length > kNoStep * length;
+  const Trigger& trigger = triggers_[passed.trigger];
+  if (passed.theta <= kNoStep) {
+    fire(trigger);
+    return true;
+  }
+  const bool split = passed.theta < 1.0 - kNoStep;
   const DoubleDouble end = split ? begin + passed.theta * length : arrived;
   const double part = split ? passed.theta * length : length;
   if (!take(since, part, end, to_grid && !split, false)) return false;
-  if (static_cast<double>(now() - end) == 0.0) fire(triggers_[passed.trigger]);
+  // An adaptive scheme may have stopped before.
+  if (static_cast<double>(now() - end) == 0.0) fire(trigger);
   return true;
 }
 
@@ -611,7 +623,7 @@ void Engine::plain_block(std::int64_t most) {
     for (; taken < most; ++taken) {
       signals_from_velocity(model_.system().view.velocity,
                             static_cast<double>(counts_[kGridSteps] + taken) * dt_);
-      read_bodies(model_.system().view.position, model_.system().view.velocity, readings_);
+      read_bodies(model_.system().view.position, nullptr, readings_);
       fault = integrator_->step_from(after, dt_, false).fault;
       if (fault == StepFault::none && !own_variables_are_finite()) {
         fault = StepFault::not_finite_or_too_far;
@@ -638,14 +650,6 @@ void Engine::plain_block(std::int64_t most) {
   // How far drivers have come counts for the origin: they are looked at where `take` leaves them.
   since_anchor();
   housekeeping();
-}
-
-/// Along the driver's way at the start, times its speed.
-double Engine::pull_of(std::size_t k, const double* signals) const {
-  const int axes = model_.dimension();
-  double pull = 0.0;
-  for (int d = 0; d < axes; ++d) pull += direction_[k][d] * signals[k * axes + d];
-  return pull;
 }
 
 /// Long steps hide extremes: those of the cubic through the dense output at thirds of the step are
@@ -930,7 +934,10 @@ void Engine::finish() {
     keep_moment(to_, to_.time, view.position, view.velocity, view.integrals);
   }
   model_.evaluate_at(now(), view.position, view.velocity, view.integrals, final_rates_.data());
-  if (!failure_ && !interrupted_) finish_events();
+  if (!failure_ && !interrupted_) {
+    finish_events();
+    warn_of_unsteadiness();
+  }
   if (!ledger_) return;
   kinetic_energy_ = model_.kinetic_energy(view.velocity);
   potential_energy_ = model_.potential_energy(now(), view.position, view.velocity, view.integrals);

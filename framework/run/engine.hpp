@@ -38,7 +38,8 @@ class Engine {
   /// Take up to this many steps (fewer at the end of the run, or when one fails) with everything
   /// that a run does along the way. For benchmarks and tests.
   void advance(std::uint64_t steps);
-  bool done() const { return ended_ || failure_.has_value(); }
+  bool done() const { return ended_ || failed(); }
+  bool failed() const { return failure_.has_value(); }
   double time() const { return clock_[0] + clock_[1]; }
   std::uint64_t steps() const { return static_cast<std::uint64_t>(counts_[kSteps]); }
 
@@ -98,19 +99,29 @@ class Engine {
   double beyond(const Trigger& trigger, int side) const;
   std::optional<Passed> first_passed(const DoubleDouble& begin, double h, double since);
   void fire(const Trigger& trigger);
+  double height_of(double y) const;
   void read_bodies(const double* position, const double* velocity, std::vector<Reading>& readings);
   void interpolate_readings(double theta, double h);
   void watch(double at, const double* signals, const std::vector<Reading>& readings);
   void record(Event event);
   double heat_so_far();
-  double direction_of(std::size_t driver) const;
+  void set_directions();
   void start_until();
   void end_period();
+  void warn_of_unsteadiness();
   std::int64_t plain_steps() const;
   void plain_block(std::int64_t most);
   void look(double at);
   bool look_between(double from, double to);
-  double pull_of(std::size_t driver, const double* signals) const;
+  /// Force of a driver along its way at the start, times its speed.
+  double pull_of(std::size_t driver, const double* signals) const {
+    const auto axes = static_cast<std::size_t>(model_.dimension());
+    double pull = 0.0;
+    for (std::size_t s = driver * axes; s < (driver + 1) * axes; ++s) {
+      pull += direction_[s] * signals[s];
+    }
+    return pull;
+  }
   void step_fixed(std::uint64_t most);
   void step_adaptive();
   void begin_sink();
@@ -166,9 +177,10 @@ class Engine {
   std::size_t signal_count_ = 0;
   std::vector<double> signals_;
   std::vector<double> pulls_;
-  std::vector<double> between_[4];              ///< signals at thirds of a step
-  std::vector<std::vector<double>> direction_;  ///< velocity of each driver at the start
-  std::vector<double> speed_;                   ///< its size
+  std::vector<double> between_[4];  ///< signals at thirds of a step
+  std::vector<double> direction_;   ///< [driver * dimension + axis], velocities at the start
+  std::vector<double> speed_;       ///< of each driver
+  std::vector<double> along_;       ///< pull times this is the force along the present velocity
   Extremes extremes_;
   FirstMaximum first_maximum_;
 

@@ -176,6 +176,7 @@ void Engine::fire(const Trigger& trigger) {
                                                                                  : 1;
   trigger.beyond[side] = 1;
   anchor_here();
+  set_directions();
   integrator_->forces_changed();
   for (DriverWatch& watch : driver_watches_) {
     if (drivers_[watch.driver()].name == force.name) watch.turned();
@@ -206,6 +207,12 @@ double Engine::heat_so_far() {
          model_.potential_energy(seen_, view.position, view.velocity, view.integrals);
 }
 
+/// Hardly ever is there a cell along y.
+double Engine::height_of(double y) const {
+  return model_.origin().cells[1] == 0 ? y : static_cast<double>(model_.placed(1, y));
+}
+
+/// Without velocities (null) heights and turns alone.
 void Engine::read_bodies(const double* position, const double* velocity,
                          std::vector<Reading>& readings) {
   for (std::size_t k = 0; k < body_watches_.size(); ++k) {
@@ -213,14 +220,16 @@ void Engine::read_bodies(const double* position, const double* velocity,
     const BodySlot<double>& slot = model_.bodies()[b].bound.slot;
     Reading& reading = readings[k];
     if (slot.rigid) {
-      const double* x = position + slot.centre;
-      const double* v = velocity + slot.centre;
-      reading = {static_cast<double>(model_.placed(1, x[1])), v[1], model_.rotation(b, position),
-                 v[kRotation]};
+      reading.height = height_of(position[slot.centre + 1]);
+      reading.turns = model_.rotation(b, position);
+      if (velocity == nullptr) continue;
+      reading.rise = velocity[slot.centre + 1];
+      reading.spin = velocity[slot.centre + kRotation];
     } else if (body_watches_[k].watches_hops()) {
       double mean[3];
       observe_.mean(slot, position, 2, mean);
-      reading.height = static_cast<double>(model_.placed(1, mean[1]));
+      reading.height = height_of(mean[1]);
+      if (velocity == nullptr) continue;
       observe_.mean(slot, velocity, 2, mean);
       reading.rise = mean[1];
     }
@@ -236,12 +245,15 @@ void Engine::interpolate_readings(double theta, double h) {
   }
 }
 
-/// 1 or, where the driver has turned round, -1.
-double Engine::direction_of(std::size_t driver) const {
-  const std::vector<double>& velocity = drivers_[driver].drive->velocity;
-  double along = 0.0;
-  for (int d = 0; d < model_.dimension(); ++d) along += velocity[d] * direction_[driver][d];
-  return along < 0.0 ? -1.0 : 1.0;
+/// Drivers may have turned round.
+void Engine::set_directions() {
+  for (std::size_t k = 0; k < drivers_.size(); ++k) {
+    const std::vector<double>& velocity = drivers_[k].drive->velocity;
+    double along = 0.0;
+    for (int d = 0; d < model_.dimension(); ++d)
+      along += velocity[d] * direction_[k * model_.dimension() + d];
+    along_[k] = (along < 0.0 ? -1.0 : 1.0) / speed_[k];
+  }
 }
 
 /// Signals of one moment, for those who wait for something to happen.
@@ -249,7 +261,7 @@ void Engine::watch(double at, const double* signals, const std::vector<Reading>&
   for (DriverWatch& watch : driver_watches_) {
     const std::size_t driver = watch.driver();
     event_name_ = drivers_[driver].name;
-    watch.add(at, direction_of(driver) * pull_of(driver, signals) / speed_[driver], emit_, heat_);
+    watch.add(at, pull_of(driver, signals) * along_[driver], emit_, heat_);
   }
   for (std::size_t k = 0; k < body_watches_.size(); ++k) {
     BodyWatch& watch = body_watches_[k];
@@ -260,19 +272,18 @@ void Engine::watch(double at, const double* signals, const std::vector<Reading>&
   }
 }
 
-/// What is going on when the run ends counts as far as it got.
+/// The end is one more moment. What is going on then counts as far as it got.
 void Engine::finish_events() {
+  const SystemView<double>& view = model_.system().view;
+  signals_from_rates(final_rates_.data());
+  read_bodies(view.position, nullptr, readings_);
+  watch(time(), signals_.data(), readings_);
   for (DriverWatch& watch : driver_watches_) {
     event_name_ = drivers_[watch.driver()].name;
     watch.finish(time(), emit_);
   }
-  const SystemView<double>& view = model_.system().view;
-  read_bodies(view.position, view.velocity, readings_);
-  for (std::size_t k = 0; k < body_watches_.size(); ++k) {
-    BodyWatch& watch = body_watches_[k];
-    const Model::Body& body = model_.bodies()[watch.body()];
-    event_name_ = body.bound.name;
-    if (watch.watches_hops()) watch.add_height(time(), readings_[k].height, emit_);
+  for (BodyWatch& watch : body_watches_) {
+    event_name_ = model_.bodies()[watch.body()].bound.name;
     watch.add_turns(time(), turns_of(watch.body(), view.position), emit_);
     watch.finish(time(), emit_);
   }
@@ -337,6 +348,17 @@ void Engine::end_period() {
   std::copy(to_.turns, to_.turns + model_.bodies().size(), from_.turns);
   *from_.stored = *to_.stored;
   extremes_.start();
+}
+
+void Engine::warn_of_unsteadiness() {
+  if (period_ == 0.0 || steady_[kReached] != 0.0) return;
+  const UntilSettings& until = *scene_->run.until;
+  const std::string change =
+      steady_[kPeriods] < 2.0
+          ? "after one period"
+          : fmt::format("it still changes by a part of {:.2g}", steady_[kChange]);
+  warnings_.push_back(fmt::format("{} is not steady to {:g} by time {:g}: {}", until.steady,
+                                  until.tolerance, duration_, change));
 }
 
 SteadyResult Engine::steady() const {

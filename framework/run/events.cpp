@@ -26,17 +26,31 @@ double speed_of(const Drive& drive) {
   return std::sqrt(square);
 }
 
-}  // namespace
-
-void LastPoints::add(double time, double value) {
-  for (std::size_t k = kMost - 1; k > 0; --k) {
-    numbers_[1 + 2 * k] = numbers_[2 * k - 1];
-    numbers_[2 + 2 * k] = numbers_[2 * k];
-  }
-  numbers_[1] = time;
-  numbers_[2] = value;
-  if (numbers_[0] < static_cast<double>(kMost)) numbers_[0] += 1.0;
+/// An event with nothing known of it.
+Event of_kind(EventKind kind) {
+  Event event;
+  event.kind = kind;
+  event.time = event.duration = event.size = event.energy_lost = event.peak_force = kNone;
+  return event;
 }
+
+Event between(EventKind kind, double from, double to, double size) {
+  Event event = of_kind(kind);
+  event.time = from;
+  event.duration = to - from;
+  event.size = size;
+  return event;
+}
+
+Event reversal(double from, double to, double way_back) {
+  return between(EventKind::reversal, from, to, way_back);
+}
+
+Event hop(double from, double to, double height) {
+  return between(EventKind::hop, from, to, height);
+}
+
+}  // namespace
 
 /// Neville's scheme.
 double LastPoints::at(double t) const {
@@ -106,14 +120,16 @@ DriverWatch::DriverWatch(std::size_t driver, const Drive& drive, double period, 
       period_(period),
       precision_(precision) {}
 
-void DriverWatch::attach(double* numbers) {
-  force_ = LastPoints(numbers);
-  numbers_ = numbers + LastPoints::kNumbers;
+void DriverWatch::attach(double* reals, std::int64_t* integers) {
+  force_ = LastPoints(reals, integers);
+  numbers_ = reals + LastPoints::kReals;
+  busy_ = integers + LastPoints::kIntegers;
 }
 
 void DriverWatch::start() {
   force_.clear();
-  std::fill(numbers_, numbers_ + kNumbers - LastPoints::kNumbers, 0.0);
+  std::fill(numbers_, numbers_ + kReals - LastPoints::kReals, 0.0);
+  std::fill(busy_, busy_ + kIntegers - LastPoints::kIntegers, 0);
 }
 
 /// Of the pulled point, along the pull.
@@ -121,44 +137,41 @@ double DriverWatch::way(double from, double force_from, double to, double force_
   return speed_ * (to - from) - (force_to - force_from) / stiffness_;
 }
 
-void DriverWatch::add(double time, double force, const Emit& emit, const Heat& heat) {
-  force_.add(time, force);
-  if (force_.count() < 3) return;
-  if (watches_slips()) watch_slip(emit, heat);
-  watch_reversal(emit);
+void DriverWatch::look(const Emit& emit, const Heat& heat) {
+  if (watches_slips()) look_for_slip(emit, heat);
+  look_for_reversal(emit);
 }
 
-void DriverWatch::watch_slip(const Emit& emit, const Heat& heat) {
+void DriverWatch::look_for_slip(const Emit& emit, const Heat& heat) {
   const double now = force_.time(0);
   const double f0 = force_.value(0);
   const double f1 = force_.value(1);
-  const bool slipping = numbers_[kSlips] != 0.0;
+  const bool slipping = busy_[kSlipping] != 0;
   if (!slipping && f1 >= f0 && f1 > force_.value(2)) {
     numbers_[kPeakTime] = force_.when_slope_is(0.0, force_.time(2), now);
     numbers_[kPeakForce] = force_.at(numbers_[kPeakTime]);
     numbers_[kPeakHeat] = heat();
-    numbers_[kHasPeak] = 1.0;
+    busy_[kHasPeak] = 1;
   }
-  const double interval = now - force_.time(1);
-  const double scale = stiffness_ * speed_ * interval;
-  const bool fast = std::abs(scale - (f0 - f1)) > kFastFactor * scale;
+  const double pulled = stiffness_ * speed_ * (now - force_.time(1));
+  const bool fast = std::abs(pulled - (f0 - f1)) > kFastFactor * pulled;
   if (fast) {
     if (!slipping) {
       // A run may start with one.
-      if (numbers_[kHasPeak] == 0.0) {
+      if (busy_[kHasPeak] == 0) {
         numbers_[kPeakTime] = force_.time(1);
         numbers_[kPeakForce] = f1;
         numbers_[kPeakHeat] = heat();
       }
-      numbers_[kSlips] = 1.0;
+      busy_[kSlipping] = 1;
     }
-    numbers_[kFast] = 1.0;
+    busy_[kFast] = 1;
     numbers_[kLastFast] = now;
     return;
   }
   if (!slipping) return;
-  if (numbers_[kFast] != 0.0) {
-    numbers_[kFast] = 0.0;
+  if (busy_[kFast] != 0) {
+    busy_[kFast] = 0;
     const bool forwards = f0 < f1;
     const double level = stiffness_ * speed_ * (1.0 + (forwards ? -kFastFactor : kFastFactor));
     numbers_[kLastFast] = force_.when_slope_is(level, force_.time(2), now);
@@ -167,7 +180,7 @@ void DriverWatch::watch_slip(const Emit& emit, const Heat& heat) {
   }
   if ((now - numbers_[kLastFast]) * speed_ < kCalmPart * period_) return;
   emit_slip(emit);
-  numbers_[kSlips] = numbers_[kHasPeak] = 0.0;
+  busy_[kSlipping] = busy_[kHasPeak] = 0;
 }
 
 void DriverWatch::emit_slip(const Emit& emit) const {
@@ -181,16 +194,16 @@ void DriverWatch::emit_slip(const Emit& emit) const {
   emit(slip);
 }
 
-void DriverWatch::watch_reversal(const Emit& emit) {
+void DriverWatch::look_for_reversal(const Emit& emit) {
   const double interval = force_.time(0) - force_.time(1);
   const double f0 = force_.value(0);
-  const double moved = speed_ * interval - (f0 - force_.value(1)) / stiffness_;
+  const double moved = way(force_.time(1), force_.value(1), force_.time(0), f0);
   const double noise =
       kNoMotion * speed_ * interval + kRoundings * precision_ * (std::abs(f0) / stiffness_);
   if (std::abs(moved) <= noise) return;
   const bool back = moved < 0.0;
-  if (back == (numbers_[kBack] != 0.0)) return;
-  numbers_[kBack] = back ? 1.0 : 0.0;
+  if (back == (busy_[kBack] != 0)) return;
+  busy_[kBack] = back ? 1 : 0;
   const double at = force_.when_slope_is(stiffness_ * speed_, force_.time(2), force_.time(0));
   const double force = force_.at(at);
   if (back) {
@@ -198,103 +211,82 @@ void DriverWatch::watch_reversal(const Emit& emit) {
     numbers_[kBackForce] = force;
     return;
   }
-  Event reversal;
-  reversal.kind = EventKind::reversal;
-  reversal.time = numbers_[kBackTime];
-  reversal.duration = at - reversal.time;
-  reversal.size = -way(reversal.time, numbers_[kBackForce], at, force);
-  reversal.energy_lost = reversal.peak_force = kNone;
-  emit(reversal);
+  emit(reversal(numbers_[kBackTime], at,
+                -way(numbers_[kBackTime], numbers_[kBackForce], at, force)));
 }
 
 void DriverWatch::finish(double time, const Emit& emit) {
-  if (force_.count() == 0) return;
-  if (numbers_[kSlips] != 0.0) {
-    if (numbers_[kFast] != 0.0) {
+  if (busy_[kSlipping] != 0) {
+    if (busy_[kFast] != 0) {
       numbers_[kLastFast] = force_.time(0);
       numbers_[kEndForce] = force_.value(0);
       numbers_[kEndHeat] = kNone;
     }
     emit_slip(emit);
   }
-  if (numbers_[kBack] == 0.0) return;
-  Event reversal;
-  reversal.kind = EventKind::reversal;
-  reversal.time = numbers_[kBackTime];
-  reversal.duration = time - reversal.time;
-  reversal.size = -way(reversal.time, numbers_[kBackForce], force_.time(0), force_.value(0));
-  reversal.energy_lost = reversal.peak_force = kNone;
-  emit(reversal);
+  if (busy_[kBack] == 0) return;
+  emit(reversal(numbers_[kBackTime], time,
+                -way(numbers_[kBackTime], numbers_[kBackForce], force_.time(0), force_.value(0))));
 }
 
-void BodyWatch::attach(double* numbers) {
-  height_ = LastPoints(numbers);
-  turns_ = LastPoints(numbers + LastPoints::kNumbers);
-  numbers_ = numbers + 2 * LastPoints::kNumbers;
+void BodyWatch::attach(double* reals, std::int64_t* integers) {
+  height_ = LastPoints(reals, integers);
+  turns_ = LastPoints(reals + LastPoints::kReals, integers + LastPoints::kIntegers);
+  numbers_ = reals + 2 * LastPoints::kReals;
+  busy_ = integers + 2 * LastPoints::kIntegers;
 }
 
 void BodyWatch::start() {
   height_.clear();
   turns_.clear();
-  std::fill(numbers_, numbers_ + kNumbers - 2 * LastPoints::kNumbers, 0.0);
+  std::fill(numbers_, numbers_ + kReals - 2 * LastPoints::kReals, 0.0);
+  std::fill(busy_, busy_ + kIntegers - 2 * LastPoints::kIntegers, 0);
 }
 
-void BodyWatch::add_height(double time, double y, const Emit& emit) {
-  height_.add(time, y);
-  if (numbers_[kStarted] == 0.0) {
-    numbers_[kStarted] = 1.0;
+void BodyWatch::look_for_hop(double time, double y, const Emit& emit) {
+  const double enough = kHopPart * radius_;
+  if (busy_[kStarted] == 0) {
+    busy_[kStarted] = 1;
     numbers_[kLow] = y;
+    numbers_[kHigh] = y + enough;
     return;
   }
-  const double enough = kHopPart * radius_;
   const double before = height_.time(1);
-  if (numbers_[kRisen] == 0.0) {
-    numbers_[kLow] = std::min(numbers_[kLow], y);
-    if (y - numbers_[kLow] <= enough) return;
-    numbers_[kRisen] = 1.0;
+  if (busy_[kRisen] == 0) {
+    if (y < numbers_[kLow]) {
+      numbers_[kLow] = y;
+      numbers_[kHigh] = y + enough;
+      return;
+    }
+    busy_[kRisen] = 1;
+    numbers_[kSince] = height_.when_value_is(numbers_[kHigh], before, time);
     numbers_[kHigh] = y;
-    numbers_[kSince] = height_.when_value_is(numbers_[kLow] + enough, before, time);
     return;
   }
   numbers_[kHigh] = std::max(numbers_[kHigh], y);
   if (numbers_[kHigh] - y <= enough) return;
-  Event hop;
-  hop.kind = EventKind::hop;
-  hop.time = numbers_[kSince];
-  hop.duration = height_.when_value_is(numbers_[kHigh] - enough, before, time) - hop.time;
-  hop.size = numbers_[kHigh] - numbers_[kLow];
-  hop.energy_lost = hop.peak_force = kNone;
-  numbers_[kRisen] = 0.0;
+  const double down = height_.when_value_is(numbers_[kHigh] - enough, before, time);
+  emit(hop(numbers_[kSince], down, numbers_[kHigh] - numbers_[kLow]));
+  busy_[kRisen] = 0;
   numbers_[kLow] = y;
-  emit(hop);
+  numbers_[kHigh] = y + enough;
 }
 
-void BodyWatch::add_turns(double time, double turns, const Emit& emit) {
-  turns_.add(time, turns);
-  // Rounding about a whole turn is no turn.
-  constexpr double kSlack = 1e-9;
-  while (std::abs(turns - numbers_[kWhole]) >= 1.0 - kSlack) {
+void BodyWatch::look_for_turn(double time, double turns, const Emit& emit) {
+  while (std::abs(turns - numbers_[kWhole]) >= kWholeTurn) {
     const double sign = turns > numbers_[kWhole] ? 1.0 : -1.0;
     numbers_[kWhole] += sign;
-    Event turn;
-    turn.kind = EventKind::turn;
     const double before = turns_.count() > 1 ? turns_.time(1) : time;
+    Event turn = of_kind(EventKind::turn);
     turn.time = turns_.when_value_is(numbers_[kWhole], before, time);
     turn.size = sign;
-    turn.duration = turn.energy_lost = turn.peak_force = kNone;
     emit(turn);
   }
 }
 
 void BodyWatch::finish(double time, const Emit& emit) {
-  if (numbers_[kRisen] == 0.0) return;
-  Event hop;
-  hop.kind = EventKind::hop;
-  hop.time = numbers_[kSince];
-  hop.duration = time - hop.time;
-  hop.size = numbers_[kHigh] - numbers_[kLow];
-  hop.energy_lost = hop.peak_force = kNone;
-  emit(hop);
+  if (busy_[kRisen] == 0) return;
+  emit(hop(numbers_[kSince], time, numbers_[kHigh] - numbers_[kLow]));
 }
 
 }  // namespace tomlin

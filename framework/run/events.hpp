@@ -14,21 +14,29 @@
 /// fourth order in their distance and no step is altered.
 namespace tomlin {
 
-/// The polynomial through the last points of a signal.
+/// The last points of a signal, and the polynomial through five of them.
 class LastPoints {
  public:
   static constexpr std::size_t kMost = 5;
-  static constexpr std::size_t kNumbers = 2 * kMost + 1;  ///< in the run state
+  static constexpr std::size_t kReals = 16;    ///< in the run state
+  static constexpr std::size_t kIntegers = 1;  ///< in the run state
 
   LastPoints() = default;
-  explicit LastPoints(double* numbers) : numbers_(numbers) {}
+  LastPoints(double* reals, std::int64_t* integers)
+      : times_(reals), values_(reals + kRing), added_(integers) {}
 
-  void clear() { numbers_[0] = 0.0; }
-  void add(double time, double value);
-  std::size_t count() const { return static_cast<std::size_t>(numbers_[0]); }
+  void clear() { *added_ = 0; }
+  void add(double time, double value) {
+    const std::size_t at = static_cast<std::size_t>((*added_)++) % kRing;
+    times_[at] = time;
+    values_[at] = value;
+  }
+  std::size_t count() const {
+    return *added_ < static_cast<std::int64_t>(kMost) ? static_cast<std::size_t>(*added_) : kMost;
+  }
   /// Of the point `back` points ago, 0 being the last.
-  double time(std::size_t back) const { return numbers_[1 + 2 * back]; }
-  double value(std::size_t back) const { return numbers_[2 + 2 * back]; }
+  double time(std::size_t back) const { return times_[place(back)]; }
+  double value(std::size_t back) const { return values_[place(back)]; }
 
   double at(double time) const;
   double slope_at(double time) const;
@@ -38,10 +46,16 @@ class LastPoints {
   double when_slope_is(double level, double from, double to) const;
 
  private:
+  static constexpr std::size_t kRing = 8;
+  std::size_t place(std::size_t back) const {
+    return static_cast<std::size_t>(*added_ - 1 - static_cast<std::int64_t>(back)) % kRing;
+  }
   template <class Function>
   double root(Function function, double from, double to) const;
 
-  double* numbers_ = nullptr;  ///< count, then time and value of each, the last one first
+  double* times_ = nullptr;
+  double* values_ = nullptr;
+  std::int64_t* added_ = nullptr;
 };
 
 /// Slips and reversals of the point that a spring of steady speed pulls. Both follow from the
@@ -54,10 +68,11 @@ class DriverWatch {
   /// With `precision`, the unit roundoff of forces.
   DriverWatch(std::size_t driver, const Drive& drive, double period, double precision);
 
-  static constexpr std::size_t kNumbers = LastPoints::kNumbers + 12;
+  static constexpr std::size_t kReals = LastPoints::kReals + 8;
+  static constexpr std::size_t kIntegers = LastPoints::kIntegers + 4;
   std::size_t driver() const { return driver_; }
   bool watches_slips() const { return period_ > 0.0; }
-  void attach(double* numbers);
+  void attach(double* reals, std::int64_t* integers);
   void start();
   /// Its driver has turned round: what was going on is over.
   void turned() { start(); }
@@ -65,28 +80,26 @@ class DriverWatch {
   using Emit = std::function<void(const Event&)>;
   /// Heat of the scene so far, but for a constant.
   using Heat = std::function<double()>;
-  void add(double time, double force, const Emit& emit, const Heat& heat);
+  /// The force along the pull at one more moment. Mostly nothing happens: the point sticks, and the
+  /// force rises no faster than the driver pulls.
+  void add(double time, double force, const Emit& emit, const Heat& heat) {
+    const bool known = force_.count() >= 2;
+    const double rise = known ? force - force_.value(0) : 0.0;
+    const double pulled = known ? stiffness_ * speed_ * (time - force_.time(0)) : 0.0;
+    force_.add(time, force);
+    if (rise > 0.0 && rise < pulled && busy_[kSlipping] + busy_[kBack] == 0) return;
+    if (known) look(emit, heat);
+  }
   /// The run is over: what is going on is reported as far as it got.
   void finish(double time, const Emit& emit);
 
  private:
-  enum {
-    kPeakTime,
-    kPeakForce,
-    kPeakHeat,
-    kHasPeak,
-    kSlips,
-    kLastFast,
-    kFast,
-    kEndForce,
-    kEndHeat,
-    kBack,
-    kBackTime,
-    kBackForce
-  };
+  enum { kPeakTime, kPeakForce, kPeakHeat, kLastFast, kEndForce, kEndHeat, kBackTime, kBackForce };
+  enum { kSlipping, kBack, kFast, kHasPeak };
   double way(double from, double force_from, double to, double force_to) const;
-  void watch_slip(const Emit& emit, const Heat& heat);
-  void watch_reversal(const Emit& emit);
+  void look(const Emit& emit, const Heat& heat);
+  void look_for_slip(const Emit& emit, const Heat& heat);
+  void look_for_reversal(const Emit& emit);
   void emit_slip(const Emit& emit) const;
 
   std::size_t driver_;
@@ -96,6 +109,7 @@ class DriverWatch {
   double precision_;
   LastPoints force_;
   double* numbers_ = nullptr;
+  std::int64_t* busy_ = nullptr;
 };
 
 /// Hops of a round body: its centre rises by more than a fifth of its radius above where it was
@@ -105,24 +119,42 @@ class BodyWatch {
  public:
   BodyWatch(std::size_t body, double radius) : body_(body), radius_(radius) {}
 
-  static constexpr std::size_t kNumbers = 2 * LastPoints::kNumbers + 6;
+  static constexpr std::size_t kReals = 2 * LastPoints::kReals + 4;
+  static constexpr std::size_t kIntegers = 2 * LastPoints::kIntegers + 2;
   std::size_t body() const { return body_; }
   bool watches_hops() const { return radius_ > 0.0; }
-  void attach(double* numbers);
+  void attach(double* reals, std::int64_t* integers);
   void start();
 
   using Emit = DriverWatch::Emit;
-  void add_height(double time, double height, const Emit& emit);
-  void add_turns(double time, double turns, const Emit& emit);
+  void add_height(double time, double height, const Emit& emit) {
+    height_.add(time, height);
+    if (busy_[kRisen] == 0 && height >= numbers_[kLow] && height <= numbers_[kHigh]) return;
+    look_for_hop(time, height, emit);
+  }
+  void add_turns(double time, double turns, const Emit& emit) {
+    turns_.add(time, turns);
+    const double since = turns - numbers_[kWhole];
+    if (since > -kWholeTurn && since < kWholeTurn) return;
+    look_for_turn(time, turns, emit);
+  }
   void finish(double time, const Emit& emit);
 
  private:
-  enum { kRisen, kLow, kHigh, kSince, kStarted, kWhole };
+  /// Rounding about a whole turn is no turn.
+  static constexpr double kWholeTurn = 1.0 - 1e-9;
+  enum { kLow, kHigh, kSince, kWhole };
+  enum { kRisen, kStarted };
+  void look_for_hop(double time, double height, const Emit& emit);
+  void look_for_turn(double time, double turns, const Emit& emit);
+
   std::size_t body_;
   double radius_;
   LastPoints height_;
   LastPoints turns_;
+  /// Lowest place since the last hop, and from which on it is one; during a hop its highest.
   double* numbers_ = nullptr;
+  std::int64_t* busy_ = nullptr;
 };
 
 }  // namespace tomlin
