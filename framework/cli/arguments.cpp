@@ -372,6 +372,10 @@ class CommandLine {
     plot_->add_option("--driver", plotted_.driver, "which one, where there are several")
         ->type_name("NAME");
     plot_->add_option("--body", plotted_.body, "likewise")->type_name("NAME");
+    plot_->add_option("--label", plotted_.labels, "what to call a DIR; once for each, in order")
+        ->type_name("TEXT")
+        ->option_text("TEXT ...")
+        ->allow_extra_args(false);
     plot_->add_option("--title", plotted_.title, "above the figure; none by default")
         ->type_name("TEXT");
   }

@@ -149,6 +149,16 @@ std::vector<StoredRun> read_runs(const std::vector<std::string>& folders,
   return runs;
 }
 
+std::vector<std::string> labels_of(const std::vector<StoredRun>& runs,
+                                   const PlotArguments& arguments) {
+  if (arguments.labels.empty()) return curve_labels(runs);
+  if (arguments.labels.size() != runs.size()) {
+    refuse("--label", fmt::format("{} for {} folders", arguments.labels.size(), runs.size()),
+           "one for each");
+  }
+  return arguments.labels;
+}
+
 Figure drawn_body(const std::vector<StoredRun>& runs, const PlotArguments& arguments,
                   std::vector<std::string>& notes) {
   if (!arguments.y.empty() || arguments.from || arguments.to) {
@@ -158,7 +168,7 @@ Figure drawn_body(const std::vector<StoredRun>& runs, const PlotArguments& argum
   if (!arguments.x.empty()) request.x = arguments.x;
   request.at = arguments.at;
   request.owners = {arguments.driver, arguments.body};
-  return body_figure(runs, curve_labels(runs), request, standard_registry(), notes);
+  return body_figure(runs, labels_of(runs, arguments), request, standard_registry(), notes);
 }
 
 Figure drawn_curves(const std::vector<StoredRun>& runs, const std::string& what,
@@ -180,7 +190,7 @@ Figure drawn_curves(const std::vector<StoredRun>& runs, const std::string& what,
   request.owners = {arguments.driver, arguments.body};
   request.from = arguments.from;
   request.to = arguments.to;
-  return curves_figure(runs, curve_labels(runs), request);
+  return curves_figure(runs, labels_of(runs, arguments), request);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ constexpr const char* kBelow = R"(
 The first word is a folder; another folder that is called like a figure is written with a slash, ring/.
 X and Y are such a quantity or any column of observables.csv. Commas put curves on one axis, another
 --y makes another panel below. Several DIRs are curves of one figure, named by the parameters in
-which their scenes differ, or else by their folders.
+which their scenes differ, or else by their folders; --label names them otherwise.
 
 Examples:
 

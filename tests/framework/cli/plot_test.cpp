@@ -118,6 +118,11 @@ TEST_F(Plot, RunsAreNamedByWhatDiffers) {
   EXPECT_TRUE(contains(same, "title \"tip\"")) << same;
   EXPECT_TRUE(contains(same, "title \"damped\"")) << same;
   EXPECT_FALSE(contains(script({"tip"}), " title \"t"));
+  const std::string own =
+      script({"tip", "damped", "--label", "free, so to say", "--label", "damped"});
+  EXPECT_TRUE(contains(own, "title \"free, so to say\"")) << own;
+  expect_refused({"plot", "tip", "damped", "--label", "one", "-o", "a.svg"},
+                 "tomlin: error: --label: 1 for 2 folders; admissible: one for each\n");
 }
 
 TEST_F(Plot, AxesPanelsAndRangesAreChosen) {
