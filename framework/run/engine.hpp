@@ -38,7 +38,8 @@ class Engine {
   /// Take up to this many steps (fewer at the end of the run, or when one fails) with everything
   /// that a run does along the way. For benchmarks and tests.
   void advance(std::uint64_t steps);
-  bool done() const { return ended_ || failure_.has_value(); }
+  bool done() const { return ended_ || failed(); }
+  bool failed() const { return failure_.has_value(); }
   double time() const { return clock_[0] + clock_[1]; }
   std::uint64_t steps() const { return static_cast<std::uint64_t>(counts_[kSteps]); }
 

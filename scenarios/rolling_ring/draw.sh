@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The runs of each figure of Sircar and Patra, a folder each, and how the paper draws them.
+# Draws the figures of Sircar and Patra into FOLDER. Needs gnuplot.
 #
 #     scenarios/rolling_ring/draw.sh PROGRAM FOLDER [FIGURE ...]
 set -euo pipefail
@@ -8,69 +8,96 @@ set -euo pipefail
   printf 'usage: %s PROGRAM FOLDER [2|3|4|5a|5|6|7|8|9|12b ...]\n' "$0" >&2
   exit 2
 }
-program=$(realpath "$1")
-folder=$2
 here=$(dirname "$(realpath "$0")")
+program=$(realpath "$1")
+mkdir -p "$2"
+folder=$(realpath "$2")
 shift 2
+runs=$(mktemp -d)
+trap 'rm -r "$runs"' EXIT
+cd "$runs"  # curves are named by their folders
 
-# curve SCENE NAME [--set PATH=VALUE ...]: one run, in FOLDER/NAME.
+# curve SCENE NAME [--set PATH=VALUE ...]: one run, in the folder NAME.
 curve() {
   local scene=$1 name=$2
   shift 2
-  "$program" run "$here/$scene.toml" --force -o "$folder/$name" "$@" >/dev/null
+  "$program" run "$here/$scene.toml" --force -o "$name" "$@" >/dev/null
 }
 
-# curves SCENE PARAMETER VALUE...: one run for each value, in FOLDER/SCENE_PARAMETER_VALUE.
+# curves SCENE PARAMETER VALUE...: one run for each value, in SCENE_PARAMETER_VALUE.
 curves() {
   local scene=$1 parameter=$2 value
   shift 2
-  for value in "$@"; do curve "$scene" "${scene}_${parameter}_$value" --set "$parameter=$value"; done
+  for value in "$@"; do
+    curve "$scene" "${scene}_${parameter}_$value" --set "$parameter=$value"
+  done
 }
 
-# Two panels: ring.centre_of_mass.x over driver.position.x; driver.force.x over
-# ring.centre_of_mass.x. All curves in each, and the tip's.
+# draw PICTURE RUN... [WHAT] [OPTION ...]: as `tomlin plot` takes them.
+draw() {
+  local picture=$1
+  shift
+  "$program" plot "$@" -o "$folder/$picture.svg" >/dev/null
+}
+
 figure_2() {
-  curves fig_2 lambda 0 0.001 0.01 0.1 1
-  curve fig_2 fig_2_tip --set R=1e-9 --set 'body.ring.hold=["rotation"]'
+  curves fig_2 lambda 0 0.01 0.1 1
+  curve fig_3_tip tip_k_2 --set k=2 --set 'run.duration=10 * a / v'
+  draw fig_2a fig_2_lambda_{0,0.01,0.1,1} tip_k_2 position --from 0.9 --to 2.4
+  draw fig_2b fig_2_lambda_{0,0.01,0.1,1} tip_k_2 hysteresis --from 0.4 --to 2.6
 }
 
-# As Fig. 2, there and back; of the tip, tip.centre_of_mass.x.
 figure_3() {
-  curves fig_3 lambda 0 0.01 0.1 1
-  curve fig_3_tip fig_3_tip
+  curves fig_3 lambda 0 0.1 1
+  curve fig_3_tip tip
+  draw fig_3 fig_3_lambda_{0,0.1,1} tip hysteresis
 }
 
-# ring.centre_of_mass.x over driver.position.x; inset: around the step near 1.0 (0.9 to 1.1).
-figure_4() { curves fig_4 k 34 35 36 37 38; }
+figure_4() {
+  curves fig_4 k 34 35 36 37 38
+  draw fig_4 fig_4_k_{34,35,36,37,38} position --from 0.97 --to 1.03
+}
 
-# The same.
-figure_5a() { curves fig_5a k 38 39 40 41 42; }
+figure_5a() {
+  curves fig_5a k 38 39 40 41 42
+  draw fig_5a fig_5a_k_{38,39,40,41,42} position --from 0.97 --to 1.03
+}
 
-# driver.force.x over driver.position.x, a panel each. The paper's F_f has the size of the whole
-# force, with driver.force.y, and the sign of its x component.
-figure_5() { curves fig_5 lambda 0.01 1 10 100; }
+figure_5() {
+  curves fig_5 lambda 0.01 1 10 100
+  draw fig_5 fig_5_lambda_{0.01,1,10,100} force_size --from 0 --to 3
+}
 
-# y over x of the particles from the trajectory, a closed polygon for each of these samples, and the
-# centre (ring.centre_of_mass) and the driver (driver.position) as points; a panel each.
-#   lambda = 0.01: driver.position.x = 1.215, 1.285, 1.850, 1.915, 2.215 (A to E)
-#   lambda = 1: 1.0, 1.2, 1.4, 1.6, 1.8, 2.0
-figure_6() { curves fig_6 lambda 0.01 1; }
+# At the borders of phases, A to E, that figures.py prints; for lambda = 1, which has none, evenly.
+figure_6() {
+  curves fig_6 lambda 0.01 1
+  draw fig_6a fig_6_lambda_0.01 ring --at 1215,1285,1850,1915,2215
+  draw fig_6b fig_6_lambda_1 ring --at 1000,1250,1500,1750,2000
+}
 
-# driver.force.x over driver.position.x, a panel each; from 10 on it repeats.
-figure_7() { curves fig_7 v 0.001 0.01 0.05 0.1; }
+figure_7() {
+  curves fig_7 v 0.001 0.01 0.05 0.1
+  draw fig_7 fig_7_v_{0.001,0.01,0.05,0.1} force --from 10 --to 12
+}
 
-# As Fig. 6, a panel each.
-#   v = 0.001: driver.position.x = 9.215, 9.285, 9.850, 9.915, 10.215 (A to E)
-#   v = 0.01: 9.335, 9.530, 9.970, 10.125, 10.335
-#   v = 0.05, 0.1: 9.0, 9.25, 9.5, 9.75, 10.0
-figure_8() { curves fig_8 v 0.001 0.01 0.05 0.1; }
+# As Fig. 6.
+figure_8() {
+  curves fig_8 v 0.001 0.01 0.05 0.1
+  draw fig_8a fig_8_v_0.001 ring --at 9215,9285,9850,9915,10215
+  draw fig_8b fig_8_v_0.01 ring --at 933.5,953,997,1012.5,1033.5
+  draw fig_8c fig_8_v_0.05 ring --at 180,185,190,195,200
+  draw fig_8d fig_8_v_0.1 ring --at 90,92.5,95,97.5,100
+}
 
-# Three rows over driver.position.x, a column for each R: driver.force.x; ring.centre_of_mass.x with a
-# dashed line of slope 1; ring.centre_of_mass.y.
-figure_9() { curves fig_9 R 0.001 0.01 0.1; }
+figure_9() {
+  curves fig_9 R 0.001 0.01 0.1
+  draw fig_9 fig_9_R_{0.001,0.01,0.1} --y force_size --y position --y height --from 0 --to 3
+}
 
-# driver.force.x over ring.centre_of_mass.x, both curves.
-figure_12b() { curves fig_12b v 0.001 0.005; }
+figure_12b() {
+  curves fig_12b v 0.001 0.005
+  draw fig_12b fig_12b_v_{0.001,0.005} hysteresis
+}
 
 (($#)) || set -- 2 3 4 5a 5 6 7 8 9 12b
 for figure in "$@"; do "figure_$figure"; done

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -169,6 +170,19 @@ TEST(RollingRingFig3, IsNearerToTheTipTheSmallerLambda) {
     const double away = difference(Hysteresis(kFig3, {{"lambda", lambda}}), tip);
     EXPECT_LT(away, 0.2 * last) << "lambda = " << lambda;
     last = away;
+  }
+}
+
+TEST(RollingRingFig3, LeavesTheSubstrateForLargeLambdaAndSlipsFurther) {
+  // A slip from fold to rest is a little less than whole periods.
+  for (const auto& [lambda, periods] :
+       {std::pair("0", 1), std::pair("0.1", 3), std::pair("1", 2)}) {
+    Trace trace;
+    run_shipped(kFig3, {{"lambda", lambda}}, &trace);
+    const auto& x = trace["ring.centre_of_mass.x"];
+    double longest = 0.0;  // way while the driver moves by a twentieth of a period
+    for (std::size_t n = 5; n < x.size(); ++n) longest = std::max(longest, x[n] - x[n - 5]);
+    EXPECT_NEAR(longest, periods - 0.1, 0.1) << "lambda = " << lambda;
   }
 }
 
