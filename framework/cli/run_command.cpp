@@ -96,8 +96,7 @@ int run_command(const RunArguments& arguments) {
   // The scene, then the place for its results; only then is anything made.
   const Registry registry = standard_registry();
   const auto scene = read_scene(arguments.scene, registry, arguments.settings);
-  RunFolder folder(arguments.folder.value_or(default_folder(arguments.scene)),
-                   occupied(arguments));
+  RunFolder folder(arguments.folder.value_or(default_folder(arguments.scene)), occupied(arguments));
   refuse_to_lose_scene(folder, *scene);
   Resumption found = resumption(arguments, folder, *scene);
   if (found.kind == Resumption::Kind::finished || found.kind == Resumption::Kind::failed) {

@@ -39,6 +39,7 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint& check
   OutputFile output(file);
   output.append(record.seal(checksum));
   output.publish(lasting);
+  if (lasting == OutputFile::Lasting::with_its_name) synchronise_folder_of(file);
 }
 
 Checkpoint read_checkpoint(const std::filesystem::path& file) {

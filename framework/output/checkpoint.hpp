@@ -26,7 +26,7 @@ std::uint64_t scene_fingerprint(std::string_view effective_toml);
 
 /// Replaces the checkpoint of this name, whole or not at all. Throws OutputError.
 void write_checkpoint(const std::filesystem::path& file, const Checkpoint& checkpoint,
-                      OutputFile::Lasting lasting = OutputFile::Lasting::from_its_name_on);
+                      OutputFile::Lasting lasting = OutputFile::Lasting::with_its_name);
 
 /// Throws DamagedFile with the reason; takes no more memory than the file does.
 Checkpoint read_checkpoint(const std::filesystem::path& file);

@@ -27,12 +27,13 @@ std::string cell(std::string_view text) {
 EventTable::EventTable(std::filesystem::path file) : file_(std::move(file)) {}
 
 void EventTable::begin(const RunLayout& layout) {
-  (void)layout;
+  if (!layout.events) return;
   output_.emplace(file_);
   buffer_ = kHeader;
 }
 
 void EventTable::event(const Event& event) {
+  if (!output_) return;
   fmt::format_to(std::back_inserter(buffer_), "{:.17g},{},{}", event.time, to_string(event.kind),
                  cell(event.name));
   for (const double x : {event.duration, event.size, event.energy_lost, event.peak_force}) {
@@ -49,6 +50,7 @@ void EventTable::flush() {
 }
 
 void EventTable::finish() {
+  if (!output_) return;
   flush();
   output_->publish();
 }

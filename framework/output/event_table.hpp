@@ -14,7 +14,7 @@ namespace tomlin {
 /// of event has no number for is left empty. The size of a turn is in turns, of the rest a length.
 class EventTable : public ResultFile {
  public:
-  /// Nothing is opened before the run begins.
+  /// Nothing is opened before the run begins, and nothing ever where no events can happen.
   explicit EventTable(std::filesystem::path file);
 
   void begin(const RunLayout& layout) override;

@@ -49,6 +49,7 @@ RecordWriter header_record(const JournalHeader& header) {
   record.numbers(layout.box);
   record.number(static_cast<std::uint64_t>(layout.periodic.size()));
   for (const bool periodic : layout.periodic) record.number(static_cast<std::uint8_t>(periodic));
+  record.number(static_cast<std::uint8_t>(layout.events));
   record.text(layout.state);
   return record;
 }
@@ -82,6 +83,7 @@ JournalHeader header_in(RecordReader record) {
   for (std::size_t k = 0; k < layout.periodic.size(); ++k) {
     layout.periodic[k] = record.number<std::uint8_t>() != 0;
   }
+  layout.events = record.number<std::uint8_t>() != 0;
   layout.state = record.text();
   record.end();
   return header;
@@ -90,7 +92,7 @@ JournalHeader header_in(RecordReader record) {
 }  // namespace
 
 Descriptor own_journal(const fs::path& file, Absent absent) {
-  const int flags = O_RDWR | O_CLOEXEC | (absent == Absent::make_it ? O_CREAT : 0);
+  const int flags = O_RDWR | O_NOFOLLOW | O_CLOEXEC | (absent == Absent::make_it ? O_CREAT : 0);
   Descriptor journal(::open(file.c_str(), flags, 0666));
   if (!journal.open()) {
     if (errno == ENOENT && absent == Absent::leave_it) return journal;

@@ -50,13 +50,12 @@ void OutputFile::resize(std::uint64_t size) {
 }
 
 void OutputFile::publish(Lasting lasting) {
-  if (lasting == Lasting::from_its_name_on) {
+  if (lasting == Lasting::with_its_name) {
     if (const int error = synchronise(descriptor_)) fail(error);
   }
   if (::close(descriptor_.release()) != 0) fail(errno);
   if (std::rename(unfinished_.c_str(), file_.c_str()) != 0) fail(errno);
   published_ = true;
-  if (lasting == Lasting::from_its_name_on) synchronise_folder_of(file_);
 }
 
 void OutputFile::fail(int error) const { throw OutputError(unfinished_, error); }

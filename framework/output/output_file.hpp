@@ -31,8 +31,9 @@ std::filesystem::path unfinished(std::filesystem::path file);
 /// Everything throws OutputError.
 class OutputFile {
  public:
-  /// Whether a file is to survive a power cut from the moment it has its name.
-  enum class Lasting { from_its_name_on, some_time_later };
+  /// Whether a file that has its name is whole even after a power cut, or may need a moment. (The
+  /// name itself may be lost until its folder is synchronised.)
+  enum class Lasting { with_its_name, some_time_later };
 
   /// Opens NAME.part, which must not exist.
   explicit OutputFile(std::filesystem::path file);
@@ -48,8 +49,8 @@ class OutputFile {
   /// What was written there; zeros behind the end.
   void read_at(std::uint64_t place, std::span<std::byte> bytes) const;
   void resize(std::uint64_t size);
-  /// Brings everything to the disk and gives the file its name, replacing one that has it.
-  void publish(Lasting lasting = Lasting::from_its_name_on);
+  /// Gives the file its name, replacing one that has it.
+  void publish(Lasting lasting = Lasting::with_its_name);
 
  private:
   [[noreturn]] void fail(int error) const;

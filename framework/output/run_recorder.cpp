@@ -114,9 +114,9 @@ void RunRecorder::checkpoint(const RunState& state) {
     checkpoint.state = state.to_bytes();
     journal_->check_in_place();
     // A power cut right after the start costs nothing but the start: short runs stay quick.
-    const auto lasting = std::exchange(kept_once_, true) ? OutputFile::Lasting::from_its_name_on
+    const auto lasting = std::exchange(kept_once_, true) ? OutputFile::Lasting::with_its_name
                                                          : OutputFile::Lasting::some_time_later;
-    if (lasting == OutputFile::Lasting::from_its_name_on) journal_->synchronise();
+    if (lasting == OutputFile::Lasting::with_its_name) journal_->synchronise();
     write_checkpoint(folder_.file(kCheckpointFile), checkpoint, lasting);
   });
 }
@@ -154,7 +154,10 @@ std::optional<std::string> RunRecorder::finish(RunResult& result) {
   }
   try {
     // Beside results of an earlier run it would speak for them.
-    if (cleared_) folder_.write_file(kSummaryFile, summary_json(scene_, result));
+    if (cleared_) {
+      folder_.write_file(kSummaryFile, summary_json(scene_, result));
+      synchronise_folder_of(folder_.file(kSummaryFile));
+    }
   } catch (const OutputError& error) {
     if (!trouble_) trouble_ = error.what();
   }

@@ -216,6 +216,8 @@ void Engine::resume(const std::vector<std::byte>& numbers) {
   model_.system().evaluations = static_cast<std::uint64_t>(counts_[kEvaluations]);
   plain_left_ = 0;
   ended_ = interrupted_ = false;
+  time_before_ = time();
+  steps_before_ = steps();
   anchor_here();
   set_directions();
   if (period_ > 0.0) {
@@ -412,6 +414,7 @@ void Engine::begin_sink() {
   layout.dimension = model_.dimension();
   layout.box = scene_->box.lengths;
   layout.periodic = scene_->box.periodic;
+  layout.events = !driver_watches_.empty() || !body_watches_.empty() || !triggers_.empty();
   layout.state = fields_of(state_.layout());
   if (sampling_) {
     static const char* const axes[] = {"x", "y", "z"};
@@ -922,7 +925,7 @@ void Engine::housekeeping() {
     last_report_ = moment;
     const std::chrono::duration<double> elapsed = moment - started_;
     options_.on_progress(
-        {time(), duration_, static_cast<std::uint64_t>(counts_[kSteps]), elapsed.count()});
+        {time(), duration_, steps(), elapsed.count(), time_before_, steps_before_});
   }
   const std::chrono::duration<double> since = moment - last_checkpoint_;
   if (since.count() >= scene_->run.checkpoint_every) {
@@ -1002,8 +1005,9 @@ RunResult Engine::result() {
     result.left_out.emplace_back(left.force, left.why);
   }
   result.wall_seconds = elapsed.count();
-  result.steps_per_second =
-      elapsed.count() > 0.0 ? static_cast<double>(result.steps) / elapsed.count() : 0.0;
+  if (elapsed.count() > 0.0) {
+    result.steps_per_second = static_cast<double>(result.steps - steps_before_) / elapsed.count();
+  }
   result.instruction_set = options_.instruction_set;
 
   const int axes = model_.dimension();

@@ -161,8 +161,10 @@ class Engine {
   double dt_ = 0.0;  ///< 0: adaptive
   double stable_step_ = 0.0;
   double longest_unwatched_ = std::numeric_limits<double>::infinity();  ///< of an adaptive scheme
-  std::int64_t full_steps_ = 0;  ///< whole steps of the grid that the run has room for
-  std::int64_t plain_left_ = 0;  ///< steps known to have nothing to serve
+  std::int64_t full_steps_ = 0;     ///< whole steps of the grid that the run has room for
+  double time_before_ = 0.0;        ///< where a resumed run went on from
+  std::uint64_t steps_before_ = 0;  ///< taken before that
+  std::int64_t plain_left_ = 0;     ///< steps known to have nothing to serve
 
   // In the run state.
   double* clock_ = nullptr;         ///< high and low part of the time

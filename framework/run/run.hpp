@@ -144,7 +144,8 @@ struct RunLayout {
   int dimension = 0;
   std::vector<double> box;     ///< lengths by axis; empty: there is none
   std::vector<bool> periodic;  ///< by axis, with a box
-  std::string state;           ///< names and sizes of what stands in a checkpoint's numbers
+  bool events = false;         ///< whether any can happen
+  std::string state = {};      ///< names and sizes of what stands in a checkpoint's numbers
 
   std::size_t particles() const;
   /// Numbers of one sample: the columns, then positions [particle][axis].
@@ -199,6 +200,8 @@ struct RunProgress {
   double duration = 0.0;
   std::uint64_t steps = 0;
   double elapsed_seconds = 0.0;
+  double time_before = 0.0;        ///< where a resumed run went on from
+  std::uint64_t steps_before = 0;  ///< taken before that
 };
 
 struct RunOptions {

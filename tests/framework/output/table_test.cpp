@@ -87,7 +87,19 @@ TEST(Table, HasItsNameOnlyWhenItIsComplete) {
     EXPECT_FALSE(fs::exists(folder / "t.csv"));
     EXPECT_TRUE(fs::exists(folder / "t.csv.part"));
   }
-  EXPECT_FALSE(fs::exists(folder / "t.csv"));
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(Table, LeavesOutThePositionsOfParticles) {
+  const TemporaryFolder folder;
+  TableWriter table(folder / "t.csv");
+  RunLayout layout = kColumns;
+  layout.dimension = 1;
+  layout.bodies = {{"tip", {1.0, 1.0}}};
+  table.begin(layout);
+  table.sample({0.0, 1.0, 7.0, 8.0});
+  table.finish();
+  EXPECT_EQ(content(folder / "t.csv"), "time [time],driver.force.x [force]\n0,1\n");
 }
 
 TEST(Table, ThatNeverBeganLeavesNothing) {
@@ -111,8 +123,8 @@ TEST(Table, NeverWritesWhatIsNotFinite) {
       EXPECT_NE(std::string(error.what()).find("sample 1: driver.force.x"), std::string::npos)
           << error.what();
     }
-    table.flush();
-    EXPECT_EQ(content(folder / "t.csv.part"), "time [time],driver.force.x [force]\n0,1\n");
+    table.finish();
+    EXPECT_EQ(content(folder / "t.csv"), "time [time],driver.force.x [force]\n0,1\n");
   }
 }
 
