@@ -17,6 +17,8 @@ namespace tomlin {
 
 inline constexpr std::size_t kLargestSceneFile = std::size_t{16} << 20;  ///< bytes
 inline constexpr int kDeepestNesting = 32;  ///< of brackets, and of the parts of one dotted key
+/// Values, lists and tables of a scene together: half a gigabyte while it is read.
+inline constexpr std::size_t kMostValues = 2'000'000;
 
 /// Line and column, from 1, in characters.
 struct Mark {
@@ -96,6 +98,9 @@ class Source {
   std::string file_;
   std::string_view text_;
   const std::vector<Setting>& settings_;
+  // Where the last search ended: faults come mostly in order, and lines may be megabytes long.
+  mutable Mark last_mark_{1, 1};
+  mutable std::size_t last_offset_ = 0;
 };
 
 }  // namespace tomlin
