@@ -15,7 +15,6 @@ namespace tomlin {
 namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-const std::string kNoFile;
 
 // As the TOML library does; its columns do not count the mark.
 std::string_view without_byte_order_mark(std::string_view text) {
@@ -235,6 +234,8 @@ std::string kind_of(const Node& node) {
   return kKinds[node.value.index()];
 }
 
+void check_outline(std::string_view text, const std::string& file) { Outline(text, file).check(); }
+
 Table parse_document(std::string_view text, const std::string& file) {
   if (text.size() > kLargestSceneFile) {
     stop(file, {1, 1}, "the file is too large",
@@ -243,7 +244,7 @@ Table parse_document(std::string_view text, const std::string& file) {
   refuse_other_encodings(text, file);
   text = without_byte_order_mark(text);
   if (says_nothing(text)) stop(file, {1, 1}, "the file is empty: there is no scene in it");
-  Outline(text, file).check();
+  check_outline(text, file);
   try {
     const toml::table document = toml::parse(text);
     return std::move(*converted(document, 0).as<Table>());
@@ -260,7 +261,7 @@ Node parse_setting(std::string_view text, std::uint32_t setting) {
   const std::string document = "value = " + std::string(text);
   try {
     if (document.size() > kLargestSceneFile) return plain_text;
-    Outline(document, kNoFile).check();
+    check_outline(document, "");
     const toml::table table = toml::parse(document);
     // More than one entry: a line break in the text, and then something like "other = 1".
     if (table.size() == 1) return converted(table.begin()->second, setting);

@@ -688,6 +688,14 @@ class SceneReader {
                       fmt::format("at most {} MB", kLargestSceneFile >> 20)});
       faults_.throw_if_any();
     }
+    try {
+      check_outline(scene_->effective_toml, scene_->file);
+    } catch (const InputError& error) {
+      const Fault& fault = error.faults().front();
+      faults_.of_key(kTopOfFile,
+                     {"body", "with all positions written out: " + fault.why, fault.admissible});
+      faults_.throw_if_any();
+    }
   }
 
   const Table& document_;

@@ -11,7 +11,11 @@ namespace {
 
 constexpr double kGigabyte = 1e9;
 
-std::string memory(double bytes) { return fmt::format("about {:.2g} GB", bytes / kGigabyte); }
+std::string memory(double bytes) {
+  const double gigabytes = bytes / kGigabyte;
+  return gigabytes < 100.0 ? fmt::format("about {:.2g} GB", gigabytes)
+                           : fmt::format("about {:.0f} GB", gigabytes);
+}
 
 /// The first value with which the expressions below a node become too long; null: they do not.
 class ExpressionText {
