@@ -20,7 +20,7 @@ install(TARGETS ${targets} EXPORT tomlin INCLUDES DESTINATION ${header_folder})
 install(EXPORT tomlin FILE tomlinTargets.cmake NAMESPACE tomlin:: DESTINATION ${package_folder})
 
 install(DIRECTORY framework forcefields integrators DESTINATION ${header_folder}
-        FILES_MATCHING PATTERN "*.hpp" PATTERN "cli" EXCLUDE)
+        FILES_MATCHING PATTERN "*.hpp" PATTERN "cli" EXCLUDE PATTERN "plot" EXCLUDE)
 # The checks that every force has to pass are for forces of others, too.
 install(FILES tests/support/conformance.hpp tests/support/force_bench.hpp
               tests/support/number_types.hpp tests/support/order.hpp
@@ -34,7 +34,7 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/tomlinConfigVersion
                                  COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/package/tomlinConfig.cmake
               ${CMAKE_BINARY_DIR}/package/tomlinConfigVersion.cmake
-              cmake/TomlinKernels.cmake cmake/kernels.cpp.in
+              cmake/TomlinHdf5.cmake cmake/TomlinKernels.cmake cmake/kernels.cpp.in
         DESTINATION ${package_folder})
 
 # The pages, laid out as they link to each other, with the scenes that they run.

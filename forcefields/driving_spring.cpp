@@ -1,6 +1,8 @@
 #include "forcefields/driving_spring.hpp"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "framework/core/force.hpp"
 #include "framework/core/site_force.hpp"
@@ -18,7 +20,9 @@ class Driven : public Base {
  public:
   template <class... Arguments>
   Driven(const Description& description, const Binding<Real>& binding, Arguments&&... arguments)
-      : Base(description, binding, std::forward<Arguments>(arguments)...) {
+      : Base(description, binding, std::forward<Arguments>(arguments)...),
+        velocity_(description.velocity.components),
+        reverse_(description.reverse) {
     drive_.velocity = description.velocity.components;
     drive_.stiffness = description.stiffness;
     if (description.attach.kind == Attachment::Kind::each_particle) {
@@ -50,7 +54,11 @@ class Driven : public Base {
   /// place within the cell to the last digit.
   void begin_step(const DoubleDouble& time) override {
     for (int k = 0; k < D; ++k) {
-      const DoubleDouble travel = time * drive_.velocity[k] - shift_[k];
+      if (control_ != nullptr) {
+        drive_.velocity[k] = control_[kSign] * velocity_[k];
+        this->parameters_.velocity[k] = Real(drive_.velocity[k]);
+      }
+      const DoubleDouble travel = travelled(time, k) - shift_[k];
       this->parameters_.travel[k] = from_double_double<Real>(travel);
       drive_.travel[k] = static_cast<double>(travel);
     }
@@ -65,7 +73,45 @@ class Driven : public Base {
 
   const Drive* drive() const override { return &drive_; }
 
+  const Passing* waits_for() const override { return reverse_.when.empty() ? nullptr : &reverse_; }
+  std::size_t control_count() const override { return waits_for() ? kTravel + 2 * D : 0; }
+  void attach_control(double* control) override { control_ = control; }
+  void start_control() override {
+    if (control_ == nullptr) return;
+    std::fill(control_, control_ + control_count(), 0.0);
+    control_[kSign] = 1.0;
+    control_[kTimesLeft] = static_cast<double>(reverse_.times);
+  }
+  bool waits() const override { return control_ != nullptr && control_[kTimesLeft] > 0.0; }
+
+  /// A new segment of its way: it starts here and now, backwards.
+  void passed(const DoubleDouble& time) override {
+    for (int k = 0; k < D; ++k) {
+      const DoubleDouble travel = travelled(time, k);
+      control_[kTravel + 2 * k] = travel.hi;
+      control_[kTravel + 2 * k + 1] = travel.lo;
+    }
+    control_[kSince] = time.hi;
+    control_[kSince + 1] = time.lo;
+    control_[kSign] = -control_[kSign];
+    control_[kTimesLeft] -= 1.0;
+  }
+
  private:
+  /// Of the control: the sign of the velocity, how often it may still turn, when it last did, and
+  /// how far the pulled end had come by then, high and low parts.
+  enum { kSign, kTimesLeft, kSince, kTravel = kSince + 2 };
+
+  DoubleDouble travelled(const DoubleDouble& time, int k) const {
+    if (control_ == nullptr) return time * velocity_[k];
+    const DoubleDouble since(control_[kSince], control_[kSince + 1]);
+    const DoubleDouble before(control_[kTravel + 2 * k], control_[kTravel + 2 * k + 1]);
+    return before + (time - since) * (control_[kSign] * velocity_[k]);
+  }
+
+  std::vector<double> velocity_;  ///< as given
+  Passing reverse_;
+  double* control_ = nullptr;
   DoubleDouble shift_[D];
   Drive drive_;
 };
@@ -109,8 +155,11 @@ ForceRecord driving_spring_record() {
           .by_default(Attachment{}),
       parameter("start", &Description::start, dimension::length,
                 "place of the pulled end at t = 0; the attached point by default")
+          .or_absent(),
+      parameter("reverse", &Description::reverse, dimension::none,
+                "turn round when an observable passes a value: { when = "
+                "\"bodies.NAME.centre_of_mass.x\", above = VALUE }, or below, or both; times = 1")
           .or_absent()};
-  record.reserved = {{"reverse", "turn the driver round when an observable passes a value"}};
   record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
   record.example = R"(# A damped particle follows a spring.
 [[body]]

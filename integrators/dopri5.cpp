@@ -76,7 +76,7 @@ class Dopri5 : public Integrator<Real> {
   }
 
   StepReport step_from(double since, double h, bool) override {
-    if (counts_[kStarted] == 0) start(since, h);
+    if (counts_[kStarted] != kYes) start(since, h);
     double next = control_[kNext];
     double last_error = control_[kOldError];
     bool refused = false;
@@ -122,6 +122,9 @@ class Dopri5 : public Integrator<Real> {
   }
 
   const Real* first_rates() const override { return start_rates_; }
+  void forces_changed() override {
+    if (counts_[kStarted] == kYes) counts_[kStarted] = kAnew;
+  }
 
   void finish_dense_from(double) override {}
 
@@ -146,13 +149,16 @@ class Dopri5 : public Integrator<Real> {
   static constexpr std::size_t kGap = 3 * kGroup;
   enum { kNext, kOldError };
   enum { kStarted, kTaken, kRefused };
+  /// Whether the first stage of the next step is known. kAnew: all but that.
+  enum { kNo, kYes, kAnew };
 
   void start(double since, double h) {
     kernels_.first(system_.view, arrays_, since);
     system_.evaluations += 1;
+    const bool anew = std::exchange(counts_[kStarted], kYes) == kAnew;
+    if (anew) return;
     control_[kNext] = d_.initial_step > 0.0 ? d_.initial_step : std::min(h, guessed_step());
     control_[kOldError] = kLeastOldError;
-    counts_[kStarted] = 1;
   }
 
   /// A step over which the state changes by about a hundredth of its size, and by an Euler step no

@@ -63,8 +63,7 @@ class Rk4 : public Rk4Base<Real> {
     system_.evaluations += arrays_.first_known ? 3 : 4;
     if (dense) hermite_.keep_start(system_.view);
     last_ = h;
-    const bool sound = kernels_.step(system_.view, arrays_, since, h);
-    if (!sound) return {0.0, StepFault::not_finite_or_too_far};
+    if (!one_step(since, h, dense)) return {0.0, StepFault::not_finite_or_too_far};
     arrays_.first_known = false;
     return {h, StepFault::none};
   }
@@ -84,7 +83,7 @@ class Rk4 : public Rk4Base<Real> {
       taken = 1;
     }
     const std::size_t more =
-        kernels_.point_block(system_.view, first + taken, h, most - taken,
+        kernels_.point_block(system_.view, 0.0, first + taken, h, most - taken,
                              rates + taken * system_.view.rates, velocities + taken);
     system_.evaluations += 4 * more;
     return taken + more;
@@ -100,6 +99,7 @@ class Rk4 : public Rk4Base<Real> {
   }
 
   void rebased() override { arrays_.first_known = false; }
+  std::uint64_t evaluations_ahead() const override { return arrays_.first_known ? 1 : 0; }
 
   void interpolate(double theta, double* position, double* velocity,
                    double* integrals) const override {
@@ -108,6 +108,16 @@ class Rk4 : public Rk4Base<Real> {
   }
 
  private:
+  /// A particle alone takes the same step in registers, unless its accelerations are wanted after.
+  bool one_step(double since, double h, bool dense) {
+    if (dense || arrays_.first_known || !has_point_block()) {
+      return kernels_.step(system_.view, arrays_, since, h);
+    }
+    Real start_velocity;
+    return kernels_.point_block(system_.view, since, 0, h, 1, arrays_.rates[0],
+                                &start_velocity) == 1;
+  }
+
   using Base = Rk4Base<Real>;
   using Base::arrays_;
   using Base::hermite_;
@@ -157,6 +167,7 @@ class Rk4Drift : public Rk4Base<Real> {
   }
 
   const Real* first_rates() const override { return start_rates_; }
+  void forces_changed() override { *started_ = 0; }
 
   void finish_dense_from(double) override {}
 

@@ -32,9 +32,10 @@ struct Rk4Table {
                 double h) = nullptr;
   void (*first)(const SystemView<Real>& system, const Rk4Arrays<Real>& arrays,
                 double since) = nullptr;
+  /// Step k starts at start + (first + k) h.
   /// Null where there is none.
-  std::size_t (*point_block)(const SystemView<Real>& system, std::size_t first, double h,
-                             std::size_t most, Real* rates, Real* velocities) = nullptr;
+  std::size_t (*point_block)(const SystemView<Real>& system, double start, std::size_t first,
+                             double h, std::size_t most, Real* rates, Real* velocities) = nullptr;
 };
 
 inline namespace TOMLIN_TARGET {
@@ -228,9 +229,9 @@ struct Rk4Kernels {
 
   /// Steps of a single particle on a line with the state held in registers. The same operations in
   /// the same order as `step`, so that the bits are the same too.
-  TOMLIN_FLATTEN static std::size_t point_block(const SystemView<double>& system, std::size_t first,
-                                                double h, std::size_t most, double* rates,
-                                                double* velocities) {
+  TOMLIN_FLATTEN static std::size_t point_block(const SystemView<double>& system, double start,
+                                                std::size_t first, double h, std::size_t most,
+                                                double* rates, double* velocities) {
     const SystemView<double> s = system;
     const PointForce<double>* const forces = s.point_forces;
     const std::size_t count = s.point_force_count;
@@ -265,7 +266,7 @@ struct Rk4Kernels {
 
     std::size_t taken = 0;
     for (; taken < most; ++taken) {
-      const double since = static_cast<double>(first + taken) * h;
+      const double since = start + static_cast<double>(first + taken) * h;
       double* first_rates = rates + taken * s.rates;
       velocities[taken] = v;
       const double a1 = acceleration(x, v, since, first_rates);

@@ -76,6 +76,7 @@ class VelocityVerlet : public Integrator<Real> {
   }
 
   const Real* first_rates() const override { return start_rates_; }
+  void forces_changed() override { *started_ = 0; }
 
   void finish_dense_from(double) override {
     kernels_.accelerations(system_.view, arrays_, acceleration_);

@@ -2,14 +2,20 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "framework/cli/plot_text.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/core/nearest_name.hpp"
 
@@ -30,7 +36,6 @@ constexpr std::array kLaterCommands = {
     LaterCommand{"stability", "thresholds and equilibria"},
     LaterCommand{"schema", "JSON Schema of scenes, for editors"},
     LaterCommand{"report", "a web page of a run"},
-    LaterCommand{"plot", "figures of a run"},
 };
 
 constexpr const char* kProgramFooter = R"(
@@ -78,6 +83,7 @@ observables.csv with the friction trace, and scene.toml, the scene with every de
   tomlin new pt|fk|ring        a commented scene to start from
   tomlin describe              the bodies, forces and integrators
   tomlin describe NAME         one of them: equation, source, parameters, an example
+  tomlin plot pt.out -o a.svg  the friction trace
 
 Exit status: 0 done; 1 a run or a check failed; 2 the input was not right, and nothing was done.)";
 
@@ -95,12 +101,22 @@ PATH is a parameter's name or a dotted path such as run.duration, body.ring.coor
 force.driver.stiffness, with a component's name, or its type where it has none. VALUE is as in a
 scene: a number, true, [1.0, 0.0], a word or an expression.
 
+  tomlin run pt.toml --resume
+      goes on with the run that was stopped in pt.out/, or begins it when there is none yet.
+
 DIR then holds
   summary.json      mean, static and extreme forces, work, motion of the bodies, warnings
   observables.csv   the samples in time, when the scene has [output] every
+  events.csv        slips, turns and the like: when, how large
   scene.toml        the scene with all defaults filled in; running it gives the same bits
+and, while the run is going on or after it was stopped, what it can be resumed from
+  run.checkpoint    kept every [run] checkpoint_every seconds
+  run.journal       all samples and events so far
 
-Ctrl-C ends a run early and leaves what is known so far; a second Ctrl-C ends it at once.
+Ctrl-C ends a run early and leaves what is known so far, with a checkpoint; a second Ctrl-C ends it
+at once. A run that was stopped, killed, or found its disk full goes on with --resume, from the last
+checkpoint to the same bits as one that was left alone. The scene must be the same, and so must the
+version of tomlin.
 
 Exit status: 0 done; 1 the run failed numerically (the message says when, where and why) or its
 results could not be written; 2 the input was not right, and nothing was written; 130 or 143 after
@@ -174,7 +190,7 @@ Examples:
 
 bool is_option(std::string_view word) { return word.size() > 1 && word.front() == '-'; }
 
-constexpr std::array kCommands = {"run", "explain", "check", "new", "describe"};
+constexpr std::array kCommands = {"run", "explain", "check", "new", "describe", "plot"};
 
 std::string all_commands() {
   return fmt::format("{}; tomlin --help tells more", fmt::join(kCommands, ", "));
@@ -213,6 +229,28 @@ std::vector<Setting> settings_of(const std::vector<std::string>& texts) {
   return settings;
 }
 
+/// "A,B" as A and B.
+std::vector<std::string> parts_of(const std::string& list, const char* option) {
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find(',', begin), list.size());
+    if (end == begin) refuse(fmt::format("{}: \"{}\" has an empty part", option, list));
+    parts.push_back(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+double finite_number(const std::string& text, const char* option) {
+  double number = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || stop != end || !std::isfinite(number)) {
+    refuse(fmt::format("{}: \"{}\" is not a number", option, text));
+  }
+  return number;
+}
+
 /// The command line as CLI11 sees it.
 class CommandLine {
  public:
@@ -227,6 +265,7 @@ class CommandLine {
     set_up_check();
     set_up_new();
     set_up_describe();
+    set_up_plot();
     for (const LaterCommand& later : kLaterCommands) {
       app_.add_subcommand(later.name, later.what)->group("Later, not in this version");
     }
@@ -245,6 +284,7 @@ class CommandLine {
       refuse(fmt::format("{} ({} --help tells more)", error.what(), name_of(chosen())));
     }
     if (app_.got_subcommand(describe_)) return described_;
+    if (app_.got_subcommand(plot_)) return plot_arguments();
     if (app_.got_subcommand(new_)) return new_arguments();
     if (app_.got_subcommand(explain_)) {
       explained_.settings = settings_of(settings_);
@@ -273,11 +313,10 @@ class CommandLine {
     take_scene(*run_, asked_.scene);
     run_->add_option("-o,--output", asked_.folder, "folder for the results; SCENE's stem + .out")
         ->type_name("DIR");
+    run_->add_flag("--resume", asked_.resume, "go on with the run that was stopped in DIR");
     run_->add_flag("--force", asked_.force,
                    "DIR need not be empty; only files that tomlin writes are replaced");
     run_->add_flag("--quiet", asked_.quiet, "say nothing but errors");
-    resume_ = run_->add_flag("--resume", resume_wanted_, "continue a run")
-                  ->group("Later, not in this version");
     plugin_ = run_->add_option("--plugin", plugins_, "more components from a shared library")
                   ->type_name("LIB")
                   ->group("Later, not in this version");
@@ -317,6 +356,53 @@ class CommandLine {
     describe_->add_flag("--json", described_.json, "as JSON");
   }
 
+  void set_up_plot() {
+    plot_ = app_.add_subcommand("plot", "draw a figure of finished runs");
+    plot_->footer(plot_footer());
+    plot_->add_option("DIR", plotted_.words, "folders of runs; and WHAT to draw, force by default")
+        ->option_text("... [WHAT]")
+        ->required();
+    plot_->add_option("-o,--output", plotted_.file, "the picture: .svg, .png or .pdf")
+        ->type_name("FILE")
+        ->required();
+    plot_->add_option("--x", plotted_.x, "a quantity or a column, instead of WHAT's")
+        ->type_name("X");
+    plot_->add_option("--y", panels_, "the same upwards; again for another panel")
+        ->type_name("Y[,Y]")
+        ->option_text("Y[,Y] ...")
+        ->allow_extra_args(false);
+    plot_->add_option("--from", plotted_.from, "where the x axis begins")->type_name("X");
+    plot_->add_option("--to", plotted_.to, "where it ends")->type_name("X");
+    plot_
+        ->add_option("--at", moments_,
+                     "moments to show a ring at: times, or values of --x; five by default")
+        ->type_name("T[,T]")
+        ->allow_extra_args(false);
+    plot_->add_option("--driver", plotted_.driver, "which one, where there are several")
+        ->type_name("NAME");
+    plot_->add_option("--body", plotted_.body, "likewise")->type_name("NAME");
+    plot_->add_option("--label", plotted_.labels, "what to call a DIR; once for each, in order")
+        ->type_name("TEXT")
+        ->option_text("TEXT ...")
+        ->allow_extra_args(false);
+    plot_->add_option("--title", plotted_.title, "above the figure; none by default")
+        ->type_name("TEXT");
+  }
+
+  PlotArguments plot_arguments() {
+    for (const std::string& panel : panels_) plotted_.y.push_back(parts_of(panel, "--y"));
+    for (const std::string& list : moments_) {
+      for (const std::string& moment : parts_of(list, "--at")) {
+        plotted_.at.push_back(finite_number(moment, "--at"));
+      }
+    }
+    for (const auto& [limit, option] :
+         {std::pair{plotted_.from, "--from"}, std::pair{plotted_.to, "--to"}}) {
+      if (limit && !std::isfinite(*limit)) refuse(fmt::format("{} is not finite", option));
+    }
+    return plotted_;
+  }
+
   NewArguments new_arguments() const {
     if (begun_.name && begun_.name->empty()) refuse("NAME is empty");
     if (begun_.file && begun_.file->empty()) refuse("-o is empty");
@@ -324,8 +410,9 @@ class CommandLine {
   }
 
   RunArguments run_arguments() {
-    for (const CLI::Option* later : {resume_, plugin_}) {
-      if (later->count() > 0) refuse(later->get_name() + " is not in this version");
+    if (plugin_->count() > 0) refuse(plugin_->get_name() + " is not in this version");
+    if (asked_.resume && asked_.force) {
+      refuse("--resume goes on with a run, --force starts it again", "", "one of them");
     }
     asked_.settings = settings_of(settings_);
     return asked_;
@@ -364,16 +451,18 @@ class CommandLine {
   CLI::App* check_ = nullptr;
   CLI::App* new_ = nullptr;
   CLI::App* describe_ = nullptr;
-  CLI::Option* resume_ = nullptr;
+  CLI::App* plot_ = nullptr;
   CLI::Option* plugin_ = nullptr;
   RunArguments asked_;
   ExplainArguments explained_;
   CheckArguments checked_;
   NewArguments begun_;
   DescribeArguments described_;
+  PlotArguments plotted_;
+  std::vector<std::string> panels_;
+  std::vector<std::string> moments_;
   std::vector<std::string> settings_;
   std::vector<std::string> plugins_;
-  bool resume_wanted_ = false;
 };
 
 }  // namespace

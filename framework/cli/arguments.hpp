@@ -15,6 +15,7 @@ struct RunArguments {
   std::string scene;
   std::vector<Setting> settings;
   std::optional<std::string> folder;
+  bool resume = false;
   bool force = false;
   bool quiet = false;
 };
@@ -47,13 +48,28 @@ struct DescribeArguments {
   bool json = false;
 };
 
+/// `tomlin plot DIR... [WHAT] ...`
+struct PlotArguments {
+  std::vector<std::string> words;  ///< DIRs and WHAT
+  std::string file;
+  std::string x;                            ///< empty: WHAT's own
+  std::vector<std::vector<std::string>> y;  ///< panels; empty: WHAT's own
+  std::optional<double> from;
+  std::optional<double> to;
+  std::vector<double> at;
+  std::string driver;  ///< empty: the only one
+  std::string body;
+  std::string title;
+  std::vector<std::string> labels;  ///< one for each DIR; empty: by what differs
+};
+
 /// `--help`, `--version`
 struct TextToPrint {
   std::string text;
 };
 
 using Arguments = std::variant<RunArguments, ExplainArguments, CheckArguments, NewArguments,
-                               DescribeArguments, TextToPrint>;
+                               DescribeArguments, PlotArguments, TextToPrint>;
 
 /// Throws InputError when the command line does not say anything that can be done.
 Arguments parse_arguments(int argc, const char* const* argv);

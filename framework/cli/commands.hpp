@@ -14,6 +14,8 @@ int check_command(const CheckArguments& arguments);
 /// Writes a scene to start from. Throws OutputError too.
 int new_command(const NewArguments& arguments);
 int describe_command(const DescribeArguments& arguments);
+/// Throws GnuplotError and OutputError too.
+int plot_command(const PlotArguments& arguments);
 
 /// Writes a command's result to standard output; kExitFailed when that does not take it.
 int print_result(const std::string& text);

@@ -223,7 +223,8 @@ const char* kind_name(const Parameter& row) {
                                         "attachment",
                                         "points",
                                         "words",
-                                        "flags"};
+                                        "flags",
+                                        "passing"};
   static_assert(kNames.size() == std::variant_size_v<ParameterValue>, "each kind has its name");
   return kNames[row.prototype.index()];
 }

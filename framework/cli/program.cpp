@@ -10,6 +10,7 @@
 #include "framework/cli/arguments.hpp"
 #include "framework/cli/commands.hpp"
 #include "framework/cli/exit_status.hpp"
+#include "framework/cli/standard_streams.hpp"
 #include "framework/core/fault.hpp"
 
 namespace tomlin {
@@ -24,6 +25,8 @@ int carry_out(const CheckArguments& arguments) { return check_command(arguments)
 int carry_out(const NewArguments& arguments) { return new_command(arguments); }
 
 int carry_out(const DescribeArguments& arguments) { return describe_command(arguments); }
+
+int carry_out(const PlotArguments& arguments) { return plot_command(arguments); }
 
 int carry_out(const TextToPrint& text) { return print_result(text.text); }
 
@@ -50,6 +53,7 @@ int guarded_program(int argc, const char* const* argv) {
 }  // namespace
 
 int program(int argc, const char* const* argv) noexcept {
+  occupy_closed_standard_streams();
   try {
     return guarded_program(argc, argv);
   } catch (...) {  // not even a message can be put together

@@ -30,8 +30,10 @@ std::string duration_text(double seconds) {
 std::string progress_text(const RunProgress& progress) {
   const double fraction = std::clamp(progress.time / progress.duration, 0.0, 1.0);
   const double elapsed = progress.elapsed_seconds;
-  const double remaining = elapsed * (1.0 - fraction) / fraction;
-  const double rate = elapsed > 0.0 ? static_cast<double>(progress.steps) / elapsed : 0.0;
+  const double remaining = elapsed * (progress.duration - progress.time) /
+                           std::max(progress.time - progress.time_before, 0.0);
+  const auto steps = static_cast<double>(progress.steps - progress.steps_before);
+  const double rate = elapsed > 0.0 ? steps / elapsed : 0.0;
   return fmt::format("{} %, time {:.6g} of {:.6g}, {} elapsed, {} remaining, {:.2g} steps/s",
                      std::floor(100.0 * fraction), progress.time, progress.duration,
                      duration_text(elapsed), duration_text(remaining), rate);

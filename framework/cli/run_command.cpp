@@ -1,13 +1,12 @@
-#include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <memory>
-#include <optional>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "framework/cli/commands.hpp"
@@ -16,46 +15,15 @@
 #include "framework/cli/result_text.hpp"
 #include "framework/cli/stop_signals.hpp"
 #include "framework/core/fault.hpp"
+#include "framework/output/resumption.hpp"
 #include "framework/output/run_folder.hpp"
-#include "framework/output/summary.hpp"
-#include "framework/output/table.hpp"
+#include "framework/output/run_recorder.hpp"
 #include "framework/run/run.hpp"
 #include "framework/standard_registry.hpp"
 
 namespace tomlin {
 namespace fs = std::filesystem;
 namespace {
-
-/// Passes samples on to the table. When the table cannot take them, the run stops instead of
-/// breaking off, so that what is known so far is still written.
-class StoppingSink : public SampleSink {
- public:
-  StoppingSink(TableWriter& table, StopSignals& signals) : table_(table), signals_(signals) {}
-
-  void begin(const std::vector<SampleColumn>& columns) override {
-    attempt([&] { table_.begin(columns); });
-  }
-  void sample(const std::vector<double>& values) override {
-    attempt([&] { table_.sample(values); });
-  }
-  const std::optional<std::string>& trouble() const { return trouble_; }
-
- private:
-  template <class Action>
-  void attempt(Action action) {
-    if (trouble_) return;
-    try {
-      action();
-    } catch (const OutputError& error) {
-      trouble_ = error.what();
-      signals_.request_stop();
-    }
-  }
-
-  TableWriter& table_;
-  StopSignals& signals_;
-  std::optional<std::string> trouble_;
-};
 
 std::string default_folder(const std::string& scene_file) {
   return fs::path(scene_file).stem().string() + ".out";
@@ -78,37 +46,6 @@ void refuse_to_lose_scene(const RunFolder& folder, const Scene& scene) {
   }
 }
 
-/// Writes everything; what could not be written, and why, is returned.
-std::optional<std::string> write_results(RunFolder& folder, const Scene& scene, TableWriter& table,
-                                         std::optional<std::string> trouble, RunResult& result) {
-  try {
-    folder.remove_earlier_results();
-    folder.write_file(kSceneFile, scene.effective_toml);
-    if (trouble) {
-      table.flush();
-    } else {
-      table.finish();
-    }
-  } catch (const OutputError& error) {
-    if (!trouble) trouble = error.what();
-  }
-  if (trouble && !result.failure) {
-    RunFailure failure;
-    failure.step = result.steps;
-    failure.time = result.end_time;
-    failure.what = *trouble;
-    failure.cause = "the results could not be written";
-    result.status = RunStatus::failed;
-    result.failure = failure;
-  }
-  try {
-    folder.write_file(kSummaryFile, summary_json(scene, result));
-  } catch (const OutputError& error) {
-    if (!trouble) trouble = error.what();
-  }
-  return trouble;
-}
-
 void print_error(const std::string& file, const std::string& why) {
   Fault fault;
   fault.place.file = file;
@@ -126,33 +63,65 @@ std::string where_results_are(const RunFolder& folder) {
   return (folder.path() / "").string() + ": " + (files.empty() ? "nothing" : files);
 }
 
+/// A folder may be used as it is, added to, or taken over.
+Occupied occupied(const RunArguments& arguments) {
+  if (arguments.resume) return Occupied::go_on;
+  return arguments.force ? Occupied::replace_results : Occupied::refuse;
+}
+
+Resumption resumption(const RunArguments& arguments, const RunFolder& folder, const Scene& scene) {
+  if (arguments.resume) return find_resumption(folder, scene, TOMLIN_VERSION);
+  return start_again(folder);
+}
+
+/// A run that has come to its end already. Killed at the last moment it may have left what it had
+/// no use for any more.
+int already_over(RunFolder& folder, const Scene& scene, const Resumption& found, bool quiet) {
+  if (found.kind == Resumption::Kind::failed) {
+    print_error(scene.file, "the run in " + folder.path().string() +
+                                " has failed, and would again: " + found.failure);
+    return kExitFailed;
+  }
+  for (const char* name : {kCheckpointFile, kJournalFile}) {
+    if (folder.holds(name)) folder.remove(name);
+  }
+  if (quiet) return kExitDone;
+  return print_result("finished already; nothing to do\n  results  " + where_results_are(folder) +
+                      "\n");
+}
+
 }  // namespace
 
 int run_command(const RunArguments& arguments) {
   // The scene, then the place for its results; only then is anything made.
   const Registry registry = standard_registry();
   const auto scene = read_scene(arguments.scene, registry, arguments.settings);
-  RunFolder folder(arguments.folder.value_or(default_folder(arguments.scene)),
-                   arguments.force ? Occupied::replace_results : Occupied::refuse);
+  RunFolder folder(arguments.folder.value_or(default_folder(arguments.scene)), occupied(arguments));
   refuse_to_lose_scene(folder, *scene);
+  Resumption found = resumption(arguments, folder, *scene);
+  if (found.kind == Resumption::Kind::finished || found.kind == Resumption::Kind::failed) {
+    return already_over(folder, *scene, found, arguments.quiet);
+  }
   folder.create();
 
   // A full disk or a reader that went away is an error that is reported, not the end.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
   StopSignals signals;
-  TableWriter table(folder.file(kTableFile));
-  StoppingSink sink(table, signals);
   ProgressLine progress(arguments.quiet ? ProgressLine::Style::silent : progress_style());
+  const std::vector<std::byte> state = std::move(found.state);
   RunOptions options;
-  options.sink = &sink;
+  if (found.kind == Resumption::Kind::go_on) options.resume_from = &state;
+  RunRecorder recorder(folder, *scene, TOMLIN_VERSION, std::move(found),
+                       [&signals] { signals.request_stop(); });
+  options.sink = &recorder;
   options.on_progress = [&progress](const RunProgress& now) { progress.show(now); };
   options.stop = &signals.stop();
   RunResult result = run(scene, options);
   progress.finish();
 
   const auto numerical = result.failure;
-  const auto trouble = write_results(folder, *scene, table, sink.trouble(), result);
+  const auto trouble = recorder.finish(result);
   int status = kExitDone;
   if (!arguments.quiet) {
     status = print_result(result_text(*scene, result, where_results_are(folder)));

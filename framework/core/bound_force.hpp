@@ -10,6 +10,7 @@
 #include "framework/core/double_double.hpp"
 #include "framework/core/instruction_set.hpp"
 #include "framework/core/kernel_arguments.hpp"
+#include "framework/core/parameter.hpp"
 #include "framework/core/stage.hpp"
 
 /// What a force is once a scene is bound: complete, with every number resolved. The contracts of
@@ -187,6 +188,20 @@ class BoundForce {
   virtual std::size_t own_count() const { return 0; }
   virtual void place_own(std::size_t first) { (void)first; }
   virtual void start_own(Real* own) const { (void)own; }
+
+  // The control contract: something that happens to this force when an observable passes a value.
+  // What events change stands in the run's state, as doubles whatever the number type; the force
+  // reads it in begin_step().
+
+  /// What it waits for; null for a force that nothing happens to.
+  virtual const Passing* waits_for() const { return nullptr; }
+  virtual std::size_t control_count() const { return 0; }
+  virtual void attach_control(double* control) { (void)control; }
+  virtual void start_control() {}
+  /// True as long as it may happen again.
+  virtual bool waits() const { return false; }
+  /// It has happened.
+  virtual void passed(const DoubleDouble& time) { (void)time; }
 };
 
 }  // namespace tomlin

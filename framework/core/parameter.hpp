@@ -116,9 +116,20 @@ struct FlagList {
   friend bool operator==(const FlagList&, const FlagList&) = default;
 };
 
+/// `reverse = { when = "bodies.ring.centre_of_mass.x", above = 10.0, times = 1 }`: an observable
+/// that passes a value upwards (above) or downwards (below), and how often that counts. Empty
+/// `when`: not given.
+struct Passing {
+  std::string when;
+  std::optional<double> above;
+  std::optional<double> below;
+  std::int64_t times = 1;
+  friend bool operator==(const Passing&, const Passing&) = default;
+};
+
 using ParameterValue = std::variant<double, std::int64_t, bool, std::string, SpaceVector,
                                     PerParticle, PerParticleVector, PairSelection, WordOrNumbers,
-                                    Attachment, PointList, WordList, FlagList>;
+                                    Attachment, PointList, WordList, FlagList, Passing>;
 
 /// One row of a parameter table; the member is reached through `assign` and `read`.
 struct Parameter {

@@ -83,6 +83,14 @@ class Integrator {
   /// been without samples.
   virtual void rebased() {}
 
+  /// Forces have changed at this moment, at an event: what is known of the next step's start is
+  /// computed anew.
+  virtual void forces_changed() { rebased(); }
+
+  /// Evaluations that are counted already and belong to the next step. They are lost with the
+  /// state's bytes, and made again.
+  virtual std::uint64_t evaluations_ahead() const { return 0; }
+
   /// Accepted and refused attempts of an adaptive scheme.
   virtual std::uint64_t refused_steps() const { return 0; }
 

@@ -1,5 +1,6 @@
 #include "framework/core/state_layout.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
@@ -107,6 +108,16 @@ void RunState::insert(std::size_t replica, const RunState& single) {
     integers_[k * replicas_ + replica] = single.integers_[k];
   }
   raw_ = single.raw_;
+}
+
+void RunState::copy_numbers(const RunState& from) {
+  if (from.replicas_ != replicas_ || from.reals_.size() != reals_.size() ||
+      from.integers_.size() != integers_.size() || from.raw_.size() != raw_.size()) {
+    throw std::invalid_argument("numbers of another layout cannot be copied");
+  }
+  std::copy(from.reals_.begin(), from.reals_.end(), reals_.begin());
+  std::copy(from.integers_.begin(), from.integers_.end(), integers_.begin());
+  std::copy(from.raw_.begin(), from.raw_.end(), raw_.begin());
 }
 
 std::vector<std::byte> RunState::to_bytes() const {

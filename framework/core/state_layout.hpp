@@ -87,6 +87,9 @@ class RunState {
   RunState extract(std::size_t replica) const;
   void insert(std::size_t replica, const RunState& single);
 
+  /// All numbers of another state of the same layout, where they stand: pointers to them stay good.
+  void copy_numbers(const RunState& from);
+
   /// All numbers as bytes, and back; the layout is not in the bytes. Throws std::invalid_argument
   /// when the size does not fit.
   std::vector<std::byte> to_bytes() const;

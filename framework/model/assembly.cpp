@@ -696,6 +696,27 @@ void Assembly<Real>::steer(const void* arguments, const Stage<Real>& stage) {
 }
 
 template <class Real>
+void Assembly<Real>::declare_controls(StateLayout& layout) const {
+  for (const Force& force : forces_) {
+    const std::size_t count = force.bound->control_count();
+    if (count > 0) layout.add_reals("control." + force.name, count);
+  }
+}
+
+template <class Real>
+void Assembly<Real>::attach_controls(RunState& state) {
+  for (const Force& force : forces_) {
+    if (force.bound->control_count() == 0) continue;
+    force.bound->attach_control(state.reals("control." + force.name));
+  }
+}
+
+template <class Real>
+void Assembly<Real>::start_controls() {
+  for (const Force& force : forces_) force.bound->start_control();
+}
+
+template <class Real>
 void Assembly<Real>::start(Real* position, Real* velocity, Real* integrals,
                            const Perturbation* noise) {
   const auto is_perturbed = [&](std::size_t b) {

@@ -10,6 +10,7 @@
 
 #include "framework/core/bound_force.hpp"
 #include "framework/core/force.hpp"
+#include "framework/core/state_layout.hpp"
 #include "framework/core/system.hpp"
 #include "framework/model/friction_kernels.hpp"
 #include "framework/model/rigid_kernels.hpp"
@@ -109,6 +110,10 @@ class Assembly {
 
   /// Fill these with the scene's start; cells of the origin stay as they are.
   void start(Real* position, Real* velocity, Real* integrals, const Perturbation* noise);
+  /// What events change of the forces stands in the run's state.
+  void declare_controls(StateLayout& layout) const;
+  void attach_controls(RunState& state);
+  void start_controls();
   /// Stages count their time from here on.
   void begin_step(const DoubleDouble& time);
   /// The origin has moved; positions in the state are the caller's to shift.

@@ -5,6 +5,10 @@
 #include <limits>
 #include <utility>
 
+#include "framework/core/kernel_tables.hpp"
+
+TOMLIN_DECLARE_DOUBLE_TABLES(ObserveKernels, ObserveTable)
+
 namespace tomlin {
 
 /// The unit of each axis is the longest period that a force declares on it; the body with the
@@ -88,14 +92,37 @@ Model::Model(std::shared_ptr<const Scene> scene, InstructionSet set)
     : scene_(std::move(scene)),
       plan_(plan_for(*scene_, set)),
       assembly_(plan_),
+      observe_(kernels::ObserveKernels.on(set)),
       origin_(plan_.origin) {
   check_scheme(assembly_);
+  keep_shapes();
+  place_origin();
   rates_.assign(system().view.rates + 2 * kGroup, 0.0);
   system().begin_step = &Model::begin_step;
   system().model = this;
 }
 
 Model::~Model() = default;
+
+void Model::keep_shapes() {
+  shapes_.resize(bodies().size());
+  for (std::size_t b = 0; b < bodies().size(); ++b) {
+    const Body& body = bodies()[b];
+    if (body.bound.slot.mapped || !body.rotates()) continue;
+    const std::size_t length = padded(body.bound.slot.count);
+    shapes_[b].assign(3 * length, 0.0);
+    for (std::size_t i = 0; i < body.bound.slot.count; ++i) {
+      for (std::size_t d = 0; d < 2; ++d) shapes_[b][d * length + i] = body.arms[i][d];
+      shapes_[b][2 * length + i] = body.bound.mass[i];
+    }
+  }
+}
+
+void Model::place_origin() {
+  for (int d = 0; d < dimension(); ++d) {
+    origin_place_[d] = DoubleDouble(static_cast<double>(origin_.cells[d])) * origin_.unit[d];
+  }
+}
 
 void Model::begin_step(void* model, double time_high, double time_low) {
   auto* const self = static_cast<Model*>(model);
@@ -110,6 +137,7 @@ void Model::declare(StateLayout& layout) const {
   layout.add_reals("integrals", system().view.rates);
   layout.add_integers("origin_cells", 3);
   layout.add_integers("whole_turns", bodies().size());
+  assembly_.declare_controls(layout);
 }
 
 void Model::attach(RunState& state) {
@@ -120,6 +148,8 @@ void Model::attach(RunState& state) {
   cells_ = state.integers("origin_cells");
   whole_turns_ = state.integers("whole_turns");
   for (int d = 0; d < 3; ++d) origin_.cells[d] = cells_[d];
+  place_origin();
+  assembly_.attach_controls(state);
   assembly_.rebase(origin_);
   if (follower_) follower_->rebase(origin_);
 }
@@ -127,7 +157,9 @@ void Model::attach(RunState& state) {
 void Model::start(const Perturbation* noise) {
   const SystemView<double>& view = system().view;
   assembly_.start(view.position, view.velocity, view.integrals, noise);
+  assembly_.start_controls();
   for (int d = 0; d < dimension(); ++d) cells_[d] = origin_.cells[d] = plan_.origin.cells[d];
+  place_origin();
   assembly_.rebase(origin_);
   if (follower_) {
     follower_->start(noise);
@@ -211,6 +243,7 @@ bool Model::rebase_if_due() {
     rebased = true;
   }
   if (!rebased) return false;
+  place_origin();
   assembly_.rebase(origin_);
   if (follower_) {
     follower_->rebase(origin_);

@@ -13,6 +13,7 @@
 #include "framework/core/state_layout.hpp"
 #include "framework/core/system.hpp"
 #include "framework/model/assembly.hpp"
+#include "framework/model/observe_kernels.hpp"
 #include "framework/scene/scene.hpp"
 
 /// A scene bound: particles, coordinates, forces and the list of kernel calls that evaluates them.
@@ -55,6 +56,8 @@ class Model {
   const std::vector<Force>& forces() const { return assembly_.forces(); }
   const std::vector<Driver>& drivers() const { return assembly_.drivers(); }
   const std::vector<LeftOut>& left_out() const { return assembly_.left_out(); }
+  /// What reads numbers off bodies, on the instruction set of the model.
+  const ObserveTable& observe() const { return observe_; }
   /// Where friction's heat stands among the rates when it is an operator, with the ledger.
   std::ptrdiff_t friction_rate() const { return assembly_.friction_rate(); }
   System<double>& system() { return assembly_.system(); }
@@ -90,8 +93,15 @@ class Model {
   /// Rotation from the start in turns, within (-1/2, 1/2] for a flexible body and as the coordinate
   /// has it for a rigid one.
   double rotation(std::size_t body, const double* position) const;
+  /// Places of a body's particles in the scene's own coordinates, [particle][axis]; those of bodies
+  /// whose particles follow from few coordinates are as of the last evaluation. Returns the end.
+  double* place_particles(std::size_t body, const double* position, double* result) const;
   /// A place relative to the origin in the scene's own coordinates: cells added back.
-  DoubleDouble placed(int axis, double offset) const;
+  DoubleDouble placed(int axis, double offset) const { return origin_place_[axis] + offset; }
+
+  /// Where the pulled end of a driver of steady velocity is, in the scene's own coordinates, at a
+  /// time since which its velocity has not changed.
+  DoubleDouble pulled_end(std::size_t driver, const DoubleDouble& time, int axis) const;
 
   /// Without inertia velocities follow from forces: those at the last evaluated state.
   void drift_velocity(double* velocity) const;
@@ -129,6 +139,9 @@ class Model {
  private:
   static AssemblyPlan plan_for(const Scene& scene, InstructionSet set);
   static void begin_step(void* model, double time_high, double time_low);
+  void evaluate_point(double position, double velocity, double* rates) const;
+  void keep_shapes();
+  void place_origin();
   double share_of_stiffness(const Force& force, const Stage<double>& here);
   Stage<double> stage(const double* position, const double* velocity, const double* integrals,
                       double* rates) const;
@@ -136,8 +149,11 @@ class Model {
   std::shared_ptr<const Scene> scene_;
   AssemblyPlan plan_;
   Assembly<double> assembly_;
+  const ObserveTable& observe_;
   Origin origin_;
-  DoubleDouble anchor_;  ///< the time from which stages count
+  std::array<DoubleDouble, 3> origin_place_;
+  std::vector<AlignedVector<double>> shapes_;  ///< flexible bodies in the plane, see PlanarShape
+  DoubleDouble anchor_;                        ///< the time from which stages count
   ModelFollower* follower_ = nullptr;
   AlignedVector<double> rates_;
   std::int64_t* cells_ = nullptr;

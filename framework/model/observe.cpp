@@ -1,24 +1,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/core/angle.hpp"
 #include "framework/core/sum.hpp"
 #include "framework/model/model.hpp"
 
 /// What can be read off a bound model at a given state.
 namespace tomlin {
-namespace {
-
-/// Mass-weighted mean of a body's numbers along one axis.
-double mean(const BodySlot<double>& slot, const double* numbers, int axis) {
-  const double* from = numbers + slot.offset + axis * slot.stride;
-  InterleavedSum<double> total;
-  for (std::size_t i = 0; i < slot.count; ++i) total.add(i, slot.share[i] * from[i]);
-  return total.total();
-}
-
-}  // namespace
-
 Stage<double> Model::stage(const double* position, const double* velocity, const double* integrals,
                            double* rates) const {
   return stage_of(system().view, position, velocity, integrals, rates, 0.0);
@@ -28,38 +15,69 @@ void Model::evaluate_at(const DoubleDouble& time, const double* position, const 
                         const double* integrals, double* rates) {
   const DoubleDouble anchored = anchor_;
   anchor(time);
-  const Stage<double> here = stage(position, velocity, integrals, rates);
   const SystemView<double>& view = system().view;
-  for (std::size_t k = 0; k < view.operation_count; ++k) {
-    view.operations[k].run(view.operations[k].arguments, here);
+  if (view.point_force_count > 0) {
+    evaluate_point(*position, *velocity, rates);
+  } else {
+    const Stage<double> here = stage(position, velocity, integrals, rates);
+    for (std::size_t k = 0; k < view.operation_count; ++k) {
+      view.operations[k].run(view.operations[k].arguments, here);
+    }
   }
   anchor(anchored);
 }
 
+/// The same numbers for a particle alone, without a loop over particles in each force.
+void Model::evaluate_point(double position, double velocity, double* rates) const {
+  const SystemView<double>& view = system().view;
+  double total = 0.0;
+  for (std::size_t k = 0; k < view.point_force_count; ++k) {
+    const PointForce<double>& force = view.point_forces[k];
+    const PointResult<double> part =
+        force.run(force.parameters, position, velocity, force.start, 0.0);
+    total = k == 0 ? part.force : total + part.force;
+    if (force.rate == kNoRate) continue;
+    rates[force.rate] = part.force;
+    rates[force.rate + 1] = part.power;
+  }
+  view.force[0] = total;
+}
+
 void Model::centre(std::size_t b, const double* position, double* result) const {
   const BodySlot<double>& slot = bodies()[b].bound.slot;
-  const double* from = slot.mapped ? system().view.mapped_position : position;
-  for (int d = 0; d < dimension(); ++d) {
-    result[d] = slot.rigid ? position[slot.centre + d] : mean(slot, from, d);
+  if (slot.rigid) {
+    std::copy(position + slot.centre, position + slot.centre + dimension(), result);
+    return;
   }
+  observe_.mean(slot, slot.mapped ? system().view.mapped_position : position, dimension(), result);
 }
 
 void Model::centre_velocity(std::size_t b, const double* velocity, double* result) const {
-  const BodySlot<double>& slot = bodies()[b].bound.slot;
-  for (int d = 0; d < dimension(); ++d) {
-    if (slot.rigid) {
-      result[d] = velocity[slot.centre + d];
-    } else if (bodies()[b].prescribed()) {
-      result[d] = assembly_.speed_of(bodies()[b], d);
-    } else {
-      result[d] = slot.mapped ? 0.0 : mean(slot, velocity, d);
-    }
+  const Body& body = bodies()[b];
+  const BodySlot<double>& slot = body.bound.slot;
+  if (slot.rigid) {
+    std::copy(velocity + slot.centre, velocity + slot.centre + dimension(), result);
+  } else if (body.prescribed()) {
+    for (int d = 0; d < dimension(); ++d) result[d] = assembly_.speed_of(body, d);
+  } else if (slot.mapped) {
+    std::fill(result, result + dimension(), 0.0);
+  } else {
+    observe_.mean(slot, velocity, dimension(), result);
   }
 }
 
-DoubleDouble Model::placed(int axis, double offset) const {
-  const DoubleDouble cells(static_cast<double>(origin_.cells[axis]));
-  return cells * origin_.unit[axis] + offset;
+double* Model::place_particles(std::size_t b, const double* position, double* result) const {
+  const BodySlot<double>& slot = bodies()[b].bound.slot;
+  const double* from = (slot.mapped ? system().view.mapped_position : position) + slot.offset;
+  const int axes = dimension();
+  for (int d = 0; d < axes; ++d) {
+    const DoubleDouble origin = placed(d, 0.0);
+    const double* offset = from + d * slot.stride;
+    for (std::size_t i = 0; i < slot.count; ++i) {
+      result[i * axes + d] = static_cast<double>(origin + offset[i]);
+    }
+  }
+  return result + slot.count * axes;
 }
 
 double Model::rotation(std::size_t b, const double* position) const {
@@ -70,21 +88,10 @@ double Model::rotation(std::size_t b, const double* position) const {
     return static_cast<double>(whole_turns_[b]) + position[slot.centre + kRotation];
   }
   if (slot.mapped || !body.rotates()) return 0.0;
-  // Least squares: the angle that turns the starting arms closest to the present ones.
-  double middle[3];
-  centre(b, position, middle);
-  InterleavedSum<double> along;
-  InterleavedSum<double> across;
-  const double* x = position + slot.offset;
-  const double* y = x + slot.stride;
-  for (std::size_t i = 0; i < slot.count; ++i) {
-    const double rx = x[i] - middle[0];
-    const double ry = y[i] - middle[1];
-    const std::vector<double>& arm = body.arms[i];
-    along.add(i, body.bound.mass[i] * std::fma(arm[0], rx, arm[1] * ry));
-    across.add(i, body.bound.mass[i] * std::fma(arm[0], ry, -(arm[1] * rx)));
-  }
-  return angle_turns(across.total(), along.total());
+  const AlignedVector<double>& shape = shapes_[b];
+  const std::size_t length = shape.size() / 3;
+  return observe_.rotation(slot, {shape.data(), shape.data() + length, shape.data() + 2 * length},
+                           position);
 }
 
 double Model::kinetic_energy(const double* velocity) const {
@@ -108,6 +115,13 @@ double Model::potential_energy(const DoubleDouble& time, const double* position,
   for (const Force& force : forces()) total += force.bound->energy(here);
   anchor(anchored);
   return total;
+}
+
+DoubleDouble Model::pulled_end(std::size_t driver, const DoubleDouble& time, int axis) const {
+  const Drive& drive = *drivers()[driver].drive;
+  const auto since = static_cast<double>(time - anchor_);
+  return placed(axis,
+                drive.start[axis] + std::fma(drive.velocity[axis], since, drive.travel[axis]));
 }
 
 Model::CoordinateName Model::name_of(std::size_t coordinate) const {

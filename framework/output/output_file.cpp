@@ -1,5 +1,6 @@
 #include "framework/output/output_file.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <system_error>
@@ -10,54 +11,53 @@
 #include <unistd.h>
 
 namespace tomlin {
-namespace {
 
-/// Some file systems have no fsync; then there is nothing to wait for.
-bool synchronised(int descriptor) {
-  return ::fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP;
-}
+OutputError::OutputError(const std::filesystem::path& file, int error)
+    : OutputError(fmt::format("cannot write {}: {}", file.string(),
+                              std::generic_category().message(error))) {}
 
-/// So that the new name survives a power cut. The file itself is safe already.
-void synchronise_folder_of(const std::filesystem::path& file) {
-  const auto parent = file.parent_path();
-  const int folder =
-      ::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0) return;
-  ::fsync(folder);
-  ::close(folder);
-}
+std::filesystem::path unfinished(std::filesystem::path file) { return file += kUnfinished; }
 
-}  // namespace
-
-OutputFile::OutputFile(std::filesystem::path file) : file_(std::move(file)), unfinished_(file_) {
-  unfinished_ += kUnfinished;
-  descriptor_ = ::open(unfinished_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) fail(errno);
+OutputFile::OutputFile(std::filesystem::path file)
+    : file_(std::move(file)), unfinished_(unfinished(file_)) {
+  descriptor_ =
+      Descriptor(::open(unfinished_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  if (!descriptor_.open()) fail(errno);
 }
 
 OutputFile::~OutputFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!published_) ::unlink(unfinished_.c_str());
 }
 
-void OutputFile::append(std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(descriptor_, text.data(), text.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail(errno);
-    text.remove_prefix(static_cast<std::size_t>(written));
+void OutputFile::append(std::string_view text) { append(std::as_bytes(std::span(text))); }
+
+void OutputFile::append(std::span<const std::byte> bytes) {
+  if (const int error = write_all(descriptor_, bytes)) fail(error);
+}
+
+void OutputFile::write_at(std::uint64_t place, std::span<const std::byte> bytes) {
+  if (const int error = tomlin::write_at(descriptor_, bytes, place)) fail(error);
+}
+
+void OutputFile::read_at(std::uint64_t place, std::span<std::byte> bytes) const {
+  const std::ptrdiff_t read = tomlin::read_at(descriptor_, bytes, place);
+  if (read < 0) fail(static_cast<int>(-read));
+  std::fill(bytes.begin() + read, bytes.end(), std::byte{0});
+}
+
+void OutputFile::resize(std::uint64_t size) {
+  if (::ftruncate(descriptor_.number(), static_cast<off_t>(size)) != 0) fail(errno);
+}
+
+void OutputFile::publish(Lasting lasting) {
+  if (lasting == Lasting::with_its_name) {
+    if (const int error = synchronise(descriptor_)) fail(error);
   }
-}
-
-void OutputFile::publish() {
-  if (!synchronised(descriptor_)) fail(errno);
-  if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);
+  if (::close(descriptor_.release()) != 0) fail(errno);
   if (std::rename(unfinished_.c_str(), file_.c_str()) != 0) fail(errno);
-  synchronise_folder_of(file_);
+  published_ = true;
 }
 
-void OutputFile::fail(int error) const {
-  throw OutputError(fmt::format("cannot write {}: {}", unfinished_.string(),
-                                std::generic_category().message(error)));
-}
+void OutputFile::fail(int error) const { throw OutputError(unfinished_, error); }
 
 }  // namespace tomlin

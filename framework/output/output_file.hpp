@@ -1,9 +1,14 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+
+#include "framework/output/descriptor.hpp"
 
 namespace tomlin {
 
@@ -11,16 +16,25 @@ namespace tomlin {
 class OutputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+  /// "cannot write FILE: REASON", of an error number.
+  OutputError(const std::filesystem::path& file, int error);
 };
 
 /// What stands behind a file's name until the file is complete.
 inline constexpr std::string_view kUnfinished = ".part";
 
+/// The name of a file that is not complete.
+std::filesystem::path unfinished(std::filesystem::path file);
+
 /// A file that appears complete or not at all: it is written as NAME.part and renamed when it is
-/// published. One that never is, because the run was killed or the disk is full, stays NAME.part.
+/// published. One that never is disappears, unless the run was killed: then NAME.part stays.
 /// Everything throws OutputError.
 class OutputFile {
  public:
+  /// Whether a file that has its name is whole even after a power cut, or may need a moment. (The
+  /// name itself may be lost until its folder is synchronised.)
+  enum class Lasting { with_its_name, some_time_later };
+
   /// Opens NAME.part, which must not exist.
   explicit OutputFile(std::filesystem::path file);
   ~OutputFile();
@@ -29,15 +43,22 @@ class OutputFile {
 
   /// Not buffered.
   void append(std::string_view text);
-  /// Brings everything to the disk and gives the file its name, replacing one that has it.
-  void publish();
+  void append(std::span<const std::byte> bytes);
+  /// The same anywhere in the file; what lies before it and was never written is zero.
+  void write_at(std::uint64_t place, std::span<const std::byte> bytes);
+  /// What was written there; zeros behind the end.
+  void read_at(std::uint64_t place, std::span<std::byte> bytes) const;
+  void resize(std::uint64_t size);
+  /// Gives the file its name, replacing one that has it.
+  void publish(Lasting lasting = Lasting::with_its_name);
 
  private:
   [[noreturn]] void fail(int error) const;
 
   std::filesystem::path file_;
   std::filesystem::path unfinished_;
-  int descriptor_ = -1;
+  Descriptor descriptor_;
+  bool published_ = false;
 };
 
 }  // namespace tomlin

@@ -41,8 +41,6 @@ fs::path above(const fs::path& path) {
   return parent.empty() ? fs::path(".") : parent;
 }
 
-fs::path unfinished(fs::path file) { return file += kUnfinished; }
-
 /// The path as a folder's: without a slash at its end.
 fs::path trimmed(const fs::path& path) {
   return path.has_filename() || !path.has_relative_path() ? path : path.parent_path();
@@ -79,10 +77,7 @@ void RunFolder::check_folder() const {
   std::error_code error;
   const fs::directory_iterator content(folder_, error);
   if (error) refuse(folder_, "cannot be read: " + error.message());
-  if (content != fs::directory_iterator() && occupied_ == Occupied::refuse) {
-    refuse(folder_, "the folder is not empty",
-           "a new or an empty folder, or --force, which replaces what an earlier run left");
-  }
+  if (content != fs::directory_iterator()) check_occupied();
   if (const int reason = reason_not_writable(folder_)) {
     refuse(folder_, "cannot be written to: " + message(reason));
   }
@@ -93,6 +88,28 @@ void RunFolder::check_folder() const {
       }
     }
   }
+}
+
+void RunFolder::check_occupied() const {
+  if (occupied_ == Occupied::replace_results) return;
+  if (occupied_ == Occupied::go_on && holds_any_run()) return;
+  if (holds(kJournalFile) || holds(kCheckpointFile)) {
+    refuse(folder_, "a run was stopped here",
+           "--resume, which goes on with it, or --force, which starts again; or another folder");
+  }
+  refuse(folder_, "the folder is not empty",
+         "a new or an empty folder, or --force, which replaces what an earlier run left");
+}
+
+bool RunFolder::holds_any_run() const {
+  return std::any_of(kFilesOfARun.begin(), kFilesOfARun.end(), [this](const char* name) {
+    return holds(name) || holds(unfinished(name).string());
+  });
+}
+
+bool RunFolder::holds(std::string_view name) const {
+  std::error_code error;
+  return fs::exists(fs::symlink_status(file(name), error));
 }
 
 void RunFolder::check_place_for_new() const {
@@ -125,18 +142,17 @@ void RunFolder::create() {
     std::error_code error;
     if (!fs::is_directory(path, error)) refuse(folder_, "cannot be made: " + message(reason));
   }
-  // What a killed run left would be in the way of the same files.
-  if (occupied_ == Occupied::replace_results) {
-    for (const char* name : kFilesOfARun) ::unlink(unfinished(file(name)).c_str());
-  }
 }
 
-void RunFolder::remove_earlier_results() {
-  // The summary goes first and comes last: where it is, everything else belongs to it.
-  for (const char* name : kFilesOfARun) {
-    if (::unlink(file(name).c_str()) != 0 && errno != ENOENT) {
-      throw OutputError(fmt::format("cannot replace {}: {}", file(name).string(), message(errno)));
-    }
+void RunFolder::remove_results() {
+  for (const char* name : kResultFiles) remove(name);
+  // What a killed run left would be in the way of the same files.
+  for (const char* name : kFilesOfARun) remove(unfinished(name).string());
+}
+
+void RunFolder::remove(std::string_view name) {
+  if (::unlink(file(name).c_str()) != 0 && errno != ENOENT) {
+    throw OutputError(fmt::format("cannot replace {}: {}", file(name).string(), message(errno)));
   }
 }
 

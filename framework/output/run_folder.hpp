@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -11,15 +12,28 @@ namespace tomlin {
 
 inline constexpr const char* kSummaryFile = "summary.json";
 inline constexpr const char* kTableFile = "observables.csv";
+inline constexpr const char* kEventsFile = "events.csv";
+inline constexpr const char* kH5mdFile = "trajectory.h5";
+inline constexpr const char* kXyzFile = "trajectory.xyz";
 inline constexpr const char* kSceneFile = "scene.toml";
+inline constexpr const char* kCheckpointFile = "run.checkpoint";
+inline constexpr const char* kJournalFile = "run.journal";
+
+/// What a run has found, made when it ends. The summary goes first and comes last: where it is,
+/// everything else belongs to it.
+inline constexpr std::array kResultFiles = {kSummaryFile, kTableFile, kEventsFile, kH5mdFile,
+                                            kXyzFile};
 
 /// Everything that a run leaves in its folder, and so all that --force may replace.
-inline constexpr std::array kFilesOfARun = {kSummaryFile, kTableFile, kSceneFile};
+inline constexpr std::array kFilesOfARun = {kSummaryFile,    kTableFile,  kEventsFile,
+                                            kH5mdFile,       kXyzFile,    kSceneFile,
+                                            kCheckpointFile, kJournalFile};
 
 /// What to do with a folder that has something in it.
 enum class Occupied {
   refuse,
   replace_results,  ///< replace the files of a run, touch nothing else
+  go_on,            ///< use it where there are files of a run, refuse it otherwise
 };
 
 /// The folder that a run writes its results to.
@@ -34,17 +48,23 @@ class RunFolder {
 
   /// Makes the folder with all above it. Throws InputError when that fails.
   void create();
-  /// Takes away what an earlier run left. Throws OutputError.
-  void remove_earlier_results();
+  /// Takes away what an earlier run has found, and whatever is unfinished. Throws OutputError.
+  void remove_results();
+  /// Takes a file away; it need not be there. Throws OutputError.
+  void remove(std::string_view name);
   /// Writes a file whole or not at all. Throws OutputError.
   void write_file(std::string_view name, std::string_view text) const;
+  /// Whether there is something of this name.
+  bool holds(std::string_view name) const;
 
   const std::filesystem::path& path() const { return folder_; }
   std::filesystem::path file(std::string_view name) const { return folder_ / name; }
 
  private:
   void check_folder() const;
+  void check_occupied() const;
   void check_place_for_new() const;
+  bool holds_any_run() const;
 
   std::filesystem::path folder_;
   Occupied occupied_;

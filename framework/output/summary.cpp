@@ -1,6 +1,7 @@
 #include "framework/output/summary.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -16,6 +17,8 @@ using Json = nlohmann::ordered_json;
 Json number(double x) { return std::isfinite(x) ? Json(x) : Json(); }
 
 Json number(const std::optional<double>& x) { return x ? number(*x) : Json(); }
+
+Json count(const std::optional<std::uint64_t>& n) { return n ? Json(*n) : Json(); }
 
 Json by_axis(const std::vector<double>& components) {
   if (components.empty()) return {};
@@ -108,8 +111,17 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
     summary["bodies"][body.name] = body_entry(body, scene.dimension == 2);
   }
 
-  // Not counted in this version.
-  summary["events"] = {{"slips", nullptr}, {"turns", nullptr}, {"reversals", nullptr}};
+  summary["events"] = {{"slips", count(result.events.slips)},
+                       {"hops", count(result.events.hops)},
+                       {"turns", count(result.events.turns)},
+                       {"reversals", count(result.events.reversals)},
+                       {"driver_reversals", count(result.events.driver_reversals)}};
+  if (result.steady) {
+    summary["until"] = {{"steady", result.steady->path},
+                        {"reached", result.steady->reached},
+                        {"periods", result.steady->periods},
+                        {"change", number(result.steady->change)}};
+  }
 
   if (result.energy) summary["energy"] = energy_entry(*result.energy);
   if (!result.determined.empty()) {

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "framework/output/number_text.hpp"
+
 namespace tomlin {
 namespace {
 
@@ -16,11 +18,13 @@ constexpr std::size_t kLongestNumber = 25;             // "-1.2345678901234567e-
 
 TableWriter::TableWriter(std::filesystem::path file) : file_(std::move(file)) {}
 
-void TableWriter::begin(const std::vector<SampleColumn>& columns) {
+void TableWriter::begin(const RunLayout& layout) {
+  if (layout.columns.empty()) return;
   output_.emplace(file_);
+  row_ = layout.row();
   // Room for the longest row behind a buffer that is just not full: no sample allocates.
-  buffer_.reserve(kBuffer + kLongestNumber * columns.size());
-  for (const SampleColumn& column : columns) {
+  buffer_.reserve(kBuffer + kLongestNumber * layout.columns.size());
+  for (const SampleColumn& column : layout.columns) {
     if (!names_.empty()) buffer_ += ',';
     fmt::format_to(std::back_inserter(buffer_), "{} [{}]", column.name, column.unit);
     names_.push_back(column.name);
@@ -28,20 +32,20 @@ void TableWriter::begin(const std::vector<SampleColumn>& columns) {
   buffer_ += '\n';
 }
 
-void TableWriter::sample(const std::vector<double>& values) {
-  if (values.size() != names_.size()) {
-    throw OutputError(fmt::format("{}: a sample of {} numbers for {} columns", file_.string(),
-                                  values.size(), names_.size()));
+void TableWriter::sample(const std::vector<double>& row) {
+  if (row.size() != row_) {
+    throw OutputError(fmt::format("{}: a sample of {} numbers where {} are due", file_.string(),
+                                  row.size(), row_));
   }
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    if (!std::isfinite(values[k])) {
+  for (std::size_t k = 0; k < names_.size(); ++k) {
+    if (!std::isfinite(row[k])) {
       throw OutputError(fmt::format("{}: sample {}: {} is not a finite number", file_.string(),
                                     rows_, names_[k]));
     }
   }
-  for (std::size_t k = 0; k < values.size(); ++k) {
+  for (std::size_t k = 0; k < names_.size(); ++k) {
     if (k > 0) buffer_ += ',';
-    fmt::format_to(std::back_inserter(buffer_), "{:.17g}", values[k]);
+    append_number(buffer_, row[k]);
   }
   buffer_ += '\n';
   ++rows_;
@@ -49,13 +53,7 @@ void TableWriter::sample(const std::vector<double>& values) {
 }
 
 void TableWriter::flush() {
-  if (!output_) return;
-  try {
-    output_->append(buffer_);
-  } catch (const OutputError&) {
-    buffer_.clear();  // part of it is in the file: another attempt would write that part twice
-    throw;
-  }
+  output_->append(buffer_);
   buffer_.clear();
 }
 

@@ -7,32 +7,30 @@
 #include <vector>
 
 #include "framework/output/output_file.hpp"
-#include "framework/run/run.hpp"
+#include "framework/output/result_file.hpp"
 
 namespace tomlin {
 
 /// Writes samples as comma-separated values: a header `time [time],driver.force.x [force],...`,
 /// then one row per sample with 17 significant digits, which read back as the same bits. A number
 /// that is not finite is never written. Throws OutputError.
-class TableWriter : public SampleSink {
+class TableWriter : public ResultFile {
  public:
-  /// Nothing is opened before the first sample is due.
+  /// Nothing is opened before the run begins, and nothing ever where no samples are to come.
   explicit TableWriter(std::filesystem::path file);
 
-  void begin(const std::vector<SampleColumn>& columns) override;
-  void sample(const std::vector<double>& values) override;
-
-  /// True from begin() on.
-  bool begun() const { return output_.has_value(); }
-  /// The table is complete: it gets its name.
-  void finish();
-  /// Brings what has come so far to the file, which keeps its unfinished name.
-  void flush();
+  void begin(const RunLayout& layout) override;
+  /// Positions of particles, behind the columns, are left out.
+  void sample(const std::vector<double>& row) override;
+  void finish() override;
 
  private:
+  void flush();
+
   std::filesystem::path file_;
   std::optional<OutputFile> output_;
   std::vector<std::string> names_;
+  std::size_t row_ = 0;  ///< numbers of a sample
   std::string buffer_;
   std::size_t rows_ = 0;
 };

@@ -7,11 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/kernel_tables.hpp"
 #include "framework/run/diagnose.hpp"
 #include "framework/run/number_type.hpp"
-
-TOMLIN_DECLARE_DOUBLE_TABLES(ObserveKernels, ObserveTable)
 
 namespace tomlin {
 namespace {
@@ -25,6 +22,7 @@ constexpr std::int64_t kHousekeepingEvery = 16;
 /// A flexible body that would turn more than this between such looks is looked at after every step.
 constexpr double kMuchTurning = 0.05;
 constexpr std::chrono::milliseconds kReportEvery{200};
+constexpr std::uint64_t kSamplesBetweenLooks = 100'000;
 /// How far past the end of the run a window may reach through rounding alone.
 constexpr double kWindowSlack = 1e-9;
 
@@ -35,6 +33,17 @@ constexpr double kFinestOfFloat = 1e-6;
 constexpr double kMostSteps = 9007199254740992.0;
 /// A table of a hundred terabytes.
 constexpr double kMostSamples = 1e12;
+
+/// "position 8, clock 2, ...": numbers mean something only where the same fields are kept.
+std::string fields_of(const StateLayout& layout) {
+  std::string fields;
+  for (const auto* group : {&layout.reals(), &layout.integers(), &layout.raw()}) {
+    for (const StateLayout::Field& field : *group) {
+      fields += fmt::format("{}{} {}", fields.empty() ? "" : ", ", field.name, field.count);
+    }
+  }
+  return fields;
+}
 
 double norm(const std::vector<double>& v) {
   double squares = 0.0;
@@ -49,18 +58,21 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
       options_(options),
       model_(scene_, options.instruction_set),
       scheme_(*scene_->run.integrator.record),
-      observe_(kernels::ObserveKernels.on(options.instruction_set)),
+      observe_(model_.observe()),
       duration_(scene_->run.duration) {
   const void* description = scene_->run.integrator.description.get();
   dt_ = scheme_.step(description);
   ledger_ = scene_->run.ledger;
   integrator_ = integrator_in(scene_->run.number_type, model_, description, scheme_);
   list_signals();
+  list_watches();
+  list_triggers();
   resolve_window();
 
   StateLayout layout;
   declare(layout);
   state_ = RunState(layout, 1);
+  if (!triggers_.empty()) before_ = state_;
   attach();
 
   const SystemView<double>& view = model_.system().view;
@@ -87,6 +99,8 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   counts_[kRotationEvery] = 1;
   extremes_.start();
   first_maximum_.start();
+  for (DriverWatch& watch : driver_watches_) watch.start();
+  for (BodyWatch& watch : body_watches_) watch.start();
   if (options_.perturbation) {
     model_.start(&*options_.perturbation);
   } else {
@@ -94,12 +108,22 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   }
   started_ = std::chrono::steady_clock::now();
   last_report_ = started_;
+  last_checkpoint_ = started_;
   warn_of_idle_velocities();
   warn_of_fine_tolerance();
   bound_unwatched_steps();
   check_step();
   model_.anchor(DoubleDouble(0.0));
-  if (!failure_) observe_start();
+  start_triggers();
+  if (period_ > 0.0) start_until();
+  if (options_.sink) begin_sink();
+  if (failure_) return;
+  if (options_.resume_from) {
+    resume(*options_.resume_from);
+  } else {
+    observe_start();
+    keep_checkpoint();
+  }
 }
 
 /// Counts must stay exact, and a signal must get through between samples.
@@ -142,6 +166,13 @@ void Engine::declare(StateLayout& layout) {
   }
   extremes_.declare(layout, signal_count_);
   first_maximum_.declare(layout, drivers_.size());
+  layout.add_integers("events.counts", kEventKinds);
+  layout.add_reals("events.drivers", driver_watches_.size() * DriverWatch::kReals);
+  layout.add_integers("events.drivers", driver_watches_.size() * DriverWatch::kIntegers);
+  layout.add_reals("events.bodies", body_watches_.size() * BodyWatch::kReals);
+  layout.add_integers("events.bodies", body_watches_.size() * BodyWatch::kIntegers);
+  layout.add_integers("events.beyond", 2 * triggers_.size());
+  if (period_ > 0.0) layout.add_reals("until", kSteadyNumbers);
 }
 
 void Engine::attach() {
@@ -154,6 +185,20 @@ void Engine::attach() {
   counts_ = state_.integers("counts");
   last_turns_ = state_.reals("last_turns");
   turn_wraps_ = state_.integers("turn_wraps");
+  event_counts_ = state_.integers("events.counts");
+  const auto attach_watches = [this](const char* field, auto& watches) {
+    double* reals = state_.reals(field);
+    std::int64_t* integers = state_.integers(field);
+    for (auto& watch : watches) {
+      watch.attach(std::exchange(reals, reals + watch.kReals),
+                   std::exchange(integers, integers + watch.kIntegers));
+    }
+  };
+  attach_watches("events.drivers", driver_watches_);
+  attach_watches("events.bodies", body_watches_);
+  std::int64_t* beyond = state_.integers("events.beyond");
+  for (Trigger& trigger : triggers_) trigger.beyond = std::exchange(beyond, beyond + 2);
+  if (period_ > 0.0) steady_ = state_.reals("until");
   for (Moment* moment : {&from_, &to_}) {
     const std::string name = moment == &from_ ? "window.from" : "window.to";
     moment->reached = state_.integers(name);
@@ -171,6 +216,21 @@ void Engine::resume(const std::vector<std::byte>& numbers) {
   model_.system().evaluations = static_cast<std::uint64_t>(counts_[kEvaluations]);
   plain_left_ = 0;
   ended_ = interrupted_ = false;
+  time_before_ = time();
+  steps_before_ = steps();
+  anchor_here();
+  set_directions();
+  if (period_ > 0.0) {
+    // After the run's last period its window stays.
+    const double last = std::nearbyint(duration_ / period_) - 1.0;
+    const double before = std::min(steady_[kPeriods], last);
+    from_.time = before * period_;
+    to_.time = (before + 1.0) * period_;
+  }
+}
+
+/// Forces count their time from where a run at this point does, whatever came before.
+void Engine::anchor_here() {
   if (dt_ == 0.0) {
     model_.anchor(now());
   } else {
@@ -184,6 +244,9 @@ void Engine::list_signals() {
     drivers_.push_back(driver);
     const Drive* drive = driver.drive;
     drags_.push_back(drive != nullptr && drive->steady && norm(drive->velocity) > 0.0);
+    direction_.insert(direction_.end(), drive->velocity.begin(), drive->velocity.end());
+    speed_.push_back(norm(drive->velocity));
+    along_.push_back(1.0 / speed_.back());
   }
   signal_count_ = drivers_.size() * model_.dimension() + model_.bodies().size();
   signals_.assign(signal_count_, 0.0);
@@ -194,7 +257,7 @@ void Engine::list_signals() {
 void Engine::resolve_window() {
   const MeasureSettings& m = scene_->measure;
   double unit = 1.0;
-  if (m.unit == MeasureSettings::Unit::driver_periods) {
+  if (m.unit == MeasureSettings::Unit::driver_periods || scene_->run.until) {
     const auto fault = [&](const std::string& key, const std::string& why,
                            const std::string& admissible) {
       const auto found = m.places.find(key);
@@ -238,6 +301,20 @@ void Engine::resolve_window() {
       }
       unit = period / std::abs(velocity[along]);
     }
+  }
+  if (scene_->run.until) {
+    period_ = unit;
+    const double whole = std::floor(duration_ / period_ * (1.0 + kWindowSlack));
+    if (whole < 1.0) {
+      throw InputError({{scene_->run.until->place, "run.until", "",
+                         fmt::format("the run ends at time {:g}, before the first period of the "
+                                     "driver is over at {:g}",
+                                     duration_, period_),
+                         "a later max, or a longer duration", ""}});
+    }
+    duration_ = whole * period_;
+    to_.time = period_;
+    return;
   }
   from_.time = m.from * unit;
   to_.time = m.to ? *m.to * unit : duration_;
@@ -331,14 +408,21 @@ void Engine::fail(StepFault fault, double h) {
                       stable_step_);
 }
 
-void Engine::observe_start() {
-  const SystemView<double>& view = model_.system().view;
+/// Columns of the table, and whose positions come with them.
+void Engine::begin_sink() {
+  RunLayout layout;
+  layout.dimension = model_.dimension();
+  layout.box = scene_->box.lengths;
+  layout.periodic = scene_->box.periodic;
+  layout.events = !driver_watches_.empty() || !body_watches_.empty() || !triggers_.empty();
+  layout.state = fields_of(state_.layout());
   if (sampling_) {
-    std::vector<SampleColumn> columns = {{"time", "time"}};
     static const char* const axes[] = {"x", "y", "z"};
+    std::vector<SampleColumn>& columns = layout.columns;
     const auto per_axis = [&](const std::string& name, const char* unit) {
       for (int d = 0; d < model_.dimension(); ++d) columns.push_back({name + "." + axes[d], unit});
     };
+    columns.push_back({"time", "time"});
     for (const auto& driver : drivers_) per_axis(driver.name + ".force", "force");
     for (const auto& driver : drivers_) {
       if (driver.drive->steady) per_axis(driver.name + ".position", "length");
@@ -348,14 +432,33 @@ void Engine::observe_start() {
       per_axis(body.bound.name + ".velocity", "length/time");
       if (body.rotates()) columns.push_back({body.bound.name + ".rotation", "rad"});
     }
-    sample_values_.assign(columns.size(), 0.0);
-    options_.sink->begin(columns);
+    if (scene_->output.trajectory) {
+      for (const Model::Body& body : model_.bodies()) {
+        layout.bodies.push_back({body.bound.name, body.bound.mass});
+      }
+    }
+  }
+  sample_values_.assign(layout.row(), 0.0);
+  options_.sink->begin(layout);
+}
+
+void Engine::observe_start() {
+  const SystemView<double>& view = model_.system().view;
+  if (sampling_) {
     sample(0.0, view.position, view.velocity, view.integrals);
     counts_[kNextSample] = 1;
   }
   if (from_.time == 0.0) {
     keep_moment(from_, 0.0, view.position, view.velocity, view.integrals);
   }
+}
+
+/// What was computed ahead is computed again by whoever goes on from these numbers.
+void Engine::keep_checkpoint() {
+  if (options_.sink == nullptr) return;
+  counts_[kEvaluations] = static_cast<std::int64_t>(model_.system().evaluations) -
+                          static_cast<std::int64_t>(integrator_->evaluations_ahead());
+  options_.sink->checkpoint(state_);
 }
 
 double Engine::next_dense() const {
@@ -371,9 +474,15 @@ double Engine::next_dense() const {
 
 /// One step with everything that may go with it: samples, edges of the window, looks at the origin.
 /// Every step that is not plain takes this path, and any event would split a step here.
-bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid) {
+bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid, bool watched) {
   const DoubleDouble begin = now();
-  const bool dense = dt_ == 0.0 || next_dense() <= static_cast<double>(end);
+  const bool waits = watched && waiting();
+  const double due = next_dense();
+  // What falls on the end of a fixed step needs no interpolation.
+  const bool dense = dt_ == 0.0 || waits || due < static_cast<double>(end);
+  if (waits) before_.copy_numbers(state_);
+  read_bodies(model_.system().view.position, dt_ == 0.0 ? model_.system().view.velocity : nullptr,
+              readings_);
   signals_from_velocity(model_.system().view.velocity, static_cast<double>(begin));
   const StepReport report = integrator_->step_from(since, h, dense);
   if (report.fault != StepFault::none) {
@@ -385,6 +494,13 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid)
     return false;
   }
   const DoubleDouble arrived = dt_ == 0.0 && report.taken < h ? begin + report.taken : end;
+  if (waits) {
+    const double length = dt_ == 0.0 ? report.taken : h;
+    if (const auto passed = first_passed(begin, length, since)) {
+      return take_to(*passed, begin, length, since, arrived, to_grid);
+    }
+  }
+  seen_ = arrived;
   signals_from_rates(integrator_->first_rates());
   if (dt_ > 0.0 || !look_between(static_cast<double>(begin), static_cast<double>(arrived))) {
     look(static_cast<double>(begin));
@@ -402,8 +518,32 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid)
   } else {
     next_since = since_anchor();
   }
-  if (next_dense() <= static_cast<double>(arrived)) serve_dense(begin, arrived, next_since);
-  if (counts_[kSteps] % kHousekeepingEvery == 0 || counts_[kRotationEvery] == 1) housekeeping();
+  if (due <= static_cast<double>(arrived)) serve_dense(due, begin, arrived, next_since);
+  if (period_over_) end_period();
+  if (housekeeping_due() || counts_[kRotationEvery] == 1) housekeeping();
+  if (within_step_) interrupted_ = ended_ = true;
+  return true;
+}
+
+/// Back to the start of the step, and to the event alone: what is left of a step of the grid is a
+/// step of its own. An event at either end of a step splits nothing.
+bool Engine::take_to(const Passed& passed, const DoubleDouble& begin, double length, double since,
+                     const DoubleDouble& arrived, bool to_grid) {
+  state_.copy_numbers(before_);
+  model_.attach(state_);
+  anchor_here();
+  integrator_->rebased();
+  const Trigger& trigger = triggers_[passed.trigger];
+  if (passed.theta <= kNoStep) {
+    fire(trigger);
+    return true;
+  }
+  const bool split = passed.theta < 1.0 - kNoStep;
+  const DoubleDouble end = split ? begin + passed.theta * length : arrived;
+  const double part = split ? passed.theta * length : length;
+  if (!take(since, part, end, to_grid && !split, false)) return false;
+  // An adaptive scheme may have stopped before.
+  if (static_cast<double>(now() - end) == 0.0) fire(trigger);
   return true;
 }
 
@@ -412,6 +552,11 @@ bool Engine::own_variables_are_finite() const {
   const SystemView<double>& view = model_.system().view;
   return std::all_of(view.integrals, view.integrals + view.own_count,
                      [](double x) { return std::isfinite(x); });
+}
+
+/// How far a step of the grid has been taken when an event has split it; 0 on the grid.
+DoubleDouble Engine::into_step() const {
+  return now() - two_prod(static_cast<double>(counts_[kGridSteps]), dt_);
 }
 
 /// How far the next grid step starts after the anchor, which is set every few steps of the grid.
@@ -440,11 +585,24 @@ void Engine::step_fixed(std::uint64_t most) {
     if (rest <= kNoStep * dt_ && (counts_[kSteps] > 0 || rest <= 0.0)) {
       ended_ = true;
     } else {
-      take(since_anchor(), rest, DoubleDouble(duration_), false);
+      take(since_anchor() + static_cast<double>(into_step()), rest, DoubleDouble(duration_), false);
     }
     return;
   }
-  if (plain_left_ == 0) plain_left_ = std::max<std::int64_t>(0, plain_steps());
+  const DoubleDouble into = into_step();
+  if (static_cast<double>(into) != 0.0) {
+    // An event has split this step of the grid: the rest of it.
+    const DoubleDouble grid = two_prod(static_cast<double>(counts_[kGridSteps] + 1), dt_);
+    const bool at_end = std::abs(static_cast<double>(grid - duration_)) <= kNoStep * dt_;
+    const DoubleDouble end = at_end ? DoubleDouble(duration_) : grid;
+    take(since_anchor() + static_cast<double>(into), static_cast<double>(end - now()), end, true);
+    return;
+  }
+  if (waiting()) {
+    plain_left_ = 0;
+  } else if (plain_left_ == 0) {
+    plain_left_ = std::max<std::int64_t>(0, plain_steps());
+  }
   if (plain_left_ == 0 || counts_[kRotationEvery] == 1) {
     const DoubleDouble grid = two_prod(static_cast<double>(counts_[kGridSteps] + 1), dt_);
     const bool at_end = std::abs(static_cast<double>(grid - duration_)) <= kNoStep * dt_;
@@ -468,6 +626,7 @@ void Engine::plain_block(std::int64_t most) {
         block_velocities_.data()));
     if (taken < most) fault = StepFault::not_finite_or_too_far;
     const std::size_t rates = model_.system().view.rates;
+    seen_ = two_prod(static_cast<double>(counts_[kGridSteps] + taken), dt_);
     for (std::int64_t k = 0; k < taken; ++k) {
       signals_[drivers_.size()] = std::abs(block_velocities_[k]);
       signals_from_rates(block_rates_.data() + k * rates);
@@ -478,11 +637,13 @@ void Engine::plain_block(std::int64_t most) {
     for (; taken < most; ++taken) {
       signals_from_velocity(model_.system().view.velocity,
                             static_cast<double>(counts_[kGridSteps] + taken) * dt_);
+      read_bodies(model_.system().view.position, nullptr, readings_);
       fault = integrator_->step_from(after, dt_, false).fault;
       if (fault == StepFault::none && !own_variables_are_finite()) {
         fault = StepFault::not_finite_or_too_far;
       }
       if (fault != StepFault::none) break;
+      seen_ = two_prod(static_cast<double>(counts_[kGridSteps] + taken + 1), dt_);
       signals_from_rates(integrator_->first_rates());
       look(static_cast<double>(counts_[kGridSteps] + taken) * dt_);
       after = static_cast<double>(first + taken + 1) * dt_;
@@ -499,19 +660,10 @@ void Engine::plain_block(std::int64_t most) {
     fail(fault, dt_);
     return;
   }
-  if (counts_[kSteps] % kHousekeepingEvery != 0) return;
+  if (!housekeeping_due()) return;
   // How far drivers have come counts for the origin: they are looked at where `take` leaves them.
   since_anchor();
   housekeeping();
-}
-
-/// Along the driver's way, times its speed.
-double Engine::pull_of(std::size_t k, const double* signals) const {
-  const int axes = model_.dimension();
-  const Drive* drive = drivers_[k].drive;
-  double pull = 0.0;
-  for (int d = 0; d < axes; ++d) pull += drive->velocity[d] * signals[k * axes + d];
-  return pull;
 }
 
 /// Long steps hide extremes: those of the cubic through the dense output at thirds of the step are
@@ -523,6 +675,13 @@ bool Engine::look_between(double from, double to) {
     signals_from_rates(dense_rates_.data());
     signals_from_velocity(dense_velocity_.data(), from + (to - from) * k / 3.0);
     between_[k] = signals_;
+  }
+  if (!body_watches_.empty()) {
+    read_bodies(model_.system().view.position, model_.system().view.velocity, end_readings_);
+  }
+  for (int k = 0; k < 3; ++k) {
+    interpolate_readings(k / 3.0, to - from);
+    watch(from + (to - from) * k / 3.0, between_[k].data(), between_readings_);
   }
   // Of a step across an edge of the window only what lies within counts.
   const auto inside = [&](double theta) {
@@ -555,6 +714,7 @@ bool Engine::look_between(double from, double to) {
 
 /// Extremes see the values at the start of a step.
 void Engine::look(double at) {
+  watch(at, signals_.data(), readings_);
   extremes_.add(at, signals_.data(), at >= from_.time && at <= to_.time);
   if (!first_maximum_.searching()) return;
   for (std::size_t k = 0; k < drivers_.size(); ++k) pulls_[k] = pull_of(k, signals_.data());
@@ -616,26 +776,37 @@ void Engine::signals_from_velocity(const double* velocity, double at) {
   }
 }
 
-void Engine::serve_dense(const DoubleDouble& from, const DoubleDouble& to, double next_since) {
+void Engine::serve_dense(double due, const DoubleDouble& from, const DoubleDouble& to,
+                         double next_since) {
   // The end of the step itself needs no interpolation, and so no evaluation.
-  if (next_dense() < static_cast<double>(to)) integrator_->finish_dense_from(next_since);
+  if (due < static_cast<double>(to)) integrator_->finish_dense_from(next_since);
   const double length = static_cast<double>(to - from);
-  for (double at = next_dense(); at <= static_cast<double>(to); at = next_dense()) {
-    if (options_.stop && options_.stop->load(std::memory_order_relaxed)) return;
+  std::uint64_t served = 0;
+  for (double at = due; at <= static_cast<double>(to); at = next_dense()) {
+    // A signal gets through between samples of a very long step, which is then left unfinished.
+    if (++served % kSamplesBetweenLooks == 0 && stopped()) {
+      within_step_ = true;
+      return;
+    }
+    if (dt_ > 0.0 && at == static_cast<double>(to)) {
+      const SystemView<double>& view = model_.system().view;
+      serve_point(at, view.position, view.velocity, view.integrals);
+      continue;
+    }
     const double theta =
         std::clamp(static_cast<double>(DoubleDouble(at) - from) / length, 0.0, 1.0);
     integrator_->interpolate(theta, dense_position_.data(), dense_velocity_.data(),
                              dense_integrals_.data());
-    serve_point(at);
+    serve_point(at, dense_position_.data(), dense_velocity_.data(), dense_integrals_.data());
   }
 }
 
-void Engine::serve_point(double at) {
-  const double* x = dense_position_.data();
-  const double* v = dense_velocity_.data();
-  const double* z = dense_integrals_.data();
+void Engine::serve_point(double at, const double* x, const double* v, const double* z) {
   if (*from_.reached == 0 && at >= from_.time) keep_moment(from_, at, x, v, z);
-  if (*from_.reached != 0 && *to_.reached == 0 && at >= to_.time) keep_moment(to_, at, x, v, z);
+  if (*from_.reached != 0 && *to_.reached == 0 && at >= to_.time) {
+    keep_moment(to_, at, x, v, z);
+    period_over_ = period_ > 0.0;
+  }
   if (sampling_ &&
       static_cast<double>(counts_[kNextSample]) * *scene_->output.every <= at * (1.0 + kNoStep)) {
     sample(at, x, v, z);
@@ -652,13 +823,10 @@ void Engine::sample(double at, const double* position, const double* velocity,
   for (const auto& driver : drivers_) {
     for (int d = 0; d < axes; ++d) sample_values_[column++] = dense_rates_[driver.first_rate + d];
   }
-  const double since = static_cast<double>(DoubleDouble(at) - model_.anchor_time());
-  for (const auto& driver : drivers_) {
-    const Drive& drive = *driver.drive;
-    if (!drive.steady) continue;
+  for (std::size_t k = 0; k < drivers_.size(); ++k) {
+    if (!drivers_[k].drive->steady) continue;
     for (int d = 0; d < axes; ++d) {
-      const double offset = drive.start[d] + std::fma(drive.velocity[d], since, drive.travel[d]);
-      sample_values_[column++] = static_cast<double>(model_.placed(d, offset));
+      sample_values_[column++] = static_cast<double>(model_.pulled_end(k, DoubleDouble(at), d));
     }
   }
   for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
@@ -670,6 +838,12 @@ void Engine::sample(double at, const double* position, const double* velocity,
     model_.centre_velocity(b, velocity, numbers);
     for (int d = 0; d < axes; ++d) sample_values_[column++] = numbers[d];
     if (model_.bodies()[b].rotates()) sample_values_[column++] = kTau * turns_of(b, position);
+  }
+  if (scene_->output.trajectory) {
+    for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
+      column = model_.place_particles(b, position, sample_values_.data() + column) -
+               sample_values_.data();
+    }
   }
   options_.sink->sample(sample_values_);
 }
@@ -720,27 +894,48 @@ void Engine::track_rotation() {
     const double wraps = std::nearbyint(change);
     turn_wraps_[b] -= static_cast<std::int64_t>(wraps);
     last_turns_[b] = turns + static_cast<double>(turn_wraps_[b]);
+    for (BodyWatch& watch : body_watches_) {
+      if (watch.body() != b) continue;
+      event_name_ = body.bound.name;
+      watch.add_turns(time(), last_turns_[b], emit_);
+    }
     const double a_step = std::abs(change - wraps) / static_cast<double>(looked);
     if (a_step * kHousekeepingEvery > kMuchTurning) counts_[kRotationEvery] = 1;
   }
 }
 
+/// Every few steps; of the grid where there is one, so that an event does not shift them.
+bool Engine::housekeeping_due() const {
+  if (dt_ == 0.0) return counts_[kSteps] % kHousekeepingEvery == 0;
+  return counts_[kGridSteps] % kHousekeepingEvery == 0 && static_cast<double>(into_step()) == 0.0;
+}
+
 void Engine::housekeeping() {
   track_rotation();
-  if (counts_[kSteps] % kHousekeepingEvery != 0) return;
+  if (!housekeeping_due()) return;
   if (model_.rebase_if_due()) integrator_->rebased();
-  if (options_.stop && options_.stop->load(std::memory_order_relaxed)) {
+  if (stopped()) {
     interrupted_ = ended_ = true;
+    if (!within_step_) keep_checkpoint();
+    return;
   }
-  if (options_.on_progress) {
-    const auto moment = std::chrono::steady_clock::now();
-    if (moment - last_report_ >= kReportEvery) {
-      last_report_ = moment;
-      const std::chrono::duration<double> elapsed = moment - started_;
-      options_.on_progress(
-          {time(), duration_, static_cast<std::uint64_t>(counts_[kSteps]), elapsed.count()});
-    }
+  if (!options_.on_progress && options_.sink == nullptr) return;
+  const auto moment = std::chrono::steady_clock::now();
+  if (options_.on_progress && moment - last_report_ >= kReportEvery) {
+    last_report_ = moment;
+    const std::chrono::duration<double> elapsed = moment - started_;
+    options_.on_progress(
+        {time(), duration_, steps(), elapsed.count(), time_before_, steps_before_});
   }
+  const std::chrono::duration<double> since = moment - last_checkpoint_;
+  if (since.count() >= scene_->run.checkpoint_every) {
+    keep_checkpoint();
+    last_checkpoint_ = std::chrono::steady_clock::now();
+  }
+}
+
+bool Engine::stopped() const {
+  return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
 }
 
 RunResult Engine::run() {
@@ -756,6 +951,10 @@ void Engine::finish() {
     keep_moment(to_, to_.time, view.position, view.velocity, view.integrals);
   }
   model_.evaluate_at(now(), view.position, view.velocity, view.integrals, final_rates_.data());
+  if (!failure_ && !interrupted_) {
+    finish_events();
+    warn_of_unsteadiness();
+  }
   if (!ledger_) return;
   kinetic_energy_ = model_.kinetic_energy(view.velocity);
   potential_energy_ = model_.potential_energy(now(), view.position, view.velocity, view.integrals);
@@ -797,6 +996,8 @@ RunResult Engine::result() {
   result.steps = static_cast<std::uint64_t>(counts_[kSteps]);
   result.refused_steps = integrator_->refused_steps();
   result.force_evaluations = model_.system().evaluations;
+  result.events = event_counts();
+  if (period_ > 0.0) result.steady = steady();
   result.window_from = from_.time;
   result.window_to = to_.time;
   result.warnings = warnings_;
@@ -804,8 +1005,9 @@ RunResult Engine::result() {
     result.left_out.emplace_back(left.force, left.why);
   }
   result.wall_seconds = elapsed.count();
-  result.steps_per_second =
-      elapsed.count() > 0.0 ? static_cast<double>(result.steps) / elapsed.count() : 0.0;
+  if (elapsed.count() > 0.0) {
+    result.steps_per_second = static_cast<double>(result.steps - steps_before_) / elapsed.count();
+  }
   result.instruction_set = options_.instruction_set;
 
   const int axes = model_.dimension();

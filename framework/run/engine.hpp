@@ -4,12 +4,16 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "framework/core/scheme.hpp"
 #include "framework/model/model.hpp"
+#include "framework/model/observe_kernels.hpp"
+#include "framework/run/events.hpp"
 #include "framework/run/extremes.hpp"
-#include "framework/run/observe_kernels.hpp"
+#include "framework/run/instant.hpp"
 #include "framework/run/run.hpp"
 
 namespace tomlin {
@@ -34,7 +38,8 @@ class Engine {
   /// Take up to this many steps (fewer at the end of the run, or when one fails) with everything
   /// that a run does along the way. For benchmarks and tests.
   void advance(std::uint64_t steps);
-  bool done() const { return ended_ || failure_.has_value(); }
+  bool done() const { return ended_ || failed(); }
+  bool failed() const { return failure_.has_value(); }
   double time() const { return clock_[0] + clock_[1]; }
   std::uint64_t steps() const { return static_cast<std::uint64_t>(counts_[kSteps]); }
 
@@ -51,6 +56,24 @@ class Engine {
     DoubleDouble place(std::size_t k) const { return {centre[2 * k], centre[2 * k + 1]}; }
   };
 
+  /// A force that waits for an observable to pass a value.
+  struct Trigger {
+    std::size_t force = 0;
+    Instant instant;
+    std::int64_t* beyond = nullptr;  ///< above the upper value, below the lower one
+  };
+  struct Passed {
+    std::size_t trigger = 0;
+    double theta = 1.0;  ///< part of the step
+  };
+  /// Where a body that is watched is, and how fast: height, and rotation in turns.
+  struct Reading {
+    double height = 0.0;
+    double rise = 0.0;
+    double turns = 0.0;
+    double spin = 0.0;
+  };
+
   void declare(StateLayout& layout);
   void attach();
   void resolve_window();
@@ -59,33 +82,71 @@ class Engine {
   void warn_of_idle_velocities();
   void warn_of_fine_tolerance();
   void bound_unwatched_steps();
+  bool take_to(const Passed& passed, const DoubleDouble& begin, double length, double since,
+               const DoubleDouble& arrived, bool to_grid);
   bool own_variables_are_finite() const;
   void refuse_endless() const;
-  bool take(double since, double h, const DoubleDouble& end, bool to_grid);
+  bool take(double since, double h, const DoubleDouble& end, bool to_grid, bool watched = true);
   double since_anchor();
+  void anchor_here();
+  DoubleDouble into_step() const;
+  void list_watches();
+  void list_triggers();
+  void start_triggers();
+  bool waiting() const;
+  void read_triggers(const DoubleDouble& time, const double* position, const double* velocity,
+                     const double* integrals);
+  double beyond(const Trigger& trigger, int side) const;
+  std::optional<Passed> first_passed(const DoubleDouble& begin, double h, double since);
+  void fire(const Trigger& trigger);
+  double height_of(double y) const;
+  void read_bodies(const double* position, const double* velocity, std::vector<Reading>& readings);
+  void interpolate_readings(double theta, double h);
+  void watch(double at, const double* signals, const std::vector<Reading>& readings);
+  void record(Event event);
+  double heat_so_far();
+  void set_directions();
+  void start_until();
+  void end_period();
+  void warn_of_unsteadiness();
   std::int64_t plain_steps() const;
   void plain_block(std::int64_t most);
   void look(double at);
   bool look_between(double from, double to);
-  double pull_of(std::size_t driver, const double* signals) const;
+  /// Force of a driver along its way at the start, times its speed.
+  double pull_of(std::size_t driver, const double* signals) const {
+    const auto axes = static_cast<std::size_t>(model_.dimension());
+    double pull = 0.0;
+    for (std::size_t s = driver * axes; s < (driver + 1) * axes; ++s) {
+      pull += direction_[s] * signals[s];
+    }
+    return pull;
+  }
   void step_fixed(std::uint64_t most);
   void step_adaptive();
+  void begin_sink();
   void observe_start();
+  void keep_checkpoint();
+  bool stopped() const;
   void signals_from_rates(const double* rates);
   void signals_from_velocity(const double* velocity, double at);
-  void serve_dense(const DoubleDouble& from, const DoubleDouble& to, double next_since);
-  void serve_point(double at);
+  void serve_dense(double due, const DoubleDouble& from, const DoubleDouble& to, double next_since);
+  void serve_point(double at, const double* x, const double* v, const double* z);
   double next_dense() const;
   void sample(double at, const double* position, const double* velocity, const double* integrals);
   void keep_moment(Moment& moment, double at, const double* position, const double* velocity,
                    const double* integrals);
+  bool housekeeping_due() const;
   void housekeeping();
   void track_rotation();
   double turns_of(std::size_t body, const double* position) const;
   void finish();
+  void finish_events();
   void fail(StepFault fault, double h);
   RunResult result();
   EnergyResult energy(bool window) const;
+  EventCounts event_counts() const;
+  SteadyResult steady() const;
   DoubleDouble now() const { return {clock_[0], clock_[1]}; }
 
   std::shared_ptr<const Scene> scene_;
@@ -100,8 +161,10 @@ class Engine {
   double dt_ = 0.0;  ///< 0: adaptive
   double stable_step_ = 0.0;
   double longest_unwatched_ = std::numeric_limits<double>::infinity();  ///< of an adaptive scheme
-  std::int64_t full_steps_ = 0;  ///< whole steps of the grid that the run has room for
-  std::int64_t plain_left_ = 0;  ///< steps known to have nothing to serve
+  std::int64_t full_steps_ = 0;     ///< whole steps of the grid that the run has room for
+  double time_before_ = 0.0;        ///< where a resumed run went on from
+  std::uint64_t steps_before_ = 0;  ///< taken before that
+  std::int64_t plain_left_ = 0;     ///< steps known to have nothing to serve
 
   // In the run state.
   double* clock_ = nullptr;         ///< high and low part of the time
@@ -117,8 +180,34 @@ class Engine {
   std::vector<double> signals_;
   std::vector<double> pulls_;
   std::vector<double> between_[4];  ///< signals at thirds of a step
+  std::vector<double> direction_;   ///< [driver * dimension + axis], velocities at the start
+  std::vector<double> speed_;       ///< of each driver
+  std::vector<double> along_;       ///< pull times this is the force along the present velocity
   Extremes extremes_;
   FirstMaximum first_maximum_;
+
+  // Events. Those that are only told of follow from signals; those that change a force split steps.
+  std::vector<DriverWatch> driver_watches_;
+  std::vector<BodyWatch> body_watches_;
+  DriverWatch::Emit emit_;
+  DriverWatch::Heat heat_;
+  std::string_view event_name_;
+  std::int64_t* event_counts_ = nullptr;  ///< by kind, in the run state
+  std::vector<Reading> readings_;         ///< by body watch, at the start of the step
+  std::vector<Reading> end_readings_;
+  std::vector<Reading> between_readings_;
+  std::vector<Trigger> triggers_;
+  AlignedVector<double> trigger_rates_;
+  std::vector<double> trigger_turns_;
+  Instant::State instant_;
+  DoubleDouble seen_;  ///< the time of the state while its last step is looked at
+  RunState before_;    ///< the state at the start of a step that may be split
+
+  // Until it is steady.
+  double period_ = 0.0;       ///< of the driver, as a time; 0: runs for its duration
+  double* steady_ = nullptr;  ///< in the run state
+  enum { kPeriods, kLastValue, kLastChange, kChange, kAlike, kReached, kSteadyNumbers };
+  bool period_over_ = false;
 
   Moment from_;
   Moment to_;
@@ -137,10 +226,12 @@ class Engine {
   double potential_energy_ = 0.0;  ///< at the end
   bool ended_ = false;
   bool interrupted_ = false;
+  bool within_step_ = false;  ///< stopped before all samples of the last step were served
   std::optional<RunFailure> failure_;
   std::vector<std::string> warnings_;
   std::chrono::steady_clock::time_point started_;
   std::chrono::steady_clock::time_point last_report_;
+  std::chrono::steady_clock::time_point last_checkpoint_;
 };
 
 }  // namespace tomlin

@@ -42,6 +42,7 @@ class MirroredIntegrator : public Integrator<double>, public ModelFollower {
       view.velocity_rest = state.numbers<Real>("stepped.velocity.rest");
       view.integrals_rest = state.numbers<Real>("stepped.integrals.rest");
     }
+    assembly_.attach_controls(state);
     scheme_->attach(state);
   }
 
@@ -76,6 +77,8 @@ class MirroredIntegrator : public Integrator<double>, public ModelFollower {
   }
 
   void rebased() override { scheme_->rebased(); }
+  void forces_changed() override { scheme_->forces_changed(); }
+  std::uint64_t evaluations_ahead() const override { return scheme_->evaluations_ahead(); }
   std::uint64_t refused_steps() const override { return scheme_->refused_steps(); }
 
   void start(const Perturbation* noise) override {

@@ -47,8 +47,10 @@ class Collector {
     }
     return *this;
   }
-  Collector& add_count(const char* name, std::uint64_t count) {
-    return add(name, static_cast<double>(count));
+  Collector& add_count(const char* name, const std::optional<std::uint64_t>& count) {
+    std::optional<double> value;
+    if (count) value = static_cast<double>(*count);
+    return add(name, value);
   }
   std::vector<Observable> take() { return std::move(all_); }
 
@@ -116,6 +118,12 @@ std::vector<Observable> observables(const RunResult& result) {
   Collector all(dimension);
   for (const DriverResult& driver : result.drivers) add_driver(all, driver);
   for (const BodyResult& body : result.bodies) add_body(all, body, dimension == 2);
+  all.under("events")
+      .add_count("slips", result.events.slips)
+      .add_count("hops", result.events.hops)
+      .add_count("turns", result.events.turns)
+      .add_count("reversals", result.events.reversals)
+      .add_count("driver_reversals", result.events.driver_reversals);
   if (result.energy) {
     all.under("energy")
         .add("kinetic", result.energy->kinetic)

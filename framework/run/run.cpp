@@ -27,6 +27,32 @@ const char* to_string(RunStatus status) {
   return "";
 }
 
+const char* to_string(EventKind kind) {
+  switch (kind) {
+    case EventKind::slip:
+      return "slip";
+    case EventKind::hop:
+      return "hop";
+    case EventKind::turn:
+      return "turn";
+    case EventKind::reversal:
+      return "reversal";
+    case EventKind::driver_reversal:
+      return "driver_reversal";
+  }
+  return "";
+}
+
+std::size_t RunLayout::particles() const {
+  std::size_t total = 0;
+  for (const TrajectoryBody& body : bodies) total += body.mass.size();
+  return total;
+}
+
+std::size_t RunLayout::row() const {
+  return columns.size() + particles() * static_cast<std::size_t>(dimension);
+}
+
 std::string to_string(const RunFailure& failure) {
   std::string where = failure.body;
   if (failure.particle >= 0) where += fmt::format(", particle {}", failure.particle);

@@ -1,15 +1,18 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "framework/core/instruction_set.hpp"
+#include "framework/core/state_layout.hpp"
 #include "framework/model/assembly.hpp"
 #include "framework/scene/scene.hpp"
 
@@ -72,6 +75,24 @@ struct EnergyResult {
   std::optional<double> numerical_work;
 };
 
+/// What happened in the whole run. What cannot happen in a scene is not counted.
+struct EventCounts {
+  std::optional<std::uint64_t> slips;      ///< of all drivers of steady speed
+  std::optional<std::uint64_t> hops;       ///< of round bodies in the plane
+  std::optional<std::uint64_t> turns;      ///< whole ones, of bodies in the plane
+  std::optional<std::uint64_t> reversals;  ///< of bodies against their drivers
+  std::optional<std::uint64_t> driver_reversals;
+};
+
+/// How a run until it is steady came out.
+struct SteadyResult {
+  std::string path;
+  bool reached = false;
+  std::uint64_t periods = 0;  ///< of the driver, whole ones
+  /// Estimated distance of the last period's value from the steady one, relative to it.
+  std::optional<double> change;
+};
+
 /// How far an observable is determined: its values in runs from slightly other starts.
 struct DeterminedResult {
   std::string path;
@@ -93,6 +114,8 @@ struct RunResult {
   double window_to = 0.0;
   std::vector<DriverResult> drivers;
   std::vector<BodyResult> bodies;
+  EventCounts events;
+  std::optional<SteadyResult> steady;        ///< with `[run] until`
   std::optional<EnergyResult> energy;        ///< with `[run] ledger`
   std::vector<DeterminedResult> determined;  ///< with `[run] perturb`
   std::vector<std::string> warnings;
@@ -108,15 +131,68 @@ struct SampleColumn {
   std::string unit;
 };
 
-/// Receives samples in the order of time.
-class SampleSink {
+/// The particles of one body in a trajectory, one body after another.
+struct TrajectoryBody {
+  std::string name;
+  std::vector<double> mass;  ///< [particle]
+};
+
+/// What a run will send to its sink.
+struct RunLayout {
+  std::vector<SampleColumn> columns;   ///< of the table; empty: no samples come
+  std::vector<TrajectoryBody> bodies;  ///< with `[output] trajectory`; empty: no positions come
+  int dimension = 0;
+  std::vector<double> box;     ///< lengths by axis; empty: there is none
+  std::vector<bool> periodic;  ///< by axis, with a box
+  bool events = false;         ///< whether any can happen
+  std::string state = {};      ///< names and sizes of what stands in a checkpoint's numbers
+
+  std::size_t particles() const;
+  /// Numbers of one sample: the columns, then positions [particle][axis].
+  std::size_t row() const;
+};
+
+enum class EventKind {
+  slip,             ///< the pulled point runs ahead, far faster than its driver
+  hop,              ///< a round body leaves the substrate for a moment
+  turn,             ///< a body has completed a turn
+  reversal,         ///< a body moves against its driver
+  driver_reversal,  ///< a driver turns round
+};
+inline constexpr std::size_t kEventKinds = 5;
+
+/// "slip", "hop", "turn", "reversal", "driver_reversal".
+const char* to_string(EventKind kind);
+
+/// Something that happened. What a kind has no number for is not a number.
+struct Event {
+  EventKind kind = EventKind::slip;
+  std::string_view name;  ///< of the driver or the body; outlives the run
+  double time = 0.0;      ///< when it began
+  double duration = 0.0;
+  double size = 0.0;         ///< length of a slip, height of a hop, turns, way back of a reversal
+  double energy_lost = 0.0;  ///< of a slip: heat of the whole scene meanwhile
+  double peak_force = 0.0;   ///< of a slip: of the driver, along its way, when it began
+};
+
+/// Receives what a run leaves while it goes on: samples and events, each in the order of time, and
+/// now and then all that is needed to go on from here.
+class RunSink {
  public:
-  virtual ~SampleSink() = default;
-  virtual void begin(const std::vector<SampleColumn>& columns) = 0;
-  virtual void sample(const std::vector<double>& values) = 0;
+  virtual ~RunSink() = default;
+  /// Before anything else, also when a run is resumed.
+  virtual void begin(const RunLayout& layout) = 0;
+  /// One row: see RunLayout::row(). The first sample of a run is its start; of a resumed run, the
+  /// first after the moment from which it goes on.
+  virtual void sample(const std::vector<double>& row) = 0;
+  virtual void event(const Event& event) { (void)event; }
+  /// At the start, every `[run] checkpoint_every` seconds and when a run is stopped: whatever was
+  /// sent so far belongs to the time before these numbers, whatever comes is after them. See
+  /// RunOptions::resume_from.
+  virtual void checkpoint(const RunState& state) { (void)state; }
 
  protected:
-  SampleSink() = default;
+  RunSink() = default;
 };
 
 struct RunProgress {
@@ -124,14 +200,19 @@ struct RunProgress {
   double duration = 0.0;
   std::uint64_t steps = 0;
   double elapsed_seconds = 0.0;
+  double time_before = 0.0;        ///< where a resumed run went on from
+  std::uint64_t steps_before = 0;  ///< taken before that
 };
 
 struct RunOptions {
-  SampleSink* sink = nullptr;                           ///< used when the scene has output.every
+  RunSink* sink = nullptr;
   std::function<void(const RunProgress&)> on_progress;  ///< called a few times a second
   const std::atomic<bool>* stop = nullptr;              ///< set by a signal: end as interrupted
   InstructionSet instruction_set = chosen_instruction_set();
   std::optional<Perturbation> perturbation;  ///< noise on the start; see also `[run] perturb`
+  /// The bytes of a checkpoint of the same scene: go on from there. Throws std::invalid_argument
+  /// when they are not.
+  const std::vector<std::byte>* resume_from = nullptr;
 };
 
 /// Throws InputError for what only shows when the scene is bound; everything later is in the

@@ -40,8 +40,8 @@ Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds, Instruc
   }
   trial.seconds = elapsed();
   trial.time = engine.time();
-  trial.finished = trial.time >= run.duration;
-  trial.failed = engine.done() && !trial.finished;
+  trial.failed = engine.failed();
+  trial.finished = engine.done() && !trial.failed;
   trial.evaluations = engine.model().system().evaluations;
   trial.steps = engine.steps();
   return trial;

@@ -92,6 +92,16 @@ std::optional<Node> node_of(const FlagList& switches) {
   return node(std::move(list));
 }
 
+std::optional<Node> node_of(const Passing& passing) {
+  if (passing.when.empty()) return std::nullopt;
+  Table table;
+  table.set("when", node(passing.when));
+  if (passing.above) table.set("above", node(*passing.above));
+  if (passing.below) table.set("below", node(*passing.below));
+  table.set("times", node(passing.times));
+  return node(std::move(table));
+}
+
 // double, std::int64_t, bool and std::string stand for themselves.
 template <class Plain>
 std::optional<Node> node_of(const Plain& value) {

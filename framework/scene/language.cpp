@@ -138,18 +138,21 @@ TableLayout box_layout() {
   return layout;
 }
 
-TableLayout run_layout() {
+TableLayout run_layout(bool until) {
   TableLayout layout;
   layout.own_keys = {{"integrator", "the scheme: { type = ..., ... }"},
-                     {"perturb", "repeats from perturbed starts: { size = ..., ... }"}};
+                     {"perturb", "repeats from perturbed starts: { size = ..., ... }"},
+                     {"until", "end when an observable is steady: { steady = ..., ... }"}};
+  Parameter duration = parameter("duration", &RunSettings::duration, dimension::time,
+                                 "length of the run; the last step is shortened to end exactly")
+                           .in(positive);
+  duration.optional = until;  // which has a latest time of its own
   layout.rows = {
       parameter("dynamics", &RunSettings::dynamics, dimension::none, "the equations of motion")
           .one_of({"inertial", "overdamped"})
           .not_yet({"quasistatic"})
           .by_default("inertial"),
-      parameter("duration", &RunSettings::duration, dimension::time,
-                "length of the run; the last step is shortened to end exactly")
-          .in(positive),
+      std::move(duration),
       parameter("number_type", &RunSettings::number_type, dimension::none,
                 "the numbers that the state is held in")
           .one_of({"double", "float", "quadruple"})
@@ -162,14 +165,12 @@ TableLayout run_layout() {
       parameter("checkpoint_every", &RunSettings::checkpoint_every, dimension::none,
                 "wall time between checkpoints, in seconds")
           .in(positive)
-          .by_default(60.0)
-          .only_default_yet(),
+          .by_default(60.0),
       parameter("allow_unstable", &RunSettings::allow_unstable, dimension::none,
                 "run even when the step is beyond the estimated stability limit")
           .by_default(false),
   };
-  layout.reserved = {{"accuracy", "an accuracy to choose the steps by"},
-                     {"until", "a condition that ends the run"}};
+  layout.reserved = {{"accuracy", "an accuracy to choose the steps by"}};
   return layout;
 }
 
@@ -186,6 +187,21 @@ TableLayout perturb_layout() {
       plain_list("observables", &PerturbSettings::observables, &WordList::words, dimension::none,
                  "what is looked at; the mean forces of all drivers by default")
           .or_absent(),
+  };
+  return layout;
+}
+
+TableLayout until_layout() {
+  TableLayout layout;
+  layout.rows = {
+      parameter("steady", &UntilSettings::steady, dimension::none,
+                "the observable that is to be the same from one driver period to the next"),
+      parameter("tolerance", &UntilSettings::tolerance, dimension::none,
+                "largest estimated distance from its steady value, relative to it")
+          .in(positive),
+      optional_number("max", &UntilSettings::max, dimension::time,
+                      "the latest time at which the run ends; run.duration by default")
+          .in(positive),
   };
   return layout;
 }
@@ -218,8 +234,11 @@ TableLayout output_layout() {
           .in(positive),
       parameter("trajectory", &OutputSettings::trajectory, dimension::none,
                 "write the particles' positions too")
-          .by_default(false)
-          .only_default_yet(),
+          .by_default(false),
+      parameter("trajectory_format", &OutputSettings::trajectory_format, dimension::none,
+                "H5MD in trajectory.h5, or extended XYZ in trajectory.xyz")
+          .one_of({"h5md", "xyz"})
+          .by_default("h5md"),
   };
   return layout;
 }

@@ -36,7 +36,9 @@ struct TableLayout {
 // MeasureSettings and OutputSettings.
 TableLayout scene_layout();
 TableLayout box_layout();
-TableLayout run_layout();
+/// With `until` a scene need not say how long it runs.
+TableLayout run_layout(bool until = false);
+TableLayout until_layout();
 TableLayout perturb_layout();
 TableLayout measure_layout();
 TableLayout output_layout();

@@ -479,7 +479,8 @@ class SceneReader {
       return;
     }
     RunSettings& run = scene_->run;
-    const TableReading reading = read_section(*given, run_layout(), "run", &run);
+    const bool until = given->table->find("until") != nullptr;
+    const TableReading reading = read_section(*given, run_layout(until), "run", &run);
     run.place = source_.place(given->where);
     run.places = reading.places;
     duration_is_known_ = reading.has("duration");
@@ -488,6 +489,9 @@ class SceneReader {
     if (const auto integrator = read_integrator(*given)) effective.set("integrator", *integrator);
     append(effective, reading.effective);
     if (const auto perturb = read_perturb(*given)) effective.set("perturb", *perturb);
+    if (until) {
+      if (const auto table = read_until(*given)) effective.set("until", *table);
+    }
     put("run", std::move(effective));
   }
 
@@ -515,6 +519,29 @@ class SceneReader {
     effective.set("bodies", names_of_bodies(perturb.bodies));
     append(effective, reading.effective);
     return Node{std::move(effective), {}};
+  }
+
+  /// The effective table of `until`, which is there; nothing when it is unfit.
+  std::optional<Node> read_until(const Section& run) {
+    const std::string path = "run.until";
+    const Node& node = *run.table->find("until");
+    const auto* table = node.as<Table>();
+    if (table == nullptr) {
+      faults_.of_value(node, {path, "found " + kind_of(node), "{ steady = ..., ... }"});
+      return std::nullopt;
+    }
+    UntilSettings& until = scene_->run.until.emplace();
+    const auto reading = read_section({table, node.where}, until_layout(), path, &until);
+    until.place = source_.place(node.where);
+    until.places = reading.places;
+    if (until.max) {
+      double& duration = scene_->run.duration;
+      duration = duration_is_known_ ? std::min(duration, *until.max) : *until.max;
+      duration_is_known_ = true;
+    } else if (run.table->find("duration") == nullptr) {
+      faults_.of_key(run.where, {"run.duration", "missing", "a duration, or max in run.until"});
+    }
+    return Node{reading.effective, {}};
   }
 
   Node names_of_bodies(const std::vector<std::size_t>& indices) const {
@@ -565,7 +592,7 @@ class SceneReader {
     const TableReading reading = read_section(*given, measure_layout(), "measure", &measure);
     measure.place = source_.place(given->where);
     measure.places = reading.places;
-    check_window(reading);
+    if (!scene_->run.until) check_window(reading);
     if (reading.sound) check_periods(reading);
     put("measure", reading.effective);
   }
@@ -617,6 +644,11 @@ class SceneReader {
     const auto reading = read_section(given, output_layout(), "output", &scene_->output);
     scene_->output.place = source_.place(given.where);
     scene_->output.places = reading.places;
+    if (scene_->output.trajectory && given.table->find("every") == nullptr) {
+      reading.complain(faults_, "trajectory",
+                       {"", "positions come with samples, and there are none",
+                        "with every, the sampling interval"});
+    }
     put("output", reading.effective);
   }
 

@@ -57,9 +57,19 @@ struct PerturbSettings {
   std::map<std::string, Place> places;
 };
 
+/// `until = { steady = "driver.mean_force.x", tolerance = 1e-6, max = 1e5 }`: the run ends when an
+/// observable is the same from one driver period to the next.
+struct UntilSettings {
+  std::string steady;  ///< the observable, over one period
+  double tolerance = 0.0;
+  std::optional<double> max;  ///< the latest time
+  Place place;
+  std::map<std::string, Place> places;
+};
+
 struct RunSettings {
   std::string dynamics = "inertial";
-  double duration = 0.0;
+  double duration = 0.0;  ///< with `until` the latest time at which the run ends
   SceneIntegrator integrator;
   std::string number_type = "double";
   bool ledger = false;
@@ -67,6 +77,7 @@ struct RunSettings {
   bool allow_unstable = false;
   double checkpoint_every = 60.0;
   std::optional<PerturbSettings> perturb;
+  std::optional<UntilSettings> until;
   Place place;
   std::map<std::string, Place> places;
 };
@@ -85,7 +96,8 @@ struct MeasureSettings {
 
 struct OutputSettings {
   std::optional<double> every;  ///< sampling interval in time units; no table without it
-  bool trajectory = false;
+  bool trajectory = false;      ///< particles' positions too
+  std::string trajectory_format = "h5md";
   Place place;
   std::map<std::string, Place> places;
 };

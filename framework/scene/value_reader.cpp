@@ -96,9 +96,11 @@ std::string what_is_due(const Parameter& row) {
         } else if constexpr (std::is_same_v<Kind, WordList>) {
           return row.choices.empty() ? "a list of names"
                                      : "a list of " + joined_with_or(in_quotes(row.choices));
-        } else {
-          static_assert(std::is_same_v<Kind, FlagList>);
+        } else if constexpr (std::is_same_v<Kind, FlagList>) {
           return "a list with true or false per dimension";
+        } else {
+          static_assert(std::is_same_v<Kind, Passing>);
+          return "{ when = OBSERVABLE, above = VALUE } or below, and times";
         }
       },
       row.prototype);
@@ -145,9 +147,11 @@ std::optional<ParameterValue> ValueReader::read_kind(const Subject& subject,
           return point_list(subject, node);
         } else if constexpr (std::is_same_v<Kind, WordList>) {
           return word_list(subject, node);
-        } else {
-          static_assert(std::is_same_v<Kind, FlagList>);
+        } else if constexpr (std::is_same_v<Kind, FlagList>) {
           return flag_list(subject, node);
+        } else {
+          static_assert(std::is_same_v<Kind, Passing>);
+          return passing(subject, node);
         }
       },
       subject.row.prototype);
@@ -375,6 +379,38 @@ std::optional<FlagList> ValueReader::flag_list(const Subject& subject, const Nod
     const bool* flag = element.as<bool>();
     if (flag == nullptr) return wrong_kind(subject, element);
     result.flags.push_back(*flag);
+  }
+  return result;
+}
+
+std::optional<Passing> ValueReader::passing(const Subject& subject, const Node& node) const {
+  const auto* table = node.as<Table>();
+  if (table == nullptr) return wrong_kind(subject, node);
+  Passing result;
+  for (const Entry& entry : table->entries) {
+    const std::string path = subject.key + "." + entry.key;
+    const Subject inner{subject.row, path};
+    if (entry.key == "when") {
+      const auto* given = entry.value.as<std::string>();
+      if (given == nullptr || given->empty()) return wrong_kind(inner, entry.value);
+      result.when = *given;
+    } else if (entry.key == "above" || entry.key == "below") {
+      const auto x = number(inner, entry.value);
+      if (!x) return std::nullopt;
+      (entry.key == "above" ? result.above : result.below) = *x;
+    } else if (entry.key == "times") {
+      const auto times = index(inner, entry.value);
+      if (!times) return std::nullopt;
+      if (*times < 1) return wrong(inner, entry.value, "out of range: at least 1");
+      result.times = *times;
+    } else {
+      return wrong(subject, node, "unknown key " + shortened(entry.key, kLongestShownValue));
+    }
+  }
+  if (result.when.empty()) return wrong(subject, node, "when is missing");
+  if (!result.above && !result.below) return wrong(subject, node, "neither above nor below");
+  if (result.above && result.below && !(*result.below < *result.above)) {
+    return wrong(subject, node, "below is not less than above");
   }
   return result;
 }

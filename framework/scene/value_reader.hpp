@@ -52,6 +52,7 @@ class ValueReader {
   std::optional<PointList> point_list(const Subject& subject, const Node& node) const;
   std::optional<WordList> word_list(const Subject& subject, const Node& node) const;
   std::optional<FlagList> flag_list(const Subject& subject, const Node& node) const;
+  std::optional<Passing> passing(const Subject& subject, const Node& node) const;
 
   std::optional<double> evaluated(const Subject& subject, const Node& node) const;
   bool in_range(const Subject& subject, const Node& node, double x) const;

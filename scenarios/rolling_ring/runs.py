@@ -3,7 +3,6 @@
 import argparse
 import csv
 import json
-import math
 import pathlib
 import subprocess
 
@@ -42,23 +41,6 @@ class Tomlin:
 
 def say(text=""):
     print(text, flush=True)
-
-
-def mean_force(summary):
-    return summary["drivers"]["driver"]["mean_force"][0]
-
-
-def turns_per_period(summary):
-    window = summary["window"]
-    periods = ((window["to"] - window["from"]) * summary["parameters"]["v"]
-               / summary["parameters"]["a"])
-    return summary["bodies"]["ring"]["turns"] / periods
-
-
-def lower_bound(parameters):
-    """Viscous loss alone of a ring that turns by 1/N per period."""
-    gear = 2.0 * math.pi * parameters["R"] / (parameters["N"] * parameters["a"])
-    return parameters["xi"] * parameters["v"] * (1.0 + gear**2)
 
 
 def program_argument(parser):

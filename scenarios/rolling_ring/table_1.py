@@ -11,8 +11,8 @@ import pathlib
 import sys
 import tempfile
 
-from runs import (RunFailed, Tomlin, lower_bound, mean_force, program_argument, say,
-                  turns_per_period)
+from measures import lower_bound, mean_force, turns_per_period
+from runs import RunFailed, Tomlin, program_argument, say
 
 # Total mean force over whole periods in steady sliding, from programs independent of this one:
 # a rigid ring in three coordinates, ten digits.

@@ -37,7 +37,7 @@ inline RunResult finished(RunResult result) {
 
 /// `scene` is relative to scenarios/.
 inline RunResult run_shipped(const std::string& scene, const std::vector<Setting>& settings = {},
-                             SampleSink* sink = nullptr) {
+                             RunSink* sink = nullptr) {
   RunOptions options;
   options.sink = sink;
   const std::string file = TOMLIN_SOURCE_DIR "/scenarios/" + scene;

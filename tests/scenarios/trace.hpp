@@ -11,14 +11,16 @@
 namespace tomlin::test {
 
 /// The samples of a run, in memory.
-class Trace : public SampleSink {
+class Trace : public RunSink {
  public:
-  void begin(const std::vector<SampleColumn>& columns) override {
-    for (const SampleColumn& column : columns) names_.push_back(column.name);
-    columns_.resize(columns.size());
+  void begin(const RunLayout& layout) override {
+    for (const SampleColumn& column : layout.columns) names_.push_back(column.name);
+    columns_.resize(layout.columns.size());
+    dimension_ = static_cast<std::size_t>(layout.dimension);
   }
-  void sample(const std::vector<double>& values) override {
-    for (std::size_t k = 0; k < values.size(); ++k) columns_[k].push_back(values[k]);
+  void sample(const std::vector<double>& row) override {
+    for (std::size_t k = 0; k < columns_.size(); ++k) columns_[k].push_back(row[k]);
+    positions_.emplace_back(row.begin() + static_cast<std::ptrdiff_t>(columns_.size()), row.end());
   }
 
   const std::vector<double>& operator[](const std::string& name) const {
@@ -27,9 +29,16 @@ class Trace : public SampleSink {
     return columns_[static_cast<std::size_t>(found - names_.begin())];
   }
 
+  /// Of a particle in a sample, with `[output] trajectory`.
+  double position(std::size_t sample, std::size_t particle, std::size_t axis) const {
+    return positions_.at(sample).at(particle * dimension_ + axis);
+  }
+
  private:
   std::vector<std::string> names_;
   std::vector<std::vector<double>> columns_;
+  std::vector<std::vector<double>> positions_;  ///< [sample][particle, axis]
+  std::size_t dimension_ = 0;
 };
 
 /// How far each slip went: advances of more than half a period while the driver moves a little.

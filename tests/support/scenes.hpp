@@ -80,12 +80,21 @@ inline std::string refusal(std::string_view text, const Registry& registry = sta
 }
 
 /// Keeps what an observables table would hold.
-class KeptSamples : public SampleSink {
+class KeptSamples : public RunSink {
  public:
-  void begin(const std::vector<SampleColumn>& columns) override {
-    for (const SampleColumn& column : columns) names.push_back(column.name);
+  void begin(const RunLayout& layout) override {
+    for (const SampleColumn& column : layout.columns) names.push_back(column.name);
   }
   void sample(const std::vector<double>& values) override { rows.push_back(values); }
+  void event(const Event& event) override { events.push_back(event); }
+
+  std::vector<Event> of(EventKind kind) const {
+    std::vector<Event> found;
+    for (const Event& event : events) {
+      if (event.kind == kind) found.push_back(event);
+    }
+    return found;
+  }
 
   std::size_t column(const std::string& name) const {
     for (std::size_t k = 0; k < names.size(); ++k) {
@@ -96,6 +105,7 @@ class KeptSamples : public SampleSink {
 
   std::vector<std::string> names;
   std::vector<std::vector<double>> rows;
+  std::vector<Event> events;  ///< their names are good as long as the engine
 };
 
 inline bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }

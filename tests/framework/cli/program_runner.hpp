@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <stdexcept>
@@ -27,11 +28,13 @@ struct Ended {
 };
 
 struct Conditions {
-  std::string standard_output = {};      ///< a file instead of a capture, e.g. /dev/full
-  long largest_file = -1;                ///< bytes; beyond it writing fails
-  long most_memory = -1;                 ///< bytes of address space
-  long most_seconds = -1;                ///< of the processor's time
-  std::function<void(pid_t)> then = {};  ///< called while the program runs
+  std::string standard_output = {};           ///< a file instead of a capture, e.g. /dev/full
+  long largest_file = -1;                     ///< bytes; beyond it writing fails
+  long most_memory = -1;                      ///< bytes of address space
+  long most_seconds = -1;                     ///< of the processor's time
+  std::function<void(pid_t)> then = {};       ///< called while the program runs
+  std::vector<std::string> environment = {};  ///< more of it: "NAME=VALUE"
+  std::vector<int> closed = {};               ///< standard streams that the program has not got
 };
 
 inline Ended run_program(const std::filesystem::path& folder,
@@ -57,6 +60,10 @@ inline Ended run_program(const std::filesystem::path& folder,
     ::dup2(input, 0);
     ::dup2(output, 1);
     ::dup2(errors, 2);
+    for (const int stream : conditions.closed) ::close(stream);
+    for (const std::string& entry : conditions.environment) {
+      ::putenv(const_cast<char*>(entry.c_str()));  // NOLINT: this process ends here
+    }
     const auto limit = [](auto resource, long most) {
       const rlimit both = {static_cast<rlim_t>(most), static_cast<rlim_t>(most)};
       if (most >= 0) ::setrlimit(resource, &both);

@@ -63,6 +63,24 @@ TEST(RunFolder, MustBeEmpty) {
   const std::string why = refusal(temporary.path());
   EXPECT_TRUE(contains(why, "is not empty")) << why;
   EXPECT_TRUE(contains(why, "--force")) << why;
+  EXPECT_FALSE(contains(why, "--resume")) << why;
+}
+
+TEST(RunFolder, OfARunThatWasStoppedSaysHowToGoOn) {
+  for (const char* name : {"run.journal", "run.checkpoint"}) {
+    const TemporaryFolder temporary;
+    write(temporary / name, "");
+    EXPECT_TRUE(contains(refusal(temporary.path()), "--resume")) << name;
+  }
+}
+
+TEST(RunFolder, ToGoOnInHoldsARunOrNothing) {
+  const TemporaryFolder temporary;
+  EXPECT_EQ(refusal(temporary.path(), Occupied::go_on), "");
+  write(temporary / "notes.txt", "mine");
+  EXPECT_TRUE(contains(refusal(temporary.path(), Occupied::go_on), "is not empty"));
+  write(temporary / "scene.toml.part", "");
+  EXPECT_EQ(refusal(temporary.path(), Occupied::go_on), "");
 }
 
 TEST(RunFolder, ForceReplacesWhatARunLeftAndNothingElse) {
@@ -76,7 +94,7 @@ TEST(RunFolder, ForceReplacesWhatARunLeftAndNothingElse) {
     EXPECT_EQ(content(temporary / "scene.toml.part"), "earlier");
     folder.create();
     EXPECT_EQ(content(temporary / "summary.json"), "earlier");  // until there is something better
-    folder.remove_earlier_results();
+    folder.remove_results();
     folder.write_file(kSceneFile, "new");
   }
   EXPECT_EQ(content(temporary / "scene.toml"), "new");
@@ -93,7 +111,7 @@ TEST(RunFolder, ForceReplacesALinkAndNotWhereItLeads) {
   fs::create_symlink(temporary / "precious", temporary.path() / "run" / "summary.json");
   RunFolder folder(temporary / "run", Occupied::replace_results);
   folder.create();
-  folder.remove_earlier_results();
+  folder.remove_results();
   folder.write_file(kSummaryFile, "{}");
   EXPECT_EQ(content(temporary / "precious"), "mine");
   EXPECT_EQ(content(temporary.path() / "run" / "summary.json"), "{}");

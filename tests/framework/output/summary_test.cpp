@@ -34,6 +34,9 @@ RunResult planar_result() {
   result.refused_steps = 2;
   result.window_from = 0.1;
   result.window_to = 1.0 / 3.0;
+  result.events.slips = 12;
+  result.events.hops = result.events.turns = result.events.driver_reversals = 0;
+  result.events.reversals = 3;
   DriverResult driver;
   driver.name = "driver";
   driver.mean_force = {4.628633704e-3, -1e-17};
@@ -85,14 +88,27 @@ TEST(Summary, HasEveryKeyOfAFinishedRun) {
   EXPECT_EQ(keys(summary["bodies"]["ring"]),
             (Names{"centre_of_mass", "velocity", "rotation", "turns", "rolling", "mean_velocity",
                    "max_speed"}));
-  EXPECT_EQ(keys(summary["events"]), (Names{"slips", "turns", "reversals"}));
-  for (const auto& count : summary["events"]) EXPECT_TRUE(count.is_null());
+  EXPECT_EQ(keys(summary["events"]),
+            (Names{"slips", "hops", "turns", "reversals", "driver_reversals"}));
+  EXPECT_EQ(summary["events"]["slips"], 12);
+  EXPECT_EQ(summary["events"]["turns"], 0);
   EXPECT_EQ(summary["warnings"], Json({"a warning with \"quotes\""}));
   EXPECT_EQ(summary["left_out"],
             Json::parse(R"([{"force": "springs", "why": "inside a rigid body"}])"));
   EXPECT_EQ(keys(summary["performance"]),
             (Names{"wall_seconds", "steps_per_second", "instruction_set"}));
   EXPECT_EQ(summary["performance"]["instruction_set"], "baseline");
+}
+
+TEST(Summary, SaysHowARunUntilSteadyCameOut) {
+  RunResult result = planar_result();
+  result.steady = SteadyResult{"driver.mean_force.x", true, 5, 1e-7};
+  const Json until = Json::parse(summary_json(planar_scene(), result))["until"];
+  EXPECT_EQ(keys(until), (Names{"steady", "reached", "periods", "change"}));
+  EXPECT_EQ(until["steady"], "driver.mean_force.x");
+  EXPECT_EQ(until["reached"], true);
+  EXPECT_EQ(until["periods"], 5);
+  EXPECT_EQ(until["change"], 1e-7);
 }
 
 TEST(Summary, NumbersReadBackAsTheSameBits) {
@@ -127,8 +143,8 @@ TEST(Summary, HoldsTheObservables) {
   const Json summary = Json::parse(summary_json(planar_scene(), result));
   std::map<std::string, Json> numbers;
   for (const auto& [key, value] : summary.items()) {
-    // Not results, or not there yet.
-    if (key == "parameters" || key == "left_out" || key == "warnings" || key == "events") continue;
+    // Not results.
+    if (key == "parameters" || key == "left_out" || key == "warnings") continue;
     collect(value, key, numbers);
   }
   std::size_t found = 0;

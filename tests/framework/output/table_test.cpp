@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -17,7 +18,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<SampleColumn> kColumns = {{"time", "time"}, {"driver.force.x", "force"}};
+RunLayout table_of(std::vector<SampleColumn> columns) {
+  RunLayout layout;
+  layout.columns = std::move(columns);
+  return layout;
+}
+
+const RunLayout kColumns = table_of({{"time", "time"}, {"driver.force.x", "force"}});
 
 TEST(Table, HasAHeaderWithUnitsAndOneRowPerSample) {
   const TemporaryFolder folder;
@@ -40,7 +47,7 @@ TEST(Table, NumbersReadBackAsTheSameBits) {
                                        123456789012345678.0};
   const TemporaryFolder folder;
   TableWriter table(folder / "t.csv");
-  table.begin({{"x", "1"}});
+  table.begin(table_of({{"x", "1"}}));
   for (const double x : numbers) table.sample({x});
   table.finish();
 
@@ -63,7 +70,7 @@ TEST(Table, IsTheSameInEveryLocale) {
   if (changed == nullptr) GTEST_SKIP() << "no locale with a decimal comma is installed";
   const TemporaryFolder folder;
   TableWriter table(folder / "t.csv");
-  table.begin({{"x", "1"}});
+  table.begin(table_of({{"x", "1"}}));
   table.sample({0.5});
   table.finish();
   std::setlocale(LC_ALL, "C");
@@ -80,7 +87,19 @@ TEST(Table, HasItsNameOnlyWhenItIsComplete) {
     EXPECT_FALSE(fs::exists(folder / "t.csv"));
     EXPECT_TRUE(fs::exists(folder / "t.csv.part"));
   }
-  EXPECT_FALSE(fs::exists(folder / "t.csv"));
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(Table, LeavesOutThePositionsOfParticles) {
+  const TemporaryFolder folder;
+  TableWriter table(folder / "t.csv");
+  RunLayout layout = kColumns;
+  layout.dimension = 1;
+  layout.bodies = {{"tip", {1.0, 1.0}}};
+  table.begin(layout);
+  table.sample({0.0, 1.0, 7.0, 8.0});
+  table.finish();
+  EXPECT_EQ(content(folder / "t.csv"), "time [time],driver.force.x [force]\n0,1\n");
 }
 
 TEST(Table, ThatNeverBeganLeavesNothing) {
@@ -104,8 +123,8 @@ TEST(Table, NeverWritesWhatIsNotFinite) {
       EXPECT_NE(std::string(error.what()).find("sample 1: driver.force.x"), std::string::npos)
           << error.what();
     }
-    table.flush();
-    EXPECT_EQ(content(folder / "t.csv.part"), "time [time],driver.force.x [force]\n0,1\n");
+    table.finish();
+    EXPECT_EQ(content(folder / "t.csv"), "time [time],driver.force.x [force]\n0,1\n");
   }
 }
 

@@ -54,9 +54,9 @@ void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { s
 namespace tomlin::test {
 namespace {
 
-class NullSink : public SampleSink {
+class NullSink : public RunSink {
  public:
-  void begin(const std::vector<SampleColumn>&) override {}
+  void begin(const RunLayout&) override {}
   void sample(const std::vector<double>&) override { ++samples; }
   std::uint64_t samples = 0;
 };

@@ -129,10 +129,10 @@ TEST(Interrupted, IsAStatusAndNoWindow) {
 /// Stopped while it repeats: the run itself is complete, what was asked on top is not.
 TEST(Interrupted, WhileItRepeatsRuns) {
   std::atomic<bool> stop{false};
-  class Stopper : public SampleSink {
+  class Stopper : public RunSink {
    public:
     explicit Stopper(std::atomic<bool>& stop) : stop_(stop) {}
-    void begin(const std::vector<SampleColumn>&) override {}
+    void begin(const RunLayout&) override {}
     void sample(const std::vector<double>& values) override {
       if (values[0] >= 500.0) stop_ = true;  // the last sample of the run itself
     }

@@ -27,6 +27,18 @@ TEST(TryOut, AShortRunIsRunWhole) {
   }
 }
 
+TEST(TryOut, ARunThatEndsWhenItIsSteadyIsWholeToo) {
+  const RingScene ring{
+      .coordinates = "rigid", .velocity = 0.02, .duration = 5000.0, .integrator = adaptive(1e-9)};
+  const Trial trial =
+      try_out(scene_of(ring.text(),
+                       {{"run.until", "{ steady = \"driver.mean_force.x\", tolerance = 1e-4 }"}}),
+              kLong);
+  EXPECT_TRUE(trial.finished);
+  EXPECT_FALSE(trial.failed);
+  EXPECT_LT(trial.time, 5000.0);
+}
+
 TEST(TryOut, ALongRunIsLeftEarly) {
   const Trial trial = try_out(scene_of(TipScene{.duration = 1e9}.text()), 0.01);
   EXPECT_FALSE(trial.finished);

@@ -71,7 +71,7 @@ TEST(BadScene, UnknownKeys) {
        "duration = 1e4",
        "durations = 1e4",
        {"25:1: run.duration: missing; admissible: a number > 0",
-        R"(26:1: run.durations: unknown key; admissible: integrator, perturb, dynamics, duration, number_type, ledger, seed, checkpoint_every, allow_unstable; did you mean "duration"?)"}},
+        R"(26:1: run.durations: unknown key; admissible: integrator, perturb, until, dynamics, duration, number_type, ledger, seed, checkpoint_every, allow_unstable; did you mean "duration"?)"}},
       {kRing,
        "dt = 1e-4",
        "dtt = 1e-4",
@@ -84,7 +84,7 @@ TEST(BadScene, UnknownKeys) {
       {kRing,
        "every = 1.0",
        "each = 1.0",
-       {"34:1: output.each: unknown key; admissible: every, trajectory"}},
+       {"34:1: output.each: unknown key; admissible: every, trajectory, trajectory_format"}},
   });
 }
 
@@ -116,20 +116,13 @@ TEST(BadScene, NotInThisVersion) {
        {R"(27:12: run.dynamics = "quasistatic": not in this version; admissible: "inertial" or "overdamped")"}},
       {kRing,
        "duration = 1e4",
-       "duration = 1e4\ncheckpoint_every = 5",
-       {"27:20: run.checkpoint_every = 5: not in this version; admissible: 60.0"}},
-      {kRing,
-       "duration = 1e4",
        "duration = 1e4\naccuracy = 1e-6",
        {"27:1: run.accuracy: not in this version (an accuracy to choose the steps by)"}},
       {kRing,
-       "duration = 1e4",
-       "duration = 1e4\nuntil = \"x > 1\"",
-       {"27:1: run.until: not in this version (a condition that ends the run)"}},
-      {kRing,
        "every = 1.0",
        "trajectory = true",
-       {"34:14: output.trajectory = true: not in this version; admissible: false"}},
+       {"34:14: output.trajectory = true: positions come with samples, and there are none; "
+        "admissible: with every, the sampling interval"}},
       {kRing,
        R"(pairs = "all")",
        R"(rest_lengths = "relaxed")",
@@ -160,6 +153,20 @@ TEST(BadScene, Types) {
        R"("euler")",
        {R"(27:14: run.integrator = "euler": found text; admissible: { type = ..., ... })"}},
   });
+}
+
+TEST(BadScene, Until) {
+  const auto faults = [](const std::string& until) {
+    return faults_of(replaced(kRing, "duration = 1e4", "duration = 1e4\nuntil = " + until));
+  };
+  const std::string sound = "steady = \"driver.mean_force.x\", tolerance = 1e-6";
+  EXPECT_EQ(faults("{ " + sound + " }"), "");
+  EXPECT_EQ(faults("{ " + sound + ", max = \"10 * R\" }"), "");
+  EXPECT_NE(faults("3").find("run.until = 3: found an integer"), std::string::npos);
+  EXPECT_NE(faults("{ steady = \"x\" }").find("run.until.tolerance: missing"), std::string::npos);
+  EXPECT_NE(faults("{ tolerance = 1 }").find("run.until.steady: missing"), std::string::npos);
+  EXPECT_NE(faults("{ " + sound + ", maxx = 3 }").find("did you mean \"max\""), std::string::npos);
+  EXPECT_NE(faults("{ " + sound + ", max = 0 }").find("run.until.max"), std::string::npos);
 }
 
 TEST(BadScene, WrongTypesOfValues) {

@@ -135,6 +135,7 @@ in = "time"
 [output]
 every = 1.0
 trajectory = false
+trajectory_format = "h5md"
 )");
 }
 

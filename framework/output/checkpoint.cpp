@@ -1,0 +1,91 @@
+#include "framework/output/checkpoint.hpp"
+
+#include <cerrno>
+#include <system_error>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include "framework/output/checksum.hpp"
+
+namespace tomlin {
+namespace {
+
+constexpr std::uint32_t kFormat = 1;
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
+  throw DamagedFile(fmt::format("{}: {}", file.string(), why));
+}
+
+}  // namespace
+
+std::uint64_t scene_fingerprint(std::string_view effective_toml) {
+  return checksum_of(std::as_bytes(std::span(effective_toml)), 0);
+}
+
+void write_checkpoint(const std::filesystem::path& file, const Checkpoint& checkpoint,
+                      OutputFile::Lasting lasting) {
+  RecordWriter record(RecordKind::checkpoint);
+  record.number(kFormat);
+  record.text(checkpoint.program_version);
+  record.number(checkpoint.scene);
+  record.number(checkpoint.journal.bytes);
+  record.number(checkpoint.journal.checksum);
+  record.number(checkpoint.journal.rows);
+  record.number(checkpoint.journal.events);
+  record.bytes(checkpoint.state);
+  std::uint64_t checksum = kFirstChecksum;
+  OutputFile output(file);
+  output.append(record.seal(checksum));
+  output.publish(lasting);
+  if (lasting == OutputFile::Lasting::with_its_name) synchronise_folder_of(file);
+}
+
+Checkpoint read_checkpoint(const std::filesystem::path& file) {
+  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  struct stat status = {};
+  if (!descriptor.open() || ::fstat(descriptor.number(), &status) != 0) {
+    refuse(file, "cannot be read: " + std::generic_category().message(errno));
+  }
+  if (!S_ISREG(status.st_mode)) refuse(file, "not a file");
+  // A file of another length than its head says is not read at all.
+  std::byte head[kRecordHead];
+  const auto size = static_cast<std::uint64_t>(status.st_size);
+  if (read_at(descriptor, head, 0) < static_cast<std::ptrdiff_t>(sizeof head) ||
+      record_head(file.string(), head).length + kRecordHead + kRecordChecksum > size) {
+    refuse(file, "truncated");
+  }
+  std::vector<std::byte> bytes(static_cast<std::size_t>(status.st_size));
+  const std::ptrdiff_t got = read_at(descriptor, bytes, 0);
+  if (got < 0) {
+    refuse(file, "cannot be read: " + std::generic_category().message(static_cast<int>(-got)));
+  }
+  return parse_checkpoint(file.string(), std::span(bytes).first(static_cast<std::size_t>(got)));
+}
+
+Checkpoint parse_checkpoint(const std::string& file, std::span<const std::byte> bytes) {
+  std::uint64_t checksum = kFirstChecksum;
+  const auto content = record_content(file, bytes, checksum);
+  RecordReader record(file, content);
+  if (record_head(file, bytes.first(kRecordHead)).kind != RecordKind::checkpoint) {
+    record.refuse("not a checkpoint");
+  }
+  const auto format = record.number<std::uint32_t>();
+  if (format != kFormat) {
+    record.refuse(fmt::format("its format is {}, this program's is {}", format, kFormat));
+  }
+  Checkpoint checkpoint;
+  checkpoint.program_version = record.text();
+  checkpoint.scene = record.number<std::uint64_t>();
+  checkpoint.journal.bytes = record.number<std::uint64_t>();
+  checkpoint.journal.checksum = record.number<std::uint64_t>();
+  checkpoint.journal.rows = record.number<std::uint64_t>();
+  checkpoint.journal.events = record.number<std::uint64_t>();
+  const auto state = record.bytes();
+  checkpoint.state.assign(state.begin(), state.end());
+  record.end();
+  return checkpoint;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "framework/output/journal.hpp"
+#include "framework/output/output_file.hpp"
+#include "framework/output/record.hpp"
+
+/// The checkpoint: all that a run needs to go on from one moment, in one checked record.
+namespace tomlin {
+
+struct Checkpoint {
+  std::string program_version;
+  std::uint64_t scene = 0;       ///< fingerprint of the effective scene
+  JournalMark journal;           ///< where the journal stood at this moment
+  std::vector<std::byte> state;  ///< RunState::to_bytes(): the same for every instruction set
+};
+
+/// What stands for a scene's text in a checkpoint.
+std::uint64_t scene_fingerprint(std::string_view effective_toml);
+
+/// Replaces the checkpoint of this name, whole or not at all. Throws OutputError.
+void write_checkpoint(const std::filesystem::path& file, const Checkpoint& checkpoint,
+                      OutputFile::Lasting lasting = OutputFile::Lasting::with_its_name);
+
+/// Throws DamagedFile with the reason; takes no more memory than the file does.
+Checkpoint read_checkpoint(const std::filesystem::path& file);
+
+/// The same for what stands in a file; `file` is for messages.
+Checkpoint parse_checkpoint(const std::string& file, std::span<const std::byte> bytes);
+
+}  // namespace tomlin

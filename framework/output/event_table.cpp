@@ -1,0 +1,58 @@
+#include "framework/output/event_table.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace tomlin {
+namespace {
+
+constexpr const char* kHeader =
+    "time [time],event,name,duration [time],size,energy_lost [energy],peak_force [force]\n";
+constexpr std::size_t kBuffer = std::size_t{1} << 16;  // bytes that are written at once
+
+/// Names with a comma, a quote or a line break stand in quotes.
+std::string cell(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
+  return quoted + '"';
+}
+
+}  // namespace
+
+EventTable::EventTable(std::filesystem::path file) : file_(std::move(file)) {}
+
+void EventTable::begin(const RunLayout& layout) {
+  if (!layout.events) return;
+  output_.emplace(file_);
+  buffer_ = kHeader;
+}
+
+void EventTable::event(const Event& event) {
+  if (!output_) return;
+  fmt::format_to(std::back_inserter(buffer_), "{:.17g},{},{}", event.time, to_string(event.kind),
+                 cell(event.name));
+  for (const double x : {event.duration, event.size, event.energy_lost, event.peak_force}) {
+    buffer_ += ',';
+    if (std::isfinite(x)) fmt::format_to(std::back_inserter(buffer_), "{:.17g}", x);
+  }
+  buffer_ += '\n';
+  if (buffer_.size() >= kBuffer) flush();
+}
+
+void EventTable::flush() {
+  output_->append(buffer_);
+  buffer_.clear();
+}
+
+void EventTable::finish() {
+  if (!output_) return;
+  flush();
+  output_->publish();
+}
+
+}  // namespace tomlin

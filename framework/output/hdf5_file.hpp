@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <hdf5.h>
+
+#include "framework/output/output_file.hpp"
+
+/// The HDF5 library with owners for its handles and exceptions for its complaints.
+namespace tomlin {
+
+/// Owns an HDF5 handle of any kind; an empty one is negative.
+class Hdf5Handle {
+ public:
+  Hdf5Handle() = default;
+  explicit Hdf5Handle(hid_t id) : id_(id) {}
+  ~Hdf5Handle() { close(); }
+  Hdf5Handle(Hdf5Handle&& other) noexcept : id_(std::exchange(other.id_, -1)) {}
+  Hdf5Handle& operator=(Hdf5Handle&& other) noexcept {
+    if (this == &other) return *this;
+    close();
+    id_ = std::exchange(other.id_, -1);
+    return *this;
+  }
+
+  operator hid_t() const { return id_; }  // NOLINT: stands in for it in calls
+  void close() {
+    if (id_ >= 0) H5Idec_ref(std::exchange(id_, -1));
+  }
+
+ private:
+  hid_t id_ = -1;
+};
+
+/// While one exists, the HDF5 library keeps its complaints to itself instead of printing them.
+class Hdf5Silence {
+ public:
+  Hdf5Silence();
+  ~Hdf5Silence();
+  Hdf5Silence(const Hdf5Silence&) = delete;
+  Hdf5Silence& operator=(const Hdf5Silence&) = delete;
+
+ private:
+  H5E_auto2_t function_ = nullptr;
+  void* data_ = nullptr;
+};
+
+/// A new HDF5 file that appears complete or not at all, see OutputFile. The library cannot close a
+/// file that it cannot write; so it writes through a driver of ours that, once the disk has refused
+/// a write, remembers the reason and takes everything else without writing it.
+class Hdf5File {
+ public:
+  /// Opens NAME.part, which must not exist. Throws OutputError.
+  explicit Hdf5File(const std::filesystem::path& file);
+  ~Hdf5File();
+  Hdf5File(const Hdf5File&) = delete;
+  Hdf5File& operator=(const Hdf5File&) = delete;
+
+  hid_t root() const { return file_; }
+
+  /// Takes what an HDF5 function returned: negative is an error. Throws OutputError with the
+  /// disk's reason where there is one, and the library's otherwise. Call it with Hdf5Silence.
+  template <class Returned>
+  Returned check(Returned returned) const {
+    if (returned < 0 || disk_.trouble) fail();
+    return returned;
+  }
+  /// The same for what has to be closed again.
+  Hdf5Handle hold(hid_t id) const {
+    Hdf5Handle handle(id);
+    check(id);
+    return handle;
+  }
+
+  /// All handles of the file are closed: it is complete and gets its name. Throws OutputError.
+  void publish();
+
+  /// What the driver works on.
+  struct Disk {
+    OutputFile output;
+    std::optional<std::string> trouble;  ///< the first
+  };
+
+ private:
+  [[noreturn]] void fail() const;
+
+  std::string name_;
+  Disk disk_;
+  Hdf5Handle driver_;
+  Hdf5Handle file_;
+};
+
+}  // namespace tomlin

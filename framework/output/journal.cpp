@@ -1,0 +1,295 @@
+#include "framework/output/journal.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace tomlin {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::uint32_t kFormat = 1;
+constexpr std::size_t kBlock = std::size_t{1} << 16;  // bytes of samples or events in a record
+/// An event without its name.
+constexpr std::size_t kEventBytes = sizeof(std::uint32_t) + sizeof(std::uint64_t) + 5 * 8;
+
+std::size_t row_bytes(const RunLayout& layout) { return layout.row() * sizeof(double); }
+
+/// A block holds a row at least.
+std::size_t row_block(const RunLayout& layout) {
+  return std::max(kBlock, sizeof(std::uint64_t) + row_bytes(layout));
+}
+
+RecordWriter header_record(const JournalHeader& header) {
+  RecordWriter record(RecordKind::journal);
+  record.number(kFormat);
+  record.text(header.program_version);
+  record.text(header.scene);
+  const RunLayout& layout = header.layout;
+  record.number(static_cast<std::uint64_t>(layout.columns.size()));
+  for (const SampleColumn& column : layout.columns) {
+    record.text(column.name);
+    record.text(column.unit);
+  }
+  record.number(static_cast<std::uint64_t>(layout.bodies.size()));
+  for (const TrajectoryBody& body : layout.bodies) {
+    record.text(body.name);
+    record.number(static_cast<std::uint64_t>(body.mass.size()));
+    record.numbers(body.mass);
+  }
+  record.number(static_cast<std::int32_t>(layout.dimension));
+  record.number(static_cast<std::uint64_t>(layout.box.size()));
+  record.numbers(layout.box);
+  record.number(static_cast<std::uint64_t>(layout.periodic.size()));
+  for (const bool periodic : layout.periodic) record.number(static_cast<std::uint8_t>(periodic));
+  record.number(static_cast<std::uint8_t>(layout.events));
+  record.text(layout.state);
+  return record;
+}
+
+JournalHeader header_in(RecordReader record) {
+  JournalHeader header;
+  const auto format = record.number<std::uint32_t>();
+  if (format != kFormat) {
+    record.refuse(fmt::format("its format is {}, this program's is {}", format, kFormat));
+  }
+  header.program_version = record.text();
+  header.scene = record.text();
+  RunLayout& layout = header.layout;
+  constexpr std::size_t kText = sizeof(std::uint64_t);  // an empty one
+  layout.columns.resize(record.count(2 * kText));
+  for (SampleColumn& column : layout.columns) {
+    column.name = record.text();
+    column.unit = record.text();
+  }
+  layout.bodies.resize(record.count(2 * kText));
+  for (TrajectoryBody& body : layout.bodies) {
+    body.name = record.text();
+    body.mass.resize(record.count(sizeof(double)));
+    record.numbers(body.mass);
+  }
+  layout.dimension = record.number<std::int32_t>();
+  if (layout.dimension < 0 || layout.dimension > 3) record.refuse("no such dimension");
+  layout.box.resize(record.count(sizeof(double)));
+  record.numbers(layout.box);
+  layout.periodic.resize(record.count(sizeof(std::uint8_t)));
+  for (std::size_t k = 0; k < layout.periodic.size(); ++k) {
+    layout.periodic[k] = record.number<std::uint8_t>() != 0;
+  }
+  layout.events = record.number<std::uint8_t>() != 0;
+  layout.state = record.text();
+  record.end();
+  return header;
+}
+
+}  // namespace
+
+Descriptor own_journal(const fs::path& file, Absent absent) {
+  const int flags = O_RDWR | O_NOFOLLOW | O_CLOEXEC | (absent == Absent::make_it ? O_CREAT : 0);
+  Descriptor journal(::open(file.c_str(), flags, 0666));
+  if (!journal.open()) {
+    if (errno == ENOENT && absent == Absent::leave_it) return journal;
+    throw OutputError(file, errno);
+  }
+  // Where a file system knows no locks there is no protection, but there are runs.
+  const bool taken = ::flock(journal.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  if (taken || !is_at(journal, file)) {
+    throw JournalInUse(fmt::format("{}: another run is writing here", file.string()));
+  }
+  return journal;
+}
+
+JournalWriter::JournalWriter(fs::path file, Descriptor owned, const JournalHeader& header)
+    : JournalWriter(std::move(file), std::move(owned), header.layout, JournalMark()) {
+  RecordWriter record = header_record(header);
+  write(record);
+}
+
+JournalWriter::JournalWriter(fs::path file, Descriptor owned, const RunLayout& layout,
+                             const JournalMark& mark)
+    : file_(std::move(file)),
+      descriptor_(std::move(owned)),
+      mark_(mark),
+      row_length_(layout.row()),
+      rows_(mark.rows),
+      events_(mark.events),
+      row_block_(RecordKind::rows, row_block(layout)),
+      event_block_(RecordKind::events, kBlock) {
+  const auto end = static_cast<off_t>(mark.bytes);
+  if (::ftruncate(descriptor_.number(), end) != 0) fail(errno);
+  if (::lseek(descriptor_.number(), end, SEEK_SET) != end) fail(errno);
+}
+
+void JournalWriter::row(std::span<const double> row) {
+  if (row.size() != row_length_) {
+    throw OutputError(fmt::format("{}: a sample of {} numbers where {} are due", file_.string(),
+                                  row.size(), row_length_));
+  }
+  if (row_block_.size() > 0 && row_block_.size() + row.size_bytes() > kBlock) write_rows();
+  if (row_block_.size() == 0) row_block_.number(rows_);
+  row_block_.numbers(row);
+  ++rows_;
+}
+
+void JournalWriter::event(const Event& event) {
+  if (event_block_.size() > 0 && event_block_.size() + kEventBytes + event.name.size() > kBlock) {
+    write_events();
+  }
+  if (event_block_.size() == 0) event_block_.number(events_);
+  event_block_.number(static_cast<std::uint32_t>(event.kind));
+  event_block_.text(event.name);
+  for (const double x :
+       {event.time, event.duration, event.size, event.energy_lost, event.peak_force}) {
+    event_block_.number(x);
+  }
+  ++events_;
+}
+
+JournalMark JournalWriter::flush() {
+  write_rows();
+  write_events();
+  return mark_;
+}
+
+void JournalWriter::synchronise() {
+  if (const int error = tomlin::synchronise(descriptor_)) fail(error);
+}
+
+void JournalWriter::check_in_place() const {
+  if (is_at(descriptor_, file_)) return;
+  throw OutputError(
+      fmt::format("cannot write {}: it has gone; the folder was removed or replaced during the run",
+                  file_.string()));
+}
+
+void JournalWriter::write_rows() {
+  if (row_block_.size() == 0) return;
+  write(row_block_);
+  mark_.rows = rows_;
+}
+
+void JournalWriter::write_events() {
+  if (event_block_.size() == 0) return;
+  write(event_block_);
+  mark_.events = events_;
+}
+
+void JournalWriter::write(RecordWriter& record) {
+  // Part of a record may be in the file: whatever came behind it would never be read.
+  if (broken_) throw OutputError(fmt::format("cannot write {}: an earlier error", file_.string()));
+  const auto whole = record.seal(mark_.checksum);
+  broken_ = true;
+  if (const int error = write_all(descriptor_, whole)) fail(error);
+  broken_ = false;
+  mark_.bytes += whole.size();
+  record.clear();
+}
+
+void JournalWriter::fail(int error) const { throw OutputError(file_, error); }
+
+JournalReader::JournalReader(const fs::path& file)
+    : file_(file.string()), descriptor_(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+  struct stat status = {};
+  if (!descriptor_.open() || ::fstat(descriptor_.number(), &status) != 0) {
+    refuse("cannot be read: " + std::generic_category().message(errno));
+  }
+  if (!S_ISREG(status.st_mode)) refuse("not a file");
+  size_ = static_cast<std::uint64_t>(status.st_size);
+  read_header();
+}
+
+void JournalReader::read_header() {
+  const RecordHead head = next_head();
+  if (head.kind != RecordKind::journal) refuse("not a journal");
+  header_ = header_in(RecordReader(file_, next_record(head)));
+  row_.resize(header_.layout.row());
+}
+
+void JournalReader::play(RunSink& sink, std::uint64_t end) {
+  sink.begin(header_.layout);
+  // Names of components stand in the scene, which bounds what a block of events can hold.
+  const std::uint64_t most_of_rows = row_block(header_.layout);
+  const std::uint64_t most_of_events = kBlock + kEventBytes + header_.scene.size();
+  while (mark_.bytes < std::min(size_, end)) {
+    const RecordHead head = next_head();
+    if (head.kind == RecordKind::rows && head.length <= most_of_rows) {
+      play_rows(next_record(head), sink);
+    } else if (head.kind == RecordKind::events && head.length <= most_of_events) {
+      play_events(next_record(head), sink);
+    } else {
+      refuse(fmt::format("corrupted: the record at byte {} is not one of a journal", mark_.bytes));
+    }
+  }
+}
+
+RecordHead JournalReader::next_head() {
+  if (size_ - mark_.bytes < kRecordHead + kRecordChecksum) refuse_truncated();
+  std::byte bytes[kRecordHead];
+  read(bytes, mark_.bytes);
+  return record_head(file_, bytes);
+}
+
+/// Moves the mark behind the record.
+std::span<const std::byte> JournalReader::next_record(const RecordHead& head) {
+  const std::uint64_t left = size_ - mark_.bytes - kRecordHead - kRecordChecksum;
+  if (head.length > left) refuse_truncated();
+  record_.resize(kRecordHead + head.length + kRecordChecksum);
+  read(record_, mark_.bytes);
+  const auto content = record_content(file_, record_, mark_.checksum);
+  mark_.bytes += record_.size();
+  return content;
+}
+
+void JournalReader::play_rows(std::span<const std::byte> content, RunSink& sink) {
+  RecordReader record(file_, content);
+  if (record.number<std::uint64_t>() != mark_.rows || row_.empty()) {
+    refuse("corrupted: samples are missing");
+  }
+  while (record.left() > 0) {
+    record.numbers(row_);
+    sink.sample(row_);
+    ++mark_.rows;
+  }
+}
+
+void JournalReader::play_events(std::span<const std::byte> content, RunSink& sink) {
+  RecordReader record(file_, content);
+  if (record.number<std::uint64_t>() != mark_.events) refuse("corrupted: events are missing");
+  while (record.left() > 0) {
+    Event event;
+    const auto kind = record.number<std::uint32_t>();
+    if (kind >= kEventKinds) refuse("an event of a kind that this program does not know");
+    event.kind = static_cast<EventKind>(kind);
+    event.name = *names_.insert(record.text()).first;
+    for (double* x :
+         {&event.time, &event.duration, &event.size, &event.energy_lost, &event.peak_force}) {
+      *x = record.number<double>();
+    }
+    sink.event(event);
+    ++mark_.events;
+  }
+}
+
+void JournalReader::read(std::span<std::byte> bytes, std::uint64_t at) {
+  const std::ptrdiff_t got = read_at(descriptor_, bytes, at);
+  if (got < 0) refuse("cannot be read: " + std::generic_category().message(static_cast<int>(-got)));
+  if (static_cast<std::size_t>(got) < bytes.size()) refuse_truncated();
+}
+
+void JournalReader::refuse_truncated() const {
+  throw TruncatedFile(
+      fmt::format("{}: truncated: it ends in the record at byte {}", file_, mark_.bytes));
+}
+
+void JournalReader::refuse(const std::string& why) const {
+  throw DamagedFile(fmt::format("{}: {}", file_, why));
+}
+
+}  // namespace tomlin

@@ -1,0 +1,23 @@
+#include "framework/output/result_file.hpp"
+
+#include "framework/output/event_table.hpp"
+#include "framework/output/table.hpp"
+#include "framework/output/trajectory.hpp"
+
+namespace tomlin {
+
+std::vector<std::unique_ptr<ResultFile>> result_files(const Scene& scene, const RunFolder& folder,
+                                                      const std::string& program_version) {
+  std::vector<std::unique_ptr<ResultFile>> files;
+  files.push_back(std::make_unique<TableWriter>(folder.file(kTableFile)));
+  files.push_back(std::make_unique<EventTable>(folder.file(kEventsFile)));
+  if (scene.output.trajectory) {
+    const std::string& format = scene.output.trajectory_format;
+    files.push_back(
+        std::make_unique<TrajectoryFile>(folder.file(format == "xyz" ? kXyzFile : kH5mdFile),
+                                         format, trajectory_facts(scene, program_version)));
+  }
+  return files;
+}
+
+}  // namespace tomlin

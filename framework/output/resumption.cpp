@@ -1,0 +1,254 @@
+#include "framework/output/resumption.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "framework/core/text_file.hpp"
+#include "framework/output/checkpoint.hpp"
+
+namespace tomlin {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kLargestText = std::size_t{1} << 30;
+constexpr const char* kStartAgain = "--force, which starts again from the beginning";
+
+[[noreturn]] void refuse(const fs::path& what, std::string why, std::string admissible = "") {
+  Fault fault;
+  fault.place.file = "--resume";
+  fault.key = what.string();
+  fault.why = std::move(why);
+  fault.admissible = admissible.empty() ? kStartAgain : std::move(admissible);
+  throw InputError({fault});
+}
+
+/// Where a file is damaged: its message names it already.
+[[noreturn]] void refuse(const DamagedFile& damage) {
+  Fault fault;
+  fault.place.file = "--resume";
+  fault.why = damage.what();
+  fault.admissible = kStartAgain;
+  throw InputError({fault});
+}
+
+/// Takes the first line off.
+std::string_view next_line(std::string_view& text) {
+  const auto end = std::min(text.find('\n'), text.size());
+  const auto line = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return line;
+}
+
+/// "line 7 was `dt = 0.01` and is `dt = 0.02`"
+std::string first_difference(std::string_view before, std::string_view now) {
+  std::size_t line = 0;
+  std::string_view was;
+  std::string_view is;
+  do {
+    was = next_line(before);
+    is = next_line(now);
+    ++line;
+  } while (was == is && !(before.empty() && now.empty()));
+  const auto shown = [](std::string_view text) {
+    constexpr std::size_t kShown = 200;
+    if (text.empty()) return std::string("absent");
+    if (text.size() <= kShown) return fmt::format("\"{}\"", text);
+    return fmt::format("\"{}...\"", text.substr(0, kShown));
+  };
+  return fmt::format("line {} of the effective scene was {} and is {}", line, shown(was),
+                     shown(is));
+}
+
+void require_same_scene(const fs::path& file, std::string_view before, const Scene& scene) {
+  if (before == scene.effective_toml) return;
+  refuse(file, "the run was of another scene: " + first_difference(before, scene.effective_toml),
+         "the scene as it was, another folder, or --force, which starts again from the beginning");
+}
+
+/// scene.toml, where it is there, is the scene that the run is of.
+void require_same_scene_file(const RunFolder& folder, const Scene& scene) {
+  if (!folder.holds(kSceneFile)) return;
+  const fs::path path = folder.file(kSceneFile);
+  const TextFile file = read_text_file(path, kLargestText);
+  if (!file.why.empty()) refuse(path, file.why);
+  require_same_scene(path, file.text, scene);
+}
+
+/// What the summary says, as far as it matters here.
+struct Ended {
+  std::string status;  ///< empty: there is no summary
+  std::string failure;
+};
+
+Ended read_summary(const RunFolder& folder) {
+  if (!folder.holds(kSummaryFile)) return {};
+  const fs::path path = folder.file(kSummaryFile);
+  const TextFile file = read_text_file(path, kLargestText);
+  if (!file.why.empty()) refuse(path, file.why);
+  const auto summary = nlohmann::json::parse(file.text, nullptr, false);
+  const auto text = [](const nlohmann::json& object, const char* key) {
+    if (!object.is_object()) return std::string();
+    const auto found = object.find(key);
+    return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+  };
+  Ended ended;
+  ended.status = text(summary, "status");
+  for (const RunStatus known : {RunStatus::finished, RunStatus::interrupted, RunStatus::failed}) {
+    if (ended.status != to_string(known)) continue;
+    if (summary.contains("failure")) ended.failure = text(summary["failure"], "what");
+    return ended;
+  }
+  refuse(path, "not what a run leaves");
+}
+
+/// Only counts, and is content with any number.
+class Ignored : public RunSink {
+ public:
+  void begin(const RunLayout& layout) override { (void)layout; }
+  void sample(const std::vector<double>& row) override { (void)row; }
+};
+
+/// A journal without a checkpoint is that of a run which was killed before it kept any; then it
+/// holds no more than the start.
+Resumption without_checkpoint(const RunFolder& folder, JournalReader& journal, Descriptor owned) {
+  Ignored ignored;
+  try {
+    journal.play(ignored);
+  } catch (const TruncatedFile&) {
+    // What was being written when the run was killed.
+  }
+  const JournalMark& mark = journal.mark();
+  if (folder.holds(kSummaryFile)) {
+    refuse(folder.file(kCheckpointFile), "there is none, though the run was stopped with one");
+  }
+  if (mark.rows > 1 || mark.events > 0) {
+    refuse(folder.file(kCheckpointFile),
+           fmt::format("there is none, though the journal has {} samples and {} events", mark.rows,
+                       mark.events));
+  }
+  Resumption resumption;
+  resumption.journal = std::move(owned);
+  return resumption;
+}
+
+Resumption with_checkpoint(const RunFolder& folder, JournalReader& journal, Descriptor owned,
+                           const Scene& scene, const std::string& program_version) {
+  const fs::path path = folder.file(kCheckpointFile);
+  Checkpoint checkpoint = read_checkpoint(path);
+  if (checkpoint.program_version != program_version) {
+    refuse(path, fmt::format("written by version {} of tomlin; this is version {}",
+                             checkpoint.program_version, program_version));
+  }
+  if (checkpoint.scene != scene_fingerprint(scene.effective_toml)) {
+    refuse(path, "of another scene than the journal beside it");
+  }
+  const fs::path journal_path = folder.file(kJournalFile);
+  if (journal.size() < checkpoint.journal.bytes) {
+    refuse(journal_path, fmt::format("truncated: it has {} bytes, the checkpoint was kept after {}",
+                                     journal.size(), checkpoint.journal.bytes));
+  }
+  Ignored ignored;
+  journal.play(ignored, checkpoint.journal.bytes);
+  if (journal.mark() != checkpoint.journal) {
+    refuse(journal_path, "not the journal that the checkpoint beside it belongs to");
+  }
+  Resumption resumption;
+  resumption.kind = Resumption::Kind::go_on;
+  resumption.journal = std::move(owned);
+  resumption.mark = checkpoint.journal;
+  resumption.layout = journal.header().layout;
+  resumption.state = std::move(checkpoint.state);
+  return resumption;
+}
+
+Resumption from_journal(const RunFolder& folder, const Scene& scene,
+                        const std::string& program_version, Descriptor owned) {
+  const bool has_checkpoint = folder.holds(kCheckpointFile);
+  std::optional<JournalReader> journal;
+  try {
+    journal.emplace(folder.file(kJournalFile));
+  } catch (const TruncatedFile&) {
+    if (has_checkpoint) throw;
+    // Killed while the first lines were written.
+    require_same_scene_file(folder, scene);
+    Resumption resumption;
+    resumption.journal = std::move(owned);
+    return resumption;
+  }
+  const JournalHeader& header = journal->header();
+  if (header.program_version != program_version) {
+    refuse(folder.file(kJournalFile),
+           fmt::format("written by version {} of tomlin; this is version {}",
+                       header.program_version, program_version),
+           "that version, or --force, which starts again from the beginning");
+  }
+  require_same_scene(folder.file(kJournalFile), header.scene, scene);
+  require_same_scene_file(folder, scene);
+  return has_checkpoint
+             ? with_checkpoint(folder, *journal, std::move(owned), scene, program_version)
+             : without_checkpoint(folder, *journal, std::move(owned));
+}
+
+/// There is neither a journal nor a summary: only a start that was killed leaves such a folder.
+Resumption without_journal(const RunFolder& folder, const Scene& scene, const Ended& ended) {
+  if (folder.holds(kCheckpointFile)) {
+    refuse(folder.file(kJournalFile), "there is none, though there is a checkpoint");
+  }
+  require_same_scene_file(folder, scene);
+  Resumption resumption;
+  if (ended.status == to_string(RunStatus::failed)) {
+    resumption.kind = Resumption::Kind::failed;
+    resumption.failure = ended.failure;
+    return resumption;
+  }
+  if (!ended.status.empty()) {
+    refuse(folder.path(), "the run was stopped, and its journal and checkpoint are missing");
+  }
+  for (const char* name : kResultFiles) {
+    if (folder.holds(name)) refuse(folder.file(name), "results without a summary");
+  }
+  return resumption;
+}
+
+/// Not open when there is none.
+Descriptor own_existing(const RunFolder& folder) {
+  try {
+    return own_journal(folder.file(kJournalFile), Absent::leave_it);
+  } catch (const JournalInUse&) {
+    refuse(folder.path(), "another run is writing here", "another folder");
+  } catch (const OutputError& error) {
+    refuse(folder.path(), error.what());
+  }
+}
+
+}  // namespace
+
+Resumption find_resumption(const RunFolder& folder, const Scene& scene,
+                           const std::string& program_version) try {
+  Descriptor owned = own_existing(folder);
+  const Ended ended = read_summary(folder);
+  if (ended.status == to_string(RunStatus::finished)) {
+    if (!folder.holds(kSceneFile)) refuse(folder.file(kSceneFile), "there is none");
+    require_same_scene_file(folder, scene);
+    Resumption resumption;
+    resumption.kind = Resumption::Kind::finished;
+    return resumption;
+  }
+  if (!owned.open()) return without_journal(folder, scene, ended);
+  return from_journal(folder, scene, program_version, std::move(owned));
+} catch (const DamagedFile& damage) {
+  refuse(damage);
+}
+
+Resumption start_again(const RunFolder& folder) {
+  Resumption resumption;
+  resumption.journal = own_existing(folder);
+  return resumption;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "framework/output/descriptor.hpp"
+#include "framework/output/journal.hpp"
+#include "framework/output/run_folder.hpp"
+#include "framework/run/run.hpp"
+#include "framework/scene/scene.hpp"
+
+namespace tomlin {
+
+/// What a run can begin with.
+struct Resumption {
+  enum class Kind {
+    from_start,  ///< nothing is there yet, or nothing that must be kept
+    go_on,       ///< from the state; the journal is kept up to the mark
+    finished,    ///< there is nothing left to do
+    failed,      ///< the run came to its end by failing, and would again
+  };
+  Kind kind = Kind::from_start;
+  Descriptor journal;  ///< owned; may be closed when starting anew
+  JournalMark mark;
+  RunLayout layout;              ///< of the run that was stopped
+  std::vector<std::byte> state;  ///< see RunOptions::resume_from
+  std::string failure;           ///< what a failed run said
+};
+
+/// What is there to begin with in a folder, for --resume. Touches nothing. Throws InputError, with
+/// what differs, where what the folder holds is damaged, incomplete, of another scene or of another
+/// version of the program.
+Resumption find_resumption(const RunFolder& folder, const Scene& scene,
+                           const std::string& program_version);
+
+/// For --force: from the start, whatever the folder holds. Throws InputError when another program
+/// is writing to it.
+Resumption start_again(const RunFolder& folder);
+
+}  // namespace tomlin

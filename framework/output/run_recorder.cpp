@@ -1,0 +1,173 @@
+#include "framework/output/run_recorder.hpp"
+
+#include <exception>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/core/fault.hpp"
+#include "framework/output/result_file.hpp"
+#include "framework/output/summary.hpp"
+
+namespace tomlin {
+namespace {
+
+/// Everything that it gets goes to every file.
+class ToAll : public RunSink {
+ public:
+  explicit ToAll(std::vector<std::unique_ptr<ResultFile>>& files) : files_(files) {}
+  void begin(const RunLayout& layout) override {
+    for (const auto& file : files_) file->begin(layout);
+  }
+  void sample(const std::vector<double>& row) override {
+    for (const auto& file : files_) file->sample(row);
+  }
+  void event(const Event& event) override {
+    for (const auto& file : files_) file->event(event);
+  }
+
+ private:
+  std::vector<std::unique_ptr<ResultFile>>& files_;
+};
+
+[[noreturn]] void refuse(const RunFolder& folder, std::string why, std::string admissible) {
+  Fault fault;
+  fault.place.file = "-o";
+  fault.key = folder.path().string();
+  fault.why = std::move(why);
+  fault.admissible = std::move(admissible);
+  throw InputError({fault});
+}
+
+}  // namespace
+
+RunRecorder::RunRecorder(RunFolder& folder, const Scene& scene, std::string program_version,
+                         Resumption resumption, std::function<void()> on_trouble)
+    : folder_(folder),
+      scene_(scene),
+      version_(std::move(program_version)),
+      resumption_(std::move(resumption)),
+      on_trouble_(std::move(on_trouble)) {}
+
+template <class Action>
+void RunRecorder::attempt(Action action) {
+  if (trouble_) return;
+  try {
+    action();
+  } catch (const JournalInUse&) {
+    throw;
+  } catch (const OutputError& error) {
+    trouble_ = error.what();
+    on_trouble_();
+  }
+}
+
+void RunRecorder::begin(const RunLayout& layout) {
+  if (resumption_.kind == Resumption::Kind::go_on && layout.state != resumption_.layout.state) {
+    refuse(folder_, "this program keeps other numbers of this scene than the one that was stopped",
+           "the program that began the run, or --force, which starts again");
+  }
+  try {
+    attempt([&] { resumption_.kind == Resumption::Kind::go_on ? go_on(layout) : start(layout); });
+  } catch (const JournalInUse&) {
+    refuse(folder_, "another run is writing here", "another folder");
+  }
+}
+
+void RunRecorder::start(const RunLayout& layout) {
+  // Whoever owns the journal owns the folder. It says what there is to go on with, and so changes
+  // only when nothing is left of what was there before.
+  Descriptor owned = std::move(resumption_.journal);
+  if (!owned.open()) owned = own_journal(folder_.file(kJournalFile), Absent::make_it);
+  folder_.remove_results();
+  cleared_ = true;
+  folder_.remove(kCheckpointFile);
+  journal_.emplace(folder_.file(kJournalFile), std::move(owned),
+                   JournalHeader{version_, scene_.effective_toml, layout});
+  folder_.write_file(kSceneFile, scene_.effective_toml);
+}
+
+void RunRecorder::go_on(const RunLayout& layout) {
+  folder_.remove_results();
+  cleared_ = true;
+  if (!folder_.holds(kSceneFile)) folder_.write_file(kSceneFile, scene_.effective_toml);
+  journal_.emplace(folder_.file(kJournalFile), std::move(resumption_.journal), layout,
+                   resumption_.mark);
+  kept_once_ = true;
+}
+
+void RunRecorder::sample(const std::vector<double>& row) {
+  attempt([&] { journal_->row(row); });
+}
+
+void RunRecorder::event(const Event& event) {
+  attempt([&] { journal_->event(event); });
+}
+
+void RunRecorder::checkpoint(const RunState& state) {
+  attempt([&] {
+    Checkpoint checkpoint;
+    checkpoint.program_version = version_;
+    checkpoint.scene = scene_fingerprint(scene_.effective_toml);
+    checkpoint.journal = journal_->flush();
+    checkpoint.state = state.to_bytes();
+    journal_->check_in_place();
+    // A power cut right after the start costs nothing but the start: short runs stay quick.
+    const auto lasting = std::exchange(kept_once_, true) ? OutputFile::Lasting::with_its_name
+                                                         : OutputFile::Lasting::some_time_later;
+    if (lasting == OutputFile::Lasting::with_its_name) journal_->synchronise();
+    write_checkpoint(folder_.file(kCheckpointFile), checkpoint, lasting);
+  });
+}
+
+/// Everything comes from the journal, whose checksums are looked at once more.
+void RunRecorder::write_results() {
+  const JournalMark end = journal_->flush();
+  journal_->check_in_place();
+  auto files = result_files(scene_, folder_, version_);
+  ToAll all(files);
+  try {
+    JournalReader journal(folder_.file(kJournalFile));
+    journal.play(all);
+    if (journal.mark() != end) {
+      throw DamagedFile(
+          fmt::format("{}: it was changed during the run", folder_.file(kJournalFile).string()));
+    }
+    for (const auto& file : files) file->finish();
+  } catch (const DamagedFile& error) {
+    throw OutputError(error.what());
+  }
+}
+
+std::optional<std::string> RunRecorder::finish(RunResult& result) {
+  const bool ended = result.status != RunStatus::interrupted;
+  attempt([&] { write_results(); });
+  if (trouble_ && !result.failure) {
+    RunFailure failure;
+    failure.step = result.steps;
+    failure.time = result.end_time;
+    failure.what = *trouble_;
+    failure.cause = "the results could not be written";
+    result.status = RunStatus::failed;
+    result.failure = failure;
+  }
+  try {
+    // Beside results of an earlier run it would speak for them.
+    if (cleared_) {
+      folder_.write_file(kSummaryFile, summary_json(scene_, result));
+      synchronise_folder_of(folder_.file(kSummaryFile));
+    }
+  } catch (const OutputError& error) {
+    if (!trouble_) trouble_ = error.what();
+  }
+  if (ended) {
+    attempt([&] {
+      folder_.remove(kCheckpointFile);
+      folder_.remove(kJournalFile);
+    });
+  }
+  return trouble_;
+}
+
+}  // namespace tomlin

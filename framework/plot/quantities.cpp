@@ -1,0 +1,164 @@
+#include "framework/plot/quantities.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/core/fault.hpp"
+#include "framework/core/nearest_name.hpp"
+#include "framework/scene/text.hpp"
+
+namespace tomlin {
+namespace {
+
+constexpr std::array kQuantities = {
+    Quantity{"time", "time", "{/:Italic t}", Owner::nobody, "time", Measure::component, "time"},
+    Quantity{"driver_position", "driver position", "{/:Italic vt}", Owner::driver, "position.x",
+             Measure::component, "where the driver's pulled end is along x: v t"},
+    Quantity{"force", "lateral force", "{/:Italic F_x}", Owner::driver, "force.x",
+             Measure::component, "x component of the driver's force"},
+    Quantity{"force_size", "friction force", "{/:Italic F_f}", Owner::driver, "force",
+             Measure::signed_size, "size of the driver's force, with the sign of its x component"},
+    Quantity{"position", "centre of mass", "{/:Italic x_c}", Owner::body, "centre_of_mass.x",
+             Measure::component, "the centre of mass along x"},
+    Quantity{"height", "height", "{/:Italic y_c}", Owner::body, "centre_of_mass.y",
+             Measure::component, "the centre of mass along y"},
+    Quantity{"rotation", "rotation", "{/:Italic φ}", Owner::body, "rotation", Measure::component,
+             "rotation, unwrapped, counter-clockwise positive"},
+    Quantity{"speed", "speed", "{/:Italic v_c}", Owner::body, "velocity", Measure::size,
+             "speed of the centre of mass"},
+};
+
+constexpr std::array kFigureKinds = {
+    FigureKind{"force", "force", "driver_position", "the friction trace: F_x over v t"},
+    FigureKind{"force_size", "force_size", "driver_position",
+               "F_f over v t: the force's size with the sign of F_x"},
+    FigureKind{"position", "position", "driver_position",
+               "x_c over v t, beside a spring that is not stretched"},
+    FigureKind{"height", "height", "driver_position", "y_c over v t"},
+    FigureKind{"rotation", "rotation", "driver_position", "the angle over v t"},
+    FigureKind{"speed", "speed", "driver_position", "the speed over v t"},
+    FigureKind{"hysteresis", "force", "position",
+               "F_x over x_c, a loop when the driver turns back"},
+    FigureKind{"path", "height", "position", "y_c over x_c"},
+};
+
+constexpr std::array kAxes = {".x", ".y", ".z"};
+
+[[noreturn]] void refuse(std::string file, const std::string& key, std::string why,
+                         std::string admissible, std::string nearest = "") {
+  Fault fault;
+  fault.place.file = std::move(file);
+  fault.key = shortened(key, kLongestShownValue);
+  fault.why = std::move(why);
+  fault.admissible = std::move(admissible);
+  fault.nearest = std::move(nearest);
+  throw InputError({fault});
+}
+
+template <class Named>
+const Named* find_named(std::span<const Named> all, std::string_view name) {
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const Named& one) { return one.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+/// A vector by its first component.
+std::string first_column(const Quantity& quantity) {
+  return std::string(quantity.column) + (quantity.measure == Measure::component ? "" : kAxes[0]);
+}
+
+Series series_of(const SampleTable& table, const Quantity& quantity, const Owners& owners) {
+  std::string prefix;
+  if (quantity.owner != Owner::nobody) {
+    prefix = chosen_owner(table, quantity.owner, first_column(quantity), owners) + ".";
+  }
+  prefix += quantity.column;
+  Series series;
+  series.name = quantity.name;
+  series.words = quantity.words;
+  series.symbol = quantity.symbol;
+  series.enhanced = true;
+  series.measure = quantity.measure;
+  if (quantity.measure == Measure::component) {
+    series.columns = {*table.find(prefix)};
+  } else {
+    for (const char* axis : kAxes) {
+      if (const auto column = table.find(prefix + axis)) series.columns.push_back(*column);
+    }
+  }
+  series.unit = table.columns()[series.columns.front()].unit;
+  return series;
+}
+
+}  // namespace
+
+std::span<const Quantity> quantities() { return kQuantities; }
+
+std::span<const FigureKind> figure_kinds() { return kFigureKinds; }
+
+const Quantity* find_quantity(std::string_view name) { return find_named(quantities(), name); }
+
+const FigureKind* find_figure_kind(std::string_view name) {
+  return find_named(figure_kinds(), name);
+}
+
+std::vector<std::string> owners_of(const SampleTable& table, std::string_view column) {
+  const std::string ending = "." + std::string(column);
+  std::vector<std::string> result;
+  for (const SampleTable::Column& one : table.columns()) {
+    if (one.name.ends_with(ending)) {
+      result.push_back(one.name.substr(0, one.name.size() - ending.size()));
+    }
+  }
+  return result;
+}
+
+std::string chosen_owner(const SampleTable& table, Owner owner, std::string_view column,
+                         const Owners& owners) {
+  const bool driver = owner == Owner::driver;
+  const std::string& wanted = driver ? owners.driver : owners.body;
+  const std::vector<std::string> candidates = owners_of(table, column);
+  if (candidates.empty()) {
+    refuse(table.file(), "", fmt::format("there is no column *.{}", column),
+           listed(table.names()) + "; --x and --y take any of them");
+  }
+  const char* option = driver ? "--driver" : "--body";
+  if (wanted.empty() && candidates.size() == 1) return candidates.front();
+  if (wanted.empty()) {
+    refuse(table.file(), "", fmt::format("there are several columns *.{}", column),
+           fmt::format("{} {}", option, fmt::join(candidates, fmt::format(", {} ", option))));
+  }
+  if (std::find(candidates.begin(), candidates.end(), wanted) != candidates.end()) return wanted;
+  refuse(table.file(), std::string(option) + " " + wanted,
+         fmt::format("there is no column {}.{}", wanted, column), listed(candidates),
+         nearest_name(wanted, candidates).value_or(""));
+}
+
+Series find_series(const SampleTable& table, const std::string& name, const Owners& owners,
+                   const std::string& option) {
+  if (const Quantity* quantity = find_quantity(name)) return series_of(table, *quantity, owners);
+  if (const auto column = table.find(name)) {
+    const SampleTable::Column& found = table.columns()[*column];
+    return {found.name, "", found.name, false, found.unit, Measure::component, {*column}};
+  }
+  std::vector<std::string> known = table.names();
+  for (const Quantity& quantity : quantities()) {
+    if (!table.find(quantity.name)) known.emplace_back(quantity.name);
+  }
+  refuse(table.file(), option + " " + name, "there is no such column or quantity", listed(known),
+         nearest_name(name, known).value_or(""));
+}
+
+double value_of(Measure measure, std::span<const double> components) {
+  if (measure == Measure::component) return components.front();
+  double square = 0.0;
+  for (const double component : components) square += component * component;
+  const double size = std::sqrt(square);
+  return measure == Measure::signed_size ? std::copysign(size, components.front()) : size;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,96 @@
+#include "framework/plot/stored_run.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "framework/core/fault.hpp"
+#include "framework/core/text_file.hpp"
+#include "framework/output/run_folder.hpp"
+#include "framework/scene/document.hpp"
+
+namespace tomlin {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kLargestSummary = std::size_t{8} << 20;  // bytes
+
+[[noreturn]] void refuse(const std::string& file, std::string why) {
+  Fault fault;
+  fault.place.file = file;
+  fault.why = std::move(why);
+  throw InputError({fault});
+}
+
+/// Of "a/b/" too; "." by what it is called.
+std::string name_of(const fs::path& folder) {
+  std::error_code error;
+  const fs::path whole = fs::absolute(folder, error).lexically_normal();
+  const fs::path last = whole.has_filename() ? whole.filename() : whole.parent_path().filename();
+  return last.empty() ? folder.string() : last.string();
+}
+
+std::string written(const Node& node) {
+  if (const auto* text = node.as<std::string>()) return *text;
+  if (const auto* number = node.as<double>()) return fmt::format("{}", *number);
+  if (const auto* integer = node.as<std::int64_t>()) {
+    return fmt::format("{}", static_cast<double>(*integer));
+  }
+  return "";
+}
+
+/// Nothing where there is no such scene: figures can do without.
+std::map<std::string, std::string> written_parameters(const std::string& file) try {
+  std::map<std::string, std::string> result;
+  const TextFile scene = read_text_file(file, kLargestSceneFile);
+  if (!scene.why.empty()) return result;
+  const Table document = parse_document(scene.text, file);
+  const Node* parameters = document.find("parameters");
+  const Table* table = parameters == nullptr ? nullptr : parameters->as<Table>();
+  if (table == nullptr) return result;
+  for (const Entry& entry : table->entries) result[entry.key] = written(entry.value);
+  return result;
+} catch (const InputError&) {
+  return {};
+}
+
+}  // namespace
+
+bool holds_run(const std::string& folder) {
+  std::error_code error;
+  return fs::is_regular_file(fs::path(folder) / kSummaryFile, error);
+}
+
+std::string file_of(const StoredRun& run, const char* name) {
+  return (fs::path(run.folder) / name).string();
+}
+
+StoredRun read_stored_run(const std::string& folder) {
+  StoredRun run;
+  run.folder = folder;
+  run.name = name_of(folder);
+  const std::string file = file_of(run, kSummaryFile);
+  const TextFile summary = read_text_file(file, kLargestSummary);
+  if (!summary.why.empty()) refuse(file, summary.why);
+  const Json json = Json::parse(summary.text, nullptr, false);
+  if (!json.is_object()) refuse(file, "this is not the summary of a run");
+  const auto status = json.find("status");
+  if (status == json.end() || !status->is_string()) refuse(file, "there is no status in it");
+  run.status = status->get<std::string>();
+  const auto parameters = json.find("parameters");
+  if (parameters != json.end() && parameters->is_object()) {
+    for (const auto& [name, value] : parameters->items()) {
+      if (value.is_number()) run.parameters.emplace_back(name, value.get<double>());
+    }
+  }
+  run.written = written_parameters(file_of(run, kSceneFile));
+  return run;
+}
+
+}  // namespace tomlin

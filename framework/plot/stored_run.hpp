@@ -1,0 +1,29 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tomlin {
+
+/// A run as it lies in its folder: what figures need of summary.json and scene.toml.
+struct StoredRun {
+  std::string folder;  ///< as given
+  std::string name;    ///< of the folder, without what is above it
+  std::string status;  ///< "finished", "interrupted", "failed"
+  std::vector<std::pair<std::string, double>> parameters;  ///< resolved, in the scene's order
+  /// As scene.toml has them, expressions included; empty where it cannot be read.
+  std::map<std::string, std::string> written;
+};
+
+/// Is this the folder of a run that has ended: is there a summary?
+bool holds_run(const std::string& folder);
+
+/// Throws InputError when the summary is none.
+StoredRun read_stored_run(const std::string& folder);
+
+/// A path inside the folder.
+std::string file_of(const StoredRun& run, const char* name);
+
+}  // namespace tomlin

@@ -1,0 +1,292 @@
+#include "framework/run/events.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tomlin {
+namespace {
+
+/// A slip is faster than so many times its driver. Smooth sliding near its threshold reaches a few.
+constexpr double kFastFactor = 10.0;
+/// Between two slips the driver moves at least this part of a period: the swings after a slip
+/// belong to it.
+constexpr double kCalmPart = 0.02;
+/// Parts of the driver's speed, and units of rounding, that are no motion backwards.
+constexpr double kNoMotion = 1e-3;
+constexpr double kRoundings = 16.0;
+constexpr double kHopPart = 0.2;
+constexpr int kHalvings = 60;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+double speed_of(const Drive& drive) {
+  double square = 0.0;
+  for (const double v : drive.velocity) square = std::fma(v, v, square);
+  return std::sqrt(square);
+}
+
+/// An event with nothing known of it.
+Event of_kind(EventKind kind) {
+  Event event;
+  event.kind = kind;
+  event.time = event.duration = event.size = event.energy_lost = event.peak_force = kNone;
+  return event;
+}
+
+Event between(EventKind kind, double from, double to, double size) {
+  Event event = of_kind(kind);
+  event.time = from;
+  event.duration = to - from;
+  event.size = size;
+  return event;
+}
+
+Event reversal(double from, double to, double way_back) {
+  return between(EventKind::reversal, from, to, way_back);
+}
+
+Event hop(double from, double to, double height) {
+  return between(EventKind::hop, from, to, height);
+}
+
+}  // namespace
+
+/// Neville's scheme.
+double LastPoints::at(double t) const {
+  double p[kMost];
+  const std::size_t n = count();
+  for (std::size_t k = 0; k < n; ++k) p[k] = value(k);
+  for (std::size_t width = 1; width < n; ++width) {
+    for (std::size_t k = 0; k + width < n; ++k) {
+      const double a = time(k);
+      const double b = time(k + width);
+      p[k] = ((t - b) * p[k] - (t - a) * p[k + 1]) / (a - b);
+    }
+  }
+  return p[0];
+}
+
+/// The same with derivatives.
+double LastPoints::slope_at(double t) const {
+  double p[kMost];
+  double q[kMost] = {};
+  const std::size_t n = count();
+  for (std::size_t k = 0; k < n; ++k) p[k] = value(k);
+  for (std::size_t width = 1; width < n; ++width) {
+    for (std::size_t k = 0; k + width < n; ++k) {
+      const double a = time(k);
+      const double b = time(k + width);
+      q[k] = (p[k] - p[k + 1] + (t - b) * q[k] - (t - a) * q[k + 1]) / (a - b);
+      p[k] = ((t - b) * p[k] - (t - a) * p[k + 1]) / (a - b);
+    }
+  }
+  return q[0];
+}
+
+template <class Function>
+double LastPoints::root(Function function, double from, double to) const {
+  double low = from;
+  double high = to;
+  double at_low = function(low);
+  const double at_high = function(high);
+  if ((at_low > 0.0) == (at_high > 0.0)) return std::abs(at_low) < std::abs(at_high) ? from : to;
+  for (int k = 0; k < kHalvings; ++k) {
+    const double middle = 0.5 * (low + high);
+    if (middle <= low || middle >= high) break;
+    const double here = function(middle);
+    if ((here > 0.0) == (at_low > 0.0)) {
+      low = middle;
+      at_low = here;
+    } else {
+      high = middle;
+    }
+  }
+  return 0.5 * (low + high);
+}
+
+double LastPoints::when_value_is(double level, double from, double to) const {
+  return root([&](double t) { return at(t) - level; }, from, to);
+}
+
+double LastPoints::when_slope_is(double level, double from, double to) const {
+  return root([&](double t) { return slope_at(t) - level; }, from, to);
+}
+
+DriverWatch::DriverWatch(std::size_t driver, const Drive& drive, double period, double precision)
+    : driver_(driver),
+      speed_(speed_of(drive)),
+      stiffness_(drive.stiffness),
+      period_(period),
+      precision_(precision) {}
+
+void DriverWatch::attach(double* reals, std::int64_t* integers) {
+  force_ = LastPoints(reals, integers);
+  numbers_ = reals + LastPoints::kReals;
+  busy_ = integers + LastPoints::kIntegers;
+}
+
+void DriverWatch::start() {
+  force_.clear();
+  std::fill(numbers_, numbers_ + kReals - LastPoints::kReals, 0.0);
+  std::fill(busy_, busy_ + kIntegers - LastPoints::kIntegers, 0);
+}
+
+/// Of the pulled point, along the pull.
+double DriverWatch::way(double from, double force_from, double to, double force_to) const {
+  return speed_ * (to - from) - (force_to - force_from) / stiffness_;
+}
+
+void DriverWatch::look(const Emit& emit, const Heat& heat) {
+  if (watches_slips()) look_for_slip(emit, heat);
+  look_for_reversal(emit);
+}
+
+void DriverWatch::look_for_slip(const Emit& emit, const Heat& heat) {
+  const double now = force_.time(0);
+  const double f0 = force_.value(0);
+  const double f1 = force_.value(1);
+  const bool slipping = busy_[kSlipping] != 0;
+  if (!slipping && f1 >= f0 && f1 > force_.value(2)) {
+    numbers_[kPeakTime] = force_.when_slope_is(0.0, force_.time(2), now);
+    numbers_[kPeakForce] = force_.at(numbers_[kPeakTime]);
+    numbers_[kPeakHeat] = heat();
+    busy_[kHasPeak] = 1;
+  }
+  const double pulled = stiffness_ * speed_ * (now - force_.time(1));
+  const bool fast = std::abs(pulled - (f0 - f1)) > kFastFactor * pulled;
+  if (fast) {
+    if (!slipping) {
+      // A run may start with one.
+      if (busy_[kHasPeak] == 0) {
+        numbers_[kPeakTime] = force_.time(1);
+        numbers_[kPeakForce] = f1;
+        numbers_[kPeakHeat] = heat();
+      }
+      busy_[kSlipping] = 1;
+    }
+    busy_[kFast] = 1;
+    numbers_[kLastFast] = now;
+    return;
+  }
+  if (!slipping) return;
+  if (busy_[kFast] != 0) {
+    busy_[kFast] = 0;
+    const bool forwards = f0 < f1;
+    const double level = stiffness_ * speed_ * (1.0 + (forwards ? -kFastFactor : kFastFactor));
+    numbers_[kLastFast] = force_.when_slope_is(level, force_.time(2), now);
+    numbers_[kEndForce] = force_.at(numbers_[kLastFast]);
+    numbers_[kEndHeat] = heat();
+  }
+  if ((now - numbers_[kLastFast]) * speed_ < kCalmPart * period_) return;
+  emit_slip(emit);
+  busy_[kSlipping] = busy_[kHasPeak] = 0;
+}
+
+void DriverWatch::emit_slip(const Emit& emit) const {
+  Event slip;
+  slip.kind = EventKind::slip;
+  slip.time = numbers_[kPeakTime];
+  slip.duration = numbers_[kLastFast] - slip.time;
+  slip.size = way(slip.time, numbers_[kPeakForce], numbers_[kLastFast], numbers_[kEndForce]);
+  slip.energy_lost = numbers_[kEndHeat] - numbers_[kPeakHeat];
+  slip.peak_force = numbers_[kPeakForce];
+  emit(slip);
+}
+
+void DriverWatch::look_for_reversal(const Emit& emit) {
+  const double interval = force_.time(0) - force_.time(1);
+  const double f0 = force_.value(0);
+  const double moved = way(force_.time(1), force_.value(1), force_.time(0), f0);
+  const double noise =
+      kNoMotion * speed_ * interval + kRoundings * precision_ * (std::abs(f0) / stiffness_);
+  if (std::abs(moved) <= noise) return;
+  const bool back = moved < 0.0;
+  if (back == (busy_[kBack] != 0)) return;
+  busy_[kBack] = back ? 1 : 0;
+  const double at = force_.when_slope_is(stiffness_ * speed_, force_.time(2), force_.time(0));
+  const double force = force_.at(at);
+  if (back) {
+    numbers_[kBackTime] = at;
+    numbers_[kBackForce] = force;
+    return;
+  }
+  emit(reversal(numbers_[kBackTime], at,
+                -way(numbers_[kBackTime], numbers_[kBackForce], at, force)));
+}
+
+void DriverWatch::finish(double time, const Emit& emit) {
+  if (busy_[kSlipping] != 0) {
+    if (busy_[kFast] != 0) {
+      numbers_[kLastFast] = force_.time(0);
+      numbers_[kEndForce] = force_.value(0);
+      numbers_[kEndHeat] = kNone;
+    }
+    emit_slip(emit);
+  }
+  if (busy_[kBack] == 0) return;
+  emit(reversal(numbers_[kBackTime], time,
+                -way(numbers_[kBackTime], numbers_[kBackForce], force_.time(0), force_.value(0))));
+}
+
+void BodyWatch::attach(double* reals, std::int64_t* integers) {
+  height_ = LastPoints(reals, integers);
+  turns_ = LastPoints(reals + LastPoints::kReals, integers + LastPoints::kIntegers);
+  numbers_ = reals + 2 * LastPoints::kReals;
+  busy_ = integers + 2 * LastPoints::kIntegers;
+}
+
+void BodyWatch::start() {
+  height_.clear();
+  turns_.clear();
+  std::fill(numbers_, numbers_ + kReals - 2 * LastPoints::kReals, 0.0);
+  std::fill(busy_, busy_ + kIntegers - 2 * LastPoints::kIntegers, 0);
+}
+
+void BodyWatch::look_for_hop(double time, double y, const Emit& emit) {
+  const double enough = kHopPart * radius_;
+  if (busy_[kStarted] == 0) {
+    busy_[kStarted] = 1;
+    numbers_[kLow] = y;
+    numbers_[kHigh] = y + enough;
+    return;
+  }
+  const double before = height_.time(1);
+  if (busy_[kRisen] == 0) {
+    if (y < numbers_[kLow]) {
+      numbers_[kLow] = y;
+      numbers_[kHigh] = y + enough;
+      return;
+    }
+    busy_[kRisen] = 1;
+    numbers_[kSince] = height_.when_value_is(numbers_[kHigh], before, time);
+    numbers_[kHigh] = y;
+    return;
+  }
+  numbers_[kHigh] = std::max(numbers_[kHigh], y);
+  if (numbers_[kHigh] - y <= enough) return;
+  const double down = height_.when_value_is(numbers_[kHigh] - enough, before, time);
+  emit(hop(numbers_[kSince], down, numbers_[kHigh] - numbers_[kLow]));
+  busy_[kRisen] = 0;
+  numbers_[kLow] = y;
+  numbers_[kHigh] = y + enough;
+}
+
+void BodyWatch::look_for_turn(double time, double turns, const Emit& emit) {
+  while (std::abs(turns - numbers_[kWhole]) >= kWholeTurn) {
+    const double sign = turns > numbers_[kWhole] ? 1.0 : -1.0;
+    numbers_[kWhole] += sign;
+    const double before = turns_.count() > 1 ? turns_.time(1) : time;
+    Event turn = of_kind(EventKind::turn);
+    turn.time = turns_.when_value_is(numbers_[kWhole], before, time);
+    turn.size = sign;
+    emit(turn);
+  }
+}
+
+void BodyWatch::finish(double time, const Emit& emit) {
+  if (busy_[kRisen] == 0) return;
+  emit(hop(numbers_[kSince], time, numbers_[kHigh] - numbers_[kLow]));
+}
+
+}  // namespace tomlin

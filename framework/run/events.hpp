@@ -1,0 +1,160 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "framework/core/state_layout.hpp"
+#include "framework/model/model.hpp"
+#include "framework/run/run.hpp"
+
+/// What happens in a run, seen from signals that are known at the ends of steps (and within long
+/// ones). Between them goes the polynomial through the last five, so that a moment is found to the
+/// fourth order in their distance and no step is altered.
+namespace tomlin {
+
+/// The last points of a signal, and the polynomial through five of them.
+class LastPoints {
+ public:
+  static constexpr std::size_t kMost = 5;
+  static constexpr std::size_t kReals = 16;    ///< in the run state
+  static constexpr std::size_t kIntegers = 1;  ///< in the run state
+
+  LastPoints() = default;
+  LastPoints(double* reals, std::int64_t* integers)
+      : times_(reals), values_(reals + kRing), added_(integers) {}
+
+  void clear() { *added_ = 0; }
+  void add(double time, double value) {
+    const std::size_t at = static_cast<std::size_t>((*added_)++) % kRing;
+    times_[at] = time;
+    values_[at] = value;
+  }
+  std::size_t count() const {
+    return *added_ < static_cast<std::int64_t>(kMost) ? static_cast<std::size_t>(*added_) : kMost;
+  }
+  /// Of the point `back` points ago, 0 being the last.
+  double time(std::size_t back) const { return times_[place(back)]; }
+  double value(std::size_t back) const { return values_[place(back)]; }
+
+  double at(double time) const;
+  double slope_at(double time) const;
+  /// Where the value, or the slope, passes `level` between two times; the nearer end when it does
+  /// not.
+  double when_value_is(double level, double from, double to) const;
+  double when_slope_is(double level, double from, double to) const;
+
+ private:
+  static constexpr std::size_t kRing = 8;
+  std::size_t place(std::size_t back) const {
+    return static_cast<std::size_t>(*added_ - 1 - static_cast<std::int64_t>(back)) % kRing;
+  }
+  template <class Function>
+  double root(Function function, double from, double to) const;
+
+  double* times_ = nullptr;
+  double* values_ = nullptr;
+  std::int64_t* added_ = nullptr;
+};
+
+/// Slips and reversals of the point that a spring of steady speed pulls. Both follow from the
+/// spring's force along the pull: the point's velocity is v - (dF/dt)/k.
+///   slip      from the maximum of F before the point runs faster than ten times v to the last
+///             moment at which it does, when it has been slower for a fiftieth of a period
+///   reversal  from where its velocity along the pull turns negative to where it turns back
+class DriverWatch {
+ public:
+  /// With `precision`, the unit roundoff of forces.
+  DriverWatch(std::size_t driver, const Drive& drive, double period, double precision);
+
+  static constexpr std::size_t kReals = LastPoints::kReals + 8;
+  static constexpr std::size_t kIntegers = LastPoints::kIntegers + 4;
+  std::size_t driver() const { return driver_; }
+  bool watches_slips() const { return period_ > 0.0; }
+  void attach(double* reals, std::int64_t* integers);
+  void start();
+  /// Its driver has turned round: what was going on is over.
+  void turned() { start(); }
+
+  using Emit = std::function<void(const Event&)>;
+  /// Heat of the scene so far, but for a constant.
+  using Heat = std::function<double()>;
+  /// The force along the pull at one more moment. Mostly nothing happens: the point sticks, and the
+  /// force rises no faster than the driver pulls.
+  void add(double time, double force, const Emit& emit, const Heat& heat) {
+    const bool known = force_.count() >= 2;
+    const double rise = known ? force - force_.value(0) : 0.0;
+    const double pulled = known ? stiffness_ * speed_ * (time - force_.time(0)) : 0.0;
+    force_.add(time, force);
+    if (rise > 0.0 && rise < pulled && busy_[kSlipping] + busy_[kBack] == 0) return;
+    if (known) look(emit, heat);
+  }
+  /// The run is over: what is going on is reported as far as it got.
+  void finish(double time, const Emit& emit);
+
+ private:
+  enum { kPeakTime, kPeakForce, kPeakHeat, kLastFast, kEndForce, kEndHeat, kBackTime, kBackForce };
+  enum { kSlipping, kBack, kFast, kHasPeak };
+  double way(double from, double force_from, double to, double force_to) const;
+  void look(const Emit& emit, const Heat& heat);
+  void look_for_slip(const Emit& emit, const Heat& heat);
+  void look_for_reversal(const Emit& emit);
+  void emit_slip(const Emit& emit) const;
+
+  std::size_t driver_;
+  double speed_;
+  double stiffness_;
+  double period_;
+  double precision_;
+  LastPoints force_;
+  double* numbers_ = nullptr;
+  std::int64_t* busy_ = nullptr;
+};
+
+/// Hops of a round body: its centre rises by more than a fifth of its radius above where it was
+/// lowest since the last one, until it has come down as much. And whole turns of any body, counted
+/// from its start.
+class BodyWatch {
+ public:
+  BodyWatch(std::size_t body, double radius) : body_(body), radius_(radius) {}
+
+  static constexpr std::size_t kReals = 2 * LastPoints::kReals + 4;
+  static constexpr std::size_t kIntegers = 2 * LastPoints::kIntegers + 2;
+  std::size_t body() const { return body_; }
+  bool watches_hops() const { return radius_ > 0.0; }
+  void attach(double* reals, std::int64_t* integers);
+  void start();
+
+  using Emit = DriverWatch::Emit;
+  void add_height(double time, double height, const Emit& emit) {
+    height_.add(time, height);
+    if (busy_[kRisen] == 0 && height >= numbers_[kLow] && height <= numbers_[kHigh]) return;
+    look_for_hop(time, height, emit);
+  }
+  void add_turns(double time, double turns, const Emit& emit) {
+    turns_.add(time, turns);
+    const double since = turns - numbers_[kWhole];
+    if (since > -kWholeTurn && since < kWholeTurn) return;
+    look_for_turn(time, turns, emit);
+  }
+  void finish(double time, const Emit& emit);
+
+ private:
+  /// Rounding about a whole turn is no turn.
+  static constexpr double kWholeTurn = 1.0 - 1e-9;
+  enum { kLow, kHigh, kSince, kWhole };
+  enum { kRisen, kStarted };
+  void look_for_hop(double time, double height, const Emit& emit);
+  void look_for_turn(double time, double turns, const Emit& emit);
+
+  std::size_t body_;
+  double radius_;
+  LastPoints height_;
+  LastPoints turns_;
+  /// Lowest place since the last hop, and from which on it is one; during a hop its highest.
+  double* numbers_ = nullptr;
+  std::int64_t* busy_ = nullptr;
+};
+
+}  // namespace tomlin

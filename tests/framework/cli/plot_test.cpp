@@ -1,0 +1,248 @@
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/framework/cli/cli_fixture.hpp"
+
+namespace tomlin::test {
+namespace {
+
+constexpr const char* kGnuplot = "TOMLIN_GNUPLOT";
+
+/// The tip's scene, run into `tip`.
+class Plot : public Cli {
+ protected:
+  void SetUp() override {
+    Cli::SetUp();
+    ASSERT_EQ(tomlin({"run", "tip.toml", "-o", "tip", "--quiet"}).status, 0);
+  }
+  void TearDown() override { ::unsetenv(kGnuplot); }
+
+  void run_with(const std::string& setting, const std::string& folder) {
+    ASSERT_EQ(tomlin({"run", "tip.toml", "--set", setting, "-o", folder, "--quiet"}).status, 0);
+  }
+
+  /// A program of the test's own in gnuplot's place.
+  void use(const std::string& script) {
+    write(folder_ / "program", "#!/bin/sh\n" + script);
+    fs::permissions(folder_ / "program", fs::perms::owner_all);
+    ::setenv(kGnuplot, (folder_ / "program").c_str(), 1);
+  }
+
+  bool gnuplot_is_absent() {
+    const bool absent = tomlin({"plot", "tip", "-o", "try.svg"}).status == 2;
+    fs::remove(folder_ / "try.svg");
+    return absent;
+  }
+
+  /// The script that gnuplot would get.
+  std::string script(std::vector<std::string> arguments) {
+    use("cat");
+    arguments.insert(arguments.begin(), "plot");
+    arguments.insert(arguments.end(), {"-o", "script.svg"});
+    const Ended ended = tomlin(arguments);
+    EXPECT_EQ(ended.status, 0) << ended.err;
+    EXPECT_EQ(ended.out, "");
+    return ended.status == 0 ? file("script.svg") : "";
+  }
+};
+
+#define SKIP_WITHOUT_GNUPLOT() \
+  if (gnuplot_is_absent()) GTEST_SKIP() << "there is no gnuplot"
+
+TEST_F(Plot, DrawsEveryFormat) {
+  SKIP_WITHOUT_GNUPLOT();
+  for (const auto& [name, magic] : {std::pair<std::string, std::string>{"a.svg", "<?xml "},
+                                    {"a.png", "\x89PNG"},
+                                    {"a.pdf", "%PDF-"}}) {
+    const Ended ended = tomlin({"plot", "tip", "-o", name});
+    EXPECT_EQ(ended.status, 0) << ended.err;
+    EXPECT_EQ(ended.out + ended.err, "");
+    EXPECT_EQ(file(name).substr(0, magic.size()), magic);
+    EXPECT_FALSE(exists(name + ".part"));
+  }
+  EXPECT_TRUE(contains(file("a.svg"), "[force]"));
+  EXPECT_TRUE(contains(file("a.svg"), "</svg>"));
+}
+
+TEST_F(Plot, TheSameRunGivesTheSamePicture) {
+  SKIP_WITHOUT_GNUPLOT();
+  ASSERT_EQ(tomlin({"plot", "tip", "hysteresis", "-o", "a.svg"}).status, 0);
+  ::setenv("LC_ALL", "C", 1);
+  ASSERT_EQ(tomlin({"plot", "tip/", "hysteresis", "-o", "b.svg"}).status, 0);
+  ::unsetenv("LC_ALL");
+  EXPECT_EQ(file("a.svg"), file("b.svg"));
+}
+
+TEST_F(Plot, EveryFigureOfARingIsDrawn) {
+  SKIP_WITHOUT_GNUPLOT();
+  ASSERT_EQ(tomlin({"new", "ring"}).status, 0);
+  ASSERT_EQ(tomlin({"run", "ring.toml", "--quiet"}).status, 0);
+  for (const char* what : {"force", "force_size", "position", "height", "rotation", "speed",
+                           "hysteresis", "path", "ring"}) {
+    const Ended ended = tomlin({"plot", "ring.out", what, "-o", "a.svg"});
+    EXPECT_EQ(ended.status, 0) << what << ": " << ended.err;
+    EXPECT_EQ(ended.err, "");
+    EXPECT_TRUE(contains(tomlin({"plot", "--help"}).out, std::string("\n  ") + what + " "));
+  }
+}
+
+TEST_F(Plot, ALongRunGivesASmallPicture) {
+  SKIP_WITHOUT_GNUPLOT();
+  constexpr int kRows = 200000;
+  constexpr std::size_t kSmall = 100000;  // bytes; as many digits of all rows are 4 MB
+  std::string table = "time [time],driver.force.x [force],driver.position.x [length]\n";
+  for (int i = 0; i < kRows; ++i) {
+    table += std::to_string(i);
+    table += i == 77777 ? ",1000," : i % 2 == 0 ? ",1," : ",-1,";
+    table += std::to_string(i);
+    table += '\n';
+  }
+  write(folder_ / "tip/observables.csv", table);
+  ASSERT_EQ(tomlin({"plot", "tip", "-o", "a.svg"}).status, 0);
+  EXPECT_LT(file("a.svg").size(), kSmall);
+  EXPECT_TRUE(contains(script({"tip"}), "77777 1000\n"));
+}
+
+TEST_F(Plot, RunsAreNamedByWhatDiffers) {
+  run_with("v=2e-2", "faster");
+  const std::string both = script({"tip", "faster"});
+  EXPECT_TRUE(contains(both, "title \"v = 0.01\"")) << both;
+  EXPECT_TRUE(contains(both, "title \"v = 0.02\"")) << both;
+  EXPECT_FALSE(contains(both, "two_v"));
+  run_with("force.viscous_damping.coefficient=3.0", "damped");
+  const std::string same = script({"tip", "damped"});
+  EXPECT_TRUE(contains(same, "title \"tip\"")) << same;
+  EXPECT_TRUE(contains(same, "title \"damped\"")) << same;
+  EXPECT_FALSE(contains(script({"tip"}), " title \"t"));
+  const std::string own =
+      script({"tip", "damped", "--label", "free, so to say", "--label", "damped"});
+  EXPECT_TRUE(contains(own, "title \"free, so to say\"")) << own;
+  expect_refused({"plot", "tip", "damped", "--label", "one", "-o", "a.svg"},
+                 "tomlin: error: --label: 1 for 2 folders; admissible: one for each\n");
+}
+
+TEST_F(Plot, AxesPanelsAndRangesAreChosen) {
+  EXPECT_EQ(script({"tip"}), script({"tip", "force"}));
+  EXPECT_EQ(script({"tip"}), script({"tip", "--y", "force", "--x", "driver_position"}));
+  EXPECT_NE(script({"tip"}), script({"tip", "--x", "time"}));
+  const std::string panels =
+      script({"tip", "--x", "time", "--y", "driver.force.x", "--y=tip.velocity.x,speed", "--from",
+              "100", "--to=200.5", "--title", "it's"});
+  EXPECT_TRUE(contains(panels, "set xrange [100:200.5]"));
+  EXPECT_TRUE(contains(panels, "$panel1_curve1"));
+  EXPECT_FALSE(contains(panels, "$panel0_curve1"));
+  EXPECT_TRUE(contains(panels, "\"driver.force.x [force]\" noenhanced"));
+  EXPECT_TRUE(contains(panels, "\"it\\047s\""));
+  EXPECT_TRUE(contains(script({"tip", "--from", "-0.5"}), "set xrange [-0.5:2.99"));
+}
+
+TEST_F(Plot, ARunThatIsNotFinishedIsDrawnWithANote) {
+  std::string summary = file("tip/summary.json");
+  summary.replace(summary.find("finished"), 8, "interrupted");
+  write(folder_ / "tip/summary.json", summary);
+  use("cat");
+  const Ended ended = tomlin({"plot", "tip", "-o", "a.svg"});
+  EXPECT_EQ(ended.status, 0);
+  EXPECT_EQ(ended.err, "note: tip: the run is not finished but interrupted\n");
+  EXPECT_TRUE(exists("a.svg"));
+}
+
+TEST_F(Plot, WordsAreFoldersOrAFigure) {
+  expect_refused({"plot", "tpi", "-o", "a.svg"},
+                 "tomlin: error: tpi: neither the folder of a run nor a figure; admissible: "
+                 "folders that tomlin run has left, and one of force, force_size, position, "
+                 "height, rotation, speed, hysteresis, path, ring; did you mean \"tip\"?\n");
+  expect_refused({"plot", "tip", "hysteresys", "-o", "a.svg"},
+                 "tomlin: error: hysteresys: neither the folder of a run nor a figure; "
+                 "admissible: folders that tomlin run has left, and one of force, force_size, "
+                 "position, height, rotation, speed, hysteresis, path, ring; did you mean "
+                 "\"hysteresis\"?\n");
+  expect_refused({"plot", "tip", "force", "speed", "-o", "a.svg"},
+                 "tomlin: error: speed: one figure at a time, and force is asked for already\n");
+  // The first word is a folder, and a later one that names a figure is no folder.
+  EXPECT_EQ(tomlin({"plot", "force", "tip", "-o", "a.svg"}).status, 2);
+  fs::create_directory(folder_ / "empty");
+  expect_refused({"plot", "empty", "-o", "a.svg"},
+                 "empty: error: there is no summary.json in it: it is not the folder of a run "
+                 "that has ended\n");
+  fs::copy(folder_ / "tip", folder_ / "speed");
+  EXPECT_EQ(script({"speed"}), script({"tip"}));
+  EXPECT_EQ(script({"speed", "speed"}), script({"tip", "speed"}));
+  EXPECT_TRUE(contains(script({"tip", "speed/"}), "title \"speed\""));
+}
+
+TEST_F(Plot, TheFileSaysWhatKindOfPicture) {
+  expect_refused({"plot", "tip", "-o", "a.gif"},
+                 "-o: error: a.gif: the suffix does not say what kind of picture; admissible: "
+                 ".svg, .png, .pdf\n");
+  fs::create_directory(folder_ / "a.svg");
+  expect_refused({"plot", "tip", "-o", "a.svg"},
+                 "-o: error: a.svg: this is a folder; admissible: a file\n");
+  expect_refused({"plot", "tip"},
+                 "tomlin: error: --output is required (tomlin plot --help tells more)\n");
+}
+
+TEST_F(Plot, OptionsThatDoNotGoTogetherAreRefused) {
+  expect_refused({"plot", "tip", "--at", "1", "-o", "a.svg"},
+                 "tomlin: error: --at: for ring only; admissible: --from and --to\n");
+  expect_refused({"plot", "tip", "ring", "--y", "time", "-o", "a.svg"},
+                 "tomlin: error: ring: shows moments, and takes --at and no --y, --from, --to\n");
+  expect_refused({"plot", "tip", "speed", "--y", "force", "-o", "a.svg"},
+                 "tomlin: error: speed: this says what to draw, and so does --y; admissible: one "
+                 "of them\n");
+  expect_refused({"plot", "tip", "--from", "2", "--to", "2", "-o", "a.svg"},
+                 "tomlin: error: --from: 2 is not below --to 2\n");
+  expect_refused({"plot", "tip", "--from", "nan", "-o", "a.svg"},
+                 "tomlin: error: --from is not finite\n");
+  expect_refused({"plot", "tip", "ring", "--at", "1,x", "-o", "a.svg"},
+                 "tomlin: error: --at: \"x\" is not a number\n");
+  expect_refused({"plot", "tip", "--y", "force,", "-o", "a.svg"},
+                 "tomlin: error: --y: \"force,\" has an empty part\n");
+}
+
+TEST_F(Plot, WhatTheRunHasNotLeftIsNamed) {
+  expect_refused({"plot", "tip", "rotation", "-o", "a.svg"},
+                 "tip/observables.csv: error: there is no column *.rotation; admissible: time, "
+                 "driver.force.x, driver.position.x, tip.centre_of_mass.x, tip.velocity.x; --x "
+                 "and --y take any of them\n");
+  fs::remove(folder_ / "tip/observables.csv");
+  expect_refused({"plot", "tip", "-o", "a.svg"},
+                 "tip: error: there is no observables.csv: a run leaves one when its scene has "
+                 "[output] every\n");
+}
+
+TEST_F(Plot, WithoutGnuplotItSaysWhatToInstall) {
+  ::setenv(kGnuplot, "./no_such_program", 1);
+  expect_refused({"plot", "tip", "-o", "a.svg"},
+                 "tomlin: error: ./no_such_program: figures are drawn by gnuplot, which cannot be "
+                 "started: No such file or directory; admissible: gnuplot 5.4 in PATH (Debian: "
+                 "apt-get install gnuplot-nox), or its path in TOMLIN_GNUPLOT\n");
+}
+
+TEST_F(Plot, AFailureLeavesTheEarlierPicture) {
+  write(folder_ / "a.svg", "earlier");
+  use("echo '<half'; echo 'no such terminal' >&2; exit 3");
+  const Ended ended = tomlin({"plot", "tip", "-o", "a.svg"});
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_EQ(ended.err, "tomlin: error: gnuplot: status 3: no such terminal \n");
+  EXPECT_EQ(file("a.svg"), "earlier");
+  EXPECT_FALSE(exists("a.svg.part"));
+  use("cat");
+  EXPECT_EQ(tomlin({"plot", "tip", "-o", "a.svg"}).status, 0);
+  EXPECT_NE(file("a.svg"), "earlier");
+}
+
+TEST_F(Plot, APictureThatCannotBeWrittenIsReported) {
+  use("cat");
+  const Ended nowhere = tomlin({"plot", "tip", "-o", "nowhere/a.svg"});
+  EXPECT_EQ(nowhere.status, 1);
+  EXPECT_EQ(nowhere.err,
+            "tomlin: error: cannot write nowhere/a.svg.part: No such file or directory\n");
+}
+
+}  // namespace
+}  // namespace tomlin::test

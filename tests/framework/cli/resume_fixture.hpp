@@ -1,0 +1,78 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tests/framework/cli/cli_fixture.hpp"
+
+/// What tests of runs that go on share: the files of a folder, and how two folders compare.
+namespace tomlin::test {
+
+/// A tip whose driver turns round, with samples, positions, events and a ledger: a run of a few
+/// hundred steps that keeps a checkpoint every sixteen of them.
+inline constexpr const char* kShortRun = R"([[body]]
+name = "tip"
+type = "point"
+position = [0.0]
+particle_mass = 1.0
+
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 2.0
+velocity = [0.5]
+reverse = { when = "bodies.tip.centre_of_mass.x", above = 0.4 }
+
+[[force]]
+type = "viscous_damping"
+coefficient = 1.0
+
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.1
+period = 1.0
+
+[run]
+duration = 3.0
+integrator = { type = "rk4", dt = 3e-2 }
+ledger = true
+checkpoint_every = 1e-9
+
+[output]
+every = 0.05
+)";
+
+/// The file's text, without how long the run took.
+inline std::string comparable(const std::filesystem::path& file) {
+  if (file.filename() != "summary.json") return content(file);
+  Json summary = Json::parse(content(file));
+  summary.erase("performance");
+  return summary.dump();
+}
+
+/// All files of a folder, by name.
+inline std::map<std::string, std::string> files_of(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  if (!fs::exists(folder)) return files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    files[entry.path().filename().string()] = comparable(entry.path());
+  }
+  return files;
+}
+
+/// The names of the files that differ, or are in one folder only.
+inline std::string differing(const std::filesystem::path& a, const std::filesystem::path& b) {
+  auto left = files_of(a);
+  auto right = files_of(b);
+  std::string names;
+  for (const auto& [name, text] : left) {
+    const auto found = right.find(name);
+    if (found == right.end() || found->second != text) names += name + " ";
+    if (found != right.end()) right.erase(found);
+  }
+  for (const auto& [name, text] : right) names += name + " ";
+  return names;
+}
+
+}  // namespace tomlin::test

@@ -1,0 +1,127 @@
+#include "framework/plot/curves_figure.hpp"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "framework/core/fault.hpp"
+#include "tests/framework/output/temporary_folder.hpp"
+
+namespace tomlin {
+namespace {
+
+constexpr const char* kHeader =
+    "time [time],driver.force.x [force],driver.force.y [force],driver.position.x [length],"
+    "ring.centre_of_mass.x [length]\n";
+
+/// Two runs: the first with six samples, which turns back, the second with two.
+class CurvesFigure : public testing::Test {
+ protected:
+  void SetUp() override {
+    first_ = run_with(first_folder_,
+                      "0,0,0,0,0\n1,3,4,1,0.5\n2,-3,4,2,1\n3,6,8,3,2.5\n4,1,0,2,2\n5,2,0,1,1\n");
+    second_ = run_with(second_folder_, "0,0,0,0,0\n1,1,1,4,3\n");
+  }
+
+  static StoredRun run_with(const test::TemporaryFolder& folder, const std::string& rows) {
+    test::write(folder / "observables.csv", kHeader + rows);
+    StoredRun run;
+    run.folder = folder.path().string();
+    return run;
+  }
+
+  Figure drawn(const CurvesRequest& request) {
+    return curves_figure({first_, second_}, {"one", "two"}, request);
+  }
+
+  std::string complaint(const CurvesRequest& request) {
+    try {
+      drawn(request);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  test::TemporaryFolder first_folder_;
+  test::TemporaryFolder second_folder_;
+  StoredRun first_;
+  StoredRun second_;
+};
+
+TEST_F(CurvesFigure, HasACurveForEachRun) {
+  const Figure figure = drawn({"driver_position", {{"force_size"}}, {}, {}, {}});
+  ASSERT_EQ(figure.panels.size(), 1U);
+  const Panel& panel = figure.panels.front();
+  ASSERT_EQ(panel.curves.size(), 2U);
+  EXPECT_EQ(panel.curves[0].label, "one");
+  EXPECT_EQ(panel.curves[0].pieces,
+            (std::vector<Polyline>{
+                {{0.0, 0.0}, {1.0, 5.0}, {2.0, -5.0}, {3.0, 10.0}, {2.0, 1.0}, {1.0, 2.0}}}));
+  EXPECT_EQ(panel.curves[1].colour, 1);
+  EXPECT_EQ(figure.x_from, 0.0);
+  EXPECT_EQ(figure.x_to, 4.0);
+  EXPECT_LT(panel.y_from, -5.0);
+  EXPECT_GT(panel.y_to, 10.0);
+  EXPECT_TRUE(figure.x_label.enhanced);
+  EXPECT_NE(panel.y_label.text.find("[force]"), std::string::npos);
+}
+
+TEST_F(CurvesFigure, ThePositionStandsBesideASpringThatIsNotStretched) {
+  const Figure figure = drawn({"driver_position", {{"position"}}, {}, {}, {}});
+  const Curve& aid = figure.panels.front().curves.front();
+  EXPECT_EQ(aid.colour, kGrey);
+  EXPECT_EQ(aid.pieces, (std::vector<Polyline>{{{0.0, 0.0}, {4.0, 4.0}}}));
+  EXPECT_EQ(drawn({"time", {{"position"}}, {}, {}, {}}).panels.front().curves.size(), 2U);
+}
+
+TEST_F(CurvesFigure, PanelsAndSeveralCurvesOfOneUnit) {
+  const Figure figure =
+      drawn({"time", {{"driver.force.x", "driver.force.y"}, {"position"}}, {}, {}, {}});
+  ASSERT_EQ(figure.panels.size(), 2U);
+  ASSERT_EQ(figure.panels[0].curves.size(), 4U);
+  EXPECT_EQ(figure.panels[0].curves[1].label, "driver.force.y, one");
+  EXPECT_EQ(figure.panels[0].curves[3].colour, 3);
+  EXPECT_EQ(figure.panels[0].y_label.text, "[force]");
+  EXPECT_EQ(figure.panels[1].curves[1].label, "two");
+}
+
+TEST_F(CurvesFigure, ARangeCutsWithTheLinesThatLeaveIt) {
+  const Figure figure = drawn({"driver_position", {{"force"}}, {}, 2.5, 3.5});
+  EXPECT_EQ(figure.x_from, 2.5);
+  EXPECT_EQ(figure.x_to, 3.5);
+  EXPECT_EQ(figure.panels.front().curves[0].pieces,
+            (std::vector<Polyline>{{{2.0, -3.0}, {3.0, 6.0}, {2.0, 1.0}}}));
+  EXPECT_TRUE(figure.panels.front().curves[1].pieces.empty());
+  // Only what is inside sets the scale.
+  EXPECT_GT(figure.panels.front().y_from, 0.0);
+  // Twice through the same range: two pieces, not joined.
+  EXPECT_EQ(drawn({"driver_position", {{"force"}}, {}, -1.0, 0.5}).panels[0].curves[0].pieces,
+            (std::vector<Polyline>{{{0.0, 0.0}, {1.0, 3.0}}}));
+  EXPECT_EQ(drawn({"driver_position", {{"force"}}, {}, 0.5, 1.5}).panels[0].curves[0].pieces.size(),
+            2U);
+}
+
+TEST_F(CurvesFigure, ALevelCurveHasRoom) {
+  first_ = run_with(first_folder_, "0,2,0,0,0\n1,2,0,1,0\n");
+  second_ = first_;
+  const Figure figure = drawn({"time", {{"force"}, {"position"}}, {}, {}, {}});
+  EXPECT_LT(figure.panels[0].y_from, 2.0);
+  EXPECT_GT(figure.panels[0].y_to, 2.0);
+  EXPECT_LT(figure.panels[1].y_from, 0.0);
+}
+
+TEST_F(CurvesFigure, RefusesTwoUnitsOnOneAxisAndAnEmptyRange) {
+  EXPECT_NE(complaint({"time", {{"force", "position"}}, {}, {}, {}})
+                .find("--y position: [length], on one axis with force [force]"),
+            std::string::npos);
+  EXPECT_EQ(complaint({"driver_position", {{"force"}}, {}, 7.0, {}}),
+            "--from: error: there is no sample from 7 to 4; admissible: driver_position from 0 to "
+            "4");
+  EXPECT_NE(complaint({"driver_position", {{"forse"}}, {}, {}, {}}).find("did you mean \"force\"?"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace tomlin

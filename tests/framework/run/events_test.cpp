@@ -1,0 +1,389 @@
+#include "framework/run/events.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/order.hpp"
+#include "tests/support/ring_scenes.hpp"
+
+// Slips, reversals, hops and turns, against what fine samples of the same run show.
+
+namespace tomlin::test {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// The polynomial through the last points.
+
+struct Points {
+  std::vector<double> reals = std::vector<double>(LastPoints::kReals);
+  std::vector<std::int64_t> integers = std::vector<std::int64_t>(LastPoints::kIntegers);
+  LastPoints points{reals.data(), integers.data()};
+};
+
+TEST(LastPoints, ArePassedThroughByTheirPolynomial) {
+  const auto quartic = [](double t) { return 1.0 + t * (2.0 + t * (-3.0 + t * (0.5 - t))); };
+  const auto slope = [](double t) { return 2.0 + t * (-6.0 + t * (1.5 - 4.0 * t)); };
+  Points all;
+  for (const double t : {-9.0, -7.0, 0.1, 0.3, 0.35, 0.7, 1.0}) all.points.add(t, quartic(t));
+  constexpr double kRounding = 1e-12;
+  for (const double t : {0.2, 0.5, 0.9, 1.1}) {
+    EXPECT_NEAR(all.points.at(t), quartic(t), kRounding);
+    EXPECT_NEAR(all.points.slope_at(t), slope(t), kRounding);
+  }
+  EXPECT_NEAR(all.points.when_value_is(quartic(0.8), 0.7, 1.0), 0.8, kRounding);
+  EXPECT_NEAR(all.points.when_slope_is(slope(0.85), 0.7, 1.0), 0.85, kRounding);
+  // Where it does not pass the level, the nearer end.
+  EXPECT_EQ(all.points.when_value_is(1e3, 0.7, 1.0), 0.7);
+}
+
+TEST(LastPoints, FindMomentsToTheFourthOrder) {
+  std::vector<double> steps, errors;
+  // sin t exp(-t/3) is highest where tan t = 3.
+  const double highest = std::atan(3.0);
+  for (const double h : {0.2, 0.1, 0.05, 0.025}) {
+    Points all;
+    for (int k = -3; k < 3; ++k) {
+      const double t = highest + (k + 0.3) * h;
+      all.points.add(t, std::sin(t) * std::exp(-t / 3.0));
+    }
+    steps.push_back(h);
+    errors.push_back(std::abs(all.points.when_slope_is(0.0, highest - h, highest + h) - highest));
+  }
+  EXPECT_TRUE((Window{3.5, 5.5}).holds(fitted_order(steps, errors))) << fitted_order(steps, errors);
+}
+
+// A tip.
+
+struct Watched {
+  KeptSamples kept;
+  RunResult result;
+
+  explicit Watched(const std::string& text, const std::vector<Setting>& settings = {}) {
+    RunOptions options;
+    options.sink = &kept;
+    result = run(scene_of(text, settings), options);
+  }
+  std::vector<double> column(const std::string& name) const {
+    std::vector<double> values;
+    for (const auto& row : kept.rows) values.push_back(row[kept.column(name)]);
+    return values;
+  }
+  /// A column at a time, by the parabola through three samples about it.
+  double at(const std::string& name, double time, double every) const {
+    const std::size_t c = kept.column(name);
+    const auto k = std::clamp<std::size_t>(static_cast<std::size_t>(std::llround(time / every)), 1,
+                                           kept.rows.size() - 2);
+    const double u = time / every - static_cast<double>(k);
+    const double y0 = kept.rows[k - 1][c], y1 = kept.rows[k][c], y2 = kept.rows[k + 1][c];
+    return y1 + 0.5 * u * (y2 - y0) + 0.5 * u * u * (y2 - 2.0 * y1 + y0);
+  }
+};
+
+constexpr double kEvery = 0.02;
+const std::string kSampled = "[output]\nevery = " + digits(kEvery) + "\n";
+
+/// Slips once a period, without or with swings after it.
+TipScene slipping(double damping) {
+  return {.velocity = 0.01,
+          .stiffness = 1.0,
+          .damping = damping,
+          .amplitude = 0.1,
+          .position = 0.5,
+          .duration = 600.0,
+          .integrator = fixed_step(0.02),
+          .more = kSampled};
+}
+
+TEST(Slips, AreToldOneAPeriodWhateverTheSwingsAfterThem) {
+  for (const double damping : {4.0, 1.5, 0.5}) {
+    for (const std::string& integrator : {fixed_step(0.02), verlet(0.02), adaptive(1e-9)}) {
+      TipScene tip = slipping(damping);
+      tip.integrator = integrator;
+      const Watched run(tip.text());
+      const auto slips = run.kept.of(EventKind::slip);
+      // Six periods of the driver; the first slip needs F_c/k = 0.63 of the first.
+      EXPECT_GE(slips.size(), 5u) << damping << integrator;
+      EXPECT_LE(slips.size(), 6u) << damping << integrator;
+      EXPECT_EQ(run.result.events.slips, slips.size());
+      for (const Event& slip : slips) {
+        EXPECT_EQ(slip.name, "driver");
+        EXPECT_GT(slip.size, 0.6);  // of a period, before what the spring draws it on by
+        EXPECT_LT(slip.size, 1.1);
+      }
+    }
+  }
+}
+
+TEST(Slips, HaveThePeakTheLengthAndTheMomentThatSamplesShow) {
+  // Samples are 0.02 apart, the motion takes about 1: parabolas through them are good to 1e-6.
+  constexpr double kOfSamples = 3e-6;
+  for (const std::string& integrator : {fixed_step(0.02), adaptive(1e-10)}) {
+    TipScene tip = slipping(1.5);
+    tip.integrator = integrator;
+    const Watched run(tip.text());
+    const auto force = run.column("driver.force.x");
+    for (const Event& slip : run.kept.of(EventKind::slip)) {
+      const auto k = static_cast<std::size_t>(slip.time / kEvery);
+      const double highest = *std::max_element(force.begin() + k - 50, force.begin() + k + 50);
+      EXPECT_NEAR(slip.peak_force, highest, kOfSamples);
+      EXPECT_NEAR(slip.peak_force, run.at("driver.force.x", slip.time, kEvery), kOfSamples);
+      const double way = run.at("tip.centre_of_mass.x", slip.time + slip.duration, kEvery) -
+                         run.at("tip.centre_of_mass.x", slip.time, kEvery);
+      EXPECT_NEAR(slip.size, way, kOfSamples);
+      // It is ten times as fast as the driver for the last time when it ends.
+      EXPECT_NEAR(std::abs(run.at("tip.velocity.x", slip.time + slip.duration, kEvery)), 0.1, 2e-3);
+      // Where the force is highest, the tip is as fast as the driver.
+      EXPECT_NEAR(run.at("tip.velocity.x", slip.time, kEvery), 0.01, 1e-4);
+    }
+  }
+}
+
+TEST(Slips, LoseTheEnergyThatTheDamperTakes) {
+  const TipScene tip = slipping(1.5);
+  const Watched run(tip.text());
+  const auto v = run.column("tip.velocity.x");
+  const auto slips = run.kept.of(EventKind::slip);
+  ASSERT_FALSE(slips.empty());
+  for (const Event& slip : slips) {
+    double heat = 0.0;
+    const auto first = static_cast<std::size_t>(slip.time / kEvery);
+    const auto last = static_cast<std::size_t>((slip.time + slip.duration) / kEvery);
+    for (std::size_t k = first; k < last; ++k) {
+      heat += 0.5 * kEvery * 1.5 * (v[k] * v[k] + v[k + 1] * v[k + 1]);
+    }
+    // States are looked at up to 16 steps after the moment.
+    EXPECT_NEAR(slip.energy_lost, heat, 0.02 * heat);
+    EXPECT_GT(heat, 0.05);
+  }
+}
+
+TEST(Slips, ThereAreNoneInSmoothSliding) {
+  TipScene tip = slipping(1.5);
+  tip.stiffness = 8.0;  // s = 0.49
+  const Watched run(tip.text());
+  EXPECT_EQ(run.result.events.slips, 0u);
+  EXPECT_EQ(run.result.events.reversals, 0u);
+}
+
+TEST(Slips, AreToldForwardsAndBackwards) {
+  const std::vector<Setting> turned = {
+      {"force.driver.reverse", "{ when = \"driver.position.x\", above = 3.4 }"}};
+  const Watched run(slipping(1.5).text(), turned);
+  double forwards = 0.0;
+  double backwards = 0.0;
+  const double turn = run.kept.of(EventKind::driver_reversal).at(0).time;
+  for (const Event& slip : run.kept.of(EventKind::slip)) {
+    (slip.time < turn ? forwards : backwards) += 1.0;
+    EXPECT_GT(slip.size, 0.6);
+    EXPECT_GT(slip.peak_force, 0.5);
+  }
+  EXPECT_GE(forwards, 2.0);
+  EXPECT_GE(backwards, 1.0);
+}
+
+TEST(Slips, WithoutADriverOfSteadySpeedThereIsNoCount) {
+  const TipScene tip{.velocity = 0.0};
+  const RunResult result = run_text(tip.text());
+  EXPECT_FALSE(result.events.slips.has_value());
+  EXPECT_FALSE(result.events.reversals.has_value());
+  EXPECT_FALSE(result.events.hops.has_value());
+  EXPECT_FALSE(result.events.turns.has_value());
+  EXPECT_FALSE(result.events.driver_reversals.has_value());
+}
+
+TEST(Reversals, AreThoseOfTheVelocity) {
+  // Swings after each slip take the tip back again and again.
+  const Watched run(slipping(0.3).text());
+  const auto v = run.column("tip.velocity.x");
+  std::size_t expected = 0;
+  bool back = false;
+  for (const double speed : v) {
+    // What is slower than this part of the driver's speed is told or not, as steps fall.
+    if (std::abs(speed) < 2e-3 * 0.01) continue;
+    if (speed < 0.0 && !back) ++expected;
+    back = speed < 0.0;
+  }
+  EXPECT_GT(expected, 10u);
+  EXPECT_NEAR(static_cast<double>(*run.result.events.reversals), static_cast<double>(expected),
+              1.0);
+  const auto reversals = run.kept.of(EventKind::reversal);
+  ASSERT_EQ(reversals.size(), *run.result.events.reversals);
+  for (const Event& reversal : reversals) {
+    if (reversal.size < 1e-3) continue;
+    EXPECT_NEAR(run.at("tip.velocity.x", reversal.time, kEvery), 0.0, 2e-4);
+    const double way = run.at("tip.centre_of_mass.x", reversal.time, kEvery) -
+                       run.at("tip.centre_of_mass.x", reversal.time + reversal.duration, kEvery);
+    EXPECT_NEAR(reversal.size, way, 1e-5) << reversal.time << " " << reversal.duration;
+  }
+}
+
+// Rings.
+
+TEST(Hops, AreRisesByAFifthOfTheRadius) {
+  for (const std::string& coordinates : {std::string("rigid"), std::string("particles")}) {
+    RingScene ring{.coordinates = coordinates,
+                   .velocity = 0.05,
+                   .decay = 10.0,
+                   .duration = 100.0,
+                   .integrator = fixed_step(0.004),
+                   .more = "[output]\nevery = 0.05\n"};
+    // A small one on a strong substrate.
+    const std::vector<Setting> small = {{"body.ring.radius", "0.1"},
+                                        {"body.ring.centre", "[0.0, 0.1]"}};
+    const Watched run(ring.text(), small);
+    const auto y = run.column("ring.centre_of_mass.y");
+    std::vector<double> heights;
+    double low = y.front(), high = y.front();
+    bool risen = false;
+    for (const double height : y) {
+      if (!risen) {
+        low = std::min(low, height);
+        risen = height - low > 0.02;
+        high = height;
+      } else {
+        high = std::max(high, height);
+        if (high - height > 0.02) {
+          heights.push_back(high - low);
+          low = height;
+          risen = false;
+        }
+      }
+    }
+    const auto hops = run.kept.of(EventKind::hop);
+    ASSERT_GE(hops.size(), heights.size()) << coordinates;
+    ASSERT_LE(hops.size(), heights.size() + 1);
+    EXPECT_GE(heights.size(), 3u);
+    EXPECT_EQ(run.result.events.hops, hops.size());
+    for (std::size_t k = 0; k < heights.size(); ++k) {
+      EXPECT_NEAR(hops[k].size, heights[k], 2e-3) << coordinates;
+    }
+  }
+}
+
+TEST(Turns, AreWholeOnesAtTheirMoment) {
+  constexpr double kSampling = 0.25;
+  for (const std::string& integrator : {adaptive(1e-9), fixed_step(0.01)}) {
+    RingScene ring{.coordinates = "rigid",
+                   .velocity = 0.02,
+                   .duration = 1000.0,
+                   .integrator = integrator,
+                   .more = "[output]\nevery = " + digits(kSampling) + "\n"};
+    const Watched run(ring.text());
+    const auto rotation = run.column("ring.rotation");
+    const auto turns = run.kept.of(EventKind::turn);
+    // An eighth of a turn a period, twenty periods.
+    ASSERT_EQ(turns.size(), 2u) << integrator;
+    for (std::size_t k = 0; k < 2; ++k) {
+      EXPECT_EQ(turns[k].size, -1.0);
+      EXPECT_NEAR(run.at("ring.rotation", turns[k].time, kSampling),
+                  -2.0 * kPi * static_cast<double>(k + 1), 2e-4);
+    }
+    EXPECT_LT(rotation.back(), -4.0 * kPi);
+  }
+}
+
+// Until it is steady.
+
+std::string until(const std::string& more) {
+  return "{ steady = \"driver.mean_force.x\", tolerance = 1e-6" + more + " }";
+}
+
+TEST(Until, ARunEndsWhenAPeriodIsLikeTheLast) {
+  RingScene ring{
+      .coordinates = "rigid", .velocity = 0.02, .duration = 5000.0, .integrator = adaptive(1e-10)};
+  const RunResult result = run_text(ring.text(), {{"run.until", until("")}});
+  ASSERT_TRUE(result.steady.has_value());
+  EXPECT_TRUE(result.steady->reached);
+  EXPECT_LT(result.end_time, 2000.0);
+  EXPECT_NEAR(result.window_to - result.window_from, 50.0, 1e-9);
+  EXPECT_EQ(result.window_to, 50.0 * static_cast<double>(result.steady->periods));
+  // Against many periods much later.
+  const RunResult late = run_text(
+      ring.text(),
+      {{"measure.from", "80"}, {"measure.to", "100"}, {"measure.in", "\"driver_periods\""}});
+  const double exact = late.drivers[0].mean_force[0];
+  EXPECT_NEAR(result.drivers[0].mean_force[0], exact, 2e-6 * exact);
+  // The control: the second period is not steady to that tolerance.
+  const RunResult early =
+      run_text(ring.text(),
+               {{"measure.from", "0"}, {"measure.to", "1"}, {"measure.in", "\"driver_periods\""}});
+  EXPECT_GT(std::abs(early.drivers[0].mean_force[0] - exact), 1e-3 * exact);
+}
+
+TEST(Until, AFixedStepThatDoesNotDivideThePeriodIsAsGood) {
+  RingScene ring{.coordinates = "rigid", .velocity = 0.02, .duration = 5000.0};
+  ring.integrator = fixed_step(0.03);
+  const RunResult a = run_text(ring.text(), {{"run.until", until("")}});
+  ring.integrator = adaptive(1e-10);
+  const RunResult b = run_text(ring.text(), {{"run.until", until("")}});
+  ASSERT_TRUE(a.steady->reached);
+  EXPECT_NEAR(a.drivers[0].mean_force[0], b.drivers[0].mean_force[0],
+              1e-6 * b.drivers[0].mean_force[0]);
+}
+
+TEST(Until, NotSteadyInTimeIsSaid) {
+  RingScene ring{
+      .coordinates = "rigid", .velocity = 0.02, .duration = 5000.0, .integrator = adaptive(1e-10)};
+  const RunResult result = run_text(ring.text(), {{"run.until", until(", max = 170.0")}});
+  ASSERT_TRUE(result.steady.has_value());
+  EXPECT_FALSE(result.steady->reached);
+  EXPECT_EQ(result.end_time, 150.0);  // whole periods
+  EXPECT_EQ(result.window_from, 100.0);
+  EXPECT_EQ(result.window_to, 150.0);
+  EXPECT_EQ(result.drivers[0].mean_force.size(), 2u);
+  ASSERT_EQ(result.warnings.size(), 1u);
+  EXPECT_NE(result.warnings[0].find("is not steady to 1e-06 by time 150"), std::string::npos);
+}
+
+TEST(Until, ADurationIsNeedlessWithAMaximum) {
+  std::string text =
+      RingScene{.coordinates = "rigid", .velocity = 0.02, .integrator = adaptive(1e-9)}.text();
+  const std::string duration = "duration = 10\n";
+  const std::size_t at = text.find(duration);
+  ASSERT_NE(at, std::string::npos);
+  text.erase(at, duration.size());
+  EXPECT_TRUE(run_text(text, {{"run.until", until(", max = 4000")}}).steady->reached);
+  EXPECT_THROW(run_text(text, {{"run.until", until("")}}), InputError);
+  EXPECT_THROW(run_text(text), InputError);
+  EXPECT_THROW(run_text(text, {{"run.until", until(", max = 40")}}), InputError);  // no period fits
+  EXPECT_THROW(run_text(text, {{"run.until",
+                                "{ steady = \"driver.men_force.x\", tolerance = 1e-6, "
+                                "max = 4000 }"}}),
+               InputError);
+}
+
+TEST(Until, GoesOnFromAnyStep) {
+  for (const std::string& integrator : {adaptive(1e-8), fixed_step(0.05)}) {
+    RingScene ring{
+        .coordinates = "rigid", .velocity = 0.02, .duration = 2000.0, .integrator = integrator};
+    const auto scene = scene_of(ring.text(), {{"run.until", until("")}});
+    Engine whole(scene, {});
+    const RunResult expected = whole.run();
+    ASSERT_TRUE(expected.steady->reached);
+    for (std::uint64_t steps = 1; steps < expected.steps; steps += 1 + expected.steps / 37) {
+      Engine engine(scene, {});
+      engine.advance(steps);
+      const std::vector<std::byte> bytes = engine.state().to_bytes();
+      RunOptions options;
+      options.resume_from = &bytes;
+      Engine resumed(scene, options);
+      const RunResult result = resumed.run();
+      ASSERT_TRUE(Motion(resumed) == Motion(whole));
+      ASSERT_EQ(result.drivers[0].mean_force, expected.drivers[0].mean_force);
+      ASSERT_EQ(result.drivers[0].max_force, expected.drivers[0].max_force);
+      ASSERT_EQ(result.steady->periods, expected.steady->periods);
+      ASSERT_EQ(result.events.slips, expected.events.slips);
+      ASSERT_EQ(result.events.turns, expected.events.turns);
+      ASSERT_EQ(result.events.reversals, expected.events.reversals);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tomlin::test
