@@ -41,4 +41,4 @@ install(FILES ${CMAKE_BINARY_DIR}/package/tomlinConfig.cmake
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES forcefields/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/forcefields)
 install(DIRECTORY scenarios DESTINATION ${CMAKE_INSTALL_DOCDIR}
-        FILES_MATCHING PATTERN "*.md" PATTERN "*.toml")
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.toml" PATTERN "*.svg")

@@ -2,10 +2,18 @@
 # chosen when the program starts (framework/core/instruction_set.hpp).
 
 set(TOMLIN_KERNEL_TEMPLATE ${CMAKE_CURRENT_LIST_DIR}/kernels.cpp.in)
-set(TOMLIN_INSTRUCTION_SETS baseline)
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-  list(APPEND TOMLIN_INSTRUCTION_SETS avx2 avx512)
+
+# -DTOMLIN_INSTRUCTION_SETS="baseline;avx2" leaves sets out, for quicker builds that check something
+# else; baseline is always needed. An installed tomlin tells its own (tomlinConfig.cmake).
+if(NOT CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  set(TOMLIN_INSTRUCTION_SETS baseline)
+elseif(NOT DEFINED TOMLIN_INSTRUCTION_SETS)
+  set(TOMLIN_INSTRUCTION_SETS baseline avx2 avx512)
 endif()
+set(TOMLIN_SET_DEFINITIONS ${TOMLIN_INSTRUCTION_SETS})
+list(REMOVE_ITEM TOMLIN_SET_DEFINITIONS baseline)
+list(TRANSFORM TOMLIN_SET_DEFINITIONS TOUPPER)
+list(TRANSFORM TOMLIN_SET_DEFINITIONS PREPEND TOMLIN_KERNELS_)
 
 # What kernels are compiled with wherever they are compiled. Highway's own assertions, which builds
 # without optimisation would switch on, need its library; here only its headers are used.

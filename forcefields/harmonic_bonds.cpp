@@ -12,15 +12,12 @@ namespace {
 
 using Description = HarmonicBondsDescription;
 
-/// More than any machine steps through in a sensible time.
-constexpr std::size_t kMostPairs = 50'000'000;
-constexpr std::size_t kBytesPerPair = 64;
-
-std::size_t pair_count(const PairSelection& selection, const SceneOutline& scene) {
-  const auto n = static_cast<std::size_t>(scene.bodies.front().count);
+std::uint64_t pairs(const void* description, const SceneOutline& scene) {
+  const PairSelection& selection = static_cast<const Description*>(description)->pairs;
+  const auto n = static_cast<std::uint64_t>(scene.bodies.front().count);
   switch (selection.kind) {
     case PairSelection::Kind::all:
-      return scene.bodies.size() == 2 ? n * static_cast<std::size_t>(scene.bodies.back().count)
+      return scene.bodies.size() == 2 ? n * static_cast<std::uint64_t>(scene.bodies.back().count)
                                       : n * (n - 1) / 2;
     case PairSelection::Kind::neighbours:
       return n - 1 + (scene.bodies.front().closed && n > 2 ? 1 : 0);
@@ -33,15 +30,10 @@ std::size_t pair_count(const PairSelection& selection, const SceneOutline& scene
 std::vector<Complaint> complaints(const void* description, const SceneOutline& scene) {
   const auto& d = *static_cast<const Description*>(description);
   std::vector<Complaint> found;
-  const std::size_t pairs = pair_count(d.pairs, scene);
-  if (pairs > kMostPairs) {
-    return {{"pairs",
-             fmt::format("{} pairs would take about {} GB", pairs, pairs * kBytesPerPair >> 30),
-             fmt::format("at most {} pairs", kMostPairs)}};
-  }
   const std::size_t given = d.rest_lengths.numbers.size();
-  if (given > 1 && given != pairs) {
-    found.push_back({"rest_lengths", fmt::format("{} lengths for {} pairs", given, pairs),
+  const std::uint64_t due = pairs(description, scene);
+  if (given > 1 && given != due) {
+    found.push_back({"rest_lengths", fmt::format("{} lengths for {} pairs", given, due),
                      "\"initial\", one length for all pairs, or one each"});
   }
   for (const double length : d.rest_lengths.numbers) {
@@ -104,6 +96,7 @@ ForceRecord harmonic_bonds_record() {
           .one_of({"initial"})
           .by_default(WordOrNumbers{.word = "initial", .numbers = {}})};
   record.complaints = &complaints;
+  record.pairs = &pairs;
   record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
   record.example = R"(# Three particles on a line, stretched and let go.
 [[body]]

@@ -23,6 +23,10 @@ std::vector<Complaint> complaints(const void* description, int dimension) {
   return {};
 }
 
+BodyEnds ends(const void* description, int) {
+  return {.open_along = axis_index(*static_cast<const Description*>(description))};
+}
+
 BodyGeometry build(const void* description, int dimension) {
   const auto& d = *static_cast<const Description*>(description);
   BodyGeometry geometry;
@@ -32,7 +36,6 @@ BodyGeometry build(const void* description, int dimension) {
   for (std::int64_t i = 0; i < d.count; ++i) {
     geometry.relative[i][axis_index(d)] = static_cast<double>(i) * d.spacing;
   }
-  geometry.open_along = axis_index(d);
   return geometry;
 }
 
@@ -63,6 +66,7 @@ BodyRecord chain_record() {
   record.dimension = &dimension_of;
   record.count = &count;
   record.complaints = &complaints;
+  record.ends = &ends;
   record.build = &build;
   record.example = R"(# Four bonded particles, the first moving.
 [[body]]

@@ -79,6 +79,8 @@ std::vector<Complaint> complaints(const void* description, int dimension) {
   return {};
 }
 
+BodyEnds ends(const void*, int dimension) { return {.open_along = dimension == 1 ? 0 : -1}; }
+
 BodyGeometry build(const void* description, int dimension) {
   const PointList& positions = static_cast<const Description*>(description)->positions;
   BodyGeometry geometry;
@@ -87,7 +89,6 @@ BodyGeometry build(const void* description, int dimension) {
   for (std::size_t i = 0; i < positions.count(); ++i) {
     geometry.relative.push_back(relative_to_first(positions, i));
   }
-  if (dimension == 1) geometry.open_along = 0;
   return geometry;
 }
 
@@ -113,6 +114,7 @@ BodyRecord particles_record() {
   record.dimension = &dimension_of;
   record.count = &count;
   record.complaints = &complaints;
+  record.ends = &ends;
   record.build = &build;
   record.example = R"(# Three particles, bonded to each other in a triangle.
 [[body]]

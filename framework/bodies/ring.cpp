@@ -20,6 +20,8 @@ std::vector<Complaint> complaints(const void*, int dimension) {
   return {};
 }
 
+BodyEnds ends(const void*, int) { return {.closed = true}; }
+
 BodyGeometry build(const void* description, int dimension) {
   const auto& d = *static_cast<const Description*>(description);
   BodyGeometry geometry;
@@ -32,7 +34,6 @@ BodyGeometry build(const void* description, int dimension) {
     geometry.relative[i][0] = d.radius * cosine;
     geometry.relative[i][1] = d.radius * sine;
   }
-  geometry.closed = true;
   geometry.rolling_radius = d.radius;
   return geometry;
 }
@@ -56,6 +57,7 @@ BodyRecord ring_record() {
   record.dimension = &dimension_of;
   record.count = &count;
   record.complaints = &complaints;
+  record.ends = &ends;
   record.build = &build;
   record.example = R"(# A rigid ring pulled over a corrugated substrate.
 [[body]]

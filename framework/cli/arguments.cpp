@@ -373,12 +373,18 @@ class CommandLine {
         ->allow_extra_args(false);
     plot_->add_option("--from", plotted_.from, "where the x axis begins")->type_name("X");
     plot_->add_option("--to", plotted_.to, "where it ends")->type_name("X");
-    plot_->add_option("--at", moments_, "times to show a ring at; five by default")
+    plot_
+        ->add_option("--at", moments_,
+                     "moments to show a ring at: times, or values of --x; five by default")
         ->type_name("T[,T]")
         ->allow_extra_args(false);
     plot_->add_option("--driver", plotted_.driver, "which one, where there are several")
         ->type_name("NAME");
     plot_->add_option("--body", plotted_.body, "likewise")->type_name("NAME");
+    plot_->add_option("--label", plotted_.labels, "what to call a DIR; once for each, in order")
+        ->type_name("TEXT")
+        ->option_text("TEXT ...")
+        ->allow_extra_args(false);
     plot_->add_option("--title", plotted_.title, "above the figure; none by default")
         ->type_name("TEXT");
   }

@@ -60,6 +60,7 @@ struct PlotArguments {
   std::string driver;  ///< empty: the only one
   std::string body;
   std::string title;
+  std::vector<std::string> labels;  ///< one for each DIR; empty: by what differs
 };
 
 /// `--help`, `--version`

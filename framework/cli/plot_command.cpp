@@ -34,7 +34,7 @@ namespace {
 constexpr const char* kWhatByDefault = "force";
 constexpr int kMostNeighbours = 1000;  // folders looked at for a nearest name
 
-[[noreturn]] void refuse(std::string key, std::string why, std::string admissible = "",
+[[noreturn]] void refuse(const std::string& key, std::string why, std::string admissible = "",
                          std::string nearest = "", std::string file = "tomlin") {
   Fault fault;
   fault.place.file = std::move(file);
@@ -88,27 +88,26 @@ std::vector<std::string> neighbours_of(const std::string& word) {
       nearest_name(word, known).value_or(""));
 }
 
-/// DIRs and WHAT, told apart: a folder with a summary is a DIR.
 struct Words {
   std::vector<std::string> folders;
   std::string what;  ///< empty when not given
 };
 
+/// DIRs and WHAT, told apart: the first word is a DIR, and a later one that names a figure is WHAT,
+/// whatever folders there are.
 Words sorted(const std::vector<std::string>& words) {
   Words result;
   for (const std::string& word : words) {
-    if (holds_run(word)) {
-      result.folders.push_back(word);
-    } else if (!is_what(word)) {
-      refuse_word(word);
-    } else if (!result.what.empty()) {
-      refuse(word, "one figure at a time, and " + result.what + " is asked for already");
-    } else {
+    if (!result.folders.empty() && is_what(word)) {
+      if (!result.what.empty()) {
+        refuse(word, "one figure at a time, and " + result.what + " is asked for already");
+      }
       result.what = word;
+    } else if (holds_run(word)) {
+      result.folders.push_back(word);
+    } else {
+      refuse_word(word);
     }
-  }
-  if (result.folders.empty()) {
-    refuse("", "the folder of a run is due (tomlin plot --help tells more)");
   }
   return result;
 }
@@ -150,13 +149,26 @@ std::vector<StoredRun> read_runs(const std::vector<std::string>& folders,
   return runs;
 }
 
+std::vector<std::string> labels_of(const std::vector<StoredRun>& runs,
+                                   const PlotArguments& arguments) {
+  if (arguments.labels.empty()) return curve_labels(runs);
+  if (arguments.labels.size() != runs.size()) {
+    refuse("--label", fmt::format("{} for {} folders", arguments.labels.size(), runs.size()),
+           "one for each");
+  }
+  return arguments.labels;
+}
+
 Figure drawn_body(const std::vector<StoredRun>& runs, const PlotArguments& arguments,
                   std::vector<std::string>& notes) {
-  if (!arguments.x.empty() || !arguments.y.empty() || arguments.from || arguments.to) {
-    refuse(kBodyFigure, "shows moments, and takes --at and no --x, --y, --from, --to");
+  if (!arguments.y.empty() || arguments.from || arguments.to) {
+    refuse(kBodyFigure, "shows moments, and takes --at and no --y, --from, --to");
   }
-  return body_figure(runs, curve_labels(runs), {arguments.at, {arguments.driver, arguments.body}},
-                     standard_registry(), notes);
+  BodyRequest request;
+  if (!arguments.x.empty()) request.x = arguments.x;
+  request.at = arguments.at;
+  request.owners = {arguments.driver, arguments.body};
+  return body_figure(runs, labels_of(runs, arguments), request, standard_registry(), notes);
 }
 
 Figure drawn_curves(const std::vector<StoredRun>& runs, const std::string& what,
@@ -178,7 +190,7 @@ Figure drawn_curves(const std::vector<StoredRun>& runs, const std::string& what,
   request.owners = {arguments.driver, arguments.body};
   request.from = arguments.from;
   request.to = arguments.to;
-  return curves_figure(runs, curve_labels(runs), request);
+  return curves_figure(runs, labels_of(runs, arguments), request);
 }
 
 }  // namespace

@@ -15,9 +15,10 @@ void add_row(std::string& text, std::string_view name, std::string_view summary)
 }
 
 constexpr const char* kBelow = R"(
+The first word is a folder; another folder that is called like a figure is written with a slash, ring/.
 X and Y are such a quantity or any column of observables.csv. Commas put curves on one axis, another
 --y makes another panel below. Several DIRs are curves of one figure, named by the parameters in
-which their scenes differ, or else by their folders.
+which their scenes differ, or else by their folders; --label names them otherwise.
 
 Examples:
 
@@ -29,6 +30,8 @@ Examples:
       three panels over v t from 2 to 4.
   tomlin plot ring.out ring --at 2500,3000,3500 -o places.png
       a ring at three times.
+  tomlin plot v_1.out v_2.out ring --x driver_position --at 2,2.5,3 -o places.svg
+      two rings, when their drivers have come so far.
   tomlin plot pt.out --x time --y tip.velocity.x -o velocity.svg
       a column over another.
 
@@ -43,7 +46,7 @@ there is no gnuplot.)";
 std::string plot_footer() {
   std::string text = "\nWHAT:\n\n";
   for (const FigureKind& kind : figure_kinds()) add_row(text, kind.name, kind.summary);
-  add_row(text, kBodyFigure, "particles of a ring, or another planar body, at the times --at");
+  add_row(text, kBodyFigure, "particles of a ring, or another planar body, at the moments --at");
   text += "\nQuantities for --x and --y:\n\n";
   for (const Quantity& quantity : quantities()) add_row(text, quantity.name, quantity.summary);
   return text + kBelow;

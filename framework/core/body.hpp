@@ -41,10 +41,17 @@ std::vector<Parameter> with_body_parameters(std::vector<Parameter> own) {
 struct BodyGeometry {
   std::vector<double> anchor;                 ///< [dimension]
   std::vector<std::vector<double>> relative;  ///< [count][dimension]
-  bool closed = false;                        ///< "neighbours" joins the last particle to the first
   double rolling_radius = 0.0;                ///< 0 when the body does not roll
-  int open_along = -1;  ///< axis along which a periodic box closes "neighbours"; -1: none
 };
+
+/// Whether "neighbours" joins the last particle to the first.
+struct BodyEnds {
+  bool closed = false;  ///< always
+  int open_along = -1;  ///< axis along which a periodic box closes it; -1: none
+};
+
+/// For bodies that nothing closes.
+inline BodyEnds open_ends(const void*, int) { return {}; }
 
 /// A fault that only shows when several keys are held against each other.
 struct Complaint {
@@ -67,6 +74,7 @@ struct BodyRecord : ComponentRecord {
   std::int64_t (*count)(const void* description) = nullptr;
   /// Faults across keys for a scene of this dimension; empty when sound.
   std::vector<Complaint> (*complaints)(const void* description, int dimension) = nullptr;
+  BodyEnds (*ends)(const void* description, int dimension) = &open_ends;
   /// Called for a sound description only.
   BodyGeometry (*build)(const void* description, int dimension) = nullptr;
 };

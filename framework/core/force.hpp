@@ -64,6 +64,9 @@ struct SceneOutline {
 /// For forces whose keys need no checking against each other.
 inline std::vector<Complaint> no_complaints(const void*, const SceneOutline&) { return {}; }
 
+/// For forces that hold no pairs.
+inline std::uint64_t no_pairs(const void*, const SceneOutline&) { return 0; }
+
 /// For forces that declare no period.
 inline double no_period(const void*, int) { return 0.0; }
 
@@ -76,6 +79,8 @@ struct ForceRecord : ComponentRecord {
   /// Faults across keys and against the bodies; empty when sound.
   std::vector<Complaint> (*complaints)(const void* description,
                                        const SceneOutline& scene) = &no_complaints;
+  /// Number of pairs that it will hold, before anything is built: they take memory.
+  std::uint64_t (*pairs)(const void* description, const SceneOutline& scene) = &no_pairs;
   /// Period of the force along an axis; 0 when it declares none. The longest period declared on
   /// an axis becomes the unit in which the scene's origin moves.
   double (*period)(const void* description, int axis) = &no_period;

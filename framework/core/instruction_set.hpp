@@ -7,11 +7,23 @@ namespace tomlin {
 /// The sets that kernels are compiled for. Results have the same bits on each of them.
 enum class InstructionSet { baseline, avx2, avx512 };
 
-/// The widest set of this machine, or the one named by the environment variable
-/// TOMLIN_INSTRUCTION_SET ("baseline", "avx2", "avx512") when the machine has it.
+// What a build leaves out: TOMLIN_INSTRUCTION_SETS in cmake/TomlinKernels.cmake.
+#if defined(TOMLIN_KERNELS_AVX2)
+inline constexpr bool kCompiledForAvx2 = true;
+#else
+inline constexpr bool kCompiledForAvx2 = false;
+#endif
+#if defined(TOMLIN_KERNELS_AVX512)
+inline constexpr bool kCompiledForAvx512 = true;
+#else
+inline constexpr bool kCompiledForAvx512 = false;
+#endif
+
+/// The widest supported set, or the one named by the environment variable
+/// TOMLIN_INSTRUCTION_SET ("baseline", "avx2", "avx512") when that is supported.
 InstructionSet chosen_instruction_set();
 
-/// True when this machine can run kernels of this set.
+/// True when the build has kernels of this set and this machine can run them.
 bool is_supported(InstructionSet set);
 
 std::string_view to_string(InstructionSet set);

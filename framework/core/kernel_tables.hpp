@@ -8,7 +8,7 @@
 
 namespace tomlin {
 
-/// The same kernels on each instruction set. Null: not compiled for this architecture.
+/// The same kernels on each instruction set. Null: not compiled in this build.
 template <class Table>
 struct TablesBySet {
   const Table* baseline = nullptr;
@@ -46,45 +46,44 @@ using KernelTables = TablesByType<KernelTable>;
 
 }  // namespace tomlin
 
+// A set that the build leaves out (TOMLIN_INSTRUCTION_SETS in cmake/TomlinKernels.cmake) has no
+// tables.
+#if defined(TOMLIN_KERNELS_AVX2)
+#define TOMLIN_TABLE_AVX2(table) &table
+#else
+#define TOMLIN_TABLE_AVX2(table) nullptr
+#endif
+#if defined(TOMLIN_KERNELS_AVX512)
+#define TOMLIN_TABLE_AVX512(table) &table
+#else
+#define TOMLIN_TABLE_AVX512(table) nullptr
+#endif
+
 /// In a component's .cpp: the tables that its kernel files define (framework/core/kernels.hpp),
 /// as tomlin::kernels::NAME. Macros, because names are pasted.
-#if defined(__x86_64__)
-#define TOMLIN_DECLARE_DOUBLE_TABLES(Name, Table)                                           \
-  namespace tomlin::kernels {                                                               \
-  extern const Table Name##_double_baseline;                                                \
-  extern const Table Name##_double_avx2;                                                    \
-  extern const Table Name##_double_avx512;                                                  \
-  inline constexpr TablesBySet<Table> Name = {&Name##_double_baseline, &Name##_double_avx2, \
-                                              &Name##_double_avx512};                       \
-  }
-#define TOMLIN_DECLARE_TABLES(Name, Table)                                   \
-  namespace tomlin::kernels {                                                \
-  extern const Table<double> Name##_double_baseline;                         \
-  extern const Table<double> Name##_double_avx2;                             \
-  extern const Table<double> Name##_double_avx512;                           \
-  extern const Table<float> Name##_float_baseline;                           \
-  extern const Table<float> Name##_float_avx2;                               \
-  extern const Table<float> Name##_float_avx512;                             \
-  extern const Table<Quad> Name##_Quad_baseline;                             \
-  inline constexpr TablesByType<Table> Name = {                              \
-      {&Name##_double_baseline, &Name##_double_avx2, &Name##_double_avx512}, \
-      {&Name##_float_baseline, &Name##_float_avx2, &Name##_float_avx512},    \
-      {&Name##_Quad_baseline, nullptr, nullptr}};                            \
-  }
-#else
 #define TOMLIN_DECLARE_DOUBLE_TABLES(Name, Table)                                         \
   namespace tomlin::kernels {                                                             \
   extern const Table Name##_double_baseline;                                              \
-  inline constexpr TablesBySet<Table> Name = {&Name##_double_baseline, nullptr, nullptr}; \
+  extern const Table Name##_double_avx2;                                                  \
+  extern const Table Name##_double_avx512;                                                \
+  inline constexpr TablesBySet<Table> Name = {&Name##_double_baseline,                    \
+                                              TOMLIN_TABLE_AVX2(Name##_double_avx2),      \
+                                              TOMLIN_TABLE_AVX512(Name##_double_avx512)}; \
   }
-#define TOMLIN_DECLARE_TABLES(Name, Table)                                                  \
-  namespace tomlin::kernels {                                                               \
-  extern const Table<double> Name##_double_baseline;                                        \
-  extern const Table<float> Name##_float_baseline;                                          \
-  extern const Table<Quad> Name##_Quad_baseline;                                            \
-  inline constexpr TablesByType<Table> Name = {{&Name##_double_baseline, nullptr, nullptr}, \
-                                               {&Name##_float_baseline, nullptr, nullptr},  \
-                                               {&Name##_Quad_baseline, nullptr, nullptr}};  \
+#define TOMLIN_DECLARE_TABLES(Name, Table)                             \
+  namespace tomlin::kernels {                                          \
+  extern const Table<double> Name##_double_baseline;                   \
+  extern const Table<double> Name##_double_avx2;                       \
+  extern const Table<double> Name##_double_avx512;                     \
+  extern const Table<float> Name##_float_baseline;                     \
+  extern const Table<float> Name##_float_avx2;                         \
+  extern const Table<float> Name##_float_avx512;                       \
+  extern const Table<Quad> Name##_Quad_baseline;                       \
+  inline constexpr TablesByType<Table> Name = {                        \
+      {&Name##_double_baseline, TOMLIN_TABLE_AVX2(Name##_double_avx2), \
+       TOMLIN_TABLE_AVX512(Name##_double_avx512)},                     \
+      {&Name##_float_baseline, TOMLIN_TABLE_AVX2(Name##_float_avx2),   \
+       TOMLIN_TABLE_AVX512(Name##_float_avx512)},                      \
+      {&Name##_Quad_baseline, nullptr, nullptr}};                      \
   }
-#endif
 #define TOMLIN_DECLARE_KERNELS(Evaluator) TOMLIN_DECLARE_TABLES(Evaluator, KernelTable)

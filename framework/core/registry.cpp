@@ -48,14 +48,16 @@ void Registry::refuse_if_unfit(const ComponentRecord& record) const {
 
 void Registry::add(BodyRecord record) {
   refuse_if_unfit(record);
-  require(record.common && record.dimension && record.count && record.complaints && record.build,
+  require(record.common && record.dimension && record.count && record.complaints && record.ends &&
+              record.build,
           record, "geometry");
   bodies_.push_back(std::make_unique<BodyRecord>(std::move(record)));
 }
 
 void Registry::add(ForceRecord record) {
   refuse_if_unfit(record);
-  require(record.complaints && record.period && record.bind.in_double, record, "factory");
+  require(record.complaints && record.pairs && record.period && record.bind.in_double, record,
+          "factory");
   forces_.push_back(std::make_unique<ForceRecord>(std::move(record)));
 }
 

@@ -101,8 +101,9 @@ void Assembly<Real>::size_bodies() {
     body.bound.name = from.name;
     body.bound.index = b;
     body.bound.coordinates = common.coordinates;
-    body.bound.closed = geometry.closed;
-    body.bound.open_along = geometry.open_along;
+    const BodyEnds ends = from.record->ends(from.description.get(), dimension());
+    body.bound.closed = ends.closed;
+    body.bound.open_along = ends.open_along;
     if (from.motion) body.motion = &*from.motion;
     static constexpr const char* kAxes[] = {"x", "y", "z"};
     for (int d = 0; d < dimension(); ++d) body.held[d] = names(from.hold, kAxes[d]);

@@ -62,66 +62,83 @@ Shape shape_of(const StoredRun& run, const std::string& name, const Registry& re
 
 /// Where a body and what pulls it are at one moment.
 struct Moment {
-  double time = 0.0;
+  double value = 0.0;  ///< of the clock
   Point centre;
   double rotation = 0.0;
   std::vector<Point> drivers;
 };
 
-/// Columns of the table that say where things are, and the moments between its rows.
+/// Where things are, as the table has it, and in between.
 class Course {
  public:
-  Course(const SampleTable& table, const std::string& body) : file_(table.file()) {
-    std::vector<std::string> names = {"time", body + ".centre_of_mass.x",
-                                      body + ".centre_of_mass.y", body + ".rotation"};
-    for (const std::string& driver : owners_of(table, "position.y")) {
-      names.push_back(driver + ".position.x");
-      names.push_back(driver + ".position.y");
-    }
-    std::vector<std::size_t> columns;
-    for (const std::string& name : names) {
+  Course(const SampleTable& table, const Series& clock, const std::string& body)
+      : file_(table.file()), measure_(clock.measure), parts_(clock.columns.size()) {
+    std::vector<std::size_t> columns = clock.columns;
+    const auto add = [&](const std::string& name) {
       const auto column = table.find(name);
       if (!column) refuse(file_, "", "there is no column " + name);
       columns.push_back(*column);
+    };
+    for (const char* column : {".centre_of_mass.x", ".centre_of_mass.y", ".rotation"}) {
+      add(body + column);
+    }
+    for (const std::string& driver : owners_of(table, "position.y")) {
+      add(driver + ".position.x");
+      add(driver + ".position.y");
     }
     numbers_ = table.read(columns);
+    for (std::size_t row = 0; row < numbers_.front().size(); ++row) {
+      std::vector<double> parts;
+      for (std::size_t k = 0; k < parts_; ++k) parts.push_back(numbers_[k][row]);
+      clock_.push_back(value_of(measure_, parts));
+    }
   }
 
   std::vector<double> even_moments() const {
+    const auto [least, most] = std::minmax_element(clock_.begin(), clock_.end());
     std::vector<double> result;
     for (int k = 0; k < kMomentsByDefault; ++k) {
       const double share = static_cast<double>(k) / (kMomentsByDefault - 1);
-      result.push_back(times().front() + share * (times().back() - times().front()));
+      result.push_back(k + 1 == kMomentsByDefault ? *most : *least + share * (*most - *least));
     }
     return result;
   }
 
-  Moment at(double time) const {
-    if (!(time >= times().front() && time <= times().back())) {
-      refuse("--at", fmt::format("{:g}", time), "outside the samples of " + file_,
-             fmt::format("times from {:g} to {:g}", times().front(), times().back()));
-    }
-    const auto after = std::lower_bound(times().begin(), times().end(), time);
-    const auto upper = static_cast<std::size_t>(after - times().begin());
+  /// Where the clock first shows this value.
+  Moment at(double value) const {
+    const std::size_t upper = first_row_beyond(value);
     const std::size_t lower = upper == 0 ? 0 : upper - 1;
-    const double step = times()[upper] - times()[lower];
-    const double share = step > 0.0 ? (time - times()[lower]) / step : 0.0;
+    const double step = clock_[upper] - clock_[lower];
+    const double share = step != 0.0 ? (value - clock_[lower]) / step : 0.0;
     const auto between = [&](std::size_t column) {
-      const std::vector<double>& values = numbers_[column];
+      const std::vector<double>& values = numbers_[parts_ + column];
       return values[lower] + share * (values[upper] - values[lower]);
     };
-    Moment moment{time, {between(1), between(2)}, between(3), {}};
-    for (std::size_t column = 4; column < numbers_.size(); column += 2) {
+    Moment moment{value, {between(0), between(1)}, between(2), {}};
+    for (std::size_t column = 3; parts_ + column < numbers_.size(); column += 2) {
       moment.drivers.push_back({between(column), between(column + 1)});
     }
     return moment;
   }
 
  private:
-  const std::vector<double>& times() const { return numbers_.front(); }
+  /// The first row at the value or behind it, seen from where the run begins.
+  std::size_t first_row_beyond(double value) const {
+    const bool rising = clock_.front() <= value;
+    const auto found = std::find_if(clock_.begin(), clock_.end(), [&](double shown) {
+      return rising ? shown >= value : shown <= value;
+    });
+    if (found != clock_.end()) return static_cast<std::size_t>(found - clock_.begin());
+    const auto [least, most] = std::minmax_element(clock_.begin(), clock_.end());
+    refuse("--at", fmt::format("{:g}", value), "outside the samples of " + file_,
+           fmt::format("from {:g} to {:g}", *least, *most));
+  }
 
   std::string file_;
+  Measure measure_;
+  std::size_t parts_;  ///< columns that the clock is made of; the places follow
   std::vector<std::vector<double>> numbers_;
+  std::vector<double> clock_;
 };
 
 std::vector<Point> particles_at(const Shape& shape, const Moment& moment) {
@@ -146,10 +163,11 @@ Curve marks(Mark mark, int colour, Polyline points) {
   return curve;
 }
 
-void add_moment(Panel& panel, const Shape& shape, const Moment& moment, int colour) {
+void add_moment(Panel& panel, const Shape& shape, const Moment& moment, const std::string& clock,
+                int colour) {
   Polyline particles = particles_at(shape, moment);
   Curve body = marks(Mark::small_disc, colour, particles);
-  body.label = fmt::format("t = {:g}", moment.time);
+  body.label = fmt::format("{} = {:g}", clock, moment.value);
   body.line = shape.round;
   if (shape.round) body.pieces.front().push_back(particles.front());
   panel.curves.push_back(std::move(body));
@@ -158,6 +176,12 @@ void add_moment(Panel& panel, const Shape& shape, const Moment& moment, int colo
   if (!moment.drivers.empty()) {
     panel.curves.push_back(marks(Mark::open_triangle, colour, moment.drivers));
   }
+}
+
+/// For a key: the field's letters for what moments usually are named by.
+std::string short_name(const Series& clock) {
+  if (clock.name == "time") return "t";
+  return clock.name == "driver_position" ? "vt" : clock.name;
 }
 
 /// What the marks mean.
@@ -232,15 +256,16 @@ Figure body_figure(const std::vector<StoredRun>& runs, const std::vector<std::st
     const SampleTable table(file_of(runs[r], kTableFile));
     const std::string body = chosen_owner(table, Owner::body, "rotation", request.owners);
     const Shape shape = shape_of(runs[r], body, registry, notes);
-    const Course course(table, body);
+    const Series clock = find_series(table, request.x, request.owners, "--x");
+    const Course course(table, clock, body);
     Panel panel;
     panel.title = labels[r];
     panel.y_label = along("y");
     int colour = 0;
     bool driven = false;
-    for (const double time : request.at.empty() ? course.even_moments() : request.at) {
-      const Moment moment = course.at(time);
-      add_moment(panel, shape, moment, colour++);
+    for (const double value : request.at.empty() ? course.even_moments() : request.at) {
+      const Moment moment = course.at(value);
+      add_moment(panel, shape, moment, short_name(clock), colour++);
       driven = driven || !moment.drivers.empty();
     }
     add_key(panel, driven);

@@ -1,19 +1,16 @@
 #include "framework/plot/gnuplot_script.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <iterator>
-#include <vector>
 
 #include <fmt/format.h>
 
+#include "framework/plot/figure_layout.hpp"
 #include "framework/scene/text.hpp"
 
 namespace tomlin {
 namespace {
-
-constexpr std::size_t kLongestText = 200;  // bytes of a title or label
 
 // M. Okabe and K. Ito, Color Universal Design (2008): told apart by colour-blind eyes too.
 constexpr std::array kPalette = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
@@ -30,73 +27,9 @@ bool means_itself(char c) {
   return letter || is_digit(c) || beyond_ascii || kHarmless.find(c) != std::string_view::npos;
 }
 
-// Sizes in points of the screen; one is 1/72 inch on paper.
-constexpr double kLeft = 84.0;
-constexpr double kRight = 18.0;
-constexpr double kTop = 14.0;
-constexpr double kTitle = 26.0;
-constexpr double kBottom = 54.0;
-constexpr double kGap = 16.0;
-constexpr double kPanelTitle = 18.0;
-constexpr double kKeySample = 40.0;
-constexpr double kKeyCharacter = 7.0;
 constexpr double kPointsPerInch = 72.0;
 
-/// What the key of a panel says.
-std::vector<std::string> key_of(const Panel& panel) {
-  std::vector<std::string> labels;
-  for (const Curve& curve : panel.curves) {
-    if (!curve.label.empty()) labels.push_back(curve.label);
-  }
-  return labels;
-}
-
-/// Where everything is, in points of the screen from the top left.
-class Layout {
- public:
-  explicit Layout(const Figure& figure) {
-    double y = figure.title.empty() ? kTop : kTop + kTitle;
-    for (const Panel& panel : figure.panels) {
-      if (!panel.title.empty()) y += kPanelTitle;
-      tops_.push_back(y);
-      y += panel.height + kGap;
-    }
-    height_ = y - kGap + kBottom;
-    width_ = kLeft + kPanelWidth + kRight + key_width(figure);
-  }
-
-  double width() const { return width_; }
-  double height() const { return height_; }
-
-  /// Shares of the whole, from the bottom left, as gnuplot counts.
-  double left() const { return kLeft / width_; }
-  double right() const { return (kLeft + kPanelWidth) / width_; }
-  double key() const { return (kLeft + kPanelWidth + kRight) / width_; }
-  double top_of(std::size_t panel) const { return 1.0 - tops_[panel] / height_; }
-  double bottom_of(std::size_t panel, double panel_height) const {
-    return 1.0 - (tops_[panel] + panel_height) / height_;
-  }
-  double top_of_title() const { return 1.0 - kTop / height_; }
-
- private:
-  static double key_width(const Figure& figure) {
-    std::ptrdiff_t longest = 0;
-    for (const Panel& panel : figure.panels) {
-      for (const std::string& label : key_of(panel)) {
-        const std::string shown = shortened(label, kLongestText);
-        longest = std::max(longest, std::count_if(shown.begin(), shown.end(),
-                                                  [](char c) { return !is_utf8_continuation(c); }));
-      }
-    }
-    return longest == 0 ? 0.0 : kKeySample + kKeyCharacter * static_cast<double>(longest);
-  }
-
-  double width_ = 0.0;
-  double height_ = 0.0;
-  std::vector<double> tops_;
-};
-
-std::string terminal(PictureFormat format, const Layout& layout) {
+std::string terminal(PictureFormat format, const FigureLayout& layout) {
   constexpr const char* kFont = "font 'sans-serif,12'";
   switch (format) {
     case PictureFormat::svg:
@@ -167,32 +100,41 @@ void append_data(std::string& script, const std::string& name, const Curve& curv
   script += "END\n";
 }
 
-/// `$data using ...`, or for a curve without points its entry in the key alone.
-std::string plotted(const Curve& curve, const std::string& data) {
-  return (curve.pieces.empty() ? "keyentry " : data + " using 1:2 ") + style_of(curve) +
-         (curve.label.empty() ? " notitle" : " title " + gnuplot_string(curve.label));
+void append_margins(std::string& script, double top, double bottom) {
+  fmt::format_to(std::back_inserter(script),
+                 "set tmargin at screen {:.6f}\nset bmargin at screen {:.6f}\n", top, bottom);
 }
 
 void append_panel(std::string& script, const Figure& figure, std::size_t index,
-                  const Layout& layout) {
+                  const FigureLayout& layout) {
   const Panel& panel = figure.panels[index];
-  const bool keyed = index == 0 || key_of(panel) != key_of(figure.panels[index - 1]);
   const bool last = index + 1 == figure.panels.size();
   const auto line = [&](const std::string& text) { script += text + "\n"; };
-  line(fmt::format("set tmargin at screen {:.6f}", layout.top_of(index)));
-  line(fmt::format("set bmargin at screen {:.6f}", layout.bottom_of(index, panel.height)));
+  append_margins(script, layout.top_of(index), layout.bottom_of(index));
   line("set title " + gnuplot_string(panel.title) + " noenhanced offset 0,-0.6");
   line("set ylabel " + text(panel.y_label));
   line("set yrange " + range(panel.y_from, panel.y_to));
   line(last ? "set xlabel " + text(figure.x_label) + " offset 0,0.4" : "unset xlabel");
   line(last ? "set format x '%h'" : "set format x ''");
-  line(keyed ? fmt::format("set key at screen {:.6f},screen {:.6f}", layout.key(),
-                           layout.top_of(index))
-             : "unset key");
-  script += "plot ";
+  script += "plot NaN notitle";
   for (std::size_t c = 0; c < panel.curves.size(); ++c) {
-    if (c > 0) script += ", \\\n     ";
-    script += plotted(panel.curves[c], data_name(index, c));
+    const Curve& curve = panel.curves[c];
+    if (curve.pieces.empty()) continue;
+    script += ", \\\n     " + data_name(index, c) + " using 1:2 " + style_of(curve) + " notitle";
+  }
+  script += "\n";
+}
+
+/// A key is a plot of its own, without data or axes: gnuplot cuts a key to the height of its plot.
+void append_key(std::string& script, const Panel& panel, std::size_t index,
+                const FigureLayout& layout) {
+  append_margins(script, layout.top_of(index), layout.bottom_of_key(index));
+  fmt::format_to(std::back_inserter(script), "set key at screen {:.6f},screen {:.6f}\n",
+                 layout.left_of_keys(), layout.top_of(index));
+  script += "plot NaN notitle";
+  for (const Curve& curve : panel.curves) {
+    if (curve.label.empty()) continue;
+    script += ", \\\n     keyentry " + style_of(curve) + " title " + gnuplot_string(curve.label);
   }
   script += "\n";
 }
@@ -215,7 +157,7 @@ std::string gnuplot_string(std::string_view given) {
 }
 
 std::string gnuplot_script(const Figure& figure, PictureFormat format) {
-  const Layout layout(figure);
+  const FigureLayout layout(figure);
   std::string script = "set encoding utf8\n";
   for (std::size_t p = 0; p < figure.panels.size(); ++p) {
     const auto& curves = figure.panels[p].curves;
@@ -229,8 +171,8 @@ std::string gnuplot_script(const Figure& figure, PictureFormat format) {
       "set pointintervalbox 0\n";
   script += fmt::format("set lmargin at screen {:.6f}\n", layout.left());
   script += fmt::format("set rmargin at screen {:.6f}\n", layout.right());
-  script += "set key left top Left reverse samplen 2 noenhanced\n";
-  script += "set xrange " + range(figure.x_from, figure.x_to) + "\nset autoscale xfix\n";
+  script += "set xrange " + range(figure.x_from, figure.x_to) + "\n";
+  script += "unset key\n";
   script += "set multiplot\n";
   if (!figure.title.empty()) {
     script += fmt::format("set label 1 {} at screen {:.6f},screen {:.6f} center noenhanced\n",
@@ -240,6 +182,13 @@ std::string gnuplot_script(const Figure& figure, PictureFormat format) {
   for (std::size_t p = 0; p < figure.panels.size(); ++p) {
     append_panel(script, figure, p, layout);
     if (p == 0) script += "unset label\n";
+  }
+  script +=
+      "unset border\nunset tics\nunset grid\nunset title\nunset xlabel\nunset ylabel\n"
+      "set xrange [0:1]\nset yrange [0:1]\n"
+      "set key left top Left reverse samplen 2 noenhanced\n";
+  for (std::size_t p = 0; p < figure.panels.size(); ++p) {
+    if (layout.has_key(p)) append_key(script, figure.panels[p], p, layout);
   }
   return script + "unset multiplot\n";
 }

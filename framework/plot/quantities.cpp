@@ -48,8 +48,8 @@ constexpr std::array kFigureKinds = {
 
 constexpr std::array kAxes = {".x", ".y", ".z"};
 
-[[noreturn]] void refuse(std::string file, std::string key, std::string why, std::string admissible,
-                         std::string nearest = "") {
+[[noreturn]] void refuse(std::string file, const std::string& key, std::string why,
+                         std::string admissible, std::string nearest = "") {
   Fault fault;
   fault.place.file = std::move(file);
   fault.key = shortened(key, kLongestShownValue);

@@ -16,7 +16,7 @@
 namespace tomlin {
 namespace {
 
-[[noreturn]] void refuse(Place place, std::string value, std::string why,
+[[noreturn]] void refuse(Place place, const std::string& value, std::string why,
                          std::string admissible = "") {
   Fault fault;
   fault.place = std::move(place);

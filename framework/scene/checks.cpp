@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "framework/scene/effective.hpp"
+#include "framework/scene/size_checks.hpp"
 #include "framework/scene/text.hpp"
 
 namespace tomlin {
@@ -183,16 +184,16 @@ std::vector<const BodyDraft*> counted_bodies(const ForceDraft& force,
   return counted;
 }
 
-/// Whether each body's ends are joined. Known once it is built, and only a sound one can be.
+/// Whether each body's ends are joined; known of sound ones only.
 std::vector<bool> closed_bodies(const std::vector<BodyDraft>& bodies,
                                 const std::array<double, 3>& box, int dimension) {
   std::vector<bool> closed(bodies.size(), false);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (!bodies[i].sound) continue;
-    const auto geometry = bodies[i].record->build(bodies[i].description.get(), dimension);
-    const int axis = geometry.open_along;
+    const BodyEnds ends = bodies[i].record->ends(bodies[i].description.get(), dimension);
+    const int axis = ends.open_along;
     const bool by_box = axis >= 0 && box[static_cast<std::size_t>(axis)] > 0.0;
-    closed[i] = geometry.closed || by_box;
+    closed[i] = ends.closed || by_box;
   }
   return closed;
 }
@@ -222,9 +223,6 @@ std::optional<SceneOutline> outline_for(const ForceDraft& force,
   return outline;
 }
 
-/// What tells the number of particles; empty where that is no key.
-std::string count_key(const BodyDraft& body) { return body.reading.has("count") ? "count" : ""; }
-
 }  // namespace
 
 void prepare_bodies(std::vector<BodyDraft>& bodies, const std::filesystem::path& folder,
@@ -239,28 +237,6 @@ void prepare_bodies(std::vector<BodyDraft>& bodies, const std::filesystem::path&
     } else {
       body.shape_is_known = body.sound = false;
     }
-  }
-}
-
-void count_particles(std::vector<BodyDraft>& bodies, FaultList& faults) {
-  std::int64_t total = 0;
-  for (BodyDraft& body : bodies) {
-    if (!body.shape_is_known) continue;
-    const std::int64_t count = body.record->count(body.description.get());
-    const std::string limit = fmt::format("at most {} particles in a scene", kMostParticles);
-    if (count > kMostParticles) {
-      body.reading.complain(faults, count_key(body), {"", "too many particles", limit});
-    } else if (total <= kMostParticles && total + count > kMostParticles) {
-      body.reading.complain(
-          faults, count_key(body),
-          {"", fmt::format("too many particles: {} with the bodies before", total + count), limit});
-    } else if (count < 1) {
-      body.reading.complain(faults, count_key(body), {"", "a body has at least one particle"});
-    } else {
-      body.count = count;
-    }
-    if (count <= kMostParticles) total += count;
-    if (!body.count) body.sound = false;
   }
 }
 
@@ -299,6 +275,7 @@ void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>&
   const auto lengths = bodies_are_known ? periodic_lengths(*box) : std::array<double, 3>{};
   const auto closed =
       bodies_are_known ? closed_bodies(bodies, lengths, *dimension) : std::vector<bool>();
+  PairCount pairs;
   for (ForceDraft& force : forces) {
     if (force.record == nullptr) continue;
     const auto counted = counted_bodies(force, bodies);
@@ -308,7 +285,8 @@ void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>&
     if (!outline) continue;
     const auto complaints = force.record->complaints(force.description.get(), *outline);
     report(complaints, force.reading, faults);
-    if (!complaints.empty()) force.sound = false;
+    const bool fits = pairs.add(force, *outline, faults);
+    if (!complaints.empty() || !fits) force.sound = false;
   }
 }
 

@@ -16,10 +16,6 @@
 /// Faults that only show when keys are held against each other or against the bodies.
 namespace tomlin {
 
-inline constexpr std::int64_t kMostParticles = 10'000'000;  ///< of a scene
-inline constexpr std::size_t kMostComponents = 10'000;      ///< bodies, or forces, of a scene
-inline constexpr std::size_t kMostParameters = 10'000;
-
 /// A body or a force while its scene is read.
 template <class Record>
 struct ComponentDraft {
@@ -44,9 +40,6 @@ struct ForceDraft : ComponentDraft<ForceRecord> {
 /// Files that bodies refer to are fetched; afterwards it is known which shapes are.
 void prepare_bodies(std::vector<BodyDraft>& bodies, const std::filesystem::path& folder,
                     FaultList& faults);
-
-/// Number of particles of each body, where it can be told.
-void count_particles(std::vector<BodyDraft>& bodies, FaultList& faults);
 
 /// The scene's dimension: the length of the first body's vectors. Nothing when faults hide it.
 std::optional<int> scene_dimension(const std::vector<BodyDraft>& bodies);

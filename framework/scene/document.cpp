@@ -77,35 +77,69 @@ void skip_string(Cursor& cursor) {
     cursor.advance(quote == '"' && cursor.peek() == '\\' ? 2 : 1);
   }
   cursor.advance(end.size());
-}
-
-// The library walks nested values and tables by recursion; a file must not exhaust the stack.
-void refuse_deep_nesting(std::string_view text, const std::string& file) {
-  int brackets = 0;
-  int dots = 0;
-  Cursor cursor(text);
-  while (!cursor.at_end()) {
-    const char c = cursor.peek();
-    if (c == '"' || c == '\'') {
-      skip_string(cursor);
-      continue;
-    }
-    if (c == '#') {
-      while (!cursor.at_end() && cursor.peek() != '\n') cursor.advance();
-      continue;
-    }
-    if (c == '[' || c == '{') ++brackets;
-    if (c == ']' || c == '}') brackets = std::max(0, brackets - 1);
-    // Dots of one key, which ends at any of these.
-    if (c == '.') ++dots;
-    if (std::string_view("[]{}=,\n").find(c) != std::string_view::npos) dots = 0;
-    if (brackets > kDeepestNesting || dots >= kDeepestNesting) {
-      stop(file, cursor.mark(), "nested too deeply",
-           "at most " + std::to_string(kDeepestNesting) + " levels");
-    }
+  // Up to two quotes before the closing three are the string's own: """"a"""""
+  for (int own = 0; multi_line && own < 2 && !cursor.at_end() && cursor.peek() == quote; ++own) {
     cursor.advance();
   }
 }
+
+/// Looks over a text before the library does, for what that does not stand.
+class Outline {
+ public:
+  Outline(std::string_view text, const std::string& file) : cursor_(text), file_(file) {}
+
+  void check() {
+    while (!cursor_.at_end()) {
+      const char c = cursor_.peek();
+      if (c == '"' || c == '\'') {
+        skip_string(cursor_);
+      } else if (c == '#') {
+        while (!cursor_.at_end() && cursor_.peek() != '\n') cursor_.advance();
+      } else {
+        refuse_other_alphabets(c);
+        refuse_deep_nesting(c);
+        refuse_many_values(c);
+        cursor_.advance();
+      }
+    }
+  }
+
+ private:
+  // Strict TOML knows them in strings and comments only; on some, version 3.3 of the library ends
+  // in undefined behaviour.
+  void refuse_other_alphabets(char c) {
+    if (static_cast<unsigned char>(c) < 0x80U) return;
+    stop(file_, cursor_.mark(), "a character beyond ASCII outside of strings and comments");
+  }
+
+  // The library and all that follows walk nested values and tables by recursion; a file must not
+  // exhaust the stack.
+  void refuse_deep_nesting(char c) {
+    if (c == '[' || c == '{') ++brackets_;
+    if (c == ']' || c == '}') brackets_ = std::max(0, brackets_ - 1);
+    // Dots of one key, which ends at any of these.
+    if (c == '.') ++dots_;
+    if (std::string_view("[]{}=,\n").find(c) != std::string_view::npos) dots_ = 0;
+    if (brackets_ > kDeepestNesting || dots_ >= kDeepestNesting) {
+      stop(file_, cursor_.mark(), "nested too deeply",
+           "at most " + std::to_string(kDeepestNesting) + " levels");
+    }
+  }
+
+  // Each begins behind one of these, so that there are not more.
+  void refuse_many_values(char c) {
+    if (std::string_view("[{=,").find(c) == std::string_view::npos) return;
+    if (++values_ <= kMostValues) return;
+    stop(file_, cursor_.mark(), "too many values",
+         "at most " + std::to_string(kMostValues) + " values, lists and tables in a scene");
+  }
+
+  Cursor cursor_;
+  const std::string& file_;
+  int brackets_ = 0;
+  int dots_ = 0;
+  std::size_t values_ = 0;
+};
 
 bool says_nothing(std::string_view text) {
   Cursor cursor(text);
@@ -200,6 +234,8 @@ std::string kind_of(const Node& node) {
   return kKinds[node.value.index()];
 }
 
+void check_outline(std::string_view text, const std::string& file) { Outline(text, file).check(); }
+
 Table parse_document(std::string_view text, const std::string& file) {
   if (text.size() > kLargestSceneFile) {
     stop(file, {1, 1}, "the file is too large",
@@ -208,7 +244,7 @@ Table parse_document(std::string_view text, const std::string& file) {
   refuse_other_encodings(text, file);
   text = without_byte_order_mark(text);
   if (says_nothing(text)) stop(file, {1, 1}, "the file is empty: there is no scene in it");
-  refuse_deep_nesting(text, file);
+  check_outline(text, file);
   try {
     const toml::table document = toml::parse(text);
     return std::move(*converted(document, 0).as<Table>());
@@ -225,7 +261,7 @@ Node parse_setting(std::string_view text, std::uint32_t setting) {
   const std::string document = "value = " + std::string(text);
   try {
     if (document.size() > kLargestSceneFile) return plain_text;
-    refuse_deep_nesting(document, "");
+    check_outline(document, "");
     const toml::table table = toml::parse(document);
     // More than one entry: a line break in the text, and then something like "other = 1".
     if (table.size() == 1) return converted(table.begin()->second, setting);
@@ -272,17 +308,23 @@ std::string_view Source::slice(const Extent& extent) const {
 }
 
 std::size_t Source::offset(const Mark& mark) const {
-  std::size_t at = 0;
-  for (std::uint32_t line = 1; line < mark.line; ++line) {
+  const bool ahead =
+      std::pair(mark.line, mark.column) >= std::pair(last_mark_.line, last_mark_.column);
+  Mark here = ahead ? last_mark_ : Mark{1, 1};
+  std::size_t at = ahead ? last_offset_ : 0;
+  while (here.line < mark.line) {
     const std::size_t end = text_.find('\n', at);
     if (end == std::string_view::npos) return text_.size();
     at = end + 1;
+    here = {here.line + 1, 1};
   }
-  for (std::uint32_t column = 1; column < mark.column && at < text_.size(); ++column) {
+  for (; here.column < mark.column && at < text_.size(); ++here.column) {
     do {
       ++at;
     } while (at < text_.size() && is_utf8_continuation(text_[at]));
   }
+  last_mark_ = here;
+  last_offset_ = at;
   return at;
 }
 

@@ -17,6 +17,8 @@ namespace tomlin {
 
 inline constexpr std::size_t kLargestSceneFile = std::size_t{16} << 20;  ///< bytes
 inline constexpr int kDeepestNesting = 32;  ///< of brackets, and of the parts of one dotted key
+/// Values, lists and tables of a scene together: some 0.4 GB while it is read.
+inline constexpr std::size_t kMostValues = 1'000'000;
 
 /// Line and column, from 1, in characters.
 struct Mark {
@@ -71,6 +73,10 @@ struct Entry {
 /// "an integer", "text", "a list": how a fault names what it found.
 std::string kind_of(const Node& node);
 
+/// Throws InputError where a text holds more than parse_document takes of nesting, values and
+/// alphabets.
+void check_outline(std::string_view text, const std::string& file);
+
 /// The text of a scene; throws InputError with the one fault that stops the reading.
 Table parse_document(std::string_view text, const std::string& file);
 
@@ -96,6 +102,9 @@ class Source {
   std::string file_;
   std::string_view text_;
   const std::vector<Setting>& settings_;
+  // Where the last search ended: faults come mostly in order, and lines may be megabytes long.
+  mutable Mark last_mark_{1, 1};
+  mutable std::size_t last_offset_ = 0;
 };
 
 }  // namespace tomlin

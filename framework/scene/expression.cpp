@@ -582,6 +582,9 @@ std::string Expression::to_string() const {
 
 namespace {
 
+// The nearest of ten thousand names takes a millisecond to find; nobody reads a thousand faults.
+constexpr std::size_t kMostSuggestions = 200;
+
 // Keeps the message of a long cycle on a screen.
 constexpr std::size_t kLongestCycleShown = 12;
 
@@ -653,13 +656,14 @@ ExpressionError ParameterTable::explain_unknown(std::string_view name, std::size
   if (is_variable(name)) {
     return {column, in_quotes(name) + " is a variable; it has no value here"};
   }
+  const std::string why = "there is no parameter " + in_quotes(name);
+  if (faults_.size() >= kMostSuggestions) return {column, why};
   std::vector<std::string> valid_names{std::string(kPi)};
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const std::string& valid = entries_[i].name;
     if (i != user && is_identifier(valid) && !is_reserved_name(valid)) valid_names.push_back(valid);
   }
-  return {column, "there is no parameter " + in_quotes(name),
-          nearest_name(name, valid_names).value_or("")};
+  return {column, why, nearest_name(name, valid_names).value_or("")};
 }
 
 std::vector<std::vector<ParameterTable::Edge>> ParameterTable::find_references() {

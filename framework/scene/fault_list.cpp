@@ -19,43 +19,36 @@ bool comes_before(const Fault& a, const Fault& b) {
 }  // namespace
 
 void FaultList::of_value(const Node& value, Wrong wrong) {
-  if (faults_.size() < kMostFaults) {
-    add(source_.place(value.where), source_.written(value.where), std::move(wrong));
-  } else {
-    ++left_out_;
-  }
+  add(source_.place(value.where), source_.written(value.where), std::move(wrong));
 }
 
 void FaultList::of_key(const Extent& key, Wrong wrong) {
-  if (faults_.size() < kMostFaults) {
-    add(source_.place(key), "", std::move(wrong));
-  } else {
-    ++left_out_;
-  }
+  add(source_.place(key), "", std::move(wrong));
 }
 
 void FaultList::inside(const Node& text, std::size_t byte, Wrong wrong) {
-  if (faults_.size() < kMostFaults) {
-    add(source_.place_inside(text, byte), source_.written(text.where), std::move(wrong));
-  } else {
-    ++left_out_;
-  }
+  add(source_.place_inside(text, byte), source_.written(text.where), std::move(wrong));
 }
 
 void FaultList::throw_if_any() const {
-  if (faults_.empty()) return;
+  if (!faults_.empty()) throw InputError(in_order());
+}
+
+std::vector<Fault> FaultList::in_order() const {
   std::vector<Fault> faults = faults_;
   std::stable_sort(faults.begin(), faults.end(), comes_before);
-  if (left_out_ > 0) {
-    Fault more;
-    more.place = faults.back().place;
-    more.why = "and " + std::to_string(left_out_) + " more faults";
-    faults.push_back(std::move(more));
-  }
-  throw InputError(std::move(faults));
+  return faults;
 }
 
 void FaultList::add(Place place, std::string value, Wrong wrong) {
+  if (faults_.size() == kMostFaults) {
+    std::vector<Fault> faults = in_order();
+    Fault more;
+    more.place = faults.back().place;
+    more.why = "and more faults; these were the first that were found";
+    faults.push_back(std::move(more));
+    throw InputError(std::move(faults));
+  }
   Fault fault;
   fault.place = std::move(place);
   fault.key = std::move(wrong.key);

@@ -23,6 +23,8 @@ class FaultList {
   /// The source must outlive the list.
   explicit FaultList(const Source& source) : source_(source) {}
 
+  // Each of these throws InputError when there are too many to be of use.
+
   /// A fault of a value; the message shows the value as written.
   void of_value(const Node& value, Wrong wrong);
   /// A fault of a key or a table; the message shows no value.
@@ -36,13 +38,13 @@ class FaultList {
 
  private:
   void add(Place place, std::string value, Wrong wrong);
+  std::vector<Fault> in_order() const;
 
-  // A file of junk may hold a million faults; nobody reads them.
+  // A file of junk may hold a million faults; nobody reads them, and to find them all takes long.
   static constexpr std::size_t kMostFaults = 200;
 
   const Source& source_;
   std::vector<Fault> faults_;
-  std::size_t left_out_ = 0;
 };
 
 }  // namespace tomlin

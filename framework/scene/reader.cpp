@@ -5,6 +5,7 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -22,6 +23,7 @@
 #include "framework/scene/motion_reader.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/scene/settings.hpp"
+#include "framework/scene/size_checks.hpp"
 #include "framework/scene/table_reader.hpp"
 #include "framework/scene/text.hpp"
 #include "framework/scene/value_reader.hpp"
@@ -211,14 +213,16 @@ class SceneReader {
 
   void read_bodies() {
     const auto given = sections("body");
+    const auto types = type_counts(given);
     const Node* node = document_.find("body");
     if (node == nullptr || (node->as<List>() && node->as<List>()->empty())) {
       faults_.of_key(kTopOfFile, {"body", "missing: a scene needs at least one [[body]]"});
     }
     for (const Section& body : given) {
       BodyDraft draft;
-      read_component(draft, "body", body, given, bodies_.size(), registry_.bodies(), body_layout);
+      read_component(draft, "body", body, types, bodies_.size(), registry_.bodies(), body_layout);
       read_freedom(draft, body);
+      note_name(draft);
       bodies_.push_back(std::move(draft));
     }
   }
@@ -238,19 +242,39 @@ class SceneReader {
 
   void read_forces() {
     const auto given = sections("force");
+    const auto types = type_counts(given);
     for (const Section& force : given) {
       ForceDraft draft;
-      read_component(draft, "force", force, given, forces_.size(), registry_.forces(),
+      read_component(draft, "force", force, types, forces_.size(), registry_.forces(),
                      force_layout);
       read_bodies_of_force(draft, force);
       forces_.push_back(std::move(draft));
     }
   }
 
+  /// How many components have each type.
+  using TypeCounts = std::map<std::string, std::size_t>;
+
+  static TypeCounts type_counts(const std::vector<Section>& components) {
+    TypeCounts counts;
+    for (const Section& component : components) {
+      if (const auto* type = text_at(component, "type")) ++counts[*type];
+    }
+    return counts;
+  }
+
+  /// A body whose own name is unfit is still the one that is meant by it; the first of several is.
+  void note_name(const BodyDraft& draft) {
+    const Node* node = draft.reading.given->find("name");
+    const auto* written = node ? node->as<std::string>() : nullptr;
+    const std::string& name = written ? *written : draft.name;
+    if (!name.empty() || written) body_indices_.try_emplace(name, bodies_.size());
+  }
+
   /// Name, type and rows of a body or a force.
   template <class Draft, class Record>
   void read_component(Draft& draft, const std::string& kind, const Section& given,
-                      const std::vector<Section>& siblings, std::size_t index,
+                      const TypeCounts& types, std::size_t index,
                       const std::vector<std::unique_ptr<Record>>& records,
                       TableLayout (*layout_of)(const Record&)) {
     const std::string nameless = fmt::format("{}[{}]", kind, index);
@@ -264,7 +288,7 @@ class SceneReader {
     draft.reading.where = given.where;
     draft.reading.given = given.table;
     draft.record = read_type(kind, given, path, records);
-    draft.name = read_name(given, siblings, path);
+    draft.name = read_name(given, types, path);
     if (draft.record == nullptr) return;
 
     draft.description = draft.record->make_description();
@@ -304,10 +328,9 @@ class SceneReader {
   }
 
   /// The name given, or the type's; empty when unfit, and reported.
-  std::string read_name(const Section& given, const std::vector<Section>& siblings,
-                        const std::string& path) {
+  std::string read_name(const Section& given, const TypeCounts& types, const std::string& path) {
     const Node* node = given.table->find("name");
-    if (node == nullptr) return default_name(given, siblings, path);
+    if (node == nullptr) return default_name(given, types, path);
     const auto* name = node->as<std::string>();
     const std::string key = path + ".name";
     if (name == nullptr) {
@@ -323,15 +346,10 @@ class SceneReader {
     return "";
   }
 
-  std::string default_name(const Section& given, const std::vector<Section>& siblings,
-                           const std::string& path) {
+  std::string default_name(const Section& given, const TypeCounts& types, const std::string& path) {
     const auto* type = text_at(given, "type");
     if (type == nullptr) return "";  // the missing type is reported
-    const auto same_type =
-        std::count_if(siblings.begin(), siblings.end(), [type](const Section& sibling) {
-          const auto* other = text_at(sibling, "type");
-          return other && *other == *type;
-        });
+    const std::size_t same_type = types.at(*type);
     if (same_type == 1) return *type;
     faults_.of_key(given.where, {path + ".name",
                                  fmt::format("missing: {} share the type {}", same_type,
@@ -388,13 +406,8 @@ class SceneReader {
       faults_.of_value(node, {key, "found " + kind_of(node), "the name of a body"});
       return std::nullopt;
     }
-    // A body whose own name is unfit is still the one that is meant.
-    const auto found = std::find_if(bodies_.begin(), bodies_.end(), [name](const BodyDraft& body) {
-      const Node* written = body.reading.given->find("name");
-      const auto* text = written ? written->as<std::string>() : nullptr;
-      return text ? *text == *name : body.name == *name && !name->empty();
-    });
-    if (found != bodies_.end()) return static_cast<std::size_t>(found - bodies_.begin());
+    const auto found = body_indices_.find(*name);
+    if (found != body_indices_.end()) return found->second;
     const auto names = names_of(bodies_);
     faults_.of_value(node, {key, "there is no such body", listed(names),
                             nearest_name(*name, names).value_or("")});
@@ -410,10 +423,11 @@ class SceneReader {
       return {};
     }
     std::vector<std::size_t> result;
+    std::set<std::size_t> seen;
     bool sound = true;
     for (const Node& element : *list) {
       const auto index = body_named(element, key);
-      if (index && std::find(result.begin(), result.end(), *index) != result.end()) {
+      if (index && !seen.insert(*index).second) {
         faults_.of_value(element, {key, "the body is named twice", "different bodies"});
         sound = false;
       }
@@ -443,8 +457,8 @@ class SceneReader {
 
   void check_components() {
     prepare_bodies(bodies_, std::filesystem::path(scene_->file).parent_path(), faults_);
-    count_particles(bodies_, faults_);
     const auto dimension = scene_dimension(bodies_);
+    count_particles(bodies_, dimension, faults_);
     if (dimension) scene_->dimension = *dimension;
     check_freedom(bodies_, dimension, faults_);
     check_bodies(bodies_, dimension, faults_);
@@ -706,6 +720,14 @@ class SceneReader {
                       fmt::format("at most {} MB", kLargestSceneFile >> 20)});
       faults_.throw_if_any();
     }
+    try {
+      check_outline(scene_->effective_toml, scene_->file);
+    } catch (const InputError& error) {
+      const Fault& fault = error.faults().front();
+      faults_.of_key(kTopOfFile,
+                     {"body", "with all positions written out: " + fault.why, fault.admissible});
+      faults_.throw_if_any();
+    }
   }
 
   const Table& document_;
@@ -717,6 +739,7 @@ class SceneReader {
   std::shared_ptr<Scene> scene_;
   std::optional<TableReading> box_;
   std::vector<BodyDraft> bodies_;
+  std::map<std::string, std::size_t> body_indices_;  ///< by the names that mean them
   std::vector<ForceDraft> forces_;
   Table effective_;
   bool duration_is_known_ = false;
@@ -745,6 +768,8 @@ std::shared_ptr<const Scene> parse_scene(std::string_view text, const std::strin
   const Source source(file, text, settings);
   FaultList faults(source);
   apply_settings(settings, document, faults);
+  // What comes next evaluates them.
+  if (!check_expressions(document, faults)) faults.throw_if_any();
   return SceneReader(document, file, source, registry, faults).read();
 }
 

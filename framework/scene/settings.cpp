@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "framework/core/nearest_name.hpp"
 #include "framework/scene/language.hpp"
 #include "framework/scene/text.hpp"
@@ -69,6 +71,9 @@ class Application {
     }
     const auto parts = parts_of(setting_.path);
     if (holds(parts, "")) return refuse("not a path", kAdmissiblePaths);
+    if (parts.size() > static_cast<std::size_t>(kDeepestNesting)) {
+      return refuse("nested too deeply", fmt::format("at most {} levels", kDeepestNesting));
+    }
     if (parts.size() == 1) return set_parameter(parts[0]);
     if (parts[0] == "parameters") {
       if (parts.size() == 2) return set_parameter(parts[1]);
@@ -148,6 +153,13 @@ class Application {
 }  // namespace
 
 void apply_settings(const std::vector<Setting>& settings, Table& document, FaultList& faults) {
+  if (settings.size() > kMostSettings) {
+    Extent last;
+    last.setting = static_cast<std::uint32_t>(settings.size());
+    faults.of_key(last, {"", fmt::format("there are {}", settings.size()),
+                         fmt::format("at most {}", kMostSettings)});
+    faults.throw_if_any();
+  }
   for (std::size_t i = 0; i < settings.size(); ++i) {
     Application(settings[i], static_cast<std::uint32_t>(i + 1), document, faults).run();
   }

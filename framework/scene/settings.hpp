@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "framework/scene/document.hpp"
@@ -7,6 +8,8 @@
 #include "framework/scene/scene.hpp"
 
 namespace tomlin {
+
+inline constexpr std::size_t kMostSettings = 1000;
 
 /// Write each `--set` into the document as if it had stood in the file, in the order given.
 /// Whether the key is admissible and the value fits is judged later, with the file's own.

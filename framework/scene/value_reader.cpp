@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
+#include <string>
 #include <type_traits>
 #include <utility>
 
@@ -358,12 +360,11 @@ std::optional<WordList> ValueReader::word_list(const Subject& subject, const Nod
   const auto* list = node.as<List>();
   if (list == nullptr) return wrong_kind(subject, node);
   WordList result;
+  std::set<std::string> seen;
   for (const Node& element : *list) {
     auto word = text(subject, element);
     if (!word) return std::nullopt;
-    if (std::find(result.words.begin(), result.words.end(), *word) != result.words.end()) {
-      return wrong(subject, element, "is given twice");
-    }
+    if (!seen.insert(*word).second) return wrong(subject, element, "is given twice");
     result.words.push_back(*std::move(word));
   }
   return result;

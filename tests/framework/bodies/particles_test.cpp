@@ -55,6 +55,11 @@ BodyGeometry geometry_of(const Scene& scene) {
   return body.record->build(body.description.get(), scene.dimension);
 }
 
+BodyEnds ends_of(const Scene& scene) {
+  const SceneBody& body = scene.bodies[0];
+  return body.record->ends(body.description.get(), scene.dimension);
+}
+
 // ---- in the scene
 
 TEST(Particles, StandWhereTheListSays) {
@@ -65,8 +70,8 @@ TEST(Particles, StandWhereTheListSays) {
   EXPECT_EQ(geometry.anchor, (std::vector<double>{1.0, 2.0}));
   const std::vector<std::vector<double>> relative = {{0.0, 0.0}, {1.0, -5.0}, {-1.0, -2.0}};
   EXPECT_EQ(geometry.relative, relative);
-  EXPECT_FALSE(geometry.closed);
-  EXPECT_EQ(geometry.open_along, -1);
+  EXPECT_FALSE(ends_of(*scene).closed);
+  EXPECT_EQ(ends_of(*scene).open_along, -1);
 }
 
 TEST(Particles, OfALineMayBeAListOfNumbers) {
@@ -75,7 +80,7 @@ TEST(Particles, OfALineMayBeAListOfNumbers) {
   EXPECT_EQ(positions_of(*plain), (PointList{1, {1.0, 2.0, 4.0, 8.0}}));
   EXPECT_EQ(positions_of(*parsed(scene_with("positions = [[1.0], [2.0], [4.0], [8.0]]"))),
             positions_of(*plain));
-  EXPECT_EQ(geometry_of(*plain).open_along, 0);
+  EXPECT_EQ(ends_of(*plain).open_along, 0);
 }
 
 // Where doubles are 2^-23 apart a shape given on that grid is kept without rounding.

@@ -83,8 +83,7 @@ TEST_F(Cli, WhatItDoesNotKnowIsBadInput) {
 }
 
 TEST_F(Cli, WhatIsToComeSaysSo) {
-  for (const std::string name :
-       {"sweep", "tradeoff", "compare", "stability", "schema", "report"}) {
+  for (const std::string name : {"sweep", "tradeoff", "compare", "stability", "schema", "report"}) {
     expect_refused({name}, "tomlin: error: \"" + name + "\" is not in this version\n");
   }
   expect_refused({"sweep", "tip.toml", "--over", "v=1,2", "-o", "x"},

@@ -72,7 +72,7 @@ TEST_F(Plot, TheSameRunGivesTheSamePicture) {
   SKIP_WITHOUT_GNUPLOT();
   ASSERT_EQ(tomlin({"plot", "tip", "hysteresis", "-o", "a.svg"}).status, 0);
   ::setenv("LC_ALL", "C", 1);
-  ASSERT_EQ(tomlin({"plot", "hysteresis", "tip/", "-o", "b.svg"}).status, 0);
+  ASSERT_EQ(tomlin({"plot", "tip/", "hysteresis", "-o", "b.svg"}).status, 0);
   ::unsetenv("LC_ALL");
   EXPECT_EQ(file("a.svg"), file("b.svg"));
 }
@@ -96,8 +96,10 @@ TEST_F(Plot, ALongRunGivesASmallPicture) {
   constexpr std::size_t kSmall = 100000;  // bytes; as many digits of all rows are 4 MB
   std::string table = "time [time],driver.force.x [force],driver.position.x [length]\n";
   for (int i = 0; i < kRows; ++i) {
-    const std::string row = std::to_string(i);
-    table += row + "," + std::to_string(i == 77777 ? 1000 : i % 97) + "," + row + "\n";
+    table += std::to_string(i);
+    table += i == 77777 ? ",1000," : i % 2 == 0 ? ",1," : ",-1,";
+    table += std::to_string(i);
+    table += '\n';
   }
   write(folder_ / "tip/observables.csv", table);
   ASSERT_EQ(tomlin({"plot", "tip", "-o", "a.svg"}).status, 0);
@@ -116,6 +118,11 @@ TEST_F(Plot, RunsAreNamedByWhatDiffers) {
   EXPECT_TRUE(contains(same, "title \"tip\"")) << same;
   EXPECT_TRUE(contains(same, "title \"damped\"")) << same;
   EXPECT_FALSE(contains(script({"tip"}), " title \"t"));
+  const std::string own =
+      script({"tip", "damped", "--label", "free, so to say", "--label", "damped"});
+  EXPECT_TRUE(contains(own, "title \"free, so to say\"")) << own;
+  expect_refused({"plot", "tip", "damped", "--label", "one", "-o", "a.svg"},
+                 "tomlin: error: --label: 1 for 2 folders; admissible: one for each\n");
 }
 
 TEST_F(Plot, AxesPanelsAndRangesAreChosen) {
@@ -156,15 +163,16 @@ TEST_F(Plot, WordsAreFoldersOrAFigure) {
                  "\"hysteresis\"?\n");
   expect_refused({"plot", "tip", "force", "speed", "-o", "a.svg"},
                  "tomlin: error: speed: one figure at a time, and force is asked for already\n");
-  expect_refused({"plot", "force", "-o", "a.svg"},
-                 "tomlin: error: the folder of a run is due (tomlin plot --help tells more)\n");
+  // The first word is a folder, and a later one that names a figure is no folder.
+  EXPECT_EQ(tomlin({"plot", "force", "tip", "-o", "a.svg"}).status, 2);
   fs::create_directory(folder_ / "empty");
   expect_refused({"plot", "empty", "-o", "a.svg"},
                  "empty: error: there is no summary.json in it: it is not the folder of a run "
                  "that has ended\n");
-  // A folder that is called like a figure is a folder.
-  fs::rename(folder_ / "tip", folder_ / "speed");
-  EXPECT_EQ(script({"speed"}), script({"speed", "force"}));
+  fs::copy(folder_ / "tip", folder_ / "speed");
+  EXPECT_EQ(script({"speed"}), script({"tip"}));
+  EXPECT_EQ(script({"speed", "speed"}), script({"tip", "speed"}));
+  EXPECT_TRUE(contains(script({"tip", "speed/"}), "title \"speed\""));
 }
 
 TEST_F(Plot, TheFileSaysWhatKindOfPicture) {
@@ -181,9 +189,8 @@ TEST_F(Plot, TheFileSaysWhatKindOfPicture) {
 TEST_F(Plot, OptionsThatDoNotGoTogetherAreRefused) {
   expect_refused({"plot", "tip", "--at", "1", "-o", "a.svg"},
                  "tomlin: error: --at: for ring only; admissible: --from and --to\n");
-  expect_refused({"plot", "tip", "ring", "--x", "time", "-o", "a.svg"},
-                 "tomlin: error: ring: shows moments, and takes --at and no --x, --y, --from, "
-                 "--to\n");
+  expect_refused({"plot", "tip", "ring", "--y", "time", "-o", "a.svg"},
+                 "tomlin: error: ring: shows moments, and takes --at and no --y, --from, --to\n");
   expect_refused({"plot", "tip", "speed", "--y", "force", "-o", "a.svg"},
                  "tomlin: error: speed: this says what to draw, and so does --y; admissible: one "
                  "of them\n");

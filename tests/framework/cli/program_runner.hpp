@@ -30,6 +30,8 @@ struct Ended {
 struct Conditions {
   std::string standard_output = {};           ///< a file instead of a capture, e.g. /dev/full
   long largest_file = -1;                     ///< bytes; beyond it writing fails
+  long most_memory = -1;                      ///< bytes of address space
+  long most_seconds = -1;                     ///< of the processor's time
   std::function<void(pid_t)> then = {};       ///< called while the program runs
   std::vector<std::string> environment = {};  ///< more of it: "NAME=VALUE"
   std::vector<int> closed = {};               ///< standard streams that the program has not got
@@ -64,11 +66,13 @@ inline Ended run_program(const std::filesystem::path& folder,
     for (const std::string& entry : conditions.environment) {
       ::putenv(const_cast<char*>(entry.c_str()));  // NOLINT: this process ends here
     }
-    if (conditions.largest_file >= 0) {
-      const rlimit limit = {static_cast<rlim_t>(conditions.largest_file),
-                            static_cast<rlim_t>(conditions.largest_file)};
-      ::setrlimit(RLIMIT_FSIZE, &limit);
-    }
+    const auto limit = [](auto resource, long most) {
+      const rlimit both = {static_cast<rlim_t>(most), static_cast<rlim_t>(most)};
+      if (most >= 0) ::setrlimit(resource, &both);
+    };
+    limit(RLIMIT_FSIZE, conditions.largest_file);
+    limit(RLIMIT_AS, conditions.most_memory);
+    limit(RLIMIT_CPU, conditions.most_seconds);
     if (::chdir(folder.c_str()) != 0) ::_exit(126);
     ::execv(argv[0], argv.data());
     ::_exit(127);

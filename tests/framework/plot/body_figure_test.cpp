@@ -78,7 +78,7 @@ class BodyFigure : public testing::Test {
 };
 
 TEST_F(BodyFigure, ShowsParticlesCentreAndDriver) {
-  const Figure figure = drawn({{10.0}, {}});
+  const Figure figure = drawn({"time", {10.0}, {}});
   const Polyline& ring = points(figure, 0);
   ASSERT_EQ(ring.size(), 5U);  // the last closes the line
   expect_at(ring[0], 6.0, 1.0);
@@ -95,15 +95,25 @@ TEST_F(BodyFigure, ShowsParticlesCentreAndDriver) {
 }
 
 TEST_F(BodyFigure, IsInterpolatedBetweenSamples) {
-  const Figure figure = drawn({{5.0}, {}});
+  const Figure figure = drawn({"time", {5.0}, {}});
   const double side = 2.0 * std::cos(kQuarterTurn / 2.0);
   expect_at(points(figure, 0)[0], 3.0 + side, 2.5 - side);
   expect_at(points(figure, 2)[0], 3.0, 2.5);
 }
 
+TEST_F(BodyFigure, MomentsMayGoByAnotherQuantity) {
+  const Figure figure = drawn({"driver_position", {4.0}, {}});
+  EXPECT_EQ(figure.panels.front().curves[0].label, "vt = 4");
+  expect_at(points(figure, 2)[0], 3.0, 2.5);
+  // Where the run first has the value, also when it falls: the rotation does.
+  expect_at(points(drawn({"rotation", {-kQuarterTurn / 2.0}, {}}), 2)[0], 3.0, 2.5);
+  test::write(folder_ / "observables.csv", std::string(kTable) + "20,0,2,100,3,0\n");
+  expect_at(points(drawn({"driver_position", {4.0}, {}}), 2)[0], 3.0, 2.5);
+}
+
 TEST_F(BodyFigure, IsToScale) {
   for (const std::vector<double>& at : {std::vector<double>{0.0}, {0.0, 5.0, 10.0}}) {
-    const Figure figure = drawn({at, {}});
+    const Figure figure = drawn({"time", at, {}});
     const Panel& panel = figure.panels.front();
     EXPECT_NEAR((figure.x_to - figure.x_from) / kPanelWidth,
                 (panel.y_to - panel.y_from) / panel.height, kRounding);
@@ -131,17 +141,18 @@ TEST_F(BodyFigure, AFlexibleBodyIsDrawnAsRigidAndTheNoteSaysSo) {
   std::string scene = kScene;
   scene.replace(scene.find("\"rigid\""), 7, "\"particles\"");
   test::write(folder_ / "scene.toml", scene);
-  drawn({{1.0}, {}});
+  drawn({"time", {1.0}, {}});
   ASSERT_EQ(notes_.size(), 1U);
   EXPECT_NE(notes_[0].find("ring is flexible"), std::string::npos);
 }
 
 TEST_F(BodyFigure, RefusesTimesOutsideTheRunAndBodiesThatAreNotThere) {
-  EXPECT_NE(complaint({{10.5}, {}}).find("admissible: times from 0 to 10"), std::string::npos);
-  EXPECT_NE(complaint({{-1.0}, {}}), "");
-  EXPECT_NE(complaint({{1.0}, {"", "rong"}}).find("did you mean \"ring\"?"), std::string::npos);
+  EXPECT_NE(complaint({"time", {10.5}, {}}).find("admissible: from 0 to 10"), std::string::npos);
+  EXPECT_NE(complaint({"time", {-1.0}, {}}), "");
+  EXPECT_NE(complaint({"time", {1.0}, {"", "rong"}}).find("did you mean \"ring\"?"),
+            std::string::npos);
   test::write(folder_ / "scene.toml", "");
-  EXPECT_NE(complaint({{1.0}, {}}), "");
+  EXPECT_NE(complaint({"time", {1.0}, {}}), "");
 }
 
 }  // namespace

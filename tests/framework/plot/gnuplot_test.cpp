@@ -53,12 +53,24 @@ TEST(GnuplotScript, HasTheDataAndBreaksLines) {
   EXPECT_TRUE(contains(gnuplot_script(small_figure(), PictureFormat::png), "pngcairo"));
 }
 
+std::size_t keys_in(const std::string& script) {
+  std::size_t count = 0;
+  for (auto at = script.find("keyentry"); at != std::string::npos;
+       at = script.find("keyentry", at + 1)) {
+    ++count;
+  }
+  return count;
+}
+
 TEST(GnuplotScript, TheKeyIsSaidOnceUnlessItChanges) {
   Figure figure = small_figure();
   figure.panels.push_back(figure.panels.front());
-  EXPECT_TRUE(contains(gnuplot_script(figure, PictureFormat::svg), "unset key"));
+  EXPECT_EQ(keys_in(gnuplot_script(figure, PictureFormat::svg)), 1U);
   figure.panels[1].curves[0].label = "k = 3";
-  EXPECT_FALSE(contains(gnuplot_script(figure, PictureFormat::svg), "unset key"));
+  EXPECT_EQ(keys_in(gnuplot_script(figure, PictureFormat::svg)), 2U);
+  figure.panels[0].curves[0].label = "";
+  figure.panels[1].curves[0].label = "";
+  EXPECT_EQ(keys_in(gnuplot_script(figure, PictureFormat::svg)), 0U);
 }
 
 /// Runs the gnuplot that there is, or one of the test's own.
@@ -99,6 +111,20 @@ TEST_F(Gnuplot, DrawsTheSamePictureEveryTime) {
   EXPECT_TRUE(contains(picture, "</svg>"));
   EXPECT_TRUE(contains(picture, ">k = 2<"));
   EXPECT_EQ(run_gnuplot(script), picture);
+}
+
+TEST_F(Gnuplot, AKeyIsShownWholeBesideALowPanel) {
+  SKIP_WITHOUT_GNUPLOT();
+  Figure figure = small_figure();
+  figure.panels[0].height = 60.0;
+  for (int k = 0; k < 20; ++k) {
+    figure.panels[0].curves.push_back(figure.panels[0].curves[0]);
+    figure.panels[0].curves.back().label = "entry " + std::to_string(k);
+  }
+  const std::string picture = run_gnuplot(gnuplot_script(figure, PictureFormat::svg));
+  for (int k = 0; k < 20; ++k) {
+    EXPECT_TRUE(contains(picture, "<text>entry " + std::to_string(k) + "</text>")) << k;
+  }
 }
 
 TEST_F(Gnuplot, CarriesOutNothingOfATitle) {

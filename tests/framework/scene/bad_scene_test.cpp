@@ -364,8 +364,8 @@ TEST(BadScene, NumbersOutOfRange) {
       {kRing,
        R"(count = "N")",
        "count = 10000001",
-       {"11:9: body.ring.count = 10000001: too many particles; admissible: at most 10000000 "
-        "particles in a scene"}},
+       {"11:9: body.ring.count = 10000001: 10000001 particles would take about 5.8 GB; admissible: "
+        "at most 10000000 particles in a scene"}},
       {kRing,
        "dt = 1e-4",
        "dt = 0",
@@ -668,9 +668,9 @@ TEST(BadScene, ParticlesOfAllBodiesAreLimitedTogether) {
   const auto text = replaced(kRow, "count = 3", "name = \"first\"\ncount = 1000001") + more;
   EXPECT_EQ(faults_of(replaced(text, "1000001", "1")), "");
   EXPECT_EQ(faults_of(text),
-            "ring.toml:12:9: error: body.more.count = 9000000: too many particles: "
-            "10000001 with the "
-            "bodies before; admissible: at most 10000000 particles in a scene\n");
+            "ring.toml:12:9: error: body.more.count = 9000000: 9000000 particles and the 1000001 "
+            "of the bodies before would take about 4.2 GB; admissible: at most 10000000 particles "
+            "in a scene\n");
 }
 
 TEST(BadScene, AnEmptyListOfBodiesIsNone) {

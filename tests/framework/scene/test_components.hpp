@@ -45,7 +45,7 @@ inline BodyRecord dot() {
   record.complaints = [](const void*, int) { return std::vector<Complaint>(); };
   record.build = [](const void* description, int) {
     const auto& position = static_cast<const Dot*>(description)->position.components;
-    return BodyGeometry{position, {std::vector<double>(position.size(), 0.0)}, false, 0.0, -1};
+    return BodyGeometry{position, {std::vector<double>(position.size(), 0.0)}, 0.0};
   };
   return record;
 }
@@ -83,9 +83,9 @@ inline BodyRecord loop() {
     BodyGeometry geometry;
     geometry.anchor = loop->centre.components;
     geometry.relative.assign(static_cast<std::size_t>(loop->count), {0.0, 0.0});
-    geometry.closed = true;
     return geometry;
   };
+  record.ends = [](const void*, int) { return BodyEnds{.closed = true}; };
   return record;
 }
 
@@ -106,11 +106,8 @@ inline BodyRecord row() {
     return static_cast<const Row*>(description)->count;
   };
   record.complaints = [](const void*, int) { return std::vector<Complaint>(); };
-  record.build = [](const void*, int) {
-    BodyGeometry geometry;
-    geometry.open_along = 0;
-    return geometry;
-  };
+  record.build = [](const void*, int) { return BodyGeometry(); };
+  record.ends = [](const void*, int) { return BodyEnds{.open_along = 0}; };
   return record;
 }
 

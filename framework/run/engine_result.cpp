@@ -1,0 +1,138 @@
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "framework/run/engine.hpp"
+#include "framework/run/engine_parts.hpp"
+
+/// What is known at the end of a run.
+namespace tomlin {
+
+using namespace engine_parts;  // NOLINT: its own parts
+
+/// What is known at the end: the window may close there, and the final forces are read off.
+void Engine::finish() {
+  const SystemView<double>& view = model_.system().view;
+  if (!failure_ && !interrupted_ && *from_.reached != 0 && *to_.reached == 0) {
+    keep_moment(to_, to_.time, view.position, view.velocity, view.integrals);
+  }
+  model_.evaluate_at(now(), view.position, view.velocity, view.integrals, final_rates_.data());
+  if (!failure_ && !interrupted_) {
+    finish_events();
+    warn_of_unsteadiness();
+  }
+  if (!ledger_) return;
+  kinetic_energy_ = model_.kinetic_energy(view.velocity);
+  potential_energy_ = model_.potential_energy(now(), view.position, view.velocity, view.integrals);
+}
+
+/// Over the window, each term from its own integral; what does not balance is the integrator's.
+EnergyResult Engine::energy(bool window) const {
+  EnergyResult energy;
+  energy.kinetic = kinetic_energy_;
+  energy.potential = potential_energy_;
+  if (!window) return energy;
+  const auto over_window = [&](std::ptrdiff_t rate) {
+    return to_.integrals[rate] - from_.integrals[rate];
+  };
+  double work = 0.0;
+  for (const Model::Driver& driver : drivers_) {
+    work += over_window(driver.first_rate + model_.dimension());
+  }
+  double heat = 0.0;
+  for (const Model::Force& force : model_.forces()) {
+    if (force.heat_rate != kNoRate) heat += over_window(force.heat_rate);
+  }
+  if (model_.friction_rate() != kNoRate) heat += over_window(model_.friction_rate());
+  energy.work_in = work;
+  energy.heat_out = heat;
+  energy.stored_change = *to_.stored - *from_.stored;
+  energy.numerical_work = *energy.stored_change + heat - work;
+  return energy;
+}
+
+RunResult Engine::result() {
+  RunResult result;
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started_;
+  result.status = failure_       ? RunStatus::failed
+                  : interrupted_ ? RunStatus::interrupted
+                                 : RunStatus::finished;
+  result.failure = failure_;
+  result.end_time = time();
+  result.steps = static_cast<std::uint64_t>(counts_[kSteps]);
+  result.refused_steps = integrator_->refused_steps();
+  result.force_evaluations = model_.system().evaluations;
+  result.events = event_counts();
+  if (period_ > 0.0) result.steady = steady();
+  result.window_from = from_.time;
+  result.window_to = to_.time;
+  result.warnings = warnings_;
+  for (const Model::LeftOut& left : model_.left_out()) {
+    result.left_out.emplace_back(left.force, left.why);
+  }
+  result.wall_seconds = elapsed.count();
+  if (elapsed.count() > 0.0) {
+    result.steps_per_second = static_cast<double>(result.steps - steps_before_) / elapsed.count();
+  }
+  result.instruction_set = options_.instruction_set;
+
+  const int axes = model_.dimension();
+  const bool window = *from_.reached != 0 && *to_.reached != 0;
+  const double length = to_.time - from_.time;
+  for (std::size_t k = 0; k < drivers_.size(); ++k) {
+    const Model::Driver& from = drivers_[k];
+    DriverResult driver;
+    driver.name = from.name;
+    for (int d = 0; d < axes; ++d) {
+      const std::size_t rate = from.first_rate + d;
+      driver.final_force.push_back(final_rates_[rate]);
+      if (!window) continue;
+      driver.mean_force.push_back((to_.integrals[rate] - from_.integrals[rate]) / length);
+      driver.max_force.push_back(extremes_.high(k * axes + d));
+      driver.min_force.push_back(extremes_.low(k * axes + d));
+    }
+    const double speed = norm(from.drive->velocity);
+    if (drags_[k] && first_maximum_.found(k)) driver.static_force = first_maximum_.value(k) / speed;
+    if (window) {
+      const std::size_t power = from.first_rate + axes;
+      driver.work = to_.integrals[power] - from_.integrals[power];
+      if (from.drive->steady) driver.distance = speed * length;
+      if (from.drive->steady && speed > 0.0)
+        driver.work_per_distance = *driver.work / *driver.distance;
+    }
+    result.drivers.push_back(std::move(driver));
+  }
+  if (ledger_) result.energy = energy(window);
+  for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
+    const Model::Body& from = model_.bodies()[b];
+    const SystemView<double>& view = model_.system().view;
+    BodyResult body;
+    body.name = from.bound.name;
+    double numbers[3];
+    model_.centre(b, view.position, numbers);
+    for (int d = 0; d < axes; ++d) {
+      body.centre_of_mass.push_back(static_cast<double>(model_.placed(d, numbers[d])));
+    }
+    model_.centre_velocity(b, view.velocity, numbers);
+    body.velocity.assign(numbers, numbers + axes);
+    if (from.rotates()) body.rotation = kTau * turns_of(b, view.position);
+    if (window) {
+      for (int d = 0; d < axes; ++d) {
+        const DoubleDouble moved = to_.place(b * axes + d) - from_.place(b * axes + d);
+        body.mean_velocity.push_back(static_cast<double>(moved) / length);
+      }
+      body.max_speed = extremes_.high(drivers_.size() * axes + b);
+      if (from.rotates()) {
+        body.turns = to_.turns[b] - from_.turns[b];
+        const double moved = static_cast<double>(to_.place(b * axes) - from_.place(b * axes));
+        if (from.rolling_radius > 0.0 && moved != 0.0) {
+          body.rolling = from.rolling_radius * kTau * (0.0 - *body.turns) / moved;
+        }
+      }
+    }
+    result.bodies.push_back(std::move(body));
+  }
+  return result;
+}
+
+}  // namespace tomlin
