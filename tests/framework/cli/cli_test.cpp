@@ -91,8 +91,6 @@ TEST_F(Cli, WhatIsToComeSaysSo) {
   expect_refused(
       {"new", "plugin"},
       "tomlin: error: \"new plugin\" is not in this version; admissible: pt, fk, ring\n");
-  expect_refused({"run", "tip.toml", "--resume"},
-                 "tomlin: error: --resume is not in this version\n");
   expect_refused({"run", "tip.toml", "--plugin", "x.so"},
                  "tomlin: error: --plugin is not in this version\n");
 }
@@ -176,7 +174,7 @@ TEST_F(Cli, ARunLeavesItsFilesAndAShortResult) {
   const std::string table = file("tip.out/observables.csv");
   EXPECT_EQ(table.substr(0, 35), "time [time],driver.force.x [force],");
   EXPECT_EQ(lines(table), 1 + 429);   // the header, and 0, 0.7, ... below 300
-  EXPECT_EQ(all_files().size(), 5U);  // the scene, the folder and three files in it
+  EXPECT_EQ(all_files().size(), 6U);  // the scene, the folder and four files in it
 }
 
 TEST_F(Cli, NoTableWithoutASamplingInterval) {
@@ -381,9 +379,9 @@ TEST_F(Cli, AFullDiskIsReportedAndEndsTheRun) {
       tomlin({"run", "tip.toml", "--set", "run.duration=1e7"}, {.largest_file = 100000});
   EXPECT_EQ(ended.status, 1);
   EXPECT_EQ(ended.err,
-            "tomlin: error: cannot write tip.out/observables.csv.part: File too large\n");
+            "tomlin: error: cannot write tip.out/run.journal: File too large\n");
   EXPECT_FALSE(exists("tip.out/observables.csv"));
-  EXPECT_TRUE(exists("tip.out/observables.csv.part"));
+  EXPECT_TRUE(exists("tip.out/run.checkpoint"));
   const Json results = summary("tip.out");
   EXPECT_EQ(results["status"], "failed");
   EXPECT_LT(results["time"]["end"], 1e7);
@@ -404,10 +402,10 @@ TEST_F(Cli, AStandardOutputThatIsFullIsReported) {
 TEST_F(Cli, ASignalEndsARunThatLeavesWhatIsKnown) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const std::string folder = "signal-" + std::to_string(signal);
-    const auto table = folder_.path() / folder / "observables.csv.part";
+    const auto begun = folder_.path() / folder / "run.checkpoint";
     const Ended ended = tomlin({"run", "tip.toml", "--set", "run.duration=1e9", "-o", folder},
                                {.then = [&](pid_t child) {
-                                 EXPECT_TRUE(appears(table));
+                                 EXPECT_TRUE(appears(begun));
                                  ::kill(child, signal);
                                }});
     EXPECT_EQ(ended.status, 128 + signal) << ended.err;
@@ -420,10 +418,10 @@ TEST_F(Cli, ASignalEndsARunThatLeavesWhatIsKnown) {
 }
 
 TEST_F(Cli, AKilledRunLeavesNothingThatLooksComplete) {
-  const auto table = folder_.path() / "tip.out" / "observables.csv.part";
+  const auto begun = folder_.path() / "tip.out" / "run.checkpoint";
   const Ended ended =
       tomlin({"run", "tip.toml", "--set", "run.duration=1e9"}, {.then = [&](pid_t child) {
-               EXPECT_TRUE(appears(table));
+               EXPECT_TRUE(appears(begun));
                ::kill(child, SIGKILL);
              }});
   EXPECT_EQ(ended.status, 128 + SIGKILL);
@@ -431,7 +429,7 @@ TEST_F(Cli, AKilledRunLeavesNothingThatLooksComplete) {
   EXPECT_FALSE(exists("tip.out/observables.csv"));
   EXPECT_EQ(tomlin({"run", "tip.toml"}).status, 2);
   EXPECT_EQ(tomlin({"run", "tip.toml", "--force"}).status, 0);
-  EXPECT_FALSE(fs::exists(table));
+  EXPECT_FALSE(fs::exists(begun));
 }
 
 }  // namespace

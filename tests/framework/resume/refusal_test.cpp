@@ -1,0 +1,246 @@
+#include <chrono>
+#include <csignal>
+#include <cstddef>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/framework/resume/resume_fixture.hpp"
+
+/// What --resume goes on with, what it refuses and why, and what else may befall a folder.
+namespace tomlin::test {
+namespace {
+
+class Resume : public Cli {
+ protected:
+  void SetUp() override {
+    write(folder_ / "scene.toml", kShortRun);
+    write(folder_ / "long.toml", text_of_long_run());
+  }
+
+  static std::string text_of_long_run() {
+    std::string text = kShortRun;
+    text.replace(text.find("duration = 1.5"), 14, "duration = 1e7");
+    return text;
+  }
+
+  /// A run that was stopped by this signal, in "out".
+  void stop_a_run(int signal) {
+    const Ended ended = tomlin({"run", "long.toml", "-o", "out"},
+                               {.then =
+                                    [&](pid_t child) {
+                                      EXPECT_TRUE(appears(folder_ / "out/run.checkpoint"));
+                                      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+                                      ::kill(child, signal);
+                                    },
+                                .environment = impatient()});
+    ASSERT_EQ(ended.status, 128 + signal) << ended.err;
+  }
+
+  Ended resume(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words = {"run", "long.toml", "-o", "out", "--resume"};
+    words.insert(words.end(), more.begin(), more.end());
+    return tomlin(words);
+  }
+
+  /// Refused with these words, and nothing in the folder has changed.
+  void expect_refused_for(const std::vector<std::string>& reasons,
+                          const std::vector<std::string>& more = {}) {
+    const auto before = files_of(folder_ / "out");
+    const Ended ended = resume(more);
+    EXPECT_EQ(ended.status, 2);
+    EXPECT_EQ(lines(ended.err), 1) << ended.err;
+    for (const std::string& reason : reasons) EXPECT_TRUE(contains(ended.err, reason)) << ended.err;
+    EXPECT_EQ(files_of(folder_ / "out"), before);
+  }
+
+  void change_byte(const std::string& path, std::size_t at) {
+    std::string bytes = file(path);
+    bytes.at(at) = static_cast<char>(bytes.at(at) ^ 1);
+    write(folder_ / path, bytes);
+  }
+};
+
+TEST_F(Resume, BeginsWhereThereIsNothingYet) {
+  EXPECT_EQ(tomlin({"run", "scene.toml", "-o", "new", "--resume"}).status, 0);
+  fs::create_directory(folder_ / "empty");
+  EXPECT_EQ(tomlin({"run", "scene.toml", "-o", "empty", "--resume"}).status, 0);
+  EXPECT_EQ(differing(folder_ / "new", folder_ / "empty"), "");
+}
+
+TEST_F(Resume, ARunThatHasFinishedStaysAsItIs) {
+  ASSERT_EQ(tomlin({"run", "scene.toml", "-o", "out"}).status, 0);
+  const auto before = files_of(folder_ / "out");
+  const Ended ended = tomlin({"run", "scene.toml", "-o", "out", "--resume"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_TRUE(contains(ended.out, "finished already")) << ended.out;
+  EXPECT_EQ(files_of(folder_ / "out"), before);
+  expect_refused_for({"another scene", "duration = 1.5", "duration = 10000000"});
+}
+
+TEST_F(Resume, ARunThatFailedWouldFailAgain) {
+  const std::vector<std::string> failing = {"--set", "run.integrator.dt=100", "--set",
+                                            "run.duration=1e3"};
+  std::vector<std::string> words = {"run", "scene.toml", "-o", "out", "--resume"};
+  words.insert(words.end(), failing.begin(), failing.end());
+  ASSERT_EQ(tomlin(words).status, 1);
+  EXPECT_FALSE(exists("out/run.journal"));
+  const Ended ended = tomlin(words);
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_TRUE(contains(ended.err, "would again: dt = 100")) << ended.err;
+}
+
+TEST_F(Resume, ARunThatWasStoppedSaysHowToGoOn) {
+  stop_a_run(SIGTERM);
+  EXPECT_EQ(summary("out")["status"], "interrupted");
+  EXPECT_TRUE(exists("out/observables.csv"));
+  const Ended ended = tomlin({"run", "long.toml", "-o", "out"});
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_TRUE(contains(ended.err, "--resume")) << ended.err;
+  EXPECT_TRUE(exists("out/run.checkpoint"));
+  // Not both at once.
+  EXPECT_EQ(resume({"--force"}).status, 2);
+}
+
+TEST_F(Resume, AnotherSceneIsRefusedWithItsFirstDifference) {
+  stop_a_run(SIGTERM);
+  expect_refused_for(
+      {"run.journal", "another scene", "line ", "amplitude = 0.1", "amplitude = 0.2"},
+      {"--set", "force.sinusoidal_substrate.amplitude=0.2"});
+}
+
+/// What a scene reads from a file is part of it.
+TEST_F(Resume, ChangedPositionsAreAnotherScene) {
+  std::string scene = text_of_long_run();
+  const std::string point = "type = \"point\"\nposition = [0.0]";
+  scene.replace(scene.find(point), point.size(), "type = \"particles\"\nfile = \"places.dat\"");
+  write(folder_ / "long.toml", scene);
+  write(folder_ / "places.dat", "0.0\n");
+  stop_a_run(SIGTERM);
+  write(folder_ / "places.dat", "0.25\n");
+  expect_refused_for({"another scene", "0.25"});
+}
+
+TEST_F(Resume, AnEditedSceneFileIsNotLost) {
+  stop_a_run(SIGKILL);
+  write(folder_ / "out/scene.toml", "# mine\n" + file("out/scene.toml"));
+  expect_refused_for({"out/scene.toml", "another scene", "# mine"});
+}
+
+TEST_F(Resume, MissingFilesAreRefused) {
+  stop_a_run(SIGTERM);
+  const std::string journal = file("out/run.journal");
+  fs::remove(folder_ / "out/run.journal");
+  expect_refused_for({"run.journal", "there is none"});
+  fs::rename(folder_ / "out/run.checkpoint", folder_ / "kept");
+  expect_refused_for({"journal and checkpoint are missing"});
+  write(folder_ / "out/run.journal", journal);
+  expect_refused_for({"run.checkpoint", "there is none"});
+  fs::remove(folder_ / "out/summary.json");
+  expect_refused_for({"run.checkpoint", "there is none", "samples"});
+  fs::rename(folder_ / "kept", folder_ / "out/run.checkpoint");
+}
+
+TEST_F(Resume, DamagedFilesAreRefused) {
+  stop_a_run(SIGKILL);
+  for (const std::string name : {"out/run.checkpoint", "out/run.journal"}) {
+    const std::string good = file(name);
+    for (const std::size_t at : {std::size_t{0}, std::size_t{20}, good.size() / 2}) {
+      change_byte(name, at);
+      expect_refused_for({name, "corrupted"});
+      write(folder_ / name, good);
+    }
+    write(folder_ / name, good.substr(0, good.size() / 2));
+    expect_refused_for({name, "truncated"});
+    write(folder_ / name, "");
+    expect_refused_for({name, "truncated"});
+    write(folder_ / name, good);
+  }
+}
+
+/// What was not yet in the checkpoint is computed again.
+TEST_F(Resume, WhateverFollowsTheCheckpointIsDropped) {
+  const std::vector<std::string> run = {"run", "scene.toml", "-o", "out", "--resume"};
+  ASSERT_EQ(tomlin({"run", "scene.toml", "-o", "whole"}).status, 0);
+  std::vector<std::string> environment = impatient();
+  environment.insert(environment.end(), {"FAILING_CALLS_HOW=kill", "FAILING_CALLS_AT=30"});
+  for (const std::string garbage :
+       {"x", "TOMR", "a whole lot of it, longer than a record's head"}) {
+    fs::remove_all(folder_ / "out");
+    ASSERT_EQ(tomlin(run, {.environment = environment}).status, 128 + SIGKILL);
+    ASSERT_TRUE(exists("out/run.checkpoint"));
+    write(folder_ / "out/run.journal", file("out/run.journal") + garbage);
+    EXPECT_EQ(tomlin(run).status, 0);
+    EXPECT_EQ(differing(folder_ / "whole", folder_ / "out"), "");
+  }
+}
+
+TEST_F(Resume, TwoRunsNeverShareAFolder) {
+  const Ended first = tomlin(
+      {"run", "long.toml", "-o", "out"},
+      {.then =
+           [&](pid_t child) {
+             EXPECT_TRUE(appears(folder_ / "out/run.checkpoint"));
+             for (const std::string how : {"--resume", "--force"}) {
+               const Ended second = tomlin({"run", "long.toml", "-o", "out", how});
+               EXPECT_EQ(second.status, 2);
+               EXPECT_TRUE(contains(second.err, "another run is writing here")) << second.err;
+             }
+             ::kill(child, SIGTERM);
+           },
+       .environment = impatient()});
+  EXPECT_EQ(first.status, 128 + SIGTERM) << first.err;
+  EXPECT_EQ(summary("out")["status"], "interrupted");
+}
+
+/// Removed, or removed and made anew, while the run is going on.
+TEST_F(Resume, AFolderThatGoesAwayEndsTheRun) {
+  for (const bool made_anew : {false, true}) {
+    fs::remove_all(folder_ / "out");
+    const Ended ended = tomlin({"run", "long.toml", "-o", "out"},
+                               {.then =
+                                    [&](pid_t) {
+                                      EXPECT_TRUE(appears(folder_ / "out/run.checkpoint"));
+                                      fs::rename(folder_ / "out", folder_ / "away");
+                                      fs::remove_all(folder_ / "away");
+                                      if (made_anew) fs::create_directory(folder_ / "out");
+                                    },
+                                .environment = impatient()});
+    EXPECT_EQ(ended.status, 1);
+    EXPECT_TRUE(contains(ended.err, "the folder was removed or replaced")) << ended.err;
+    EXPECT_FALSE(exists("out/observables.csv"));
+    EXPECT_FALSE(exists("out/run.checkpoint"));
+  }
+}
+
+TEST_F(Resume, AFullDiskKeepsTheLastCheckpoint) {
+  ASSERT_EQ(tomlin({"run", "scene.toml", "-o", "whole", "--set", "run.duration=60"}).status, 0);
+  const std::vector<std::string> run = {"run",   "scene.toml",      "-o",      "out",
+                                        "--set", "run.duration=60", "--resume"};
+  const Ended full = tomlin(run, {.largest_file = 9000});
+  EXPECT_EQ(full.status, 1);
+  EXPECT_TRUE(contains(full.err, "File too large")) << full.err;
+  EXPECT_EQ(summary("out")["status"], "failed");
+  EXPECT_TRUE(contains(summary("out")["failure"]["what"], "cannot write out/"));
+  EXPECT_FALSE(exists("out/observables.csv"));
+  const Ended ended = tomlin(run);
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_EQ(differing(folder_ / "whole", folder_ / "out"), "");
+}
+
+/// No file of the run takes the number of a stream that is closed.
+TEST_F(Resume, ClosedStandardStreamsHarmNothing) {
+  ASSERT_EQ(tomlin({"run", "scene.toml", "-o", "whole"}).status, 0);
+  const Ended no_output = tomlin({"run", "scene.toml", "-o", "out"}, {.closed = {1}});
+  EXPECT_EQ(no_output.status, 1);
+  EXPECT_TRUE(contains(no_output.err, "cannot write to standard output")) << no_output.err;
+  EXPECT_EQ(differing(folder_ / "whole", folder_ / "out"), "");
+  fs::remove_all(folder_ / "out");
+  EXPECT_EQ(tomlin({"run", "scene.toml", "-o", "out", "--quiet"}, {.closed = {0, 1, 2}}).status, 0);
+  EXPECT_EQ(differing(folder_ / "whole", folder_ / "out"), "");
+}
+
+}  // namespace
+}  // namespace tomlin::test
