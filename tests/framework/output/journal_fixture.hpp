@@ -76,7 +76,6 @@ inline JournalHeader small_header() { return {"1.2.3", "a scene\nof two lines\n"
 
 /// Rows and events [from, to), in a record for every three of each.
 inline JournalMark write_on(JournalWriter& journal, std::uint64_t from, std::uint64_t to) {
-  JournalMark mark;
   for (std::uint64_t k = from; k < to; ++k) {
     journal.row(small_row(k));
     journal.event(small_event(k));
