@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/mount.h>
 
 #include "tests/framework/resume/resume_fixture.hpp"
 
@@ -231,6 +232,48 @@ TEST_F(Resume, AFullDiskKeepsTheLastCheckpoint) {
   const Ended ended = tomlin(run);
   EXPECT_EQ(ended.status, 0) << ended.err;
   EXPECT_EQ(differing(folder_ / "whole", folder_ / "out"), "");
+}
+
+/// A file system of 64 kB in memory, while this lives; none where mounting is not allowed.
+class SmallDisk {
+ public:
+  explicit SmallDisk(const fs::path& at) : at_(at) {
+    fs::create_directory(at_);
+    mounted_ = ::mount("tmpfs", at_.c_str(), "tmpfs", 0, "size=64k") == 0;
+  }
+  ~SmallDisk() {
+    if (mounted_) ::umount(at_.c_str());
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+  bool mounted() const { return mounted_; }
+  bool grow() const { return ::mount("tmpfs", at_.c_str(), "tmpfs", MS_REMOUNT, "size=64m") == 0; }
+
+ private:
+  fs::path at_;
+  bool mounted_ = false;
+};
+
+TEST_F(Resume, AFullFileSystemKeepsTheLastCheckpointToo) {
+  const SmallDisk disk(folder_ / "disk");
+  if (!disk.mounted()) GTEST_SKIP() << "mounting a file system is not allowed here";
+  const std::vector<std::string> settings = {"--set", "run.duration=600", "--set",
+                                             "output.every=0.05"};
+  const auto run = [&](const std::string& out, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"run", "scene.toml", "-o", out};
+    words.insert(words.end(), settings.begin(), settings.end());
+    words.insert(words.end(), more.begin(), more.end());
+    return tomlin(words);
+  };
+  ASSERT_EQ(run("whole", {}).status, 0);
+  const Ended full = run("disk/out", {});
+  EXPECT_EQ(full.status, 1);
+  EXPECT_TRUE(contains(full.err, "No space left on device")) << full.err;
+  EXPECT_FALSE(exists("disk/out/observables.csv"));
+  ASSERT_TRUE(disk.grow());
+  const Ended ended = run("disk/out", {"--resume"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_EQ(differing(folder_ / "whole", folder_ / "disk/out"), "");
 }
 
 /// No file of the run takes the number of a stream that is closed.
