@@ -18,7 +18,8 @@ namespace {
 constexpr std::uint32_t kFormat = 1;
 constexpr std::size_t kBlock = std::size_t{1} << 16;  // bytes of samples or events in a record
 /// An event without its name.
-constexpr std::size_t kEventBytes = sizeof(std::uint32_t) + sizeof(std::uint64_t) + 5 * 8;
+constexpr std::size_t kEventBytes =
+    sizeof(std::uint32_t) + sizeof(std::uint64_t) + 5 * sizeof(double);
 
 std::size_t row_bytes(const RunLayout& layout) { return layout.row() * sizeof(double); }
 
