@@ -114,8 +114,8 @@ class Rk4 : public Rk4Base<Real> {
       return kernels_.step(system_.view, arrays_, since, h);
     }
     Real start_velocity;
-    return kernels_.point_block(system_.view, since, 0, h, 1, arrays_.rates[0],
-                                &start_velocity) == 1;
+    return kernels_.point_block(system_.view, since, 0, h, 1, arrays_.rates[0], &start_velocity) ==
+           1;
   }
 
   using Base = Rk4Base<Real>;

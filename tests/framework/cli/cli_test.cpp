@@ -378,8 +378,7 @@ TEST_F(Cli, AFullDiskIsReportedAndEndsTheRun) {
   const Ended ended =
       tomlin({"run", "tip.toml", "--set", "run.duration=1e7"}, {.largest_file = 100000});
   EXPECT_EQ(ended.status, 1);
-  EXPECT_EQ(ended.err,
-            "tomlin: error: cannot write tip.out/run.journal: File too large\n");
+  EXPECT_EQ(ended.err, "tomlin: error: cannot write tip.out/run.journal: File too large\n");
   EXPECT_FALSE(exists("tip.out/observables.csv"));
   EXPECT_TRUE(exists("tip.out/run.checkpoint"));
   const Json results = summary("tip.out");
