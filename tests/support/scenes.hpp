@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -86,7 +87,10 @@ class KeptSamples : public RunSink {
     for (const SampleColumn& column : layout.columns) names.push_back(column.name);
   }
   void sample(const std::vector<double>& values) override { rows.push_back(values); }
-  void event(const Event& event) override { events.push_back(event); }
+  void event(const Event& event) override {
+    events.push_back(event);
+    events.back().name = *event_names.emplace(event.name).first;
+  }
 
   std::vector<Event> of(EventKind kind) const {
     std::vector<Event> found;
@@ -105,7 +109,8 @@ class KeptSamples : public RunSink {
 
   std::vector<std::string> names;
   std::vector<std::vector<double>> rows;
-  std::vector<Event> events;  ///< their names are good as long as the engine
+  std::vector<Event> events;
+  std::set<std::string> event_names;  ///< what their names refer to
 };
 
 inline bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
