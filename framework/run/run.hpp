@@ -167,7 +167,7 @@ const char* to_string(EventKind kind);
 /// Something that happened. What a kind has no number for is not a number.
 struct Event {
   EventKind kind = EventKind::slip;
-  std::string_view name;  ///< of the driver or the body; outlives the run
+  std::string_view name;  ///< of the driver or the body; good as long as the run lasts
   double time = 0.0;      ///< when it began
   double duration = 0.0;
   double size = 0.0;         ///< length of a slip, height of a hop, turns, way back of a reversal
