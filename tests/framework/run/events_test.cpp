@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -157,8 +158,8 @@ TEST(Slips, LoseTheEnergyThatTheDamperTakes) {
     for (std::size_t k = first; k < last; ++k) {
       heat += 0.5 * kEvery * 1.5 * (v[k] * v[k] + v[k + 1] * v[k + 1]);
     }
-    // States are looked at up to 16 steps after the moment.
-    EXPECT_NEAR(slip.energy_lost, heat, 0.02 * heat);
+    // States are looked at up to 16 steps after the moment, when hardly anything moves.
+    EXPECT_NEAR(slip.energy_lost, heat, 5e-3 * heat);
     EXPECT_GT(heat, 0.05);
   }
 }
@@ -263,6 +264,23 @@ TEST(Hops, AreRisesByAFifthOfTheRadius) {
     for (std::size_t k = 0; k < heights.size(); ++k) {
       EXPECT_NEAR(hops[k].size, heights[k], 2e-3) << coordinates;
     }
+  }
+}
+
+TEST(Hops, ABodyThatRisesByLessHasNotHopped) {
+  for (const auto& [rise, expected] : {std::pair(0.19, 0), std::pair(0.21, 3)}) {
+    std::vector<double> reals(BodyWatch::kReals);
+    std::vector<std::int64_t> integers(BodyWatch::kIntegers);
+    BodyWatch watch(0, 1.0);
+    watch.attach(reals.data(), integers.data());
+    watch.start();
+    int hops = 0;
+    for (int k = 0; k <= 300; ++k) {
+      const double t = 0.01 * k;  // three times up and down
+      watch.add_height(t, 1.0 + rise * 0.5 * (1.0 - std::cos(2.0 * kPi * t)),
+                       [&](const Event&) { ++hops; });
+    }
+    EXPECT_EQ(hops, expected) << rise;
   }
 }
 
