@@ -321,5 +321,29 @@ TEST(DriverReversal, GoesOnFromAnyStep) {
   }
 }
 
+/// A sample within a step makes the next one's first evaluation; whoever goes on from a checkpoint
+/// right after it makes it again, and counts it once.
+TEST(Checkpoint, CountsNoEvaluationTwice) {
+  class Keeper : public KeptSamples {
+   public:
+    void checkpoint(const RunState& state) override { states.push_back(state.to_bytes()); }
+    std::vector<std::vector<std::byte>> states;
+  };
+  const auto scene = scene_of(tip(fixed_step(0.01), "[output]\nevery = 0.0077\n").text(),
+                              {{"run.checkpoint_every", "1e-9"}});
+  Keeper whole;
+  RunOptions options;
+  options.sink = &whole;
+  const RunResult expected = run(scene, options);
+  ASSERT_GT(whole.states.size(), 50u);
+  for (const auto& bytes : whole.states) {
+    Keeper rest;
+    RunOptions resumed;
+    resumed.sink = &rest;
+    resumed.resume_from = &bytes;
+    EXPECT_EQ(run(scene, resumed).force_evaluations, expected.force_evaluations);
+  }
+}
+
 }  // namespace
 }  // namespace tomlin::test
