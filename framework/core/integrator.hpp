@@ -55,6 +55,10 @@ struct IntegratorRecord : ComponentRecord {
   /// Takes friction as an operator, its exact flow over a step's halves, in place of a force. Other
   /// forces that depend on velocity, and forces with variables of their own, are then refused.
   bool splits_friction = false;
+  bool needs_tangent = false;      ///< solves equations with the forces' derivatives
+  bool conservative_only = false;  ///< for scenes without friction and other loss
+  /// Follows equilibria as the driver moves: for quasistatic dynamics, and for no other.
+  bool follows_equilibria = false;
 
   /// Growth factor |R(z)| on y' = lambda y, z = h lambda; stable where it does not exceed 1.
   double (*growth)(std::complex<double> z) = nullptr;

@@ -6,6 +6,7 @@
 #include "framework/core/instruction_set.hpp"
 #include "framework/core/kernel_arguments.hpp"
 #include "framework/core/stage.hpp"
+#include "framework/core/tangent.hpp"
 
 /// A bound scene as integrators and kernels see it: plain arrays and a list of kernel calls.
 namespace tomlin {
@@ -86,6 +87,8 @@ struct System {
   SystemView<Real> view;
   InstructionSet set = InstructionSet::baseline;
   std::uint64_t evaluations = 0;  ///< of all forces, so far
+  std::uint64_t columns = 0;      ///< of Jacobians, so far: see Tangent::columns()
+  Tangent* tangent = nullptr;     ///< for schemes whose record asks for it; null otherwise
 
   /// Tell forces that depend on time from where stages count their `elapsed`.
   void (*begin_step)(void* model, double time_high, double time_low) = nullptr;

@@ -99,6 +99,7 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
   summary["time"] = {{"end", number(result.end_time)},
                      {"steps", result.steps},
                      {"force_evaluations", result.force_evaluations},
+                     {"jacobian_columns", result.jacobian_columns},
                      {"refused_steps", result.refused_steps}};
   summary["window"] = {{"from", number(result.window_from)}, {"to", number(result.window_to)}};
 
@@ -129,6 +130,11 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
     for (const DeterminedResult& found : result.determined) {
       summary["determined"][found.path] = determined_entry(found);
     }
+  }
+
+  if (!result.errors.empty()) {
+    summary["error"] = Json::object();
+    for (const ErrorEstimate& one : result.errors) summary["error"][one.path] = number(one.error);
   }
 
   summary["warnings"] = result.warnings;

@@ -161,6 +161,7 @@ void Engine::resume(const std::vector<std::byte>& numbers) {
   attach();
   integrator_->rebased();  // nothing computed ahead is known here
   model_.system().evaluations = static_cast<std::uint64_t>(counts_[kEvaluations]);
+  model_.system().columns = static_cast<std::uint64_t>(counts_[kColumns]);
   plain_left_ = 0;
   ended_ = interrupted_ = false;
   time_before_ = time();
@@ -196,6 +197,7 @@ void Engine::keep_checkpoint() {
   if (options_.sink == nullptr) return;
   counts_[kEvaluations] = static_cast<std::int64_t>(model_.system().evaluations) -
                           static_cast<std::int64_t>(integrator_->evaluations_ahead());
+  counts_[kColumns] = static_cast<std::int64_t>(model_.system().columns);
   options_.sink->checkpoint(state_);
 }
 
@@ -236,6 +238,7 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid,
   clock_[0] = arrived.hi;
   clock_[1] = arrived.lo;
   counts_[kEvaluations] = static_cast<std::int64_t>(model_.system().evaluations);
+  counts_[kColumns] = static_cast<std::int64_t>(model_.system().columns);
   ++counts_[kSteps];
   if (to_grid) ++counts_[kGridSteps];
   // Anchored afresh before any evaluation that belongs to the next step.
@@ -379,6 +382,7 @@ void Engine::plain_block(std::int64_t most) {
   counts_[kGridSteps] += taken;
   counts_[kSteps] += taken;
   counts_[kEvaluations] = static_cast<std::int64_t>(model_.system().evaluations);
+  counts_[kColumns] = static_cast<std::int64_t>(model_.system().columns);
   plain_left_ -= taken;
   const DoubleDouble time = two_prod(static_cast<double>(counts_[kGridSteps]), dt_);
   clock_[0] = time.hi;

@@ -171,7 +171,7 @@ class Engine {
   std::int64_t* counts_ = nullptr;  ///< steps taken, steps on the grid, next sample
   double* last_turns_ = nullptr;    ///< flexible bodies: rotation when last looked at
   std::int64_t* turn_wraps_ = nullptr;
-  enum { kSteps, kGridSteps, kNextSample, kRotationEvery, kEvaluations, kCounts };
+  enum { kSteps, kGridSteps, kNextSample, kRotationEvery, kEvaluations, kColumns, kCounts };
 
   // Drivers and bodies among the signals that extremes are taken of.
   std::vector<Model::Driver> drivers_;

@@ -62,6 +62,7 @@ RunResult Engine::result() {
   result.steps = static_cast<std::uint64_t>(counts_[kSteps]);
   result.refused_steps = integrator_->refused_steps();
   result.force_evaluations = model_.system().evaluations;
+  result.jacobian_columns = model_.system().columns;
   result.events = event_counts();
   if (period_ > 0.0) result.steady = steady();
   result.window_from = from_.time;

@@ -137,6 +137,7 @@ std::vector<Observable> observables(const RunResult& result) {
       .add("end", result.end_time)
       .add_count("steps", result.steps)
       .add_count("force_evaluations", result.force_evaluations)
+      .add_count("jacobian_columns", result.jacobian_columns)
       .add_count("refused_steps", result.refused_steps);
   all.under("window").add("from", result.window_from).add("to", result.window_to);
   all.under("performance")

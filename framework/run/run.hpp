@@ -103,6 +103,12 @@ struct DeterminedResult {
   double max = 0.0;
 };
 
+/// Estimated error of an observable of this run, in its own unit.
+struct ErrorEstimate {
+  std::string path;
+  std::optional<double> error;  ///< nothing where the observable is undefined
+};
+
 struct RunResult {
   RunStatus status = RunStatus::finished;
   std::optional<RunFailure> failure;
@@ -110,6 +116,7 @@ struct RunResult {
   std::uint64_t steps = 0;
   std::uint64_t refused_steps = 0;
   std::uint64_t force_evaluations = 0;
+  std::uint64_t jacobian_columns = 0;  ///< each worth an evaluation of all forces
   double window_from = 0.0;
   double window_to = 0.0;
   std::vector<DriverResult> drivers;
@@ -118,6 +125,7 @@ struct RunResult {
   std::optional<SteadyResult> steady;        ///< with `[run] until`
   std::optional<EnergyResult> energy;        ///< with `[run] ledger`
   std::vector<DeterminedResult> determined;  ///< with `[run] perturb`
+  std::vector<ErrorEstimate> errors;         ///< with `[run] accuracy`
   std::vector<std::string> warnings;
   std::vector<std::pair<std::string, std::string>> left_out;  ///< force and why it was not built
   double wall_seconds = 0.0;
