@@ -172,6 +172,8 @@ const char* to_string(TradeoffGap::Kind kind) {
       return "failed";
     case TradeoffGap::Kind::over_budget:
       return "over budget";
+    case TradeoffGap::Kind::costly:
+      return "too costly";
     case TradeoffGap::Kind::undefined:
       return "undefined";
   }

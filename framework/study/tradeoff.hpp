@@ -43,12 +43,19 @@ struct TradeoffPoint {
 
 /// What is not in the diagram.
 struct TradeoffGap {
-  enum class Kind { refused, unstable, failed, over_budget, undefined } kind = Kind::refused;
+  enum class Kind {
+    refused,
+    unstable,
+    failed,
+    over_budget,
+    costly,
+    undefined
+  } kind = Kind::refused;
   std::string rung;
   std::string why;
 };
 
-/// "refused", "unstable", "failed", "over budget", "undefined".
+/// "refused", "unstable", "failed", "over budget", "too costly", "undefined".
 const char* to_string(TradeoffGap::Kind kind);
 
 struct Recommendation {

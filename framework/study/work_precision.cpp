@@ -22,15 +22,19 @@ constexpr double kFirstPart = 0.1;
 constexpr double kCoarsestTolerance = 1.0;
 constexpr double kFinestTolerance = 1e-13;
 constexpr int kMostPoints = 40;
-/// So many points in a row that are no better than those before: an error of the model, of the
-/// number type or of the reference.
-constexpr int kPatience = 6;
-constexpr int kPatienceOfOthers = 3;
+/// So many points in a row that are no better than those before: rounding, or chaos.
+constexpr int kPatience = 7;
 /// An error that is this part of the best so far is better.
 constexpr double kBetter = 0.7;
+/// So many points in a row that have moved by less than this part of their error: what is left is
+/// the error of the model or of the numbers.
+constexpr int kAtRest = 3;
+constexpr double kMoved = 0.03;
 /// Points that are fine enough before a rung ends: the first may be so by chance.
 constexpr int kFineEnough = 2;
 constexpr int kRefinements = 4;
+/// A setting that costs so many times more than one that keeps the tolerance is of no interest.
+constexpr std::uint64_t kCostly = 30;
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
 /// In so many digits, as it will stand in a scene.
@@ -43,7 +47,13 @@ double rounded(double x, int digits) {
 
 double rounded_down(double x) {
   const double near = rounded(x, 2);
-  return near <= x ? near : rounded(0.95 * x, 2);
+  if (near <= x) return near;
+  // One less in the second digit.
+  const std::string text = fmt::format("{:.0e}", x);
+  double digit = 0.0;
+  const std::string unit = "1" + text.substr(text.find('e'));
+  std::from_chars(unit.data(), unit.data() + unit.size(), digit);
+  return rounded(near - 0.1 * digit, 2);
 }
 
 TradeoffGap::Kind kind_of(const Measurement& found) {
@@ -77,6 +87,13 @@ bool is_last(const Rung& rung, double knob) {
   return rung.knob == Knob::tolerance && knob <= kFinestTolerance;
 }
 
+/// The least cost of all points that keep the tolerance.
+std::uint64_t least_cost(const Aim& aim, const std::vector<TradeoffPoint>& points) {
+  const std::size_t best = cheapest_point(aim, points);
+  return best < points.size() ? std::max<std::uint64_t>(points[best].cost(), 1)
+                              : std::numeric_limits<std::uint64_t>::max();
+}
+
 /// One rung's way from coarse to fine.
 class Walk {
  public:
@@ -85,8 +102,7 @@ class Walk {
         rung_(rung),
         aim_(aim),
         tradeoff_(tradeoff),
-        patience_(rung.is_own_model() && rung.number_type == "double" ? kPatience
-                                                                      : kPatienceOfOthers) {}
+        least_(least_cost(aim, tradeoff.points)) {}
 
   void go(double first, double seconds, Measurer& measurer) {
     const double until = measurer.used() + seconds;
@@ -127,24 +143,30 @@ class Walk {
     fine_ = error <= aim_.fine_enough ? fine_ + 1 : 0;
     idle_ = error <= kBetter * best_ ? 0 : idle_ + 1;
     best_ = std::min(best_, error);
-    done_ = fine_ >= kFineEnough || idle_ >= patience_;
+    at_rest_ = taken_ > 1 && std::abs(*found.value - last_) <= kMoved * error ? at_rest_ + 1 : 0;
+    last_ = *found.value;
+    done_ = fine_ >= kFineEnough || idle_ >= kPatience || at_rest_ >= kAtRest;
+    if (!done_ && found.cost() / kCostly >= least_) {
+      done_ = true;
+      gap(TradeoffGap::Kind::costly,
+          fmt::format("finer than {}: over {} times what keeps the tolerance", at(knob), kCostly));
+    }
   }
 
-  /// A step or tolerance that is too coarse makes a run fail; one that is too fine cannot be kept.
+  /// Steps or tolerances that are too coarse make runs fail, and finer ones help.
   void take_failure(double knob, const Measurement& found) {
     const TradeoffGap::Kind kind = kind_of(found);
-    done_ = taken_ > 0 || kind != TradeoffGap::Kind::failed;
-    if (done_ || failures_ == 0) last_failure_ = at(knob) + ": " + found.why;
-    ++failures_;
-    if (done_) gap(kind, last_failure_);
+    const std::string why = at(knob) + ": " + found.why;
+    if (taken_ == 0 && kind == TradeoffGap::Kind::failed) {
+      if (first_failure_.empty()) first_failure_ = why;
+      return;
+    }
+    gap(kind, why);
+    done_ = true;
   }
 
   void end() {
-    if (taken_ == 0 && failures_ > 0 && !done_) {
-      gap(TradeoffGap::Kind::failed, last_failure_);
-    } else if (taken_ > 0 && failures_ > 0 && !last_failure_.empty() && !done_) {
-      gap(TradeoffGap::Kind::failed, last_failure_);
-    }
+    if (!first_failure_.empty()) gap(TradeoffGap::Kind::failed, first_failure_);
     if (rung_.knob == Knob::step && std::isfinite(rung_.stable_step)) {
       gap(TradeoffGap::Kind::unstable, fmt::format("beyond dt = {:.4g}", rung_.stable_step));
     }
@@ -154,14 +176,15 @@ class Walk {
   const Rung& rung_;
   const Aim& aim_;
   Tradeoff& tradeoff_;
-  int patience_;
+  std::uint64_t least_;  ///< cost of the cheapest point of other rungs that keeps the tolerance
   int taken_ = 0;
-  int failures_ = 0;
   int fine_ = 0;
   int idle_ = 0;
+  int at_rest_ = 0;
+  double last_ = 0.0;  ///< the value before
   double best_ = std::numeric_limits<double>::infinity();
   bool done_ = false;
-  std::string last_failure_;
+  std::string first_failure_;  ///< of those before the first point
 };
 
 bool is_coarser(const TradeoffPoint& a, const TradeoffPoint& b) { return a.knob > b.knob; }
