@@ -22,6 +22,7 @@ struct Decimal {
   Quad value = Quad(0.0);
 
   constexpr Decimal() = default;
+  constexpr explicit Decimal(Quad x) : value(x) {}
   consteval Decimal(const char* text) {  // NOLINT: a number is a number
     const bool negative = *text == '-';
     if (negative) ++text;
@@ -42,6 +43,9 @@ struct Decimal {
     if (negative) value = -value;
   }
 
+  friend constexpr Decimal operator-(const Decimal& a, const Decimal& b) {
+    return Decimal(a.value - b.value);
+  }
   constexpr bool zero() const { return value == Quad(0.0); }
   template <class Real>
   constexpr Real as() const {

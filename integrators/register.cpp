@@ -2,6 +2,7 @@
 
 #include "framework/core/integrator.hpp"
 #include "integrators/blanes_moan.hpp"
+#include "integrators/dop853.hpp"
 #include "integrators/dopri5.hpp"
 #include "integrators/midpoint.hpp"
 #include "integrators/rk4.hpp"
@@ -11,6 +12,7 @@ namespace tomlin {
 
 void register_integrators(Registry& registry) {
   registry.add(blanes_moan_record());
+  registry.add(dop853_record());
   registry.add(dopri5_record());
   registry.add(midpoint_record());
   registry.add(rk4_record());
