@@ -16,7 +16,7 @@
 /// Order 8 for any smooth force, velocity-dependent ones included. Stable on the negative real axis
 /// to 6.39. Dense output: the continuous extension of order 7, three evaluations more in a step
 /// that is looked into. Extremes between the ends of steps come from stages, error O(h^6), at none.
-/// Quadruple numbers: coefficients are good to 28 digits.
+/// Quadruple numbers: conditions of order hold to 1e-27.
 /// Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I,
 /// doi:10.1007/978-3-540-78862-1, sections II.5, II.6 and II.10, with the code dop853;
 /// P. J. Prince and J. R. Dormand, J. Comput. Appl. Math. 7 (1981) 67,

@@ -6,7 +6,7 @@
 namespace tomlin {
 
 /// Coefficients of the pair and of its continuous extension, with the digits of the authors' code:
-/// conditions of order hold to 1e-28.
+/// conditions of order hold to 1e-27.
 struct Dop853Tableau {
   static constexpr int end = 12;
   static constexpr int slopes = 16;
