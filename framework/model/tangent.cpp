@@ -183,7 +183,7 @@ ForceTangent::Node ForceTangent::node_of(const Assembly<double>::Body& body, std
 /// Forces name the same elements wherever things are, so this may ask them at no place at all.
 bool ForceTangent::find_elements(Finder& finder) {
   const SystemView<double>& view = assembly_.system().view;
-  const std::vector<double> nowhere(view.dofs + view.own + 2 * kGroup, 0.0);
+  const AlignedVector<double> nowhere(view.dofs + view.own + 2 * kGroup, 0.0);
   const Stage<double> stage =
       stage_of(view, nowhere.data(), nowhere.data(), nowhere.data(), unused_rates_.data(), 0.0);
   for (const auto& force : assembly_.forces()) {

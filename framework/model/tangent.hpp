@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/core/aligned.hpp"
 #include "framework/core/band_matrix.hpp"
 #include "framework/core/bound_force.hpp"
 #include "framework/core/tangent.hpp"
@@ -111,7 +112,7 @@ class ForceTangent final : public Tangent {
   std::vector<double> friction_sizes_;
   std::vector<Term> terms_;
   std::vector<std::vector<double>> coefficients_;  ///< of friction, of bodies' particles
-  std::vector<double> unused_rates_;
+  AlignedVector<double> unused_rates_;
 
   // Of the last factor(): D A D = B + U S U^T, S the terms' signs.
   std::vector<double> scale_;  ///< D
