@@ -2,6 +2,7 @@
 
 #include "framework/core/integrator.hpp"
 #include "integrators/dopri5.hpp"
+#include "integrators/radau9.hpp"
 #include "integrators/rk4.hpp"
 #include "integrators/velocity_verlet.hpp"
 
@@ -9,6 +10,7 @@ namespace tomlin {
 
 void register_integrators(Registry& registry) {
   registry.add(dopri5_record());
+  registry.add(radau9_record());
   registry.add(rk4_record());
   registry.add(velocity_verlet_record());
 }
