@@ -5,6 +5,7 @@
 #include "integrators/dop853.hpp"
 #include "integrators/dopri5.hpp"
 #include "integrators/midpoint.hpp"
+#include "integrators/radau9.hpp"
 #include "integrators/rk4.hpp"
 #include "integrators/velocity_verlet.hpp"
 
@@ -15,6 +16,7 @@ void register_integrators(Registry& registry) {
   registry.add(dop853_record());
   registry.add(dopri5_record());
   registry.add(midpoint_record());
+  registry.add(radau9_record());
   registry.add(rk4_record());
   registry.add(velocity_verlet_record());
 }
