@@ -73,6 +73,12 @@ struct IntegratorRecord : ComponentRecord {
   std::vector<Complaint> (*complaints)(const void* description) = nullptr;
 
   IntegratorFactories bind;
+
+  /// True when no scene of particles is refused for what its forces are, with inertia or without.
+  bool takes_any_scene() const {
+    return without_inertia && !splits_friction && !needs_tangent && !conservative_only &&
+           !follows_equilibria;
+  }
 };
 
 }  // namespace tomlin

@@ -550,13 +550,37 @@ class SceneReader {
     return Node{std::move(names), {}};
   }
 
+  /// The first adaptive one that takes any force, with its defaults: what a scene that asks for an
+  /// accuracy can be bound with.
+  void take_any_integrator(const Section& run) {
+    for (const auto& record : registry_.integrators()) {
+      if (!record->takes_any_scene() || !record->adaptive) continue;
+      SceneIntegrator& integrator = scene_->run.integrator;
+      integrator.name = record->name;
+      integrator.record = record.get();
+      integrator.description = with_defaults(*record);
+      integrator.place = source_.place(run.where);
+      return;
+    }
+    faults_.of_key(run.where, {"run.accuracy", "there is no adaptive integrator", "an integrator"});
+  }
+
   /// The integrator's effective table; nothing when it is unfit.
   std::optional<Node> read_integrator(const Section& run) {
     const std::string path = "run.integrator";
     const std::string due = "{ type = ..., ... }";
     const Node* node = run.table->find("integrator");
+    if (const Entry* accuracy = run.table->find_entry("accuracy")) {
+      if (node == nullptr) {
+        take_any_integrator(run);
+        return std::nullopt;
+      }
+      faults_.of_key(
+          accuracy->where,
+          {"run.accuracy", "stands in place of an integrator, and there is one", "one of the two"});
+    }
     if (node == nullptr) {
-      faults_.of_key(run.where, {path, "missing", due});
+      faults_.of_key(run.where, {path, "missing", due + ", or accuracy"});
       return std::nullopt;
     }
     const auto* table = node->as<Table>();

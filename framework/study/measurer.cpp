@@ -50,7 +50,8 @@ double Measurer::used() const {
 Measurement Measurer::with(const std::vector<Setting>& settings, double most_seconds,
                            const std::optional<Perturbation>& perturbation) const {
   try {
-    const TrialLimits limits{std::min(most_seconds, left()), stop_, perturbation};
+    const TrialLimits limits{
+        .seconds = std::min(most_seconds, left()), .stop = stop_, .perturbation = perturbation};
     return measurement_of(try_run(variants_.with(settings), limits), observable_);
   } catch (const InputError& error) {
     Measurement refused;
