@@ -115,7 +115,8 @@ class Dopri5 : public Integrator<Real> {
       }
       next = trial_step * std::min(factor, kSafety);
       if (!(next >= d_.smallest_step)) {
-        const bool sound = trial.within_moves && std::isfinite(trial.error);
+        // Errors far beyond a tiny tolerance overflow; a state that does is no number here.
+        const bool sound = trial.within_moves && !std::isnan(trial.error);
         return {0.0, sound ? StepFault::step_too_small : StepFault::not_finite_or_too_far};
       }
     }
@@ -278,6 +279,10 @@ double tolerance(const void* description) {
   return std::max(d.absolute_tolerance, d.relative_tolerance);
 }
 
+std::int64_t most_steps(const void* description) {
+  return static_cast<const Description*>(description)->most_steps;
+}
+
 std::vector<Complaint> complaints(const void* description) {
   const auto& d = *static_cast<const Description*>(description);
   std::vector<Complaint> found;
@@ -339,6 +344,7 @@ IntegratorRecord dopri5_record() {
   record.growth = &growth;
   record.step = &step;
   record.tolerance = &tolerance;
+  record.most_steps = &most_steps;
   record.complaints = &complaints;
   record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
   record.example = R"(# A tip that sticks and slips.

@@ -168,6 +168,11 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
                     scheme.name, stable_step);
   } else if (!finite) {
     failure.cause = "a force law was left where it is defined, or its numbers overflow";
+  } else if (scheme.adaptive) {
+    failure.cause =
+        "no step down to smallest_step was sound: the scene's forces are too strong, or its "
+        "lengths "
+        "too short, for it";
   } else {
     failure.cause = fmt::format(
         "the speed runs away: a step of {:g} is too long for it, or the "
