@@ -115,8 +115,7 @@ class Dopri5 : public Integrator<Real> {
       }
       next = trial_step * std::min(factor, kSafety);
       if (!(next >= d_.smallest_step)) {
-        // Errors far beyond a tiny tolerance overflow; a state that does is no number here.
-        const bool sound = trial.within_moves && !std::isnan(trial.error);
+        const bool sound = trial.within_moves && std::isfinite(trial.error);
         return {0.0, sound ? StepFault::step_too_small : StepFault::not_finite_or_too_far};
       }
     }

@@ -398,10 +398,10 @@ void Engine::plain_block(std::int64_t most) {
   housekeeping();
 }
 
-/// Looked at every million steps: a run of an adaptive scheme that will be out of steps long before
+/// Looked at every quarter of a million steps: a run of an adaptive scheme that will be out of steps long before
 /// its end need not go on for hours.
 bool Engine::foresees_too_many_steps() {
-  constexpr std::int64_t kEvery = 1 << 20;
+  constexpr std::int64_t kEvery = 1 << 18;
   constexpr double kSurely = 10.0;  // paces change
   const std::int64_t taken = counts_[kSteps];
   if (scheme_.most_steps == nullptr || taken == 0 || taken % kEvery != 0) return false;

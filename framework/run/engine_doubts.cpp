@@ -109,10 +109,8 @@ void Engine::check_inertia() {
   for (const Model::Body& body : model_.bodies()) {
     if (!body.bound.slot.rigid || !body.rotates() || body.rotation_held) continue;
     if (reach_of(body) == 0.0 || std::isnormal(body.inertia)) continue;
-    fail_at_start(
-        body.bound.name,
-        fmt::format("its moment of inertia, {:g}, is beyond the range of numbers", body.inertia),
-        "lengths or masses too small or too large; take other units");
+    fail_at_start(body.bound.name, "its moment of inertia is beyond the range of numbers",
+                  "lengths or masses too small or too large; take other units");
   }
 }
 
@@ -204,7 +202,7 @@ void Engine::check_pace() {
   const auto most =
       static_cast<double>(scheme_.most_steps(scene_->run.integrator.description.get()));
   const double longest = std::min(model_.longest_lasting_step(scheme_), longest_unwatched_);
-  if (duration_ / longest <= most) return;
+  if (!(longest > 0.0) || duration_ / longest <= most) return;
   fail_at_start("",
                 fmt::format("the run would take at least {:.2g} steps: {} keeps no step beyond "
                             "about {:.2g} here",
