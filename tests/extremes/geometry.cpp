@@ -22,18 +22,20 @@ double corrugation_of_ring(long double radius) {
 ExtremeCase as_a_tip(const std::string& name, const std::string& extreme, double radius,
                      const std::string& coordinates) {
   const std::vector<Setting> tip = {
-      {"V0", digits(corrugation_of_ring(radius))},
+      {"V0", text_of(corrugation_of_ring(radius))},
       {"c", "2 * sqrt(2)"},
       {"x0", "0"},
       {"v", "0.1"},
       {"T", "10"},
   };
-  return finishes(
-      kRing, name, extreme,
-      {{"lambda", "0"}, {"R", digits(radius)}, {"T", "10"}, {"body.ring.coordinates", coordinates}},
-      {is_that_of("drivers.driver.mean_force.x", kTip, tip, 1e-6,
-                  "a tip on the mean corrugation of the particles"),
-       is("bodies.ring.rotation", 0.0, 1e-9, "symmetry: no torque")});
+  return finishes(kRing, name, extreme,
+                  {{"lambda", "0"},
+                   {"R", text_of(radius)},
+                   {"T", "10"},
+                   {"body.ring.coordinates", coordinates}},
+                  {is_that_of("drivers.driver.mean_force.x", kTip, tip, 1e-6,
+                              "a tip on the mean corrugation of the particles"),
+                   is("bodies.ring.rotation", 0.0, 1e-9, "symmetry: no torque")});
 }
 
 ExtremeCase off_the_substrate(const std::string& name, const std::string& extreme,

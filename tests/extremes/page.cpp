@@ -12,7 +12,7 @@ namespace {
 
 /// To the digits that the tolerance leaves standing: rounding in the last place does not show.
 std::string shown(double value, double tolerance) {
-  constexpr int kMostDigits = 9;
+  constexpr int kMostDigits = 15;
   const double size = std::abs(value);
   if (size <= tolerance) return "0";
   if (tolerance == 0.0) return fmt::format("{}", value);
@@ -52,10 +52,10 @@ std::string values_of(const ExtremeCase& extreme, const Observed* observed) {
     const Value& value = extreme.values[k];
     if (k > 0) text += "; ";
     text += value.path;
-    if (observed != nullptr) {
-      text += " = " + shown(observed->values.at(k), value.tolerance);
-    }
-    text += fmt::format(", within {:.1g} of {}", value.tolerance, value.reason);
+    if (observed != nullptr) text += " = " + shown(observed->values.at(k), value.tolerance);
+    text +=
+        value.tolerance == 0.0 ? ", to the last bit" : fmt::format(", to {:.1g}", value.tolerance);
+    text += " (" + value.reason + ")";
   }
   return text;
 }

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "tests/extremes/extreme_case.hpp"
 #include "tests/extremes/observed.hpp"
 #include "tests/support/scenes.hpp"
@@ -273,9 +275,19 @@ inline Value is_that_of(std::string path, const NamedScene& scene, std::vector<S
           tolerance, std::move(reason)};
 }
 
-inline Setting rk4(double dt) { return {"run.integrator", fixed_step(dt)}; }
-inline Setting with_verlet(double dt) { return {"run.integrator", verlet(dt)}; }
-inline Setting dopri5(double tolerance) { return {"run.integrator", adaptive(tolerance)}; }
+/// The shortest text that reads back as the same number.
+inline std::string text_of(double number) { return fmt::format("{}", number); }
+
+inline Setting fixed(const std::string& scheme, double dt) {
+  return {"run.integrator", "{ type = \"" + scheme + "\", dt = " + text_of(dt) + " }"};
+}
+inline Setting rk4(double dt) { return fixed("rk4", dt); }
+inline Setting with_verlet(double dt) { return fixed("velocity_verlet", dt); }
+inline Setting dopri5(double tolerance) {
+  const std::string to = text_of(tolerance);
+  return {"run.integrator", "{ type = \"dopri5\", absolute_tolerance = " + to +
+                                ", relative_tolerance = " + to + " }"};
+}
 
 inline constexpr double kTau = 6.283185307179586476925286766559;
 

@@ -45,10 +45,7 @@ ExtremeCase many_steps(const std::string& name, const std::string& count, double
 
 /// A bond's swings: the largest step of a fixed scheme is known, and kept to a hundredth.
 std::vector<ExtremeCase> at_the_limit(const std::string& scheme, double limit, double most_energy) {
-  const auto with_step = [&](double part) {
-    return Setting{"run.integrator",
-                   "{ type = \"" + scheme + "\", dt = " + digits(part * limit) + " }"};
-  };
+  const auto with_step = [&](double part) { return fixed(scheme, part * limit); };
   const std::vector<Setting> bond = {{"d", "1.001"}, {"T", "2000"}};
   const auto with = [&](const Setting& step, const std::vector<Setting>& more = {}) {
     std::vector<Setting> all = bond;
@@ -145,7 +142,7 @@ Subject steps() {
     subject.cases.insert(subject.cases.end(), cases.begin(), cases.end());
   };
   const double energy = 0.5 * 1e-6;  // of the bond at the start
-  add(at_the_limit("rk4", 2.828427 / omega, energy));
+  add(at_the_limit("rk4", 2.82842712 / omega, energy));
   // Near the limit the conserved ellipse is 1/(1 - 0.99^2) times longer than high.
   add(at_the_limit("velocity_verlet", 2.0 / omega, energy / (1.0 - 0.99 * 0.99)));
   subject.cases.push_back(many_steps("very_many", "1e9", 1e-4));

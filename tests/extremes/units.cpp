@@ -13,14 +13,14 @@ struct Units {
 
   double force() const { return mass * (length / time) / time; }
   std::vector<Setting> settings() const {
-    return {{"m", digits(mass)},
-            {"a", digits(length)},
-            {"V0", digits(0.1 * force() * length)},
-            {"k", digits(2.0 * (mass / time) / time)},
-            {"v", digits(0.01 * (length / time))},
-            {"c", digits(2.0 * (mass / time))},
-            {"x0", digits(0.5 * length)},
-            {"T", digits(100.0 * time)}};
+    return {{"m", text_of(mass)},
+            {"a", text_of(length)},
+            {"V0", text_of(0.1 * force() * length)},
+            {"k", text_of(2.0 * (mass / time) / time)},
+            {"v", text_of(0.01 * (length / time))},
+            {"c", text_of(2.0 * (mass / time))},
+            {"x0", text_of(0.5 * length)},
+            {"T", text_of(100.0 * time)}};
   }
 };
 
