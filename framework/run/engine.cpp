@@ -473,6 +473,8 @@ void Engine::housekeeping() {
 }
 
 bool Engine::stopped() const {
+  const System<double>& system = model_.system();
+  if (system.evaluations + system.columns > options_.most_cost) return true;
   return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
 }
 

@@ -47,14 +47,7 @@ double absolute_share(const Scene& scene) {
   const auto absolute = value_of(scene.run.integrator, true);
   const auto relative = value_of(scene.run.integrator, false);
   if (absolute && relative && *absolute > 0.0 && *relative > 0.0) return *absolute / *relative;
-  double shortest = 0.0;
-  for (const SceneForce& force : scene.forces) {
-    for (int d = 0; d < scene.dimension; ++d) {
-      const double period = force.record->period(force.description.get(), d);
-      if (period > 0.0 && (shortest == 0.0 || period < shortest)) shortest = period;
-    }
-  }
-  return shortest > 0.0 ? shortest : 1.0;
+  return length_scale(scene);
 }
 
 /// A model of the scene, or the scene's own.
@@ -163,6 +156,17 @@ std::vector<Rung> ladder(const Variants& variants) {
     }
   }
   return rungs;
+}
+
+double length_scale(const Scene& scene) {
+  double shortest = 0.0;
+  for (const SceneForce& force : scene.forces) {
+    for (int d = 0; d < scene.dimension; ++d) {
+      const double period = force.record->period(force.description.get(), d);
+      if (period > 0.0 && (shortest == 0.0 || period < shortest)) shortest = period;
+    }
+  }
+  return shortest > 0.0 ? shortest : 1.0;
 }
 
 std::string condensed(const InputError& error) {

@@ -85,6 +85,7 @@ TrialRun try_run(const std::shared_ptr<const Scene>& scene, const TrialLimits& l
     const Watchdog watchdog(limits.seconds, limits.stop);
     RunOptions options;
     options.stop = &watchdog.stop();
+    options.most_cost = limits.cost;
     options.perturbation = limits.perturbation;
     trial.result = Engine(scene, options).run();
     trial.seconds = trial.result.wall_seconds;

@@ -14,8 +14,10 @@ namespace tomlin {
 
 struct TrialLimits {
   double seconds = std::numeric_limits<double>::infinity();  ///< of the machine's time
-  const std::atomic<bool>* stop = nullptr;                   ///< set by a signal
-  std::optional<Perturbation> perturbation = {};             ///< noise on the start
+  /// Evaluations of all forces and columns of Jacobians.
+  std::uint64_t cost = std::numeric_limits<std::uint64_t>::max();
+  const std::atomic<bool>* stop = nullptr;        ///< set by a signal
+  std::optional<Perturbation> perturbation = {};  ///< noise on the start
 };
 
 struct TrialRun {
@@ -33,7 +35,7 @@ struct TrialRun {
 };
 
 /// Runs a scene without a sink and without its `perturb`. A run that takes longer than the limit
-/// is stopped, a few dozen steps later; steps are those of run().
+/// is stopped, a few dozen steps later; all steps are those of run().
 TrialRun try_run(const std::shared_ptr<const Scene>& scene, const TrialLimits& limits = {});
 
 }  // namespace tomlin
