@@ -648,6 +648,10 @@ double growth(std::complex<double> z) {
 double step(const void*) { return 0.0; }
 
 /// Where one of the two tolerances is zero, the other rules.
+std::int64_t most_steps(const void* description) {
+  return static_cast<const Description*>(description)->most_steps;
+}
+
 double tolerance(const void* description) {
   const auto& d = *static_cast<const Description*>(description);
   return std::max(d.absolute_tolerance, d.relative_tolerance);
@@ -714,6 +718,7 @@ IntegratorRecord radau9_record() {
   record.growth = &growth;
   record.step = &step;
   record.tolerance = &tolerance;
+  record.most_steps = &most_steps;
   record.complaints = &complaints;
   record.bind = {&bind};
   record.example = R"(# A tip that is driven a thousand times more slowly than it relaxes.

@@ -120,6 +120,7 @@ class Model {
     double damping_rate = 0.0;
     double least_damping_rate = 0.0;
     double relaxation_rate = 0.0;
+    double spring_frequency = 0.0;  ///< of springs alone, without bounds on substrates
   };
   Stiffness stiffness();
   /// Name of the force with the largest share in it.
@@ -127,6 +128,9 @@ class Model {
 
   /// The largest fixed step that this scheme is stable with; infinite when nothing limits it.
   double stable_step(const IntegratorRecord& scheme);
+  /// What steps of an adaptive scheme cannot exceed for long, since friction and springs would make
+  /// them grow; infinite when nothing limits them. Generous: a lower bound of the cost.
+  double longest_lasting_step(const IntegratorRecord& scheme);
 
   /// Name of the body and particle that a coordinate belongs to, for messages.
   struct CoordinateName {
