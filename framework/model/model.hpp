@@ -118,6 +118,7 @@ class Model {
   struct Stiffness {
     double frequency = 0.0;
     double damping_rate = 0.0;
+    double least_damping_rate = 0.0;
     double relaxation_rate = 0.0;
   };
   Stiffness stiffness();
