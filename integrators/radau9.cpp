@@ -203,7 +203,8 @@ class Radau9 : public Integrator<double> {
     const double least = std::max(error, 1e-10);
     double factor = kSafety * pow(least, -kExponent);
     if (control_[kOldStep] > 0.0) {
-      const double trend = h / control_[kOldStep] * pow(control_[kOldError] / least, kExponent);
+      const double trend =
+          std::min(1.0, h / control_[kOldStep]) * pow(control_[kOldError] / least, kExponent);
       factor = std::min(factor, factor * trend);
     }
     return std::clamp(factor, kLeastFactor, kMostFactor);
