@@ -13,6 +13,7 @@
 #include "framework/core/state_layout.hpp"
 #include "framework/core/system.hpp"
 #include "framework/model/assembly.hpp"
+#include "framework/model/elastic.hpp"
 #include "framework/model/observe_kernels.hpp"
 #include "framework/scene/scene.hpp"
 
@@ -120,7 +121,7 @@ class Model {
     double least_damping_rate = 0.0;
     double relaxation_rate = 0.0;
   };
-  Stiffness stiffness();
+  Stiffness stiffness(bool without_bonds = false);
   /// Name of the force with the largest share in it.
   std::string stiffest_force();
 
@@ -141,6 +142,7 @@ class Model {
   static AssemblyPlan plan_for(const Scene& scene, InstructionSet set);
   static void begin_step(void* model, double time_high, double time_low);
   void evaluate_point(double position, double velocity, double* rates) const;
+  void lay_elastic();
   void keep_shapes();
   void place_origin();
   double share_of_stiffness(const Force& force, const Stage<double>& here);
@@ -150,6 +152,7 @@ class Model {
   std::shared_ptr<const Scene> scene_;
   AssemblyPlan plan_;
   Assembly<double> assembly_;
+  std::vector<ElasticBody> elastic_;  ///< for schemes that split bonds off
   const ObserveTable& observe_;
   Origin origin_;
   std::array<DoubleDouble, 3> origin_place_;
