@@ -100,10 +100,12 @@ class Grid {
     while (take(rung, dt) <= best_.cost) dt /= std::exp2(1.0 / kPerFactor);
   }
 
-  /// What a coarse tolerance costs goes up and down; after a decade above there is nothing to find.
+  /// What a coarse tolerance costs goes up and down; after three decades above the best there is
+  /// nothing to find.
   void take_tolerances(const Rung& rung) {
     int above = 0;
-    for (double t = 1.0; t > kFinest && above < kPerFactor; t /= std::pow(10.0, 1.0 / kPerFactor)) {
+    for (double t = 1.0; t > kFinest && above < 3 * kPerFactor;
+         t /= std::pow(10.0, 1.0 / kPerFactor)) {
       above = take(rung, t) > best_.cost ? above + 1 : 0;
     }
   }
