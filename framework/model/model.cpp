@@ -71,6 +71,28 @@ void check_scheme(const Assembly<double>& assembly) {
       }
     }
   }
+  if (scheme.conservative_only) {
+    for (const auto& force : assembly.forces()) {
+      const Traits& traits = force.record->traits;
+      if (traits.depends_on_velocity || traits.stochastic || force.bound->is_friction()) {
+        refuse("run.integrator.type", place,
+               "is for scenes without loss; the force \"" + force.name + "\" depends on velocity",
+               "rk4, dopri5, velocity_verlet");
+      }
+      if (force.bound->own_count() > 0) {
+        refuse("run.integrator.type", place,
+               "does not advance the variables of the force \"" + force.name + "\"", "rk4, dopri5");
+      }
+    }
+    for (const auto& steered : assembly.steered()) {
+      if (std::all_of(steered.own, steered.own + 4, [](auto at) { return at < 0; })) continue;
+      const std::string& body = assembly.bodies()[steered.body].bound.name;
+      refuse("run.integrator.type", place,
+             "does not advance the prescribed motion of the body \"" + body +
+                 "\", whose velocity changes with time",
+             "rk4, dopri5");
+    }
+  }
   if (scene.run.dynamics != "inertial") {
     for (const auto& force : assembly.forces()) {
       if (force.record->traits.depends_on_velocity && !force.bound->is_friction()) {
@@ -100,9 +122,23 @@ Model::Model(std::shared_ptr<const Scene> scene, InstructionSet set)
   rates_.assign(system().view.rates + 2 * kGroup, 0.0);
   system().begin_step = &Model::begin_step;
   system().model = this;
+  lay_tangent();
 }
 
 Model::~Model() = default;
+
+/// Derivatives of the forces, for schemes that solve equations with them.
+void Model::lay_tangent() {
+  const SceneIntegrator& scheme = scene_->run.integrator;
+  if (!scheme.record->needs_tangent && !scheme.record->follows_equilibria) return;
+  tangent_ = std::make_unique<ForceTangent>(assembly_);
+  if (!tangent_->unknown().empty()) {
+    throw InputError({{scheme.place, "run.integrator.type", "\"" + scheme.record->name + "\"",
+                       "solves equations with the forces' derivatives, but " + tangent_->unknown(),
+                       "an explicit scheme: rk4, dopri5", ""}});
+  }
+  system().tangent = tangent_.get();
+}
 
 void Model::keep_shapes() {
   shapes_.resize(bodies().size());

@@ -245,7 +245,7 @@ class ReferenceSearch {
     const std::vector<Setting> in_double = shortened(main, part);
     std::vector<Setting> in_quadruple = in_double;
     in_quadruple.push_back({"run.number_type", "\"quadruple\""});
-    constexpr double kPatience = 4.0;  // the slowness is no more than a guess
+    constexpr double kPatience = 2.0;  // the slowness is no more than a guess
     const Measurement one = measurer_.with(in_double, kPatience * seconds);
     const Measurement other = measurer_.with(in_quadruple, kPatience * seconds);
     if (!one.defined() || !other.defined()) {
