@@ -1,6 +1,5 @@
 #include "integrators/velocity_verlet.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -23,8 +22,8 @@ double stable_step(double frequency, double) {
   return frequency > 0.0 ? 2.0 / frequency : std::numeric_limits<double>::infinity();
 }
 
-/// Under a steady force F the scheme's own steady speed is (h F/2m) coth(h gamma/2), where F/(m
-/// gamma) is right.
+/// Under a steady force F the scheme's own steady speed is (h F/2m) coth(h gamma/2), where
+/// F/(m gamma) is right.
 double drag_error(double damped) {
   const double half = 0.5 * damped;
   return half > 0.0 ? half / std::tanh(half) - 1.0 : 0.0;

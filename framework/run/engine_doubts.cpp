@@ -32,6 +32,8 @@ constexpr double kCoarseMean = 1e-6;
 constexpr double kShortestSlide = 1e-2;
 /// Of a prescribed way, by steps that do not see it.
 constexpr double kMissedWay = 1e-2;
+/// Steps that a scheme takes in seconds.
+constexpr double kSoonTaken = 1e6;
 /// Moments at which a prescribed velocity is looked at.
 constexpr int kLooks = 1000;
 
@@ -180,6 +182,8 @@ void Engine::check_ways() {
 /// Schemes that take friction apart from forces are stable where friction rules, and wrong.
 void Engine::check_drag() {
   if (dt_ == 0.0 || scheme_.drag_error == nullptr || !model_.system().view.inertial) return;
+  const auto drives = [](const Model::Force& force) { return !force.bound->is_friction(); };
+  if (std::none_of(model_.forces().begin(), model_.forces().end(), drives)) return;
   const double rate = model_.stiffness().damping_rate;
   const double error = scheme_.drag_error(std::min(dt_, duration_) * rate);
   if (!(error > kCoarseDrag)) return;
@@ -202,7 +206,8 @@ void Engine::check_pace() {
   const auto most =
       static_cast<double>(scheme_.most_steps(scene_->run.integrator.description.get()));
   const double longest = std::min(model_.longest_lasting_step(scheme_), longest_unwatched_);
-  if (!(longest > 0.0) || duration_ / longest <= most) return;
+  // A few steps are soon used up; and forces without bound fail for what they are.
+  if (!(longest > 0.0) || duration_ / longest <= std::max(most, kSoonTaken)) return;
   fail_at_start("",
                 fmt::format("the run would take at least {:.2g} steps: {} keeps no step beyond "
                             "about {:.2g} here",

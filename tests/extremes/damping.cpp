@@ -47,6 +47,10 @@ Subject damping() {
                 {kFlat, {"c", "10"}, {"T", "1000"}, with_verlet(1e-2)},
                 {is("drivers.driver.final_force.x", 0.1, 0.1 * 1e-3,
                     "drag, less (h gamma)^2/12 of it")}),
+       finishes(kTip, "strong_implicit", "damping of 1e8, the implicit scheme",
+                {kFlat, {"c", "1e8"}, {"run.integrator", "{ type = \"radau9\" }"}},
+                {is("drivers.driver.final_force.x", -1e6 * std::expm1(-2e-6), 1e-6,
+                    "its closed form without inertia")}),
        finishes(
            kTip, "strong_overdamped", "damping of 1e8 without inertia",
            {kFlat, {"c", "1e8"}, {"run.dynamics", "overdamped"}},

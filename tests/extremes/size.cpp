@@ -61,6 +61,11 @@ Subject size() {
                 {is("drivers.driver.final_force.x", 2.0, 1e-7, "it stays where it is")}),
        fails(kTip, "mass_1e_12", "a tip of mass 1e-12", {{"m", "1e-12"}},
              {"would take at least", "inertia"}),
+       finishes(kTip, "mass_1e_12_implicit", "the same, the implicit scheme",
+                {{"m", "1e-12"}, {"T", "200"}, {"run.integrator", "{ type = \"radau9\" }"}},
+                {is_that_of("drivers.driver.mean_force.x", kTip,
+                            {{"T", "200"}, {"run.dynamics", "overdamped"}}, 1e-6,
+                            "dynamics without inertia")}),
        refused(kTip, "mass_0", "a tip of no mass", {{"m", "0"}}, {"particle_mass", "> 0"}),
        fails(kTip, "mass_1e_320", "a tip of mass 1e-320", {{"m", "1e-320"}},
              {"not a finite number"})}};

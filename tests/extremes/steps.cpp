@@ -39,7 +39,7 @@ ExtremeCase many_steps(const std::string& name, const std::string& count, double
                                is("time.steps", steps, 0.0, "none more, none less"),
                                is("drivers.driver.final_force.x", swing(steps, h), tolerance,
                                   "the scheme's own frequency, 2 asin(h omega/2)/h")});
-  made.seconds = 600.0;
+  made.seconds = 1500.0;
   return made;
 }
 
@@ -62,6 +62,22 @@ std::vector<ExtremeCase> at_the_limit(const std::string& scheme, double limit, d
       fails(kPair, scheme + "_1p01_insisted", "the same, insisted on",
             with(with_step(1.01), {{"run.allow_unstable", "true"}}),
             {"further in one step than is sound", "stability limit"})};
+}
+
+/// Midpoint is stable with friction alone: here up to 2/gamma = 1, the limit of its slowest
+/// motions; the tip's own, pulled on its spring, still dies out a little beyond.
+std::vector<ExtremeCase> midpoint_at_the_limit() {
+  const Value drag = is("drivers.driver.final_force.x", 0.02, 1e-9, "drag alone");
+  return {
+      finishes(kTip, "midpoint_0p99", "a step of 0.99 of the stable one",
+               {kFlat, fixed("midpoint", 0.99)}, {drag}),
+      fails(kTip, "midpoint_1p01", "a step of 1.01 of the stable one",
+            {kFlat, fixed("midpoint", 1.01)}, {"stability limit of midpoint", "allow_unstable"}),
+      finishes(kTip, "midpoint_1p01_insisted", "the same, insisted on",
+               {kFlat, fixed("midpoint", 1.01), {"run.allow_unstable", "true"}}, {drag},
+               {"beyond the stability limit of midpoint"}),
+      fails(kTip, "midpoint_undamped", "the same scheme without friction",
+            {kFlat, {"c", "0"}, fixed("midpoint", 1e-2)}, {"stability limit of midpoint"})};
 }
 
 }  // namespace
@@ -144,7 +160,12 @@ Subject steps() {
   const double energy = 0.5 * 1e-6;  // of the bond at the start
   add(at_the_limit("rk4", 2.82842712 / omega, energy));
   // Near the limit the conserved ellipse is 1/(1 - 0.99^2) times longer than high.
+  // How much more energy than it has a scheme's conserved ellipse lets a swing show at most, near
+  // the limit.
+  constexpr double kMostSwing = 100.0;
   add(at_the_limit("velocity_verlet", 2.0 / omega, energy / (1.0 - 0.99 * 0.99)));
+  add(at_the_limit("blanes_moan", 3.163 / omega, energy * kMostSwing));
+  add(midpoint_at_the_limit());
   subject.cases.push_back(many_steps("very_many", "1e9", 1e-4));
   subject.cases.back().slow = true;
   return subject;

@@ -21,6 +21,17 @@ ExtremeCase flexible(const std::string& name, const std::string& bonds, double t
                               "the rigid ring, less as 1/k_wh")});
 }
 
+/// Beyond what explicit schemes can pay for: the rigid ring's to the tolerance of the implicit one.
+ExtremeCase stiffer(const std::string& name, const std::string& bonds) {
+  return finishes(kRing, name, "bonds of " + bonds + ", the implicit scheme",
+                  {{"k_wh", bonds},
+                   {"body.ring.coordinates", "particles"},
+                   {"T", "10"},
+                   {"run.integrator", "{ type = \"radau9\" }"}},
+                  {is_that_of("drivers.driver.mean_force.x", kRing, {{"T", "10"}}, 1e-6,
+                              "the rigid ring; a tolerance of 1e-7")});
+}
+
 ExtremeCase too_stiff(const std::string& name, const Setting& scheme, const std::string& limit) {
   return fails(kRing, name, "bonds of 1e14, an explicit step",
                {{"k_wh", "1e14"}, {"body.ring.coordinates", "particles"}, scheme},
@@ -41,12 +52,17 @@ Subject stiffness() {
       {finishes(kRing, "bonds_1e_6", "bonds of 1e-6", loose,
                 {is_that_of("drivers.driver.mean_force.x", kRing, loose_in_quadruple, 1e-8,
                             "quadruple numbers and a tolerance of 1e-12")}),
-       flexible("bonds_1e3", "1e3", 1e-3), flexible("bonds_1e5", "1e5", 1e-5),
-       flexible("bonds_1e7", "1e7", 1e-7), too_stiff("bonds_1e14_rk4", rk4(1e-3), "3.536e-08"),
+       flexible("bonds_1e3", "1e3", 1e-3),
+       flexible("bonds_1e5", "1e5", 1e-5),
+       flexible("bonds_1e7", "1e7", 1e-7),
+       too_stiff("bonds_1e14_rk4", rk4(1e-3), "3.536e-08"),
        too_stiff("bonds_1e14_verlet", with_verlet(1e-3), "2.5e-08"),
        fails(kRing, "bonds_1e14_adaptive", "bonds of 1e14, an explicit adaptive scheme",
              {{"k_wh", "1e14"}, {"body.ring.coordinates", "particles"}, {"T", "1e4"}},
              {"would take at least", "most_steps"}),
+       stiffer("bonds_1e10", "1e10"),
+       stiffer("bonds_1e12", "1e12"),
+       stiffer("bonds_1e14", "1e14"),
        refused(kTip, "driver_0", "a driver of no stiffness", {{"k", "0"}}, {"out of range", "> 0"}),
        finishes(kTip, "driver_1e_300", "a driver of stiffness 1e-300", {{"k", "1e-300"}},
                 {is("drivers.driver.final_force.x", 1e-300, 1e-309,
@@ -60,6 +76,14 @@ Subject stiffness() {
                 {"of a period within the window"}),
        fails(kTip, "driver_1e12_long_step", "the same with a step for soft ones",
              {{"k", "1e12"}, rk4(1e-2)}, {"stability limit of rk4", "2.828e-06", "force: driver"}),
+       finishes(kTip, "driver_1e12_implicit", "the same, the implicit scheme",
+                {{"k", "1e12"},
+                 {"T", "50.5"},
+                 {"run.integrator", "{ type = \"radau9\" }"},
+                 {"body.tip.velocity", "[\"v\"]"}},
+                {is("drivers.driver.mean_force.x",
+                    2.0 * 0.01 + 0.1 * (1.0 - std::cos(kTau * 0.505)) / 0.505, 1e-3,
+                    "drag and substrate along the driver's way")}),
        finishes(
            kTip, "corrugation_0", "no corrugation", {{"V0", "0"}},
            {is("drivers.driver.final_force.x", 0.02, 1e-8, "drag, coefficient times velocity")}),
