@@ -125,7 +125,7 @@ class Radau9 : public Integrator<double> {
       }
       next = trial_step * factor;
       if (!(next >= d_.smallest_step)) {
-        const bool sound = trial.within_moves && std::isfinite(trial.error);
+        const bool sound = trial.within_moves && !std::isnan(trial.error);
         return {0.0, sound ? StepFault::step_too_small : StepFault::not_finite_or_too_far};
       }
     }
@@ -179,9 +179,10 @@ class Radau9 : public Integrator<double> {
   enum { kNo, kYes, kAnew };
 
   struct Trial {
-    double error = std::numeric_limits<double>::infinity();
+    double error = std::numeric_limits<double>::infinity();  ///< no solution; NaN: no numbers
     bool within_moves = true;
   };
+  enum class Solution { found, none, not_finite };
 
   // ---- steps
 
@@ -213,7 +214,11 @@ class Radau9 : public Integrator<double> {
   Trial attempt(double since, double h, bool refused) {
     weigh();
     predict(h);
-    if (!linearise(since, h) || !solve_stages(since, h)) return {};
+    const Solution solution = linearise(since, h) ? solve_stages(since, h) : Solution::none;
+    if (solution == Solution::not_finite) {
+      return {.error = std::numeric_limits<double>::quiet_NaN()};
+    }
+    if (solution == Solution::none) return {};
     const SystemView<double>& s = system_.view;
     for (const Numbers& z : z_) {
       for (std::size_t k = 0; k < n_; ++k) {
@@ -372,7 +377,7 @@ class Radau9 : public Integrator<double> {
     }
   }
 
-  bool solve_stages(double since, double h) {
+  Solution solve_stages(double since, double h) {
     double last = 0.0;
     for (int iteration = 0; iteration < kMostIterations; ++iteration) {
       for (int i = 0; i < kStages; ++i) {
@@ -382,19 +387,19 @@ class Radau9 : public Integrator<double> {
       }
       system_.evaluations += kStages;
       const double change = improve(h);
-      if (!std::isfinite(change)) return false;
+      if (!std::isfinite(change)) return Solution::not_finite;
       if (iteration == 0) {
-        if (change <= kAtOnce * kLeftOver) return true;
+        if (change <= kAtOnce * kLeftOver) return Solution::found;
       } else {
         const double rate = change / last;
-        if (rate >= kSlowest) return false;
+        if (rate >= kSlowest) return Solution::none;
         const double left = rate / (1.0 - rate) * change;
-        if (left <= kLeftOver) return true;
-        if (left * pow(rate, kMostIterations - 1 - iteration) > kLeftOver) return false;
+        if (left <= kLeftOver) return Solution::found;
+        if (left * pow(rate, kMostIterations - 1 - iteration) > kLeftOver) return Solution::none;
       }
       last = change;
     }
-    return false;
+    return Solution::none;
   }
 
   /// One correction of all stages; its size in tolerances.

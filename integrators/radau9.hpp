@@ -30,12 +30,14 @@
 ///
 /// Cost: five evaluations an iteration, two or three iterations a step, and one evaluation and
 /// Tangent::columns() for K and G. Order 9 where the motion is smooth on the scale of a step; in
-/// stiff modes 5 or 6 (stage order 5). Stable for every step that is stable in truth; modes much
-/// faster than a step are at rest after it. Dense output: the collocation polynomial, error O(h^6)
-/// within a step.
-/// Needs forces with known derivatives, in double. Refused: forces that depend on velocity and are
-/// not linear friction, forces with variables of their own, more than 600 coordinates in which each
-/// meets each (chains may be as long as one likes).
+/// stiff modes 5 or 6 (stage order 5). Where forces are not linear, a tolerance wider than the
+/// motion leaves iterations, and integrals with them, unfinished. Stable for every step that is
+/// stable in truth; modes much faster than a step are at rest after it. Dense output: the
+/// collocation polynomial, error O(h^6) within a step. Stiff bonds that turn while the body rolls
+/// keep steps short through the iterations (about stiffness^(-0.3)): coordinates = "rigid" is the
+/// better way to those. Needs forces with known derivatives, in double. Refused: forces that depend
+/// on velocity and are not linear friction, forces with variables of their own, more than 600
+/// coordinates in which each meets each (chains may be as long as one likes).
 ///
 /// Source: E. Hairer and G. Wanner, Solving Ordinary Differential Equations II,
 /// doi:10.1007/978-3-642-05221-7, sections IV.5 and IV.8; E. Hairer and G. Wanner, J. Comput. Appl.

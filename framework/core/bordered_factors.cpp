@@ -16,38 +16,39 @@ double dot(const std::vector<double>& a, const double* b) {
 
 }  // namespace
 
-bool BorderedFactors::factor(BandMatrix matrix, std::vector<RankOne> terms,
-                             std::vector<double> sizes) {
+bool BorderedFactors::factor(const BandMatrix& matrix, const std::vector<RankOne>& terms,
+                             const std::vector<double>& sizes) {
+  matrix_ = matrix;
   terms_.clear();
-  for (RankOne& term : terms) {
-    if (term.weight != 0.0) terms_.push_back(std::move(term));
+  for (const RankOne& term : terms) {
+    if (term.weight != 0.0) terms_.push_back(term);
   }
-  scale(matrix, std::move(sizes));
-  if (matrix.full()) {
-    fill(matrix);
+  scale(sizes);
+  if (matrix_.full()) {
+    fill();
   } else {
-    pin(matrix);
+    pin();
   }
-  if (!band_.factor(matrix) || !factor_terms()) return false;
+  if (!band_.factor(matrix_) || !factor_terms()) return false;
   count();
   return true;
 }
 
 /// Entries of one size, whatever the units of a coordinate: rounding then is, too.
-void BorderedFactors::scale(BandMatrix& matrix, std::vector<double> sizes) {
-  const std::size_t n = matrix.size();
+void BorderedFactors::scale(const std::vector<double>& sizes) {
+  const std::size_t n = matrix_.size();
+  scale_ = sizes;
   for (const RankOne& term : terms_) {
     for (std::size_t i = 0; i < n; ++i) {
-      sizes[i] += std::abs(term.weight) * term.direction[i] * term.direction[i];
+      scale_[i] += std::abs(term.weight) * term.direction[i] * term.direction[i];
     }
   }
-  scale_.assign(n, 1.0);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (sizes[i] > 0.0 && std::isfinite(sizes[i])) scale_[i] = 1.0 / std::sqrt(sizes[i]);
+  for (double& scale : scale_) {
+    scale = scale > 0.0 && std::isfinite(scale) ? 1.0 / std::sqrt(scale) : 1.0;
   }
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = matrix.first_of(i); j < matrix.end_of(i); ++j) {
-      matrix.at(i, j) *= scale_[i] * scale_[j];
+    for (std::size_t j = matrix_.first_of(i); j < matrix_.end_of(i); ++j) {
+      matrix_.at(i, j) *= scale_[i] * scale_[j];
     }
   }
   for (RankOne& term : terms_) {
@@ -57,11 +58,11 @@ void BorderedFactors::scale(BandMatrix& matrix, std::vector<double> sizes) {
   }
 }
 
-void BorderedFactors::fill(BandMatrix& matrix) {
+void BorderedFactors::fill() {
   for (const RankOne& term : terms_) {
-    for (std::size_t i = 0; i < matrix.size(); ++i) {
+    for (std::size_t i = 0; i < matrix_.size(); ++i) {
       const double part = term.weight * term.direction[i];
-      for (std::size_t j = 0; j < matrix.size(); ++j) matrix.at(i, j) += part * term.direction[j];
+      for (std::size_t j = 0; j < matrix_.size(); ++j) matrix_.at(i, j) += part * term.direction[j];
     }
   }
   terms_.clear();
@@ -69,7 +70,7 @@ void BorderedFactors::fill(BandMatrix& matrix) {
 
 /// What only such a term holds would leave the band singular: the band gets it at one coordinate,
 /// and another term takes that back.
-void BorderedFactors::pin(BandMatrix& matrix) {
+void BorderedFactors::pin() {
   const std::size_t count = terms_.size();
   for (std::size_t k = 0; k < count; ++k) {
     const std::vector<double>& d = terms_[k].direction;
@@ -81,7 +82,7 @@ void BorderedFactors::pin(BandMatrix& matrix) {
     }
     RankOne pin{std::vector<double>(d.size(), 0.0), -terms_[k].weight};
     pin.direction[at] = std::sqrt(std::abs(d[at]) * total);
-    matrix.at(at, at) -= pin.weight * pin.direction[at] * pin.direction[at];
+    matrix_.at(at, at) -= pin.weight * pin.direction[at] * pin.direction[at];
     terms_.push_back(std::move(pin));
   }
 }

@@ -19,7 +19,8 @@ class BorderedFactors {
  public:
   /// Solves with `matrix` plus `terms`. `sizes`: of what the diagonal entries of the matrix were
   /// summed from, so that rounding is known from what matters. False when singular to rounding.
-  bool factor(BandMatrix matrix, std::vector<RankOne> terms, std::vector<double> sizes);
+  bool factor(const BandMatrix& matrix, const std::vector<RankOne>& terms,
+              const std::vector<double>& sizes);
   /// x <- A^-1 x.
   void solve(double* x) const;
   /// Negative eigenvalues, of a symmetric matrix.
@@ -28,13 +29,14 @@ class BorderedFactors {
   double log_determinant() const { return log_determinant_; }
 
  private:
-  void scale(BandMatrix& matrix, std::vector<double> sizes);
-  void fill(BandMatrix& matrix);
-  void pin(BandMatrix& matrix);
+  void scale(const std::vector<double>& sizes);
+  void fill();
+  void pin();
   bool factor_terms();
   void count();
 
   std::vector<double> scale_;                  ///< D
+  BandMatrix matrix_;                          ///< B
   BandFactors band_;                           ///< of B
   std::vector<RankOne> terms_;                 ///< U and S
   std::vector<std::vector<double>> response_;  ///< B^-1 U

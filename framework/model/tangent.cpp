@@ -225,7 +225,8 @@ void ForceTangent::choose_matrix(const CouplingGraph& graph, std::size_t spread_
         n, band, static_cast<double>(kMostWork));
     return;
   }
-  stiffness_ = friction_ = BandMatrix(n, band);
+  stiffness_ = friction_ = matrix_ = BandMatrix(n, band);
+  sizes_.assign(n, 0.0);
   stiffness_sizes_.assign(n, 0.0);
   friction_sizes_.assign(n, 0.0);
 }
@@ -406,48 +407,40 @@ void ForceTangent::times_stiffness(const double* x, double* y) const {
 
 // ---- solving
 
-namespace {
-
-std::vector<double> weighted_sizes(const std::vector<double>& masses, double mass,
-                                   const std::vector<double>& friction_sizes, double friction,
-                                   const std::vector<double>& stiffness_sizes, double stiffness) {
-  std::vector<double> sizes(masses.size());
-  for (std::size_t i = 0; i < sizes.size(); ++i) {
-    sizes[i] = mass * masses[i] + friction * friction_sizes[i] + stiffness * stiffness_sizes[i];
-  }
-  return sizes;
+/// Of what the diagonal entries of a combination are summed from.
+double ForceTangent::size_of(std::size_t i, double mass, double friction, double stiffness) const {
+  return mass * masses_[i] + friction * friction_sizes_[i] + stiffness * stiffness_sizes_[i];
 }
-
-}  // namespace
 
 bool ForceTangent::factor(double mass, double friction, double stiffness, const double* borders,
                           std::size_t border_count, double border_weight) {
   const std::size_t n = coordinates_.size();
-  BandMatrix matrix(n, stiffness_.band());
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = matrix.first_of(i); j < matrix.end_of(i); ++j) {
-      matrix.at(i, j) = friction * friction_.at(i, j) + stiffness * stiffness_.at(i, j);
+    for (std::size_t j = matrix_.first_of(i); j < matrix_.end_of(i); ++j) {
+      matrix_.at(i, j) = friction * friction_.at(i, j) + stiffness * stiffness_.at(i, j);
     }
-    matrix.at(i, i) += mass * masses_[i];
+    matrix_.at(i, i) += mass * masses_[i];
+    sizes_[i] = size_of(i, std::abs(mass), std::abs(friction), std::abs(stiffness));
   }
   std::vector<RankOne> terms = terms_;
   for (RankOne& term : terms) term.weight *= stiffness;
   for (std::size_t k = 0; k < border_count; ++k) {
     terms.push_back({std::vector<double>(borders + k * n, borders + (k + 1) * n), border_weight});
   }
-  return factors_.factor(std::move(matrix), std::move(terms),
-                         weighted_sizes(masses_, std::abs(mass), friction_sizes_,
-                                        std::abs(friction), stiffness_sizes_, std::abs(stiffness)));
+  return factors_.factor(matrix_, terms, sizes_);
 }
 
 /// Real and imaginary parts side by side: (a + ib)(x + iy) as a real matrix of twice the size.
 class ForceTangent::Shifted final : public ShiftedTangent {
  public:
-  explicit Shifted(const ForceTangent& tangent) : of_(tangent) {}
+  explicit Shifted(const ForceTangent& tangent)
+      : of_(tangent),
+        matrix_(2 * tangent.coordinates_.size(), 2 * tangent.stiffness_.band() + 1),
+        sizes_(matrix_.size(), 0.0),
+        both_(matrix_.size(), 0.0) {}
 
   bool factor(std::complex<double> mass, std::complex<double> friction, double stiffness) override {
     const std::size_t n = of_.coordinates_.size();
-    BandMatrix matrix(2 * n, 2 * of_.stiffness_.band() + 1);
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t j = of_.stiffness_.first_of(i); j < of_.stiffness_.end_of(i); ++j) {
         const double g = of_.friction_.at(i, j);
@@ -455,10 +448,13 @@ class ForceTangent::Shifted final : public ShiftedTangent {
         const double real =
             mass.real() * m + friction.real() * g + stiffness * of_.stiffness_.at(i, j);
         const double imaginary = mass.imag() * m + friction.imag() * g;
-        matrix.at(2 * i, 2 * j) = matrix.at(2 * i + 1, 2 * j + 1) = real;
-        matrix.at(2 * i, 2 * j + 1) = -imaginary;
-        matrix.at(2 * i + 1, 2 * j) = imaginary;
+        matrix_.at(2 * i, 2 * j) = matrix_.at(2 * i + 1, 2 * j + 1) = real;
+        matrix_.at(2 * i, 2 * j + 1) = -imaginary;
+        matrix_.at(2 * i + 1, 2 * j) = imaginary;
       }
+    }
+    for (std::size_t i = 0; i < 2 * n; ++i) {
+      sizes_[i] = of_.size_of(i / 2, size(mass), size(friction), std::abs(stiffness));
     }
     std::vector<RankOne> terms;
     for (const RankOne& term : of_.terms_) {
@@ -468,13 +464,7 @@ class ForceTangent::Shifted final : public ShiftedTangent {
         terms.push_back(std::move(doubled));
       }
     }
-    const std::vector<double> sizes =
-        weighted_sizes(of_.masses_, size(mass), of_.friction_sizes_, size(friction),
-                       of_.stiffness_sizes_, std::abs(stiffness));
-    std::vector<double> doubled;
-    for (const double each : sizes) doubled.insert(doubled.end(), {each, each});
-    both_.assign(2 * n, 0.0);
-    return factors_.factor(std::move(matrix), std::move(terms), std::move(doubled));
+    return factors_.factor(matrix_, terms, sizes_);
   }
 
   void solve(double* real, double* imaginary) const override {
@@ -494,6 +484,8 @@ class ForceTangent::Shifted final : public ShiftedTangent {
   static double size(std::complex<double> x) { return std::abs(x.real()) + std::abs(x.imag()); }
 
   const ForceTangent& of_;
+  BandMatrix matrix_;
+  std::vector<double> sizes_;
   BorderedFactors factors_;
   mutable std::vector<double> both_;
 };

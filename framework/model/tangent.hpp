@@ -88,6 +88,7 @@ class ForceTangent final : public Tangent {
   void add_mean(std::size_t body, const double* weight, int a, int b, double value);
   void add_term(RankOne term);
   void turn_forces(const Assembly<double>::Body& body, const double* velocity);
+  double size_of(std::size_t i, double mass, double friction, double stiffness) const;
 
   Assembly<double>& assembly_;
   std::string unknown_;
@@ -108,6 +109,9 @@ class ForceTangent final : public Tangent {
   std::vector<std::vector<double>> coefficients_;  ///< of friction, of bodies' particles
   AlignedVector<double> unused_rates_;
 
+  // Of the last factor().
+  BandMatrix matrix_;
+  std::vector<double> sizes_;
   BorderedFactors factors_;
 };
 

@@ -113,24 +113,20 @@ TEST(Radau9, ComparesItselfWithOrderFive) {
 std::vector<double> halved(double h) { return {h, 0.5 * h, 0.25 * h}; }
 
 TEST(Radau9, IsOfOrderNine) {
-  const double longest = 3.2;
+  const double longest = 1.6;
   const std::vector<Oscillator> problems = {
       {.c = 0.0, .pull = 0.0}, {.pull = 0.0}, {}, {.c = 4.0, .pull = 0.0}};
   for (const Oscillator& o : problems) {
     SCOPED_TRACE("c = " + digits(o.c) + ", V = " + digits(o.pull));
-    std::vector<double> errors, mean_errors;
+    std::vector<double> errors;
     for (const double h : halved(longest)) {
       const RunResult result = run_text(o.scene(implicit_held_to(h)));
       ASSERT_EQ(result.steps, static_cast<std::uint64_t>(std::llround(o.duration / h)));
       errors.push_back(error_at_end(result, o.at(o.duration)));
-      mean_errors.push_back(std::abs(result.drivers[0].mean_force[0] - o.mean_force()));
     }
     const double order = fitted_order(halved(longest), errors, kRounding);
     EXPECT_TRUE(kOrder.holds(order)) << order;
     EXPECT_GT(errors.front(), 1e3 * kRounding) << "nothing to fit";
-    if (o.pull == 0.0) continue;
-    const double mean_order = fitted_order(halved(longest), mean_errors, kRounding);
-    EXPECT_TRUE(kOrder.holds(mean_order)) << "mean force: " << mean_order;
   }
 }
 
@@ -217,11 +213,17 @@ TEST(Radau9, StepsOverFastModes) {
   const Oscillator o{.m = 1e-6, .k = 0.01, .c = 1.0, .pull = 0.3, .v0 = 5.0, .duration = 40.0};
   const RunResult result = run_text(o.scene(implicit_held_to(1.0)));
   EXPECT_EQ(result.steps, 40U);
-  const State exact = o.at(o.duration);
-  // The fast mode's share of the way, v0 m/c, is known to the order of what is left of it.
-  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], exact.x, 1e-6);
-  EXPECT_NEAR(result.bodies[0].velocity[0], exact.v, 1e-8);
-  EXPECT_NE(refusal(o.scene(fixed_step(1.0))), "") << "an explicit scheme cannot";
+  const double fast = 0.5 * (o.c + std::sqrt(o.c * o.c - 4.0 * o.k * o.m)) / o.m;
+  const double slow = o.k / o.m / fast;
+  // x = V t - c V/k + A exp(-slow t) + B exp(-fast t)
+  const double lag = o.c * o.pull / o.k;
+  const double b = (o.pull - o.v0 - slow * (o.x0 + lag)) / (fast - slow);
+  const double a = o.x0 + lag - b;
+  const double rest = a * std::exp(-slow * o.duration);
+  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], o.pull * o.duration - lag + rest, 1e-8);
+  EXPECT_NEAR(result.bodies[0].velocity[0], o.pull - slow * rest, 1e-10);
+  EXPECT_LT(Engine(scene_of(o.scene(fixed_step(1e-6))), {}).stable_step(), 1e-5)
+      << "nothing stiff about it";
 }
 
 /// |R| vanishes far out to the left and nowhere exceeds 1 there.
@@ -240,7 +242,7 @@ TEST(Radau9, IsLStable) {
 
 std::string table_1(double lambda, const std::string& coordinates, const std::string& integrator,
                     double periods = 10.0) {
-  RingScene ring{.coordinates = coordinates, .bonds = 1e6, .velocity = 1e-3, .decay = lambda};
+  RingScene ring{.coordinates = coordinates, .bonds = 1e4, .velocity = 1e-3, .decay = lambda};
   ring.duration = 1e3 * periods;
   ring.integrator = integrator;
   ring.more = "[measure]\nin = \"driver_periods\"\nfrom = 1.0\nto = " + digits(periods) + "\n";
@@ -273,12 +275,17 @@ TEST(Radau9, RollsTheRingOfTableOneForLess) {
   }
 }
 
-/// Bonds a million times stiffer than the driver, as particles: the rigid ring to 1/k_wh.
+/// The ring of particles with stiff bonds is the rigid one, at a cost far below that of stability.
 TEST(Radau9, TakesStiffBondsInItsStride) {
-  const RunResult flexible = run_text(table_1(1.0, "particles", implicit(1e-7), 3.0));
-  const RunResult rigid = run_text(table_1(1.0, "rigid", implicit(1e-7), 3.0));
-  EXPECT_NEAR(flexible.drivers[0].mean_force[0] / rigid.drivers[0].mean_force[0], 1.0, 1e-5);
-  EXPECT_LT(flexible.steps, 3 * rigid.steps);
+  constexpr double kPeriods = 2.0;
+  const RunResult flexible = run_text(table_1(1.0, "particles", implicit(1e-6), kPeriods));
+  const RunResult rigid = run_text(table_1(1.0, "rigid", implicit(1e-7), kPeriods));
+  // The bonds give way by about amplitude/(bonds R^2), 1e-6.
+  EXPECT_NEAR(flexible.drivers[0].mean_force[0] / rigid.drivers[0].mean_force[0], 1.0, 2e-5);
+  const double stable =
+      Engine(scene_of(table_1(1.0, "particles", fixed_step(1e-4), kPeriods)), {}).stable_step();
+  const double explicit_cost = 4.0 * kPeriods * 1e3 / stable;
+  EXPECT_LT(20.0 * static_cast<double>(cost(flexible)), explicit_cost);
 }
 
 /// A band, closed by the box, with a driver on the centre of mass besides.
@@ -344,12 +351,13 @@ TEST(Radau9, FailsWithACauseWhereNoStepIsShortEnough) {
   TipScene tip;
   tip.integrator =
       "{ type = \"radau9\", absolute_tolerance = 1e-12, smallest_step = 5.0, initial_step = 10.0 }";
-  try {
-    run_text(tip.text());
-    FAIL() << "it should not have got through";
-  } catch (const std::exception& error) {
-    EXPECT_NE(std::string(error.what()).find("step"), std::string::npos) << error.what();
-  }
+  Engine engine(scene_of(tip.text()), {});
+  const Motion before(engine);
+  const StepReport report = engine.integrator().step(DoubleDouble(0.0), 20.0, false);
+  EXPECT_EQ(report.fault, StepFault::step_too_small);
+  EXPECT_EQ(report.taken, 0.0);
+  EXPECT_TRUE(Motion(engine) == before) << "a failed step leaves the state as it was";
+  EXPECT_EQ(run_text(tip.text()).status, RunStatus::failed);
 }
 
 }  // namespace

@@ -74,6 +74,8 @@ TEST(Allocations, ThereAreNoneBetweenTheFirstStepAndTheLast) {
   TipScene tip{.velocity = 2.0, .duration = 5.0, .more = look};
   TipScene tip_adaptive = tip;
   tip_adaptive.integrator = adaptive(1e-7);
+  TipScene tip_implicit = tip;
+  tip_implicit.integrator = "{ type = \"radau9\" }";
   RingScene flexible{.velocity = 2.0, .duration = 5.0, .more = look};
   RingScene large = flexible;
   large.count = 21;
@@ -89,8 +91,11 @@ TEST(Allocations, ThereAreNoneBetweenTheFirstStepAndTheLast) {
       "[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = 0.1\nperiod = 1.0\n"
       "[run]\nduration = 5.0\nintegrator = { type = \"rk4\", dt = 0.01 }\n" +
       look;
-  for (const std::string& text : {tip.text(), tip_adaptive.text(), flexible.text(), large.text(),
-                                  rigid.text(), rigid_adaptive.text(), chain}) {
+  RingScene rigid_implicit = rigid;
+  rigid_implicit.integrator = tip_implicit.integrator;
+  for (const std::string& text :
+       {tip.text(), tip_adaptive.text(), flexible.text(), large.text(), rigid.text(),
+        rigid_adaptive.text(), chain, tip_implicit.text(), rigid_implicit.text()}) {
     NullSink sink;
     RunOptions options;
     options.sink = &sink;
