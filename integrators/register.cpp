@@ -6,6 +6,7 @@
 #include "integrators/dopri5.hpp"
 #include "integrators/exponential_verlet.hpp"
 #include "integrators/midpoint.hpp"
+#include "integrators/radau9.hpp"
 #include "integrators/rk4.hpp"
 #include "integrators/velocity_verlet.hpp"
 
@@ -17,6 +18,7 @@ void register_integrators(Registry& registry) {
   registry.add(dopri5_record());
   registry.add(exponential_verlet_record());
   registry.add(midpoint_record());
+  registry.add(radau9_record());
   registry.add(rk4_record());
   registry.add(velocity_verlet_record());
 }

@@ -81,10 +81,30 @@ class Diagram {
     if (line.empty()) return;
     Curve curve;
     curve.label = tradeoff_.rungs[rung].name;
-    curve.colour = static_cast<int>(panel.curves.size());
+    curve.colour = colour_of(rung);
+    curve.dashed = tradeoff_.rungs[rung].number_type != "double";
     curve.mark = Mark::small_disc;
     curve.pieces = {std::move(line)};
     panel.curves.push_back(std::move(curve));
+  }
+
+  /// One for each model and integrator, whatever the number type.
+  int colour_of(std::size_t rung) const {
+    const auto same = [](const Rung& a, const Rung& b) {
+      return a.integrator == b.integrator && a.model == b.model;
+    };
+    int colour = 0;
+    for (std::size_t r = 0; r < rung; ++r) {
+      if (same(tradeoff_.rungs[r], tradeoff_.rungs[rung])) break;
+      const bool is_shown =
+          std::any_of(tradeoff_.points.begin(), tradeoff_.points.end(),
+                      [r](const TradeoffPoint& point) { return point.rung == r; });
+      const bool is_new =
+          std::none_of(tradeoff_.rungs.begin(), tradeoff_.rungs.begin() + r,
+                       [&](const Rung& one) { return same(one, tradeoff_.rungs[r]); });
+      if (is_shown && is_new) ++colour;
+    }
+    return colour;
   }
 
   void add_level(Panel& panel, double level, std::string label, bool dashed) const {

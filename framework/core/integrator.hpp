@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -69,6 +70,11 @@ struct IntegratorRecord : ComponentRecord {
   double (*stable_step)(double frequency, double damping_rate) = nullptr;
   /// The finest tolerance that an adaptive scheme is asked to keep; null for a fixed one.
   double (*tolerance)(const void* description) = nullptr;
+  /// How many steps an adaptive scheme may take; null for a fixed one.
+  std::int64_t (*most_steps)(const void* description) = nullptr;
+  /// Relative error of the speed at which a steady force drags a coordinate, `damped` = step *
+  /// damping rate; null: none, whatever the step.
+  double (*drag_error)(double damped) = nullptr;
   /// The fixed step; 0 for an adaptive scheme.
   double (*step)(const void* description) = nullptr;
   /// Faults across keys; empty when sound.

@@ -15,6 +15,7 @@
 #include "framework/model/assembly.hpp"
 #include "framework/model/elastic.hpp"
 #include "framework/model/observe_kernels.hpp"
+#include "framework/model/tangent.hpp"
 #include "framework/scene/scene.hpp"
 
 /// A scene bound: particles, coordinates, forces and the list of kernel calls that evaluates them.
@@ -120,6 +121,7 @@ class Model {
     double damping_rate = 0.0;
     double least_damping_rate = 0.0;
     double relaxation_rate = 0.0;
+    double spring_frequency = 0.0;  ///< of springs alone, without bounds on substrates
   };
   Stiffness stiffness(bool without_bonds = false);
   /// Name of the force with the largest share in it.
@@ -127,6 +129,9 @@ class Model {
 
   /// The largest fixed step that this scheme is stable with; infinite when nothing limits it.
   double stable_step(const IntegratorRecord& scheme);
+  /// What steps of an adaptive scheme cannot exceed for long, since friction and springs would make
+  /// them grow; infinite when nothing limits them. Generous: a lower bound of the cost.
+  double longest_lasting_step(const IntegratorRecord& scheme);
 
   /// Name of the body and particle that a coordinate belongs to, for messages.
   struct CoordinateName {
@@ -140,6 +145,7 @@ class Model {
 
  private:
   static AssemblyPlan plan_for(const Scene& scene, InstructionSet set);
+  void lay_tangent();
   static void begin_step(void* model, double time_high, double time_low);
   void evaluate_point(double position, double velocity, double* rates) const;
   void lay_elastic();
@@ -160,6 +166,7 @@ class Model {
   DoubleDouble anchor_;                        ///< the time from which stages count
   ModelFollower* follower_ = nullptr;
   AlignedVector<double> rates_;
+  std::unique_ptr<ForceTangent> tangent_;  ///< for schemes that ask for it
   std::int64_t* cells_ = nullptr;
   std::int64_t* whole_turns_ = nullptr;
 };

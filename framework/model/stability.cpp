@@ -321,7 +321,8 @@ Model::Stiffness Model::stiffness(bool without_bonds) {
   if (!view.inertial) return {.relaxation_rate = fastest};
   return {.frequency = std::sqrt(fastest),
           .damping_rate = damping.largest(),
-          .least_damping_rate = damping.least()};
+          .least_damping_rate = damping.least(),
+          .spring_frequency = std::sqrt(springs.largest())};
 }
 
 double Model::share_of_stiffness(const Force& force, const Stage<double>& here) {
@@ -372,6 +373,17 @@ double Model::stable_step(const IntegratorRecord& scheme) {
   // growing.
   const double least = stable_without_friction(scheme) ? 0.0 : fastest.least_damping_rate;
   return std::min(largest, stable_step_of(scheme, fastest.frequency, least));
+}
+
+double Model::longest_lasting_step(const IntegratorRecord& scheme) {
+  constexpr double kForever = std::numeric_limits<double>::infinity();
+  constexpr double kGenerous = 2.0;
+  if (scheme.growth == nullptr || !system().view.inertial) return kForever;
+  const Stiffness fastest = stiffness();
+  // Whatever springs do, the two rates of a damped coordinate add up to its friction's.
+  const double by_friction = stable_step_of(scheme, {-0.5 * fastest.damping_rate, 0.0});
+  const double by_springs = stable_step_of(scheme, fastest.spring_frequency, fastest.damping_rate);
+  return kGenerous * std::min(by_friction, by_springs);
 }
 
 }  // namespace tomlin

@@ -7,6 +7,7 @@
 
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
+#include "framework/scene/language.hpp"
 #include "framework/scene/text.hpp"
 
 namespace tomlin {
@@ -80,6 +81,7 @@ class Edit {
   std::size_t start_of_next_line(std::size_t at) {
     const std::size_t end = text_.find('\n', at);
     if (end != std::string::npos) return end + 1;
+    if (text_.ends_with('\n')) return text_.size();
     text_ += '\n';
     return text_.size();
   }
@@ -105,7 +107,7 @@ class Edit {
     if (entry == nullptr) {
       insert(*table, *node, parts.back(), value);
     } else if (entry->value.as<Table>() != nullptr && !is_inline(entry->value)) {
-      replace_table(parts, *entry->value.as<Table>(), value);
+      replace_table(parts, value);
     } else {
       const auto [begin, end] = span(entry->value.where);
       text_.replace(begin, end - begin, value);
@@ -126,8 +128,11 @@ class Edit {
   /// A table that is not there yet: at the end where it is one of the scene's own.
   void begin_table(const std::vector<std::string>& parts, std::size_t next,
                    const std::string& value) {
-    if (next != 0 || parts.size() != 2)
+    const std::vector<std::string>& own = top_level_keys();
+    const bool known = std::find(own.begin(), own.end(), parts[0]) != own.end();
+    if (next != 0 || parts.size() != 2 || !known) {
       refuse("there is no table " + parts[next] + " to put it in");
+    }
     start_of_next_line(text_.size());
     text_ += "\n[" + key_text(parts[0]) + "]\n" + key_text(parts[1]) + " = " + value + "\n";
   }
@@ -152,19 +157,11 @@ class Edit {
   }
 
   /// A table under a header of its own: its lines one by one.
-  void replace_table(const std::vector<std::string>& parts, const Table& old,
-                     const std::string& value) {
+  void replace_table(const std::vector<std::string>& parts, const std::string& value) {
     const Node replacement = parse_setting(value, 1);
     const Table* table = replacement.as<Table>();
     if (table == nullptr) refuse(parts.back() + " is a table");
-    for (const Entry& entry : table->entries) {
-      if (old.find(entry.key) != nullptr) continue;
-      // Before the old lines turn into comments, so that there is a line to stand below.
-      put_below(parts, entry);
-    }
-    for (const Entry& entry : table->entries) {
-      if (old.find(entry.key) != nullptr) put_below(parts, entry);
-    }
+    for (const Entry& entry : table->entries) put_below(parts, entry);
     comment_out(parts, *table);
   }
 

@@ -22,7 +22,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Of the error allowed, what the companion may have in the pilot: a whole run is not quite it.
-constexpr double kShareOfCompanion = 0.5;
+constexpr double kShareOfCompanion = 0.1;
 /// The same of costs.
 constexpr double kSlack = 0.95;
 /// The pilot's reference is so much finer than what is asked for.
@@ -41,9 +41,10 @@ constexpr double kFirstStep = 0.9;
 constexpr double kFewestSteps = 50.0;
 /// A mean below this part of the largest value is nought by cancellation, and held to that part.
 constexpr double kFloor = 1e-3;
-/// The companion's error is at least so many times the run's for a third of the difference to be
-/// an estimate; otherwise the whole difference is.
-constexpr double kFactorOfCompanion = 4.0;
+/// The companion's error in the pilot is at least so many times the run's.
+constexpr double kFactorOfCompanion = 10.0;
+/// As long as it is three times as large in the run, half the difference is not below the error.
+constexpr double kShareOfDifference = 0.5;
 /// Nothing is known better than to the last digits of a double.
 constexpr double kRounding = 1e-15;
 
@@ -53,6 +54,8 @@ struct Headline {
   double scale = 0.0;
 };
 
+/// The mean forces of drivers; where nothing drives, the mean velocities of bodies, held against
+/// their largest speeds.
 std::vector<Headline> headlines(const RunResult& result) {
   std::vector<Headline> all;
   for (const DriverResult& driver : result.drivers) {
@@ -64,7 +67,7 @@ std::vector<Headline> headlines(const RunResult& result) {
   }
   if (!all.empty()) return all;
   for (const BodyResult& body : result.bodies) {
-    all.push_back({body.mean_velocity, body.max_speed.value_or(0.0)});
+    all.push_back({body.mean_velocity, body.max_speed.value_or(0.0) / kFloor});
   }
   return all;
 }
@@ -106,19 +109,21 @@ struct Piece {
   double from = 0.0;
 };
 
+/// The first slip comes when the spring has been stretched by stick_slip() / (2 pi) periods, and
+/// slips are as far apart where they are long.
 Piece pilot_of(const std::shared_ptr<const Scene>& scene) {
   constexpr double kTau = 6.283185307179586;
-  double period = 0.0;
+  double cycle = 0.0;
   for (const Sliding& sliding : scales_of(scene).sliding) {
-    if (sliding.washboard_frequency > 0.0) {
-      period = std::max(period, kTau / sliding.washboard_frequency);
-    }
+    if (sliding.washboard_frequency <= 0.0) continue;
+    const double periods = sliding.stiffness > 0.0 ? std::ceil(sliding.stick_slip() / kTau) : 1.0;
+    cycle = std::max(cycle, std::max(1.0, periods) * kTau / sliding.washboard_frequency);
   }
   const double duration = scene->run.duration;
   // Without a period a part of the run has to stand for it.
-  if (period == 0.0) return {duration / 8.0, duration / 16.0};
-  if (2.0 * period >= duration) return {duration, duration / 2.0};
-  return {2.0 * period, period};
+  if (cycle == 0.0) return {duration / 8.0, duration / 24.0};
+  if (3.0 * cycle >= duration) return {duration, duration / 3.0};
+  return {3.0 * cycle, cycle};
 }
 
 std::shared_ptr<const Scene> shortened(const Scene& scene, const Piece& piece) {
@@ -133,9 +138,12 @@ std::shared_ptr<const Scene> shortened(const Scene& scene, const Piece& piece) {
   return result;
 }
 
+constexpr int kReferenceLevel = -1;
+
 /// A setting that was tried.
 struct Tried {
   std::size_t rung = 0;
+  int level = kReferenceLevel;  ///< of the rung's settings, from coarse to fine
   double knob = 0.0;
   double cost = 0.0;
   double error = kInfinity;
@@ -168,13 +176,14 @@ class Pilot {
     // The companion first, good enough by itself; then a run that is better by far.
     const Wanted cheap{.error = kShareOfCompanion * accuracy_};
     for (std::size_t k = 0; k < rungs_.size() && !interrupted(); ++k) climb(k, cheap);
-    const std::optional<Tried> companion = cheapest_of(cheap);
+    const std::optional<Tried> companion = confirmed(cheap);
     std::optional<Tried> main;
     if (companion) {
-      const Wanted fine{.error = companion->error / kFactorOfCompanion,
+      const double noise = 2.0 * kReferenceShare * accuracy_;
+      const Wanted fine{.error = std::max(companion->error / kFactorOfCompanion, noise),
                         .cost = companion->cost / (kSlack * kMostForCompanion)};
       for (std::size_t k = 0; k < rungs_.size() && !interrupted(); ++k) climb(k, fine);
-      main = cheapest_of(fine);
+      main = confirmed(fine);
     }
     ChosenIntegrator chosen;
     chosen.pilot_cost = cost_;
@@ -182,10 +191,11 @@ class Pilot {
     if (chosen.interrupted) return chosen;
     if (!main) {
       main = companion ? companion : most_accurate();
-      chosen.warnings.push_back(
-          fmt::format("accuracy {:g}: the best that the pilot found keeps {:.1e}, "
-                      "with {}",
-                      accuracy_, main->error, line(*main)));
+      if (main->error > accuracy_) {
+        chosen.warnings.push_back(
+            fmt::format("accuracy {:g}: the best that the pilot found, {}, keeps {:.1e}", accuracy_,
+                        line(*main), main->error));
+      }
     }
     chosen.scene = scene_at(*main);
     chosen.text = line(*main);
@@ -193,7 +203,7 @@ class Pilot {
       chosen.companion = scene_at(*other);
       chosen.companion_text = line(*other);
       const bool far_worse = other->error >= kFactorOfCompanion * main->error;
-      chosen.share = far_worse ? 1.0 / (kFactorOfCompanion - 1.0) : 1.0;
+      chosen.share = far_worse ? kShareOfDifference : 1.0;
     }
     return chosen;
   }
@@ -225,8 +235,8 @@ class Pilot {
         if (!trial.finished()) continue;
         // What costs far more than the reference is of no use.
         dearest_ = kDearest * static_cast<double>(trial.cost());
-        tried_.push_back(
-            {k, tolerance, static_cast<double>(trial.cost()), kReferenceShare * accuracy_});
+        tried_.push_back({k, kReferenceLevel, tolerance, static_cast<double>(trial.cost()),
+                          kReferenceShare * accuracy_});
         reference_ = std::move(trial.result);
         return;
       }
@@ -267,27 +277,46 @@ class Pilot {
   /// From coarse to fine until a setting is as wanted, or dearer than one that is.
   void climb(std::size_t k, const Wanted& wanted) {
     for (int level = 0; level < kMostKnobs && !interrupted(); ++level) {
-      const double setting = knob(rungs_[k], level);
       const auto best = cheapest_of(wanted);
-      const Tried tried = try_out(k, setting, best ? best->cost : dearest_);
+      const Tried tried = try_out(k, level, best ? best->cost : dearest_);
       if (wanted.met_by(tried) || tried.cost == kInfinity) return;
     }
   }
 
+  /// An error may be small by chance, where it changes sign: the next finer setting has to be as
+  /// good, or the error is taken to be that one's.
+  std::optional<Tried> confirmed(const Wanted& wanted) {
+    for (auto found = cheapest_of(wanted); found && !interrupted(); found = cheapest_of(wanted)) {
+      if (found->level == kReferenceLevel || found->level + 1 >= kMostKnobs) return found;
+      const Tried finer = try_out(found->rung, found->level + 1, dearest_);
+      if (finer.error <= found->error) return found;
+      known(found->rung, found->level)->error = finer.error;
+      if (wanted.met_by(finer)) return cheapest_of(wanted);
+      climb(found->rung, wanted);
+    }
+    return std::nullopt;
+  }
+
+  Tried* known(std::size_t rung, int level) {
+    for (Tried& one : tried_) {
+      if (one.rung == rung && one.level == level) return &one;
+    }
+    return nullptr;
+  }
+
   /// Dearer than the limit counts as infinitely dear.
-  Tried try_out(std::size_t k, double knob, double most_cost) {
-    const auto known = std::find_if(tried_.begin(), tried_.end(), [&](const Tried& one) {
-      return one.rung == k && one.knob == knob;
-    });
-    if (known != tried_.end() && known->cost != kInfinity) {
-      Tried tried = *known;
-      if (tried.cost > most_cost) tried.cost = kInfinity;
+  Tried try_out(std::size_t k, int level, double most_cost) {
+    if (const Tried* before = known(k, level); before != nullptr && before->cost <= most_cost) {
+      return *before;
+    }
+    const double setting = knob(rungs_[k], level);
+    const TrialRun trial = attempt(k, setting, most_cost);
+    Tried tried{k, level, setting, static_cast<double>(trial.cost()), kInfinity};
+    if (trial.finished() && reference_) tried.error = difference(trial.result, *reference_);
+    if (trial.end == TrialRun::End::over_budget) {
+      tried.cost = kInfinity;
       return tried;
     }
-    const TrialRun trial = attempt(k, knob, most_cost);
-    Tried tried{k, knob, static_cast<double>(trial.cost()), kInfinity};
-    if (trial.finished() && reference_) tried.error = difference(trial.result, *reference_);
-    if (trial.end == TrialRun::End::over_budget) tried.cost = kInfinity;
     tried_.push_back(tried);
     return tried;
   }
@@ -348,6 +377,19 @@ bool has_error(const std::string& path) {
   return path.starts_with("drivers.") || path.starts_with("bodies.") || path.starts_with("energy.");
 }
 
+void add_errors(RunResult& result, const RunResult& companion, double share) {
+  for (const Observable& one : observables(result)) {
+    if (!has_error(one.path)) continue;
+    const auto other = observable(companion, one.path);
+    ErrorEstimate estimate{one.path, std::nullopt};
+    if (one.value && other) {
+      estimate.error =
+          std::max(share * std::abs(*one.value - *other), kRounding * std::abs(*one.value));
+    }
+    result.errors.push_back(std::move(estimate));
+  }
+}
+
 void warn_of_large_errors(const RunResult& main, const RunResult& companion, double share,
                           double accuracy, std::vector<std::string>& warnings) {
   const double found = share * difference(companion, main);
@@ -355,6 +397,38 @@ void warn_of_large_errors(const RunResult& main, const RunResult& companion, dou
   warnings.push_back(
       fmt::format("accuracy {:g} was not reached: the estimated error is {:.1e} of the result",
                   accuracy, found));
+}
+
+/// The integrator of a scene, coarser or finer, and what part of the difference is its error.
+struct Companion {
+  std::shared_ptr<const Scene> scene;
+  double share = 1.0;
+};
+
+Companion companion_of(const std::shared_ptr<const Scene>& scene) {
+  constexpr double kWider = 30.0;
+  constexpr double kNearlyStable = 0.95;
+  const SceneIntegrator& integrator = scene->run.integrator;
+  const double dt = integrator.record->step(integrator.description.get());
+  double factor = kWider;
+  Companion companion{nullptr, kShareOfDifference};
+  if (dt > 0.0) {
+    const bool stable = 2.0 * dt <= kNearlyStable * Model(scene).stable_step(*integrator.record);
+    factor = stable ? 2.0 : 0.5;
+    // Of second order at least: the longer step has four times the error.
+    companion.share = stable ? 1.0 / 3.0 : 4.0 / 3.0;
+  }
+  auto description = integrator.record->make_description();
+  for (const Parameter& row : integrator.record->parameters) {
+    ParameterValue value = row.read(integrator.description.get());
+    const bool turned = dt > 0.0 ? row.key == "dt" : row.key.ends_with("tolerance");
+    if (turned) value = std::get<double>(value) * factor;
+    row.assign(description.get(), std::move(value));
+  }
+  auto other = std::make_shared<Scene>(*scene);
+  other->run.integrator.description = std::move(description);
+  companion.scene = std::move(other);
+  return companion;
 }
 
 }  // namespace
@@ -388,17 +462,7 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
                   (companion.why.empty() ? std::string() : ": " + companion.why));
     return;
   }
-  const std::vector<Observable> ours = observables(result);
-  for (const Observable& one : ours) {
-    if (!has_error(one.path)) continue;
-    const auto other = observable(companion.result, one.path);
-    ErrorEstimate estimate{one.path, std::nullopt};
-    if (one.value && other) {
-      estimate.error =
-          std::max(chosen.share * std::abs(*one.value - *other), kRounding * std::abs(*one.value));
-    }
-    result.errors.push_back(std::move(estimate));
-  }
+  add_errors(result, companion.result, chosen.share);
   warn_of_large_errors(result, companion.result, chosen.share, accuracy, result.warnings);
 }
 
@@ -413,6 +477,19 @@ RunResult run_to_accuracy(const std::shared_ptr<const Scene>& scene, const Regis
   }
   RunResult result = run(chosen.scene, options);
   estimate_errors(chosen, options, result);
+  return result;
+}
+
+RunResult run_with_errors(const std::shared_ptr<const Scene>& scene, const Registry& registry,
+                          const RunOptions& options) {
+  if (scene->run.accuracy) return run_to_accuracy(scene, registry, options);
+  RunResult result = run(scene, options);
+  if (result.status != RunStatus::finished) return result;
+  const Companion companion = companion_of(scene);
+  TrialLimits limits;
+  limits.stop = options.stop;
+  const TrialRun other = try_run(companion.scene, limits);
+  if (other.finished()) add_errors(result, other.result, companion.share);
   return result;
 }
 

@@ -12,17 +12,17 @@
 
 /// `[run] accuracy`: the program picks the integrator, and says how large the errors are.
 ///
-/// A pilot, two periods of the driver where there is one, is run with every integrator that the
+/// A pilot, three stick-slip cycles where there is a driver, is run with every integrator that the
 /// scene admits, from coarse to fine, and held against a far finer run. Cost is counted in
 /// evaluations of all forces and columns of Jacobians, never in seconds, so that the same scene
-/// gets the same integrator everywhere. The cheapest setting whose error in the pilot's second
-/// period is half of what is asked for becomes the companion; the run itself takes the cheapest one
-/// that costs at least 1/0.6 of that and has at most a quarter of its error.
+/// gets the same integrator everywhere. The cheapest setting whose error after the pilot's first
+/// cycle is a tenth of what is asked for becomes the companion; the run itself takes the cheapest
+/// one that costs at least 1/0.6 of that and has at most a tenth of its error.
 ///
-/// With e the error of the run and E, at least 4 e, that of its companion, their results differ by
-/// at least 3 e: a third of the difference is the estimate, of every observable, and errs on the
-/// safe side wherever the companion is worse than that. Where the pilot found no such pair, the
-/// whole difference is.
+/// With e the error of the run and E, at least 3 e, that of its companion, their results differ by
+/// at least 2 e: half the difference is the estimate, of every observable, and errs on the safe
+/// side wherever the companion is worse than that. Where the pilot found no such pair, the whole
+/// difference is.
 namespace tomlin {
 
 /// What the companion may cost, as a part of the run.
@@ -49,6 +49,11 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
 
 /// All of it: choose, run, estimate. A scene without an accuracy is simply run.
 RunResult run_to_accuracy(const std::shared_ptr<const Scene>& scene, const Registry& registry,
+                          const RunOptions& options = {});
+
+/// The same with errors for a scene that has an integrator, too: its companion takes tolerances
+/// thirty times as wide, or steps twice as long (half as long where that is not stable).
+RunResult run_with_errors(const std::shared_ptr<const Scene>& scene, const Registry& registry,
                           const RunOptions& options = {});
 
 }  // namespace tomlin

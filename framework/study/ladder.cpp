@@ -170,12 +170,11 @@ double length_scale(const Scene& scene) {
 }
 
 std::string condensed(const InputError& error) {
-  std::string text;
-  for (const Fault& fault : error.faults()) {
-    const std::string one = fault.key.empty() ? fault.why : fault.key + ": " + fault.why;
-    if (text.find(one) != std::string::npos) continue;
-    text += (text.empty() ? "" : "; ") + one;
-  }
+  const std::vector<Fault>& faults = error.faults();
+  if (faults.empty()) return error.what();
+  const Fault& first = faults.front();
+  std::string text = first.key.empty() ? first.why : first.key + ": " + first.why;
+  if (faults.size() > 1) text += fmt::format(" (and {} more)", faults.size() - 1);
   return shortened(text, kLongestShownMessage);
 }
 

@@ -45,7 +45,8 @@ std::vector<Rung> ladder(const Variants& variants);
 /// The shortest length after which a force of the scene repeats itself; 1 where none does.
 double length_scale(const Scene& scene);
 
-/// Everything that an error of the input says, on one line and without its place.
+/// What an error of the input says, on one line: its first fault without its place, and how many
+/// more there are.
 std::string condensed(const InputError& error);
 
 }  // namespace tomlin
