@@ -128,7 +128,10 @@ coefficient = 0.2
 RK4 = '{{ type = "rk4", dt = {dt} }}'
 DOPRI5 = '{ type = "dopri5", absolute_tolerance = 1e-9, relative_tolerance = 1e-9 }'
 RADAU9 = DOPRI5.replace("dopri5", "radau9")
+DOP853 = DOPRI5.replace("dopri5", "dop853")
 VERLET = '{ type = "velocity_verlet", dt = 1e-2 }'
+EXPONENTIAL = VERLET.replace("velocity", "exponential")
+MIDPOINT = VERLET.replace("velocity_verlet", "midpoint")
 
 
 def scene(bodies, integrator, duration, every, *more):
@@ -173,6 +176,10 @@ SCENES = {
     "ring_rigid_quadruple": scene(RIGID, DOPRI5, 1.0, 0.3, QUADRUPLE),
     "ring_flexible": scene(FLEXIBLE, RK4.format(dt=2e-3), 5.0, 0.7, LEDGER),
     "ring_flexible_adaptive": scene(FLEXIBLE, DOPRI5, 2.0, 0.7),
+    "tip_eighth_order": scene(TIP, DOP853, 60.0, 0.7, LEDGER),
+    "tip_midpoint": scene(TIP, MIDPOINT, 30.0, 0.7),
+    "ring_flexible_exponential": scene(FLEXIBLE, EXPONENTIAL, 10.0, 0.7, LEDGER),
+    "chain_exponential": scene(CHAIN, EXPONENTIAL, 20.0, 0.7),
     "tip_implicit": scene(TIP, RADAU9, 60.0, 0.7, LEDGER),
     "tip_implicit_overdamped": scene(TIP, RADAU9, 60.0, 0.7, OVERDAMPED),
     "chain_implicit": scene(CHAIN, RADAU9, 20.0, 0.7),

@@ -119,9 +119,15 @@ TEST(Names, TypeFileAndClassAgree) {
     look_at("forcefields", force->name, camel_case(force->name));
   }
   for (const auto& scheme : standard().integrators()) {
-    look_at("integrators", scheme->name, camel_case(scheme->name) + "Description");
-    const std::string code = contents(source / "integrators" / (scheme->name + ".cpp"));
-    EXPECT_NE(code.find("class " + camel_case(scheme->name) + " "), std::string::npos);
+    SCOPED_TRACE(scheme->name);
+    const std::filesystem::path file = source / "integrators" / scheme->name;
+    EXPECT_NE(contents(file.string() + ".hpp").find(scheme->name + "_record()"), std::string::npos);
+    // A class of its own, or kernels of its own in a class that it shares with others of its kind.
+    const std::string code = contents(file.string() + ".cpp");
+    const std::string name = camel_case(scheme->name);
+    EXPECT_NE(code.find("\"" + scheme->name + "\""), std::string::npos);
+    EXPECT_TRUE(code.find("class " + name + " ") != std::string::npos ||
+                code.find(name + "Kernels") != std::string::npos);
   }
   for (const auto& body : standard().bodies()) {
     const std::string header = contents(source / "framework/bodies" / (body->name + ".hpp"));

@@ -115,6 +115,9 @@ const std::string kAdaptive =
 const std::string kImplicit =
     "{ type = \"radau9\", absolute_tolerance = 1e-9, relative_tolerance = 1e-9 }";
 
+const std::string kEighthOrder =
+    "{ type = \"dop853\", absolute_tolerance = 1e-10, relative_tolerance = 1e-10 }";
+
 struct Named {
   const char* name;
   std::string text;
@@ -130,6 +133,9 @@ std::vector<Named> scenes() {
       {"tip that turns round, adaptive", kTipForces + kReverse + settings("4e3", kAdaptive)},
       {"chain", kChain + settings("600", "{ type = \"rk4\", dt = 1e-2 }", "ledger = true\n")},
       {"chain, Verlet", kChain + settings("1500", "{ type = \"velocity_verlet\", dt = 1e-2 }")},
+      {"chain, exponential",
+       kChain + settings("1000", "{ type = \"exponential_verlet\", dt = 1e-2 }")},
+      {"tip, eighth order", kTipForces + settings("5e3", kEighthOrder)},
       {"chain, overdamped",
        kChain + settings("800", "{ type = \"rk4\", dt = 1e-2 }", "dynamics = \"overdamped\"\n")},
       {"chain, float",
