@@ -23,7 +23,7 @@ constexpr double kShareOfSecond = 0.15;
 constexpr double kShareOfQuadruple = 0.05;
 constexpr double kMostSecondsOfQuadruple = 2.0;
 /// A run in quadruple takes about so many times longer.
-constexpr double kSlownessOfQuadruple = 200.0;
+constexpr double kSlownessOfQuadruple = 500.0;
 /// A value within so many of its own errors of zero is zero as far as it is known.
 constexpr double kErrorsFromZero = 10.0;
 /// Moves below this part of the value are rounding.
