@@ -11,6 +11,10 @@ double tolerance(const void* description) {
   return std::max(d.absolute_tolerance, d.relative_tolerance);
 }
 
+std::int64_t most_steps(const void* description) {
+  return static_cast<const EmbeddedDescription*>(description)->most_steps;
+}
+
 std::vector<Complaint> complaints(const void* description) {
   const auto& d = *static_cast<const EmbeddedDescription*>(description);
   std::vector<Complaint> found;
@@ -58,6 +62,7 @@ void describe_embedded(IntegratorRecord& record) {
           .by_default(std::int64_t{1'000'000'000})};
   record.step = &step;
   record.tolerance = &tolerance;
+  record.most_steps = &most_steps;
   record.complaints = &complaints;
 }
 

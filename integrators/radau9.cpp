@@ -203,7 +203,8 @@ class Radau9 : public Integrator<double> {
     const double least = std::max(error, 1e-10);
     double factor = kSafety * pow(least, -kExponent);
     if (control_[kOldStep] > 0.0) {
-      const double trend = h / control_[kOldStep] * pow(control_[kOldError] / least, kExponent);
+      const double trend =
+          std::min(1.0, h / control_[kOldStep]) * pow(control_[kOldError] / least, kExponent);
       factor = std::min(factor, factor * trend);
     }
     return std::clamp(factor, kLeastFactor, kMostFactor);
@@ -648,6 +649,10 @@ double growth(std::complex<double> z) {
 double step(const void*) { return 0.0; }
 
 /// Where one of the two tolerances is zero, the other rules.
+std::int64_t most_steps(const void* description) {
+  return static_cast<const Description*>(description)->most_steps;
+}
+
 double tolerance(const void* description) {
   const auto& d = *static_cast<const Description*>(description);
   return std::max(d.absolute_tolerance, d.relative_tolerance);
@@ -714,6 +719,7 @@ IntegratorRecord radau9_record() {
   record.growth = &growth;
   record.step = &step;
   record.tolerance = &tolerance;
+  record.most_steps = &most_steps;
   record.complaints = &complaints;
   record.bind = {&bind};
   record.example = R"(# A tip that is driven a thousand times more slowly than it relaxes.

@@ -1,5 +1,6 @@
 #include "integrators/velocity_verlet.hpp"
 
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -19,6 +20,13 @@ using Description = CompositionDescription;
 /// Friction only ever helps: its flow is exact.
 double stable_step(double frequency, double) {
   return frequency > 0.0 ? 2.0 / frequency : std::numeric_limits<double>::infinity();
+}
+
+/// Under a steady force F the scheme's own steady speed is (h F/2m) coth(h gamma/2), where
+/// F/(m gamma) is right.
+double drag_error(double damped) {
+  const double half = 0.5 * damped;
+  return half > 0.0 ? half / std::tanh(half) - 1.0 : 0.0;
 }
 
 double step(const void* description) { return static_cast<const Description*>(description)->dt; }
@@ -49,6 +57,7 @@ IntegratorRecord velocity_verlet_record() {
   record.make_description = &make_description<Description>;
   record.parameters = {parameter("dt", &Description::dt, dimension::time, "the step").in(positive)};
   record.stable_step = &stable_step;
+  record.drag_error = &drag_error;
   record.step = &step;
   record.complaints = &complaints;
   record.bind = {&bind<double>, &bind<float>, &bind<Quad>};

@@ -297,7 +297,7 @@ double response_to_sites(const Model& model, const Model::Body& body, double cur
 
 }  // namespace
 
-Model::Stiffness Model::stiffness() {
+Model::Stiffness Model::stiffness(bool without_bonds) {
   const SystemView<double>& view = system().view;
   evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates_.data());
   const Stage<double> here = stage(view.position, view.velocity, view.integrals, rates_.data());
@@ -305,6 +305,7 @@ Model::Stiffness Model::stiffness() {
   DampingRates damping(*this);
   std::vector<double> site_bounds(bodies().size(), 0.0);
   for (const Force& force : forces()) {
+    if (without_bonds && is_bonds(assembly_, force)) continue;
     const double bound = force.bound->curvature_bound();
     if (bound >= 0.0) {
       for (const std::size_t b : force.bodies) {
@@ -320,7 +321,8 @@ Model::Stiffness Model::stiffness() {
   if (!view.inertial) return {.relaxation_rate = fastest};
   return {.frequency = std::sqrt(fastest),
           .damping_rate = damping.largest(),
-          .least_damping_rate = damping.least()};
+          .least_damping_rate = damping.least(),
+          .spring_frequency = std::sqrt(springs.largest())};
 }
 
 double Model::share_of_stiffness(const Force& force, const Stage<double>& here) {
@@ -358,7 +360,7 @@ std::string Model::stiffest_force() {
 
 double Model::stable_step(const IntegratorRecord& scheme) {
   if (scheme.adaptive) return std::numeric_limits<double>::infinity();
-  const Stiffness fastest = stiffness();
+  const Stiffness fastest = stiffness(scheme.splits_bonds);
   if (!system().view.inertial) return stable_step_of(scheme, -fastest.relaxation_rate);
   // Slower modes meet the same damping: the worst of a range of frequencies counts.
   double largest = std::numeric_limits<double>::infinity();
@@ -371,6 +373,17 @@ double Model::stable_step(const IntegratorRecord& scheme) {
   // growing.
   const double least = stable_without_friction(scheme) ? 0.0 : fastest.least_damping_rate;
   return std::min(largest, stable_step_of(scheme, fastest.frequency, least));
+}
+
+double Model::longest_lasting_step(const IntegratorRecord& scheme) {
+  constexpr double kForever = std::numeric_limits<double>::infinity();
+  constexpr double kGenerous = 2.0;
+  if (scheme.growth == nullptr || !system().view.inertial) return kForever;
+  const Stiffness fastest = stiffness();
+  // Whatever springs do, the two rates of a damped coordinate add up to its friction's.
+  const double by_friction = stable_step_of(scheme, {-0.5 * fastest.damping_rate, 0.0});
+  const double by_springs = stable_step_of(scheme, fastest.spring_frequency, fastest.damping_rate);
+  return kGenerous * std::min(by_friction, by_springs);
 }
 
 }  // namespace tomlin
