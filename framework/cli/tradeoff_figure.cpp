@@ -82,8 +82,9 @@ class Diagram {
     Curve curve;
     curve.label = tradeoff_.rungs[rung].name;
     curve.colour = colour_of(rung);
-    curve.dashed = tradeoff_.rungs[rung].number_type != "double";
-    curve.mark = Mark::small_disc;
+    // Other number types lie on those of the same scheme: no more than marks.
+    curve.line = tradeoff_.rungs[rung].number_type == "double";
+    curve.mark = curve.line ? Mark::small_disc : Mark::square;
     curve.pieces = {std::move(line)};
     panel.curves.push_back(std::move(curve));
   }

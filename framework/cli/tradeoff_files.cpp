@@ -33,6 +33,7 @@ Json reference_entry(const Reference& reference) {
           {"second",
            {{"rung", text_or_null(reference.second)},
             {"differs", number(reference.second_differs)},
+            {"agrees", reference.second_agrees},
             {"settled", reference.second_settled}}},
           {"quadruple",
            {{"rung", text_or_null(reference.quadruple)},

@@ -46,10 +46,9 @@ std::string second_text(const Tradeoff& tradeoff) {
   if (!reference.second_differs) return "no other scheme got through";
   std::string text = fmt::format("{} differs by {}", reference.second,
                                  error_text(tradeoff, *reference.second_differs));
-  if (!reference.second_settled && *reference.second_differs > reference.error) {
-    text += ", still moving when its part of the budget was over";
-  }
-  return text;
+  if (reference.second_agrees) return text;
+  return text + (reference.second_settled ? ", and neither moves any more"
+                                          : ", still moving when its part of the budget was over");
 }
 
 std::string quadruple_text(const Tradeoff& tradeoff) {

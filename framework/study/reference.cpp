@@ -23,7 +23,7 @@ constexpr double kShareOfSecond = 0.15;
 constexpr double kShareOfQuadruple = 0.05;
 constexpr double kMostSecondsOfQuadruple = 2.0;
 /// A run in quadruple takes about so many times longer.
-constexpr double kSlownessOfQuadruple = 100.0;
+constexpr double kSlownessOfQuadruple = 500.0;
 /// A value within so many of its own errors of zero is zero as far as it is known.
 constexpr double kErrorsFromZero = 10.0;
 /// Moves below this part of the value are rounding.
@@ -207,7 +207,8 @@ class ReferenceSearch {
       found_.second_differs = std::abs(*now.value - found_.value);
       found_.second_settled = last && std::abs(*now.value - *last) < 0.5 * *found_.second_differs;
       last = now.value;
-      if (*found_.second_differs <= std::max(goal(), found_.error)) return;
+      found_.second_agrees = *found_.second_differs <= std::max(goal(), found_.error);
+      if (found_.second_agrees) return;
       if (!can_be_finer(*second, knob)) break;
       knob = finer(*second, knob);
     }

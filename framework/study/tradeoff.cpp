@@ -112,7 +112,11 @@ class TradeoffStudy {
       if (measurer_.interrupted()) return;
       if (found_.rungs[r].refused.empty()) say(found_.rungs[r].name);
       // What one rung leaves of its share goes to those that follow.
-      const double share = measurer_.left() / static_cast<double>(count - r);
+      const auto runs =
+          std::count_if(found_.rungs.begin() + static_cast<std::ptrdiff_t>(r), found_.rungs.end(),
+                        [](const Rung& rung) { return rung.refused.empty(); });
+      const double share =
+          measurer_.left() / static_cast<double>(std::max<std::ptrdiff_t>(runs, 1));
       walk(r, found_.rungs, duration, aim, share, measurer_, found_);
     }
     say("steps near the tolerance");
