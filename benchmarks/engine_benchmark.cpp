@@ -205,6 +205,7 @@ const std::vector<Variant>& common_variants() {
       {"velocity_verlet", {{"run.integrator.type", "\"velocity_verlet\""}}},
       {"overdamped", {{"run.dynamics", "\"overdamped\""}}},
       {"dopri5", {{"run.integrator", "{ type = \"dopri5\" }"}}, 1},
+      {"radau9", {{"run.integrator", "{ type = \"radau9\" }"}}, 1},
       {"dop853", {{"run.integrator", "{ type = \"dop853\" }"}}, 1},
   };
   return variants;

@@ -31,7 +31,6 @@ struct LaterCommand {
 
 constexpr std::array kLaterCommands = {
     LaterCommand{"sweep", "many runs over the values of parameters"},
-    LaterCommand{"compare", "several models side by side"},
     LaterCommand{"stability", "thresholds and equilibria"},
     LaterCommand{"schema", "JSON Schema of scenes, for editors"},
     LaterCommand{"report", "a web page of a run"},
@@ -153,6 +152,31 @@ DIR then holds
 Exit status: 0 done, whatever was found; 1 the results could not be written; 2 the input was not
 right, and nothing was written; 130 or 143 after an interrupt.)";
 
+constexpr const char* kCompareFooter = R"(
+Runs every scene, estimates its error by a second run with other steps, and holds one number of the
+summary against that of the model with the most free coordinates. Shows value, error and cost of
+each, and which is the simplest that agrees within T (relative; absolute where the number is zero).
+A model agrees when it does so even if both errors are taken in full; where the errors alone are
+larger than T it is undecided.
+
+Models are comparable when their drivers have the same velocity and their forces the same periods;
+other scenes are refused. Another stiffness or amplitude is noted.
+
+In --observable "driver" and "body" stand for the only driver and the only body of each scene.
+
+Examples:
+
+  tomlin compare tip.toml ring.toml --observable driver.mean_force.x
+  tomlin compare tip.toml chain.toml ring.toml --observable driver.mean_force.x --tolerance 1e-3
+
+DIR then holds
+  compare.csv       a row for each model
+  compare.json      the same, with notes and warnings
+  compare.svg       the forces of the drivers over their way, when there is gnuplot
+
+Exit status: 0 done; 1 a run failed, or the results could not be written; 2 the input was not right,
+and nothing was written; 130 or 143 after an interrupt.)";
+
 constexpr const char* kExplainFooter = R"(
 Shows, without running the scene:
 
@@ -221,7 +245,8 @@ Examples:
 
 bool is_option(std::string_view word) { return word.size() > 1 && word.front() == '-'; }
 
-constexpr std::array kCommands = {"run", "tradeoff", "explain", "check", "new", "describe", "plot"};
+constexpr std::array kCommands = {"run",   "tradeoff", "compare",  "explain",
+                                  "check", "new",      "describe", "plot"};
 
 std::string all_commands() {
   return fmt::format("{}; tomlin --help tells more", fmt::join(kCommands, ", "));
@@ -293,6 +318,7 @@ class CommandLine {
     app_.footer(kProgramFooter);
     set_up_run();
     set_up_tradeoff();
+    set_up_compare();
     set_up_explain();
     set_up_check();
     set_up_new();
@@ -323,6 +349,7 @@ class CommandLine {
       return explained_;
     }
     if (app_.got_subcommand(tradeoff_)) return tradeoff_arguments();
+    if (app_.got_subcommand(compare_)) return compare_arguments();
     if (app_.got_subcommand(check_)) {
       checked_.settings = settings_of(settings_);
       return checked_;
@@ -334,6 +361,10 @@ class CommandLine {
   /// SCENE and --set.
   void take_scene(CLI::App& command, std::string& scene) {
     command.add_option("SCENE", scene, "the scene, a TOML file")->option_text(" ")->required();
+    take_settings(command);
+  }
+
+  void take_settings(CLI::App& command) {
     command.add_option("--set", settings_, "replace a parameter or any value of the scene")
         ->type_name("PATH=VALUE")
         ->option_text("PATH=VALUE ...")
@@ -375,6 +406,24 @@ class CommandLine {
     tradeoff_->add_flag("--force", traded_.force,
                         "DIR need not be empty, and NEW.toml may be there; what tomlin writes is "
                         "replaced");
+  }
+
+  void set_up_compare() {
+    compare_ = app_.add_subcommand("compare", "models side by side; the simplest that agrees");
+    compare_->footer(kCompareFooter);
+    compare_->add_option("SCENE", compared_.scenes, "the scenes, TOML files; two at least")
+        ->option_text("...")
+        ->required();
+    take_settings(*compare_);
+    compare_->add_option("--observable", compared_.observable, "a dotted path in summary.json")
+        ->type_name("O")
+        ->required();
+    compare_->add_option("--tolerance", compared_.tolerance, "to agree within; 1e-2 by default")
+        ->type_name("T");
+    compare_->add_option("-o,--output", compared_.folder, "folder for the results; compare.out")
+        ->type_name("DIR");
+    compare_->add_flag("--force", compared_.force,
+                       "DIR need not be empty; what tomlin writes is replaced");
   }
 
   void set_up_explain() {
@@ -476,6 +525,15 @@ class CommandLine {
     return traded_;
   }
 
+  CompareArguments compare_arguments() {
+    if (compared_.scenes.size() < 2) refuse("there is one scene", "", "two or more");
+    if (!std::isfinite(compared_.tolerance) || compared_.tolerance <= 0.0) {
+      refuse(fmt::format("--tolerance is {:g}", compared_.tolerance), "", "> 0");
+    }
+    compared_.settings = settings_of(settings_);
+    return compared_;
+  }
+
   RunArguments run_arguments() {
     if (plugin_->count() > 0) refuse(plugin_->get_name() + " is not in this version");
     if (asked_.resume && asked_.force) {
@@ -515,6 +573,7 @@ class CommandLine {
   CLI::App app_{"Nanoscale friction models from plain scene files.", "tomlin"};
   CLI::App* run_ = nullptr;
   CLI::App* tradeoff_ = nullptr;
+  CLI::App* compare_ = nullptr;
   CLI::App* explain_ = nullptr;
   CLI::App* check_ = nullptr;
   CLI::App* new_ = nullptr;
@@ -523,6 +582,7 @@ class CommandLine {
   CLI::Option* plugin_ = nullptr;
   RunArguments asked_;
   TradeoffArguments traded_;
+  CompareArguments compared_;
   ExplainArguments explained_;
   CheckArguments checked_;
   NewArguments begun_;

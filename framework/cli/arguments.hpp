@@ -32,6 +32,16 @@ struct TradeoffArguments {
   bool force = false;
 };
 
+/// `tomlin compare A B ... --observable O ...`
+struct CompareArguments {
+  std::vector<std::string> scenes;
+  std::vector<Setting> settings;
+  std::string observable;
+  double tolerance = 1e-2;
+  std::optional<std::string> folder;
+  bool force = false;
+};
+
 /// `tomlin explain SCENE ...`
 struct ExplainArguments {
   std::string scene;
@@ -80,8 +90,9 @@ struct TextToPrint {
   std::string text;
 };
 
-using Arguments = std::variant<RunArguments, TradeoffArguments, ExplainArguments, CheckArguments,
-                               NewArguments, DescribeArguments, PlotArguments, TextToPrint>;
+using Arguments =
+    std::variant<RunArguments, TradeoffArguments, CompareArguments, ExplainArguments,
+                 CheckArguments, NewArguments, DescribeArguments, PlotArguments, TextToPrint>;
 
 /// Throws InputError when the command line does not say anything that can be done.
 Arguments parse_arguments(int argc, const char* const* argv);

@@ -13,13 +13,12 @@
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/progress.hpp"
 #include "framework/cli/stop_signals.hpp"
+#include "framework/cli/study_figure.hpp"
 #include "framework/cli/tradeoff_figure.hpp"
 #include "framework/cli/tradeoff_scene.hpp"
 #include "framework/cli/tradeoff_text.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/output/run_folder.hpp"
-#include "framework/plot/gnuplot.hpp"
-#include "framework/plot/gnuplot_script.hpp"
 #include "framework/standard_registry.hpp"
 #include "framework/study/tradeoff.hpp"
 
@@ -36,21 +35,6 @@ std::string default_folder(const std::string& scene_file) {
 }
 
 void print_note(const std::string& note) { std::fputs(("note: " + note + "\n").c_str(), stderr); }
-
-/// Without gnuplot there is no figure, and a note.
-bool write_figure(const RunFolder& folder, const Tradeoff& tradeoff) {
-  if (tradeoff.points.empty()) return false;
-  try {
-    folder.write_file(kFigureFile,
-                      run_gnuplot(gnuplot_script(tradeoff_figure(tradeoff), PictureFormat::svg)));
-    return true;
-  } catch (const InputError& error) {
-    print_note(std::string("no figure: ") + error.what());
-  } catch (const GnuplotError& error) {
-    print_note(std::string("no figure: ") + error.what());
-  }
-  return false;
-}
 
 /// On a terminal one line that tells what is going on.
 class Progress {
@@ -109,7 +93,10 @@ int tradeoff_command(const TradeoffArguments& arguments) {
   folder.create();
   folder.write_file(kCsvFile, tradeoff_csv(tradeoff));
   std::string where = (folder.path() / "").string() + ": " + kJsonFile + ", " + kCsvFile;
-  if (write_figure(folder, tradeoff)) where += std::string(", ") + kFigureFile;
+  if (!tradeoff.points.empty() &&
+      write_study_figure(folder, kFigureFile, tradeoff_figure(tradeoff))) {
+    where += std::string(", ") + kFigureFile;
+  }
   folder.write_file(kJsonFile, tradeoff_json(*scene, tradeoff));
   std::string trouble;
   if (arguments.write && tradeoff.recommendation) {

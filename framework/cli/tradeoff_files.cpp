@@ -35,7 +35,8 @@ Json reference_entry(const Reference& reference) {
             {"differs", number(reference.second_differs)},
             {"settled", reference.second_settled}}},
           {"quadruple",
-           {{"differs", number(reference.quadruple_differs)},
+           {{"rung", text_or_null(reference.quadruple)},
+            {"differs", number(reference.quadruple_differs)},
             {"part_of_run", number(reference.quadruple_part)},
             {"unchecked", text_or_null(reference.unchecked)}}}};
 }

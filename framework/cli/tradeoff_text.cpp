@@ -55,7 +55,7 @@ std::string second_text(const Tradeoff& tradeoff) {
 std::string quadruple_text(const Tradeoff& tradeoff) {
   const Reference& reference = *tradeoff.reference;
   if (!reference.quadruple_differs) return "not checked: " + reference.unchecked;
-  return fmt::format("differs by {} over {:.2g} % of the run",
+  return fmt::format("{} differs by {} over {:.3g} % of the run", reference.quadruple,
                      error_text(tradeoff, *reference.quadruple_differs),
                      100.0 * reference.quadruple_part);
 }

@@ -56,6 +56,8 @@ struct IntegratorRecord : ComponentRecord {
   /// Takes friction as an operator, its exact flow over a step's halves, in place of a force. Other
   /// forces that depend on velocity, and forces with variables of their own, are then refused.
   bool splits_friction = false;
+  /// Takes bonds within bodies as an operator too, whose stiffness then limits no step.
+  bool splits_bonds = false;
   bool needs_tangent = false;      ///< solves equations with the forces' derivatives
   bool conservative_only = false;  ///< for scenes without friction and other loss
   /// Follows equilibria as the driver moves: for quasistatic dynamics, and for no other.

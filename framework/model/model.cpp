@@ -123,6 +123,20 @@ Model::Model(std::shared_ptr<const Scene> scene, InstructionSet set)
   system().begin_step = &Model::begin_step;
   system().model = this;
   lay_tangent();
+  lay_elastic();
+}
+
+void Model::lay_elastic() {
+  const SceneIntegrator& scheme = scene_->run.integrator;
+  if (!scheme.record->splits_bonds) return;
+  std::string fault;
+  elastic_ = elastic_bodies(assembly_, fault);
+  if (!fault.empty()) {
+    throw InputError(
+        {{scheme.place, "run.integrator.type", "\"" + scheme.record->name + "\"",
+          "splits bonds and friction off, but " + fault, "velocity_verlet, rk4, dopri5", ""}});
+  }
+  system().elastic = &elastic_;
 }
 
 Model::~Model() = default;

@@ -297,7 +297,7 @@ double response_to_sites(const Model& model, const Model::Body& body, double cur
 
 }  // namespace
 
-Model::Stiffness Model::stiffness() {
+Model::Stiffness Model::stiffness(bool without_bonds) {
   const SystemView<double>& view = system().view;
   evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates_.data());
   const Stage<double> here = stage(view.position, view.velocity, view.integrals, rates_.data());
@@ -305,6 +305,7 @@ Model::Stiffness Model::stiffness() {
   DampingRates damping(*this);
   std::vector<double> site_bounds(bodies().size(), 0.0);
   for (const Force& force : forces()) {
+    if (without_bonds && is_bonds(assembly_, force)) continue;
     const double bound = force.bound->curvature_bound();
     if (bound >= 0.0) {
       for (const std::size_t b : force.bodies) {
@@ -359,7 +360,7 @@ std::string Model::stiffest_force() {
 
 double Model::stable_step(const IntegratorRecord& scheme) {
   if (scheme.adaptive) return std::numeric_limits<double>::infinity();
-  const Stiffness fastest = stiffness();
+  const Stiffness fastest = stiffness(scheme.splits_bonds);
   if (!system().view.inertial) return stable_step_of(scheme, -fastest.relaxation_rate);
   // Slower modes meet the same damping: the worst of a range of frequencies counts.
   double largest = std::numeric_limits<double>::infinity();

@@ -377,6 +377,19 @@ bool has_error(const std::string& path) {
   return path.starts_with("drivers.") || path.starts_with("bodies.") || path.starts_with("energy.");
 }
 
+void add_errors(RunResult& result, const RunResult& companion, double share) {
+  for (const Observable& one : observables(result)) {
+    if (!has_error(one.path)) continue;
+    const auto other = observable(companion, one.path);
+    ErrorEstimate estimate{one.path, std::nullopt};
+    if (one.value && other) {
+      estimate.error =
+          std::max(share * std::abs(*one.value - *other), kRounding * std::abs(*one.value));
+    }
+    result.errors.push_back(std::move(estimate));
+  }
+}
+
 void warn_of_large_errors(const RunResult& main, const RunResult& companion, double share,
                           double accuracy, std::vector<std::string>& warnings) {
   const double found = share * difference(companion, main);
@@ -384,6 +397,38 @@ void warn_of_large_errors(const RunResult& main, const RunResult& companion, dou
   warnings.push_back(
       fmt::format("accuracy {:g} was not reached: the estimated error is {:.1e} of the result",
                   accuracy, found));
+}
+
+/// The integrator of a scene, coarser or finer, and what part of the difference is its error.
+struct Companion {
+  std::shared_ptr<const Scene> scene;
+  double share = 1.0;
+};
+
+Companion companion_of(const std::shared_ptr<const Scene>& scene) {
+  constexpr double kWider = 30.0;
+  constexpr double kNearlyStable = 0.95;
+  const SceneIntegrator& integrator = scene->run.integrator;
+  const double dt = integrator.record->step(integrator.description.get());
+  double factor = kWider;
+  Companion companion{nullptr, kShareOfDifference};
+  if (dt > 0.0) {
+    const bool stable = 2.0 * dt <= kNearlyStable * Model(scene).stable_step(*integrator.record);
+    factor = stable ? 2.0 : 0.5;
+    // Of second order at least: the longer step has four times the error.
+    companion.share = stable ? 1.0 / 3.0 : 4.0 / 3.0;
+  }
+  auto description = integrator.record->make_description();
+  for (const Parameter& row : integrator.record->parameters) {
+    ParameterValue value = row.read(integrator.description.get());
+    const bool turned = dt > 0.0 ? row.key == "dt" : row.key.ends_with("tolerance");
+    if (turned) value = std::get<double>(value) * factor;
+    row.assign(description.get(), std::move(value));
+  }
+  auto other = std::make_shared<Scene>(*scene);
+  other->run.integrator.description = std::move(description);
+  companion.scene = std::move(other);
+  return companion;
 }
 
 }  // namespace
@@ -417,17 +462,7 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
                   (companion.why.empty() ? std::string() : ": " + companion.why));
     return;
   }
-  const std::vector<Observable> ours = observables(result);
-  for (const Observable& one : ours) {
-    if (!has_error(one.path)) continue;
-    const auto other = observable(companion.result, one.path);
-    ErrorEstimate estimate{one.path, std::nullopt};
-    if (one.value && other) {
-      estimate.error =
-          std::max(chosen.share * std::abs(*one.value - *other), kRounding * std::abs(*one.value));
-    }
-    result.errors.push_back(std::move(estimate));
-  }
+  add_errors(result, companion.result, chosen.share);
   warn_of_large_errors(result, companion.result, chosen.share, accuracy, result.warnings);
 }
 
@@ -442,6 +477,19 @@ RunResult run_to_accuracy(const std::shared_ptr<const Scene>& scene, const Regis
   }
   RunResult result = run(chosen.scene, options);
   estimate_errors(chosen, options, result);
+  return result;
+}
+
+RunResult run_with_errors(const std::shared_ptr<const Scene>& scene, const Registry& registry,
+                          const RunOptions& options) {
+  if (scene->run.accuracy) return run_to_accuracy(scene, registry, options);
+  RunResult result = run(scene, options);
+  if (result.status != RunStatus::finished) return result;
+  const Companion companion = companion_of(scene);
+  TrialLimits limits;
+  limits.stop = options.stop;
+  const TrialRun other = try_run(companion.scene, limits);
+  if (other.finished()) add_errors(result, other.result, companion.share);
   return result;
 }
 

@@ -51,4 +51,9 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
 RunResult run_to_accuracy(const std::shared_ptr<const Scene>& scene, const Registry& registry,
                           const RunOptions& options = {});
 
+/// The same with errors for a scene that has an integrator, too: its companion takes tolerances
+/// thirty times as wide, or steps twice as long (half as long where that is not stable).
+RunResult run_with_errors(const std::shared_ptr<const Scene>& scene, const Registry& registry,
+                          const RunOptions& options = {});
+
 }  // namespace tomlin

@@ -39,8 +39,8 @@ double predicted_cost(const Rung& rung, const Measurement& pilot, double at) {
   return static_cast<double>(pilot.cost()) * std::pow(at / kFinestTolerance, 1.0 / order);
 }
 
-/// Scheme and tolerance to begin with: the one that promises the finest tolerance at least cost.
-struct Start {
+/// A scheme with its step or tolerance.
+struct Setup {
   const Rung* rung = nullptr;
   double knob = 0.0;
 };
@@ -56,7 +56,7 @@ class ReferenceSearch {
   }
 
   std::optional<Reference> find(std::string& why) {
-    const Start start = choose();
+    const Setup start = choose();
     if (start.rung == nullptr) {
       why = why_none_;
       return std::nullopt;
@@ -70,13 +70,14 @@ class ReferenceSearch {
  private:
   double share(double part) const { return part * measurer_.budget(); }
 
-  /// A first look at each adaptive scheme, coarser where none gets through; then at fixed steps.
-  Start choose() {
+  /// To begin with, the scheme that promises the finest tolerance at least cost: a first look at
+  /// each adaptive one, coarser where none gets through; then at fixed steps.
+  Setup choose() {
     for (const double tolerance : {kPilotTolerance, 1e-4, 1e-2}) {
-      const Start best = cheapest(tolerance);
+      const Setup best = cheapest(tolerance);
       if (best.rung != nullptr) return best;
     }
-    Start best;
+    Setup best;
     for (const Rung* rung : candidates_) {
       if (rung->knob != Knob::step) continue;
       const double dt = first_step(*rung);
@@ -88,8 +89,8 @@ class ReferenceSearch {
     return best;
   }
 
-  Start cheapest(double tolerance) {
-    Start best;
+  Setup cheapest(double tolerance) {
+    Setup best;
     double least = std::numeric_limits<double>::infinity();
     for (const Rung* rung : candidates_) {
       if (rung->knob != Knob::tolerance) continue;
@@ -150,7 +151,7 @@ class ReferenceSearch {
     found_.seconds = at.seconds;
   }
 
-  void tighten(const Start& start) {
+  void tighten(const Setup& start) {
     const Rung& rung = *start.rung;
     const double until = measurer_.used() + share(kShareOfMain);
     double knob = start.knob;
@@ -201,6 +202,7 @@ class ReferenceSearch {
     for (;;) {
       const Measurement& now = measurer_.at(*second, knob, until - measurer_.used());
       if (!now.defined()) break;
+      second_ = {second, knob};
       found_.second = second->name;
       found_.second_differs = std::abs(*now.value - found_.value);
       found_.second_settled = last && std::abs(*now.value - *last) < 0.5 * *found_.second_differs;
@@ -217,9 +219,9 @@ class ReferenceSearch {
   }
 
   /// The same for a part of the run, window included.
-  std::vector<Setting> shortened(const Rung& main, double part) const {
+  std::vector<Setting> shortened(const Setup& scheme, double part) const {
     const Scene& scene = variants_.scene();
-    std::vector<Setting> settings = main.at(found_.knob_value);
+    std::vector<Setting> settings = scheme.rung->at(scheme.knob);
     settings.push_back({"run.duration", fmt::format("{}", part * scene.run.duration)});
     if (scene.measure.unit != MeasureSettings::Unit::whole_run) {
       settings.push_back({"measure.from", fmt::format("{}", part * scene.measure.from)});
@@ -230,8 +232,17 @@ class ReferenceSearch {
     return settings;
   }
 
+  /// The scheme itself where it is available in quadruple, or else the second one, which shows what
+  /// rounding does to this scene.
+  Setup in_quadruple(const Rung& main) const {
+    if (main.integrator->bind.in_quadruple != nullptr) return {&main, found_.knob_value};
+    const bool other = second_.rung != nullptr && second_.rung->integrator->bind.in_quadruple;
+    return other ? second_ : Setup{};
+  }
+
   void check_in_quadruple(const Rung& main) {
-    if (main.integrator->bind.in_quadruple == nullptr) {
+    const Setup scheme = in_quadruple(main);
+    if (scheme.rung == nullptr) {
       found_.unchecked = main.name + " is not available in it";
     } else if (variants_.scene().run.until) {
       found_.unchecked = "a run until it is steady has no length to shorten";
@@ -240,9 +251,9 @@ class ReferenceSearch {
     }
     if (!found_.unchecked.empty()) return;
     const double seconds = std::min(share(kShareOfQuadruple), kMostSecondsOfQuadruple);
-    const double whole = std::max(found_.seconds, 1e-6) * kSlownessOfQuadruple;
-    const double part = std::min(1.0, seconds / whole);
-    const std::vector<Setting> in_double = shortened(main, part);
+    const double known = measurer_.at(*scheme.rung, scheme.knob, seconds).seconds;
+    const double part = std::min(1.0, seconds / (std::max(known, 1e-6) * kSlownessOfQuadruple));
+    const std::vector<Setting> in_double = shortened(scheme, part);
     std::vector<Setting> in_quadruple = in_double;
     in_quadruple.push_back({"run.number_type", "\"quadruple\""});
     constexpr double kPatience = 2.0;  // the slowness is no more than a guess
@@ -252,9 +263,10 @@ class ReferenceSearch {
       found_.unchecked = one.defined() ? other.why : one.why;
       return;
     }
+    found_.quadruple = scheme.rung->name;
     found_.quadruple_part = part;
     found_.quadruple_differs = std::abs(*one.value - *other.value);
-    found_.error = std::max(found_.error, *found_.quadruple_differs);
+    if (scheme.rung == &main) found_.error = std::max(found_.error, *found_.quadruple_differs);
   }
 
   const Variants& variants_;
@@ -262,6 +274,7 @@ class ReferenceSearch {
   double tolerance_;
   std::vector<const Rung*> candidates_;
   std::string why_none_;
+  Setup second_;  ///< with the finest knob that it got to
   Reference found_;
 };
 

@@ -28,6 +28,7 @@ struct Reference {
   std::string second;                    ///< the other scheme; empty: there is none
   std::optional<double> second_differs;  ///< by so much, at its tightest
   bool second_settled = false;           ///< the difference is not the second's own error
+  std::string quadruple;  ///< the scheme that was compared with itself in quadruple numbers
   std::optional<double> quadruple_differs;
   double quadruple_part = 0.0;  ///< of the run
   std::string unchecked;        ///< why there was no run in quadruple

@@ -53,7 +53,7 @@ double largest_size(const Case& c, double step) {
 }
 
 TEST(StableStep, IsWhereOscillatorsBeginToGrow) {
-  const std::vector<Case> cases = {{"rk4", 0.0},      {"rk4", 0.5},      {"velocity_verlet", 0.0},
+  const std::vector<Case> cases = {{"rk4", 0.0},      {"rk4", 0.5},       {"velocity_verlet", 0.0},
                                    {"midpoint", 0.5}, {"midpoint", 20.0}, {"blanes_moan", 0.0}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.scheme + ", c = " + digits(c.damping));

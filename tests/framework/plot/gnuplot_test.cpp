@@ -55,10 +55,10 @@ TEST(GnuplotScript, HasTheDataAndBreaksLines) {
 
 TEST(GnuplotScript, LogarithmicAxesEndBeforeTheKeys) {
   Figure figure = small_figure();
-  EXPECT_FALSE(contains(gnuplot_script(figure, PictureFormat::svg), "set logscale"));
+  EXPECT_FALSE(contains(gnuplot_script(figure, PictureFormat::svg), "\nset logscale"));
   figure.logarithmic = true;
   const std::string script = gnuplot_script(figure, PictureFormat::svg);
-  const auto on = script.find("set logscale xy\n");
+  const auto on = script.find("\nset logscale xy\n");
   ASSERT_NE(on, std::string::npos);
   EXPECT_LT(on, script.find("plot NaN"));
   EXPECT_LT(script.find("unset logscale\n"), script.find("keyentry"));
