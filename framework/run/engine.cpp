@@ -398,8 +398,8 @@ void Engine::plain_block(std::int64_t most) {
   housekeeping();
 }
 
-/// Looked at every quarter of a million steps: a run of an adaptive scheme that will be out of steps long before
-/// its end need not go on for hours.
+/// Looked at every quarter of a million steps: a run of an adaptive scheme that will be out of
+/// steps long before its end need not go on for hours.
 bool Engine::foresees_too_many_steps() {
   constexpr std::int64_t kEvery = 1 << 18;
   constexpr double kSurely = 10.0;  // paces change

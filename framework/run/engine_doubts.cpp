@@ -164,7 +164,7 @@ void Engine::check_ways() {
     if (!body.prescribed()) continue;
     const double way = fastest_of(body, duration_) * dt_;
     for (const TimeFunction& function : body.motion->velocity) {
-      if (function.is_constant() || missed_by_steps(function, dt_, duration_) <= kMissedWay)
+      if (function.is_constant() || !(missed_by_steps(function, dt_, duration_) > kMissedWay))
         continue;
       warnings_.push_back(
           fmt::format("{}: its prescribed velocity {} changes faster than steps of "
