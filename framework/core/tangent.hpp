@@ -11,27 +11,40 @@ namespace tomlin {
 /// The forces of a bound scene, linearised about one state in its n free coordinates q (those that
 /// are neither held nor fixed nor prescribed):
 ///   dF = -K dq - G du,   u = dq/dt,
-/// with the stiffness K (of all energies, and of rigid bodies' turning under their forces), the
-/// friction G and the mass matrix M, which is diagonal. Built from the forces' element Hessians:
-/// exact derivatives, not differences. Kept as a band plus a few dense terms where the scene is a
-/// chain, and as a full matrix where it is small. In double only.
+/// F being all forces, friction included; with the stiffness K (of all energies, of rigid bodies'
+/// turning under their forces, and of friction that turns with them), the friction G and the mass
+/// matrix M, which is diagonal. K is symmetric where nothing moves. Without inertia the motion is
+/// G u = (all other forces) with u the drift at that state, so that du = -G^-1 K dq. Angles count
+/// turns, as in the state.
+///
+/// Built from the forces' element Hessians: exact derivatives, not differences. Kept as a band,
+/// with coordinates ordered so that it is narrow, plus one term for each axis of a force on a
+/// body's centre of mass; as a full matrix where scenes are small. In double only.
 class Tangent {
  public:
   virtual ~Tangent() = default;
 
   /// Where free coordinate k stands among position, velocity and force; its length is n.
   virtual const std::vector<std::size_t>& coordinates() const = 0;
-  /// Mass (or moment of inertia) of free coordinate k, [n].
+  /// Mass (or moment of inertia, per turn squared) of free coordinate k, [n].
   virtual const std::vector<double>& masses() const = 0;
-  /// The first force whose derivatives are not known, and why; empty when all are.
+  /// Why there is no tangent of this scene: the first force whose derivatives are not known, or a
+  /// matrix too large; empty when there is.
   virtual std::string unknown() const = 0;
-  /// What one linearise() is counted as: so many evaluations of all forces.
+  /// What one linearise() is counted as beside its evaluation: so many evaluations of all forces,
+  /// as differences would take them. n for a full matrix; for a band the groups of coordinates that
+  /// can be displaced at once without meeting in a force, and one for each term beside it.
   virtual std::size_t columns() const = 0;
 
   /// K and G at a state, `elapsed` after the time that forces are anchored at. Evaluates the forces
-  /// there, too: System::view.force holds them afterwards.
+  /// there, too: System::view.force holds them afterwards, as after any evaluation, and `rates` the
+  /// rates. Counts nothing: that is the caller's.
   virtual void linearise(const double* position, const double* velocity, const double* integrals,
-                         double elapsed) = 0;
+                         double elapsed, double* rates) = 0;
+  void linearise(const double* position, const double* velocity, const double* integrals,
+                 double elapsed) {
+    linearise(position, velocity, integrals, elapsed, nullptr);
+  }
 
   /// y <- K x and y <- G x; [n].
   virtual void times_stiffness(const double* x, double* y) const = 0;
@@ -39,7 +52,7 @@ class Tangent {
 
   /// Factors A = mass M + friction G + stiffness K + sum over k of border_weight d_k d_k^T, with
   /// `borders` directions d_k, [k * n + i] (to keep what nothing holds from making A singular).
-  /// False when A is singular to rounding; solve() must not be called then.
+  /// False when A is singular to rounding; the others must not be called then.
   virtual bool factor(double mass, double friction, double stiffness, const double* borders,
                       std::size_t border_count, double border_weight) = 0;
   bool factor(double mass, double friction, double stiffness) {

@@ -100,9 +100,23 @@ Model::Model(std::shared_ptr<const Scene> scene, InstructionSet set)
   rates_.assign(system().view.rates + 2 * kGroup, 0.0);
   system().begin_step = &Model::begin_step;
   system().model = this;
+  lay_tangent();
 }
 
 Model::~Model() = default;
+
+/// Derivatives of the forces, for schemes that solve equations with them.
+void Model::lay_tangent() {
+  const SceneIntegrator& scheme = scene_->run.integrator;
+  if (!scheme.record->needs_tangent && !scheme.record->follows_equilibria) return;
+  tangent_ = std::make_unique<ForceTangent>(assembly_);
+  if (!tangent_->unknown().empty()) {
+    throw InputError({{scheme.place, "run.integrator.type", "\"" + scheme.record->name + "\"",
+                       "solves equations with the forces' derivatives, but " + tangent_->unknown(),
+                       "an explicit scheme: rk4, dopri5", ""}});
+  }
+  system().tangent = tangent_.get();
+}
 
 void Model::keep_shapes() {
   shapes_.resize(bodies().size());

@@ -14,6 +14,7 @@
 #include "framework/core/system.hpp"
 #include "framework/model/assembly.hpp"
 #include "framework/model/observe_kernels.hpp"
+#include "framework/model/tangent.hpp"
 #include "framework/scene/scene.hpp"
 
 /// A scene bound: particles, coordinates, forces and the list of kernel calls that evaluates them.
@@ -138,6 +139,7 @@ class Model {
 
  private:
   static AssemblyPlan plan_for(const Scene& scene, InstructionSet set);
+  void lay_tangent();
   static void begin_step(void* model, double time_high, double time_low);
   void evaluate_point(double position, double velocity, double* rates) const;
   void keep_shapes();
@@ -156,6 +158,7 @@ class Model {
   DoubleDouble anchor_;                        ///< the time from which stages count
   ModelFollower* follower_ = nullptr;
   AlignedVector<double> rates_;
+  std::unique_ptr<ForceTangent> tangent_;  ///< for schemes that ask for it
   std::int64_t* cells_ = nullptr;
   std::int64_t* whole_turns_ = nullptr;
 };

@@ -1,0 +1,128 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "framework/core/band_matrix.hpp"
+#include "framework/core/bound_force.hpp"
+#include "framework/core/tangent.hpp"
+#include "framework/model/assembly.hpp"
+#include "framework/model/coupling.hpp"
+
+namespace tomlin {
+
+/// The tangent of a bound scene, from the element Hessians of its forces.
+///
+/// With P_i the derivative of particle i's place with respect to the coordinates q (for a rigid
+/// body about its present arms), H the element Hessians, c friction coefficients, F_i the force on
+/// particle i and phi the rotation of its body:
+///   K = sum P^T H P  -  sum F_i . d2x_i/dphi2  -  (drag's change as arms turn),  G = sum c_i P_i^T
+///   P_i
+/// Kept as a band (band_matrix.hpp) plus terms w d d^T, d spread over a body: forces on the centre
+/// of mass of free particles. Solved with those by Woodbury's identity.
+class ForceTangent final : public Tangent {
+ public:
+  /// Work of one factorisation, size * band^2 multiplications, that is still taken on: a full
+  /// matrix of 600 coordinates.
+  static constexpr std::size_t kMostWork = std::size_t{600} * 600 * 600;
+  /// Matrices up to this size are kept full.
+  static constexpr std::size_t kSmall = 32;
+
+  explicit ForceTangent(Assembly<double>& assembly);
+
+  const std::vector<std::size_t>& coordinates() const override { return coordinates_; }
+  const std::vector<double>& masses() const override { return masses_; }
+  std::string unknown() const override { return unknown_; }
+  std::size_t columns() const override { return columns_; }
+  void linearise(const double* position, const double* velocity, const double* integrals,
+                 double elapsed, double* rates) override;
+  using Tangent::linearise;
+  void times_stiffness(const double* x, double* y) const override;
+  void times_friction(const double* x, double* y) const override { friction_.times(x, y); }
+  bool factor(double mass, double friction, double stiffness, const double* borders,
+              std::size_t border_count, double border_weight) override;
+  using Tangent::factor;
+  void solve(double* x) const override;
+  std::size_t negative() const override { return negative_; }
+  double log_determinant() const override { return log_determinant_; }
+
+ private:
+  class Sink;
+  class Finder;
+
+  /// weight * direction direction^T.
+  struct Term {
+    std::vector<double> direction;  ///< [n]
+    double weight = 0.0;
+  };
+  /// How a place along an axis follows from the free coordinates: by one of them, or by a rigid
+  /// body's centre and rotation.
+  static constexpr std::ptrdiff_t kNone = -1;
+  struct Part {
+    std::ptrdiff_t coordinate = kNone;
+    double factor = 0.0;
+  };
+  using Parts = std::array<Part, 2>;
+
+  /// A particle or a rigid body: where its coordinates stand in the state (kNone: not free).
+  struct Node {
+    std::array<std::ptrdiff_t, 3> at = {kNone, kNone, kNone};
+    std::array<double, 3> mass{};
+  };
+
+  std::string first_unknown() const;
+  void lay_coordinates();
+  Node node_of(const Assembly<double>::Body& body, std::size_t particle) const;
+  bool find_elements(Finder& finder);
+  void choose_matrix(const CouplingGraph& graph, std::size_t spread_terms);
+  std::pair<std::size_t, std::size_t> range_of(std::size_t node) const;
+
+  double arm(const BodySlot<double>& slot, std::size_t particle, int axis) const;
+  Parts parts(std::size_t body, std::size_t particle, int axis) const;
+  Parts rigid_parts(std::size_t body, int axis, double arm_x, double arm_y) const;
+  static void add(BandMatrix& matrix, std::vector<double>& sizes, const Parts& one,
+                  const Parts& other, double value);
+  void add_mean(std::size_t body, const double* weight, int a, int b, double value);
+  void add_term(Term term);
+  void turn_forces(const Assembly<double>::Body& body, const double* velocity);
+
+  void take_term(Term term, double weight);
+  void add_scaled(const Term& term, double factor);
+  void pin_terms();
+  bool factor_terms();
+
+  Assembly<double>& assembly_;
+  std::string unknown_;
+  std::size_t columns_ = 0;
+  std::vector<std::size_t> coordinates_;
+  std::vector<double> masses_;
+  std::vector<std::vector<std::size_t>> nodes_;      ///< of bodies: particles', or a rigid body's
+  std::vector<std::array<std::ptrdiff_t, 3>> free_;  ///< of nodes: which free coordinate, or -1
+
+  // At the state of the last linearise().
+  const double* position_ = nullptr;
+  BandMatrix stiffness_;
+  BandMatrix friction_;
+  /// Sums of the absolute contributions to each diagonal entry: rounding is that of these.
+  std::vector<double> stiffness_sizes_;
+  std::vector<double> friction_sizes_;
+  std::vector<Term> terms_;
+  std::vector<std::vector<double>> coefficients_;  ///< of friction, of bodies' particles
+  std::vector<double> unused_rates_;
+
+  // Of the last factor(): D A D = B + U S U^T, S the terms' signs.
+  std::vector<double> scale_;  ///< D
+  BandMatrix scaled_;          ///< B
+  BandFactors factors_;
+  std::vector<Term> spread_;                   ///< U and S, scaled to weights of +-1
+  std::vector<std::vector<double>> response_;  ///< B^-1 U
+  BandFactors capacitance_;                    ///< S + U^T B^-1 U
+  std::size_t negative_ = 0;
+  double log_determinant_ = 0.0;
+  mutable std::vector<double> shares_;
+};
+
+}  // namespace tomlin
