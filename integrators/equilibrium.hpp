@@ -40,8 +40,11 @@ class Equilibrium {
   const double* force() const { return force_.data(); }
   const double* rates() const { return rates_.data(); }
 
-  /// dF/dt at a place, [n]; `interval` is the time over which the driver's way is to be seen.
-  void time_derivative(const double* offset, double t, double interval, double* result);
+  /// dF/dt at the place and time of the last evaluation, [n]. The scene moves by about a natural
+  /// unit in the time `pace`. Forces that change in proportion to time take one evaluation more.
+  void time_derivative(const double* offset, double t, double pace, double* result);
+  /// Finds out whether they do so here.
+  void look_at_time(const double* offset, double t, double pace);
 
   /// Factors K + stiffness_scale() b b^T of the last linearise(), with what holds neutral
   /// directions; without b (null) K alone.
@@ -50,17 +53,21 @@ class Equilibrium {
   std::size_t negative() const { return tangent_.negative(); }
   double log_determinant() const { return tangent_.log_determinant(); }
   /// A typical second derivative of the energy in natural units; measured by find_neutral().
-  double stiffness_scale() const { return control_[0]; }
+  double stiffness_scale() const { return control_[kScale]; }
 
   /// At the last linearise(): the directions that nothing holds, up to rounding, and the softest
   /// of those that something does. They are kept in `control`, see attach().
   void find_neutral();
-  std::size_t neutral() const { return static_cast<std::size_t>(control_[1]); }
+  std::size_t neutral() const { return static_cast<std::size_t>(control_[kNeutral]); }
   /// Direction k, of norm 1.
   const double* neutral(std::size_t k) const { return control_ + kNumbers + k * n_; }
-  /// The softest direction that is not neutral, of norm 1, and its curvature: of the last
-  /// softest().
+  /// The softest direction that is not neutral, of norm 1, at the last linearise(), and the second
+  /// derivative of the energy along it, in natural units.
   double softest(double* direction);
+  /// At the last linearise(), in the scene's own units and angles in rad: the smallest second
+  /// derivative along a direction of unit length that is not neutral, and ln |det K|; not a number
+  /// where a direction is neutral.
+  void describe(double& softest_of_all, double& log_determinant_of_all);
 
   /// Relaxes at time t by the scene's own friction, or by friction in proportion to mass where that
   /// does not reach every coordinate, until nothing moves: `offset` is moved along. False when it
@@ -74,17 +81,21 @@ class Equilibrium {
   void attach(double* control) { control_ = control; }
 
  private:
-  static constexpr std::size_t kNumbers = 2;
+  enum { kScale, kNeutral, kLinearInTime, kNumbers };
   enum class Friction { of_scene, of_masses };
 
   void place(const double* offset, double t);
   void advance_own(double t);
-  Stage<double> stage(double t);
+  void run_operations(const double* own, double t);
   void take_force();
-  void measure_stiffness();
+  double scale_of_stiffness();
+  void iterate_subspace(std::size_t count, int times);
+  void rotate_to_ritz(std::size_t count);
+  void remove_parts(std::size_t k);
+  Friction friction_that_reaches_all();
   bool factor_flow(Friction friction, double rate);
   void drag(Friction friction, const double* x, double* result) const;
-  Friction friction_that_reaches_all();
+  double scale_of_drag(Friction friction);
 
   System<double>& system_;
   Tangent& tangent_;
@@ -95,11 +106,14 @@ class Equilibrium {
   double since_ = 0.0;
   std::vector<double> start_;  ///< [n]
   std::vector<double> force_;  ///< [n]
-  std::vector<double> trial_;
   std::vector<double> change_;
+  std::vector<double> trial_;
+  std::vector<double> scratch_;
+  std::vector<double> held_;
   std::vector<double> borders_;
-  std::vector<double> difference_[4];
-  std::vector<double> subspace_;
+  std::vector<double> subspace_;  ///< [vector * n + coordinate]
+  std::vector<double> images_;
+  double ritz_[kMostNeutral] = {};
   AlignedVector<double> position_;
   AlignedVector<double> at_rest_;
   AlignedVector<double> rates_;

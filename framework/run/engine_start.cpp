@@ -168,7 +168,7 @@ void Engine::warn_of_fine_tolerance() {
 
 /// Without inertia velocities follow from forces, whatever the scene says of them at the start.
 void Engine::warn_of_idle_velocities() {
-  if (model_.system().view.inertial) return;
+  if (model_.system().view.inertial && path_ == nullptr) return;
   for (const SceneBody& body : scene_->bodies) {
     const PerParticleVector& given = body.record->common(body.description.get()).velocity;
     const bool any = std::any_of(given.values.begin(), given.values.end(), [](const auto& vector) {
@@ -177,9 +177,18 @@ void Engine::warn_of_idle_velocities() {
     });
     if (!any) continue;
     warnings_.push_back(
-        fmt::format("body.{}.velocity means nothing without inertia: velocities follow from forces",
-                    body.name));
+        fmt::format("body.{}.velocity means nothing without inertia: velocities follow from {}",
+                    body.name, path_ == nullptr ? "forces" : "the drivers'"));
   }
+}
+
+/// Quasistatic dynamics have a scheme of their own.
+void Engine::warn_of_unused_integrator() {
+  const SceneIntegrator& integrator = scene_->run.integrator;
+  if (integrator.not_used.empty()) return;
+  warnings_.push_back(
+      fmt::format("run.integrator = {} is not used: quasistatic dynamics follow equilibria by {}",
+                  integrator.not_used, integrator.name));
 }
 
 /// A step beyond the stability limit is refused before it is taken.

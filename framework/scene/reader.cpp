@@ -554,7 +554,11 @@ class SceneReader {
   std::optional<Node> read_integrator(const Section& run) {
     const std::string path = "run.integrator";
     const std::string due = "{ type = ..., ... }";
+    const bool quasistatic = scene_->run.dynamics == "quasistatic";
     const Node* node = run.table->find("integrator");
+    const Table follower = following_scheme();
+    const Node by_default{follower, run.where};
+    if (node == nullptr && quasistatic) node = &by_default;
     if (node == nullptr) {
       faults_.of_key(run.where, {path, "missing", due});
       return std::nullopt;
@@ -572,17 +576,50 @@ class SceneReader {
     const auto reading = read_section(given, integrator_layout(*record), path, description.get());
     if (reading.sound) report(record->complaints(description.get()), reading, faults_);
 
+    Table effective;
+    effective.set("type", text_node(record->name));
+    append(effective, reading.effective);
+
     SceneIntegrator& integrator = scene_->run.integrator;
     integrator.name = record->name;
     integrator.record = record;
     integrator.description = std::move(description);
     integrator.place = source_.place(given.where);
     integrator.places = reading.places;
-
-    Table effective;
-    effective.set("type", text_node(record->name));
-    append(effective, reading.effective);
+    if (record->follows_equilibria != quasistatic) fit_to_dynamics(reading, path, *record);
     return Node{std::move(effective), {}};
+  }
+
+  /// `{ type = ... }` of the scheme that follows equilibria.
+  Table following_scheme() const {
+    Table table;
+    for (const auto& record : registry_.integrators()) {
+      if (record->follows_equilibria) table.set("type", text_node(record->name));
+    }
+    return table;
+  }
+
+  /// Only one scheme follows equilibria, and it does nothing else: for quasistatic dynamics it is
+  /// taken in place of what is given.
+  void fit_to_dynamics(const TableReading& reading, const std::string& path,
+                       const IntegratorRecord& given) {
+    if (given.follows_equilibria) {
+      reading.complain(faults_, "type",
+                       {"", "follows equilibria: it is for dynamics = \"quasistatic\" alone",
+                        "another integrator, or run.dynamics = \"quasistatic\""});
+      return;
+    }
+    for (const auto& record : registry_.integrators()) {
+      if (!record->follows_equilibria) continue;
+      const Table nothing;
+      SceneIntegrator& integrator = scene_->run.integrator;
+      integrator.not_used = std::exchange(integrator.name, record->name);
+      integrator.record = record.get();
+      auto description = record->make_description();
+      read_section({&nothing, reading.where}, integrator_layout(*record), path, description.get());
+      integrator.description = std::move(description);
+      return;
+    }
   }
 
   void read_measure() {
