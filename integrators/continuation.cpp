@@ -25,10 +25,14 @@ constexpr double kLongest = 0.5;
 constexpr double kShortest = 1e-10;
 constexpr double kSafety = 0.9;
 constexpr double kExponent = 0.125;  ///< the error is of eighth order
+/// Between points the curve is at least so much closer than where it was foretold from them.
+constexpr double kBetterThanForetold = 1e-2;
+constexpr double kLeastError = 1e-6;
 constexpr double kLeastFactor = 0.2;
 constexpr double kMostFactor = 4.0;
 constexpr double kShorter = 0.25;  ///< after Newton's method has failed
 constexpr double kStretch = 1.5;   ///< of the time that is left
+constexpr double kSlowest = 1e3;   ///< pace of a scene, for the one that it begins a branch with
 constexpr double kWithoutFreedom = 4.0;  ///< pace of a scene where nothing is free, in steps
 
 // Newton's method on a plane.
@@ -62,6 +66,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
  public:
   Continuation(const Description& description, System<double>& system)
       : Integrator<double>(system), d_(description), balance_(system), n_(balance_.size()) {
+    d_.tolerance = std::max(d_.tolerance, kRounding);
     const std::size_t rates = system.view.rates;
     for (Node& node : nodes_) {
       node.place.assign(n_, 0.0);
@@ -177,7 +182,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
         if (!(next >= kShortest)) return {0.0, StepFault::step_too_small};
         continue;
       }
-      const double factor = std::clamp(shrunk(*error), kLeastFactor, kMostFactor);
+      const double factor = growth(length, *error);
       if (const auto end = cut(h)) {
         if (*end == kFailed) {
           ++counts_[kRefused];
@@ -188,6 +193,8 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
         counts_[kEnd] = *end;
       }
       control_[kNext] = std::max(factor * length, kShortest);
+      control_[kOldLength] = length;
+      control_[kOldError] = std::max(*error, kLeastError);
       return accept(h);
     }
   }
@@ -211,7 +218,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   }
 
  private:
-  enum { kNext, kPace, kTimeSlope, kControls };
+  enum { kNext, kPace, kFirstPace, kTimeSlope, kOldLength, kOldError, kControls };
   enum { kKnown, kTaken, kRefused, kEnd, kSlipsAtOnce, kCounts };
   enum End : std::int64_t { kGoesOn, kFold, kBifurcation, kFailed };
 
@@ -227,6 +234,17 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
 
   static double shrunk(double error) {
     return error > 0.0 ? kSafety * pow(error, -kExponent) : kMostFactor;
+  }
+
+  /// From one step to the next; errors that have grown from the last step on will go on growing
+  /// (Gustafsson's predictive controller).
+  double growth(double length, double error) const {
+    double factor = shrunk(error);
+    if (control_[kOldLength] > 0.0) {
+      const double trend = control_[kOldError] / std::max(error, kLeastError);
+      factor = std::min(factor, factor * length / control_[kOldLength] * pow(trend, kExponent));
+    }
+    return std::clamp(factor, kLeastFactor, kMostFactor);
   }
 
   /// Weight of time in the length of the curve: what the scene moves by in it, in natural units.
@@ -301,7 +319,9 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
       control_[kPace] = speed > 1.0 / h ? 1.0 / speed : h;
     }
     copy(correction_.data(), n_, slope_);
+    control_[kFirstPace] = control_[kPace];
     control_[kTimeSlope] = 1.0;
+    control_[kOldLength] = 0.0;
     counts_[kKnown] = 1;
     const SystemView<double>& view = system_.view;
     std::fill(view.velocity, view.velocity + view.dofs, 0.0);
@@ -337,7 +357,6 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   /// there is one. Its error by the tolerance; nothing when it cannot be made.
   std::optional<double> attempt(double length, std::optional<double> end_time) {
     length_ = length;
-    double error = 0.0;
     for (std::size_t j = 1; j < kPathNodes; ++j) {
       const HermiteWeights weights(j, path_node(j));
       Node& node = nodes_[j];
@@ -355,9 +374,9 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     }
     const Node& last = nodes_[kPathNodes - 1];
     for (std::size_t k = 0; k < n_; ++k) correction_[k] = last.place[k] - foretold_[k];
-    error = n_ > 0 ? balance_.largest(correction_.data()) : 0.0;
+    double error = n_ > 0 ? balance_.largest(correction_.data()) : 0.0;
     error = std::max(error, speed() * std::abs(last.time - foretold_time_));
-    return error / d_.tolerance;
+    return kBetterThanForetold * error / d_.tolerance;
   }
 
   /// F(q, t) = 0 on the plane at `length`, or at the node's time.
@@ -429,7 +448,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
       node.time_slope = 1.0 / across_time_;
       return true;
     }
-    balance_.time_derivative(node.place.data(), since_ + node.time, control_[kPace],
+    balance_.time_derivative(node.place.data(), since_ + node.time, control_[kFirstPace],
                              force_in_time_);
     if (!balance_.factor(across_.data())) return false;
     const double weight = balance_.stiffness_scale();
@@ -575,9 +594,20 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     copy(last.slope.data(), n_, slope_);
     control_[kTimeSlope] = last.time_slope;
     copy(rates_of_step_[kRateNodes - 1].data(), view.rates, end_rates_);
+    slow_down(last);
     if (speed() * taken_ > kNoTime) counts_[kSlipsAtOnce] = 0;
     ++counts_[kTaken];
     return {taken_, StepFault::none};
+  }
+
+  /// A branch may begin where the scene is soft and moves fast. As long as the way weighs more than
+  /// time does, the curve has no sharp bends.
+  void slow_down(const Node& last) {
+    const double moved = n_ > 0 ? balance_.norm(last.place.data()) : 0.0;
+    const double slowest = kSlowest * control_[kFirstPace];
+    if (control_[kPace] * moved < taken_) {
+      control_[kPace] = moved * slowest > taken_ ? taken_ / moved : slowest;
+    }
   }
 
   /// Rates at the places between the nodes, on the polynomial.
@@ -747,7 +777,8 @@ IntegratorRecord continuation_record() {
   record.make_description = &make_description<Description>;
   record.parameters = {
       parameter("tolerance", &Description::tolerance, dimension::none,
-                "largest error per step, as a part of a lattice period (or half the shortest bond)")
+                "largest error per step, as a part of a lattice period (or half the shortest bond); "
+                "1e-13 at least")
           .in(positive)
           .by_default(1e-9),
       parameter("largest_step", &Description::largest_step, dimension::time, "never step further")

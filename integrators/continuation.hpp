@@ -14,7 +14,8 @@
 /// method on planes across the tangent (pseudo-arclength, Keller). Between them goes Hermite's
 /// polynomial of degree 9, and running integrals are taken along the curve, int F (dt/ds) ds, by
 /// Clenshaw and Curtis' rule of nine points: both keep their order right up to the fold. The error
-/// of a step is how far the last point lies from where the ones before it foretell it.
+/// of a step is a hundredth of how far the last point lies from where the ones before it foretell
+/// it.
 ///
 /// Where the curve turns back in time, or K gets a negative eigenvalue (a bifurcation), the scene
 /// slips: from a first displacement along the way of instability it follows G dq/dt = F(q) at a

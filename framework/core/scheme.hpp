@@ -50,7 +50,7 @@ class EquilibriumPath {
 
   /// Moments of the last step, close enough that cubics through each four show all that it does;
   /// the first is its start and the last its end.
-  static constexpr std::size_t kMoments = 25;
+  static constexpr std::size_t kMoments = 49;
   /// The state there; returns the part of the step's time that has passed.
   virtual double moment(std::size_t k, double* position, double* velocity,
                         double* rates) const = 0;
