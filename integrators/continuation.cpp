@@ -127,10 +127,15 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
       balance_.softest(kick_.data());
       for (double& x : kick_) x *= kOffUnstable;
     }
+    const bool fold = counts_[kEnd] == kFold;
     counts_[kEnd] = kGoesOn;
     if (++counts_[kSlipsAtOnce] > kMostSlipsAtOnce) return StepFault::no_equilibrium;
-    return come_to_rest(since, ahead);
+    const StepFault fault = come_to_rest(since, ahead);
+    jumped_ = fold || balance_.largest(foretold_.data()) > kPastFold;
+    return fault;
   }
+
+  bool jumped() const override { return jumped_; }
 
   double moment(std::size_t k, double* position, double* velocity, double* rates) const override {
     const double theta = static_cast<double>(k) / static_cast<double>(kMoments - 1);
@@ -494,13 +499,13 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     return std::nullopt;
   }
 
-  std::optional<End> end_in_time(double theta, double h) {
+  End end_in_time(double theta, double h) {
     const auto error = attempt(theta * length_, h);
     return error && *error <= 1.0 ? kGoesOn : kFailed;
   }
 
   /// The time of a fold is stationary: an error of its place counts squared.
-  std::optional<End> end_at_fold(double theta) {
+  End end_at_fold(double theta) {
     double length = theta * length_;
     for (int tries = 0; tries < kMostFoldTries; ++tries) {
       const auto error = attempt(length, std::nullopt);
@@ -514,23 +519,42 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     return kFold;
   }
 
-  /// By halving, up to where the equilibrium is just unstable.
-  std::optional<End> end_at_bifurcation(double stable, double unstable) {
-    const double whole = length_;
-    Node& probe = probe_;
-    probe.place.resize(n_);
-    probe.slope.resize(n_);
+  /// By halving, up to where the equilibrium is just unstable. There K is singular, and points can
+  /// no longer be corrected: the step's own polynomial is what there is.
+  End end_at_bifurcation(double stable, double unstable) {
+    double time = 0.0;
     while (unstable - stable > kBracket) {
       const double middle = 0.5 * (stable + unstable);
       const HermiteWeights weights(kPathNodes, middle);
-      combine(weights.value, weights.slope, kPathNodes, probe.place.data(), probe.time);
-      if (!correct(probe, middle * whole, false)) return kFailed;
-      balance_.linearise(probe.place.data(), since_ + probe.time);
+      combine(weights.value, weights.slope, kPathNodes, foretold_.data(), time);
+      balance_.linearise(foretold_.data(), since_ + time);
       const bool held = balance_.factor(nullptr) && balance_.negative() == 0;
       (held ? stable : unstable) = middle;
     }
-    const auto error = attempt(unstable * whole, std::nullopt);
-    return error && *error <= 1.0 ? kBifurcation : kFailed;
+    restrict_to(unstable);
+    return kBifurcation;
+  }
+
+  /// The step up to theta, as it is interpolated.
+  void restrict_to(double theta) {
+    std::array<Node, kPathNodes> part;
+    for (std::size_t j = 0; j < kPathNodes; ++j) {
+      Node& node = part[j];
+      const HermiteWeights weights(kPathNodes, theta * path_node(j));
+      node.place.resize(n_);
+      node.slope.resize(n_);
+      combine(weights.value, weights.slope, kPathNodes, node.place.data(), node.time);
+      combine(weights.value_of_slope, weights.slope_of_slope, kPathNodes, node.slope.data(),
+              node.time_slope);
+      for (double& slope : node.slope) slope /= length_;
+      node.time_slope /= length_;
+    }
+    nodes_ = std::move(part);
+    length_ *= theta;
+    for (std::size_t j = 1; j < kPathNodes; ++j) {
+      balance_.evaluate(nodes_[j].place.data(), since_ + nodes_[j].time);
+      copy(balance_.rates(), system_.view.rates, rates_of_step_[2 * j].data());
+    }
   }
 
   /// The first place in (0, 1] where a function that starts above zero reaches it; 2 where it does
@@ -726,7 +750,6 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
 
   // The last step.
   std::array<Node, kPathNodes> nodes_;
-  Node probe_;
   std::array<AlignedVector<double>, kRateNodes> rates_of_step_;
   std::array<double, kRateNodes> time_slope_{};
   std::vector<double> start_position_;
@@ -743,6 +766,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   std::vector<double> foretold_;
   double foretold_time_ = 0.0;
   std::vector<double> kick_;
+  bool jumped_ = false;
 };
 
 double no_fixed_step(const void*) { return 0.0; }

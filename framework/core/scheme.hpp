@@ -47,6 +47,9 @@ class EquilibriumPath {
   /// To the next equilibrium, at the end of the last step, which is `since` after the anchor, with
   /// `ahead` to go.
   virtual StepFault slip(double since, double ahead) = 0;
+  /// It was a jump. Else the scene has only branched off: the next equilibrium begins where the last
+  /// one has ended.
+  virtual bool jumped() const = 0;
 
   /// Moments of the last step, close enough that cubics through each four show all that it does;
   /// the first is its start and the last its end.

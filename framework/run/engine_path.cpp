@@ -72,6 +72,7 @@ bool Engine::slip() {
   const double lost =
       before - model_.potential_energy(now(), view.position, view.velocity, view.integrals);
   if (model_.friction_rate() != kNoRate) view.integrals[model_.friction_rate()] += lost;
+  if (!path_->jumped()) return true;
   model_.evaluate_at(now(), view.position, view.velocity, view.integrals, dense_rates_.data());
   signals_from_rates(dense_rates_.data());
   tell_of_slip(held, lost);
