@@ -37,7 +37,7 @@ constexpr double kWithoutFreedom = 4.0;  ///< pace of a scene where nothing is f
 
 // Newton's method on a plane.
 constexpr int kMostCorrections = 8;
-constexpr double kClose = 1e-8;    ///< its next correction is below rounding
+constexpr double kClose = 1e-8;  ///< its next correction is below rounding
 constexpr double kRounding = 1e-13;
 constexpr double kNotCloser = 0.5;
 /// The curve turns less than 60 degrees in a step.
@@ -297,7 +297,8 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     }
     const bool pushed = length > 0.0 && std::isfinite(length);
     for (std::size_t k = 0; k < n_; ++k) {
-      const double random = kRandomPart * balance_.unit(k) * uniform_symmetric({0, 2}, {k, 0, 0, 0});
+      const double random =
+          kRandomPart * balance_.unit(k) * uniform_symmetric({0, 2}, {k, 0, 0, 0});
       kick_[k] = kOffUnstable * ((pushed ? kick_[k] / length : 0.0) + random);
     }
   }
@@ -800,9 +801,10 @@ IntegratorRecord continuation_record() {
   record.follows_equilibria = true;
   record.make_description = &make_description<Description>;
   record.parameters = {
-      parameter("tolerance", &Description::tolerance, dimension::none,
-                "largest error per step, as a part of a lattice period (or half the shortest bond); "
-                "1e-13 at least")
+      parameter(
+          "tolerance", &Description::tolerance, dimension::none,
+          "largest error per step, as a part of a lattice period (or half the shortest bond); "
+          "1e-13 at least")
           .in(positive)
           .by_default(1e-9),
       parameter("largest_step", &Description::largest_step, dimension::time, "never step further")

@@ -54,7 +54,8 @@ Equilibrium::Equilibrium(System<double>& system)
     const double move = view.largest_move[at];
     unit_.push_back(move < kUnbounded ? move : 1.0 / view.tolerance_scale[at]);
   }
-  for (auto* vector : {&start_, &force_, &change_, &trial_, &scratch_, &held_}) vector->assign(n_, 0.0);
+  for (auto* vector : {&start_, &force_, &change_, &trial_, &scratch_, &held_})
+    vector->assign(n_, 0.0);
   borders_.assign((kMostNeutral + 1) * n_, 0.0);
   subspace_.assign(kMostNeutral * n_, 0.0);
   images_.assign(kMostNeutral * n_, 0.0);
@@ -355,8 +356,12 @@ void Equilibrium::describe(double& softest_of_all, double& log_determinant_of_al
 // ---- relaxing
 
 Equilibrium::Friction Equilibrium::friction_that_reaches_all() {
-  const bool all = tangent_.factor(0.0, 1.0, 0.0) && tangent_.negative() == 0;
-  return all ? Friction::of_scene : Friction::of_masses;
+  if (!tangent_.factor(0.0, 1.0, 0.0) || tangent_.negative() > 0) return Friction::of_masses;
+  // Without any friction the matrix is zero throughout.
+  constexpr double kNoFriction = 1e200;
+  std::copy(unit_.begin(), unit_.end(), scratch_.begin());
+  tangent_.solve(scratch_.data());
+  return largest(scratch_.data()) < kNoFriction ? Friction::of_scene : Friction::of_masses;
 }
 
 bool Equilibrium::factor_flow(Friction friction, double rate) {

@@ -14,15 +14,10 @@ inline constexpr std::size_t kPathNodes = 5;
 inline constexpr std::size_t kRateNodes = 9;
 
 /// (1 - cos(j pi / 8)) / 2
-inline constexpr std::array<double, kRateNodes> kRateNode = {0.0,
-                                                             0.038060233744356624,
-                                                             0.14644660940672624,
-                                                             0.30865828381745514,
-                                                             0.5,
-                                                             0.6913417161825449,
-                                                             0.8535533905932737,
-                                                             0.9619397662556434,
-                                                             1.0};
+inline constexpr std::array<double, kRateNodes> kRateNode = {
+    0.0, 0.038060233744356624, 0.14644660940672624, 0.30865828381745514,
+    0.5, 0.6913417161825449,   0.8535533905932737,  0.9619397662556434,
+    1.0};
 inline constexpr double path_node(std::size_t j) { return kRateNode[2 * j]; }
 
 /// Weights of values and of slopes (with respect to theta) at the first `count` nodes for the

@@ -28,8 +28,8 @@ struct StepReport {
 /// The equilibrium that a scene is in. Second derivatives of the potential energy are with respect
 /// to the free coordinates, angles in rad.
 struct EquilibriumState {
-  std::size_t neutral = 0;  ///< directions that nothing holds
-  double softest = 0.0;     ///< smallest along a direction of unit length that is not neutral
+  std::size_t neutral = 0;       ///< directions that nothing holds
+  double softest = 0.0;          ///< smallest along a direction of unit length that is not neutral
   double log_determinant = 0.0;  ///< ln |det|; not a number where a direction is neutral
   std::vector<std::size_t> neutral_at;  ///< the coordinate that moves most, of each direction
 };
@@ -47,16 +47,15 @@ class EquilibriumPath {
   /// To the next equilibrium, at the end of the last step, which is `since` after the anchor, with
   /// `ahead` to go.
   virtual StepFault slip(double since, double ahead) = 0;
-  /// It was a jump. Else the scene has only branched off: the next equilibrium begins where the last
-  /// one has ended.
+  /// It was a jump. Else the scene has only branched off: the next equilibrium begins where the
+  /// last one has ended.
   virtual bool jumped() const = 0;
 
   /// Moments of the last step, close enough that cubics through each four show all that it does;
   /// the first is its start and the last its end.
   static constexpr std::size_t kMoments = 49;
   /// The state there; returns the part of the step's time that has passed.
-  virtual double moment(std::size_t k, double* position, double* velocity,
-                        double* rates) const = 0;
+  virtual double moment(std::size_t k, double* position, double* velocity, double* rates) const = 0;
 
   /// Of the present state.
   virtual EquilibriumState state(double since) = 0;

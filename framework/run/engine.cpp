@@ -86,7 +86,6 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   check_step();
   model_.anchor(DoubleDouble(0.0));
   if (path_ != nullptr) settle();
-  if (failure_) return;
   start_triggers();
   if (period_ > 0.0) start_until();
   if (options_.sink) begin_sink();

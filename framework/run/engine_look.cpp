@@ -56,7 +56,8 @@ void Engine::begin_sink() {
   layout.dimension = model_.dimension();
   layout.box = scene_->box.lengths;
   layout.periodic = scene_->box.periodic;
-  layout.events = path_ != nullptr || !driver_watches_.empty() || !body_watches_.empty() || !triggers_.empty();
+  layout.events =
+      path_ != nullptr || !driver_watches_.empty() || !body_watches_.empty() || !triggers_.empty();
   layout.state = fields_of(state_.layout());
   if (sampling_) {
     static const char* const axes[] = {"x", "y", "z"};

@@ -60,7 +60,8 @@ void Engine::look_along_path(double from, double to) {
 /// To the next equilibrium. What the scene loses is the difference of two energies.
 bool Engine::slip() {
   const SystemView<double>& view = model_.system().view;
-  const double before = model_.potential_energy(now(), view.position, view.velocity, view.integrals);
+  const double before =
+      model_.potential_energy(now(), view.position, view.velocity, view.integrals);
   const std::vector<double> held = signals_;
   const StepFault fault = path_->slip(0.0, static_cast<double>(DoubleDouble(duration_) - now()));
   counts_[kEvaluations] = static_cast<std::int64_t>(model_.system().evaluations);

@@ -68,8 +68,7 @@ class DriverWatch {
   /// With `precision`, the unit roundoff of forces. Slips that a scheme tells of are not looked
   /// for.
   enum class Slips { looked_for, told };
-  DriverWatch(std::size_t driver, const Drive& drive, double period, double precision,
-              Slips slips);
+  DriverWatch(std::size_t driver, const Drive& drive, double period, double precision, Slips slips);
 
   static constexpr std::size_t kReals = LastPoints::kReals + 8;
   static constexpr std::size_t kIntegers = LastPoints::kIntegers + 4;

@@ -78,10 +78,10 @@ struct EnergyResult {
 
 /// The equilibrium that a quasistatic run ends in.
 struct EquilibriumResult {
-  double energy = 0.0;                    ///< potential; but for what the choice of zero holds
-  std::uint64_t neutral_directions = 0;   ///< that nothing holds
+  double energy = 0.0;                       ///< potential; but for what the choice of zero holds
+  std::uint64_t neutral_directions = 0;      ///< that nothing holds
   std::optional<double> smallest_curvature;  ///< of the energy, along what is not neutral
-  std::optional<double> log_determinant;  ///< ln |det| of the energy's second derivatives
+  std::optional<double> log_determinant;     ///< ln |det| of the energy's second derivatives
 };
 
 /// What happened in the whole run. What cannot happen in a scene is not counted.
@@ -131,11 +131,11 @@ struct RunResult {
   std::vector<DriverResult> drivers;
   std::vector<BodyResult> bodies;
   EventCounts events;
-  std::optional<SteadyResult> steady;        ///< with `[run] until`
-  std::optional<EnergyResult> energy;        ///< with `[run] ledger`
+  std::optional<SteadyResult> steady;            ///< with `[run] until`
+  std::optional<EnergyResult> energy;            ///< with `[run] ledger`
   std::optional<EquilibriumResult> equilibrium;  ///< of quasistatic dynamics
-  std::vector<DeterminedResult> determined;  ///< with `[run] perturb`
-  std::vector<ErrorEstimate> errors;         ///< with `[run] accuracy`
+  std::vector<DeterminedResult> determined;      ///< with `[run] perturb`
+  std::vector<ErrorEstimate> errors;             ///< with `[run] accuracy`
   std::vector<std::string> warnings;
   std::vector<std::pair<std::string, std::string>> left_out;  ///< force and why it was not built
   double wall_seconds = 0.0;

@@ -294,9 +294,9 @@ bool is_later_type(std::string_view kind, std::string_view type) {
 
 bool is_word_of_summary(std::string_view name) {
   static constexpr std::string_view kWords[] = {
-      "time",    "energy", "events",   "window", "performance", "parameters", "status",
-      "drivers", "bodies", "warnings", "error",  "determined",  "failure",    "left_out",
-      "equilibrium"};
+      "time",       "energy",     "events",  "window",   "performance",
+      "parameters", "status",     "drivers", "bodies",   "warnings",
+      "error",      "determined", "failure", "left_out", "equilibrium"};
   return std::find(std::begin(kWords), std::end(kWords), name) != std::end(kWords);
 }
 
