@@ -449,14 +449,13 @@ duration = 0.1
 
 /// Nothing is free: the substrate's force along the way, and its work.
 TEST(Quasistatic, CarriesWhatIsPrescribed) {
-  const std::string text = R"([[body]]
+  const std::string text = R"scene([[body]]
 name = "tip"
 type = "point"
 position = [0.0]
 particle_mass = 1.0
 coordinates = "prescribed"
-motion = { velocity = ["1 + 0.5 * cos(2 * pi * t)"]
-}
+motion = { velocity = ["1 + 0.5 * cos(2 * pi * t)"] }
 [[force]]
 type = "sinusoidal_substrate"
 amplitude = 0.1
@@ -468,12 +467,12 @@ coefficient = 3.0
 dynamics = "quasistatic"
 duration = 0.75
 ledger = true
-)";
+)scene";
   const RunResult result = run_text(text);
-ASSERT_EQ(result.status, RunStatus::finished);
-const double x = 0.75 + 0.5 / kTau * std::sin(kTau * 0.75);
-EXPECT_NEAR(result.bodies[0].centre_of_mass[0], x, 1e-9);
-EXPECT_NEAR(*result.drivers[0].work, 0.1 * (std::cos(kTau * x) - 1.0), 1e-9) << "no drag";
+  ASSERT_EQ(result.status, RunStatus::finished);
+  const double x = 0.75 + 0.5 / kTau * std::sin(kTau * 0.75);
+  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], x, 1e-9);
+  EXPECT_NEAR(*result.drivers[0].work, 0.1 * (std::cos(kTau * x) - 1.0), 1e-9) << "no drag";
 }
 
 }  // namespace
