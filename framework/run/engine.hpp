@@ -119,7 +119,7 @@ class Engine {
   void see_pull(std::size_t driver, double pull);
   void settle();
   void forget_pulls();
-  void tell_of_slip(const std::vector<double>& held, double lost);
+  void tell_of_slip(double lost);
   bool slip();
   void describe_equilibrium();
   /// Force of a driver along its way at the start, times its speed.

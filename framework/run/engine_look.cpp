@@ -153,8 +153,7 @@ void Engine::include_cubics(double from, double to) {
         cubic_extremes(pull_of(k, between_[0].data()), pull_of(k, between_[1].data()),
                        pull_of(k, between_[2].data()), pull_of(k, between_[3].data()));
     for (int e = 0; e < found.count; ++e) {
-      if (!found.is_maximum[e]) continue;
-      if (first_maximum_.searching()) first_maximum_.settle(k, found.value[e]);
+      if (found.is_maximum[e]) first_maximum_.settle(k, found.value[e]);
       if (path_ != nullptr) see_pull(k, found.value[e]);
     }
   }

@@ -62,7 +62,6 @@ bool Engine::slip() {
   const SystemView<double>& view = model_.system().view;
   const double before =
       model_.potential_energy(now(), view.position, view.velocity, view.integrals);
-  const std::vector<double> held = signals_;
   const StepFault fault = path_->slip(0.0, static_cast<double>(DoubleDouble(duration_) - now()));
   counts_[kEvaluations] = static_cast<std::int64_t>(model_.system().evaluations);
   counts_[kColumns] = static_cast<std::int64_t>(model_.system().columns);
@@ -76,12 +75,13 @@ bool Engine::slip() {
   if (!path_->jumped()) return true;
   model_.evaluate_at(now(), view.position, view.velocity, view.integrals, dense_rates_.data());
   signals_from_rates(dense_rates_.data());
-  tell_of_slip(held, lost);
+  tell_of_slip(lost);
   return true;
 }
 
 /// It is the slip of the driver whose spring's end gets furthest ahead.
-void Engine::tell_of_slip(const std::vector<double>& held, double lost) {
+void Engine::tell_of_slip(double lost) {
+  const std::vector<double>& held = between_[3];  // at the end of the step
   Event event;
   event.kind = EventKind::slip;
   event.time = time();

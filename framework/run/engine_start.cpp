@@ -130,10 +130,12 @@ void Engine::resolve_window() {
 }
 
 /// Where nothing is free there is no error for an adaptive scheme to control, yet forces on what is
-/// prescribed change along its way: parts of a period, or of the run where there is none.
+/// prescribed change along its way: parts of a period, or of the run where there is none. Schemes
+/// that follow equilibria do not look at the errors of prescribed ways either.
 void Engine::bound_unwatched_steps() {
   const SystemView<double>& view = model_.system().view;
-  if (dt_ > 0.0 || view.coordinates > 0 || view.own_count > 0) return;
+  const bool watched = view.coordinates > 0 || view.own_count > 0;
+  if (dt_ > 0.0 || (watched && (path_ == nullptr || view.own_count == 0))) return;
   constexpr double kPartOfPeriod = 0.02;
   constexpr double kPartOfRun = 1e-3;
   longest_unwatched_ = kPartOfRun * duration_;
