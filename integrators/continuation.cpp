@@ -39,6 +39,7 @@ constexpr double kWithoutFreedom = 4.0;  ///< pace of a scene where nothing is f
 constexpr int kMostCorrections = 8;
 constexpr double kClose = 1e-8;  ///< its next correction is below rounding
 constexpr double kRounding = 1e-13;
+constexpr double kAboveNoise = 30.0;
 constexpr double kNotCloser = 0.5;
 /// The curve turns less than 60 degrees in a step.
 constexpr double kSteepest = 2.0;
@@ -382,13 +383,14 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     for (std::size_t k = 0; k < n_; ++k) correction_[k] = last.place[k] - foretold_[k];
     double error = n_ > 0 ? balance_.largest(correction_.data()) : 0.0;
     error = std::max(error, speed() * std::abs(last.time - foretold_time_));
-    return kBetterThanForetold * error / d_.tolerance;
+    return kBetterThanForetold * error / std::max(d_.tolerance, kAboveNoise * balance_.noise());
   }
 
   /// F(q, t) = 0 on the plane at `length`, or at the node's time.
   bool correct(Node& node, double length, bool at_time) {
     double before = std::numeric_limits<double>::infinity();
-    const double enough = std::clamp(0.1 * d_.tolerance, kRounding, kClose);
+    const double noise = kAboveNoise * balance_.noise();
+    const double enough = std::max(std::clamp(0.1 * d_.tolerance, kRounding, kClose), noise);
     if (n_ == 0) {
       if (!at_time) node.time = length / across_time_;
       balance_.evaluate(node.place.data(), since_ + node.time);

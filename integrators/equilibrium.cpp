@@ -16,6 +16,8 @@ constexpr double kNothing = 1e-12;
 /// Masses that keep a stiffness with neutral directions from being singular, as a part of it.
 constexpr double kRegularising = 1e-9;
 constexpr double kMoreRegularising = 1e3;
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+constexpr double kMostNoise = 1e-4;
 constexpr int kSubspaceIterations = 6;
 constexpr int kSoftestIterations = 40;
 constexpr int kJacobiSweeps = 30;
@@ -312,6 +314,7 @@ void Equilibrium::rotate_to_ritz(std::size_t count) {
 
 void Equilibrium::find_neutral() {
   control_[kNeutral] = 0.0;
+  control_[kNoise] = kEpsilon;
   control_[kScale] = scale_of_stiffness();
   if (n_ == 0) return;
   double heaviest = 0.0;
@@ -328,6 +331,9 @@ void Equilibrium::find_neutral() {
   while (found < count && std::abs(ritz_[found]) <= kNothing * stiffness_scale()) ++found;
   std::copy(subspace_.begin(), subspace_.begin() + found * n_, control_ + kNumbers);
   control_[kNeutral] = static_cast<double>(found);
+  if (found == count) return;
+  control_[kNoise] =
+      std::clamp(kEpsilon * stiffness_scale() / std::abs(ritz_[found]), kEpsilon, kMostNoise);
 }
 
 double Equilibrium::softest(double* direction) {

@@ -58,6 +58,9 @@ class Equilibrium {
   /// At the last linearise(): the directions that nothing holds, up to rounding, and the softest
   /// of those that something does. They are kept in `control`, see attach().
   void find_neutral();
+  /// How far rounding of forces displaces an equilibrium along its softest direction, in natural
+  /// units: places are known no better. Measured by find_neutral().
+  double noise() const { return control_[kNoise]; }
   std::size_t neutral() const { return static_cast<std::size_t>(control_[kNeutral]); }
   /// Direction k, of norm 1.
   const double* neutral(std::size_t k) const { return control_ + kNumbers + k * n_; }
@@ -81,7 +84,7 @@ class Equilibrium {
   void attach(double* control) { control_ = control; }
 
  private:
-  enum { kScale, kNeutral, kLinearInTime, kNumbers };
+  enum { kScale, kNeutral, kLinearInTime, kNoise, kNumbers };
   enum class Friction { of_scene, of_masses };
 
   void place(const double* offset, double t);

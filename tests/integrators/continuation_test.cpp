@@ -153,7 +153,7 @@ TEST(QuasistaticTip, KeepsItsTolerance) {
     EXPECT_NEAR(result.drivers[0].mean_force[0], tip.lost(), tolerance) << tolerance;
     cost = result.force_evaluations + result.jacobian_columns;
   }
-  constexpr std::uint64_t kMostPerPeriod = 500;  // at 1e-12; measured 330
+  constexpr std::uint64_t kMostPerPeriod = 500;  // at 1e-12; measured 370
   EXPECT_LT(cost, 4 * kMostPerPeriod);
 }
 
@@ -444,6 +444,46 @@ duration = 0.1
   constexpr double kHeld = 2.965e-5;  // 2.9653e-5 by a finer scan
   EXPECT_NEAR(run_text(text(1.05)).drivers[0].max_force[0] / 55.0, kHeld, 5e-9);
   EXPECT_LT(run_text(text(0.9)).drivers[0].max_force[0] / 55.0, 1e-3 * kHeld);
+}
+
+/// ln det of the energy's second derivatives against the trace of the standard map's tangent along
+/// the ground state: 4 R = 2 - trace = -det.
+TEST(QuasistaticChain, KnowsItsResidue) {
+  constexpr double kK = 0.971635406;
+  const auto scene = scene_of(R"([box]
+lengths = [13.0]
+periodic = [true]
+[[body]]
+type = "chain"
+count = 21
+spacing = "13 / 21"
+origin = ["0.3 / 21"]
+particle_mass = 1.0
+[[force]]
+type = "harmonic_bonds"
+pairs = "neighbours"
+stiffness = 1.0
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = "-0.971635406 / (4 * pi^2)" period = 1.0 [run] dynamics = "quasistatic" duration =
+                                  1.0) ");
+      Engine engine(scene, {});
+  const RunResult result = engine.run();
+  ASSERT_EQ(result.status, RunStatus::finished);
+  const std::vector<double> x = field_of(engine, "position");
+  double map[2][2] = {{1.0, 0.0}, {0.0, 1.0}};
+  for (std::size_t i = 0; i < 21; ++i) {
+    const double step = 2.0 + kK * std::cos(kTau * x[i]);
+    for (int c = 0; c < 2; ++c) {
+      const double before = map[0][c];
+      map[0][c] = step * before - map[1][c];
+      map[1][c] = before;
+    }
+  }
+  const double residue = 0.25 * (2.0 - map[0][0] - map[1][1]);
+  EXPECT_NEAR(-0.25 * std::exp(*result.equilibrium->log_determinant), residue, 1e-9);
+  EXPECT_NEAR(residue, -0.25542, 0.003) << "near its value at the transition";
+  EXPECT_EQ(result.equilibrium->neutral_directions, 0u);
 }
 
 // ---- prescribed bodies
