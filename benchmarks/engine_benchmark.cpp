@@ -201,10 +201,25 @@ const std::vector<Variant>& common_variants() {
       {"sample every 100 steps", {{"output.every", "100 * 1e-2"}}},
       {"float", {{"run.number_type", "\"float\""}}},
       {"quadruple", {{"run.number_type", "\"quadruple\""}}, 1},
+      {"midpoint", {{"run.integrator.type", "\"midpoint\""}}},
       {"velocity_verlet", {{"run.integrator.type", "\"velocity_verlet\""}}},
       {"overdamped", {{"run.dynamics", "\"overdamped\""}}},
       {"dopri5", {{"run.integrator", "{ type = \"dopri5\" }"}}, 1},
+      {"radau9", {{"run.integrator", "{ type = \"radau9\" }"}}, 1},
+      {"dop853", {{"run.integrator", "{ type = \"dop853\" }"}}, 1},
   };
+  return variants;
+}
+
+/// The scene without its friction, for the scheme that takes none.
+std::string without_friction(std::string scene) {
+  const auto from = scene.find("[[force]]\ntype = \"viscous_damping\"");
+  return scene.erase(from, scene.find("[[", from + 2) - from);
+}
+
+const std::vector<Variant>& symplectic_variants() {
+  static const std::vector<Variant> variants = {
+      {"blanes_moan", {{"run.integrator.type", "\"blanes_moan\""}}}};
   return variants;
 }
 
@@ -218,6 +233,9 @@ std::vector<Variant> sampled(const std::string& dt) {
 
 [[maybe_unused]] const bool registered = [] {
   register_variants("pt", kPt, common_variants());
+  register_variants("pt", without_friction(kPt), symplectic_variants());
+  register_variants("rigid_ring_8", without_friction(ring("rigid", "1e-2")), symplectic_variants());
+  register_variants("chain_1000", without_friction(chain("1000", "1.0")), symplectic_variants());
   register_variants("pt", kPt, sampled("1e-2"));
   register_variants("flexible_ring_8", ring("particles", "1e-4"), sampled("1e-4"));
   register_variants("rigid_ring_8", ring("rigid", "1e-2"), sampled("1e-2"));

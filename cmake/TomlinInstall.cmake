@@ -4,7 +4,7 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(libraries options core bodies scene model run output forcefields integrators library)
+set(libraries options core bodies scene model run study output forcefields integrators library)
 list(TRANSFORM libraries PREPEND tomlin_ OUTPUT_VARIABLE targets)
 foreach(library ${libraries})
   set_target_properties(tomlin_${library} PROPERTIES EXPORT_NAME ${library})

@@ -55,6 +55,11 @@ void set_rest_lengths(const WordOrNumbers& rest, const Binding<Real>& binding,
       pairs[k].datum = distance(separation_at_start<Real, D>(binding, pairs[k]));
     } else {
       pairs[k].datum = Real(rest.numbers[rest.numbers.size() == 1 ? 0 : k]);
+      // On a line the kernels take either side for granted. In one place there is none: no number,
+      // so that the first step fails.
+      const bool coincide =
+          D == 1 && separation_at_start<Real, D>(binding, pairs[k])[0] == Real(0.0);
+      if (coincide && pairs[k].datum != Real(0.0)) pairs[k].datum = Real(__builtin_nan(""));
     }
   }
 }

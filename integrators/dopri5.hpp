@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-
 #include "framework/core/registry.hpp"
 
 /// The embedded Runge-Kutta pair 5(4) of Dormand and Prince, with step control and dense output.
@@ -21,15 +19,6 @@
 /// dense output: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I,
 /// doi:10.1007/978-3-540-78862-1, sections II.4 to II.6.
 namespace tomlin {
-
-struct Dopri5Description {
-  double absolute_tolerance = 0.0;
-  double relative_tolerance = 0.0;
-  double initial_step = 0.0;
-  double smallest_step = 0.0;
-  double largest_step = 0.0;
-  std::int64_t most_steps = 0;
-};
 
 IntegratorRecord dopri5_record();
 

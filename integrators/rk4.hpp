@@ -19,10 +19,6 @@
 /// doi:10.1007/978-3-540-78862-1, section II.1.
 namespace tomlin {
 
-struct Rk4Description {
-  double dt = 0.0;
-};
-
 IntegratorRecord rk4_record();
 
 }  // namespace tomlin

@@ -25,10 +25,6 @@
 /// chapter 7.
 namespace tomlin {
 
-struct VelocityVerletDescription {
-  double dt = 0.0;
-};
-
 IntegratorRecord velocity_verlet_record();
 
 }  // namespace tomlin

@@ -31,8 +31,6 @@ struct LaterCommand {
 
 constexpr std::array kLaterCommands = {
     LaterCommand{"sweep", "many runs over the values of parameters"},
-    LaterCommand{"tradeoff", "what accuracy costs, and the cheapest setting that is good enough"},
-    LaterCommand{"compare", "several models side by side"},
     LaterCommand{"stability", "thresholds and equilibria"},
     LaterCommand{"schema", "JSON Schema of scenes, for editors"},
     LaterCommand{"report", "a web page of a run"},
@@ -84,6 +82,8 @@ observables.csv with the friction trace, and scene.toml, the scene with every de
   tomlin describe              the bodies, forces and integrators
   tomlin describe NAME         one of them: equation, source, parameters, an example
   tomlin plot pt.out -o a.svg  the friction trace
+  tomlin tradeoff pt.toml --observable driver.mean_force.x
+                               what accuracy costs, and the cheapest way to it
 
 Exit status: 0 done; 1 a run or a check failed; 2 the input was not right, and nothing was done.)";
 
@@ -121,6 +121,61 @@ version of tomlin.
 Exit status: 0 done; 1 the run failed numerically (the message says when, where and why) or its
 results could not be written; 2 the input was not right, and nothing was written; 130 or 143 after
 an interrupt.)";
+
+constexpr const char* kTradeoffFooter = R"(
+Computes one number of the scene's summary in every way that applies: by every integrator from
+coarse to fine, in double and in float, and by simpler models of the scene (flexible bodies as rigid
+ones, without inertia, quasistatic). Each is held against a reference whose own error is established:
+the best scheme tightened until the number stops moving, checked by a scheme of another family and
+in quadruple numbers. Shows what accuracy costs, in force evaluations with Jacobian columns and in
+seconds, and recommends the cheapest setting whose error is below T, as lines of a scene.
+
+Examples:
+
+  tomlin tradeoff pt.toml --observable driver.mean_force.x --tolerance 1e-4
+  tomlin tradeoff pt.toml --observable driver.mean_force.x --set v=1e-3 --write cheap.toml
+
+T is relative to the number itself; where that is zero, as far as the reference knows it, T is in its
+unit. The error that a setting is recommended by keeps a fifth below T.
+
+The number is also computed from starts that differ by 1e-12 and 1e-9 of a period: when that moves it
+by more than T and than ten times the estimated error of the steps, it is not determined by the
+scene; then the digits that have a meaning are told, and nothing is recommended for the others.
+
+A run that does not fit into the budget is left out, and listed with how far it got.
+
+DIR then holds
+  tradeoff.csv      every point: rung, step or tolerance, value, error, cost
+  tradeoff.json     the same with the reference, what was left out and the recommendation
+  tradeoff.svg      error against cost, when there is gnuplot
+
+Exit status: 0 done, whatever was found; 1 the results could not be written; 2 the input was not
+right, and nothing was written; 130 or 143 after an interrupt.)";
+
+constexpr const char* kCompareFooter = R"(
+Runs every scene, estimates its error by a second run with other steps, and holds one number of the
+summary against that of the model with the most free coordinates. Shows value, error and cost of
+each, and which is the simplest that agrees within T (relative; absolute where the number is zero).
+A model agrees when it does so even if both errors are taken in full; where the errors alone are
+larger than T it is undecided.
+
+Models are comparable when their drivers have the same velocity and their forces the same periods;
+other scenes are refused. Another stiffness or amplitude is noted.
+
+In --observable "driver" and "body" stand for the only driver and the only body of each scene.
+
+Examples:
+
+  tomlin compare tip.toml ring.toml --observable driver.mean_force.x
+  tomlin compare tip.toml chain.toml ring.toml --observable driver.mean_force.x --tolerance 1e-3
+
+DIR then holds
+  compare.csv       a row for each model
+  compare.json      the same, with notes and warnings
+  compare.svg       the forces of the drivers over their way, when there is gnuplot
+
+Exit status: 0 done; 1 a run failed, or the results could not be written; 2 the input was not right,
+and nothing was written; 130 or 143 after an interrupt.)";
 
 constexpr const char* kExplainFooter = R"(
 Shows, without running the scene:
@@ -190,7 +245,8 @@ Examples:
 
 bool is_option(std::string_view word) { return word.size() > 1 && word.front() == '-'; }
 
-constexpr std::array kCommands = {"run", "explain", "check", "new", "describe", "plot"};
+constexpr std::array kCommands = {"run",   "tradeoff", "compare",  "explain",
+                                  "check", "new",      "describe", "plot"};
 
 std::string all_commands() {
   return fmt::format("{}; tomlin --help tells more", fmt::join(kCommands, ", "));
@@ -261,6 +317,8 @@ class CommandLine {
     app_.require_subcommand(1);
     app_.footer(kProgramFooter);
     set_up_run();
+    set_up_tradeoff();
+    set_up_compare();
     set_up_explain();
     set_up_check();
     set_up_new();
@@ -290,6 +348,8 @@ class CommandLine {
       explained_.settings = settings_of(settings_);
       return explained_;
     }
+    if (app_.got_subcommand(tradeoff_)) return tradeoff_arguments();
+    if (app_.got_subcommand(compare_)) return compare_arguments();
     if (app_.got_subcommand(check_)) {
       checked_.settings = settings_of(settings_);
       return checked_;
@@ -301,6 +361,10 @@ class CommandLine {
   /// SCENE and --set.
   void take_scene(CLI::App& command, std::string& scene) {
     command.add_option("SCENE", scene, "the scene, a TOML file")->option_text(" ")->required();
+    take_settings(command);
+  }
+
+  void take_settings(CLI::App& command) {
     command.add_option("--set", settings_, "replace a parameter or any value of the scene")
         ->type_name("PATH=VALUE")
         ->option_text("PATH=VALUE ...")
@@ -320,6 +384,46 @@ class CommandLine {
     plugin_ = run_->add_option("--plugin", plugins_, "more components from a shared library")
                   ->type_name("LIB")
                   ->group("Later, not in this version");
+  }
+
+  void set_up_tradeoff() {
+    tradeoff_ = app_.add_subcommand("tradeoff", "what accuracy costs, and the cheapest way to it");
+    tradeoff_->footer(kTradeoffFooter);
+    take_scene(*tradeoff_, traded_.scene);
+    tradeoff_->add_option("--observable", traded_.observable, "a dotted path in summary.json")
+        ->type_name("O")
+        ->required();
+    tradeoff_->add_option("--tolerance", traded_.tolerance, "error to be met; 1e-3 by default")
+        ->type_name("T");
+    tradeoff_->add_option("--budget", traded_.budget, "time to use; 60 by default")
+        ->type_name("SECONDS");
+    tradeoff_->add_option("--write", traded_.write, "the scene with the recommended lines")
+        ->type_name("NEW.toml");
+    tradeoff_
+        ->add_option("-o,--output", traded_.folder,
+                     "folder for the results; SCENE's stem + .tradeoff.out")
+        ->type_name("DIR");
+    tradeoff_->add_flag("--force", traded_.force,
+                        "DIR need not be empty, and NEW.toml may be there; what tomlin writes is "
+                        "replaced");
+  }
+
+  void set_up_compare() {
+    compare_ = app_.add_subcommand("compare", "models side by side; the simplest that agrees");
+    compare_->footer(kCompareFooter);
+    compare_->add_option("SCENE", compared_.scenes, "the scenes, TOML files; two at least")
+        ->option_text("...")
+        ->required();
+    take_settings(*compare_);
+    compare_->add_option("--observable", compared_.observable, "a dotted path in summary.json")
+        ->type_name("O")
+        ->required();
+    compare_->add_option("--tolerance", compared_.tolerance, "to agree within; 1e-2 by default")
+        ->type_name("T");
+    compare_->add_option("-o,--output", compared_.folder, "folder for the results; compare.out")
+        ->type_name("DIR");
+    compare_->add_flag("--force", compared_.force,
+                       "DIR need not be empty; what tomlin writes is replaced");
   }
 
   void set_up_explain() {
@@ -409,6 +513,27 @@ class CommandLine {
     return begun_;
   }
 
+  TradeoffArguments tradeoff_arguments() {
+    for (const auto& [number, option] :
+         {std::pair{traded_.tolerance, "--tolerance"}, std::pair{traded_.budget, "--budget"}}) {
+      if (!std::isfinite(number) || number <= 0.0) {
+        refuse(fmt::format("{} is {:g}", option, number), "", "> 0");
+      }
+    }
+    if (traded_.write && traded_.write->empty()) refuse("--write is empty");
+    traded_.settings = settings_of(settings_);
+    return traded_;
+  }
+
+  CompareArguments compare_arguments() {
+    if (compared_.scenes.size() < 2) refuse("there is one scene", "", "two or more");
+    if (!std::isfinite(compared_.tolerance) || compared_.tolerance <= 0.0) {
+      refuse(fmt::format("--tolerance is {:g}", compared_.tolerance), "", "> 0");
+    }
+    compared_.settings = settings_of(settings_);
+    return compared_;
+  }
+
   RunArguments run_arguments() {
     if (plugin_->count() > 0) refuse(plugin_->get_name() + " is not in this version");
     if (asked_.resume && asked_.force) {
@@ -447,6 +572,8 @@ class CommandLine {
 
   CLI::App app_{"Nanoscale friction models from plain scene files.", "tomlin"};
   CLI::App* run_ = nullptr;
+  CLI::App* tradeoff_ = nullptr;
+  CLI::App* compare_ = nullptr;
   CLI::App* explain_ = nullptr;
   CLI::App* check_ = nullptr;
   CLI::App* new_ = nullptr;
@@ -454,6 +581,8 @@ class CommandLine {
   CLI::App* plot_ = nullptr;
   CLI::Option* plugin_ = nullptr;
   RunArguments asked_;
+  TradeoffArguments traded_;
+  CompareArguments compared_;
   ExplainArguments explained_;
   CheckArguments checked_;
   NewArguments begun_;

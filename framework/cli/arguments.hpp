@@ -20,6 +20,28 @@ struct RunArguments {
   bool quiet = false;
 };
 
+/// `tomlin tradeoff SCENE --observable O ...`
+struct TradeoffArguments {
+  std::string scene;
+  std::vector<Setting> settings;
+  std::string observable;
+  double tolerance = 1e-3;
+  double budget = 60.0;              ///< seconds
+  std::optional<std::string> write;  ///< a scene file to be made
+  std::optional<std::string> folder;
+  bool force = false;
+};
+
+/// `tomlin compare A B ... --observable O ...`
+struct CompareArguments {
+  std::vector<std::string> scenes;
+  std::vector<Setting> settings;
+  std::string observable;
+  double tolerance = 1e-2;
+  std::optional<std::string> folder;
+  bool force = false;
+};
+
 /// `tomlin explain SCENE ...`
 struct ExplainArguments {
   std::string scene;
@@ -68,8 +90,9 @@ struct TextToPrint {
   std::string text;
 };
 
-using Arguments = std::variant<RunArguments, ExplainArguments, CheckArguments, NewArguments,
-                               DescribeArguments, PlotArguments, TextToPrint>;
+using Arguments =
+    std::variant<RunArguments, TradeoffArguments, CompareArguments, ExplainArguments,
+                 CheckArguments, NewArguments, DescribeArguments, PlotArguments, TextToPrint>;
 
 /// Throws InputError when the command line does not say anything that can be done.
 Arguments parse_arguments(int argc, const char* const* argv);

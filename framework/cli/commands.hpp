@@ -8,6 +8,10 @@
 namespace tomlin {
 
 int run_command(const RunArguments& arguments);
+/// Throws OutputError too.
+int tradeoff_command(const TradeoffArguments& arguments);
+/// kExitFailed when a model's run fails. Throws OutputError too.
+int compare_command(const CompareArguments& arguments);
 int explain_command(const ExplainArguments& arguments);
 /// kExitFailed when a check fails; with `json` faults of the scene go to standard output.
 int check_command(const CheckArguments& arguments);

@@ -18,6 +18,10 @@ namespace {
 
 int carry_out(const RunArguments& arguments) { return run_command(arguments); }
 
+int carry_out(const TradeoffArguments& arguments) { return tradeoff_command(arguments); }
+
+int carry_out(const CompareArguments& arguments) { return compare_command(arguments); }
+
 int carry_out(const ExplainArguments& arguments) { return explain_command(arguments); }
 
 int carry_out(const CheckArguments& arguments) { return check_command(arguments); }

@@ -62,6 +62,21 @@ std::string about(const BodyResult& body) {
       .text();
 }
 
+std::string about(const AccuracyResult& accuracy) {
+  const std::string by = accuracy.companion.empty() ? "" : "; errors by " + accuracy.companion;
+  return fmt::format("{:g} asked: {}{}", accuracy.asked, accuracy.integrator, by);
+}
+
+/// "driver.mean_force.x +/- 3e-7", of the mean forces.
+std::vector<std::string> shown_errors(const RunResult& result) {
+  std::vector<std::string> shown;
+  for (const ErrorEstimate& estimate : result.errors) {
+    if (!estimate.error || estimate.path.find(".mean_force.") == std::string::npos) continue;
+    shown.push_back(fmt::format("{} within {:.1e}", estimate.path, *estimate.error));
+  }
+  return shown;
+}
+
 struct Line {
   std::string label;
   std::string content;
@@ -110,6 +125,10 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
             .add("stored", result.energy->stored_change)
             .add("numerical work", result.energy->numerical_work)
             .text());
+  }
+  if (result.accuracy) row(lines, "accuracy", about(*result.accuracy));
+  for (std::size_t k = 0; k < std::min(shown_errors(result).size(), kMostShown); ++k) {
+    row(lines, "error", shown_errors(result)[k]);
   }
   for (std::size_t k = 0; k < std::min(result.determined.size(), kMostShown); ++k) {
     const DeterminedResult& found = result.determined[k];

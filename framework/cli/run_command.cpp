@@ -20,6 +20,7 @@
 #include "framework/output/run_recorder.hpp"
 #include "framework/run/run.hpp"
 #include "framework/standard_registry.hpp"
+#include "framework/study/accuracy.hpp"
 
 namespace tomlin {
 namespace fs = std::filesystem;
@@ -109,6 +110,13 @@ int run_command(const RunArguments& arguments) {
   std::signal(SIGPIPE, SIG_IGN);
   StopSignals signals;
   ProgressLine progress(arguments.quiet ? ProgressLine::Style::silent : progress_style());
+  // With an accuracy the program looks for the integrator; the same one when a run goes on.
+  ChosenIntegrator chosen;
+  chosen.scene = scene;
+  if (scene->run.accuracy) {
+    chosen = choose_integrator(scene, registry, &signals.stop());
+    if (chosen.interrupted) return kExitSignal + signals.caught();
+  }
   const std::vector<std::byte> state = std::move(found.state);
   RunOptions options;
   if (found.kind == Resumption::Kind::go_on) options.resume_from = &state;
@@ -117,8 +125,9 @@ int run_command(const RunArguments& arguments) {
   options.sink = &recorder;
   options.on_progress = [&progress](const RunProgress& now) { progress.show(now); };
   options.stop = &signals.stop();
-  RunResult result = run(scene, options);
+  RunResult result = run(chosen.scene, options);
   progress.finish();
+  if (scene->run.accuracy) estimate_errors(chosen, options, result);
 
   const auto numerical = result.failure;
   const auto trouble = recorder.finish(result);

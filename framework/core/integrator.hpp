@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -55,6 +56,8 @@ struct IntegratorRecord : ComponentRecord {
   /// Takes friction as an operator, its exact flow over a step's halves, in place of a force. Other
   /// forces that depend on velocity, and forces with variables of their own, are then refused.
   bool splits_friction = false;
+  /// Takes bonds within bodies as an operator too, whose stiffness then limits no step.
+  bool splits_bonds = false;
   bool needs_tangent = false;      ///< solves equations with the forces' derivatives
   bool conservative_only = false;  ///< for scenes without friction and other loss
   /// Follows equilibria as the driver moves: for quasistatic dynamics, and for no other.
@@ -67,12 +70,23 @@ struct IntegratorRecord : ComponentRecord {
   double (*stable_step)(double frequency, double damping_rate) = nullptr;
   /// The finest tolerance that an adaptive scheme is asked to keep; null for a fixed one.
   double (*tolerance)(const void* description) = nullptr;
+  /// How many steps an adaptive scheme may take; null for a fixed one.
+  std::int64_t (*most_steps)(const void* description) = nullptr;
+  /// Relative error of the speed at which a steady force drags a coordinate, `damped` = step *
+  /// damping rate; null: none, whatever the step.
+  double (*drag_error)(double damped) = nullptr;
   /// The fixed step; 0 for an adaptive scheme.
   double (*step)(const void* description) = nullptr;
   /// Faults across keys; empty when sound.
   std::vector<Complaint> (*complaints)(const void* description) = nullptr;
 
   IntegratorFactories bind;
+
+  /// True when no scene of particles is refused for what its forces are, with inertia or without.
+  bool takes_any_scene() const {
+    return without_inertia && !splits_friction && !needs_tangent && !conservative_only &&
+           !follows_equilibria;
+  }
 };
 
 }  // namespace tomlin

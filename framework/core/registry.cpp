@@ -26,6 +26,14 @@ void require(bool present, const ComponentRecord& record, const char* what) {
 
 }  // namespace
 
+std::shared_ptr<void> with_defaults(const ComponentRecord& record) {
+  auto description = record.make_description();
+  for (const Parameter& row : record.parameters) {
+    if (row.standard) row.assign(description.get(), *row.standard);
+  }
+  return description;
+}
+
 Registry::Registry() = default;
 Registry::~Registry() = default;
 Registry::Registry(Registry&&) noexcept = default;

@@ -30,6 +30,9 @@ std::shared_ptr<void> make_description() {
   return std::make_shared<D>();
 }
 
+/// A description with the defaults of all rows that have one.
+std::shared_ptr<void> with_defaults(const ComponentRecord& record);
+
 struct BodyRecord;        // framework/core/body.hpp
 struct ForceRecord;       // framework/core/force.hpp
 struct IntegratorRecord;  // framework/core/integrator.hpp

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "framework/core/instruction_set.hpp"
 #include "framework/core/kernel_arguments.hpp"
@@ -81,6 +82,8 @@ inline Stage<Real> stage_of(const SystemView<Real>& system, const Real* position
           elapsed};
 }
 
+struct ElasticBody;  // framework/core/elastic.hpp
+
 /// What integrators ask of the model between kernel calls.
 template <class Real>
 struct System {
@@ -89,6 +92,8 @@ struct System {
   std::uint64_t evaluations = 0;  ///< of all forces, so far
   std::uint64_t columns = 0;      ///< of Jacobians, so far: see Tangent::columns()
   Tangent* tangent = nullptr;     ///< for schemes whose record asks for it; null otherwise
+  /// All moving bodies, for schemes that split bonds off; null otherwise.
+  const std::vector<ElasticBody>* elastic = nullptr;
 
   /// Tell forces that depend on time from where stages count their `elapsed`.
   void (*begin_step)(void* model, double time_high, double time_low) = nullptr;

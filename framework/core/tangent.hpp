@@ -1,12 +1,29 @@
 #pragma once
 
+#include <complex>
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
 /// Derivatives of the forces, for schemes that solve equations: implicit ones, and those that
 /// follow equilibria.
 namespace tomlin {
+
+/// Factors of a complex combination of a tangent's matrices, kept until the next factor().
+class ShiftedTangent {
+ public:
+  virtual ~ShiftedTangent() = default;
+  /// A = mass M + friction G + stiffness K as the last linearise() left them. False when A is
+  /// singular to rounding; solve() must not be called then.
+  virtual bool factor(std::complex<double> mass, std::complex<double> friction,
+                      double stiffness) = 0;
+  /// real + i imaginary <- A^-1 (real + i imaginary).
+  virtual void solve(double* real, double* imaginary) const = 0;
+
+ protected:
+  ShiftedTangent() = default;
+};
 
 /// The forces of a bound scene, linearised about one state in its n free coordinates q (those that
 /// are neither held nor fixed nor prescribed):
@@ -64,6 +81,9 @@ class Tangent {
   virtual std::size_t negative() const = 0;
   /// ln |det A| of the last factor().
   virtual double log_determinant() const = 0;
+
+  /// For complex combinations, as many at a time as are asked for; none outlives the tangent.
+  virtual std::unique_ptr<ShiftedTangent> shifted() const = 0;
 
  protected:
   Tangent() = default;

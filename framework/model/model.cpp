@@ -72,6 +72,28 @@ void check_scheme(const Assembly<double>& assembly) {
       }
     }
   }
+  if (scheme.conservative_only) {
+    for (const auto& force : assembly.forces()) {
+      const Traits& traits = force.record->traits;
+      if (traits.depends_on_velocity || traits.stochastic || force.bound->is_friction()) {
+        refuse("run.integrator.type", place,
+               "is for scenes without loss; the force \"" + force.name + "\" depends on velocity",
+               "rk4, dopri5, velocity_verlet");
+      }
+      if (force.bound->own_count() > 0) {
+        refuse("run.integrator.type", place,
+               "does not advance the variables of the force \"" + force.name + "\"", "rk4, dopri5");
+      }
+    }
+    for (const auto& steered : assembly.steered()) {
+      if (std::all_of(steered.own, steered.own + 4, [](auto at) { return at < 0; })) continue;
+      const std::string& body = assembly.bodies()[steered.body].bound.name;
+      refuse("run.integrator.type", place,
+             "does not advance the prescribed motion of the body \"" + body +
+                 "\", whose velocity changes with time",
+             "rk4, dopri5");
+    }
+  }
   if (scene.run.dynamics != "inertial") {
     for (const auto& force : assembly.forces()) {
       if (force.record->traits.depends_on_velocity && !force.bound->is_friction()) {
@@ -102,6 +124,20 @@ Model::Model(std::shared_ptr<const Scene> scene, InstructionSet set)
   system().begin_step = &Model::begin_step;
   system().model = this;
   lay_tangent();
+  lay_elastic();
+}
+
+void Model::lay_elastic() {
+  const SceneIntegrator& scheme = scene_->run.integrator;
+  if (!scheme.record->splits_bonds) return;
+  std::string fault;
+  elastic_ = elastic_bodies(assembly_, fault);
+  if (!fault.empty()) {
+    throw InputError(
+        {{scheme.place, "run.integrator.type", "\"" + scheme.record->name + "\"",
+          "splits bonds and friction off, but " + fault, "velocity_verlet, rk4, dopri5", ""}});
+  }
+  system().elastic = &elastic_;
 }
 
 Model::~Model() = default;

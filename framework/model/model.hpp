@@ -13,6 +13,7 @@
 #include "framework/core/state_layout.hpp"
 #include "framework/core/system.hpp"
 #include "framework/model/assembly.hpp"
+#include "framework/model/elastic.hpp"
 #include "framework/model/observe_kernels.hpp"
 #include "framework/model/tangent.hpp"
 #include "framework/scene/scene.hpp"
@@ -118,14 +119,19 @@ class Model {
   struct Stiffness {
     double frequency = 0.0;
     double damping_rate = 0.0;
+    double least_damping_rate = 0.0;
     double relaxation_rate = 0.0;
+    double spring_frequency = 0.0;  ///< of springs alone, without bounds on substrates
   };
-  Stiffness stiffness();
+  Stiffness stiffness(bool without_bonds = false);
   /// Name of the force with the largest share in it.
   std::string stiffest_force();
 
   /// The largest fixed step that this scheme is stable with; infinite when nothing limits it.
   double stable_step(const IntegratorRecord& scheme);
+  /// What steps of an adaptive scheme cannot exceed for long, since friction and springs would make
+  /// them grow; infinite when nothing limits them. Generous: a lower bound of the cost.
+  double longest_lasting_step(const IntegratorRecord& scheme);
 
   /// Name of the body and particle that a coordinate belongs to, for messages.
   struct CoordinateName {
@@ -142,6 +148,7 @@ class Model {
   void lay_tangent();
   static void begin_step(void* model, double time_high, double time_low);
   void evaluate_point(double position, double velocity, double* rates) const;
+  void lay_elastic();
   void keep_shapes();
   void place_origin();
   double share_of_stiffness(const Force& force, const Stage<double>& here);
@@ -151,6 +158,7 @@ class Model {
   std::shared_ptr<const Scene> scene_;
   AssemblyPlan plan_;
   Assembly<double> assembly_;
+  std::vector<ElasticBody> elastic_;  ///< for schemes that split bonds off
   const ObserveTable& observe_;
   Origin origin_;
   std::array<DoubleDouble, 3> origin_place_;

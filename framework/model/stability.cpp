@@ -160,11 +160,11 @@ class ScaledHessian : public HessianSink {
   double common_ = 0.0;
 };
 
-/// The fastest decay by friction alone: coefficient/mass of a free particle, the largest eigenvalue
-/// of friction over mass and inertia for a rigid body.
-class LargestDampingRate : public FrictionSink {
+/// The fastest and the slowest decay by friction alone: coefficient/mass of a free particle, the
+/// extreme eigenvalues of friction over mass and inertia for a rigid body.
+class DampingRates : public FrictionSink {
  public:
-  explicit LargestDampingRate(const Model& model) : model_(model) {
+  explicit DampingRates(const Model& model) : model_(model) {
     for (const Model::Body& body : model.bodies()) {
       coefficients_.emplace_back(body.bound.slot.count, 0.0);
     }
@@ -172,24 +172,39 @@ class LargestDampingRate : public FrictionSink {
   void site(std::size_t body, std::size_t particle, double coefficient) override {
     coefficients_[body][particle] += coefficient;
   }
-  double largest() const {
+  double largest() const { return extremes().largest; }
+  double least() const { return extremes().least; }
+
+ private:
+  struct Extremes {
+    double least = std::numeric_limits<double>::infinity();
     double largest = 0.0;
+    void include(double rate) {
+      least = std::min(least, rate);
+      largest = std::max(largest, rate);
+    }
+  };
+
+  /// Least: infinite where nothing moves.
+  Extremes extremes() const {
+    Extremes all;
     for (const Model::Body& body : model_.bodies()) {
       const std::vector<double>& coefficient = coefficients_[body.bound.index];
       if (body.bound.slot.rigid) {
-        largest = std::max(largest, rate_of_rigid(body, coefficient));
+        include_rigid(body, coefficient, all);
         continue;
       }
+      if (body.bound.slot.mapped) continue;
       for (std::size_t i = 0; i < coefficient.size(); ++i) {
-        largest = std::max(largest, coefficient[i] / body.bound.mass[i]);
+        all.include(coefficient[i] / body.bound.mass[i]);
       }
     }
-    return largest;
+    return all;
   }
 
- private:
   /// Scaled by the roots of inverse mass and inertia on both sides; what is held has none.
-  static double rate_of_rigid(const Model::Body& body, const std::vector<double>& coefficient) {
+  static void include_rigid(const Model::Body& body, const std::vector<double>& coefficient,
+                            Extremes& all) {
     Eigen::Matrix3d friction = Eigen::Matrix3d::Zero();
     const bool planar = body.arms.front().size() == 2;
     const double root_of_rotation = std::sqrt(body.response_of_rotation);
@@ -204,7 +219,11 @@ class LargestDampingRate : public FrictionSink {
       }
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(friction, Eigen::EigenvaluesOnly);
-    return std::max(0.0, solver.eigenvalues().maxCoeff());
+    // What is held has no motion to be damped: its zeros are the first eigenvalues.
+    std::array<double, 3> response = body.response;
+    if (planar) response[2] = body.response_of_rotation;
+    const auto held = std::count(response.begin(), response.end(), 0.0);
+    for (auto k = held; k < 3; ++k) all.include(std::max(0.0, solver.eigenvalues()[k]));
   }
 
   const Model& model_;
@@ -242,6 +261,12 @@ double stable_step_of(const IntegratorRecord& scheme, double omega, double gamma
                   stable_step_of(scheme, -0.5 * gamma - root));
 }
 
+/// Whether there are steps at which an undamped oscillation does not grow.
+bool stable_without_friction(const IntegratorRecord& scheme) {
+  constexpr double kShort = 0.1;  // h omega
+  return stable_step_of(scheme, 1.0, 0.0) > kShort;
+}
+
 /// What a curvature of the energy per particle does to the fastest motion of a body at most: its
 /// square frequency, or without inertia the relaxation rate.
 double response_to_sites(const Model& model, const Model::Body& body, double curvature) {
@@ -272,14 +297,15 @@ double response_to_sites(const Model& model, const Model::Body& body, double cur
 
 }  // namespace
 
-Model::Stiffness Model::stiffness() {
+Model::Stiffness Model::stiffness(bool without_bonds) {
   const SystemView<double>& view = system().view;
   evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates_.data());
   const Stage<double> here = stage(view.position, view.velocity, view.integrals, rates_.data());
   ScaledHessian springs(*this, coordinate_count() <= kDenseLimit);
-  LargestDampingRate damping(*this);
+  DampingRates damping(*this);
   std::vector<double> site_bounds(bodies().size(), 0.0);
   for (const Force& force : forces()) {
+    if (without_bonds && is_bonds(assembly_, force)) continue;
     const double bound = force.bound->curvature_bound();
     if (bound >= 0.0) {
       for (const std::size_t b : force.bodies) {
@@ -293,7 +319,10 @@ Model::Stiffness Model::stiffness() {
   const double fastest =
       springs.largest() + *std::max_element(site_bounds.begin(), site_bounds.end());
   if (!view.inertial) return {.relaxation_rate = fastest};
-  return {.frequency = std::sqrt(fastest), .damping_rate = damping.largest()};
+  return {.frequency = std::sqrt(fastest),
+          .damping_rate = damping.largest(),
+          .least_damping_rate = damping.least(),
+          .spring_frequency = std::sqrt(springs.largest())};
 }
 
 double Model::share_of_stiffness(const Force& force, const Stage<double>& here) {
@@ -309,7 +338,7 @@ double Model::share_of_stiffness(const Force& force, const Stage<double>& here) 
     share = alone.largest();
   }
   if (!system().view.inertial) return share;
-  LargestDampingRate damping(*this);
+  DampingRates damping(*this);
   force.bound->friction(damping);
   return std::max(share, damping.largest() * damping.largest());
 }
@@ -331,7 +360,7 @@ std::string Model::stiffest_force() {
 
 double Model::stable_step(const IntegratorRecord& scheme) {
   if (scheme.adaptive) return std::numeric_limits<double>::infinity();
-  const Stiffness fastest = stiffness();
+  const Stiffness fastest = stiffness(scheme.splits_bonds);
   if (!system().view.inertial) return stable_step_of(scheme, -fastest.relaxation_rate);
   // Slower modes meet the same damping: the worst of a range of frequencies counts.
   double largest = std::numeric_limits<double>::infinity();
@@ -340,7 +369,21 @@ double Model::stable_step(const IntegratorRecord& scheme) {
     const double omega = fastest.frequency * k / kModes;
     largest = std::min(largest, stable_step_of(scheme, omega, fastest.damping_rate));
   }
-  return std::min(largest, stable_step_of(scheme, fastest.frequency, 0.0));
+  // Some motions meet less; none is safe to take for a scheme that only friction keeps from
+  // growing.
+  const double least = stable_without_friction(scheme) ? 0.0 : fastest.least_damping_rate;
+  return std::min(largest, stable_step_of(scheme, fastest.frequency, least));
+}
+
+double Model::longest_lasting_step(const IntegratorRecord& scheme) {
+  constexpr double kForever = std::numeric_limits<double>::infinity();
+  constexpr double kGenerous = 2.0;
+  if (scheme.growth == nullptr || !system().view.inertial) return kForever;
+  const Stiffness fastest = stiffness();
+  // Whatever springs do, the two rates of a damped coordinate add up to its friction's.
+  const double by_friction = stable_step_of(scheme, {-0.5 * fastest.damping_rate, 0.0});
+  const double by_springs = stable_step_of(scheme, fastest.spring_frequency, fastest.damping_rate);
+  return kGenerous * std::min(by_friction, by_springs);
 }
 
 }  // namespace tomlin

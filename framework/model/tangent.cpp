@@ -183,7 +183,7 @@ ForceTangent::Node ForceTangent::node_of(const Assembly<double>::Body& body, std
 /// Forces name the same elements wherever things are, so this may ask them at no place at all.
 bool ForceTangent::find_elements(Finder& finder) {
   const SystemView<double>& view = assembly_.system().view;
-  const std::vector<double> nowhere(view.dofs + view.own + 2 * kGroup, 0.0);
+  const AlignedVector<double> nowhere(view.dofs + view.own + 2 * kGroup, 0.0);
   const Stage<double> stage =
       stage_of(view, nowhere.data(), nowhere.data(), nowhere.data(), unused_rates_.data(), 0.0);
   for (const auto& force : assembly_.forces()) {
@@ -225,10 +225,9 @@ void ForceTangent::choose_matrix(const CouplingGraph& graph, std::size_t spread_
         n, band, static_cast<double>(kMostWork));
     return;
   }
-  stiffness_ = friction_ = scaled_ = BandMatrix(n, band);
+  stiffness_ = friction_ = BandMatrix(n, band);
   stiffness_sizes_.assign(n, 0.0);
   friction_sizes_.assign(n, 0.0);
-  scale_.assign(n, 1.0);
 }
 
 /// The first free coordinate of a node, and how many it has.
@@ -308,7 +307,7 @@ void ForceTangent::add_mean(std::size_t b, const double* weight, int a, int c, d
   }
   // x y^T + y x^T = ((x + y) (x + y)^T - (x - y) (x - y)^T) / 2; each of the two comes by once.
   const auto spread = [&](double sign, double share) {
-    Term term{std::vector<double>(coordinates_.size(), 0.0), share};
+    RankOne term{std::vector<double>(coordinates_.size(), 0.0), share};
     for (std::size_t i = 0; i < slot.count; ++i) {
       const std::array<std::ptrdiff_t, 3>& free = free_[nodes_[b][i]];
       if (free[a] != kNone) term.direction[free[a]] = weight[i];
@@ -324,7 +323,7 @@ void ForceTangent::add_mean(std::size_t b, const double* weight, int a, int c, d
   }
 }
 
-void ForceTangent::add_term(Term term) {
+void ForceTangent::add_term(RankOne term) {
   if (!stiffness_.full()) {
     terms_.push_back(std::move(term));
     return;
@@ -399,7 +398,7 @@ void ForceTangent::turn_forces(const Assembly<double>::Body& body, const double*
 
 void ForceTangent::times_stiffness(const double* x, double* y) const {
   stiffness_.times(x, y);
-  for (const Term& term : terms_) {
+  for (const RankOne& term : terms_) {
     const double along = term.weight * dot(term.direction, x);
     for (std::size_t i = 0; i < term.direction.size(); ++i) y[i] += along * term.direction[i];
   }
@@ -407,120 +406,100 @@ void ForceTangent::times_stiffness(const double* x, double* y) const {
 
 // ---- solving
 
+namespace {
+
+std::vector<double> weighted_sizes(const std::vector<double>& masses, double mass,
+                                   const std::vector<double>& friction_sizes, double friction,
+                                   const std::vector<double>& stiffness_sizes, double stiffness) {
+  std::vector<double> sizes(masses.size());
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    sizes[i] = mass * masses[i] + friction * friction_sizes[i] + stiffness * stiffness_sizes[i];
+  }
+  return sizes;
+}
+
+}  // namespace
+
 bool ForceTangent::factor(double mass, double friction, double stiffness, const double* borders,
                           std::size_t border_count, double border_weight) {
   const std::size_t n = coordinates_.size();
-  spread_.clear();
-  for (const Term& term : terms_) take_term(term, stiffness * term.weight);
+  BandMatrix matrix(n, stiffness_.band());
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = matrix.first_of(i); j < matrix.end_of(i); ++j) {
+      matrix.at(i, j) = friction * friction_.at(i, j) + stiffness * stiffness_.at(i, j);
+    }
+    matrix.at(i, i) += mass * masses_[i];
+  }
+  std::vector<RankOne> terms = terms_;
+  for (RankOne& term : terms) term.weight *= stiffness;
   for (std::size_t k = 0; k < border_count; ++k) {
-    take_term({std::vector<double>(borders + k * n, borders + (k + 1) * n), 0.0}, border_weight);
+    terms.push_back({std::vector<double>(borders + k * n, borders + (k + 1) * n), border_weight});
   }
-  // Entries of one size, whatever the units of a coordinate: rounding then is, too.
-  for (std::size_t i = 0; i < n; ++i) {
-    double size = std::abs(mass) * masses_[i] + std::abs(friction) * friction_sizes_[i] +
-                  std::abs(stiffness) * stiffness_sizes_[i];
-    for (const Term& term : spread_) {
-      size += std::abs(term.weight) * term.direction[i] * term.direction[i];
-    }
-    scale_[i] = size > 0.0 && std::isfinite(size) ? 1.0 / std::sqrt(size) : 1.0;
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = scaled_.first_of(i); j < scaled_.end_of(i); ++j) {
-      double entry = friction * friction_.at(i, j) + stiffness * stiffness_.at(i, j);
-      if (i == j) entry += mass * masses_[i];
-      scaled_.at(i, j) = scale_[i] * entry * scale_[j];
-    }
-  }
-  for (Term& term : spread_) {
-    const double root = std::sqrt(std::abs(term.weight));
-    for (std::size_t i = 0; i < n; ++i) term.direction[i] *= root * scale_[i];
-    term.weight = term.weight < 0.0 ? -1.0 : 1.0;
-  }
-  if (scaled_.full()) {
-    for (const Term& term : spread_) add_scaled(term, 1.0);
-    spread_.clear();
-  } else {
-    pin_terms();
-  }
-  if (!factors_.factor(scaled_) || !factor_terms()) return false;
-  log_determinant_ = factors_.log_determinant();
-  for (const double scale : scale_) log_determinant_ -= 2.0 * log(scale);
-  negative_ = factors_.negative();
-  if (spread_.empty()) return true;
-  // Haynsworth's inertia of the block matrix with B and -S on its diagonal and U beside it.
-  log_determinant_ += capacitance_.log_determinant();
-  negative_ += spread_.size() - capacitance_.negative();
-  for (const Term& term : spread_) negative_ -= term.weight > 0.0 ? 1 : 0;
-  return true;
+  return factors_.factor(std::move(matrix), std::move(terms),
+                         weighted_sizes(masses_, std::abs(mass), friction_sizes_,
+                                        std::abs(friction), stiffness_sizes_, std::abs(stiffness)));
 }
 
-void ForceTangent::take_term(Term term, double weight) {
-  if (weight == 0.0) return;
-  term.weight = weight;
-  spread_.push_back(std::move(term));
-}
+/// Real and imaginary parts side by side: (a + ib)(x + iy) as a real matrix of twice the size.
+class ForceTangent::Shifted final : public ShiftedTangent {
+ public:
+  explicit Shifted(const ForceTangent& tangent) : of_(tangent) {}
 
-/// B <- B + factor * (sign direction direction^T).
-void ForceTangent::add_scaled(const Term& term, double factor) {
-  const std::vector<double>& d = term.direction;
-  for (std::size_t i = 0; i < d.size(); ++i) {
-    const double part = factor * term.weight * d[i];
-    for (std::size_t j = scaled_.first_of(i); j < scaled_.end_of(i); ++j) {
-      scaled_.at(i, j) += part * d[j];
+  bool factor(std::complex<double> mass, std::complex<double> friction, double stiffness) override {
+    const std::size_t n = of_.coordinates_.size();
+    BandMatrix matrix(2 * n, 2 * of_.stiffness_.band() + 1);
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = of_.stiffness_.first_of(i); j < of_.stiffness_.end_of(i); ++j) {
+        const double g = of_.friction_.at(i, j);
+        const double m = i == j ? of_.masses_[i] : 0.0;
+        const double real =
+            mass.real() * m + friction.real() * g + stiffness * of_.stiffness_.at(i, j);
+        const double imaginary = mass.imag() * m + friction.imag() * g;
+        matrix.at(2 * i, 2 * j) = matrix.at(2 * i + 1, 2 * j + 1) = real;
+        matrix.at(2 * i, 2 * j + 1) = -imaginary;
+        matrix.at(2 * i + 1, 2 * j) = imaginary;
+      }
+    }
+    std::vector<RankOne> terms;
+    for (const RankOne& term : of_.terms_) {
+      for (std::size_t part = 0; part < 2; ++part) {
+        RankOne doubled{std::vector<double>(2 * n, 0.0), stiffness * term.weight};
+        for (std::size_t i = 0; i < n; ++i) doubled.direction[2 * i + part] = term.direction[i];
+        terms.push_back(std::move(doubled));
+      }
+    }
+    const std::vector<double> sizes =
+        weighted_sizes(of_.masses_, size(mass), of_.friction_sizes_, size(friction),
+                       of_.stiffness_sizes_, std::abs(stiffness));
+    std::vector<double> doubled;
+    for (const double each : sizes) doubled.insert(doubled.end(), {each, each});
+    both_.assign(2 * n, 0.0);
+    return factors_.factor(std::move(matrix), std::move(terms), std::move(doubled));
+  }
+
+  void solve(double* real, double* imaginary) const override {
+    const std::size_t n = both_.size() / 2;
+    for (std::size_t i = 0; i < n; ++i) {
+      both_[2 * i] = real[i];
+      both_[2 * i + 1] = imaginary[i];
+    }
+    factors_.solve(both_.data());
+    for (std::size_t i = 0; i < n; ++i) {
+      real[i] = both_[2 * i];
+      imaginary[i] = both_[2 * i + 1];
     }
   }
-}
 
-/// What only such a term holds would leave the band singular: the band gets it at one coordinate,
-/// and another term takes that back.
-void ForceTangent::pin_terms() {
-  const std::size_t count = spread_.size();
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::vector<double>& d = spread_[k].direction;
-    std::size_t at = 0;
-    double total = 0.0;
-    for (std::size_t i = 0; i < d.size(); ++i) {
-      total += std::abs(d[i]);
-      if (std::abs(d[i]) > std::abs(d[at])) at = i;
-    }
-    Term pin{std::vector<double>(d.size(), 0.0), spread_[k].weight};
-    pin.direction[at] = std::sqrt(std::abs(d[at]) * total);
-    scaled_.at(at, at) += pin.weight * pin.direction[at] * pin.direction[at];
-    pin.weight = -pin.weight;
-    spread_.push_back(std::move(pin));
-  }
-}
+ private:
+  static double size(std::complex<double> x) { return std::abs(x.real()) + std::abs(x.imag()); }
 
-bool ForceTangent::factor_terms() {
-  const std::size_t count = spread_.size();
-  response_.clear();
-  shares_.assign(count, 0.0);
-  if (count == 0) return true;
-  BandMatrix capacitance(count, count - 1);
-  for (std::size_t k = 0; k < count; ++k) {
-    response_.push_back(spread_[k].direction);
-    factors_.solve(response_[k].data());
-    for (std::size_t l = 0; l < count; ++l) {
-      capacitance.at(l, k) = dot(spread_[l].direction, response_[k].data());
-    }
-    capacitance.at(k, k) += spread_[k].weight;
-  }
-  return capacitance_.factor(capacitance);
-}
+  const ForceTangent& of_;
+  BorderedFactors factors_;
+  mutable std::vector<double> both_;
+};
 
-/// Woodbury: A^-1 b = y - B^-1 U (S + U^T B^-1 U)^-1 U^T y, y = B^-1 b.
-void ForceTangent::solve(double* x) const {
-  const std::size_t n = coordinates_.size();
-  for (std::size_t i = 0; i < n; ++i) x[i] *= scale_[i];
-  factors_.solve(x);
-  if (!spread_.empty()) {
-    for (std::size_t k = 0; k < spread_.size(); ++k) shares_[k] = dot(spread_[k].direction, x);
-    capacitance_.solve(shares_.data());
-    for (std::size_t k = 0; k < spread_.size(); ++k) {
-      for (std::size_t i = 0; i < n; ++i) x[i] -= shares_[k] * response_[k][i];
-    }
-  }
-  for (std::size_t i = 0; i < n; ++i) x[i] *= scale_[i];
+std::unique_ptr<ShiftedTangent> ForceTangent::shifted() const {
+  return std::make_unique<Shifted>(*this);
 }
 
 }  // namespace tomlin

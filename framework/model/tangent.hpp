@@ -2,11 +2,14 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "framework/core/aligned.hpp"
 #include "framework/core/band_matrix.hpp"
+#include "framework/core/bordered_factors.hpp"
 #include "framework/core/bound_force.hpp"
 #include "framework/core/tangent.hpp"
 #include "framework/model/assembly.hpp"
@@ -21,8 +24,8 @@ namespace tomlin {
 /// particle i and phi the rotation of its body:
 ///   K = sum P^T H P  -  sum F_i . d2x_i/dphi2  -  (drag's change as arms turn),  G = sum c_i P_i^T
 ///   P_i
-/// Kept as a band (band_matrix.hpp) plus terms w d d^T, d spread over a body: forces on the centre
-/// of mass of free particles. Solved with those by Woodbury's identity.
+/// Kept as a band plus terms w d d^T, d spread over a body: forces on the centre of mass of free
+/// particles (bordered_factors.hpp).
 class ForceTangent final : public Tangent {
  public:
   /// Work of one factorisation, size * band^2 multiplications, that is still taken on: a full
@@ -45,19 +48,16 @@ class ForceTangent final : public Tangent {
   bool factor(double mass, double friction, double stiffness, const double* borders,
               std::size_t border_count, double border_weight) override;
   using Tangent::factor;
-  void solve(double* x) const override;
-  std::size_t negative() const override { return negative_; }
-  double log_determinant() const override { return log_determinant_; }
+  void solve(double* x) const override { factors_.solve(x); }
+  std::size_t negative() const override { return factors_.negative(); }
+  double log_determinant() const override { return factors_.log_determinant(); }
+  std::unique_ptr<ShiftedTangent> shifted() const override;
 
  private:
+  class Shifted;
   class Sink;
   class Finder;
 
-  /// weight * direction direction^T.
-  struct Term {
-    std::vector<double> direction;  ///< [n]
-    double weight = 0.0;
-  };
   /// How a place along an axis follows from the free coordinates: by one of them, or by a rigid
   /// body's centre and rotation.
   static constexpr std::ptrdiff_t kNone = -1;
@@ -86,13 +86,8 @@ class ForceTangent final : public Tangent {
   static void add(BandMatrix& matrix, std::vector<double>& sizes, const Parts& one,
                   const Parts& other, double value);
   void add_mean(std::size_t body, const double* weight, int a, int b, double value);
-  void add_term(Term term);
+  void add_term(RankOne term);
   void turn_forces(const Assembly<double>::Body& body, const double* velocity);
-
-  void take_term(Term term, double weight);
-  void add_scaled(const Term& term, double factor);
-  void pin_terms();
-  bool factor_terms();
 
   Assembly<double>& assembly_;
   std::string unknown_;
@@ -109,20 +104,11 @@ class ForceTangent final : public Tangent {
   /// Sums of the absolute contributions to each diagonal entry: rounding is that of these.
   std::vector<double> stiffness_sizes_;
   std::vector<double> friction_sizes_;
-  std::vector<Term> terms_;
+  std::vector<RankOne> terms_;
   std::vector<std::vector<double>> coefficients_;  ///< of friction, of bodies' particles
-  std::vector<double> unused_rates_;
+  AlignedVector<double> unused_rates_;
 
-  // Of the last factor(): D A D = B + U S U^T, S the terms' signs.
-  std::vector<double> scale_;  ///< D
-  BandMatrix scaled_;          ///< B
-  BandFactors factors_;
-  std::vector<Term> spread_;                   ///< U and S, scaled to weights of +-1
-  std::vector<std::vector<double>> response_;  ///< B^-1 U
-  BandFactors capacitance_;                    ///< S + U^T B^-1 U
-  std::size_t negative_ = 0;
-  double log_determinant_ = 0.0;
-  mutable std::vector<double> shares_;
+  BorderedFactors factors_;
 };
 
 }  // namespace tomlin

@@ -140,6 +140,14 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
     }
   }
 
+  if (result.accuracy) {
+    const AccuracyResult& accuracy = *result.accuracy;
+    summary["accuracy"] = {{"asked", number(accuracy.asked)},
+                           {"integrator", accuracy.integrator},
+                           {"companion", accuracy.companion},
+                           {"pilot_cost", accuracy.pilot_cost},
+                           {"companion_cost", accuracy.companion_cost}};
+  }
   if (!result.errors.empty()) {
     summary["error"] = Json::object();
     for (const ErrorEstimate& one : result.errors) summary["error"][one.path] = number(one.error);

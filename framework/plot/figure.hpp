@@ -44,6 +44,7 @@ struct Figure {
   double x_from = 0.0;  ///< as in a panel
   double x_to = 0.0;
   std::vector<Panel> panels;
+  bool logarithmic = false;  ///< both axes; every number is then positive
 };
 
 /// Width of the plotted area, in points of the screen.

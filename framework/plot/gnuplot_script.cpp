@@ -115,7 +115,9 @@ void append_panel(std::string& script, const Figure& figure, std::size_t index,
   line("set ylabel " + text(panel.y_label));
   line("set yrange " + range(panel.y_from, panel.y_to));
   line(last ? "set xlabel " + text(figure.x_label) + " offset 0,0.4" : "unset xlabel");
-  line(last ? "set format x '%h'" : "set format x ''");
+  const char* format = figure.logarithmic ? "'10^{%L}'" : "'%h'";
+  line(last ? std::string("set format x ") + format : "set format x ''");
+  if (figure.logarithmic) line(std::string("set format y ") + format);
   script += "plot NaN notitle";
   for (std::size_t c = 0; c < panel.curves.size(); ++c) {
     const Curve& curve = panel.curves[c];
@@ -171,6 +173,7 @@ std::string gnuplot_script(const Figure& figure, PictureFormat format) {
       "set pointintervalbox 0\n";
   script += fmt::format("set lmargin at screen {:.6f}\n", layout.left());
   script += fmt::format("set rmargin at screen {:.6f}\n", layout.right());
+  if (figure.logarithmic) script += "set logscale xy\n";
   script += "set xrange " + range(figure.x_from, figure.x_to) + "\n";
   script += "unset key\n";
   script += "set multiplot\n";
@@ -184,7 +187,8 @@ std::string gnuplot_script(const Figure& figure, PictureFormat format) {
     if (p == 0) script += "unset label\n";
   }
   script +=
-      "unset border\nunset tics\nunset grid\nunset title\nunset xlabel\nunset ylabel\n"
+      "unset logscale\nunset border\nunset tics\nunset grid\nunset title\nunset xlabel\nunset "
+      "ylabel\n"
       "set xrange [0:1]\nset yrange [0:1]\n"
       "set key left top Left reverse samplen 2 noenhanced\n";
   for (std::size_t p = 0; p < figure.panels.size(); ++p) {

@@ -165,14 +165,18 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
                             : "an acceleration is not a finite number";
       break;
   }
-  if (particles_meet(model, s, name.body, h)) {
-    failure.cause = "two particles of the body coincide, and a bond has no direction there";
-  } else if (!scheme.adaptive && h > stable_step) {
+  if (!scheme.adaptive && h > stable_step) {
     failure.cause =
         fmt::format("the step of {:g} is beyond the stability limit of {}, about {:.3g} here", h,
                     scheme.name, stable_step);
+  } else if (particles_meet(model, s, name.body, h)) {
+    failure.cause = "two particles of the body coincide, and a bond has no direction there";
   } else if (!finite) {
     failure.cause = "a force law was left where it is defined, or its numbers overflow";
+  } else if (scheme.adaptive) {
+    failure.cause =
+        "no step down to smallest_step was sound: the scene's forces are too strong, its lengths "
+        "too short, or the tolerances too fine";
   } else {
     failure.cause = fmt::format(
         "the speed runs away: a step of {:g} is too long for it, or the "

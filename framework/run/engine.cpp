@@ -84,6 +84,7 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   warn_of_unused_integrator();
   bound_unwatched_steps();
   check_step();
+  look_for_doubts();
   model_.anchor(DoubleDouble(0.0));
   if (path_ != nullptr) settle();
   start_triggers();
@@ -405,12 +406,32 @@ void Engine::plain_block(std::int64_t most) {
   housekeeping();
 }
 
+/// Looked at every quarter of a million steps: a run of an adaptive scheme that will be out of steps long before
+/// its end need not go on for hours.
+bool Engine::foresees_too_many_steps() {
+  constexpr std::int64_t kEvery = 1 << 18;
+  constexpr double kSurely = 10.0;  // paces change
+  const std::int64_t taken = counts_[kSteps];
+  if (scheme_.most_steps == nullptr || taken == 0 || taken % kEvery != 0) return false;
+  const auto most =
+      static_cast<double>(scheme_.most_steps(scene_->run.integrator.description.get()));
+  const double foreseen = static_cast<double>(taken) * (duration_ / time());
+  if (foreseen <= kSurely * most) return false;
+  fail(StepFault::too_many_steps, 0.0);
+  failure_->what = fmt::format(
+      "at its pace the run would take {:.2g} steps, and most_steps allows "
+      "{:g}",
+      foreseen, most);
+  return true;
+}
+
 void Engine::step_adaptive() {
   const double rest = static_cast<double>(DoubleDouble(duration_) - now());
   if (rest <= 0.0) {
     ended_ = true;
     return;
   }
+  if (foresees_too_many_steps()) return;
   if (longest_unwatched_ < rest) {
     take(0.0, longest_unwatched_, now() + longest_unwatched_, false);
     return;
@@ -460,6 +481,8 @@ void Engine::housekeeping() {
 }
 
 bool Engine::stopped() const {
+  const System<double>& system = model_.system();
+  if (system.evaluations + system.columns > options_.most_cost) return true;
   return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
 }
 

@@ -83,6 +83,16 @@ class Engine {
   void warn_of_fine_tolerance();
   void warn_of_unused_integrator();
   void bound_unwatched_steps();
+  void look_for_doubts();
+  void fail_at_start(const std::string& body, std::string what, std::string cause);
+  void check_inertia();
+  void check_places();
+  void check_ways();
+  void check_drag();
+  void check_pace();
+  void warn_of_coarse_tolerance();
+  void warn_of_short_window();
+  bool foresees_too_many_steps();
   bool take_to(const Passed& passed, const DoubleDouble& begin, double length, double since,
                const DoubleDouble& arrived, bool to_grid);
   bool own_variables_are_finite() const;

@@ -24,14 +24,17 @@ constexpr double kWindowSlack = 1e-9;
 /// Tolerances that floats can keep: ten units in the last place.
 constexpr double kFinestOfFloat = 1e-6;
 
-/// Doubles count no further without gaps.
-constexpr double kMostSteps = 9007199254740992.0;
+/// Weeks of the simplest scene.
+constexpr double kMostSteps = 1e14;
+/// Of them the fastest scene takes so many a second.
+constexpr double kFastestSteps = 1e8;
+constexpr double kSecondsOfADay = 86400.0;
 /// A table of a hundred terabytes.
 constexpr double kMostSamples = 1e12;
 
 }  // namespace
 
-/// Counts must stay exact, and a signal must get through between samples.
+/// A run must end, its counts stay exact, and a signal must get through between samples.
 void Engine::refuse_endless() const {
   const auto place = [](const std::map<std::string, Place>& places, const char* key,
                         const Place& table) {
@@ -41,7 +44,9 @@ void Engine::refuse_endless() const {
   if (dt_ > 0.0 && !(duration_ / dt_ <= kMostSteps)) {
     throw InputError(
         {{place(scene_->run.integrator.places, "dt", scene_->run.place), "run.integrator.dt",
-          fmt::format("{}", dt_), fmt::format("the run would take {:.3g} steps", duration_ / dt_),
+          fmt::format("{}", dt_),
+          fmt::format("the run would take {:.3g} steps, {:.2g} days at the very least",
+                      duration_ / dt_, duration_ / dt_ / kFastestSteps / kSecondsOfADay),
           fmt::format("at most {:g} steps", kMostSteps), ""}});
   }
   if (scene_->output.every && !(duration_ / *scene_->output.every <= kMostSamples)) {

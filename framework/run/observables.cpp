@@ -153,13 +153,25 @@ std::vector<Observable> observables(const RunResult& result) {
   return all.take();
 }
 
-std::optional<double> observable(const RunResult& result, std::string_view path,
-                                 const Place& place) {
+namespace {
+
+Observable found(const RunResult& result, std::string_view path, const Place& place) {
   const std::vector<Observable> all = observables(result);
   for (const Observable& one : all) {
-    if (one.path == path || without_family(one.path) == path) return one.value;
+    if (one.path == path || without_family(one.path) == path) return one;
   }
   throw InputError({unknown(all, path, place)});
+}
+
+}  // namespace
+
+std::optional<double> observable(const RunResult& result, std::string_view path,
+                                 const Place& place) {
+  return found(result, path, place).value;
+}
+
+std::string full_path(const RunResult& result, std::string_view path, const Place& place) {
+  return found(result, path, place).path;
 }
 
 }  // namespace tomlin

@@ -28,4 +28,8 @@ std::vector<Observable> observables(const RunResult& result);
 std::optional<double> observable(const RunResult& result, std::string_view path,
                                  const Place& place = {.file = "observable"});
 
+/// The path in full: "drivers.driver.mean_force.x" of "driver.mean_force.x". Throws as above.
+std::string full_path(const RunResult& result, std::string_view path,
+                      const Place& place = {.file = "observable"});
+
 }  // namespace tomlin

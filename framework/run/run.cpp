@@ -57,9 +57,10 @@ std::string to_string(const RunFailure& failure) {
   std::string where = failure.body;
   if (failure.particle >= 0) where += fmt::format(", particle {}", failure.particle);
   if (!failure.axis.empty()) where += ", " + failure.axis;
-  return fmt::format("step {}, time {:.17g}: {}; where: {}; force: {}; likely cause: {}",
-                     failure.step, failure.time, failure.what, where,
-                     failure.force.empty() ? "none" : failure.force, failure.cause);
+  if (!where.empty()) where = "; where: " + where;
+  const std::string force = failure.force.empty() ? "" : "; force: " + failure.force;
+  return fmt::format("step {}, time {:.17g}: {}{}{}; likely cause: {}", failure.step, failure.time,
+                     failure.what, where, force, failure.cause);
 }
 
 RunResult run(const std::shared_ptr<const Scene>& scene, const RunOptions& options) {

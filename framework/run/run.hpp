@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -112,6 +113,15 @@ struct DeterminedResult {
   double max = 0.0;
 };
 
+/// `[run] accuracy`: what was taken.
+struct AccuracyResult {
+  double asked = 0.0;
+  std::string integrator;  ///< as a line of a scene
+  std::string companion;   ///< the same of the run that errors are estimated with; empty: none
+  std::uint64_t pilot_cost = 0;  ///< evaluations and columns
+  std::uint64_t companion_cost = 0;
+};
+
 /// Estimated error of an observable of this run, in its own unit.
 struct ErrorEstimate {
   std::string path;
@@ -135,7 +145,8 @@ struct RunResult {
   std::optional<EnergyResult> energy;            ///< with `[run] ledger`
   std::optional<EquilibriumResult> equilibrium;  ///< of quasistatic dynamics
   std::vector<DeterminedResult> determined;      ///< with `[run] perturb`
-  std::vector<ErrorEstimate> errors;             ///< with `[run] accuracy`
+  std::optional<AccuracyResult> accuracy;        ///< with `[run] accuracy`
+  std::vector<ErrorEstimate> errors;             ///< likewise
   std::vector<std::string> warnings;
   std::vector<std::pair<std::string, std::string>> left_out;  ///< force and why it was not built
   double wall_seconds = 0.0;
@@ -226,6 +237,8 @@ struct RunOptions {
   RunSink* sink = nullptr;
   std::function<void(const RunProgress&)> on_progress;  ///< called a few times a second
   const std::atomic<bool>* stop = nullptr;              ///< set by a signal: end as interrupted
+  /// End as interrupted, a few steps later, when evaluations and columns come to more than this.
+  std::uint64_t most_cost = std::numeric_limits<std::uint64_t>::max();
   InstructionSet instruction_set = chosen_instruction_set();
   std::optional<Perturbation> perturbation;  ///< noise on the start; see also `[run] perturb`
   /// The bytes of a checkpoint of the same scene: go on from there. Throws std::invalid_argument

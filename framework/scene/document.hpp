@@ -92,11 +92,12 @@ class Source {
   Place place(const Extent& extent) const;
   /// On one line and shortened to fit a message.
   std::string written(const Extent& extent) const;
+  /// As it stands in the text, or in the setting.
+  std::string_view slice(const Extent& extent) const;
   /// Where a byte of a string's contents stands; the string's own place where escapes hide it.
   Place place_inside(const Node& text, std::size_t byte) const;
 
  private:
-  std::string_view slice(const Extent& extent) const;
   std::size_t offset(const Mark& mark) const;
 
   std::string file_;

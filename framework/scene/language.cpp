@@ -168,8 +168,11 @@ TableLayout run_layout(bool until) {
       parameter("allow_unstable", &RunSettings::allow_unstable, dimension::none,
                 "run even when the step is beyond the estimated stability limit")
           .by_default(false),
+      optional_number("accuracy", &RunSettings::accuracy, dimension::none,
+                      "in place of an integrator: the relative error that results may have; the "
+                      "program picks the integrator and estimates the errors")
+          .in({.low = 0.0, .high = 1.0, .low_open = true, .high_open = true}),
   };
-  layout.reserved = {{"accuracy", "an accuracy to choose the steps by"}};
   return layout;
 }
 

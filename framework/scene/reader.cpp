@@ -550,17 +550,48 @@ class SceneReader {
     return Node{std::move(names), {}};
   }
 
+  /// The first adaptive one that takes any force, with its defaults: what a scene that asks for an
+  /// accuracy can be bound with.
+  void take_any_integrator(const Section& run) {
+    for (const auto& record : registry_.integrators()) {
+      if (!record->takes_any_scene() || !record->adaptive) continue;
+      SceneIntegrator& integrator = scene_->run.integrator;
+      integrator.name = record->name;
+      integrator.record = record.get();
+      integrator.description = with_defaults(*record);
+      integrator.place = source_.place(run.where);
+      return;
+    }
+    faults_.of_key(run.where, {"run.accuracy", "there is no adaptive integrator", "an integrator"});
+  }
+
   /// The integrator's effective table; nothing when it is unfit.
   std::optional<Node> read_integrator(const Section& run) {
     const std::string path = "run.integrator";
     const std::string due = "{ type = ..., ... }";
     const bool quasistatic = scene_->run.dynamics == "quasistatic";
     const Node* node = run.table->find("integrator");
+    const Entry* accuracy = run.table->find_entry("accuracy");
+    if (accuracy != nullptr && quasistatic) {
+      faults_.of_key(accuracy->where,
+                     {"run.accuracy", "quasistatic dynamics have one scheme, with a tolerance",
+                      "integrator = { type = \"continuation\", tolerance = ... }"});
+      return std::nullopt;
+    }
+    if (accuracy != nullptr) {
+      if (node == nullptr) {
+        take_any_integrator(run);
+        return std::nullopt;
+      }
+      faults_.of_key(
+          accuracy->where,
+          {"run.accuracy", "stands in place of an integrator, and there is one", "one of the two"});
+    }
     const Table follower = following_scheme();
     const Node by_default{follower, run.where};
     if (node == nullptr && quasistatic) node = &by_default;
     if (node == nullptr) {
-      faults_.of_key(run.where, {path, "missing", due});
+      faults_.of_key(run.where, {path, "missing", due + ", or accuracy"});
       return std::nullopt;
     }
     const auto* table = node->as<Table>();
@@ -611,13 +642,10 @@ class SceneReader {
     }
     for (const auto& record : registry_.integrators()) {
       if (!record->follows_equilibria) continue;
-      const Table nothing;
       SceneIntegrator& integrator = scene_->run.integrator;
       integrator.not_used = std::exchange(integrator.name, record->name);
       integrator.record = record.get();
-      auto description = record->make_description();
-      read_section({&nothing, reading.where}, integrator_layout(*record), path, description.get());
-      integrator.description = std::move(description);
+      integrator.description = with_defaults(*record);
       return;
     }
   }

@@ -77,6 +77,9 @@ struct RunSettings {
   bool ledger = false;
   std::int64_t seed = 0;
   bool allow_unstable = false;
+  /// Asked for in place of an integrator, relative to the size of each result; the integrator above
+  /// is then one that could be taken, and whoever runs the scene looks for the cheapest.
+  std::optional<double> accuracy;
   double checkpoint_every = 60.0;
   std::optional<PerturbSettings> perturb;
   std::optional<UntilSettings> until;
@@ -130,7 +133,8 @@ struct Scene {
 };
 
 /// `--set PATH=VALUE`: a parameter's name or a dotted path (`run.integrator.dt`,
-/// `body.ring.coordinates`, `force.driver.stiffness`); a TOML value or else an expression.
+/// `body.ring.coordinates`, `force.driver.stiffness`); a TOML value or else an expression. Setting
+/// `run.accuracy` takes the integrator away, which it stands in place of, and the other way round.
 struct Setting {
   std::string path;
   std::string value;

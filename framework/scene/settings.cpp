@@ -111,6 +111,16 @@ class Application {
                     nearest_name(parts[0], top_level_keys()).value_or(""));
     }
     set_below(document_, parts, 0);
+    if (parts[0] == "run") replace_rival(parts[1]);
+  }
+
+  /// Of an integrator and an accuracy in its place the one that is set last is meant.
+  void replace_rival(const std::string& key) {
+    Node* node = document_.find("run");
+    Table* run = node ? node->as<Table>() : nullptr;
+    if (run == nullptr) return;
+    const char* rival = key == "accuracy" ? "integrator" : key == "integrator" ? "accuracy" : "";
+    std::erase_if(run->entries, [&](const Entry& entry) { return entry.key == rival; });
   }
 
   void set_in_component(const std::vector<std::string>& parts) {

@@ -127,6 +127,7 @@ coefficient = 0.2
 
 RK4 = '{{ type = "rk4", dt = {dt} }}'
 DOPRI5 = '{ type = "dopri5", absolute_tolerance = 1e-9, relative_tolerance = 1e-9 }'
+RADAU9 = DOPRI5.replace("dopri5", "radau9")
 VERLET = '{ type = "velocity_verlet", dt = 1e-2 }'
 
 
@@ -172,5 +173,9 @@ SCENES = {
     "ring_rigid_quadruple": scene(RIGID, DOPRI5, 1.0, 0.3, QUADRUPLE),
     "ring_flexible": scene(FLEXIBLE, RK4.format(dt=2e-3), 5.0, 0.7, LEDGER),
     "ring_flexible_adaptive": scene(FLEXIBLE, DOPRI5, 2.0, 0.7),
+    "tip_implicit": scene(TIP, RADAU9, 60.0, 0.7, LEDGER),
+    "tip_implicit_overdamped": scene(TIP, RADAU9, 60.0, 0.7, OVERDAMPED),
+    "chain_implicit": scene(CHAIN, RADAU9, 20.0, 0.7),
+    "ring_rigid_implicit": scene(RIGID, RADAU9, 40.0, 0.7, LEDGER),
     "two_bodies": scene(PUSHED, DOPRI5, 10.0, 0.7, LEDGER),
 }

@@ -1,6 +1,8 @@
 #include <array>
 #include <cmath>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <boost/numeric/odeint.hpp>
@@ -95,6 +97,53 @@ TEST(Odeint, Dopri5TrajectoriesAgreeWithinTolerance) {
       EXPECT_NEAR(kept.rows[k][kept.column("tip.velocity.x")], s[1], allowed) << tolerance;
     }
   }
+}
+
+/// At tolerances that dopri5 pays dearly for: Fehlberg's pair 7(8) is the other of its kind.
+TEST(Odeint, Dop853AgreesWithFehlberg78) {
+  constexpr double kTolerance = 1e-13;
+  constexpr double kAllowed = 1e-11;  // slips magnify
+  KeptSamples kept;
+  RunOptions options;
+  options.sink = &kept;
+  run(scene_of(kTip + adaptive(kTolerance, "dop853") + "\n[output]\nevery = 0.5\n"), options);
+  ASSERT_EQ(kept.rows.size(), 81u);
+  State s = {0.1, 0.0};
+  auto stepper =
+      odeint::make_controlled(kTolerance, kTolerance, odeint::runge_kutta_fehlberg78<State>());
+  for (std::size_t k = 1; k < kept.rows.size(); ++k) {
+    odeint::integrate_adaptive(stepper, tip, s, 0.5 * (k - 1), 0.5 * k, 0.01);
+    EXPECT_NEAR(kept.rows[k][kept.column("tip.centre_of_mass.x")], s[0], kAllowed) << k;
+    EXPECT_NEAR(kept.rows[k][kept.column("tip.velocity.x")], s[1], kAllowed) << k;
+  }
+}
+
+/// Two symplectic schemes of fourth order on a tip that swings over one trough for 500 time units.
+TEST(Odeint, BlanesMoanAgreesWithMcLachlan) {
+  constexpr double kAllowed = 1e-9;  // both at steps whose own errors are below it
+  const std::string scene = R"([[body]]
+type = "point"
+position = [0.3]
+particle_mass = 1.0
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.1
+period = 1.0
+[run]
+duration = 500.0
+integrator = )";
+  const RunResult result = run_text(scene + held_to("blanes_moan", 0.01));
+  odeint::symplectic_rkn_sb3a_mclachlan<std::array<double, 1>> stepper;
+  std::array<double, 1> x = {0.3};
+  std::array<double, 1> v = {0.0};
+  const auto force = [](const std::array<double, 1>& q, std::array<double, 1>& p) {
+    p[0] = 0.1 * kTau * std::sin(kTau * q[0]);
+  };
+  constexpr double kStep = 0.005;
+  for (int n = 0; n < 100'000; ++n)
+    stepper.do_step(force, std::make_pair(std::ref(x), std::ref(v)), n * kStep, kStep);
+  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], x[0], kAllowed);
+  EXPECT_NEAR(result.bodies[0].velocity[0], v[0], kAllowed);
 }
 
 }  // namespace

@@ -44,16 +44,24 @@ inline std::string verlet(double dt) {
   return "{ type = \"velocity_verlet\", dt = " + digits(dt) + " }";
 }
 
-inline std::string adaptive(double tolerance) {
-  return "{ type = \"dopri5\", absolute_tolerance = " + digits(tolerance) +
+inline std::string adaptive(double tolerance, const std::string& type = "dopri5") {
+  return "{ type = \"" + type + "\", absolute_tolerance = " + digits(tolerance) +
          ", relative_tolerance = " + digits(tolerance) + " }";
 }
 
-/// The pair 5(4) held to steps of h: the tolerance is too wide to have a say.
-inline std::string adaptive_held_to(double h) {
-  return "{ type = \"dopri5\", absolute_tolerance = 1e30, relative_tolerance = 0.0, "
-         "initial_step = " +
-         digits(h) + ", largest_step = " + digits(h) + " }";
+/// An adaptive scheme held to steps of h: the tolerance is too wide to have a say.
+inline std::string adaptive_of(const std::string& type, double h) {
+  return "{ type = \"" + type +
+         "\", absolute_tolerance = 1e30, relative_tolerance = 0.0, initial_step = " + digits(h) +
+         ", largest_step = " + digits(h) + " }";
+}
+
+inline std::string adaptive_held_to(double h) { return adaptive_of("dopri5", h); }
+
+/// Any scheme, at steps of h.
+inline std::string held_to(const std::string& type, double h) {
+  if (standard().integrator(type)->adaptive) return adaptive_of(type, h);
+  return "{ type = \"" + type + "\", dt = " + digits(h) + " }";
 }
 
 inline const DriverResult& driver_of(const RunResult& result, const std::string& name) {

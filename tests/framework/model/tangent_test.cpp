@@ -74,7 +74,7 @@ class Linearised {
     tangent.linearise(position.data(), velocity.data(), integrals_.data(), kElapsed);
   }
 
-  Matrix differences(std::vector<double>& of) {
+  Matrix differences(AlignedVector<double>& of) {
     Matrix result(size(), size());
     for (Eigen::Index k = 0; k < size(); ++k) {
       double& x = of[tangent.coordinates()[k]];
@@ -116,12 +116,12 @@ class Linearised {
 
  public:
   ForceTangent tangent;
-  std::vector<double> position;
-  std::vector<double> velocity;
+  AlignedVector<double> position;
+  AlignedVector<double> velocity;
 
  private:
-  std::vector<double> integrals_;
-  std::vector<double> rates_ = std::vector<double>(200, 0.0);
+  AlignedVector<double> integrals_;
+  AlignedVector<double> rates_ = AlignedVector<double>(200, 0.0);
 };
 
 double largest(const Matrix& matrix) { return matrix.cwiseAbs().maxCoeff(); }
@@ -133,7 +133,7 @@ std::string run_of(const std::string& dynamics = "inertial") {
 
 const std::string kSubstrate =
     "[[force]]\nname = \"substrate\"\ntype = \"sinusoidal_substrate\"\namplitude = 0.3\n"
-    "period = 1.1\n";
+    "period = 1.0\n";
 const std::string kSubstrateWithDecay = kSubstrate + "decay = 0.4\n";
 const std::string kDrag =
     "[[force]]\nname = \"drag\"\ntype = \"viscous_damping\"\ncoefficient = 0.7\n";

@@ -53,6 +53,17 @@ TEST(GnuplotScript, HasTheDataAndBreaksLines) {
   EXPECT_TRUE(contains(gnuplot_script(small_figure(), PictureFormat::png), "pngcairo"));
 }
 
+TEST(GnuplotScript, LogarithmicAxesEndBeforeTheKeys) {
+  Figure figure = small_figure();
+  EXPECT_FALSE(contains(gnuplot_script(figure, PictureFormat::svg), "\nset logscale"));
+  figure.logarithmic = true;
+  const std::string script = gnuplot_script(figure, PictureFormat::svg);
+  const auto on = script.find("\nset logscale xy\n");
+  ASSERT_NE(on, std::string::npos);
+  EXPECT_LT(on, script.find("plot NaN"));
+  EXPECT_LT(script.find("unset logscale\n"), script.find("keyentry"));
+}
+
 std::size_t keys_in(const std::string& script) {
   std::size_t count = 0;
   for (auto at = script.find("keyentry"); at != std::string::npos;

@@ -112,6 +112,9 @@ const std::string kReverse = "reverse = { when = \"bodies.tip.centre_of_mass.x\"
 const std::string kAdaptive =
     "{ type = \"dopri5\", absolute_tolerance = 1e-9, relative_tolerance = 1e-9 }";
 
+const std::string kImplicit =
+    "{ type = \"radau9\", absolute_tolerance = 1e-9, relative_tolerance = 1e-9 }";
+
 struct Named {
   const char* name;
   std::string text;
@@ -134,6 +137,8 @@ std::vector<Named> scenes() {
       {"flexible ring",
        ring("particles") + settings("250", "{ type = \"rk4\", dt = 4e-3 }", "ledger = true\n")},
       {"rigid ring", ring("rigid") + settings("1500", kAdaptive)},
+      {"rigid ring, implicit", ring("rigid") + settings("600", kImplicit)},
+      {"chain, implicit", kChain + settings("150", kImplicit)},
       {"perturbed starts",
        ring("particles") + settings("100", "{ type = \"rk4\", dt = 4e-3 }",
                                     "ledger = true\nperturb = { size = 1e-9, repeats = 2 }\n")},

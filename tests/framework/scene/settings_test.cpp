@@ -105,7 +105,6 @@ TEST(Settings, FaultsNameTheSetting) {
        "run.integrator.type = rk9: there is no such integrator; ..."},
       {{"run.integrator.dt.x", "1"},
        "run.integrator.dt.x = 1: dt is a number, which has no keys of its own"},
-      {{"run.accuracy", "1"}, "run.accuracy: not in this version..."},
       {{"run.perturb.size", "-1"}, "run.perturb.size = -1: out of range; admissible: > 0"},
       {{"plugins.mine", "1"}, "plugins: not in this version..."},
       {{"K", "1"},

@@ -1,0 +1,70 @@
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/cli/commands.hpp"
+#include "framework/cli/compare_text.hpp"
+#include "framework/cli/exit_status.hpp"
+#include "framework/cli/stop_signals.hpp"
+#include "framework/cli/study_figure.hpp"
+#include "framework/core/fault.hpp"
+#include "framework/output/run_folder.hpp"
+#include "framework/standard_registry.hpp"
+#include "framework/study/compare.hpp"
+
+namespace tomlin {
+namespace {
+
+constexpr const char* kDefaultFolder = "compare.out";
+constexpr const char* kCsvFile = "compare.csv";
+constexpr const char* kJsonFile = "compare.json";
+constexpr const char* kFigureFile = "compare.svg";
+
+/// The faults of all scenes together.
+std::vector<std::shared_ptr<const Scene>> read_scenes(const CompareArguments& arguments,
+                                                      const Registry& registry) {
+  std::vector<std::shared_ptr<const Scene>> scenes;
+  std::vector<Fault> faults;
+  for (const std::string& file : arguments.scenes) {
+    try {
+      scenes.push_back(read_scene(file, registry, arguments.settings));
+    } catch (const InputError& error) {
+      faults.insert(faults.end(), error.faults().begin(), error.faults().end());
+    }
+  }
+  if (!faults.empty()) throw InputError(std::move(faults));
+  return scenes;
+}
+
+}  // namespace
+
+int compare_command(const CompareArguments& arguments) {
+  const Registry registry = standard_registry();
+  const auto scenes = read_scenes(arguments, registry);
+  RunFolder folder(arguments.folder.value_or(kDefaultFolder),
+                   arguments.force ? Occupied::replace_results : Occupied::refuse);
+
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+  StopSignals signals;
+  const Comparison comparison = compare_models(
+      scenes, registry, {arguments.observable, arguments.tolerance, &signals.stop()});
+
+  folder.create();
+  folder.write_file(kCsvFile, compare_csv(comparison));
+  std::string where = (folder.path() / "").string() + ": " + kJsonFile + ", " + kCsvFile;
+  if (write_study_figure(folder, kFigureFile, compare_figure(comparison))) {
+    where += std::string(", ") + kFigureFile;
+  }
+  folder.write_file(kJsonFile, compare_json(comparison));
+  const int status = print_result(compare_text(comparison, where));
+  if (comparison.interrupted) return kExitSignal + signals.caught();
+  for (const ComparedModel& model : comparison.models) {
+    if (model.result.status == RunStatus::failed) return kExitFailed;
+  }
+  return status;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,81 @@
+#include "framework/study/measurer.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "framework/core/fault.hpp"
+#include "framework/run/observables.hpp"
+
+namespace tomlin {
+namespace {
+
+/// Runs shorter than this are timed anew, up to so often: the clock's and the machine's noise is
+/// not theirs.
+constexpr double kShort = 5e-3;
+constexpr int kTimings = 3;
+
+Measurement measurement_of(const TrialRun& trial, const std::string& path) {
+  Measurement found;
+  found.end = trial.end;
+  found.evaluations = trial.result.force_evaluations;
+  found.columns = trial.result.jacobian_columns;
+  found.seconds = trial.seconds;
+  found.part = trial.part();
+  found.why = trial.why;
+  if (trial.finished()) {
+    found.value = observable(trial.result, path);
+    if (!found.value) found.why = path + " is undefined in it";
+  } else if (trial.end == TrialRun::End::over_budget) {
+    found.why = fmt::format("over budget: {:.2g} s for {:.2g} % of the run", trial.seconds,
+                            100.0 * found.part);
+  }
+  return found;
+}
+
+}  // namespace
+
+Measurer::Measurer(const Variants& variants, std::string observable, double budget_seconds,
+                   const std::atomic<bool>* stop)
+    : variants_(variants),
+      observable_(std::move(observable)),
+      budget_(budget_seconds),
+      stop_(stop),
+      started_(std::chrono::steady_clock::now()) {}
+
+double Measurer::used() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+}
+
+Measurement Measurer::with(const std::vector<Setting>& settings, double most_seconds,
+                           const std::optional<Perturbation>& perturbation) const {
+  try {
+    const TrialLimits limits{
+        .seconds = std::min(most_seconds, left()), .stop = stop_, .perturbation = perturbation};
+    return measurement_of(try_run(variants_.with(settings), limits), observable_);
+  } catch (const InputError& error) {
+    Measurement refused;
+    refused.end = TrialRun::End::refused;
+    refused.why = condensed(error);
+    return refused;
+  }
+}
+
+const Measurement& Measurer::at(const Rung& rung, double knob, double most_seconds) {
+  const auto [place, is_new] = known_.try_emplace({rung.name, knob});
+  Remembered& remembered = place->second;
+  const double limit = std::min(most_seconds, left());
+  const bool may_get_further =
+      remembered.measurement.end == TrialRun::End::over_budget && limit > 2.0 * remembered.limit;
+  if (!is_new && !may_get_further) return remembered.measurement;
+  remembered.limit = limit;
+  Measurement& found = remembered.measurement;
+  found = with(rung.at(knob), limit);
+  for (int k = 1; k < kTimings && found.defined() && found.seconds < kShort && !is_over(); ++k) {
+    const Measurement again = with(rung.at(knob), limit);
+    if (again.defined()) found.seconds = std::min(found.seconds, again.seconds);
+  }
+  return found;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,294 @@
+#include "framework/study/reference.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "framework/core/fault.hpp"
+
+namespace tomlin {
+namespace {
+
+/// The reference is to be better than the tolerance by this factor.
+constexpr double kFiner = 1e-3;
+/// Tolerances of adaptive schemes: a first look, and the finest that doubles can keep.
+constexpr double kPilotTolerance = 1e-6;
+constexpr double kFinestTolerance = 1e-13;
+/// What the second scheme and the runs in quadruple may use of the budget.
+constexpr double kShareOfMain = 0.3;
+constexpr double kShareOfPilot = 0.05;
+constexpr double kShareOfSecond = 0.15;
+constexpr double kShareOfQuadruple = 0.05;
+constexpr double kMostSecondsOfQuadruple = 2.0;
+/// A run in quadruple takes about so many times longer.
+constexpr double kSlownessOfQuadruple = 100.0;
+/// A value within so many of its own errors of zero is zero as far as it is known.
+constexpr double kErrorsFromZero = 10.0;
+/// Moves below this part of the value are rounding.
+constexpr double kRounding = 1e-14;
+
+bool may_be_reference(const Rung& rung) {
+  return rung.is_own_model() && rung.number_type == "double" && rung.refused.empty();
+}
+
+/// Cost at the finest tolerance, from that of a coarser one and the order.
+double predicted_cost(const Rung& rung, const Measurement& pilot, double at) {
+  const double order = std::max(1, rung.integrator->order);
+  return static_cast<double>(pilot.cost()) * std::pow(at / kFinestTolerance, 1.0 / order);
+}
+
+/// A scheme with its step or tolerance.
+struct Setup {
+  const Rung* rung = nullptr;
+  double knob = 0.0;
+};
+
+class ReferenceSearch {
+ public:
+  ReferenceSearch(const Variants& variants, const std::vector<Rung>& rungs, Measurer& measurer,
+                  double tolerance)
+      : variants_(variants), measurer_(measurer), tolerance_(tolerance) {
+    for (const Rung& rung : rungs) {
+      if (may_be_reference(rung)) candidates_.push_back(&rung);
+    }
+  }
+
+  std::optional<Reference> find(std::string& why) {
+    const Setup start = choose();
+    if (start.rung == nullptr) {
+      why = why_none_;
+      return std::nullopt;
+    }
+    tighten(start);
+    check_by_second(*start.rung);
+    check_in_quadruple(*start.rung);
+    return found_;
+  }
+
+ private:
+  double share(double part) const { return part * measurer_.budget(); }
+
+  /// To begin with, the scheme that promises the finest tolerance at least cost: a first look at
+  /// each adaptive one, coarser where none gets through; then at fixed steps.
+  Setup choose() {
+    for (const double tolerance : {kPilotTolerance, 1e-4, 1e-2}) {
+      const Setup best = cheapest(tolerance);
+      if (best.rung != nullptr) return best;
+    }
+    Setup best;
+    for (const Rung* rung : candidates_) {
+      if (rung->knob != Knob::step) continue;
+      const double dt = first_step(*rung);
+      if (!look(*rung, dt).defined()) continue;
+      if (best.rung == nullptr || rung->integrator->order > best.rung->integrator->order) {
+        best = {rung, dt};
+      }
+    }
+    return best;
+  }
+
+  Setup cheapest(double tolerance) {
+    Setup best;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Rung* rung : candidates_) {
+      if (rung->knob != Knob::tolerance) continue;
+      const Measurement& pilot = look(*rung, tolerance);
+      if (!pilot.defined()) continue;
+      const double cost = predicted_cost(*rung, pilot, tolerance);
+      if (cost >= least) continue;
+      least = cost;
+      best = {rung, tolerance};
+    }
+    return best;
+  }
+
+  const Measurement& look(const Rung& rung, double knob) {
+    const Measurement& pilot = measurer_.at(rung, knob, share(kShareOfPilot));
+    if (pilot.end == TrialRun::End::finished && !pilot.defined()) {
+      Fault fault;
+      fault.place.file = "--observable";
+      fault.key = measurer_.observable();
+      fault.why = "undefined in this scene";
+      fault.admissible = "a number that its summary has";
+      throw InputError({fault});
+    }
+    if (!pilot.defined()) {
+      why_none_ += fmt::format("{}{} at {} = {:g}: {}", why_none_.empty() ? "" : "; ", rung.name,
+                               to_string(rung.knob), knob, pilot.why);
+    }
+    return pilot;
+  }
+
+  double first_step(const Rung& rung) const {
+    constexpr double kFirstPart = 1e-3;  // of the run, where nothing limits the step
+    return std::min(0.5 * rung.stable_step, kFirstPart * variants_.scene().run.duration);
+  }
+
+  static double finer(const Rung& rung, double knob) {
+    return rung.knob == Knob::step ? 0.5 * knob : 0.1 * knob;
+  }
+
+  static bool can_be_finer(const Rung& rung, double knob) {
+    constexpr double kSlack = 1.01;
+    return rung.knob == Knob::step || finer(rung, knob) * kSlack >= kFinestTolerance;
+  }
+
+  /// A move that is small enough for this value.
+  double goal() const {
+    const double size = std::abs(found_.value);
+    // A value that is tiny against its first moves is zero; then the tolerance is absolute.
+    return kFiner * tolerance_ * (size > kErrorsFromZero * found_.error ? size : 1.0);
+  }
+
+  void keep(const Rung& rung, double knob, const Measurement& at) {
+    found_.rung = rung.name;
+    found_.knob = rung.knob;
+    found_.knob_value = knob;
+    found_.value = *at.value;
+    found_.cost = at.cost();
+    found_.seconds = at.seconds;
+  }
+
+  void tighten(const Setup& start) {
+    const Rung& rung = *start.rung;
+    const double until = measurer_.used() + share(kShareOfMain);
+    double knob = start.knob;
+    keep(rung, knob, measurer_.at(rung, knob, share(kShareOfPilot)));
+    found_.move = found_.error = std::abs(found_.value);
+    int small_moves = 0;
+    while (small_moves < 2) {
+      if (!can_be_finer(rung, knob)) {
+        found_.finest = true;
+        break;
+      }
+      knob = finer(rung, knob);
+      const Measurement& next = measurer_.at(rung, knob, until - measurer_.used());
+      if (!next.defined()) {
+        found_.finest = next.end == TrialRun::End::failed;
+        break;
+      }
+      const double move = std::abs(*next.value - found_.value);
+      keep(rung, knob, next);
+      found_.move = found_.error = std::max(move, kRounding * std::abs(found_.value));
+      small_moves = found_.error <= goal() ? small_moves + 1 : 0;
+    }
+    found_.settled = small_moves > 0;
+  }
+
+  /// Another family first: one that solves equations against one that does not.
+  const Rung* second_to(const Rung& main) const {
+    const auto rank = [&main](const Rung& rung) {
+      const bool other_family = rung.integrator->needs_tangent != main.integrator->needs_tangent;
+      const bool adaptive = rung.knob == Knob::tolerance;
+      return 100 * static_cast<int>(other_family) + 50 * static_cast<int>(adaptive) +
+             rung.integrator->order;
+    };
+    const Rung* best = nullptr;
+    for (const Rung* rung : candidates_) {
+      if (rung->integrator == main.integrator) continue;
+      if (best == nullptr || rank(*rung) > rank(*best)) best = rung;
+    }
+    return best;
+  }
+
+  void check_by_second(const Rung& main) {
+    const Rung* second = second_to(main);
+    if (second == nullptr || measurer_.is_over()) return;
+    const double until = measurer_.used() + share(kShareOfSecond);
+    double knob = second->knob == Knob::step ? first_step(*second) : kPilotTolerance;
+    std::optional<double> last;
+    for (;;) {
+      const Measurement& now = measurer_.at(*second, knob, until - measurer_.used());
+      if (!now.defined()) break;
+      second_ = {second, knob};
+      found_.second = second->name;
+      found_.second_differs = std::abs(*now.value - found_.value);
+      found_.second_settled = last && std::abs(*now.value - *last) < 0.5 * *found_.second_differs;
+      last = now.value;
+      if (*found_.second_differs <= std::max(goal(), found_.error)) return;
+      if (!can_be_finer(*second, knob)) break;
+      knob = finer(*second, knob);
+    }
+    // Two schemes that have stopped moving at different places: neither is known any better.
+    if (found_.second_settled) {
+      found_.error = std::max(found_.error, *found_.second_differs);
+      found_.settled = found_.settled && found_.error <= goal();
+    }
+  }
+
+  /// The same for a part of the run, window included.
+  std::vector<Setting> shortened(const Setup& scheme, double part) const {
+    const Scene& scene = variants_.scene();
+    std::vector<Setting> settings = scheme.rung->at(scheme.knob);
+    settings.push_back({"run.duration", fmt::format("{}", part * scene.run.duration)});
+    if (scene.measure.unit != MeasureSettings::Unit::whole_run) {
+      settings.push_back({"measure.from", fmt::format("{}", part * scene.measure.from)});
+      if (scene.measure.to) {
+        settings.push_back({"measure.to", fmt::format("{}", part * *scene.measure.to)});
+      }
+    }
+    return settings;
+  }
+
+  /// The scheme itself where it is available in quadruple, or else the second one, which shows what
+  /// rounding does to this scene.
+  Setup in_quadruple(const Rung& main) const {
+    if (main.integrator->bind.in_quadruple != nullptr) return {&main, found_.knob_value};
+    const bool other = second_.rung != nullptr && second_.rung->integrator->bind.in_quadruple;
+    return other ? second_ : Setup{};
+  }
+
+  void check_in_quadruple(const Rung& main) {
+    const Setup scheme = in_quadruple(main);
+    if (scheme.rung == nullptr) {
+      found_.unchecked = main.name + " is not available in it";
+    } else if (variants_.scene().run.until) {
+      found_.unchecked = "a run until it is steady has no length to shorten";
+    } else if (measurer_.is_over()) {
+      found_.unchecked = "over budget";
+    }
+    if (!found_.unchecked.empty()) return;
+    const double seconds = std::min(share(kShareOfQuadruple), kMostSecondsOfQuadruple);
+    const double known = measurer_.at(*scheme.rung, scheme.knob, seconds).seconds;
+    const double part = std::min(1.0, seconds / (std::max(known, 1e-6) * kSlownessOfQuadruple));
+    const std::vector<Setting> in_double = shortened(scheme, part);
+    std::vector<Setting> in_quadruple = in_double;
+    in_quadruple.push_back({"run.number_type", "\"quadruple\""});
+    constexpr double kPatience = 2.0;  // the slowness is no more than a guess
+    const Measurement one = measurer_.with(in_double, kPatience * seconds);
+    const Measurement other = measurer_.with(in_quadruple, kPatience * seconds);
+    if (!one.defined() || !other.defined()) {
+      found_.unchecked = one.defined() ? other.why : one.why;
+      return;
+    }
+    found_.quadruple = scheme.rung->name;
+    found_.quadruple_part = part;
+    found_.quadruple_differs = std::abs(*one.value - *other.value);
+    if (scheme.rung == &main) found_.error = std::max(found_.error, *found_.quadruple_differs);
+  }
+
+  const Variants& variants_;
+  Measurer& measurer_;
+  double tolerance_;
+  std::vector<const Rung*> candidates_;
+  std::string why_none_;
+  Setup second_;  ///< with the finest knob that it got to
+  Reference found_;
+};
+
+}  // namespace
+
+ErrorScale error_scale(const Reference& reference) {
+  const double size = std::abs(reference.value);
+  if (size > kErrorsFromZero * reference.error) return {true, size};
+  return {false, 1.0};
+}
+
+std::optional<Reference> find_reference(const Variants& variants, const std::vector<Rung>& rungs,
+                                        Measurer& measurer, double tolerance, std::string& why) {
+  return ReferenceSearch(variants, rungs, measurer, tolerance).find(why);
+}
+
+}  // namespace tomlin

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/study/measurer.hpp"
+
+namespace tomlin {
+
+/// The value that all others are held against, and how far it can be trusted.
+struct Reference {
+  std::string rung;  ///< the scheme that found it
+  Knob knob = Knob::tolerance;
+  double knob_value = 0.0;
+  double value = 0.0;
+  /// Estimated: the last move when the scheme was tightened, or its difference to the second
+  /// scheme or to quadruple numbers where that is larger.
+  double error = 0.0;
+  double move = 0.0;  ///< the last one alone
+  /// Whether it stopped moving. Otherwise the budget was over, or it moves for another reason.
+  bool settled = false;
+  bool finest = false;  ///< tightened as far as the numbers allow
+  std::uint64_t cost = 0;
+  double seconds = 0.0;
+
+  std::string second;                    ///< the other scheme; empty: there is none
+  std::optional<double> second_differs;  ///< by so much, at its tightest
+  bool second_settled = false;           ///< the difference is not the second's own error
+  std::string quadruple;  ///< the scheme that was compared with itself in quadruple numbers
+  std::optional<double> quadruple_differs;
+  double quadruple_part = 0.0;  ///< of the run
+  std::string unchecked;        ///< why there was no run in quadruple
+};
+
+/// Errors relative to the reference, or absolute where that is zero as far as it is known.
+struct ErrorScale {
+  bool relative = true;
+  double size = 1.0;  ///< what an error is divided by
+};
+ErrorScale error_scale(const Reference& reference);
+
+/// Finds the reference by the adaptive scheme that gets to small errors soonest on this scene,
+/// tightened until its moves are a small part of `tolerance`; holds it against a scheme of another
+/// family, and against itself in quadruple numbers on a shortened run. Uses about half the budget
+/// at most. Nothing when no scheme finishes within it: `why` then tells how far they got. Throws
+/// InputError when the observable is undefined.
+std::optional<Reference> find_reference(const Variants& variants, const std::vector<Rung>& rungs,
+                                        Measurer& measurer, double tolerance, std::string& why);
+
+}  // namespace tomlin

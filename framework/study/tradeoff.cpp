@@ -1,0 +1,209 @@
+#include "framework/study/tradeoff.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/core/fault.hpp"
+#include "framework/run/engine.hpp"
+#include "framework/run/observables.hpp"
+#include "framework/study/measurer.hpp"
+#include "framework/study/work_precision.hpp"
+
+namespace tomlin {
+namespace {
+
+/// An error a hundred times below the tolerance need not get smaller.
+constexpr double kFineEnough = 0.01;
+/// A rung may be better than the reference by chance, not by more than that.
+constexpr double kErrorsOfReference = 2.0;
+/// A spread beyond this part of the value leaves nothing to recommend a setting for.
+constexpr double kNoDigit = 0.1;
+
+[[noreturn]] void refuse(const std::string& path, const char* why) {
+  throw InputError({{{.file = "--observable"}, path, "", why, "an observable of the scene", ""}});
+}
+
+/// The path in full. Throws for what is no result of a scene.
+std::string full_path(const std::shared_ptr<const Scene>& scene, const std::string& path) {
+  // Binding tells what there is; the run itself ends at once.
+  const std::atomic<bool> stop = true;
+  RunOptions options;
+  options.stop = &stop;
+  const RunResult result = Engine(scene, options).run();
+  observable(result, path, {.file = "--observable"});
+  std::string full = path;
+  for (const Observable& one : observables(result)) {
+    if (one.path == "drivers." + path || one.path == "bodies." + path) full = one.path;
+  }
+  if (full.starts_with("performance.")) {
+    refuse(path, "how fast a run was is not a result of it");
+  }
+  if (full.starts_with("time.") && full != "time.end") {
+    refuse(path, "how many steps a run took is not a result of it");
+  }
+  return full;
+}
+
+class TradeoffStudy {
+ public:
+  TradeoffStudy(const std::shared_ptr<const Scene>& scene, const Registry& registry,
+                const TradeoffRequest& request)
+      : request_(request),
+        variants_(scene, registry),
+        measurer_(variants_, full_path(scene, request.observable), request.budget, request.stop) {
+    found_.observable = measurer_.observable();
+    found_.tolerance = request.tolerance;
+    found_.budget = request.budget;
+  }
+
+  Tradeoff measure() {
+    found_.rungs = ladder(variants_);
+    say("reference");
+    found_.reference =
+        find_reference(variants_, found_.rungs, measurer_, found_.tolerance, found_.why_none);
+    if (found_.reference) {
+      found_.scale = error_scale(*found_.reference);
+      say("perturbed starts");
+      found_.sensitivity =
+          find_sensitivity(variants_, found_.rungs, *found_.reference, measurer_, found_.tolerance);
+      climb();
+      recommend();
+    } else {
+      leave_all_out();
+    }
+    found_.interrupted = measurer_.interrupted();
+    found_.seconds = measurer_.used();
+    return std::move(found_);
+  }
+
+ private:
+  void say(const std::string& what) const {
+    if (request_.on_progress) request_.on_progress(what);
+  }
+
+  bool is_determined() const {
+    return found_.sensitivity.verdict != Sensitivity::Verdict::not_determined;
+  }
+
+  /// The tolerance that has a meaning: below the spread no digit does.
+  double tolerance() const {
+    const double asked = found_.tolerance * found_.scale.size;
+    return is_determined() ? asked : std::max(asked, found_.sensitivity.spread);
+  }
+
+  Aim aim() const {
+    const Reference& reference = *found_.reference;
+    Aim aim;
+    aim.reference = reference.value;
+    aim.tolerance = tolerance();
+    aim.fine_enough = std::max(kFineEnough * aim.tolerance, kErrorsOfReference * reference.error);
+    aim.doubt = reference.error;
+    return aim;
+  }
+
+  void climb() {
+    const Aim aim = this->aim();
+    const double duration = variants_.scene().run.duration;
+    const std::size_t count = found_.rungs.size();
+    for (std::size_t r = 0; r < count; ++r) {
+      if (measurer_.interrupted()) return;
+      if (found_.rungs[r].refused.empty()) say(found_.rungs[r].name);
+      // What one rung leaves of its share goes to those that follow.
+      const double share = measurer_.left() / static_cast<double>(count - r);
+      walk(r, found_.rungs, duration, aim, share, measurer_, found_);
+    }
+    say("steps near the tolerance");
+    refine(aim, measurer_, found_);
+    std::stable_sort(found_.points.begin(), found_.points.end(),
+                     [](const TradeoffPoint& a, const TradeoffPoint& b) {
+                       return a.rung != b.rung ? a.rung < b.rung : a.knob > b.knob;
+                     });
+    mark_best(found_);
+  }
+
+  void recommend() {
+    if (!is_determined() &&
+        found_.sensitivity.spread > kNoDigit * std::abs(found_.reference->value)) {
+      found_.why_none = "the result is not determined: no digit of it has a meaning";
+      return;
+    }
+    if (!found_.reference->settled && found_.reference->error > tolerance()) {
+      found_.why_none =
+          fmt::format("the reference is known to {:.2g} only: no error below that can be measured",
+                      found_.reference->error);
+      return;
+    }
+    const std::size_t best = cheapest_point(aim(), found_.points);
+    if (best == found_.points.size()) {
+      found_.why_none = "no setting within the budget keeps the tolerance";
+      return;
+    }
+    const TradeoffPoint& point = found_.points[best];
+    found_.recommendation = Recommendation{best, tolerance() / found_.scale.size,
+                                           found_.rungs[point.rung].at(point.knob)};
+  }
+
+  void leave_all_out() {
+    for (const Rung& rung : found_.rungs) {
+      const bool refused = !rung.refused.empty();
+      found_.gaps.push_back({refused ? TradeoffGap::Kind::refused : TradeoffGap::Kind::over_budget,
+                             rung.name, refused ? rung.refused : "there is no reference"});
+    }
+  }
+
+  TradeoffRequest request_;
+  Variants variants_;
+  Measurer measurer_;
+  Tradeoff found_;
+};
+
+}  // namespace
+
+const char* to_string(TradeoffGap::Kind kind) {
+  switch (kind) {
+    case TradeoffGap::Kind::refused:
+      return "refused";
+    case TradeoffGap::Kind::unstable:
+      return "unstable";
+    case TradeoffGap::Kind::failed:
+      return "failed";
+    case TradeoffGap::Kind::over_budget:
+      return "over budget";
+    case TradeoffGap::Kind::costly:
+      return "too costly";
+    case TradeoffGap::Kind::undefined:
+      return "undefined";
+  }
+  return "";
+}
+
+Tradeoff measure_tradeoff(const std::shared_ptr<const Scene>& scene, const Registry& registry,
+                          const TradeoffRequest& request) {
+  return TradeoffStudy(scene, registry, request).measure();
+}
+
+std::vector<std::string> scene_lines(const std::vector<Setting>& settings) {
+  constexpr std::string_view kRun = "run.";
+  constexpr std::string_view kBody = "body.";
+  std::vector<std::string> run;
+  std::vector<std::string> bodies;
+  for (const Setting& setting : settings) {
+    const std::string_view path = setting.path;
+    if (path.starts_with(kRun)) {
+      run.push_back(fmt::format("{} = {}", path.substr(kRun.size()), setting.value));
+    } else if (path.starts_with(kBody)) {
+      const std::size_t dot = path.rfind('.');
+      bodies.push_back(fmt::format("{} = {}    # [[body]] {}", path.substr(dot + 1), setting.value,
+                                   path.substr(kBody.size(), dot - kBody.size())));
+    }
+  }
+  std::vector<std::string> lines = {"[run]"};
+  lines.insert(lines.end(), run.begin(), run.end());
+  lines.insert(lines.end(), bodies.begin(), bodies.end());
+  return lines;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "framework/core/scheme.hpp"
+#include "integrators/composition_kernels.hpp"
+#include "integrators/hermite.hpp"
+
+namespace tomlin {
+
+struct CompositionDescription {
+  double dt = 0.0;
+};
+
+/// What a composition is called, its evaluations per step, its kernels on the scene's set.
+template <class Real>
+struct CompositionScheme {
+  std::string name;
+  unsigned drifts = 0;
+  const CompositionTable<Real>& kernels;
+};
+
+/// Symmetric compositions of kicks and drifts (composition_kernels.hpp). The last forces of a step
+/// are the next one's first, so that a step takes as many evaluations as drifts.
+template <class Real>
+class Composition : public Integrator<Real> {
+ public:
+  Composition(const CompositionScheme<Real>& scheme, System<Real>& system)
+      : Integrator<Real>(system),
+        name_(scheme.name),
+        drifts_(scheme.drifts),
+        kernels_(scheme.kernels),
+        hermite_(system.view.dofs, system.view.rates) {
+    const std::size_t n = system.view.dofs;
+    const std::size_t m = system.view.rates;
+    memory_.assign(5 * (n + kGap) + 5 * (m + kGap), Real(0.0));
+    Real* next = memory_.data();
+    const auto take = [&next](std::size_t count) {
+      return std::exchange(next, next + count + kGap);
+    };
+    arrays_.move = take(n);
+    arrays_.position = take(n);
+    arrays_.velocity = take(n);
+    acceleration_ = take(n);
+    Real* rest = take(n);
+    if (kCompensated<Real>) arrays_.velocity_rest = rest;
+    arrays_.end_rates = take(m);
+    arrays_.stage_rates = take(m);
+    arrays_.inner_rates = take(m);
+    arrays_.own = take(m);
+    start_rates_ = take(m);
+  }
+
+  void declare(StateLayout& layout) override {
+    layout.add_numbers<Real>(name_ + ".force", system_.view.dofs);
+    layout.add_numbers<Real>(name_ + ".rates", system_.view.rates);
+    layout.add_integers(name_ + ".started", 1);
+  }
+
+  void attach(RunState& state) override {
+    arrays_.force = state.numbers<Real>(name_ + ".force");
+    arrays_.rates = state.numbers<Real>(name_ + ".rates");
+    started_ = state.integers(name_ + ".started");
+  }
+
+  StepReport step_from(double since, double h, bool dense) override {
+    if (*started_ == 0) {
+      kernels_.first(system_.view, arrays_, since);
+      system_.evaluations += 1;
+      *started_ = 1;
+    }
+    std::copy(arrays_.rates, arrays_.rates + system_.view.rates, start_rates_);
+    if (dense) {
+      kernels_.accelerations(system_.view, arrays_, acceleration_);
+      hermite_.keep_start(system_.view);
+      hermite_.keep_first(acceleration_, start_rates_);
+    }
+    last_ = h;
+    system_.evaluations += drifts_;
+    if (!kernels_.step(system_.view, arrays_, since, h)) {
+      return {0.0, StepFault::not_finite_or_too_far};
+    }
+    std::copy(arrays_.end_rates, arrays_.end_rates + system_.view.rates, arrays_.rates);
+    return {h, StepFault::none};
+  }
+
+  const Real* first_rates() const override { return start_rates_; }
+  void forces_changed() override { *started_ = 0; }
+
+  void finish_dense_from(double) override {
+    kernels_.accelerations(system_.view, arrays_, acceleration_);
+  }
+
+  void interpolate(double theta, double* position, double* velocity,
+                   double* integrals) const override {
+    hermite_.interpolate(theta, last_, system_.view, acceleration_, arrays_.rates, position,
+                         velocity, integrals);
+  }
+
+ private:
+  /// Between arrays, to keep them off powers of two.
+  static constexpr std::size_t kGap = 3 * kGroup;
+  using Integrator<Real>::system_;
+
+  std::string name_;
+  unsigned drifts_;
+  const CompositionTable<Real>& kernels_;
+  HermiteOutput<Real> hermite_;
+  AlignedVector<Real> memory_;
+  CompositionArrays<Real> arrays_;
+  Real* acceleration_ = nullptr;
+  Real* start_rates_ = nullptr;
+  std::int64_t* started_ = nullptr;
+  double last_ = 0.0;
+};
+
+}  // namespace tomlin

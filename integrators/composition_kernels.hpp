@@ -1,0 +1,224 @@
+#pragma once
+
+#include <cstddef>
+
+#include "framework/core/compensated.hpp"
+#include "framework/core/evaluate.hpp"
+#include "framework/core/number_types.hpp"
+#include "framework/core/system.hpp"
+
+namespace tomlin {
+
+/// Scratch of one step, and what is known of its start.
+template <class Real>
+struct CompositionArrays {
+  Real* force = nullptr;  ///< at the start of a step, afterwards at its end; friction left out
+  Real* rates = nullptr;  ///< the same
+  Real* end_rates = nullptr;
+  Real* stage_rates = nullptr;  ///< of a kick in between
+  Real* inner_rates = nullptr;  ///< of those so far, weighted
+  Real* move = nullptr;         ///< since the start of the step that is tried
+  Real* position = nullptr;     ///< after it
+  Real* velocity = nullptr;
+  Real* velocity_rest = nullptr;  ///< null unless compensated
+  Real* own = nullptr;
+};
+
+template <class Real>
+struct CompositionTable {
+  void (*first)(const SystemView<Real>& system, const CompositionArrays<Real>& arrays,
+                double since) = nullptr;
+  /// Returns whether every coordinate stayed finite and within its largest move.
+  bool (*step)(const SystemView<Real>& system, const CompositionArrays<Real>& arrays, double since,
+               double h) = nullptr;
+  /// Accelerations at the present state, friction included, into `acceleration`.
+  void (*accelerations)(const SystemView<Real>& system, const CompositionArrays<Real>& arrays,
+                        Real* acceleration) = nullptr;
+};
+
+inline namespace TOMLIN_TARGET {
+
+/// A symmetric composition of kicks and drifts,
+///   kick[0] h, drift[0] h, kick[1] h, ..., drift[n-1] h, kick[n] h,
+/// between two halves of friction's flow. A kick's forces are also the rates of running integrals,
+/// with the kick's weight: an integral of g(x, t) is the momentum of one more coordinate that the
+/// energy -y g(x, t) belongs to, taken at y = 0, so that it has the order of the scheme.
+template <class Scheme>
+struct CompositionKernels {
+  /// v <- v + h a.
+  template <class Real>
+  TOMLIN_INLINE static void kick(const SystemView<Real>& s, const Real* force, Real h, Real* v,
+                                 Real* v_rest) {
+    using Group = Packed<Real>;
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      const Group a = Group::load(force + i) * Group::load(s.inverse_mass + i);
+      add_scaled(v, v_rest, i, Group(h), a);
+    }
+  }
+
+  template <class Real>
+  TOMLIN_INLINE static void damp(const SystemView<Real>& s, const Real* position, Real h, Real* v,
+                                 Real* v_rest) {
+    for (std::size_t k = 0; k < s.friction_count; ++k) {
+      s.friction[k].flow(s.friction[k].arguments, position, v, v_rest, h);
+    }
+  }
+
+  /// The heat at a state, among the rates.
+  template <class Real>
+  TOMLIN_INLINE static void add_heat(const SystemView<Real>& s, const Real* position,
+                                     const Real* velocity, Real* rates) {
+    if (s.friction_rate == kNoRate) return;
+    Real heat(0.0);
+    for (std::size_t k = 0; k < s.friction_count; ++k) {
+      // The force array is free between evaluations.
+      heat = heat + s.friction[k].drag(s.friction[k].arguments, position, velocity, s.force);
+    }
+    rates[s.friction_rate] = heat;
+  }
+
+  template <class Real>
+  TOMLIN_INLINE static void copy(const Real* from, std::size_t n, Real* to) {
+    using Group = Packed<Real>;
+    for (std::size_t i = 0; i < n; i += kGroup) Group::load(from + i).store(to + i);
+  }
+
+  template <class Real>
+  TOMLIN_FLATTEN static void first(const SystemView<Real>& s, const CompositionArrays<Real>& w,
+                                   double since) {
+    evaluate(s,
+             stage_of(s, static_cast<const Real*>(s.position), static_cast<const Real*>(s.velocity),
+                      static_cast<const Real*>(s.integrals), w.rates, Real(since)));
+    copy<Real>(s.force, s.dofs, w.force);
+    add_heat<Real>(s, s.position, s.velocity, w.rates);
+  }
+
+  /// The stage that the next kick belongs to. False when something moved too far.
+  template <class Real>
+  TOMLIN_INLINE static bool drift(const SystemView<Real>& s, const CompositionArrays<Real>& w,
+                                  int k, Real h) {
+    using Group = Packed<Real>;
+    const Group part(h * Scheme::template drift<Real>[k]);
+    auto sound = first_lanes_of<Group>(kGroup);
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      const Group v = Group::load(w.velocity + i);
+      const Group move = k == 0 ? part * v : fma(part, v, Group::load(w.move + i));
+      sound = sound & (abs(move) <= Group::load(s.largest_move + i));
+      move.store(w.move + i);
+      (Group::load(s.position + i) + move).store(w.position + i);
+    }
+    // Own variables here follow from the time alone: their rates are known at both ends.
+    for (std::size_t i = 0; i < s.own; i += kGroup) {
+      fma(Group(h * Scheme::template time<Real>[k]), Group::load(w.rates + i),
+          Group::load(s.integrals + i))
+          .store(w.own + i);
+    }
+    return all(sound);
+  }
+
+  /// Forces at the stage. False when one is no number: it must not enter the state.
+  template <class Real>
+  TOMLIN_INLINE static bool stage(const SystemView<Real>& s, const CompositionArrays<Real>& w,
+                                  Real* rates, Real elapsed) {
+    using Group = Packed<Real>;
+    evaluate(s,
+             stage_of(s, static_cast<const Real*>(w.position), static_cast<const Real*>(w.velocity),
+                      static_cast<const Real*>(w.own), rates, elapsed));
+    auto sound = first_lanes_of<Group>(kGroup);
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      const Group a = Group::load(s.force + i) * Group::load(s.inverse_mass + i);
+      sound = sound & (abs(a) < Group(Real(__builtin_inf())));
+    }
+    return all(sound);
+  }
+
+  /// Weighted rates of the kicks between the first and the last.
+  template <class Real>
+  TOMLIN_INLINE static void keep_rates(const SystemView<Real>& s, const CompositionArrays<Real>& w,
+                                       int k) {
+    using Group = Packed<Real>;
+    const Group weight(Scheme::template kick<Real>[k]);
+    for (std::size_t i = 0; i < s.rates; i += kGroup) {
+      const Group rates = Group::load(w.stage_rates + i);
+      (k == 1 ? weight * rates : fma(weight, rates, Group::load(w.inner_rates + i)))
+          .store(w.inner_rates + i);
+    }
+  }
+
+  template <class Real>
+  TOMLIN_INLINE static void add_integrals(const SystemView<Real>& s,
+                                          const CompositionArrays<Real>& w, Real h) {
+    using Group = Packed<Real>;
+    const Group outer(h * Scheme::template kick<Real>[0]);
+    for (std::size_t i = 0; i < s.rates; i += kGroup) {
+      const Group rates = Group::load(w.rates + i) + Group::load(w.end_rates + i);
+      if constexpr (Scheme::drifts == 1) {
+        add_scaled(s.integrals, s.integrals_rest, i, outer, rates);
+      } else {
+        const Group inner = Group(h) * Group::load(w.inner_rates + i);
+        add_scaled(s.integrals, s.integrals_rest, i, Group(Real(1.0)), fma(outer, rates, inner));
+      }
+    }
+  }
+
+  template <class Real>
+  TOMLIN_FLATTEN static bool step(const SystemView<Real>& system,
+                                  const CompositionArrays<Real>& arrays, double start,
+                                  double length) {
+    using Group = Packed<Real>;
+    const SystemView<Real> s = system;
+    const CompositionArrays<Real> w = arrays;
+    const Real since(start);
+    const Real h(length);
+    const Real half = Real(0.5) * h;
+    const Real outer = h * Scheme::template kick<Real>[0];
+    constexpr int last = Scheme::drifts - 1;
+
+    copy<Real>(s.velocity, s.dofs, w.velocity);
+    if (kCompensated<Real>) copy<Real>(s.velocity_rest, s.dofs, w.velocity_rest);
+    damp<Real>(s, s.position, half, w.velocity, w.velocity_rest);
+    kick<Real>(s, w.force, outer, w.velocity, w.velocity_rest);
+    for (int k = 0; k < last; ++k) {
+      if (!drift(s, w, k, h)) return false;
+      const Real elapsed = since + h * Scheme::template time<Real>[k];
+      if (!stage(s, w, w.stage_rates, elapsed)) return false;
+      keep_rates(s, w, k + 1);
+      kick<Real>(s, s.force, h * Scheme::template kick<Real>[k + 1], w.velocity, w.velocity_rest);
+    }
+    if (!drift(s, w, last, h)) return false;
+    if (!stage(s, w, w.end_rates, since + h)) return false;
+
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      add_move(s.position, s.position_rest, i, Group::load(w.move + i));
+    }
+    copy<Real>(s.force, s.dofs, w.force);
+    kick<Real>(s, w.force, outer, w.velocity, w.velocity_rest);
+    damp<Real>(s, s.position, half, w.velocity, w.velocity_rest);
+    copy<Real>(w.velocity, s.dofs, s.velocity);
+    if (kCompensated<Real>) copy<Real>(w.velocity_rest, s.dofs, s.velocity_rest);
+    add_heat<Real>(s, s.position, s.velocity, w.end_rates);
+    add_integrals(s, w, h);
+    return true;
+  }
+
+  template <class Real>
+  TOMLIN_FLATTEN static void accelerations(const SystemView<Real>& s,
+                                           const CompositionArrays<Real>& w, Real* acceleration) {
+    using Group = Packed<Real>;
+    copy<Real>(w.force, s.dofs, s.force);
+    for (std::size_t k = 0; k < s.friction_count; ++k) {
+      s.friction[k].drag(s.friction[k].arguments, s.position, s.velocity, s.force);
+    }
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      (Group::load(s.force + i) * Group::load(s.inverse_mass + i)).store(acceleration + i);
+    }
+  }
+
+  template <class Real>
+  static constexpr CompositionTable<Real> kernels() {
+    return {&first<Real>, &step<Real>, &accelerations<Real>};
+  }
+};
+
+}  // namespace TOMLIN_TARGET
+}  // namespace tomlin

@@ -1,0 +1,69 @@
+#include "integrators/embedded.hpp"
+
+namespace tomlin {
+namespace {
+
+double step(const void*) { return 0.0; }
+
+/// Where one of the two tolerances is zero, the other rules.
+double tolerance(const void* description) {
+  const auto& d = *static_cast<const EmbeddedDescription*>(description);
+  return std::max(d.absolute_tolerance, d.relative_tolerance);
+}
+
+std::int64_t most_steps(const void* description) {
+  return static_cast<const EmbeddedDescription*>(description)->most_steps;
+}
+
+std::vector<Complaint> complaints(const void* description) {
+  const auto& d = *static_cast<const EmbeddedDescription*>(description);
+  std::vector<Complaint> found;
+  if (d.absolute_tolerance == 0.0 && d.relative_tolerance == 0.0) {
+    found.push_back({"absolute_tolerance", "one of the two tolerances must not be 0", "> 0"});
+  }
+  if (d.smallest_step > d.largest_step) {
+    found.push_back({"smallest_step", "above largest_step", "<= largest_step"});
+  }
+  if (d.initial_step > 0.0 && d.initial_step < d.smallest_step) {
+    found.push_back({"initial_step", "below smallest_step", ">= smallest_step"});
+  }
+  return found;
+}
+
+}  // namespace
+
+void describe_embedded(IntegratorRecord& record) {
+  record.adaptive = true;
+  record.make_description = &make_description<EmbeddedDescription>;
+  record.parameters = {
+      parameter("absolute_tolerance", &EmbeddedDescription::absolute_tolerance, dimension::none,
+                "largest error per step, in units of each coordinate and velocity")
+          .in(non_negative)
+          .by_default(1e-9),
+      parameter("relative_tolerance", &EmbeddedDescription::relative_tolerance, dimension::none,
+                "largest error per step, relative to each coordinate and velocity")
+          .in(non_negative)
+          .by_default(1e-9),
+      parameter("initial_step", &EmbeddedDescription::initial_step, dimension::time,
+                "the first step to try; 0: guessed")
+          .in(non_negative)
+          .by_default(0.0),
+      parameter("smallest_step", &EmbeddedDescription::smallest_step, dimension::time,
+                "a run that needs less fails")
+          .in(positive)
+          .by_default(1e-12),
+      parameter("largest_step", &EmbeddedDescription::largest_step, dimension::time,
+                "never step further")
+          .in(positive)
+          .by_default(1e12),
+      parameter("most_steps", &EmbeddedDescription::most_steps, dimension::none,
+                "a run that needs more fails")
+          .in(positive)
+          .by_default(std::int64_t{1'000'000'000})};
+  record.step = &step;
+  record.tolerance = &tolerance;
+  record.most_steps = &most_steps;
+  record.complaints = &complaints;
+}
+
+}  // namespace tomlin

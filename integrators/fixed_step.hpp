@@ -1,0 +1,211 @@
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "framework/core/integrator.hpp"
+#include "framework/core/scheme.hpp"
+#include "integrators/fixed_step_kernels.hpp"
+#include "integrators/hermite.hpp"
+
+/// Explicit Runge-Kutta schemes with a fixed step, around the kernels of one of them.
+namespace tomlin {
+
+struct FixedStepDescription {
+  double dt = 0.0;
+};
+
+/// One of them: what it is called, its evaluations per step, its kernels on the scene's set.
+template <class Real>
+struct FixedStepScheme {
+  std::string name;
+  unsigned stages = 0;
+  const FixedStepTable<Real>& kernels;
+};
+
+/// What both forms of the scheme hold.
+template <class Real>
+class FixedStepBase : public Integrator<Real> {
+ public:
+  FixedStepBase(const FixedStepScheme<Real>& scheme, System<Real>& system)
+      : Integrator<Real>(system),
+        name_(scheme.name),
+        stages_(scheme.stages),
+        kernels_(scheme.kernels),
+        hermite_(system.view.dofs, system.view.rates) {
+    const std::size_t n = system.view.dofs;
+    const std::size_t m = system.view.rates;
+    memory_.assign(7 * (n + kGap) + 5 * (m + kGap) + system.view.own + kGap, Real(0.0));
+    next_ = memory_.data();
+    for (Real*& a : arrays_.acceleration) a = take(n);
+    arrays_.stage_position = take(n);
+    arrays_.stage_velocity = take(n);
+    for (Real*& g : arrays_.rates) g = take(m);
+    arrays_.stage_own = take(system.view.own);
+  }
+
+ protected:
+  /// Between arrays, to keep them off powers of two.
+  static constexpr std::size_t kGap = 3 * kGroup;
+
+  Real* take(std::size_t count) { return std::exchange(next_, next_ + count + kGap); }
+
+  std::string name_;
+  unsigned stages_;
+  const FixedStepTable<Real>& kernels_;
+  FixedStepArrays<Real> arrays_;
+  HermiteOutput<Real> hermite_;
+  double last_ = 0.0;
+
+ private:
+  AlignedVector<Real> memory_;
+  Real* next_ = nullptr;
+};
+
+template <class Real>
+class FixedStep : public FixedStepBase<Real> {
+ public:
+  using FixedStepBase<Real>::FixedStepBase;
+
+  StepReport step_from(double since, double h, bool dense) override {
+    system_.evaluations += arrays_.first_known ? stages_ - 1 : stages_;
+    if (dense) hermite_.keep_start(system_.view);
+    last_ = h;
+    if (!one_step(since, h, dense)) return {0.0, StepFault::not_finite_or_too_far};
+    arrays_.first_known = false;
+    return {h, StepFault::none};
+  }
+
+  bool has_point_block() const override {
+    return kernels_.point_block != nullptr && system_.view.point_force_count > 0;
+  }
+
+  std::size_t point_block(std::size_t first, double h, std::size_t most, Real* rates,
+                          Real* velocities) override {
+    std::size_t taken = 0;
+    if (arrays_.first_known && most > 0) {
+      // After a sample the first evaluation is there already; either path has the same bits.
+      velocities[0] = system_.view.velocity[0];
+      std::copy(arrays_.rates[0], arrays_.rates[0] + system_.view.rates, rates);
+      if (step_from(static_cast<double>(first) * h, h, false).fault != StepFault::none) return 0;
+      taken = 1;
+    }
+    const std::size_t more =
+        kernels_.point_block(system_.view, 0.0, first + taken, h, most - taken,
+                             rates + taken * system_.view.rates, velocities + taken);
+    system_.evaluations += stages_ * more;
+    return taken + more;
+  }
+
+  const Real* first_rates() const override { return arrays_.rates[0]; }
+
+  void finish_dense_from(double since) override {
+    hermite_.keep_first(arrays_.acceleration[0], arrays_.rates[0]);
+    kernels_.first(system_.view, arrays_, since);
+    system_.evaluations += 1;
+    arrays_.first_known = true;
+  }
+
+  void rebased() override { arrays_.first_known = false; }
+  std::uint64_t evaluations_ahead() const override { return arrays_.first_known ? 1 : 0; }
+
+  void interpolate(double theta, double* position, double* velocity,
+                   double* integrals) const override {
+    hermite_.interpolate(theta, last_, system_.view, arrays_.acceleration[0], arrays_.rates[0],
+                         position, velocity, integrals);
+  }
+
+ private:
+  /// A particle alone takes the same step in registers, unless its accelerations are wanted after.
+  bool one_step(double since, double h, bool dense) {
+    if (dense || arrays_.first_known || !has_point_block()) {
+      return kernels_.step(system_.view, arrays_, since, h);
+    }
+    Real start_velocity;
+    return kernels_.point_block(system_.view, since, 0, h, 1, arrays_.rates[0], &start_velocity) ==
+           1;
+  }
+
+  using Base = FixedStepBase<Real>;
+  using Base::arrays_;
+  using Base::hermite_;
+  using Base::kernels_;
+  using Base::last_;
+  using Base::stages_;
+  using Integrator<Real>::system_;
+};
+
+/// Without inertia. The velocity is the slope at the end of a step, which is the next one's first:
+/// it is part of the state.
+template <class Real>
+class FixedStepDrift : public FixedStepBase<Real> {
+ public:
+  FixedStepDrift(const FixedStepScheme<Real>& scheme, System<Real>& system)
+      : FixedStepBase<Real>(scheme, system), start_rates_(Base::take(system.view.rates)) {}
+
+  void declare(StateLayout& layout) override {
+    layout.add_numbers<Real>(Base::name_ + ".first_slope", system_.view.dofs);
+    layout.add_numbers<Real>(Base::name_ + ".first_rates", system_.view.rates);
+    layout.add_integers(Base::name_ + ".started", 1);
+  }
+
+  void attach(RunState& state) override {
+    arrays_.acceleration[0] = state.numbers<Real>(Base::name_ + ".first_slope");
+    arrays_.rates[0] = state.numbers<Real>(Base::name_ + ".first_rates");
+    started_ = state.integers(Base::name_ + ".started");
+  }
+
+  StepReport step_from(double since, double h, bool dense) override {
+    if (*started_ == 0) {
+      kernels_.first(system_.view, arrays_, since);
+      std::copy(arrays_.acceleration[0], arrays_.acceleration[0] + system_.view.dofs,
+                system_.view.velocity);
+      system_.evaluations += 1;
+      *started_ = 1;
+    }
+    if (dense) {
+      hermite_.keep_start(system_.view);
+      hermite_.keep_first(arrays_.acceleration[0], arrays_.rates[0]);
+    }
+    std::copy(arrays_.rates[0], arrays_.rates[0] + system_.view.rates, start_rates_);
+    system_.evaluations += stages_;
+    last_ = h;
+    const bool sound = kernels_.drift(system_.view, arrays_, since, h);
+    if (!sound) return {0.0, StepFault::not_finite_or_too_far};
+    return {h, StepFault::none};
+  }
+
+  const Real* first_rates() const override { return start_rates_; }
+  void forces_changed() override { *started_ = 0; }
+
+  void finish_dense_from(double) override {}
+
+  void interpolate(double theta, double* position, double* velocity,
+                   double* integrals) const override {
+    hermite_.interpolate(theta, last_, system_.view, arrays_.acceleration[0], arrays_.rates[0],
+                         position, velocity, integrals);
+  }
+
+ private:
+  using Base = FixedStepBase<Real>;
+  using Base::arrays_;
+  using Base::hermite_;
+  using Base::kernels_;
+  using Base::last_;
+  using Base::stages_;
+  using Integrator<Real>::system_;
+
+  Real* start_rates_;
+  std::int64_t* started_ = nullptr;
+};
+
+template <class Real>
+std::unique_ptr<Integrator<Real>> make_fixed_step(const FixedStepScheme<Real>& scheme,
+                                                  System<Real>& system) {
+  if (!system.view.inertial) return std::make_unique<FixedStepDrift<Real>>(scheme, system);
+  return std::make_unique<FixedStep<Real>>(scheme, system);
+}
+
+}  // namespace tomlin

@@ -1,0 +1,757 @@
+#include "integrators/radau9.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "framework/core/aligned.hpp"
+#include "framework/core/evaluate.hpp"
+#include "framework/core/integrator.hpp"
+#include "framework/core/math.hpp"
+#include "framework/core/scheme.hpp"
+#include "integrators/radau9_tableau.hpp"
+
+namespace tomlin {
+namespace {
+
+using Description = Radau9Description;
+using Tableau = Radau9Tableau;
+constexpr int kStages = Tableau::stages;
+constexpr int kLast = kStages - 1;
+
+// Step control. The constants were chosen on the rolling ring, where they cost least.
+constexpr double kSafety = 0.75;
+constexpr double kExponent = 1.0 / 6.0;  ///< the error is of order h^6
+constexpr double kLeastFactor = 0.2;
+constexpr double kMostFactor = 4.0;
+constexpr double kLeastOldError = 1e-2;
+constexpr double kAfterNoSolution = 0.4;
+/// A remainder below this part of a step is taken along with it.
+constexpr double kStretch = 1.01;
+/// The first step moves coordinates by so many tolerances, at its first slope.
+constexpr double kFirstMove = 100.0;
+
+// Newton's iterations.
+constexpr int kMostIterations = 10;
+constexpr double kLeftOver = 0.01;  ///< of the tolerance, when they end
+constexpr double kAtOnce = 1e-3;    ///< of that: the first correction needs no second
+constexpr double kSlowest = 0.99;
+/// Where in a step K and G are taken: early ones converge slowly, late ones rest on guesses.
+constexpr double kLinearisedAt = 0.75;
+/// A polynomial leads so many of its steps ahead, and no further.
+constexpr double kFarthest = 8.0;
+/// Corrections of this part of a number are rounding.
+constexpr double kRounding = 1e-13;
+
+class Radau9 : public Integrator<double> {
+ public:
+  Radau9(const Description& description, System<double>& system)
+      : Integrator<double>(system),
+        d_(description),
+        tangent_(*system.tangent),
+        at_(tangent_.coordinates()),
+        n_(at_.size()),
+        width_(system.view.inertial ? 2 * n_ : n_),
+        pairs_{tangent_.shifted(), tangent_.shifted()} {
+    const SystemView<double>& s = system_.view;
+    for (int i = 0; i < kStages; ++i) {
+      z_[i].assign(width_, 0.0);
+      slope_[i].assign(width_, 0.0);
+      mode_[i].assign(width_, 0.0);
+      rates_[i].assign(s.rates + kGap, 0.0);
+      own_[i].assign(s.own + kGap, 0.0);
+    }
+    weight_.assign(width_, 1.0);
+    error_.assign(width_, 0.0);
+    product_.assign(n_, 0.0);
+    product2_.assign(n_, 0.0);
+    for (Numbers* v : {&position_, &velocity_, &start_position_, &start_velocity_}) {
+      v->assign(s.dofs + kGap, 0.0);
+    }
+    for (Numbers* v : {&start_integrals_, &start_rates_, &spare_rates_, &spare_own_}) {
+      v->assign(s.rates + kGap, 0.0);
+    }
+  }
+
+  void declare(StateLayout& layout) override {
+    layout.add_reals("radau9.first_slope", width_);
+    layout.add_reals("radau9.first_rates", system_.view.rates);
+    layout.add_reals("radau9.last_step", kStages * width_);
+    layout.add_reals("radau9.control", 3);
+    layout.add_integers("radau9.counts", 3);
+  }
+
+  void attach(RunState& state) override {
+    first_slope_ = state.reals("radau9.first_slope");
+    first_rates_ = state.reals("radau9.first_rates");
+    last_z_ = state.reals("radau9.last_step");
+    control_ = state.reals("radau9.control");
+    counts_ = state.integers("radau9.counts");
+  }
+
+  StepReport step_from(double since, double h, bool) override {
+    if (counts_[kStarted] != kYes) start(since, h);
+    double next = control_[kNext];
+    bool refused = false;
+    for (;;) {
+      next = std::min(next, d_.largest_step);
+      const bool ends = kStretch * next >= h && h <= d_.largest_step;
+      const double trial_step = ends ? h : next;
+      if (counts_[kTaken] + counts_[kRefused] >= d_.most_steps) {
+        return {0.0, StepFault::too_many_steps};
+      }
+      const Trial trial = attempt(since, trial_step, refused);
+      if (trial.error <= 1.0 && trial.within_moves) {
+        double factor = after_success(trial.error, trial_step);
+        if (refused) factor = std::min(factor, 1.0);
+        // A step cut short by the end of the run says nothing against a longer one.
+        control_[kNext] =
+            std::max(trial_step * factor, ends && !refused ? std::min(next, d_.largest_step) : 0.0);
+        control_[kOldError] = std::max(trial.error, kLeastOldError);
+        accept(trial_step);
+        ++counts_[kTaken];
+        return {trial_step, StepFault::none};
+      }
+      ++counts_[kRefused];
+      refused = true;
+      double factor = kAfterNoSolution;
+      if (trial.within_moves && std::isfinite(trial.error)) {
+        factor = std::clamp(kSafety * pow(trial.error, -kExponent), kLeastFactor, kSafety);
+      }
+      next = trial_step * factor;
+      if (!(next >= d_.smallest_step)) {
+        const bool sound = trial.within_moves && std::isfinite(trial.error);
+        return {0.0, sound ? StepFault::step_too_small : StepFault::not_finite_or_too_far};
+      }
+    }
+  }
+
+  const double* first_rates() const override { return start_rates_.data(); }
+
+  void forces_changed() override {
+    if (counts_[kStarted] == kYes) counts_[kStarted] = kAnew;
+  }
+
+  void finish_dense_from(double) override {}
+
+  void interpolate(double theta, double* position, double* velocity,
+                   double* integrals) const override {
+    const SystemView<double>& s = system_.view;
+    std::copy(s.position, s.position + s.dofs, position);
+    std::copy(s.integrals, s.integrals + s.rates, integrals);
+    if (theta != 1.0) {
+      const Weights along = displacement_weights(theta);
+      for (std::size_t k = 0; k < n_; ++k) {
+        position[at_[k]] = start_position_[at_[k]] + combined(along, k);
+      }
+      const Weights area = quadrature_weights(theta);
+      for (std::size_t k = 0; k < s.rates; ++k) {
+        integrals[k] = start_integrals_[k] + last_h_ * combined_rates(area, k);
+      }
+    }
+    velocity_within(theta, velocity);
+  }
+
+  bool between(double theta, double* velocity, double* rates) const override {
+    velocity_within(theta, velocity);
+    const Weights here = lagrange(theta);
+    for (std::size_t k = 0; k < system_.view.used_rates; ++k) rates[k] = combined_rates(here, k);
+    return true;
+  }
+
+  std::uint64_t refused_steps() const override {
+    return static_cast<std::uint64_t>(counts_[kRefused]);
+  }
+
+ private:
+  using Numbers = AlignedVector<double>;
+  using Weights = std::array<double, kStages>;
+  static constexpr std::size_t kGap = 3 * kGroup;
+  /// kOldStep: of the polynomial kept; 0 when there is none.
+  enum { kNext, kOldError, kOldStep };
+  enum { kStarted, kTaken, kRefused };
+  /// Whether slope and rates at the next step's start are known. kAnew: all but that.
+  enum { kNo, kYes, kAnew };
+
+  struct Trial {
+    double error = std::numeric_limits<double>::infinity();
+    bool within_moves = true;
+  };
+
+  // ---- steps
+
+  void start(double since, double h) {
+    const SystemView<double>& s = system_.view;
+    evaluate_at(s.position, s.velocity, s.integrals, first_rates_, since, first_slope_);
+    system_.evaluations += 1;
+    control_[kOldStep] = 0.0;
+    control_[kOldError] = kLeastOldError;
+    if (std::exchange(counts_[kStarted], kYes) == kAnew) return;
+    control_[kNext] = d_.initial_step;
+    if (d_.initial_step > 0.0) return;
+    weigh();
+    const double guess = kFirstMove / (norm(first_slope_) + std::numeric_limits<double>::min());
+    control_[kNext] = std::min(h, std::max(guess, d_.smallest_step));
+  }
+
+  double after_success(double error, double h) const {
+    const double least = std::max(error, 1e-10);
+    double factor = kSafety * pow(least, -kExponent);
+    if (control_[kOldStep] > 0.0) {
+      const double trend =
+          std::min(1.0, h / control_[kOldStep]) * pow(control_[kOldError] / least, kExponent);
+      factor = std::min(factor, factor * trend);
+    }
+    return std::clamp(factor, kLeastFactor, kMostFactor);
+  }
+
+  Trial attempt(double since, double h, bool refused) {
+    weigh();
+    predict(h);
+    if (!linearise(since, h) || !solve_stages(since, h)) return {};
+    const SystemView<double>& s = system_.view;
+    for (const Numbers& z : z_) {
+      for (std::size_t k = 0; k < n_; ++k) {
+        if (!(std::abs(z[k]) <= s.largest_move[at_[k]])) return {.within_moves = false};
+      }
+    }
+    Trial trial;
+    trial.error = estimate(first_slope_, h);
+    if (trial.error > 1.0 && (refused || !(control_[kOldStep] > 0.0))) {
+      // Stiff modes once more: the slope where the first estimate leads.
+      place(error_.data());
+      evaluate_at(position_.data(), velocity_.data(), s.integrals, spare_rates_.data(), since,
+                  slope_[0].data());
+      system_.evaluations += 1;
+      trial.error = estimate(slope_[0].data(), h);
+    }
+    return trial;
+  }
+
+  void accept(double h) {
+    SystemView<double>& s = system_.view;
+    std::copy(s.position, s.position + s.dofs, start_position_.begin());
+    std::copy(s.velocity, s.velocity + s.dofs, start_velocity_.begin());
+    std::copy(s.integrals, s.integrals + s.rates, start_integrals_.begin());
+    std::copy(first_rates_, first_rates_ + s.rates, start_rates_.begin());
+    last_h_ = h;
+    for (int i = 0; i < kStages; ++i) std::copy(z_[i].begin(), z_[i].end(), last_z_ + i * width_);
+    // The slope at the end is the polynomial's.
+    const Weights slopes = slope_weights(1.0);
+    for (std::size_t k = 0; k < n_; ++k) {
+      s.position[at_[k]] += z_[kLast][k];
+      if (s.inertial) {
+        s.velocity[at_[k]] += z_[kLast][n_ + k];
+        first_slope_[k] = s.velocity[at_[k]];
+        first_slope_[n_ + k] = combined(slopes, n_ + k) / h;
+      } else {
+        s.velocity[at_[k]] = first_slope_[k] = combined(slopes, k) / h;
+      }
+    }
+    const Weights area = last_row();
+    for (std::size_t k = 0; k < s.rates; ++k) s.integrals[k] += h * combined_rates(area, k);
+    std::copy(rates_[kLast].begin(), rates_[kLast].begin() + s.rates, first_rates_);
+    control_[kOldStep] = h;
+  }
+
+  // ---- the system of all stages
+
+  void weigh() {
+    const SystemView<double>& s = system_.view;
+    for (std::size_t k = 0; k < width_; ++k) {
+      const std::size_t at = at_[k % n_];
+      const double scale = s.tolerance_scale[at];
+      const double size = std::abs(k < n_ ? s.position[at] : s.velocity[at]);
+      weight_[k] = weight(size, scale);
+    }
+  }
+
+  double weight(double size, double scale) const {
+    return scale / (d_.absolute_tolerance +
+                    std::max(d_.relative_tolerance, kRounding) * size * scale + 1e-300);
+  }
+
+  template <class Array>
+  double norm(const Array& x) const {
+    double squares = 0.0;
+    for (std::size_t k = 0; k < width_; ++k) {
+      const double part = x[k] * weight_[k];
+      squares += part * part;
+    }
+    return std::sqrt(squares / std::max(1.0, static_cast<double>(width_)));
+  }
+
+  bool leads(double h) const {
+    return control_[kOldStep] > 0.0 && h <= kFarthest * control_[kOldStep];
+  }
+
+  /// The first guess of the way at a fraction x of the step: along the last polynomial, or
+  /// straight on.
+  void guess(double x, double h, double* z) const {
+    if (!leads(h)) {
+      for (std::size_t k = 0; k < width_; ++k) z[k] = x * h * first_slope_[k];
+      return;
+    }
+    const Weights along = displacement_weights(1.0 + x * h / control_[kOldStep]);
+    for (std::size_t k = 0; k < width_; ++k) {
+      z[k] = combined(along, k) - last_z_[kLast * width_ + k];
+    }
+  }
+
+  void predict(double h) {
+    const SystemView<double>& s = system_.view;
+    for (int i = 0; i < kStages; ++i) {
+      guess(Tableau::c[i], h, z_[i].data());
+      for (std::size_t k = 0; k < s.own; ++k) {
+        own_[i][k] = s.integrals[k] + Tableau::c[i] * h * first_rates_[k];
+      }
+    }
+  }
+
+  /// position_ and velocity_ <- the step's start and this displacement.
+  void place(const double* z) {
+    const SystemView<double>& s = system_.view;
+    std::copy(s.position, s.position + s.dofs, position_.begin());
+    std::copy(s.velocity, s.velocity + s.dofs, velocity_.begin());
+    for (std::size_t k = 0; k < n_; ++k) {
+      position_[at_[k]] += z[k];
+      if (s.inertial) velocity_[at_[k]] += z[n_ + k];
+    }
+  }
+
+  /// K and G on the way, and the factors of each mode's matrix.
+  bool linearise(double since, double h) {
+    const SystemView<double>& s = system_.view;
+    double x = kLinearisedAt;
+    guess(x, h, error_.data());
+    bool near = true;
+    for (std::size_t k = 0; k < n_; ++k) {
+      near = near && std::abs(error_[k]) <= s.largest_move[at_[k]];
+    }
+    if (!near) {
+      x = 0.0;
+      std::fill(error_.begin(), error_.end(), 0.0);
+    }
+    place(error_.data());
+    for (std::size_t k = 0; k < s.own; ++k) {
+      spare_own_[k] = s.integrals[k] + x * h * first_rates_[k];
+    }
+    tangent_.linearise(position_.data(), velocity_.data(), spare_own_.data(), since + x * h,
+                       spare_rates_.data());
+    system_.evaluations += 1;
+    system_.columns += tangent_.columns();
+    const double real = Tableau::real_mode / h;
+    if (!tangent_.factor(s.inertial ? real * real : 0.0, real, 1.0)) return false;
+    for (int p = 0; p < 2; ++p) {
+      const std::complex<double> mu = pair(p, h);
+      const double a = mu.real();
+      const double b = mu.imag();
+      const std::complex<double> square(a * a - b * b, 2.0 * a * b);
+      if (!pairs_[p]->factor(s.inertial ? square : 0.0, mu, 1.0)) return false;
+    }
+    return true;
+  }
+
+  static std::complex<double> pair(int p, double h) {
+    return {Tableau::pairs[p][0] / h, -Tableau::pairs[p][1] / h};
+  }
+
+  void evaluate_at(const double* position, const double* velocity, const double* own, double* rates,
+                   double elapsed, double* slope) {
+    const SystemView<double>& s = system_.view;
+    evaluate(s, stage_of(s, position, velocity, own, rates, elapsed));
+    for (std::size_t k = 0; k < n_; ++k) {
+      const double response = s.force[at_[k]] * s.inverse_mass[at_[k]];
+      slope[s.inertial ? n_ + k : k] = response;
+      if (s.inertial) slope[k] = velocity[at_[k]];
+    }
+  }
+
+  bool solve_stages(double since, double h) {
+    double last = 0.0;
+    for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+      for (int i = 0; i < kStages; ++i) {
+        place(z_[i].data());
+        evaluate_at(position_.data(), velocity_.data(), own_[i].data(), rates_[i].data(),
+                    since + Tableau::c[i] * h, slope_[i].data());
+      }
+      system_.evaluations += kStages;
+      const double change = improve(h);
+      if (!std::isfinite(change)) return false;
+      if (iteration == 0) {
+        if (change <= kAtOnce * kLeftOver) return true;
+      } else {
+        const double rate = change / last;
+        if (rate >= kSlowest) return false;
+        const double left = rate / (1.0 - rate) * change;
+        if (left <= kLeftOver) return true;
+        if (left * pow(rate, kMostIterations - 1 - iteration) > kLeftOver) return false;
+      }
+      last = change;
+    }
+    return false;
+  }
+
+  /// One correction of all stages; its size in tolerances.
+  double improve(double h) {
+    for (std::size_t k = 0; k < width_; ++k) {
+      Weights w{};
+      Weights f{};
+      for (int i = 0; i < kStages; ++i) {
+        for (int j = 0; j < kStages; ++j) {
+          w[i] += Tableau::to_modes[i][j] * z_[j][k];
+          f[i] += Tableau::to_modes[i][j] * slope_[j][k];
+        }
+      }
+      mode_[0][k] = f[0] - Tableau::real_mode / h * w[0];
+      for (int p = 0; p < 2; ++p) {
+        const std::complex<double> mu = pair(p, h);
+        const int i = 1 + 2 * p;
+        mode_[i][k] = f[i] - (mu.real() * w[i] - mu.imag() * w[i + 1]);
+        mode_[i + 1][k] = f[i + 1] - (mu.real() * w[i + 1] + mu.imag() * w[i]);
+      }
+    }
+    solve_mode(Tableau::real_mode / h, mode_[0].data());
+    for (int p = 0; p < 2; ++p) solve_pair(p, h, mode_[1 + 2 * p].data(), mode_[2 + 2 * p].data());
+    double squares = 0.0;
+    for (int i = 0; i < kStages; ++i) {
+      for (std::size_t k = 0; k < width_; ++k) {
+        double change = 0.0;
+        for (int j = 0; j < kStages; ++j) change += Tableau::from_modes[i][j] * mode_[j][k];
+        z_[i][k] += change;
+        const double part = change * weight_[k];
+        squares += part * part;
+      }
+    }
+    squares += improve_own(h);
+    return std::sqrt(squares / std::max<double>(1.0, static_cast<double>(kStages * width_)));
+  }
+
+  /// Variables of prescribed bodies depend on nothing but time: right as soon as all rates are.
+  double improve_own(double h) {
+    const SystemView<double>& s = system_.view;
+    double squares = 0.0;
+    for (std::size_t k = 0; k < s.own_count; ++k) {
+      const double importance = weight(std::abs(s.integrals[k]), 1.0);
+      for (int i = 0; i < kStages; ++i) {
+        double way = 0.0;
+        for (int j = 0; j < kStages; ++j) way += Tableau::a[i][j] * rates_[j][k];
+        const double now = s.integrals[k] + h * way;
+        const double part = (now - std::exchange(own_[i][k], now)) * importance;
+        squares += part * part;
+      }
+    }
+    return squares;
+  }
+
+  /// r <- (mu - J)^-1 r, J the Jacobian of the slopes: velocities are eliminated.
+  void solve_mode(double mu, double* r) {
+    tangent_.times_friction(r, product_.data());
+    if (!system_.view.inertial) {
+      tangent_.solve(product_.data());
+      std::copy(product_.begin(), product_.end(), r);
+      return;
+    }
+    const std::vector<double>& mass = tangent_.masses();
+    for (std::size_t k = 0; k < n_; ++k) product_[k] += mass[k] * (r[n_ + k] + mu * r[k]);
+    tangent_.solve(product_.data());
+    for (std::size_t k = 0; k < n_; ++k) {
+      r[n_ + k] = mu * product_[k] - r[k];
+      r[k] = product_[k];
+    }
+  }
+
+  /// The same of a complex mode, r + i s.
+  void solve_pair(int p, double h, double* r, double* s) {
+    const double a = pair(p, h).real();
+    const double b = pair(p, h).imag();
+    tangent_.times_friction(r, product_.data());
+    tangent_.times_friction(s, product2_.data());
+    if (!system_.view.inertial) {
+      pairs_[p]->solve(product_.data(), product2_.data());
+      std::copy(product_.begin(), product_.end(), r);
+      std::copy(product2_.begin(), product2_.end(), s);
+      return;
+    }
+    const std::vector<double>& mass = tangent_.masses();
+    for (std::size_t k = 0; k < n_; ++k) {
+      product_[k] += mass[k] * (r[n_ + k] + (a * r[k] - b * s[k]));
+      product2_[k] += mass[k] * (s[n_ + k] + (a * s[k] + b * r[k]));
+    }
+    pairs_[p]->solve(product_.data(), product2_.data());
+    for (std::size_t k = 0; k < n_; ++k) {
+      r[n_ + k] = a * product_[k] - b * product2_[k] - r[k];
+      s[n_ + k] = a * product2_[k] + b * product_[k] - s[k];
+      r[k] = product_[k];
+      s[k] = product2_[k];
+    }
+  }
+
+  /// The difference to the embedded scheme, in tolerances, left in error_.
+  double estimate(const double* first_slope, double h) {
+    const SystemView<double>& s = system_.view;
+    const double mu = Tableau::real_mode / h;
+    for (std::size_t k = 0; k < width_; ++k) {
+      double difference = h * Tableau::start * first_slope[k];
+      for (int i = 0; i < kStages; ++i) difference += Tableau::error[i] * z_[i][k];
+      error_[k] = mu * difference;
+    }
+    solve_mode(mu, error_.data());
+    double squares = 0.0;
+    for (std::size_t k = 0; k < width_; ++k) {
+      const std::size_t at = at_[k % n_];
+      const double before = k < n_ ? s.position[at] : s.velocity[at];
+      const double size = std::max(std::abs(before), std::abs(before + z_[kLast][k]));
+      const double part = error_[k] * weight(size, s.tolerance_scale[at]);
+      squares += part * part;
+    }
+    return std::sqrt(squares / std::max(1.0, static_cast<double>(width_)));
+  }
+
+  // ---- the polynomial of a step, at a fraction x of it
+
+  static Weights lagrange(double x) {
+    Weights l{};
+    for (int j = 0; j < kStages; ++j) {
+      for (int k = kStages - 1; k >= 0; --k) l[j] = std::fma(l[j], x, Tableau::basis[j][k]);
+    }
+    return l;
+  }
+
+  static Weights last_row() {
+    Weights row{};
+    std::copy(std::begin(Tableau::a[kLast]), std::end(Tableau::a[kLast]), row.begin());
+    return row;
+  }
+
+  /// Of the stages' rates, for the integral from 0 to x.
+  static Weights quadrature_weights(double x) {
+    Weights area{};
+    for (int j = 0; j < kStages; ++j) {
+      for (int k = kStages - 1; k >= 0; --k) {
+        area[j] = std::fma(area[j], x, Tableau::basis[j][k] / (k + 1));
+      }
+      area[j] *= x;
+    }
+    return area;
+  }
+
+  /// Of the stages' ways: the polynomial through them and the start, in its product form, which
+  /// holds beyond the step, too.
+  static Weights displacement_weights(double x) {
+    Weights along{};
+    for (int j = 0; j < kStages; ++j) {
+      along[j] = x / Tableau::c[j];
+      for (int k = 0; k < kStages; ++k) {
+        if (k != j) along[j] *= (x - Tableau::c[k]) / (Tableau::c[j] - Tableau::c[k]);
+      }
+    }
+    return along;
+  }
+
+  /// Of the stages' ways, for h times the slope: that of the stages, led through them.
+  static Weights slope_weights(double x) {
+    const Weights here = lagrange(x);
+    Weights slope{};
+    for (int i = 0; i < kStages; ++i) {
+      for (int j = 0; j < kStages; ++j) slope[j] += here[i] * Tableau::inverse[i][j];
+    }
+    return slope;
+  }
+
+  double combined(const Weights& weights, std::size_t k) const {
+    double sum = 0.0;
+    for (int j = 0; j < kStages; ++j) sum += weights[j] * last_z_[j * width_ + k];
+    return sum;
+  }
+
+  double combined_rates(const Weights& weights, std::size_t k) const {
+    double sum = 0.0;
+    for (int j = 0; j < kStages; ++j) sum += weights[j] * rates_[j][k];
+    return sum;
+  }
+
+  void velocity_within(double theta, double* velocity) const {
+    const SystemView<double>& s = system_.view;
+    std::copy(s.velocity, s.velocity + s.dofs, velocity);
+    if (theta == 1.0) return;
+    if (s.inertial) {
+      const Weights along = displacement_weights(theta);
+      for (std::size_t k = 0; k < n_; ++k) {
+        velocity[at_[k]] = start_velocity_[at_[k]] + combined(along, n_ + k);
+      }
+    } else {
+      const Weights slope = slope_weights(theta);
+      for (std::size_t k = 0; k < n_; ++k) velocity[at_[k]] = combined(slope, k) / last_h_;
+    }
+  }
+
+  Description d_;
+  Tangent& tangent_;
+  const std::vector<std::size_t>& at_;  ///< where the free coordinates stand
+  std::size_t n_;
+  std::size_t width_;  ///< numbers solved for: coordinates, and with inertia their velocities
+  std::array<std::unique_ptr<ShiftedTangent>, 2> pairs_;
+
+  // Of the stages: ways from the step's start, slopes, rates, own variables; corrections by mode.
+  std::array<Numbers, kStages> z_;
+  std::array<Numbers, kStages> slope_;
+  std::array<Numbers, kStages> rates_;
+  std::array<Numbers, kStages> own_;
+  std::array<Numbers, kStages> mode_;
+  Numbers weight_;
+  Numbers error_;
+  Numbers product_;
+  Numbers product2_;
+  Numbers position_;
+  Numbers velocity_;
+  Numbers spare_rates_;
+  Numbers spare_own_;
+
+  // The last step.
+  double last_h_ = 0.0;
+  Numbers start_position_;
+  Numbers start_velocity_;
+  Numbers start_integrals_;
+  Numbers start_rates_;
+
+  double* first_slope_ = nullptr;
+  double* first_rates_ = nullptr;
+  double* last_z_ = nullptr;
+  double* control_ = nullptr;
+  std::int64_t* counts_ = nullptr;
+};
+
+/// |R(z)| of the Pade approximant (4, 5) of exp(z).
+double growth(std::complex<double> z) {
+  constexpr int k = kStages - 1;
+  constexpr int m = kStages;
+  std::complex<double> above = 0.0;
+  std::complex<double> below = 0.0;
+  std::complex<double> power = 1.0;
+  double p = 1.0;
+  double q = 1.0;
+  for (int j = 0; j <= m; ++j) {
+    above += p * power;
+    below += (j % 2 == 0 ? q : -q) * power;
+    power *= z;
+    p *= static_cast<double>(k - j) / (static_cast<double>(k + m - j) * (j + 1));
+    q *= static_cast<double>(m - j) / (static_cast<double>(k + m - j) * (j + 1));
+  }
+  return std::abs(above / below);
+}
+
+double step(const void*) { return 0.0; }
+
+/// Where one of the two tolerances is zero, the other rules.
+std::int64_t most_steps(const void* description) {
+  return static_cast<const Description*>(description)->most_steps;
+}
+
+double tolerance(const void* description) {
+  const auto& d = *static_cast<const Description*>(description);
+  return std::max(d.absolute_tolerance, d.relative_tolerance);
+}
+
+std::vector<Complaint> complaints(const void* description) {
+  const auto& d = *static_cast<const Description*>(description);
+  std::vector<Complaint> found;
+  if (d.absolute_tolerance == 0.0 && d.relative_tolerance == 0.0) {
+    found.push_back({"absolute_tolerance", "one of the two tolerances must not be 0", "> 0"});
+  }
+  if (d.smallest_step > d.largest_step) {
+    found.push_back({"smallest_step", "above largest_step", "<= largest_step"});
+  }
+  if (d.initial_step > 0.0 && d.initial_step < d.smallest_step) {
+    found.push_back({"initial_step", "below smallest_step", ">= smallest_step"});
+  }
+  return found;
+}
+
+std::unique_ptr<Integrator<double>> bind(const void* description, System<double>& system) {
+  return std::make_unique<Radau9>(*static_cast<const Description*>(description), system);
+}
+
+}  // namespace
+
+IntegratorRecord radau9_record() {
+  IntegratorRecord record;
+  record.name = "radau9";
+  record.summary = "implicit five-stage Radau IIA scheme, L-stable, adaptive, dense output";
+  record.equation = "Y_i = y + h sum a_ij f(Y_j), five stages; error from an embedded order 5";
+  record.source =
+      "E. Hairer and G. Wanner, J. Comput. Appl. Math. 111 (1999) 93, "
+      "doi:10.1016/S0377-0427(99)00134-X";
+  record.order = 9;
+  record.adaptive = true;
+  record.evaluations_per_step = 13;
+  record.needs_tangent = true;
+  record.make_description = &make_description<Description>;
+  record.parameters = {
+      parameter("absolute_tolerance", &Description::absolute_tolerance, dimension::none,
+                "largest error per step, in units of each coordinate and velocity")
+          .in(non_negative)
+          .by_default(1e-7),
+      parameter("relative_tolerance", &Description::relative_tolerance, dimension::none,
+                "largest error per step, relative to each coordinate and velocity")
+          .in(non_negative)
+          .by_default(1e-7),
+      parameter("initial_step", &Description::initial_step, dimension::time,
+                "the first step to try; 0: guessed")
+          .in(non_negative)
+          .by_default(0.0),
+      parameter("smallest_step", &Description::smallest_step, dimension::time,
+                "a run that needs less fails")
+          .in(positive)
+          .by_default(1e-12),
+      parameter("largest_step", &Description::largest_step, dimension::time, "never step further")
+          .in(positive)
+          .by_default(1e12),
+      parameter("most_steps", &Description::most_steps, dimension::none,
+                "a run that needs more fails")
+          .in(positive)
+          .by_default(std::int64_t{1'000'000'000})};
+  record.growth = &growth;
+  record.step = &step;
+  record.tolerance = &tolerance;
+  record.most_steps = &most_steps;
+  record.complaints = &complaints;
+  record.bind = {&bind};
+  record.example = R"(# A tip that is driven a thousand times more slowly than it relaxes.
+[[body]]
+type = "point"
+position = [0.0]
+particle_mass = 1.0
+
+[[force]]
+type = "driving_spring"
+stiffness = 1.0
+velocity = [0.001]
+
+[[force]]
+type = "viscous_damping"
+coefficient = 20.0
+
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.1
+period = 1.0
+
+[run]
+duration = 3000.0
+integrator = { type = "radau9", absolute_tolerance = 1e-7, relative_tolerance = 1e-7 }
+
+[measure]
+from = 1.0
+to = 3.0
+in = "driver_periods"
+)";
+  return record;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+
+#include "framework/core/registry.hpp"
+
+/// The five-stage Radau IIA scheme of order 9, implicit and L-stable, with step control and dense
+/// output: for motion that is slow beside its own relaxation, where an explicit scheme steps as far
+/// as it is stable and no further.
+///
+///   Y_i = y + h sum_j a_ij f(t + c_j h, Y_j),   i = 1 ... 5;   y(t + h) = Y_5
+///   M dq'/dt = F(q, q', t)                      with inertia: y = (q, q')
+///   G q' = F(q, t)                              without: y = q
+///
+/// Solved by simplified Newton iterations. The matrix of all stages falls apart into the modes of
+/// a^-1, one real and two pairs of complex ones mu; eliminating the velocities leaves
+///   (mu/h)^2 M + (mu/h) G + K
+/// for each, K and G being the stiffness and friction of the forces (framework/core/tangent.hpp),
+/// exact and taken anew for each attempt at three quarters of the step, where the last step's
+/// polynomial leads. That polynomial is the first guess, too. Iterations end when what is left,
+/// by their rate of convergence, is below 1 % of the tolerance.
+///
+/// A step is accepted when
+///   err = sqrt(mean_i (e_i / (absolute_tolerance + relative_tolerance * max(|y0_i|, |y1_i|)))^2)
+/// over all coordinates and velocities is at most 1, e being the difference to an embedded scheme
+/// of order 5, damped in stiff modes by the real mode's matrix; angles count in radians, positions
+/// relative to the scene's origin. The next step follows from this error and the last one's
+/// (Gustafsson's predictive controller), with safety factor 0.75, from 0.2 to 4 times as long.
+/// Running integrals are quadratures of order 9 with no say in the error.
+///
+/// Cost: five evaluations an iteration, two or three iterations a step, and one evaluation and
+/// Tangent::columns() for K and G. Order 9 where the motion is smooth on the scale of a step; in
+/// stiff modes 5 or 6 (stage order 5). Stable for every step that is stable in truth; modes much
+/// faster than a step are at rest after it. Dense output: the collocation polynomial, error O(h^6)
+/// within a step.
+/// Needs forces with known derivatives, in double. Refused: forces that depend on velocity and are
+/// not linear friction, forces with variables of their own, more than 600 coordinates in which each
+/// meets each (chains may be as long as one likes).
+///
+/// Source: E. Hairer and G. Wanner, Solving Ordinary Differential Equations II,
+/// doi:10.1007/978-3-642-05221-7, sections IV.5 and IV.8; E. Hairer and G. Wanner, J. Comput. Appl.
+/// Math. 111 (1999) 93, doi:10.1016/S0377-0427(99)00134-X.
+namespace tomlin {
+
+struct Radau9Description {
+  double absolute_tolerance = 0.0;
+  double relative_tolerance = 0.0;
+  double initial_step = 0.0;
+  double smallest_step = 0.0;
+  double largest_step = 0.0;
+  std::int64_t most_steps = 0;
+};
+
+IntegratorRecord radau9_record();
+
+}  // namespace tomlin

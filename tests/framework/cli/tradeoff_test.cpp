@@ -1,0 +1,131 @@
+#include <chrono>
+#include <csignal>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/framework/cli/cli_fixture.hpp"
+
+namespace tomlin::test {
+namespace {
+
+constexpr const char* kForce = "driver.mean_force.x";
+
+class TradeoffCommand : public Cli {
+ protected:
+  static std::vector<std::string> words(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> all = {"tradeoff",    "tip.toml", "--observable", kForce,
+                                    "--tolerance", "1e-4",     "--budget",     "10"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  Json result(const std::string& folder) { return Json::parse(file(folder + "/tradeoff.json")); }
+};
+
+TEST_F(TradeoffCommand, RecommendsLinesThatRunAsMeasured) {
+  const Ended ended = tomlin(words({"--write", "cheap.toml", "--set", "v=0.02"}));
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  EXPECT_EQ(ended.err, "");
+  for (const char* part :
+       {"a tip\n", "observable ", "reference ", "other scheme", "quadruple", "determined ",
+        "yes: ", "evaluations", "left out\n", "recommended", "[run]\n", "integrator = { type = "}) {
+    EXPECT_TRUE(contains(ended.out, part)) << part << "\n" << ended.out;
+  }
+  const Json found = result("tip.tradeoff.out");
+  EXPECT_EQ(found["status"], "finished");
+  EXPECT_EQ(found["observable"], "drivers.driver.mean_force.x");
+  EXPECT_EQ(found["determined"]["determined"], true);
+  const Json& chosen = found["recommendation"];
+  EXPECT_LT(chosen["relative_error"].get<double>(), 1e-4);
+
+  // A parameter set, the lines replaced, nothing else touched.
+  const std::string text = file("cheap.toml");
+  EXPECT_TRUE(contains(text, "v = 0.02\ntwo_v = \"2 * v\"\n")) << text;
+  EXPECT_TRUE(contains(text, "[output]\nevery = 0.7\n"));
+  ASSERT_EQ(tomlin({"run", "cheap.toml", "-o", "again"}).status, 0);
+  const Json again = summary("again");
+  EXPECT_EQ(again["drivers"]["driver"]["mean_force"][0], chosen["value"]);
+  // Samples take evaluations, too: here one more for each.
+  EXPECT_GE(again["time"]["force_evaluations"], chosen["force_evaluations"]);
+}
+
+TEST_F(TradeoffCommand, LeavesATableAndAFigure) {
+  const Ended ended = tomlin(words({"-o", "out"}));
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  const std::string csv = file("out/tradeoff.csv");
+  EXPECT_TRUE(csv.starts_with("rung,dt [time],tolerance,value,error,relative error,"));
+  EXPECT_EQ(lines(csv), static_cast<std::ptrdiff_t>(result("out")["points"].size()) + 1);
+  const std::string figure = file("out/tradeoff.svg");
+  for (const char* part : {"<svg", "rk4 in float", "recommended", "tolerance 0.0001",
+                           "relative error of drivers.driver.mean_force.x"}) {
+    EXPECT_TRUE(contains(figure, part)) << part;
+  }
+  for (const std::string& name : all_files()) EXPECT_FALSE(contains(name, ".part")) << name;
+}
+
+TEST_F(TradeoffCommand, WithoutGnuplotThereIsNoFigure) {
+  const Ended ended =
+      tomlin(words({"-o", "out"}), {.environment = {"TOMLIN_GNUPLOT=/nowhere/gnuplot"}});
+  EXPECT_EQ(ended.status, 0);
+  EXPECT_TRUE(contains(ended.err, "note: no figure: "));
+  EXPECT_TRUE(exists("out/tradeoff.csv"));
+  EXPECT_FALSE(exists("out/tradeoff.svg"));
+}
+
+TEST_F(TradeoffCommand, DoesNotWriteOverAnything) {
+  ASSERT_EQ(tomlin(words({"--budget", "0.001"})).status, 2) << "given twice";
+  write(folder_ / "cheap.toml", "mine");
+  expect_refused(words({"--write", "cheap.toml"}),
+                 "--write: error: cheap.toml: there is something of this name; admissible: a new "
+                 "file, or --force\n");
+  expect_refused(
+      words({"--write", "./tip.toml", "--force"}),
+      "--write: error: ./tip.toml: this is the scene itself; admissible: another file\n");
+  fs::create_directory(folder_ / "tip.tradeoff.out");
+  write(folder_ / "tip.tradeoff.out/notes.txt", "mine");
+  EXPECT_EQ(tomlin(words()).status, 2);
+  EXPECT_EQ(tomlin(words({"--force"})).status, 0);
+  EXPECT_EQ(file("tip.tradeoff.out/notes.txt"), "mine");
+}
+
+TEST_F(TradeoffCommand, ABudgetThatIsTooSmallIsSaid) {
+  const Ended ended = tomlin({"tradeoff", "tip.toml", "--observable", kForce, "--budget", "0.01",
+                              "--set", "run.duration=1e8", "-o", "out", "--write", "cheap.toml"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_TRUE(contains(ended.out, "over budget")) << ended.out;
+  EXPECT_TRUE(contains(ended.out, "no recommendation"));
+  EXPECT_TRUE(contains(ended.err, "cheap.toml is not written"));
+  EXPECT_FALSE(exists("cheap.toml"));
+  EXPECT_TRUE(result("out")["recommendation"].is_null());
+}
+
+TEST_F(TradeoffCommand, RefusesWrongInput) {
+  expect_refused({"tradeoff", "tip.toml", "--observable", "driver.mean_farce.x"},
+                 "--observable: error: driver.mean_farce.x: there is no observable of that name; "
+                 "admissible: a dotted path as in summary.json, components by letter, say "
+                 "\"driver.mean_force.x\"; did you mean \"driver.mean_force.x\"?\n");
+  for (const char* wrong : {"0", "-1", "nan"}) {
+    for (const char* option : {"--tolerance", "--budget"}) {
+      EXPECT_EQ(tomlin({"tradeoff", "tip.toml", "--observable", kForce, option, wrong}).status, 2)
+          << option << " " << wrong;
+    }
+  }
+  EXPECT_EQ(tomlin({"tradeoff", "tip.toml"}).status, 2);
+  EXPECT_FALSE(exists("tip.tradeoff.out"));
+}
+
+TEST_F(TradeoffCommand, AnInterruptLeavesWhatIsKnown) {
+  Conditions conditions;
+  conditions.then = [](pid_t child) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    ::kill(child, SIGINT);
+  };
+  const Ended ended = tomlin(
+      {"tradeoff", "tip.toml", "--observable", kForce, "--set", "run.duration=1e7", "-o", "out"},
+      conditions);
+  EXPECT_EQ(ended.status, 130);
+  EXPECT_EQ(result("out")["status"], "interrupted");
+}
+
+}  // namespace
+}  // namespace tomlin::test

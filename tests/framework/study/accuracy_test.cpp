@@ -1,0 +1,184 @@
+#include "framework/study/accuracy.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "framework/run/observables.hpp"
+#include "tests/support/scenes.hpp"
+
+namespace tomlin {
+namespace {
+
+constexpr const char* kTip = R"(
+[parameters]
+v = 0.01
+xi = 2.0
+k = 1.0
+[[body]]
+type = "point"
+name = "tip"
+position = [0.0]
+particle_mass = 1.0
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = "k"
+velocity = ["v"]
+[[force]]
+type = "viscous_damping"
+coefficient = "xi"
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.1
+period = 1.0
+[run]
+duration = "6 / v"
+accuracy = 1e-4
+[measure]
+from = 2.0
+to = 6.0
+in = "driver_periods"
+)";
+
+constexpr const char* kRing = R"(
+[parameters]
+lambda = 1.0
+[[body]]
+type = "ring"
+name = "ring"
+count = 8
+radius = 1.0
+particle_mass = 0.125
+centre = [0.0, 1.0]
+coordinates = "rigid"
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 2.0
+velocity = [1e-2, 0.0]
+[[force]]
+type = "viscous_damping"
+coefficient = "2 * sqrt(2) / 8"
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.0125
+period = 1.0
+decay = "lambda"
+[run]
+duration = 400.0
+accuracy = 1e-4
+[measure]
+from = 1.0
+to = 4.0
+in = "driver_periods"
+)";
+
+constexpr const char* kMeanForce = "driver.mean_force.x";
+
+/// So fine that its own error is nothing beside those that are looked at.
+double true_mean_force(const char* text, std::vector<Setting> settings) {
+  settings.push_back({"run.integrator", test::adaptive(1e-12)});
+  return *observable(test::run_text(text, settings), kMeanForce);
+}
+
+double estimated(const RunResult& result) {
+  for (const ErrorEstimate& one : result.errors) {
+    if (one.path == std::string("drivers.") + kMeanForce) return one.error.value();
+  }
+  ADD_FAILURE() << "no estimate";
+  return 0.0;
+}
+
+struct Case {
+  const char* text;
+  std::vector<Setting> settings;
+};
+
+/// Below the smallest estimate the reference's own error may show.
+constexpr double kErrorOfTruth = 1e-9;
+
+class Accuracy : public testing::TestWithParam<double> {};
+
+TEST_P(Accuracy, IsKeptAndTheErrorIsNotHeldTooSmall) {
+  const double asked = GetParam();
+  const std::vector<Case> cases = {
+      {kTip, {}},               // sticks and slips
+      {kTip, {{"k", "6.0"}}},   // slides smoothly
+      {kTip, {{"xi", "0.4"}}},  // underdamped
+      {kTip, {{"run.dynamics", "\"overdamped\""}}},
+      {kRing, {}},                    // rolls
+      {kRing, {{"lambda", "0.01"}}},  // rolls in jumps
+  };
+  for (const Case& one : cases) {
+    SCOPED_TRACE(std::string(one.text == kTip ? "tip" : "ring") +
+                 (one.settings.empty() ? "" : ", " + one.settings.front().path));
+    std::vector<Setting> settings = one.settings;
+    settings.push_back({"run.accuracy", test::digits(asked)});
+    const RunResult result = run_to_accuracy(test::scene_of(one.text, settings), test::standard());
+    ASSERT_EQ(result.status, RunStatus::finished);
+    const double truth = true_mean_force(one.text, one.settings);
+    const double error = std::abs(*observable(result, kMeanForce) - truth);
+    EXPECT_LE(error, asked * std::abs(truth));
+    EXPECT_LE(error, estimated(result) + kErrorOfTruth * std::abs(truth));
+    EXPECT_LE(estimated(result), asked * std::abs(truth));
+    EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
+    const double cost = static_cast<double>(result.force_evaluations + result.jacobian_columns);
+    EXPECT_LE(static_cast<double>(result.accuracy->companion_cost), kMostForCompanion * cost);
+    EXPECT_GT(result.accuracy->companion_cost, 0U);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Asked, Accuracy, testing::Values(1e-2, 1e-4, 1e-6));
+
+TEST(AccuracyOf, TheSameSceneIsTheSameEveryTime) {
+  const auto scene = test::scene_of(kTip);
+  const ChosenIntegrator first = choose_integrator(scene, test::standard());
+  const ChosenIntegrator second = choose_integrator(scene, test::standard());
+  EXPECT_EQ(first.text, second.text);
+  EXPECT_EQ(first.companion_text, second.companion_text);
+  EXPECT_EQ(first.pilot_cost, second.pilot_cost);
+  // What stands in scene.toml asks for the accuracy again.
+  EXPECT_EQ(first.scene->effective_toml, scene->effective_toml);
+  EXPECT_NE(scene->effective_toml.find("accuracy = 0.0001"), std::string::npos);
+  EXPECT_EQ(scene->effective_toml.find("integrator"), std::string::npos);
+}
+
+TEST(AccuracyOf, MoreAccuracyCostsMore) {
+  std::uint64_t before = 0;
+  for (const char* asked : {"1e-2", "1e-5", "1e-9"}) {
+    const RunResult result =
+        run_to_accuracy(test::scene_of(kTip, {{"run.accuracy", asked}}), test::standard());
+    const std::uint64_t cost = result.force_evaluations + result.jacobian_columns;
+    EXPECT_GT(cost, before);
+    before = cost;
+  }
+}
+
+TEST(AccuracyOf, AnIntegratorAndAnAccuracyAreOneTooMany) {
+  const std::string text = std::string(kTip) + "\n";
+  std::string both = text;
+  both.replace(both.find("accuracy = 1e-4"), 15,
+               "accuracy = 1e-4\nintegrator = { type = \"rk4\", dt = 1e-2 }");
+  EXPECT_THROW(test::scene_of(both), InputError);
+  // The one that is set last is meant.
+  EXPECT_FALSE(test::scene_of(text, {{"run.integrator", test::fixed_step(1e-2)}})->run.accuracy);
+  const auto scene =
+      test::scene_of(text, {{"run.integrator", test::fixed_step(1e-2)}, {"run.accuracy", "1e-3"}});
+  EXPECT_EQ(scene->run.accuracy, 1e-3);
+}
+
+TEST(AccuracyOf, StoppedInThePilotIsInterrupted) {
+  const std::atomic<bool> stop = true;
+  RunOptions options;
+  options.stop = &stop;
+  const RunResult result = run_to_accuracy(test::scene_of(kTip), test::standard(), options);
+  EXPECT_EQ(result.status, RunStatus::interrupted);
+}
+
+}  // namespace
+}  // namespace tomlin

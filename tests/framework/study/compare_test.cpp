@@ -1,0 +1,170 @@
+#include "framework/study/compare.hpp"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "framework/core/fault.hpp"
+#include "tests/support/scenes.hpp"
+
+namespace tomlin {
+namespace {
+
+using Verdict = ComparedModel::Verdict;
+
+constexpr const char* kForces = R"(
+[[force]]
+name = "NAME"
+type = "driving_spring"
+stiffness = 2.0
+velocity = VELOCITY
+[[force]]
+type = "viscous_damping"
+coefficient = "2 * sqrt(2) / N"
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = "V0 / N"
+period = "a"
+[run]
+duration = 300.0
+integrator = { type = "dopri5", absolute_tolerance = 1e-9, relative_tolerance = 1e-9 }
+[measure]
+from = 1.0
+to = 3.0
+in = "driver_periods"
+)";
+
+std::string with_forces(std::string body, const std::string& name, const std::string& velocity) {
+  std::string forces = kForces;
+  forces.replace(forces.find("NAME"), 4, name);
+  forces.replace(forces.find("VELOCITY"), 8, velocity);
+  return body + forces;
+}
+
+std::string tip(const std::string& amplitude, const std::string& more = "") {
+  return with_forces("[parameters]\nN = 1\na = 1.0\nV0 = " + amplitude + "\n" + more +
+                         "[[body]]\ntype = \"point\"\nname = \"tip\"\nposition = [0.0]\n"
+                         "particle_mass = 1.0\n",
+                     "spring", "[0.01]");
+}
+
+/// A ring whose rotation is held and that feels no decay is a tip of this amplitude (Notes of the
+/// rolling ring: (V0/N) |sum_i exp(i 2 pi (R/a) cos theta_i)|).
+constexpr int kCount = 8;
+constexpr double kRadius = 0.3;
+constexpr double kAmplitude = 0.1;
+
+double amplitude_of_ring() {
+  constexpr double kTau = 6.283185307179586;
+  double real = 0.0;
+  double imaginary = 0.0;
+  for (int i = 0; i < kCount; ++i) {
+    const double phase = kTau * kRadius * std::cos(kTau * i / kCount);
+    real += std::cos(phase);
+    imaginary += std::sin(phase);
+  }
+  return kAmplitude / kCount * std::hypot(real, imaginary);
+}
+
+std::string ring(const std::string& velocity = "[0.01, 0.0]") {
+  return with_forces(
+      "[parameters]\nN = 8\na = 1.0\nV0 = 0.1\n"
+      "[[body]]\ntype = \"ring\"\nname = \"ring\"\ncount = 8\nradius = 0.3\n"
+      "particle_mass = 0.125\ncentre = [0.0, 1.0]\ncoordinates = \"rigid\"\n"
+      "hold = [\"rotation\"]\n",
+      "driver", velocity);
+}
+
+std::shared_ptr<const Scene> scene(const std::string& text, const std::string& file,
+                                   const std::vector<Setting>& settings = {}) {
+  return parse_scene(text, file, test::standard(), settings);
+}
+
+Comparison compared(const std::vector<std::shared_ptr<const Scene>>& scenes,
+                    double tolerance = 1e-6) {
+  return compare_models(scenes, test::standard(), {"driver.mean_force.x", tolerance});
+}
+
+TEST(Compare, ARingThatIsATipIsOne) {
+  const Comparison found = compared({scene(ring(), "ring.toml"),
+                                     scene(tip(test::digits(amplitude_of_ring())), "tip.toml"),
+                                     scene(tip("0.1"), "plain.toml")});
+  ASSERT_EQ(found.models.size(), 3U);
+  EXPECT_EQ(found.reference, 0U);
+  EXPECT_EQ(found.simplest, 1U);
+  EXPECT_EQ(found.models[0].verdict, Verdict::reference);
+  EXPECT_EQ(found.models[0].coordinates, 2U);
+  EXPECT_EQ(found.models[0].particles, 8U);
+  EXPECT_EQ(found.models[1].verdict, Verdict::agrees);
+  EXPECT_EQ(found.models[1].coordinates, 1U);
+  // The ring's amplitude is far below that of its particles together.
+  EXPECT_EQ(found.models[2].verdict, Verdict::differs);
+  EXPECT_GT(std::abs(*found.models[2].difference), 0.1 * *found.models[0].value);
+  ASSERT_TRUE(found.models[0].error);
+  EXPECT_LT(*found.models[0].error, 1e-6 * *found.models[0].value);
+  EXPECT_GT(*found.models[0].error, 0.0);
+  // Of the two that are held against it, one has another ratio of curvature to stiffness.
+  EXPECT_FALSE(found.notes.empty());
+}
+
+TEST(Compare, TheOverlayIsOfTheWindow) {
+  const Comparison found = compared({scene(ring(), "ring.toml"), scene(tip("0.1"), "tip.toml")});
+  for (const ComparedModel& model : found.models) {
+    ASSERT_GT(model.way.size(), 500U);
+    ASSERT_EQ(model.way.size(), model.force.size());
+    EXPECT_NEAR(model.way.front(), 1.0, 1e-2);
+    EXPECT_NEAR(model.way.back(), 3.0, 1e-2);
+    double mean = 0.0;
+    for (const double force : model.force) mean += force / static_cast<double>(model.force.size());
+    EXPECT_NEAR(mean, *model.value, 2e-2 * std::abs(*model.value));
+  }
+}
+
+TEST(Compare, WhatIsDrivenOtherwiseIsRefused) {
+  const auto reasons = [](const std::string& text, const std::vector<Setting>& settings) {
+    try {
+      compared({scene(tip("0.1"), "tip.toml"), scene(text, "other.toml", settings)});
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing refused");
+  };
+  EXPECT_NE(reasons(ring("[0.02, 0.0]"), {}).find("driving velocity"), std::string::npos);
+  EXPECT_NE(reasons(ring("[0.01, 0.001]"), {}).find("driving velocity"), std::string::npos);
+  EXPECT_NE(reasons(ring(), {{"a", "1.5"}}).find("lattice periods"), std::string::npos);
+  EXPECT_EQ(reasons(ring(), {}), "nothing refused");
+}
+
+TEST(Compare, ErrorsLargerThanTheToleranceLeaveItOpen) {
+  const std::vector<Setting> coarse = {{"run.integrator", test::adaptive(1e-3)}};
+  const std::string same = test::digits(amplitude_of_ring());
+  const Comparison found =
+      compared({scene(ring(), "ring.toml"), scene(tip(same), "tip.toml", coarse)}, 1e-9);
+  EXPECT_EQ(found.models[1].verdict, Verdict::undecided);
+  EXPECT_EQ(found.simplest, 0U);
+}
+
+TEST(Compare, AModelThatFailsIsSaidToHave) {
+  const std::vector<Setting> bad = {{"run.integrator", test::fixed_step(3.0)},
+                                    {"run.allow_unstable", "true"}};
+  const Comparison found =
+      compared({scene(ring(), "ring.toml"), scene(tip("0.1"), "tip.toml", bad)});
+  EXPECT_EQ(found.models[1].verdict, Verdict::failed);
+  EXPECT_TRUE(found.models[1].result.failure);
+  EXPECT_EQ(found.simplest, 0U);
+}
+
+TEST(Compare, AnUnknownObservableNamesTheScene) {
+  try {
+    compare_models({scene(ring(), "ring.toml"), scene(tip("0.1"), "tip.toml")}, test::standard(),
+                   {"driver.mean_farce.x"});
+    FAIL() << "not refused";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("ring.toml"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace tomlin

@@ -1,0 +1,151 @@
+#include "integrators/blanes_moan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "framework/core/integrator.hpp"
+#include "tests/support/order.hpp"
+#include "tests/support/ring_scenes.hpp"
+
+// What the symplectic scheme promises beyond its order for one particle (order_test.cpp).
+
+namespace tomlin::test {
+namespace {
+
+constexpr Window kFourth{3.8, 4.3};
+
+std::string scheme(double dt) { return held_to("blanes_moan", dt); }
+
+std::string pendulum(const std::string& integrator) {
+  return R"([[body]]
+type = "point"
+position = [0.3]
+velocity = [0.1]
+particle_mass = 1.0
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.5
+period = 6.283185307179586
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 1.0
+velocity = [0.0]
+start = [0.0]
+[run]
+duration = 1e9
+integrator = )" +
+         integrator + "\n";
+}
+
+double energy_of(Engine& engine) {
+  Model& model = engine.model();
+  const SystemView<double>& view = model.system().view;
+  return model.kinetic_energy(view.velocity) + model.potential_energy(DoubleDouble(engine.time()),
+                                                                      view.position, view.velocity,
+                                                                      view.integrals);
+}
+
+double swing(Engine& engine, double start, int looks, std::uint64_t every) {
+  double largest = 0.0;
+  for (int k = 0; k < looks; ++k) {
+    engine.advance(every);
+    largest = std::max(largest, std::abs(energy_of(engine) - start));
+  }
+  return largest;
+}
+
+TEST(BlanesMoanEnergy, StaysBoundedOverAHundredThousandPeriods) {
+  constexpr double kDt = 0.5;
+  constexpr std::uint64_t kSteps = 1'200'000;
+  Engine engine(scene_of(pendulum(scheme(kDt))), {});
+  const double start = energy_of(engine);
+  const double early = swing(engine, start, 1000, 7);
+  engine.advance(kSteps);
+  const double late = swing(engine, start, 1000, 7);
+  EXPECT_GT(early, 1e-10) << "nothing to see";
+  EXPECT_NEAR(late / early, 1.0, 0.05) << "a drift";
+}
+
+TEST(BlanesMoanEnergy, SwingsWithTheFourthPowerOfTheStep) {
+  std::vector<double> steps;
+  std::vector<double> swings;
+  for (double h = 0.8; h > 0.15; h *= 0.5) {
+    Engine engine(scene_of(pendulum(scheme(h))), {});
+    const double start = energy_of(engine);
+    steps.push_back(h);
+    swings.push_back(swing(engine, start, static_cast<int>(400.0 / h), 1));
+  }
+  const double order = fitted_order(steps, swings);
+  EXPECT_TRUE(kFourth.holds(order)) << order;
+}
+
+/// A flexible ring that is pulled over the corrugation without friction: places, and what is
+/// integrated along the way.
+TEST(BlanesMoanOrder, OfARingAndOfItsWork) {
+  const auto text = [](const std::string& integrator) {
+    std::string scene = RingScene{.coordinates = "particles",
+                                  .bonds = 40.0,
+                                  .velocity = 0.6,
+                                  .duration = 4.0,
+                                  .integrator = integrator}
+                            .text();
+    const auto from = scene.find("[[force]]\ntype = \"viscous_damping\"");
+    EXPECT_NE(from, std::string::npos);
+    scene.erase(from, scene.find("[[", from + 2) - from);
+    return scene;
+  };
+  const RunResult exact = run_text(text(adaptive(1e-14, "dop853")));
+  std::vector<double> steps;
+  std::vector<double> place, work, force;
+  for (double h = 0.04; h > 0.004; h *= 0.5) {
+    const RunResult result = run_text(text(scheme(h)));
+    ASSERT_EQ(result.status, RunStatus::finished);
+    steps.push_back(h);
+    place.push_back(
+        std::abs(result.bodies[0].centre_of_mass[0] - exact.bodies[0].centre_of_mass[0]));
+    work.push_back(std::abs(*result.drivers[0].work - *exact.drivers[0].work));
+    force.push_back(std::abs(result.drivers[0].mean_force[0] - exact.drivers[0].mean_force[0]));
+  }
+  for (const auto& errors : {place, work, force}) {
+    const double order = fitted_order(steps, errors, 1e-14);
+    EXPECT_TRUE(kFourth.holds(order)) << order;
+  }
+}
+
+// ---- refusals
+
+TEST(BlanesMoanRefuses, Friction) {
+  const std::string why = refusal(TipScene{.integrator = scheme(0.01)}.text());
+  EXPECT_NE(why.find("viscous_damping"), std::string::npos) << why;
+  EXPECT_NE(why.find("depends on velocity"), std::string::npos) << why;
+  EXPECT_NE(why.find("test.toml:"), std::string::npos) << why;
+}
+
+TEST(BlanesMoanRefuses, DynamicsWithoutInertia) {
+  const std::string why =
+      refusal(TipScene{.integrator = scheme(0.01), .more = "dynamics = \"overdamped\"\n"}.text());
+  EXPECT_NE(why.find("inertia"), std::string::npos) << why;
+}
+
+TEST(BlanesMoanRefuses, MotionsPrescribedInTime) {
+  const auto text = [](const std::string& velocity) {
+    return "[[body]]\nname = \"slab\"\ntype = \"point\"\nposition = [0.0]\nparticle_mass = 1.0\n"
+           "coordinates = \"prescribed\"\nmotion = { velocity = [" +
+           velocity +
+           "] }\n[[body]]\nname = \"tip\"\ntype = \"point\"\nposition = [0.5]\n"
+           "particle_mass = 1.0\n[[force]]\ntype = \"harmonic_bonds\"\nbodies = [\"slab\", "
+           "\"tip\"]\npairs = \"all\"\nstiffness = 1.0\n[run]\nduration = 1.0\nintegrator = " +
+           scheme(0.01) + "\n";
+  };
+  const std::string why = refusal(text("\"sin(t)\""));
+  EXPECT_NE(why.find("\"slab\""), std::string::npos) << why;
+  EXPECT_EQ(refusal(text("0.1")), "") << "a steady one is a place that follows from the time";
+}
+
+}  // namespace
+}  // namespace tomlin::test
