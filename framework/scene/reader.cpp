@@ -617,7 +617,7 @@ class SceneReader {
     integrator.description = std::move(description);
     integrator.place = source_.place(given.where);
     integrator.places = reading.places;
-    if (record->follows_equilibria != quasistatic) fit_to_dynamics(reading, path, *record);
+    if (record->follows_equilibria != quasistatic) fit_to_dynamics(reading, *record);
     return Node{std::move(effective), {}};
   }
 
@@ -632,8 +632,7 @@ class SceneReader {
 
   /// Only one scheme follows equilibria, and it does nothing else: for quasistatic dynamics it is
   /// taken in place of what is given.
-  void fit_to_dynamics(const TableReading& reading, const std::string& path,
-                       const IntegratorRecord& given) {
+  void fit_to_dynamics(const TableReading& reading, const IntegratorRecord& given) {
     if (given.follows_equilibria) {
       reading.complain(faults_, "type",
                        {"", "follows equilibria: it is for dynamics = \"quasistatic\" alone",
