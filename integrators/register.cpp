@@ -2,6 +2,7 @@
 
 #include "framework/core/integrator.hpp"
 #include "integrators/blanes_moan.hpp"
+#include "integrators/continuation.hpp"
 #include "integrators/dop853.hpp"
 #include "integrators/dopri5.hpp"
 #include "integrators/exponential_verlet.hpp"
@@ -14,6 +15,7 @@ namespace tomlin {
 
 void register_integrators(Registry& registry) {
   registry.add(blanes_moan_record());
+  registry.add(continuation_record());
   registry.add(dop853_record());
   registry.add(dopri5_record());
   registry.add(exponential_verlet_record());

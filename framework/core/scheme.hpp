@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "framework/core/double_double.hpp"
 #include "framework/core/state_layout.hpp"
@@ -16,11 +17,51 @@ enum class StepFault {
   not_finite_or_too_far,  ///< a coordinate left the finite numbers or moved too far in one step
   step_too_small,         ///< an adaptive scheme would need less than its smallest step
   too_many_steps,         ///< an adaptive scheme has used up its steps
+  no_equilibrium,         ///< no stable equilibrium was found: nothing holds the scene
 };
 
 struct StepReport {
   double taken = 0.0;  ///< length of the step; 0 when it failed
   StepFault fault = StepFault::none;
+};
+
+/// The equilibrium that a scene is in. Second derivatives of the potential energy are with respect
+/// to the free coordinates, angles in rad.
+struct EquilibriumState {
+  std::size_t neutral = 0;       ///< directions that nothing holds
+  double softest = 0.0;          ///< smallest along a direction of unit length that is not neutral
+  double log_determinant = 0.0;  ///< ln |det|; not a number where a direction is neutral
+  std::vector<std::size_t> neutral_at;  ///< the coordinate that moves most, of each direction
+};
+
+/// What schemes that follow equilibria offer beside steps. A step ends at the latest where the
+/// equilibrium loses its stability; the scene then slips to the next one, in no time.
+class EquilibriumPath {
+ public:
+  virtual ~EquilibriumPath() = default;
+
+  /// From the scene's start to an equilibrium, at the start of a run that is `ahead`.
+  virtual StepFault settle(double ahead) = 0;
+  /// The last step has ended where the equilibrium does.
+  virtual bool ends() const = 0;
+  /// To the next equilibrium, at the end of the last step, which is `since` after the anchor, with
+  /// `ahead` to go.
+  virtual StepFault slip(double since, double ahead) = 0;
+  /// It was a jump. Else the scene has only branched off: the next equilibrium begins where the
+  /// last one has ended.
+  virtual bool jumped() const = 0;
+
+  /// Moments of the last step, close enough that cubics through each four show all that it does;
+  /// the first is its start and the last its end.
+  static constexpr std::size_t kMoments = 49;
+  /// The state there; returns the part of the step's time that has passed.
+  virtual double moment(std::size_t k, double* position, double* velocity, double* rates) const = 0;
+
+  /// Of the present state.
+  virtual EquilibriumState state(double since) = 0;
+
+ protected:
+  EquilibriumPath() = default;
 };
 
 /// Advances position, velocity and integrals of a system. All three are known at the same time at
@@ -90,6 +131,9 @@ class Integrator {
   /// Evaluations that are counted already and belong to the next step. They are lost with the
   /// state's bytes, and made again.
   virtual std::uint64_t evaluations_ahead() const { return 0; }
+
+  /// For a scheme that follows equilibria; null for all others.
+  virtual EquilibriumPath* path() { return nullptr; }
 
   /// Accepted and refused attempts of an adaptive scheme.
   virtual std::uint64_t refused_steps() const { return 0; }

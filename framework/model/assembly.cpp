@@ -264,6 +264,7 @@ void Assembly<Real>::lay_coordinates() {
 /// Friction of bodies that move by forces; what is prescribed or fixed is dragged along as ever.
 template <class Real>
 bool Assembly<Real>::takes_as_operator(const Force& force) const {
+  if (plan_.quasistatic) return force.bound->is_friction();
   if (plan_.inertial && !plan_.splits_friction) return false;
   if (!force.bound->is_friction()) return false;
   return std::none_of(force.bodies.begin(), force.bodies.end(), [&](std::size_t b) {

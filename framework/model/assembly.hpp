@@ -37,6 +37,7 @@ struct AssemblyPlan {
   InstructionSet set = InstructionSet::baseline;
   bool inertial = true;
   bool splits_friction = false;
+  bool quasistatic = false;  ///< no friction acts, on nothing
   bool ledger = false;
 };
 

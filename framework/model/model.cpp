@@ -17,8 +17,9 @@ AssemblyPlan Model::plan_for(const Scene& scene, InstructionSet set) {
   AssemblyPlan plan;
   plan.scene = &scene;
   plan.set = set;
-  plan.inertial = scene.run.dynamics == "inertial";
-  plan.splits_friction = scene.run.integrator.record->splits_friction;
+  plan.quasistatic = scene.run.dynamics == "quasistatic";
+  plan.inertial = scene.run.dynamics == "inertial" || plan.quasistatic;
+  plan.splits_friction = scene.run.integrator.record->splits_friction || plan.quasistatic;
   plan.ledger = scene.run.ledger;
   for (const SceneBody& body : scene.bodies) {
     plan.geometry.push_back(body.record->build(body.description.get(), scene.dimension));
@@ -54,7 +55,7 @@ void check_scheme(const Assembly<double>& assembly) {
     faults.push_back({place, key, "\"" + scheme.name + "\"", why, admissible, ""});
   };
   const Place& place = scene.run.integrator.place;
-  if (scene.run.dynamics != "inertial" && !scheme.without_inertia) {
+  if (scene.run.dynamics == "overdamped" && !scheme.without_inertia) {
     refuse("run.integrator.type", place, "takes no dynamics without inertia", "rk4, dopri5");
   }
   if (scheme.splits_friction) {
@@ -99,7 +100,7 @@ void check_scheme(const Assembly<double>& assembly) {
         const auto found = scene.run.places.find("dynamics");
         faults.push_back(
             {found == scene.run.places.end() ? scene.run.place : found->second, "run.dynamics",
-             "\"overdamped\"",
+             "\"" + scene.run.dynamics + "\"",
              "the force \"" + force.name + "\" depends on velocity and is not linear friction",
              "\"inertial\"", ""});
       }

@@ -96,7 +96,7 @@ double Model::rotation(std::size_t b, const double* position) const {
 
 double Model::kinetic_energy(const double* velocity) const {
   InterleavedSum<double> total;
-  if (!system().view.inertial) return 0.0;
+  if (!system().view.inertial || plan_.quasistatic) return 0.0;
   for (std::size_t i = 0; i < system().view.dofs; ++i) {
     const double inverse_mass = system().view.inverse_mass[i];
     if (inverse_mass > 0.0) total.add(i, 0.5 * velocity[i] * velocity[i] / inverse_mass);

@@ -64,6 +64,13 @@ Json energy_entry(const EnergyResult& energy) {
           {"numerical_work", number(energy.numerical_work)}};
 }
 
+Json equilibrium_entry(const EquilibriumResult& equilibrium) {
+  return {{"energy", number(equilibrium.energy)},
+          {"neutral_directions", equilibrium.neutral_directions},
+          {"smallest_curvature", number(equilibrium.smallest_curvature)},
+          {"log_determinant", number(equilibrium.log_determinant)}};
+}
+
 Json determined_entry(const DeterminedResult& found) {
   return {{"value", number(found.value)},
           {"spread", number(found.spread)},
@@ -124,6 +131,7 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
                         {"change", number(result.steady->change)}};
   }
 
+  if (result.equilibrium) summary["equilibrium"] = equilibrium_entry(*result.equilibrium);
   if (result.energy) summary["energy"] = energy_entry(*result.energy);
   if (!result.determined.empty()) {
     summary["determined"] = Json::object();

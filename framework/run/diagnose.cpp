@@ -150,6 +150,11 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
       failure.what = "the integrator has used up its most_steps";
       failure.cause = "the scene is stiffer, or the run longer, than most_steps allows for";
       return failure;
+    case StepFault::no_equilibrium:
+      failure.what = "no stable equilibrium was found from here on";
+      failure.cause =
+          "nothing holds the scene against its forces: it slides away, or slips without end";
+      return failure;
     case StepFault::step_too_small:
       failure.what = "the step needed is below smallest_step";
       failure.cause = "tolerances below what rounding allows, or a force that is not smooth";

@@ -33,6 +33,7 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   dt_ = scheme_.step(description);
   ledger_ = scene_->run.ledger;
   integrator_ = integrator_in(scene_->run.number_type, model_, description, scheme_);
+  path_ = integrator_->path();
   list_signals();
   list_watches();
   list_triggers();
@@ -80,10 +81,12 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   last_checkpoint_ = started_;
   warn_of_idle_velocities();
   warn_of_fine_tolerance();
+  warn_of_unused_integrator();
   bound_unwatched_steps();
   check_step();
   look_for_doubts();
   model_.anchor(DoubleDouble(0.0));
+  if (path_ != nullptr) settle();
   start_triggers();
   if (period_ > 0.0) start_until();
   if (options_.sink) begin_sink();
@@ -115,6 +118,7 @@ void Engine::declare(StateLayout& layout) {
   extremes_.declare(layout, signal_count_);
   first_maximum_.declare(layout, drivers_.size());
   layout.add_integers("events.counts", kEventKinds);
+  if (path_ != nullptr) layout.add_reals("events.peaks", drivers_.size());
   layout.add_reals("events.drivers", driver_watches_.size() * DriverWatch::kReals);
   layout.add_integers("events.drivers", driver_watches_.size() * DriverWatch::kIntegers);
   layout.add_reals("events.bodies", body_watches_.size() * BodyWatch::kReals);
@@ -134,6 +138,7 @@ void Engine::attach() {
   last_turns_ = state_.reals("last_turns");
   turn_wraps_ = state_.integers("turn_wraps");
   event_counts_ = state_.integers("events.counts");
+  if (path_ != nullptr) peaks_ = state_.reals("events.peaks");
   const auto attach_watches = [this](const char* field, auto& watches) {
     double* reals = state_.reals(field);
     std::int64_t* integers = state_.integers(field);
@@ -232,7 +237,9 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid,
   }
   seen_ = arrived;
   signals_from_rates(integrator_->first_rates());
-  if (dt_ > 0.0 || !look_between(static_cast<double>(begin), static_cast<double>(arrived))) {
+  if (path_ != nullptr) {
+    look_along_path(static_cast<double>(begin), static_cast<double>(arrived));
+  } else if (dt_ > 0.0 || !look_between(static_cast<double>(begin), static_cast<double>(arrived))) {
     look(static_cast<double>(begin));
   }
 
@@ -250,6 +257,7 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid,
     next_since = since_anchor();
   }
   if (due <= static_cast<double>(arrived)) serve_dense(due, begin, arrived, next_since);
+  if (path_ != nullptr && path_->ends() && !slip()) return false;
   if (period_over_) end_period();
   if (housekeeping_due() || counts_[kRotationEvery] == 1) housekeeping();
   if (within_step_) interrupted_ = ended_ = true;

@@ -81,6 +81,7 @@ class Engine {
   void check_step();
   void warn_of_idle_velocities();
   void warn_of_fine_tolerance();
+  void warn_of_unused_integrator();
   void bound_unwatched_steps();
   void look_for_doubts();
   void fail_at_start(const std::string& body, std::string what, std::string cause);
@@ -123,6 +124,14 @@ class Engine {
   void plain_block(std::int64_t most);
   void look(double at);
   bool look_between(double from, double to);
+  void look_along_path(double from, double to);
+  void include_cubics(double from, double to);
+  void see_pull(std::size_t driver, double pull);
+  void settle();
+  void forget_pulls();
+  void tell_of_slip(double lost);
+  bool slip();
+  void describe_equilibrium();
   /// Force of a driver along its way at the start, times its speed.
   double pull_of(std::size_t driver, const double* signals) const {
     const auto axes = static_cast<std::size_t>(model_.dimension());
@@ -164,6 +173,7 @@ class Engine {
   Model model_;
   const IntegratorRecord& scheme_;
   std::unique_ptr<Integrator<double>> integrator_;
+  EquilibriumPath* path_ = nullptr;  ///< of a quasistatic run
   RunState state_;
   const ObserveTable& observe_;
 
@@ -179,6 +189,7 @@ class Engine {
   // In the run state.
   double* clock_ = nullptr;         ///< high and low part of the time
   std::int64_t* counts_ = nullptr;  ///< steps taken, steps on the grid, next sample
+  double* peaks_ = nullptr;         ///< quasistatic: of drivers' pulls since the last slip
   double* last_turns_ = nullptr;    ///< flexible bodies: rotation when last looked at
   std::int64_t* turn_wraps_ = nullptr;
   enum { kSteps, kGridSteps, kNextSample, kRotationEvery, kEvaluations, kColumns, kCounts };
@@ -189,7 +200,7 @@ class Engine {
   std::size_t signal_count_ = 0;
   std::vector<double> signals_;
   std::vector<double> pulls_;
-  std::vector<double> between_[4];  ///< signals at thirds of a step
+  std::vector<double> between_[4];  ///< signals at thirds of a step, or of a part of it
   std::vector<double> direction_;   ///< [driver * dimension + axis], velocities at the start
   std::vector<double> speed_;       ///< of each driver
   std::vector<double> along_;       ///< pull times this is the force along the present velocity
@@ -234,6 +245,7 @@ class Engine {
   bool ledger_ = false;
   double kinetic_energy_ = 0.0;    ///< at the end
   double potential_energy_ = 0.0;  ///< at the end
+  std::optional<EquilibriumResult> equilibrium_;
   bool ended_ = false;
   bool interrupted_ = false;
   bool within_step_ = false;  ///< stopped before all samples of the last step were served

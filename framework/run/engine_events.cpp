@@ -44,7 +44,9 @@ void Engine::list_watches() {
     for (int d = 0; d < model_.dimension(); ++d) {
       if (drive.velocity[d] != 0.0) period = std::max(period, model_.origin().unit[d]);
     }
-    driver_watches_.emplace_back(k, drive, period, precision);
+    driver_watches_.emplace_back(
+        k, drive, period, precision,
+        path_ == nullptr ? DriverWatch::Slips::looked_for : DriverWatch::Slips::told);
   }
   for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
     const Model::Body& body = model_.bodies()[b];
@@ -177,6 +179,7 @@ void Engine::fire(const Trigger& trigger) {
   trigger.beyond[side] = 1;
   anchor_here();
   set_directions();
+  forget_pulls();
   integrator_->forces_changed();
   for (DriverWatch& watch : driver_watches_) {
     if (drivers_[watch.driver()].name == force.name) watch.turned();
@@ -298,6 +301,7 @@ EventCounts Engine::event_counts() const {
     counts.reversals = count(EventKind::reversal);
     if (watch.watches_slips()) counts.slips = count(EventKind::slip);
   }
+  if (path_ != nullptr) counts.slips = count(EventKind::slip);
   for (const BodyWatch& watch : body_watches_) {
     counts.turns = count(EventKind::turn);
     if (watch.watches_hops()) counts.hops = count(EventKind::hop);

@@ -56,7 +56,8 @@ void Engine::begin_sink() {
   layout.dimension = model_.dimension();
   layout.box = scene_->box.lengths;
   layout.periodic = scene_->box.periodic;
-  layout.events = !driver_watches_.empty() || !body_watches_.empty() || !triggers_.empty();
+  layout.events =
+      path_ != nullptr || !driver_watches_.empty() || !body_watches_.empty() || !triggers_.empty();
   layout.state = fields_of(state_.layout());
   if (sampling_) {
     static const char* const axes[] = {"x", "y", "z"};
@@ -123,6 +124,12 @@ bool Engine::look_between(double from, double to) {
     interpolate_readings(k / 3.0, to - from);
     watch(from + (to - from) * k / 3.0, between_[k].data(), between_readings_);
   }
+  include_cubics(from, to);
+  return true;
+}
+
+/// Extremes of the cubics through the signals at the ends and at thirds of [from, to].
+void Engine::include_cubics(double from, double to) {
   // Of a step across an edge of the window only what lies within counts.
   const auto inside = [&](double theta) {
     const double at = from + (to - from) * theta;
@@ -140,16 +147,16 @@ bool Engine::look_between(double from, double to) {
       }
     }
   }
-  if (!first_maximum_.searching()) return true;
+  if (!first_maximum_.searching() && path_ == nullptr) return;
   for (std::size_t k = 0; k < drivers_.size(); ++k) {
     const CubicExtremes found =
         cubic_extremes(pull_of(k, between_[0].data()), pull_of(k, between_[1].data()),
                        pull_of(k, between_[2].data()), pull_of(k, between_[3].data()));
     for (int e = 0; e < found.count; ++e) {
       if (found.is_maximum[e]) first_maximum_.settle(k, found.value[e]);
+      if (path_ != nullptr) see_pull(k, found.value[e]);
     }
   }
-  return true;
 }
 
 /// Extremes see the values at the start of a step.

@@ -17,6 +17,7 @@ void Engine::finish() {
     keep_moment(to_, to_.time, view.position, view.velocity, view.integrals);
   }
   model_.evaluate_at(now(), view.position, view.velocity, view.integrals, final_rates_.data());
+  if (path_ != nullptr && !failure_) describe_equilibrium();
   if (!failure_ && !interrupted_) {
     finish_events();
     warn_of_unsteadiness();
@@ -64,6 +65,7 @@ RunResult Engine::result() {
   result.force_evaluations = model_.system().evaluations;
   result.jacobian_columns = model_.system().columns;
   result.events = event_counts();
+  result.equilibrium = equilibrium_;
   if (period_ > 0.0) result.steady = steady();
   result.window_from = from_.time;
   result.window_to = to_.time;

@@ -135,10 +135,12 @@ void Engine::resolve_window() {
 }
 
 /// Where nothing is free there is no error for an adaptive scheme to control, yet forces on what is
-/// prescribed change along its way: parts of a period, or of the run where there is none.
+/// prescribed change along its way: parts of a period, or of the run where there is none. Schemes
+/// that follow equilibria do not look at the errors of prescribed ways either.
 void Engine::bound_unwatched_steps() {
   const SystemView<double>& view = model_.system().view;
-  if (dt_ > 0.0 || view.coordinates > 0 || view.own_count > 0) return;
+  const bool watched = view.coordinates > 0 || view.own_count > 0;
+  if (dt_ > 0.0 || (watched && (path_ == nullptr || view.own_count == 0))) return;
   constexpr double kPartOfPeriod = 0.02;
   constexpr double kPartOfRun = 1e-3;
   longest_unwatched_ = kPartOfRun * duration_;
@@ -173,7 +175,7 @@ void Engine::warn_of_fine_tolerance() {
 
 /// Without inertia velocities follow from forces, whatever the scene says of them at the start.
 void Engine::warn_of_idle_velocities() {
-  if (model_.system().view.inertial) return;
+  if (model_.system().view.inertial && path_ == nullptr) return;
   for (const SceneBody& body : scene_->bodies) {
     const PerParticleVector& given = body.record->common(body.description.get()).velocity;
     const bool any = std::any_of(given.values.begin(), given.values.end(), [](const auto& vector) {
@@ -182,9 +184,18 @@ void Engine::warn_of_idle_velocities() {
     });
     if (!any) continue;
     warnings_.push_back(
-        fmt::format("body.{}.velocity means nothing without inertia: velocities follow from forces",
-                    body.name));
+        fmt::format("body.{}.velocity means nothing without inertia: velocities follow from {}",
+                    body.name, path_ == nullptr ? "forces" : "the drivers'"));
   }
+}
+
+/// Quasistatic dynamics have a scheme of their own.
+void Engine::warn_of_unused_integrator() {
+  const SceneIntegrator& integrator = scene_->run.integrator;
+  if (integrator.not_used.empty()) return;
+  warnings_.push_back(
+      fmt::format("run.integrator = {} is not used: quasistatic dynamics follow equilibria by {}",
+                  integrator.not_used, integrator.name));
 }
 
 /// A step beyond the stability limit is refused before it is taken.

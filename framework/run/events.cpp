@@ -113,12 +113,14 @@ double LastPoints::when_slope_is(double level, double from, double to) const {
   return root([&](double t) { return slope_at(t) - level; }, from, to);
 }
 
-DriverWatch::DriverWatch(std::size_t driver, const Drive& drive, double period, double precision)
+DriverWatch::DriverWatch(std::size_t driver, const Drive& drive, double period, double precision,
+                         Slips slips)
     : driver_(driver),
       speed_(speed_of(drive)),
       stiffness_(drive.stiffness),
       period_(period),
-      precision_(precision) {}
+      precision_(precision),
+      slips_(slips) {}
 
 void DriverWatch::attach(double* reals, std::int64_t* integers) {
   force_ = LastPoints(reals, integers);
@@ -138,7 +140,7 @@ double DriverWatch::way(double from, double force_from, double to, double force_
 }
 
 void DriverWatch::look(const Emit& emit, const Heat& heat) {
-  if (watches_slips()) look_for_slip(emit, heat);
+  if (watches_slips() && slips_ == Slips::looked_for) look_for_slip(emit, heat);
   look_for_reversal(emit);
 }
 

@@ -65,13 +65,16 @@ class LastPoints {
 ///   reversal  from where its velocity along the pull turns negative to where it turns back
 class DriverWatch {
  public:
-  /// With `precision`, the unit roundoff of forces.
-  DriverWatch(std::size_t driver, const Drive& drive, double period, double precision);
+  /// With `precision`, the unit roundoff of forces. Slips that a scheme tells of are not looked
+  /// for.
+  enum class Slips { looked_for, told };
+  DriverWatch(std::size_t driver, const Drive& drive, double period, double precision, Slips slips);
 
   static constexpr std::size_t kReals = LastPoints::kReals + 8;
   static constexpr std::size_t kIntegers = LastPoints::kIntegers + 4;
   std::size_t driver() const { return driver_; }
   bool watches_slips() const { return period_ > 0.0; }
+  double stiffness() const { return stiffness_; }
   void attach(double* reals, std::int64_t* integers);
   void start();
   /// Its driver has turned round: what was going on is over.
@@ -107,6 +110,7 @@ class DriverWatch {
   double stiffness_;
   double period_;
   double precision_;
+  Slips slips_;
   LastPoints force_;
   double* numbers_ = nullptr;
   std::int64_t* busy_ = nullptr;

@@ -124,6 +124,13 @@ std::vector<Observable> observables(const RunResult& result) {
       .add_count("turns", result.events.turns)
       .add_count("reversals", result.events.reversals)
       .add_count("driver_reversals", result.events.driver_reversals);
+  if (result.equilibrium) {
+    all.under("equilibrium")
+        .add("energy", result.equilibrium->energy)
+        .add_count("neutral_directions", result.equilibrium->neutral_directions)
+        .add("smallest_curvature", result.equilibrium->smallest_curvature)
+        .add("log_determinant", result.equilibrium->log_determinant);
+  }
   if (result.energy) {
     all.under("energy")
         .add("kinetic", result.energy->kinetic)

@@ -61,7 +61,8 @@ struct BodyResult {
   std::optional<double> turns;         ///< over the window
   std::optional<double> rolling;       ///< -R dphi/dx over the window
   std::vector<double> mean_velocity;   ///< over the window
-  std::optional<double> max_speed;     ///< of the centre, over the window
+  /// Of the centre, over the window; infinite where it slips in no time.
+  std::optional<double> max_speed;
 };
 
 /// The energy ledger. Kinetic and potential energy are those at the end of the run; the rest is
@@ -74,6 +75,14 @@ struct EnergyResult {
   std::optional<double> stored_change;  ///< of kinetic and potential energy
   /// stored_change + heat_out - work_in: what the integrator itself added.
   std::optional<double> numerical_work;
+};
+
+/// The equilibrium that a quasistatic run ends in.
+struct EquilibriumResult {
+  double energy = 0.0;                       ///< potential; but for what the choice of zero holds
+  std::uint64_t neutral_directions = 0;      ///< that nothing holds
+  std::optional<double> smallest_curvature;  ///< of the energy, along what is not neutral
+  std::optional<double> log_determinant;     ///< ln |det| of the energy's second derivatives
 };
 
 /// What happened in the whole run. What cannot happen in a scene is not counted.
@@ -132,11 +141,12 @@ struct RunResult {
   std::vector<DriverResult> drivers;
   std::vector<BodyResult> bodies;
   EventCounts events;
-  std::optional<SteadyResult> steady;        ///< with `[run] until`
-  std::optional<EnergyResult> energy;        ///< with `[run] ledger`
-  std::vector<DeterminedResult> determined;  ///< with `[run] perturb`
-  std::optional<AccuracyResult> accuracy;    ///< with `[run] accuracy`
-  std::vector<ErrorEstimate> errors;         ///< likewise
+  std::optional<SteadyResult> steady;            ///< with `[run] until`
+  std::optional<EnergyResult> energy;            ///< with `[run] ledger`
+  std::optional<EquilibriumResult> equilibrium;  ///< of quasistatic dynamics
+  std::vector<DeterminedResult> determined;      ///< with `[run] perturb`
+  std::optional<AccuracyResult> accuracy;        ///< with `[run] accuracy`
+  std::vector<ErrorEstimate> errors;             ///< likewise
   std::vector<std::string> warnings;
   std::vector<std::pair<std::string, std::string>> left_out;  ///< force and why it was not built
   double wall_seconds = 0.0;

@@ -149,8 +149,7 @@ TableLayout run_layout(bool until) {
   duration.optional = until;  // which has a latest time of its own
   layout.rows = {
       parameter("dynamics", &RunSettings::dynamics, dimension::none, "the equations of motion")
-          .one_of({"inertial", "overdamped"})
-          .not_yet({"quasistatic"})
+          .one_of({"inertial", "overdamped", "quasistatic"})
           .by_default("inertial"),
       std::move(duration),
       parameter("number_type", &RunSettings::number_type, dimension::none,
@@ -298,8 +297,9 @@ bool is_later_type(std::string_view kind, std::string_view type) {
 
 bool is_word_of_summary(std::string_view name) {
   static constexpr std::string_view kWords[] = {
-      "time",    "energy", "events",   "window", "performance", "parameters", "status",
-      "drivers", "bodies", "warnings", "error",  "determined",  "failure",    "left_out"};
+      "time",       "energy",     "events",  "window",   "performance",
+      "parameters", "status",     "drivers", "bodies",   "warnings",
+      "error",      "determined", "failure", "left_out", "equilibrium"};
   return std::find(std::begin(kWords), std::end(kWords), name) != std::end(kWords);
 }
 

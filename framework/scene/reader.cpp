@@ -569,8 +569,16 @@ class SceneReader {
   std::optional<Node> read_integrator(const Section& run) {
     const std::string path = "run.integrator";
     const std::string due = "{ type = ..., ... }";
+    const bool quasistatic = scene_->run.dynamics == "quasistatic";
     const Node* node = run.table->find("integrator");
-    if (const Entry* accuracy = run.table->find_entry("accuracy")) {
+    const Entry* accuracy = run.table->find_entry("accuracy");
+    if (accuracy != nullptr && quasistatic) {
+      faults_.of_key(accuracy->where,
+                     {"run.accuracy", "quasistatic dynamics have one scheme, with a tolerance",
+                      "integrator = { type = \"continuation\", tolerance = ... }"});
+      return std::nullopt;
+    }
+    if (accuracy != nullptr) {
       if (node == nullptr) {
         take_any_integrator(run);
         return std::nullopt;
@@ -579,6 +587,9 @@ class SceneReader {
           accuracy->where,
           {"run.accuracy", "stands in place of an integrator, and there is one", "one of the two"});
     }
+    const Table follower = following_scheme();
+    const Node by_default{follower, run.where};
+    if (node == nullptr && quasistatic) node = &by_default;
     if (node == nullptr) {
       faults_.of_key(run.where, {path, "missing", due + ", or accuracy"});
       return std::nullopt;
@@ -596,17 +607,46 @@ class SceneReader {
     const auto reading = read_section(given, integrator_layout(*record), path, description.get());
     if (reading.sound) report(record->complaints(description.get()), reading, faults_);
 
+    Table effective;
+    effective.set("type", text_node(record->name));
+    append(effective, reading.effective);
+
     SceneIntegrator& integrator = scene_->run.integrator;
     integrator.name = record->name;
     integrator.record = record;
     integrator.description = std::move(description);
     integrator.place = source_.place(given.where);
     integrator.places = reading.places;
-
-    Table effective;
-    effective.set("type", text_node(record->name));
-    append(effective, reading.effective);
+    if (record->follows_equilibria != quasistatic) fit_to_dynamics(reading, *record);
     return Node{std::move(effective), {}};
+  }
+
+  /// `{ type = ... }` of the scheme that follows equilibria.
+  Table following_scheme() const {
+    Table table;
+    for (const auto& record : registry_.integrators()) {
+      if (record->follows_equilibria) table.set("type", text_node(record->name));
+    }
+    return table;
+  }
+
+  /// Only one scheme follows equilibria, and it does nothing else: for quasistatic dynamics it is
+  /// taken in place of what is given.
+  void fit_to_dynamics(const TableReading& reading, const IntegratorRecord& given) {
+    if (given.follows_equilibria) {
+      reading.complain(faults_, "type",
+                       {"", "follows equilibria: it is for dynamics = \"quasistatic\" alone",
+                        "another integrator, or run.dynamics = \"quasistatic\""});
+      return;
+    }
+    for (const auto& record : registry_.integrators()) {
+      if (!record->follows_equilibria) continue;
+      SceneIntegrator& integrator = scene_->run.integrator;
+      integrator.not_used = std::exchange(integrator.name, record->name);
+      integrator.record = record.get();
+      integrator.description = with_defaults(*record);
+      return;
+    }
   }
 
   void read_measure() {

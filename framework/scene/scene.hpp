@@ -44,7 +44,9 @@ struct SceneForce : SceneComponent<ForceRecord> {
   std::vector<std::size_t> bodies;  ///< indices into Scene::bodies, in the order named
 };
 
-struct SceneIntegrator : SceneComponent<IntegratorRecord> {};
+struct SceneIntegrator : SceneComponent<IntegratorRecord> {
+  std::string not_used;  ///< the one that is given, where the dynamics have a scheme of their own
+};
 
 /// `perturb = { ... }`: runs repeated from slightly other starts, to see how far the result is
 /// determined at all.

@@ -112,10 +112,6 @@ TEST(BadScene, NotInThisVersion) {
        {R"(16:8: force.expression.type = "expression": not in this version; admissible: "pull", "bonds", "wave")"}},
       {kRing,
        "duration = 1e4",
-       "duration = 1e4\ndynamics = \"quasistatic\"",
-       {R"(27:12: run.dynamics = "quasistatic": not in this version; admissible: "inertial" or "overdamped")"}},
-      {kRing,
-       "duration = 1e4",
        "duration = 1e4\naccuracy = 1e-6",
        {"27:1: run.accuracy: stands in place of an integrator, and there is one; admissible: one "
         "of the two"}},

@@ -1,0 +1,139 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "framework/run/engine.hpp"
+
+/// What the run loop does for schemes that follow equilibria: how a run starts, what a step shows,
+/// and slips, which such schemes tell of.
+namespace tomlin {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+/// The start of a run is an equilibrium.
+void Engine::settle() {
+  forget_pulls();
+  const StepFault fault = path_->settle(duration_);
+  if (fault != StepFault::none) fail(fault, 0.0);
+}
+
+void Engine::forget_pulls() {
+  if (path_ != nullptr) std::fill(peaks_, peaks_ + drivers_.size(), -kInfinity);
+}
+
+/// The largest force along a driver's way since the last slip.
+void Engine::see_pull(std::size_t driver, double pull) {
+  if (drags_[driver]) peaks_[driver] = std::max(peaks_[driver], pull * along_[driver]);
+}
+
+/// Steps are long, and forces fall steeply where an equilibrium is about to end: looks are at
+/// equal distances along the path, and cubics go through four of them.
+void Engine::look_along_path(double from, double to) {
+  const auto at = [&](double part) { return from + (to - from) * part; };
+  for (std::size_t first = 0; first + 3 < EquilibriumPath::kMoments; first += 3) {
+    double part[4];
+    for (std::size_t k = 0; k < 4; ++k) {
+      part[k] = path_->moment(first + k, dense_position_.data(), dense_velocity_.data(),
+                              dense_rates_.data());
+      signals_from_rates(dense_rates_.data());
+      signals_from_velocity(dense_velocity_.data(), at(part[k]));
+      between_[k] = signals_;
+      for (std::size_t driver = 0; driver < drivers_.size(); ++driver) {
+        see_pull(driver, pull_of(driver, signals_.data()));
+      }
+      if (k == 3) break;
+      read_bodies(dense_position_.data(), nullptr, between_readings_);
+      watch(at(part[k]), signals_.data(), between_readings_);
+    }
+    include_cubics(at(part[0]), at(part[3]));
+  }
+}
+
+/// To the next equilibrium. What the scene loses is the difference of two energies.
+bool Engine::slip() {
+  const SystemView<double>& view = model_.system().view;
+  const double before =
+      model_.potential_energy(now(), view.position, view.velocity, view.integrals);
+  const StepFault fault = path_->slip(0.0, static_cast<double>(DoubleDouble(duration_) - now()));
+  counts_[kEvaluations] = static_cast<std::int64_t>(model_.system().evaluations);
+  counts_[kColumns] = static_cast<std::int64_t>(model_.system().columns);
+  if (fault != StepFault::none) {
+    fail(fault, 0.0);
+    return false;
+  }
+  const double lost =
+      before - model_.potential_energy(now(), view.position, view.velocity, view.integrals);
+  if (model_.friction_rate() != kNoRate) view.integrals[model_.friction_rate()] += lost;
+  if (!path_->jumped()) return true;
+  model_.evaluate_at(now(), view.position, view.velocity, view.integrals, dense_rates_.data());
+  signals_from_rates(dense_rates_.data());
+  tell_of_slip(lost);
+  return true;
+}
+
+/// It is the slip of the driver whose spring's end gets furthest ahead.
+void Engine::tell_of_slip(double lost) {
+  const std::vector<double>& held = between_[3];  // at the end of the step
+  Event event;
+  event.kind = EventKind::slip;
+  event.time = time();
+  event.duration = 0.0;
+  event.size = event.peak_force = kNone;
+  event.energy_lost = lost;
+  event_name_ = drivers_.empty() ? model_.bodies().front().bound.name : drivers_.front().name;
+  for (DriverWatch& watch : driver_watches_) {
+    const std::size_t k = watch.driver();
+    const double pull = pull_of(k, held.data()) * along_[k];
+    const double ahead = (pull - pull_of(k, signals_.data()) * along_[k]) / watch.stiffness();
+    if (std::isnan(event.size) || std::abs(ahead) > std::abs(event.size)) {
+      event.size = ahead;
+      event.peak_force = peaks_[k];
+      event_name_ = drivers_[k].name;
+    }
+    if (ahead > 0.0) first_maximum_.settle(k, pull_of(k, held.data()));
+    watch.turned();
+  }
+  if (event.time >= from_.time && event.time <= to_.time) {
+    for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
+      extremes_.include(drivers_.size() * model_.dimension() + b, kInfinity);
+    }
+  }
+  forget_pulls();
+  record(event);
+}
+
+/// What the run ends in. Looking at it is no part of the run's cost.
+void Engine::describe_equilibrium() {
+  System<double>& system = model_.system();
+  const std::uint64_t evaluations = system.evaluations;
+  const std::uint64_t columns = system.columns;
+  model_.anchor(now());
+  const EquilibriumState state = path_->state(0.0);
+  system.evaluations = evaluations;
+  system.columns = columns;
+  EquilibriumResult& result = equilibrium_.emplace();
+  const SystemView<double>& view = system.view;
+  result.energy = model_.potential_energy(now(), view.position, view.velocity, view.integrals);
+  result.neutral_directions = state.neutral;
+  if (state.neutral < view.coordinates) result.smallest_curvature = state.softest;
+  if (state.neutral == 0) result.log_determinant = state.log_determinant;
+  for (const std::size_t coordinate : state.neutral_at) {
+    const Model::CoordinateName name = model_.name_of(coordinate);
+    const std::string particle =
+        name.particle < 0 ? "" : fmt::format(", particle {}", name.particle);
+    warnings_.push_back(
+        fmt::format("nothing holds the scene in one direction, in which {}{}, {} moves most: it "
+                    "stays where it is",
+                    name.body, particle, name.axis));
+  }
+}
+
+}  // namespace tomlin
