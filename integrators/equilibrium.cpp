@@ -362,12 +362,8 @@ void Equilibrium::describe(double& softest_of_all, double& log_determinant_of_al
 // ---- relaxing
 
 Equilibrium::Friction Equilibrium::friction_that_reaches_all() {
-  if (!tangent_.factor(0.0, 1.0, 0.0) || tangent_.negative() > 0) return Friction::of_masses;
-  // Without any friction the matrix is zero throughout.
-  constexpr double kNoFriction = 1e200;
-  std::copy(unit_.begin(), unit_.end(), scratch_.begin());
-  tangent_.solve(scratch_.data());
-  return largest(scratch_.data()) < kNoFriction ? Friction::of_scene : Friction::of_masses;
+  const bool definite = tangent_.factor(0.0, 1.0, 0.0) && tangent_.negative() == 0;
+  return definite ? Friction::of_scene : Friction::of_masses;
 }
 
 bool Equilibrium::factor_flow(Friction friction, double rate) {

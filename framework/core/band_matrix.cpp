@@ -38,7 +38,8 @@ bool BandFactors::factor(const BandMatrix& matrix) {
       largest = std::max(largest, std::abs(matrix.at(i, j)));
     }
   }
-  if (!(largest < std::numeric_limits<double>::infinity())) return false;
+  if (size_ == 0) return true;
+  if (!(largest > 0.0 && largest < std::numeric_limits<double>::infinity())) return false;
   // A pivot that is nothing but rounding: each has gone through about `band` subtractions.
   constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
   const double rounding = 8.0 * static_cast<double>(band_ + 1) * kEpsilon * largest;

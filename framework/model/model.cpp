@@ -56,7 +56,8 @@ void check_scheme(const Assembly<double>& assembly) {
   };
   const Place& place = scene.run.integrator.place;
   if (scene.run.dynamics == "overdamped" && !scheme.without_inertia) {
-    refuse("run.integrator.type", place, "takes no dynamics without inertia", "rk4, dopri5");
+    refuse("run.integrator.type", place, "takes no dynamics without inertia",
+           "rk4, midpoint, dopri5, dop853, radau9");
   }
   if (scheme.splits_friction) {
     for (const auto& force : assembly.forces()) {
@@ -64,11 +65,12 @@ void check_scheme(const Assembly<double>& assembly) {
         refuse("run.integrator.type", place,
                "falls to first order with the force \"" + force.name +
                    "\", which depends on velocity and is not linear friction",
-               "rk4, dopri5");
+               "rk4, midpoint, dopri5, dop853");
       }
       if (force.bound->own_count() > 0) {
         refuse("run.integrator.type", place,
-               "does not advance the variables of the force \"" + force.name + "\"", "rk4, dopri5");
+               "does not advance the variables of the force \"" + force.name + "\"",
+               "rk4, midpoint, dopri5, dop853");
       }
     }
   }
@@ -78,11 +80,12 @@ void check_scheme(const Assembly<double>& assembly) {
       if (traits.depends_on_velocity || traits.stochastic || force.bound->is_friction()) {
         refuse("run.integrator.type", place,
                "is for scenes without loss; the force \"" + force.name + "\" depends on velocity",
-               "rk4, dopri5, velocity_verlet");
+               "rk4, dopri5, dop853, velocity_verlet");
       }
       if (force.bound->own_count() > 0) {
         refuse("run.integrator.type", place,
-               "does not advance the variables of the force \"" + force.name + "\"", "rk4, dopri5");
+               "does not advance the variables of the force \"" + force.name + "\"",
+               "rk4, midpoint, dopri5, dop853");
       }
     }
     for (const auto& steered : assembly.steered()) {
@@ -91,7 +94,7 @@ void check_scheme(const Assembly<double>& assembly) {
       refuse("run.integrator.type", place,
              "does not advance the prescribed motion of the body \"" + body +
                  "\", whose velocity changes with time",
-             "rk4, dopri5");
+             "rk4, midpoint, dopri5, dop853");
     }
   }
   if (scene.run.dynamics != "inertial") {
