@@ -51,6 +51,10 @@ Subject damping() {
                 {kFlat, {"c", "1e8"}, {"run.integrator", "{ type = \"radau9\" }"}},
                 {is("drivers.driver.final_force.x", -1e6 * std::expm1(-2e-6), 1e-6,
                     "its closed form without inertia")}),
+       finishes(kTip, "strong_exponential", "damping of 1e8, its drift taken exactly",
+                {kFlat, {"c", "1e8"}, fixed("exponential_verlet", 1e-2)},
+                {is("drivers.driver.final_force.x", -1e6 * std::expm1(-2e-6), 1e-8,
+                    "its closed form without inertia")}),
        finishes(
            kTip, "strong_overdamped", "damping of 1e8 without inertia",
            {kFlat, {"c", "1e8"}, {"run.dynamics", "overdamped"}},
