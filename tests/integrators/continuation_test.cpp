@@ -450,7 +450,7 @@ duration = 0.1
 /// the ground state: 4 R = 2 - trace = -det.
 TEST(QuasistaticChain, KnowsItsResidue) {
   constexpr double kK = 0.971635406;
-  const auto scene = scene_of(R"([box]
+  const auto scene = scene_of(R"TOML([box]
 lengths = [13.0]
 periodic = [true]
 [[body]]
@@ -465,9 +465,13 @@ pairs = "neighbours"
 stiffness = 1.0
 [[force]]
 type = "sinusoidal_substrate"
-amplitude = "-0.971635406 / (4 * pi^2)" period = 1.0 [run] dynamics = "quasistatic" duration =
-                                  1.0) ");
-      Engine engine(scene, {});
+amplitude = "-0.971635406 / (4 * pi^2)"
+period = 1.0
+[run]
+dynamics = "quasistatic"
+duration = 1.0
+)TOML");
+  Engine engine(scene, {});
   const RunResult result = engine.run();
   ASSERT_EQ(result.status, RunStatus::finished);
   const std::vector<double> x = field_of(engine, "position");
