@@ -439,6 +439,11 @@ void Engine::step_adaptive() {
   take(0.0, rest, DoubleDouble(duration_), false);
 }
 
+bool Engine::too_dear() const {
+  const System<double>& system = model_.system();
+  return system.evaluations + system.columns > options_.most_cost;
+}
+
 void Engine::advance(std::uint64_t steps) {
   const auto target = static_cast<std::uint64_t>(counts_[kSteps]) + steps;
   while (!done() && static_cast<std::uint64_t>(counts_[kSteps]) < target) {
@@ -446,6 +451,8 @@ void Engine::advance(std::uint64_t steps) {
       step_fixed(target - static_cast<std::uint64_t>(counts_[kSteps]));
     } else {
       step_adaptive();
+      // Its steps may be few and dear.
+      if (too_dear() && !done()) interrupted_ = ended_ = true;
     }
   }
 }
@@ -481,8 +488,7 @@ void Engine::housekeeping() {
 }
 
 bool Engine::stopped() const {
-  const System<double>& system = model_.system();
-  if (system.evaluations + system.columns > options_.most_cost) return true;
+  if (too_dear()) return true;
   return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
 }
 

@@ -146,6 +146,7 @@ class Engine {
   void begin_sink();
   void observe_start();
   void keep_checkpoint();
+  bool too_dear() const;
   bool stopped() const;
   void signals_from_rates(const double* rates);
   void signals_from_velocity(const double* velocity, double at);

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "framework/model/scales.hpp"
+#include "framework/run/engine.hpp"
 #include "framework/run/observables.hpp"
 #include "framework/study/ladder.hpp"
 #include "framework/study/trial_run.hpp"
@@ -33,6 +34,7 @@ constexpr double kDearest = 4.0;
 /// Evaluations times coordinates that one run of the pilot may take: seconds.
 constexpr double kMostWork = 4e8;
 constexpr int kMostShortenings = 6;
+constexpr double kFirstCost = 5e3;  ///< of a reference
 constexpr std::array kTolerances = {1e-2, 1e-3, 1e-4,  1e-5,  1e-6,  1e-7,
                                     1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13};
 constexpr int kMostKnobs = static_cast<int>(kTolerances.size());
@@ -41,6 +43,8 @@ constexpr double kFirstStep = 0.9;
 constexpr double kFewestSteps = 50.0;
 /// A mean below this part of the largest value is nought by cancellation, and held to that part.
 constexpr double kFloor = 1e-3;
+/// A body that moves by less of the scene's length does not move.
+constexpr double kUnmoved = 1e-9;
 /// The companion's error in the pilot is at least so many times the run's.
 constexpr double kFactorOfCompanion = 10.0;
 /// As long as it is three times as large in the run, half the difference is not below the error.
@@ -52,11 +56,12 @@ constexpr double kRounding = 1e-15;
 struct Headline {
   std::vector<double> components;
   double scale = 0.0;
+  double nothing = 0.0;  ///< a difference that is none
 };
 
 /// The mean forces of drivers; where nothing drives, the mean velocities of bodies, held against
 /// their largest speeds.
-std::vector<Headline> headlines(const RunResult& result) {
+std::vector<Headline> headlines(const RunResult& result, double length) {
   std::vector<Headline> all;
   for (const DriverResult& driver : result.drivers) {
     double largest = 0.0;
@@ -67,15 +72,16 @@ std::vector<Headline> headlines(const RunResult& result) {
   }
   if (!all.empty()) return all;
   for (const BodyResult& body : result.bodies) {
-    all.push_back({body.mean_velocity, body.max_speed.value_or(0.0) / kFloor});
+    all.push_back({body.mean_velocity, body.max_speed.value_or(0.0) / kFloor,
+                   kUnmoved * length / (result.window_to - result.window_from)});
   }
   return all;
 }
 
-/// The largest relative difference between two results.
-double difference(const RunResult& result, const RunResult& reference) {
-  const std::vector<Headline> ours = headlines(result);
-  const std::vector<Headline> true_ones = headlines(reference);
+/// The largest relative difference between two results; `length` is one of the scene's.
+double difference(const RunResult& result, const RunResult& reference, double length) {
+  const std::vector<Headline> ours = headlines(result, length);
+  const std::vector<Headline> true_ones = headlines(reference, length);
   double largest = 0.0;
   for (std::size_t k = 0; k < ours.size(); ++k) {
     const std::vector<double>& x = ours[k].components;
@@ -88,7 +94,7 @@ double difference(const RunResult& result, const RunResult& reference) {
       size += y[d] * y[d];
     }
     const double held_to = std::max(std::sqrt(size), kFloor * true_ones[k].scale);
-    if (square == 0.0) continue;
+    if (std::sqrt(square) <= true_ones[k].nothing) continue;
     const double part = held_to > 0.0 ? std::sqrt(square) / held_to : kInfinity;
     largest = std::isfinite(part) ? std::max(largest, part) : kInfinity;
   }
@@ -165,6 +171,7 @@ class Pilot {
         rungs_.push_back(std::move(rung));
       }
     }
+    if (!rungs_.empty()) length_ = rungs_.front().absolute_share;
     if (rungs_.empty()) {
       throw InputError({{scene_->run.place, "run.accuracy", "",
                          "no integrator takes this scene: " + refusals_, "an integrator", ""}});
@@ -187,6 +194,7 @@ class Pilot {
     }
     ChosenIntegrator chosen;
     chosen.pilot_cost = cost_;
+    chosen.length = length_;
     chosen.interrupted = interrupted();
     if (chosen.interrupted) return chosen;
     if (!main) {
@@ -227,24 +235,31 @@ class Pilot {
     return order;
   }
 
+  /// The cheapest, whichever it is: so much for each, then four times as much.
   void find_reference() {
-    const double tolerance = std::max(kFinestTolerance, kReferenceShare * accuracy_);
     for (int pass = 0; pass < kMostShortenings && !interrupted(); ++pass) {
-      for (const std::size_t k : references()) {
-        TrialRun trial = attempt(k, tolerance, kInfinity);
-        if (!trial.finished()) continue;
-        // What costs far more than the reference is of no use.
-        dearest_ = kDearest * static_cast<double>(trial.cost());
-        tried_.push_back({k, kReferenceLevel, tolerance, static_cast<double>(trial.cost()),
-                          kReferenceShare * accuracy_});
-        reference_ = std::move(trial.result);
-        return;
+      for (double cost = kFirstCost; cost < kMostWork; cost *= 4.0) {
+        if (look_for_reference(cost) || interrupted()) return;
       }
       piece_.duration /= 4.0;
       piece_.from /= 4.0;
     }
-    // Nothing adaptive gets through: the finest of what was tried has to serve, see
-    // most_accurate().
+    // Nothing adaptive gets through: the finest of what is tried has to serve.
+  }
+
+  bool look_for_reference(double most_cost) {
+    const double tolerance = std::max(kFinestTolerance, kReferenceShare * accuracy_);
+    for (const std::size_t k : references()) {
+      TrialRun trial = attempt(k, tolerance, most_cost);
+      if (!trial.finished()) continue;
+      const auto cost = static_cast<double>(trial.cost());
+      // What costs far more than the reference is of no use.
+      dearest_ = kDearest * cost;
+      tried_.push_back({k, kReferenceLevel, tolerance, cost, kReferenceShare * accuracy_});
+      reference_ = std::move(trial.result);
+      return true;
+    }
+    return false;
   }
 
   TrialRun attempt(std::size_t rung, double knob, double most_cost) {
@@ -312,7 +327,9 @@ class Pilot {
     const double setting = knob(rungs_[k], level);
     const TrialRun trial = attempt(k, setting, most_cost);
     Tried tried{k, level, setting, static_cast<double>(trial.cost()), kInfinity};
-    if (trial.finished() && reference_) tried.error = difference(trial.result, *reference_);
+    if (trial.finished() && reference_) {
+      tried.error = difference(trial.result, *reference_, length_);
+    }
     if (trial.end == TrialRun::End::over_budget) {
       tried.cost = kInfinity;
       return tried;
@@ -351,10 +368,10 @@ class Pilot {
     return rungs_[tried.rung].at(tried.knob).back().value;
   }
 
+  /// The scene as it was asked for, with nothing but the integrator replaced.
   std::shared_ptr<const Scene> scene_at(const Tried& tried) const {
-    auto result = std::make_shared<Scene>(*variants_.with(rungs_[tried.rung].at(tried.knob)));
-    result->effective_toml = scene_->effective_toml;
-    result->run.accuracy = accuracy_;
+    auto result = std::make_shared<Scene>(*scene_);
+    result->run.integrator = variants_.with(rungs_[tried.rung].at(tried.knob))->run.integrator;
     return result;
   }
 
@@ -368,6 +385,7 @@ class Pilot {
   std::size_t coordinates_ = Model(scene_).coordinate_count();
   std::optional<RunResult> reference_;
   double dearest_ = kInfinity;
+  double length_ = 1.0;
   std::vector<Tried> tried_;
   std::uint64_t cost_ = 0;
 };
@@ -390,9 +408,10 @@ void add_errors(RunResult& result, const RunResult& companion, double share) {
   }
 }
 
-void warn_of_large_errors(const RunResult& main, const RunResult& companion, double share,
-                          double accuracy, std::vector<std::string>& warnings) {
-  const double found = share * difference(companion, main);
+void warn_of_large_errors(const RunResult& main, const RunResult& companion,
+                          const ChosenIntegrator& chosen, std::vector<std::string>& warnings) {
+  const double accuracy = *chosen.scene->run.accuracy;
+  const double found = chosen.share * difference(companion, main, chosen.length);
   if (found <= accuracy) return;
   warnings.push_back(
       fmt::format("accuracy {:g} was not reached: the estimated error is {:.1e} of the result",
@@ -413,7 +432,7 @@ Companion companion_of(const std::shared_ptr<const Scene>& scene) {
   double factor = kWider;
   Companion companion{nullptr, kShareOfDifference};
   if (dt > 0.0) {
-    const bool stable = 2.0 * dt <= kNearlyStable * Model(scene).stable_step(*integrator.record);
+    const bool stable = 2.0 * dt <= kNearlyStable * Engine(scene, {}).stable_step();
     factor = stable ? 2.0 : 0.5;
     // Of second order at least: the longer step has four times the error.
     companion.share = stable ? 1.0 / 3.0 : 4.0 / 3.0;
@@ -463,7 +482,7 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
     return;
   }
   add_errors(result, companion.result, chosen.share);
-  warn_of_large_errors(result, companion.result, chosen.share, accuracy, result.warnings);
+  warn_of_large_errors(result, companion.result, chosen, result.warnings);
 }
 
 RunResult run_to_accuracy(const std::shared_ptr<const Scene>& scene, const Registry& registry,

@@ -34,6 +34,7 @@ struct ChosenIntegrator {
   std::string text;                        ///< the integrator as a line of a scene
   std::string companion_text;
   double share = 1.0;            ///< of the difference to the companion that is the error
+  double length = 1.0;           ///< of the scene: its shortest period where it has one
   std::uint64_t pilot_cost = 0;  ///< evaluations and columns
   bool interrupted = false;      ///< `stop` was set meanwhile; nothing else counts then
   std::vector<std::string> warnings;

@@ -190,7 +190,9 @@ TEST(ExponentialRing, GoesToTheRigidOne) {
     EXPECT_EQ(result.force_evaluations, result.steps + 1);
     const std::vector<double> found = numbers_of(result);
     EXPECT_LT(largest_difference(found, exact), kStepError) << bonds;
-    if (!last.empty()) EXPECT_LT(largest_difference(found, last), 1e-6) << bonds;
+    if (!last.empty()) {
+      EXPECT_LT(largest_difference(found, last), 1e-6) << bonds;
+    }
     last = found;
   }
 }

@@ -79,7 +79,8 @@ TEST(Summary, HasEveryKeyOfAFinishedRun) {
                                   "events", "warnings", "left_out", "performance"}));
   EXPECT_EQ(summary["status"], "finished");
   EXPECT_EQ(keys(summary["parameters"]), (Names{"xi", "N"}));
-  EXPECT_EQ(keys(summary["time"]), (Names{"end", "steps", "force_evaluations", "refused_steps"}));
+  EXPECT_EQ(keys(summary["time"]),
+            (Names{"end", "steps", "force_evaluations", "jacobian_columns", "refused_steps"}));
   EXPECT_EQ(summary["time"]["steps"], 12345678901234567ULL);
   EXPECT_EQ(keys(summary["window"]), (Names{"from", "to"}));
   EXPECT_EQ(keys(summary["drivers"]["driver"]),

@@ -1,0 +1,50 @@
+#include <string>
+#include <vector>
+
+#include "tests/framework/cli/cli_fixture.hpp"
+
+namespace tomlin::test {
+namespace {
+
+constexpr const char* kForce = "driver.mean_force.x";
+
+class CompareCommand : public Cli {};
+
+TEST_F(CompareCommand, NamesTheSimplestModelAndLeavesItsFiles) {
+  std::string other = file("tip.toml");
+  write(folder_ / "other.toml", other);
+  const Ended ended = tomlin({"compare", "tip.toml", "other.toml", "--observable", kForce});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  for (const char* part : {"coordinates", "reference", "agrees", "results: compare.out/"}) {
+    EXPECT_TRUE(contains(ended.out, part)) << part << "\n" << ended.out;
+  }
+  const Json found = Json::parse(file("compare.out/compare.json"));
+  ASSERT_EQ(found["models"].size(), 2U);
+  EXPECT_EQ(found["status"], "finished");
+  EXPECT_EQ(found["models"][0]["value"], found["models"][1]["value"]);
+  EXPECT_EQ(found["models"][0]["difference"], 0.0);
+  EXPECT_TRUE(file("compare.out/compare.csv").starts_with("model,file,verdict,particles,"));
+  EXPECT_EQ(lines(file("compare.out/compare.csv")), 3);
+  EXPECT_TRUE(contains(file("compare.out/compare.svg"), "<svg"));
+
+  EXPECT_EQ(tomlin({"compare", "tip.toml", "other.toml", "--observable", kForce}).status, 2);
+  EXPECT_EQ(tomlin({"compare", "tip.toml", "other.toml", "--observable", kForce, "--force"}).status,
+            0);
+}
+
+TEST_F(CompareCommand, RefusesWrongInput) {
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"compare", "tip.toml", "--observable", kForce},
+           {"compare", "tip.toml", "tip.toml"},
+           {"compare", "tip.toml", "none.toml", "--observable", kForce},
+           {"compare", "tip.toml", "tip.toml", "--observable", kForce, "--tolerance", "0"},
+           {"compare", "tip.toml", "tip.toml", "--observable", "driver.mean_farce.x"}}) {
+    const Ended ended = tomlin(words);
+    EXPECT_EQ(ended.status, 2) << ended.out;
+    EXPECT_NE(ended.err, "");
+    EXPECT_FALSE(exists("compare.out"));
+  }
+}
+
+}  // namespace
+}  // namespace tomlin::test
