@@ -10,6 +10,7 @@
 #include "framework/run/engine.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/standard_registry.hpp"
+#include "framework/study/accuracy.hpp"
 
 namespace {
 
@@ -175,6 +176,40 @@ void BM_golden_chain_100000(benchmark::State& state) {
 }
 BENCHMARK(BM_golden_chain_100000)->Name("golden_chain_100000/tomlin");
 
+// ---- what an accuracy costs: a whole run with the integrator that is picked for 1e-4, the same
+// with its companion, and with the pilot before it
+
+constexpr const char* kAccuracy = "1e-4";
+
+std::shared_ptr<const Scene> asked_scene() {
+  return parse_scene(ring("rigid", "1e-2"), "benchmark", registry(),
+                     {{"run.duration", "1e4"}, {"run.accuracy", kAccuracy}});
+}
+
+void BM_picked(benchmark::State& state) {
+  const ChosenIntegrator chosen = choose_integrator(asked_scene(), registry());
+  for (auto _ : state) benchmark::DoNotOptimize(tomlin::run(chosen.scene));
+}
+BENCHMARK(BM_picked)->Name("rigid_ring_8 to 1e-4/run")->Unit(benchmark::kMicrosecond);
+
+void BM_estimated(benchmark::State& state) {
+  const ChosenIntegrator chosen = choose_integrator(asked_scene(), registry());
+  for (auto _ : state) {
+    RunResult result = tomlin::run(chosen.scene);
+    estimate_errors(chosen, {}, result);
+    benchmark::DoNotOptimize(result);
+  }
+}
+BENCHMARK(BM_estimated)->Name("rigid_ring_8 to 1e-4/run and errors")->Unit(benchmark::kMicrosecond);
+
+void BM_asked(benchmark::State& state) {
+  const auto scene = asked_scene();
+  for (auto _ : state) benchmark::DoNotOptimize(run_to_accuracy(scene, registry()));
+}
+BENCHMARK(BM_asked)
+    ->Name("rigid_ring_8 to 1e-4/pilot, run and errors")
+    ->Unit(benchmark::kMicrosecond);
+
 // ---- what features cost: the same scene with one thing changed, over the scene as it is
 
 struct Variant {
@@ -241,6 +276,9 @@ std::vector<Variant> sampled(const std::string& dt) {
   register_variants("rigid_ring_8", ring("rigid", "1e-2"), sampled("1e-2"));
   register_variants("chain_1000", chain("1000", "1.0"), sampled("1e-2"));
   register_variants("rigid_ring_8", ring("rigid", "1e-2"), common_variants());
+  register_variants("flexible_ring_8", ring("particles", "1e-4"),
+                    {{"exponential_verlet", {{"run.integrator.type", "\"exponential_verlet\""}}},
+                     {"radau9", {{"run.integrator", "{ type = \"radau9\" }"}}, 1}});
   register_variants("rigid_ring_8", ring("rigid", "1e-2"),
                     {{"1e9 periods out", {{"body.ring.centre", "[1e9, 1.0]"}}}});
   register_variants("chain_1000", chain("1000", "1.0"), common_variants());

@@ -96,6 +96,7 @@ Explanation::Step step_of(const Scene& scene, const Trial& trial) {
   Explanation::Step step;
   step.type = integrator.record->name;
   step.adaptive = integrator.record->adaptive;
+  step.accuracy = scene.run.accuracy;
   step.dt = integrator.record->step(integrator.description.get());
   step.stable_step = trial.stable_step;
   step.stable = trial.step_is_stable;

@@ -40,8 +40,9 @@ struct Explanation {
   struct Step {
     std::string type;
     bool adaptive = false;
-    double dt = 0.0;           ///< 0: adaptive
-    double stable_step = 0.0;  ///< infinite where nothing limits it
+    std::optional<double> accuracy;  ///< asked for: the run picks an integrator, maybe another
+    double dt = 0.0;                 ///< 0: adaptive
+    double stable_step = 0.0;        ///< infinite where nothing limits it
     bool stable = true;
     bool allow_unstable = false;
     /// Above 1 the step is too long.

@@ -129,6 +129,7 @@ Json step_json(const Explanation::Step& step) {
   Json json;
   json["type"] = step.type;
   json["adaptive"] = step.adaptive;
+  json["accuracy"] = step.accuracy ? Json(*step.accuracy) : Json();
   json["dt"] = step.adaptive ? Json() : Json(step.dt);
   json["stable_step"] = number(step.stable_step);
   json["part_of_stable_step"] = step.adaptive ? Json() : number(step.part_of_stable_step());

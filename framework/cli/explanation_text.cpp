@@ -153,7 +153,11 @@ void add_misfits(Sections& sections, const Scales& scales) {
 void add_step(Sections& sections, const Explanation& e) {
   const Explanation::Step& step = e.step;
   sections.section("time step");
-  if (step.adaptive) {
+  if (step.accuracy) {
+    sections.row("accuracy", fmt::format("{:g}: run tries all integrators and picks one; the cost "
+                                         "below is of {} with its defaults",
+                                         *step.accuracy, step.type));
+  } else if (step.adaptive) {
     sections.row(step.type, "adaptive: chooses its own steps");
   } else if (std::isinf(step.stable_step)) {
     sections.row(step.type, fmt::format("dt = {}; nothing limits it", text_of(step.dt)));

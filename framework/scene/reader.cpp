@@ -550,11 +550,13 @@ class SceneReader {
     return Node{std::move(names), {}};
   }
 
-  /// The first adaptive one that takes any force, with its defaults: what a scene that asks for an
-  /// accuracy can be bound with.
+  /// The first adaptive one that takes any force, or follows equilibria where that is asked for,
+  /// with its defaults: what a scene that asks for an accuracy can be bound with.
   void take_any_integrator(const Section& run) {
     for (const auto& record : registry_.integrators()) {
-      if (!record->takes_any_scene() || !record->adaptive) continue;
+      const bool quasistatic = scene_->run.dynamics == "quasistatic";
+      if (!(quasistatic ? record->follows_equilibria : record->takes_any_scene())) continue;
+      if (!record->adaptive) continue;
       SceneIntegrator& integrator = scene_->run.integrator;
       integrator.name = record->name;
       integrator.record = record.get();
@@ -572,12 +574,6 @@ class SceneReader {
     const bool quasistatic = scene_->run.dynamics == "quasistatic";
     const Node* node = run.table->find("integrator");
     const Entry* accuracy = run.table->find_entry("accuracy");
-    if (accuracy != nullptr && quasistatic) {
-      faults_.of_key(accuracy->where,
-                     {"run.accuracy", "quasistatic dynamics have one scheme, with a tolerance",
-                      "integrator = { type = \"continuation\", tolerance = ... }"});
-      return std::nullopt;
-    }
     if (accuracy != nullptr) {
       if (node == nullptr) {
         take_any_integrator(run);

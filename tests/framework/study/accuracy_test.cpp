@@ -172,6 +172,21 @@ TEST(AccuracyOf, AnIntegratorAndAnAccuracyAreOneTooMany) {
   EXPECT_EQ(scene->run.accuracy, 1e-3);
 }
 
+/// For v to 0 the mean force over a period is the energy lost in its slip; the scheme's finest
+/// tolerance is the reference.
+TEST(AccuracyOf, QuasistaticDynamicsHaveItToo) {
+  const std::vector<Setting> slow = {{"run.dynamics", "\"quasistatic\""}};
+  const RunResult result = run_to_accuracy(test::scene_of(kTip, slow), test::standard());
+  ASSERT_EQ(result.status, RunStatus::finished);
+  std::vector<Setting> fine = slow;
+  fine.push_back({"run.integrator", "{ type = \"continuation\", tolerance = 1e-12 }"});
+  const double truth = *observable(test::run_text(kTip, fine), kMeanForce);
+  const double error = std::abs(*observable(result, kMeanForce) - truth);
+  EXPECT_LE(error, 1e-4 * std::abs(truth));
+  EXPECT_LE(error, estimated(result) + kErrorOfTruth * std::abs(truth));
+  EXPECT_LE(estimated(result), 1e-4 * std::abs(truth));
+}
+
 TEST(AccuracyOf, StoppedInThePilotIsInterrupted) {
   const std::atomic<bool> stop = true;
   RunOptions options;
