@@ -490,16 +490,32 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   std::optional<End> cut(double h) {
     const double fold = first_zero([this](double theta) { return time_slope_within(theta); });
     const double end = first_zero([this, h](double theta) { return h - time_within(theta); });
-    double unstable = 2.0;
-    std::size_t before = 0;
-    for (std::size_t j = 1; j < kPathNodes && unstable > 1.0; ++j) {
-      if (nodes_[j].negative > 0 && path_node(j) < fold) unstable = path_node(j);
-      if (unstable > 1.0) before = j;
+    const double unstable = first_unstable(fold);
+    if (end < fold && end < unstable) {
+      const End kind = end_in_time(end, h);
+      // Stability may have been lost between the last stable point and the end of the time.
+      const double lost = kind == kGoesOn ? first_unstable(2.0) : 2.0;
+      return lost <= 1.0 ? end_at_bifurcation(last_before(lost), lost) : kind;
     }
-    if (end < fold && end < unstable) return end_in_time(end, h);
     if (fold < unstable) return end_at_fold(fold);
-    if (unstable <= 1.0) return end_at_bifurcation(path_node(before), unstable);
+    if (unstable <= 1.0) return end_at_bifurcation(last_before(unstable), unstable);
     return std::nullopt;
+  }
+
+  /// The first of the step's points before a fold where K is not positive; 2 where there is none.
+  double first_unstable(double fold) const {
+    for (std::size_t j = 1; j < kPathNodes; ++j) {
+      if (nodes_[j].negative > 0 && path_node(j) < fold) return path_node(j);
+    }
+    return 2.0;
+  }
+
+  static double last_before(double place) {
+    double before = 0.0;
+    for (std::size_t j = 1; j < kPathNodes; ++j) {
+      if (path_node(j) < place) before = path_node(j);
+    }
+    return before;
   }
 
   End end_in_time(double theta, double h) {

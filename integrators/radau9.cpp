@@ -43,6 +43,9 @@ constexpr double kAtOnce = 1e-3;    ///< of that: the first correction needs no 
 constexpr double kSlowest = 0.99;
 /// Where in a step K and G are taken: early ones converge slowly, late ones rest on guesses.
 constexpr double kLinearisedAt = 0.75;
+/// Of what grows, in a step: ln of the factor.
+constexpr double kMostGrowth = 2.0;
+constexpr int kMostHalvings = 200;
 /// A polynomial leads so many of its steps ahead, and no further.
 constexpr double kFarthest = 8.0;
 /// Corrections of this part of a number are rounding.
@@ -119,7 +122,7 @@ class Radau9 : public Integrator<double> {
       }
       ++counts_[kRefused];
       refused = true;
-      double factor = kAfterNoSolution;
+      double factor = std::min(kAfterNoSolution, trial.longest / trial_step);
       if (trial.within_moves && std::isfinite(trial.error)) {
         factor = std::clamp(kSafety * pow(trial.error, -kExponent), kLeastFactor, kSafety);
       }
@@ -181,6 +184,7 @@ class Radau9 : public Integrator<double> {
   struct Trial {
     double error = std::numeric_limits<double>::infinity();  ///< no solution; NaN: no numbers
     bool within_moves = true;
+    double longest = std::numeric_limits<double>::infinity();  ///< step that sees what grows
   };
   enum class Solution { found, none, not_finite };
 
@@ -214,7 +218,10 @@ class Radau9 : public Integrator<double> {
   Trial attempt(double since, double h, bool refused) {
     weigh();
     predict(h);
-    const Solution solution = linearise(since, h) ? solve_stages(since, h) : Solution::none;
+    linearise(since, h);
+    const double longest = longest_for_growth(h);
+    if (longest < h) return {.longest = longest};
+    const Solution solution = factor_modes(h) ? solve_stages(since, h) : Solution::none;
     if (solution == Solution::not_finite) {
       return {.error = std::numeric_limits<double>::quiet_NaN()};
     }
@@ -329,8 +336,21 @@ class Radau9 : public Integrator<double> {
     }
   }
 
-  /// K and G on the way, and the factors of each mode's matrix.
-  bool linearise(double since, double h) {
+  /// The part of h in which nothing grows by more than exp(kMostGrowth). An L-stable scheme damps
+  /// what grows far within a step, and its error estimate does not see it: the state would stay on
+  /// top of a potential. A motion grows faster than exp(sigma t) where sigma^2 M + sigma G + K has
+  /// a negative eigenvalue.
+  double longest_for_growth(double h) {
+    for (int halvings = 0; halvings < kMostHalvings; ++halvings, h *= 0.5) {
+      const double sigma = kMostGrowth / h;
+      if (!tangent_.factor(system_.view.inertial ? sigma * sigma : 0.0, sigma, 1.0)) continue;
+      if (tangent_.negative() == 0) return h;
+    }
+    return h;
+  }
+
+  /// K and G on the way.
+  void linearise(double since, double h) {
     const SystemView<double>& s = system_.view;
     double x = kLinearisedAt;
     guess(x, h, error_.data());
@@ -350,6 +370,11 @@ class Radau9 : public Integrator<double> {
                        spare_rates_.data());
     system_.evaluations += 1;
     system_.columns += tangent_.columns();
+  }
+
+  /// The factors of each mode's matrix.
+  bool factor_modes(double h) {
+    const SystemView<double>& s = system_.view;
     const double real = Tableau::real_mode / h;
     if (!tangent_.factor(s.inertial ? real * real : 0.0, real, 1.0)) return false;
     for (int p = 0; p < 2; ++p) {

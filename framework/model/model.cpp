@@ -80,7 +80,7 @@ void check_scheme(const Assembly<double>& assembly) {
       if (traits.depends_on_velocity || traits.stochastic || force.bound->is_friction()) {
         refuse("run.integrator.type", place,
                "is for scenes without loss; the force \"" + force.name + "\" depends on velocity",
-               "rk4, dopri5, dop853, velocity_verlet");
+               "rk4, dopri5, dop853, radau9, velocity_verlet");
       }
       if (force.bound->own_count() > 0) {
         refuse("run.integrator.type", place,

@@ -91,6 +91,7 @@ class Engine {
   void check_drag();
   void check_pace();
   void warn_of_coarse_tolerance();
+  void warn_of_stiff_drivers();
   void warn_of_short_window();
   bool foresees_too_many_steps();
   bool take_to(const Passed& passed, const DoubleDouble& begin, double length, double since,

@@ -23,6 +23,8 @@ constexpr double kFewPlaces = 100.0;  // of a short number type
 constexpr double kUselessPlaces = 1e-3;
 /// Tolerance of an adaptive scheme, as a part of a period or of half the shortest bond.
 constexpr double kCoarseTolerance = 1e-2;
+/// Of a driver's force by that of places, as a part of the substrate's largest.
+constexpr double kCoarseForce = 1e-2;
 /// Relative error of the drag, and so of a mean force, by the scheme alone.
 constexpr double kCoarseDrag = 1e-2;
 constexpr double kUselessDrag = 1e-1;
@@ -36,6 +38,19 @@ constexpr double kMissedWay = 1e-2;
 constexpr double kSoonTaken = 1e6;
 /// Moments at which a prescribed velocity is looked at.
 constexpr int kLooks = 1000;
+
+/// The longest period of a force on a body; 0 where it has none there.
+double period_of(const Model::Force& force, std::size_t body, const Scene& scene) {
+  if (std::find(force.bodies.begin(), force.bodies.end(), body) == force.bodies.end()) return 0.0;
+  double longest = 0.0;
+  for (const SceneForce& from : scene.forces) {
+    if (from.name != force.name) continue;
+    for (int d = 0; d < scene.dimension; ++d) {
+      longest = std::max(longest, from.record->period(from.description.get(), d));
+    }
+  }
+  return longest;
+}
 
 double last_place_of(const std::string& number_type) {
   if (number_type == "float") return 0x1p-23;
@@ -94,6 +109,7 @@ void Engine::look_for_doubts() {
   check_drag();
   check_pace();
   warn_of_coarse_tolerance();
+  warn_of_stiff_drivers();
   warn_of_short_window();
 }
 
@@ -231,6 +247,37 @@ void Engine::warn_of_coarse_tolerance() {
       fmt::format("a tolerance of {:g} does not resolve the scene's shortest length, {:g} (a "
                   "period, or half a bond): results follow the steps",
                   asked, shortest));
+}
+
+/// A place is known to the tolerance or to its last digit, and a driver's force to its stiffness
+/// times that, which may be more than all that the substrate has.
+void Engine::warn_of_stiff_drivers() {
+  constexpr double kTau = 6.283185307179586;
+  const double last_place = last_place_of(scene_->run.number_type);
+  for (const Model::Force& driver : model_.forces()) {
+    const Drive* drive = driver.bound->drive();
+    if (drive == nullptr || drive->stiffness <= 0.0) continue;
+    double largest = 0.0;
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const Model::Force& force : model_.forces()) {
+      const double period = period_of(force, driver.bodies.front(), *scene_);
+      const double curvature = force.bound->curvature_bound();
+      if (period <= 0.0 || curvature <= 0.0) continue;
+      const auto particles = model_.bodies()[driver.bodies.front()].bound.slot.count;
+      largest += curvature * period / kTau * static_cast<double>(particles);
+      shortest = std::min(shortest, period);
+    }
+    if (largest <= 0.0) continue;
+    const double asked = scheme_.tolerance == nullptr
+                             ? 0.0
+                             : scheme_.tolerance(scene_->run.integrator.description.get());
+    const double known = std::max(asked, last_place * shortest);
+    if (!(drive->stiffness * known > kCoarseForce * largest)) continue;
+    warnings_.push_back(fmt::format(
+        "{}: places are known to {:.2g}, and so its force to {:.2g} only, where the substrate's is "
+        "{:.2g} at most: take a finer tolerance, or a softer spring",
+        driver.name, known, drive->stiffness * known, largest));
+  }
 }
 
 /// Means are differences of integrals, which have rounded since the start of the run; and those of

@@ -80,6 +80,10 @@ void check_setups(const std::vector<std::shared_ptr<const Scene>>& scenes,
     if (!same(setups[k].velocity, setups.front().velocity)) {
       refuse(*scenes[k], first, "driving velocity", setups[k].velocity, setups.front().velocity);
     }
+    if (scenes[k]->run.dynamics != first.run.dynamics) {
+      notes.push_back(fmt::format("dynamics: {} in {}, {} in {}", first.run.dynamics, first.file,
+                                  scenes[k]->run.dynamics, scenes[k]->file));
+    }
     if (!same(setups[k].stick_slip, setups.front().stick_slip)) {
       notes.push_back(fmt::format(
           "substrate curvature over driver stiffness: {:g} in {}, {:g} in {}",
@@ -252,6 +256,7 @@ Comparison compare_models(const std::vector<std::shared_ptr<const Scene>>& scene
   comparison.observable = request.observable;
   comparison.tolerance = request.tolerance;
   std::vector<Setup> setups;
+  setups.reserve(scenes.size());
   for (const auto& scene : scenes) setups.push_back(setup_of(scene));
   check_setups(scenes, setups, comparison.notes);
   for (std::size_t k = 0; k < scenes.size(); ++k) {

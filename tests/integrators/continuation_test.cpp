@@ -407,6 +407,18 @@ TEST(QuasistaticRing, BranchesOffWhereASymmetryBreaks) {
   EXPECT_GT(*result.events.slips, 0u);
 }
 
+/// Wherever a run ends, it ends in a stable equilibrium: also where stability is lost within its
+/// last step, between two of the points that the step corrects.
+TEST(QuasistaticRing, EndsStable) {
+  for (const char* end : {"8.9", "9.0", "9.9", "10.0", "10.05", "10.2"}) {
+    const RunResult result = run_text(
+        ring("rigid"),
+        {{"R", "1.0"}, {"k", "2.0"}, {"V0", "0.2"}, {"lambda", "0.0"}, {"run.duration", end}});
+    ASSERT_EQ(result.status, RunStatus::finished);
+    EXPECT_GT(result.equilibrium->smallest_curvature, 0.0) << end;
+  }
+}
+
 // ---- a chain
 
 /// Golden mean 34/55 in the pinned phase: by a force on its centre it is held up to 2.965e-5 per

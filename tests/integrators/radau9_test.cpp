@@ -205,6 +205,49 @@ TEST(Radau9, WithoutInertiaToo) {
   EXPECT_LT(cost(result), cost(reference));
 }
 
+/// From the top of the potential, where all scenes start by default: an L-stable scheme that steps
+/// over the growth stays there, and its error estimate sees nothing. Corrugation strong, driver
+/// slow.
+TEST(Radau9, FallsOffTheTop) {
+  for (const double amplitude : {1.0, 100.0}) {
+    for (const double velocity : {0.1, 1e-3, 1e-5}) {
+      for (const double tolerance : {1e-5, 1e-7}) {
+        const std::vector<Setting> settings = {
+            {"force.sinusoidal_substrate.amplitude", digits(amplitude)},
+            {"force.driver.velocity", "[" + digits(velocity) + "]"},
+            {"run.duration", "20.0"}};
+        const auto with = [&](const std::string& integrator) {
+          std::vector<Setting> all = settings;
+          all.push_back({"run.integrator", integrator});
+          return run_text(TipScene{.position = 0.0}.text(), all);
+        };
+        const RunResult reference = with(adaptive(1e-11));
+        const RunResult result = with(implicit(tolerance));
+        const double size = std::abs(reference.drivers[0].mean_force[0]);
+        EXPECT_NEAR(result.drivers[0].mean_force[0], reference.drivers[0].mean_force[0],
+                    1e-3 * size)
+            << amplitude << " " << velocity << " " << tolerance;
+      }
+    }
+  }
+}
+
+/// A spring so stiff that the tolerance of places is more than all of the substrate's force.
+TEST(Radau9, IsDoubtedWhereASpringIsTooStiffForItsTolerance) {
+  const auto warnings = [](const char* stiffness) {
+    return run_text(TipScene{.duration = 1.0, .integrator = implicit(1e-7)}.text(),
+                    {{"force.driver.stiffness", stiffness}})
+        .warnings;
+  };
+  const auto about_places = [](const std::vector<std::string>& all) {
+    return std::count_if(all.begin(), all.end(), [](const std::string& one) {
+      return one.find("places are known to") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(about_places(warnings("1e8")), 1);
+  EXPECT_EQ(about_places(warnings("1e3")), 0);
+}
+
 // ---- stiffness
 
 /// Fast relaxation, a million times faster than a step: after it motion is on the slow manifold,
