@@ -23,7 +23,7 @@ constexpr double kFewPlaces = 100.0;  // of a short number type
 constexpr double kUselessPlaces = 1e-3;
 /// Tolerance of an adaptive scheme, as a part of a period or of half the shortest bond.
 constexpr double kCoarseTolerance = 1e-2;
-/// Of a driver's force by that of places, as a part of the substrate's largest.
+/// Of a driver's force by that of places, as a part of what substrate and drag have at most.
 constexpr double kCoarseForce = 1e-2;
 /// Relative error of the drag, and so of a mean force, by the scheme alone.
 constexpr double kCoarseDrag = 1e-2;
@@ -38,6 +38,19 @@ constexpr double kMissedWay = 1e-2;
 constexpr double kSoonTaken = 1e6;
 /// Moments at which a prescribed velocity is looked at.
 constexpr int kLooks = 1000;
+
+/// The friction coefficient of a body's particles together.
+class TotalFriction : public FrictionSink {
+ public:
+  explicit TotalFriction(std::size_t body) : body_(body) {}
+  void site(std::size_t body, std::size_t, double coefficient) override {
+    if (body == body_) total += coefficient;
+  }
+  double total = 0.0;
+
+ private:
+  std::size_t body_;
+};
 
 /// The longest period of a force on a body; 0 where it has none there.
 double period_of(const Model::Force& force, std::size_t body, const Scene& scene) {
@@ -250,7 +263,7 @@ void Engine::warn_of_coarse_tolerance() {
 }
 
 /// A place is known to the tolerance or to its last digit, and a driver's force to its stiffness
-/// times that, which may be more than all that the substrate has.
+/// times that, which may be more than all that substrate and drag have.
 void Engine::warn_of_stiff_drivers() {
   constexpr double kTau = 6.283185307179586;
   const double last_place = last_place_of(scene_->run.number_type);
@@ -268,14 +281,19 @@ void Engine::warn_of_stiff_drivers() {
       shortest = std::min(shortest, period);
     }
     if (largest <= 0.0) continue;
+    TotalFriction friction(driver.bodies.front());
+    for (const Model::Force& force : model_.forces()) force.bound->friction(friction);
+    double square = 0.0;
+    for (const double part : drive->velocity) square += part * part;
+    largest = std::max(largest, friction.total * std::sqrt(square));
     const double asked = scheme_.tolerance == nullptr
                              ? 0.0
                              : scheme_.tolerance(scene_->run.integrator.description.get());
     const double known = std::max(asked, last_place * shortest);
     if (!(drive->stiffness * known > kCoarseForce * largest)) continue;
     warnings_.push_back(fmt::format(
-        "{}: places are known to {:.2g}, and so its force to {:.2g} only, where the substrate's is "
-        "{:.2g} at most: take a finer tolerance, or a softer spring",
+        "{}: places are known to {:.2g}, and so its force to {:.2g} only, where substrate and "
+        "drag have {:.2g} at most: take a finer tolerance, or a softer spring",
         driver.name, known, drive->stiffness * known, largest));
   }
 }

@@ -25,7 +25,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Of the error allowed, what the companion may have in the pilot: a whole run is not quite it.
 constexpr double kShareOfCompanion = 0.1;
 /// The same of costs.
-constexpr double kSlack = 0.95;
+constexpr double kSlack = 0.85;
 /// The pilot's reference is so much finer than what is asked for.
 constexpr double kReferenceShare = 1e-4;
 constexpr double kFinestTolerance = 1e-13;
