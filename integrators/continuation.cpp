@@ -802,6 +802,10 @@ std::unique_ptr<Integrator<double>> bind(const void* description, System<double>
   return std::make_unique<Continuation>(*static_cast<const Description*>(description), system);
 }
 
+std::int64_t most_steps(const void* description) {
+  return static_cast<const Description*>(description)->most_steps;
+}
+
 }  // namespace
 
 IntegratorRecord continuation_record() {
@@ -831,10 +835,11 @@ IntegratorRecord continuation_record() {
       parameter("most_steps", &Description::most_steps, dimension::none,
                 "a run that needs more fails")
           .in(positive)
-          .by_default(std::int64_t{1'000'000'000})};
+          .by_default(std::int64_t{10'000'000})};
   record.step = &no_fixed_step;
   record.stable_step = &any_step;
   record.tolerance = &tolerance;
+  record.most_steps = &most_steps;
   record.complaints = &complaints;
   record.bind = {&bind};
   record.example = R"(# A tip that sticks and slips, driven infinitely slowly.
