@@ -265,7 +265,6 @@ void Engine::warn_of_coarse_tolerance() {
 /// A place is known to the tolerance or to its last digit, and a driver's force to its stiffness
 /// times that, which may be more than all that substrate and drag have.
 void Engine::warn_of_stiff_drivers() {
-  constexpr double kTau = 6.283185307179586;
   const double last_place = last_place_of(scene_->run.number_type);
   for (const Model::Force& driver : model_.forces()) {
     const Drive* drive = driver.bound->drive();
