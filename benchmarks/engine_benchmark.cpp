@@ -38,7 +38,7 @@ type = "sinusoidal_substrate"
 amplitude = 0.1
 period = 1.0
 [run]
-duration = 1e11
+duration = 1e9
 integrator = { type = "rk4", dt = 1e-2 }
 )--";
 
@@ -71,7 +71,7 @@ amplitude = "0.1 / N"
 period = 1.0
 decay = 1.0
 [run]
-duration = 1e11
+duration = 1e9
 integrator = { type = "rk4", dt = )--" +
          dt + " }\n";
 }
@@ -101,7 +101,7 @@ type = "sinusoidal_substrate"
 amplitude = 0.05
 period = 1.0
 [run]
-duration = 1e11
+duration = 1e9
 integrator = { type = "rk4", dt = 1e-2 }
 )--";
 }
