@@ -8,6 +8,8 @@ const char* to_string(Element element) {
       return "each particle";
     case Element::pair:
       return "pairs of particles";
+    case Element::triple:
+      return "angles of three particles";
     case Element::body:
       return "a body as a whole, or particles of it";
   }

@@ -224,7 +224,10 @@ const char* kind_name(const Parameter& row) {
                                         "points",
                                         "words",
                                         "flags",
-                                        "passing"};
+                                        "passing",
+                                        "formula",
+                                        "formulas",
+                                        "angles"};
   static_assert(kNames.size() == std::variant_size_v<ParameterValue>, "each kind has its name");
   return kNames[row.prototype.index()];
 }

@@ -50,7 +50,11 @@ void add_built(Explanation& explanation, Model& model) {
     explanation.bodies.push_back(std::move(body));
   }
   for (const Model::Force& from : model.forces()) {
-    Explanation::Force force{from.name, from.record->name, {}, from.record->element};
+    Explanation::Force force{from.name, from.record->name, {}, {}};
+    for (const SceneForce& force_of_scene : scene.forces) {
+      if (force_of_scene.name != from.name) continue;
+      force.element = element_of(*from.record, force_of_scene.description.get());
+    }
     for (const std::size_t b : from.bodies) force.bodies.push_back(scene.bodies[b].name);
     explanation.forces.push_back(std::move(force));
   }
@@ -65,7 +69,7 @@ void add_parts(Explanation& explanation, const Model& model) {
   bool random = false;
   const bool works = !model.drivers().empty();
   for (const Model::Force& force : model.forces()) {
-    random = random || force.record->traits.stochastic;
+    random = random || force.traits.stochastic;
   }
   parts.push_back({"driver integrals", works,
                    works ? "the force and the power of every driver" : "nothing does work"});

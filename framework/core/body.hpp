@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -57,7 +58,10 @@ inline BodyEnds open_ends(const void*, int) { return {}; }
 struct Complaint {
   std::string key;
   std::string why;
-  std::string admissible;
+  std::string admissible = {};
+  std::string nearest = {};
+  std::optional<std::size_t> column = {};  ///< 0-based, within a formula
+  std::size_t index = 0;                   ///< of the formula in a list of them
 };
 
 struct BodyRecord : ComponentRecord {

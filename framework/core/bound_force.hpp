@@ -83,6 +83,10 @@ class HessianSink {
   /// d2V / ds_a ds_b, s the separation of two particles.
   virtual void pair(std::size_t body1, std::size_t particle1, std::size_t body2,
                     std::size_t particle2, int a, int b, double value) = 0;
+  /// d2V / dx_a dy_b, x and y the places of two different particles (y_b with x_a comes as a call of
+  /// its own): what forces among three or more are made of, besides site().
+  virtual void block(std::size_t body1, std::size_t particle1, int a, std::size_t body2,
+                     std::size_t particle2, int b, double value) = 0;
   /// d2V / dc_a dc_b, c the weighted mean of a body's particles.
   virtual void centre(std::size_t body, const double* weight, int a, int b, double value) = 0;
 
@@ -158,6 +162,12 @@ class BoundForce {
   virtual const Drive* drive() const { return nullptr; }
   /// Shortest distance that a pair of it keeps; 0 when there are none.
   virtual double shortest_bond() const { return 0.0; }
+  /// Where and why it has no finite value at a stage, for messages: "in 'log(y)', column 1, of
+  /// particle 3: ...". Empty when it cannot tell.
+  virtual std::string why_not_finite(const Stage<Real>& stage) const {
+    (void)stage;
+    return {};
+  }
 
   /// For the energy ledger: a kernel that writes the power which this force takes out of the
   /// particles to stage.rates[rate]. False for a force that only stores energy.

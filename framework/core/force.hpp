@@ -3,8 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "framework/core/body.hpp"
@@ -61,6 +63,13 @@ struct SceneOutline {
   std::vector<Body> bodies;  ///< those the force acts on, in the order named
 };
 
+/// Thrown by a factory for what only shows when a scene is bound: how a key of the force does not
+/// fit the bodies as they stand.
+struct BindError : std::runtime_error {
+  explicit BindError(Complaint what) : std::runtime_error(what.why), complaint(std::move(what)) {}
+  Complaint complaint;
+};
+
 /// For forces whose keys need no checking against each other.
 inline std::vector<Complaint> no_complaints(const void*, const SceneOutline&) { return {}; }
 
@@ -73,6 +82,9 @@ inline double no_period(const void*, int) { return 0.0; }
 struct ForceRecord : ComponentRecord {
   Element element = Element::site;
   Traits traits;
+  /// Where the claims, or the element, depend on what a scene asks for; null: as above.
+  Traits (*traits_of)(const void* description) = nullptr;
+  Element (*element_of)(const void* description) = nullptr;
   int fewest_bodies = 1;
   int most_bodies = 1;
 
@@ -87,5 +99,15 @@ struct ForceRecord : ComponentRecord {
 
   ForceFactories bind;
 };
+
+/// The claims of a force as a scene describes it.
+inline Traits traits_of(const ForceRecord& record, const void* description) {
+  return record.traits_of == nullptr ? record.traits : record.traits_of(description);
+}
+
+/// What it is evaluated on there.
+inline Element element_of(const ForceRecord& record, const void* description) {
+  return record.element_of == nullptr ? record.element : record.element_of(description);
+}
 
 }  // namespace tomlin

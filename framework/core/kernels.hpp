@@ -396,6 +396,29 @@ TOMLIN_INLINE Packed<Real> gather(const Real* from, const std::size_t* index) {
   return Packed<Real>::load(lane);
 }
 
+/// Each particle's sum over its pairs, in row order.
+template <class Real>
+TOMLIN_INLINE void share_out_pairs(const PairListArguments<Real>& a, const Stage<Real>& stage,
+                                   int dimension) {
+  const std::size_t row_length = (a.pairs + kGroup - 1) / kGroup * kGroup;
+  const auto share_out = [&](const BodySlot<Real>& body, std::size_t rows, std::size_t first_row) {
+    Real* f = (body.mapped ? stage.mapped_force : stage.force) + body.offset;
+    for (std::size_t d = 0; d < static_cast<std::size_t>(dimension); ++d) {
+      const Real* result = a.result + d * row_length;
+      for (std::size_t i = 0; i < rows; ++i) {
+        Real total(0.0);
+        for (std::size_t k = a.row_start[first_row + i]; k < a.row_start[first_row + i + 1]; ++k) {
+          const std::ptrdiff_t signed_pair = a.row[k];
+          total += signed_pair > 0 ? result[signed_pair - 1] : -result[-signed_pair - 1];
+        }
+        f[d * body.stride + i] += total;
+      }
+    }
+  };
+  share_out(a.first, a.particles_first, 0);
+  if (!a.same_body) share_out(a.second, a.particles_second, a.particles_first);
+}
+
 template <class E, class Real, int D>
 TOMLIN_FLATTEN void pair_list_kernel(const void* arguments, const Stage<Real>& stage) {
   using Group = Packed<Real>;
@@ -417,22 +440,7 @@ TOMLIN_FLATTEN void pair_list_kernel(const void* arguments, const Stage<Real>& s
     for (int d = 0; d < D; ++d) force[d].store(a.result + d * row_length + k);
   }
 
-  const auto share_out = [&](const BodySlot<Real>& body, std::size_t rows, std::size_t first_row) {
-    Real* f = (body.mapped ? stage.mapped_force : stage.force) + body.offset;
-    for (int d = 0; d < D; ++d) {
-      const Real* result = a.result + d * row_length;
-      for (std::size_t i = 0; i < rows; ++i) {
-        Real total(0.0);
-        for (std::size_t k = a.row_start[first_row + i]; k < a.row_start[first_row + i + 1]; ++k) {
-          const std::ptrdiff_t signed_pair = a.row[k];
-          total += signed_pair > 0 ? result[signed_pair - 1] : -result[-signed_pair - 1];
-        }
-        f[d * body.stride + i] += total;
-      }
-    }
-  };
-  share_out(a.first, a.particles_first, 0);
-  if (!a.same_body) share_out(a.second, a.particles_second, a.particles_first);
+  share_out_pairs(a, stage, D);
 }
 
 // ---- tables -------------------------------------------------------------------------------------

@@ -127,9 +127,31 @@ struct Passing {
   friend bool operator==(const Passing&, const Passing&) = default;
 };
 
+/// `energy = "V0 * cos(2*pi*x/a)"`: text over a force's variables and the scene's parameters, with
+/// the values of those that it names. Parsed already: it has no fault of form.
+struct Formula {
+  std::string text;
+  std::vector<std::pair<std::string, double>> parameters;
+  friend bool operator==(const Formula&, const Formula&) = default;
+};
+
+/// `force = ["-k * x", "0"]`: one formula per space dimension; empty when not given.
+struct FormulaList {
+  std::vector<Formula> components;
+  friend bool operator==(const FormulaList&, const FormulaList&) = default;
+};
+
+/// `angles = "neighbours"` or `[[0, 1, 2], ...]`: particles whose bonds meet in the middle one.
+struct AngleSelection {
+  bool neighbours = true;
+  std::vector<std::array<std::int64_t, 3>> list;
+  friend bool operator==(const AngleSelection&, const AngleSelection&) = default;
+};
+
 using ParameterValue = std::variant<double, std::int64_t, bool, std::string, SpaceVector,
                                     PerParticle, PerParticleVector, PairSelection, WordOrNumbers,
-                                    Attachment, PointList, WordList, FlagList, Passing>;
+                                    Attachment, PointList, WordList, FlagList, Passing, Formula,
+                                    FormulaList, AngleSelection>;
 
 /// One row of a parameter table; the member is reached through `assign` and `read`.
 struct Parameter {

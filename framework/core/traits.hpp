@@ -3,7 +3,7 @@
 namespace tomlin {
 
 /// What a force is evaluated on.
-enum class Element { site, pair, body };
+enum class Element { site, pair, triple, body };
 
 /// Claims about a force. Each is verified by the conformance tests; integrators read them.
 struct Traits {

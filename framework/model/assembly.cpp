@@ -272,6 +272,24 @@ bool Assembly<Real>::takes_as_operator(const Force& force) const {
   });
 }
 
+namespace {
+
+/// A complaint about a force of the scene, at the key that it is about.
+Fault fault_of(const SceneForce& force, const Complaint& complaint) {
+  Fault fault;
+  fault.place = force.place_of(complaint.key);
+  if (complaint.column && fault.place.line > 0 && force.places.contains(complaint.key)) {
+    fault.place.column += static_cast<int>(*complaint.column) + 1;  // behind the quotation mark
+  }
+  fault.key = "force." + force.name + "." + complaint.key;
+  fault.why = complaint.why;
+  fault.admissible = complaint.admissible;
+  fault.nearest = complaint.nearest;
+  return fault;
+}
+
+}  // namespace
+
 template <class Real>
 void Assembly<Real>::bind_forces() {
   std::vector<Fault> faults;
@@ -281,14 +299,15 @@ void Assembly<Real>::bind_forces() {
                          [&](std::size_t b) { return holds(bodies_[b]); });
     };
     const bool one_body = from.bodies.size() == 1;
-    if (from.record->traits.internal && one_body &&
+    const Traits traits = from.traits();
+    if (traits.internal && one_body &&
         all_of([](const Body& body) { return body.bound.slot.rigid || body.prescribed(); })) {
       left_out_.push_back({from.name, "internal to a rigid body, where it does nothing"});
       continue;
     }
     const bool nothing_moves =
         all_of([](const Body& body) { return body.bound.coordinates == "fixed"; });
-    if (nothing_moves && !from.record->traits.does_work) {
+    if (nothing_moves && !traits.does_work) {
       left_out_.push_back({from.name, "acts only on what is fixed"});
       continue;
     }
@@ -311,8 +330,14 @@ void Assembly<Real>::bind_forces() {
     Force force;
     force.name = from.name;
     force.record = from.record;
+    force.traits = traits;
     force.bodies = from.bodies;
-    force.bound = factory(from.description.get(), binding);
+    try {
+      force.bound = factory(from.description.get(), binding);
+    } catch (const BindError& error) {
+      faults.push_back(fault_of(from, error.complaint));
+      continue;
+    }
     force.is_operator = takes_as_operator(force);
     if (force.bound->depends_on_time()) timed_.push_back(force.bound.get());
     forces_.push_back(std::move(force));
@@ -359,7 +384,7 @@ void Assembly<Real>::lay_rates() {
     force.first_rate = static_cast<std::ptrdiff_t>(rates);
     force.bound->place_rates(force.first_rate);
     rates += force.bound->rate_count();
-    if (force.record->traits.does_work) {
+    if (force.traits.does_work) {
       drivers_.push_back({force.name, force.first_rate, force.bound->drive()});
     }
   }
@@ -555,7 +580,7 @@ void Assembly<Real>::order_operations() {
   for (std::size_t k = 0; k < rigid_.size(); ++k) {
     for (const Force& force : forces_) {
       const bool acts = std::count(force.bodies.begin(), force.bodies.end(), rigid_body_[k]) > 0;
-      if (acts && force.record->traits.depends_on_velocity && !force.is_operator) {
+      if (acts && force.traits.depends_on_velocity && !force.is_operator) {
         rigid_[k].velocities = true;
       }
     }

@@ -365,7 +365,7 @@ std::vector<ClaimResult> check_claims(const Scene& scene, const ClaimOptions& op
   for (std::size_t k = 0; k < scene.forces.size(); ++k) {
     ForceAlone alone(scene, k);
     if (!alone.built() || alone.variables().empty()) continue;
-    const Traits& traits = scene.forces[k].record->traits;
+    const Traits traits = scene.forces[k].traits();
     Examination examination(alone, length, options);
     if (traits.conservative) results.push_back(examination.conservative());
     if (traits.internal) results.push_back(examination.internal());

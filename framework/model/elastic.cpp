@@ -75,7 +75,15 @@ class BondMatrix : public HessianSink {
       : body_(body), count_(count), n_(count * static_cast<std::size_t>(axes)) {
     values.assign(n_ * n_, 0.0);
   }
-  void site(std::size_t, std::size_t, int, int, double) override {}
+  // A body's own sites: what is left of forces among three particles or more.
+  void site(std::size_t body, std::size_t i, int a, int b, double value) override {
+    if (body == body_) values[(a * count_ + i) * n_ + b * count_ + i] += value;
+  }
+  void block(std::size_t body1, std::size_t i, int a, std::size_t body2, std::size_t j, int b,
+             double value) override {
+    if (body1 != body_ || body2 != body_) return;
+    values[(a * count_ + i) * n_ + b * count_ + j] += value;
+  }
   void centre(std::size_t, const double*, int, int, double) override {}
   void pair(std::size_t body1, std::size_t i, std::size_t body2, std::size_t j, int a, int b,
             double value) override {
@@ -187,7 +195,7 @@ void find_modes(const Body& body, std::vector<double> matrix, const double* forc
 }  // namespace
 
 bool is_bonds(const Assembly<double>& assembly, const Assembly<double>::Force& force) {
-  const Traits& traits = force.record->traits;
+  const Traits& traits = force.traits;
   if (!traits.internal || !traits.conservative || traits.depends_on_time) return false;
   if (force.bodies.size() != 1) return false;
   const BodySlot<double>& slot = assembly.bodies()[force.bodies.front()].bound.slot;

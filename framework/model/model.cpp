@@ -61,7 +61,7 @@ void check_scheme(const Assembly<double>& assembly) {
   }
   if (scheme.splits_friction) {
     for (const auto& force : assembly.forces()) {
-      if (force.record->traits.depends_on_velocity && !force.bound->is_friction()) {
+      if (force.traits.depends_on_velocity && !force.bound->is_friction()) {
         refuse("run.integrator.type", place,
                "falls to first order with the force \"" + force.name +
                    "\", which depends on velocity and is not linear friction",
@@ -76,7 +76,7 @@ void check_scheme(const Assembly<double>& assembly) {
   }
   if (scheme.conservative_only) {
     for (const auto& force : assembly.forces()) {
-      const Traits& traits = force.record->traits;
+      const Traits& traits = force.traits;
       if (traits.depends_on_velocity || traits.stochastic || force.bound->is_friction()) {
         refuse("run.integrator.type", place,
                "is for scenes without loss; the force \"" + force.name + "\" depends on velocity",
@@ -99,7 +99,7 @@ void check_scheme(const Assembly<double>& assembly) {
   }
   if (scene.run.dynamics != "inertial") {
     for (const auto& force : assembly.forces()) {
-      if (force.record->traits.depends_on_velocity && !force.bound->is_friction()) {
+      if (force.traits.depends_on_velocity && !force.bound->is_friction()) {
         const auto found = scene.run.places.find("dynamics");
         faults.push_back(
             {found == scene.run.places.end() ? scene.run.place : found->second, "run.dynamics",

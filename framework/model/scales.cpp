@@ -205,9 +205,8 @@ Scales scales_of(const std::shared_ptr<const Scene>& scene) {
     ForceAlone alone(*scene, k);
     if (!alone.built()) continue;
     const Model::Stiffness own = alone.model().stiffness();
-    const ForceRecord& record = *scene->forces[k].record;
     scales.forces.push_back(
-        {alone.force().name, own.frequency, own.damping_rate, record.traits.internal});
+        {alone.force().name, own.frequency, own.damping_rate, scene->forces[k].traits().internal});
     for (const Model::Force& force : model.forces()) {
       if (force.name != scene->forces[k].name) continue;
       add_sliding(scales, model, k, force);

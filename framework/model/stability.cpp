@@ -40,6 +40,11 @@ class ScaledHessian : public HessianSink {
     add(parts(body2, j, a), parts(body1, i, b), -value);
   }
 
+  void block(std::size_t body1, std::size_t i, int a, std::size_t body2, std::size_t j, int b,
+             double value) override {
+    add(parts(body1, i, a), parts(body2, j, b), value);
+  }
+
   void centre(std::size_t body, const double* weight, int a, int b, double value) override {
     const BodySlot<double>& slot = model_.bodies()[body].bound.slot;
     if (slot.rigid) {

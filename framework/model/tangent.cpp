@@ -58,6 +58,10 @@ class ForceTangent::Sink : public HessianSink, public FrictionSink {
     stiffness(one_a, other_b, -value);
     stiffness(other_a, one_b, -value);
   }
+  void block(std::size_t body1, std::size_t i, int a, std::size_t body2, std::size_t j, int b,
+             double value) override {
+    stiffness(to_.parts(body1, i, a), to_.parts(body2, j, b), value);
+  }
   void centre(std::size_t body, const double* weight, int a, int b, double value) override {
     to_.add_mean(body, weight, a, b, value);
   }
@@ -85,10 +89,11 @@ class ForceTangent::Finder : public HessianSink {
   void site(std::size_t, std::size_t, int, int, double) override { ++elements; }
   void pair(std::size_t body1, std::size_t i, std::size_t body2, std::size_t j, int, int,
             double) override {
-    ++elements;
-    const std::size_t one = node(body1, i);
-    const std::size_t other = node(body2, j);
-    if (one != kNoNode && other != kNoNode) graph.join(one, other);
+    join(body1, i, body2, j);
+  }
+  void block(std::size_t body1, std::size_t i, int, std::size_t body2, std::size_t j, int,
+             double) override {
+    join(body1, i, body2, j);
   }
   void centre(std::size_t body, const double* weight, int a, int b, double) override {
     ++elements;
@@ -102,6 +107,12 @@ class ForceTangent::Finder : public HessianSink {
   std::size_t spread_terms = 0;
 
  private:
+  void join(std::size_t body1, std::size_t i, std::size_t body2, std::size_t j) {
+    ++elements;
+    const std::size_t one = node(body1, i);
+    const std::size_t other = node(body2, j);
+    if (one != kNoNode && other != kNoNode) graph.join(one, other);
+  }
   std::size_t node(std::size_t body, std::size_t particle) const {
     const std::vector<std::size_t>& nodes = of_.nodes_[body];
     if (nodes.empty()) return kNoNode;
@@ -122,7 +133,7 @@ ForceTangent::ForceTangent(Assembly<double>& assembly) : assembly_(assembly) {
 
 std::string ForceTangent::first_unknown() const {
   for (const auto& force : assembly_.forces()) {
-    const Traits& traits = force.record->traits;
+    const Traits& traits = force.traits;
     const auto because = [&](const char* why) {
       return fmt::format("the force \"{}\" {}", force.name, why);
     };

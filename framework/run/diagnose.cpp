@@ -71,6 +71,20 @@ std::string strongest_force(Model& model, std::size_t coordinate) {
   return strongest;
 }
 
+/// What a force that has no finite value here says about it; empty when none knows.
+std::string why_not_finite(Model& model) {
+  SystemView<double>& s = model.system().view;
+  AlignedVector<double> rates(s.rates + 2 * kGroup, 0.0);
+  const Stage<double> stage =
+      stage_of(s, static_cast<const double*>(s.position), static_cast<const double*>(s.velocity),
+               static_cast<const double*>(s.integrals), rates.data(), 0.0);
+  for (const Model::Force& force : model.forces()) {
+    const std::string why = force.bound->why_not_finite(stage);
+    if (!why.empty()) return fmt::format("the force \"{}\" is not defined here: {}", force.name, why);
+  }
+  return {};
+}
+
 /// Whether two particles of a body stand in one place, or meet within a step of h on their way.
 bool particles_meet(const Model& model, const SystemView<double>& s, const std::string& name,
                     double h) {
@@ -171,6 +185,8 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
                     scheme.name, stable_step);
   } else if (particles_meet(model, s, name.body, h)) {
     failure.cause = "two particles of the body coincide, and a bond has no direction there";
+  } else if (std::string why = finite ? "" : why_not_finite(model); !why.empty()) {
+    failure.cause = std::move(why);
   } else if (!finite) {
     failure.cause = "a force law was left where it is defined, or its numbers overflow";
   } else if (scheme.adaptive) {

@@ -123,6 +123,24 @@ std::string wrong_pairs(const PairSelection& pairs, const BodyDraft& one, const 
   return "";
 }
 
+/// Triples of different particles of a body; either direction is the same angle.
+std::string wrong_angles(const AngleSelection& angles, const BodyDraft& body) {
+  std::set<std::array<std::int64_t, 3>> seen;
+  for (const auto& [first, middle, last] : angles.list) {
+    const std::string angle = fmt::format("angle [{}, {}, {}]", first, middle, last);
+    if (std::min({first, middle, last}) < 0 || std::max({first, middle, last}) >= *body.count) {
+      return fmt::format("{}: indices are 0 to {}", angle, *body.count - 1);
+    }
+    if (first == middle || middle == last || first == last) {
+      return angle + ": an angle has three different particles";
+    }
+    if (!seen.insert({std::min(first, last), middle, std::max(first, last)}).second) {
+      return angle + " is given twice";
+    }
+  }
+  return "";
+}
+
 /// Empty when lists have one entry or one per particle, and indices name particles.
 std::string wrong_for_body(const ParameterValue& value, const BodyDraft& body) {
   const std::int64_t count = *body.count;
@@ -137,6 +155,8 @@ std::string wrong_for_body(const ParameterValue& value, const BodyDraft& body) {
                              count == 1 ? "" : "s");
         } else if constexpr (std::is_same_v<Kind, PairSelection>) {
           return wrong_pairs(given, body);
+        } else if constexpr (std::is_same_v<Kind, AngleSelection>) {
+          return wrong_angles(given, body);
         } else if constexpr (std::is_same_v<Kind, Attachment>) {
           if (given.kind != Attachment::Kind::particle) return "";
           if (given.particle >= 0 && given.particle < count) return "";
@@ -293,7 +313,12 @@ void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>&
 void report(const std::vector<Complaint>& complaints, const TableReading& reading,
             FaultList& faults) {
   for (const Complaint& complaint : complaints) {
-    reading.complain(faults, complaint.key, {"", complaint.why, complaint.admissible});
+    const Wrong wrong{"", complaint.why, complaint.admissible, complaint.nearest};
+    if (complaint.column) {
+      reading.complain_inside(faults, complaint.key, complaint.index, *complaint.column, wrong);
+    } else {
+      reading.complain(faults, complaint.key, wrong);
+    }
   }
 }
 

@@ -102,6 +102,27 @@ std::optional<Node> node_of(const Passing& passing) {
   return node(std::move(table));
 }
 
+std::optional<Node> node_of(const Formula& formula) {
+  if (formula.text.empty()) return std::nullopt;
+  return node(formula.text);
+}
+
+std::optional<Node> node_of(const FormulaList& formulas) {
+  if (formulas.components.empty()) return std::nullopt;
+  List list;
+  for (const Formula& formula : formulas.components) list.push_back(node(formula.text));
+  return node(std::move(list));
+}
+
+std::optional<Node> node_of(const AngleSelection& angles) {
+  if (angles.neighbours) return node("neighbours");
+  List list;
+  for (const auto& [first, middle, last] : angles.list) {
+    list.push_back(node(List{node(first), node(middle), node(last)}));
+  }
+  return node(std::move(list));
+}
+
 // double, std::int64_t, bool and std::string stand for themselves.
 template <class Plain>
 std::optional<Node> node_of(const Plain& value) {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/scene/expression.hpp"
+#include "framework/core/formula/expression.hpp"
 
 namespace tomlin {
 

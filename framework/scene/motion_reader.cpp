@@ -18,7 +18,7 @@ namespace tomlin {
 namespace {
 
 constexpr std::size_t kMostDimensions = 3;
-constexpr const char* kVariable = "t";
+constexpr std::string_view kVariable = "t";
 constexpr const char* kNumberDue = "a number or an expression in t";
 constexpr const char* kVelocityDue = "a list with a number or an expression in t per dimension";
 
@@ -76,7 +76,7 @@ class MotionReader {
  private:
   std::optional<TimeFunction> function(const Node& node, const std::string& text,
                                        const std::string& key) {
-    auto result = parameters_.bind(text, kVariable);
+    auto result = parameters_.bind(text, {&kVariable, 1});
     if (const auto* error = std::get_if<ExpressionError>(&result)) return refuse(node, key, *error);
     auto& bound = std::get<BoundExpression>(result);
 

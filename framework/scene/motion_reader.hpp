@@ -4,7 +4,7 @@
 #include <string>
 
 #include "framework/scene/document.hpp"
-#include "framework/scene/expression.hpp"
+#include "framework/scene/parameter_table.hpp"
 #include "framework/scene/fault_list.hpp"
 #include "framework/scene/motion.hpp"
 

@@ -16,7 +16,7 @@
 #include "framework/scene/checks.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
-#include "framework/scene/expression.hpp"
+#include "framework/scene/parameter_table.hpp"
 #include "framework/scene/fault_list.hpp"
 #include "framework/scene/freedom_checks.hpp"
 #include "framework/scene/language.hpp"

@@ -41,6 +41,8 @@ struct SceneBody : SceneComponent<BodyRecord> {
 };
 
 struct SceneForce : SceneComponent<ForceRecord> {
+  Traits traits() const { return traits_of(*record, description.get()); }
+
   std::vector<std::size_t> bodies;  ///< indices into Scene::bodies, in the order named
 };
 

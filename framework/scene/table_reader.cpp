@@ -25,6 +25,19 @@ void TableReading::complain(FaultList& faults, const std::string& key, Wrong wro
   }
 }
 
+void TableReading::complain_inside(FaultList& faults, const std::string& key, std::size_t index,
+                                   std::size_t byte, Wrong wrong) const {
+  const Node* value = given ? given->find(key) : nullptr;
+  const List* list = value ? value->as<List>() : nullptr;
+  if (list != nullptr && index < list->size()) value = &(*list)[index];
+  if (value == nullptr || value->as<std::string>() == nullptr) {
+    complain(faults, key, std::move(wrong));
+    return;
+  }
+  wrong.key = path + "." + key;
+  faults.inside(*value, byte, std::move(wrong));
+}
+
 TableReading read_table(const Table& table, const Extent& where, const TableLayout& layout,
                         std::string path, void* description, const ValueReader& values,
                         const Source& source, FaultList& faults) {

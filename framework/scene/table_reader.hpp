@@ -26,6 +26,9 @@ struct TableReading {
   bool has(const std::string& key) const { return values.contains(key); }
   /// A fault of a key's value, or of the table when the key was not given.
   void complain(FaultList& faults, const std::string& key, Wrong wrong) const;
+  /// A fault in the middle of a formula, `byte` into its text; of a list of them, of the one there.
+  void complain_inside(FaultList& faults, const std::string& key, std::size_t index,
+                       std::size_t byte, Wrong wrong) const;
 };
 
 /// Read a table by its layout: assign every row to the description, fill in defaults, report

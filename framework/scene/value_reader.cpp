@@ -98,6 +98,12 @@ std::string what_is_due(const Parameter& row) {
                                      : "a list of " + joined_with_or(in_quotes(row.choices));
         } else if constexpr (std::is_same_v<Kind, FlagList>) {
           return "a list with true or false per dimension";
+        } else if constexpr (std::is_same_v<Kind, Formula>) {
+          return "a formula over the force's variables and the parameters";
+        } else if constexpr (std::is_same_v<Kind, FormulaList>) {
+          return "a list with a formula per dimension";
+        } else if constexpr (std::is_same_v<Kind, AngleSelection>) {
+          return "\"neighbours\" or a list of triples of indices";
         } else {
           static_assert(std::is_same_v<Kind, Passing>);
           return "{ when = OBSERVABLE, above = VALUE } or below, and times";
@@ -149,6 +155,12 @@ std::optional<ParameterValue> ValueReader::read_kind(const Subject& subject,
           return word_list(subject, node);
         } else if constexpr (std::is_same_v<Kind, FlagList>) {
           return flag_list(subject, node);
+        } else if constexpr (std::is_same_v<Kind, Formula>) {
+          return formula(subject, node);
+        } else if constexpr (std::is_same_v<Kind, FormulaList>) {
+          return formula_list(subject, node);
+        } else if constexpr (std::is_same_v<Kind, AngleSelection>) {
+          return angle_selection(subject, node);
         } else {
           static_assert(std::is_same_v<Kind, Passing>);
           return passing(subject, node);
@@ -275,6 +287,74 @@ std::optional<PairSelection> ValueReader::pair_selection(const Subject& subject,
     const auto second = index(subject, pair->back());
     if (!second) return std::nullopt;
     result.list.push_back({*first, *second});
+  }
+  return result;
+}
+
+std::optional<Formula> ValueReader::formula(const Subject& subject, const Node& node) const {
+  Formula result;
+  if (node.as<std::int64_t>() != nullptr || node.as<double>() != nullptr) {
+    const auto x = evaluated(subject, node);
+    if (!x || !in_range(subject, node, *x)) return std::nullopt;
+    result.text = value_text(node);
+    return result;
+  }
+  const auto* text = node.as<std::string>();
+  if (text == nullptr) return wrong_kind(subject, node);
+  auto bound = parameters_.bind(*text, expression_variables());
+  if (const auto* error = std::get_if<ExpressionError>(&bound)) {
+    if (!error->consequence) {
+      faults_.inside(node, error->column, {subject.key, error->why, "", error->nearest});
+    }
+    return std::nullopt;
+  }
+  result.text = *text;
+  result.parameters = std::get<BoundExpression>(std::move(bound)).parameters;
+  return result;
+}
+
+std::optional<FormulaList> ValueReader::formula_list(const Subject& subject,
+                                                     const Node& node) const {
+  const auto* list = node.as<List>();
+  if (list == nullptr) return wrong_kind(subject, node);
+  if (list->empty()) return wrong(subject, node, "the list is empty");
+  if (list->size() > kMostDimensions) {
+    return wrong(subject, node, "space has at most three dimensions");
+  }
+  FormulaList result;
+  bool sound = true;
+  for (const Node& element : *list) {
+    auto component = formula(subject, element);
+    sound = sound && component;
+    if (component) result.components.push_back(*std::move(component));
+  }
+  if (!sound) return std::nullopt;
+  return result;
+}
+
+std::optional<AngleSelection> ValueReader::angle_selection(const Subject& subject,
+                                                           const Node& node) const {
+  AngleSelection result;
+  if (const auto* word = node.as<std::string>()) {
+    if (!is_word(subject, node, *word, {"neighbours"})) return std::nullopt;
+    return result;
+  }
+  const auto* list = node.as<List>();
+  if (list == nullptr) return wrong_kind(subject, node);
+  if (list->empty()) return wrong(subject, node, "the list is empty");
+  result.neighbours = false;
+  for (const Node& element : *list) {
+    const auto* triple = element.as<List>();
+    if (triple == nullptr || triple->size() != 3) {
+      return wrong(subject, element, "not a triple of indices");
+    }
+    std::array<std::int64_t, 3> indices{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto found = index(subject, (*triple)[k]);
+      if (!found) return std::nullopt;
+      indices[k] = *found;
+    }
+    result.list.push_back(indices);
   }
   return result;
 }

@@ -7,7 +7,7 @@
 
 #include "framework/core/parameter.hpp"
 #include "framework/scene/document.hpp"
-#include "framework/scene/expression.hpp"
+#include "framework/scene/parameter_table.hpp"
 #include "framework/scene/fault_list.hpp"
 
 namespace tomlin {
@@ -52,6 +52,9 @@ class ValueReader {
   std::optional<PointList> point_list(const Subject& subject, const Node& node) const;
   std::optional<WordList> word_list(const Subject& subject, const Node& node) const;
   std::optional<FlagList> flag_list(const Subject& subject, const Node& node) const;
+  std::optional<Formula> formula(const Subject& subject, const Node& node) const;
+  std::optional<FormulaList> formula_list(const Subject& subject, const Node& node) const;
+  std::optional<AngleSelection> angle_selection(const Subject& subject, const Node& node) const;
   std::optional<Passing> passing(const Subject& subject, const Node& node) const;
 
   std::optional<double> evaluated(const Subject& subject, const Node& node) const;

@@ -67,7 +67,7 @@ std::vector<std::string> bodies_held_together(const Scene& scene) {
     if (body.record->count(description) < 2) continue;
     const bool bonded =
         std::any_of(scene.forces.begin(), scene.forces.end(), [b](const SceneForce& force) {
-          return force.record->traits.internal && force.bodies == std::vector<std::size_t>{b};
+          return force.traits().internal && force.bodies == std::vector<std::size_t>{b};
         });
     if (bonded) names.push_back(body.name);
   }

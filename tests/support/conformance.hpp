@@ -56,6 +56,11 @@ class DenseHessian : public HessianSink {
     at(bench_.variable(i, a), bench_.variable(j, b)) -= value;
     at(bench_.variable(j, a), bench_.variable(i, b)) -= value;
   }
+  void block(std::size_t body1, std::size_t index1, int a, std::size_t body2, std::size_t index2,
+             int b, double value) override {
+    at(bench_.variable(bench_.particle(body1, index1), a),
+       bench_.variable(bench_.particle(body2, index2), b)) += value;
+  }
   void centre(std::size_t, const double* weight, int a, int b, double value) override {
     if (bench_.on_centre()) {
       at(bench_.centre(a), bench_.centre(b)) += value;

@@ -1,4 +1,4 @@
-#include "framework/scene/expression.hpp"
+#include "framework/scene/parameter_table.hpp"
 
 #include <algorithm>
 #include <bit>

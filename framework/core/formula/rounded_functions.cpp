@@ -1,4 +1,4 @@
-#include "framework/scene/rounded_functions.hpp"
+#include "framework/core/formula/rounded_functions.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstddef>
+
+#include "framework/core/formula/program.hpp"
+#include "framework/core/kernel_arguments.hpp"
+
+/// What the kernels of formulas work on, and their table. Plain data only, see stage.hpp.
+namespace tomlin {
+
+/// Code with its numbers, for one number type.
+template <class Real>
+struct FormulaView {
+  const FormulaInstruction* prologue = nullptr;
+  std::size_t prologue_length = 0;
+  const FormulaInstruction* body = nullptr;
+  std::size_t body_length = 0;
+  const FormulaSlot* outputs = nullptr;
+  std::size_t output_count = 0;
+  Real* uniforms = nullptr;  ///< [uniform][kGroup], each repeated
+  std::ptrdiff_t time = -1;  ///< which uniform is the time; -1: none
+  const Real* start_of_time = nullptr;  ///< the time from which a stage's `elapsed` counts
+};
+
+/// An axis of a block: which of the six numbers of a particle an input is.
+inline constexpr std::size_t kMostFormulaInputs = 6;
+
+/// A formula for every particle of a body: x, y, z, vx, vy, vz as it names them.
+template <class Real>
+struct FormulaSiteArguments {
+  FormulaView<Real> code;  ///< outputs: the force on each axis
+  BodySlot<Real> body;
+  int dimension = 0;
+  std::size_t inputs = 0;
+  int axis[kMostFormulaInputs] = {};  ///< of each input: 0 to 2 position, 3 to 5 velocity
+  std::ptrdiff_t rate = kNoRate;      ///< for the ledger, see `heat` below
+  bool heat_is_power = false;  ///< heat = -F.v of outputs; else the sum of the only output
+};
+
+/// A formula for the centre of mass of a body.
+template <class Real>
+struct FormulaCentreArguments {
+  FormulaView<Real> code;
+  CentreArguments<Real> centre;
+  int dimension = 0;
+  std::size_t inputs = 0;
+  int axis[kMostFormulaInputs] = {};
+};
+
+/// A formula of the distance of each pair of a list; the output is dV/dr.
+template <class Real>
+struct FormulaPairArguments {
+  FormulaView<Real> code;
+  PairListArguments<Real> list;
+  int dimension = 0;
+  std::ptrdiff_t rate = kNoRate;  ///< for the ledger: the sum of the only output
+};
+
+/// A formula of the angle at the middle particle of each triple of a list; the output is dV/dtheta.
+template <class Real>
+struct FormulaAngleArguments {
+  FormulaView<Real> code;
+  BodySlot<Real> body;
+  std::size_t angles = 0;
+  const std::size_t* particle = nullptr;  ///< [3][padded angles]: end, middle, end
+  const Real* image = nullptr;  ///< [2][axis][padded angles], added to the two bonds; null: none
+  Real* result = nullptr;       ///< scratch [3][axis][padded angles]
+  /// For each particle: its triples in row order, as 3 * triple + place.
+  const std::size_t* row_start = nullptr;
+  const std::size_t* row = nullptr;
+  int dimension = 0;
+  std::ptrdiff_t rate = kNoRate;
+};
+
+template <class Real>
+struct FormulaKernelTable {
+  KernelPair<Real> site;  ///< the dimension stands in the arguments: the first entry is for all
+  KernelPair<Real> centre;
+  Kernel<Real> pairs = nullptr;   ///< adds
+  Kernel<Real> angles = nullptr;  ///< adds
+  Kernel<Real> site_heat = nullptr;
+  Kernel<Real> pair_heat = nullptr;
+  Kernel<Real> angle_heat = nullptr;
+  Kernel<Real> centre_heat = nullptr;
+  PointKernel<Real> point = nullptr;
+  /// All outputs for one element.
+  void (*evaluate)(const FormulaView<Real>& code, const Real* inputs, Real elapsed,
+                   Real* outputs) = nullptr;
+};
+
+}  // namespace tomlin

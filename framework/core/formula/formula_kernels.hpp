@@ -1,0 +1,317 @@
+#pragma once
+
+#include <cstddef>
+#include <type_traits>
+
+#include "framework/core/formula/formula_arguments.hpp"
+#include "framework/core/formula/interpreter.hpp"
+#include "framework/core/kernels.hpp"
+
+/// The loops over elements for formulas of a scene: particles, centres of mass, pairs and angles.
+/// One set of kernels for all formulas and dimensions; the formula comes with the arguments.
+namespace tomlin {
+inline namespace TOMLIN_TARGET {
+
+inline constexpr std::size_t kFormulaElements = kFormulaBlock * kGroup;
+
+template <class Real>
+TOMLIN_INLINE std::size_t packs_from(std::size_t i, std::size_t count) {
+  const std::size_t packs = (count - i + kGroup - 1) / kGroup;
+  return packs < kFormulaBlock ? packs : kFormulaBlock;
+}
+
+/// The numbers of a body that a formula takes, from particle i on.
+template <class Real, class Arguments>
+TOMLIN_INLINE void point_at_inputs(const Arguments& a, const Stage<Real>& stage, std::size_t i,
+                                   const Real** inputs) {
+  const Real* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset;
+  const Real* v = (a.body.mapped ? stage.mapped_velocity : stage.velocity) + a.body.offset;
+  for (std::size_t k = 0; k < a.inputs; ++k) {
+    const int axis = a.axis[k];
+    inputs[k] = axis < 3 ? x + static_cast<std::size_t>(axis) * a.body.stride + i
+                         : v + static_cast<std::size_t>(axis - 3) * a.body.stride + i;
+  }
+}
+
+/// The output as a block, whatever area it stands in.
+template <class Real>
+TOMLIN_INLINE Operand<Real> output_of(const FormulaView<Real>& code, std::size_t k,
+                                      const FormulaFrame<Real>& frame, const Real* const* inputs) {
+  return operand<Packed<Real>>(code.outputs[k], frame, static_cast<const Real*>(code.uniforms),
+                               inputs);
+}
+
+template <class Real>
+TOMLIN_INLINE Packed<Real> without_padding(const Packed<Real>& value, std::size_t i,
+                                           std::size_t count) {
+  using Group = Packed<Real>;
+  if (i + kGroup <= count) return value;
+  return select(first_lanes_of<Group>(static_cast<int>(count - i)), value, Group(Real(0.0)));
+}
+
+// ---- particles ----------------------------------------------------------------------------------
+
+template <class Real, bool set>
+void formula_site_kernel(const void* arguments, const Stage<Real>& stage) {
+  using Group = Packed<Real>;
+  const auto& a = *static_cast<const FormulaSiteArguments<Real>*>(arguments);
+  const std::size_t count = a.body.count;
+  const std::size_t stride = a.body.stride;
+  Real* f = (a.body.mapped ? stage.mapped_force : stage.force) + a.body.offset;
+  FormulaFrame<Real> frame;
+  begin_formula<Group>(a.code, stage.elapsed, frame);
+  for (std::size_t i = 0; i < count; i += kFormulaElements) {
+    const Real* inputs[kMostFormulaInputs];
+    point_at_inputs(a, stage, i, inputs);
+    const std::size_t packs = packs_from<Real>(i, count);
+    run_formula<Group>(a.code, frame, inputs, packs);
+    for (int d = 0; d < a.dimension; ++d) {
+      const Operand<Real> out = output_of(a.code, static_cast<std::size_t>(d), frame, inputs);
+      Real* to = f + static_cast<std::size_t>(d) * stride + i;
+      for (std::size_t k = 0; k < packs; ++k) {
+        const Group value =
+            without_padding<Real>(Group::load(out.at + k * out.step), i + k * kGroup, count);
+        put<set>(to + k * kGroup, value);
+      }
+    }
+  }
+}
+
+/// What the formula takes out of the particles: -F.v, or what its change in time takes out.
+template <class Real>
+void formula_site_heat(const void* arguments, const Stage<Real>& stage) {
+  using Group = Packed<Real>;
+  const auto& a = *static_cast<const FormulaSiteArguments<Real>*>(arguments);
+  const std::size_t count = a.body.count;
+  const Real* v = (a.body.mapped ? stage.mapped_velocity : stage.velocity) + a.body.offset;
+  FormulaFrame<Real> frame;
+  begin_formula<Group>(a.code, stage.elapsed, frame);
+  Group heat(Real(0.0));
+  for (std::size_t i = 0; i < count; i += kFormulaElements) {
+    const Real* inputs[kMostFormulaInputs];
+    point_at_inputs(a, stage, i, inputs);
+    const std::size_t packs = packs_from<Real>(i, count);
+    run_formula<Group>(a.code, frame, inputs, packs);
+    const int outputs = a.heat_is_power ? a.dimension : 1;
+    for (std::size_t k = 0; k < packs; ++k) {
+      Group taken(Real(0.0));
+      for (int d = 0; d < outputs; ++d) {
+        const Operand<Real> out = output_of(a.code, static_cast<std::size_t>(d), frame, inputs);
+        const Group value = Group::load(out.at + k * out.step);
+        const Real* speed = v + static_cast<std::size_t>(d) * a.body.stride + i + k * kGroup;
+        taken = a.heat_is_power ? fnma(value, Group::load(speed), taken) : taken - value;
+      }
+      heat = heat + without_padding<Real>(taken, i + k * kGroup, count);
+    }
+  }
+  stage.rates[a.rate] = sum(heat);
+}
+
+/// A single particle on a line, in registers.
+template <class Real>
+PointResult<Real> formula_point_kernel(const void* arguments, Real position, Real velocity, Real,
+                                       Real elapsed) {
+  const auto& a = *static_cast<const FormulaSiteArguments<Real>*>(arguments);
+  FormulaFrame<Real> frame;
+  begin_formula<Real>(a.code, elapsed, frame);
+  const Real* inputs[kMostFormulaInputs];
+  for (std::size_t k = 0; k < a.inputs; ++k) inputs[k] = a.axis[k] < 3 ? &position : &velocity;
+  run_formula<Real>(a.code, frame, inputs, 1);
+  return {*operand<Real>(a.code.outputs[0], frame, static_cast<const Real*>(a.code.uniforms),
+                         inputs)
+               .at,
+          Real(0.0)};
+}
+
+/// All outputs for one element; energies and second derivatives come this way.
+template <class Real>
+void formula_evaluate(const FormulaView<Real>& code, const Real* values, Real elapsed,
+                      Real* outputs) {
+  FormulaFrame<Real> frame;
+  begin_formula<Real>(code, elapsed, frame);
+  const Real* inputs[kMostFormulaInputs];
+  for (std::size_t k = 0; k < kMostFormulaInputs; ++k) inputs[k] = values + k;
+  run_formula<Real>(code, frame, inputs, 1);
+  for (std::size_t k = 0; k < code.output_count; ++k) {
+    outputs[k] =
+        *operand<Real>(code.outputs[k], frame, static_cast<const Real*>(code.uniforms), inputs).at;
+  }
+}
+
+// ---- the centre of mass -------------------------------------------------------------------------
+
+template <class Real>
+TOMLIN_INLINE void centre_of(const CentreArguments<Real>& a, const Stage<Real>& stage,
+                             int dimension, Real* centre) {
+  using Group = Packed<Real>;
+  for (int d = 0; d < dimension; ++d) {
+    const auto axis = static_cast<std::size_t>(d);
+    if (a.on_coordinates) {
+      centre[d] = stage.position[a.body.centre + axis];
+      continue;
+    }
+    const Real* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset +
+                    axis * a.body.stride;
+    if (a.single) {
+      centre[d] = x[a.particle];
+      continue;
+    }
+    Group mean(Real(0.0));
+    for (std::size_t i = a.first; i < a.last; i += kGroup) {
+      mean = fma(Group::load(a.weight + i), Group::load(x + i), mean);
+    }
+    centre[d] = sum(mean);
+  }
+}
+
+template <class Real>
+TOMLIN_INLINE void evaluate_at_centre(const FormulaCentreArguments<Real>& a,
+                                      const Stage<Real>& stage, Real* outputs) {
+  Real centre[3] = {};
+  centre_of(a.centre, stage, a.dimension, centre);
+  Real values[kMostFormulaInputs] = {};
+  for (std::size_t k = 0; k < a.inputs; ++k) values[k] = centre[a.axis[k]];
+  formula_evaluate<Real>(a.code, values, stage.elapsed, outputs);
+}
+
+template <class Real, bool set>
+void formula_centre_kernel(const void* arguments, const Stage<Real>& stage) {
+  using Group = Packed<Real>;
+  const auto& a = *static_cast<const FormulaCentreArguments<Real>*>(arguments);
+  const CentreArguments<Real>& c = a.centre;
+  Real force[3] = {};
+  evaluate_at_centre(a, stage, force);
+  if (c.on_coordinates) {
+    for (int d = 0; d < a.dimension; ++d) {
+      Real& to = stage.force[c.body.centre + static_cast<std::size_t>(d)];
+      to = set ? force[d] : to + force[d];
+    }
+    return;
+  }
+  Real* f = (c.body.mapped ? stage.mapped_force : stage.force) + c.body.offset;
+  for (int d = 0; d < a.dimension; ++d) {
+    const Group whole(force[d]);
+    for (std::size_t i = c.first; i < c.last; i += kGroup) {
+      put<set>(f + static_cast<std::size_t>(d) * c.body.stride + i,
+               Group::load(c.weight + i) * whole);
+    }
+  }
+}
+
+// ---- pairs --------------------------------------------------------------------------------------
+
+/// A block of pairs: from the first particle to the second, and how far.
+template <class Real>
+struct PairBlock {
+  alignas(64) Real separation[3][kFormulaElements];
+  alignas(64) Real distance[kFormulaElements];
+};
+
+template <class Real>
+TOMLIN_INLINE void gather_pairs(const FormulaPairArguments<Real>& a, const Stage<Real>& stage,
+                                std::size_t first, std::size_t packs, PairBlock<Real>& block) {
+  using Group = Packed<Real>;
+  const PairListArguments<Real>& list = a.list;
+  const Real* x1 =
+      (list.first.mapped ? stage.mapped_position : stage.position) + list.first.offset;
+  const Real* x2 =
+      (list.second.mapped ? stage.mapped_position : stage.position) + list.second.offset;
+  const std::size_t row_length = (list.pairs + kGroup - 1) / kGroup * kGroup;
+  for (std::size_t k = 0; k < packs; ++k) {
+    const std::size_t pair = first + k * kGroup;
+    Group square(Real(0.0));
+    for (int d = 0; d < a.dimension; ++d) {
+      const auto axis = static_cast<std::size_t>(d);
+      Group apart = gather(x2 + axis * list.second.stride, list.j + pair) -
+                    gather(x1 + axis * list.first.stride, list.i + pair);
+      if (list.image) apart = apart + Group::load(list.image + axis * row_length + pair);
+      apart.store(block.separation[d] + k * kGroup);
+      square = a.dimension == 1 ? abs(apart) : fma(apart, apart, square);
+    }
+    const Group distance = a.dimension == 1 ? square : sqrt(square);
+    distance.store(block.distance + k * kGroup);
+  }
+}
+
+template <class Real>
+void formula_pair_kernel(const void* arguments, const Stage<Real>& stage) {
+  using Group = Packed<Real>;
+  const auto& a = *static_cast<const FormulaPairArguments<Real>*>(arguments);
+  const PairListArguments<Real>& list = a.list;
+  const std::size_t row_length = (list.pairs + kGroup - 1) / kGroup * kGroup;
+  FormulaFrame<Real> frame;
+  PairBlock<Real> block;
+  const Real* inputs[] = {block.distance};
+  begin_formula<Group>(a.code, stage.elapsed, frame);
+  for (std::size_t first = 0; first < list.pairs; first += kFormulaElements) {
+    const std::size_t packs = packs_from<Real>(first, list.pairs);
+    gather_pairs(a, stage, first, packs, block);
+    run_formula<Group>(a.code, frame, inputs, packs);
+    const Operand<Real> out = output_of(a.code, 0, frame, inputs);
+    for (std::size_t k = 0; k < packs; ++k) {
+      const Group tension = Group::load(out.at + k * out.step);
+      const Group scale = a.dimension == 1
+                              ? tension
+                              : tension / Group::load(block.distance + k * kGroup);
+      for (int d = 0; d < a.dimension; ++d) {
+        const Group apart = Group::load(block.separation[d] + k * kGroup);
+        const Group way = a.dimension == 1 ? copysign(Group(Real(1.0)), apart) : apart;
+        (scale * way)
+            .store(list.result + static_cast<std::size_t>(d) * row_length + first + k * kGroup);
+      }
+    }
+  }
+  share_out_pairs(list, stage, a.dimension);
+}
+
+template <class Real>
+void formula_pair_heat(const void* arguments, const Stage<Real>& stage) {
+  using Group = Packed<Real>;
+  const auto& a = *static_cast<const FormulaPairArguments<Real>*>(arguments);
+  FormulaFrame<Real> frame;
+  PairBlock<Real> block;
+  const Real* inputs[] = {block.distance};
+  begin_formula<Group>(a.code, stage.elapsed, frame);
+  Group heat(Real(0.0));
+  for (std::size_t first = 0; first < a.list.pairs; first += kFormulaElements) {
+    const std::size_t packs = packs_from<Real>(first, a.list.pairs);
+    gather_pairs(a, stage, first, packs, block);
+    run_formula<Group>(a.code, frame, inputs, packs);
+    const Operand<Real> out = output_of(a.code, 0, frame, inputs);
+    for (std::size_t k = 0; k < packs; ++k) {
+      heat = heat - without_padding<Real>(Group::load(out.at + k * out.step), first + k * kGroup,
+                                          a.list.pairs);
+    }
+  }
+  stage.rates[a.rate] = sum(heat);
+}
+
+template <class Real>
+void formula_centre_heat(const void* arguments, const Stage<Real>& stage) {
+  const auto& a = *static_cast<const FormulaCentreArguments<Real>*>(arguments);
+  Real slope[1] = {};
+  evaluate_at_centre(a, stage, slope);
+  stage.rates[a.centre.rate] = -slope[0];
+}
+
+/// Named where evaluators are named; its table is that of formulas.
+struct FormulaKernels {
+  template <class Real>
+  static constexpr FormulaKernelTable<Real> kernels() {
+    FormulaKernelTable<Real> table;
+    table.site.set[0] = &formula_site_kernel<Real, true>;
+    table.site.add[0] = &formula_site_kernel<Real, false>;
+    table.centre.set[0] = &formula_centre_kernel<Real, true>;
+    table.centre.add[0] = &formula_centre_kernel<Real, false>;
+    table.pairs = &formula_pair_kernel<Real>;
+    table.site_heat = &formula_site_heat<Real>;
+    table.pair_heat = &formula_pair_heat<Real>;
+    table.centre_heat = &formula_centre_heat<Real>;
+    table.point = &formula_point_kernel<Real>;
+    table.evaluate = &formula_evaluate<Real>;
+    return table;
+  }
+};
+
+}  // namespace TOMLIN_TARGET
+}  // namespace tomlin

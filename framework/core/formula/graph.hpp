@@ -1,0 +1,119 @@
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "framework/core/formula/expression.hpp"
+#include "framework/core/quad.hpp"
+
+/// Formulas as a graph in which equal parts are one node, and their exact derivatives.
+///
+/// Every node is kept in one form: a sum of multiples, c0 + c1 u1 + c2 u2 + ...; a product of whole
+/// powers, u1^n1 u2^n2 ...; a function of other nodes. What is equal in these forms is the same
+/// node, so that a formula and its derivatives share what they have in common. Sums are not
+/// multiplied out: (r - r0)^2 keeps its difference, and with it its digits.
+///
+/// Constants are quadruple numbers, and sines and cosines take turns: of cos(2*pi*x/a) is left a
+/// division by a.
+namespace tomlin {
+
+class FormulaGraph {
+ public:
+  using Id = std::uint32_t;
+
+  /// Nodes and their parts together; a graph that would grow beyond it throws std::length_error. Long
+  /// products have derivatives with the square of their factors.
+  static constexpr std::size_t kLargest = 400000;
+
+  enum class Kind : std::uint8_t { constant, variable, sum, product, function };
+
+  enum class Function : std::uint8_t {
+    sqrt,
+    exp,
+    log,
+    power,      ///< of two nodes, the exponent no small whole number
+    sin_turns,  ///< sin(2 pi u)
+    cos_turns,
+    tan_turns,
+    asin,
+    acos,
+    atan,
+    atan2,
+    abs,
+    min,
+    max,
+    floor,
+    choose,  ///< of four: a < b ? c : d
+  };
+
+  struct Term {
+    Quad factor;
+    Id node;
+  };
+  struct Factor {
+    int exponent;
+    Id node;
+  };
+  struct Node {
+    Kind kind = Kind::constant;
+    Quad number = Quad(0.0);      ///< the constant, or that of a sum
+    std::uint32_t index = 0;      ///< which variable; which Function
+    std::vector<Term> terms;      ///< of a sum, by node; factors are not 0
+    std::vector<Factor> factors;  ///< of a product, by node; exponents are not 0
+    std::vector<Id> arguments;    ///< of a function
+  };
+
+  /// What a name of an expression stands for.
+  using Lookup = std::map<std::string_view, Id>;
+
+  Id constant(Quad value);
+  Id variable(std::uint32_t index);
+  Id add(Id a, Id b) { return sum(Quad(1.0), a, Quad(1.0), b); }
+  Id subtract(Id a, Id b) { return sum(Quad(1.0), a, Quad(-1.0), b); }
+  Id scale(Quad factor, Id node);
+  Id negate(Id node) { return scale(Quad(-1.0), node); }
+  Id multiply(Id a, Id b);
+  Id divide(Id a, Id b) { return multiply(a, whole_power(b, -1)); }
+  Id power(Id base, Id exponent);
+  Id function(Function which, std::vector<Id> arguments);
+
+  /// The whole of an expression. Every name of it must be known.
+  Id build(const Expression& expression, const Lookup& names);
+
+  /// d node / d variable, exactly. Where a formula has a kink (abs, min, max, floor) the derivative is
+  /// that of either side.
+  Id derivative(Id node, std::uint32_t variable);
+
+  const Node& operator[](Id node) const { return nodes_[node]; }
+  std::size_t size() const { return nodes_.size(); }
+  bool is_constant(Id node) const { return nodes_[node].kind == Kind::constant; }
+  bool is_zero(Id node) const;
+  bool depends_on(Id node, std::uint32_t variable);
+
+ private:
+  struct Before {
+    bool operator()(const Node& a, const Node& b) const;
+  };
+
+  Id intern(Node node);
+  Id sum(Quad factor_a, Id a, Quad factor_b, Id b);
+  Id whole_power(Id base, int exponent);
+  Id product_of(std::vector<Factor> factors);
+  Id in_turns(Id angle);
+  Id slope(Id node, std::uint32_t variable);
+  Id slope_of_function(const Node& node, std::uint32_t variable);
+  Id call(const Expression::Node& step, std::span<const Id> arguments);
+
+  std::vector<Node> nodes_;
+  std::map<Node, Id, Before> known_;
+  std::size_t parts_ = 0;
+  std::map<std::pair<Id, std::uint32_t>, Id> slopes_;
+};
+
+}  // namespace tomlin

@@ -1,0 +1,206 @@
+#pragma once
+
+#include <cstddef>
+
+#include "framework/core/formula/formula_arguments.hpp"
+#include "framework/core/number_types.hpp"
+
+/// Runs the code of a formula on blocks of elements.
+///
+/// Each instruction goes over a whole block, so that finding out what to do costs little; a block
+/// of registers stays in the nearest cache.
+namespace tomlin {
+inline namespace TOMLIN_TARGET {
+
+/// Packs of eight in a block.
+inline constexpr std::size_t kFormulaBlock = 8;
+
+/// T is Real, for one element, or Packed<Real>, for blocks: how to load and store it.
+template <class T, class Real>
+struct Numbers {
+  static constexpr std::size_t kStep = std::is_same_v<T, Real> ? 1 : kGroup;
+  TOMLIN_INLINE static T load(const Real* from) {
+    if constexpr (kStep == 1) {
+      return *from;
+    } else {
+      return T::load(from);
+    }
+  }
+  TOMLIN_INLINE static void store(const T& value, Real* to) {
+    if constexpr (kStep == 1) {
+      *to = value;
+    } else {
+      value.store(to);
+    }
+  }
+};
+
+template <class Real>
+struct FormulaFrame {
+  alignas(64) Real registers[FormulaCode::kMostRegisters][kFormulaBlock * kGroup];
+};
+
+/// Where an operand's numbers begin, and how far apart they are.
+template <class Real>
+struct Operand {
+  const Real* at;
+  std::size_t step;
+};
+
+template <class T, class Real>
+TOMLIN_INLINE Operand<Real> operand(FormulaSlot slot, const FormulaFrame<Real>& frame,
+                                    const Real* uniforms, const Real* const* inputs) {
+  switch (slot.area) {
+    case FormulaSlot::registers:
+      return {frame.registers[slot.index], Numbers<T, Real>::kStep};
+    case FormulaSlot::uniforms:
+      return {uniforms + kGroup * slot.index, 0};
+    default:
+      return {inputs[slot.index], Numbers<T, Real>::kStep};
+  }
+}
+
+/// `packs` is 1 where T is Real.
+template <class T, class Real>
+__attribute__((noinline)) void run_instructions(const FormulaInstruction* code, std::size_t length,
+                                                FormulaFrame<Real>& frame, Real* uniforms,
+                                                const Real* const* inputs, std::size_t packs) {
+  using N = Numbers<T, Real>;
+  for (const FormulaInstruction* end = code + length; code != end; ++code) {
+    const Operand<Real> a = operand<T>(code->a, frame, uniforms, inputs);
+    const bool to_uniform = code->to.area == FormulaSlot::uniforms;
+    Real* const to =
+        to_uniform ? uniforms + kGroup * code->to.index : frame.registers[code->to.index];
+    const auto of_one = [&](auto&& f) TOMLIN_INLINE_LAMBDA {
+      for (std::size_t k = 0; k < packs; ++k) {
+        N::store(f(N::load(a.at + k * a.step)), to + k * N::kStep);
+      }
+    };
+    const auto of_two = [&](auto&& f) TOMLIN_INLINE_LAMBDA {
+      const Operand<Real> b = operand<T>(code->b, frame, uniforms, inputs);
+      for (std::size_t k = 0; k < packs; ++k) {
+        N::store(f(N::load(a.at + k * a.step), N::load(b.at + k * b.step)), to + k * N::kStep);
+      }
+    };
+    const auto of_three = [&](auto&& f) TOMLIN_INLINE_LAMBDA {
+      const Operand<Real> b = operand<T>(code->b, frame, uniforms, inputs);
+      const Operand<Real> c = operand<T>(code->c, frame, uniforms, inputs);
+      for (std::size_t k = 0; k < packs; ++k) {
+        N::store(f(N::load(a.at + k * a.step), N::load(b.at + k * b.step),
+                   N::load(c.at + k * c.step)),
+                 to + k * N::kStep);
+      }
+    };
+    switch (code->op) {
+      case FormulaOp::add:
+        of_two([](const T& x, const T& y) { return x + y; });
+        break;
+      case FormulaOp::subtract:
+        of_two([](const T& x, const T& y) { return x - y; });
+        break;
+      case FormulaOp::multiply:
+        of_two([](const T& x, const T& y) { return x * y; });
+        break;
+      case FormulaOp::divide:
+        of_two([](const T& x, const T& y) { return x / y; });
+        break;
+      case FormulaOp::multiply_add:
+        of_three([](const T& x, const T& y, const T& z) { return fma(x, y, z); });
+        break;
+      case FormulaOp::negate:
+        of_one([](const T& x) { return -x; });
+        break;
+      case FormulaOp::square_root:
+        of_one([](const T& x) { return sqrt(x); });
+        break;
+      case FormulaOp::exponential:
+        of_one([](const T& x) { return exp(x); });
+        break;
+      case FormulaOp::logarithm:
+        of_one([](const T& x) { return log(x); });
+        break;
+      case FormulaOp::power:
+        of_two([](const T& x, const T& y) { return pow(x, y); });
+        break;
+      case FormulaOp::sine:
+        of_one([](const T& x) { return sin_turns(x); });
+        break;
+      case FormulaOp::cosine:
+        of_one([](const T& x) { return cos_turns(x); });
+        break;
+      case FormulaOp::sine_and_cosine: {
+        const bool also_uniform = code->also.area == FormulaSlot::uniforms;
+        Real* const also =
+            also_uniform ? uniforms + kGroup * code->also.index : frame.registers[code->also.index];
+        for (std::size_t k = 0; k < packs; ++k) {
+          T s;
+          T c;
+          sincos_turns(N::load(a.at + k * a.step), s, c);
+          N::store(s, to + k * N::kStep);
+          N::store(c, also + k * N::kStep);
+        }
+        break;
+      }
+      case FormulaOp::tangent:
+        of_one([](const T& x) { return tan_turns(x); });
+        break;
+      case FormulaOp::arc_sine:
+        of_one([](const T& x) { return asin(x); });
+        break;
+      case FormulaOp::arc_cosine:
+        of_one([](const T& x) { return acos(x); });
+        break;
+      case FormulaOp::arc_tangent:
+        of_one([](const T& x) { return atan(x); });
+        break;
+      case FormulaOp::arc_tangent_2:
+        of_two([](const T& x, const T& y) { return atan2(x, y); });
+        break;
+      case FormulaOp::magnitude:
+        of_one([](const T& x) { return abs(x); });
+        break;
+      case FormulaOp::minimum:
+        of_two([](const T& x, const T& y) { return select(y < x, y, x); });
+        break;
+      case FormulaOp::maximum:
+        of_two([](const T& x, const T& y) { return select(x < y, y, x); });
+        break;
+      case FormulaOp::round_down:
+        of_one([](const T& x) { return floor(x); });
+        break;
+      case FormulaOp::less:
+        of_two([](const T& x, const T& y) { return select(x < y, T(Real(1.0)), T(Real(0.0))); });
+        break;
+      case FormulaOp::pick:
+        of_three([](const T& x, const T& y, const T& z) {
+          return select(x == T(Real(0.0)), z, y);
+        });
+        break;
+    }
+  }
+}
+
+/// What is the same for all elements: the time, and what follows from it.
+template <class T, class Real>
+TOMLIN_INLINE void begin_formula(const FormulaView<Real>& code, Real elapsed,
+                                 FormulaFrame<Real>& frame) {
+  if (code.time >= 0) {
+    const Real now = *code.start_of_time + elapsed;
+    for (std::size_t k = 0; k < kGroup; ++k) {
+      code.uniforms[kGroup * static_cast<std::size_t>(code.time) + k] = now;
+    }
+  }
+  if (code.prologue_length > 0) {
+    run_instructions<T, Real>(code.prologue, code.prologue_length, frame, code.uniforms, nullptr,
+                              1);
+  }
+}
+
+template <class T, class Real>
+TOMLIN_INLINE void run_formula(const FormulaView<Real>& code, FormulaFrame<Real>& frame,
+                               const Real* const* inputs, std::size_t packs) {
+  run_instructions<T, Real>(code.body, code.body_length, frame, code.uniforms, inputs, packs);
+}
+
+}  // namespace TOMLIN_TARGET
+}  // namespace tomlin

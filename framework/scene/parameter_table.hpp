@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "framework/core/formula/expression.hpp"
+
+/// `[parameters]` of a scene, and expressions over them.
+namespace tomlin {
+
+/// A fault of one parameter.
+struct ParameterFault {
+  enum class Part { name, value };
+  std::string parameter;
+  std::size_t entry = 0;    ///< which entry of the table, in order of add()
+  Part part = Part::value;  ///< what the column counts in: the key or the expression
+  std::size_t column = 0;   ///< 0-based
+  std::string why;
+  std::string nearest = {};  ///< nearest valid name; empty when there is none
+};
+
+/// An expression with the values of the parameters that it names.
+struct BoundExpression {
+  Expression expression;
+  std::vector<std::pair<std::string, double>> parameters;
+};
+
+/// `[parameters]`: names with numbers or expressions over each other, in any order.
+class ParameterTable {
+ public:
+  /// Entries keep their order; nothing is refused here, faults come from resolve().
+  void add(std::string name, double value);
+  void add(std::string name, std::string_view expression);
+
+  /// Another value for a parameter (`--set`, sweeps); false when there is none of that name.
+  bool replace(std::string_view name, double value);
+  bool replace(std::string_view name, std::string_view expression);
+
+  /// Compute every value; true without faults. Needed again after add() or replace().
+  bool resolve();
+
+  /// All faults, by entry and column. What only follows from another fault is not repeated.
+  const std::vector<ParameterFault>& faults() const { return faults_; }
+  /// Faults of one entry.
+  std::span<const ParameterFault> faults_of(std::size_t entry) const;
+  /// Faults of all entries of that name.
+  std::vector<ParameterFault> faults_of(std::string_view name) const;
+
+  std::size_t size() const { return entries_.size(); }
+  bool contains(std::string_view name) const { return find(name).has_value(); }
+  std::vector<std::string> names() const;
+  std::optional<double> value(std::string_view name) const;
+  /// Resolved ones, in order.
+  std::vector<std::pair<std::string, double>> values() const;
+
+  /// Value of an expression over the parameters, for any other key of a scene.
+  std::variant<double, ExpressionError> evaluate(std::string_view text) const;
+  /// An expression over the parameters and some variables, to be evaluated later.
+  std::variant<BoundExpression, ExpressionError> bind(
+      std::string_view text, std::span<const std::string_view> variables) const;
+
+ private:
+  using Source = std::variant<double, Expression, ExpressionError>;
+  struct Entry {
+    std::string name;
+    Source source;
+    std::optional<double> value = {};
+  };
+  struct Edge {
+    std::size_t target;
+    std::size_t column;
+  };
+
+  std::optional<std::size_t> find(std::string_view name) const;
+  void append(std::string name, Source source);
+  bool assign(std::string_view name, Source source);
+  void fault(std::size_t entry, ParameterFault::Part part, ExpressionError error);
+  void check_names();
+  std::vector<std::vector<Edge>> find_references();
+  void report_cycle(std::vector<std::size_t> cycle, const std::vector<std::vector<Edge>>& edges);
+  void compute(std::size_t entry);
+  ExpressionError explain_unknown(std::string_view name, std::size_t column,
+                                  std::optional<std::size_t> user) const;
+
+  std::vector<Entry> entries_;
+  std::map<std::string, std::size_t, std::less<>> by_name_;  ///< first entry of each name
+  std::vector<ParameterFault> faults_;
+  std::vector<std::size_t> first_fault_;  ///< of each entry, and the end
+};
+
+}  // namespace tomlin
