@@ -13,18 +13,7 @@ namespace {
 using Description = HarmonicBondsDescription;
 
 std::uint64_t pairs(const void* description, const SceneOutline& scene) {
-  const PairSelection& selection = static_cast<const Description*>(description)->pairs;
-  const auto n = static_cast<std::uint64_t>(scene.bodies.front().count);
-  switch (selection.kind) {
-    case PairSelection::Kind::all:
-      return scene.bodies.size() == 2 ? n * static_cast<std::uint64_t>(scene.bodies.back().count)
-                                      : n * (n - 1) / 2;
-    case PairSelection::Kind::neighbours:
-      return n - 1 + (scene.bodies.front().closed && n > 2 ? 1 : 0);
-    case PairSelection::Kind::list:
-      return selection.list.size();
-  }
-  return 0;
+  return count_pairs(static_cast<const Description*>(description)->pairs, scene);
 }
 
 std::vector<Complaint> complaints(const void* description, const SceneOutline& scene) {

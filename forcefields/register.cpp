@@ -2,6 +2,7 @@
 
 #include "forcefields/constant_force.hpp"
 #include "forcefields/driving_spring.hpp"
+#include "forcefields/expression.hpp"
 #include "forcefields/harmonic_bonds.hpp"
 #include "forcefields/sinusoidal_substrate.hpp"
 #include "forcefields/viscous_damping.hpp"
@@ -12,6 +13,7 @@ namespace tomlin {
 void register_forcefields(Registry& registry) {
   registry.add(constant_force_record());
   registry.add(driving_spring_record());
+  registry.add(expression_record());
   registry.add(harmonic_bonds_record());
   registry.add(sinusoidal_substrate_record());
   registry.add(viscous_damping_record());

@@ -1,9 +1,7 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -11,111 +9,13 @@
 #include "framework/core/element.hpp"
 #include "framework/core/kernel_tables.hpp"
 #include "framework/core/number_types.hpp"
+#include "framework/core/pairs.hpp"
 #include "framework/core/parameter.hpp"
 #include "framework/core/site_force.hpp"
 #include "framework/core/sum.hpp"
 
 /// Bound forces on pairs, made from an evaluator.
 namespace tomlin {
-
-/// One pair, with the number of its own that the evaluator reads (a rest length, say).
-template <class Real>
-struct BoundPair {
-  std::size_t i = 0;              ///< of the first body
-  std::size_t j = 0;              ///< of the second, or of the same
-  std::array<double, 3> image{};  ///< through a periodic box: added to the way from i to j
-  Real datum{};
-};
-
-/// What the pairs of a force look like to the loops.
-enum class PairTopology {
-  ring,   ///< all pairs of a body
-  chain,  ///< neighbours, open or closed
-  list,   ///< anything else
-};
-
-template <class Real>
-struct BoundPairs {
-  PairTopology topology = PairTopology::list;
-  std::vector<BoundPair<Real>> pairs;  ///< "all" row by row, "neighbours" in order
-};
-
-/// The pairs that a selection means on the bodies of a binding, each once. In a periodic box a pair
-/// is that of the nearest images at the start, and stays with them; the pair that closes a chain
-/// goes forwards.
-template <class Real>
-BoundPairs<Real> pairs_of(const PairSelection& selection, const Binding<Real>& binding) {
-  const BoundBody<Real>& one = *binding.bodies.front();
-  const BoundBody<Real>& other = *binding.bodies.back();
-  const std::size_t count = one.slot.count;
-  BoundPairs<Real> found;
-  const auto add = [&](std::size_t i, std::size_t j) {
-    BoundPair<Real> pair;
-    pair.i = i;
-    pair.j = j;
-    for (int d = 0; d < binding.dimension; ++d) {
-      const double length = binding.box[d];
-      if (!(length > 0.0)) continue;
-      const double apart = other.start[j][d] - one.start[i][d];
-      pair.image[d] = -length * __builtin_ceil(apart / length - 0.5);
-    }
-    found.pairs.push_back(pair);
-  };
-  switch (selection.kind) {
-    case PairSelection::Kind::all:
-      if (binding.bodies.size() > 1) {
-        for (std::size_t i = 0; i < count; ++i) {
-          for (std::size_t j = 0; j < other.slot.count; ++j) add(i, j);
-        }
-        break;
-      }
-      found.topology = PairTopology::ring;
-      for (std::size_t i = 0; i < count; ++i) {
-        for (std::size_t j = i + 1; j < count; ++j) add(i, j);
-      }
-      break;
-    case PairSelection::Kind::neighbours: {
-      found.topology = PairTopology::chain;
-      for (std::size_t i = 0; i + 1 < count; ++i) add(i, i + 1);
-      const bool through_box = one.open_along >= 0 && binding.box[one.open_along] > 0.0;
-      if ((one.closed && count > 2) || (through_box && count > 1)) add(count - 1, 0);
-      // Neighbours are bonded as they stand; only a chain's last bond passes through the box's
-      // side.
-      for (BoundPair<Real>& pair : found.pairs) pair.image = {};
-      if (through_box && count > 1) {
-        BoundPair<Real>& closing = found.pairs.back();
-        const double way = one.start[count - 1][one.open_along] - one.start[0][one.open_along];
-        closing.image[one.open_along] =
-            way < 0.0 ? -binding.box[one.open_along] : binding.box[one.open_along];
-      }
-      break;
-    }
-    case PairSelection::Kind::list:
-      for (const auto& [i, j] : selection.list) {
-        add(static_cast<std::size_t>(i), static_cast<std::size_t>(j));
-      }
-      break;
-  }
-  const auto is_imaged = [](const BoundPair<Real>& pair) {
-    return pair.image != std::array<double, 3>{};
-  };
-  if (found.topology == PairTopology::ring &&
-      std::any_of(found.pairs.begin(), found.pairs.end(), is_imaged)) {
-    found.topology = PairTopology::list;
-  }
-  return found;
-}
-
-/// The way from a pair's first particle to its second's image at the start.
-template <class Real, int D>
-Vec<Real, D> separation_at_start(const Binding<Real>& binding, const BoundPair<Real>& pair) {
-  Vec<Real, D> separation;
-  for (int d = 0; d < D; ++d) {
-    separation[d] = Real(binding.bodies.back()->start[pair.j][d]) -
-                    Real(binding.bodies.front()->start[pair.i][d]) + Real(pair.image[d]);
-  }
-  return separation;
-}
 
 /// The evaluator on pairs within one body or between two. All pairs of a body and neighbours run
 /// along contiguous numbers; any other list gathers.
@@ -142,7 +42,8 @@ class PairForce : public BoundForce<Real> {
         lay_chain();
         break;
       case PairTopology::list:
-        lay_list();
+        list_.lay(body_, other_, D, pairs_);
+        list_.arguments.parameters = &parameters_;
         break;
     }
   }
@@ -159,7 +60,7 @@ class PairForce : public BoundForce<Real> {
         break;
     }
     if (other_.index != body_.index) writes.push_back({other_.index, false});
-    return {{nullptr, tables_.pair_list.add[D - 1], &list_, writes, rank_}};
+    return {{nullptr, tables_.pair_list.add[D - 1], &list_.arguments, writes, rank_}};
   }
 
   Real energy(const Stage<Real>& stage) const override {
@@ -257,55 +158,6 @@ class PairForce : public BoundForce<Real> {
     chain_.datum = datum_.data();
   }
 
-  void lay_list() {
-    const std::size_t length = padded(pairs_.size());
-    const bool same = other_.index == body_.index;
-    list_.first = body_.slot;
-    list_.second = other_.slot;
-    list_.same_body = same;
-    list_.parameters = &parameters_;
-    list_.pairs = pairs_.size();
-    image_.assign(D * length, Real(0.0));
-    bool imaged = false;
-    for (std::size_t k = 0; k < length; ++k) {
-      const BoundPair<Real>& bound = pairs_[std::min(k, pairs_.size() - 1)];
-      index_i_.push_back(bound.i);
-      index_j_.push_back(bound.j);
-      datum_.push_back(bound.datum);
-      for (int d = 0; d < D; ++d) {
-        image_[d * length + k] = Real(bound.image[d]);
-        imaged = imaged || bound.image[d] != 0.0;
-      }
-    }
-    // Row order: each particle meets the others in ascending order.
-    std::vector<std::vector<std::pair<std::size_t, std::ptrdiff_t>>> rows(body_.slot.count);
-    std::vector<std::vector<std::pair<std::size_t, std::ptrdiff_t>>> others(
-        same ? 0 : other_.slot.count);
-    for (std::size_t k = 0; k < pairs_.size(); ++k) {
-      const auto mark = static_cast<std::ptrdiff_t>(k + 1);
-      rows[pairs_[k].i].emplace_back(pairs_[k].j, mark);
-      (same ? rows : others)[pairs_[k].j].emplace_back(pairs_[k].i, -mark);
-    }
-    row_start_.push_back(0);
-    for (auto* side : {&rows, &others}) {
-      for (auto& row : *side) {
-        std::sort(row.begin(), row.end());
-        for (const auto& [other, mark] : row) row_.push_back(mark);
-        row_start_.push_back(row_.size());
-      }
-    }
-    result_.assign(D * length, Real(0.0));
-    list_.i = index_i_.data();
-    list_.j = index_j_.data();
-    list_.datum = datum_.data();
-    if (imaged) list_.image = image_.data();
-    list_.result = result_.data();
-    list_.particles_first = rows.size();
-    list_.particles_second = others.size();
-    list_.row_start = row_start_.data();
-    list_.row = row_.data();
-  }
-
   Parameters parameters_;
   const KernelTable<Real>& tables_;
   BoundBody<Real> body_;
@@ -316,17 +168,12 @@ class PairForce : public BoundForce<Real> {
 
   CyclicArguments<Real> cyclic_;
   ChainArguments<Real> chain_;
-  PairListArguments<Real> list_;
+  PairList<Real> list_;
   AlignedVector<Real> datum_;
-  AlignedVector<Real> image_;
   AlignedVector<std::int64_t> forward_;
   AlignedVector<std::int64_t> backward_;
   AlignedVector<Real> extended_;
   AlignedVector<Real> result_;
-  std::vector<std::size_t> index_i_;
-  std::vector<std::size_t> index_j_;
-  std::vector<std::size_t> row_start_;
-  std::vector<std::ptrdiff_t> row_;
 };
 
 }  // namespace tomlin

@@ -288,13 +288,6 @@ const std::vector<ReservedKey>& reserved_top_level_keys() {
   return keys;
 }
 
-bool is_later_type(std::string_view kind, std::string_view type) {
-  static constexpr std::pair<std::string_view, std::string_view> kLater[] = {
-      {"force", "expression"},
-  };
-  return std::find(std::begin(kLater), std::end(kLater), std::pair(kind, type)) != std::end(kLater);
-}
-
 bool is_word_of_summary(std::string_view name) {
   static constexpr std::string_view kWords[] = {
       "time",       "energy",     "events",  "window",   "performance",

@@ -250,9 +250,13 @@ void formula_pair_kernel(const void* arguments, const Stage<Real>& stage) {
     const Operand<Real> out = output_of(a.code, 0, frame, inputs);
     for (std::size_t k = 0; k < packs; ++k) {
       const Group tension = Group::load(out.at + k * out.step);
-      const Group scale = a.dimension == 1
-                              ? tension
-                              : tension / Group::load(block.distance + k * kGroup);
+      Group scale = tension;
+      if (a.dimension > 1) {
+        // In one place a pair whose energy is level there does not pull; any other has no direction.
+        const Group distance = Group::load(block.distance + k * kGroup);
+        const auto level = (distance == Group(Real(0.0))) & (tension == Group(Real(0.0)));
+        scale = select(level, Group(Real(0.0)), tension / distance);
+      }
       for (int d = 0; d < a.dimension; ++d) {
         const Group apart = Group::load(block.separation[d] + k * kGroup);
         const Group way = a.dimension == 1 ? copysign(Group(Real(1.0)), apart) : apart;
@@ -294,6 +298,137 @@ void formula_centre_heat(const void* arguments, const Stage<Real>& stage) {
   stage.rates[a.centre.rate] = -slope[0];
 }
 
+// ---- angles -------------------------------------------------------------------------------------
+
+/// A block of angles: the bonds from the middle particle to the ends, and what follows from them.
+template <class Real>
+struct AngleBlock {
+  alignas(64) Real bond[2][3][kFormulaElements];
+  alignas(64) Real dot[kFormulaElements];
+  alignas(64) Real cross[kFormulaElements];
+  alignas(64) Real angle[kFormulaElements];
+};
+
+template <class Real>
+TOMLIN_INLINE void gather_angles(const FormulaAngleArguments<Real>& a, const Stage<Real>& stage,
+                                 std::size_t first, std::size_t packs, AngleBlock<Real>& block) {
+  using Group = Packed<Real>;
+  const Real* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset;
+  const std::size_t length = (a.angles + kGroup - 1) / kGroup * kGroup;
+  for (std::size_t k = 0; k < packs; ++k) {
+    const std::size_t at = first + k * kGroup;
+    Group bond[2][3];
+    for (std::size_t side = 0; side < 2; ++side) {
+      for (std::size_t d = 0; d < 3; ++d) {
+        bond[side][d] = Group(Real(0.0));
+        if (d >= static_cast<std::size_t>(a.dimension)) continue;
+        const Real* along = x + d * a.body.stride;
+        bond[side][d] = gather(along, a.particle + 2 * side * length + at) -
+                        gather(along, a.particle + length + at);
+        if (a.image) {
+          const std::size_t row = side * static_cast<std::size_t>(a.dimension) + d;
+          bond[side][d] = bond[side][d] + Group::load(a.image + row * length + at);
+        }
+        bond[side][d].store(block.bond[side][d] + k * kGroup);
+      }
+    }
+    const auto minor = [&](std::size_t one, std::size_t other) TOMLIN_INLINE_LAMBDA {
+      return fma(bond[0][one], bond[1][other], -(bond[0][other] * bond[1][one]));
+    };
+    const Group z = minor(0, 1);
+    Group cross = abs(z);
+    if (a.dimension == 3) {
+      const Group u = minor(1, 2);
+      const Group v = minor(2, 0);
+      cross = sqrt(fma(z, z, fma(u, u, v * v)));
+    }
+    const Group dot = fma(bond[0][2], bond[1][2],
+                          fma(bond[0][1], bond[1][1], bond[0][0] * bond[1][0]));
+    dot.store(block.dot + k * kGroup);
+    cross.store(block.cross + k * kGroup);
+    atan2(cross, dot).store(block.angle + k * kGroup);
+  }
+}
+
+/// With bonds s, u from the middle particle and T = dV/dtheta, the end of s feels
+/// T (u - (s.u/s^2) s)/|s x u|, and the middle the opposite of both ends' forces.
+template <class Real>
+void formula_angle_kernel(const void* arguments, const Stage<Real>& stage) {
+  using Group = Packed<Real>;
+  const auto& a = *static_cast<const FormulaAngleArguments<Real>*>(arguments);
+  const std::size_t length = (a.angles + kGroup - 1) / kGroup * kGroup;
+  const auto axes = static_cast<std::size_t>(a.dimension);
+  FormulaFrame<Real> frame;
+  AngleBlock<Real> block;
+  const Real* inputs[] = {block.angle};
+  begin_formula<Group>(a.code, stage.elapsed, frame);
+  for (std::size_t first = 0; first < a.angles; first += kFormulaElements) {
+    const std::size_t packs = packs_from<Real>(first, a.angles);
+    gather_angles(a, stage, first, packs, block);
+    run_formula<Group>(a.code, frame, inputs, packs);
+    const Operand<Real> out = output_of(a.code, 0, frame, inputs);
+    for (std::size_t k = 0; k < packs; ++k) {
+      const Group torque = Group::load(out.at + k * out.step);
+      const Group cross = Group::load(block.cross + k * kGroup);
+      const Group dot = Group::load(block.dot + k * kGroup);
+      // Straight bonds whose energy is level there do not bend; else they have no way to.
+      const auto level = (cross == Group(Real(0.0))) & (torque == Group(Real(0.0)));
+      const Group scale = select(level, Group(Real(0.0)), torque / cross);
+      Group square[2] = {Group(Real(0.0)), Group(Real(0.0))};
+      for (std::size_t side = 0; side < 2; ++side) {
+        for (std::size_t d = 0; d < axes; ++d) {
+          const Group way = Group::load(block.bond[side][d] + k * kGroup);
+          square[side] = fma(way, way, square[side]);
+        }
+      }
+      for (std::size_t d = 0; d < axes; ++d) {
+        const Group s = Group::load(block.bond[0][d] + k * kGroup);
+        const Group u = Group::load(block.bond[1][d] + k * kGroup);
+        const Group on_first = scale * fnma(dot / square[0], s, u);
+        const Group on_last = scale * fnma(dot / square[1], u, s);
+        Real* to = a.result + d * length + first + k * kGroup;
+        on_first.store(to);
+        (-(on_first + on_last)).store(to + axes * length);
+        on_last.store(to + 2 * axes * length);
+      }
+    }
+  }
+  Real* f = (a.body.mapped ? stage.mapped_force : stage.force) + a.body.offset;
+  for (std::size_t d = 0; d < axes; ++d) {
+    for (std::size_t i = 0; i < a.body.count; ++i) {
+      Real total(0.0);
+      for (std::size_t k = a.row_start[i]; k < a.row_start[i + 1]; ++k) {
+        const std::size_t angle = a.row[k] / 3;
+        const std::size_t place = a.row[k] % 3;
+        total += a.result[(place * axes + d) * length + angle];
+      }
+      f[d * a.body.stride + i] += total;
+    }
+  }
+}
+
+template <class Real>
+void formula_angle_heat(const void* arguments, const Stage<Real>& stage) {
+  using Group = Packed<Real>;
+  const auto& a = *static_cast<const FormulaAngleArguments<Real>*>(arguments);
+  FormulaFrame<Real> frame;
+  AngleBlock<Real> block;
+  const Real* inputs[] = {block.angle};
+  begin_formula<Group>(a.code, stage.elapsed, frame);
+  Group heat(Real(0.0));
+  for (std::size_t first = 0; first < a.angles; first += kFormulaElements) {
+    const std::size_t packs = packs_from<Real>(first, a.angles);
+    gather_angles(a, stage, first, packs, block);
+    run_formula<Group>(a.code, frame, inputs, packs);
+    const Operand<Real> out = output_of(a.code, 0, frame, inputs);
+    for (std::size_t k = 0; k < packs; ++k) {
+      heat = heat - without_padding<Real>(Group::load(out.at + k * out.step), first + k * kGroup,
+                                          a.angles);
+    }
+  }
+  stage.rates[a.rate] = sum(heat);
+}
+
 /// Named where evaluators are named; its table is that of formulas.
 struct FormulaKernels {
   template <class Real>
@@ -304,6 +439,8 @@ struct FormulaKernels {
     table.centre.set[0] = &formula_centre_kernel<Real, true>;
     table.centre.add[0] = &formula_centre_kernel<Real, false>;
     table.pairs = &formula_pair_kernel<Real>;
+    table.angles = &formula_angle_kernel<Real>;
+    table.angle_heat = &formula_angle_heat<Real>;
     table.site_heat = &formula_site_heat<Real>;
     table.pair_heat = &formula_pair_heat<Real>;
     table.centre_heat = &formula_centre_heat<Real>;

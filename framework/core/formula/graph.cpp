@@ -277,7 +277,8 @@ FormulaGraph::Id FormulaGraph::in_turns(Id angle) {
 
 // ---- expressions --------------------------------------------------------------------------------
 
-FormulaGraph::Id FormulaGraph::build(const Expression& expression, const Lookup& names) {
+FormulaGraph::Id FormulaGraph::build(const Expression& expression, const Lookup& names,
+                                     std::vector<Id>* steps) {
   using Op = Expression::Op;
   std::vector<Id> stack;
   for (const Expression::Node& step : expression.nodes()) {
@@ -318,6 +319,7 @@ FormulaGraph::Id FormulaGraph::build(const Expression& expression, const Lookup&
     }
     stack.resize(first);
     stack.push_back(result);
+    if (steps != nullptr) steps->push_back(result);
   }
   return stack.back();
 }
@@ -374,21 +376,39 @@ FormulaGraph::Id FormulaGraph::derivative(Id node, std::uint32_t variable) {
   return result;
 }
 
-bool FormulaGraph::depends_on(Id id, std::uint32_t variable) {
-  std::vector<Id> open = {id};
-  std::vector<bool> seen(nodes_.size(), false);
-  while (!open.empty()) {
-    const Id next = open.back();
-    open.pop_back();
-    if (seen[next]) continue;
-    seen[next] = true;
-    const Node& node = nodes_[next];
-    if (node.kind == Kind::variable && node.index == variable) return true;
-    for (const Term& term : node.terms) open.push_back(term.node);
-    for (const Factor& factor : node.factors) open.push_back(factor.node);
-    open.insert(open.end(), node.arguments.begin(), node.arguments.end());
+/// Nodes come after those that they are made of: one pass through all up to this one.
+Quad FormulaGraph::value(Id node, std::span<const Quad> variables) const {
+  std::vector<Quad> values;
+  values.reserve(node + 1);
+  for (Id id = 0; id <= node; ++id) {
+    const Node& now = nodes_[id];
+    Quad result = now.number;
+    switch (now.kind) {
+      case Kind::constant:
+        break;
+      case Kind::variable:
+        result = variables[now.index];
+        break;
+      case Kind::sum:
+        for (const Term& term : now.terms) result += term.factor * values[term.node];
+        break;
+      case Kind::product:
+        result = kOne;
+        for (const Factor& factor : now.factors) {
+          result *= pow(values[factor.node], Quad(static_cast<double>(factor.exponent)));
+        }
+        break;
+      case Kind::function: {
+        std::vector<Quad> arguments;
+        arguments.reserve(now.arguments.size());
+        for (const Id argument : now.arguments) arguments.push_back(values[argument]);
+        result = folded(static_cast<Function>(now.index), arguments);
+        break;
+      }
+    }
+    values.push_back(result);
   }
-  return false;
+  return values.back();
 }
 
 FormulaGraph::Id FormulaGraph::slope(Id id, std::uint32_t variable) {

@@ -83,8 +83,9 @@ class FormulaGraph {
   Id power(Id base, Id exponent);
   Id function(Function which, std::vector<Id> arguments);
 
-  /// The whole of an expression. Every name of it must be known.
-  Id build(const Expression& expression, const Lookup& names);
+  /// The whole of an expression. Every name of it must be known. `steps`, when given, gets the node
+  /// of each step of it.
+  Id build(const Expression& expression, const Lookup& names, std::vector<Id>* steps = nullptr);
 
   /// d node / d variable, exactly. Where a formula has a kink (abs, min, max, floor) the derivative is
   /// that of either side.
@@ -94,7 +95,9 @@ class FormulaGraph {
   std::size_t size() const { return nodes_.size(); }
   bool is_constant(Id node) const { return nodes_[node].kind == Kind::constant; }
   bool is_zero(Id node) const;
-  bool depends_on(Id node, std::uint32_t variable);
+
+  /// The value where the variables have these values; slow, for messages.
+  Quad value(Id node, std::span<const Quad> variables) const;
 
  private:
   struct Before {

@@ -3,6 +3,8 @@
 #include <cstddef>
 
 #include "framework/core/formula/formula_arguments.hpp"
+#include "framework/core/formula/missing_math.hpp"
+#include "framework/core/math.hpp"
 #include "framework/core/number_types.hpp"
 
 /// Runs the code of a formula on blocks of elements.

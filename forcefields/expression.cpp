@@ -1,0 +1,331 @@
+#include "forcefields/expression.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "framework/core/force.hpp"
+#include "framework/core/formula/formula.hpp"
+#include "framework/core/formula/formula_force.hpp"
+
+namespace tomlin {
+namespace {
+
+namespace variable = formula_variable;
+using Description = ExpressionDescription;
+
+const Description& described(const void* description) {
+  return *static_cast<const Description*>(description);
+}
+
+FormulaLaw law_of(const Description& d) { return FormulaLaw(d.energy, d.force); }
+
+std::array<double, 3> periods(const Description& d) {
+  std::array<double, 3> period{};
+  for (std::size_t axis = 0; axis < d.period.numbers.size() && axis < 3; ++axis) {
+    period[axis] = d.period.numbers[axis];
+  }
+  return period;
+}
+
+double period_along(const void* description, int axis) {
+  return periods(described(description))[static_cast<std::size_t>(axis)];
+}
+
+Element element_of_law(const void* description) {
+  switch (law_of(described(description)).element()) {
+    case FormulaElement::particle:
+      return Element::site;
+    case FormulaElement::centre:
+      return Element::body;
+    case FormulaElement::pair:
+      return Element::pair;
+    case FormulaElement::angle:
+      return Element::triple;
+  }
+  return Element::site;
+}
+
+Traits traits_of_law(const void* description) {
+  const Description& d = described(description);
+  const FormulaLaw law = law_of(d);
+  const FormulaElement element = law.element();
+  Traits traits;
+  traits.depends_on_time = law.depends_on_time();
+  traits.conservative = law.has_energy();
+  traits.depends_on_velocity = law.depends_on_velocity();
+  traits.internal = element == FormulaElement::pair || element == FormulaElement::angle;
+  for (const double period : d.period.numbers) traits.periodic = traits.periodic || period > 0.0;
+  return traits;
+}
+
+std::uint64_t pairs(const void* description, const SceneOutline& scene) {
+  const Description& d = described(description);
+  const FormulaElement element = law_of(d).element();
+  const auto n = static_cast<std::uint64_t>(scene.bodies.front().count);
+  if (element == FormulaElement::angle) return d.angles.neighbours ? n : d.angles.list.size();
+  if (element != FormulaElement::pair) return 0;
+  return count_pairs(d.pairs, scene);
+}
+
+// ---- complaints -----------------------------------------------------------------------------------
+
+class Examiner {
+ public:
+  Examiner(const Description& d, const SceneOutline& scene)
+      : d_(d), scene_(scene), law_(d.energy, d.force) {}
+
+  std::vector<Complaint> complaints() {
+    if (d_.energy.text.empty() == d_.force.components.empty()) {
+      found_.push_back({"energy", d_.energy.text.empty()
+                                      ? "there is neither an energy nor a force"
+                                      : "there are an energy and a force, and one of them it is",
+                        "energy = \"...\", or force = [\"...\"] with a formula per dimension"});
+      return found_;
+    }
+    look_at_variables();
+    look_at_bodies();
+    look_at_period();
+    if (found_.empty()) try_to_compile();
+    if (found_.empty()) look_at_repetition();
+    return found_;
+  }
+
+ private:
+  const char* key() const { return law_.has_energy() ? "energy" : "force"; }
+
+  void refuse(std::uint32_t index, const std::string& why, const char* admissible = "") {
+    const auto use = law_.place_of(index);
+    if (!use) return;
+    Complaint complaint{key(), fmt::format("'{}' {}", expression_variables()[index], why),
+                        admissible};
+    complaint.column = use->column;
+    complaint.index = use->component;
+    found_.push_back(std::move(complaint));
+  }
+
+  void look_at_variables() {
+    const FormulaElement element = law_.element();
+    for (std::uint32_t index = 0; index < variable::distance; ++index) {
+      if (static_cast<int>(index % 3) < scene_.dimension) continue;
+      refuse(index, fmt::format("is no coordinate of a scene with {} dimension{}", scene_.dimension,
+                                scene_.dimension == 1 ? "" : "s"));
+    }
+    if (!law_.has_energy()) {
+      if (law_.components() != static_cast<std::size_t>(scene_.dimension)) {
+        found_.push_back({"force",
+                          fmt::format("{} formula{} for {} dimension{}", law_.components(),
+                                      law_.components() == 1 ? "" : "s", scene_.dimension,
+                                      scene_.dimension == 1 ? "" : "s"),
+                          "one formula per dimension"});
+      }
+      for (std::uint32_t index = variable::centre; index < variable::time; ++index) {
+        refuse(index, "is a variable of energies", "x, y, z, vx, vy, vz and t in a force");
+      }
+      return;
+    }
+    for (std::uint32_t index = variable::velocity; index < variable::centre; ++index) {
+      refuse(index, "is a velocity, and an energy has none",
+             "force = [\"...\"], which may name velocities");
+    }
+    bool any = false;
+    for (std::uint32_t index = 0; index < variable::time; ++index) any = any || law_.uses(index);
+    if (!any) found_.push_back({"energy", "names no coordinate: there is no force in it"});
+    for (std::uint32_t index = 0; index < variable::time; ++index) {
+      if (element_named_by(index) == element) continue;
+      if (index >= variable::velocity && index < variable::centre) continue;
+      refuse(index, "does not go together with what else the energy is over",
+             "an energy over particles (x, y, z), the centre of mass (xc, yc, zc), pairs (r) or "
+             "angles (theta); a force for each");
+    }
+  }
+
+  static FormulaElement element_named_by(std::uint32_t index) {
+    if (index == variable::distance) return FormulaElement::pair;
+    if (index == variable::angle) return FormulaElement::angle;
+    return index < variable::centre ? FormulaElement::particle : FormulaElement::centre;
+  }
+
+  void look_at_bodies() {
+    const FormulaElement element = law_.element();
+    if (scene_.bodies.size() > 1 && element != FormulaElement::pair) {
+      found_.push_back({"bodies", "only a formula of r acts between two bodies",
+                        "body = \"...\", one of them"});
+    }
+    if (element == FormulaElement::angle && scene_.dimension == 1) {
+      refuse(variable::angle, "is no variable of a scene on a line: there are no angles");
+    }
+    if (element == FormulaElement::angle && scene_.bodies.front().count < 3) {
+      found_.push_back({"energy", "an angle takes three particles"});
+    }
+  }
+
+  void look_at_period() {
+    const auto& numbers = d_.period.numbers;
+    if (numbers.empty()) return;
+    const FormulaElement element = law_.element();
+    if (element == FormulaElement::pair || element == FormulaElement::angle) {
+      found_.push_back({"period", "distances and angles have no period in space"});
+    } else if (numbers.size() > static_cast<std::size_t>(scene_.dimension)) {
+      found_.push_back({"period", "more periods than the scene has dimensions",
+                        "along x, or one per dimension with 0 where there is none"});
+    }
+  }
+
+  void try_to_compile() {
+    try {
+      law_.compiled(scene_.dimension, {true, true, true});
+    } catch (const std::length_error&) {
+      found_.push_back({key(), "the formula becomes too large when it is differentiated",
+                        "a shorter one, or a force of one's own in C++"});
+    }
+  }
+
+  /// A wrong period would shift a run by its error at each cell: it has to be one.
+  void look_at_repetition() {
+    const auto period = periods(d_);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (period[axis] > 0.0 && !repeats_along(axis, period[axis])) return;
+    }
+  }
+
+  bool repeats_along(std::size_t axis, double length) {
+    constexpr int kPlaces = 17;
+    constexpr double kRounding = 1e-9;  // of formulas with some dozens of operations
+    const std::uint32_t first =
+        law_.element() == FormulaElement::centre ? variable::centre : variable::position;
+    for (std::size_t component = 0; component < law_.components(); ++component) {
+      for (int k = 0; k < kPlaces; ++k) {
+        // Places that no symmetry links: multiples of the golden mean, modulo one.
+        FormulaLaw::Values at{};
+        for (std::size_t d = 0; d < at.size(); ++d) {
+          const double turn = 0.6180339887498949 * (k + 1) + 0.7548776662466927 * double(d);
+          at[d] = length * (turn - std::floor(turn) - 0.5);
+        }
+        at[first + axis] -= 0.5 * length;
+        FormulaLaw::Values after = at;
+        after[first + axis] += length;
+        const auto here = law_.evaluate(component, at);
+        const auto there = law_.evaluate(component, after);
+        if (here.index() != 0 || there.index() != 0) continue;
+        const double one = std::get<double>(here);
+        const double other = std::get<double>(there);
+        largest_ = std::max({largest_, std::abs(one), std::abs(other)});
+        if (std::abs(one - other) <= kRounding * largest_) continue;
+        const std::string_view name = expression_variables()[first + axis];
+        found_.push_back(
+            {"period", fmt::format("\"{}\" does not repeat: it is {:.9g} at {} = {:.6g}, and {:.9g} "
+                                   "a period further",
+                                   law_.text(component), one, name, at[first + axis], other),
+             "a length after which the formula is as it was, or no period"});
+        return false;
+      }
+    }
+    return true;
+  }
+
+  const Description& d_;
+  const SceneOutline& scene_;
+  FormulaLaw law_;
+  double largest_ = 0.0;
+  std::vector<Complaint> found_;
+};
+
+std::vector<Complaint> complaints(const void* description, const SceneOutline& scene) {
+  return Examiner(described(description), scene).complaints();
+}
+
+// ---- binding ----------------------------------------------------------------------------------------
+
+template <class Real, class Force, class... Arguments>
+std::unique_ptr<BoundForce<Real>> checked(Arguments&&... arguments) {
+  auto force = std::make_unique<Force>(arguments...);
+  force->check_start();
+  return force;
+}
+
+template <class Real>
+std::unique_ptr<BoundForce<Real>> bind(const void* description, const Binding<Real>& binding) {
+  const Description& d = described(description);
+  const FormulaLaw law = law_of(d);
+  switch (law.element()) {
+    case FormulaElement::particle:
+      return checked<Real, ParticleFormula<Real>>(law, binding, periods(d));
+    case FormulaElement::centre:
+      return checked<Real, CentreFormula<Real>>(law, binding, periods(d));
+    case FormulaElement::pair:
+      return checked<Real, PairFormula<Real>>(law, binding, d.pairs);
+    case FormulaElement::angle:
+      return checked<Real, AngleFormula<Real>>(law, binding, d.angles);
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+ForceRecord expression_record() {
+  ForceRecord record;
+  record.name = "expression";
+  record.summary = "a force given as a formula in the scene";
+  record.equation =
+      "F = -dV/dx of an energy V(x, y, z, t), V(xc, yc, zc, t), V(r, t) or V(theta, t); or F(x, y, "
+      "z, vx, vy, vz, t) itself";
+  record.source = "the scene that gives the formula";
+  record.element = Element::site;
+  record.traits_of = &traits_of_law;
+  record.element_of = &element_of_law;
+  record.most_bodies = 2;
+  record.make_description = &make_description<Description>;
+  record.parameters = {
+      parameter("energy", &Description::energy, dimension::energy,
+                "of one element, over x, y, z (particles), xc, yc, zc (the centre of mass), r "
+                "(pairs) or theta (angles), and t")
+          .or_absent(),
+      parameter("force", &Description::force, dimension::force,
+                "on each particle, a formula per dimension over x, y, z, vx, vy, vz and t: where "
+                "there is no energy")
+          .or_absent(),
+      parameter("pairs", &Description::pairs, dimension::none,
+                "of an energy over r: \"all\", \"neighbours\" or a list of index pairs; between two "
+                "bodies the first index of a pair is in the first")
+          .by_default(PairSelection{.kind = PairSelection::Kind::all, .list = {}}),
+      parameter("angles", &Description::angles, dimension::none,
+                "of an energy over theta: \"neighbours\", each particle with those before and "
+                "behind, or a list of index triples with the vertex in the middle")
+          .by_default(AngleSelection{}),
+      parameter("period", &Description::period, dimension::length,
+                "length along x, or one per dimension (0: none), after which the formula repeats: "
+                "keeps its digits however far a body goes")
+          .in(non_negative)
+          .or_absent()};
+  record.complaints = &complaints;
+  record.pairs = &pairs;
+  record.period = &period_along;
+  record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
+  record.example = R"toml(# The substrate of a rolling ring as a formula: a particle swings about the minimum.
+[parameters]
+V0 = 0.1
+a = 1.0
+lambda = 1.0
+
+[[body]]
+type = "point"
+position = [0.4, 0.1]
+particle_mass = 1.0
+
+[[force]]
+type = "expression"
+energy = "V0 * exp(-lambda * y^2) * cos(2*pi*x/a)"
+period = "a"
+
+[run]
+duration = 10.0
+integrator = { type = "rk4", dt = 1e-2 }
+)toml";
+  return record;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,198 @@
+#include "framework/core/formula/formula.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace tomlin {
+namespace {
+
+namespace variable = formula_variable;
+using Id = FormulaGraph::Id;
+
+std::string_view name_of(std::uint32_t index) { return expression_variables()[index]; }
+
+/// Formulas have been parsed when the scene was read.
+Expression parsed(const std::string& text) {
+  return std::get<Expression>(Expression::parse(text));
+}
+
+/// The variables that code for an element reads from blocks.
+std::vector<std::uint32_t> blocks_of(const FormulaLaw& law) {
+  std::vector<std::uint32_t> blocks;
+  for (std::uint32_t index = 0; index < variable::time; ++index) {
+    if (law.uses(index)) blocks.push_back(index);
+  }
+  return blocks;
+}
+
+/// What the energy of one element is differentiated by.
+std::vector<std::uint32_t> coordinates_of(FormulaElement element, int dimension) {
+  switch (element) {
+    case FormulaElement::pair:
+      return {variable::distance};
+    case FormulaElement::angle:
+      return {variable::angle};
+    case FormulaElement::particle:
+    case FormulaElement::centre:
+      break;
+  }
+  const std::uint32_t first =
+      element == FormulaElement::particle ? variable::position : variable::centre;
+  std::vector<std::uint32_t> coordinates;
+  for (int axis = 0; axis < dimension; ++axis) {
+    coordinates.push_back(first + static_cast<std::uint32_t>(axis));
+  }
+  return coordinates;
+}
+
+}  // namespace
+
+FormulaLaw::FormulaLaw(const Formula& energy, const FormulaList& force)
+    : is_energy_(!energy.text.empty()) {
+  const auto take = [&](const Formula& formula) {
+    parts_.push_back(parsed(formula.text));
+    parameters_.push_back(formula.parameters);
+  };
+  if (is_energy_) {
+    take(energy);
+  } else {
+    for (const Formula& component : force.components) take(component);
+  }
+}
+
+std::optional<FormulaLaw::Use> FormulaLaw::place_of(std::uint32_t index) const {
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    for (const Expression::Name& used : parts_[k].names()) {
+      if (used.name == name_of(index)) return Use{k, used.column};
+    }
+  }
+  return std::nullopt;
+}
+
+FormulaElement FormulaLaw::element() const {
+  if (uses(variable::distance)) return FormulaElement::pair;
+  if (uses(variable::angle)) return FormulaElement::angle;
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {
+    if (uses(variable::centre + axis)) return FormulaElement::centre;
+  }
+  return FormulaElement::particle;
+}
+
+bool FormulaLaw::depends_on_velocity() const {
+  return uses(variable::velocity) || uses(variable::velocity + 1) || uses(variable::velocity + 2);
+}
+
+FormulaGraph::Lookup FormulaLaw::lookup(FormulaGraph& graph, std::size_t component,
+                                        const std::array<bool, 3>& moves) const {
+  FormulaGraph::Lookup names;
+  for (const Expression::Name& used : parts_[component].names()) {
+    for (const auto& [name, value] : parameters_[component]) {
+      if (name == used.name) names[used.name] = graph.constant(Quad(value));
+    }
+  }
+  for (std::uint32_t index = 0; index < variable::origin; ++index) {
+    Id node = graph.variable(index);
+    const bool is_place = index < variable::velocity ||
+                          (index >= variable::centre && index < variable::distance);
+    if (is_place && moves[index % 3]) {
+      node = graph.add(node, graph.variable(variable::origin + index % 3));
+    }
+    names[name_of(index)] = node;
+  }
+  return names;
+}
+
+FormulaCodes FormulaLaw::compiled(int dimension, const std::array<bool, 3>& moves) const {
+  FormulaGraph graph;
+  FormulaInputs inputs;
+  inputs.blocks = blocks_of(*this);
+  inputs.uniforms = {variable::time, variable::origin, variable::origin + 1, variable::origin + 2};
+  FormulaCodes codes;
+  codes.inputs = inputs.blocks;
+  const auto code_of = [&](const std::vector<Id>& nodes) {
+    FormulaCode code = compile(graph, nodes, inputs);
+    if (!code.fits()) throw std::length_error("the formula is too large");
+    return code;
+  };
+
+  std::vector<Id> parts;
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    parts.push_back(graph.build(parts_[k], lookup(graph, k, moves)));
+  }
+  if (!is_energy_) {
+    codes.force = code_of(parts);
+    return codes;
+  }
+
+  const FormulaElement over = element();
+  const auto coordinates = coordinates_of(over, dimension);
+  const bool scalar = over == FormulaElement::pair || over == FormulaElement::angle;
+  std::vector<Id> slopes;
+  for (const std::uint32_t along : coordinates) slopes.push_back(graph.derivative(parts[0], along));
+  std::vector<Id> curvatures;
+  if (scalar) curvatures.push_back(slopes[0]);
+  for (std::size_t a = 0; a < slopes.size(); ++a) {
+    for (std::size_t b = a; b < slopes.size(); ++b) {
+      curvatures.push_back(graph.derivative(slopes[a], coordinates[b]));
+    }
+  }
+  if (!scalar) {
+    for (Id& slope : slopes) slope = graph.negate(slope);
+  }
+  codes.force = code_of(slopes);
+  codes.energy = code_of(parts);
+  codes.curvature = code_of(curvatures);
+  if (depends_on_time()) codes.power = code_of({graph.derivative(parts[0], variable::time)});
+  return codes;
+}
+
+std::variant<double, ExpressionError> FormulaLaw::evaluate(std::size_t component,
+                                                           const Values& at) const {
+  return parts_[component].evaluate([&](std::string_view name) -> std::optional<double> {
+    for (const auto& [parameter, value] : parameters_[component]) {
+      if (parameter == name) return value;
+    }
+    for (std::uint32_t index = 0; index < variable::origin; ++index) {
+      if (name_of(index) == name) return at[index];
+    }
+    return std::nullopt;
+  });
+}
+
+std::optional<FormulaLaw::Trouble> FormulaLaw::trouble_at(const Values& at) const {
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    const auto value = evaluate(k, at);
+    if (const auto* error = std::get_if<ExpressionError>(&value)) {
+      return Trouble{k, error->column, error->why};
+    }
+    if (!is_energy_) continue;
+    if (auto trouble = trouble_of_slopes(k, at)) return trouble;
+  }
+  return std::nullopt;
+}
+
+/// The first part of the formula whose derivative is not finite.
+std::optional<FormulaLaw::Trouble> FormulaLaw::trouble_of_slopes(std::size_t component,
+                                                                 const Values& at) const {
+  FormulaGraph graph;
+  std::vector<Id> steps;
+  graph.build(parts_[component], lookup(graph, component, {}), &steps);
+  std::vector<Quad> values(variable::count, Quad(0.0));
+  for (std::size_t k = 0; k < at.size(); ++k) values[k] = Quad(at[k]);
+  for (std::size_t step = 0; step < steps.size(); ++step) {
+    for (std::uint32_t index = 0; index < variable::time; ++index) {
+      if (!uses(index)) continue;
+      const auto slope = static_cast<double>(
+          graph.value(graph.derivative(steps[step], index), values));
+      if (std::isfinite(slope)) continue;
+      return Trouble{component, parts_[component].nodes()[step].column,
+                     fmt::format("its derivative with respect to {} is not finite", name_of(index))};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace tomlin

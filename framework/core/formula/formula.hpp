@@ -1,0 +1,101 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "framework/core/formula/expression.hpp"
+#include "framework/core/formula/program.hpp"
+#include "framework/core/parameter.hpp"
+
+/// What the formulas of a force mean: over which elements they are, and the code for the energy, the
+/// force and the second derivatives of one element.
+namespace tomlin {
+
+/// What a formula names tells what it is evaluated on: x, y, z a particle; xc, yc, zc the centre of
+/// mass of a body; r a pair; theta an angle.
+enum class FormulaElement { particle, centre, pair, angle };
+
+/// Indices of variables in a graph: as in expression_variables(), then the scene's origin.
+namespace formula_variable {
+inline constexpr std::uint32_t position = 0;  ///< x, y, z
+inline constexpr std::uint32_t velocity = 3;  ///< vx, vy, vz
+inline constexpr std::uint32_t centre = 6;    ///< xc, yc, zc
+inline constexpr std::uint32_t distance = 9;  ///< r
+inline constexpr std::uint32_t angle = 10;    ///< theta
+inline constexpr std::uint32_t time = 11;     ///< t
+inline constexpr std::uint32_t origin = 12;   ///< of each axis: what is added to positions
+inline constexpr std::uint32_t count = 15;
+}  // namespace formula_variable
+
+/// Among the uniforms of all code for formulas: the time, then the origin of each axis.
+inline constexpr std::size_t kTimeUniform = 0;
+inline constexpr std::size_t kOriginUniform = 1;
+
+/// Code for one element.
+struct FormulaCodes {
+  std::vector<std::uint32_t> inputs;  ///< variables, one block each
+  FormulaCode force;   ///< on each axis; of a pair dV/dr, of an angle dV/dtheta
+  FormulaCode energy;  ///< empty without one
+  /// d2V of particles and centres, the upper triangle by rows; of a pair or an angle u: dV/du,
+  /// d2V/du2. Empty without an energy.
+  FormulaCode curvature;
+  FormulaCode power;  ///< dV/dt at rest; empty where the energy does not depend on time
+};
+
+/// The energy, or the components of the force, of a scene's force: parsed.
+class FormulaLaw {
+ public:
+  /// One of the two is given.
+  FormulaLaw(const Formula& energy, const FormulaList& force);
+
+  bool has_energy() const { return is_energy_; }
+  bool uses(std::uint32_t variable) const { return place_of(variable).has_value(); }
+  /// The first use: which component, and the column in its text.
+  struct Use {
+    std::size_t component;
+    std::size_t column;
+  };
+  std::optional<Use> place_of(std::uint32_t variable) const;
+  FormulaElement element() const;
+  bool depends_on_time() const { return uses(formula_variable::time); }
+  bool depends_on_velocity() const;
+  std::size_t components() const { return parts_.size(); }
+  const std::string& text(std::size_t component) const { return parts_[component].text(); }
+
+  /// Code in a scene of this dimension. Axes of which `moves` holds have an origin that is added to
+  /// positions. Throws std::length_error for a formula that becomes too large when differentiated.
+  FormulaCodes compiled(int dimension, const std::array<bool, 3>& moves) const;
+
+  /// The values of variables that a formula is asked about; indices as above.
+  using Values = std::array<double, formula_variable::origin>;
+
+  /// The value of a component, or why it has none.
+  std::variant<double, ExpressionError> evaluate(std::size_t component, const Values& at) const;
+
+  /// Why there is no finite value of the formula, or of its derivatives, with the text and the
+  /// column: "in 'log(y)', column 1: log(-1): ...". Empty when all are finite.
+  struct Trouble {
+    std::size_t component = 0;
+    std::size_t column = 0;
+    std::string why;
+  };
+  std::optional<Trouble> trouble_at(const Values& at) const;
+
+ private:
+  std::optional<Trouble> trouble_of_slopes(std::size_t component, const Values& at) const;
+
+  FormulaGraph::Lookup lookup(FormulaGraph& graph, std::size_t component,
+                              const std::array<bool, 3>& moves) const;
+
+  bool is_energy_ = true;
+  std::vector<Expression> parts_;
+  std::vector<std::vector<std::pair<std::string, double>>> parameters_;
+};
+
+}  // namespace tomlin

@@ -1,0 +1,833 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "framework/core/bound_force.hpp"
+#include "framework/core/formula/formula.hpp"
+#include "framework/core/formula/formula_arguments.hpp"
+#include "framework/core/force.hpp"
+#include "framework/core/kernel_tables.hpp"
+#include "framework/core/dual.hpp"
+#include "framework/core/formula/missing_math.hpp"
+#include "framework/core/number_types.hpp"
+#include "framework/core/pairs.hpp"
+#include "framework/core/sum.hpp"
+
+TOMLIN_DECLARE_TABLES(FormulaKernels, FormulaKernelTable)
+
+/// Bound forces made from formulas: one class per kind of element. The hot loops stand in
+/// formula_kernels.hpp; what runs rarely is written here.
+namespace tomlin {
+
+/// Code with its numbers in one number type, and the memory that its kernels write.
+template <class Real>
+class FormulaProgram {
+ public:
+  explicit FormulaProgram(FormulaCode code) : code_(std::move(code)) {
+    uniforms_.assign(code_.uniforms * kGroup, Real(0.0));
+    for (std::size_t k = 0; k < code_.constants.size(); ++k) set(k, Real(code_.constants[k]));
+  }
+
+  bool empty() const { return code_.outputs.empty(); }
+  std::size_t outputs() const { return code_.outputs.size(); }
+
+  /// Kernels write what follows from the time among the uniforms.
+  FormulaView<Real> view(const Real& start_of_time, bool in_time) const {
+    FormulaView<Real> view;
+    view.prologue = code_.prologue.data();
+    view.prologue_length = code_.prologue.size();
+    view.body = code_.body.data();
+    view.body_length = code_.body.size();
+    view.outputs = code_.outputs.data();
+    view.output_count = code_.outputs.size();
+    view.uniforms = uniforms_.data();
+    view.start_of_time = &start_of_time;
+    if (in_time) view.time = static_cast<std::ptrdiff_t>(code_.place_of_uniform(kTimeUniform));
+    return view;
+  }
+
+  void set_origin(int axis, Real value) {
+    set(code_.place_of_uniform(kOriginUniform + static_cast<std::size_t>(axis)), value);
+  }
+
+ private:
+  void set(std::size_t uniform, Real value) {
+    for (std::size_t k = 0; k < kGroup; ++k) uniforms_[kGroup * uniform + k] = value;
+  }
+
+  FormulaCode code_;
+  mutable AlignedVector<Real> uniforms_;
+};
+
+/// What all kinds share: the programs, the time, the origin, and why a value is not finite.
+template <class Real>
+class FormulaForce : public BoundForce<Real> {
+ public:
+  static constexpr std::size_t kMostOutputs = 8;
+  using Outputs = std::array<Real, kMostOutputs>;
+  using Inputs = std::array<Real, kMostFormulaInputs>;
+
+  /// `period` of each axis, 0 where none is declared.
+  FormulaForce(const FormulaLaw& law, const Binding<Real>& binding,
+               const std::array<double, 3>& period)
+      : law_(law),
+        codes_(law.compiled(binding.dimension, moving_axes(binding))),
+        kernels_(kernels::FormulaKernels.on<Real>(binding.set)),
+        dimension_(binding.dimension),
+        period_(period),
+        force_(codes_.force),
+        energy_(codes_.energy),
+        curvature_(codes_.curvature),
+        power_(codes_.power) {
+    FormulaForce::rebase(binding.origin);
+  }
+  FormulaForce(const FormulaForce&) = delete;
+
+  bool depends_on_time() const override { return law_.depends_on_time(); }
+  void begin_step(const DoubleDouble& time) override {
+    start_of_time_ = from_double_double<Real>(time);
+  }
+
+  /// With a period, positions are counted from a place where the formula is as at the scene's zero:
+  /// exact however far away the origin is.
+  void rebase(const Origin& origin) override {
+    for (int axis = 0; axis < dimension_; ++axis) {
+      if (!(origin.unit[axis] > 0.0)) continue;
+      const DoubleDouble place =
+          DoubleDouble(static_cast<double>(origin.cells[axis])) * DoubleDouble(origin.unit[axis]);
+      std::int64_t periods = 0;
+      base_[axis] = period_[axis] > 0.0 ? Real(remainder_of(place, period_[axis], periods))
+                                        : from_double_double<Real>(place);
+      for (FormulaProgram<Real>* program : {&force_, &energy_, &curvature_, &power_}) {
+        if (!program->empty()) program->set_origin(axis, base_[axis]);
+      }
+    }
+    zero_ = origin;
+  }
+
+  std::string why_not_finite(const Stage<Real>& stage) const override {
+    const auto complaint = first_trouble(&stage);
+    return complaint ? complaint->why : std::string();
+  }
+
+  /// At the start of the run; throws BindError where the formula is not defined there.
+  void check_start() {
+    begin_step(DoubleDouble(0.0));
+    const auto complaint = first_trouble(nullptr);
+    if (complaint) throw BindError(*complaint);
+  }
+
+ protected:
+  /// The first element that has no finite force or energy, at a stage or (null) at the start.
+  virtual std::optional<Complaint> first_trouble(const Stage<Real>* stage) const = 0;
+
+  /// Whether the formula is finite for these inputs; else what to say about it. `of` names the
+  /// element.
+  std::optional<Complaint> trouble(const Inputs& inputs, Real elapsed, const std::string& of) const {
+    if (finite(force_, inputs, elapsed) && (energy_.empty() || finite(energy_, inputs, elapsed))) {
+      return std::nullopt;
+    }
+    FormulaLaw::Values at{};
+    std::string places;
+    for (std::size_t k = 0; k < codes_.inputs.size(); ++k) {
+      const std::uint32_t index = codes_.inputs[k];
+      double value = static_cast<double>(inputs[k]);
+      const bool is_place = index < formula_variable::velocity ||
+                            (index >= formula_variable::centre && index < formula_variable::distance);
+      if (is_place) value += static_cast<double>(base_[index % 3]);
+      at[index] = value;
+      places += fmt::format("{}{} = {:.6g}", places.empty() ? "" : ", ",
+                            expression_variables()[index], value);
+    }
+    at[formula_variable::time] = static_cast<double>(start_of_time_ + elapsed);
+    if (law_.depends_on_time()) {
+      places += fmt::format("{}t = {:.6g}", places.empty() ? "" : ", ", at[formula_variable::time]);
+    }
+    const auto found = law_.trouble_at(at);
+    Complaint complaint;
+    complaint.key = law_.has_energy() ? "energy" : "force";
+    complaint.index = found ? found->component : 0;
+    if (found) complaint.column = found->column;
+    complaint.why = fmt::format(
+        "\"{}\"{} has no finite value for {}, where {}: {}", law_.text(complaint.index),
+        found ? fmt::format(", column {},", found->column + 1) : std::string(), of, places,
+        found ? found->why : std::string("its numbers overflow"));
+    return complaint;
+  }
+
+  FormulaView<Real> view(const FormulaProgram<Real>& program) const {
+    return program.view(start_of_time_, law_.depends_on_time());
+  }
+
+  Outputs evaluate(const FormulaProgram<Real>& program, const Inputs& inputs, Real elapsed) const {
+    Outputs outputs{};
+    kernels_.evaluate(view(program), inputs.data(), elapsed, outputs.data());
+    return outputs;
+  }
+
+  const FormulaLaw law_;
+  const FormulaCodes codes_;
+  const FormulaKernelTable<Real>& kernels_;
+  const int dimension_;
+  const std::array<double, 3> period_;
+  FormulaProgram<Real> force_;
+  FormulaProgram<Real> energy_;
+  FormulaProgram<Real> curvature_;
+  FormulaProgram<Real> power_;
+  Real start_of_time_{};
+  std::array<Real, 3> base_{};
+  Origin zero_;
+
+ private:
+  static std::array<bool, 3> moving_axes(const Binding<Real>& binding) {
+    std::array<bool, 3> moves{};
+    for (std::size_t axis = 0; axis < 3; ++axis) moves[axis] = binding.origin.unit[axis] > 0.0;
+    return moves;
+  }
+
+  bool finite(const FormulaProgram<Real>& program, const Inputs& inputs, Real elapsed) const {
+    const Outputs outputs = evaluate(program, inputs, elapsed);
+    for (std::size_t k = 0; k < program.outputs(); ++k) {
+      if (!(outputs[k] - outputs[k] == Real(0.0))) return false;
+    }
+    return true;
+  }
+};
+
+/// The upper triangle of a matrix of second derivatives, by rows, to a sink.
+template <class Real, class Use>
+void for_upper_triangle(const typename FormulaForce<Real>::Outputs& entries, int dimension,
+                        Use&& use) {
+  std::size_t k = 0;
+  for (int a = 0; a < dimension; ++a) {
+    for (int b = a; b < dimension; ++b, ++k) {
+      use(a, b, static_cast<double>(entries[k]));
+      if (a != b) use(b, a, static_cast<double>(entries[k]));
+    }
+  }
+}
+
+/// On every particle of a body: an energy over x, y, z and t, or a force over vx, vy, vz too.
+template <class Real>
+class ParticleFormula final : public FormulaForce<Real> {
+  using Base = FormulaForce<Real>;
+  using Inputs = typename Base::Inputs;
+
+ public:
+  ParticleFormula(const FormulaLaw& law, const Binding<Real>& binding,
+                  const std::array<double, 3>& period)
+      : Base(law, binding, period), body_(*binding.bodies.front()) {
+    arguments_ = arguments_for(this->force_);
+    heat_ = arguments_for(law.has_energy() ? this->power_ : this->force_);
+    heat_.heat_is_power = !law.has_energy();
+    sample_curvature();
+  }
+
+  std::vector<Pass<Real>> passes() override {
+    return {{this->kernels_.site.set[0], this->kernels_.site.add[0], &arguments_,
+             {{body_.index, false}}, kRankTranscendental}};
+  }
+
+  bool point(PointForce<Real>& force) const override {
+    if (this->dimension_ != 1 || body_.slot.count != 1) return false;
+    force = {this->kernels_.point, &arguments_, Real(0.0), kNoRate};
+    return true;
+  }
+
+  Real energy(const Stage<Real>& stage) const override {
+    InterleavedSum<Real> total;
+    if (this->energy_.empty()) return Real(0.0);
+    for (std::size_t i = 0; i < body_.slot.count; ++i) {
+      total.add(i, this->evaluate(this->energy_, inputs_at(&stage, i), stage.elapsed)[0]);
+    }
+    return total.total();
+  }
+
+  void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
+    if (this->curvature_.empty()) return;
+    for (std::size_t i = 0; i < body_.slot.count; ++i) {
+      const auto entries = this->evaluate(this->curvature_, inputs_at(&stage, i), stage.elapsed);
+      for_upper_triangle<Real>(entries, this->dimension_, [&](int a, int b, double value) {
+        sink.site(body_.index, i, a, b, value);
+      });
+    }
+  }
+
+  double curvature_bound() const override { return largest_curvature_; }
+  double curvature_bound_along(int axis) const override {
+    return largest_curvature_ < 0.0 ? -1.0 : curvature_along_[static_cast<std::size_t>(axis)];
+  }
+
+  bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
+    if (this->law_.has_energy() && this->power_.empty()) return false;
+    heat_.rate = rate;
+    operation = {this->kernels_.site_heat, &heat_};
+    return true;
+  }
+
+ protected:
+  std::optional<Complaint> first_trouble(const Stage<Real>* stage) const override {
+    const Real elapsed = stage ? stage->elapsed : Real(0.0);
+    for (std::size_t i = 0; i < body_.slot.count; ++i) {
+      auto complaint = this->trouble(inputs_at(stage, i), elapsed,
+                                     fmt::format("particle {} of \"{}\"", i, body_.name));
+      if (complaint) return complaint;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  /// Places along each period at which the curvature is looked at, and what is added to the largest
+  /// for what may lie between.
+  static constexpr int kSamples = 64;
+  static constexpr double kBetween = 1.02;
+
+  FormulaSiteArguments<Real> arguments_for(const FormulaProgram<Real>& program) const {
+    FormulaSiteArguments<Real> arguments;
+    if (!program.empty()) arguments.code = this->view(program);
+    arguments.body = body_.slot;
+    arguments.dimension = this->dimension_;
+    arguments.inputs = this->codes_.inputs.size();
+    for (std::size_t k = 0; k < arguments.inputs; ++k) {
+      arguments.axis[k] = static_cast<int>(this->codes_.inputs[k]);
+    }
+    return arguments;
+  }
+
+  Inputs inputs_at(const Stage<Real>* stage, std::size_t i) const {
+    Inputs inputs{};
+    const BodySlot<Real>& slot = body_.slot;
+    for (std::size_t k = 0; k < this->codes_.inputs.size(); ++k) {
+      const std::uint32_t index = this->codes_.inputs[k];
+      const std::size_t axis = index % 3;
+      if (stage == nullptr) {
+        inputs[k] = Real(index < formula_variable::velocity ? body_.start[i][axis] : 0.0);
+        continue;
+      }
+      const std::size_t at = slot.offset + axis * slot.stride + i;
+      if (index < formula_variable::velocity) {
+        inputs[k] = (slot.mapped ? stage->mapped_position : stage->position)[at];
+      } else {
+        inputs[k] = (slot.mapped ? stage->mapped_velocity : stage->velocity)[at];
+      }
+    }
+    return inputs;
+  }
+
+  /// Where a period along x is declared, the largest curvature over it, at the heights of the start.
+  void sample_curvature() {
+    if (this->curvature_.empty() || !(this->period_[0] > 0.0)) return;
+    const std::size_t rows = std::min<std::size_t>(body_.slot.count, kSamples);
+    for (std::size_t i = 0; i < rows; ++i) {
+      Inputs inputs = inputs_at(nullptr, i);
+      for (int k = 0; k < kSamples; ++k) {
+        for (std::size_t input = 0; input < this->codes_.inputs.size(); ++input) {
+          if (this->codes_.inputs[input] == formula_variable::position) {
+            inputs[input] = Real(this->period_[0] * k / kSamples);
+          }
+        }
+        note_curvature(this->evaluate(this->curvature_, inputs, Real(0.0)));
+      }
+    }
+  }
+
+  /// The largest sum of a row: no eigenvalue is beyond it.
+  void note_curvature(const typename Base::Outputs& entries) {
+    std::array<double, 3> row{};
+    std::array<double, 3> diagonal{};
+    for_upper_triangle<Real>(entries, this->dimension_, [&](int a, int b, double value) {
+      row[static_cast<std::size_t>(a)] += std::abs(value);
+      if (a == b) diagonal[static_cast<std::size_t>(a)] = std::abs(value);
+    });
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (!std::isfinite(row[a])) continue;
+      largest_curvature_ = std::max(largest_curvature_, kBetween * row[a]);
+      curvature_along_[a] = std::max(curvature_along_[a], kBetween * diagonal[a]);
+    }
+  }
+
+  BoundBody<Real> body_;
+  FormulaSiteArguments<Real> arguments_;
+  FormulaSiteArguments<Real> heat_;
+  double largest_curvature_ = -1.0;
+  std::array<double, 3> curvature_along_{};
+};
+
+/// On the centre of mass of a body: an energy over xc, yc, zc and t.
+template <class Real>
+class CentreFormula final : public FormulaForce<Real> {
+  using Base = FormulaForce<Real>;
+  using Inputs = typename Base::Inputs;
+
+ public:
+  CentreFormula(const FormulaLaw& law, const Binding<Real>& binding,
+                const std::array<double, 3>& period)
+      : Base(law, binding, period), body_(*binding.bodies.front()) {
+    const BodySlot<Real>& slot = body_.slot;
+    weight_.assign(padded(slot.count), Real(0.0));
+    for (std::size_t i = 0; i < weight_.size(); ++i) {
+      weight_[i] = slot.share[i];
+      weight_in_double_.push_back(static_cast<double>(slot.share[i]));
+    }
+    arguments_.centre.body = slot;
+    arguments_.centre.on_coordinates = slot.rigid;
+    arguments_.centre.single = slot.count == 1;
+    arguments_.centre.last = weight_.size();
+    arguments_.centre.weight = weight_.data();
+    arguments_.dimension = this->dimension_;
+    arguments_.inputs = this->codes_.inputs.size();
+    for (std::size_t k = 0; k < arguments_.inputs; ++k) {
+      arguments_.axis[k] = static_cast<int>(this->codes_.inputs[k] - formula_variable::centre);
+    }
+    heat_ = arguments_;
+    arguments_.code = this->view(this->force_);
+    if (!this->power_.empty()) heat_.code = this->view(this->power_);
+  }
+
+  std::vector<Pass<Real>> passes() override {
+    return {{this->kernels_.centre.set[0], this->kernels_.centre.add[0], &arguments_,
+             {{body_.index, arguments_.centre.on_coordinates}}, kRankTranscendental}};
+  }
+
+  Real energy(const Stage<Real>& stage) const override {
+    return this->evaluate(this->energy_, inputs_at(&stage), stage.elapsed)[0];
+  }
+
+  void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
+    const auto entries = this->evaluate(this->curvature_, inputs_at(&stage), stage.elapsed);
+    for_upper_triangle<Real>(entries, this->dimension_, [&](int a, int b, double value) {
+      sink.centre(body_.index, weight_in_double_.data(), a, b, value);
+    });
+  }
+
+  bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
+    if (this->power_.empty()) return false;
+    heat_.centre.rate = rate;
+    operation = {this->kernels_.centre_heat, &heat_};
+    return true;
+  }
+
+ protected:
+  std::optional<Complaint> first_trouble(const Stage<Real>* stage) const override {
+    return this->trouble(inputs_at(stage), stage ? stage->elapsed : Real(0.0),
+                         fmt::format("the centre of mass of \"{}\"", body_.name));
+  }
+
+ private:
+  Inputs inputs_at(const Stage<Real>* stage) const {
+    Inputs inputs{};
+    const BodySlot<Real>& slot = body_.slot;
+    for (std::size_t k = 0; k < arguments_.inputs; ++k) {
+      const auto axis = static_cast<std::size_t>(arguments_.axis[k]);
+      if (stage == nullptr) {
+        inputs[k] = Real(body_.start_centre[axis]);
+      } else if (slot.rigid) {
+        inputs[k] = stage->position[slot.centre + axis];
+      } else {
+        InterleavedSum<Real> mean;
+        const Real* x = (slot.mapped ? stage->mapped_position : stage->position) + slot.offset;
+        for (std::size_t i = 0; i < slot.count; ++i) {
+          mean.add(i, weight_[i] * x[axis * slot.stride + i]);
+        }
+        inputs[k] = mean.total();
+      }
+    }
+    return inputs;
+  }
+
+  BoundBody<Real> body_;
+  AlignedVector<Real> weight_;
+  std::vector<double> weight_in_double_;
+  FormulaCentreArguments<Real> arguments_;
+  FormulaCentreArguments<Real> heat_;
+};
+
+/// On pairs within a body or between two: an energy over r and t.
+template <class Real>
+class PairFormula final : public FormulaForce<Real> {
+  using Base = FormulaForce<Real>;
+  using Inputs = typename Base::Inputs;
+
+ public:
+  PairFormula(const FormulaLaw& law, const Binding<Real>& binding, const PairSelection& selection)
+      : Base(law, binding, {}),
+        body_(*binding.bodies.front()),
+        other_(*binding.bodies.back()),
+        pairs_(pairs_of(selection, binding).pairs) {
+    if (pairs_.empty()) return;
+    list_.lay(body_, other_, this->dimension_, pairs_);
+    arguments_.list = list_.arguments;
+    arguments_.dimension = this->dimension_;
+    heat_ = arguments_;
+    arguments_.code = this->view(this->force_);
+    if (!this->power_.empty()) heat_.code = this->view(this->power_);
+    if (other_.index != body_.index) return;
+    for (const BoundPair<Real>& pair : pairs_) {
+      const auto apart = static_cast<double>(distance_of(separation(nullptr, pair)));
+      if (apart > 0.0 && (shortest_ == 0.0 || apart < shortest_)) shortest_ = apart;
+    }
+  }
+
+  std::vector<Pass<Real>> passes() override {
+    if (pairs_.empty()) return {};
+    std::vector<Region> writes = {{body_.index, false}};
+    if (other_.index != body_.index) writes.push_back({other_.index, false});
+    return {{nullptr, this->kernels_.pairs, &arguments_, writes, kRankPairs}};
+  }
+
+  Real energy(const Stage<Real>& stage) const override {
+    InterleavedSum<Real> total;
+    for (std::size_t k = 0; k < pairs_.size(); ++k) {
+      const Real r = distance_of(separation(&stage, pairs_[k]));
+      total.add(k, this->evaluate(this->energy_, {r}, stage.elapsed)[0]);
+    }
+    return total.total();
+  }
+
+  /// V'' along the pair, V'/r across it.
+  void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
+    for (const BoundPair<Real>& pair : pairs_) {
+      const auto way = separation(&stage, pair);
+      const Real r = distance_of(way);
+      const auto slopes = this->evaluate(this->curvature_, {r}, stage.elapsed);
+      const auto along = static_cast<double>(slopes[1]);
+      const bool together = r == Real(0.0) && slopes[0] == Real(0.0);
+      const double across = together ? along : static_cast<double>(slopes[0] / r);
+      for (int a = 0; a < this->dimension_; ++a) {
+        for (int b = 0; b < this->dimension_; ++b) {
+          const double both = together ? 0.0 : static_cast<double>(way[a] * way[b] / (r * r));
+          const double value = this->dimension_ == 1
+                                   ? along
+                                   : along * both + across * ((a == b ? 1.0 : 0.0) - both);
+          sink.pair(body_.index, pair.i, other_.index, pair.j, a, b, value);
+        }
+      }
+    }
+  }
+
+  /// What pairs of one body are apart at the start.
+  double shortest_bond() const override { return shortest_; }
+
+  bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
+    if (this->power_.empty() || pairs_.empty()) return false;
+    heat_.rate = rate;
+    operation = {this->kernels_.pair_heat, &heat_};
+    return true;
+  }
+
+ protected:
+  std::optional<Complaint> first_trouble(const Stage<Real>* stage) const override {
+    const Real elapsed = stage ? stage->elapsed : Real(0.0);
+    for (const BoundPair<Real>& pair : pairs_) {
+      const Real r = distance_of(separation(stage, pair));
+      const std::string of =
+          body_.index == other_.index
+              ? fmt::format("particles {} and {} of \"{}\"", pair.i, pair.j, body_.name)
+              : fmt::format("particle {} of \"{}\" and particle {} of \"{}\"", pair.i, body_.name,
+                            pair.j, other_.name);
+      auto complaint = this->trouble({r}, elapsed, of);
+      if (complaint) return complaint;
+      if (r == Real(0.0) && this->evaluate(this->force_, {r}, elapsed)[0] != Real(0.0)) {
+        Complaint together;
+        together.key = "energy";
+        together.why = of + " are in one place, where the force between them has no direction";
+        return together;
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  Vec<Real, 3> separation(const Stage<Real>* stage, const BoundPair<Real>& pair) const {
+    Vec<Real, 3> way;
+    for (int d = 0; d < 3; ++d) way[d] = Real(0.0);
+    for (int d = 0; d < this->dimension_; ++d) {
+      const auto axis = static_cast<std::size_t>(d);
+      const auto at = [&](const BoundBody<Real>& body, std::size_t particle) {
+        if (stage == nullptr) return Real(body.start[particle][axis]);
+        const BodySlot<Real>& slot = body.slot;
+        return (slot.mapped ? stage->mapped_position
+                            : stage->position)[slot.offset + axis * slot.stride + particle];
+      };
+      way[d] = at(other_, pair.j) - at(body_, pair.i) + Real(pair.image[axis]);
+    }
+    return way;
+  }
+
+  Real distance_of(const Vec<Real, 3>& way) const {
+    return this->dimension_ == 1 ? abs(way[0]) : sqrt(norm_squared(way));
+  }
+
+  BoundBody<Real> body_;
+  BoundBody<Real> other_;
+  std::vector<BoundPair<Real>> pairs_;
+  PairList<Real> list_;
+  FormulaPairArguments<Real> arguments_;
+  FormulaPairArguments<Real> heat_;
+  double shortest_ = 0.0;
+};
+
+/// On angles between two bonds of a body: an energy over theta and t.
+template <class Real>
+class AngleFormula final : public FormulaForce<Real> {
+  using Base = FormulaForce<Real>;
+  using Inputs = typename Base::Inputs;
+
+ public:
+  AngleFormula(const FormulaLaw& law, const Binding<Real>& binding,
+               const AngleSelection& selection)
+      : Base(law, binding, {}), body_(*binding.bodies.front()), box_(binding.box) {
+    lay_angles(selection);
+    if (angles_.empty()) return;
+    lay_images();
+    lay_rows();
+    arguments_.body = body_.slot;
+    arguments_.angles = angles_.size();
+    arguments_.dimension = this->dimension_;
+    heat_ = arguments_;
+    arguments_.code = this->view(this->force_);
+    if (!this->power_.empty()) heat_.code = this->view(this->power_);
+  }
+
+  std::vector<Pass<Real>> passes() override {
+    if (angles_.empty()) return {};
+    return {{nullptr, this->kernels_.angles, &arguments_, {{body_.index, false}}, kRankPairs}};
+  }
+
+  Real energy(const Stage<Real>& stage) const override {
+    InterleavedSum<Real> total;
+    for (std::size_t k = 0; k < angles_.size(); ++k) {
+      const Real theta = angle_of(bonds(&stage, k));
+      total.add(k, this->evaluate(this->energy_, {theta}, stage.elapsed)[0]);
+    }
+    return total.total();
+  }
+
+  /// With c = cos(theta): V_c d2c + (V'' - V' cot(theta)) dtheta dtheta, V_c = -V'/sin(theta). The
+  /// second part vanishes for straight bonds, where V_c is V'' (theta = pi) or -V'' (0).
+  void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
+    for (std::size_t k = 0; k < angles_.size(); ++k) {
+      const Bonds bond = bonds(&stage, k);
+      const auto slopes = this->evaluate(this->curvature_, {angle_of(bond)}, stage.elapsed);
+      add_curvature(k, bond, static_cast<double>(slopes[0]), static_cast<double>(slopes[1]), sink);
+    }
+  }
+
+  bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
+    if (this->power_.empty() || angles_.empty()) return false;
+    heat_.rate = rate;
+    operation = {this->kernels_.angle_heat, &heat_};
+    return true;
+  }
+
+ protected:
+  std::optional<Complaint> first_trouble(const Stage<Real>* stage) const override {
+    const Real elapsed = stage ? stage->elapsed : Real(0.0);
+    for (std::size_t k = 0; k < angles_.size(); ++k) {
+      const auto& [first, middle, last] = angles_[k];
+      const std::string of =
+          fmt::format("particles {}, {} and {} of \"{}\"", first, middle, last, body_.name);
+      const Bonds bond = bonds(stage, k);
+      auto complaint = this->trouble({angle_of(bond)}, elapsed, of);
+      if (complaint) return complaint;
+      const bool straight = cross_of(bond) == Real(0.0);
+      if (straight && this->evaluate(this->force_, {angle_of(bond)}, elapsed)[0] != Real(0.0)) {
+        Complaint line;
+        line.key = "energy";
+        line.why = of + " are in line, where the energy is not level: they have no way to bend";
+        return line;
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  using Triple = std::array<std::size_t, 3>;
+  using Bonds = std::array<std::array<Real, 3>, 2>;  ///< from the middle to the first and the last
+  static constexpr int kDirections = 6;              ///< three of each bond
+  using Slope = Dual<double, kDirections>;
+  using Curved = Dual<Slope, kDirections>;
+
+  void lay_angles(const AngleSelection& selection) {
+    const std::size_t n = body_.slot.count;
+    if (!selection.neighbours) {
+      for (const auto& [first, middle, last] : selection.list) {
+        angles_.push_back({static_cast<std::size_t>(first), static_cast<std::size_t>(middle),
+                           static_cast<std::size_t>(last)});
+      }
+      return;
+    }
+    const bool through_box = body_.open_along >= 0 && box_[body_.open_along] > 0.0;
+    const bool closed = (body_.closed || through_box) && n > 2;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!closed && (i == 0 || i + 1 == n)) continue;
+      angles_.push_back({(i + n - 1) % n, i, (i + 1) % n});
+    }
+  }
+
+  /// Bonds through a periodic box are those of the nearest images at the start.
+  void lay_images() {
+    const std::size_t length = padded(angles_.size());
+    const auto axes = static_cast<std::size_t>(this->dimension_);
+    image_.assign(2 * axes * length, Real(0.0));
+    bool imaged = false;
+    for (std::size_t side = 0; side < 2; ++side) {
+      for (std::size_t d = 0; d < axes; ++d) {
+        if (!(box_[d] > 0.0)) continue;
+        for (std::size_t k = 0; k < length; ++k) {
+          const Triple& angle = angles_[std::min(k, angles_.size() - 1)];
+          const double apart = body_.start[angle[2 * side]][d] - body_.start[angle[1]][d];
+          const double image = -box_[d] * __builtin_ceil(apart / box_[d] - 0.5);
+          image_[(side * axes + d) * length + k] = Real(image);
+          imaged = imaged || image != 0.0;
+        }
+      }
+    }
+    if (imaged) arguments_.image = image_.data();
+  }
+
+  void lay_rows() {
+    const std::size_t length = padded(angles_.size());
+    particle_.assign(3 * length, 0);
+    std::vector<std::vector<std::size_t>> rows(body_.slot.count);
+    for (std::size_t k = 0; k < length; ++k) {
+      const Triple& angle = angles_[std::min(k, angles_.size() - 1)];
+      for (std::size_t place = 0; place < 3; ++place) {
+        particle_[place * length + k] = angle[place];
+        if (k < angles_.size()) rows[angle[place]].push_back(3 * k + place);
+      }
+    }
+    row_start_.push_back(0);
+    for (const auto& row : rows) {
+      row_.insert(row_.end(), row.begin(), row.end());
+      row_start_.push_back(row_.size());
+    }
+    result_.assign(3 * static_cast<std::size_t>(this->dimension_) * length, Real(0.0));
+    arguments_.particle = particle_.data();
+    arguments_.row_start = row_start_.data();
+    arguments_.row = row_.data();
+    arguments_.result = result_.data();
+  }
+
+  Bonds bonds(const Stage<Real>* stage, std::size_t k) const {
+    const auto at = [&](std::size_t particle, std::size_t axis) {
+      if (stage == nullptr) return Real(body_.start[particle][axis]);
+      const BodySlot<Real>& slot = body_.slot;
+      return (slot.mapped ? stage->mapped_position
+                          : stage->position)[slot.offset + axis * slot.stride + particle];
+    };
+    const std::size_t length = padded(angles_.size());
+    const auto axes = static_cast<std::size_t>(this->dimension_);
+    Bonds bond{};
+    for (std::size_t side = 0; side < 2; ++side) {
+      for (std::size_t d = 0; d < axes; ++d) {
+        bond[side][d] = at(angles_[k][2 * side], d) - at(angles_[k][1], d) +
+                        image_[(side * axes + d) * length + k];
+      }
+    }
+    return bond;
+  }
+
+  static Real dot_of(const Bonds& bond) {
+    return bond[0][0] * bond[1][0] + bond[0][1] * bond[1][1] + bond[0][2] * bond[1][2];
+  }
+  Real cross_of(const Bonds& bond) const {
+    const auto minor = [&](std::size_t one, std::size_t other) {
+      return fma(bond[0][one], bond[1][other], -(bond[0][other] * bond[1][one]));
+    };
+    const Real z = minor(0, 1);
+    if (this->dimension_ == 2) return abs(z);
+    const Real u = minor(1, 2);
+    const Real v = minor(2, 0);
+    return sqrt(z * z + u * u + v * v);
+  }
+  Real angle_of(const Bonds& bond) const { return atan2(cross_of(bond), dot_of(bond)); }
+
+  void add_curvature(std::size_t k, const Bonds& bond, double slope, double curvature,
+                     HessianSink& sink) const {
+    const Curved cosine = cosine_of(bond);
+    const double c = cosine.value.value;
+    const double sine = static_cast<double>(cross_of(bond) / sqrt(dot_of(bond) * dot_of(bond) +
+                                                                  cross_of(bond) * cross_of(bond)));
+    const bool straight = sine == 0.0;
+    const double by_cosine = straight ? (c < 0.0 ? curvature : -curvature) : -slope / sine;
+    const double by_angle = straight ? 0.0 : curvature - slope * c / sine;
+    const auto second = [&](std::size_t p, std::size_t q) {
+      const double bend = by_cosine * cosine.derivative[p].derivative[q];
+      if (straight) return bend;
+      const double turn = cosine.value.derivative[p] * cosine.value.derivative[q] / (sine * sine);
+      return bend + by_angle * turn;
+    };
+    // Of the bonds' ends, and what is left for the middle, so that all sum to zero.
+    const auto axes = static_cast<std::size_t>(this->dimension_);
+    for (std::size_t a = 0; a < axes; ++a) {
+      for (std::size_t b = 0; b < axes; ++b) {
+        const double ends[2][2] = {{second(a, b), second(a, 3 + b)},
+                                   {second(3 + a, b), second(3 + a, 3 + b)}};
+        double row[3][3] = {};
+        for (std::size_t p = 0; p < 2; ++p) {
+          for (std::size_t q = 0; q < 2; ++q) {
+            row[2 * p][2 * q] = ends[p][q];
+            row[2 * p][1] -= ends[p][q];
+            row[1][2 * q] -= ends[p][q];
+            row[1][1] += ends[p][q];
+          }
+        }
+        put_block(k, static_cast<int>(a), static_cast<int>(b), row, sink);
+      }
+    }
+  }
+
+  void put_block(std::size_t k, int a, int b, const double (&row)[3][3], HessianSink& sink) const {
+    for (std::size_t p = 0; p < 3; ++p) {
+      for (std::size_t q = 0; q < 3; ++q) {
+        if (p == q) {
+          sink.site(body_.index, angles_[k][p], a, b, row[p][q]);
+        } else {
+          sink.block(body_.index, angles_[k][p], a, body_.index, angles_[k][q], b, row[p][q]);
+        }
+      }
+    }
+  }
+
+  /// With its first and second derivatives by the components of both bonds.
+  static Curved cosine_of(const Bonds& bond) {
+    Curved way[2][3];
+    for (int side = 0; side < 2; ++side) {
+      for (int d = 0; d < 3; ++d) {
+        const int direction = 3 * side + d;
+        const auto x = static_cast<double>(bond[side][d]);
+        way[side][d] = Curved::variable(Slope::variable(x, direction), direction);
+      }
+    }
+    const auto product = [&](int one, int other) {
+      return way[one][0] * way[other][0] + way[one][1] * way[other][1] +
+             way[one][2] * way[other][2];
+    };
+    return product(0, 1) / (sqrt(product(0, 0)) * sqrt(product(1, 1)));
+  }
+
+  BoundBody<Real> body_;
+  std::array<double, 3> box_;
+  std::vector<Triple> angles_;
+  FormulaAngleArguments<Real> arguments_;
+  FormulaAngleArguments<Real> heat_;
+  AlignedVector<Real> image_;
+  AlignedVector<Real> result_;
+  std::vector<std::size_t> particle_;
+  std::vector<std::size_t> row_start_;
+  std::vector<std::size_t> row_;
+};
+
+}  // namespace tomlin
