@@ -1,9 +1,39 @@
 #include "framework/core/quad.hpp"
 
+#include "framework/core/inverse_trigonometry.hpp"
+
 // The functions are written out with + - * / only, which binary128 arithmetic rounds correctly:
 // libm and libquadmath differ between machines. Series run in Horner's form with their quotients,
 // since a division takes hardly longer than a multiplication.
 namespace tomlin {
+
+// What the templates of the inverse functions ask of a number type.
+inline namespace TOMLIN_TARGET {
+namespace math_detail {
+
+template <>
+struct Fit<Quad> {
+  using Bits = unsigned __int128;
+  static constexpr int kFractionBits = 112, kBias = 16383;
+};
+template <>
+struct InverseFit<Quad> {
+  // pi/4 in three doubles; the two of the first number are 107 bits together.
+  static constexpr Quad kEighthTurn = Quad(0x1.921fb54442d18p-1) + Quad(0x1.1a62633145c07p-55);
+  static constexpr Quad kEighthTurnRest = -0x1.f1976b7ed8fbcp-111;
+};
+
+// Taylor's series: the first term left out is below 2^-123, as z <= 1/4.
+template <>
+Quad arctangent_series(Quad z) {
+  Quad series = 0;
+  for (int k = 119; k > 1; k -= 2) series = Quad(1) / Quad(k) - z * series;
+  return -series;
+}
+
+}  // namespace math_detail
+}  // namespace TOMLIN_TARGET
+
 namespace {
 
 using Bits = unsigned __int128;
@@ -230,6 +260,13 @@ Quad pow(Quad x, Quad y) {
   return x < Quad(0) && odd ? -r : r;
 }
 
+Quad atan(Quad x) { return math_detail::atan_of(x); }
+Quad atan2(Quad y, Quad x) { return math_detail::atan2_of(y, x); }
+Quad asin(Quad x) { return atan2(x, sqrt((Quad(1) - x) * (Quad(1) + x))); }
+Quad acos(Quad x) { return atan2(sqrt((Quad(1) - x) * (Quad(1) + x)), x); }
+Quad tan_turns(Quad x) { return math_detail::tan_turns_of(x); }
+Quad floor(Quad x) { return math_detail::floor_of(x); }
+
 QuadPackMask QuadPackMask::first(int n) {
   QuadPackMask r;
   for (int i = 0; i < kLanes; ++i) r.v[i] = i < n;
@@ -287,6 +324,12 @@ TOMLIN_QUAD_MAP1(cos_turns, tomlin::cos_turns(x))
 TOMLIN_QUAD_MAP1(exp, tomlin::exp(x))
 TOMLIN_QUAD_MAP1(log, tomlin::log(x))
 TOMLIN_QUAD_MAP2(pow, tomlin::pow(x, y))
+TOMLIN_QUAD_MAP1(atan, tomlin::atan(x))
+TOMLIN_QUAD_MAP2(atan2, tomlin::atan2(x, y))
+TOMLIN_QUAD_MAP1(asin, tomlin::asin(x))
+TOMLIN_QUAD_MAP1(acos, tomlin::acos(x))
+TOMLIN_QUAD_MAP1(tan_turns, tomlin::tan_turns(x))
+TOMLIN_QUAD_MAP1(floor, tomlin::floor(x))
 TOMLIN_QUAD_COMPARE(operator<, x < y)
 TOMLIN_QUAD_COMPARE(operator<=, x <= y)
 TOMLIN_QUAD_COMPARE(operator>, x > y)

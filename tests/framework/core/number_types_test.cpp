@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "framework/core/dual.hpp"
+#include "framework/core/inverse_trigonometry.hpp"
 #include "tests/framework/core/target_test.hpp"
 
 namespace tomlin {
@@ -91,11 +92,21 @@ struct {
   }
 } const everything;
 
+// The inverse functions, whose derivatives are in a header of their own.
+struct {
+  template <class T>
+  T operator()(T x) const {
+    return atan(x) + atan2(x, T(0.5) - x) + asin(x / T(3.0)) - acos(x / T(4.0)) +
+           tan_turns(x / T(16.0)) + floor(x) * x;
+  }
+} const inverse_functions;
+
 // With constants beside the Dual, in the types that a force may have at hand.
 struct {
   template <class T>
   T operator()(T x) const {
-    return 2.0 * x - x / 3 + (x - 0.1) * (1.0 / x) + pow(x, 1.5) + pow(2.0, x) + 0.3 - x;
+    return 2.0 * x - x / 3 + (x - 0.1) * (1.0 / x) + pow(x, 1.5) + pow(2.0, x) + 0.3 - x +
+           atan2(x, 0.5) * atan2(2, x);
   }
 } const with_constants;
 
@@ -141,6 +152,12 @@ TARGET_TEST(NumberTypes, LanesHaveTheBitsOfScalars) {
     EXPECT_LANES(exp(x));
     EXPECT_LANES(log(x));
     EXPECT_LANES(pow(x, y));
+    EXPECT_LANES(atan(x));
+    EXPECT_LANES(atan2(y, x));
+    EXPECT_LANES(asin(x / decltype(x)(9.0)));
+    EXPECT_LANES(acos(x / decltype(x)(9.0)));
+    EXPECT_LANES(tan_turns(x));
+    EXPECT_LANES(floor(x));
 #undef EXPECT_LANES
     expect_lanes_of_scalars<Real>(
         [](auto x, auto, auto) {
@@ -257,6 +274,7 @@ TARGET_TEST(NumberTypes, DualLanesHaveTheBitsOfScalars) {
       const auto alone = Dual<Real, 1>::variable(x.v[i], 0);
       expect_same_dual(everything(packed), everything(alone), i);
       expect_same_dual(with_constants(packed), with_constants(alone), i);
+      expect_same_dual(inverse_functions(packed), inverse_functions(alone), i);
       EXPECT_TRUE(same(everything(packed).value.lane(i), everything(x.v[i])));
     }
   });
@@ -264,11 +282,11 @@ TARGET_TEST(NumberTypes, DualLanesHaveTheBitsOfScalars) {
 
 // Values, first and second derivatives of the types agree to the coarser one's rounding, which the
 // second derivative of x^2.5 log x and the like multiplies by up to a hundred.
-template <class Coarse, class Fine>
-double second_derivative_distance(double x) {
-  const auto at = [x]<class Real>(Real) {
+template <class Coarse, class Fine, class F>
+double second_derivative_distance(F function, double x) {
+  const auto at = [&]<class Real>(Real) {
     using Second = Dual<Dual<Real, 1>, 1>;
-    const auto f = everything(Second::variable(Dual<Real, 1>::variable(Real(x), 0), 0));
+    const auto f = function(Second::variable(Dual<Real, 1>::variable(Real(x), 0), 0));
     return f.derivative[0].derivative[0];
   };
   const Quad exact(at(Fine()));
@@ -279,8 +297,14 @@ TARGET_TEST(NumberTypes, SecondDerivativesAgreeToTheRounding) {
   constexpr double kRoundings = 100;
   double float_distance = 0, double_distance = 0;
   for (double x : {0.3125, 0.8125, 1.25, 1.75}) {
-    float_distance = std::max(float_distance, second_derivative_distance<float, Quad>(x));
-    double_distance = std::max(double_distance, second_derivative_distance<double, Quad>(x));
+    const auto look = [&](auto function) {
+      const double in_float = second_derivative_distance<float, Quad>(function, x);
+      const double in_double = second_derivative_distance<double, Quad>(function, x);
+      float_distance = std::max(float_distance, in_float);
+      double_distance = std::max(double_distance, in_double);
+    };
+    look(everything);
+    look(inverse_functions);
   }
   EXPECT_LT(float_distance, kRoundings * 0x1p-24);
   EXPECT_LT(double_distance, kRoundings * 0x1p-53);

@@ -6,6 +6,7 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <gtest/gtest.h>
 
+#include "framework/core/inverse_trigonometry.hpp"
 #include "framework/core/number_types.hpp"
 #include "tests/framework/core/target_test.hpp"
 
@@ -30,6 +31,8 @@ constexpr double kTurnsError = 1.9;   // of 2 pi, the reduced angle, the last st
 constexpr double kExpError = 1.2;     // of the reduced argument, and of the last step of the series
 constexpr double kLogError = 0.501;   // rounded once from twice the digits
 constexpr double kPowError = 1.2;     // as exp
+constexpr double kAtanError = 1.7;    // of t + 1, the quotient, and the last steps
+constexpr double kAsinError = 3.0;    // the same, of the root and its argument
 
 Exact exact(Quad x) {
   const auto bits = __builtin_bit_cast(Bits, x);
@@ -220,6 +223,7 @@ TEST(Quad, PowSpecialValues) {
 
 // Recorded once, as kMathBits of double is; machines without quadruple hardware must reproduce it.
 constexpr std::uint64_t kQuadBits = 13221779070020728653u;
+constexpr std::uint64_t kQuadInverseBits = 1889535433053082216u;
 
 TEST(Quad, EveryCompilerHasTheSameBits) {
   QuadNumbers numbers(46);
@@ -237,6 +241,65 @@ TEST(Quad, EveryCompilerHasTheSameBits) {
     for (const Quad x : {sin_turns(a), cos_turns(a), exp(a), log(b), pow(b, c), round(a)}) add(x);
   }
   EXPECT_EQ(hash, kQuadBits);
+  hash = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const Quad a = numbers.uniform(-4, 4), b = numbers.any_positive(), c = numbers.uniform(-1, 1);
+    for (const Quad x : {atan(a), atan(b), atan2(a, c), asin(c), acos(c), tan_turns(c)}) add(x);
+  }
+  EXPECT_EQ(hash, kQuadInverseBits);
+}
+
+TEST(Quad, InverseFunctionsAreAccurate) {
+  QuadNumbers numbers(47);
+  Worst tangent, two, sine, cosine;
+  for (int i = 0; i < kSamples; ++i) {
+    const Quad x = i % 3 == 0   ? numbers.uniform(-3, 3)
+                   : i % 3 == 1 ? numbers.uniform(0.41, 0.52)
+                                : numbers.any_positive();
+    const Quad y = numbers.uniform(-1, 1);
+    tangent.add(atan(x), atan(exact(x)));
+    two.add(atan2(y, x), atan2(exact(y), exact(x)));
+    const Quad s = i % 2 ? y : Quad(1) - abs(y) * Quad(1e-6);
+    sine.add(asin(s), asin(exact(s)));
+    cosine.add(acos(s), acos(exact(s)));
+  }
+  EXPECT_LT(tangent.error, kAtanError);
+  EXPECT_LT(two.error, kAtanError);
+  EXPECT_LT(sine.error, kAsinError);
+  EXPECT_LT(cosine.error, kAsinError);
+  // The bounds are no looser than they need be.
+  EXPECT_GT(tangent.error, 0.7 * kAtanError);
+  EXPECT_GT(sine.error, 0.6 * kAsinError);
+}
+
+TEST(Quad, InverseFunctionsSpecialValues) {
+  const Quad infinity(kInfinity), pi = tau<Quad>() * Quad(0.5);
+  const auto same = [](Quad a, Quad b) {
+    return a == b && copysign(Quad(1), a) == copysign(Quad(1), b);
+  };
+  for (const Quad sign : {Quad(1), Quad(-1)}) {
+    EXPECT_TRUE(same(atan2(sign * Quad(0), Quad(0)), sign * Quad(0)));
+    EXPECT_TRUE(same(atan2(sign * Quad(0), -Quad(0)), sign * pi));
+    EXPECT_TRUE(same(atan2(sign * Quad(0), Quad(-2)), sign * pi));
+    EXPECT_TRUE(same(atan2(sign, Quad(0)), sign * pi * Quad(0.5)));
+    EXPECT_TRUE(same(atan2(sign * infinity, infinity), sign * pi * Quad(0.25)));
+    EXPECT_TRUE(same(atan2(sign, infinity), sign * Quad(0)));
+    EXPECT_TRUE(same(atan(sign * infinity), sign * pi * Quad(0.5)));
+    EXPECT_TRUE(same(asin(sign * Quad(0)), sign * Quad(0)));
+    EXPECT_TRUE(same(asin(sign), sign * pi * Quad(0.5)));
+    EXPECT_TRUE(same(floor(sign * Quad(0)), sign * Quad(0)));
+    EXPECT_TRUE(same(atan2(sign * kTiny, kTiny), sign * pi * Quad(0.25)));
+  }
+  EXPECT_TRUE(same(acos(Quad(1)), Quad(0)) && same(acos(Quad(-1)), pi));
+  EXPECT_TRUE(is_nan(asin(Quad(1.5))) && is_nan(acos(Quad(-1.5))) && is_nan(atan(Quad(kNan))));
+  EXPECT_TRUE(is_nan(atan2(Quad(kNan), infinity)) && is_nan(atan2(infinity, Quad(kNan))));
+  EXPECT_TRUE(floor(Quad(-0.5)) == Quad(-1) && floor(Quad(1.5)) == Quad(1));
+  EXPECT_TRUE(floor(Quad(0x1p80) + Quad(0.75)) == Quad(0x1p80));
+  EXPECT_TRUE(tan_turns(Quad(0.125)) == Quad(1));
+  // The ratio of the smallest and the largest numbers.
+  EXPECT_LT(error_in_units(atan2(kTiny, Quad(3) * kTiny), atan(Exact(1) / 3)), kAtanError);
+  const Quad huge = __builtin_bit_cast(Quad, Bits{0x7ffe} << 112);
+  EXPECT_LT(error_in_units(atan2(huge, huge * Quad(1.25)), atan(Exact(4) / 5)), kAtanError);
 }
 
 TEST(Quad, RoundGoesToTheEvenHalf) {
