@@ -7,6 +7,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "framework/model/force_alone.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/standard_registry.hpp"
@@ -258,6 +259,69 @@ const std::vector<Variant>& symplectic_variants() {
   return variants;
 }
 
+std::string with_text(std::string scene, const std::string& from, const std::string& until,
+                      const std::string& text) {
+  const auto first = scene.find(from);
+  return scene.replace(first, scene.find(until, first) - first, text);
+}
+
+/// The scene with its substrate written out as a formula.
+std::string substrate_as_formula(const std::string& scene, const std::string& energy) {
+  return with_text(scene, "type = \"sinusoidal_substrate\"", "[run]",
+                   "type = \"expression\"\nperiod = 1.0\nenergy = \"" + energy + "\"\n");
+}
+
+/// The scene with its bonds written out as a formula; r0 for all of them.
+std::string bonds_as_formula(const std::string& scene, const std::string& energy) {
+  return with_text(scene, "type = \"harmonic_bonds\"", "[[force]]",
+                   "type = \"expression\"\npairs = \"neighbours\"\nenergy = \"" + energy +
+                       "\"\n");
+}
+
+void register_formulas() {
+  const std::string wave = "0.05 * cos(2*pi*x)";
+  const std::string corrugation = "0.1/N * exp(-y^2) * cos(2*pi*x)";
+  const std::vector<Variant> substrate = {{"substrate as a formula", {}}};
+  const std::vector<Variant> bonds = {{"bonds as a formula", {}, 1}};
+  register_variants("pt", substrate_as_formula(kPt, "0.1 * cos(2*pi*x)"), substrate);
+  register_variants("rigid_ring_8", substrate_as_formula(ring("rigid", "1e-2"), corrugation),
+                    substrate);
+  register_variants("flexible_ring_8",
+                    substrate_as_formula(ring("particles", "1e-4"), corrugation), substrate);
+  register_variants("chain_1000", substrate_as_formula(chain("1000", "1.0"), wave), substrate);
+  register_variants("golden_chain_1000",
+                    substrate_as_formula(chain("1000", "1.618033988749895"), wave), substrate);
+  register_variants("chain_1000", bonds_as_formula(chain("1000", "1.0"), "0.5*(r - 1)^2"), bonds);
+}
+
+// ---- one force alone -------------------------------------------------------------------------------
+
+/// All evaluations of a scene's only force, none of the engine's other work.
+void register_force(const std::string& model, const char* name, const std::string& force) {
+  const std::string scene =
+      "[[body]]\ntype = \"chain\"\ncount = 1000\nspacing = 1.618033988749895\nparticle_mass = "
+      "1.0\n[[force]]\n" +
+      force + "[run]\nduration = 1.0\nintegrator = { type = \"rk4\", dt = 1e-2 }\n";
+  benchmark::RegisterBenchmark((model + "/" + name).c_str(), [scene](benchmark::State& state) {
+    ForceAlone alone(*parse_scene(scene, "benchmark.toml", registry()), 0);
+    for (auto _ : state) benchmark::DoNotOptimize(alone.forces(0.0));
+    state.counters["s_per_step"] =
+        benchmark::Counter(static_cast<double>(state.iterations()),
+                           benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  });
+}
+
+void register_forces() {
+  register_force("substrate_1000", "tomlin",
+                 "type = \"sinusoidal_substrate\"\namplitude = 0.05\nperiod = 1.0\n");
+  register_force("substrate_1000", "as a formula",
+                 "type = \"expression\"\nenergy = \"0.05 * cos(2*pi*x)\"\nperiod = 1.0\n");
+  register_force("bonds_1000", "tomlin",
+                 "type = \"harmonic_bonds\"\npairs = \"neighbours\"\nstiffness = 1.0\n");
+  register_force("bonds_1000", "as a formula",
+                 "type = \"expression\"\nenergy = \"0.5*(r - 1.6)^2\"\npairs = \"neighbours\"\n");
+}
+
 /// Of a table, and of a table and a trajectory.
 std::vector<Variant> sampled(const std::string& dt) {
   const std::vector<Setting> every = {{"output.every", dt}, {"run.duration", "1e7"}};
@@ -285,6 +349,8 @@ std::vector<Variant> sampled(const std::string& dt) {
   register_variants(
       "chain_1000", chain("1000", "1.0"),
       {{"closed by a box", {{"box.lengths", "[1000.0]"}, {"box.periodic", "[true]"}}}});
+  register_formulas();
+  register_forces();
   return true;
 }();
 

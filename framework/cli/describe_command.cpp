@@ -73,9 +73,6 @@ const Described& find(const std::vector<Described>& all, const std::string& name
   Fault fault;
   fault.place.file = "tomlin";
   fault.why = fmt::format("there is no component \"{}\"", name);
-  for (const auto& [kind, kinds] : kKinds) {
-    if (is_later_type(kind, name)) fault.why = fmt::format("\"{}\" is not in this version", name);
-  }
   fault.admissible = listed(names);
   fault.nearest = nearest_name(name, names).value_or("");
   throw InputError({fault});

@@ -55,9 +55,6 @@ TableLayout integrator_layout(const IntegratorRecord& record);
 const std::vector<std::string>& top_level_keys();
 const std::vector<ReservedKey>& reserved_top_level_keys();
 
-/// Types that the language names. What is registered is not looked up here.
-bool is_later_type(std::string_view kind, std::string_view type);
-
 /// Words that a summary uses beside the names of bodies and forces.
 bool is_word_of_summary(std::string_view name);
 

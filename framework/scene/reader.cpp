@@ -320,10 +320,8 @@ class SceneReader {
     for (const auto& record : records) {
       if (record->name == *type) return record.get();
     }
-    const bool later = is_later_type(kind, *type);
-    faults_.of_value(
-        *node, {key, later ? kNotInThisVersion : "there is no such " + kind,
-                listed(in_quotes(names)), later ? "" : nearest_name(*type, names).value_or("")});
+    faults_.of_value(*node, {key, "there is no such " + kind, listed(in_quotes(names)),
+                             nearest_name(*type, names).value_or("")});
     return nullptr;
   }
 

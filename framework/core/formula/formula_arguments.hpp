@@ -8,21 +8,43 @@
 /// What the kernels of formulas work on, and their table. Plain data only, see stage.hpp.
 namespace tomlin {
 
-/// Code with its numbers, for one number type.
+/// Packs of eight in a block: registers hold so many.
+inline constexpr std::size_t kFormulaBlock = 8;
+inline constexpr std::size_t kFormulaElements = kFormulaBlock * kGroup;
+
+/// A block of numbers: `step` from one pack to the next, 0 where all elements have the same.
+template <class Real>
+struct FormulaOperand {
+  const Real* at = nullptr;
+  std::size_t step = 0;
+};
+
+/// An instruction with its operands found.
+template <class Real>
+struct FormulaStep {
+  FormulaOp op = FormulaOp::add;
+  FormulaOperand<Real> a;
+  FormulaOperand<Real> b;
+  FormulaOperand<Real> c;
+  Real* to = nullptr;
+  Real* also = nullptr;
+};
+
+/// Code with its numbers and its memory, for one number type.
 template <class Real>
 struct FormulaView {
-  const FormulaInstruction* prologue = nullptr;
+  const FormulaStep<Real>* prologue = nullptr;
   std::size_t prologue_length = 0;
-  const FormulaInstruction* body = nullptr;
+  const FormulaStep<Real>* body = nullptr;
   std::size_t body_length = 0;
-  const FormulaSlot* outputs = nullptr;
+  const FormulaOperand<Real>* outputs = nullptr;
   std::size_t output_count = 0;
-  Real* uniforms = nullptr;  ///< [uniform][kGroup], each repeated
-  std::ptrdiff_t time = -1;  ///< which uniform is the time; -1: none
+  Real* inputs = nullptr;  ///< [input][kFormulaElements]: where the caller puts them
+  Real* time = nullptr;    ///< [kGroup], where the time goes; null: the formula has none
   const Real* start_of_time = nullptr;  ///< the time from which a stage's `elapsed` counts
 };
 
-/// An axis of a block: which of the six numbers of a particle an input is.
+/// Position and velocity of a particle.
 inline constexpr std::size_t kMostFormulaInputs = 6;
 
 /// A formula for every particle of a body: x, y, z, vx, vy, vz as it names them.
@@ -84,8 +106,8 @@ struct FormulaKernelTable {
   Kernel<Real> centre_heat = nullptr;
   PointKernel<Real> point = nullptr;
   /// All outputs for one element.
-  void (*evaluate)(const FormulaView<Real>& code, const Real* inputs, Real elapsed,
-                   Real* outputs) = nullptr;
+  void (*evaluate)(const FormulaView<Real>& code, const Real* inputs, std::size_t count,
+                   Real elapsed, Real* outputs) = nullptr;
 };
 
 }  // namespace tomlin

@@ -19,7 +19,7 @@
 #include "framework/core/force.hpp"
 #include "framework/core/kernel_tables.hpp"
 #include "framework/core/dual.hpp"
-#include "framework/core/formula/missing_math.hpp"
+#include "framework/core/inverse_trigonometry.hpp"
 #include "framework/core/number_types.hpp"
 #include "framework/core/pairs.hpp"
 #include "framework/core/sum.hpp"
@@ -34,26 +34,35 @@ namespace tomlin {
 template <class Real>
 class FormulaProgram {
  public:
-  explicit FormulaProgram(FormulaCode code) : code_(std::move(code)) {
+  /// `inputs` is the number of variables that come in blocks.
+  FormulaProgram(FormulaCode code, std::size_t inputs) : code_(std::move(code)) {
     uniforms_.assign(code_.uniforms * kGroup, Real(0.0));
+    registers_.assign((code_.registers + inputs) * kFormulaElements, Real(0.0));
     for (std::size_t k = 0; k < code_.constants.size(); ++k) set(k, Real(code_.constants[k]));
+    for (const FormulaInstruction& instruction : code_.prologue) {
+      prologue_.push_back(step_of(instruction));
+    }
+    for (const FormulaInstruction& instruction : code_.body) body_.push_back(step_of(instruction));
+    for (const FormulaSlot& slot : code_.outputs) outputs_.push_back({at(slot), step(slot)});
   }
+  FormulaProgram(const FormulaProgram&) = delete;
+  FormulaProgram& operator=(const FormulaProgram&) = delete;
 
-  bool empty() const { return code_.outputs.empty(); }
-  std::size_t outputs() const { return code_.outputs.size(); }
+  bool empty() const { return outputs_.empty(); }
+  std::size_t outputs() const { return outputs_.size(); }
 
-  /// Kernels write what follows from the time among the uniforms.
+  /// Kernels write the inputs, the registers and what follows from the time: one at a time.
   FormulaView<Real> view(const Real& start_of_time, bool in_time) const {
     FormulaView<Real> view;
-    view.prologue = code_.prologue.data();
-    view.prologue_length = code_.prologue.size();
-    view.body = code_.body.data();
-    view.body_length = code_.body.size();
-    view.outputs = code_.outputs.data();
-    view.output_count = code_.outputs.size();
-    view.uniforms = uniforms_.data();
+    view.prologue = prologue_.data();
+    view.prologue_length = prologue_.size();
+    view.body = body_.data();
+    view.body_length = body_.size();
+    view.outputs = outputs_.data();
+    view.output_count = outputs_.size();
+    view.inputs = registers_.data() + code_.registers * kFormulaElements;
+    if (in_time) view.time = uniforms_.data() + kGroup * code_.place_of_uniform(kTimeUniform);
     view.start_of_time = &start_of_time;
-    if (in_time) view.time = static_cast<std::ptrdiff_t>(code_.place_of_uniform(kTimeUniform));
     return view;
   }
 
@@ -62,12 +71,37 @@ class FormulaProgram {
   }
 
  private:
+  Real* at(FormulaSlot slot) const {
+    if (slot.area == FormulaSlot::uniforms) return uniforms_.data() + kGroup * slot.index;
+    const std::size_t before = slot.area == FormulaSlot::inputs ? code_.registers : 0;
+    return registers_.data() + (before + slot.index) * kFormulaElements;
+  }
+  static std::size_t step(FormulaSlot slot) {
+    return slot.area == FormulaSlot::uniforms ? 0 : kGroup;
+  }
+  FormulaStep<Real> step_of(const FormulaInstruction& from) const {
+    const auto operand = [&](FormulaSlot slot) {
+      return FormulaOperand<Real>{at(slot), step(slot)};
+    };
+    FormulaStep<Real> made;
+    made.op = from.op;
+    made.a = operand(from.a);
+    if (from.operands > 1) made.b = operand(from.b);
+    if (from.operands > 2) made.c = operand(from.c);
+    made.to = at(from.to);
+    if (from.op == FormulaOp::sine_and_cosine) made.also = at(from.also);
+    return made;
+  }
   void set(std::size_t uniform, Real value) {
     for (std::size_t k = 0; k < kGroup; ++k) uniforms_[kGroup * uniform + k] = value;
   }
 
   FormulaCode code_;
   mutable AlignedVector<Real> uniforms_;
+  mutable AlignedVector<Real> registers_;
+  std::vector<FormulaStep<Real>> prologue_;
+  std::vector<FormulaStep<Real>> body_;
+  std::vector<FormulaOperand<Real>> outputs_;
 };
 
 /// What all kinds share: the programs, the time, the origin, and why a value is not finite.
@@ -86,10 +120,10 @@ class FormulaForce : public BoundForce<Real> {
         kernels_(kernels::FormulaKernels.on<Real>(binding.set)),
         dimension_(binding.dimension),
         period_(period),
-        force_(codes_.force),
-        energy_(codes_.energy),
-        curvature_(codes_.curvature),
-        power_(codes_.power) {
+        force_(codes_.force, codes_.inputs.size()),
+        energy_(codes_.energy, codes_.inputs.size()),
+        curvature_(codes_.curvature, codes_.inputs.size()),
+        power_(codes_.power, codes_.inputs.size()) {
     FormulaForce::rebase(binding.origin);
   }
   FormulaForce(const FormulaForce&) = delete;
@@ -172,7 +206,7 @@ class FormulaForce : public BoundForce<Real> {
 
   Outputs evaluate(const FormulaProgram<Real>& program, const Inputs& inputs, Real elapsed) const {
     Outputs outputs{};
-    kernels_.evaluate(view(program), inputs.data(), elapsed, outputs.data());
+    kernels_.evaluate(view(program), inputs.data(), codes_.inputs.size(), elapsed, outputs.data());
     return outputs;
   }
 

@@ -12,8 +12,6 @@
 namespace tomlin {
 inline namespace TOMLIN_TARGET {
 
-inline constexpr std::size_t kFormulaElements = kFormulaBlock * kGroup;
-
 template <class Real>
 TOMLIN_INLINE std::size_t packs_from(std::size_t i, std::size_t count) {
   const std::size_t packs = (count - i + kGroup - 1) / kGroup;
@@ -21,24 +19,27 @@ TOMLIN_INLINE std::size_t packs_from(std::size_t i, std::size_t count) {
 }
 
 /// The numbers of a body that a formula takes, from particle i on.
-template <class Real, class Arguments>
-TOMLIN_INLINE void point_at_inputs(const Arguments& a, const Stage<Real>& stage, std::size_t i,
-                                   const Real** inputs) {
+template <class Real>
+TOMLIN_INLINE void take_inputs(const FormulaSiteArguments<Real>& a, const Stage<Real>& stage,
+                               std::size_t i, std::size_t packs) {
+  using Group = Packed<Real>;
   const Real* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset;
   const Real* v = (a.body.mapped ? stage.mapped_velocity : stage.velocity) + a.body.offset;
   for (std::size_t k = 0; k < a.inputs; ++k) {
     const int axis = a.axis[k];
-    inputs[k] = axis < 3 ? x + static_cast<std::size_t>(axis) * a.body.stride + i
-                         : v + static_cast<std::size_t>(axis - 3) * a.body.stride + i;
+    const Real* from = axis < 3 ? x + static_cast<std::size_t>(axis) * a.body.stride + i
+                                : v + static_cast<std::size_t>(axis - 3) * a.body.stride + i;
+    Real* to = a.code.inputs + k * kFormulaElements;
+    for (std::size_t pack = 0; pack < packs; ++pack) {
+      Group::load(from + pack * kGroup).store(to + pack * kGroup);
+    }
   }
 }
 
-/// The output as a block, whatever area it stands in.
+/// Of output d, pack k.
 template <class Real>
-TOMLIN_INLINE Operand<Real> output_of(const FormulaView<Real>& code, std::size_t k,
-                                      const FormulaFrame<Real>& frame, const Real* const* inputs) {
-  return operand<Packed<Real>>(code.outputs[k], frame, static_cast<const Real*>(code.uniforms),
-                               inputs);
+TOMLIN_INLINE Packed<Real> output(const FormulaView<Real>& code, std::size_t d, std::size_t k) {
+  return Packed<Real>::load(code.outputs[d].at + k * code.outputs[d].step);
 }
 
 template <class Real>
@@ -58,19 +59,16 @@ void formula_site_kernel(const void* arguments, const Stage<Real>& stage) {
   const std::size_t count = a.body.count;
   const std::size_t stride = a.body.stride;
   Real* f = (a.body.mapped ? stage.mapped_force : stage.force) + a.body.offset;
-  FormulaFrame<Real> frame;
-  begin_formula<Group>(a.code, stage.elapsed, frame);
+  begin_formula<Group>(a.code, stage.elapsed);
   for (std::size_t i = 0; i < count; i += kFormulaElements) {
-    const Real* inputs[kMostFormulaInputs];
-    point_at_inputs(a, stage, i, inputs);
     const std::size_t packs = packs_from<Real>(i, count);
-    run_formula<Group>(a.code, frame, inputs, packs);
+    take_inputs(a, stage, i, packs);
+    run_formula<Group>(a.code, packs);
     for (int d = 0; d < a.dimension; ++d) {
-      const Operand<Real> out = output_of(a.code, static_cast<std::size_t>(d), frame, inputs);
       Real* to = f + static_cast<std::size_t>(d) * stride + i;
       for (std::size_t k = 0; k < packs; ++k) {
-        const Group value =
-            without_padding<Real>(Group::load(out.at + k * out.step), i + k * kGroup, count);
+        const Group value = without_padding<Real>(output(a.code, static_cast<std::size_t>(d), k),
+                                                  i + k * kGroup, count);
         put<set>(to + k * kGroup, value);
       }
     }
@@ -84,20 +82,17 @@ void formula_site_heat(const void* arguments, const Stage<Real>& stage) {
   const auto& a = *static_cast<const FormulaSiteArguments<Real>*>(arguments);
   const std::size_t count = a.body.count;
   const Real* v = (a.body.mapped ? stage.mapped_velocity : stage.velocity) + a.body.offset;
-  FormulaFrame<Real> frame;
-  begin_formula<Group>(a.code, stage.elapsed, frame);
+  begin_formula<Group>(a.code, stage.elapsed);
   Group heat(Real(0.0));
   for (std::size_t i = 0; i < count; i += kFormulaElements) {
-    const Real* inputs[kMostFormulaInputs];
-    point_at_inputs(a, stage, i, inputs);
     const std::size_t packs = packs_from<Real>(i, count);
-    run_formula<Group>(a.code, frame, inputs, packs);
+    take_inputs(a, stage, i, packs);
+    run_formula<Group>(a.code, packs);
     const int outputs = a.heat_is_power ? a.dimension : 1;
     for (std::size_t k = 0; k < packs; ++k) {
       Group taken(Real(0.0));
       for (int d = 0; d < outputs; ++d) {
-        const Operand<Real> out = output_of(a.code, static_cast<std::size_t>(d), frame, inputs);
-        const Group value = Group::load(out.at + k * out.step);
+        const Group value = output(a.code, static_cast<std::size_t>(d), k);
         const Real* speed = v + static_cast<std::size_t>(d) * a.body.stride + i + k * kGroup;
         taken = a.heat_is_power ? fnma(value, Group::load(speed), taken) : taken - value;
       }
@@ -112,30 +107,22 @@ template <class Real>
 PointResult<Real> formula_point_kernel(const void* arguments, Real position, Real velocity, Real,
                                        Real elapsed) {
   const auto& a = *static_cast<const FormulaSiteArguments<Real>*>(arguments);
-  FormulaFrame<Real> frame;
-  begin_formula<Real>(a.code, elapsed, frame);
-  const Real* inputs[kMostFormulaInputs];
-  for (std::size_t k = 0; k < a.inputs; ++k) inputs[k] = a.axis[k] < 3 ? &position : &velocity;
-  run_formula<Real>(a.code, frame, inputs, 1);
-  return {*operand<Real>(a.code.outputs[0], frame, static_cast<const Real*>(a.code.uniforms),
-                         inputs)
-               .at,
-          Real(0.0)};
+  begin_formula<Real>(a.code, elapsed);
+  for (std::size_t k = 0; k < a.inputs; ++k) {
+    a.code.inputs[k * kFormulaElements] = a.axis[k] < 3 ? position : velocity;
+  }
+  run_formula<Real>(a.code, 1);
+  return {*a.code.outputs[0].at, Real(0.0)};
 }
 
 /// All outputs for one element; energies and second derivatives come this way.
 template <class Real>
-void formula_evaluate(const FormulaView<Real>& code, const Real* values, Real elapsed,
-                      Real* outputs) {
-  FormulaFrame<Real> frame;
-  begin_formula<Real>(code, elapsed, frame);
-  const Real* inputs[kMostFormulaInputs];
-  for (std::size_t k = 0; k < kMostFormulaInputs; ++k) inputs[k] = values + k;
-  run_formula<Real>(code, frame, inputs, 1);
-  for (std::size_t k = 0; k < code.output_count; ++k) {
-    outputs[k] =
-        *operand<Real>(code.outputs[k], frame, static_cast<const Real*>(code.uniforms), inputs).at;
-  }
+void formula_evaluate(const FormulaView<Real>& code, const Real* values, std::size_t count,
+                      Real elapsed, Real* outputs) {
+  begin_formula<Real>(code, elapsed);
+  for (std::size_t k = 0; k < count; ++k) code.inputs[k * kFormulaElements] = values[k];
+  run_formula<Real>(code, 1);
+  for (std::size_t k = 0; k < code.output_count; ++k) outputs[k] = *code.outputs[k].at;
 }
 
 // ---- the centre of mass -------------------------------------------------------------------------
@@ -171,7 +158,7 @@ TOMLIN_INLINE void evaluate_at_centre(const FormulaCentreArguments<Real>& a,
   centre_of(a.centre, stage, a.dimension, centre);
   Real values[kMostFormulaInputs] = {};
   for (std::size_t k = 0; k < a.inputs; ++k) values[k] = centre[a.axis[k]];
-  formula_evaluate<Real>(a.code, values, stage.elapsed, outputs);
+  formula_evaluate<Real>(a.code, values, a.inputs, stage.elapsed, outputs);
 }
 
 template <class Real, bool set>
@@ -204,7 +191,7 @@ void formula_centre_kernel(const void* arguments, const Stage<Real>& stage) {
 template <class Real>
 struct PairBlock {
   alignas(64) Real separation[3][kFormulaElements];
-  alignas(64) Real distance[kFormulaElements];
+  Real* distance;  ///< the formula's input
 };
 
 template <class Real>
@@ -239,17 +226,15 @@ void formula_pair_kernel(const void* arguments, const Stage<Real>& stage) {
   const auto& a = *static_cast<const FormulaPairArguments<Real>*>(arguments);
   const PairListArguments<Real>& list = a.list;
   const std::size_t row_length = (list.pairs + kGroup - 1) / kGroup * kGroup;
-  FormulaFrame<Real> frame;
   PairBlock<Real> block;
-  const Real* inputs[] = {block.distance};
-  begin_formula<Group>(a.code, stage.elapsed, frame);
+  block.distance = a.code.inputs;
+  begin_formula<Group>(a.code, stage.elapsed);
   for (std::size_t first = 0; first < list.pairs; first += kFormulaElements) {
     const std::size_t packs = packs_from<Real>(first, list.pairs);
     gather_pairs(a, stage, first, packs, block);
-    run_formula<Group>(a.code, frame, inputs, packs);
-    const Operand<Real> out = output_of(a.code, 0, frame, inputs);
+    run_formula<Group>(a.code, packs);
     for (std::size_t k = 0; k < packs; ++k) {
-      const Group tension = Group::load(out.at + k * out.step);
+      const Group tension = output(a.code, 0, k);
       Group scale = tension;
       if (a.dimension > 1) {
         // In one place a pair whose energy is level there does not pull; any other has no direction.
@@ -272,18 +257,16 @@ template <class Real>
 void formula_pair_heat(const void* arguments, const Stage<Real>& stage) {
   using Group = Packed<Real>;
   const auto& a = *static_cast<const FormulaPairArguments<Real>*>(arguments);
-  FormulaFrame<Real> frame;
   PairBlock<Real> block;
-  const Real* inputs[] = {block.distance};
-  begin_formula<Group>(a.code, stage.elapsed, frame);
+  block.distance = a.code.inputs;
+  begin_formula<Group>(a.code, stage.elapsed);
   Group heat(Real(0.0));
   for (std::size_t first = 0; first < a.list.pairs; first += kFormulaElements) {
     const std::size_t packs = packs_from<Real>(first, a.list.pairs);
     gather_pairs(a, stage, first, packs, block);
-    run_formula<Group>(a.code, frame, inputs, packs);
-    const Operand<Real> out = output_of(a.code, 0, frame, inputs);
+    run_formula<Group>(a.code, packs);
     for (std::size_t k = 0; k < packs; ++k) {
-      heat = heat - without_padding<Real>(Group::load(out.at + k * out.step), first + k * kGroup,
+      heat = heat - without_padding<Real>(output(a.code, 0, k), first + k * kGroup,
                                           a.list.pairs);
     }
   }
@@ -306,7 +289,7 @@ struct AngleBlock {
   alignas(64) Real bond[2][3][kFormulaElements];
   alignas(64) Real dot[kFormulaElements];
   alignas(64) Real cross[kFormulaElements];
-  alignas(64) Real angle[kFormulaElements];
+  Real* angle;  ///< the formula's input
 };
 
 template <class Real>
@@ -358,17 +341,15 @@ void formula_angle_kernel(const void* arguments, const Stage<Real>& stage) {
   const auto& a = *static_cast<const FormulaAngleArguments<Real>*>(arguments);
   const std::size_t length = (a.angles + kGroup - 1) / kGroup * kGroup;
   const auto axes = static_cast<std::size_t>(a.dimension);
-  FormulaFrame<Real> frame;
   AngleBlock<Real> block;
-  const Real* inputs[] = {block.angle};
-  begin_formula<Group>(a.code, stage.elapsed, frame);
+  block.angle = a.code.inputs;
+  begin_formula<Group>(a.code, stage.elapsed);
   for (std::size_t first = 0; first < a.angles; first += kFormulaElements) {
     const std::size_t packs = packs_from<Real>(first, a.angles);
     gather_angles(a, stage, first, packs, block);
-    run_formula<Group>(a.code, frame, inputs, packs);
-    const Operand<Real> out = output_of(a.code, 0, frame, inputs);
+    run_formula<Group>(a.code, packs);
     for (std::size_t k = 0; k < packs; ++k) {
-      const Group torque = Group::load(out.at + k * out.step);
+      const Group torque = output(a.code, 0, k);
       const Group cross = Group::load(block.cross + k * kGroup);
       const Group dot = Group::load(block.dot + k * kGroup);
       // Straight bonds whose energy is level there do not bend; else they have no way to.
@@ -411,18 +392,16 @@ template <class Real>
 void formula_angle_heat(const void* arguments, const Stage<Real>& stage) {
   using Group = Packed<Real>;
   const auto& a = *static_cast<const FormulaAngleArguments<Real>*>(arguments);
-  FormulaFrame<Real> frame;
   AngleBlock<Real> block;
-  const Real* inputs[] = {block.angle};
-  begin_formula<Group>(a.code, stage.elapsed, frame);
+  block.angle = a.code.inputs;
+  begin_formula<Group>(a.code, stage.elapsed);
   Group heat(Real(0.0));
   for (std::size_t first = 0; first < a.angles; first += kFormulaElements) {
     const std::size_t packs = packs_from<Real>(first, a.angles);
     gather_angles(a, stage, first, packs, block);
-    run_formula<Group>(a.code, frame, inputs, packs);
-    const Operand<Real> out = output_of(a.code, 0, frame, inputs);
+    run_formula<Group>(a.code, packs);
     for (std::size_t k = 0; k < packs; ++k) {
-      heat = heat - without_padding<Real>(Group::load(out.at + k * out.step), first + k * kGroup,
+      heat = heat - without_padding<Real>(output(a.code, 0, k), first + k * kGroup,
                                           a.angles);
     }
   }

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "framework/core/formula/rounded_functions.hpp"
+#include "framework/core/inverse_trigonometry.hpp"
 #include "framework/core/number_types.hpp"
 
 namespace tomlin {
@@ -46,25 +46,23 @@ Quad folded(FormulaGraph::Function which, std::span<const Quad> x) {
     case cos_turns:
       return tomlin::cos_turns(x[0]);
     case tan_turns:
-      return tomlin::sin_turns(x[0]) / tomlin::cos_turns(x[0]);
+      return tomlin::tan_turns(x[0]);
     case asin:
-      return Quad(rounded_asin(static_cast<double>(x[0])));
+      return tomlin::asin(x[0]);
     case acos:
-      return Quad(rounded_acos(static_cast<double>(x[0])));
+      return tomlin::acos(x[0]);
     case atan:
-      return Quad(rounded_atan2(static_cast<double>(x[0]), 1.0));
+      return tomlin::atan(x[0]);
     case atan2:
-      return Quad(rounded_atan2(static_cast<double>(x[0]), static_cast<double>(x[1])));
+      return tomlin::atan2(x[0], x[1]);
     case abs:
       return tomlin::abs(x[0]);
     case min:
       return x[1] < x[0] ? x[1] : x[0];
     case max:
       return x[0] < x[1] ? x[1] : x[0];
-    case floor: {
-      const Quad nearest = round(x[0]);
-      return x[0] < nearest ? nearest - kOne : nearest;
-    }
+    case floor:
+      return tomlin::floor(x[0]);
     case choose:
       return x[0] < x[1] ? x[2] : x[3];
   }

@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "framework/core/formula/formula_arguments.hpp"
-#include "framework/core/formula/missing_math.hpp"
+#include "framework/core/inverse_trigonometry.hpp"
 #include "framework/core/math.hpp"
 #include "framework/core/number_types.hpp"
 
@@ -13,9 +13,6 @@
 /// of registers stays in the nearest cache.
 namespace tomlin {
 inline namespace TOMLIN_TARGET {
-
-/// Packs of eight in a block.
-inline constexpr std::size_t kFormulaBlock = 8;
 
 /// T is Real, for one element, or Packed<Real>, for blocks: how to load and store it.
 template <class T, class Real>
@@ -37,63 +34,32 @@ struct Numbers {
   }
 };
 
-template <class Real>
-struct FormulaFrame {
-  alignas(64) Real registers[FormulaCode::kMostRegisters][kFormulaBlock * kGroup];
-};
-
-/// Where an operand's numbers begin, and how far apart they are.
-template <class Real>
-struct Operand {
-  const Real* at;
-  std::size_t step;
-};
-
-template <class T, class Real>
-TOMLIN_INLINE Operand<Real> operand(FormulaSlot slot, const FormulaFrame<Real>& frame,
-                                    const Real* uniforms, const Real* const* inputs) {
-  switch (slot.area) {
-    case FormulaSlot::registers:
-      return {frame.registers[slot.index], Numbers<T, Real>::kStep};
-    case FormulaSlot::uniforms:
-      return {uniforms + kGroup * slot.index, 0};
-    default:
-      return {inputs[slot.index], Numbers<T, Real>::kStep};
-  }
-}
-
 /// `packs` is 1 where T is Real.
 template <class T, class Real>
-__attribute__((noinline)) void run_instructions(const FormulaInstruction* code, std::size_t length,
-                                                FormulaFrame<Real>& frame, Real* uniforms,
-                                                const Real* const* inputs, std::size_t packs) {
+__attribute__((noinline)) void run_steps(const FormulaStep<Real>* code, std::size_t length,
+                                         std::size_t packs) {
   using N = Numbers<T, Real>;
-  for (const FormulaInstruction* end = code + length; code != end; ++code) {
-    const Operand<Real> a = operand<T>(code->a, frame, uniforms, inputs);
-    const bool to_uniform = code->to.area == FormulaSlot::uniforms;
-    Real* const to =
-        to_uniform ? uniforms + kGroup * code->to.index : frame.registers[code->to.index];
+  for (const FormulaStep<Real>* end = code + length; code != end; ++code) {
+    const FormulaStep<Real> s = *code;
     const auto of_one = [&](auto&& f) TOMLIN_INLINE_LAMBDA {
       for (std::size_t k = 0; k < packs; ++k) {
-        N::store(f(N::load(a.at + k * a.step)), to + k * N::kStep);
+        N::store(f(N::load(s.a.at + k * s.a.step)), s.to + k * N::kStep);
       }
     };
     const auto of_two = [&](auto&& f) TOMLIN_INLINE_LAMBDA {
-      const Operand<Real> b = operand<T>(code->b, frame, uniforms, inputs);
       for (std::size_t k = 0; k < packs; ++k) {
-        N::store(f(N::load(a.at + k * a.step), N::load(b.at + k * b.step)), to + k * N::kStep);
+        N::store(f(N::load(s.a.at + k * s.a.step), N::load(s.b.at + k * s.b.step)),
+                 s.to + k * N::kStep);
       }
     };
     const auto of_three = [&](auto&& f) TOMLIN_INLINE_LAMBDA {
-      const Operand<Real> b = operand<T>(code->b, frame, uniforms, inputs);
-      const Operand<Real> c = operand<T>(code->c, frame, uniforms, inputs);
       for (std::size_t k = 0; k < packs; ++k) {
-        N::store(f(N::load(a.at + k * a.step), N::load(b.at + k * b.step),
-                   N::load(c.at + k * c.step)),
-                 to + k * N::kStep);
+        N::store(f(N::load(s.a.at + k * s.a.step), N::load(s.b.at + k * s.b.step),
+                   N::load(s.c.at + k * s.c.step)),
+                 s.to + k * N::kStep);
       }
     };
-    switch (code->op) {
+    switch (s.op) {
       case FormulaOp::add:
         of_two([](const T& x, const T& y) { return x + y; });
         break;
@@ -130,19 +96,15 @@ __attribute__((noinline)) void run_instructions(const FormulaInstruction* code, 
       case FormulaOp::cosine:
         of_one([](const T& x) { return cos_turns(x); });
         break;
-      case FormulaOp::sine_and_cosine: {
-        const bool also_uniform = code->also.area == FormulaSlot::uniforms;
-        Real* const also =
-            also_uniform ? uniforms + kGroup * code->also.index : frame.registers[code->also.index];
+      case FormulaOp::sine_and_cosine:
         for (std::size_t k = 0; k < packs; ++k) {
-          T s;
-          T c;
-          sincos_turns(N::load(a.at + k * a.step), s, c);
-          N::store(s, to + k * N::kStep);
-          N::store(c, also + k * N::kStep);
+          T sine;
+          T cosine;
+          sincos_turns(N::load(s.a.at + k * s.a.step), sine, cosine);
+          N::store(sine, s.to + k * N::kStep);
+          N::store(cosine, s.also + k * N::kStep);
         }
         break;
-      }
       case FormulaOp::tangent:
         of_one([](const T& x) { return tan_turns(x); });
         break;
@@ -184,24 +146,17 @@ __attribute__((noinline)) void run_instructions(const FormulaInstruction* code, 
 
 /// What is the same for all elements: the time, and what follows from it.
 template <class T, class Real>
-TOMLIN_INLINE void begin_formula(const FormulaView<Real>& code, Real elapsed,
-                                 FormulaFrame<Real>& frame) {
-  if (code.time >= 0) {
+TOMLIN_INLINE void begin_formula(const FormulaView<Real>& code, Real elapsed) {
+  if (code.time != nullptr) {
     const Real now = *code.start_of_time + elapsed;
-    for (std::size_t k = 0; k < kGroup; ++k) {
-      code.uniforms[kGroup * static_cast<std::size_t>(code.time) + k] = now;
-    }
+    for (std::size_t k = 0; k < kGroup; ++k) code.time[k] = now;
   }
-  if (code.prologue_length > 0) {
-    run_instructions<T, Real>(code.prologue, code.prologue_length, frame, code.uniforms, nullptr,
-                              1);
-  }
+  if (code.prologue_length > 0) run_steps<T, Real>(code.prologue, code.prologue_length, 1);
 }
 
 template <class T, class Real>
-TOMLIN_INLINE void run_formula(const FormulaView<Real>& code, FormulaFrame<Real>& frame,
-                               const Real* const* inputs, std::size_t packs) {
-  run_instructions<T, Real>(code.body, code.body_length, frame, code.uniforms, inputs, packs);
+TOMLIN_INLINE void run_formula(const FormulaView<Real>& code, std::size_t packs) {
+  run_steps<T, Real>(code.body, code.body_length, packs);
 }
 
 }  // namespace TOMLIN_TARGET

@@ -250,7 +250,9 @@ class Placing {
     instruction.op = value.op;
     const std::array<FormulaSlot*, 3> operands = {&instruction.a, &instruction.b, &instruction.c};
     for (std::size_t k = 0; k < operands.size(); ++k) {
-      if (value.operands[k] != kNone) *operands[k] = slots_[value.operands[k]];
+      if (value.operands[k] == kNone) continue;
+      *operands[k] = slots_[value.operands[k]];
+      ++instruction.operands;
     }
     const bool paired = value.twin != kNone;
     const std::size_t sine = value.op == FormulaOp::cosine && paired ? value.twin : v;

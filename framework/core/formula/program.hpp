@@ -53,6 +53,7 @@ struct FormulaSlot {
 
 struct FormulaInstruction {
   FormulaOp op = FormulaOp::add;
+  std::uint8_t operands = 0;
   FormulaSlot to;
   FormulaSlot a;
   FormulaSlot b;

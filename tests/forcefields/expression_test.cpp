@@ -1,0 +1,382 @@
+#include "forcefields/expression.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "framework/core/fault.hpp"
+#include "framework/run/engine.hpp"
+#include "tests/support/conformance.hpp"
+#include "tests/support/scenes.hpp"
+
+// Forces given as formulas: against built-in forces of the same law, against their own claims, at
+// the borders of where they are defined.
+
+namespace tomlin::test {
+namespace {
+
+constexpr std::array<std::uint64_t, 3> kSeeds = {20240611, 7, 424242};
+
+// ---- the claims of formulas of every kind --------------------------------------------------------
+
+struct Law {
+  const char* energy;
+  std::vector<const char*> force;
+  std::vector<double> period = {};
+};
+
+/// One per kind of element and of number of dimensions, with every sort of dependence.
+const std::vector<Law>& laws() {
+  static const std::vector<Law> all = {
+      {"0.7*cos(2*pi*x/1.3)", {}, {1.3}},
+      {"0.2*x^4 - 0.3*x^2*cos(t)", {}},
+      {"0.7*exp(-0.4*y^2)*cos(2*pi*x/1.3)", {}, {1.3}},
+      {"0.5*x*y + sqrt(1 + x^2 + y^2)", {}},
+      {"0.3*x*y*z + log(3 + x^2 + z^2)*sin(y)", {}},
+      {"0.6*(xc - 0.2*t)^2", {}},
+      {"0.4*cos(xc)*sin(yc) + 0.1*yc^2", {}},
+      {"0.4*cos(xc)*sin(yc) + zc^3/7", {}},
+      {"1.2*(1 - exp(-0.8*(r - 1.1)))^2", {}},
+      {"0.3*(1.1/r)^6*(1 + 0.2*sin(t))", {}},
+      {"0.5*(theta - 2)^2", {}},
+      {"0.5*(1 + cos(theta))*(1 + 0.1*t)", {}},
+      {"", {"-x - 0.3*vx + cos(t)"}},
+      {"", {"-y + 0.1*vy", "x - 0.2*vx*vx"}},
+      {"", {"y*z", "-x", "0.1*vz*x"}},
+  };
+  return all;
+}
+
+Formula formula(const char* text) { return {text, {}}; }
+
+std::shared_ptr<void> describe_law(std::size_t k) {
+  auto description = std::make_shared<ExpressionDescription>();
+  const Law& law = laws()[k];
+  if (*law.energy != '\0') description->energy = formula(law.energy);
+  for (const char* component : law.force) description->force.components.push_back(formula(component));
+  description->period.numbers = law.period;
+  return description;
+}
+
+template <std::size_t k>
+std::shared_ptr<void> make_law() {
+  return describe_law(k);
+}
+
+template <std::size_t... k>
+constexpr auto makers(std::index_sequence<k...>) {
+  return std::array<std::shared_ptr<void> (*)(), sizeof...(k)>{&make_law<k>...};
+}
+
+constexpr std::size_t kLaws = 15;
+
+/// The record of formulas with one law for every scene; its claims are those of the law.
+ForceRecord record_of(std::size_t k) {
+  ForceRecord record = expression_record();
+  record.make_description = makers(std::make_index_sequence<kLaws>())[k];
+  const auto description = describe_law(k);
+  record.traits = record.traits_of(description.get());
+  record.traits_of = nullptr;
+  // Pairs and angles are drawn; the law stays.
+  std::erase_if(record.parameters, [](const Parameter& row) { return row.key != "pairs"; });
+  if (!(laws()[k].force.empty() && std::string_view(laws()[k].energy).find("r") !=
+                                       std::string_view::npos && record.traits.internal)) {
+    record.most_bodies = 1;
+  }
+  return record;
+}
+
+TEST(ExpressionClaims, FormulasOfEveryKindKeepThem) {
+  ASSERT_EQ(laws().size(), kLaws);
+  for (std::size_t k = 0; k < kLaws; ++k) {
+    SCOPED_TRACE(std::string(laws()[k].energy) + " " +
+                 (laws()[k].force.empty() ? "" : laws()[k].force[0]));
+    ClaimCheck check(record_of(k));
+    for (const std::uint64_t seed : kSeeds) check.examine_everywhere(seed);
+    EXPECT_GT(check.examined(), 10);
+    EXPECT_EQ(check.broken(), std::vector<std::string>{});
+  }
+}
+
+// ---- against built-in forces ---------------------------------------------------------------------
+
+std::string ring(const std::string& substrate, const std::string& coordinates,
+                 const std::string& centre = "[0.0, 1.0]") {
+  return R"(
+[parameters]
+N = 8
+V0 = 0.1
+lambda = 1.0
+a = 1.0
+[[body]]
+type = "ring"
+count = "N"
+radius = 1.0
+particle_mass = "1 / N"
+centre = )" +
+         centre + "\ncoordinates = \"" + coordinates + R"("
+[[force]]
+type = "harmonic_bonds"
+pairs = "all"
+stiffness = 100.0
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 2.0
+velocity = [1e-2, 0.0]
+[[force]]
+type = "viscous_damping"
+coefficient = "2 * sqrt(2) / N"
+[[force]]
+name = "substrate"
+)" + substrate +
+         R"(
+[run]
+duration = 20.0
+ledger = true
+integrator = { type = "rk4", dt = 5e-3 }
+)";
+}
+
+const std::string kBuiltIn = R"(type = "sinusoidal_substrate"
+amplitude = "V0 / N"
+period = "a"
+decay = "lambda"
+)";
+const std::string kFormula = R"--(type = "expression"
+energy = "V0/N * exp(-lambda * y^2) * cos(2*pi*x/a)"
+period = "a"
+)--";
+
+/// Two evaluations of the same law that round differently, over 4000 steps of a smooth motion.
+constexpr double kSameLaw = 1e-11;
+
+TEST(Expression, SubstrateMovesARingAsTheBuiltInOneDoes) {
+  for (const char* coordinates : {"particles", "rigid"}) {
+    for (const char* centre : {"[0.0, 1.0]", "[1e9, 1.0]"}) {
+      SCOPED_TRACE(std::string(coordinates) + centre);
+      const RunResult expected = run_text(ring(kBuiltIn, coordinates, centre));
+      const RunResult found = run_text(ring(kFormula, coordinates, centre));
+      ASSERT_EQ(found.status, RunStatus::finished);
+      EXPECT_NEAR(found.drivers[0].mean_force[0], expected.drivers[0].mean_force[0], kSameLaw);
+      EXPECT_NEAR(found.bodies[0].velocity[0], expected.bodies[0].velocity[0], kSameLaw);
+      EXPECT_NEAR(*found.bodies[0].rotation, *expected.bodies[0].rotation, kSameLaw);
+      EXPECT_NEAR(found.energy->potential, expected.energy->potential, kSameLaw);
+      EXPECT_EQ(found.force_evaluations, expected.force_evaluations);
+    }
+  }
+}
+
+/// Without a period positions far out keep what a double has there: 1e9 to 1e-7.
+TEST(Expression, WithoutAPeriodDigitsAreLostFarOut) {
+  std::string scene = ring(kFormula, "rigid", "[1e9, 1.0]");
+  scene.erase(scene.find("period = \"a\""), 12);
+  const RunResult expected = run_text(ring(kBuiltIn, "rigid", "[1e9, 1.0]"));
+  const RunResult found = run_text(scene);
+  const double off = std::abs(found.drivers[0].mean_force[0] - expected.drivers[0].mean_force[0]);
+  EXPECT_GT(off, 1e-10);
+  EXPECT_LT(off, 1e-6);
+}
+
+TEST(Expression, BondsAsAFormulaMoveARingAsTheBuiltInOnesDo) {
+  std::string scene = ring(kBuiltIn, "particles");
+  const std::string bonds = "type = \"harmonic_bonds\"\npairs = \"all\"\nstiffness = 100.0\n";
+  const auto at = scene.find(bonds);
+  const double side = 2.0 * std::sin(M_PI / 8.0);
+  scene.replace(at, bonds.size(),
+                "type = \"expression\"\nname = \"bonds\"\npairs = \"neighbours\"\nenergy = \"50*(r - " +
+                    digits(side) + ")^2\"\n");
+  std::string twin = ring(kBuiltIn, "particles");
+  twin.replace(at, bonds.size(),
+               "type = \"harmonic_bonds\"\nname = \"bonds\"\npairs = \"neighbours\"\n"
+               "stiffness = 100.0\nrest_lengths = " +
+                   digits(side) + "\n");
+  const RunResult expected = run_text(twin);
+  const RunResult found = run_text(scene);
+  EXPECT_NEAR(found.drivers[0].mean_force[0], expected.drivers[0].mean_force[0], kSameLaw);
+  EXPECT_NEAR(found.energy->potential, expected.energy->potential, kSameLaw);
+}
+
+std::string point(const std::string& force, const std::string& more = "",
+                  const std::string& position = "[1.0]") {
+  return "[[body]]\ntype = \"point\"\nposition = " + position +
+         "\nparticle_mass = 1.0\n[[force]]\ntype = \"expression\"\n" + force +
+         "\n[run]\nduration = 3.0\nintegrator = " + adaptive(1e-12, "dop853") + "\n" + more;
+}
+
+/// A tolerance of 1e-12 over a few oscillations.
+constexpr double kExact = 1e-9;
+
+TEST(Expression, AForceWithFrictionFollowsItsClosedForm) {
+  const RunResult found = run_text(point("force = [\"-4*x - 0.4*vx\"]", "ledger = true\n"));
+  const double rate = 0.2, frequency = std::sqrt(4.0 - rate * rate), t = 3.0;
+  const double x = std::exp(-rate * t) *
+                   (std::cos(frequency * t) + rate / frequency * std::sin(frequency * t));
+  const double v = -4.0 / frequency * std::exp(-rate * t) * std::sin(frequency * t);
+  EXPECT_NEAR(found.bodies[0].centre_of_mass[0], x, kExact);
+  EXPECT_NEAR(found.bodies[0].velocity[0], v, kExact);
+  // No energy is known of it: what it does is heat, all of it.
+  EXPECT_NEAR(*found.energy->heat_out, -0.5 * v * v, kExact);
+  EXPECT_NEAR(*found.energy->numerical_work, 0.0, kExact);
+}
+
+/// V = -x cos(t): x = 1 + 1 - cos(t). What its change in time takes out is the integral of
+/// dV/dt = x sin(t), with the sign of heat.
+TEST(Expression, AnEnergyThatChangesWithTimeClosesTheLedger) {
+  const RunResult found = run_text(point("energy = \"-x*cos(t)\"", "ledger = true\n"));
+  EXPECT_NEAR(found.bodies[0].centre_of_mass[0], 2.0 - std::cos(3.0), kExact);
+  const double put_in = 2.0 * (1.0 - std::cos(3.0)) - 0.5 * std::pow(std::sin(3.0), 2);
+  EXPECT_NEAR(*found.energy->heat_out, -put_in, kExact);
+  EXPECT_NEAR(*found.energy->numerical_work, 0.0, kExact);
+}
+
+TEST(Expression, TheCentreOfMassMovesAsAPointOfTheWholeMass) {
+  for (const char* coordinates : {"particles", "rigid"}) {
+    SCOPED_TRACE(coordinates);
+    const RunResult found = run_text(
+        "[[body]]\ntype = \"ring\"\ncount = 5\nradius = 1.0\nparticle_mass = 0.4\ncentre = [1.0, "
+        "2.0]\ncoordinates = \"" +
+        std::string(coordinates) +
+        "\"\n[[force]]\ntype = \"expression\"\nenergy = \"2*xc^2 + 0.5*(yc - 1)^2\"\n[run]\n"
+        "duration = 3.0\nintegrator = " +
+        adaptive(1e-12, "dop853") + "\n");
+    EXPECT_NEAR(found.bodies[0].centre_of_mass[0], std::cos(std::sqrt(2.0) * 3.0), kExact);
+    EXPECT_NEAR(found.bodies[0].centre_of_mass[1], 1.0 + std::cos(std::sqrt(0.5) * 3.0), kExact);
+    EXPECT_NEAR(*found.bodies[0].rotation, 0.0, kExact);
+  }
+}
+
+/// Small bending of three particles: with bonds of length 1 and V = (k/2)(theta - pi)^2 the mode
+/// (1, -2, 1) across the bonds has theta - pi = 4 y, and so the frequency sqrt(k 16 / (6 m)).
+TEST(Expression, AStraightChainBendsWithItsFrequency) {
+  constexpr double kSmall = 1e-4;  // its square is what the linear law leaves out
+  const RunResult found = run_text(R"--(
+[[body]]
+type = "particles"
+positions = [[-1.0, 1e-4], [0.0, -2e-4], [1.0, 1e-4]]
+particle_mass = 1.0
+[[force]]
+type = "harmonic_bonds"
+pairs = "neighbours"
+stiffness = 1e4
+rest_lengths = 1.0
+[[force]]
+type = "expression"
+energy = "0.5*3*(theta - pi)^2"
+[output]
+every = 0.1
+[run]
+duration = 2.0
+integrator = )--" + adaptive(1e-12, "dop853") + "\n");
+  ASSERT_EQ(found.status, RunStatus::finished);
+  // The ends' height follows from the ring-down of the centre: it stays; the energy tells the rest.
+  EXPECT_NEAR(found.bodies[0].centre_of_mass[1], 0.0, 1e-12);
+  EXPECT_NEAR(*found.bodies[0].max_speed, 2.0 * kSmall * std::sqrt(8.0), 1e-3 * kSmall);
+}
+
+// ---- what is refused -----------------------------------------------------------------------------
+
+std::string message_of(const std::string& scene) {
+  try {
+    Engine engine(scene_of(scene), {});
+    return "";
+  } catch (const InputError& error) {
+    std::string all;
+    for (const Fault& fault : error.faults()) all += to_string(fault) + "\n";
+    return all;
+  }
+}
+
+TEST(Expression, RefusesWhatMeansNothingAndNamesTheColumn) {
+  struct Case {
+    std::string force;
+    const char* place;
+    const char* why;
+  };
+  const std::vector<Case> cases = {
+      {"energy = \"2*y^2\"", "6:14", "'y' is no coordinate of a scene with 1 dimension"},
+      {"energy = \"x + vx\"", "6:16", "'vx' is a velocity"},
+      {"energy = \"x + xc\"", "6:12", "does not go together"},
+      {"energy = \"r*theta\"", "6:13", "theta"},
+      {"energy = \"t\"", "6:", "names no coordinate"},
+      {"energy = \"x +\"", "6:15", "missing at the end"},
+      {"energy = \"K*x\"", "6:12", "there is no parameter 'K'"},
+      {"energy = \"sine(x)\"", "6:12", "not a function"},
+      {"force = [\"-x\", \"0\"]", "6:", "2 formulas for 1 dimension"},
+      {"force = [\"-r\"]", "6:12", "'r' is a variable of energies"},
+      {"energy = \"x\"\nforce = [\"1\"]", "6:", "one of them"},
+      {"", "4:", "neither"},
+      {"energy = \"cos(x)\"\nperiod = 1.0", "7:", "does not repeat"},
+      {"energy = \"r^2\"\nperiod = 1.0", "7:", "no period in space"},
+      {"energy = \"cos(2*pi*x)\"\nperiod = [1.0, 1.0]", "7:", "more periods"},
+      {"energy = \"log(x - 1)\"", "6:", "column 1, of particle 0"},
+      {"energy = \"1/(x - 1)\"", "6:", "division by zero"},
+      {"energy = \"sqrt(x - 1)\"", "6:", "derivative with respect to x is not finite"},
+  };
+  for (const Case& one : cases) {
+    SCOPED_TRACE(one.force);
+    const std::string message = message_of(point(one.force));
+    EXPECT_NE(message.find("test.toml:" + std::string(one.place)), std::string::npos) << message;
+    EXPECT_NE(message.find(one.why), std::string::npos) << message;
+  }
+}
+
+TEST(Expression, ARunThatLeavesTheFormulasRangeNamesTheParticle) {
+  const RunResult found = run_text(R"--(
+[[body]]
+name = "tips"
+type = "particles"
+positions = [5.0, 1.0, 7.0]
+velocity = [0.0, -1.0, 0.0]
+particle_mass = 1.0
+[[force]]
+type = "expression"
+energy = "0.01*log(x)"
+[run]
+duration = 10.0
+integrator = { type = "rk4", dt = 0.3 }
+)--");
+  ASSERT_EQ(found.status, RunStatus::failed);
+  EXPECT_NE(found.failure->cause.find("particle 1 of \"tips\""), std::string::npos)
+      << found.failure->cause;
+  EXPECT_NE(found.failure->cause.find("column 6"), std::string::npos) << found.failure->cause;
+}
+
+// ---- number types and sets -----------------------------------------------------------------------
+
+TEST(Expression, RunsInEveryNumberTypeWithTheSameLaw) {
+  const auto mean = [&](const char* type) {
+    const RunResult result =
+        run_text(ring(kFormula, "particles"), {{"run.number_type", "\"" + std::string(type) + "\""},
+                                               {"run.duration", "2.0"}});
+    return result.drivers[0].mean_force[0];
+  };
+  const double in_double = mean("double");
+  constexpr double kFloat = 1e-5;  // 400 steps in 24 bits, state kept to more
+  EXPECT_NEAR(mean("float"), in_double, kFloat * std::abs(in_double));
+  EXPECT_NEAR(mean("quadruple"), in_double, 1e-11 * std::abs(in_double));
+}
+
+/// Second derivatives: the implicit scheme and equilibria take them.
+TEST(Expression, SecondDerivativesServeTheImplicitScheme) {
+  const auto with = [&](const std::string& substrate) {
+    std::string scene = ring(substrate, "rigid");
+    const std::string old = "{ type = \"rk4\", dt = 5e-3 }";
+    scene.replace(scene.find(old), old.size(), adaptive(1e-9, "radau9"));
+    return run_text(scene);
+  };
+  const RunResult expected = with(kBuiltIn);
+  const RunResult found = with(kFormula);
+  EXPECT_NEAR(found.drivers[0].mean_force[0], expected.drivers[0].mean_force[0], kSameLaw);
+  EXPECT_EQ(found.steps, expected.steps);
+}
+
+}  // namespace
+}  // namespace tomlin::test
