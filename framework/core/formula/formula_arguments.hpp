@@ -8,9 +8,11 @@
 /// What the kernels of formulas work on, and their table. Plain data only, see stage.hpp.
 namespace tomlin {
 
-/// Packs of eight in a block: registers hold so many.
-inline constexpr std::size_t kFormulaBlock = 8;
+/// Packs of eight in a block: registers hold so many, and stand apart by an odd number of cache
+/// lines, so that none shadows another.
+inline constexpr std::size_t kFormulaBlock = 16;
 inline constexpr std::size_t kFormulaElements = kFormulaBlock * kGroup;
+inline constexpr std::size_t kFormulaRegister = kFormulaElements + kGroup;
 
 /// A block of numbers: `step` from one pack to the next, 0 where all elements have the same.
 template <class Real>
@@ -30,6 +32,23 @@ struct FormulaStep {
   Real* also = nullptr;
 };
 
+/// An operand that is an input: it is pointed at the caller's numbers before each run.
+template <class Real>
+struct FormulaPatch {
+  const Real** at = nullptr;
+  std::size_t input = 0;
+};
+
+/// An output: where it is found, and where the instruction that makes it writes it, so that it may
+/// go to the caller at once. Null where it is needed afterwards, or is none of the body's.
+template <class Real>
+struct FormulaOutput {
+  FormulaOperand<Real> operand;
+  Real* home = nullptr;  ///< its register
+  Real** writes_to = nullptr;
+  std::ptrdiff_t input = -1;  ///< an input that is an output as it is
+};
+
 /// Code with its numbers and its memory, for one number type.
 template <class Real>
 struct FormulaView {
@@ -37,10 +56,11 @@ struct FormulaView {
   std::size_t prologue_length = 0;
   const FormulaStep<Real>* body = nullptr;
   std::size_t body_length = 0;
-  const FormulaOperand<Real>* outputs = nullptr;
+  const FormulaPatch<Real>* patches = nullptr;
+  std::size_t patch_count = 0;
+  const FormulaOutput<Real>* outputs = nullptr;
   std::size_t output_count = 0;
-  Real* inputs = nullptr;  ///< [input][kFormulaElements]: where the caller puts them
-  Real* time = nullptr;    ///< [kGroup], where the time goes; null: the formula has none
+  Real* time = nullptr;  ///< [kGroup], where the time goes; null: the formula has none
   const Real* start_of_time = nullptr;  ///< the time from which a stage's `elapsed` counts
 };
 
@@ -75,6 +95,12 @@ struct FormulaPairArguments {
   FormulaView<Real> code;
   PairListArguments<Real> list;
   int dimension = 0;
+  /// Neighbours (i, i + 1) of one body instead of the list: these run along contiguous numbers.
+  bool chain = false;
+  bool closed = false;  ///< by the pair of the last particle and the first one's image
+  Real wrap[3] = {};    ///< from the first particle to its image behind the last
+  Real* result = nullptr;  ///< scratch [axis][result_stride], the first pair's behind kGroup others
+  std::size_t result_stride = 0;
   std::ptrdiff_t rate = kNoRate;  ///< for the ledger: the sum of the only output
 };
 

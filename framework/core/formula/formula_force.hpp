@@ -34,16 +34,16 @@ namespace tomlin {
 template <class Real>
 class FormulaProgram {
  public:
-  /// `inputs` is the number of variables that come in blocks.
-  FormulaProgram(FormulaCode code, std::size_t inputs) : code_(std::move(code)) {
+  explicit FormulaProgram(FormulaCode code) : code_(std::move(code)) {
     uniforms_.assign(code_.uniforms * kGroup, Real(0.0));
-    registers_.assign((code_.registers + inputs) * kFormulaElements, Real(0.0));
+    registers_.assign(code_.registers * kFormulaRegister, Real(0.0));
     for (std::size_t k = 0; k < code_.constants.size(); ++k) set(k, Real(code_.constants[k]));
     for (const FormulaInstruction& instruction : code_.prologue) {
       prologue_.push_back(step_of(instruction));
     }
     for (const FormulaInstruction& instruction : code_.body) body_.push_back(step_of(instruction));
-    for (const FormulaSlot& slot : code_.outputs) outputs_.push_back({at(slot), step(slot)});
+    list_patches();
+    for (const FormulaSlot& slot : code_.outputs) outputs_.push_back(output_of(slot));
   }
   FormulaProgram(const FormulaProgram&) = delete;
   FormulaProgram& operator=(const FormulaProgram&) = delete;
@@ -51,7 +51,8 @@ class FormulaProgram {
   bool empty() const { return outputs_.empty(); }
   std::size_t outputs() const { return outputs_.size(); }
 
-  /// Kernels write the inputs, the registers and what follows from the time: one at a time.
+  /// Kernels write the registers, what follows from the time and where inputs and outputs are: one
+  /// at a time.
   FormulaView<Real> view(const Real& start_of_time, bool in_time) const {
     FormulaView<Real> view;
     view.prologue = prologue_.data();
@@ -60,7 +61,8 @@ class FormulaProgram {
     view.body_length = body_.size();
     view.outputs = outputs_.data();
     view.output_count = outputs_.size();
-    view.inputs = registers_.data() + code_.registers * kFormulaElements;
+    view.patches = patches_.data();
+    view.patch_count = patches_.size();
     if (in_time) view.time = uniforms_.data() + kGroup * code_.place_of_uniform(kTimeUniform);
     view.start_of_time = &start_of_time;
     return view;
@@ -72,9 +74,9 @@ class FormulaProgram {
 
  private:
   Real* at(FormulaSlot slot) const {
+    if (slot.area == FormulaSlot::inputs) return nullptr;
     if (slot.area == FormulaSlot::uniforms) return uniforms_.data() + kGroup * slot.index;
-    const std::size_t before = slot.area == FormulaSlot::inputs ? code_.registers : 0;
-    return registers_.data() + (before + slot.index) * kFormulaElements;
+    return registers_.data() + slot.index * kFormulaRegister;
   }
   static std::size_t step(FormulaSlot slot) {
     return slot.area == FormulaSlot::uniforms ? 0 : kGroup;
@@ -92,6 +94,38 @@ class FormulaProgram {
     if (from.op == FormulaOp::sine_and_cosine) made.also = at(from.also);
     return made;
   }
+  void list_patches() {
+    for (std::size_t k = 0; k < body_.size(); ++k) {
+      const FormulaInstruction& from = code_.body[k];
+      const std::array<FormulaSlot, 3> slots = {from.a, from.b, from.c};
+      const std::array<const Real**, 3> at = {&body_[k].a.at, &body_[k].b.at, &body_[k].c.at};
+      for (std::size_t operand = 0; operand < from.operands; ++operand) {
+        if (slots[operand].area != FormulaSlot::inputs) continue;
+        patches_.push_back({at[operand], slots[operand].index});
+      }
+    }
+  }
+  /// An output's register may be another place altogether when nothing reads it after the last
+  /// instruction that writes it, which makes the output.
+  FormulaOutput<Real> output_of(FormulaSlot slot) {
+    FormulaOutput<Real> made;
+    made.home = at(slot);
+    made.operand = {made.home, step(slot)};
+    if (slot.area == FormulaSlot::inputs) made.input = slot.index;
+    if (slot.area != FormulaSlot::registers) return made;
+    if (std::count(code_.outputs.begin(), code_.outputs.end(), slot) > 1) return made;
+    for (std::size_t k = code_.body.size(); k-- > 0;) {
+      const FormulaInstruction& from = code_.body[k];
+      const bool paired = from.op == FormulaOp::sine_and_cosine;
+      if (from.to == slot && !paired) made.writes_to = &body_[k].to;
+      if (from.to == slot || (paired && from.also == slot)) return made;
+      if (from.a == slot || (from.operands > 1 && from.b == slot) ||
+          (from.operands > 2 && from.c == slot)) {
+        return made;
+      }
+    }
+    return made;
+  }
   void set(std::size_t uniform, Real value) {
     for (std::size_t k = 0; k < kGroup; ++k) uniforms_[kGroup * uniform + k] = value;
   }
@@ -101,7 +135,8 @@ class FormulaProgram {
   mutable AlignedVector<Real> registers_;
   std::vector<FormulaStep<Real>> prologue_;
   std::vector<FormulaStep<Real>> body_;
-  std::vector<FormulaOperand<Real>> outputs_;
+  std::vector<FormulaPatch<Real>> patches_;
+  std::vector<FormulaOutput<Real>> outputs_;
 };
 
 /// What all kinds share: the programs, the time, the origin, and why a value is not finite.
@@ -120,10 +155,10 @@ class FormulaForce : public BoundForce<Real> {
         kernels_(kernels::FormulaKernels.on<Real>(binding.set)),
         dimension_(binding.dimension),
         period_(period),
-        force_(codes_.force, codes_.inputs.size()),
-        energy_(codes_.energy, codes_.inputs.size()),
-        curvature_(codes_.curvature, codes_.inputs.size()),
-        power_(codes_.power, codes_.inputs.size()) {
+        force_(codes_.force),
+        energy_(codes_.energy),
+        curvature_(codes_.curvature),
+        power_(codes_.power) {
     FormulaForce::rebase(binding.origin);
   }
   FormulaForce(const FormulaForce&) = delete;
@@ -497,12 +532,11 @@ class PairFormula final : public FormulaForce<Real> {
   PairFormula(const FormulaLaw& law, const Binding<Real>& binding, const PairSelection& selection)
       : Base(law, binding, {}),
         body_(*binding.bodies.front()),
-        other_(*binding.bodies.back()),
-        pairs_(pairs_of(selection, binding).pairs) {
+        other_(*binding.bodies.back()) {
+    BoundPairs<Real> bound = pairs_of(selection, binding);
+    pairs_ = std::move(bound.pairs);
     if (pairs_.empty()) return;
-    list_.lay(body_, other_, this->dimension_, pairs_);
-    arguments_.list = list_.arguments;
-    arguments_.dimension = this->dimension_;
+    lay_pairs(bound.topology);
     heat_ = arguments_;
     arguments_.code = this->view(this->force_);
     if (!this->power_.empty()) heat_.code = this->view(this->power_);
@@ -583,6 +617,28 @@ class PairFormula final : public FormulaForce<Real> {
   }
 
  private:
+  void lay_pairs(PairTopology topology) {
+    arguments_.dimension = this->dimension_;
+    if (topology != PairTopology::chain) {
+      list_.lay(body_, other_, this->dimension_, pairs_);
+      arguments_.list = list_.arguments;
+      return;
+    }
+    arguments_.chain = true;
+    arguments_.list.first = arguments_.list.second = body_.slot;
+    arguments_.list.pairs = pairs_.size();
+    arguments_.closed = pairs_.size() == body_.slot.count;
+    if (arguments_.closed) {
+      for (int d = 0; d < this->dimension_; ++d) {
+        arguments_.wrap[d] = Real(pairs_.back().image[static_cast<std::size_t>(d)]);
+      }
+    }
+    arguments_.result_stride = padded(body_.slot.count) + 2 * kGroup;
+    result_.assign(static_cast<std::size_t>(this->dimension_) * arguments_.result_stride,
+                   Real(0.0));
+    arguments_.result = result_.data();
+  }
+
   Vec<Real, 3> separation(const Stage<Real>* stage, const BoundPair<Real>& pair) const {
     Vec<Real, 3> way;
     for (int d = 0; d < 3; ++d) way[d] = Real(0.0);
@@ -607,6 +663,7 @@ class PairFormula final : public FormulaForce<Real> {
   BoundBody<Real> other_;
   std::vector<BoundPair<Real>> pairs_;
   PairList<Real> list_;
+  AlignedVector<Real> result_;
   FormulaPairArguments<Real> arguments_;
   FormulaPairArguments<Real> heat_;
   double shortest_ = 0.0;

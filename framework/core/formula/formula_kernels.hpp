@@ -20,26 +20,24 @@ TOMLIN_INLINE std::size_t packs_from(std::size_t i, std::size_t count) {
 
 /// The numbers of a body that a formula takes, from particle i on.
 template <class Real>
-TOMLIN_INLINE void take_inputs(const FormulaSiteArguments<Real>& a, const Stage<Real>& stage,
-                               std::size_t i, std::size_t packs) {
-  using Group = Packed<Real>;
+TOMLIN_INLINE void point_at_inputs(const FormulaSiteArguments<Real>& a, const Stage<Real>& stage,
+                                   std::size_t i, const Real** inputs) {
   const Real* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset;
   const Real* v = (a.body.mapped ? stage.mapped_velocity : stage.velocity) + a.body.offset;
   for (std::size_t k = 0; k < a.inputs; ++k) {
     const int axis = a.axis[k];
-    const Real* from = axis < 3 ? x + static_cast<std::size_t>(axis) * a.body.stride + i
-                                : v + static_cast<std::size_t>(axis - 3) * a.body.stride + i;
-    Real* to = a.code.inputs + k * kFormulaElements;
-    for (std::size_t pack = 0; pack < packs; ++pack) {
-      Group::load(from + pack * kGroup).store(to + pack * kGroup);
-    }
+    inputs[k] = axis < 3 ? x + static_cast<std::size_t>(axis) * a.body.stride + i
+                         : v + static_cast<std::size_t>(axis - 3) * a.body.stride + i;
   }
 }
 
 /// Of output d, pack k.
 template <class Real>
-TOMLIN_INLINE Packed<Real> output(const FormulaView<Real>& code, std::size_t d, std::size_t k) {
-  return Packed<Real>::load(code.outputs[d].at + k * code.outputs[d].step);
+TOMLIN_INLINE Packed<Real> output(const FormulaView<Real>& code, const Real* const* inputs,
+                                  std::size_t d, std::size_t k) {
+  const FormulaOutput<Real>& out = code.outputs[d];
+  const Real* at = out.input < 0 ? out.operand.at : inputs[out.input];
+  return Packed<Real>::load(at + k * out.operand.step);
 }
 
 template <class Real>
@@ -58,19 +56,35 @@ void formula_site_kernel(const void* arguments, const Stage<Real>& stage) {
   const auto& a = *static_cast<const FormulaSiteArguments<Real>*>(arguments);
   const std::size_t count = a.body.count;
   const std::size_t stride = a.body.stride;
+  const auto axes = static_cast<std::size_t>(a.dimension);
   Real* f = (a.body.mapped ? stage.mapped_force : stage.force) + a.body.offset;
   begin_formula<Group>(a.code, stage.elapsed);
   for (std::size_t i = 0; i < count; i += kFormulaElements) {
+    const Real* inputs[kMostFormulaInputs];
+    point_at_inputs(a, stage, i, inputs);
     const std::size_t packs = packs_from<Real>(i, count);
-    take_inputs(a, stage, i, packs);
-    run_formula<Group>(a.code, packs);
-    for (int d = 0; d < a.dimension; ++d) {
-      Real* to = f + static_cast<std::size_t>(d) * stride + i;
-      for (std::size_t k = 0; k < packs; ++k) {
-        const Group value = without_padding<Real>(output(a.code, static_cast<std::size_t>(d), k),
-                                                  i + k * kGroup, count);
-        put<set>(to + k * kGroup, value);
+    if constexpr (set) {
+      for (std::size_t d = 0; d < axes; ++d) {
+        if (a.code.outputs[d].writes_to) *a.code.outputs[d].writes_to = f + d * stride + i;
       }
+    }
+    run_formula<Group>(a.code, inputs, packs);
+    for (std::size_t d = 0; d < axes; ++d) {
+      Real* to = f + d * stride + i;
+      if (set && a.code.outputs[d].writes_to) {
+        Real* last = to + (packs - 1) * kGroup;
+        without_padding<Real>(Group::load(last), i + (packs - 1) * kGroup, count).store(last);
+        continue;
+      }
+      for (std::size_t k = 0; k < packs; ++k) {
+        put<set>(to + k * kGroup,
+                 without_padding<Real>(output(a.code, inputs, d, k), i + k * kGroup, count));
+      }
+    }
+  }
+  if constexpr (set) {
+    for (std::size_t d = 0; d < axes; ++d) {
+      if (a.code.outputs[d].writes_to) *a.code.outputs[d].writes_to = a.code.outputs[d].home;
     }
   }
 }
@@ -85,14 +99,15 @@ void formula_site_heat(const void* arguments, const Stage<Real>& stage) {
   begin_formula<Group>(a.code, stage.elapsed);
   Group heat(Real(0.0));
   for (std::size_t i = 0; i < count; i += kFormulaElements) {
+    const Real* inputs[kMostFormulaInputs];
+    point_at_inputs(a, stage, i, inputs);
     const std::size_t packs = packs_from<Real>(i, count);
-    take_inputs(a, stage, i, packs);
-    run_formula<Group>(a.code, packs);
+    run_formula<Group>(a.code, inputs, packs);
     const int outputs = a.heat_is_power ? a.dimension : 1;
     for (std::size_t k = 0; k < packs; ++k) {
       Group taken(Real(0.0));
       for (int d = 0; d < outputs; ++d) {
-        const Group value = output(a.code, static_cast<std::size_t>(d), k);
+        const Group value = output(a.code, inputs, static_cast<std::size_t>(d), k);
         const Real* speed = v + static_cast<std::size_t>(d) * a.body.stride + i + k * kGroup;
         taken = a.heat_is_power ? fnma(value, Group::load(speed), taken) : taken - value;
       }
@@ -108,11 +123,11 @@ PointResult<Real> formula_point_kernel(const void* arguments, Real position, Rea
                                        Real elapsed) {
   const auto& a = *static_cast<const FormulaSiteArguments<Real>*>(arguments);
   begin_formula<Real>(a.code, elapsed);
-  for (std::size_t k = 0; k < a.inputs; ++k) {
-    a.code.inputs[k * kFormulaElements] = a.axis[k] < 3 ? position : velocity;
-  }
-  run_formula<Real>(a.code, 1);
-  return {*a.code.outputs[0].at, Real(0.0)};
+  const Real* inputs[kMostFormulaInputs];
+  for (std::size_t k = 0; k < a.inputs; ++k) inputs[k] = a.axis[k] < 3 ? &position : &velocity;
+  run_formula<Real>(a.code, inputs, 1);
+  const FormulaOutput<Real>& out = a.code.outputs[0];
+  return {out.input < 0 ? *out.operand.at : *inputs[out.input], Real(0.0)};
 }
 
 /// All outputs for one element; energies and second derivatives come this way.
@@ -120,9 +135,13 @@ template <class Real>
 void formula_evaluate(const FormulaView<Real>& code, const Real* values, std::size_t count,
                       Real elapsed, Real* outputs) {
   begin_formula<Real>(code, elapsed);
-  for (std::size_t k = 0; k < count; ++k) code.inputs[k * kFormulaElements] = values[k];
-  run_formula<Real>(code, 1);
-  for (std::size_t k = 0; k < code.output_count; ++k) outputs[k] = *code.outputs[k].at;
+  const Real* inputs[kMostFormulaInputs];
+  for (std::size_t k = 0; k < count; ++k) inputs[k] = values + k;
+  run_formula<Real>(code, inputs, 1);
+  for (std::size_t k = 0; k < code.output_count; ++k) {
+    const FormulaOutput<Real>& out = code.outputs[k];
+    outputs[k] = out.input < 0 ? *out.operand.at : *inputs[out.input];
+  }
 }
 
 // ---- the centre of mass -------------------------------------------------------------------------
@@ -191,7 +210,7 @@ void formula_centre_kernel(const void* arguments, const Stage<Real>& stage) {
 template <class Real>
 struct PairBlock {
   alignas(64) Real separation[3][kFormulaElements];
-  Real* distance;  ///< the formula's input
+  alignas(64) Real distance[kFormulaElements];
 };
 
 template <class Real>
@@ -220,37 +239,113 @@ TOMLIN_INLINE void gather_pairs(const FormulaPairArguments<Real>& a, const Stage
   }
 }
 
+/// The same for neighbours: pair i is of particles i and i + 1.
+template <class Real>
+TOMLIN_INLINE void take_neighbours(const FormulaPairArguments<Real>& a, const Stage<Real>& stage,
+                                   std::size_t first, std::size_t packs, PairBlock<Real>& block) {
+  using Group = Packed<Real>;
+  const BodySlot<Real>& body = a.list.first;
+  const Real* x = (body.mapped ? stage.mapped_position : stage.position) + body.offset;
+  for (int d = 0; d < a.dimension; ++d) {
+    const Real* along = x + static_cast<std::size_t>(d) * body.stride + first;
+    for (std::size_t k = 0; k < packs; ++k) {
+      const Real* from = along + k * kGroup;
+      (Group::load_unaligned(from + 1) - Group::load(from)).store(block.separation[d] + k * kGroup);
+    }
+    const std::size_t last = body.count - 1;
+    if (a.closed && last >= first && last < first + packs * kGroup) {
+      const Real* all = x + static_cast<std::size_t>(d) * body.stride;
+      block.separation[d][last - first] = all[0] + a.wrap[d] - all[last];
+    }
+  }
+  for (std::size_t k = 0; k < packs; ++k) {
+    const Group along = Group::load(block.separation[0] + k * kGroup);
+    Group distance = abs(along);
+    if (a.dimension > 1) {
+      Group square = along * along;
+      for (int d = 1; d < a.dimension; ++d) {
+        const Group way = Group::load(block.separation[d] + k * kGroup);
+        square = fma(way, way, square);
+      }
+      distance = sqrt(square);
+    }
+    distance.store(block.distance + k * kGroup);
+  }
+}
+
+/// The forces on the first particles of a block of pairs: `to` is [axis][stride].
+template <class Real>
+TOMLIN_INLINE void pull_pairs(const FormulaPairArguments<Real>& a, const Real* const* inputs,
+                              const PairBlock<Real>& block, std::size_t first, std::size_t packs,
+                              std::size_t pairs, Real* to, std::size_t stride) {
+  using Group = Packed<Real>;
+  for (std::size_t k = 0; k < packs; ++k) {
+    const Group tension = output(a.code, inputs, 0, k);
+    Group scale = tension;
+    if (a.dimension > 1) {
+      // In one place a pair whose energy is level there does not pull; any other has no direction.
+      const Group distance = Group::load(block.distance + k * kGroup);
+      const auto level = (distance == Group(Real(0.0))) & (tension == Group(Real(0.0)));
+      scale = select(level, Group(Real(0.0)), tension / distance);
+    }
+    for (int d = 0; d < a.dimension; ++d) {
+      const Group apart = Group::load(block.separation[d] + k * kGroup);
+      const Group way = a.dimension == 1 ? copysign(Group(Real(1.0)), apart) : apart;
+      without_padding<Real>(scale * way, first + k * kGroup, pairs)
+          .store(to + static_cast<std::size_t>(d) * stride + first + k * kGroup);
+    }
+  }
+}
+
+template <class Real>
+TOMLIN_INLINE void take_pairs(const FormulaPairArguments<Real>& a, const Stage<Real>& stage,
+                              std::size_t first, std::size_t packs, PairBlock<Real>& block) {
+  if (a.chain) {
+    take_neighbours(a, stage, first, packs, block);
+  } else {
+    gather_pairs(a, stage, first, packs, block);
+  }
+}
+
+/// What neighbours pull: each particle by the pair ahead, less that behind.
+template <class Real>
+TOMLIN_INLINE void share_out_neighbours(const FormulaPairArguments<Real>& a,
+                                        const Stage<Real>& stage) {
+  using Group = Packed<Real>;
+  const BodySlot<Real>& body = a.list.first;
+  Real* f = (body.mapped ? stage.mapped_force : stage.force) + body.offset;
+  for (std::size_t d = 0; d < static_cast<std::size_t>(a.dimension); ++d) {
+    Real* ahead = a.result + d * a.result_stride + kGroup;
+    ahead[-1] = a.closed ? ahead[body.count - 1] : Real(0.0);
+    for (std::size_t i = 0; i < body.count; i += kGroup) {
+      const Group pull = Group::load(ahead + i) - Group::load_unaligned(ahead + i - 1);
+      put<false>(f + d * body.stride + i, without_padding<Real>(pull, i, body.count));
+    }
+  }
+}
+
 template <class Real>
 void formula_pair_kernel(const void* arguments, const Stage<Real>& stage) {
   using Group = Packed<Real>;
   const auto& a = *static_cast<const FormulaPairArguments<Real>*>(arguments);
-  const PairListArguments<Real>& list = a.list;
-  const std::size_t row_length = (list.pairs + kGroup - 1) / kGroup * kGroup;
+  const std::size_t pairs = a.list.pairs;
+  const std::size_t row_length = (pairs + kGroup - 1) / kGroup * kGroup;
+  Real* result = a.chain ? a.result + kGroup : a.list.result;
+  const std::size_t stride = a.chain ? a.result_stride : row_length;
   PairBlock<Real> block;
-  block.distance = a.code.inputs;
+  const Real* inputs[] = {block.distance};
   begin_formula<Group>(a.code, stage.elapsed);
-  for (std::size_t first = 0; first < list.pairs; first += kFormulaElements) {
-    const std::size_t packs = packs_from<Real>(first, list.pairs);
-    gather_pairs(a, stage, first, packs, block);
-    run_formula<Group>(a.code, packs);
-    for (std::size_t k = 0; k < packs; ++k) {
-      const Group tension = output(a.code, 0, k);
-      Group scale = tension;
-      if (a.dimension > 1) {
-        // In one place a pair whose energy is level there does not pull; any other has no direction.
-        const Group distance = Group::load(block.distance + k * kGroup);
-        const auto level = (distance == Group(Real(0.0))) & (tension == Group(Real(0.0)));
-        scale = select(level, Group(Real(0.0)), tension / distance);
-      }
-      for (int d = 0; d < a.dimension; ++d) {
-        const Group apart = Group::load(block.separation[d] + k * kGroup);
-        const Group way = a.dimension == 1 ? copysign(Group(Real(1.0)), apart) : apart;
-        (scale * way)
-            .store(list.result + static_cast<std::size_t>(d) * row_length + first + k * kGroup);
-      }
-    }
+  for (std::size_t first = 0; first < pairs; first += kFormulaElements) {
+    const std::size_t packs = packs_from<Real>(first, pairs);
+    take_pairs(a, stage, first, packs, block);
+    run_formula<Group>(a.code, inputs, packs);
+    pull_pairs(a, inputs, block, first, packs, pairs, result, stride);
   }
-  share_out_pairs(list, stage, a.dimension);
+  if (a.chain) {
+    share_out_neighbours(a, stage);
+  } else {
+    share_out_pairs(a.list, stage, a.dimension);
+  }
 }
 
 template <class Real>
@@ -258,15 +353,15 @@ void formula_pair_heat(const void* arguments, const Stage<Real>& stage) {
   using Group = Packed<Real>;
   const auto& a = *static_cast<const FormulaPairArguments<Real>*>(arguments);
   PairBlock<Real> block;
-  block.distance = a.code.inputs;
+  const Real* inputs[] = {block.distance};
   begin_formula<Group>(a.code, stage.elapsed);
   Group heat(Real(0.0));
   for (std::size_t first = 0; first < a.list.pairs; first += kFormulaElements) {
     const std::size_t packs = packs_from<Real>(first, a.list.pairs);
-    gather_pairs(a, stage, first, packs, block);
-    run_formula<Group>(a.code, packs);
+    take_pairs(a, stage, first, packs, block);
+    run_formula<Group>(a.code, inputs, packs);
     for (std::size_t k = 0; k < packs; ++k) {
-      heat = heat - without_padding<Real>(output(a.code, 0, k), first + k * kGroup,
+      heat = heat - without_padding<Real>(output(a.code, inputs, 0, k), first + k * kGroup,
                                           a.list.pairs);
     }
   }
@@ -289,7 +384,7 @@ struct AngleBlock {
   alignas(64) Real bond[2][3][kFormulaElements];
   alignas(64) Real dot[kFormulaElements];
   alignas(64) Real cross[kFormulaElements];
-  Real* angle;  ///< the formula's input
+  alignas(64) Real angle[kFormulaElements];
 };
 
 template <class Real>
@@ -342,14 +437,14 @@ void formula_angle_kernel(const void* arguments, const Stage<Real>& stage) {
   const std::size_t length = (a.angles + kGroup - 1) / kGroup * kGroup;
   const auto axes = static_cast<std::size_t>(a.dimension);
   AngleBlock<Real> block;
-  block.angle = a.code.inputs;
+  const Real* inputs[] = {block.angle};
   begin_formula<Group>(a.code, stage.elapsed);
   for (std::size_t first = 0; first < a.angles; first += kFormulaElements) {
     const std::size_t packs = packs_from<Real>(first, a.angles);
     gather_angles(a, stage, first, packs, block);
-    run_formula<Group>(a.code, packs);
+    run_formula<Group>(a.code, inputs, packs);
     for (std::size_t k = 0; k < packs; ++k) {
-      const Group torque = output(a.code, 0, k);
+      const Group torque = output(a.code, inputs, 0, k);
       const Group cross = Group::load(block.cross + k * kGroup);
       const Group dot = Group::load(block.dot + k * kGroup);
       // Straight bonds whose energy is level there do not bend; else they have no way to.
@@ -393,15 +488,15 @@ void formula_angle_heat(const void* arguments, const Stage<Real>& stage) {
   using Group = Packed<Real>;
   const auto& a = *static_cast<const FormulaAngleArguments<Real>*>(arguments);
   AngleBlock<Real> block;
-  block.angle = a.code.inputs;
+  const Real* inputs[] = {block.angle};
   begin_formula<Group>(a.code, stage.elapsed);
   Group heat(Real(0.0));
   for (std::size_t first = 0; first < a.angles; first += kFormulaElements) {
     const std::size_t packs = packs_from<Real>(first, a.angles);
     gather_angles(a, stage, first, packs, block);
-    run_formula<Group>(a.code, packs);
+    run_formula<Group>(a.code, inputs, packs);
     for (std::size_t k = 0; k < packs; ++k) {
-      heat = heat - without_padding<Real>(output(a.code, 0, k), first + k * kGroup,
+      heat = heat - without_padding<Real>(output(a.code, inputs, 0, k), first + k * kGroup,
                                           a.angles);
     }
   }

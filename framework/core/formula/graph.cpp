@@ -263,13 +263,15 @@ FormulaGraph::Id FormulaGraph::function(Function which, std::vector<Id> argument
   return intern(std::move(node));
 }
 
-/// An angle in radians as turns. A sum is multiplied out: a phase has no digits to lose.
-FormulaGraph::Id FormulaGraph::in_turns(Id angle) {
-  const Quad turn = kOne / tau<Quad>();
-  const Node node = nodes_[angle];
-  if (node.kind != Kind::sum) return scale(turn, angle);
-  Id all = constant(turn * node.number);
-  for (const Term& term : node.terms) all = sum(kOne, all, turn * term.factor, term.node);
+/// An angle in radians as turns. Sums are multiplied out: a phase has no digits to lose.
+FormulaGraph::Id FormulaGraph::in_turns(Id angle) { return spread(kOne / tau<Quad>(), angle); }
+
+/// factor * node, with sums multiplied out.
+FormulaGraph::Id FormulaGraph::spread(Quad factor, Id id) {
+  const Node node = nodes_[id];  // a copy: the graph grows
+  if (node.kind != Kind::sum) return scale(factor, id);
+  Id all = constant(factor * node.number);
+  for (const Term& term : node.terms) all = add(all, spread(factor * term.factor, term.node));
   return all;
 }
 

@@ -109,6 +109,7 @@ class FormulaGraph {
   Id whole_power(Id base, int exponent);
   Id product_of(std::vector<Factor> factors);
   Id in_turns(Id angle);
+  Id spread(Quad factor, Id id);
   Id slope(Id node, std::uint32_t variable);
   Id slope_of_function(const Node& node, std::uint32_t variable);
   Id call(const Expression::Node& step, std::span<const Id> arguments);

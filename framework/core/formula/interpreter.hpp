@@ -105,6 +105,12 @@ __attribute__((noinline)) void run_steps(const FormulaStep<Real>* code, std::siz
           N::store(cosine, s.also + k * N::kStep);
         }
         break;
+      case FormulaOp::scaled_sine:
+        of_two([](const T& x, const T& factor) { return factor * sin_turns(x); });
+        break;
+      case FormulaOp::scaled_cosine:
+        of_two([](const T& x, const T& factor) { return factor * cos_turns(x); });
+        break;
       case FormulaOp::tangent:
         of_one([](const T& x) { return tan_turns(x); });
         break;
@@ -154,8 +160,13 @@ TOMLIN_INLINE void begin_formula(const FormulaView<Real>& code, Real elapsed) {
   if (code.prologue_length > 0) run_steps<T, Real>(code.prologue, code.prologue_length, 1);
 }
 
+/// Inputs are read where they stand: [input], each a block.
 template <class T, class Real>
-TOMLIN_INLINE void run_formula(const FormulaView<Real>& code, std::size_t packs) {
+TOMLIN_INLINE void run_formula(const FormulaView<Real>& code, const Real* const* inputs,
+                               std::size_t packs) {
+  for (std::size_t k = 0; k < code.patch_count; ++k) {
+    *code.patches[k].at = inputs[code.patches[k].input];
+  }
   run_steps<T, Real>(code.body, code.body_length, packs);
 }
 

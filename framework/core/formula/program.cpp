@@ -200,6 +200,32 @@ class Lowering {
   std::map<std::tuple<FormulaOp, std::size_t, std::size_t, std::size_t>, std::size_t> operations_;
 };
 
+/// A wave that only serves to be multiplied by what is the same for all becomes one operation with
+/// its factor: a pass over the block less.
+void join_factors(std::vector<Value>& values, const std::vector<std::size_t>& outputs) {
+  std::vector<std::size_t> uses(values.size(), 0);
+  for (const std::size_t output : outputs) ++uses[output];
+  for (const Value& value : values) {
+    for (const std::size_t operand : value.operands) {
+      if (operand != kNone) ++uses[operand];
+    }
+  }
+  for (Value& value : values) {
+    if (value.from != Value::From::operation || value.op != FormulaOp::multiply) continue;
+    for (const bool swapped : {false, true}) {
+      const std::size_t wave = value.operands[swapped ? 1 : 0];
+      const std::size_t factor = value.operands[swapped ? 0 : 1];
+      const Value& from = values[wave];
+      const bool is_wave = from.from == Value::From::operation &&
+                           (from.op == FormulaOp::sine || from.op == FormulaOp::cosine);
+      if (!is_wave || uses[wave] != 1 || from.twin != kNone || values[factor].varies) continue;
+      value.op = from.op == FormulaOp::sine ? FormulaOp::scaled_sine : FormulaOp::scaled_cosine;
+      value.operands = {from.operands[0], factor, kNone};
+      break;
+    }
+  }
+}
+
 /// Gives values their places: uniforms one each, blocks a register for as long as they are needed.
 class Placing {
  public:
@@ -302,6 +328,8 @@ FormulaCode compile(const FormulaGraph& graph, std::span<const Id> nodes,
   std::vector<std::size_t> outputs;
   outputs.reserve(nodes.size());
   for (const Id node : nodes) outputs.push_back(lowering.value_of(node));
+
+  join_factors(lowering.values, outputs);
 
   FormulaCode code;
   code.constants = lowering.constants;

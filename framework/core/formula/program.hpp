@@ -26,6 +26,8 @@ enum class FormulaOp : std::uint8_t {
   sine,    ///< sin(2 pi a)
   cosine,  ///< cos(2 pi a)
   sine_and_cosine,  ///< both, the cosine to `also`
+  scaled_sine,      ///< b sin(2 pi a): waves mostly come with a factor
+  scaled_cosine,
   tangent,
   arc_sine,
   arc_cosine,
