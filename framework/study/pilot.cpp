@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -28,12 +29,14 @@ constexpr double kSlack = 0.85;
 /// The pilot's reference is so much finer than what is asked for.
 constexpr double kReferenceShare = 1e-4;
 constexpr double kFinestTolerance = 1e-13;
+constexpr int kOrderOfReference = 8;
 /// Nothing is tried that costs so many times more than the reference.
 constexpr double kDearest = 4.0;
-/// Evaluations times coordinates that one run of the pilot may take: seconds.
-constexpr double kMostWork = 4e8;
 constexpr int kMostShortenings = 6;
-constexpr double kFirstCost = 5e3;  ///< of a reference
+constexpr double kFirstCost = 2e3;  ///< of a reference
+/// Costs that are projected from a part of a run may be so many times too high.
+constexpr double kRoom = 2.0;
+constexpr double kLeastPart = 1e-12;
 constexpr std::array kTolerances = {1e-2, 1e-3, 1e-4,  1e-5,  1e-6,  1e-7,
                                     1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13};
 constexpr int kMostKnobs = static_cast<int>(kTolerances.size());
@@ -125,22 +128,38 @@ struct Tried {
   double knob = 0.0;
   double cost = 0.0;
   double error = kInfinity;
+  bool finished = true;
+};
+
+/// A setting that took more than it was allowed to.
+struct TooDear {
+  std::size_t rung = 0;
+  int level = 0;
+  double at_least = 0.0;  ///< what all of it takes
+};
+
+/// A rung that may become the reference, and what it would cost.
+struct Hopeful {
+  std::size_t rung = 0;
+  double projected = 0.0;
 };
 
 class Pilot {
  public:
-  Pilot(std::shared_ptr<const Scene> scene, const Registry& registry, const std::atomic<bool>* stop)
+  Pilot(std::shared_ptr<const Scene> scene, const Registry& registry, const std::atomic<bool>* stop,
+        double most_work)
       : scene_(std::move(scene)),
         variants_(scene_, registry),
         accuracy_(*scene_->run.accuracy),
         stop_(stop),
         piece_(pilot_of(scene_)) {
-    for (Rung& rung : ladder(variants_)) {
-      if (!rung.refused.empty())
-        refusals_ += (refusals_.empty() ? "" : "; ") + rung.name + ": " + rung.refused;
-      if (rung.refused.empty() && rung.is_own_model() &&
-          rung.number_type == scene_->run.number_type) {
+    const auto coordinates = static_cast<double>(Model(scene_).coordinate_count());
+    most_cost_ = std::max(1.0, most_work / std::max(1.0, coordinates));
+    for (Rung& rung : own_ladder(variants_)) {
+      if (rung.refused.empty()) {
         rungs_.push_back(std::move(rung));
+      } else {
+        refusals_ += (refusals_.empty() ? "" : "; ") + rung.name + ": " + rung.refused;
       }
     }
     if (!rungs_.empty()) length_ = rungs_.front().absolute_share;
@@ -152,16 +171,17 @@ class Pilot {
 
   ChosenIntegrator choose() {
     find_reference();
+    const std::vector<std::size_t> order = climbing_order();
     // The companion first, good enough by itself; then a run that is better by far.
     const Wanted cheap{.error = kShareOfCompanion * accuracy_};
-    for (std::size_t k = 0; k < rungs_.size() && !interrupted(); ++k) climb(k, cheap);
+    for (const std::size_t k : order) climb(k, cheap);
     const std::optional<Tried> companion = confirmed(cheap);
     std::optional<Tried> main;
     if (companion) {
       const double noise = 2.0 * kReferenceShare * accuracy_;
       const Wanted fine{.error = std::max(companion->error / kFactorOfCompanion, noise),
                         .cost = companion->cost / (kSlack * kMostForCompanion)};
-      for (std::size_t k = 0; k < rungs_.size() && !interrupted(); ++k) climb(k, fine);
+      for (const std::size_t k : order) climb(k, fine);
       main = confirmed(fine);
     }
     ChosenIntegrator chosen;
@@ -169,13 +189,15 @@ class Pilot {
     chosen.length = length_;
     chosen.interrupted = interrupted();
     if (chosen.interrupted) return chosen;
-    if (!main) {
-      main = companion ? companion : most_accurate();
-      if (main->error > accuracy_) {
-        chosen.warnings.push_back(
-            fmt::format("accuracy {:g}: the best that the pilot found, {}, keeps {:.1e}", accuracy_,
-                        line(*main), main->error));
-      }
+    if (!main) main = companion ? companion : most_accurate();
+    if (!main) return as_it_is(std::move(chosen));
+    if (main->error > accuracy_) {
+      chosen.warnings.push_back(
+          std::isfinite(main->error)
+              ? fmt::format("accuracy {:g}: the best that the pilot found, {}, keeps {:.1e}",
+                            accuracy_, line(*main), main->error)
+              : fmt::format("accuracy {:g}: the pilot found nothing to hold {} against", accuracy_,
+                            line(*main)));
     }
     chosen.scene = scene_at(*main);
     chosen.text = line(*main);
@@ -191,55 +213,102 @@ class Pilot {
  private:
   bool interrupted() const { return stop_ != nullptr && stop_->load(); }
 
-  /// Orders the rungs for a reference: adaptive, of high order, in double or better; explicit ones
-  /// first.
+  /// The rungs for a reference: adaptive and, where there are such, of high order. A scheme of
+  /// lower order keeps its tolerance less well, and errs in the same way as what is held against
+  /// it. Explicit ones first.
   std::vector<std::size_t> references() const {
-    std::vector<std::size_t> order;
+    const auto order = [this](std::size_t k) { return rungs_[k].integrator->order; };
+    std::vector<std::size_t> found;
+    int highest = 0;
     for (std::size_t k = 0; k < rungs_.size(); ++k) {
-      if (rungs_[k].knob == Knob::tolerance) order.push_back(k);
+      if (rungs_[k].knob != Knob::tolerance) continue;
+      found.push_back(k);
+      highest = std::max(highest, order(k));
     }
-    std::stable_sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) {
-      const IntegratorRecord& x = *rungs_[a].integrator;
-      const IntegratorRecord& y = *rungs_[b].integrator;
-      if (x.needs_tangent != y.needs_tangent) return y.needs_tangent;
-      return x.order > y.order;
+    const int least = std::min(highest, kOrderOfReference);
+    std::erase_if(found, [&](std::size_t k) { return order(k) < least; });
+    std::stable_sort(found.begin(), found.end(), [&](std::size_t a, std::size_t b) {
+      const bool implicit = rungs_[a].integrator->needs_tangent;
+      if (implicit != rungs_[b].integrator->needs_tangent) return !implicit;
+      return order(a) > order(b);
     });
+    return found;
+  }
+
+  /// The integrator that a scene without one is bound with, with its defaults.
+  ChosenIntegrator as_it_is(ChosenIntegrator chosen) const {
+    chosen.scene = scene_;
+    chosen.text = fmt::format("{{ type = \"{}\" }}", scene_->run.integrator.record->name);
+    chosen.warnings.push_back(
+        fmt::format("accuracy {:g}: no integrator got through the pilot; {} is taken as it is",
+                    accuracy_, chosen.text));
+    return chosen;
+  }
+
+  /// All rungs, that of the reference first: it is cheap, and what it takes limits the others.
+  std::vector<std::size_t> climbing_order() const {
+    std::vector<std::size_t> order(rungs_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    if (reference_) std::swap(order.front(), order[tried_.front().rung]);
     return order;
   }
 
-  /// The cheapest, whichever it is: so much for each, then four times as much.
+  /// The cheapest, whichever it is.
   void find_reference() {
     for (int pass = 0; pass < kMostShortenings && !interrupted(); ++pass) {
-      for (double cost = kFirstCost; cost < kMostWork; cost *= 4.0) {
-        if (look_for_reference(cost) || interrupted()) return;
-      }
+      if (look_for_reference()) return;
       piece_.duration /= 4.0;
       piece_.from /= 4.0;
     }
     // Nothing adaptive gets through: the finest of what is tried has to serve.
   }
 
-  bool look_for_reference(double most_cost) {
-    const double tolerance = std::max(kFinestTolerance, kReferenceShare * accuracy_);
-    for (const std::size_t k : references()) {
-      TrialRun trial = attempt(k, tolerance, most_cost);
-      if (!trial.finished()) continue;
-      const auto cost = static_cast<double>(trial.cost());
-      // What costs far more than the reference is of no use.
-      dearest_ = kDearest * cost;
-      tried_.push_back({k, kReferenceLevel, tolerance, cost, kReferenceShare * accuracy_});
-      reference_ = std::move(trial.result);
-      return true;
+  /// So much for each, then four times as much for those that may get through with it.
+  bool look_for_reference() {
+    std::vector<Hopeful> hopefuls;
+    for (const std::size_t k : references()) hopefuls.push_back({k});
+    for (double allowed = kFirstCost; !hopefuls.empty(); allowed *= 4.0) {
+      for (Hopeful& one : hopefuls) {
+        if (interrupted()) return false;
+        if (one.projected > kRoom * allowed) continue;
+        if (is_reference(one, allowed)) return true;
+      }
+      if (allowed >= most_cost_) return false;
+      std::erase_if(hopefuls, [](const Hopeful& one) { return one.projected == kInfinity; });
     }
     return false;
+  }
+
+  bool is_reference(Hopeful& one, double allowed) {
+    const double tolerance = std::max(kFinestTolerance, kReferenceShare * accuracy_);
+    TrialRun trial = attempt(one.rung, tolerance, allowed);
+    if (!trial.finished()) {
+      one.projected = projected_cost(one.rung, trial);
+      return false;
+    }
+    const auto cost = static_cast<double>(trial.cost());
+    // What costs far more than the reference is of no use.
+    dearest_ = kDearest * cost;
+    tried_.push_back({one.rung, kReferenceLevel, tolerance, cost, kReferenceShare * accuracy_});
+    reference_ = std::move(trial.result);
+    return true;
+  }
+
+  /// What all of a run over budget would cost: at least what it has. Explicit schemes, whose steps
+  /// are as long as they are stable, go on as they began; implicit ones may begin with steps that
+  /// are shorter by far. Infinite where a run fails.
+  double projected_cost(std::size_t rung, const TrialRun& trial) const {
+    if (trial.end != TrialRun::End::over_budget) return kInfinity;
+    const auto cost = static_cast<double>(trial.cost());
+    return rungs_[rung].integrator->needs_tangent ? cost
+                                                  : cost / std::max(trial.part(), kLeastPart);
   }
 
   TrialRun attempt(std::size_t rung, double knob, double most_cost) {
     const auto scene = variants_.with(rungs_[rung].at(knob));
     TrialLimits limits;
     limits.stop = stop_;
-    const double coordinates = std::max<double>(1.0, static_cast<double>(coordinates_));
-    limits.cost = static_cast<std::uint64_t>(std::min(most_cost, kMostWork / coordinates));
+    limits.cost = static_cast<std::uint64_t>(std::min(most_cost, most_cost_));
     TrialRun trial = try_run(shortened(*scene, piece_), limits);
     cost_ += trial.cost();
     return trial;
@@ -291,19 +360,35 @@ class Pilot {
     return nullptr;
   }
 
+  /// Fixed steps can be counted beforehand; or the same or a coarser setting has taken more
+  /// already.
+  bool is_too_dear(std::size_t rung, int level, double allowed) const {
+    const Rung& one = rungs_[rung];
+    if (one.knob == Knob::step) {
+      const double steps = piece_.duration / knob(one, level);
+      if (steps * one.integrator->evaluations_per_step > allowed + 1.0) return true;
+    }
+    return std::any_of(too_dear_.begin(), too_dear_.end(), [=](const TooDear& before) {
+      return before.rung == rung && before.level <= level && before.at_least >= allowed;
+    });
+  }
+
   /// Dearer than the limit counts as infinitely dear.
   Tried try_out(std::size_t k, int level, double most_cost) {
     if (const Tried* before = known(k, level); before != nullptr && before->cost <= most_cost) {
       return *before;
     }
     const double setting = knob(rungs_[k], level);
+    const double allowed = std::min(most_cost, most_cost_);
+    if (is_too_dear(k, level, allowed)) return {k, level, setting, kInfinity, kInfinity, false};
     const TrialRun trial = attempt(k, setting, most_cost);
-    Tried tried{k, level, setting, static_cast<double>(trial.cost()), kInfinity};
+    Tried tried{k, level, setting, static_cast<double>(trial.cost()), kInfinity, trial.finished()};
     if (trial.finished() && reference_) {
       tried.error = relative_difference(trial.result, *reference_, length_);
     }
     if (trial.end == TrialRun::End::over_budget) {
       tried.cost = kInfinity;
+      too_dear_.push_back({k, level, std::max(allowed, projected_cost(k, trial) / kRoom)});
       return tried;
     }
     tried_.push_back(tried);
@@ -320,10 +405,15 @@ class Pilot {
     return found;
   }
 
-  Tried most_accurate() const {
-    return *std::min_element(tried_.begin(), tried_.end(), [](const Tried& a, const Tried& b) {
-      return std::pair(a.error, a.cost) < std::pair(b.error, b.cost);
-    });
+  /// Without a reference no error is known: the dearest is the finest.
+  std::optional<Tried> most_accurate() const {
+    std::optional<Tried> best;
+    for (const Tried& one : tried_) {
+      if (!one.finished) continue;
+      if (!best || std::pair(one.error, -one.cost) < std::pair(best->error, -best->cost))
+        best = one;
+    }
+    return best;
   }
 
   /// The most accurate of those that cost little enough.
@@ -354,11 +444,12 @@ class Pilot {
   Piece piece_;
   std::vector<Rung> rungs_;
   std::string refusals_;
-  std::size_t coordinates_ = Model(scene_).coordinate_count();
+  double most_cost_ = 0.0;  ///< of one trial
   std::optional<RunResult> reference_;
   double dearest_ = kInfinity;
   double length_ = 1.0;
-  std::vector<Tried> tried_;
+  std::vector<Tried> tried_;  ///< the reference is the first
+  std::vector<TooDear> too_dear_;
   std::uint64_t cost_ = 0;
 };
 
@@ -387,8 +478,9 @@ double relative_difference(const RunResult& result, const RunResult& reference, 
 }
 
 ChosenIntegrator choose_integrator(const std::shared_ptr<const Scene>& scene,
-                                   const Registry& registry, const std::atomic<bool>* stop) {
-  return Pilot(scene, registry, stop).choose();
+                                   const Registry& registry, const std::atomic<bool>* stop,
+                                   double most_work) {
+  return Pilot(scene, registry, stop, most_work).choose();
 }
 
 }  // namespace tomlin

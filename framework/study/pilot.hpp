@@ -27,6 +27,9 @@ inline constexpr double kMostForCompanion = 0.6;
 /// as the companion is three times as bad in truth, it is not below the error.
 inline constexpr double kShareOfDifference = 0.5;
 
+/// Evaluations times coordinates that one run of the pilot may take: seconds.
+inline constexpr double kMostPilotWork = 4e8;
+
 struct ChosenIntegrator {
   std::shared_ptr<const Scene> scene;      ///< with it; otherwise as it was asked for
   std::shared_ptr<const Scene> companion;  ///< the same, cheaper; null: nothing cheaper will do
@@ -39,10 +42,12 @@ struct ChosenIntegrator {
   std::vector<std::string> warnings;
 };
 
-/// For a scene with an accuracy. Throws InputError for what every integrator refuses.
+/// For a scene with an accuracy. Throws InputError for what every integrator refuses. Where nothing
+/// gets through the pilot, the scene is left with the integrator that it was bound with.
 ChosenIntegrator choose_integrator(const std::shared_ptr<const Scene>& scene,
                                    const Registry& registry,
-                                   const std::atomic<bool>* stop = nullptr);
+                                   const std::atomic<bool>* stop = nullptr,
+                                   double most_work = kMostPilotWork);
 
 /// The largest relative difference of the mean forces of drivers; where nothing drives, of the mean
 /// velocities of bodies, held against their largest speeds. `length` is one of the scene's.
