@@ -213,6 +213,14 @@ TEST(AccuracyOf, ThePilotTriesLittleThatCannotWin) {
   EXPECT_LT(choose_integrator(test::scene_of(kRing), test::standard()).pilot_cost, kMost);
 }
 
+/// What is spared: a run that is a hundred times as good as asked for is not paid for. With both
+/// factors of ten it is that good.
+TEST(AccuracyOf, IsNotFarBetterThanAskedFor) {
+  constexpr std::uint64_t kEnough = 8000;
+  const RunResult result = run_to_accuracy(test::scene_of(kTip), test::standard());
+  EXPECT_LT(result.force_evaluations + result.jacobian_columns, kEnough);
+}
+
 TEST(AccuracyOf, StoppedInThePilotIsInterrupted) {
   const std::atomic<bool> stop = true;
   RunOptions options;
