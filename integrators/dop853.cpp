@@ -35,7 +35,7 @@ std::unique_ptr<Integrator<Real>> bind(const void* description, System<Real>& sy
   const EmbeddedScheme<Real> scheme = {"dop853", Tableau::end, Tableau::slopes - Tableau::end - 1,
                                        kControl, kernels::Dop853Kernels.on<Real>(system.set)};
   return std::make_unique<EmbeddedPair<Real>>(
-      scheme, *static_cast<const EmbeddedDescription*>(description), system);
+      scheme, *static_cast<const AdaptiveDescription*>(description), system);
 }
 
 }  // namespace
@@ -50,7 +50,7 @@ IntegratorRecord dop853_record() {
       "II.10, doi:10.1007/978-3-540-78862-1";
   record.order = 8;
   record.evaluations_per_step = 12;
-  describe_embedded(record);
+  describe_adaptive(record, 1e-9);
   record.growth = &growth;
   record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
   record.example = R"(# A tip that sticks and slips, to twelve digits.

@@ -28,7 +28,7 @@ std::unique_ptr<Integrator<Real>> bind(const void* description, System<Real>& sy
   const EmbeddedScheme<Real> scheme = {"dopri5", Dopri5Tableau::end, 0, kControl,
                                        kernels::Dopri5Kernels.on<Real>(system.set)};
   return std::make_unique<EmbeddedPair<Real>>(
-      scheme, *static_cast<const EmbeddedDescription*>(description), system);
+      scheme, *static_cast<const AdaptiveDescription*>(description), system);
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ IntegratorRecord dopri5_record() {
       "doi:10.1016/0771-050X(80)90013-3";
   record.order = 5;
   record.evaluations_per_step = 6;
-  describe_embedded(record);
+  describe_adaptive(record, 1e-9);
   record.growth = &growth;
   record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
   record.example = R"(# A tip that sticks and slips.

@@ -11,22 +11,11 @@
 #include "framework/core/integrator.hpp"
 #include "framework/core/math.hpp"
 #include "framework/core/scheme.hpp"
+#include "integrators/adaptive.hpp"
 #include "integrators/embedded_kernels.hpp"
 
 /// Adaptive schemes around the kernels of an embedded pair: step control, failure, dense output.
 namespace tomlin {
-
-struct EmbeddedDescription {
-  double absolute_tolerance = 0.0;
-  double relative_tolerance = 0.0;
-  double initial_step = 0.0;
-  double smallest_step = 0.0;
-  double largest_step = 0.0;
-  std::int64_t most_steps = 0;
-};
-
-/// What all pairs' records share: parameters and their checks.
-void describe_embedded(IntegratorRecord& record);
 
 /// The next step is h clip(0.9 err^-exponent err_old^beta, least_factor, most_factor).
 struct StepControl {
@@ -48,7 +37,7 @@ struct EmbeddedScheme {
 template <class Real>
 class EmbeddedPair : public Integrator<Real> {
  public:
-  EmbeddedPair(const EmbeddedScheme<Real>& scheme, const EmbeddedDescription& description,
+  EmbeddedPair(const EmbeddedScheme<Real>& scheme, const AdaptiveDescription& description,
                System<Real>& system)
       : Integrator<Real>(system),
         d_(description),
@@ -294,7 +283,7 @@ class EmbeddedPair : public Integrator<Real> {
     }
   }
 
-  EmbeddedDescription d_;
+  AdaptiveDescription d_;
   std::string name_;
   int end_;
   int slopes_;

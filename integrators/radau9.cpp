@@ -14,12 +14,13 @@
 #include "framework/core/integrator.hpp"
 #include "framework/core/math.hpp"
 #include "framework/core/scheme.hpp"
+#include "integrators/adaptive.hpp"
 #include "integrators/radau9_tableau.hpp"
 
 namespace tomlin {
 namespace {
 
-using Description = Radau9Description;
+using Description = AdaptiveDescription;
 using Tableau = Radau9Tableau;
 constexpr int kStages = Tableau::stages;
 constexpr int kLast = kStages - 1;
@@ -676,33 +677,6 @@ double growth(std::complex<double> z) {
   return std::abs(above / below);
 }
 
-double step(const void*) { return 0.0; }
-
-/// Where one of the two tolerances is zero, the other rules.
-std::int64_t most_steps(const void* description) {
-  return static_cast<const Description*>(description)->most_steps;
-}
-
-double tolerance(const void* description) {
-  const auto& d = *static_cast<const Description*>(description);
-  return std::max(d.absolute_tolerance, d.relative_tolerance);
-}
-
-std::vector<Complaint> complaints(const void* description) {
-  const auto& d = *static_cast<const Description*>(description);
-  std::vector<Complaint> found;
-  if (d.absolute_tolerance == 0.0 && d.relative_tolerance == 0.0) {
-    found.push_back({"absolute_tolerance", "one of the two tolerances must not be 0", "> 0"});
-  }
-  if (d.smallest_step > d.largest_step) {
-    found.push_back({"smallest_step", "above largest_step", "<= largest_step"});
-  }
-  if (d.initial_step > 0.0 && d.initial_step < d.smallest_step) {
-    found.push_back({"initial_step", "below smallest_step", ">= smallest_step"});
-  }
-  return found;
-}
-
 std::unique_ptr<Integrator<double>> bind(const void* description, System<double>& system) {
   return std::make_unique<Radau9>(*static_cast<const Description*>(description), system);
 }
@@ -718,39 +692,10 @@ IntegratorRecord radau9_record() {
       "E. Hairer and G. Wanner, J. Comput. Appl. Math. 111 (1999) 93, "
       "doi:10.1016/S0377-0427(99)00134-X";
   record.order = 9;
-  record.adaptive = true;
   record.evaluations_per_step = 13;
   record.needs_tangent = true;
-  record.make_description = &make_description<Description>;
-  record.parameters = {
-      parameter("absolute_tolerance", &Description::absolute_tolerance, dimension::none,
-                "largest error per step, in units of each coordinate and velocity")
-          .in(non_negative)
-          .by_default(1e-7),
-      parameter("relative_tolerance", &Description::relative_tolerance, dimension::none,
-                "largest error per step, relative to each coordinate and velocity")
-          .in(non_negative)
-          .by_default(1e-7),
-      parameter("initial_step", &Description::initial_step, dimension::time,
-                "the first step to try; 0: guessed")
-          .in(non_negative)
-          .by_default(0.0),
-      parameter("smallest_step", &Description::smallest_step, dimension::time,
-                "a run that needs less fails")
-          .in(positive)
-          .by_default(1e-12),
-      parameter("largest_step", &Description::largest_step, dimension::time, "never step further")
-          .in(positive)
-          .by_default(1e12),
-      parameter("most_steps", &Description::most_steps, dimension::none,
-                "a run that needs more fails")
-          .in(positive)
-          .by_default(std::int64_t{1'000'000'000})};
+  describe_adaptive(record, 1e-7);
   record.growth = &growth;
-  record.step = &step;
-  record.tolerance = &tolerance;
-  record.most_steps = &most_steps;
-  record.complaints = &complaints;
   record.bind = {&bind};
   record.example = R"(# A tip that is driven a thousand times more slowly than it relaxes.
 [[body]]

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-
 #include "framework/core/registry.hpp"
 
 /// The five-stage Radau IIA scheme of order 9, implicit and L-stable, with step control and dense
@@ -43,15 +41,6 @@
 /// doi:10.1007/978-3-642-05221-7, sections IV.5 and IV.8; E. Hairer and G. Wanner, J. Comput. Appl.
 /// Math. 111 (1999) 93, doi:10.1016/S0377-0427(99)00134-X.
 namespace tomlin {
-
-struct Radau9Description {
-  double absolute_tolerance = 0.0;
-  double relative_tolerance = 0.0;
-  double initial_step = 0.0;
-  double smallest_step = 0.0;
-  double largest_step = 0.0;
-  std::int64_t most_steps = 0;
-};
 
 IntegratorRecord radau9_record();
 

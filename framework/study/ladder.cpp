@@ -158,6 +158,18 @@ std::vector<Rung> ladder(const Variants& variants) {
   return rungs;
 }
 
+std::vector<Rung> own_ladder(const Variants& variants) {
+  const Scene& scene = variants.scene();
+  const ModelChange own = {"", {}, scene.run.dynamics};
+  std::vector<Rung> rungs;
+  for (const auto& integrator : variants.registry().integrators()) {
+    if (integrator->follows_equilibria != (own.dynamics == kQuasistatic)) continue;
+    rungs.push_back(rung_of(scene, own, *integrator, scene.run.number_type.c_str()));
+    try_to_bind(variants, rungs.back());
+  }
+  return rungs;
+}
+
 double length_scale(const Scene& scene) {
   double shortest = 0.0;
   for (const SceneForce& force : scene.forces) {

@@ -42,6 +42,9 @@ struct Rung {
 /// the reason; the order is that of the registry. Binds the scene once for each rung.
 std::vector<Rung> ladder(const Variants& variants);
 
+/// Those of them that solve the scene's own equations in its own number type.
+std::vector<Rung> own_ladder(const Variants& variants);
+
 /// The shortest length after which a force of the scene repeats itself; 1 where none does.
 double length_scale(const Scene& scene);
 

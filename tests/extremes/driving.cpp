@@ -12,6 +12,16 @@ std::vector<Setting> with(std::vector<Setting> settings, const Setting& one) {
   return settings;
 }
 
+std::vector<Setting> quasistatic(const std::string& velocity) {
+  return {{"v", velocity},
+          {"T", "3 * a / v"},
+          {"run.dynamics", "\"quasistatic\""},
+          {"run.integrator", "{ type = \"continuation\" }"},
+          {"measure.from", "1"},
+          {"measure.to", "3"},
+          {"measure.in", "driver_periods"}};
+}
+
 /// Force of the driver after it has come v T, for the tip in its minimum as a spring.
 double quasi_static(double v, double duration) {
   const double k = 2.0;
@@ -70,6 +80,10 @@ Subject driving() {
                             1e-3, "a velocity of 1e-6, less as v^(2/3)")}),
        refused(kTip, "velocity_1e_12_fixed", "the same with fixed steps",
                {{"v", "1e-12"}, {"T", "3 * a / v"}, rk4(1e-2)}, {"3e+14 steps", "days"}),
+       finishes(kTip, "velocity_1e_12_quasistatic", "the same, following the equilibria",
+                quasistatic("1e-12"),
+                {is_that_of("drivers.driver.mean_force.x", kTip, quasistatic("1"), 1e-9,
+                            "a velocity of 1: equilibria know no velocity")}),
        finishes(kWay, "way", "nothing: for comparison", {},
                 {is("drivers.tip.mean_force.x", 0.0, 1e-12, "whole periods of a substrate")}),
        finishes(kWay, "way_1e_300", "a prescribed velocity of 1e-300",

@@ -14,6 +14,7 @@
 #include "integrators/radau9_tableau.hpp"
 #include "tests/support/order.hpp"
 #include "tests/support/oscillator.hpp"
+#include "tests/support/quadratic_drag.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // The implicit scheme: its coefficients, its order, what L-stability buys, its cost, its refusals.
@@ -388,6 +389,16 @@ TEST(Radau9, RefusesWhatItCannotDoByName) {
   TipScene tip;
   tip.integrator = implicit(1e-7) + "\nnumber_type = \"float\"";
   EXPECT_NE(refusal(tip.text()).find("number_type"), std::string::npos);
+}
+
+/// Its matrices would lack what such a force changes with velocity.
+TEST(Radau9, RefusesForcesThatDependOnVelocityOtherwise) {
+  const Registry registry = drag_registry();
+  const std::string why = refusal(with_drag("integrator = " + implicit(1e-7)), registry);
+  EXPECT_NE(why.find("run.integrator.type"), std::string::npos) << why;
+  EXPECT_NE(why.find("\"wind\" depends on velocity and is not linear friction"), std::string::npos)
+      << why;
+  EXPECT_EQ(refusal(with_drag("integrator = " + adaptive(1e-7)), registry), "");
 }
 
 TEST(Radau9, FailsWithACauseWhereNoStepIsShortEnough) {

@@ -10,10 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/bound_force.hpp"
-#include "framework/core/force.hpp"
 #include "tests/support/order.hpp"
 #include "tests/support/oscillator.hpp"
+#include "tests/support/quadratic_drag.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // What velocity Verlet promises beyond its order for one particle (order_test.cpp): friction as an
@@ -351,54 +350,12 @@ TEST(VerletEnergy, ARunCanBeRetraced) {
 
 // ---- refusals
 
-/// Reads velocities and is no linear friction: a drag with the square of the speed.
-class QuadraticDrag : public BoundForce<double> {
- public:
-  explicit QuadraticDrag(const Binding<double>& binding) : slot_(binding.bodies[0]->slot) {}
-  std::vector<Pass<double>> passes() override {
-    return {{&run<true>, &run<false>, this, {{0, false}}, kRankCheap}};
-  }
-
- private:
-  template <bool set>
-  static void run(const void* self, const Stage<double>& stage) {
-    const std::size_t at = static_cast<const QuadraticDrag*>(self)->slot_.offset;
-    const double v = stage.velocity[at];
-    stage.force[at] = (set ? 0.0 : stage.force[at]) - v * std::abs(v);
-  }
-  BodySlot<double> slot_;
-};
-
-struct Nothing {};
-
-ForceRecord quadratic_drag() {
-  ForceRecord record;
-  record.name = "quadratic_drag";
-  record.summary = "drag with the square of the speed";
-  record.equation = "F = -v |v|";
-  record.source = "a test";
-  record.example = "a test";
-  record.traits = {.depends_on_velocity = true, .dissipative = true};
-  record.make_description = &make_description<Nothing>;
-  record.bind = +[](const void*, const Binding<double>& b) -> std::unique_ptr<BoundForce<double>> {
-    return std::make_unique<QuadraticDrag>(b);
-  };
-  return record;
-}
-
-std::string with_drag(const std::string& run) {
-  return "[[body]]\ntype = \"point\"\nposition = [0.0]\nvelocity = [1.0]\nparticle_mass = 1.0\n"
-         "[[force]]\nname = \"wind\"\ntype = \"quadratic_drag\"\n[run]\nduration = 1.0\n" +
-         run + "\n";
-}
-
 TEST(VerletRefuses, ForcesThatDependOnVelocityOtherwise) {
-  Registry registry = standard_registry();
-  registry.add(quadratic_drag());
-  const std::string why = refusal(with_drag("integrator = " + verlet(0.1)), registry);
+  const std::string why = refusal(with_drag("integrator = " + verlet(0.1)), drag_registry());
   EXPECT_NE(why.find("\"wind\""), std::string::npos) << why;
   EXPECT_NE(why.find("velocity"), std::string::npos) << why;
-  EXPECT_EQ(refusal(with_drag("integrator = " + fixed_step(0.1)), registry), "") << "rk4 takes it";
+  EXPECT_EQ(refusal(with_drag("integrator = " + fixed_step(0.1)), drag_registry()), "")
+      << "rk4 takes it";
 }
 
 TEST(VerletRefuses, DynamicsWithoutInertia) {

@@ -234,6 +234,14 @@ TEST(OwnState, IsPartOfWhatARunGoesOnFrom) {
   }
 }
 
+/// An implicit scheme would need their derivatives.
+TEST(OwnState, IsRefusedByAnImplicitScheme) {
+  const std::string why = refusal(scene_text(adaptive(1e-7, "radau9")), with_maxwell());
+  EXPECT_NE(why.find("run.integrator.type"), std::string::npos) << why;
+  EXPECT_NE(why.find("\"one\" has variables of its own"), std::string::npos) << why;
+  EXPECT_EQ(refusal(scene_text(adaptive(1e-7)), with_maxwell()), "");
+}
+
 TEST(OwnState, SamplesDoNotTouchIt) {
   const auto plain = parse_scene(scene_text(fixed_step(0.01)), "test.toml", with_maxwell());
   const auto watched = parse_scene(scene_text(fixed_step(0.01)) + "[output]\nevery = 0.0137\n",

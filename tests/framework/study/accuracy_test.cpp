@@ -187,6 +187,40 @@ TEST(AccuracyOf, QuasistaticDynamicsHaveItToo) {
   EXPECT_LE(estimated(result), 1e-4 * std::abs(truth));
 }
 
+/// Where every trial takes more than it may, nothing is known, which is said; the run goes on with
+/// the integrator that the scene was bound with.
+TEST(AccuracyOf, IsNotPromisedWhereNothingGetsThroughThePilot) {
+  constexpr double kNextToNothing = 10.0;
+  const auto scene = test::scene_of(kTip);
+  const ChosenIntegrator chosen =
+      choose_integrator(scene, test::standard(), nullptr, kNextToNothing);
+  EXPECT_EQ(chosen.scene->run.integrator.record, scene->run.integrator.record);
+  EXPECT_EQ(chosen.companion, nullptr);
+  EXPECT_EQ(chosen.text, "{ type = \"" + scene->run.integrator.record->name + "\" }");
+  ASSERT_EQ(chosen.warnings.size(), 1U);
+  EXPECT_NE(chosen.warnings.front().find("no integrator got through"), std::string::npos);
+  RunResult result = run(chosen.scene);
+  EXPECT_EQ(result.status, RunStatus::finished);
+  estimate_errors(chosen, {}, result);
+  EXPECT_TRUE(result.errors.empty());
+  EXPECT_EQ(result.warnings.size(), 2U);
+}
+
+/// Ten thousand evaluations for the ring, of which the reference and its rung take most; blind
+/// trials of what cannot be cheap enough came to 26 thousand.
+TEST(AccuracyOf, ThePilotTriesLittleThatCannotWin) {
+  constexpr std::uint64_t kMost = 15'000;
+  EXPECT_LT(choose_integrator(test::scene_of(kRing), test::standard()).pilot_cost, kMost);
+}
+
+/// What is spared: a run that is a hundred times as good as asked for is not paid for. With both
+/// factors of ten it is that good.
+TEST(AccuracyOf, IsNotFarBetterThanAskedFor) {
+  constexpr std::uint64_t kEnough = 8000;
+  const RunResult result = run_to_accuracy(test::scene_of(kTip), test::standard());
+  EXPECT_LT(result.force_evaluations + result.jacobian_columns, kEnough);
+}
+
 TEST(AccuracyOf, StoppedInThePilotIsInterrupted) {
   const std::atomic<bool> stop = true;
   RunOptions options;

@@ -146,6 +146,19 @@ TEST(Compare, ErrorsLargerThanTheToleranceLeaveItOpen) {
   EXPECT_EQ(found.simplest, 0U);
 }
 
+/// The same scene twice: no difference, and the errors of both stand in the way of saying so.
+TEST(Compare, AgreementTakesTheErrorsOfBothIntoAccount) {
+  const std::vector<std::shared_ptr<const Scene>> twice = {scene(tip("0.1"), "tip.toml"),
+                                                           scene(tip("0.1"), "again.toml")};
+  const Comparison found = compared(twice);
+  const ComparedModel& model = found.models[1];
+  ASSERT_EQ(*model.difference, 0.0);
+  const double error = *model.error / std::abs(*model.value);
+  ASSERT_GT(error, 0.0);
+  EXPECT_EQ(compared(twice, 1.5 * error).models[1].verdict, Verdict::undecided);
+  EXPECT_EQ(compared(twice, 2.5 * error).models[1].verdict, Verdict::agrees);
+}
+
 TEST(Compare, AModelThatFailsIsSaidToHave) {
   const std::vector<Setting> bad = {{"run.integrator", test::fixed_step(3.0)},
                                     {"run.allow_unstable", "true"}};

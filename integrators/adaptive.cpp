@@ -1,4 +1,7 @@
-#include "integrators/embedded.hpp"
+#include "integrators/adaptive.hpp"
+
+#include <algorithm>
+#include <vector>
 
 namespace tomlin {
 namespace {
@@ -7,16 +10,16 @@ double step(const void*) { return 0.0; }
 
 /// Where one of the two tolerances is zero, the other rules.
 double tolerance(const void* description) {
-  const auto& d = *static_cast<const EmbeddedDescription*>(description);
+  const auto& d = *static_cast<const AdaptiveDescription*>(description);
   return std::max(d.absolute_tolerance, d.relative_tolerance);
 }
 
 std::int64_t most_steps(const void* description) {
-  return static_cast<const EmbeddedDescription*>(description)->most_steps;
+  return static_cast<const AdaptiveDescription*>(description)->most_steps;
 }
 
 std::vector<Complaint> complaints(const void* description) {
-  const auto& d = *static_cast<const EmbeddedDescription*>(description);
+  const auto& d = *static_cast<const AdaptiveDescription*>(description);
   std::vector<Complaint> found;
   if (d.absolute_tolerance == 0.0 && d.relative_tolerance == 0.0) {
     found.push_back({"absolute_tolerance", "one of the two tolerances must not be 0", "> 0"});
@@ -32,31 +35,31 @@ std::vector<Complaint> complaints(const void* description) {
 
 }  // namespace
 
-void describe_embedded(IntegratorRecord& record) {
+void describe_adaptive(IntegratorRecord& record, double default_tolerance) {
   record.adaptive = true;
-  record.make_description = &make_description<EmbeddedDescription>;
+  record.make_description = &make_description<AdaptiveDescription>;
   record.parameters = {
-      parameter("absolute_tolerance", &EmbeddedDescription::absolute_tolerance, dimension::none,
+      parameter("absolute_tolerance", &AdaptiveDescription::absolute_tolerance, dimension::none,
                 "largest error per step, in units of each coordinate and velocity")
           .in(non_negative)
-          .by_default(1e-9),
-      parameter("relative_tolerance", &EmbeddedDescription::relative_tolerance, dimension::none,
+          .by_default(default_tolerance),
+      parameter("relative_tolerance", &AdaptiveDescription::relative_tolerance, dimension::none,
                 "largest error per step, relative to each coordinate and velocity")
           .in(non_negative)
-          .by_default(1e-9),
-      parameter("initial_step", &EmbeddedDescription::initial_step, dimension::time,
+          .by_default(default_tolerance),
+      parameter("initial_step", &AdaptiveDescription::initial_step, dimension::time,
                 "the first step to try; 0: guessed")
           .in(non_negative)
           .by_default(0.0),
-      parameter("smallest_step", &EmbeddedDescription::smallest_step, dimension::time,
+      parameter("smallest_step", &AdaptiveDescription::smallest_step, dimension::time,
                 "a run that needs less fails")
           .in(positive)
           .by_default(1e-12),
-      parameter("largest_step", &EmbeddedDescription::largest_step, dimension::time,
+      parameter("largest_step", &AdaptiveDescription::largest_step, dimension::time,
                 "never step further")
           .in(positive)
           .by_default(1e12),
-      parameter("most_steps", &EmbeddedDescription::most_steps, dimension::none,
+      parameter("most_steps", &AdaptiveDescription::most_steps, dimension::none,
                 "a run that needs more fails")
           .in(positive)
           .by_default(std::int64_t{1'000'000'000})};

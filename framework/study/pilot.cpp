@@ -1,0 +1,486 @@
+#include "framework/study/pilot.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/model/model.hpp"
+#include "framework/model/scales.hpp"
+#include "framework/study/ladder.hpp"
+#include "framework/study/trial_run.hpp"
+
+namespace tomlin {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Of the error allowed, what the companion may have in the pilot: a whole run is not quite it.
+constexpr double kShareOfCompanion = 0.1;
+/// The same of costs.
+constexpr double kSlack = 0.85;
+/// The pilot's reference is so much finer than what is asked for.
+constexpr double kReferenceShare = 1e-4;
+constexpr double kFinestTolerance = 1e-13;
+constexpr int kOrderOfReference = 8;
+/// Nothing is tried that costs so many times more than the reference.
+constexpr double kDearest = 4.0;
+constexpr int kMostShortenings = 6;
+constexpr double kFirstCost = 2e3;  ///< of a reference
+/// Costs that are projected from a part of a run may be so many times too high.
+constexpr double kRoom = 2.0;
+constexpr double kLeastPart = 1e-12;
+constexpr std::array kTolerances = {1e-2, 1e-3, 1e-4,  1e-5,  1e-6,  1e-7,
+                                    1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13};
+constexpr int kMostKnobs = static_cast<int>(kTolerances.size());
+/// Fixed steps begin a little below the stable one.
+constexpr double kFirstStep = 0.9;
+constexpr double kFewestSteps = 50.0;
+/// A mean below this part of the largest value is nought by cancellation, and held to that part.
+constexpr double kFloor = 1e-3;
+/// A body that moves by less of the scene's length does not move.
+constexpr double kUnmoved = 1e-9;
+/// The companion's error in the pilot is at least so many times the run's.
+constexpr double kFactorOfCompanion = 10.0;
+
+/// A vector of the pilot's results, and a size that its error is never held below.
+struct Headline {
+  std::vector<double> components;
+  double scale = 0.0;
+  double nothing = 0.0;  ///< a difference that is none
+};
+
+/// The mean forces of drivers; where nothing drives, the mean velocities of bodies, held against
+/// their largest speeds.
+std::vector<Headline> headlines(const RunResult& result, double length) {
+  std::vector<Headline> all;
+  for (const DriverResult& driver : result.drivers) {
+    double largest = 0.0;
+    for (const auto* extremes : {&driver.max_force, &driver.min_force}) {
+      for (const double force : *extremes) largest = std::max(largest, std::abs(force));
+    }
+    all.push_back({driver.mean_force, largest});
+  }
+  if (!all.empty()) return all;
+  for (const BodyResult& body : result.bodies) {
+    all.push_back({body.mean_velocity, body.max_speed.value_or(0.0) / kFloor,
+                   kUnmoved * length / (result.window_to - result.window_from)});
+  }
+  return all;
+}
+
+/// For people: a step is a little below the stable one anyway.
+double two_digits(double x) {
+  const std::string text = fmt::format("{:.1e}", x);
+  double rounded = x;
+  std::from_chars(text.data(), text.data() + text.size(), rounded);
+  return rounded;
+}
+
+/// Length of a pilot, and where its window begins.
+struct Piece {
+  double duration = 0.0;
+  double from = 0.0;
+};
+
+/// The first slip comes when the spring has been stretched by stick_slip() / (2 pi) periods, and
+/// slips are as far apart where they are long.
+Piece pilot_of(const std::shared_ptr<const Scene>& scene) {
+  constexpr double kTau = 6.283185307179586;
+  double cycle = 0.0;
+  for (const Sliding& sliding : scales_of(scene).sliding) {
+    if (sliding.washboard_frequency <= 0.0) continue;
+    const double periods = sliding.stiffness > 0.0 ? std::ceil(sliding.stick_slip() / kTau) : 1.0;
+    cycle = std::max(cycle, std::max(1.0, periods) * kTau / sliding.washboard_frequency);
+  }
+  const double duration = scene->run.duration;
+  // Without a period a part of the run has to stand for it.
+  if (cycle == 0.0) return {duration / 8.0, duration / 24.0};
+  if (3.0 * cycle >= duration) return {duration, duration / 3.0};
+  return {3.0 * cycle, cycle};
+}
+
+std::shared_ptr<const Scene> shortened(const Scene& scene, const Piece& piece) {
+  auto result = std::make_shared<Scene>(scene);
+  result->run.duration = piece.duration;
+  result->run.until.reset();
+  result->run.perturb.reset();
+  result->measure = {};
+  result->measure.unit = MeasureSettings::Unit::time;
+  result->measure.from = piece.from;
+  result->output.every.reset();
+  return result;
+}
+
+constexpr int kReferenceLevel = -1;
+
+/// A setting that was tried.
+struct Tried {
+  std::size_t rung = 0;
+  int level = kReferenceLevel;  ///< of the rung's settings, from coarse to fine
+  double knob = 0.0;
+  double cost = 0.0;
+  double error = kInfinity;
+  bool finished = true;
+};
+
+/// A setting that took more than it was allowed to.
+struct TooDear {
+  std::size_t rung = 0;
+  int level = 0;
+  double at_least = 0.0;  ///< what all of it takes
+};
+
+/// A rung that may become the reference, and what it would cost.
+struct Hopeful {
+  std::size_t rung = 0;
+  double projected = 0.0;
+};
+
+class Pilot {
+ public:
+  Pilot(std::shared_ptr<const Scene> scene, const Registry& registry, const std::atomic<bool>* stop,
+        double most_work)
+      : scene_(std::move(scene)),
+        variants_(scene_, registry),
+        accuracy_(*scene_->run.accuracy),
+        stop_(stop),
+        piece_(pilot_of(scene_)) {
+    const auto coordinates = static_cast<double>(Model(scene_).coordinate_count());
+    most_cost_ = std::max(1.0, most_work / std::max(1.0, coordinates));
+    for (Rung& rung : own_ladder(variants_)) {
+      if (rung.refused.empty()) {
+        rungs_.push_back(std::move(rung));
+      } else {
+        refusals_ += (refusals_.empty() ? "" : "; ") + rung.name + ": " + rung.refused;
+      }
+    }
+    if (!rungs_.empty()) length_ = rungs_.front().absolute_share;
+    if (rungs_.empty()) {
+      throw InputError({{scene_->run.place, "run.accuracy", "",
+                         "no integrator takes this scene: " + refusals_, "an integrator", ""}});
+    }
+  }
+
+  ChosenIntegrator choose() {
+    find_reference();
+    const std::vector<std::size_t> order = climbing_order();
+    // The companion first, good enough by itself; then a run that is better by far.
+    const Wanted cheap{.error = kShareOfCompanion * accuracy_};
+    for (const std::size_t k : order) climb(k, cheap);
+    const std::optional<Tried> companion = confirmed(cheap);
+    std::optional<Tried> main;
+    if (companion) {
+      const double noise = 2.0 * kReferenceShare * accuracy_;
+      const Wanted fine{.error = std::max(companion->error / kFactorOfCompanion, noise),
+                        .cost = companion->cost / (kSlack * kMostForCompanion)};
+      for (const std::size_t k : order) climb(k, fine);
+      main = confirmed(fine);
+    }
+    ChosenIntegrator chosen;
+    chosen.pilot_cost = cost_;
+    chosen.length = length_;
+    chosen.interrupted = interrupted();
+    if (chosen.interrupted) return chosen;
+    if (!main) main = companion ? companion : most_accurate();
+    if (!main) return as_it_is(std::move(chosen));
+    if (main->error > accuracy_) {
+      chosen.warnings.push_back(
+          std::isfinite(main->error)
+              ? fmt::format("accuracy {:g}: the best that the pilot found, {}, keeps {:.1e}",
+                            accuracy_, line(*main), main->error)
+              : fmt::format("accuracy {:g}: the pilot found nothing to hold {} against", accuracy_,
+                            line(*main)));
+    }
+    chosen.scene = scene_at(*main);
+    chosen.text = line(*main);
+    if (const auto other = companion_of(*main)) {
+      chosen.companion = scene_at(*other);
+      chosen.companion_text = line(*other);
+      const bool far_worse = other->error >= kFactorOfCompanion * main->error;
+      chosen.share = far_worse ? kShareOfDifference : 1.0;
+    }
+    return chosen;
+  }
+
+ private:
+  bool interrupted() const { return stop_ != nullptr && stop_->load(); }
+
+  /// The rungs for a reference: adaptive and, where there are such, of high order. A scheme of
+  /// lower order keeps its tolerance less well, and errs in the same way as what is held against
+  /// it. Explicit ones first.
+  std::vector<std::size_t> references() const {
+    const auto order = [this](std::size_t k) { return rungs_[k].integrator->order; };
+    std::vector<std::size_t> found;
+    int highest = 0;
+    for (std::size_t k = 0; k < rungs_.size(); ++k) {
+      if (rungs_[k].knob != Knob::tolerance) continue;
+      found.push_back(k);
+      highest = std::max(highest, order(k));
+    }
+    const int least = std::min(highest, kOrderOfReference);
+    std::erase_if(found, [&](std::size_t k) { return order(k) < least; });
+    std::stable_sort(found.begin(), found.end(), [&](std::size_t a, std::size_t b) {
+      const bool implicit = rungs_[a].integrator->needs_tangent;
+      if (implicit != rungs_[b].integrator->needs_tangent) return !implicit;
+      return order(a) > order(b);
+    });
+    return found;
+  }
+
+  /// The integrator that a scene without one is bound with, with its defaults.
+  ChosenIntegrator as_it_is(ChosenIntegrator chosen) const {
+    chosen.scene = scene_;
+    chosen.text = fmt::format("{{ type = \"{}\" }}", scene_->run.integrator.record->name);
+    chosen.warnings.push_back(
+        fmt::format("accuracy {:g}: no integrator got through the pilot; {} is taken as it is",
+                    accuracy_, chosen.text));
+    return chosen;
+  }
+
+  /// All rungs, that of the reference first: it is cheap, and what it takes limits the others.
+  std::vector<std::size_t> climbing_order() const {
+    std::vector<std::size_t> order(rungs_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    if (reference_) std::swap(order.front(), order[tried_.front().rung]);
+    return order;
+  }
+
+  /// The cheapest, whichever it is.
+  void find_reference() {
+    for (int pass = 0; pass < kMostShortenings && !interrupted(); ++pass) {
+      if (look_for_reference()) return;
+      piece_.duration /= 4.0;
+      piece_.from /= 4.0;
+    }
+    // Nothing adaptive gets through: the finest of what is tried has to serve.
+  }
+
+  /// So much for each, then four times as much for those that may get through with it.
+  bool look_for_reference() {
+    std::vector<Hopeful> hopefuls;
+    for (const std::size_t k : references()) hopefuls.push_back({k});
+    for (double allowed = kFirstCost; !hopefuls.empty(); allowed *= 4.0) {
+      for (Hopeful& one : hopefuls) {
+        if (interrupted()) return false;
+        if (one.projected > kRoom * allowed) continue;
+        if (is_reference(one, allowed)) return true;
+      }
+      if (allowed >= most_cost_) return false;
+      std::erase_if(hopefuls, [](const Hopeful& one) { return one.projected == kInfinity; });
+    }
+    return false;
+  }
+
+  bool is_reference(Hopeful& one, double allowed) {
+    const double tolerance = std::max(kFinestTolerance, kReferenceShare * accuracy_);
+    TrialRun trial = attempt(one.rung, tolerance, allowed);
+    if (!trial.finished()) {
+      one.projected = projected_cost(one.rung, trial);
+      return false;
+    }
+    const auto cost = static_cast<double>(trial.cost());
+    // What costs far more than the reference is of no use.
+    dearest_ = kDearest * cost;
+    tried_.push_back({one.rung, kReferenceLevel, tolerance, cost, kReferenceShare * accuracy_});
+    reference_ = std::move(trial.result);
+    return true;
+  }
+
+  /// What all of a run over budget would cost: at least what it has. Explicit schemes, whose steps
+  /// are as long as they are stable, go on as they began; implicit ones may begin with steps that
+  /// are shorter by far. Infinite where a run fails.
+  double projected_cost(std::size_t rung, const TrialRun& trial) const {
+    if (trial.end != TrialRun::End::over_budget) return kInfinity;
+    const auto cost = static_cast<double>(trial.cost());
+    return rungs_[rung].integrator->needs_tangent ? cost
+                                                  : cost / std::max(trial.part(), kLeastPart);
+  }
+
+  TrialRun attempt(std::size_t rung, double knob, double most_cost) {
+    const auto scene = variants_.with(rungs_[rung].at(knob));
+    TrialLimits limits;
+    limits.stop = stop_;
+    limits.cost = static_cast<std::uint64_t>(std::min(most_cost, most_cost_));
+    TrialRun trial = try_run(shortened(*scene, piece_), limits);
+    cost_ += trial.cost();
+    return trial;
+  }
+
+  /// A setting with at most this error that costs at least this much.
+  struct Wanted {
+    double error = 0.0;
+    double cost = 0.0;
+
+    bool met_by(const Tried& tried) const { return tried.error <= error && tried.cost >= cost; }
+  };
+
+  /// The settings of a rung from coarse to fine: steps from a little below the stable one by
+  /// halves.
+  double knob(const Rung& rung, int level) const {
+    if (rung.knob == Knob::tolerance) return kTolerances[static_cast<std::size_t>(level)];
+    const double longest = std::min(piece_.duration / kFewestSteps, kFirstStep * rung.stable_step);
+    return two_digits(longest) * std::ldexp(1.0, -level);
+  }
+
+  /// From coarse to fine until a setting is as wanted, or dearer than one that is.
+  void climb(std::size_t k, const Wanted& wanted) {
+    for (int level = 0; level < kMostKnobs && !interrupted(); ++level) {
+      const auto best = cheapest_of(wanted);
+      const Tried tried = try_out(k, level, best ? best->cost : dearest_);
+      if (wanted.met_by(tried) || tried.cost == kInfinity) return;
+    }
+  }
+
+  /// An error may be small by chance, where it changes sign: the next finer setting has to be as
+  /// good, or the error is taken to be that one's.
+  std::optional<Tried> confirmed(const Wanted& wanted) {
+    for (auto found = cheapest_of(wanted); found && !interrupted(); found = cheapest_of(wanted)) {
+      if (found->level == kReferenceLevel || found->level + 1 >= kMostKnobs) return found;
+      const Tried finer = try_out(found->rung, found->level + 1, dearest_);
+      if (finer.error <= found->error) return found;
+      known(found->rung, found->level)->error = finer.error;
+      if (wanted.met_by(finer)) return cheapest_of(wanted);
+      climb(found->rung, wanted);
+    }
+    return std::nullopt;
+  }
+
+  Tried* known(std::size_t rung, int level) {
+    for (Tried& one : tried_) {
+      if (one.rung == rung && one.level == level) return &one;
+    }
+    return nullptr;
+  }
+
+  /// Fixed steps can be counted beforehand; or the same or a coarser setting has taken more
+  /// already.
+  bool is_too_dear(std::size_t rung, int level, double allowed) const {
+    const Rung& one = rungs_[rung];
+    if (one.knob == Knob::step) {
+      const double steps = piece_.duration / knob(one, level);
+      if (steps * one.integrator->evaluations_per_step > allowed + 1.0) return true;
+    }
+    return std::any_of(too_dear_.begin(), too_dear_.end(), [=](const TooDear& before) {
+      return before.rung == rung && before.level <= level && before.at_least >= allowed;
+    });
+  }
+
+  /// Dearer than the limit counts as infinitely dear.
+  Tried try_out(std::size_t k, int level, double most_cost) {
+    if (const Tried* before = known(k, level); before != nullptr && before->cost <= most_cost) {
+      return *before;
+    }
+    const double setting = knob(rungs_[k], level);
+    const double allowed = std::min(most_cost, most_cost_);
+    if (is_too_dear(k, level, allowed)) return {k, level, setting, kInfinity, kInfinity, false};
+    const TrialRun trial = attempt(k, setting, most_cost);
+    Tried tried{k, level, setting, static_cast<double>(trial.cost()), kInfinity, trial.finished()};
+    if (trial.finished() && reference_) {
+      tried.error = relative_difference(trial.result, *reference_, length_);
+    }
+    if (trial.end == TrialRun::End::over_budget) {
+      tried.cost = kInfinity;
+      too_dear_.push_back({k, level, std::max(allowed, projected_cost(k, trial) / kRoom)});
+      return tried;
+    }
+    tried_.push_back(tried);
+    return tried;
+  }
+
+  std::optional<Tried> cheapest_of(const Wanted& wanted) const {
+    std::optional<Tried> found;
+    for (const Tried& one : tried_) {
+      if (wanted.met_by(one) && one.cost < kInfinity && (!found || one.cost < found->cost)) {
+        found = one;
+      }
+    }
+    return found;
+  }
+
+  /// Without a reference no error is known: the dearest is the finest.
+  std::optional<Tried> most_accurate() const {
+    std::optional<Tried> best;
+    for (const Tried& one : tried_) {
+      if (!one.finished) continue;
+      if (!best || std::pair(one.error, -one.cost) < std::pair(best->error, -best->cost))
+        best = one;
+    }
+    return best;
+  }
+
+  /// The most accurate of those that cost little enough.
+  std::optional<Tried> companion_of(const Tried& main) const {
+    std::optional<Tried> found;
+    for (const Tried& one : tried_) {
+      if (!(one.cost <= kSlack * kMostForCompanion * main.cost)) continue;
+      if (std::isfinite(one.error) && (!found || one.error < found->error)) found = one;
+    }
+    return found;
+  }
+
+  std::string line(const Tried& tried) const {
+    return rungs_[tried.rung].at(tried.knob).back().value;
+  }
+
+  /// The scene as it was asked for, with nothing but the integrator replaced.
+  std::shared_ptr<const Scene> scene_at(const Tried& tried) const {
+    auto result = std::make_shared<Scene>(*scene_);
+    result->run.integrator = variants_.with(rungs_[tried.rung].at(tried.knob))->run.integrator;
+    return result;
+  }
+
+  std::shared_ptr<const Scene> scene_;
+  Variants variants_;
+  double accuracy_;
+  const std::atomic<bool>* stop_;
+  Piece piece_;
+  std::vector<Rung> rungs_;
+  std::string refusals_;
+  double most_cost_ = 0.0;  ///< of one trial
+  std::optional<RunResult> reference_;
+  double dearest_ = kInfinity;
+  double length_ = 1.0;
+  std::vector<Tried> tried_;  ///< the reference is the first
+  std::vector<TooDear> too_dear_;
+  std::uint64_t cost_ = 0;
+};
+
+}  // namespace
+
+double relative_difference(const RunResult& result, const RunResult& reference, double length) {
+  const std::vector<Headline> ours = headlines(result, length);
+  const std::vector<Headline> true_ones = headlines(reference, length);
+  double largest = 0.0;
+  for (std::size_t k = 0; k < ours.size(); ++k) {
+    const std::vector<double>& x = ours[k].components;
+    const std::vector<double>& y = true_ones[k].components;
+    if (x.size() != y.size() || x.empty()) return kInfinity;
+    double square = 0.0;
+    double size = 0.0;
+    for (std::size_t d = 0; d < x.size(); ++d) {
+      square += (x[d] - y[d]) * (x[d] - y[d]);
+      size += y[d] * y[d];
+    }
+    const double held_to = std::max(std::sqrt(size), kFloor * true_ones[k].scale);
+    if (std::sqrt(square) <= true_ones[k].nothing) continue;
+    const double part = held_to > 0.0 ? std::sqrt(square) / held_to : kInfinity;
+    largest = std::isfinite(part) ? std::max(largest, part) : kInfinity;
+  }
+  return largest;
+}
+
+ChosenIntegrator choose_integrator(const std::shared_ptr<const Scene>& scene,
+                                   const Registry& registry, const std::atomic<bool>* stop,
+                                   double most_work) {
+  return Pilot(scene, registry, stop, most_work).choose();
+}
+
+}  // namespace tomlin

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+
+#include "framework/core/integrator.hpp"
+
+/// What a scene says to the schemes that choose their steps.
+namespace tomlin {
+
+struct AdaptiveDescription {
+  double absolute_tolerance = 0.0;
+  double relative_tolerance = 0.0;
+  double initial_step = 0.0;
+  double smallest_step = 0.0;
+  double largest_step = 0.0;
+  std::int64_t most_steps = 0;
+};
+
+/// What all their records share: parameters and their checks, with the default of both tolerances.
+void describe_adaptive(IntegratorRecord& record, double default_tolerance);
+
+}  // namespace tomlin
