@@ -108,7 +108,8 @@ Json passing(const Parameter& row) {
                         {"below", number(row.interval)},
                         {"times", number({.low = 1.0, .low_open = false}, "integer")}},
                        {"when"});
-  schema["anyOf"] = std::vector{requires_keys({"above"}), requires_keys({"below"})};
+  schema["if"] = requires_keys({"above"});
+  schema["else"] = requires_keys({"below"});
   return schema;
 }
 
@@ -157,10 +158,14 @@ Json value_schema(const Parameter& row) {
 
 // ---- keys
 
-/// The description first, where people look.
+/// The description first, where people look; suggestions are shown with their own.
 Json described(const std::string& description, const Json& schema) {
   Json result = only("description", description);
   result.update(schema);
+  if (!result.contains("anyOf")) return result;
+  for (Json& shown : result["anyOf"]) {
+    if (shown.is_object()) shown["description"] = description;
+  }
   return result;
 }
 
@@ -314,8 +319,11 @@ Json run_schema() {
   return schema;
 }
 
-Json components_schema(const std::string& kind, int fewest) {
-  return {{"type", "array"}, {"minItems", fewest}, {"items", reference_to(kind)}};
+Json components_schema(const std::string& kind, int fewest, const char* what) {
+  return {{"description", what},
+          {"type", "array"},
+          {"minItems", fewest},
+          {"items", reference_to(kind)}};
 }
 
 /// What stands under a top-level key.
@@ -323,8 +331,8 @@ Json section_schema(const std::string& key) {
   if (key == "scene") return table_schema(scene_layout());
   if (key == "parameters") return parameters_schema();
   if (key == "box") return table_schema(box_layout());
-  if (key == "body") return components_schema(key, 1);
-  if (key == "force") return components_schema(key, 0);
+  if (key == "body") return components_schema(key, 1, "where particles start");
+  if (key == "force") return components_schema(key, 0, "what acts on bodies");
   if (key == "run") return run_schema();
   if (key == "measure") return table_schema(measure_layout());
   if (key == "output") return table_schema(output_layout());
@@ -337,6 +345,10 @@ Json section_schema(const std::string& key) {
 std::string scene_schema(const Registry& registry) {
   Json sections = Json::object();
   for (const std::string& key : top_level_keys()) sections[key] = section_schema(key);
+  for (const SceneTable& table : scene_tables()) {
+    if (!sections.contains(table.name)) continue;  // it stands within another
+    sections[table.name] = described(table.summary, sections[table.name]);
+  }
   Json definitions = Json::object();
   define_components(definitions, "body", registry.bodies(), body_layout);
   define_components(definitions, "force", registry.forces(), force_layout);
