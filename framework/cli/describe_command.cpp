@@ -17,7 +17,6 @@
 #include <nlohmann/json.hpp>
 
 #include "framework/cli/commands.hpp"
-#include "framework/cli/component_text.hpp"
 #include "framework/cli/described.hpp"
 #include "framework/cli/new_file.hpp"
 #include "framework/cli/node_json.hpp"
@@ -110,7 +109,7 @@ void append_indented(std::string& text, std::string_view lines) {
 void append_traits(std::string& text, const Described& component) {
   if (component.kind == "body") return;
   if (component.force != nullptr) {
-    text += std::string("\nacts on\n  ") + to_string(component.force->element) + "\n";
+    text += "\nacts on\n  " + acts_on(*component.force) + "\n";
   }
   const auto held = trait_words(component);
   text += "\ntraits\n  " + (held.empty() ? "none" : listed(held)) + "\n";
@@ -266,7 +265,7 @@ Json component_json(const Described& component) {
   entry["equation"] = record.equation;
   entry["source"] = record.source;
   entry["works"] = citations_json(record.source);
-  if (component.force != nullptr) entry["acts_on"] = to_string(component.force->element);
+  if (component.force != nullptr) entry["acts_on"] = acts_on(*component.force);
   entry["traits"] = traits_json(component);
   if (component.kind != "body") entry["number_types"] = number_types(component);
   append_layout(entry, component.layout);

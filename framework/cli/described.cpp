@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/cli/component_text.hpp"
 #include "framework/core/body.hpp"
 #include "framework/scene/effective.hpp"
 
@@ -59,6 +60,15 @@ std::array<Claim, 7> abilities(const IntegratorRecord& record) {
           Claim{"needs derivatives of the forces", record.needs_tangent},
           Claim{"only for scenes without friction", record.conservative_only},
           Claim{"follows equilibria", record.follows_equilibria}};
+}
+
+std::string acts_on(const ForceRecord& force) {
+  std::string text = to_string(force.element);
+  if (force.most_bodies == 1) return text;
+  if (force.fewest_bodies == force.most_bodies) {
+    return text + fmt::format(", of {} bodies", force.most_bodies);
+  }
+  return text + fmt::format(", of {} to {} bodies", force.fewest_bodies, force.most_bodies);
 }
 
 std::vector<std::string> trait_words(const Described& component) {

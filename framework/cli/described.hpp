@@ -36,6 +36,9 @@ using Claim = std::pair<const char*, bool>;
 std::array<Claim, 8> claims(const Traits& traits);
 std::array<Claim, 7> abilities(const IntegratorRecord& record);
 
+/// "pairs of particles, of 1 to 2 bodies": what a force is evaluated on.
+std::string acts_on(const ForceRecord& force);
+
 /// "conservative", "order 4", "adaptive steps": what a component is said to be.
 std::vector<std::string> trait_words(const Described& component);
 

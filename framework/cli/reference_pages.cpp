@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "framework/cli/component_text.hpp"
 #include "framework/core/citation.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/expression.hpp"
@@ -80,7 +79,7 @@ void append_block(std::string& text, const char* language, const std::string& li
 
 void append_rows(std::string& text, const std::vector<Parameter>& rows) {
   if (rows.empty()) return;
-  text += "| key | what it is | unit | due | default |\n|---|---|---|---|---|\n";
+  text += "| key | what it is | dimension | due | default |\n|---|---|---|---|---|\n";
   for (const Parameter& row : rows) {
     fmt::format_to(std::back_inserter(text), "| {} | {} | {} | {} | {} |\n", code(row.key),
                    cell(row.doc), to_string(row.dimension), cell(what_is_due(row)),
@@ -164,7 +163,7 @@ std::string component_section(const Described& component) {
     text += "- source: " + linked(work) + (place.empty() ? "" : ", " + place) + "\n";
   }
   if (component.force != nullptr) {
-    text += std::string("- acts on: ") + to_string(component.force->element) + "\n";
+    text += "- acts on: " + acts_on(*component.force) + "\n";
   }
   if (component.kind != "body") {
     const auto words = trait_words(component);

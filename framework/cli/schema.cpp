@@ -358,7 +358,10 @@ std::string scene_schema(const Registry& registry) {
                  {"title", "a scene of tomlin " TOMLIN_VERSION},
                  {"description",
                   "Where a number is due, a text is an expression over [parameters]. "
-                  "tomlin check SCENE sees what a schema cannot."}};
+                  "tomlin check SCENE sees what a schema cannot."},
+                 {"$comment",
+                  "An anyOf that begins with true admits everything: it is for completion, which "
+                  "does not look into if and then."}};
   schema.update(object(std::move(sections), {"body", "run"}));
   schema["definitions"] = std::move(definitions);
   return schema.dump(2) + "\n";
