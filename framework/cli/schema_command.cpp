@@ -18,8 +18,9 @@ int schema_command(const SchemaArguments& arguments) {
   OutputFile output(file);
   output.append(schema);
   output.publish();
-  return print_result(file.string() + ": begin a scene with the line\n  #:schema " + file.string() +
-                      "\nand editors that know Taplo complete and check it\n");
+  return print_result(file.string() +
+                      ": a scene beside it names it in its first line\n  #:schema ./" +
+                      file.filename().string() + "\n");
 }
 
 }  // namespace tomlin

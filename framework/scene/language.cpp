@@ -115,7 +115,8 @@ TableLayout scene_layout() {
   layout.rows = {
       parameter("name", &Scene::name, dimension::none, "what the scene is, for people")
           .by_default(""),
-      parameter("source", &Scene::source, dimension::none, "where it was taken from")
+      parameter("source", &Scene::source, dimension::none,
+                "where it was taken from: works with their DOIs, parted by \"; \"")
           .by_default(""),
       parameter("units", &Scene::units, dimension::none, "the system of units")
           .one_of({"reduced"})
