@@ -13,8 +13,8 @@ struct Citation {
   std::string place;  ///< "eqs. (4) to (6)"; may be empty
 };
 
-/// The works of a source, which is written "WORK, doi:..., PLACE; WORK, doi:...". What follows a DOI
-/// is the place; a work without a DOI is taken whole.
+/// The works of a source, which is written "WORK, doi:..., PLACE; WORK, doi:...". What follows a
+/// DOI is the place; a work without a DOI is taken whole.
 std::vector<Citation> citations(std::string_view source);
 
 /// What a work is known by: its DOI, in small letters as DOIs are compared, or else its text.

@@ -15,8 +15,8 @@ struct Reference {
 };
 
 /// The works behind everything that the scene uses, each once: of bodies, forces and integrators,
-/// the scene's own, those of file formats and random numbers where they are used, and tomlin itself.
-/// `accuracy`: of a run that chose its integrator, which is then the one that counts.
+/// the scene's own, those of file formats and random numbers where they are used, and tomlin
+/// itself. `accuracy`: of a run that chose its integrator, which is then the one that counts.
 std::vector<Reference> references(const Scene& scene, const AccuracyResult* accuracy = nullptr);
 
 }  // namespace tomlin
