@@ -40,5 +40,8 @@ install(FILES ${CMAKE_BINARY_DIR}/package/tomlinConfig.cmake
 # The pages, laid out as they link to each other, with the scenes that they run.
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES forcefields/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/forcefields)
+foreach(folder forcefields integrators framework/bodies framework/scene)
+  install(FILES ${folder}/REFERENCE.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder})
+endforeach()
 install(DIRECTORY scenarios DESTINATION ${CMAKE_INSTALL_DOCDIR}
         FILES_MATCHING PATTERN "*.md" PATTERN "*.toml" PATTERN "*.svg")

@@ -18,8 +18,8 @@ ForceRecord constant_force_record() {
   record.summary = "the same constant force on every particle of a body";
   record.equation = "F = force, per particle";
   record.source =
-      "elementary; with a substrate the tilted washboard of Ambegaokar and Halperin, "
-      "doi:10.1103/PhysRevLett.22.1364";
+      "V. Ambegaokar and B. I. Halperin, Phys. Rev. Lett. 22 (1969) 1364, "
+      "doi:10.1103/PhysRevLett.22.1364, the tilted washboard, with a substrate";
   record.element = Element::site;
   record.traits = {.conservative = true};
   record.make_description = &make_description<Description>;

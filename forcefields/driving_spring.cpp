@@ -140,8 +140,10 @@ ForceRecord driving_spring_record() {
   record.summary = "a spring whose far end is pulled at constant velocity";
   record.equation = "F = stiffness * (start + velocity * t - x), on the attached point x";
   record.source =
-      "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study "
-      "nanoscale rolling friction, eqs. (4) to (6); Prandtl (1928)";
+      "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study"
+      " nanoscale rolling friction, J. Appl. Phys. 127 (2020), doi:10.48550/arXiv.1912.00232,"
+      " eqs. (4) to (6); L. Prandtl, Z. Angew. Math. Mech. 8 (1928) 85, "
+      "doi:10.1002/zamm.19280080202";
   record.element = Element::body;
   record.traits = {.conservative = true, .depends_on_time = true, .does_work = true};
   record.make_description = &make_description<Description>;

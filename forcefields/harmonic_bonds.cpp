@@ -72,8 +72,9 @@ ForceRecord harmonic_bonds_record() {
   record.summary = "linear springs between the particles of a body, or of two";
   record.equation = "V = stiffness/2 * (r_ij - r0_ij)^2, each pair once";
   record.source =
-      "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study "
-      "nanoscale rolling friction, eq. (3)";
+      "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study"
+      " nanoscale rolling friction, J. Appl. Phys. 127 (2020), doi:10.48550/arXiv.1912.00232,"
+      " eq. (3)";
   record.element = Element::pair;
   record.traits = {.conservative = true, .internal = true};
   record.most_bodies = 2;

@@ -30,8 +30,11 @@ ForceRecord sinusoidal_substrate_record() {
   record.summary = "a corrugated substrate that each particle feels";
   record.equation = "V = amplitude * exp(-decay * y^2) * cos(2 pi x / period), per particle";
   record.source =
-      "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study "
-      "nanoscale rolling friction, eqs. (8) and (9); decay = 0: Prandtl (1928), Tomlinson (1929)";
+      "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study"
+      " nanoscale rolling friction, J. Appl. Phys. 127 (2020), doi:10.48550/arXiv.1912.00232,"
+      " eqs. (8) and (9); L. Prandtl, Z. Angew. Math. Mech. 8 (1928) 85, "
+      "doi:10.1002/zamm.19280080202, decay = 0; G. A. Tomlinson, Philos. Mag. 7 (1929) 905, "
+      "doi:10.1080/14786440608564819, decay = 0";
   record.element = Element::site;
   record.traits = {.conservative = true, .periodic = true};
   record.make_description = &make_description<Description>;

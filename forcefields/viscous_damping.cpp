@@ -18,8 +18,9 @@ ForceRecord viscous_damping_record() {
   record.summary = "drag proportional to each particle's velocity";
   record.equation = "F = -coefficient * v, per particle";
   record.source =
-      "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study "
-      "nanoscale rolling friction, eq. (7) with the sign of eq. (10)";
+      "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study"
+      " nanoscale rolling friction, J. Appl. Phys. 127 (2020), doi:10.48550/arXiv.1912.00232,"
+      " eq. (7) with the sign of eq. (10)";
   record.element = Element::site;
   record.traits = {.depends_on_velocity = true, .dissipative = true};
   record.make_description = &make_description<Description>;

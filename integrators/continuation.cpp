@@ -814,8 +814,10 @@ IntegratorRecord continuation_record() {
   record.summary = "follows equilibria as drivers move, and slips where they end: quasistatic";
   record.equation = "F(q, t) = 0 with K = -dF/dq > 0, by pseudo-arclength; slips: G dq/dt = F(q)";
   record.source =
-      "E. L. Allgower and K. Georg, Introduction to Numerical Continuation Methods (SIAM, 2003), "
-      "doi:10.1137/1.9780898719154; H. B. Keller (1977)";
+      "E. L. Allgower and K. Georg, Introduction to Numerical Continuation Methods (SIAM, "
+      "2003), doi:10.1137/1.9780898719154; H. B. Keller, Numerical solution of bifurcation "
+      "and nonlinear eigenvalue problems, in Applications of Bifurcation Theory, edited by P."
+      " H. Rabinowitz (Academic Press, 1977) 359";
   record.order = 8;
   record.adaptive = true;
   record.evaluations_per_step = 20;

@@ -46,8 +46,8 @@ IntegratorRecord dop853_record() {
   record.summary = "embedded Runge-Kutta pair 8(5,3) of Dormand and Prince, adaptive, dense output";
   record.equation = "y' = f: y + h sum b_i k_i, twelve stages, error from embedded orders 5 and 3";
   record.source =
-      "Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sections II.5 and "
-      "II.10, doi:10.1007/978-3-540-78862-1";
+      "E. Hairer, S. P. Norsett and G. Wanner, Solving Ordinary Differential Equations I "
+      "(Springer, 1993), doi:10.1007/978-3-540-78862-1, sections II.5 and II.10";
   record.order = 8;
   record.evaluations_per_step = 12;
   describe_adaptive(record, 1e-9);

@@ -173,9 +173,10 @@ IntegratorRecord exponential_verlet_record() {
   record.equation =
       "kick h/2 by F + K u, exact flow h of u'' = -K u/m - gamma u', kick h/2 by F + K u";
   record.source =
-      "Hairer, Lubich, Wanner, Geometric Numerical Integration, sections XIII.1 and XIII.2, "
-      "doi:10.1007/3-540-30666-8; Garcia-Archilla, Sanz-Serna, Skeel, SIAM J. Sci. Comput. 20 "
-      "(1998) 930, doi:10.1137/S1064827596313851";
+      "E. Hairer, C. Lubich and G. Wanner, Geometric Numerical Integration (Springer, 2006), "
+      "doi:10.1007/3-540-30666-8, sections XIII.1 and XIII.2; B. Garcia-Archilla, J. M. "
+      "Sanz-Serna and R. D. Skeel, SIAM J. Sci. Comput. 20 (1998) 930, "
+      "doi:10.1137/S1064827596313851";
   record.order = 2;
   record.evaluations_per_step = 1;
   record.without_inertia = false;

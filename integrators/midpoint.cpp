@@ -34,9 +34,9 @@ IntegratorRecord midpoint_record() {
   record.summary = "explicit midpoint scheme of second order with a fixed step";
   record.equation = "y' = f: y + h f(t + h/2, y + h/2 f(t, y))";
   record.source =
-      "C. Runge, Math. Ann. 46 (1895) 167, doi:10.1007/BF01446807; Hairer, Norsett, Wanner, "
-      "Solving "
-      "Ordinary Differential Equations I, section II.1, doi:10.1007/978-3-540-78862-1";
+      "C. Runge, Math. Ann. 46 (1895) 167, doi:10.1007/BF01446807; E. Hairer, S. P. Norsett "
+      "and G. Wanner, Solving Ordinary Differential Equations I (Springer, 1993), "
+      "doi:10.1007/978-3-540-78862-1, section II.1";
   record.order = 2;
   record.evaluations_per_step = 2;
   record.make_description = &make_description<Description>;

@@ -35,8 +35,9 @@ IntegratorRecord rk4_record() {
   record.summary = "classical Runge-Kutta scheme of fourth order with a fixed step";
   record.equation = "y' = f: y + h/6 (k1 + 2 k2 + 2 k3 + k4)";
   record.source =
-      "W. Kutta (1901); Hairer, Norsett, Wanner, Solving Ordinary Differential "
-      "Equations I, section II.1, doi:10.1007/978-3-540-78862-1";
+      "W. Kutta, Z. Math. Phys. 46 (1901) 435; E. Hairer, S. P. Norsett and G. Wanner, "
+      "Solving Ordinary Differential Equations I (Springer, 1993), "
+      "doi:10.1007/978-3-540-78862-1, section II.1";
   record.order = 4;
   record.evaluations_per_step = 4;
   record.make_description = &make_description<Description>;

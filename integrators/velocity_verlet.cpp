@@ -48,8 +48,9 @@ IntegratorRecord velocity_verlet_record() {
   record.summary = "velocity Verlet scheme of second order with the exact flow of friction";
   record.equation = "friction h/2, kick h/2, drift h, kick h/2, friction h/2";
   record.source =
-      "Swope, Andersen, Berens, Wilson, J. Chem. Phys. 76 (1982) 637, doi:10.1063/1.442716; "
-      "friction by splitting";
+      "W. C. Swope, H. C. Andersen, P. H. Berens and K. R. Wilson, J. Chem. Phys. 76 (1982) "
+      "637, doi:10.1063/1.442716; R. I. McLachlan and G. R. W. Quispel, Acta Numerica 11 "
+      "(2002) 341, doi:10.1017/S0962492902000053, friction by splitting";
   record.order = 2;
   record.evaluations_per_step = 1;
   record.without_inertia = false;

@@ -49,8 +49,9 @@ BodyRecord chain_record() {
       "joins them";
   record.equation = "x_i = origin + i * spacing along the axis, i = 0 .. count - 1";
   record.source =
-      "Frenkel and Kontorova (1938); O. M. Braun and Y. S. Kivshar, The "
-      "Frenkel-Kontorova Model, doi:10.1007/978-3-662-10331-9";
+      "O. M. Braun and Y. S. Kivshar, The Frenkel-Kontorova Model (Springer, 2004), "
+      "doi:10.1007/978-3-662-10331-9, chapter 1; T. A. Kontorova and Y. I. Frenkel, Zh. Eksp."
+      " Teor. Fiz. 8 (1938) 89";
   record.make_description = &make_description<Description>;
   record.parameters = with_body_parameters<Description>(
       {parameter("count", &Description::count, dimension::none, "number of particles").in(positive),

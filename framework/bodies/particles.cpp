@@ -99,7 +99,9 @@ BodyRecord particles_record() {
   record.name = "particles";
   record.summary = "particles at given positions, from a list or a file";
   record.equation = "x_i = positions[i]";
-  record.source = "no model of its own; D. Frenkel and B. Smit, Understanding Molecular Simulation";
+  record.source =
+      "D. Frenkel and B. Smit, Understanding Molecular Simulation (Academic Press, 2002), "
+      "ISBN 978-0-12-267351-1";
   record.make_description = &make_description<Description>;
   record.parameters = with_body_parameters<Description>(
       {parameter("positions", &Description::positions, dimension::length,

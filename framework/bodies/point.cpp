@@ -27,7 +27,9 @@ BodyRecord point_record() {
   record.name = "point";
   record.summary = "one particle";
   record.equation = "x_0 = position";
-  record.source = "Prandtl (1928), doi:10.1002/zamm.19280080202; Tomlinson (1929)";
+  record.source =
+      "L. Prandtl, Z. Angew. Math. Mech. 8 (1928) 85, doi:10.1002/zamm.19280080202; G. A. "
+      "Tomlinson, Philos. Mag. 7 (1929) 905, doi:10.1080/14786440608564819";
   record.make_description = &make_description<Description>;
   record.parameters = with_body_parameters<Description>(
       {parameter("position", &Description::position, dimension::length, "where it starts")});

@@ -46,8 +46,9 @@ BodyRecord ring_record() {
   record.summary = "particles on a circle in the x-y plane";
   record.equation = "x_i = centre + radius * (cos(2 pi i/count), sin(2 pi i/count))";
   record.source =
-      "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study "
-      "nanoscale rolling friction, eqs. (2) and (14)";
+      "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study"
+      " nanoscale rolling friction, J. Appl. Phys. 127 (2020), doi:10.48550/arXiv.1912.00232,"
+      " eqs. (2) and (14)";
   record.make_description = &make_description<Description>;
   record.parameters = with_body_parameters<Description>(
       {parameter("count", &Description::count, dimension::none, "number of particles").in(positive),

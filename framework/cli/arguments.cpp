@@ -32,7 +32,6 @@ struct LaterCommand {
 constexpr std::array kLaterCommands = {
     LaterCommand{"sweep", "many runs over the values of parameters"},
     LaterCommand{"stability", "thresholds and equilibria"},
-    LaterCommand{"schema", "JSON Schema of scenes, for editors"},
     LaterCommand{"report", "a web page of a run"},
 };
 
@@ -81,6 +80,7 @@ observables.csv with the friction trace, and scene.toml, the scene with every de
   tomlin new pt|fk|ring        a commented scene to start from
   tomlin describe              the bodies, forces and integrators
   tomlin describe NAME         one of them: equation, source, parameters, an example
+  tomlin schema                with which editors complete and check scenes
   tomlin plot pt.out -o a.svg  the friction trace
   tomlin tradeoff pt.toml --observable driver.mean_force.x
                                what accuracy costs, and the cheapest way to it
@@ -232,7 +232,25 @@ Examples:
 
   tomlin describe                          all components in a line each
   tomlin describe sinusoidal_substrate     equation, source, parameters, an example that runs
-  tomlin describe rk4 --json               the same for programs)";
+  tomlin describe run                      the keys of a table of the scene
+  tomlin describe rk4 --json               the same for programs
+  tomlin describe rk4 --markdown           the same for a page
+  tomlin describe --markdown -o DIR        all of it as pages, DIR/forcefields/REFERENCE.md ...)";
+
+constexpr const char* kSchemaFooter = R"(
+With it an editor completes and checks scenes while they are written: keys, types, words, ranges,
+each with its unit and default. With Taplo (Even Better TOML in VS Code, and others) the first line
+of a scene names it:
+
+  #:schema ./tomlin.schema.json
+
+What only holds between several values (names of bodies, ends of windows, stable steps), and what
+expressions say, is seen by tomlin check SCENE.
+
+Examples:
+
+  tomlin schema -o tomlin.schema.json
+  tomlin schema > tomlin.schema.json)";
 
 [[noreturn]] void refuse(std::string why, std::string nearest = "", std::string admissible = "") {
   Fault fault;
@@ -245,8 +263,8 @@ Examples:
 
 bool is_option(std::string_view word) { return word.size() > 1 && word.front() == '-'; }
 
-constexpr std::array kCommands = {"run",   "tradeoff", "compare",  "explain",
-                                  "check", "new",      "describe", "plot"};
+constexpr std::array kCommands = {"run", "tradeoff", "compare", "explain", "check",
+                                  "new", "describe", "schema",  "plot"};
 
 std::string all_commands() {
   return fmt::format("{}; tomlin --help tells more", fmt::join(kCommands, ", "));
@@ -323,6 +341,7 @@ class CommandLine {
     set_up_check();
     set_up_new();
     set_up_describe();
+    set_up_schema();
     set_up_plot();
     for (const LaterCommand& later : kLaterCommands) {
       app_.add_subcommand(later.name, later.what)->group("Later, not in this version");
@@ -341,7 +360,8 @@ class CommandLine {
     } catch (const CLI::ParseError& error) {
       refuse(fmt::format("{} ({} --help tells more)", error.what(), name_of(chosen())));
     }
-    if (app_.got_subcommand(describe_)) return described_;
+    if (app_.got_subcommand(describe_)) return describe_arguments();
+    if (app_.got_subcommand(schema_)) return schema_arguments();
     if (app_.got_subcommand(plot_)) return plot_arguments();
     if (app_.got_subcommand(new_)) return new_arguments();
     if (app_.got_subcommand(explain_)) {
@@ -455,9 +475,25 @@ class CommandLine {
   void set_up_describe() {
     describe_ = app_.add_subcommand("describe", "show the components that scenes are made of");
     describe_->footer(kDescribeFooter);
-    describe_->add_option("NAME", described_.name, "a body, force or integrator; all by default")
+    describe_
+        ->add_option("NAME", described_.name,
+                     "a body, force or integrator, or a table of the scene; all by default")
         ->option_text(" ");
-    describe_->add_flag("--json", described_.json, "as JSON");
+    CLI::Option* json = describe_->add_flag("--json", described_.json, "as JSON");
+    CLI::Option* markdown =
+        describe_->add_flag("--markdown", described_.markdown, "as Markdown")->excludes(json);
+    describe_->add_option("-o,--output", described_.folder, "folder for the reference pages")
+        ->type_name("DIR")
+        ->needs(markdown);
+    describe_->add_flag("--force", described_.force, "replace pages that are there");
+  }
+
+  void set_up_schema() {
+    schema_ = app_.add_subcommand("schema", "a JSON Schema of scenes, for editors");
+    schema_->footer(kSchemaFooter);
+    schema_->add_option("-o,--output", outlined_.file, "the file; standard output by default")
+        ->type_name("FILE");
+    schema_->add_flag("--force", outlined_.force, "replace a file that is there");
   }
 
   void set_up_plot() {
@@ -511,6 +547,19 @@ class CommandLine {
     if (begun_.name && begun_.name->empty()) refuse("NAME is empty");
     if (begun_.file && begun_.file->empty()) refuse("-o is empty");
     return begun_;
+  }
+
+  DescribeArguments describe_arguments() const {
+    if (described_.folder && described_.folder->empty()) refuse("-o is empty");
+    if (described_.folder && !described_.name.empty()) {
+      refuse("pages in a folder are of all components", "", "-o without NAME");
+    }
+    return described_;
+  }
+
+  SchemaArguments schema_arguments() const {
+    if (outlined_.file && outlined_.file->empty()) refuse("-o is empty");
+    return outlined_;
   }
 
   TradeoffArguments tradeoff_arguments() {
@@ -578,6 +627,7 @@ class CommandLine {
   CLI::App* check_ = nullptr;
   CLI::App* new_ = nullptr;
   CLI::App* describe_ = nullptr;
+  CLI::App* schema_ = nullptr;
   CLI::App* plot_ = nullptr;
   CLI::Option* plugin_ = nullptr;
   RunArguments asked_;
@@ -587,6 +637,7 @@ class CommandLine {
   CheckArguments checked_;
   NewArguments begun_;
   DescribeArguments described_;
+  SchemaArguments outlined_;
   PlotArguments plotted_;
   std::vector<std::string> panels_;
   std::vector<std::string> moments_;

@@ -68,6 +68,15 @@ struct NewArguments {
 struct DescribeArguments {
   std::string name;  ///< empty: all components
   bool json = false;
+  bool markdown = false;
+  std::optional<std::string> folder;  ///< for the reference pages
+  bool force = false;
+};
+
+/// `tomlin schema ...`
+struct SchemaArguments {
+  std::optional<std::string> file;  ///< standard output without it
+  bool force = false;
 };
 
 /// `tomlin plot DIR... [WHAT] ...`
@@ -90,9 +99,9 @@ struct TextToPrint {
   std::string text;
 };
 
-using Arguments =
-    std::variant<RunArguments, TradeoffArguments, CompareArguments, ExplainArguments,
-                 CheckArguments, NewArguments, DescribeArguments, PlotArguments, TextToPrint>;
+using Arguments = std::variant<RunArguments, TradeoffArguments, CompareArguments, ExplainArguments,
+                               CheckArguments, NewArguments, DescribeArguments, SchemaArguments,
+                               PlotArguments, TextToPrint>;
 
 /// Throws InputError when the command line does not say anything that can be done.
 Arguments parse_arguments(int argc, const char* const* argv);

@@ -17,7 +17,10 @@ int explain_command(const ExplainArguments& arguments);
 int check_command(const CheckArguments& arguments);
 /// Writes a scene to start from. Throws OutputError too.
 int new_command(const NewArguments& arguments);
+/// With `markdown` and a folder writes the reference pages there. Throws OutputError too.
 int describe_command(const DescribeArguments& arguments);
+/// Throws OutputError too.
+int schema_command(const SchemaArguments& arguments);
 /// Throws GnuplotError and OutputError too.
 int plot_command(const PlotArguments& arguments);
 

@@ -2,10 +2,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <iterator>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -15,12 +17,17 @@
 #include <nlohmann/json.hpp>
 
 #include "framework/cli/commands.hpp"
-#include "framework/cli/component_text.hpp"
+#include "framework/cli/described.hpp"
+#include "framework/cli/new_file.hpp"
+#include "framework/cli/node_json.hpp"
+#include "framework/cli/reference_pages.hpp"
 #include "framework/core/body.hpp"
+#include "framework/core/citation.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/core/force.hpp"
 #include "framework/core/integrator.hpp"
 #include "framework/core/nearest_name.hpp"
+#include "framework/output/output_file.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/language.hpp"
@@ -28,6 +35,7 @@
 #include "framework/standard_registry.hpp"
 
 namespace tomlin {
+namespace fs = std::filesystem;
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -37,39 +45,25 @@ std::string listed(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
-/// A component and how a scene takes it.
-struct Described {
-  std::string kind;
-  const ComponentRecord* record = nullptr;
-  TableLayout layout;
-  const ForceRecord* force = nullptr;            ///< null for another kind
-  const IntegratorRecord* integrator = nullptr;  ///< likewise
-};
-
-std::vector<Described> all_components(const Registry& registry) {
-  std::vector<Described> all;
-  for (const auto& record : registry.bodies()) {
-    all.push_back({"body", record.get(), body_layout(*record), nullptr, nullptr});
-  }
-  for (const auto& record : registry.forces()) {
-    all.push_back({"force", record.get(), force_layout(*record), record.get(), nullptr});
-  }
-  for (const auto& record : registry.integrators()) {
-    all.push_back({"integrator", record.get(), integrator_layout(*record), nullptr, record.get()});
-  }
-  return all;
+/// nullptr when there is none of that name.
+const Described* find(const std::vector<Described>& all, const std::string& name) {
+  const auto found = std::find_if(all.begin(), all.end(),
+                                  [&name](const auto& one) { return one.record->name == name; });
+  return found == all.end() ? nullptr : &*found;
 }
 
-constexpr std::array<std::pair<const char*, const char*>, 3> kKinds = {
-    std::pair{"body", "bodies"}, std::pair{"force", "forces"},
-    std::pair{"integrator", "integrators"}};
+const SceneTable* find(const std::vector<SceneTable>& tables, const std::string& name) {
+  const auto found = std::find_if(tables.begin(), tables.end(),
+                                  [&name](const auto& table) { return table.name == name; });
+  return found == tables.end() ? nullptr : &*found;
+}
 
-const Described& find(const std::vector<Described>& all, const std::string& name) {
+[[noreturn]] void refuse(const std::string& name, const std::vector<Described>& all,
+                         const std::vector<SceneTable>& tables) {
   std::vector<std::string> names;
-  for (const Described& component : all) {
-    if (component.record->name == name) return component;
-    names.push_back(component.record->name);
-  }
+  names.reserve(all.size() + tables.size());
+  for (const Described& component : all) names.push_back(component.record->name);
+  for (const SceneTable& table : tables) names.push_back(table.name);
   Fault fault;
   fault.place.file = "tomlin";
   fault.why = fmt::format("there is no component \"{}\"", name);
@@ -78,41 +72,9 @@ const Described& find(const std::vector<Described>& all, const std::string& name
   throw InputError({fault});
 }
 
-using Claim = std::pair<const char*, bool>;
-
-std::array<Claim, 8> claims(const Traits& traits) {
-  return {Claim{"conservative", traits.conservative},
-          Claim{"depends on velocity", traits.depends_on_velocity},
-          Claim{"depends on time", traits.depends_on_time},
-          Claim{"stochastic", traits.stochastic},
-          Claim{"internal", traits.internal},
-          Claim{"periodic", traits.periodic},
-          Claim{"dissipative", traits.dissipative},
-          Claim{"does work", traits.does_work}};
-}
-
-std::string default_text(const Parameter& row) {
-  if (row.required()) return "required";
-  const auto standard = row.standard ? to_node(*row.standard) : std::nullopt;
-  return standard ? "default " + value_text(*standard) : "may be absent";
-}
-
-/// What scenes may say one day: keys, words of a key, and values but the default.
-std::vector<std::pair<std::string, std::string>> later(const TableLayout& layout) {
-  std::vector<std::pair<std::string, std::string>> result;
-  for (const ReservedKey& key : layout.reserved) result.emplace_back(key.key, key.note);
-  for (const Parameter& row : layout.rows) {
-    if (row.only_standard) result.emplace_back(row.key, "any value but the default");
-    if (!row.later_choices.empty()) {
-      result.emplace_back(row.key, fmt::format("\"{}\"", fmt::join(row.later_choices, "\", \"")));
-    }
-  }
-  return result;
-}
-
 // ---- text
 
-std::string list_text(const std::vector<Described>& all) {
+std::string list_text(const std::vector<Described>& all, const std::vector<SceneTable>& tables) {
   std::size_t width = 0;
   for (const Described& component : all) width = std::max(width, component.record->name.size());
   std::string text;
@@ -123,6 +85,10 @@ std::string list_text(const std::vector<Described>& all) {
       fmt::format_to(std::back_inserter(text), "  {:<{}}  {}\n", component.record->name, width,
                      component.record->summary);
     }
+  }
+  text += "tables of a scene\n";
+  for (const SceneTable& table : tables) {
+    fmt::format_to(std::back_inserter(text), "  {:<{}}  {}\n", table.name, width, table.summary);
   }
   return text +
          "\n`tomlin describe NAME` shows one with its equation, parameters and an example.\n";
@@ -138,21 +104,51 @@ void append_indented(std::string& text, std::string_view lines) {
 }
 
 void append_traits(std::string& text, const Described& component) {
+  if (component.kind == "body") return;
   if (component.force != nullptr) {
-    std::vector<std::string> held;
-    for (const auto& [name, holds] : claims(component.force->traits)) {
-      if (holds) held.emplace_back(name);
-    }
-    text += std::string("\nacts on\n  ") + to_string(component.force->element) + "\n";
-    text += "\ntraits\n  " + (held.empty() ? "none" : listed(held)) + "\n";
+    text += "\nacts on\n  " + acts_on(*component.force) + "\n";
   }
-  if (component.integrator != nullptr) {
-    fmt::format_to(std::back_inserter(text),
-                   "\ntraits\n  order {}, {}, {} evaluations of all forces per step\n",
-                   component.integrator->order,
-                   component.integrator->adaptive ? "adaptive steps" : "fixed steps",
-                   component.integrator->evaluations_per_step);
+  const auto held = trait_words(component);
+  text += "\ntraits\n  " + (held.empty() ? "none" : listed(held)) + "\n";
+  text += "\nnumbers\n  " + listed(number_types(component)) + "\n";
+}
+
+void append_sources(std::string& text, const std::string& source) {
+  text += "\nsource\n";
+  for (const auto& [work, place] : citations(source)) {
+    text += "  " + work + (place.empty() ? "" : ", " + place) + "\n";
   }
+}
+
+void append_rows(std::string& text, const std::vector<Parameter>& rows) {
+  text += "\nparameters\n";
+  for (const Parameter& row : rows) {
+    fmt::format_to(std::back_inserter(text), "  {} [{}]: {}\n      {}; {}\n", row.key,
+                   to_string(row.dimension), row.doc, what_is_due(row), default_text(row));
+  }
+}
+
+void append_own_keys(std::string& text, const std::string& title, const std::vector<OwnKey>& keys) {
+  if (keys.empty()) return;
+  text += "\n" + title + "\n";
+  for (const OwnKey& own : keys) text += "  " + own.key + ": " + own.doc + "\n";
+}
+
+void append_later(std::string& text, const TableLayout& layout) {
+  const auto to_come = later(layout);
+  if (to_come.empty()) return;
+  text += "\nnot in this version\n";
+  for (const auto& [key, note] : to_come) {
+    text += "  " + key + (note.empty() ? "" : ": " + note) + "\n";
+  }
+}
+
+std::string table_text(const SceneTable& table) {
+  std::string text = fmt::format("[{}]: {}\n", table.name, table.summary);
+  append_rows(text, table.layout.rows);
+  append_own_keys(text, "and", table.layout.own_keys);
+  append_later(text, table.layout);
+  return text;
 }
 
 std::string component_text(const Described& component) {
@@ -160,51 +156,17 @@ std::string component_text(const Described& component) {
   std::string text = fmt::format("{} ({}): {}\n", record.name, component.kind, record.summary);
   text += "\nequation\n";
   append_indented(text, record.equation);
-  text += "\nsource\n";
-  append_indented(text, record.source);
+  append_sources(text, record.source);
   append_traits(text, component);
-  text += "\nparameters\n";
-  for (const Parameter& row : component.layout.rows) {
-    fmt::format_to(std::back_inserter(text), "  {} [{}]: {}\n      {}; {}\n", row.key,
-                   to_string(row.dimension), row.doc, what_is_due(row), default_text(row));
-  }
-  fmt::format_to(std::back_inserter(text), "\nevery {} also takes\n", component.kind);
-  for (const OwnKey& own : component.layout.own_keys) {
-    text += "  " + own.key + ": " + own.doc + "\n";
-  }
-  if (const auto to_come = later(component.layout); !to_come.empty()) {
-    text += "\nnot in this version\n";
-    for (const auto& [key, note] : to_come) {
-      text += "  " + key + (note.empty() ? "" : ": " + note) + "\n";
-    }
-  }
+  append_rows(text, component.layout.rows);
+  append_own_keys(text, "every " + component.kind + " also takes", component.layout.own_keys);
+  append_later(text, component.layout);
   text += "\nexample\n";
   append_indented(text, record.example);
   return text;
 }
 
 // ---- JSON
-
-Json json_of(const Node& node) {
-  return std::visit(
-      [](const auto& given) -> Json {
-        using Kind = std::decay_t<decltype(given)>;
-        if constexpr (std::is_same_v<Kind, List>) {
-          Json list = Json::array();
-          for (const Node& element : given) list.push_back(json_of(element));
-          return list;
-        } else if constexpr (std::is_same_v<Kind, Table>) {
-          Json object = Json::object();
-          for (const Entry& entry : given.entries) object[entry.key] = json_of(entry.value);
-          return object;
-        } else if constexpr (std::is_same_v<Kind, Moment>) {
-          return nullptr;
-        } else {
-          return given;
-        }
-      },
-      node.value);
-}
 
 /// What kind of value a row takes.
 const char* kind_name(const Parameter& row) {
@@ -243,21 +205,55 @@ Json parameter_json(const Parameter& row) {
   return entry;
 }
 
+template <class Claims>
+void append_claims(Json& traits, const Claims& given) {
+  for (const auto& [name, holds] : given) {
+    std::string key = name;
+    std::replace(key.begin(), key.end(), ' ', '_');
+    traits[key] = holds;
+  }
+}
+
+Json citations_json(const std::string& source) {
+  Json list = Json::array();
+  for (const auto& [work, place] : citations(source)) {
+    list.push_back(Json{{"work", work}, {"place", place}});
+  }
+  return list;
+}
+
 Json traits_json(const Described& component) {
   Json traits = Json::object();
   if (component.force != nullptr) {
-    for (const auto& [name, holds] : claims(component.force->traits)) {
-      std::string key = name;
-      std::replace(key.begin(), key.end(), ' ', '_');
-      traits[key] = holds;
-    }
+    append_claims(traits, claims(component.force->traits));
   }
   if (component.integrator != nullptr) {
     traits["order"] = component.integrator->order;
-    traits["adaptive"] = component.integrator->adaptive;
     traits["evaluations_per_step"] = component.integrator->evaluations_per_step;
+    append_claims(traits, abilities(*component.integrator));
   }
   return traits;
+}
+
+void append_layout(Json& entry, const TableLayout& layout) {
+  entry["parameters"] = Json::array();
+  for (const Parameter& row : layout.rows) {
+    entry["parameters"].push_back(parameter_json(row));
+  }
+  entry["other_keys"] = Json::array();
+  for (const OwnKey& own : layout.own_keys) {
+    entry["other_keys"].push_back(Json{{"key", own.key}, {"doc", own.doc}});
+  }
+  entry["not_in_this_version"] = Json::array();
+  for (const auto& [key, note] : later(layout)) {
+    entry["not_in_this_version"].push_back(Json{{"key", key}, {"note", note}});
+  }
+}
+
+Json table_json(const SceneTable& table) {
+  Json entry = {{"name", table.name}, {"kind", "table"}, {"summary", table.summary}};
+  append_layout(entry, table.layout);
+  return entry;
 }
 
 Json component_json(const Described& component) {
@@ -268,25 +264,16 @@ Json component_json(const Described& component) {
   entry["summary"] = record.summary;
   entry["equation"] = record.equation;
   entry["source"] = record.source;
-  if (component.force != nullptr) entry["acts_on"] = to_string(component.force->element);
+  entry["works"] = citations_json(record.source);
+  if (component.force != nullptr) entry["acts_on"] = acts_on(*component.force);
   entry["traits"] = traits_json(component);
-  entry["parameters"] = Json::array();
-  for (const Parameter& row : component.layout.rows) {
-    entry["parameters"].push_back(parameter_json(row));
-  }
-  entry["other_keys"] = Json::array();
-  for (const OwnKey& own : component.layout.own_keys) {
-    entry["other_keys"].push_back(Json{{"key", own.key}, {"doc", own.doc}});
-  }
-  entry["not_in_this_version"] = Json::array();
-  for (const auto& [key, note] : later(component.layout)) {
-    entry["not_in_this_version"].push_back(Json{{"key", key}, {"note", note}});
-  }
+  if (component.kind != "body") entry["number_types"] = number_types(component);
+  append_layout(entry, component.layout);
   entry["example"] = record.example;
   return entry;
 }
 
-Json list_json(const std::vector<Described>& all) {
+Json list_json(const std::vector<Described>& all, const std::vector<SceneTable>& tables) {
   Json list;
   for (const auto& [kind, kinds] : kKinds) {
     list[kinds] = Json::array();
@@ -296,20 +283,69 @@ Json list_json(const std::vector<Described>& all) {
           Json{{"name", component.record->name}, {"summary", component.record->summary}});
     }
   }
+  list["tables"] = Json::array();
+  for (const SceneTable& table : tables) {
+    list["tables"].push_back(Json{{"name", table.name}, {"summary", table.summary}});
+  }
   return list;
+}
+
+// ---- Markdown
+
+std::string all_pages(const Registry& registry) {
+  std::string text;
+  for (const ReferencePage& page : reference_pages(registry)) {
+    text += (text.empty() ? "" : "\n") + page.text;
+  }
+  return text;
+}
+
+/// Looks at all places first, so that all pages are written or none.
+int write_pages(const fs::path& folder, const Registry& registry, bool force) {
+  const auto pages = reference_pages(registry);
+  for (const ReferencePage& page : pages) refuse_to_replace(folder / page.file, force);
+  std::string written;
+  for (const ReferencePage& page : pages) {
+    const fs::path file = folder / page.file;
+    std::error_code error;
+    fs::create_directories(file.parent_path(), error);
+    if (error) {
+      Fault fault;
+      fault.place.file = "-o";
+      fault.key = file.parent_path().string();
+      fault.why = "cannot be made: " + error.message();
+      throw InputError({fault});
+    }
+    OutputFile output(file);
+    output.append(page.text);
+    output.publish();
+    written += file.string() + "\n";
+  }
+  return print_result(written);
 }
 
 }  // namespace
 
 int describe_command(const DescribeArguments& arguments) {
   const Registry registry = standard_registry();
+  if (arguments.folder) return write_pages(*arguments.folder, registry, arguments.force);
   const auto all = all_components(registry);
+  const auto tables = scene_tables();
   if (arguments.name.empty()) {
-    return print_result(arguments.json ? list_json(all).dump(2) + "\n" : list_text(all));
+    if (arguments.markdown) return print_result(all_pages(registry));
+    return print_result(arguments.json ? list_json(all, tables).dump(2) + "\n"
+                                       : list_text(all, tables));
   }
-  const Described& component = find(all, arguments.name);
-  return print_result(arguments.json ? component_json(component).dump(2) + "\n"
-                                     : component_text(component));
+  if (const Described* component = find(all, arguments.name)) {
+    if (arguments.markdown) return print_result(component_section(*component));
+    return print_result(arguments.json ? component_json(*component).dump(2) + "\n"
+                                       : component_text(*component));
+  }
+  if (const SceneTable* table = find(tables, arguments.name)) {
+    if (arguments.markdown) return print_result(table_section(*table));
+    return print_result(arguments.json ? table_json(*table).dump(2) + "\n" : table_text(*table));
+  }
+  refuse(arguments.name, all, tables);
 }
 
 }  // namespace tomlin

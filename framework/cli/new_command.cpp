@@ -1,13 +1,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "framework/cli/commands.hpp"
 #include "framework/cli/exit_status.hpp"
+#include "framework/cli/new_file.hpp"
 #include "framework/cli/templates.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/core/nearest_name.hpp"
@@ -39,24 +39,6 @@ fs::path file_of(const NewArguments& arguments) {
   if (arguments.file) return *arguments.file;
   const fs::path name = arguments.name.value_or(arguments.model);
   return name.extension() == ".toml" ? name : fs::path(name.string() + ".toml");
-}
-
-void refuse_to_replace(const fs::path& file, bool force) {
-  std::error_code error;
-  const auto status = fs::status(file, error);
-  Fault fault;
-  fault.place.file = "-o";
-  fault.key = file.string();
-  if (fs::is_directory(status)) {
-    fault.why = "this is a folder";
-    fault.admissible = "a file";
-  } else if (fs::exists(status) && !force) {
-    fault.why = "the file is there already";
-    fault.admissible = "another name, or --force to replace it";
-  } else {
-    return;
-  }
-  refuse(std::move(fault));
 }
 
 }  // namespace

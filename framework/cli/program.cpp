@@ -30,6 +30,8 @@ int carry_out(const NewArguments& arguments) { return new_command(arguments); }
 
 int carry_out(const DescribeArguments& arguments) { return describe_command(arguments); }
 
+int carry_out(const SchemaArguments& arguments) { return schema_command(arguments); }
+
 int carry_out(const PlotArguments& arguments) { return plot_command(arguments); }
 
 int carry_out(const TextToPrint& text) { return print_result(text.text); }

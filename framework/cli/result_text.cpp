@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "framework/output/references.hpp"
+
 namespace tomlin {
 namespace {
 
@@ -141,6 +143,8 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
   for (std::size_t k = 0; k < std::min(result.warnings.size(), kMostShown); ++k) {
     row(lines, "warning", result.warnings[k]);
   }
+  const std::size_t cited = references(scene, result.accuracy ? &*result.accuracy : nullptr).size();
+  row(lines, "cite", fmt::format("{} works, under references in summary.json", cited));
   row(lines, "results", where);
 
   std::size_t width = 0;

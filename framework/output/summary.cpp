@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "framework/output/references.hpp"
+
 namespace tomlin {
 namespace {
 
@@ -93,6 +95,14 @@ Json body_entry(const BodyResult& body, bool planar) {
   return entry;
 }
 
+Json references_entry(const Scene& scene, const RunResult& result) {
+  Json list = Json::array();
+  for (const Reference& one : references(scene, result.accuracy ? &*result.accuracy : nullptr)) {
+    list.push_back({{"source", one.work}, {"for", one.used_for}});
+  }
+  return list;
+}
+
 }  // namespace
 
 std::string summary_json(const Scene& scene, const RunResult& result) {
@@ -158,6 +168,7 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
   for (const auto& [force, why] : result.left_out) {
     summary["left_out"].push_back({{"force", force}, {"why", why}});
   }
+  summary["references"] = references_entry(scene, result);
   summary["performance"] = {{"wall_seconds", number(result.wall_seconds)},
                             {"steps_per_second", number(result.steps_per_second)},
                             {"instruction_set", std::string(to_string(result.instruction_set))}};

@@ -120,6 +120,8 @@ struct AccuracyResult {
   std::string companion;   ///< the same of the run that errors are estimated with; empty: none
   std::uint64_t pilot_cost = 0;  ///< evaluations and columns
   std::uint64_t companion_cost = 0;
+  const IntegratorRecord* scheme = nullptr;            ///< the integrator's
+  const IntegratorRecord* companion_scheme = nullptr;  ///< null where there is no companion
 };
 
 /// Estimated error of an observable of this run, in its own unit.

@@ -115,7 +115,8 @@ TableLayout scene_layout() {
   layout.rows = {
       parameter("name", &Scene::name, dimension::none, "what the scene is, for people")
           .by_default(""),
-      parameter("source", &Scene::source, dimension::none, "where it was taken from")
+      parameter("source", &Scene::source, dimension::none,
+                "where it was taken from: works with their DOIs, parted by \"; \"")
           .by_default(""),
       parameter("units", &Scene::units, dimension::none, "the system of units")
           .one_of({"reduced"})
@@ -245,6 +246,18 @@ TableLayout output_layout() {
   return layout;
 }
 
+std::vector<SceneTable> scene_tables() {
+  return {{"scene", "what the scene is; may be absent", scene_layout()},
+          {"box", "its size, and where everything repeats; no box without it", box_layout()},
+          {"run", "how long, and by which equations, steps and numbers", run_layout()},
+          {"run.perturb", "repeats from other starts: is the result determined at all?",
+           perturb_layout()},
+          {"run.until", "end when steady, in place of a duration", until_layout()},
+          {"measure", "the window of means, work and extremes; the whole run without it",
+           measure_layout()},
+          {"output", "what is written beside the summary", output_layout()}};
+}
+
 TableLayout body_layout(const BodyRecord& record) {
   static const std::vector<OwnKey> keys = {
       {"name", "its type's where no other body has that type"},
@@ -290,9 +303,9 @@ const std::vector<ReservedKey>& reserved_top_level_keys() {
 
 bool is_word_of_summary(std::string_view name) {
   static constexpr std::string_view kWords[] = {
-      "time",       "energy",     "events",  "window",   "performance",
-      "parameters", "status",     "drivers", "bodies",   "warnings",
-      "error",      "determined", "failure", "left_out", "equilibrium"};
+      "time",    "energy",   "events",      "window",    "performance", "parameters",
+      "status",  "drivers",  "bodies",      "warnings",  "error",       "determined",
+      "failure", "left_out", "equilibrium", "references"};
   return std::find(std::begin(kWords), std::end(kWords), name) != std::end(kWords);
 }
 

@@ -43,6 +43,16 @@ TableLayout perturb_layout();
 TableLayout measure_layout();
 TableLayout output_layout();
 
+/// A table of a scene that is no component, with what it is for.
+struct SceneTable {
+  std::string name;  ///< "run", "run.perturb"
+  std::string summary;
+  TableLayout layout;
+};
+
+/// All of them but [parameters], whose keys are the scene's own; in the order of a scene.
+std::vector<SceneTable> scene_tables();
+
 // The rows of these assign members of the component's description.
 TableLayout body_layout(const BodyRecord& record);
 /// `hold`, which every body takes; assigns SceneBody::hold.

@@ -7,6 +7,7 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -110,6 +111,12 @@ std::string what_is_due(const Parameter& row) {
         }
       },
       row.prototype);
+}
+
+std::vector<std::string> words_due(const Parameter& row) {
+  if (std::holds_alternative<PairSelection>(row.prototype)) return words_of(row, kPairWords);
+  if (std::holds_alternative<Attachment>(row.prototype)) return words_of(row, kAttachmentWords);
+  return row.choices;
 }
 
 std::optional<ParameterValue> ValueReader::read(const Parameter& row, const Node& node,

@@ -15,6 +15,9 @@ namespace tomlin {
 /// What a row admits, for people: "a number > 0", "\"a\" or \"b\"", "an integer >= 1".
 std::string what_is_due(const Parameter& row);
 
+/// The words that a row admits, alone or beside other kinds of values; none for a free text.
+std::vector<std::string> words_due(const Parameter& row);
+
 /// Turns what stands in a scene into the value of a parameter row.
 class ValueReader {
  public:

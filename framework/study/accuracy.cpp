@@ -86,6 +86,8 @@ Companion companion_of(const std::shared_ptr<const Scene>& scene) {
 void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, RunResult& result) {
   const double accuracy = *chosen.scene->run.accuracy;
   result.accuracy = AccuracyResult{accuracy, chosen.text, chosen.companion_text, chosen.pilot_cost};
+  result.accuracy->scheme = chosen.scene->run.integrator.record;
+  if (chosen.companion) result.accuracy->companion_scheme = chosen.companion->run.integrator.record;
   result.warnings.insert(result.warnings.end(), chosen.warnings.begin(), chosen.warnings.end());
   if (result.status != RunStatus::finished) return;
   if (chosen.companion == nullptr) {

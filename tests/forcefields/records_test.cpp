@@ -2,6 +2,8 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <regex>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -9,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/core/citation.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/core/force.hpp"
 #include "tests/support/scenes.hpp"
@@ -78,6 +81,41 @@ TEST(Conformance, TheEdgeOfARangeIsAccepted) {
   const ForceRecord* damping = standard().force("viscous_damping");
   EXPECT_EQ(refusal(*damping, "force.viscous_damping.coefficient", "0.0"), "");
   EXPECT_EQ(refusal(*damping, "force.viscous_damping.coefficient", "1e-300"), "");
+}
+
+// ---- sources
+
+/// A DOI, or what finds a work from before there were any.
+bool can_be_found(const std::string& work) {
+  // "doi:10.1016/x", at the end since what follows it would be a place in the work.
+  static const std::regex doi(".*, doi:10\\.[0-9]{4,}/[^ ]+");
+  static const std::regex book(".*, ISBN [0-9-]{13,}");
+  static const std::regex journal(".* [0-9]+ \\((18|19|20)[0-9]{2}\\) [0-9]+");  // 8 (1938) 89
+  static const std::regex chapter(".*, in .*\\((.*), (19|20)[0-9]{2}\\) [0-9]+");
+  return std::regex_match(work, doi) || std::regex_match(work, book) ||
+         std::regex_match(work, journal) || std::regex_match(work, chapter);
+}
+
+TEST(Sources, CanBeCited) {
+  std::map<std::string, std::string> works;  // by what they are known by
+  const auto look_at = [&](const ComponentRecord& record) {
+    SCOPED_TRACE(record.name);
+    const auto cited = citations(record.source);
+    EXPECT_FALSE(cited.empty());
+    for (const Citation& citation : cited) {
+      EXPECT_TRUE(can_be_found(citation.work)) << citation.work;
+      // The same work is written the same way everywhere.
+      EXPECT_EQ(works.try_emplace(identity_of(citation), citation.work).first->second,
+                citation.work);
+    }
+  };
+  for (const auto& record : standard().bodies()) look_at(*record);
+  for (const auto& record : standard().forces()) look_at(*record);
+  for (const auto& record : standard().integrators()) look_at(*record);
+  EXPECT_GT(works.size(), 10U);
+  for (const char* vague : {"Prandtl (1928)", "textbook", "doi:", "W. Kutta (1901)"}) {
+    EXPECT_FALSE(can_be_found(vague)) << vague;
+  }
 }
 
 // ---- names

@@ -22,7 +22,7 @@ TEST_F(Cli, HelpIsEverywhere) {
        {std::vector<std::string>{}, std::vector<std::string>{"run"},
         std::vector<std::string>{"explain"}, std::vector<std::string>{"check"},
         std::vector<std::string>{"new"}, std::vector<std::string>{"describe"},
-        std::vector<std::string>{"plot"}}) {
+        std::vector<std::string>{"schema"}, std::vector<std::string>{"plot"}}) {
     for (const char* flag : {"--help", "-h"}) {
       auto arguments = command;
       arguments.emplace_back(flag);
@@ -61,12 +61,12 @@ TEST_F(Cli, WhatItDoesNotKnowIsBadInput) {
   expect_refused(
       {},
       "tomlin: error: a command is due; admissible: run, tradeoff, compare, explain, check, new, "
-      "describe, plot; "
+      "describe, schema, plot; "
       "tomlin --help tells more\n");
   expect_refused({"swep"},
                  "tomlin: error: there is no command \"swep\"; admissible: run, tradeoff, compare, "
                  "explain, check, new, "
-                 "describe, plot; "
+                 "describe, schema, plot; "
                  "tomlin --help tells more; did you mean \"sweep\"?\n");
   expect_refused({"run", "tip.toml", "--frce"},
                  "tomlin: error: tomlin run has no option --frce; admissible: tomlin run --help "
@@ -84,7 +84,7 @@ TEST_F(Cli, WhatItDoesNotKnowIsBadInput) {
 }
 
 TEST_F(Cli, WhatIsToComeSaysSo) {
-  for (const std::string name : {"sweep", "stability", "schema", "report"}) {
+  for (const std::string name : {"sweep", "stability", "report"}) {
     expect_refused({name}, "tomlin: error: \"" + name + "\" is not in this version\n");
   }
   expect_refused({"sweep", "tip.toml", "--over", "v=1,2", "-o", "x"},
@@ -121,9 +121,13 @@ TEST_F(Cli, DescribeShowsOneComponentAndItsExampleRuns) {
       const Ended text = tomlin({"describe", name});
       EXPECT_EQ(text.status, 0);
       const Json component = Json::parse(tomlin({"describe", name, "--json"}).out);
-      for (const char* key : {"summary", "equation", "source"}) {
+      for (const char* key : {"summary", "equation"}) {
         const auto value = component[key].get<std::string>();
         EXPECT_TRUE(contains(text.out, value.substr(0, value.find('\n')))) << name << " " << key;
+      }
+      EXPECT_FALSE(component["works"].empty());
+      for (const Json& work : component["works"]) {
+        EXPECT_TRUE(contains(text.out, "\n  " + work["work"].get<std::string>())) << name;
       }
       for (const Json& row : component["parameters"]) {
         EXPECT_TRUE(contains(text.out, "\n  " + row["key"].get<std::string>() + " ["));
@@ -150,6 +154,73 @@ TEST_F(Cli, DescribeKnowsWhatItDoesNotKnow) {
       contains(tomlin({"describe", "expression"}).err, "\"expression\" is not in this version"));
 }
 
+TEST_F(Cli, DescribeShowsTheTablesOfAScene) {
+  const Json list = Json::parse(tomlin({"describe", "--json"}).out);
+  std::size_t keys = 0;
+  for (const Json& listed : list["tables"]) {
+    const auto name = listed["name"].get<std::string>();
+    const Ended text = tomlin({"describe", name});
+    EXPECT_EQ(text.status, 0);
+    EXPECT_TRUE(contains(text.out, "[" + name + "]: " + listed["summary"].get<std::string>()));
+    const Json table = Json::parse(tomlin({"describe", name, "--json"}).out);
+    for (const Json& row : table["parameters"]) {
+      ++keys;
+      EXPECT_TRUE(contains(text.out, "\n  " + row["key"].get<std::string>() + " ["));
+    }
+  }
+  EXPECT_EQ(list["tables"].size(), 7U);
+  EXPECT_GT(keys, 20U);
+}
+
+TEST_F(Cli, DescribeNamesTheWorksOfASource) {
+  const Json verlet = Json::parse(tomlin({"describe", "velocity_verlet", "--json"}).out);
+  ASSERT_EQ(verlet["works"].size(), 2U);
+  EXPECT_EQ(verlet["works"][0]["place"], "");
+  EXPECT_EQ(verlet["works"][1]["place"], "friction by splitting");
+  EXPECT_EQ(verlet["number_types"], (Json{"double", "float", "quadruple"}));
+}
+
+// ---- the pages of reference
+
+TEST_F(Cli, ThePagesAreWrittenIntoAFolder) {
+  const Ended ended = tomlin({"describe", "--markdown", "-o", "pages/new"});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  std::string all;
+  for (const char* page : {"framework/bodies/REFERENCE.md", "forcefields/REFERENCE.md",
+                           "integrators/REFERENCE.md", "framework/scene/REFERENCE.md"}) {
+    EXPECT_TRUE(contains(ended.out, page));
+    all += (all.empty() ? "" : "\n") + file(std::string("pages/new/") + page);
+  }
+  EXPECT_EQ(tomlin({"describe", "--markdown"}).out, all);
+  const Json list = Json::parse(tomlin({"describe", "--json"}).out);
+  for (const char* kinds : {"bodies", "forces", "integrators"}) {
+    for (const Json& listed : list[kinds]) {
+      const auto name = listed["name"].get<std::string>();
+      const std::string section = tomlin({"describe", name, "--markdown"}).out;
+      EXPECT_EQ(section.substr(0, name.size() + 4), "## " + name + "\n");
+      // The last of a page has no empty line after it.
+      EXPECT_TRUE(contains(all, section.substr(0, section.size() - 1))) << section;
+    }
+  }
+}
+
+TEST_F(Cli, PagesAreNotReplacedUnasked) {
+  fs::create_directories(folder_ / "forcefields");
+  write(folder_ / "forcefields/REFERENCE.md", "mine");
+  expect_refused({"describe", "--markdown", "-o", "."},
+                 "-o: error: ./forcefields/REFERENCE.md: the file is there already; admissible: "
+                 "another name, or --force to replace it\n");
+  EXPECT_EQ(file("forcefields/REFERENCE.md"), "mine");
+  EXPECT_EQ(tomlin({"describe", "--markdown", "-o", ".", "--force"}).status, 0);
+  EXPECT_NE(file("forcefields/REFERENCE.md"), "mine");
+  write(folder_ / "a_file", "");
+  EXPECT_EQ(tomlin({"describe", "--markdown", "-o", "a_file"}).status, 2);
+  EXPECT_EQ(tomlin({"describe", "rk4", "--markdown", "-o", "x"}).status, 2);
+  EXPECT_EQ(tomlin({"describe", "-o", "x"}).status, 2);
+  EXPECT_EQ(tomlin({"describe", "--markdown", "--json"}).status, 2);
+  EXPECT_FALSE(exists("x"));
+}
+
 // ---- run
 
 TEST_F(Cli, ARunLeavesItsFilesAndAShortResult) {
@@ -161,6 +232,8 @@ TEST_F(Cli, ARunLeavesItsFilesAndAShortResult) {
     EXPECT_TRUE(contains(ended.out, part)) << part << "\n" << ended.out;
   }
   EXPECT_LE(lines(ended.out), 12);
+
+  EXPECT_TRUE(contains(ended.out, "\n  cite "));
 
   const Json results = summary("tip.out");
   EXPECT_EQ(results["status"], "finished");

@@ -130,6 +130,11 @@ TEST_P(Accuracy, IsKeptAndTheErrorIsNotHeldTooSmall) {
     const double cost = static_cast<double>(result.force_evaluations + result.jacobian_columns);
     EXPECT_LE(static_cast<double>(result.accuracy->companion_cost), kMostForCompanion * cost);
     EXPECT_GT(result.accuracy->companion_cost, 0U);
+    // What is cited is what ran.
+    const AccuracyResult& taken = *result.accuracy;
+    ASSERT_TRUE(taken.scheme && taken.companion_scheme);
+    EXPECT_NE(taken.integrator.find('"' + taken.scheme->name + '"'), std::string::npos);
+    EXPECT_NE(taken.companion.find('"' + taken.companion_scheme->name + '"'), std::string::npos);
   }
 }
 

@@ -1,0 +1,112 @@
+#include "framework/cli/described.hpp"
+
+#include <fmt/format.h>
+
+#include "framework/cli/component_text.hpp"
+#include "framework/core/body.hpp"
+#include "framework/scene/effective.hpp"
+
+namespace tomlin {
+namespace {
+
+template <class Record>
+std::vector<std::string> number_types_of(const Record& record) {
+  std::vector<std::string> types;
+  if (record.bind.in_double) types.emplace_back("double");
+  if (record.bind.in_float) types.emplace_back("float");
+  if (record.bind.in_quadruple) types.emplace_back("quadruple");
+  return types;
+}
+
+template <class Claims>
+void append_held(std::vector<std::string>& words, const Claims& given) {
+  for (const auto& [name, holds] : given) {
+    if (holds) words.emplace_back(name);
+  }
+}
+
+}  // namespace
+
+std::vector<Described> all_components(const Registry& registry) {
+  std::vector<Described> all;
+  for (const auto& record : registry.bodies()) {
+    all.push_back({"body", record.get(), body_layout(*record), nullptr, nullptr});
+  }
+  for (const auto& record : registry.forces()) {
+    all.push_back({"force", record.get(), force_layout(*record), record.get(), nullptr});
+  }
+  for (const auto& record : registry.integrators()) {
+    all.push_back({"integrator", record.get(), integrator_layout(*record), nullptr, record.get()});
+  }
+  return all;
+}
+
+std::array<Claim, 8> claims(const Traits& traits) {
+  return {Claim{"conservative", traits.conservative},
+          Claim{"depends on velocity", traits.depends_on_velocity},
+          Claim{"depends on time", traits.depends_on_time},
+          Claim{"stochastic", traits.stochastic},
+          Claim{"internal", traits.internal},
+          Claim{"periodic", traits.periodic},
+          Claim{"dissipative", traits.dissipative},
+          Claim{"does work", traits.does_work}};
+}
+
+std::array<Claim, 7> abilities(const IntegratorRecord& record) {
+  return {Claim{"adaptive", record.adaptive},
+          Claim{"takes scenes without inertia", record.without_inertia},
+          Claim{"takes friction as an operator", record.splits_friction},
+          Claim{"takes bonds as an operator", record.splits_bonds},
+          Claim{"needs derivatives of the forces", record.needs_tangent},
+          Claim{"only for scenes without friction", record.conservative_only},
+          Claim{"follows equilibria", record.follows_equilibria}};
+}
+
+std::string acts_on(const ForceRecord& force) {
+  std::string text = to_string(force.element);
+  if (force.most_bodies == 1) return text;
+  if (force.fewest_bodies == force.most_bodies) {
+    return text + fmt::format(", of {} bodies", force.most_bodies);
+  }
+  return text + fmt::format(", of {} to {} bodies", force.fewest_bodies, force.most_bodies);
+}
+
+std::vector<std::string> trait_words(const Described& component) {
+  std::vector<std::string> words;
+  if (component.force != nullptr) append_held(words, claims(component.force->traits));
+  if (component.integrator != nullptr) {
+    const IntegratorRecord& record = *component.integrator;
+    words.push_back(fmt::format("order {}", record.order));
+    if (!record.adaptive) words.emplace_back("fixed steps");
+    words.push_back(
+        fmt::format("{} evaluations of all forces per step", record.evaluations_per_step));
+    append_held(words, abilities(record));
+  }
+  return words;
+}
+
+std::vector<std::string> number_types(const Described& component) {
+  if (component.force != nullptr) return number_types_of(*component.force);
+  if (component.integrator != nullptr) return number_types_of(*component.integrator);
+  return {};
+}
+
+std::string default_text(const Parameter& row) {
+  if (row.required()) return "required";
+  const auto standard = row.standard ? to_node(*row.standard) : std::nullopt;
+  return standard ? "default " + value_text(*standard) : "may be absent";
+}
+
+std::vector<std::pair<std::string, std::string>> later(const TableLayout& layout) {
+  std::vector<std::pair<std::string, std::string>> result;
+  for (const ReservedKey& key : layout.reserved) result.emplace_back(key.key, key.note);
+  for (const Parameter& row : layout.rows) {
+    if (row.only_standard) result.emplace_back(row.key, "any value but the default");
+    if (!row.later_choices.empty()) {
+      result.emplace_back(row.key, fmt::format("\"{}\"", fmt::join(row.later_choices, "\", \"")));
+    }
+  }
+  return result;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "framework/core/force.hpp"
+#include "framework/core/integrator.hpp"
+#include "framework/core/registry.hpp"
+#include "framework/scene/language.hpp"
+
+/// What there is to describe, for text, JSON and the reference pages.
+namespace tomlin {
+
+/// A component and how a scene takes it.
+struct Described {
+  std::string kind;
+  const ComponentRecord* record = nullptr;
+  TableLayout layout;
+  const ForceRecord* force = nullptr;            ///< null for another kind
+  const IntegratorRecord* integrator = nullptr;  ///< likewise
+};
+
+/// Of one, and of several.
+using KindNames = std::pair<const char*, const char*>;
+inline constexpr std::array kKinds = {KindNames{"body", "bodies"}, KindNames{"force", "forces"},
+                                      KindNames{"integrator", "integrators"}};
+
+/// By kind, then as registered.
+std::vector<Described> all_components(const Registry& registry);
+
+/// A claim or an ability, and whether the component has it.
+using Claim = std::pair<const char*, bool>;
+
+std::array<Claim, 8> claims(const Traits& traits);
+std::array<Claim, 7> abilities(const IntegratorRecord& record);
+
+/// "pairs of particles, of 1 to 2 bodies": what a force is evaluated on.
+std::string acts_on(const ForceRecord& force);
+
+/// "conservative", "order 4", "adaptive steps": what a component is said to be.
+std::vector<std::string> trait_words(const Described& component);
+
+/// "double", "float", "quadruple": those that it is there for; none for a body.
+std::vector<std::string> number_types(const Described& component);
+
+/// "required", "default 1.0", "may be absent".
+std::string default_text(const Parameter& row);
+
+/// What scenes may say one day: keys, words of a key, and values but the default.
+std::vector<std::pair<std::string, std::string>> later(const TableLayout& layout);
+
+}  // namespace tomlin

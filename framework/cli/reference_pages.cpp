@@ -1,0 +1,197 @@
+#include "framework/cli/reference_pages.hpp"
+
+#include <iterator>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "framework/core/citation.hpp"
+#include "framework/scene/effective.hpp"
+#include "framework/scene/expression.hpp"
+#include "framework/scene/value_reader.hpp"
+
+namespace tomlin {
+namespace {
+
+constexpr const char* kMadeBy =
+    "<!-- Made by `tomlin describe --markdown`; a test says when it is stale. -->\n\n";
+
+/// A page of components, and what they have in common.
+struct Kind {
+  const char* kind;
+  const char* file;
+  const char* title;
+  const char* preface;
+};
+
+constexpr std::array kPages = {
+    Kind{"body", "framework/bodies/REFERENCE.md", "Bodies",
+         "Where particles start, and what may move: `[[body]]` in a scene."},
+    Kind{"force", "forcefields/REFERENCE.md", "Forces",
+         "What acts on bodies: `[[force]]` in a scene. [A force in ten minutes](README.md) says "
+         "how to add one."},
+    Kind{"integrator", "integrators/REFERENCE.md", "Integrators",
+         "How time goes on: `integrator = { type = ..., ... }` under `[run]` in a scene."}};
+
+std::string joined(const std::vector<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+/// Text in a cell of a table: a bar would end it.
+std::string cell(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '|') result += '\\';
+    result += c == '\n' ? ' ' : c;
+  }
+  return result;
+}
+
+/// "Linear springs." of "linear springs".
+std::string sentence(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') {
+    text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  }
+  return text.empty() || text.back() == '?' ? text : text + ".";
+}
+
+std::string code(const std::string& text) { return "`" + text + "`"; }
+
+std::string default_cell(const Parameter& row) {
+  if (row.required()) return "required";
+  const auto standard = row.standard ? to_node(*row.standard) : std::nullopt;
+  return standard ? code(value_text(*standard)) : "may be absent";
+}
+
+/// "..., doi:10.1/2" with a link.
+std::string linked(const std::string& work) {
+  const auto doi = work.find("doi:");
+  if (doi == std::string::npos) return work;
+  return fmt::format("{}[{}](https://doi.org/{})", work.substr(0, doi), work.substr(doi),
+                     work.substr(doi + 4));
+}
+
+void append_block(std::string& text, const char* language, const std::string& lines) {
+  fmt::format_to(std::back_inserter(text), "```{}\n{}{}```\n\n", language, lines,
+                 lines.empty() || lines.back() == '\n' ? "" : "\n");
+}
+
+void append_rows(std::string& text, const std::vector<Parameter>& rows) {
+  if (rows.empty()) return;
+  text += "| key | what it is | dimension | due | default |\n|---|---|---|---|---|\n";
+  for (const Parameter& row : rows) {
+    fmt::format_to(std::back_inserter(text), "| {} | {} | {} | {} | {} |\n", code(row.key),
+                   cell(row.doc), to_string(row.dimension), cell(what_is_due(row)),
+                   cell(default_cell(row)));
+  }
+  text += "\n";
+}
+
+void append_own_keys(std::string& text, const std::vector<OwnKey>& keys) {
+  for (const OwnKey& own : keys) {
+    fmt::format_to(std::back_inserter(text), "- {}: {}\n", code(own.key), own.doc);
+  }
+  if (!keys.empty()) text += "\n";
+}
+
+void append_later(std::string& text, const TableLayout& layout) {
+  const auto to_come = later(layout);
+  if (to_come.empty()) return;
+  text += "Not in this version:\n\n";
+  for (const auto& [key, note] : to_come) {
+    text += "- " + code(key) + (note.empty() ? "" : ": " + note) + "\n";
+  }
+  text += "\n";
+}
+
+std::string page_of(const Kind& kind, const std::vector<Described>& all) {
+  std::string text = fmt::format("# {}\n\n{}{}\n\n", kind.title, kMadeBy, kind.preface);
+  text += "| type | what it is |\n|---|---|\n";
+  const Described* any = nullptr;
+  for (const Described& component : all) {
+    if (component.kind != kind.kind) continue;
+    const std::string& name = component.record->name;
+    fmt::format_to(std::back_inserter(text), "| [`{}`](#{}) | {} |\n", name, name,
+                   cell(component.record->summary));
+    any = &component;
+  }
+  if (any != nullptr) {
+    text += "\nBeside its own keys each takes\n\n";
+    append_own_keys(text, any->layout.own_keys);
+  }
+  for (const Described& component : all) {
+    if (component.kind == kind.kind) text += component_section(component);
+  }
+  text.pop_back();  // of two line ends the last
+  return text;
+}
+
+std::string page_of_scenes() {
+  std::string text = std::string("# Scenes\n\n") + kMadeBy +
+                     "The tables of a scene. Where a number is due, a text is an expression over "
+                     "`[parameters]`.\nComponents have pages of their own: "
+                     "[bodies](../bodies/REFERENCE.md),\n"
+                     "[forces](../../forcefields/REFERENCE.md),\n"
+                     "[integrators](../../integrators/REFERENCE.md).\n\n";
+  std::vector<std::string> functions;
+  for (const ExpressionFunction& function : expression_functions()) {
+    functions.push_back(code(std::string(function.name)));
+  }
+  std::vector<std::string> variables;
+  for (const std::string_view variable : expression_variables()) {
+    variables.push_back(code(std::string(variable)));
+  }
+  text +=
+      "## [parameters]\n\nNumbers and expressions, by names. Expressions have + - * / ^, "
+      "brackets, `pi`, the names of\nparameters and the functions " +
+      joined(functions) +
+      ".\nNo parameter may be called like one of these, or like a variable of a formula: " +
+      joined(variables) + ".\n\n";
+  for (const SceneTable& table : scene_tables()) text += table_section(table);
+  text.pop_back();
+  return text;
+}
+
+}  // namespace
+
+std::string component_section(const Described& component) {
+  const ComponentRecord& record = *component.record;
+  std::string text = fmt::format("## {}\n\n{}\n\n", record.name, sentence(record.summary));
+  append_block(text, "text", record.equation);
+  for (const auto& [work, place] : citations(record.source)) {
+    text += "- source: " + linked(work) + (place.empty() ? "" : ", " + place) + "\n";
+  }
+  if (component.force != nullptr) {
+    text += "- acts on: " + acts_on(*component.force) + "\n";
+  }
+  if (component.kind != "body") {
+    const auto words = trait_words(component);
+    text += "- traits: " + (words.empty() ? "none" : joined(words)) + "\n";
+    text += "- numbers: " + joined(number_types(component)) + "\n";
+  }
+  text += "\n";
+  append_rows(text, component.layout.rows);
+  append_later(text, component.layout);
+  append_block(text, "toml", record.example);
+  return text;
+}
+
+std::string table_section(const SceneTable& table) {
+  std::string text = fmt::format("## [{}]\n\n{}\n\n", table.name, sentence(table.summary));
+  append_own_keys(text, table.layout.own_keys);
+  append_rows(text, table.layout.rows);
+  append_later(text, table.layout);
+  return text;
+}
+
+std::vector<ReferencePage> reference_pages(const Registry& registry) {
+  const auto all = all_components(registry);
+  std::vector<ReferencePage> pages;
+  pages.reserve(kPages.size() + 1);
+  for (const Kind& kind : kPages) pages.push_back({kind.file, page_of(kind, all)});
+  pages.push_back({"framework/scene/REFERENCE.md", page_of_scenes()});
+  return pages;
+}
+
+}  // namespace tomlin

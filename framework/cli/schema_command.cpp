@@ -1,0 +1,26 @@
+#include <filesystem>
+#include <string>
+
+#include "framework/cli/commands.hpp"
+#include "framework/cli/exit_status.hpp"
+#include "framework/cli/new_file.hpp"
+#include "framework/cli/schema.hpp"
+#include "framework/output/output_file.hpp"
+#include "framework/standard_registry.hpp"
+
+namespace tomlin {
+
+int schema_command(const SchemaArguments& arguments) {
+  const std::string schema = scene_schema(standard_registry());
+  if (!arguments.file) return print_result(schema);
+  const std::filesystem::path file = *arguments.file;
+  refuse_to_replace(file, arguments.force);
+  OutputFile output(file);
+  output.append(schema);
+  output.publish();
+  return print_result(file.string() +
+                      ": a scene beside it names it in its first line\n  #:schema ./" +
+                      file.filename().string() + "\n");
+}
+
+}  // namespace tomlin
