@@ -3,6 +3,7 @@
 #include "forcefields/constant_force.hpp"
 #include "forcefields/driving_spring.hpp"
 #include "forcefields/harmonic_bonds.hpp"
+#include "forcefields/morse_bonds.hpp"
 #include "forcefields/sinusoidal_substrate.hpp"
 #include "forcefields/viscous_damping.hpp"
 #include "framework/core/force.hpp"
@@ -13,6 +14,7 @@ void register_forcefields(Registry& registry) {
   registry.add(constant_force_record());
   registry.add(driving_spring_record());
   registry.add(harmonic_bonds_record());
+  registry.add(morse_bonds_record());
   registry.add(sinusoidal_substrate_record());
   registry.add(viscous_damping_record());
 }
