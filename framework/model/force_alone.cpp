@@ -36,6 +36,7 @@ ForceAlone::ForceAlone(const Scene& scene, std::size_t force) : model_(with_only
   model_.attach(state_);
   model_.start();
   rates_.assign(model_.system().view.rates + 2 * kGroup, 0.0);
+  start_of_own_.assign(own(), own() + own_count());
   restart();
   list_variables();
 }
@@ -47,6 +48,7 @@ void ForceAlone::restart() {
   velocity_.assign(view.dofs + 2 * kGroup, 0.0);
   std::copy(view.position, view.position + view.dofs, position_.begin());
   std::copy(view.velocity, view.velocity + view.dofs, velocity_.begin());
+  std::copy(start_of_own_.begin(), start_of_own_.end(), own());
 }
 
 void ForceAlone::list_variables() {
