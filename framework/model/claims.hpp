@@ -52,6 +52,7 @@ struct ClaimOptions {
 ///   conservative  virtual work of the force equals minus the change of its energy, by differences
 ///                 whose error falls as h^8; near the start
 ///   exact         the same everywhere, in quadruple numbers: exact to a double's last digits
+///   path          the same along paths of some lengths, where an energy may jump
 ///   hessian       second derivatives are the slopes of the force
 ///   finite        forces are numbers: also far away; where two particles touch either that or no
 ///                 number at all, which stops a run

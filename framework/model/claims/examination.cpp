@@ -197,10 +197,12 @@ std::optional<State> Examination::touching(double distance, Random& random) cons
   return state;
 }
 
+bool Examination::takes_long() const { return size_ > kMany; }
+
 std::vector<const State*> Examination::everywhere() const {
   std::vector<const State*> states;
-  const bool few = size_ > kMany;
-  for (std::size_t k = few ? near_.size() - 2 : 0; k < near_.size(); ++k) {
+  const bool few = takes_long();
+  for (std::size_t k = few && near_.size() > 1 ? near_.size() - 2 : 0; k < near_.size(); ++k) {
     states.push_back(&near_[k]);
   }
   for (const State& state : extreme_) {

@@ -76,8 +76,8 @@ class Examination {
   std::size_t count() const { return alone_.variables().size(); }
   const Variable& variable(std::size_t i) const { return alone_.variables()[i]; }
   std::uint64_t seed() const { return options_.seed; }
-  /// Of pairs and particles, as a measure of what an evaluation takes.
-  double size() const { return size_; }
+  /// So many pairs and particles that few states are looked at.
+  bool takes_long() const;
 
   /// The same force on this instruction set.
   std::unique_ptr<ForceTwin<double>> twin(InstructionSet set) const;
@@ -147,7 +147,7 @@ class Examination {
   ForceAlone alone_;
   double length_;
   ClaimOptions options_;
-  double size_ = 0.0;
+  double size_ = 0.0;  ///< pairs and particles
   double latest_ = 0.0;
   State start_;
   std::vector<State> near_;
@@ -164,6 +164,7 @@ using Claim = std::optional<ClaimResult> (*)(Examination&);
 
 std::optional<ClaimResult> conservative(Examination& e);
 std::optional<ClaimResult> exact(Examination& e);
+std::optional<ClaimResult> path(Examination& e);
 std::optional<ClaimResult> hessian(Examination& e);
 std::optional<ClaimResult> finite(Examination& e);
 std::optional<ClaimResult> internal(Examination& e);

@@ -20,6 +20,12 @@ constexpr double kSettled = 1e-3;
 /// In quadruple numbers, in parts of the shortest length: what two orders leave is below 1e-20 of
 /// the slope even a millionth of a length apart, and so is what rounding to 1e-34 leaves.
 constexpr double kTinyDifference = 1e-12;
+/// How far paths lead: shifts in shortest lengths, and by how much everything grows.
+constexpr double kPathLengths = 4.0;
+constexpr double kDilation = 3.0;
+/// Pieces of a path: half of them tell how well the force is integrated.
+constexpr int kPieces = 256;
+constexpr int kPaths = 3;
 /// Variables that are looked at one by one to find where a slope is wrong.
 constexpr std::size_t kMostSearched = 2000;
 
@@ -177,6 +183,60 @@ class Curvature : public HessianSink {
   std::vector<double> one_, other_;
 };
 
+/// From a state to where everything is dilated about its centre and shifted.
+struct Path {
+  State from;
+  Direction way;
+
+  State at(double part) const {
+    State state = from;
+    for (std::size_t i = 0; i < way.size(); ++i) state.x[i] += part * way[i];
+    return state;
+  }
+};
+
+Path path_of(const Examination& e, const State& from, Random& random) {
+  Path path{from, Direction(e.count(), 0.0)};
+  for (int axis = 0; axis < 3; ++axis) {
+    double centre = 0.0;
+    double n = 0.0;
+    for (std::size_t i = 0; i < e.count(); ++i) {
+      if (e.variable(i).axis != axis) continue;
+      centre += from.x[i];
+      n += 1.0;
+    }
+    if (n == 0.0) continue;
+    const double shift = kPathLengths * e.length() * random.symmetric();
+    for (std::size_t i = 0; i < e.count(); ++i) {
+      if (e.variable(i).axis != axis) continue;
+      path.way[i] = kDilation * (from.x[i] - centre / n) + shift;
+    }
+  }
+  return path;
+}
+
+/// Work of the force along a path, by Gauss's rule of five points on equal pieces.
+struct Along {
+  double work = 0.0;
+  double size = 0.0;
+};
+Along along_path(Examination& e, const Path& path, int pieces) {
+  constexpr double kPoint[] = {0.0, 0.538469310105683091, 0.906179845938663993};
+  constexpr double kWeight[] = {0.568888888888888889, 0.478628670499366468, 0.236926885056189088};
+  Along along;
+  const double half = 0.5 / pieces;
+  for (int piece = 0; piece < pieces; ++piece) {
+    for (int k = -2; k <= 2; ++k) {
+      const double offset = k < 0 ? -kPoint[-k] : kPoint[k];
+      const double middle = (2.0 * piece + 1.0) * half;
+      const std::vector<double> forces = e.forces(path.at(middle + half * offset));
+      along.work += half * kWeight[k < 0 ? -k : k] * work(forces, path.way);
+      along.size += half * kWeight[k < 0 ? -k : k] * effort(forces, path.way);
+    }
+  }
+  return along;
+}
+
 Direction translation(const Examination& e, Random& random) {
   Direction direction = e.random_direction(random);
   for (std::size_t i = 0; i < e.count(); ++i) {
@@ -221,6 +281,31 @@ std::optional<ClaimResult> exact(Examination& e) {
     for (std::size_t i = 0; i < std::min(e.count(), kMostSearched); ++i) {
       compare_exactly(e, *state, e.along(i), forces, sensitivity, i);
     }
+  }
+  return e.end();
+}
+
+/// An energy that jumps at a cut-off has the right slope on both sides of it.
+std::optional<ClaimResult> path(Examination& e) {
+  if (!e.traits().conservative) return std::nullopt;
+  e.begin("path", "work along a path of some lengths = minus the change of energy");
+  Random random(e.seed());
+  const int pieces = e.takes_long() ? kPieces / 8 : kPieces;
+  for (int k = 0; k < kPaths; ++k) {
+    const State& from = e.near()[static_cast<std::size_t>(k) % e.near().size()];
+    const Path path = path_of(e, from, random);
+    const Along coarse = along_path(e, path, pieces / 2);
+    const Along fine = along_path(e, path, pieces);
+    e.put(from);
+    const double before = e.alone().energy(from.time);
+    const State end = path.at(1.0);
+    e.put(end);
+    const double after = e.alone().energy(from.time);
+    const double rounding = kRounding * (fine.size + std::abs(before) + std::abs(after) +
+                                         e.sensitivity(end) * e.length());
+    e.note(-(after - before), fine.work, fine.size,
+           kTrust * std::abs(fine.work - coarse.work) + rounding, end);
+    e.looked();
   }
   return e.end();
 }

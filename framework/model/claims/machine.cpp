@@ -72,7 +72,8 @@ std::optional<ClaimResult> number_types(Examination& e) {
   const auto in_float = e.in_float();
   for (const State* state : e.everywhere()) {
     compare_with_exact(e, *in_double, *state);
-    if (in_float != nullptr) compare_with_exact(e, *in_float, *state);
+    const bool close = state->place == Place::near || state->place == Place::start;
+    if (in_float != nullptr && close) compare_with_exact(e, *in_float, *state);
     e.looked();
   }
   return e.end();
