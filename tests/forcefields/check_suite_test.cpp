@@ -198,7 +198,8 @@ std::vector<Fault> faults() {
        ForceFactories(substrate.in_double, planted<ScaledSubstrate<4, 4>, float>,
                       substrate.in_quadruple),
        "number types", kSubstrate},
-      {"wrong in doubles only", kSite, in_quadruple(planted<EnergyTwice>), "balance", kSubstrate},
+      {"wrong in doubles only", kSite, in_quadruple(planted<EnergyTwice>), "conservative",
+       kSubstrate},
       {"not internal", kSite, sound, "internal", kSubstrate,
        [](ForceRecord& r) { r.traits.internal = true; }},
 
