@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/model/model.hpp"
+#include "framework/run/observables.hpp"
 #include "tests/support/order.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -259,6 +261,29 @@ TEST(MemoryDamping, IsRefusedWhereItWouldBeWrong) {
   EXPECT_THROW(run_text(particle(0.0, 0.8) + memory_force(memory) +
                         run_of(1.0, fixed_step(0.01), "dynamics = \"overdamped\"\n")),
                InputError);
+}
+
+/// A memory shorter than the step would grow without bound: rk4 takes decays up to 2.785 of them.
+TEST(MemoryDamping, HasASayInTheStableStep) {
+  constexpr double kRk4 = 2.785;
+  const Memory fast{1e-9, 1e-3};
+  Model model(scene_of(particle(0.0, 0.8) + memory_force(fast) + run_of(1.0, fixed_step(1e-3))));
+  StateLayout layout;
+  model.declare(layout);
+  RunState state(layout, 1);
+  model.attach(state);
+  model.start();
+  EXPECT_NEAR(model.stable_step(*model.scene().run.integrator.record), kRk4 * 1e-3, 1e-5);
+  const RunResult refused =
+      run_text(particle(0.0, 0.8) + memory_force(fast) + run_of(1.0, fixed_step(4e-3)));
+  EXPECT_EQ(refused.status, RunStatus::failed);
+  EXPECT_EQ(refused.steps, 0u);
+  // Strong coupling swings: the spring's frequency counts as any other.
+  const Memory stiff{4e3, 1.0};
+  const RunResult swinging =
+      run_text(particle(0.0, 0.8) + memory_force(stiff) + run_of(1.0, fixed_step(0.06)));
+  EXPECT_EQ(swinging.status, RunStatus::failed);
+  EXPECT_EQ(swinging.steps, 0u);
 }
 
 TEST(MemoryDamping, PerturbedRunsAgree) {
