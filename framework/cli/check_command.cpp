@@ -1,5 +1,6 @@
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
 #include <memory>
 #include <string>
@@ -98,11 +99,11 @@ Check check_of(const ClaimResult& result) {
   return check;
 }
 
-Report report_on(const std::shared_ptr<const Scene>& scene) {
+Report report_on(const std::shared_ptr<const Scene>& scene, std::uint64_t seed) {
   Report report;
   const Trial trial = try_out(scene, 0.0);
   check_step(*scene, trial, report);
-  for (const ClaimResult& result : check_claims(*scene)) {
+  for (const ClaimResult& result : check_claims(*scene, {.seed = seed})) {
     report.checks.push_back(check_of(result));
   }
   const Model model(scene);
@@ -176,7 +177,7 @@ int check_command(const CheckArguments& arguments) {
   const Registry registry = standard_registry();
   try {
     const auto scene = read_scene(arguments.scene, registry, arguments.settings);
-    const Report report = report_on(scene);
+    const Report report = report_on(scene, arguments.seed);
     const int status =
         print_result(arguments.json ? dumped(json_of(report)) : text_of(*scene, report));
     return report.sound() ? status : kExitFailed;

@@ -91,7 +91,8 @@ Gain gain_at(Examination& e, ForceTwin<double>& twin, const State& state, double
     const double h = std::ldexp(1.0, static_cast<int>(std::floor(std::log2(kTinyTime))));
     const Quad near = (later(Quad(h)) - later(Quad(-h))) / Quad(2.0 * h);
     const Quad far = (later(Quad(2.0 * h)) - later(Quad(-2.0 * h))) / Quad(4.0 * h);
-    return {static_cast<double>((Quad(4.0) * near - far) / Quad(3.0)), 0.0};
+    const double energy = std::abs(static_cast<double>(later(Quad(0.0))));
+    return {static_cast<double>((Quad(4.0) * near - far) / Quad(3.0)), kExactRounding * energy / h};
   }
   Later<double> later(e, twin, state);
   double slope[3] = {};
@@ -174,14 +175,14 @@ std::optional<ClaimResult> balance(Examination& e) {
   for (const State* state : e.everywhere()) {
     if (state->place == Place::contact) continue;
     const std::vector<double> forces = e.forces(*state);
-    const double sensitivity = e.sensitivity(*state);
-    if (!std::isfinite(e.largest(forces)) || !std::isfinite(sensitivity)) continue;
-    const Power taken = power_of(forces, *state);
     double work = 0.0;
     if (e.traits().does_work && e.alone().force().first_rate != kNoRate) {
       const auto at = static_cast<std::size_t>(e.alone().force().first_rate);
       work = e.alone().rates()[at + static_cast<std::size_t>(e.alone().model().dimension())];
     }
+    const double sensitivity = e.sensitivity(*state);
+    if (!std::isfinite(e.largest(forces)) || !std::isfinite(sensitivity)) continue;
+    const Power taken = power_of(forces, *state);
     e.put(*state, *twin);
     twin->evaluate(state->time);
     const double heat = twin->heat().value_or(0.0);

@@ -20,6 +20,8 @@ namespace tomlin::claims {
 
 /// A sum of some hundred terms loses some tens of units in the last place of its size.
 inline constexpr double kRounding = 64.0 * std::numeric_limits<double>::epsilon();
+/// The same of an energy in quadruple numbers, of 113 bits.
+inline constexpr double kExactRounding = 64.0 * 0x1p-112;
 /// Below it numbers have fewer digits, and 1/eps of them vanish.
 inline constexpr double kSmallest =
     std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();

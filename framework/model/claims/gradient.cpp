@@ -112,6 +112,7 @@ void compare_by_differences(Examination& e, const State& state, const Direction&
 bool compare_exactly(Examination& e, const State& state, const Direction& direction,
                      const std::vector<double>& forces, double sensitivity, std::size_t variable) {
   ForceTwin<Quad>& twin = *e.exact();
+  e.put(state);
   e.put(state, twin);
   const double slope = exact_slope(
       [&](const Quad& h) {
@@ -127,7 +128,9 @@ bool compare_exactly(Examination& e, const State& state, const Direction& direct
     length += std::abs(direction[i]) / e.variable(i).unit;
   }
   const double size = effort(forces, direction);
-  const double allowed = kRounding * (size + sensitivity * length) + kSmallest * length;
+  const double energy = std::abs(e.alone().energy(state.time));
+  const double allowed = kRounding * (size + sensitivity * length) + kSmallest * length +
+                         kExactRounding * energy / (kTinyDifference * e.length());
   const double force = work(forces, direction);
   e.note(force, -slope, size, allowed, state, variable);
   return std::abs(force + slope) <= allowed;
