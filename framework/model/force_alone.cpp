@@ -9,11 +9,21 @@ namespace {
 
 constexpr double kTau = 6.283185307179586476925286766559;
 
-/// Dynamics and number type are matters of the run, not of the force.
-std::shared_ptr<const Scene> with_only(const Scene& scene, std::size_t force) {
+/// Friction that a scheme takes as an operator is a force here like any other.
+IntegratorRecord without_demands(IntegratorRecord scheme) {
+  scheme.without_inertia = true;
+  scheme.splits_friction = scheme.splits_bonds = false;
+  scheme.needs_tangent = scheme.conservative_only = scheme.follows_equilibria = false;
+  return scheme;
+}
+
+/// Dynamics, scheme and number type are matters of the run, not of the force.
+std::shared_ptr<const Scene> with_only(const Scene& scene, std::size_t force,
+                                       const IntegratorRecord& scheme) {
   auto alone = std::make_shared<Scene>(scene);
   alone->forces = {scene.forces[force]};
   alone->run.dynamics = "inertial";
+  alone->run.integrator.record = &scheme;
   alone->run.number_type = "double";
   alone->run.ledger = false;
   return alone;
@@ -29,7 +39,9 @@ double farthest_arm(const Model::Body& body) {
 
 }  // namespace
 
-ForceAlone::ForceAlone(const Scene& scene, std::size_t force) : model_(with_only(scene, force)) {
+ForceAlone::ForceAlone(const Scene& scene, std::size_t force)
+    : scheme_(without_demands(*scene.run.integrator.record)),
+      model_(with_only(scene, force, scheme_)) {
   StateLayout layout;
   model_.declare(layout);
   state_ = RunState(layout, 1);

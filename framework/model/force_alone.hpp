@@ -59,6 +59,7 @@ class ForceAlone {
  private:
   void list_variables();
 
+  IntegratorRecord scheme_;
   Model model_;
   RunState state_;
   std::vector<Variable> variables_;

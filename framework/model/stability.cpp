@@ -368,9 +368,8 @@ Model::Stiffness Model::stiffness(bool without_bonds) {
   const double fastest =
       springs.largest() + *std::max_element(site_bounds.begin(), site_bounds.end());
   if (!view.inertial) return {.relaxation_rate = fastest};
-  const OwnModes own = own_modes(*this);
-  return {.frequency = std::sqrt(fastest + own.square),
-          .damping_rate = std::max(damping.largest(), own.rate),
+  return {.frequency = std::sqrt(fastest),
+          .damping_rate = damping.largest(),
           .least_damping_rate = damping.least(),
           .spring_frequency = std::sqrt(springs.largest())};
 }
@@ -410,8 +409,11 @@ std::string Model::stiffest_force() {
 
 double Model::stable_step(const IntegratorRecord& scheme) {
   if (scheme.adaptive) return std::numeric_limits<double>::infinity();
-  const Stiffness fastest = stiffness(scheme.splits_bonds);
+  Stiffness fastest = stiffness(scheme.splits_bonds);
   if (!system().view.inertial) return stable_step_of(scheme, -fastest.relaxation_rate);
+  const OwnModes own = own_modes(*this);
+  fastest.frequency = std::sqrt(fastest.frequency * fastest.frequency + own.square);
+  fastest.damping_rate = std::max(fastest.damping_rate, own.rate);
   // Slower modes meet the same damping: the worst of a range of frequencies counts.
   double largest = std::numeric_limits<double>::infinity();
   constexpr int kModes = 16;

@@ -23,9 +23,10 @@ constexpr double kTinyDifference = 1e-12;
 /// How far paths lead: shifts in shortest lengths, and by how much everything grows.
 constexpr double kPathLengths = 4.0;
 constexpr double kDilation = 3.0;
-/// Pieces of a path: half of them tell how well the force is integrated.
-constexpr int kPieces = 256;
-constexpr int kPaths = 3;
+/// Pieces of a path, and how often a piece is halved: to where only rounding is left.
+constexpr int kPieces = 64;
+constexpr int kDeepest = 40;
+constexpr std::size_t kPaths = 3;
 /// Variables that are looked at one by one to find where a slope is wrong.
 constexpr std::size_t kMostSearched = 2000;
 
@@ -218,26 +219,58 @@ Path path_of(const Examination& e, const State& from, Random& random) {
   return path;
 }
 
-/// Work of the force along a path, by Gauss's rule of five points on equal pieces.
-struct Along {
+/// Work of the force on a piece of a path, by Gauss's rule of five points, and what it can be off
+/// by: where the force jumps, too, it stays between the smallest and the largest seen.
+struct Piece {
   double work = 0.0;
+  double variation = 0.0;
   double size = 0.0;
 };
-Along along_path(Examination& e, const Path& path, int pieces) {
-  constexpr double kPoint[] = {0.0, 0.538469310105683091, 0.906179845938663993};
-  constexpr double kWeight[] = {0.568888888888888889, 0.478628670499366468, 0.236926885056189088};
-  Along along;
-  const double half = 0.5 / pieces;
-  for (int piece = 0; piece < pieces; ++piece) {
-    for (int k = -2; k <= 2; ++k) {
-      const double offset = k < 0 ? -kPoint[-k] : kPoint[k];
-      const double middle = (2.0 * piece + 1.0) * half;
-      const std::vector<double> forces = e.forces(path.at(middle + half * offset));
-      along.work += half * kWeight[k < 0 ? -k : k] * work(forces, path.way);
-      along.size += half * kWeight[k < 0 ? -k : k] * effort(forces, path.way);
-    }
+Piece piece_of(Examination& e, const Path& path, double from, double to) {
+  constexpr double kPoint[] = {0.0, 0.538469310105683091, 0.906179845938663993, 1.0};
+  constexpr double kWeight[] = {0.568888888888888889, 0.478628670499366468, 0.236926885056189088,
+                                0.0};
+  const double half = 0.5 * (to - from);
+  double least = 0.0;
+  double most = 0.0;
+  Piece piece;
+  for (int k = -3; k <= 3; ++k) {
+    const auto at = static_cast<std::size_t>(std::abs(k));
+    const double offset = k < 0 ? -kPoint[at] : kPoint[at];
+    const std::vector<double> forces = e.forces(path.at(from + half + half * offset));
+    const double power = work(forces, path.way);
+    piece.work += half * kWeight[at] * power;
+    piece.size += half * kWeight[at] * effort(forces, path.way);
+    least = k == -3 ? power : std::min(least, power);
+    most = k == -3 ? power : std::max(most, power);
   }
-  return along;
+  piece.variation = (most - least) * (to - from);
+  return piece;
+}
+
+/// A piece whose work is not the change of its energy is looked at more closely: what is narrow
+/// comes right in the end, a jump does not.
+void compare_along(Examination& e, const Path& path, double from, double to, int deeper) {
+  const auto energy_at = [&](const State& state) {
+    e.put(state);
+    return e.alone().energy(state.time);
+  };
+  const Piece piece = piece_of(e, path, from, to);
+  const State end = path.at(to);
+  const double before = energy_at(path.at(from));
+  const double after = energy_at(end);
+  const double here = effort(e.forces(end), path.way);
+  const double sensitive = e.sensitivity(end) * e.length() * static_cast<double>(e.count());
+  const double rounding =
+      kRounding * (piece.size + here + std::abs(before) + std::abs(after) + sensitive);
+  const double allowed = rounding + piece.variation;
+  if (deeper > 0 && std::abs(after - before + piece.work) > allowed) {
+    const double middle = 0.5 * (from + to);
+    compare_along(e, path, from, middle, deeper - 1);
+    return compare_along(e, path, middle, to, deeper - 1);
+  }
+  e.note(-(after - before), piece.work, std::abs(before) + std::abs(after) + piece.size, allowed,
+         end);
 }
 
 Direction translation(const Examination& e, Random& random) {
@@ -294,20 +327,12 @@ std::optional<ClaimResult> path(Examination& e) {
   e.begin("path", "work along a path of some lengths = minus the change of energy");
   Random random(e.seed());
   const int pieces = e.takes_long() ? kPieces / 8 : kPieces;
-  for (int k = 0; k < kPaths; ++k) {
-    const State& from = e.near()[static_cast<std::size_t>(k) % e.near().size()];
-    const Path path = path_of(e, from, random);
-    const Along coarse = along_path(e, path, pieces / 2);
-    const Along fine = along_path(e, path, pieces);
-    e.put(from);
-    const double before = e.alone().energy(from.time);
-    const State end = path.at(1.0);
-    e.put(end);
-    const double after = e.alone().energy(from.time);
-    const double rounding = kRounding * (fine.size + std::abs(before) + std::abs(after) +
-                                         e.sensitivity(end) * e.length());
-    e.note(-(after - before), fine.work, fine.size,
-           kTrust * std::abs(fine.work - coarse.work) + rounding, end);
+  for (std::size_t k = 0; k < kPaths; ++k) {
+    const Path path = path_of(e, e.near()[k % e.near().size()], random);
+    for (int piece = 0; piece < pieces; ++piece) {
+      const double width = 1.0 / pieces;
+      compare_along(e, path, piece * width, (piece + 1) * width, kDeepest);
+    }
     e.looked();
   }
   return e.end();
