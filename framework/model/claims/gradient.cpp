@@ -248,29 +248,46 @@ Piece piece_of(Examination& e, const Path& path, double from, double to) {
   return piece;
 }
 
-/// A piece whose work is not the change of its energy is looked at more closely: what is narrow
-/// comes right in the end, a jump does not.
-void compare_along(Examination& e, const Path& path, double from, double to, int deeper) {
-  const auto energy_at = [&](const State& state) {
+/// A piece against the change of its energy.
+struct Comparison {
+  double gained = 0.0;
+  double work = 0.0;
+  double size = 0.0;
+  double allowed = 0.0;
+
+  double difference() const { return std::abs(gained + work); }
+  bool holds() const { return difference() <= allowed; }
+};
+
+Comparison compare_piece(Examination& e, const Path& path, double from, double to) {
+  const auto energy_at = [&](double part) {
+    const State state = path.at(part);
     e.put(state);
     return e.alone().energy(state.time);
   };
   const Piece piece = piece_of(e, path, from, to);
+  const double before = energy_at(from);
+  const double after = energy_at(to);
   const State end = path.at(to);
-  const double before = energy_at(path.at(from));
-  const double after = energy_at(end);
-  const double here = effort(e.forces(end), path.way);
+  const double size =
+      piece.size + effort(e.forces(end), path.way) + std::abs(before) + std::abs(after);
   const double sensitive = e.sensitivity(end) * e.length() * static_cast<double>(e.count());
-  const double rounding =
-      kRounding * (piece.size + here + std::abs(before) + std::abs(after) + sensitive);
-  const double allowed = rounding + piece.variation;
-  if (deeper > 0 && std::abs(after - before + piece.work) > allowed) {
+  return {after - before, piece.work, size, kRounding * (size + sensitive) + piece.variation};
+}
+
+/// A piece that does not come right is looked at more closely, in the worse of its halves: what is
+/// merely narrow comes right in the end, a jump does not.
+void compare_along(Examination& e, const Path& path, double from, double to) {
+  Comparison now = compare_piece(e, path, from, to);
+  for (int halving = 0; halving < kDeepest && !now.holds(); ++halving) {
     const double middle = 0.5 * (from + to);
-    compare_along(e, path, from, middle, deeper - 1);
-    return compare_along(e, path, middle, to, deeper - 1);
+    const Comparison first = compare_piece(e, path, from, middle);
+    const Comparison second = compare_piece(e, path, middle, to);
+    const bool in_first = first.difference() > second.difference();
+    (in_first ? to : from) = middle;
+    now = in_first ? first : second;
   }
-  e.note(-(after - before), piece.work, std::abs(before) + std::abs(after) + piece.size, allowed,
-         end);
+  e.note(-now.gained, now.work, now.size, now.allowed, path.at(to));
 }
 
 Direction translation(const Examination& e, Random& random) {
@@ -329,9 +346,9 @@ std::optional<ClaimResult> path(Examination& e) {
   const int pieces = e.takes_long() ? kPieces / 8 : kPieces;
   for (std::size_t k = 0; k < kPaths; ++k) {
     const Path path = path_of(e, e.near()[k % e.near().size()], random);
-    for (int piece = 0; piece < pieces; ++piece) {
-      const double width = 1.0 / pieces;
-      compare_along(e, path, piece * width, (piece + 1) * width, kDeepest);
+    const double width = 1.0 / pieces;
+    for (int piece = 0; piece < pieces && e.holds(); ++piece) {
+      compare_along(e, path, piece * width, (piece + 1) * width);
     }
     e.looked();
   }
