@@ -217,7 +217,8 @@ TEST(MemoryDamping, AddsUpToAPronySeries) {
 }
 
 std::string ring(const std::string& coordinates, const std::string& hold = "") {
-  return "[[body]]\nname = \"p\"\ntype = \"ring\"\nradius = 1.0\ncount = 11\nparticle_mass = " +
+  return "[[body]]\nname = \"p\"\ntype = \"ring\"\nradius = 1.0\ncentre = [0.0, 0.0]\ncount = "
+         "11\nparticle_mass = " +
          digits(kMass) + "\nvelocity = [0.8, 0.0]\ncoordinates = \"" + coordinates + "\"\n" + hold;
 }
 

@@ -75,6 +75,13 @@ TEST(PlantedFaults, HeatOff) {
   EXPECT_CAUGHT("heat", "viscous_damping", (wrapped<HalfTheHeat, ViscousDamping>));
 }
 
+TEST(PlantedFaults, HeatOfAMemory) {
+  EXPECT_EQ(broken_claims("memory_damping", planted_memory<MemoryDamping>),
+            std::vector<std::string>{});
+  EXPECT_CAUGHT("heat", "memory_damping", planted_memory<MemoryStoresTwice>);
+  EXPECT_CAUGHT("heat", "memory_damping", planted_memory<MemoryFadesFaster>);
+}
+
 TEST(PlantedFaults, ClaimsThatAreNotTrue) {
   EXPECT_CAUGHT("gradient", "viscous_damping", nullptr,
                 [](ForceRecord& r) { r.traits.conservative = true; });
