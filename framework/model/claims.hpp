@@ -13,7 +13,7 @@ namespace tomlin {
 
 /// Where a claim was closest to breaking, or broke.
 struct ClaimPoint {
-  std::string state;             ///< "start", "near", "far", "high", "contact"
+  std::string state;             ///< "near the start", "far away", "almost touching", ...
   std::string body;              ///< empty: everything together
   std::ptrdiff_t particle = -1;  ///< -1: the body as a whole
   std::string coordinate;        ///< "x", "rotation"; empty: all of them

@@ -18,6 +18,10 @@
 namespace tomlin::test {
 namespace {
 
+constexpr const char* kSite = "sinusoidal_substrate";
+constexpr const char* kDrag = "viscous_damping";
+constexpr const char* kBond = "harmonic_bonds";
+
 /// A chain of particles in the plane, so that bonds have directions and torques.
 const std::string kBonds = R"([[body]]
 type = "chain"
@@ -133,6 +137,16 @@ TEST(CheckSuite, AccusesNoSoundForceBoundTheSameWay) {
             none);
 }
 
+/// Energies that are not smooth everywhere: differences across a kink would accuse them.
+TEST(CheckSuite, AccusesNoKinks) {
+  constexpr std::uint64_t kManySeeds = 24;  // some of whose states are close to one
+  const std::set<std::string> none;
+  for (std::uint64_t seed = 1; seed <= kManySeeds; ++seed) {
+    EXPECT_EQ(SpoiltRegistry(kBond, bonds_by<OnlyPushes>()).broken_in(kBonds, seed), none) << seed;
+    EXPECT_EQ(SpoiltRegistry(kBond, bonds_by<Absolute>()).broken_in(kBonds, seed), none) << seed;
+  }
+}
+
 // ---- wrong ones
 
 /// One fault, and a claim that must break over it; others may break, too.
@@ -144,10 +158,6 @@ struct Fault {
   std::string scene;
   void (*change)(ForceRecord&) = nullptr;
 };
-
-constexpr const char* kSite = "sinusoidal_substrate";
-constexpr const char* kDrag = "viscous_damping";
-constexpr const char* kBond = "harmonic_bonds";
 
 std::vector<Fault> faults() {
   const ForceFactories sound;

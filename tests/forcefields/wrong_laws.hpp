@@ -99,6 +99,37 @@ struct HookesLaw {
   }
 };
 
+/// Right, with a kink in the force where bonds begin to push.
+struct OnlyPushes : HookesLaw {
+  template <class Real>
+  static Real energy(const Real& k, const Real& rest, const Real& r) {
+    return r < rest ? HookesLaw::energy(k, rest, r) : Real(0.0);
+  }
+  template <class Real>
+  static void force(const Real& k, const Real& rest, const Vec<Real, 3>& apart, Vec<Real, 3>& one,
+                    Vec<Real, 3>& other) {
+    HookesLaw::force(k, rest, apart, one, other);
+    if (distance(apart) < rest) return;
+    one = Real(0.0) * one;
+    other = Real(0.0) * other;
+  }
+};
+
+/// Right, with a kink in the energy: a force that jumps at the rest length.
+struct Absolute {
+  template <class Real>
+  static Real energy(const Real& k, const Real& rest, const Real& r) {
+    return r < rest ? k * (rest - r) : k * (r - rest);
+  }
+  template <class Real>
+  static void force(const Real& k, const Real& rest, const Vec<Real, 3>& apart, Vec<Real, 3>& one,
+                    Vec<Real, 3>& other) {
+    const Real r = distance(apart);
+    one = ((r < rest ? -k : k) / r) * apart;
+    other = -one;
+  }
+};
+
 /// Only the first of two feels the other.
 struct Unrequited : HookesLaw {
   template <class Real>
