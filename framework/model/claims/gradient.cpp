@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "framework/model/claims/slopes.hpp"
 
@@ -23,14 +22,16 @@ double exact_slope(Function&& f, double length) {
   return static_cast<double>((Quad(4.0) * near - far) / Quad(3.0));
 }
 
-/// Differences of the energy along a direction against the force; false when there are kinks or
-/// jumps within them.
-bool compare_by_differences(Examination& e, const State& state, const Direction& direction,
-                            std::size_t variable, double longest, bool shortest) {
+/// Differences of the energy along a direction against the force; shorter ones where there is a
+/// kink within them, as in |x| at 0.
+void compare_by_differences(Examination& e, const State& state, const Direction& direction,
+                            std::size_t variable) {
+  const std::optional<double> longest = regular_difference(e, state, direction, direction);
+  if (!longest) return;
   double rounding = 0.0;  // of an energy
   double most = 0.0;      // effort along the way
   e.put(state);
-  for (const double h : {longest, -longest}) {
+  for (const double h : {*longest, -*longest}) {
     e.put_moved(state, direction, h);
     const double* force = e.alone().forces(state.time);
     double size = 0.0;
@@ -49,24 +50,12 @@ bool compare_by_differences(Examination& e, const State& state, const Direction&
         e.put_moved(state, direction, h);
         return e.alone().energy(state.time);
       },
-      longest);
+      *longest);
   const double floor = rounding / slope.shortest;
   const bool smooth = slope.unsettled <= kSettled * most + floor;
-  if (!smooth && !shortest) return false;
   const double force = work(e.forces(state), direction);
   e.note(force, -slope.best, most, smooth ? floor + kTrust * slope.unsettled : -1.0, state,
          variable);
-  return true;
-}
-
-/// Shorter ones where an energy is not smooth, as |x| is not at 0: they may miss the place.
-void compare_by_differences(Examination& e, const State& state, const Direction& direction,
-                            std::size_t variable) {
-  for (const double part : kShorter) {
-    const double longest = part * kLongestDifference * e.length();
-    const bool shortest = part == kShorter[std::size(kShorter) - 1];
-    if (compare_by_differences(e, state, direction, variable, longest, shortest)) return;
-  }
 }
 
 /// The energy in quadruple numbers, differentiated, against the force in double ones.

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "framework/model/claims/slopes.hpp"
 
@@ -66,10 +65,11 @@ Direction translation(const Examination& e, Random& random) {
   return direction;
 }
 
-/// Slopes of the force by differences against second derivatives; false where it has kinks.
-bool compare_curvature(Examination& e, const State& state, const Direction& along,
-                       const Direction& seen, const Curvature& curvature, double longest,
-                       bool shortest) {
+/// Slopes of the force by differences against second derivatives.
+void compare_curvature(Examination& e, const State& state, const Direction& along,
+                       const Direction& seen, const Curvature& curvature) {
+  const std::optional<double> longest = regular_difference(e, state, along, seen);
+  if (!longest) return;
   double most = 0.0;
   const Slope slope = slope_of(
       [&](double h) {
@@ -79,15 +79,13 @@ bool compare_curvature(Examination& e, const State& state, const Direction& alon
         most = std::max(most, effort(forces, seen));
         return work(forces, seen);
       },
-      longest);
+      *longest);
   const double rounding =
       kRounding * (most + e.sensitivity(state) * static_cast<double>(e.count())) / slope.shortest;
   const double size = curvature.size + std::abs(slope.best);
   const bool smooth = slope.unsettled <= kSettled * size + rounding;
-  if (!smooth && !shortest) return false;
   e.note(curvature.sum, -slope.best, size,
          smooth ? kRounding * size + rounding + kTrust * slope.unsettled : -1.0, state);
-  return true;
 }
 
 }  // namespace
@@ -105,11 +103,7 @@ std::optional<ClaimResult> hessian(Examination& e) {
     Curvature curvature(e, seen, along, e.alone().model());
     twin->bound().hessian(twin->stage(), curvature);
     if (!curvature.given) return std::nullopt;
-    for (const double part : kShorter) {
-      const double longest = part * kLongestDifference * e.length();
-      const bool shortest = part == kShorter[std::size(kShorter) - 1];
-      if (compare_curvature(e, state, along, seen, curvature, longest, shortest)) break;
-    }
+    compare_curvature(e, state, along, seen, curvature);
     e.looked();
   }
   return e.end();

@@ -14,6 +14,7 @@ constexpr double kDilation = 3.0;
 constexpr int kPieces = 64;
 constexpr int kDeepest = 40;
 constexpr std::size_t kPaths = 3;
+
 /// From a state to where everything is dilated about its centre and shifted.
 struct Path {
   State from;
