@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/bonds.hpp"
 #include "framework/core/force.hpp"
 #include "framework/core/formula/formula.hpp"
 #include "framework/core/formula/formula_force.hpp"
@@ -68,7 +69,7 @@ std::uint64_t pairs(const void* description, const SceneOutline& scene) {
   const auto n = static_cast<std::uint64_t>(scene.bodies.front().count);
   if (element == FormulaElement::angle) return d.angles.neighbours ? n : d.angles.list.size();
   if (element != FormulaElement::pair) return 0;
-  return count_pairs(d.pairs, scene);
+  return count_of(d.pairs, scene);
 }
 
 // ---- complaints -----------------------------------------------------------------------------------

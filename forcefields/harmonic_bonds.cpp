@@ -1,9 +1,6 @@
 #include "forcefields/harmonic_bonds.hpp"
 
-#include <fmt/format.h>
-
-#include "framework/core/force.hpp"
-#include "framework/core/pair_force.hpp"
+#include "framework/core/bonds.hpp"
 
 TOMLIN_DECLARE_KERNELS(HarmonicBonds)
 
@@ -11,58 +8,6 @@ namespace tomlin {
 namespace {
 
 using Description = HarmonicBondsDescription;
-
-std::uint64_t pairs(const void* description, const SceneOutline& scene) {
-  return count_pairs(static_cast<const Description*>(description)->pairs, scene);
-}
-
-std::vector<Complaint> complaints(const void* description, const SceneOutline& scene) {
-  const auto& d = *static_cast<const Description*>(description);
-  std::vector<Complaint> found;
-  const std::size_t given = d.rest_lengths.numbers.size();
-  const std::uint64_t due = pairs(description, scene);
-  if (given > 1 && given != due) {
-    found.push_back({"rest_lengths", fmt::format("{} lengths for {} pairs", given, due),
-                     "\"initial\", one length for all pairs, or one each"});
-  }
-  for (const double length : d.rest_lengths.numbers) {
-    if (length < 0.0) {
-      found.push_back({"rest_lengths", "a length is negative", ">= 0"});
-      break;
-    }
-  }
-  return found;
-}
-
-/// Rest lengths in the pairs' order. The distances at the start are taken as the kernels take
-/// them, so that no bond starts with a force of rounding.
-template <class Real, int D>
-void set_rest_lengths(const WordOrNumbers& rest, const Binding<Real>& binding,
-                      std::vector<BoundPair<Real>>& pairs) {
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (rest.numbers.empty()) {
-      pairs[k].datum = distance(separation_at_start<Real, D>(binding, pairs[k]));
-    } else {
-      pairs[k].datum = Real(rest.numbers[rest.numbers.size() == 1 ? 0 : k]);
-      // On a line the kernels take either side for granted. In one place there is none: no number,
-      // so that the first step fails.
-      const bool coincide =
-          D == 1 && separation_at_start<Real, D>(binding, pairs[k])[0] == Real(0.0);
-      if (coincide && pairs[k].datum != Real(0.0)) pairs[k].datum = Real(__builtin_nan(""));
-    }
-  }
-}
-
-template <class Real>
-std::unique_ptr<BoundForce<Real>> bind(const void* description, const Binding<Real>& binding) {
-  const auto& d = *static_cast<const Description*>(description);
-  BoundPairs<Real> bound = pairs_of(d.pairs, binding);
-  return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
-    set_rest_lengths<Real, D>(d.rest_lengths, binding, bound.pairs);
-    return std::make_unique<PairForce<HarmonicBonds, Real, D>>(d, binding, kernels::HarmonicBonds,
-                                                               std::move(bound), kRankPairs);
-  });
-}
 
 }  // namespace
 
@@ -80,19 +25,13 @@ ForceRecord harmonic_bonds_record() {
   record.most_bodies = 2;
   record.make_description = &make_description<Description>;
   record.parameters = {
-      parameter("pairs", &Description::pairs, dimension::none,
-                "which pairs are bonded: \"all\", \"neighbours\" or a list of index pairs; between "
-                "two bodies \"all\" is each particle of the first with each of the second, and "
-                "the first index of a pair is in the first body"),
+      bonded_pairs<Description>(),
       parameter("stiffness", &Description::stiffness, dimension::stiffness, "of each bond")
           .in(non_negative),
-      parameter("rest_lengths", &Description::rest_lengths, dimension::length,
-                "\"initial\", one length for all pairs, or one each")
-          .one_of({"initial"})
-          .by_default(WordOrNumbers{.word = "initial", .numbers = {}})};
-  record.complaints = &complaints;
-  record.pairs = &pairs;
-  record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
+      bond_rest_lengths<Description>()};
+  record.complaints = &bond_complaints<Description>;
+  record.pairs = &bond_count<Description>;
+  record.bind = on_bonds<HarmonicBonds, kernels::HarmonicBonds, kRankPairs>();
   record.example = R"(# Three particles on a line, stretched and let go.
 [[body]]
 type = "chain"

@@ -4,6 +4,8 @@
 #include "forcefields/driving_spring.hpp"
 #include "forcefields/expression.hpp"
 #include "forcefields/harmonic_bonds.hpp"
+#include "forcefields/memory_damping.hpp"
+#include "forcefields/morse_bonds.hpp"
 #include "forcefields/sinusoidal_substrate.hpp"
 #include "forcefields/viscous_damping.hpp"
 #include "framework/core/force.hpp"
@@ -15,6 +17,8 @@ void register_forcefields(Registry& registry) {
   registry.add(driving_spring_record());
   registry.add(expression_record());
   registry.add(harmonic_bonds_record());
+  registry.add(memory_damping_record());
+  registry.add(morse_bonds_record());
   registry.add(sinusoidal_substrate_record());
   registry.add(viscous_damping_record());
 }

@@ -76,9 +76,6 @@ inline std::vector<Complaint> no_complaints(const void*, const SceneOutline&) { 
 /// For forces that hold no pairs.
 inline std::uint64_t no_pairs(const void*, const SceneOutline&) { return 0; }
 
-/// Number of pairs that a selection means.
-std::uint64_t count_pairs(const PairSelection& selection, const SceneOutline& scene);
-
 /// For forces that declare no period.
 inline double no_period(const void*, int) { return 0.0; }
 
