@@ -16,16 +16,17 @@
 
 #include "framework/cli/commands.hpp"
 #include "framework/cli/component_text.hpp"
+#include "framework/cli/plugins.hpp"
 #include "framework/core/body.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/core/force.hpp"
 #include "framework/core/integrator.hpp"
 #include "framework/core/nearest_name.hpp"
+#include "framework/core/observer.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/language.hpp"
 #include "framework/scene/value_reader.hpp"
-#include "framework/standard_registry.hpp"
 
 namespace tomlin {
 namespace {
@@ -57,12 +58,15 @@ std::vector<Described> all_components(const Registry& registry) {
   for (const auto& record : registry.integrators()) {
     all.push_back({"integrator", record.get(), integrator_layout(*record), nullptr, record.get()});
   }
+  for (const auto& record : registry.observers()) {
+    all.push_back({"observer", record.get(), observer_layout(*record), nullptr, nullptr});
+  }
   return all;
 }
 
-constexpr std::array<std::pair<const char*, const char*>, 3> kKinds = {
+constexpr std::array<std::pair<const char*, const char*>, 4> kKinds = {
     std::pair{"body", "bodies"}, std::pair{"force", "forces"},
-    std::pair{"integrator", "integrators"}};
+    std::pair{"integrator", "integrators"}, std::pair{"observer", "observers"}};
 
 const Described& find(const std::vector<Described>& all, const std::string& name) {
   std::vector<std::string> names;
@@ -115,16 +119,22 @@ std::vector<std::pair<std::string, std::string>> later(const TableLayout& layout
 
 // ---- text
 
+std::string origin_in_brackets(const ComponentRecord& record) {
+  return record.library.empty() ? "" : " (" + record.library + ")";
+}
+
 std::string list_text(const std::vector<Described>& all) {
   std::size_t width = 0;
   for (const Described& component : all) width = std::max(width, component.record->name.size());
   std::string text;
   for (const auto& [kind, kinds] : kKinds) {
+    const auto is_one = [name = kind](const Described& one) { return one.kind == name; };
+    if (std::none_of(all.begin(), all.end(), is_one)) continue;
     text += std::string(kinds) + "\n";
     for (const Described& component : all) {
       if (component.kind != kind) continue;
-      fmt::format_to(std::back_inserter(text), "  {:<{}}  {}\n", component.record->name, width,
-                     component.record->summary);
+      fmt::format_to(std::back_inserter(text), "  {:<{}}  {}{}\n", component.record->name, width,
+                     component.record->summary, origin_in_brackets(*component.record));
     }
   }
   return text +
@@ -165,6 +175,8 @@ std::string component_text(const Described& component) {
   append_indented(text, record.equation);
   text += "\nsource\n";
   append_indented(text, record.source);
+  text += "\ncomes from\n  ";
+  text += (record.library.empty() ? "tomlin itself" : "the plugin " + record.library) + "\n";
   append_traits(text, component);
   text += "\nparameters\n";
   for (const Parameter& row : component.layout.rows) {
@@ -268,6 +280,7 @@ Json component_json(const Described& component) {
   entry["summary"] = record.summary;
   entry["equation"] = record.equation;
   entry["source"] = record.source;
+  entry["library"] = record.library.empty() ? Json() : Json(record.library);
   if (component.force != nullptr) entry["acts_on"] = to_string(component.force->element);
   entry["traits"] = traits_json(component);
   entry["parameters"] = Json::array();
@@ -302,7 +315,7 @@ Json list_json(const std::vector<Described>& all) {
 }  // namespace
 
 int describe_command(const DescribeArguments& arguments) {
-  const Registry registry = standard_registry();
+  const Registry registry = registry_with_plugins(arguments.plugins, {});
   const auto all = all_components(registry);
   if (arguments.name.empty()) {
     return print_result(arguments.json ? list_json(all).dump(2) + "\n" : list_text(all));

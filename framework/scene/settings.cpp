@@ -79,7 +79,9 @@ class Application {
       if (parts.size() == 2) return set_parameter(parts[1]);
       return refuse("a parameter has no keys of its own", kAdmissiblePaths);
     }
-    if (parts[0] == "body" || parts[0] == "force") return set_in_component(parts);
+    if (parts[0] == "body" || parts[0] == "force" || parts[0] == "observer") {
+      return set_in_component(parts);
+    }
     set_in_section(parts);
   }
 
