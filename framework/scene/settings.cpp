@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kAdmissiblePaths =
     "a parameter's name, scene.KEY, box.KEY, run.KEY, measure.KEY, output.KEY, body.NAME.KEY, "
-    "force.NAME.KEY";
+    "force.NAME.KEY, observer.NAME.KEY";
 
 std::vector<std::string> parts_of(std::string_view path) {
   std::vector<std::string> parts(1);
