@@ -72,7 +72,7 @@ std::optional<ElfNote> note_in(std::span<const std::byte> segment, std::uint64_t
     const bool ours = name->size() == owner.size() + 1 && text_of(*name).starts_with(owner) &&
                       text_of(*name).back() == '\0' && head->n_type == kNoteType;
     if (ours) {
-      if (text->size() > kLongestNote || !is_text(text_of(*text))) {
+      if (text->empty() || text->size() > kLongestNote || !is_text(text_of(*text))) {
         return ElfNote{"", "tomlin's note in it is damaged"};
       }
       return ElfNote{std::string(text_of(*text)), ""};

@@ -218,13 +218,17 @@ void Engine::fail(StepFault fault, double h) {
 
 /// At the start of a step, or near it where a plugin throws between steps.
 void Engine::fail(const PluginError& error) {
+  if (!thrown_) thrown_ = error;
   if (failure_) return;
   RunFailure failure;
   failure.step = static_cast<std::uint64_t>(counts_[kSteps]);
   failure.time = time();
-  failure.force = error.component();
-  failure.what = "the plugin " + error.library() + " has thrown an exception: " + error.said();
-  failure.cause = "the code of the plugin; nothing else is to blame";
+  constexpr std::string_view kForce = "force ";
+  if (error.component().starts_with(kForce)) {
+    failure.force = error.component().substr(kForce.size());
+  }
+  failure.what = error.what();
+  failure.cause = "the code of the plugin";
   failure_ = std::move(failure);
 }
 

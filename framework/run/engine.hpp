@@ -31,6 +31,8 @@ class Engine {
   RunState& state() { return state_; }
   Integrator<double>& integrator() { return *integrator_; }
   double stable_step() const { return stable_step_; }
+  /// What the code of a plugin has thrown, if it has.
+  const std::optional<PluginError>& thrown() const { return thrown_; }
 
   /// Go on from the numbers of another engine of the same scene: state().to_bytes(). Throws
   /// std::invalid_argument when they are not.
@@ -290,6 +292,7 @@ class Engine {
   bool interrupted_ = false;
   bool within_step_ = false;  ///< stopped before all samples of the last step were served
   std::optional<RunFailure> failure_;
+  std::optional<PluginError> thrown_;
   std::vector<std::string> warnings_;
   std::chrono::steady_clock::time_point started_;
   std::chrono::steady_clock::time_point last_report_;

@@ -8,7 +8,7 @@
 // file: the kernels are made from it as well.
 namespace tomlin {
 
-/// Throws when it has been called as often as FAULT_AFTER says.
+/// Throws once it has been called as often as FAULT_AFTER says.
 void count_down();
 
 struct FaultyDescription {
@@ -93,10 +93,10 @@ ForceRecord faulty_record() {
 void count_down() {
   static long left = calls_left();
   if (left < 0) return;
-  if (left-- == 0) {
-    if (fault() == "throw_number") throw 42;  // NOLINT: what is no exception either
-    throw std::runtime_error("no force, as planned");
-  }
+  if (left-- > 0) return;
+  left = 0;                                 // from now on always
+  if (fault() == "throw_number") throw 42;  // NOLINT: what is no exception either
+  throw std::runtime_error("no force, as planned");
 }
 
 }  // namespace tomlin
