@@ -52,7 +52,8 @@ TEST(BadScene, UnknownKeys) {
       {kRing,
        "[measure]",
        "[measurement]",
-       {"29:2: measurement: unknown key; admissible: scene, parameters, box, body, force, run, "
+       {"29:2: measurement: unknown key; admissible: plugins, scene, parameters, box, body, force, "
+        "observer, run, "
         "measure, "
         "output"}},
       {kRing,
@@ -653,7 +654,8 @@ centre = [0, nan]
       "integer "
       ">= 2",
       "18:14: body.ring.centre = nan: not a finite number; admissible: any finite number",
-      "19:2: surprise: unknown key; admissible: scene, parameters, box, body, force, run, "
+      "19:2: surprise: unknown key; admissible: plugins, scene, parameters, box, body, force, "
+      "observer, run, "
       "measure, "
       "output",
   };
