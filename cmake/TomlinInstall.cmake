@@ -4,7 +4,8 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(libraries options core bodies scene model run study output forcefields integrators library)
+set(libraries options core bodies scene model run study output forcefields integrators library
+              plugin_kit plugin)
 list(TRANSFORM libraries PREPEND tomlin_ OUTPUT_VARIABLE targets)
 foreach(library ${libraries})
   set_target_properties(tomlin_${library} PROPERTIES EXPORT_NAME ${library})
@@ -15,12 +16,16 @@ set_target_properties(tomlin_library PROPERTIES EXPORT_NAME tomlin)
 set(header_folder ${CMAKE_INSTALL_INCLUDEDIR}/tomlin)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/tomlin)
 
-install(TARGETS tomlin RUNTIME)
+# The program too, as tomlin::program, for the tests of others.
+set_target_properties(tomlin PROPERTIES EXPORT_NAME program)
+install(TARGETS tomlin EXPORT tomlin RUNTIME)
 install(TARGETS ${targets} EXPORT tomlin INCLUDES DESTINATION ${header_folder})
 install(EXPORT tomlin FILE tomlinTargets.cmake NAMESPACE tomlin:: DESTINATION ${package_folder})
 
 install(DIRECTORY framework forcefields integrators DESTINATION ${header_folder}
         FILES_MATCHING PATTERN "*.hpp" PATTERN "cli" EXCLUDE PATTERN "plot" EXCLUDE)
+install(FILES ${CMAKE_BINARY_DIR}/border/framework/plugin/border.hpp
+        DESTINATION ${header_folder}/framework/plugin)
 # The checks that every force has to pass are for forces of others, too.
 install(FILES tests/support/conformance.hpp tests/support/force_bench.hpp
               tests/support/number_types.hpp tests/support/order.hpp
@@ -35,7 +40,15 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/tomlinConfigVersion
 install(FILES ${CMAKE_BINARY_DIR}/package/tomlinConfig.cmake
               ${CMAKE_BINARY_DIR}/package/tomlinConfigVersion.cmake
               cmake/TomlinHdf5.cmake cmake/TomlinKernels.cmake cmake/kernels.cpp.in
+              cmake/TomlinPlugin.cmake cmake/plugin_note.cpp.in
         DESTINATION ${package_folder})
+
+# The same from the build folder, for those who have not installed it: -Dtomlin_DIR=build/package.
+export(EXPORT tomlin FILE ${CMAKE_BINARY_DIR}/package/tomlinTargets.cmake NAMESPACE tomlin::)
+foreach(file TomlinHdf5.cmake TomlinKernels.cmake TomlinPlugin.cmake kernels.cpp.in
+             plugin_note.cpp.in)
+  configure_file(cmake/${file} ${CMAKE_BINARY_DIR}/package/${file} COPYONLY)
+endforeach()
 
 # The pages, laid out as they link to each other, with the scenes that they run.
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -78,7 +78,8 @@ observables.csv with the friction trace, and scene.toml, the scene with every de
   tomlin explain pt.toml       its scales, its regime, the stable step, what a run costs
   tomlin check pt.toml         is the scene sound, and do its forces what they claim
   tomlin new pt|fk|ring        a commented scene to start from
-  tomlin describe              the bodies, forces and integrators
+  tomlin new plugin NAME       a force of one's own in C++, with its test
+  tomlin describe              the bodies, forces, integrators and observers
   tomlin describe NAME         one of them: equation, source, parameters, an example
   tomlin schema                with which editors complete and check scenes
   tomlin plot pt.out -o a.svg  the friction trace
@@ -121,6 +122,15 @@ version of tomlin.
 Exit status: 0 done; 1 the run failed numerically (the message says when, where and why) or its
 results could not be written; 2 the input was not right, and nothing was written; 130 or 143 after
 an interrupt.)";
+
+constexpr const char* kPluginFooter = R"(
+A force that tomlin does not have is compiled into a shared library; tomlin new plugin NAME writes
+one to start from. A scene names its libraries above its first [table], relative to its own folder:
+
+  plugins = ["libmorse.so"]
+
+or --plugin does, relative to the current folder. Both load it from that place and no other. See
+also tomlin describe --plugin LIB.)";
 
 constexpr const char* kTradeoffFooter = R"(
 Computes one number of the scene's summary in every way that applies: by every integrator from
@@ -225,15 +235,17 @@ Exit status: 0 all checks hold; 1 one does not; 2 the scene is not right.)";
 constexpr const char* kNewFooter = R"(
 Models:
 
-  pt     one tip on a substrate: Prandtl-Tomlinson
-  fk     a driven chain of particles and springs: Frenkel-Kontorova
-  ring   a ring that drags, rolls or hops
+  pt      one tip on a substrate: Prandtl-Tomlinson
+  fk      a driven chain of particles and springs: Frenkel-Kontorova
+  ring    a ring that drags, rolls or hops
+  plugin  no scene but a folder: a force of one's own in C++, with a CMake file, a scene and a test
 
 Examples:
 
   tomlin new pt                  writes pt.toml, a scene with comments that runs as it is
   tomlin new ring my_ring        writes my_ring.toml
   tomlin new fk -o scenes/a.toml
+  tomlin new plugin my_force     writes the folder my_force
 
 Exit status: 0 done; 1 the file could not be written; 2 the input was not right.)";
 
@@ -370,18 +382,21 @@ class CommandLine {
     } catch (const CLI::ParseError& error) {
       refuse(fmt::format("{} ({} --help tells more)", error.what(), name_of(chosen())));
     }
+    refuse_empty_plugins();
     if (app_.got_subcommand(describe_)) return describe_arguments();
     if (app_.got_subcommand(schema_)) return schema_arguments();
     if (app_.got_subcommand(plot_)) return plot_arguments();
     if (app_.got_subcommand(new_)) return new_arguments();
     if (app_.got_subcommand(explain_)) {
       explained_.settings = settings_of(settings_);
+      explained_.plugins = plugins_;
       return explained_;
     }
     if (app_.got_subcommand(tradeoff_)) return tradeoff_arguments();
     if (app_.got_subcommand(compare_)) return compare_arguments();
     if (app_.got_subcommand(check_)) {
       checked_.settings = settings_of(settings_);
+      checked_.plugins = plugins_;
       return checked_;
     }
     return run_arguments();
@@ -399,11 +414,25 @@ class CommandLine {
         ->type_name("PATH=VALUE")
         ->option_text("PATH=VALUE ...")
         ->allow_extra_args(false);
+    take_plugins(command);
+  }
+
+  void take_plugins(CLI::App& command) {
+    command.add_option("--plugin", plugins_, "more components, from a shared library")
+        ->type_name("LIB")
+        ->option_text("LIB ...")
+        ->allow_extra_args(false);
+  }
+
+  void refuse_empty_plugins() const {
+    for (const std::string& name : plugins_) {
+      if (name.empty()) refuse("--plugin is empty", "", "the file of a shared library");
+    }
   }
 
   void set_up_run() {
     run_ = app_.add_subcommand("run", "run one scene");
-    run_->footer(kRunFooter);
+    run_->footer(std::string(kRunFooter) + "\n" + kPluginFooter);
     take_scene(*run_, asked_.scene);
     run_->add_option("-o,--output", asked_.folder, "folder for the results; SCENE's stem + .out")
         ->type_name("DIR");
@@ -411,9 +440,6 @@ class CommandLine {
     run_->add_flag("--force", asked_.force,
                    "DIR need not be empty; only files that tomlin writes are replaced");
     run_->add_flag("--quiet", asked_.quiet, "say nothing but errors");
-    plugin_ = run_->add_option("--plugin", plugins_, "more components from a shared library")
-                  ->type_name("LIB")
-                  ->group("Later, not in this version");
   }
 
   void set_up_tradeoff() {
@@ -475,12 +501,12 @@ class CommandLine {
   void set_up_new() {
     new_ = app_.add_subcommand("new", "write a commented scene to start from");
     new_->footer(kNewFooter);
-    new_->add_option("MODEL", begun_.model, "pt, fk or ring")->option_text(" ")->required();
-    CLI::Option* name =
-        new_->add_option("NAME", begun_.name, "of the file; MODEL by default")->option_text(" ");
-    new_->add_option("-o,--output", begun_.file, "the file; NAME.toml by default")
-        ->type_name("FILE")
-        ->excludes(name);
+    new_->add_option("MODEL", begun_.model, "pt, fk, ring or plugin")->option_text(" ")->required();
+    new_->add_option("NAME", begun_.name, "of the file, or of the force; MODEL by default")
+        ->option_text(" ");
+    new_->add_option("-o,--output", begun_.file,
+                     "the file, NAME.toml by default; of a plugin the folder, NAME by default")
+        ->type_name("FILE");
     new_->add_flag("--force", begun_.force, "replace a file that is there");
   }
 
@@ -489,8 +515,9 @@ class CommandLine {
     describe_->footer(kDescribeFooter);
     describe_
         ->add_option("NAME", described_.name,
-                     "a body, force or integrator, or a table of the scene; all by default")
+                     "a body, force, integrator or observer, or a table of the scene; all by default")
         ->option_text(" ");
+    take_plugins(*describe_);
     CLI::Option* json = describe_->add_flag("--json", described_.json, "as JSON");
     CLI::Option* markdown =
         describe_->add_flag("--markdown", described_.markdown, "as Markdown")->excludes(json);
@@ -503,6 +530,7 @@ class CommandLine {
   void set_up_schema() {
     schema_ = app_.add_subcommand("schema", "a JSON Schema of scenes, for editors");
     schema_->footer(kSchemaFooter);
+    take_plugins(*schema_);
     schema_->add_option("-o,--output", outlined_.file, "the file; standard output by default")
         ->type_name("FILE");
     schema_->add_flag("--force", outlined_.force, "replace a file that is there");
@@ -558,6 +586,9 @@ class CommandLine {
   NewArguments new_arguments() const {
     if (begun_.name && begun_.name->empty()) refuse("NAME is empty");
     if (begun_.file && begun_.file->empty()) refuse("-o is empty");
+    if (begun_.name && begun_.file && begun_.model != "plugin") {
+      refuse("NAME and -o both name the file", "", "one of them");
+    }
     return begun_;
   }
 
@@ -566,12 +597,16 @@ class CommandLine {
     if (described_.folder && !described_.name.empty()) {
       refuse("pages in a folder are of all components", "", "-o without NAME");
     }
-    return described_;
+    DescribeArguments arguments = described_;
+    arguments.plugins = plugins_;
+    return arguments;
   }
 
   SchemaArguments schema_arguments() const {
     if (outlined_.file && outlined_.file->empty()) refuse("-o is empty");
-    return outlined_;
+    SchemaArguments arguments = outlined_;
+    arguments.plugins = plugins_;
+    return arguments;
   }
 
   TradeoffArguments tradeoff_arguments() {
@@ -583,6 +618,7 @@ class CommandLine {
     }
     if (traded_.write && traded_.write->empty()) refuse("--write is empty");
     traded_.settings = settings_of(settings_);
+    traded_.plugins = plugins_;
     return traded_;
   }
 
@@ -592,15 +628,16 @@ class CommandLine {
       refuse(fmt::format("--tolerance is {:g}", compared_.tolerance), "", "> 0");
     }
     compared_.settings = settings_of(settings_);
+    compared_.plugins = plugins_;
     return compared_;
   }
 
   RunArguments run_arguments() {
-    if (plugin_->count() > 0) refuse(plugin_->get_name() + " is not in this version");
     if (asked_.resume && asked_.force) {
       refuse("--resume goes on with a run, --force starts it again", "", "one of them");
     }
     asked_.settings = settings_of(settings_);
+    asked_.plugins = plugins_;
     return asked_;
   }
 
@@ -641,7 +678,6 @@ class CommandLine {
   CLI::App* describe_ = nullptr;
   CLI::App* schema_ = nullptr;
   CLI::App* plot_ = nullptr;
-  CLI::Option* plugin_ = nullptr;
   RunArguments asked_;
   TradeoffArguments traded_;
   CompareArguments compared_;

@@ -15,6 +15,7 @@ namespace tomlin {
 struct RunArguments {
   std::string scene;
   std::vector<Setting> settings;
+  std::vector<std::string> plugins;
   std::optional<std::string> folder;
   bool resume = false;
   bool force = false;
@@ -25,6 +26,7 @@ struct RunArguments {
 struct TradeoffArguments {
   std::string scene;
   std::vector<Setting> settings;
+  std::vector<std::string> plugins;
   std::string observable;
   double tolerance = 1e-3;
   double budget = 60.0;              ///< seconds
@@ -37,6 +39,7 @@ struct TradeoffArguments {
 struct CompareArguments {
   std::vector<std::string> scenes;
   std::vector<Setting> settings;
+  std::vector<std::string> plugins;
   std::string observable;
   double tolerance = 1e-2;
   std::optional<std::string> folder;
@@ -47,6 +50,7 @@ struct CompareArguments {
 struct ExplainArguments {
   std::string scene;
   std::vector<Setting> settings;
+  std::vector<std::string> plugins;
   bool json = false;
 };
 
@@ -54,21 +58,23 @@ struct ExplainArguments {
 struct CheckArguments {
   std::string scene;
   std::vector<Setting> settings;
+  std::vector<std::string> plugins;
   bool json = false;
   std::uint64_t seed = 1;  ///< of the random states that claims are looked at
 };
 
 /// `tomlin new MODEL [NAME] ...`
 struct NewArguments {
-  std::string model;                ///< "pt", "fk", "ring"
-  std::optional<std::string> name;  ///< of the file, without .toml
-  std::optional<std::string> file;  ///< instead of the name
+  std::string model;                ///< "pt", "fk", "ring", "plugin"
+  std::optional<std::string> name;  ///< of the file, without .toml; of the force
+  std::optional<std::string> file;  ///< instead of the name; the folder of a plugin
   bool force = false;
 };
 
 /// `tomlin describe [NAME] ...`
 struct DescribeArguments {
   std::string name;  ///< empty: all components
+  std::vector<std::string> plugins;
   bool json = false;
   bool markdown = false;
   std::optional<std::string> folder;  ///< for the reference pages
@@ -78,6 +84,7 @@ struct DescribeArguments {
 /// `tomlin schema ...`
 struct SchemaArguments {
   std::optional<std::string> file;  ///< standard output without it
+  std::vector<std::string> plugins;
   bool force = false;
 };
 

@@ -11,12 +11,12 @@
 
 #include "framework/cli/commands.hpp"
 #include "framework/cli/exit_status.hpp"
+#include "framework/cli/plugins.hpp"
 #include "framework/cli/sections.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/model/claims.hpp"
 #include "framework/model/model.hpp"
 #include "framework/run/trial.hpp"
-#include "framework/standard_registry.hpp"
 
 namespace tomlin {
 namespace {
@@ -174,8 +174,8 @@ std::string dumped(const Json& json) {
 }  // namespace
 
 int check_command(const CheckArguments& arguments) {
-  const Registry registry = standard_registry();
   try {
+    const Registry registry = registry_with_plugins(arguments.plugins, {arguments.scene});
     const auto scene = read_scene(arguments.scene, registry, arguments.settings);
     const Report report = report_on(scene, arguments.seed);
     const int status =

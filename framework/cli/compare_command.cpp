@@ -7,11 +7,11 @@
 #include "framework/cli/commands.hpp"
 #include "framework/cli/compare_text.hpp"
 #include "framework/cli/exit_status.hpp"
+#include "framework/cli/plugins.hpp"
 #include "framework/cli/stop_signals.hpp"
 #include "framework/cli/study_figure.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/output/run_folder.hpp"
-#include "framework/standard_registry.hpp"
 #include "framework/study/compare.hpp"
 
 namespace tomlin {
@@ -41,7 +41,7 @@ std::vector<std::shared_ptr<const Scene>> read_scenes(const CompareArguments& ar
 }  // namespace
 
 int compare_command(const CompareArguments& arguments) {
-  const Registry registry = standard_registry();
+  const Registry registry = registry_with_plugins(arguments.plugins, arguments.scenes);
   const auto scenes = read_scenes(arguments, registry);
   RunFolder folder(arguments.folder.value_or(kDefaultFolder),
                    arguments.force ? Occupied::replace_results : Occupied::refuse);

@@ -20,6 +20,7 @@
 #include "framework/cli/described.hpp"
 #include "framework/cli/new_file.hpp"
 #include "framework/cli/node_json.hpp"
+#include "framework/cli/plugins.hpp"
 #include "framework/cli/reference_pages.hpp"
 #include "framework/core/body.hpp"
 #include "framework/core/citation.hpp"
@@ -27,12 +28,12 @@
 #include "framework/core/force.hpp"
 #include "framework/core/integrator.hpp"
 #include "framework/core/nearest_name.hpp"
+#include "framework/core/observer.hpp"
 #include "framework/output/output_file.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/language.hpp"
 #include "framework/scene/value_reader.hpp"
-#include "framework/standard_registry.hpp"
 
 namespace tomlin {
 namespace fs = std::filesystem;
@@ -74,16 +75,22 @@ const SceneTable* find(const std::vector<SceneTable>& tables, const std::string&
 
 // ---- text
 
+std::string origin_in_brackets(const ComponentRecord& record) {
+  return record.library.empty() ? "" : " (" + record.library + ")";
+}
+
 std::string list_text(const std::vector<Described>& all, const std::vector<SceneTable>& tables) {
   std::size_t width = 0;
   for (const Described& component : all) width = std::max(width, component.record->name.size());
   std::string text;
   for (const auto& [kind, kinds] : kKinds) {
+    const auto is_one = [name = kind](const Described& one) { return one.kind == name; };
+    if (std::none_of(all.begin(), all.end(), is_one)) continue;
     text += std::string(kinds) + "\n";
     for (const Described& component : all) {
       if (component.kind != kind) continue;
-      fmt::format_to(std::back_inserter(text), "  {:<{}}  {}\n", component.record->name, width,
-                     component.record->summary);
+      fmt::format_to(std::back_inserter(text), "  {:<{}}  {}{}\n", component.record->name, width,
+                     component.record->summary, origin_in_brackets(*component.record));
     }
   }
   text += "tables of a scene\n";
@@ -157,6 +164,8 @@ std::string component_text(const Described& component) {
   text += "\nequation\n";
   append_indented(text, record.equation);
   append_sources(text, record.source);
+  text += "\ncomes from\n  ";
+  text += (record.library.empty() ? "tomlin itself" : "the plugin " + record.library) + "\n";
   append_traits(text, component);
   append_rows(text, component.layout.rows);
   append_own_keys(text, "every " + component.kind + " also takes", component.layout.own_keys);
@@ -266,6 +275,7 @@ Json component_json(const Described& component) {
   entry["source"] = record.source;
   entry["works"] = citations_json(record.source);
   if (component.force != nullptr) entry["acts_on"] = acts_on(*component.force);
+  entry["library"] = record.library.empty() ? Json() : Json(record.library);
   entry["traits"] = traits_json(component);
   if (component.kind != "body") entry["number_types"] = number_types(component);
   append_layout(entry, component.layout);
@@ -327,7 +337,7 @@ int write_pages(const fs::path& folder, const Registry& registry, bool force) {
 }  // namespace
 
 int describe_command(const DescribeArguments& arguments) {
-  const Registry registry = standard_registry();
+  const Registry registry = registry_with_plugins(arguments.plugins, {});
   if (arguments.folder) return write_pages(*arguments.folder, registry, arguments.force);
   const auto all = all_components(registry);
   const auto tables = scene_tables();

@@ -4,6 +4,7 @@
 
 #include "framework/cli/component_text.hpp"
 #include "framework/core/body.hpp"
+#include "framework/core/observer.hpp"
 #include "framework/scene/effective.hpp"
 
 namespace tomlin {
@@ -37,6 +38,9 @@ std::vector<Described> all_components(const Registry& registry) {
   }
   for (const auto& record : registry.integrators()) {
     all.push_back({"integrator", record.get(), integrator_layout(*record), nullptr, record.get()});
+  }
+  for (const auto& record : registry.observers()) {
+    all.push_back({"observer", record.get(), observer_layout(*record), nullptr, nullptr});
   }
   return all;
 }
@@ -73,7 +77,11 @@ std::string acts_on(const ForceRecord& force) {
 
 std::vector<std::string> trait_words(const Described& component) {
   std::vector<std::string> words;
-  if (component.force != nullptr) append_held(words, claims(component.force->traits));
+  if (component.force != nullptr && component.force->traits_of != nullptr) {
+    words.emplace_back("claims follow from what a scene gives");
+  } else if (component.force != nullptr) {
+    append_held(words, claims(component.force->traits));
+  }
   if (component.integrator != nullptr) {
     const IntegratorRecord& record = *component.integrator;
     words.push_back(fmt::format("order {}", record.order));

@@ -25,7 +25,8 @@ struct Described {
 /// Of one, and of several.
 using KindNames = std::pair<const char*, const char*>;
 inline constexpr std::array kKinds = {KindNames{"body", "bodies"}, KindNames{"force", "forces"},
-                                      KindNames{"integrator", "integrators"}};
+                                      KindNames{"integrator", "integrators"},
+                                      KindNames{"observer", "observers"}};
 
 /// By kind, then as registered.
 std::vector<Described> all_components(const Registry& registry);

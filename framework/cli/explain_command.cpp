@@ -1,11 +1,11 @@
 #include "framework/cli/commands.hpp"
 #include "framework/cli/explanation.hpp"
-#include "framework/standard_registry.hpp"
+#include "framework/cli/plugins.hpp"
 
 namespace tomlin {
 
 int explain_command(const ExplainArguments& arguments) {
-  const Registry registry = standard_registry();
+  const Registry registry = registry_with_plugins(arguments.plugins, {arguments.scene});
   const Explanation explanation =
       explain(read_scene(arguments.scene, registry, arguments.settings));
   return print_result(arguments.json ? explanation_json(explanation)

@@ -8,6 +8,7 @@
 #include "framework/cli/commands.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/new_file.hpp"
+#include "framework/cli/new_plugin.hpp"
 #include "framework/cli/templates.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/core/nearest_name.hpp"
@@ -27,8 +28,8 @@ const SceneTemplate& template_of(const std::string& model) {
   }
   Fault fault;
   fault.place.file = "tomlin";
-  fault.why = model == "plugin" ? "\"new plugin\" is not in this version"
-                                : fmt::format("there is no model \"{}\" to start from", model);
+  names.emplace_back("plugin");
+  fault.why = fmt::format("there is no model \"{}\" to start from", model);
   fault.admissible = fmt::format("{}", fmt::join(names, ", "));
   fault.nearest = nearest_name(model, names).value_or("");
   refuse(std::move(fault));
@@ -44,6 +45,7 @@ fs::path file_of(const NewArguments& arguments) {
 }  // namespace
 
 int new_command(const NewArguments& arguments) {
+  if (arguments.model == "plugin") return new_plugin(arguments);
   const SceneTemplate& scene = template_of(arguments.model);
   const fs::path file = file_of(arguments);
   refuse_to_replace(file, arguments.force);

@@ -11,6 +11,7 @@
 
 #include "framework/cli/commands.hpp"
 #include "framework/cli/exit_status.hpp"
+#include "framework/cli/plugins.hpp"
 #include "framework/cli/progress.hpp"
 #include "framework/cli/result_text.hpp"
 #include "framework/cli/stop_signals.hpp"
@@ -75,6 +76,17 @@ Resumption resumption(const RunArguments& arguments, const RunFolder& folder, co
   return start_again(folder);
 }
 
+/// Before a library is loaded that the run was not begun with.
+void require_plugins_of_run(const RunArguments& arguments,
+                            const std::vector<PluginRequest>& plugins) {
+  std::vector<Library> libraries;
+  libraries.reserve(plugins.size());
+  for (const PluginRequest& plugin : plugins) {
+    libraries.push_back({plugin.given, plugin.path.string(), examine_plugin(plugin.path).hash});
+  }
+  require_same_libraries(arguments.folder.value_or(default_folder(arguments.scene)), libraries);
+}
+
 /// A run that has come to its end already. Killed at the last moment it may have left what it had
 /// no use for any more.
 int already_over(RunFolder& folder, const Scene& scene, const Resumption& found, bool quiet) {
@@ -95,7 +107,10 @@ int already_over(RunFolder& folder, const Scene& scene, const Resumption& found,
 
 int run_command(const RunArguments& arguments) {
   // The scene, then the place for its results; only then is anything made.
-  const Registry registry = standard_registry();
+  const auto plugins = requested_plugins(arguments.plugins, {arguments.scene});
+  if (arguments.resume) require_plugins_of_run(arguments, plugins);
+  Registry registry = standard_registry();
+  load_plugins(plugins, registry);
   const auto scene = read_scene(arguments.scene, registry, arguments.settings);
   RunFolder folder(arguments.folder.value_or(default_folder(arguments.scene)), occupied(arguments));
   refuse_to_lose_scene(folder, *scene);

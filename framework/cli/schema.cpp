@@ -113,6 +113,8 @@ Json passing(const Parameter& row) {
   return schema;
 }
 
+Json formula() { return only("type", std::vector{"string", "number"}); }
+
 /// What a row admits.
 Json value_schema(const Parameter& row) {
   return std::visit(
@@ -148,6 +150,14 @@ Json value_schema(const Parameter& row) {
           return {{"type", "array"}, {"uniqueItems", true}, {"items", std::move(word)}};
         } else if constexpr (std::is_same_v<Kind, FlagList>) {
           return list_of(only("type", "boolean"));
+        } else if constexpr (std::is_same_v<Kind, Formula>) {
+          return formula();
+        } else if constexpr (std::is_same_v<Kind, FormulaList>) {
+          return list_of(formula(), kMostDimensions);
+        } else if constexpr (std::is_same_v<Kind, AngleSelection>) {
+          Json angle = list_of(index(), 3);
+          angle["minItems"] = 3;
+          return word_or({"neighbours"}, list_of(std::move(angle)));
         } else {
           static_assert(std::is_same_v<Kind, Passing>);
           return passing(row);
@@ -213,6 +223,8 @@ Json own_keys_of(const ForceRecord& record) {
 }
 
 Json own_keys_of(const IntegratorRecord&) { return Json::object(); }
+
+Json own_keys_of(const ObserverRecord&) { return {{"name", name_schema()}}; }
 
 // ---- components
 
@@ -333,6 +345,7 @@ Json section_schema(const std::string& key) {
   if (key == "box") return table_schema(box_layout());
   if (key == "body") return components_schema(key, 1, "where particles start");
   if (key == "force") return components_schema(key, 0, "what acts on bodies");
+  if (key == "observer") return components_schema(key, 0, "what is observed besides");
   if (key == "run") return run_schema();
   if (key == "measure") return table_schema(measure_layout());
   if (key == "output") return table_schema(output_layout());
@@ -353,6 +366,11 @@ std::string scene_schema(const Registry& registry) {
   define_components(definitions, "body", registry.bodies(), body_layout);
   define_components(definitions, "force", registry.forces(), force_layout);
   define_components(definitions, "integrator", registry.integrators(), integrator_layout);
+  if (registry.observers().empty()) {
+    sections["observer"] = {{"type", "array"}, {"maxItems", 0}};  // they come with plugins only
+  } else {
+    define_components(definitions, "observer", registry.observers(), observer_layout);
+  }
 
   Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"},
                  {"title", "a scene of tomlin " TOMLIN_VERSION},

@@ -4,14 +4,14 @@
 #include "framework/cli/commands.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/new_file.hpp"
+#include "framework/cli/plugins.hpp"
 #include "framework/cli/schema.hpp"
 #include "framework/output/output_file.hpp"
-#include "framework/standard_registry.hpp"
 
 namespace tomlin {
 
 int schema_command(const SchemaArguments& arguments) {
-  const std::string schema = scene_schema(standard_registry());
+  const std::string schema = scene_schema(registry_with_plugins(arguments.plugins, {}));
   if (!arguments.file) return print_result(schema);
   const std::filesystem::path file = *arguments.file;
   refuse_to_replace(file, arguments.force);

@@ -14,4 +14,13 @@ struct SceneTemplate {
 
 const std::vector<SceneTemplate>& scene_templates();
 
+/// A file of a plugin to start from, whose force is called plugin_name and PluginName; they stand
+/// in framework/cli/templates/plugin/.
+struct PluginTemplate {
+  std::string file;
+  std::string text;
+};
+
+const std::vector<PluginTemplate>& plugin_templates();
+
 }  // namespace tomlin

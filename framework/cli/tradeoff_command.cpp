@@ -11,6 +11,7 @@
 
 #include "framework/cli/commands.hpp"
 #include "framework/cli/exit_status.hpp"
+#include "framework/cli/plugins.hpp"
 #include "framework/cli/progress.hpp"
 #include "framework/cli/stop_signals.hpp"
 #include "framework/cli/study_figure.hpp"
@@ -19,7 +20,6 @@
 #include "framework/cli/tradeoff_text.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/output/run_folder.hpp"
-#include "framework/standard_registry.hpp"
 #include "framework/study/tradeoff.hpp"
 
 namespace tomlin {
@@ -79,7 +79,7 @@ Tradeoff measured(const std::shared_ptr<const Scene>& scene, const Registry& reg
 }  // namespace
 
 int tradeoff_command(const TradeoffArguments& arguments) {
-  const Registry registry = standard_registry();
+  const Registry registry = registry_with_plugins(arguments.plugins, {arguments.scene});
   const auto scene = read_scene(arguments.scene, registry, arguments.settings);
   RunFolder folder(arguments.folder.value_or(default_folder(arguments.scene)),
                    arguments.force ? Occupied::replace_results : Occupied::refuse);

@@ -58,6 +58,21 @@ using KernelTables = TablesByType<KernelTable>;
 #else
 #define TOMLIN_TABLE_AVX512(table) nullptr
 #endif
+// Number types that a plugin leaves out (cmake/TomlinPlugin.cmake): it is not run in them.
+#if defined(TOMLIN_WITHOUT_FLOAT)
+#define TOMLIN_TABLES_FLOAT(baseline, avx2, avx512) \
+  {}
+#else
+#define TOMLIN_TABLES_FLOAT(baseline, avx2, avx512) \
+  { &baseline, TOMLIN_TABLE_AVX2(avx2), TOMLIN_TABLE_AVX512(avx512) }
+#endif
+#if defined(TOMLIN_WITHOUT_QUAD)
+#define TOMLIN_TABLES_QUAD(baseline) \
+  {}
+#else
+#define TOMLIN_TABLES_QUAD(baseline) \
+  { &baseline, nullptr, nullptr }
+#endif
 
 /// In a component's .cpp: the tables that its kernel files define (framework/core/kernels.hpp),
 /// as tomlin::kernels::NAME. Macros, because names are pasted.
@@ -70,20 +85,19 @@ using KernelTables = TablesByType<KernelTable>;
                                               TOMLIN_TABLE_AVX2(Name##_double_avx2),      \
                                               TOMLIN_TABLE_AVX512(Name##_double_avx512)}; \
   }
-#define TOMLIN_DECLARE_TABLES(Name, Table)                             \
-  namespace tomlin::kernels {                                          \
-  extern const Table<double> Name##_double_baseline;                   \
-  extern const Table<double> Name##_double_avx2;                       \
-  extern const Table<double> Name##_double_avx512;                     \
-  extern const Table<float> Name##_float_baseline;                     \
-  extern const Table<float> Name##_float_avx2;                         \
-  extern const Table<float> Name##_float_avx512;                       \
-  extern const Table<Quad> Name##_Quad_baseline;                       \
-  inline constexpr TablesByType<Table> Name = {                        \
-      {&Name##_double_baseline, TOMLIN_TABLE_AVX2(Name##_double_avx2), \
-       TOMLIN_TABLE_AVX512(Name##_double_avx512)},                     \
-      {&Name##_float_baseline, TOMLIN_TABLE_AVX2(Name##_float_avx2),   \
-       TOMLIN_TABLE_AVX512(Name##_float_avx512)},                      \
-      {&Name##_Quad_baseline, nullptr, nullptr}};                      \
+#define TOMLIN_DECLARE_TABLES(Name, Table)                                                \
+  namespace tomlin::kernels {                                                             \
+  extern const Table<double> Name##_double_baseline;                                      \
+  extern const Table<double> Name##_double_avx2;                                          \
+  extern const Table<double> Name##_double_avx512;                                        \
+  extern const Table<float> Name##_float_baseline;                                        \
+  extern const Table<float> Name##_float_avx2;                                            \
+  extern const Table<float> Name##_float_avx512;                                          \
+  extern const Table<Quad> Name##_Quad_baseline;                                          \
+  inline constexpr TablesByType<Table> Name = {                                           \
+      {&Name##_double_baseline, TOMLIN_TABLE_AVX2(Name##_double_avx2),                    \
+       TOMLIN_TABLE_AVX512(Name##_double_avx512)},                                        \
+      TOMLIN_TABLES_FLOAT(Name##_float_baseline, Name##_float_avx2, Name##_float_avx512), \
+      TOMLIN_TABLES_QUAD(Name##_Quad_baseline)};                                          \
   }
 #define TOMLIN_DECLARE_KERNELS(Evaluator) TOMLIN_DECLARE_TABLES(Evaluator, KernelTable)

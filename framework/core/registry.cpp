@@ -6,6 +6,7 @@
 #include "framework/core/body.hpp"
 #include "framework/core/force.hpp"
 #include "framework/core/integrator.hpp"
+#include "framework/core/observer.hpp"
 
 namespace tomlin {
 namespace {
@@ -49,7 +50,7 @@ void Registry::refuse_if_unfit(const ComponentRecord& record) const {
   for (const Parameter& row : record.parameters) {
     require(!row.key.empty() && !row.doc.empty(), record, "key or doc in a parameter row");
   }
-  if (body(record.name) || force(record.name) || integrator(record.name)) {
+  if (body(record.name) || force(record.name) || integrator(record.name) || observer(record.name)) {
     throw std::invalid_argument("component \"" + record.name + "\" is registered twice");
   }
 }
@@ -77,10 +78,27 @@ void Registry::add(IntegratorRecord record) {
   integrators_.push_back(std::make_unique<IntegratorRecord>(std::move(record)));
 }
 
+void Registry::add(ObserverRecord record) {
+  refuse_if_unfit(record);
+  require(record.complaints && record.columns && record.observe, record, "function");
+  observers_.push_back(std::make_unique<ObserverRecord>(std::move(record)));
+}
+
+void Registry::add(Library library) { libraries_.push_back(std::move(library)); }
+
 const BodyRecord* Registry::body(std::string_view name) const { return find(bodies_, name); }
 const ForceRecord* Registry::force(std::string_view name) const { return find(forces_, name); }
 const IntegratorRecord* Registry::integrator(std::string_view name) const {
   return find(integrators_, name);
+}
+const ObserverRecord* Registry::observer(std::string_view name) const {
+  return find(observers_, name);
+}
+const Library* Registry::library(std::string_view path) const {
+  for (const Library& library : libraries_) {
+    if (library.path == path) return &library;
+  }
+  return nullptr;
 }
 
 }  // namespace tomlin

@@ -23,6 +23,17 @@ struct ComponentRecord {
 
   /// A default-constructed description; the rows of `parameters` assign its members.
   std::shared_ptr<void> (*make_description)() = nullptr;
+
+  /// Path of the shared library that it comes from, set when that is loaded; empty: the program's.
+  std::string library;
+};
+
+/// A shared library whose components are in a registry; see framework/plugin.
+struct Library {
+  std::string given;        ///< as it was named: in a scene, or on the command line
+  std::string path;         ///< absolute
+  std::string hash;         ///< of its content: XXH3-128, 32 hexadecimal digits
+  bool everywhere = false;  ///< for all scenes, whether they name it or not
 };
 
 template <class D>
@@ -36,6 +47,7 @@ std::shared_ptr<void> with_defaults(const ComponentRecord& record);
 struct BodyRecord;        // framework/core/body.hpp
 struct ForceRecord;       // framework/core/force.hpp
 struct IntegratorRecord;  // framework/core/integrator.hpp
+struct ObserverRecord;    // framework/core/observer.hpp
 
 class Registry {
  public:
@@ -48,15 +60,23 @@ class Registry {
   void add(BodyRecord record);
   void add(ForceRecord record);
   void add(IntegratorRecord record);
+  void add(ObserverRecord record);
+  /// Components of this library have been added.
+  void add(Library library);
 
   /// nullptr when there is none of that name.
   const BodyRecord* body(std::string_view name) const;
   const ForceRecord* force(std::string_view name) const;
   const IntegratorRecord* integrator(std::string_view name) const;
+  const ObserverRecord* observer(std::string_view name) const;
+  /// By its absolute path.
+  const Library* library(std::string_view path) const;
 
   const std::vector<std::unique_ptr<BodyRecord>>& bodies() const { return bodies_; }
   const std::vector<std::unique_ptr<ForceRecord>>& forces() const { return forces_; }
   const std::vector<std::unique_ptr<IntegratorRecord>>& integrators() const { return integrators_; }
+  const std::vector<std::unique_ptr<ObserverRecord>>& observers() const { return observers_; }
+  const std::vector<Library>& libraries() const { return libraries_; }
 
  private:
   void refuse_if_unfit(const ComponentRecord& record) const;
@@ -64,6 +84,8 @@ class Registry {
   std::vector<std::unique_ptr<BodyRecord>> bodies_;
   std::vector<std::unique_ptr<ForceRecord>> forces_;
   std::vector<std::unique_ptr<IntegratorRecord>> integrators_;
+  std::vector<std::unique_ptr<ObserverRecord>> observers_;
+  std::vector<Library> libraries_;
 };
 
 }  // namespace tomlin

@@ -10,6 +10,7 @@
 #include "framework/core/kernel_tables.hpp"
 #include "framework/core/random.hpp"
 #include "framework/core/sum.hpp"
+#include "framework/model/plugin_code.hpp"
 
 TOMLIN_DECLARE_TABLES(RigidKernels, RigidTable)
 TOMLIN_DECLARE_TABLES(FrictionKernels, FrictionTable)
@@ -333,10 +334,15 @@ void Assembly<Real>::bind_forces() {
     force.traits = traits;
     force.bodies = from.bodies;
     try {
-      force.bound = factory(from.description.get(), binding);
+      force.bound =
+          bound_by(from, "force", [&] { return factory(from.description.get(), binding); });
     } catch (const BindError& error) {
       faults.push_back(fault_of(from, error.complaint));
       continue;
+    }
+    const std::string& library = from.record->library;
+    if (!library.empty()) {
+      force.bound = guarded(std::move(force.bound), "force " + from.name, library);
     }
     force.is_operator = takes_as_operator(force);
     if (force.bound->depends_on_time()) timed_.push_back(force.bound.get());
@@ -578,6 +584,7 @@ void Assembly<Real>::order_operations() {
   const RigidTable<Real>& rigid = kernels::RigidKernels.on<Real>(plan_.set);
   const int axis = dimension() - 1;
   for (std::size_t k = 0; k < rigid_.size(); ++k) {
+    if (!scene().observers.empty()) rigid_[k].velocities = true;
     for (const Force& force : forces_) {
       const bool acts = std::count(force.bodies.begin(), force.bodies.end(), rigid_body_[k]) > 0;
       if (acts && force.traits.depends_on_velocity && !force.is_operator) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "framework/core/kernel_tables.hpp"
+#include "framework/model/plugin_code.hpp"
 
 TOMLIN_DECLARE_DOUBLE_TABLES(ObserveKernels, ObserveTable)
 
@@ -22,7 +23,8 @@ AssemblyPlan Model::plan_for(const Scene& scene, InstructionSet set) {
   plan.splits_friction = scene.run.integrator.record->splits_friction || plan.quasistatic;
   plan.ledger = scene.run.ledger;
   for (const SceneBody& body : scene.bodies) {
-    plan.geometry.push_back(body.record->build(body.description.get(), scene.dimension));
+    plan.geometry.push_back(bound_by(
+        body, "body", [&] { return body.record->build(body.description.get(), scene.dimension); }));
   }
   for (int axis = 0; axis < scene.dimension; ++axis) {
     if (!scene.box.lengths.empty() && scene.box.periodic[axis]) {

@@ -35,6 +35,10 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint& check
   record.number(checkpoint.journal.rows);
   record.number(checkpoint.journal.events);
   record.bytes(checkpoint.state);
+  for (const Checkpoint::Plugin& plugin : checkpoint.plugins) {
+    record.text(plugin.path);
+    record.text(plugin.hash);
+  }
   std::uint64_t checksum = kFirstChecksum;
   OutputFile output(file);
   output.append(record.seal(checksum));
@@ -84,7 +88,12 @@ Checkpoint parse_checkpoint(const std::string& file, std::span<const std::byte> 
   checkpoint.journal.events = record.number<std::uint64_t>();
   const auto state = record.bytes();
   checkpoint.state.assign(state.begin(), state.end());
-  record.end();
+  while (record.left() > 0) {
+    Checkpoint::Plugin plugin;
+    plugin.path = record.text();
+    plugin.hash = record.text();
+    checkpoint.plugins.push_back(std::move(plugin));
+  }
   return checkpoint;
 }
 

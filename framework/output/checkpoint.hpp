@@ -19,6 +19,11 @@ struct Checkpoint {
   std::uint64_t scene = 0;       ///< fingerprint of the effective scene
   JournalMark journal;           ///< where the journal stood at this moment
   std::vector<std::byte> state;  ///< RunState::to_bytes(): the same for every instruction set
+  struct Plugin {
+    std::string path;
+    std::string hash;  ///< of its content, see Library
+  };
+  std::vector<Plugin> plugins;  ///< whose components the scene is made of
 };
 
 /// What stands for a scene's text in a checkpoint.

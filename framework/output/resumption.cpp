@@ -142,6 +142,37 @@ Resumption without_checkpoint(const RunFolder& folder, JournalReader& journal, D
   return resumption;
 }
 
+/// "/home/me/libmorse.so with the content 0123..."
+std::string shown(const std::string& path, const std::string& hash) {
+  if (hash.empty()) return path + ", which cannot be read";
+  return path + " with the content " + hash;
+}
+
+/// The plugins that a run was begun with and those that it would go on with.
+void require_same(const fs::path& checkpoint, const std::vector<Checkpoint::Plugin>& recorded,
+                  const std::vector<Library>& libraries) {
+  std::vector<std::string> before;
+  std::vector<std::string> now;
+  before.reserve(recorded.size());
+  now.reserve(libraries.size());
+  for (const Checkpoint::Plugin& plugin : recorded) {
+    before.push_back(shown(plugin.path, plugin.hash));
+  }
+  for (const Library& library : libraries) now.push_back(shown(library.path, library.hash));
+  for (auto* names : {&before, &now}) {  // whoever named them first, and how often
+    std::sort(names->begin(), names->end());
+    names->erase(std::unique(names->begin(), names->end()), names->end());
+  }
+  if (before == now) return;
+  const auto listed = [](const std::vector<std::string>& all) {
+    return all.empty() ? std::string("none") : fmt::format("{}", fmt::join(all, "; "));
+  };
+  refuse(
+      checkpoint,
+      fmt::format("the run was begun with other plugins: {}; now: {}", listed(before), listed(now)),
+      "the plugins as they were, or --force, which starts again from the beginning");
+}
+
 Resumption with_checkpoint(const RunFolder& folder, JournalReader& journal, Descriptor owned,
                            const Scene& scene, const std::string& program_version) {
   const fs::path path = folder.file(kCheckpointFile);
@@ -153,6 +184,7 @@ Resumption with_checkpoint(const RunFolder& folder, JournalReader& journal, Desc
   if (checkpoint.scene != scene_fingerprint(scene.effective_toml)) {
     refuse(path, "of another scene than the journal beside it");
   }
+  require_same(path, checkpoint.plugins, scene.libraries);
   const fs::path journal_path = folder.file(kJournalFile);
   if (journal.size() < checkpoint.journal.bytes) {
     refuse(journal_path, fmt::format("truncated: it has {} bytes, the checkpoint was kept after {}",
@@ -249,6 +281,19 @@ Resumption find_resumption(const RunFolder& folder, const Scene& scene,
   return from_journal(folder, scene, program_version, std::move(owned), ended);
 } catch (const DamagedFile& damage) {
   refuse(damage);
+}
+
+void require_same_libraries(const fs::path& folder, const std::vector<Library>& libraries) {
+  const fs::path file = folder / kCheckpointFile;
+  std::error_code error;
+  if (!fs::exists(file, error)) return;
+  std::vector<Checkpoint::Plugin> recorded;
+  try {
+    recorded = read_checkpoint(file).plugins;
+  } catch (const DamagedFile&) {
+    return;  // find_resumption() says what is wrong with it
+  }
+  require_same(file, recorded, libraries);
 }
 
 Resumption start_again(const RunFolder& folder) {

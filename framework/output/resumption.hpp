@@ -34,6 +34,11 @@ struct Resumption {
 Resumption find_resumption(const RunFolder& folder, const Scene& scene,
                            const std::string& program_version);
 
+/// Where the checkpoint in a folder says that its run was begun with other plugins than these,
+/// throws InputError with what both are.
+void require_same_libraries(const std::filesystem::path& folder,
+                            const std::vector<Library>& libraries);
+
 /// For --force: from the start, whatever the folder holds. Throws InputError when another program
 /// is writing to it.
 Resumption start_again(const RunFolder& folder);

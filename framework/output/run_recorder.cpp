@@ -112,6 +112,9 @@ void RunRecorder::checkpoint(const RunState& state) {
     checkpoint.scene = scene_fingerprint(scene_.effective_toml);
     checkpoint.journal = journal_->flush();
     checkpoint.state = state.to_bytes();
+    for (const Library& library : scene_.libraries) {
+      checkpoint.plugins.push_back({library.path, library.hash});
+    }
     journal_->check_in_place();
     // A power cut right after the start costs nothing but the start: short runs stay quick.
     const auto lasting = std::exchange(kept_once_, true) ? OutputFile::Lasting::with_its_name

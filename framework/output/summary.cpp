@@ -103,6 +103,15 @@ Json references_entry(const Scene& scene, const RunResult& result) {
   return list;
 }
 
+Json observer_entry(const ObserverResult& observer) {
+  Json entry = Json::object();
+  for (const ObserverResult::Number& one : observer.numbers) {
+    entry[one.name] = number(one.value);
+    entry["mean_" + one.name] = number(one.mean);
+  }
+  return entry;
+}
+
 }  // namespace
 
 std::string summary_json(const Scene& scene, const RunResult& result) {
@@ -127,6 +136,13 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
   summary["bodies"] = Json::object();
   for (const BodyResult& body : result.bodies) {
     summary["bodies"][body.name] = body_entry(body, scene.dimension == 2);
+  }
+
+  if (!result.observers.empty()) {
+    summary["observers"] = Json::object();
+    for (const ObserverResult& observer : result.observers) {
+      summary["observers"][observer.name] = observer_entry(observer);
+    }
   }
 
   summary["events"] = {{"slips", count(result.events.slips)},
@@ -169,6 +185,13 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
     summary["left_out"].push_back({{"force", force}, {"why", why}});
   }
   summary["references"] = references_entry(scene, result);
+  if (!scene.libraries.empty()) {
+    summary["plugins"] = Json::array();
+    for (const Library& library : scene.libraries) {
+      summary["plugins"].push_back(
+          {{"given", library.given}, {"path", library.path}, {"xxh3_128", library.hash}});
+    }
+  }
   summary["performance"] = {{"wall_seconds", number(result.wall_seconds)},
                             {"steps_per_second", number(result.steps_per_second)},
                             {"instruction_set", std::string(to_string(result.instruction_set))}};

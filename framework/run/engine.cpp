@@ -32,11 +32,14 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   const void* description = scene_->run.integrator.description.get();
   dt_ = scheme_.step(description);
   ledger_ = scene_->run.ledger;
-  integrator_ = integrator_in(scene_->run.number_type, model_, description, scheme_);
+  integrator_ = bound_by(scene_->run.integrator, "integrator", [&] {
+    return integrator_in(scene_->run.number_type, model_, description, scheme_);
+  });
   path_ = integrator_->path();
   list_signals();
   list_watches();
   list_triggers();
+  bind_observers();
   resolve_window();
 
   StateLayout layout;
@@ -65,20 +68,26 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
     while (remains(full_steps_) < -kNoStep * dt_) --full_steps_;
     while (remains(full_steps_ + 1) >= -kNoStep * dt_) ++full_steps_;
   }
-  sampling_ = options_.sink != nullptr && scene_->output.every.has_value();
+  sampling_ = (options_.sink != nullptr || !watchers_.empty()) && scene_->output.every.has_value();
   counts_[kRotationEvery] = 1;
   extremes_.start();
   first_maximum_.start();
   for (DriverWatch& watch : driver_watches_) watch.start();
   for (BodyWatch& watch : body_watches_) watch.start();
+  started_ = std::chrono::steady_clock::now();
+  last_report_ = started_;
+  last_checkpoint_ = started_;
+  // Whoever keeps what the run leaves hears of a failure, too.
+  if (!attempt([this] { begin(); }) && !sink_has_begun_) begin_sink();
+}
+
+/// From the scene's start, or a checkpoint, to just before the first step.
+void Engine::begin() {
   if (options_.perturbation) {
     model_.start(&*options_.perturbation);
   } else {
     model_.start();
   }
-  started_ = std::chrono::steady_clock::now();
-  last_report_ = started_;
-  last_checkpoint_ = started_;
   warn_of_idle_velocities();
   warn_of_fine_tolerance();
   warn_of_unused_integrator();
@@ -89,7 +98,7 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   if (path_ != nullptr) settle();
   start_triggers();
   if (period_ > 0.0) start_until();
-  if (options_.sink) begin_sink();
+  begin_sink();
   if (failure_) return;
   if (options_.resume_from) {
     resume(*options_.resume_from);
@@ -125,6 +134,10 @@ void Engine::declare(StateLayout& layout) {
   layout.add_integers("events.bodies", body_watches_.size() * BodyWatch::kIntegers);
   layout.add_integers("events.beyond", 2 * triggers_.size());
   if (period_ > 0.0) layout.add_reals("until", kSteadyNumbers);
+  if (!watchers_.empty()) {
+    layout.add_reals("observed.sums", 2 * observed_numbers());
+    layout.add_integers("observed.count", 1);
+  }
 }
 
 void Engine::attach() {
@@ -152,6 +165,10 @@ void Engine::attach() {
   std::int64_t* beyond = state_.integers("events.beyond");
   for (Trigger& trigger : triggers_) trigger.beyond = std::exchange(beyond, beyond + 2);
   if (period_ > 0.0) steady_ = state_.reals("until");
+  if (!watchers_.empty()) {
+    observed_sums_ = state_.reals("observed.sums");
+    observed_count_ = state_.integers("observed.count");
+  }
   for (Moment* moment : {&from_, &to_}) {
     const std::string name = moment == &from_ ? "window.from" : "window.to";
     moment->reached = state_.integers(name);
@@ -194,8 +211,39 @@ void Engine::anchor_here() {
 }
 
 void Engine::fail(StepFault fault, double h) {
+  if (failure_) return;  // the cause is known
   failure_ = diagnose(model_, scheme_, fault, static_cast<std::uint64_t>(counts_[kSteps]), now(), h,
                       stable_step_);
+}
+
+/// At the start of a step, or near it where a plugin throws between steps.
+void Engine::fail(const PluginError& error) {
+  if (!thrown_) thrown_ = error;
+  if (failure_) return;
+  RunFailure failure;
+  failure.step = static_cast<std::uint64_t>(counts_[kSteps]);
+  failure.time = time();
+  constexpr std::string_view kForce = "force ";
+  if (error.component().starts_with(kForce)) {
+    failure.force = error.component().substr(kForce.size());
+  }
+  failure.what = error.what();
+  failure.cause = "the code of the plugin";
+  failure_ = std::move(failure);
+}
+
+/// One step of the scheme; its code may be a plugin's, too.
+StepReport Engine::step_from(double since, double h, bool dense) {
+  StepReport report{0.0, StepFault::not_finite_or_too_far};
+  attempt([&] {
+    if (scheme_.library.empty()) {
+      report = integrator_->step_from(since, h, dense);
+      return;
+    }
+    report = in_plugin("integrator " + scheme_.name, scheme_.library,
+                       [&] { return integrator_->step_from(since, h, dense); });
+  });
+  return report;
 }
 
 /// What was computed ahead is computed again by whoever goes on from these numbers.
@@ -219,7 +267,7 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid,
   read_bodies(model_.system().view.position, dt_ == 0.0 ? model_.system().view.velocity : nullptr,
               readings_);
   signals_from_velocity(model_.system().view.velocity, static_cast<double>(begin));
-  const StepReport report = integrator_->step_from(since, h, dense);
+  const StepReport report = step_from(since, h, dense);
   if (report.fault != StepFault::none) {
     fail(report.fault, h);
     return false;
@@ -377,7 +425,7 @@ void Engine::plain_block(std::int64_t most) {
       signals_from_velocity(model_.system().view.velocity,
                             static_cast<double>(counts_[kGridSteps] + taken) * dt_);
       read_bodies(model_.system().view.position, nullptr, readings_);
-      fault = integrator_->step_from(after, dt_, false).fault;
+      fault = step_from(after, dt_, false).fault;
       if (fault == StepFault::none && !own_variables_are_finite()) {
         fault = StepFault::not_finite_or_too_far;
       }
@@ -495,7 +543,9 @@ bool Engine::stopped() const {
 RunResult Engine::run() {
   // Where batches end blocks of steps do, and some of what is watched is looked at there: at the
   // same steps whether the run began here or goes on from a checkpoint.
-  while (!done()) advance(kBatch - steps() % kBatch);
+  attempt([this] {
+    while (!done()) advance(kBatch - steps() % kBatch);
+  });
   finish();
   return result();
 }

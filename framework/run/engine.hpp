@@ -11,6 +11,7 @@
 #include "framework/core/scheme.hpp"
 #include "framework/model/model.hpp"
 #include "framework/model/observe_kernels.hpp"
+#include "framework/model/plugin_code.hpp"
 #include "framework/run/events.hpp"
 #include "framework/run/extremes.hpp"
 #include "framework/run/instant.hpp"
@@ -30,6 +31,8 @@ class Engine {
   RunState& state() { return state_; }
   Integrator<double>& integrator() { return *integrator_; }
   double stable_step() const { return stable_step_; }
+  /// What the code of a plugin has thrown, if it has.
+  const std::optional<PluginError>& thrown() const { return thrown_; }
 
   /// Go on from the numbers of another engine of the same scene: state().to_bytes(). Throws
   /// std::invalid_argument when they are not.
@@ -162,8 +165,30 @@ class Engine {
   void track_rotation();
   double turns_of(std::size_t body, const double* position) const;
   void finish();
+  void read_end();
   void finish_events();
   void fail(StepFault fault, double h);
+  void fail(const PluginError& error);
+  void begin();
+  StepReport step_from(double since, double h, bool dense);
+  /// False when a plugin has thrown something, which ends the run as failed.
+  template <class Action>
+  bool attempt(Action action) {
+    try {
+      action();
+      return true;
+    } catch (const PluginError& error) {
+      fail(error);
+    }
+    return false;
+  }
+  void bind_observers();
+  std::size_t observed_numbers() const;
+  std::size_t observe(double at, const double* position, const double* velocity, double* numbers);
+  void list_observed(std::vector<SampleColumn>& columns) const;
+  bool are_finite(const double* numbers);
+  void keep_means(double at, const double* numbers);
+  std::vector<ObserverResult> observer_results() const;
   RunResult result();
   EnergyResult energy(bool window) const;
   EventCounts event_counts() const;
@@ -226,6 +251,20 @@ class Engine {
   DoubleDouble seen_;  ///< the time of the state while its last step is looked at
   RunState before_;    ///< the state at the start of a step that may be split
 
+  /// An observer of the scene, and what it is shown.
+  struct Watcher {
+    const SceneObserver* scene = nullptr;
+    std::vector<ObservedNumber> columns;
+    std::vector<std::size_t> bodies;
+  };
+  std::vector<Watcher> watchers_;
+  std::vector<std::vector<double>> seen_places_;      ///< of each body's particles
+  std::vector<std::vector<double>> seen_velocities_;  ///< likewise
+  std::vector<ObservedBody> shown_;
+  std::vector<double> observed_;            ///< all watchers' numbers
+  double* observed_sums_ = nullptr;         ///< over samples in the window: high and low parts
+  std::int64_t* observed_count_ = nullptr;  ///< of them
+
   // Until it is steady.
   double period_ = 0.0;       ///< of the driver, as a time; 0: runs for its duration
   double* steady_ = nullptr;  ///< in the run state
@@ -244,6 +283,7 @@ class Engine {
   AlignedVector<double> block_velocities_;
 
   bool sampling_ = false;
+  bool sink_has_begun_ = false;
   bool ledger_ = false;
   double kinetic_energy_ = 0.0;    ///< at the end
   double potential_energy_ = 0.0;  ///< at the end
@@ -252,6 +292,7 @@ class Engine {
   bool interrupted_ = false;
   bool within_step_ = false;  ///< stopped before all samples of the last step were served
   std::optional<RunFailure> failure_;
+  std::optional<PluginError> thrown_;
   std::vector<std::string> warnings_;
   std::chrono::steady_clock::time_point started_;
   std::chrono::steady_clock::time_point last_report_;

@@ -52,6 +52,8 @@ void Engine::list_signals() {
 
 /// Columns of the table, and whose positions come with them.
 void Engine::begin_sink() {
+  sink_has_begun_ = true;
+  if (options_.sink == nullptr && !sampling_) return;
   RunLayout layout;
   layout.dimension = model_.dimension();
   layout.box = scene_->box.lengths;
@@ -75,6 +77,7 @@ void Engine::begin_sink() {
       per_axis(body.bound.name + ".velocity", "length/time");
       if (body.rotates()) columns.push_back({body.bound.name + ".rotation", "rad"});
     }
+    list_observed(columns);
     if (scene_->output.trajectory) {
       for (const Model::Body& body : model_.bodies()) {
         layout.bodies.push_back({body.bound.name, body.bound.mass});
@@ -82,7 +85,7 @@ void Engine::begin_sink() {
     }
   }
   sample_values_.assign(layout.row(), 0.0);
-  options_.sink->begin(layout);
+  if (options_.sink != nullptr) options_.sink->begin(layout);
 }
 
 void Engine::observe_start() {
@@ -262,13 +265,19 @@ void Engine::sample(double at, const double* position, const double* velocity,
     for (int d = 0; d < axes; ++d) sample_values_[column++] = numbers[d];
     if (model_.bodies()[b].rotates()) sample_values_[column++] = kTau * turns_of(b, position);
   }
+  if (!watchers_.empty()) {
+    double* numbers = sample_values_.data() + column;
+    column += observe(at, position, velocity, numbers);
+    if (!are_finite(numbers)) return;
+    keep_means(at, numbers);
+  }
   if (scene_->output.trajectory) {
     for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
       column = model_.place_particles(b, position, sample_values_.data() + column) -
                sample_values_.data();
     }
   }
-  options_.sink->sample(sample_values_);
+  if (options_.sink != nullptr) options_.sink->sample(sample_values_);
 }
 
 void Engine::keep_moment(Moment& moment, double at, const double* position, const double* velocity,

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "framework/run/engine.hpp"
@@ -10,14 +12,26 @@ namespace tomlin {
 
 using namespace engine_parts;  // NOLINT: its own parts
 
-/// What is known at the end: the window may close there, and the final forces are read off.
+/// What is known at the end: the window may close there, and the final forces are read off. Where a
+/// plugin throws once more, nothing is.
 void Engine::finish() {
+  constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+  std::fill(final_rates_.begin(), final_rates_.end(), kNothing);
+  std::fill(observed_.begin(), observed_.end(), kNothing);
+  kinetic_energy_ = potential_energy_ = kNothing;
+  if (!attempt([this] { read_end(); })) {
+    std::fill(final_rates_.begin(), final_rates_.end(), kNothing);
+  }
+}
+
+void Engine::read_end() {
   const SystemView<double>& view = model_.system().view;
   if (!failure_ && !interrupted_ && *from_.reached != 0 && *to_.reached == 0) {
     keep_moment(to_, to_.time, view.position, view.velocity, view.integrals);
   }
   model_.evaluate_at(now(), view.position, view.velocity, view.integrals, final_rates_.data());
   if (path_ != nullptr && !failure_) describe_equilibrium();
+  if (!watchers_.empty()) observe(time(), view.position, view.velocity, observed_.data());
   if (!failure_ && !interrupted_) {
     finish_events();
     warn_of_unsteadiness();
@@ -105,6 +119,7 @@ RunResult Engine::result() {
     }
     result.drivers.push_back(std::move(driver));
   }
+  if (!watchers_.empty()) result.observers = observer_results();
   if (ledger_) result.energy = energy(window);
   for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
     const Model::Body& from = model_.bodies()[b];

@@ -12,7 +12,7 @@ namespace tomlin {
 namespace {
 
 constexpr const char* kAxes[] = {"x", "y", "z"};
-constexpr std::string_view kFamilies[] = {"drivers.", "bodies."};
+constexpr std::string_view kFamilies[] = {"drivers.", "bodies.", "observers."};
 
 // What is not there for want of a window has no length of its own.
 std::size_t dimension_of(const RunResult& result) {
@@ -87,6 +87,14 @@ void add_body(Collector& all, const BodyResult& body, bool planar) {
   all.add("mean_velocity", body.mean_velocity).add("max_speed", body.max_speed);
 }
 
+void add_observer(Collector& all, const ObserverResult& observer) {
+  all.under("observers." + observer.name);
+  for (const ObserverResult::Number& number : observer.numbers) {
+    all.add(number.name.c_str(), number.value);
+    all.add(("mean_" + number.name).c_str(), number.mean);
+  }
+}
+
 /// "driver.work" of "drivers.driver.work".
 std::string_view without_family(std::string_view path) {
   for (const std::string_view family : kFamilies) {
@@ -118,6 +126,7 @@ std::vector<Observable> observables(const RunResult& result) {
   Collector all(dimension);
   for (const DriverResult& driver : result.drivers) add_driver(all, driver);
   for (const BodyResult& body : result.bodies) add_body(all, body, dimension == 2);
+  for (const ObserverResult& observer : result.observers) add_observer(all, observer);
   all.under("events")
       .add_count("slips", result.events.slips)
       .add_count("hops", result.events.hops)

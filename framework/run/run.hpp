@@ -65,6 +65,19 @@ struct BodyResult {
   std::optional<double> max_speed;
 };
 
+/// What an observer gives.
+struct ObserverResult {
+  struct Number {
+    std::string name;
+    std::optional<double> value;  ///< at the end
+    /// Of its samples in the window, of equal weight; nothing without `[output] every`, and in a
+    /// run until it is steady.
+    std::optional<double> mean;
+  };
+  std::string name;
+  std::vector<Number> numbers;
+};
+
 /// The energy ledger. Kinetic and potential energy are those at the end of the run; the rest is
 /// over the window, each term integrated on its own with the scheme's order.
 struct EnergyResult {
@@ -142,6 +155,7 @@ struct RunResult {
   double window_to = 0.0;
   std::vector<DriverResult> drivers;
   std::vector<BodyResult> bodies;
+  std::vector<ObserverResult> observers;
   EventCounts events;
   std::optional<SteadyResult> steady;            ///< with `[run] until`
   std::optional<EnergyResult> energy;            ///< with `[run] ledger`

@@ -23,6 +23,7 @@ Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds, Instruc
   RunOptions options;
   options.instruction_set = set;
   Engine engine(scene, options);
+  if (engine.thrown()) throw *engine.thrown();
 
   Trial trial;
   trial.stable_step = dt > 0.0 ? engine.stable_step() : std::numeric_limits<double>::infinity();
@@ -38,6 +39,7 @@ Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds, Instruc
     engine.advance(next);
     next = std::min(2 * next, kMostBetweenLooks);
   }
+  if (engine.thrown()) throw *engine.thrown();
   trial.seconds = elapsed();
   trial.time = engine.time();
   trial.failed = engine.failed();

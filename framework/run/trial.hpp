@@ -21,7 +21,7 @@ struct Trial {
 };
 
 /// Binds the scene and steps it for about so many seconds; leaves nothing behind. Throws InputError
-/// for everything that a run would refuse.
+/// for everything that a run would refuse, PluginError where the code of a plugin throws.
 Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds,
               InstructionSet set = chosen_instruction_set());
 

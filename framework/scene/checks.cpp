@@ -193,11 +193,11 @@ bool check_values(const TableReading& reading, std::optional<int> dimension,
   return sound;
 }
 
-/// The bodies of a force where the particles of each could be counted; else none.
-std::vector<const BodyDraft*> counted_bodies(const ForceDraft& force,
+/// Of these bodies those whose particles could be counted, if all could; else none.
+std::vector<const BodyDraft*> counted_bodies(const std::vector<std::size_t>& indices,
                                              const std::vector<BodyDraft>& bodies) {
   std::vector<const BodyDraft*> counted;
-  for (const std::size_t index : force.bodies) {
+  for (const std::size_t index : indices) {
     if (!bodies[index].count) return {};
     counted.push_back(&bodies[index]);
   }
@@ -226,16 +226,16 @@ std::array<double, 3> periodic_lengths(const BoxSettings& box) {
   return lengths;
 }
 
-/// The bodies that a force acts on; nothing when one of them is unfit or was not found.
-std::optional<SceneOutline> outline_for(const ForceDraft& force,
+/// What there is to know of these bodies; nothing when one of them is unfit or was not found.
+std::optional<SceneOutline> outline_for(const std::vector<std::size_t>& indices,
                                         const std::vector<BodyDraft>& bodies,
                                         const std::vector<bool>& closed,
                                         const std::array<double, 3>& box, int dimension) {
-  if (force.bodies.empty()) return std::nullopt;
+  if (indices.empty()) return std::nullopt;
   SceneOutline outline;
   outline.dimension = dimension;
   outline.box = box;
-  for (const std::size_t index : force.bodies) {
+  for (const std::size_t index : indices) {
     const BodyDraft& body = bodies[index];
     if (!body.sound || !body.count) return std::nullopt;
     outline.bodies.push_back({body.name, *body.count, closed[index]});
@@ -298,15 +298,34 @@ void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>&
   PairCount pairs;
   for (ForceDraft& force : forces) {
     if (force.record == nullptr) continue;
-    const auto counted = counted_bodies(force, bodies);
+    const auto counted = counted_bodies(force.bodies, bodies);
     if (!check_values(force.reading, dimension, counted, faults)) force.sound = false;
     if (!force.sound || !bodies_are_known) continue;
-    const auto outline = outline_for(force, bodies, closed, lengths, *dimension);
+    const auto outline = outline_for(force.bodies, bodies, closed, lengths, *dimension);
     if (!outline) continue;
     const auto complaints = force.record->complaints(force.description.get(), *outline);
     report(complaints, force.reading, faults);
     const bool fits = pairs.add(force, *outline, faults);
     if (!complaints.empty() || !fits) force.sound = false;
+  }
+}
+
+void check_observers(std::vector<ObserverDraft>& observers, const std::vector<BodyDraft>& bodies,
+                     const BoxSettings* box, std::optional<int> dimension, FaultList& faults) {
+  const bool bodies_are_known = dimension && box;
+  const auto lengths = bodies_are_known ? periodic_lengths(*box) : std::array<double, 3>{};
+  const auto closed =
+      bodies_are_known ? closed_bodies(bodies, lengths, *dimension) : std::vector<bool>();
+  for (ObserverDraft& observer : observers) {
+    if (observer.record == nullptr) continue;
+    const auto counted = counted_bodies(observer.bodies, bodies);
+    if (!check_values(observer.reading, dimension, counted, faults)) observer.sound = false;
+    if (!observer.sound || !bodies_are_known) continue;
+    const auto outline = outline_for(observer.bodies, bodies, closed, lengths, *dimension);
+    if (!outline) continue;
+    const auto complaints = observer.record->complaints(observer.description.get(), *outline);
+    report(complaints, observer.reading, faults);
+    if (!complaints.empty()) observer.sound = false;
   }
 }
 

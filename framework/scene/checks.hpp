@@ -9,6 +9,7 @@
 
 #include "framework/core/body.hpp"
 #include "framework/core/force.hpp"
+#include "framework/core/observer.hpp"
 #include "framework/scene/fault_list.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/scene/table_reader.hpp"
@@ -37,6 +38,10 @@ struct ForceDraft : ComponentDraft<ForceRecord> {
   std::vector<std::size_t> bodies;  ///< those that could be found
 };
 
+struct ObserverDraft : ComponentDraft<ObserverRecord> {
+  std::vector<std::size_t> bodies;  ///< those that could be found
+};
+
 /// Files that bodies refer to are fetched; afterwards it is known which shapes are.
 void prepare_bodies(std::vector<BodyDraft>& bodies, const std::filesystem::path& folder,
                     FaultList& faults);
@@ -49,6 +54,9 @@ void check_bodies(std::vector<BodyDraft>& bodies, std::optional<int> dimension, 
 /// The box is null where it has faults; then what the records find is not asked for.
 void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>& bodies,
                   const BoxSettings* box, std::optional<int> dimension, FaultList& faults);
+
+void check_observers(std::vector<ObserverDraft>& observers, const std::vector<BodyDraft>& bodies,
+                     const BoxSettings* box, std::optional<int> dimension, FaultList& faults);
 
 /// What a record found when it held a component's keys against each other.
 void report(const std::vector<Complaint>& complaints, const TableReading& reading,

@@ -158,6 +158,11 @@ void append_table(std::string& text, const std::string& header, const Table& tab
   }
 }
 
+bool is_list_of_tables(const Node& node) {
+  const auto* list = node.as<List>();
+  return list && (list->empty() || list->front().as<Table>());
+}
+
 }  // namespace
 
 std::optional<Node> to_node(const ParameterValue& value) {
@@ -190,11 +195,16 @@ std::string value_text(const Node& value) {
 
 std::string to_toml(const Table& document) {
   std::string text;
+  // What is in no table comes first.
+  for (const Entry& entry : document.entries) {
+    if (entry.value.as<Table>() || is_list_of_tables(entry.value)) continue;
+    text += key_text(entry.key) + " = " + value_text(entry.value) + '\n';
+  }
   for (const Entry& entry : document.entries) {
     if (const auto* table = entry.value.as<Table>()) {
       append_table(text, "[" + entry.key + "]", *table);
-    } else if (const auto* list = entry.value.as<List>()) {
-      for (const Node& element : *list) {
+    } else if (is_list_of_tables(entry.value)) {
+      for (const Node& element : *entry.value.as<List>()) {
         append_table(text, "[[" + entry.key + "]]", *element.as<Table>());
       }
     }

@@ -15,8 +15,8 @@ std::optional<Node> to_node(const ParameterValue& value);
 /// As it stands behind "key = ", on one line.
 std::string value_text(const Node& value);
 
-/// Tables as [name], lists of tables as [[name]], everything below in one line per key. Numbers
-/// are the shortest that read back as the same bits.
+/// Values first, tables as [name], lists of tables as [[name]], all else in one line per key.
+/// Numbers are the shortest that read back as the same bits.
 std::string to_toml(const Table& document);
 
 }  // namespace tomlin

@@ -8,6 +8,7 @@
 #include "framework/core/body.hpp"
 #include "framework/core/force.hpp"
 #include "framework/core/integrator.hpp"
+#include "framework/core/observer.hpp"
 #include "framework/scene/scene.hpp"
 
 namespace tomlin {
@@ -286,18 +287,28 @@ TableLayout force_layout(const ForceRecord& record) {
   return component_layout(record, keys, {});
 }
 
+TableLayout observer_layout(const ObserverRecord& record) {
+  static const std::vector<OwnKey> keys = {
+      {"name", "its type's where no other observer has that type"},
+      {"type", "which observer it is"},
+      {"body", "the body it looks at; needless where there is one only"},
+      {"bodies", "in place of body: a list, where it looks at two or more"}};
+  return component_layout(record, keys, {});
+}
+
 TableLayout integrator_layout(const IntegratorRecord& record) {
   return component_layout(record, {{"type", "which integrator it is"}}, {});
 }
 
 const std::vector<std::string>& top_level_keys() {
-  static const std::vector<std::string> keys = {"scene", "parameters", "box",     "body",
-                                                "force", "run",        "measure", "output"};
+  static const std::vector<std::string> keys = {"plugins", "scene", "parameters", "box",
+                                                "body",    "force", "observer",   "run",
+                                                "measure", "output"};
   return keys;
 }
 
 const std::vector<ReservedKey>& reserved_top_level_keys() {
-  static const std::vector<ReservedKey> keys = {{"plugins", "components from shared libraries"}};
+  static const std::vector<ReservedKey> keys;
   return keys;
 }
 
@@ -305,7 +316,8 @@ bool is_word_of_summary(std::string_view name) {
   static constexpr std::string_view kWords[] = {
       "time",    "energy",   "events",      "window",    "performance", "parameters",
       "status",  "drivers",  "bodies",      "warnings",  "error",       "determined",
-      "failure", "left_out", "equilibrium", "references"};
+      "failure", "left_out", "equilibrium", "references",
+      "observers"};
   return std::find(std::begin(kWords), std::end(kWords), name) != std::end(kWords);
 }
 

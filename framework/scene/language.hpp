@@ -58,10 +58,11 @@ TableLayout body_layout(const BodyRecord& record);
 /// `hold`, which every body takes; assigns SceneBody::hold.
 Parameter hold_row();
 TableLayout force_layout(const ForceRecord& record);
+TableLayout observer_layout(const ObserverRecord& record);
 TableLayout integrator_layout(const IntegratorRecord& record);
 
-/// scene, parameters, box, body, force, run, measure, output: the tables of a scene, in the order
-/// of the effective scene.
+/// plugins, and the tables of a scene: scene, parameters, box, body, force, observer, run, measure,
+/// output; in the order of the effective scene.
 const std::vector<std::string>& top_level_keys();
 const std::vector<ReservedKey>& reserved_top_level_keys();
 

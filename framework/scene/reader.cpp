@@ -20,6 +20,7 @@
 #include "framework/scene/fault_list.hpp"
 #include "framework/scene/freedom_checks.hpp"
 #include "framework/scene/language.hpp"
+#include "framework/scene/libraries.hpp"
 #include "framework/scene/motion_reader.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/scene/settings.hpp"
@@ -73,11 +74,13 @@ class SceneReader {
 
   std::shared_ptr<const Scene> read() {
     report_unknown_tables();
+    read_libraries();
     read_parameters();
     read_heading();
     read_box();
     read_bodies();
     read_forces();
+    read_observers();
     check_names();
     check_components();
     read_run();
@@ -136,6 +139,33 @@ class SceneReader {
       }
     }
     return result;
+  }
+
+  /// `plugins`, which the registry has loaded by now.
+  void read_libraries() {
+    std::vector<Library>& libraries = scene_->libraries;
+    const auto add = [&libraries](const Library& library) {
+      const bool known = std::any_of(libraries.begin(), libraries.end(),
+                                     [&](const auto& one) { return one.path == library.path; });
+      if (!known) libraries.push_back(library);
+    };
+    for (const NamedLibrary& named : named_libraries(document_, scene_->file, source_, faults_)) {
+      const Library* library = registry_.library(named.path.string());
+      if (library != nullptr) {
+        add(*library);
+        continue;
+      }
+      faults_.of_key(document_.find_entry("plugins")->where,
+                     {"plugins", named.path.string() + " has not been loaded",
+                      "a program that loads plugins before it reads the scene"});
+    }
+    for (const Library& library : registry_.libraries()) {
+      if (library.everywhere) add(library);
+    }
+    if (libraries.empty()) return;
+    List paths;
+    for (const Library& library : libraries) paths.push_back(text_node(library.path));
+    effective_.set("plugins", {std::move(paths), {}});
   }
 
   void read_parameters() {
@@ -247,8 +277,20 @@ class SceneReader {
       ForceDraft draft;
       read_component(draft, "force", force, types, forces_.size(), registry_.forces(),
                      force_layout);
-      read_bodies_of_force(draft, force);
+      read_bodies_of(draft, force);
       forces_.push_back(std::move(draft));
+    }
+  }
+
+  void read_observers() {
+    const auto given = sections("observer");
+    const auto types = type_counts(given);
+    for (const Section& observer : given) {
+      ObserverDraft draft;
+      read_component(draft, "observer", observer, types, observers_.size(), registry_.observers(),
+                     observer_layout);
+      read_bodies_of(draft, observer);
+      observers_.push_back(std::move(draft));
     }
   }
 
@@ -356,9 +398,10 @@ class SceneReader {
   }
 
   /// `body = NAME`, which may be left out where there is one body only, or `bodies = [..]`.
-  void read_bodies_of_force(ForceDraft& force, const Section& given) {
+  template <class Draft>
+  void read_bodies_of(Draft& draft, const Section& given) {
     if (bodies_.empty()) return;
-    const std::string& path = force.reading.path;
+    const std::string& path = draft.reading.path;
     const Node* one = given.table->find("body");
     const Node* several = given.table->find("bodies");
     if (one && several) {
@@ -368,33 +411,44 @@ class SceneReader {
     }
     const std::string key = path + (several ? ".bodies" : ".body");
     if (several) {
-      force.bodies = bodies_in(*several, key);
+      draft.bodies = bodies_in(*several, key);
     } else if (one) {
-      if (const auto index = body_named(*one, key)) force.bodies = {*index};
+      if (const auto index = body_named(*one, key)) draft.bodies = {*index};
     } else if (bodies_.size() == 1) {
-      force.bodies = {0};
+      draft.bodies = {0};
     } else {
       faults_.of_key(given.where,
                      {key, "missing: there are several bodies", listed(names_of(bodies_))});
     }
-    check_number_of_bodies(force, several ? several : one, key);
+    check_number_of_bodies(draft, several ? several : one, key);
   }
 
-  void check_number_of_bodies(ForceDraft& force, const Node* node, const std::string& key) {
-    if (force.record == nullptr || force.bodies.empty()) return;
-    const auto given = static_cast<int>(force.bodies.size());
-    const auto& [fewest, most] = std::pair(force.record->fewest_bodies, force.record->most_bodies);
+  static const char* verb_of(const ForceDraft& force) {
+    (void)force;
+    return "acts on";
+  }
+  static const char* verb_of(const ObserverDraft& observer) {
+    (void)observer;
+    return "looks at";
+  }
+
+  template <class Draft>
+  void check_number_of_bodies(Draft& draft, const Node* node, const std::string& key) {
+    if (draft.record == nullptr || draft.bodies.empty()) return;
+    const auto given = static_cast<int>(draft.bodies.size());
+    const auto& [fewest, most] = std::pair(draft.record->fewest_bodies, draft.record->most_bodies);
     if (given >= fewest && given <= most) return;
     const std::string due =
         fewest == most ? fmt::format("{}", most) : fmt::format("{} to {}", fewest, most);
-    const Wrong wrong{key, fmt::format("found {} bod{}, but {} acts on {}", given,
-                                       given == 1 ? "y" : "ies", force.record->name, due)};
+    const Wrong wrong{key,
+                      fmt::format("found {} bod{}, but {} {} {}", given, given == 1 ? "y" : "ies",
+                                  draft.record->name, verb_of(draft), due)};
     if (node) {
       faults_.of_value(*node, wrong);
     } else {
-      faults_.of_key(force.reading.where, wrong);
+      faults_.of_key(draft.reading.where, wrong);
     }
-    force.bodies.clear();
+    draft.bodies.clear();
   }
 
   /// The body of that name; nothing when there is none, and reported.
@@ -440,6 +494,7 @@ class SceneReader {
     std::map<std::string, const TableReading*> taken;
     for (const BodyDraft& body : bodies_) check_name(body.name, body.reading, taken);
     for (const ForceDraft& force : forces_) check_name(force.name, force.reading, taken);
+    for (const ObserverDraft& one : observers_) check_name(one.name, one.reading, taken);
   }
 
   void check_name(const std::string& name, const TableReading& reading,
@@ -464,6 +519,7 @@ class SceneReader {
     const bool box_is_sound =
         !box_ ? document_.find("box") == nullptr : check_box(box, *box_, dimension, faults_);
     check_forces(forces_, bodies_, box_is_sound ? &box : nullptr, dimension, faults_);
+    check_observers(observers_, bodies_, box_is_sound ? &box : nullptr, dimension, faults_);
     if (box_ && box_is_sound) check_box_periods(box, *box_, forces_, faults_);
   }
 
@@ -727,6 +783,21 @@ class SceneReader {
     return component;
   }
 
+  /// The table of a force or an observer.
+  template <class Draft>
+  Node effective_component(const Draft& draft) const {
+    Table table;
+    table.set("name", text_node(draft.name));
+    table.set("type", text_node(draft.record->name));
+    if (draft.bodies.size() == 1) {
+      table.set("body", text_node(bodies_[draft.bodies.front()].name));
+    } else {
+      table.set("bodies", names_of_bodies(draft.bodies));
+    }
+    append(table, draft.reading.effective);
+    return Node{std::move(table), {}};
+  }
+
   /// The drafts become the scene's components.
   void hand_over() {
     List bodies;
@@ -750,19 +821,18 @@ class SceneReader {
       auto force = component_of<SceneForce>(draft);
       force.bodies = draft.bodies;
       scene_->forces.push_back(std::move(force));
-      Table table;
-      table.set("name", text_node(draft.name));
-      table.set("type", text_node(draft.record->name));
-      if (draft.bodies.size() == 1) {
-        table.set("body", text_node(bodies_[draft.bodies.front()].name));
-      } else {
-        table.set("bodies", names_of_bodies(draft.bodies));
-      }
-      append(table, draft.reading.effective);
-      forces.push_back({std::move(table), {}});
+      forces.push_back(effective_component(draft));
+    }
+    List observers;
+    for (const ObserverDraft& draft : observers_) {
+      auto observer = component_of<SceneObserver>(draft);
+      observer.bodies = draft.bodies;
+      scene_->observers.push_back(std::move(observer));
+      observers.push_back(effective_component(draft));
     }
     effective_.set("body", {std::move(bodies), {}});
     effective_.set("force", {std::move(forces), {}});
+    effective_.set("observer", {std::move(observers), {}});
 
     Table in_order;
     for (const std::string& key : top_level_keys()) {
@@ -799,6 +869,7 @@ class SceneReader {
   std::vector<BodyDraft> bodies_;
   std::map<std::string, std::size_t> body_indices_;  ///< by the names that mean them
   std::vector<ForceDraft> forces_;
+  std::vector<ObserverDraft> observers_;
   Table effective_;
   bool duration_is_known_ = false;
 };

@@ -13,6 +13,7 @@
 #include "framework/core/fault.hpp"
 #include "framework/core/force.hpp"
 #include "framework/core/integrator.hpp"
+#include "framework/core/observer.hpp"
 #include "framework/core/registry.hpp"
 #include "framework/scene/motion.hpp"
 
@@ -43,6 +44,10 @@ struct SceneBody : SceneComponent<BodyRecord> {
 struct SceneForce : SceneComponent<ForceRecord> {
   Traits traits() const { return traits_of(*record, description.get()); }
 
+  std::vector<std::size_t> bodies;  ///< indices into Scene::bodies, in the order named
+};
+
+struct SceneObserver : SceneComponent<ObserverRecord> {
   std::vector<std::size_t> bodies;  ///< indices into Scene::bodies, in the order named
 };
 
@@ -127,6 +132,8 @@ struct Scene {
   BoxSettings box;
   std::vector<SceneBody> bodies;
   std::vector<SceneForce> forces;
+  std::vector<SceneObserver> observers;
+  std::vector<Library> libraries;  ///< that it names, and those that were loaded for all scenes
   RunSettings run;
   MeasureSettings measure;
   OutputSettings output;

@@ -18,7 +18,10 @@ namespace {
 
 constexpr const char* kAdmissiblePaths =
     "a parameter's name, scene.KEY, box.KEY, run.KEY, measure.KEY, output.KEY, body.NAME.KEY, "
-    "force.NAME.KEY";
+    "force.NAME.KEY, observer.NAME.KEY";
+
+/// Not a table, and read before settings are.
+constexpr const char* kPlugins = "plugins";
 
 std::vector<std::string> parts_of(std::string_view path) {
   std::vector<std::string> parts(1);
@@ -79,7 +82,9 @@ class Application {
       if (parts.size() == 2) return set_parameter(parts[1]);
       return refuse("a parameter has no keys of its own", kAdmissiblePaths);
     }
-    if (parts[0] == "body" || parts[0] == "force") return set_in_component(parts);
+    if (parts[0] == "body" || parts[0] == "force" || parts[0] == "observer") {
+      return set_in_component(parts);
+    }
     set_in_section(parts);
   }
 
@@ -97,6 +102,7 @@ class Application {
     if (holds(names, name)) {
       return put(*document_.find("parameters")->as<Table>(), name);
     }
+    if (name == kPlugins) return refuse("not set here", "--plugin LIB, or the scene itself");
     if (holds(top_level_keys(), name)) return refuse("a table, not a value", kAdmissiblePaths);
     refuse("there is no such parameter",
            names.empty() ? kAdmissiblePaths : listed(names) + "; or a dotted path",
@@ -104,11 +110,11 @@ class Application {
   }
 
   void set_in_section(const std::vector<std::string>& parts) {
-    std::vector<std::string> sections = top_level_keys();
-    for (const ReservedKey& key : reserved_top_level_keys()) sections.push_back(key.key);
-    if (!holds(sections, parts[0])) {
-      return refuse("there is no such table", listed(top_level_keys()),
-                    nearest_name(parts[0], top_level_keys()).value_or(""));
+    std::vector<std::string> tables = top_level_keys();
+    std::erase(tables, kPlugins);
+    if (!holds(tables, parts[0])) {
+      return refuse("there is no such table", listed(tables),
+                    nearest_name(parts[0], tables).value_or(""));
     }
     set_below(document_, parts, 0);
     if (parts[0] == "run") replace_rival(parts[1]);

@@ -90,6 +90,7 @@ void report_key(const Entry& entry, const std::string& path, const TableLayout& 
     wrong.why = "unknown key";
     wrong.admissible = listed(keys);
     wrong.nearest = nearest_name(entry.key, keys).value_or("");
+    if (entry.key == "plugins") wrong.admissible = "plugins stands above the first [table]";
   }
   faults.of_key(entry.where, std::move(wrong));
 }

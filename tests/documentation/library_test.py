@@ -20,7 +20,7 @@ import sys
 import tempfile
 
 FENCE = re.compile(r"^```(\S+) (\S+)\n(.*?)^```$", flags=re.MULTILINE | re.DOTALL)
-SECONDS_PER_PAGE = 300
+SECONDS_PER_PAGE = 500
 
 
 class Page:

@@ -89,11 +89,6 @@ TEST_F(Cli, WhatIsToComeSaysSo) {
   }
   expect_refused({"sweep", "tip.toml", "--over", "v=1,2", "-o", "x"},
                  "tomlin: error: \"sweep\" is not in this version\n");
-  expect_refused(
-      {"new", "plugin"},
-      "tomlin: error: \"new plugin\" is not in this version; admissible: pt, fk, ring\n");
-  expect_refused({"run", "tip.toml", "--plugin", "x.so"},
-                 "tomlin: error: --plugin is not in this version\n");
 }
 
 // ---- describe

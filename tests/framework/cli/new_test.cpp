@@ -73,7 +73,7 @@ TEST_F(New, NothingIsReplacedUnlessForced) {
 TEST_F(New, AModelIsDue) {
   expect_refused({"new", "rign"},
                  "tomlin: error: there is no model \"rign\" to start from; admissible: pt, fk, "
-                 "ring; did you mean \"ring\"?\n");
+                 "ring, plugin; did you mean \"ring\"?\n");
   expect_refused({"new"}, "tomlin: error: MODEL is required (tomlin new --help tells more)\n");
   EXPECT_EQ(tomlin({"new", "pt", ""}).status, 2);
   EXPECT_EQ(tomlin({"new", "pt", "-o", ""}).status, 2);

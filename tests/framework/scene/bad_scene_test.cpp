@@ -52,7 +52,8 @@ TEST(BadScene, UnknownKeys) {
       {kRing,
        "[measure]",
        "[measurement]",
-       {"29:2: measurement: unknown key; admissible: scene, parameters, box, body, force, run, "
+       {"29:2: measurement: unknown key; admissible: plugins, scene, parameters, box, body, force, "
+        "observer, run, "
         "measure, "
         "output"}},
       {kRing,
@@ -88,12 +89,29 @@ TEST(BadScene, UnknownKeys) {
   });
 }
 
-TEST(BadScene, NotInThisVersion) {
+TEST(BadScene, Plugins) {
   expect_faults({
       {kRing,
        "[scene]",
-       "plugins = [\"mine\"]\n[scene]",
-       {"1:1: plugins: not in this version (components from shared libraries)"}},
+       "plugins = [\"/a/mine.so\"]\n[scene]",
+       {"1:1: plugins: /a/mine.so has not been loaded; admissible: a program that loads plugins "
+        "before it reads the scene"}},
+      {kRing,
+       "[scene]",
+       "plugins = [\"\", 3]\n[scene]",
+       {"1:12: plugins = \"\": not the name of a file; admissible: a list of shared libraries, "
+        "[\"libmorse.so\"]",
+        "1:16: plugins = 3: found an integer; admissible: a list of shared libraries, "
+        "[\"libmorse.so\"]"}},
+      {kRing,
+       "[scene]",
+       "[scene]\nplugins = [\"a.so\"]",
+       {"2:1: scene.plugins: unknown key; admissible: plugins stands above the first [table]"}},
+  });
+}
+
+TEST(BadScene, NotInThisVersion) {
+  expect_faults({
       {kRing,
        R"(name = "a ring")",
        R"(units = "metal")",
@@ -636,7 +654,8 @@ centre = [0, nan]
       "integer "
       ">= 2",
       "18:14: body.ring.centre = nan: not a finite number; admissible: any finite number",
-      "19:2: surprise: unknown key; admissible: scene, parameters, box, body, force, run, "
+      "19:2: surprise: unknown key; admissible: plugins, scene, parameters, box, body, force, "
+      "observer, run, "
       "measure, "
       "output",
   };

@@ -93,7 +93,7 @@ struct Unfit {
 TEST(Settings, FaultsNameTheSetting) {
   const std::string paths =
       "a parameter's name, scene.KEY, box.KEY, run.KEY, measure.KEY, output.KEY, body.NAME.KEY, "
-      "force.NAME.KEY";
+      "force.NAME.KEY, observer.NAME.KEY";
   const std::vector<Unfit> all = {
       {{"run.integrator.dt", "-1"}, "run.integrator.dt = -1: out of range; admissible: > 0"},
       {{"run.integrator.dt", "nan"}, "run.integrator.dt = nan: not a finite number; ..."},
@@ -106,7 +106,9 @@ TEST(Settings, FaultsNameTheSetting) {
       {{"run.integrator.dt.x", "1"},
        "run.integrator.dt.x = 1: dt is a number, which has no keys of its own"},
       {{"run.perturb.size", "-1"}, "run.perturb.size = -1: out of range; admissible: > 0"},
-      {{"plugins.mine", "1"}, "plugins: not in this version..."},
+      {{"plugins.mine", "1"}, "plugins.mine = 1: there is no such table..."},
+      {{"plugins", "[]"},
+       "plugins = []: not set here; admissible: --plugin LIB, or the scene itself"},
       {{"K", "1"},
        R"(K = 1: there is no such parameter; admissible: N, R, k; or a dotted path; )"
        R"(did you mean "k"?)"},
@@ -124,7 +126,7 @@ TEST(Settings, FaultsNameTheSetting) {
        R"(force.pull.stiffness = 1: there is no force of that name; admissible: bonds, driver)"},
       {{"forces.driver.stiffness", "1"},
        R"(forces.driver.stiffness = 1: there is no such table; admissible: scene, parameters, )"
-       R"(box, body, force, run, measure, output; did you mean "force"?)"},
+       R"(box, body, force, observer, run, measure, output; did you mean "force"?)"},
       {{"run..dt", "1"}, "run..dt = 1: not a path; admissible: " + paths},
       {{".", "1"}, ". = 1: not a path; admissible: " + paths},
       {{"", "1"}, "not a path; admissible: " + paths},

@@ -1,0 +1,115 @@
+#include "framework/cli/new_plugin.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "framework/cli/commands.hpp"
+#include "framework/cli/templates.hpp"
+#include "framework/core/fault.hpp"
+#include "framework/output/output_file.hpp"
+#include "framework/standard_registry.hpp"
+
+namespace tomlin {
+namespace fs = std::filesystem;
+namespace {
+
+[[noreturn]] void refuse(std::string file, std::string key, std::string why,
+                         std::string admissible) {
+  Fault fault;
+  fault.place.file = std::move(file);
+  fault.key = std::move(key);
+  fault.why = std::move(why);
+  fault.admissible = std::move(admissible);
+  throw InputError({std::move(fault)});
+}
+
+/// A name that files, a namespace of C++ and a scene all take.
+void check_name(const std::string& name) {
+  constexpr std::size_t kLongestName = 60;
+  const auto fits = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  };
+  const bool sound = name.size() <= kLongestName && name.front() >= 'a' && name.front() <= 'z' &&
+                     name.back() != '_' && name.find("__") == std::string::npos &&
+                     std::all_of(name.begin(), name.end(), fits);
+  if (!sound) {
+    refuse("tomlin", "NAME", fmt::format("\"{}\" is no name of a force", name),
+           "small letters, digits and single _, the first a letter: my_force");
+  }
+  const Registry registry = standard_registry();
+  if (registry.body(name) || registry.force(name) || registry.integrator(name) ||
+      registry.observer(name)) {
+    refuse("tomlin", "NAME", fmt::format("tomlin has a component \"{}\" of its own", name),
+           "another name");
+  }
+}
+
+/// "MyForce" of "my_force".
+std::string class_name(std::string_view name) {
+  std::string result;
+  bool first = true;
+  for (const char c : name) {
+    if (c != '_') result += first ? static_cast<char>(std::toupper(c)) : c;
+    first = c == '_';
+  }
+  return result;
+}
+
+std::string with_names(std::string text, const std::string& name) {
+  const auto replace = [&text](std::string_view from, const std::string& to) {
+    for (std::size_t at = text.find(from); at != std::string::npos;
+         at = text.find(from, at + to.size())) {
+      text.replace(at, from.size(), to);
+    }
+  };
+  replace("plugin_name", name);
+  replace("PluginName", class_name(name));
+  return text;
+}
+
+/// Makes it. It may be there when it is empty, or with --force.
+void make_folder(const fs::path& folder, bool force) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
+    refuse("-o", folder.string(), "this is no folder", "another name");
+  }
+  if (fs::exists(folder, error) && !fs::is_empty(folder, error) && !force) {
+    refuse("-o", folder.string(), "the folder is not empty",
+           "another name, or --force to replace the files of a plugin of this name");
+  }
+  fs::create_directories(folder, error);
+  if (error) refuse("-o", folder.string(), error.message(), "a folder that can be made");
+}
+
+}  // namespace
+
+int new_plugin(const NewArguments& arguments) {
+  if (!arguments.name) {
+    refuse("tomlin", "NAME", "missing: what the force is called", "tomlin new plugin my_force");
+  }
+  const std::string& name = *arguments.name;
+  check_name(name);
+  const fs::path folder = arguments.file.value_or(name);
+  make_folder(folder, arguments.force);
+  for (const PluginTemplate& one : plugin_templates()) {
+    OutputFile output(folder / with_names(one.file, name));
+    output.append(with_names(one.text, name));
+    output.publish();
+  }
+  const std::string where = folder.string();
+  return print_result(fmt::format(
+      "{0}: a force of your own, in {1}.hpp and {1}.cpp\n"
+      "  cmake -S {0} -B {0}/build     finds tomlin where it is installed (CMAKE_PREFIX_PATH)\n"
+      "  cmake --build {0}/build       makes {0}/lib{1}.so\n"
+      "  ctest --test-dir {0}/build    checks its claims and a closed form\n"
+      "  tomlin run {0}/{1}.toml\n",
+      where, name));
+}
+
+}  // namespace tomlin

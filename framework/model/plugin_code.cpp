@@ -1,0 +1,204 @@
+#include "framework/model/plugin_code.hpp"
+
+#include <deque>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/core/quad.hpp"
+
+namespace tomlin {
+
+PluginError::PluginError(std::string component, std::string library, std::string said)
+    : std::runtime_error(
+          fmt::format("the plugin {} has thrown an exception: {}: {}", library, component, said)),
+      component_(std::move(component)),
+      library_(std::move(library)),
+      said_(std::move(said)) {}
+
+namespace {
+
+/// Whose code it is.
+struct Owner {
+  std::string component;
+  std::string library;
+};
+
+/// One kernel call of a plugin, in place of which ours is called.
+template <class Real>
+struct GuardedPass {
+  const Owner* owner = nullptr;
+  Kernel<Real> set = nullptr;
+  Kernel<Real> add = nullptr;
+  const void* arguments = nullptr;
+};
+
+template <class Real, Kernel<Real> GuardedPass<Real>::*kernel>
+void call(const void* guarded_pass, const Stage<Real>& stage) {
+  const auto& pass = *static_cast<const GuardedPass<Real>*>(guarded_pass);
+  in_plugin(pass.owner->component, pass.owner->library,
+            [&] { (pass.*kernel)(pass.arguments, stage); });
+}
+
+template <class Real>
+struct GuardedPoint {
+  const Owner* owner = nullptr;
+  PointKernel<Real> run = nullptr;
+  const void* parameters = nullptr;
+};
+
+template <class Real>
+PointResult<Real> call_point(const void* guarded_point, Real position, Real velocity, Real start,
+                             Real elapsed) {
+  const auto& point = *static_cast<const GuardedPoint<Real>*>(guarded_point);
+  return in_plugin(point.owner->component, point.owner->library,
+                   [&] { return point.run(point.parameters, position, velocity, start, elapsed); });
+}
+
+/// Every function of BoundForce is passed on.
+template <class Real>
+class GuardedForce final : public BoundForce<Real> {
+ public:
+  GuardedForce(std::unique_ptr<BoundForce<Real>> force, Owner owner)
+      : force_(std::move(force)), owner_(std::move(owner)) {}
+  GuardedForce(const GuardedForce&) = delete;
+  GuardedForce& operator=(const GuardedForce&) = delete;
+
+  std::vector<Pass<Real>> passes() override {
+    std::vector<Pass<Real>> all = guard([&] { return force_->passes(); });
+    for (Pass<Real>& pass : all) {
+      const GuardedPass<Real>& own = guarded_pass({&owner_, pass.set, pass.add, pass.arguments});
+      if (pass.set != nullptr) pass.set = &call<Real, &GuardedPass<Real>::set>;
+      if (pass.add != nullptr) pass.add = &call<Real, &GuardedPass<Real>::add>;
+      pass.arguments = &own;
+    }
+    return all;
+  }
+  bool point(PointForce<Real>& point) const override {
+    if (!guard([&] { return force_->point(point); })) return false;
+    point_ = {&owner_, point.run, point.parameters};
+    point.run = &call_point<Real>;
+    point.parameters = &point_;
+    return true;
+  }
+  bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
+    if (!guard([&] { return force_->heat(rate, operation); })) return false;
+    const auto& own = guarded_pass({&owner_, operation.run, nullptr, operation.arguments});
+    operation = {&call<Real, &GuardedPass<Real>::set>, &own};
+    return true;
+  }
+
+  std::size_t rate_count() const override {
+    return guard([&] { return force_->rate_count(); });
+  }
+  void place_rates(std::ptrdiff_t first) override {
+    guard([&] { force_->place_rates(first); });
+  }
+  bool depends_on_time() const override {
+    return guard([&] { return force_->depends_on_time(); });
+  }
+  void begin_step(const DoubleDouble& time) override {
+    guard([&] { force_->begin_step(time); });
+  }
+  void rebase(const Origin& origin) override {
+    guard([&] { force_->rebase(origin); });
+  }
+  Real energy(const Stage<Real>& stage) const override {
+    return guard([&] { return force_->energy(stage); });
+  }
+  void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
+    guard([&] { force_->hessian(stage, sink); });
+  }
+  double curvature_bound() const override {
+    return guard([&] { return force_->curvature_bound(); });
+  }
+  double curvature_bound_along(int axis) const override {
+    return guard([&] { return force_->curvature_bound_along(axis); });
+  }
+  const Drive* drive() const override {
+    return guard([&] { return force_->drive(); });
+  }
+  double shortest_bond() const override {
+    return guard([&] { return force_->shortest_bond(); });
+  }
+  bool has_flow() const override {
+    return guard([&] { return force_->has_flow(); });
+  }
+  void flow(const Stage<Real>& at, const Real* inverse_mass, Real* velocity,
+            Real h) const override {
+    guard([&] { force_->flow(at, inverse_mass, velocity, h); });
+  }
+  bool is_friction() const override {
+    return guard([&] { return force_->is_friction(); });
+  }
+  void friction(FrictionSink& sink) const override {
+    guard([&] { force_->friction(sink); });
+  }
+  std::size_t own_count() const override {
+    return guard([&] { return force_->own_count(); });
+  }
+  void place_own(std::size_t first) override {
+    guard([&] { force_->place_own(first); });
+  }
+  void start_own(Real* own) const override {
+    guard([&] { force_->start_own(own); });
+  }
+  const Passing* waits_for() const override {
+    return guard([&] { return force_->waits_for(); });
+  }
+  std::size_t control_count() const override {
+    return guard([&] { return force_->control_count(); });
+  }
+  void attach_control(double* control) override {
+    guard([&] { force_->attach_control(control); });
+  }
+  void start_control() override {
+    guard([&] { force_->start_control(); });
+  }
+  bool waits() const override {
+    return guard([&] { return force_->waits(); });
+  }
+  void passed(const DoubleDouble& time) override {
+    guard([&] { force_->passed(time); });
+  }
+
+ private:
+  template <class Action>
+  auto guard(Action action) const {
+    return in_plugin(owner_.component, owner_.library, action);
+  }
+
+  /// The same one whenever it is asked for: passes are told apart by their arguments.
+  const GuardedPass<Real>& guarded_pass(const GuardedPass<Real>& wanted) {
+    for (const GuardedPass<Real>& known : passes_) {
+      if (known.set == wanted.set && known.add == wanted.add &&
+          known.arguments == wanted.arguments) {
+        return known;
+      }
+    }
+    return passes_.emplace_back(wanted);
+  }
+
+  std::unique_ptr<BoundForce<Real>> force_;
+  Owner owner_;
+  std::deque<GuardedPass<Real>> passes_;  // kernels hold pointers into it
+  mutable GuardedPoint<Real> point_;
+};
+
+}  // namespace
+
+template <class Real>
+std::unique_ptr<BoundForce<Real>> guarded(std::unique_ptr<BoundForce<Real>> force,
+                                          std::string component, std::string library) {
+  return std::make_unique<GuardedForce<Real>>(std::move(force),
+                                              Owner{std::move(component), std::move(library)});
+}
+
+template std::unique_ptr<BoundForce<double>> guarded(std::unique_ptr<BoundForce<double>>,
+                                                     std::string, std::string);
+template std::unique_ptr<BoundForce<float>> guarded(std::unique_ptr<BoundForce<float>>, std::string,
+                                                    std::string);
+template std::unique_ptr<BoundForce<Quad>> guarded(std::unique_ptr<BoundForce<Quad>>, std::string,
+                                                   std::string);
+
+}  // namespace tomlin

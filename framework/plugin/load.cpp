@@ -1,0 +1,141 @@
+#include "framework/plugin/load.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/core/force.hpp"
+#include "framework/core/integrator.hpp"
+#include "framework/core/observer.hpp"
+#include "framework/core/text_file.hpp"
+#include "framework/plugin/content_hash.hpp"
+#include "framework/plugin/elf_note.hpp"
+#include "framework/plugin/note.hpp"
+#include "framework/plugin/registration.hpp"
+
+namespace tomlin {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kLargestLibrary = std::size_t{1} << 30;  // bytes
+
+const ComponentRecord* component(const Registry& registry, const std::string& name) {
+  if (const auto* record = registry.body(name)) return record;
+  if (const auto* record = registry.force(name)) return record;
+  if (const auto* record = registry.integrator(name)) return record;
+  return registry.observer(name);
+}
+
+/// Why a component cannot be taken; empty when it can.
+std::string taken(const Registry& registry, const ComponentRecord& record) {
+  const ComponentRecord* there = component(registry, record.name);
+  if (there == nullptr) return "";
+  return fmt::format("its component \"{}\" has the name of one {}", record.name,
+                     there->library.empty() ? "of tomlin's own" : "from " + there->library);
+}
+
+bool holds(const std::vector<std::string>& words, const char* word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+/// What the library has no kernels for cannot be run.
+template <class Record>
+void keep_number_types(Record& record, const std::vector<std::string>& types) {
+  if constexpr (requires { record.bind; }) {
+    if (!holds(types, "float")) record.bind.in_float = nullptr;
+    if (!holds(types, "quadruple")) record.bind.in_quadruple = nullptr;
+  }
+}
+
+template <class Records>
+void hand_over(const Records& records, const PluginFile& file, const fs::path& path,
+               Registry& registry) {
+  for (const auto& record : records) {
+    record->library = path.string();
+    keep_number_types(*record, file.number_types);
+    registry.add(std::move(*record));
+  }
+}
+
+/// Empty when the library's components are in the registry now.
+std::string load(const PluginRequest& request, Registry& registry) {
+  const PluginFile file = examine_plugin(request.path);
+  if (!file.why.empty()) return file.why;
+  if (std::string why = probe_registration(request.path); !why.empty()) return why;
+  // On its own first, so that of a library that fails nothing is left.
+  Registry added;
+  if (std::string why = register_components(request.path, added); !why.empty()) return why;
+  const auto first_taken = [&registry](const auto& records) {
+    for (const auto& record : records) {
+      if (std::string why = taken(registry, *record); !why.empty()) return why;
+    }
+    return std::string();
+  };
+  for (const std::string& why :
+       {first_taken(added.bodies()), first_taken(added.forces()), first_taken(added.integrators()),
+        first_taken(added.observers())}) {
+    if (!why.empty()) return why;
+  }
+  hand_over(added.bodies(), file, request.path, registry);
+  hand_over(added.forces(), file, request.path, registry);
+  hand_over(added.integrators(), file, request.path, registry);
+  hand_over(added.observers(), file, request.path, registry);
+  registry.add(Library{request.given, request.path.string(), file.hash, request.everywhere});
+  return "";
+}
+
+}  // namespace
+
+PluginFile examine_plugin(const fs::path& path) {
+  PluginFile file;
+  std::error_code error;
+  const auto size = fs::file_size(path, error);
+  if (!error && size > kLargestLibrary) {
+    file.why = fmt::format("it has {} MB; at most {} MB", size >> 20, kLargestLibrary >> 20);
+    return file;
+  }
+  const TextFile content = read_text_file(path, error ? 0 : static_cast<std::size_t>(size));
+  if (!content.why.empty()) {
+    file.why = content.why;
+    return file;
+  }
+  const auto bytes = std::as_bytes(std::span(content.text));
+  file.hash = content_hash(bytes);
+  const ElfNote elf = read_elf_note(bytes);
+  if (!elf.why.empty()) {
+    file.why = elf.why;
+    return file;
+  }
+  const auto note = parse_note(elf.text);
+  if (!note) {
+    file.why = "tomlin's note in it is damaged";
+    return file;
+  }
+  file.number_types = note->number_types;
+  file.instruction_sets = note->instruction_sets;
+  file.why = mismatch(*note, own_note());
+  if (file.why.empty() && !holds(file.number_types, "double")) file.why = "it has no doubles";
+  return file;
+}
+
+void load_plugins(const std::vector<PluginRequest>& requests, Registry& registry) {
+  std::vector<Fault> faults;
+  for (const PluginRequest& request : requests) {
+    if (registry.library(request.path.string()) != nullptr) continue;
+    const std::string why = load(request, registry);
+    if (why.empty()) continue;
+    Fault fault;
+    fault.place = request.place;
+    fault.key = "plugins";
+    fault.value = fmt::format("\"{}\"", request.given);
+    fault.why = fmt::format("the plugin {}: {}", request.path.string(), why);
+    faults.push_back(std::move(fault));
+  }
+  if (!faults.empty()) throw InputError(std::move(faults));
+}
+
+}  // namespace tomlin

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "framework/core/fault.hpp"
+#include "framework/core/registry.hpp"
+
+/// Shared libraries with components of one's own: what the program does with those that a scene or
+/// the command line names. See plugin.hpp for what one looks like, entry.hpp for how it is linked.
+namespace tomlin {
+
+/// A library that was asked for.
+struct PluginRequest {
+  std::string given;           ///< as it was written
+  std::filesystem::path path;  ///< absolute
+  Place place;                 ///< where it was written
+  bool everywhere = false;     ///< see Library
+};
+
+/// What stands in a library's file, or why it cannot be loaded. Nothing of it is run.
+struct PluginFile {
+  std::string hash;  ///< of its content, where it could be read
+  std::vector<std::string> number_types;
+  std::vector<std::string> instruction_sets;
+  std::string why;  ///< empty when it may be loaded
+};
+PluginFile examine_plugin(const std::filesystem::path& path);
+
+/// Adds the components of these libraries, each once. Throws InputError with what is wrong with
+/// any of them; the registry then has those of the others only.
+void load_plugins(const std::vector<PluginRequest>& requests, Registry& registry);
+
+}  // namespace tomlin

@@ -1,0 +1,54 @@
+#include "framework/scene/libraries.hpp"
+
+#include <optional>
+#include <utility>
+
+#include "framework/core/text_file.hpp"
+
+namespace tomlin {
+namespace fs = std::filesystem;
+
+std::vector<NamedLibrary> libraries_of_scene(const std::string& file) {
+  const TextFile contents = read_text_file(file, kLargestSceneFile);
+  if (!contents.why.empty()) return {};
+  std::optional<Table> document;
+  try {
+    document = parse_document(contents.text, file);
+  } catch (const InputError&) {
+    return {};
+  }
+  const std::vector<Setting> none;
+  const Source source(file, contents.text, none);
+  FaultList faults(source);
+  return named_libraries(*document, file, source, faults);
+}
+
+std::vector<NamedLibrary> named_libraries(const Table& document, const std::string& file,
+                                          const Source& source, FaultList& faults) {
+  constexpr std::size_t kMostLibraries = 100;
+  const Node* node = document.find("plugins");
+  if (node == nullptr) return {};
+  const std::string due = "a list of shared libraries, [\"libmorse.so\"]";
+  const auto* list = node->as<List>();
+  if (list == nullptr || list->size() > kMostLibraries) {
+    faults.of_value(*node, {"plugins", list ? "too many" : "found " + kind_of(*node), due});
+    return {};
+  }
+  std::vector<NamedLibrary> libraries;
+  libraries.reserve(list->size());
+  const fs::path folder = fs::absolute(file).parent_path();
+  for (const Node& element : *list) {
+    const auto* name = element.as<std::string>();
+    if (name == nullptr) {
+      faults.of_value(element, {"plugins", "found " + kind_of(element), due});
+    } else if (name->empty() || name->find('\0') != std::string::npos) {
+      faults.of_value(element, {"plugins", "not the name of a file", due});
+    } else {
+      libraries.push_back(
+          {*name, (folder / *name).lexically_normal(), source.place(element.where)});
+    }
+  }
+  return libraries;
+}
+
+}  // namespace tomlin

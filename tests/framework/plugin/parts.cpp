@@ -1,0 +1,217 @@
+#include <cmath>
+
+#include "framework/core/aligned.hpp"
+#include "framework/core/scheme.hpp"
+#include "framework/plugin/plugin.hpp"
+
+// What is no force: a body, an integrator and an observer of one's own.
+namespace tomlin {
+namespace {
+
+// ---- a body: two particles along x
+
+struct DumbbellDescription : BodyDescription {
+  SpaceVector centre;
+  double length = 0.0;
+};
+
+int dimension_of(const void* description) {
+  const auto& d = *static_cast<const DumbbellDescription*>(description);
+  return static_cast<int>(d.centre.components.size());
+}
+
+std::int64_t two(const void*) { return 2; }
+
+std::vector<Complaint> no_body_complaints(const void*, int) { return {}; }
+
+BodyGeometry build_dumbbell(const void* description, int dimension) {
+  const auto& d = *static_cast<const DumbbellDescription*>(description);
+  BodyGeometry geometry;
+  geometry.anchor = d.centre.components;
+  geometry.relative.assign(2, std::vector<double>(static_cast<std::size_t>(dimension), 0.0));
+  geometry.relative[0][0] = -0.5 * d.length;
+  geometry.relative[1][0] = 0.5 * d.length;
+  return geometry;
+}
+
+BodyRecord dumbbell_record() {
+  BodyRecord record;
+  record.name = "dumbbell";
+  record.summary = "two particles along x";
+  record.equation = "x_0 = centre - length/2, x_1 = centre + length/2";
+  record.source = "geometry";
+  record.make_description = &make_description<DumbbellDescription>;
+  record.parameters = with_body_parameters<DumbbellDescription>(
+      {parameter("centre", &DumbbellDescription::centre, dimension::length, "halfway between them"),
+       parameter("length", &DumbbellDescription::length, dimension::length, "between them")
+           .in(positive)});
+  record.common = &body_part<DumbbellDescription>;
+  record.dimension = &dimension_of;
+  record.count = &two;
+  record.complaints = &no_body_complaints;
+  record.build = &build_dumbbell;
+  record.example = "see the tests";
+  return record;
+}
+
+// ---- an integrator: symplectic Euler
+
+struct EulerDescription {
+  double dt = 0.0;
+};
+
+class SymplecticEuler final : public Integrator<double> {
+ public:
+  explicit SymplecticEuler(System<double>& system)
+      : Integrator<double>(system), rates_(system.view.rates + 2 * kGroup, 0.0) {}
+
+  StepReport step_from(double since, double h, bool dense) override {
+    SystemView<double>& view = system_.view;
+    if (dense) keep_start();
+    const Stage<double> stage =
+        stage_of(view, view.position, view.velocity, view.integrals, rates_.data(), since);
+    for (std::size_t k = 0; k < view.operation_count; ++k) {
+      view.operations[k].run(view.operations[k].arguments, stage);
+    }
+    ++system_.evaluations;
+    for (std::size_t i = 0; i < view.dofs; ++i) {
+      view.velocity[i] += h * view.inverse_mass[i] * view.force[i];
+      const double move = h * view.velocity[i];
+      if (!(std::abs(move) <= view.largest_move[i])) {
+        return {0.0, StepFault::not_finite_or_too_far};
+      }
+      view.position[i] += move;
+    }
+    for (std::size_t i = 0; i < view.rates; ++i) view.integrals[i] += h * rates_[i];
+    return {h, StepFault::none};
+  }
+  const double* first_rates() const override { return rates_.data(); }
+  void finish_dense_from(double since) override { (void)since; }
+  void interpolate(double theta, double* position, double* velocity,
+                   double* integrals) const override {
+    const SystemView<double>& view = system_.view;
+    const auto between = [theta](const std::vector<double>& from, const double* to, double* at) {
+      for (std::size_t i = 0; i < from.size(); ++i) at[i] = from[i] + theta * (to[i] - from[i]);
+    };
+    between(position_, view.position, position);
+    between(velocity_, view.velocity, velocity);
+    between(integrals_, view.integrals, integrals);
+  }
+
+ private:
+  void keep_start() {
+    const SystemView<double>& view = system_.view;
+    position_.assign(view.position, view.position + view.dofs);
+    velocity_.assign(view.velocity, view.velocity + view.dofs);
+    integrals_.assign(view.integrals, view.integrals + view.rates);
+  }
+
+  AlignedVector<double> rates_;
+  std::vector<double> position_;
+  std::vector<double> velocity_;
+  std::vector<double> integrals_;
+};
+
+double euler_step(const void* description) {
+  return static_cast<const EulerDescription*>(description)->dt;
+}
+
+double euler_stable_step(double frequency, double damping_rate) {
+  return 2.0 / (frequency + damping_rate);
+}
+
+std::vector<Complaint> no_scheme_complaints(const void*) { return {}; }
+
+std::unique_ptr<Integrator<double>> bind_euler(const void*, System<double>& system) {
+  return std::make_unique<SymplecticEuler>(system);
+}
+
+IntegratorRecord euler_record() {
+  IntegratorRecord record;
+  record.name = "symplectic_euler";
+  record.summary = "first order, with the velocity first";
+  record.equation = "v += h F(x)/m, x += h v";
+  record.source = "E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, section I.1.2";
+  record.order = 1;
+  record.evaluations_per_step = 1;
+  record.without_inertia = false;
+  record.make_description = &make_description<EulerDescription>;
+  record.parameters = {
+      parameter("dt", &EulerDescription::dt, dimension::time, "the step").in(positive)};
+  record.stable_step = &euler_stable_step;
+  record.step = &euler_step;
+  record.complaints = &no_scheme_complaints;
+  record.bind = {&bind_euler};
+  record.example = "see the tests";
+  return record;
+}
+
+// ---- an observer: the way between two particles
+
+struct DistanceDescription {
+  std::int64_t first = 0;
+  std::int64_t second = 1;
+};
+
+std::vector<Complaint> distance_complaints(const void* description, const SceneOutline& scene) {
+  const auto& d = *static_cast<const DistanceDescription*>(description);
+  const std::int64_t count = scene.bodies.front().count;
+  std::vector<Complaint> found;
+  if (d.first >= count) found.push_back({"first", "there is no such particle", "below the count"});
+  if (d.second >= count) {
+    found.push_back({"second", "there is no such particle", "below the count"});
+  }
+  return found;
+}
+
+std::vector<ObservedNumber> distance_columns(const void*, const SceneOutline&) {
+  return {{"length", "length"}, {"growth", "length/time"}};
+}
+
+void observe_distance(const void* description, const ObservedMoment& moment,
+                      std::span<double> numbers) {
+  const auto& d = *static_cast<const DistanceDescription*>(description);
+  const ObservedBody& body = moment.bodies.front();
+  const auto axes = static_cast<std::size_t>(moment.dimension);
+  double square = 0.0;
+  double rate = 0.0;
+  for (std::size_t axis = 0; axis < axes; ++axis) {
+    const std::size_t from = static_cast<std::size_t>(d.first) * axes + axis;
+    const std::size_t to = static_cast<std::size_t>(d.second) * axes + axis;
+    const double way = body.position[to] - body.position[from];
+    square += way * way;
+    rate += way * (body.velocity[to] - body.velocity[from]);
+  }
+  numbers[0] = std::sqrt(square);
+  numbers[1] = rate / numbers[0];
+}
+
+ObserverRecord distance_record() {
+  ObserverRecord record;
+  record.name = "particle_distance";
+  record.summary = "the distance of two particles of a body";
+  record.equation = "length = |x_second - x_first|, growth = d length / dt";
+  record.source = "geometry";
+  record.make_description = &make_description<DistanceDescription>;
+  record.parameters = {
+      parameter("first", &DistanceDescription::first, dimension::none, "index of a particle")
+          .in(non_negative)
+          .by_default(std::int64_t{0}),
+      parameter("second", &DistanceDescription::second, dimension::none, "index of another")
+          .in(non_negative)
+          .by_default(std::int64_t{1})};
+  record.complaints = &distance_complaints;
+  record.columns = &distance_columns;
+  record.observe = &observe_distance;
+  record.example = "see the tests";
+  return record;
+}
+
+}  // namespace
+}  // namespace tomlin
+
+TOMLIN_PLUGIN(registry) {
+  registry.add(tomlin::dumbbell_record());
+  registry.add(tomlin::euler_record());
+  registry.add(tomlin::distance_record());
+}

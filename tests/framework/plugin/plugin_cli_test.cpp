@@ -1,0 +1,409 @@
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "framework/plugin/load.hpp"
+#include "tests/framework/cli/cli_fixture.hpp"
+#include "tests/framework/plugin/plugin_files.hpp"
+
+namespace tomlin::test {
+namespace {
+
+constexpr const char* kBonded = R"(
+[[body]]
+type = "chain"
+count = 2
+spacing = 1.3
+particle_mass = 1.0
+
+[[force]]
+type = "morse"
+pairs = "neighbours"
+depth = 2.0
+steepness = 1.5
+rest_length = 1.0
+
+[run]
+duration = 5.0
+integrator = { type = "dopri5", absolute_tolerance = 1e-12, relative_tolerance = 1e-12 }
+ledger = true
+
+[output]
+every = 0.5
+trajectory = true
+trajectory_format = "xyz"
+)";
+
+constexpr const char* kParts = R"(
+[[body]]
+type = "dumbbell"
+centre = [0.0, 1.0]
+length = 2.0
+particle_mass = 1.0
+velocity = [[-0.5, 0.0], [0.5, 0.0]]
+
+[[force]]
+type = "harmonic_bonds"
+pairs = "all"
+stiffness = 0.5
+rest_lengths = 2.0
+
+[[observer]]
+name = "bond"
+type = "particle_distance"
+
+[run]
+duration = 2.0
+integrator = { type = "symplectic_euler", dt = 1e-3 }
+
+[measure]
+from = 1.0
+
+[output]
+every = 0.5
+)";
+
+constexpr const char* kFaulty = R"(
+[[body]]
+type = "point"
+position = [1.0]
+particle_mass = 1.0
+
+[[force]]
+name = "spring"
+type = "faulty"
+strength = 1.0
+
+[run]
+duration = 10.0
+integrator = { type = "rk4", dt = 1e-2 }
+
+[output]
+every = 1.0
+)";
+
+std::string named(const std::string& library, const char* scene) {
+  return "plugins = [\"" + library + "\"]\n" + scene;
+}
+
+class PluginCli : public Cli {
+ protected:
+  void SetUp() override {
+    Cli::SetUp();
+    for (const char* name : {"morse", "parts", "faulty"}) {
+      write(folder_ / ("lib" + std::string(name) + ".so"), content(plugin(name)));
+    }
+    write(folder_ / "bonded.toml", named("libmorse.so", kBonded));
+    write(folder_ / "parts.toml", named("libparts.so", kParts));
+    write(folder_ / "faulty.toml", named("libfaulty.so", kFaulty));
+  }
+  std::string path(const std::string& name) { return (folder_ / name).string(); }
+  static Conditions with(std::vector<std::string> environment) {
+    Conditions conditions;
+    conditions.environment = std::move(environment);
+    return conditions;
+  }
+};
+
+// ---- what works
+
+/// The bond's energy at its ends is known: so is the speed in the middle of its swing.
+TEST_F(PluginCli, RunsAForceOfItsOwn) {
+  ASSERT_EQ(tomlin({"run", "bonded.toml"}).status, 0);
+  const Json result = summary("bonded.out");
+  const double away = 1.0 - std::exp(-1.5 * 0.3);
+  const double energy =
+      result["energy"]["kinetic"].get<double>() + result["energy"]["potential"].get<double>();
+  constexpr double kTolerance = 1e-9;  // 1e-12 a step, some dozens of steps
+  EXPECT_NEAR(energy, 2.0 * away * away, kTolerance);
+  EXPECT_GT(result["energy"]["kinetic"].get<double>(), 1e-3) << "it moves";
+  ASSERT_EQ(result["plugins"].size(), 1U);
+  EXPECT_EQ(result["plugins"][0]["given"], "libmorse.so");
+  EXPECT_EQ(result["plugins"][0]["path"], path("libmorse.so"));
+  EXPECT_EQ(result["plugins"][0]["xxh3_128"], examine_plugin(folder_ / "libmorse.so").hash);
+}
+
+TEST_F(PluginCli, TheEffectiveSceneRunsAnywhere) {
+  ASSERT_EQ(tomlin({"run", "bonded.toml", "-o", "one"}).status, 0);
+  write(folder_ / "by_option.toml", kBonded);
+  ASSERT_EQ(tomlin({"run", "by_option.toml", "--plugin", "libmorse.so", "-o", "two"}).status, 0);
+  ASSERT_EQ(tomlin({"run", "one/scene.toml", "-o", "three"}).status, 0);
+  EXPECT_EQ(file("one/scene.toml"), file("two/scene.toml"));
+  EXPECT_EQ(file("one/scene.toml"), file("three/scene.toml"));
+  EXPECT_TRUE(contains(file("one/scene.toml"), "plugins = [\"" + path("libmorse.so") + "\"]\n"));
+  for (const char* other : {"two", "three"}) {
+    EXPECT_EQ(file("one/observables.csv"), file(std::string(other) + "/observables.csv"));
+    EXPECT_EQ(file("one/trajectory.xyz"), file(std::string(other) + "/trajectory.xyz"));
+  }
+}
+
+TEST_F(PluginCli, PathsAreFromTheSceneOrTheCurrentFolder) {
+  fs::create_directory(folder_ / "deep");
+  fs::create_directory(folder_ / "deep/libs");
+  write(folder_ / "deep/libs/libmorse.so", content(plugin("morse")));
+  write(folder_ / "deep/here.toml", named("libs/libmorse.so", kBonded));
+  EXPECT_EQ(tomlin({"check", "deep/here.toml"}).status, 0);
+  write(folder_ / "deep/plain.toml", kBonded);
+  EXPECT_EQ(tomlin({"check", "deep/plain.toml", "--plugin", "deep/libs/libmorse.so"}).status, 0);
+  write(folder_ / "deep/libbeside.so", content(plugin("morse")));
+  EXPECT_EQ(tomlin({"check", "deep/plain.toml", "--plugin", "libbeside.so"}).status, 0);
+  // The loader's own search path is none of them.
+  const Ended ended = tomlin({"check", "deep/plain.toml", "--plugin", "libelsewhere.so"},
+                             with({"LD_LIBRARY_PATH=" PLUGINS}));
+  EXPECT_EQ(ended.status, 2);
+}
+
+TEST_F(PluginCli, EveryCommandTakesThem) {
+  write(folder_ / "plain.toml", kBonded);
+  EXPECT_EQ(tomlin({"explain", "bonded.toml"}).status, 0);
+  const Ended checked = tomlin({"check", "bonded.toml"});
+  EXPECT_EQ(checked.status, 0) << checked.err;
+  EXPECT_TRUE(contains(checked.out, "morse conservative")) << checked.out;
+  const std::vector<std::string> observable = {"--observable", "chain.centre_of_mass.x"};
+  EXPECT_EQ(tomlin({"describe", "--plugin", "libmorse.so"}).status, 0);
+  const Ended described = tomlin({"describe", "--plugin", "libmorse.so", "morse"});
+  EXPECT_TRUE(contains(described.out, "comes from\n  the plugin " + path("libmorse.so")))
+      << described.out << described.err;
+  EXPECT_TRUE(contains(tomlin({"describe", "rk4"}).out, "comes from\n  tomlin itself"));
+  const Ended listed = tomlin({"describe", "--plugin", "libparts.so"});
+  EXPECT_TRUE(contains(listed.out, "observers\n  particle_distance")) << listed.out;
+  EXPECT_TRUE(contains(listed.out, "(" + path("libparts.so") + ")"));
+}
+
+TEST_F(PluginCli, InFloatAndQuadruple) {
+  ASSERT_EQ(tomlin({"run", "bonded.toml", "-o", "double"}).status, 0);
+  const double exact = summary("double")["energy"]["kinetic"];
+  for (const auto& [type, tolerance] : {std::pair{"float", 1e-4}, {"quadruple", 1e-9}}) {
+    ASSERT_EQ(
+        tomlin({"run", "bonded.toml", "--set", std::string("run.number_type=\"") + type + "\"",
+                "--set", "run.integrator={ type = \"rk4\", dt = 1e-3 }", "-o", type})
+            .status,
+        0);
+    EXPECT_NEAR(summary(type)["energy"]["kinetic"].get<double>(), exact, tolerance) << type;
+  }
+  const Ended refused = tomlin({"run", "faulty.toml", "--set", "run.number_type=\"float\""});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_TRUE(contains(refused.err, "not available with the force \"spring\", of type faulty"))
+      << refused.err;
+}
+
+// ---- bodies, integrators, observers
+
+/// x'' = -k x 2/m about the rest length, by an oscillator of frequency 1.
+TEST_F(PluginCli, BodiesIntegratorsAndObservers) {
+  const Ended ended = tomlin({"run", "parts.toml"});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  const std::string table = file("parts.out/observables.csv");
+  EXPECT_TRUE(contains(table, ",bond.length [length],bond.growth [length/time]\n")) << table;
+  const Json bond = summary("parts.out")["observers"]["bond"];
+  constexpr double kTolerance = 2e-3;  // first order, dt = 1e-3
+  EXPECT_NEAR(bond["length"].get<double>(), 2.0 + std::sin(2.0), kTolerance);
+  EXPECT_NEAR(bond["growth"].get<double>(), std::cos(2.0), kTolerance);
+  const double mean = (std::sin(1.0) + std::sin(1.5) + std::sin(2.0)) / 3.0;
+  EXPECT_NEAR(bond["mean_length"].get<double>(), 2.0 + mean, kTolerance);
+  EXPECT_TRUE(tomlin({"run", "parts.toml", "-o", "perturbed", "--set",
+                      "run.perturb={ size = 1e-9, observables = [\"bond.length\"] }"})
+                  .status == 0);
+  EXPECT_TRUE(summary("perturbed")["determined"].contains("bond.length"));
+}
+
+/// Particles of a rigid body have velocities, too: it turns as a whole, so its length stays.
+TEST_F(PluginCli, ObserversSeeRigidBodies) {
+  const std::vector<std::string> rigid = {
+      "run",   "parts.toml",
+      "--set", "body.dumbbell.coordinates=\"rigid\"",
+      "--set", "body.dumbbell.velocity=[[0.0, -1.0], [0.0, 1.0]]",
+      "--set", "observer.bond.second=0",
+      "--set", "run.integrator={ type = \"rk4\", dt = 1e-2 }",
+      "-o",    "rigid"};
+  auto far = rigid;
+  far[7] = "observer.bond.second=1";
+  const Ended ended = tomlin(far);
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  const Json bond = summary("rigid")["observers"]["bond"];
+  constexpr double kRounding = 1e-12;
+  EXPECT_NEAR(bond["length"].get<double>(), 2.0, kRounding);
+  EXPECT_NEAR(bond["growth"].get<double>(), 0.0, kRounding);
+  auto same = rigid;
+  same.back() = "undefined";
+  const Ended undefined = tomlin(same);  // a particle and itself: 0/0
+  EXPECT_EQ(undefined.status, 1);
+  EXPECT_TRUE(
+      contains(undefined.err, "the observer bond gives growth, which is not a finite number"))
+      << undefined.err;
+  EXPECT_TRUE(summary("undefined")["observers"]["bond"]["growth"].is_null());
+}
+
+TEST_F(PluginCli, FaultsOfObserversHaveAPlace) {
+  const Ended ended = tomlin({"run", "parts.toml", "--set", "observer.bond.second=7"});
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_TRUE(contains(ended.err, "observer.bond.second = 7: there is no such particle"))
+      << ended.err;
+  write(folder_ / "parts.toml",
+        patched(named("libparts.so", kParts), "particle_distance\"", "particle_distanc\" "));
+  EXPECT_TRUE(contains(tomlin({"run", "parts.toml"}).err, "did you mean \"particle_distance\"?"));
+}
+
+// ---- what is refused
+
+TEST_F(PluginCli, AFaultHasThePlaceThatNamesTheLibrary) {
+  write(folder_ / "scene.toml", named("libabsent.so", kBonded));
+  expect_refused({"run", "scene.toml"},
+                 "scene.toml:1:12: error: plugins = \"libabsent.so\": the plugin " +
+                     path("libabsent.so") + ": there is no such file\n");
+  expect_refused({"run", "bonded.toml", "--plugin", "./tip.toml"},
+                 "--plugin: error: plugins = \"./tip.toml\": the plugin " + path("tip.toml") +
+                     ": not a shared library\n");
+  write(folder_ / "scene.toml", std::string("plugins = \"libmorse.so\"\n") + kBonded);
+  EXPECT_TRUE(contains(tomlin({"run", "scene.toml"}).err,
+                       "scene.toml:1:11: error: plugins = \"libmorse.so\": found text; admissible: "
+                       "a list of shared libraries"));
+  write(folder_ / "scene.toml", std::string("[scene]\nplugins = [\"libmorse.so\"]\n") + kBonded);
+  EXPECT_TRUE(contains(tomlin({"run", "scene.toml"}).err,
+                       "scene.plugins: unknown key; admissible: plugins stands above the first"));
+}
+
+TEST_F(PluginCli, WhatFailsAtRegisteringIsThePlugins) {
+  for (const char* fault : {"crash", "throw_registering", "exit"}) {
+    const Ended ended = tomlin({"run", "faulty.toml"}, with({std::string("FAULT=") + fault}));
+    EXPECT_EQ(ended.status, 2) << fault;
+    EXPECT_TRUE(
+        contains(ended.err, "faulty.toml:1:12: error: plugins = \"libfaulty.so\": the plugin " +
+                                path("libfaulty.so") + ": "))
+        << ended.err;
+    EXPECT_FALSE(exists("faulty.out"));
+  }
+}
+
+TEST_F(PluginCli, WhatFailsAtBindingIsThePlugins) {
+  const Ended ended = tomlin({"run", "faulty.toml"}, with({"FAULT=throw_binding"}));
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_TRUE(
+      contains(ended.err, "force.spring: the plugin " + path("libfaulty.so") +
+                              " has thrown an exception while binding: not bound, as planned"))
+      << ended.err;
+  EXPECT_FALSE(exists("faulty.out/summary.json"));
+}
+
+/// Wherever in a run it happens, there is a summary, and it says failed.
+TEST_F(PluginCli, WhatFailsInARunIsThePlugins) {
+  ASSERT_EQ(tomlin({"run", "faulty.toml", "-o", "sound"}).status, 0);
+  const int all = summary("sound")["time"]["force_evaluations"];
+  for (const std::string after : {"0", "3", "700", "2002"}) {
+    ASSERT_LT(std::stoi(after), all);
+    const Ended ended =
+        tomlin({"run", "faulty.toml", "-o", "after" + after}, with({"FAULT_AFTER=" + after}));
+    EXPECT_EQ(ended.status, 1) << after;
+    EXPECT_TRUE(
+        contains(ended.err, "the plugin " + path("libfaulty.so") +
+                                " has thrown an exception: force spring: no force, as planned; "
+                                "force: spring"))
+        << ended.err;
+    const Json result = summary("after" + after);
+    EXPECT_EQ(result["status"], "failed");
+    EXPECT_TRUE(contains(result["failure"]["what"].get<std::string>(), path("libfaulty.so")));
+    EXPECT_LT(result["time"]["end"].get<double>(), 10.0);
+    EXPECT_FALSE(exists("after" + after + "/run.checkpoint"));
+  }
+  const Ended odd =
+      tomlin({"run", "faulty.toml", "-o", "odd"}, with({"FAULT_AFTER=50", "FAULT=throw_number"}));
+  EXPECT_EQ(odd.status, 1);
+  EXPECT_TRUE(contains(odd.err, "an exception that is no std::exception")) << odd.err;
+  const Ended checked = tomlin({"check", "faulty.toml"}, with({"FAULT_AFTER=0"}));
+  EXPECT_EQ(checked.status, 1);
+  EXPECT_TRUE(contains(checked.err, path("libfaulty.so"))) << checked.err;
+}
+
+// ---- going on
+
+class PluginResume : public PluginCli {
+ protected:
+  /// Interrupts a long run after its first checkpoint.
+  void interrupt(const std::vector<std::string>& arguments, const std::string& out) {
+    Conditions conditions;
+    conditions.then = [&](pid_t program) {
+      ASSERT_TRUE(appears(folder_ / (out + "/run.checkpoint")));
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      ::kill(program, SIGINT);
+    };
+    ASSERT_EQ(tomlin(arguments, conditions).status, 130);
+  }
+  std::vector<std::string> long_run() {
+    return {"run", "parts.toml", "--set", "run.duration=2000", "-o", "out"};
+  }
+};
+
+TEST_F(PluginResume, GoesOnWithTheSameLibrary) {
+  auto whole = long_run();
+  whole.back() = "whole";
+  ASSERT_EQ(tomlin(whole).status, 0);
+  interrupt(long_run(), "out");
+  auto on = long_run();
+  on.emplace_back("--resume");
+  const Ended ended = tomlin(on);
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  EXPECT_EQ(file("out/observables.csv"), file("whole/observables.csv"));
+  Json one = summary("out");
+  Json other = summary("whole");
+  one.erase("performance");
+  other.erase("performance");
+  EXPECT_EQ(one, other);
+}
+
+TEST_F(PluginResume, AnotherOrAMissingLibraryIsRefused) {
+  interrupt(long_run(), "out");
+  auto on = long_run();
+  on.emplace_back("--resume");
+  const std::string before = examine_plugin(folder_ / "libparts.so").hash;
+  const std::string whole = file("libparts.so");
+  write(folder_ / "libparts.so", whole + "\n");  // as good a library, with another content
+  const std::string now = examine_plugin(folder_ / "libparts.so").hash;
+  ASSERT_NE(before, now);
+  const std::string begun =
+      "run.checkpoint: the run was begun with other plugins: " + path("libparts.so") +
+      " with the content " + before + "; now: " + path("libparts.so");
+  expect_refused(on, "--resume: error: out/" + begun + " with the content " + now +
+                         "; admissible: the plugins as they were, or --force, which starts again "
+                         "from the beginning\n");
+  fs::remove(folder_ / "libparts.so");
+  expect_refused(on, "--resume: error: out/" + begun +
+                         ", which cannot be read; admissible: the plugins as they were, or "
+                         "--force, which starts again from the beginning\n");
+  write(folder_ / "libparts.so", whole);
+  auto more = on;
+  more.insert(more.end(), {"--plugin", "libmorse.so"});
+  EXPECT_TRUE(contains(tomlin(more).err, examine_plugin(folder_ / "libmorse.so").hash));
+  EXPECT_EQ(tomlin({"run", "out/scene.toml", "-o", "out", "--resume", "--set", "run.duration=2000"})
+                .status,
+            0);
+}
+
+// ---- a new one
+
+TEST_F(PluginCli, NewPluginWritesAFolder) {
+  const Ended ended = tomlin({"new", "plugin", "my_force"});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  for (const char* name : {"my_force.hpp", "my_force.cpp", "my_force.toml", "CMakeLists.txt",
+                           "test_my_force.py", "README.md"}) {
+    const std::string text = file(std::string("my_force/") + name);
+    EXPECT_FALSE(text.empty()) << name;
+    EXPECT_FALSE(contains(text, "plugin_name") || contains(text, "PluginName")) << name;
+  }
+  EXPECT_TRUE(contains(file("my_force/my_force.cpp"), "TOMLIN_DECLARE_KERNELS(MyForce)"));
+  expect_refused({"new", "plugin", "my_force"},
+                 "-o: error: my_force: the folder is not empty; admissible: another name, or "
+                 "--force to replace the files of a plugin of this name\n");
+  EXPECT_EQ(tomlin({"new", "plugin", "my_force", "--force"}).status, 0);
+  EXPECT_EQ(tomlin({"new", "plugin", "other", "-o", "some/where"}).status, 0);
+  EXPECT_TRUE(exists("some/where/other.hpp"));
+  for (const char* name : {"My_Force", "2d", "a-b", "harmonic_bonds", "a__b", "x_", "../up"}) {
+    EXPECT_EQ(tomlin({"new", "plugin", name}).status, 2) << name;
+  }
+  EXPECT_EQ(tomlin({"new", "plugin"}).status, 2);
+}
+
+}  // namespace
+}  // namespace tomlin::test
