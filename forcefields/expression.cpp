@@ -274,7 +274,7 @@ ForceRecord expression_record() {
   record.equation =
       "F = -dV/dx of an energy V(x, y, z, t), V(xc, yc, zc, t), V(r, t) or V(theta, t); or F(x, y, "
       "z, vx, vy, vz, t) itself";
-  record.source = "the scene that gives the formula";
+  record.source = kSourceIsTheScene;
   record.element = Element::site;
   record.traits_of = &traits_of_law;
   record.element_of = &element_of_law;

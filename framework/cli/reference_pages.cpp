@@ -8,7 +8,7 @@
 
 #include "framework/core/citation.hpp"
 #include "framework/scene/effective.hpp"
-#include "framework/scene/expression.hpp"
+#include "framework/core/formula/expression.hpp"
 #include "framework/scene/value_reader.hpp"
 
 namespace tomlin {

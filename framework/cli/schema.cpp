@@ -19,7 +19,7 @@
 #include "framework/core/force.hpp"
 #include "framework/core/integrator.hpp"
 #include "framework/scene/effective.hpp"
-#include "framework/scene/expression.hpp"
+#include "framework/core/formula/expression.hpp"
 #include "framework/scene/language.hpp"
 #include "framework/scene/value_reader.hpp"
 

@@ -11,6 +11,9 @@
 /// object; there are no globals and no static initialisers.
 namespace tomlin {
 
+/// The source of a component that says nothing of its own: there is no work to cite for it.
+inline constexpr const char* kSourceIsTheScene = "the scene that gives it";
+
 /// What every component says about itself. A record without these is rejected when registered.
 struct ComponentRecord {
   std::string name;  ///< `type = "..."` in a scene; the file's and, in CamelCase, the class's name

@@ -45,7 +45,10 @@ class Bibliography {
 std::vector<Reference> references(const Scene& scene, const AccuracyResult* accuracy) {
   Bibliography all;
   for (const SceneBody& body : scene.bodies) all.add(*body.record);
-  for (const SceneForce& force : scene.forces) all.add(*force.record);
+  for (const SceneForce& force : scene.forces) {
+    if (force.record->source != kSourceIsTheScene) all.add(*force.record);
+  }
+  for (const SceneObserver& observer : scene.observers) all.add(*observer.record);
   if (accuracy == nullptr) {
     // With an accuracy the scene's integrator is only one that could be taken.
     const IntegratorRecord* scheme = scene.run.integrator.record;
