@@ -3,6 +3,7 @@
 #include "forcefields/constant_force.hpp"
 #include "forcefields/driving_spring.hpp"
 #include "forcefields/harmonic_bonds.hpp"
+#include "forcefields/memory_damping.hpp"
 #include "forcefields/morse_bonds.hpp"
 #include "forcefields/sinusoidal_substrate.hpp"
 #include "forcefields/viscous_damping.hpp"
@@ -14,6 +15,7 @@ void register_forcefields(Registry& registry) {
   registry.add(constant_force_record());
   registry.add(driving_spring_record());
   registry.add(harmonic_bonds_record());
+  registry.add(memory_damping_record());
   registry.add(morse_bonds_record());
   registry.add(sinusoidal_substrate_record());
   registry.add(viscous_damping_record());

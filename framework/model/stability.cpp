@@ -267,6 +267,55 @@ bool stable_without_friction(const IntegratorRecord& scheme) {
   return stable_step_of(scheme, 1.0, 0.0) > kShort;
 }
 
+/// What forces' own variables add to the motion: how fast they decay by themselves, and the square
+/// frequency at which they swing with the velocities that drive them.
+struct OwnModes {
+  double rate = 0.0;
+  double square = 0.0;
+};
+
+/// Measured at the start, one change of all own variables and one of all velocities: kernels know
+/// their slopes, and variables of different particles do not see each other.
+OwnModes own_modes(Model& model) {
+  const SystemView<double>& view = model.system().view;
+  OwnModes modes;
+  if (view.own_count == 0) return modes;
+  constexpr double kChange = 1e-6;
+  AlignedVector<double> own(view.integrals, view.integrals + view.rates);
+  AlignedVector<double> velocity(view.velocity, view.velocity + view.dofs);
+  own.resize(own.size() + 2 * kGroup, 0.0);
+  velocity.resize(velocity.size() + 2 * kGroup, 0.0);
+  AlignedVector<double> before(view.rates + 2 * kGroup, 0.0);
+  AlignedVector<double> after = before;
+  const auto evaluate = [&](AlignedVector<double>& rates) {
+    model.evaluate_at(DoubleDouble(0.0), view.position, velocity.data(), own.data(), rates.data());
+  };
+  const auto largest_change = [&] {
+    double most = 0.0;
+    for (std::size_t k = 0; k < view.own_count; ++k) {
+      most = std::max(most, std::abs(after[k] - before[k]) / kChange);
+    }
+    return most;
+  };
+  evaluate(before);
+  const std::vector<double> force(view.force, view.force + view.dofs);
+  for (std::size_t k = 0; k < view.own_count; ++k) own[k] += kChange;
+  evaluate(after);
+  modes.rate = largest_change();
+  double response = 0.0;  // of accelerations
+  for (std::size_t i = 0; i < view.dofs; ++i) {
+    response =
+        std::max(response, std::abs(view.force[i] - force[i]) / kChange * view.inverse_mass[i]);
+  }
+  for (std::size_t k = 0; k < view.own_count; ++k) own[k] -= kChange;
+  for (std::size_t i = 0; i < view.dofs; ++i) {
+    if (view.inverse_mass[i] > 0.0) velocity[i] += kChange;
+  }
+  evaluate(after);
+  modes.square = response * largest_change();
+  return modes;
+}
+
 /// What a curvature of the energy per particle does to the fastest motion of a body at most: its
 /// square frequency, or without inertia the relaxation rate.
 double response_to_sites(const Model& model, const Model::Body& body, double curvature) {
@@ -360,8 +409,11 @@ std::string Model::stiffest_force() {
 
 double Model::stable_step(const IntegratorRecord& scheme) {
   if (scheme.adaptive) return std::numeric_limits<double>::infinity();
-  const Stiffness fastest = stiffness(scheme.splits_bonds);
+  Stiffness fastest = stiffness(scheme.splits_bonds);
   if (!system().view.inertial) return stable_step_of(scheme, -fastest.relaxation_rate);
+  const OwnModes own = own_modes(*this);
+  fastest.frequency = std::sqrt(fastest.frequency * fastest.frequency + own.square);
+  fastest.damping_rate = std::max(fastest.damping_rate, own.rate);
   // Slower modes meet the same damping: the worst of a range of frequencies counts.
   double largest = std::numeric_limits<double>::infinity();
   constexpr int kModes = 16;

@@ -24,6 +24,13 @@ amplitude = 0.1
 period = 1.0
 """
 
+MEMORY = """
+[[force]]
+type = "memory_damping"
+coefficient = 0.4
+memory_time = 0.3
+"""
+
 CHAIN = """
 [box]
 lengths = [13.0]
@@ -177,6 +184,9 @@ SCENES = {
     "ring_flexible": scene(FLEXIBLE, RK4.format(dt=2e-3), 5.0, 0.7, LEDGER),
     "ring_flexible_adaptive": scene(FLEXIBLE, DOPRI5, 2.0, 0.7),
     "tip_eighth_order": scene(TIP, DOP853, 60.0, 0.7, LEDGER),
+    "tip_memory": scene(TIP + MEMORY, RK4.format(dt=1e-2), 30.0, 0.7, LEDGER),
+    "tip_memory_float": scene(TIP + MEMORY, DOPRI5.replace("1e-9", "1e-5"), 10.0, 0.7, FLOAT),
+    "ring_rigid_memory": scene(RIGID + MEMORY, DOPRI5, 20.0, 0.7, LEDGER),
     "tip_midpoint": scene(TIP, MIDPOINT, 30.0, 0.7),
     "ring_flexible_exponential": scene(FLEXIBLE, EXPONENTIAL, 10.0, 0.7, LEDGER),
     "chain_exponential": scene(CHAIN, EXPONENTIAL, 20.0, 0.7),

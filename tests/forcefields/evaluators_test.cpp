@@ -10,6 +10,7 @@
 #include "forcefields/constant_force.hpp"
 #include "forcefields/driving_spring.hpp"
 #include "forcefields/harmonic_bonds.hpp"
+#include "forcefields/morse_bonds.hpp"
 #include "forcefields/sinusoidal_substrate.hpp"
 #include "tests/forcefields/only_energy.hpp"
 #include "tests/support/random_description.hpp"
@@ -115,29 +116,54 @@ struct OnlyEnergyOnPairs {
   }
 };
 
-template <int D>
-void expect_bond_is_gradient() {
+/// `stiffness` is the largest in the range of separations: forces are sums of numbers of the size
+/// of stiffness times length.
+template <class E, int D>
+void expect_bond_is_gradient(const typename E::Description& description, double stiffness) {
   Random random(32);
-  HarmonicBondsDescription description;
-  description.stiffness = 3.7;
-  const auto p = HarmonicBonds::parameters<double, D>(description);
+  const auto p = E::template parameters<double, D>(description);
   for (const double size : {1e-8, 1e-3, 1.0, 1e8}) {
     for (int k = 0; k < 100; ++k) {
       Pair<double, D> pair{};
       for (int d = 0; d < D; ++d) pair.separation[d] = size * uniform(random, -1.0, 1.0);
       pair.datum = k % 4 == 0 ? 0.0 : uniform(random, 0.0, 2.0);
-      const auto force = HarmonicBonds::force(p, pair);
-      const auto exact = force_on<OnlyEnergyOnPairs<HarmonicBonds>, double, D>(p, pair);
-      const double scale = description.stiffness * (distance(pair.separation) + pair.datum);
+      const auto force = E::force(p, pair);
+      const auto exact = force_on<OnlyEnergyOnPairs<E>, double, D>(p, pair);
+      const double scale = stiffness * (distance(pair.separation) + pair.datum);
       for (int d = 0; d < D; ++d) EXPECT_NEAR(force[d], exact[d], kDualRounding * scale);
     }
   }
 }
 
+/// Near its minimum a Morse bond is a spring of stiffness 2 D a^2; far away it does not pull.
+TEST(Evaluators, AMorseBondIsASpringThatBreaks) {
+  MorseBondsDescription description;
+  description.depth = 1.3;
+  description.inverse_width = 0.9;
+  const auto p = MorseBonds::parameters<double, 1>(description);
+  const auto at = [&](double r) { return Pair<double, 1>{{{r}}, 1.5}; };
+  constexpr double kSmall = 1e-4;  // anharmonic by 3/2 a kSmall
+  EXPECT_NEAR(MorseBonds::force(p, at(1.5 + kSmall))[0] / (2.0 * 1.3 * 0.81 * kSmall), 1.0, 2e-4);
+  EXPECT_EQ(MorseBonds::force(p, at(1.5))[0], 0.0);
+  EXPECT_NEAR(MorseBonds::energy(p, at(60.0)), 1.3, 1e-15);
+  EXPECT_LT(MorseBonds::force(p, at(60.0))[0], 1e-20);
+  EXPECT_LT(MorseBonds::force(p, at(1.0))[0], 0.0) << "pushes when compressed";
+}
+
 TEST(Evaluators, BondsAreTheExactDerivativeOfTheEnergy) {
-  expect_bond_is_gradient<1>();
-  expect_bond_is_gradient<2>();
-  expect_bond_is_gradient<3>();
+  HarmonicBondsDescription harmonic;
+  harmonic.stiffness = 3.7;
+  expect_bond_is_gradient<HarmonicBonds, 1>(harmonic, 3.7);
+  expect_bond_is_gradient<HarmonicBonds, 2>(harmonic, 3.7);
+  expect_bond_is_gradient<HarmonicBonds, 3>(harmonic, 3.7);
+  MorseBondsDescription morse;
+  morse.depth = 1.3;
+  morse.inverse_width = 0.9;
+  // Compressed by two at most: 2 D a^2 (2 exp(2 * 2 a) - exp(2 a)).
+  const double steepest = 2.0 * 1.3 * 0.9 * 0.9 * 2.0 * std::exp(3.6);
+  expect_bond_is_gradient<MorseBonds, 1>(morse, steepest);
+  expect_bond_is_gradient<MorseBonds, 2>(morse, steepest);
+  expect_bond_is_gradient<MorseBonds, 3>(morse, steepest);
 }
 
 }  // namespace

@@ -132,6 +132,7 @@ class ForceBench {
       x(k) = Real(at_[k].start + uniform(random, -0.2, 0.2));
       v(k) = Real(uniform(random, -1.0, 1.0));
     }
+    for (std::size_t k = 0; k < own_count(); ++k) own(k) = Real(uniform(random, -0.3, 0.3));
   }
 
   void begin_step(double time, double elapsed) {
@@ -184,6 +185,28 @@ class ForceBench {
       }
     }
     return largest;
+  }
+
+  /// Variables of the force's own, and what the last evaluation says of their change.
+  std::size_t own_count() const { return force_->own_count(); }
+  Real& own(std::size_t k) { return own_[k]; }
+  std::vector<Real> own_rates() const {
+    return std::vector<Real>(rates_.begin(), rates_.begin() + own_count());
+  }
+  /// What goes into the stored energy by way of them. Such energies are quadratic: the central
+  /// difference is exact but for rounding.
+  Real stored_by_own() {
+    if (own_count() == 0) return Real(0.0);
+    constexpr double kHalf = 0.0625;
+    const std::vector<Real> rates = own_rates();
+    const AlignedVector<Real> before = own_;
+    const auto energy_after = [&](double h) {
+      for (std::size_t k = 0; k < rates.size(); ++k) own_[k] = before[k] + Real(h) * rates[k];
+      return energy();
+    };
+    const Real gained = energy_after(kHalf) - energy_after(-kHalf);
+    own_ = before;
+    return gained / Real(2.0 * kHalf);
   }
 
   Real energy() { return force_->energy(stage()); }

@@ -88,7 +88,7 @@ class NumberTypeCheck {
     std::array<std::vector<double>, kQuantities> by_state, by_binding;
   };
   struct State {
-    std::vector<double> x, v;
+    std::vector<double> x, v, own;
     double time = 0.0;
     double elapsed = 0.0;
   };
@@ -113,6 +113,9 @@ class NumberTypeCheck {
       state.x.push_back(static_cast<float>(bench.x(k)));
       state.v.push_back(static_cast<float>(bench.v(k)));
     }
+    for (std::size_t k = 0; k < bench.own_count(); ++k) {
+      state.own.push_back(static_cast<float>(bench.own(k)));
+    }
     state.time = time;
     state.elapsed = 0.125;
     return state;
@@ -126,6 +129,7 @@ class NumberTypeCheck {
     for (const double x : state.x) reach = std::max(reach, std::abs(x));
     for (double& x : state.x) x += kShake * reach * uniform(random, -1.0, 1.0);
     for (double& v : state.v) shake(v);
+    for (double& own : state.own) shake(own);
     shake(state.time);
     shake(state.elapsed);
     return state;
@@ -137,6 +141,7 @@ class NumberTypeCheck {
       bench.x(k) = Real(state.x[k]);
       bench.v(k) = Real(state.v[k]);
     }
+    for (std::size_t k = 0; k < state.own.size(); ++k) bench.own(k) = Real(state.own[k]);
     bench.begin_step(state.time, state.elapsed);
   }
 
@@ -240,8 +245,8 @@ class NumberTypeCheck {
     const std::optional<Quad> lost = bench.heat();
     if (!lost) return;
     const std::vector<Quad> f = bench.evaluate();
-    Quad difference = *lost;
-    double size = 0.0;
+    Quad difference = *lost + bench.stored_by_own();
+    double size = std::abs(static_cast<double>(*lost));
     for (std::size_t k = 0; k < f.size(); ++k) {
       difference += f[k] * bench.v(k);
       size += std::abs(static_cast<double>(f[k] * bench.v(k)));

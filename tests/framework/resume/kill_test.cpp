@@ -109,6 +109,13 @@ std::string settings(const std::string& duration, const std::string& integrator,
 }
 
 const std::string kReverse = "reverse = { when = \"bodies.tip.centre_of_mass.x\", above = 60.0 }\n";
+/// Variables that a force owns.
+const std::string kMemory = R"(
+[[force]]
+type = "memory_damping"
+coefficient = 0.5
+memory_time = 2.0
+)";
 const std::string kAdaptive =
     "{ type = \"dopri5\", absolute_tolerance = 1e-9, relative_tolerance = 1e-9 }";
 
@@ -135,6 +142,9 @@ std::vector<Named> scenes() {
       {"chain, Verlet", kChain + settings("1500", "{ type = \"velocity_verlet\", dt = 1e-2 }")},
       {"chain, exponential",
        kChain + settings("1000", "{ type = \"exponential_verlet\", dt = 1e-2 }")},
+      {"tip with a memory",
+       kTipForces + kMemory + settings("3e3", "{ type = \"rk4\", dt = 5e-3 }", "ledger = true\n")},
+      {"tip with a memory, adaptive", kTipForces + kMemory + settings("4e3", kAdaptive)},
       {"tip, eighth order", kTipForces + settings("5e3", kEighthOrder)},
       {"chain, overdamped",
        kChain + settings("800", "{ type = \"rk4\", dt = 1e-2 }", "dynamics = \"overdamped\"\n")},

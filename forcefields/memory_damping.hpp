@@ -1,0 +1,76 @@
+#pragma once
+
+#include "framework/core/own_state.hpp"
+#include "framework/core/registry.hpp"
+
+/// Drag that remembers: generalised Langevin friction without its noise.
+///
+///   F(t) = - integral_0^t K(t - s) v(s) ds,  K(t) = (c/tau) exp(-t/tau), per particle
+///
+/// which is a Maxwell element, a spring k = c/tau and a dashpot c in series, dragged along:
+///
+///   F = -k q,  dq/dt = v - q/tau,  q(0) = 0;  stored k q^2/2, heat k q^2/tau >= 0
+///
+///   c    coefficient  mass/time, per particle: the drag c v on what is much slower than tau
+///   tau  memory_time
+///   q    the spring's stretch, the force's own variable: a length, one for each axis
+///
+/// For tau -> 0 it is viscous damping. Several of them make a Prony series. The power -F.v changes
+/// its sign: the spring gives back some of what it took.
+/// Source: R. Zwanzig, J. Stat. Phys. 9, 215 (1973), doi:10.1007/BF01008729; H. Mori, Prog. Theor.
+/// Phys. 33, 423 (1965), doi:10.1143/PTP.33.423.
+namespace tomlin {
+
+struct MemoryDampingDescription {
+  double coefficient = 0.0;
+  double memory_time = 0.0;
+};
+
+ForceRecord memory_damping_record();
+
+inline namespace TOMLIN_TARGET {
+
+struct MemoryDamping {
+  using Description = MemoryDampingDescription;
+
+  template <class T, int D>
+  struct Parameters {
+    T stiffness;
+    T rate;
+  };
+
+  template <class T, int D>
+  static Parameters<T, D> parameters(const Description& d) {
+    return {T(d.coefficient) / T(d.memory_time), T(1.0) / T(d.memory_time)};
+  }
+
+  template <class T, int D>
+  static Vec<T, D> force(const Parameters<T, D>& p, const OwnSite<T, D>& site) {
+    return -p.stiffness * site.own;
+  }
+
+  template <class T, int D>
+  static Vec<T, D> rate(const Parameters<T, D>& p, const OwnSite<T, D>& site) {
+    Vec<T, D> rate;
+    for (int d = 0; d < D; ++d) rate[d] = fma(-p.rate, site.own[d], site.velocity[d]);
+    return rate;
+  }
+
+  template <class T, int D>
+  static T energy(const Parameters<T, D>& p, const OwnSite<T, D>& site) {
+    return T(0.5) * p.stiffness * norm_squared(site.own);
+  }
+
+  template <class T, int D>
+  static T heat(const Parameters<T, D>& p, const OwnSite<T, D>& site) {
+    return p.stiffness * p.rate * norm_squared(site.own);
+  }
+
+  template <class Real>
+  static constexpr auto kernels() {
+    return own_state_table<MemoryDamping, Real>();
+  }
+};
+
+}  // namespace TOMLIN_TARGET
+}  // namespace tomlin
