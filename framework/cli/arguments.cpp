@@ -196,12 +196,22 @@ Exit status: 0 done; 2 the scene is not right.)";
 
 constexpr const char* kCheckFooter = R"(
 Reads and binds the scene as run does, compares a fixed step with the stable step, and holds every
-force against its own claims on this scene's bodies, at the start and at small displacements:
+force against its own claims on this scene's bodies: at the start, near it, far away, high above it,
+and with two particles almost touching:
 
-  conservative   its force is minus the gradient of its energy
-  internal       its forces and torques sum to zero
-  dissipative    its power is never positive
-  periodic       a shift by its period changes nothing
+  conservative, exact, path   its force is minus the gradient of its energy
+  hessian                     its second derivatives are the slopes of its force
+  finite                      there are numbers wherever there can be
+  internal                    its forces and torques sum to zero
+  dissipative, friction       its power is never positive; its friction matrix is right
+  balance, driver             power, stored energy, heat and a driver's work add up
+  periodic, origin            a shift by its period, or of the origin, changes nothing
+  velocity, time, repeatable  it depends on nothing that it does not tell of
+  its own                     it acts on its own bodies only
+  same bits, number types     every instruction set and number type says the same
+
+A claim that does not hold is shown with the state, particle, place and time where it broke, and with
+both numbers.
 
 Examples:
 
@@ -438,6 +448,8 @@ class CommandLine {
     check_->footer(kCheckFooter);
     take_scene(*check_, checked_.scene);
     check_->add_flag("--json", checked_.json, "as JSON");
+    check_->add_option("--seed", checked_.seed, "of the random states that claims are looked at")
+        ->capture_default_str();
   }
 
   void set_up_new() {

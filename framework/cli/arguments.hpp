@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
@@ -54,6 +55,7 @@ struct CheckArguments {
   std::string scene;
   std::vector<Setting> settings;
   bool json = false;
+  std::uint64_t seed = 1;  ///< of the random states that claims are looked at
 };
 
 /// `tomlin new MODEL [NAME] ...`

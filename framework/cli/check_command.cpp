@@ -1,5 +1,6 @@
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
 #include <memory>
 #include <string>
@@ -63,27 +64,46 @@ void check_step(const Scene& scene, const Trial& trial, Report& report) {
   report.checks.push_back(std::move(check));
 }
 
+Json json_of(const ClaimPoint& point) {
+  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(); };
+  return Json{{"state", point.state},
+              {"body", point.body.empty() ? Json() : Json(point.body)},
+              {"particle", point.particle < 0 ? Json() : Json(point.particle)},
+              {"coordinate", point.coordinate.empty() ? Json() : Json(point.coordinate)},
+              {"place", point.place},
+              {"time", point.time},
+              {"found", number(point.found)},
+              {"due", number(point.due)}};
+}
+
+/// One row of the table: states looked at, the worst error and what is allowed there.
+std::string row_of(const std::string& states, const std::string& error, const std::string& allowed,
+                   const std::string& meaning) {
+  return fmt::format("{:>6}  {:>8}  {:>8}  {}", states, error, allowed, meaning);
+}
+
 Check check_of(const ClaimResult& result) {
   Check check;
   check.subject = result.force;
   check.claim = result.claim;
   check.holds = result.holds;
-  check.text =
-      fmt::format("{}, to {:.2g} ({:.2g} allowed)", result.meaning, result.error, result.allowed);
-  if (!result.holds && !result.worst.empty()) check.text += "; worst: " + result.worst;
+  check.text = row_of(std::to_string(result.states), fmt::format("{:.2g}", result.error),
+                      fmt::format("{:.2g}", result.allowed),
+                      result.meaning + (result.holds ? "" : "; broken by " + result.worst.text()));
   check.numbers = Json{{"type", result.type},
+                       {"meaning", result.meaning},
                        {"error", std::isfinite(result.error) ? Json(result.error) : Json()},
                        {"allowed", result.allowed},
                        {"states", result.states},
-                       {"worst", result.worst}};
+                       {"worst", json_of(result.worst)}};
   return check;
 }
 
-Report report_on(const std::shared_ptr<const Scene>& scene) {
+Report report_on(const std::shared_ptr<const Scene>& scene, std::uint64_t seed) {
   Report report;
   const Trial trial = try_out(scene, 0.0);
   check_step(*scene, trial, report);
-  for (const ClaimResult& result : check_claims(*scene)) {
+  for (const ClaimResult& result : check_claims(*scene, {.seed = seed})) {
     report.checks.push_back(check_of(result));
   }
   const Model model(scene);
@@ -96,6 +116,7 @@ Report report_on(const std::shared_ptr<const Scene>& scene) {
 std::string text_of(const Scene& scene, const Report& report) {
   Sections sections;
   sections.section(scene.file + ": a valid scene");
+  sections.row("check", "verdict " + row_of("states", "error", "allowed", "what is compared"));
   std::size_t failed = 0;
   for (const Check& check : report.checks) {
     failed += check.holds ? 0 : 1;
@@ -105,7 +126,7 @@ std::string text_of(const Scene& scene, const Report& report) {
   for (const std::string& warning : report.warnings) sections.row("warning", warning);
   const std::size_t count = report.checks.size();
   sections.row("in all", failed == 0 ? fmt::format("{} checks hold; errors are relative, the "
-                                                   "worst of the start and displaced states",
+                                                   "worst of the states looked at",
                                                    count)
                                      : fmt::format("{} of {} checks FAILED", failed, count));
   return sections.text();
@@ -156,7 +177,7 @@ int check_command(const CheckArguments& arguments) {
   const Registry registry = standard_registry();
   try {
     const auto scene = read_scene(arguments.scene, registry, arguments.settings);
-    const Report report = report_on(scene);
+    const Report report = report_on(scene, arguments.seed);
     const int status =
         print_result(arguments.json ? dumped(json_of(report)) : text_of(*scene, report));
     return report.sound() ? status : kExitFailed;

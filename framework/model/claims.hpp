@@ -1,28 +1,42 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "framework/scene/scene.hpp"
 
-/// What the forces of a scene claim by their traits, held against what they do to this scene's
-/// bodies with this scene's numbers.
+/// What the forces of a scene claim by their traits and contracts, held against what they do to
+/// this scene's bodies with this scene's numbers. The claims themselves stand in claims/.
 namespace tomlin {
+
+/// Where a claim was closest to breaking, or broke.
+struct ClaimPoint {
+  std::string state;             ///< "near the start", "far away", "almost touching", ...
+  std::string body;              ///< empty: everything together
+  std::ptrdiff_t particle = -1;  ///< -1: the body as a whole
+  std::string coordinate;        ///< "x", "rotation"; empty: all of them
+  std::vector<double> place;     ///< of the particle or the centre, relative to the scene's origin
+  double time = 0.0;
+  double found = 0.0;
+  double due = 0.0;
+
+  std::string text() const;
+};
 
 /// One claim of one force.
 struct ClaimResult {
   std::string force;  ///< its name in the scene
   std::string type;
-  std::string claim;    ///< "conservative", "internal", "dissipative", "periodic"
+  std::string claim;    ///< "conservative", "internal", "dissipative", "periodic", ...
   std::string meaning;  ///< what was compared: "force = -gradient of the energy"
   bool holds = false;
   /// Relative, at the state where it is the largest part of what is allowed.
   double error = 0.0;
   double allowed = 0.0;  ///< what rounding and finite differences explain there
   int states = 0;        ///< that were looked at
-  std::string worst;     ///< there: "ring, particle 3, x"; may be empty
+  ClaimPoint worst;
 };
 
 struct ClaimOptions {
@@ -30,14 +44,31 @@ struct ClaimOptions {
   std::uint64_t seed = 1;    ///< of the displacements
 };
 
-/// Checks every force that the scene builds, in the scene's order, each on its own: at the start,
-/// and at random displacements of every coordinate by up to a tenth of the shortest length.
+/// Checks every force that the scene builds, in the scene's order, each on its own. Looks at the
+/// start; near it, at random displacements of every coordinate by up to a tenth of the shortest
+/// length; far away, by a thousand and a million of them; high above the start; and where two free
+/// particles almost touch, a thousandth and a millionth of a length apart.
 ///
-///   conservative  virtual work of the force equals minus the change of its energy. The slope of
-///                 the energy is the limit of central differences, whose error falls as h^2.
+///   conservative  virtual work of the force equals minus the change of its energy, by differences
+///                 whose error falls as h^8; near the start
+///   exact         the same everywhere, in quadruple numbers: exact to a double's last digits
+///   path          the same along paths of some lengths, where an energy may jump
+///   hessian       second derivatives are the slopes of the force
+///   finite        forces are numbers: also far away; where two particles touch either that or no
+///                 number at all, which stops a run
 ///   internal      forces and torques on all bodies it acts on sum to zero
-///   dissipative   its power is never positive, for random velocities
-///   periodic      a shift of everything by the declared period changes nothing
+///   dissipative   its power is never positive, at any speed
+///   friction      the friction matrix is what it does to velocities, at any speed
+///   balance       power, stored energy, heat and a driver's work add up, as the ledger needs
+///   driver        reports the force it exerts and its power
+///   periodic      a shift by the declared period, or by millions, changes nothing
+///   origin        nothing changes when positions are counted from elsewhere
+///   velocity      what is not said to depend on velocities does not
+///   time          what is not said to depend on time does not; what does, however time is counted
+///   repeatable    the same bits again, whatever was evaluated in between
+///   its own       touches nothing but forces on its own bodies, and adds to what is there
+///   same bits     on every instruction set
+///   number types  the same in float, double and quadruple numbers, each to its own rounding
 ///
 /// Throws InputError when the scene cannot be bound.
 std::vector<ClaimResult> check_claims(const Scene& scene, const ClaimOptions& options = {});

@@ -9,11 +9,21 @@ namespace {
 
 constexpr double kTau = 6.283185307179586476925286766559;
 
-/// Dynamics and number type are matters of the run, not of the force.
-std::shared_ptr<const Scene> with_only(const Scene& scene, std::size_t force) {
+/// Friction that a scheme takes as an operator is a force here like any other.
+IntegratorRecord without_demands(IntegratorRecord scheme) {
+  scheme.without_inertia = true;
+  scheme.splits_friction = scheme.splits_bonds = false;
+  scheme.needs_tangent = scheme.conservative_only = scheme.follows_equilibria = false;
+  return scheme;
+}
+
+/// Dynamics, scheme and number type are matters of the run, not of the force.
+std::shared_ptr<const Scene> with_only(const Scene& scene, std::size_t force,
+                                       const IntegratorRecord& scheme) {
   auto alone = std::make_shared<Scene>(scene);
   alone->forces = {scene.forces[force]};
   alone->run.dynamics = "inertial";
+  alone->run.integrator.record = &scheme;
   alone->run.number_type = "double";
   alone->run.ledger = false;
   return alone;
@@ -29,13 +39,16 @@ double farthest_arm(const Model::Body& body) {
 
 }  // namespace
 
-ForceAlone::ForceAlone(const Scene& scene, std::size_t force) : model_(with_only(scene, force)) {
+ForceAlone::ForceAlone(const Scene& scene, std::size_t force)
+    : scheme_(without_demands(*scene.run.integrator.record)),
+      model_(with_only(scene, force, scheme_)) {
   StateLayout layout;
   model_.declare(layout);
   state_ = RunState(layout, 1);
   model_.attach(state_);
   model_.start();
   rates_.assign(model_.system().view.rates + 2 * kGroup, 0.0);
+  start_of_own_.assign(own(), own() + own_count());
   restart();
   list_variables();
 }
@@ -47,6 +60,7 @@ void ForceAlone::restart() {
   velocity_.assign(view.dofs + 2 * kGroup, 0.0);
   std::copy(view.position, view.position + view.dofs, position_.begin());
   std::copy(view.velocity, view.velocity + view.dofs, velocity_.begin());
+  std::copy(start_of_own_.begin(), start_of_own_.end(), own());
 }
 
 void ForceAlone::list_variables() {

@@ -22,6 +22,7 @@ class ForceAlone {
   /// False when the model leaves the force out; there is nothing to evaluate then.
   bool built() const { return !model_.forces().empty(); }
   Model& model() { return model_; }
+  const Model& model() const { return model_; }
   const Model::Force& force() const { return model_.forces().front(); }
 
   /// A coordinate that may move.
@@ -35,11 +36,16 @@ class ForceAlone {
 
   double& position(const Variable& variable) { return position_[variable.at]; }
   double& velocity(const Variable& variable) { return velocity_[variable.at]; }
+  /// Variables of its own.
+  double* own() { return state_.reals("integrals"); }
+  std::size_t own_count() const { return model_.system().view.own_count; }
   void restart();
 
   /// Generalised forces at the present positions and velocities; they last until the next call.
   /// Work is the sum of force times displacement over the variables.
   const double* forces(double time);
+  /// After forces(): of its own variables, then what a driver reports.
+  const double* rates() const { return rates_.data(); }
   double energy(double time);
 
   /// What it does to a body as a whole.
@@ -53,12 +59,14 @@ class ForceAlone {
  private:
   void list_variables();
 
+  IntegratorRecord scheme_;
   Model model_;
   RunState state_;
   std::vector<Variable> variables_;
   AlignedVector<double> position_;
   AlignedVector<double> velocity_;
   AlignedVector<double> rates_;
+  std::vector<double> start_of_own_;
 };
 
 }  // namespace tomlin

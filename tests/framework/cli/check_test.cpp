@@ -25,7 +25,7 @@ TEST_F(Check, ASoundSceneHasALineForEachClaim) {
   EXPECT_EQ(all_files(), before);
   for (const char* part : {"tip.toml: a valid scene\n", "rk4 stable ", "driver conservative ",
                            "viscous_damping dissipative ", "sinusoidal_substrate conservative ",
-                           "sinusoidal_substrate periodic ", "5 checks hold"}) {
+                           "sinusoidal_substrate periodic ", "checks hold"}) {
     EXPECT_TRUE(contains(ended.out, part)) << part << "\n" << ended.out;
   }
   EXPECT_FALSE(contains(ended.out, "FAILED"));
@@ -34,7 +34,7 @@ TEST_F(Check, ASoundSceneHasALineForEachClaim) {
   EXPECT_EQ(json["valid"], true);
   EXPECT_EQ(json["sound"], true);
   EXPECT_EQ(json["warnings"].size(), 0U);
-  ASSERT_EQ(json["checks"].size(), 5U);
+  ASSERT_GT(json["checks"].size(), 30U);
   for (const Json& check : json["checks"]) EXPECT_EQ(check["ok"], true) << check;
   const Json& spring = json["checks"][1];
   EXPECT_EQ(spring["subject"], "driver");
@@ -48,7 +48,7 @@ TEST_F(Check, AStepThatIsTooLongFails) {
   const Ended ended = tomlin({"check", "tip.toml", "--set", "run.integrator.dt=5"});
   EXPECT_EQ(ended.status, 1);
   EXPECT_TRUE(contains(ended.out, "FAILED  dt = 5 is ")) << ended.out;
-  EXPECT_TRUE(contains(ended.out, "1 of 5 checks FAILED")) << ended.out;
+  EXPECT_TRUE(contains(ended.out, " checks FAILED")) << ended.out;
   const Json json = checked({"tip.toml", "--set", "run.integrator.dt=5"}, 1);
   EXPECT_EQ(json["valid"], true);
   EXPECT_EQ(json["sound"], false);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "forcefields/viscous_damping.hpp"
 #include "framework/core/bound_force.hpp"
 #include "tests/support/ring_scenes.hpp"
+#include "tests/support/spoilt_registry.hpp"
 
 // The forces of a scene against their claims on its own bodies, and forces that are wrong on
 // purpose: each must be caught.
@@ -33,24 +35,20 @@ Claims claims_of(const std::vector<ClaimResult>& results) {
   return claims;
 }
 
-/// The claims that fail, each as "force: claim".
-std::vector<std::string> broken(const Scene& scene, const ClaimOptions& options = {}) {
-  std::vector<std::string> failed;
-  for (const ClaimResult& result : check_claims(scene, options)) {
-    if (!result.holds) failed.push_back(result.force + ": " + result.claim);
-  }
-  return failed;
+/// Claims that are looked at near the start only, where errors have a size.
+bool is_near(const std::string& claim) {
+  return claim == "conservative" || claim == "periodic" || claim == "friction";
 }
-
-using Failed = std::vector<std::string>;
 
 void expect_sound(const std::string& text, double right = kRight) {
   for (const ClaimResult& result : check_claims(*scene_of(text))) {
     EXPECT_TRUE(result.holds) << result.force << " " << result.claim << " " << result.error << " > "
-                              << result.allowed << " at " << result.worst << "\n"
+                              << result.allowed << " at " << result.worst.text() << "\n"
                               << text;
+    if (!is_near(result.claim)) continue;
     EXPECT_LT(result.error, right) << result.force << " " << result.claim;
-    EXPECT_LT(result.allowed, 1e-4) << "a check that allows all checks nothing: " << result.force;
+    EXPECT_LT(result.allowed, 1e-4)
+        << "a check that allows all checks nothing: " << result.force << " " << result.claim;
     EXPECT_EQ(result.states, 9);
   }
 }
@@ -68,11 +66,27 @@ std::string chain(int count, double spacing, const std::string& axis, int dimens
 }
 
 TEST(Claims, AreThoseOfTheForcesThatAreBuilt) {
-  EXPECT_EQ(claims_of(check_claims(*scene_of(TipScene{}.text()))),
-            (Claims{{"driver", "conservative"},
-                    {"viscous_damping", "dissipative"},
-                    {"sinusoidal_substrate", "conservative"},
-                    {"sinusoidal_substrate", "periodic"}}));
+  const Claims all = claims_of(check_claims(*scene_of(TipScene{}.text())));
+  const auto has = [&](const char* force, const char* claim) {
+    return std::count(all.begin(), all.end(), std::pair<std::string, std::string>(force, claim));
+  };
+  for (const char* force : {"driver", "viscous_damping", "sinusoidal_substrate"}) {
+    for (const char* claim : {"finite", "balance", "origin", "time", "repeatable", "its own",
+                              "same bits", "number types"}) {
+      EXPECT_EQ(has(force, claim), 1) << force << " " << claim;
+    }
+    const bool is_drag = std::string(force) == "viscous_damping";
+    for (const char* claim : {"conservative", "exact", "path", "hessian", "velocity"}) {
+      EXPECT_EQ(has(force, claim), is_drag ? 0 : 1) << force << " " << claim;
+    }
+    for (const char* claim : {"dissipative", "friction"}) {
+      EXPECT_EQ(has(force, claim), is_drag ? 1 : 0) << force << " " << claim;
+    }
+    EXPECT_EQ(has(force, "internal"), 0) << force;
+  }
+  EXPECT_EQ(has("driver", "driver"), 1);
+  EXPECT_EQ(has("sinusoidal_substrate", "periodic"), 1);
+  EXPECT_EQ(has("driver", "periodic"), 0);
   const auto rigid = claims_of(check_claims(*scene_of(RingScene{.coordinates = "rigid"}.text())));
   EXPECT_EQ(std::count(rigid.begin(), rigid.end(),
                        std::pair<std::string, std::string>("harmonic_bonds", "internal")),
@@ -163,34 +177,14 @@ constexpr auto kOtherDecay = [](SinusoidalSubstrateDescription& d) { d.decay *= 
 constexpr auto kSofterBonds = [](HarmonicBondsDescription& d) { d.stiffness *= 0.5; };
 
 using Bind = ForceFactory<double>;
+using Broken = std::set<std::string>;
 
-/// All components, with one force changed.
-class Spoilt {
- public:
-  Spoilt(const std::string& force, Bind bind, void (*change)(ForceRecord&) = nullptr) {
-    for (const auto& body : standard().bodies()) registry_.add(*body);
-    for (const auto& scheme : standard().integrators()) registry_.add(*scheme);
-    for (const auto& sound : standard().forces()) {
-      ForceRecord record = *sound;
-      if (record.name == force && bind) record.bind = bind;
-      if (record.name == force && change) change(record);
-      registry_.add(std::move(record));
-    }
-  }
-  Failed broken_in(const std::string& text, std::uint64_t seed = 1) const {
-    return broken(*parse_scene(text, "test.toml", registry_), {.seed = seed});
-  }
-
- private:
-  Registry registry_;
-};
-
-const Failed kGradient = {"sinusoidal_substrate: conservative"};
+const std::string kGradient = "sinusoidal_substrate: conservative";
 
 TEST(PlantedFaults, ASoundForceBoundTheSameWayIsNotAccused) {
-  const Spoilt sound("sinusoidal_substrate", kSpoiltSubstrate<kUnspoilt>);
-  EXPECT_EQ(sound.broken_in(TipScene{}.text()), Failed{});
-  EXPECT_EQ(sound.broken_in(RingScene{.coordinates = "rigid"}.text()), Failed{});
+  const SpoiltRegistry sound("sinusoidal_substrate", kSpoiltSubstrate<kUnspoilt>);
+  EXPECT_EQ(sound.broken_in(TipScene{}.text()), Broken{});
+  EXPECT_EQ(sound.broken_in(RingScene{.coordinates = "rigid"}.text()), Broken{});
 }
 
 TEST(PlantedFaults, WrongSignFactorTwoAndLess) {
@@ -201,53 +195,52 @@ TEST(PlantedFaults, WrongSignFactorTwoAndLess) {
     for (const std::uint64_t seed : {1, 2, 3}) {
       for (const Bind bind :
            {kSpoiltSubstrate<kWrongSign>, kSpoiltSubstrate<kTwice>, kSpoiltSubstrate<kSlightly>}) {
-        EXPECT_EQ(Spoilt("sinusoidal_substrate", bind).broken_in(text, seed), kGradient) << text;
+        EXPECT_EQ(
+            SpoiltRegistry("sinusoidal_substrate", bind).broken_in(text, seed).count(kGradient), 1u)
+            << text;
       }
     }
   }
 }
 
 TEST(PlantedFaults, ADecayThatIsNotTheEnergys) {
-  const Spoilt spoilt("sinusoidal_substrate", kSpoiltSubstrate<kOtherDecay>);
-  EXPECT_EQ(spoilt.broken_in(RingScene{}.text()), kGradient);
-  EXPECT_EQ(spoilt.broken_in(RingScene{.coordinates = "rigid"}.text()), kGradient);
-  EXPECT_EQ(spoilt.broken_in(TipScene{}.text()), Failed{}) << "there is no decay in it";
+  const SpoiltRegistry spoilt("sinusoidal_substrate", kSpoiltSubstrate<kOtherDecay>);
+  EXPECT_GE(spoilt.broken_in(RingScene{}.text()).count(kGradient), 1u);
+  EXPECT_GE(spoilt.broken_in(RingScene{.coordinates = "rigid"}.text()).count(kGradient), 1u);
+  EXPECT_EQ(spoilt.broken_in(TipScene{}.text()), Broken{}) << "there is no decay in it";
 }
 
 TEST(PlantedFaults, BondsOfHalfTheStiffness) {
-  const Spoilt spoilt("harmonic_bonds", kSpoiltBonds<kSofterBonds>);
-  EXPECT_EQ(spoilt.broken_in(RingScene{}.text()), Failed{"harmonic_bonds: conservative"});
-  EXPECT_EQ(spoilt.broken_in(chain(60, 1.0, "x", 1)), Failed{"harmonic_bonds: conservative"});
+  const SpoiltRegistry spoilt("harmonic_bonds", kSpoiltBonds<kSofterBonds>);
+  EXPECT_GE(spoilt.broken_in(RingScene{}.text()).count("harmonic_bonds: conservative"), 1u);
+  EXPECT_GE(spoilt.broken_in(chain(60, 1.0, "x", 1)).count("harmonic_bonds: conservative"), 1u);
 }
 
 TEST(PlantedFaults, DampingThatDrives) {
   constexpr auto kDrives = [](ViscousDampingDescription& d) { d.coefficient = -d.coefficient; };
-  const Spoilt spoilt("viscous_damping",
-                      &bind_spoilt<ViscousDampingDescription, &viscous_damping_record, kDrives>);
-  EXPECT_EQ(spoilt.broken_in(TipScene{}.text()), Failed{"viscous_damping: dissipative"});
-  EXPECT_EQ(spoilt.broken_in(RingScene{.coordinates = "rigid"}.text()),
-            Failed{"viscous_damping: dissipative"});
+  const SpoiltRegistry spoilt(
+      "viscous_damping", &bind_spoilt<ViscousDampingDescription, &viscous_damping_record, kDrives>);
+  EXPECT_GE(spoilt.broken_in(TipScene{}.text()).count("viscous_damping: dissipative"), 1u);
+  EXPECT_GE(spoilt.broken_in(RingScene{.coordinates = "rigid"}.text())
+                .count("viscous_damping: dissipative"),
+            1u);
 }
 
 TEST(PlantedFaults, ClaimsThatAreNotTrue) {
-  EXPECT_EQ(
-      Spoilt("sinusoidal_substrate", nullptr, [](ForceRecord& r) { r.traits.internal = true; })
-          .broken_in(RingScene{}.text()),
-      Failed{"sinusoidal_substrate: internal"});
-  EXPECT_EQ(Spoilt("viscous_damping", nullptr, [](ForceRecord& r) { r.traits.conservative = true; })
-                .broken_in(TipScene{.start_velocity = 0.3}.text()),
-            Failed{"viscous_damping: conservative"});
-  EXPECT_EQ(
-      Spoilt("sinusoidal_substrate", nullptr,
-             [](ForceRecord& r) {
-               r.period = [](const void* d, int axis) {
-                 return axis == 0
-                            ? 1.5 * static_cast<const SinusoidalSubstrateDescription*>(d)->period
-                            : 0.0;
-               };
-             })
-          .broken_in(TipScene{}.text()),
-      Failed{"sinusoidal_substrate: periodic"});
+  const SpoiltRegistry internal("sinusoidal_substrate", nullptr,
+                                [](ForceRecord& r) { r.traits.internal = true; });
+  EXPECT_EQ(internal.broken_in(RingScene{}.text()), Broken{"sinusoidal_substrate: internal"});
+  const SpoiltRegistry conservative("viscous_damping", nullptr,
+                                    [](ForceRecord& r) { r.traits.conservative = true; });
+  EXPECT_EQ(conservative.broken_in(TipScene{.start_velocity = 0.3}.text())
+                .count("viscous_damping: conservative"),
+            1u);
+  const SpoiltRegistry periodic("sinusoidal_substrate", nullptr, [](ForceRecord& r) {
+    r.period = [](const void* d, int axis) {
+      return axis == 0 ? 1.5 * static_cast<const SinusoidalSubstrateDescription*>(d)->period : 0.0;
+    };
+  });
+  EXPECT_EQ(periodic.broken_in(TipScene{}.text()).count("sinusoidal_substrate: periodic"), 1u);
 }
 
 /// Bonds that pull on one of the two only.
@@ -279,8 +272,10 @@ TEST(PlantedFaults, ForcesThatDoNotSumToZero) {
     return std::make_unique<OneSided>(sound.bind.in_double(description, binding),
                                       *binding.bodies.front());
   };
-  EXPECT_EQ(Spoilt("harmonic_bonds", bind).broken_in(chain(5, 1.0, "x", 2)),
-            (Failed{"harmonic_bonds: conservative", "harmonic_bonds: internal"}));
+  EXPECT_GE(SpoiltRegistry("harmonic_bonds", bind)
+                .broken_in(chain(5, 1.0, "x", 2))
+                .count("harmonic_bonds: conservative"),
+            1u);
 }
 
 }  // namespace

@@ -1,0 +1,207 @@
+#include <algorithm>
+#include <cmath>
+
+#include "framework/model/claims/examination.hpp"
+
+/// Forces against velocities: what they take out, and where the ledger puts it.
+namespace tomlin::claims {
+namespace {
+
+/// Speeds in parts of the usual one, a length per unit of time.
+constexpr double kSpeeds[] = {1.0, 1e-3, 1e3};
+constexpr double kTinyTime = 1e-12;  // of a difference in quadruple numbers
+constexpr double kShortTime = 1e-3;  // of the longest difference in double ones
+constexpr double kTrust = 10.0;      // two orders differ by more than the better one is off
+
+State at_speed(const State& state, double factor) {
+  State fast = state;
+  for (double& v : fast.v) v *= factor;
+  return fast;
+}
+
+State still(const State& state) { return at_speed(state, 0.0); }
+
+struct Power {
+  double sum = 0.0;
+  double size = 0.0;
+};
+
+Power power_of(const std::vector<double>& forces, const State& state) {
+  Power power;
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    power.sum += forces[i] * state.v[i];
+    power.size += std::abs(forces[i] * state.v[i]);
+  }
+  return power;
+}
+
+class Coefficients : public FrictionSink {
+ public:
+  explicit Coefficients(const Model& model) {
+    for (const Model::Body& body : model.bodies()) {
+      of_particle.emplace_back(body.bound.slot.count, 0.0);
+    }
+  }
+  void site(std::size_t body, std::size_t particle, double coefficient) override {
+    of_particle[body][particle] += coefficient;
+  }
+  std::vector<std::vector<double>> of_particle;
+};
+
+/// The energy a time `h` on along the velocities, with the force's own variables; time itself goes
+/// on only where a driver accounts for what that does.
+template <class Real>
+class Later {
+ public:
+  Later(Examination& e, ForceTwin<Real>& twin, const State& state)
+      : e_(e), twin_(twin), state_(state), own_rates_(state.own.size(), Real(0.0)) {
+    e.put(state, twin);
+    twin.evaluate(state.time);
+    for (std::size_t k = 0; k < own_rates_.size(); ++k) own_rates_[k] = twin.rate(k);
+  }
+  Real operator()(const Real& h) {
+    for (std::size_t i = 0; i < e_.count(); ++i) {
+      twin_.position(e_.variable(i).at) = Real(state_.x[i]) + h * Real(state_.v[i]);
+    }
+    for (std::size_t k = 0; k < own_rates_.size(); ++k) {
+      twin_.own(k) = Real(state_.own[k]) + h * own_rates_[k];
+    }
+    const bool driven = e_.traits().does_work;
+    twin_.evaluate(state_.time, driven ? static_cast<double>(h) : 0.0);
+    return twin_.energy();
+  }
+
+ private:
+  Examination& e_;
+  ForceTwin<Real>& twin_;
+  const State& state_;
+  std::vector<Real> own_rates_;
+};
+
+struct Gain {
+  double value = 0.0;
+  double error = 0.0;
+};
+
+/// d/dt of the stored energy: in quadruple numbers where there are some.
+Gain gain_at(Examination& e, ForceTwin<double>& twin, const State& state, double size) {
+  if (e.exact() != nullptr) {
+    Later<Quad> later(e, *e.exact(), state);
+    // Steps of time that a double holds exactly.
+    const double h = std::ldexp(1.0, static_cast<int>(std::floor(std::log2(kTinyTime))));
+    const Quad near = (later(Quad(h)) - later(Quad(-h))) / Quad(2.0 * h);
+    const Quad far = (later(Quad(2.0 * h)) - later(Quad(-2.0 * h))) / Quad(4.0 * h);
+    const double energy = std::abs(static_cast<double>(later(Quad(0.0))));
+    return {static_cast<double>((Quad(4.0) * near - far) / Quad(3.0)), kExactRounding * energy / h};
+  }
+  Later<double> later(e, twin, state);
+  double slope[3] = {};
+  double h = kShortTime;
+  double energy = 0.0;
+  for (double& s : slope) {
+    const double after = later(h);
+    s = (after - later(-h)) / (2.0 * h);
+    energy = std::max(energy, std::abs(after));
+    h *= 0.5;
+  }
+  const double first = (4.0 * slope[1] - slope[0]) / 3.0;
+  const double second = (4.0 * slope[2] - slope[1]) / 3.0;
+  const double rounding = kRounding * (energy + size) / (2.0 * h);
+  return {(16.0 * second - first) / 15.0, kTrust * std::abs(second - first) + rounding};
+}
+
+}  // namespace
+
+std::optional<ClaimResult> dissipative(Examination& e) {
+  if (!e.traits().dissipative) return std::nullopt;
+  e.begin("dissipative", "its power is never positive, at any speed");
+  for (const State* state : e.everywhere()) {
+    for (const double speed : kSpeeds) {
+      const State moving = at_speed(*state, speed);
+      const Power power = power_of(e.forces(moving), moving);
+      const double positive = power.sum < 0.0 ? 0.0 : power.sum;
+      e.note(positive, 0.0, power.size, kRounding * power.size, moving);
+    }
+    e.looked();
+  }
+  return e.end();
+}
+
+/// Coefficients times velocities, on particles or, for bodies that move as one, on their centre.
+std::optional<ClaimResult> friction(Examination& e) {
+  if (!e.bound().is_friction()) return std::nullopt;
+  e.begin("friction", "the friction matrix = minus the force's slopes in the velocities");
+  const Model& model = e.alone().model();
+  Coefficients coefficients(model);
+  e.bound().friction(coefficients);
+  const auto coefficient_of = [&](const Variable& variable) {
+    const auto& of_body = coefficients.of_particle[variable.body];
+    const BodySlot<double>& slot = model.bodies()[variable.body].bound.slot;
+    if (!slot.rigid) return of_body[(variable.at - slot.offset) % slot.stride];
+    double sum = 0.0;
+    for (const double coefficient : of_body) sum += coefficient;
+    return sum;
+  };
+  for (const State& state : e.near()) {
+    const std::vector<double> at_rest = e.forces(still(state));
+    for (const double speed : kSpeeds) {
+      State moving = at_speed(state, speed);
+      for (std::size_t i = 0; i < e.count(); ++i) {
+        if (e.variable(i).axis < 0) moving.v[i] = 0.0;
+      }
+      std::vector<double> drag = e.forces(moving);
+      const double size = e.largest(drag) + e.largest(at_rest);
+      std::vector<double> due(e.count());
+      for (std::size_t i = 0; i < e.count(); ++i) {
+        drag[i] -= at_rest[i];
+        // A rotation is dragged along by a centre of friction that is not that of mass.
+        due[i] = e.variable(i).axis < 0 ? drag[i] : -coefficient_of(e.variable(i)) * moving.v[i];
+      }
+      e.note(drag, due, size, kRounding * size * static_cast<double>(e.count()), moving);
+    }
+    e.looked();
+  }
+  return e.end();
+}
+
+/// -F.v = dU/dt + heat - power in. Only for forces that take part in the ledger: those with an
+/// energy, with heat, or with a pulled end. Prescribed bodies do work of their own.
+std::optional<ClaimResult> balance(Examination& e) {
+  const auto twin = e.twin();
+  const bool takes_part =
+      e.traits().conservative || e.traits().does_work || twin->heat().has_value();
+  if (!takes_part || e.on_prescribed()) return std::nullopt;
+  e.begin("balance", "power = energy stored + heat - a driver's work, as the ledger adds them");
+  for (const State* state : e.everywhere()) {
+    if (state->place == Place::contact) continue;
+    const std::vector<double> forces = e.forces(*state);
+    double work = 0.0;
+    if (e.traits().does_work && e.alone().force().first_rate != kNoRate) {
+      const auto at = static_cast<std::size_t>(e.alone().force().first_rate);
+      work = e.alone().rates()[at + static_cast<std::size_t>(e.alone().model().dimension())];
+    }
+    const double sensitivity = e.sensitivity(*state);
+    if (!std::isfinite(e.largest(forces)) || !std::isfinite(sensitivity)) continue;
+    const Power taken = power_of(forces, *state);
+    e.put(*state, *twin);
+    twin->evaluate(state->time);
+    const double heat = twin->heat().value_or(0.0);
+    double speed = 0.0;
+    for (std::size_t i = 0; i < e.count(); ++i) {
+      speed += std::abs(state->v[i]) / e.variable(i).unit;
+    }
+    const double size = taken.size + std::abs(work) + std::abs(heat);
+    const Gain gain = gain_at(e, *twin, *state, size);
+    double drive = 0.0;  // speed of a pulled end, whose place is rounded too
+    if (const Drive* pulled = e.bound().drive()) {
+      for (const double v : pulled->velocity) drive += std::abs(v);
+    }
+    const double allowed =
+        kRounding * (size + sensitivity * (speed + drive)) + gain.error + kSmallest * (1.0 + speed);
+    e.note(-taken.sum, gain.value + heat - work, size, allowed, *state);
+    e.looked();
+  }
+  return e.end();
+}
+
+}  // namespace tomlin::claims

@@ -1,0 +1,399 @@
+#include "framework/model/claims/examination.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+
+namespace tomlin {
+
+std::string ClaimPoint::text() const {
+  std::string where = body.empty() ? "all coordinates together" : body;
+  if (particle >= 0) where += fmt::format(", particle {}", particle);
+  if (!coordinate.empty()) where += ", " + coordinate;
+  if (!place.empty()) {
+    where += " at (";
+    for (std::size_t d = 0; d < place.size(); ++d) {
+      where += fmt::format("{}{:.10g}", d == 0 ? "" : ", ", place[d]);
+    }
+    where += ")";
+  }
+  return fmt::format("{}, {}, time {:.6g}: {:.17g} where {:.17g} is due", where, state, time, found,
+                     due);
+}
+
+}  // namespace tomlin
+
+namespace tomlin::claims {
+namespace {
+
+/// Displacements, in parts of the shortest length: springs stay far from turning over.
+constexpr double kDisplacement = 0.1;
+/// The same for extreme states: far away, high above, almost touching.
+constexpr double kFar[] = {1e3, 1e6};
+constexpr double kHigh[] = {3.0, 10.0, 30.0};
+constexpr double kTouching[] = {1e-3, 1e-6};
+constexpr int kShakes = 3;  // all small by chance once in 10^4 states, and the allowance is 64-fold
+/// Pairs and particles beyond which few states are looked at, and none in quadruple numbers, where
+/// it would take minutes.
+constexpr double kMany = 2e3;
+constexpr double kTooMany = 2e5;
+
+std::uint64_t pairs_of(const Scene& scene, const SceneForce& force) {
+  SceneOutline outline;
+  outline.dimension = scene.dimension;
+  for (const std::size_t b : force.bodies) {
+    const SceneBody& body = scene.bodies[b];
+    const auto geometry = body.record->build(body.description.get(), scene.dimension);
+    outline.bodies.push_back(
+        {body.name, static_cast<std::int64_t>(geometry.relative.size()), true});
+  }
+  return force.record->pairs(force.description.get(), outline);
+}
+
+}  // namespace
+
+const char* name_of(Place place) {
+  static constexpr const char* kNames[] = {"at the start", "near the start", "far away",
+                                           "high above", "almost touching"};
+  return kNames[static_cast<int>(place)];
+}
+
+Examination::Examination(const Scene& scene, std::size_t force, double length,
+                         const ClaimOptions& options)
+    : alone_(scene, force), length_(length), options_(options) {
+  if (!worthwhile()) return;
+  size_ = static_cast<double>(count() + pairs_of(scene, scene.forces[force]));
+  latest_ = latest_time();
+  make_states();
+}
+
+/// Drivers are looked at while they are about a length away from their start.
+double Examination::latest_time() {
+  double latest = alone_.model().scene().run.duration;
+  if (const Drive* drive = bound().drive()) {
+    for (const double velocity : drive->velocity) {
+      if (velocity != 0.0) latest = std::min(latest, length_ / std::abs(velocity));
+    }
+  }
+  return latest;
+}
+
+bool Examination::on_prescribed() const {
+  const auto& bodies = alone_.force().bodies;
+  return std::any_of(bodies.begin(), bodies.end(),
+                     [&](std::size_t b) { return alone_.model().bodies()[b].prescribed(); });
+}
+
+// ---- states
+
+void Examination::make_states() {
+  Random random(options_.seed);
+  alone_.restart();
+  start_.place = Place::start;
+  for (const Variable& variable : alone_.variables()) {
+    start_.x.push_back(alone_.position(variable));
+    start_.v.push_back(alone_.velocity(variable));
+  }
+  start_.own.assign(alone_.own(), alone_.own() + alone_.own_count());
+  for (int k = 0; k < options_.displaced_states; ++k) near_.push_back(displaced(1.0, random));
+  near_.push_back(start_);
+
+  const int axes = alone_.model().dimension();
+  const auto shift = [&](State& state, int axis, double by) {
+    for (std::size_t i = 0; i < count(); ++i) {
+      if (variable(i).axis == axis) state.x[i] += by;
+    }
+  };
+  for (const double far : kFar) {
+    State together = displaced(1.0, random);
+    together.place = Place::far;
+    for (int axis = 0; axis < axes; ++axis) {
+      const double way = random.symmetric();
+      shift(together, axis, length_ * (way < 0.0 ? -far : far) * (1.0 + 0.5 * way));
+    }
+    extreme_.push_back(std::move(together));
+    State apart = displaced(1.0, random);
+    apart.place = Place::far;
+    for (std::size_t i = 0; i < count(); ++i) {
+      if (variable(i).axis >= 0) apart.x[i] += far * length_ * random.symmetric();
+    }
+    extreme_.push_back(std::move(apart));
+  }
+  for (const double height : kHigh) {
+    if (axes < 2) break;
+    State high = displaced(1.0, random);
+    high.place = Place::high;
+    shift(high, 1, height * length_);
+    extreme_.push_back(std::move(high));
+  }
+  for (const double distance : kTouching) {
+    if (auto state = touching(distance, random)) extreme_.push_back(std::move(*state));
+  }
+  // Own variables near what they come to within a unit of time.
+  for (auto* states : {&near_, &extreme_}) {
+    for (State& state : *states) {
+      if (state.own.empty() || state.place == Place::start) continue;
+      put(state);
+      alone_.forces(state.time);
+      for (std::size_t k = 0; k < state.own.size(); ++k) {
+        state.own[k] += 0.5 * (1.0 + random.symmetric()) * alone_.rates()[k];
+      }
+    }
+  }
+  alone_.restart();
+}
+
+State Examination::displaced(double size, Random& random) const {
+  State state = start_;
+  state.place = Place::near;
+  for (std::size_t i = 0; i < count(); ++i) {
+    const double unit = variable(i).unit * length_;
+    state.x[i] += size * kDisplacement * unit * random.symmetric();
+    state.v[i] = unit * random.symmetric();
+  }
+  state.time = 0.5 * (1.0 + random.symmetric()) * latest_;
+  return state;
+}
+
+/// Two free particles that the force acts on, one brought close to the other; nothing where there
+/// are not two.
+std::optional<State> Examination::touching(double distance, Random& random) const {
+  const Model& model = alone_.model();
+  struct Particle {
+    std::size_t body, index;
+  };
+  std::vector<Particle> particles;
+  for (const std::size_t b : alone_.force().bodies) {
+    const auto& slot = model.bodies()[b].bound.slot;
+    for (std::size_t i = 0; !slot.mapped && i < slot.count; ++i) particles.push_back({b, i});
+  }
+  if (particles.size() < 2) return std::nullopt;
+  const std::size_t one = random.below(particles.size() - 1);
+  State state = displaced(1.0, random);
+  state.place = Place::contact;
+  double way[3] = {};
+  double norm = 0.0;
+  for (int d = 0; d < model.dimension(); ++d) {
+    way[d] = random.symmetric();
+    norm += way[d] * way[d];
+  }
+  for (int d = 0; d < model.dimension(); ++d) {
+    const auto at = [&](const Particle& particle) {
+      const auto& slot = model.bodies()[particle.body].bound.slot;
+      return slot.offset + d * slot.stride + particle.index;
+    };
+    const auto find = [&](std::size_t coordinate) {
+      std::size_t i = 0;
+      while (i < count() && variable(i).at != coordinate) ++i;
+      return i;
+    };
+    const std::size_t from = find(at(particles[one]));
+    const std::size_t to = find(at(particles[one + 1]));
+    if (from == count() || to == count()) return std::nullopt;  // held
+    state.x[to] = state.x[from] + distance * length_ * way[d] / std::sqrt(norm);
+  }
+  return state;
+}
+
+bool Examination::takes_long() const { return size_ > kMany; }
+
+std::vector<const State*> Examination::everywhere() const {
+  std::vector<const State*> states;
+  const bool few = takes_long();
+  for (std::size_t k = few && near_.size() > 1 ? near_.size() - 2 : 0; k < near_.size(); ++k) {
+    states.push_back(&near_[k]);
+  }
+  for (const State& state : extreme_) {
+    const auto known = [&](const State* other) { return other->place == state.place; };
+    if (few && std::any_of(states.begin(), states.end(), known)) continue;
+    states.push_back(&state);
+  }
+  return states;
+}
+
+void Examination::put(const State& state) {
+  for (std::size_t i = 0; i < count(); ++i) {
+    alone_.position(variable(i)) = state.x[i];
+    alone_.velocity(variable(i)) = state.v[i];
+  }
+  std::copy(state.own.begin(), state.own.end(), alone_.own());
+}
+
+void Examination::put_moved(const State& state, const Direction& direction, double h) {
+  for (std::size_t i = 0; i < count(); ++i) {
+    alone_.position(variable(i)) = state.x[i] + h * direction[i];
+  }
+}
+
+std::vector<double> Examination::forces(const State& state) {
+  put(state);
+  const double* all = alone_.forces(state.time);
+  std::vector<double> forces(count());
+  for (std::size_t i = 0; i < count(); ++i) forces[i] = all[variable(i).at];
+  return forces;
+}
+
+double Examination::largest(const std::vector<double>& forces) const {
+  double most = 0.0;
+  for (std::size_t i = 0; i < count(); ++i) {
+    const double size = std::abs(at_edge(i, forces[i]));
+    if (!(size <= most)) most = size;  // also for what is no number
+    if (std::isnan(most)) return most;
+  }
+  return most;
+}
+
+Direction Examination::random_direction(Random& random) const {
+  Direction direction(count());
+  for (std::size_t i = 0; i < count(); ++i) direction[i] = variable(i).unit * random.symmetric();
+  return direction;
+}
+
+Direction Examination::along(std::size_t i) const {
+  Direction direction(count(), 0.0);
+  direction[i] = variable(i).unit;
+  return direction;
+}
+
+double Examination::reach(const State& state) const {
+  double reach = length_;
+  for (std::size_t i = 0; i < count(); ++i) {
+    if (variable(i).axis >= 0) {
+      reach = std::max(reach, std::abs(state.x[i]));
+    } else {
+      constexpr double kTau = 6.283185307179586476925286766559;
+      reach = std::max(reach, 1.0 / (kTau * variable(i).unit));
+    }
+  }
+  return reach;
+}
+
+double Examination::sensitivity(const State& state) {
+  Random random(options_.seed ^ 0x9e3779b97f4a7c15U);
+  const std::vector<double> before = forces(state);
+  const double size = reach(state);
+  double most = 0.0;
+  for (int shake = 0; shake < kShakes; ++shake) {
+    State shaken = state;
+    for (std::size_t i = 0; i < count(); ++i) {
+      shaken.x[i] += kShake * (variable(i).axis >= 0 ? size : 1.0) * random.symmetric();
+      shaken.v[i] *= 1.0 + kShake * random.symmetric();
+    }
+    for (double& own : shaken.own) own *= 1.0 + kShake * random.symmetric();
+    shaken.time *= 1.0 + kShake * random.symmetric();
+    std::vector<double> after = forces(shaken);
+    for (std::size_t i = 0; i < count(); ++i) after[i] -= before[i];
+    const double change = largest(after);
+    if (!std::isfinite(change)) return std::numeric_limits<double>::infinity();
+    most = std::max(most, change / kShake);
+  }
+  return most;
+}
+
+// ---- the same force otherwise
+
+std::unique_ptr<ForceTwin<double>> Examination::twin(InstructionSet set) const {
+  AssemblyPlan plan = alone_.model().plan();
+  plan.set = set;
+  return std::make_unique<ForceTwin<double>>(plan);
+}
+
+std::unique_ptr<ForceTwin<double>> Examination::twin() const {
+  return twin(alone_.model().plan().set);
+}
+
+ForceTwin<Quad>* Examination::exact() {
+  if (!sought_exact_ && record().bind.in_quadruple != nullptr && size_ <= kTooMany) {
+    exact_ = std::make_unique<ForceTwin<Quad>>(alone_.model().plan());
+  }
+  sought_exact_ = true;
+  return exact_.get();
+}
+
+std::unique_ptr<ForceTwin<float>> Examination::in_float() const {
+  if (record().bind.in_float == nullptr) return nullptr;
+  return std::make_unique<ForceTwin<float>>(alone_.model().plan());
+}
+
+// ---- the answer
+
+void Examination::begin(const char* claim, const char* meaning) {
+  const Model::Force& force = alone_.force();
+  now_ = {force.name, force.record->name, claim, meaning, true, 0.0, 0.0, 0, {}};
+  strain_ = -1.0;
+}
+
+ClaimResult Examination::end() {
+  alone_.restart();
+  return now_;
+}
+
+void Examination::note(double found, double due, double size, double allowed, const State& state,
+                       std::size_t variable) {
+  const double difference = found == due ? 0.0 : std::abs(found - due);
+  const bool holds = difference <= allowed;  // false for what is no number
+  const double strain = difference == 0.0 ? 0.0
+                        : holds || (difference > allowed && allowed > 0.0)
+                            ? difference / allowed
+                            : std::numeric_limits<double>::infinity();
+  now_.holds = now_.holds && holds;
+  if (strain < strain_ || (strain == strain_ && strain_ > 0.0)) return;
+  strain_ = strain;
+  now_.error = size > 0.0 ? difference / size : difference;
+  now_.allowed = size > 0.0 ? std::max(allowed, 0.0) / size : 0.0;
+  now_.worst = point(state, variable);
+  now_.worst.found = found;
+  now_.worst.due = due;
+}
+
+void Examination::note(const std::vector<double>& found, const std::vector<double>& due,
+                       double size, double allowed, const State& state) {
+  std::size_t worst = 0;
+  double most = -1.0;
+  for (std::size_t i = 0; i < count(); ++i) {
+    const double difference = std::abs(at_edge(i, found[i]) - at_edge(i, due[i]));
+    if (difference <= most) continue;
+    worst = i;
+    most = difference;
+    if (std::isnan(most)) break;
+  }
+  note(at_edge(worst, found[worst]), at_edge(worst, due[worst]), size, allowed, state, worst);
+}
+
+void Examination::note_same(double found, double due, const State& state) {
+  const bool same = std::memcmp(&found, &due, sizeof found) == 0 ||
+                    (std::isnan(found) && std::isnan(due)) || found == due;
+  if (same) return note(0.0, 0.0, 0.0, 0.0, state);
+  note(found, due, std::abs(due), -1.0, state);
+}
+
+void Examination::note_same(const std::vector<double>& found, const std::vector<double>& due,
+                            const State& state) {
+  for (std::size_t i = 0; i < count(); ++i) {
+    const bool both_none = std::isnan(found[i]) && std::isnan(due[i]);
+    if (std::memcmp(&found[i], &due[i], sizeof(double)) == 0 || both_none) continue;
+    return note(found[i], due[i], std::abs(due[i]), -1.0, state, i);
+  }
+  note(0.0, 0.0, 0.0, 0.0, state);
+}
+
+ClaimPoint Examination::point(const State& state, std::size_t chosen) const {
+  ClaimPoint point;
+  point.state = name_of(state.place);
+  point.time = state.time;
+  if (chosen == kNone) return point;
+  const Model& model = alone_.model();
+  const auto name = model.name_of(variable(chosen).at);
+  point.body = name.body;
+  point.particle = name.particle;
+  point.coordinate = name.axis;
+  for (std::size_t i = 0; i < count(); ++i) {
+    if (variable(i).body != variable(chosen).body || variable(i).axis < 0) continue;
+    if (model.name_of(variable(i).at).particle == name.particle) point.place.push_back(state.x[i]);
+  }
+  return point;
+}
+
+}  // namespace tomlin::claims

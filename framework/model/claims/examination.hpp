@@ -1,0 +1,186 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "framework/core/force.hpp"
+#include "framework/model/claims.hpp"
+#include "framework/model/force_alone.hpp"
+#include "framework/model/force_twin.hpp"
+
+/// One force and the states at which its claims are looked at.
+namespace tomlin::claims {
+
+/// A sum of some hundred terms loses some tens of units in the last place of its size.
+inline constexpr double kRounding = 64.0 * std::numeric_limits<double>::epsilon();
+/// The same of an energy in quadruple numbers, of 113 bits.
+inline constexpr double kExactRounding = 64.0 * 0x1p-112;
+/// Below it numbers have fewer digits, and 1/eps of them vanish.
+inline constexpr double kSmallest =
+    std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
+/// A change of inputs, in parts of their size, small enough to be linear in what follows.
+inline constexpr double kShake = 1e-9;
+inline constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+/// The same numbers with every library: distributions of the standard library differ.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  /// Between -1 and 1.
+  double symmetric() {
+    constexpr double kSteps = 9007199254740992.0;  // 2^53
+    return 2.0 * (static_cast<double>(engine_() >> 11) / kSteps) - 1.0;
+  }
+  std::size_t below(std::size_t n) { return engine_() % n; }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+enum class Place { start, near, far, high, contact };
+const char* name_of(Place place);
+
+struct State {
+  std::vector<double> x;  ///< of each variable
+  std::vector<double> v;
+  std::vector<double> own;
+  double time = 0.0;
+  Place place = Place::near;
+};
+
+using Variable = ForceAlone::Variable;
+using Direction = std::vector<double>;  ///< one number for each variable
+
+class Examination {
+ public:
+  /// `length` is the scene's shortest.
+  Examination(const Scene& scene, std::size_t force, double length, const ClaimOptions& options);
+
+  /// False when there is nothing to look at: not built, or nothing moves.
+  bool worthwhile() const { return alone_.built() && count() > 0; }
+
+  // ---- the force
+
+  ForceAlone& alone() { return alone_; }
+  const ForceRecord& record() const { return *alone_.force().record; }
+  const Traits& traits() const { return record().traits; }
+  BoundForce<double>& bound() { return *alone_.force().bound; }
+  const SceneForce& described() { return alone_.model().scene().forces.front(); }
+  bool on_prescribed() const;
+  double length() const { return length_; }
+  std::size_t count() const { return alone_.variables().size(); }
+  const Variable& variable(std::size_t i) const { return alone_.variables()[i]; }
+  std::uint64_t seed() const { return options_.seed; }
+  /// So many pairs and particles that few states are looked at.
+  bool takes_long() const;
+
+  /// The same force on this instruction set.
+  std::unique_ptr<ForceTwin<double>> twin(InstructionSet set) const;
+  std::unique_ptr<ForceTwin<double>> twin() const;
+  /// In quadruple numbers; null where it is not available.
+  ForceTwin<Quad>* exact();
+  std::unique_ptr<ForceTwin<float>> in_float() const;
+
+  // ---- states
+
+  /// Displaced ones, and last the start: where forces balance there, sizes are known by then.
+  const std::vector<State>& near() const { return near_; }
+  /// Those and the extreme ones; few where evaluations take long.
+  std::vector<const State*> everywhere() const;
+
+  void put(const State& state);
+  void put_moved(const State& state, const Direction& direction, double h);
+  template <class Real>
+  void put(const State& state, ForceTwin<Real>& twin) const {
+    for (std::size_t i = 0; i < count(); ++i) {
+      twin.position(variable(i).at) = Real(state.x[i]);
+      twin.velocity(variable(i).at) = Real(state.v[i]);
+    }
+    for (std::size_t k = 0; k < state.own.size(); ++k) twin.own(k) = Real(state.own[k]);
+  }
+
+  /// Of each variable, at what was put.
+  std::vector<double> forces(const State& state);
+  /// A rotation's as a force at the body's edge, so that all are alike.
+  double at_edge(std::size_t i, double force) const { return force * variable(i).unit; }
+  double largest(const std::vector<double>& forces) const;
+
+  /// All coordinates at once, where a fault of any part shows.
+  Direction random_direction(Random& random) const;
+  Direction along(std::size_t i) const;
+
+  /// How much the largest force changes, per relative change of all that it reads: what the
+  /// rounding of inputs makes of it. Infinite where it leaves the finite numbers.
+  double sensitivity(const State& state);
+  /// How large the numbers are that places are made of.
+  double reach(const State& state) const;
+
+  // ---- the answer
+
+  void begin(const char* claim, const char* meaning);
+  ClaimResult end();
+  void looked() { ++now_.states; }
+  /// `found` against `due`, at a state where `size` is the size of what is compared.
+  void note(double found, double due, double size, double allowed, const State& state,
+            std::size_t variable = kNone);
+  /// Vectors of forces; `allowed` of a force at a body's edge.
+  void note(const std::vector<double>& found, const std::vector<double>& due, double size,
+            double allowed, const State& state);
+  /// Bits that must be the same.
+  void note_same(const std::vector<double>& found, const std::vector<double>& due,
+                 const State& state);
+  void note_same(double found, double due, const State& state);
+  bool holds() const { return now_.holds; }
+
+ private:
+  void make_states();
+  State displaced(double size, Random& random) const;
+  std::optional<State> touching(double distance, Random& random) const;
+  double latest_time();
+  ClaimPoint point(const State& state, std::size_t variable) const;
+
+  ForceAlone alone_;
+  double length_;
+  ClaimOptions options_;
+  double size_ = 0.0;  ///< pairs and particles
+  double latest_ = 0.0;
+  State start_;
+  std::vector<State> near_;
+  std::vector<State> extreme_;
+  std::unique_ptr<ForceTwin<Quad>> exact_;
+  bool sought_exact_ = false;
+  ClaimResult now_;
+  double strain_ = 0.0;  ///< the largest part of what is allowed
+};
+
+// The claims, each where it applies.
+
+using Claim = std::optional<ClaimResult> (*)(Examination&);
+
+std::optional<ClaimResult> conservative(Examination& e);
+std::optional<ClaimResult> exact(Examination& e);
+std::optional<ClaimResult> path(Examination& e);
+std::optional<ClaimResult> hessian(Examination& e);
+std::optional<ClaimResult> finite(Examination& e);
+std::optional<ClaimResult> internal(Examination& e);
+std::optional<ClaimResult> dissipative(Examination& e);
+std::optional<ClaimResult> friction(Examination& e);
+std::optional<ClaimResult> balance(Examination& e);
+std::optional<ClaimResult> driver(Examination& e);
+std::optional<ClaimResult> periodic(Examination& e);
+std::optional<ClaimResult> origin(Examination& e);
+std::optional<ClaimResult> velocity(Examination& e);
+std::optional<ClaimResult> time(Examination& e);
+std::optional<ClaimResult> repeatable(Examination& e);
+std::optional<ClaimResult> its_own(Examination& e);
+std::optional<ClaimResult> same_bits(Examination& e);
+std::optional<ClaimResult> number_types(Examination& e);
+
+}  // namespace tomlin::claims

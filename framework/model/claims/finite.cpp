@@ -1,0 +1,48 @@
+#include <cmath>
+
+#include "framework/model/claims/examination.hpp"
+
+/// Where a force must be a number.
+namespace tomlin::claims {
+/// Near the start there must be numbers. Far away, too, unless they are too large to be written; a
+/// NaN there must be a NaN in quadruple numbers as well (the logarithm of a negative number). Where
+/// particles touch no number is as good as one, since a run stops there, but not where quadruple
+/// numbers say that there is one.
+std::optional<ClaimResult> finite(Examination& e) {
+  e.begin("finite", "forces and energies are numbers, near, far, high and touching");
+  for (const State* state : e.everywhere()) {
+    const std::vector<double> forces = e.forces(*state);
+    const double energy = e.alone().energy(state->time);
+    e.looked();
+    std::size_t lost = kNone;
+    for (std::size_t i = e.count(); i-- > 0;) {
+      if (!std::isfinite(forces[i])) lost = i;
+    }
+    if (lost == kNone && std::isfinite(energy)) {
+      e.note(0.0, 0.0, 0.0, 0.0, *state);
+      continue;
+    }
+    const double found = lost == kNone ? energy : forces[lost];
+    const bool close = state->place == Place::near || state->place == Place::start;
+    double due = 0.0;  // what it says where it can be told
+    bool broken =
+        close || (std::isnan(found) && state->place != Place::contact) ||
+        (lost != kNone && std::isnan(found) && std::isfinite(energy) && e.traits().conservative);
+    if (ForceTwin<Quad>* twin = e.exact(); !close && twin != nullptr) {
+      e.put(*state, *twin);
+      twin->evaluate(state->time);
+      due =
+          static_cast<double>(lost == kNone ? twin->energy() : twin->force_at(e.variable(lost).at));
+      constexpr double kNearOverflow = 1e150;  // squares of it are too large
+      broken = std::abs(due) < kNearOverflow;
+    }
+    if (broken) {
+      e.note(found, due, std::abs(due), -1.0, *state, lost);
+    } else {
+      e.note(0.0, 0.0, 0.0, 0.0, *state);
+    }
+  }
+  return e.end();
+}
+
+}  // namespace tomlin::claims

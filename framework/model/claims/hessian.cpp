@@ -1,0 +1,112 @@
+#include <algorithm>
+#include <cmath>
+
+#include "framework/model/claims/slopes.hpp"
+
+/// Second derivatives against the slopes of the force.
+namespace tomlin::claims {
+namespace {
+
+/// Second derivatives times a direction, along another: translations for bodies that move as one.
+class Curvature : public HessianSink {
+ public:
+  Curvature(const Examination& e, const Direction& one, const Direction& other, const Model& model)
+      : model_(model), one_(by_coordinate(e, one)), other_(by_coordinate(e, other)) {}
+
+  void site(std::size_t body, std::size_t particle, int a, int b, double value) override {
+    add(value * of(one_, body, particle, a), of(other_, body, particle, b));
+  }
+  void pair(std::size_t body1, std::size_t i, std::size_t body2, std::size_t j, int a, int b,
+            double value) override {
+    add(value * (of(one_, body2, j, a) - of(one_, body1, i, a)),
+        of(other_, body2, j, b) - of(other_, body1, i, b));
+  }
+  void centre(std::size_t body, const double* weight, int a, int b, double value) override {
+    double one = 0.0;
+    double other = 0.0;
+    for (std::size_t i = 0; i < model_.bodies()[body].bound.slot.count; ++i) {
+      one += weight[i] * of(one_, body, i, a);
+      other += weight[i] * of(other_, body, i, b);
+    }
+    add(value * one, other);
+  }
+
+  double sum = 0.0;
+  double size = 0.0;
+  bool given = false;
+
+ private:
+  std::vector<double> by_coordinate(const Examination& e, const Direction& direction) const {
+    std::vector<double> moves(model_.system().view.dofs, 0.0);
+    for (std::size_t i = 0; i < e.count(); ++i) moves[e.variable(i).at] = direction[i];
+    return moves;
+  }
+  double of(const std::vector<double>& moves, std::size_t body, std::size_t particle,
+            int axis) const {
+    const BodySlot<double>& slot = model_.bodies()[body].bound.slot;
+    if (slot.rigid) return moves[slot.centre + axis];
+    return slot.mapped ? 0.0 : moves[slot.offset + axis * slot.stride + particle];
+  }
+  void add(double left, double right) {
+    given = true;
+    sum += left * right;
+    size += std::abs(left * right);
+  }
+
+  const Model& model_;
+  std::vector<double> one_, other_;
+};
+
+Direction translation(const Examination& e, Random& random) {
+  Direction direction = e.random_direction(random);
+  for (std::size_t i = 0; i < e.count(); ++i) {
+    if (e.variable(i).axis < 0) direction[i] = 0.0;
+  }
+  return direction;
+}
+
+/// Slopes of the force by differences against second derivatives.
+void compare_curvature(Examination& e, const State& state, const Direction& along,
+                       const Direction& seen, const Curvature& curvature) {
+  const std::optional<double> longest = regular_difference(e, state, along, seen);
+  if (!longest) return;
+  double most = 0.0;
+  const Slope slope = slope_of(
+      [&](double h) {
+        State moved = state;
+        for (std::size_t i = 0; i < e.count(); ++i) moved.x[i] += h * along[i];
+        const std::vector<double> forces = e.forces(moved);
+        most = std::max(most, effort(forces, seen));
+        return work(forces, seen);
+      },
+      *longest);
+  const double rounding =
+      kRounding * (most + e.sensitivity(state) * static_cast<double>(e.count())) / slope.shortest;
+  const double size = curvature.size + std::abs(slope.best);
+  const bool smooth = slope.unsettled <= kSettled * size + rounding;
+  e.note(curvature.sum, -slope.best, size,
+         smooth ? kRounding * size + rounding + kTrust * slope.unsettled : -1.0, state);
+}
+
+}  // namespace
+
+std::optional<ClaimResult> hessian(Examination& e) {
+  if (!e.traits().conservative) return std::nullopt;
+  e.begin("hessian", "second derivatives = slopes of the force");
+  Random random(e.seed());
+  const auto twin = e.twin();
+  for (const State& state : e.near()) {
+    const Direction along = translation(e, random);
+    const Direction seen = translation(e, random);
+    e.put(state, *twin);
+    twin->evaluate(state.time);
+    Curvature curvature(e, seen, along, e.alone().model());
+    twin->bound().hessian(twin->stage(), curvature);
+    if (!curvature.given) return std::nullopt;
+    compare_curvature(e, state, along, seen, curvature);
+    e.looked();
+  }
+  return e.end();
+}
+
+}  // namespace tomlin::claims

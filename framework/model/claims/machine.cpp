@@ -1,0 +1,82 @@
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include "framework/model/claims/examination.hpp"
+
+/// The same force on every instruction set and in every number type.
+namespace tomlin::claims {
+namespace {
+
+/// Numbers that this type has exactly.
+template <class Real>
+State rounded(const State& state) {
+  State rounded = state;
+  const auto round = [](double& x) { x = static_cast<double>(static_cast<Real>(x)); };
+  for (auto* numbers : {&rounded.x, &rounded.v, &rounded.own}) {
+    for (double& x : *numbers) round(x);
+  }
+  round(rounded.time);
+  return rounded;
+}
+
+template <class Real>
+std::vector<double> forces_of(Examination& e, const State& state, ForceTwin<Real>& twin) {
+  e.put(state, twin);
+  twin.evaluate(state.time);
+  std::vector<double> forces(e.count());
+  for (std::size_t i = 0; i < e.count(); ++i) {
+    forces[i] = static_cast<double>(twin.force_at(e.variable(i).at));
+  }
+  return forces;
+}
+
+template <class Real>
+void compare_with_exact(Examination& e, ForceTwin<Real>& twin, const State& given) {
+  constexpr double kEps = std::numeric_limits<Real>::epsilon();
+  constexpr double kUnits = kRounding / std::numeric_limits<double>::epsilon() * kEps;
+  constexpr double kLeast = std::numeric_limits<Real>::min() / kEps;
+  const State state = rounded<Real>(given);
+  const std::vector<double> due = forces_of(e, state, *e.exact());
+  const std::vector<double> found = forces_of(e, state, twin);
+  const double sensitivity = e.sensitivity(state);
+  const double size = e.largest(due);
+  // What has no number is looked at as such elsewhere; floats overflow early, which stops a run.
+  if (!std::isfinite(sensitivity) || !std::isfinite(e.largest(found))) return;
+  double unit = 1.0;
+  for (std::size_t i = 0; i < e.count(); ++i) unit = std::max(unit, e.variable(i).unit);
+  e.note(found, due, size, kUnits * (size + sensitivity) + kLeast * unit, state);
+}
+
+}  // namespace
+
+std::optional<ClaimResult> same_bits(Examination& e) {
+  e.begin("same bits", "on every instruction set of this machine");
+  std::vector<std::unique_ptr<ForceTwin<double>>> twins;
+  for (const InstructionSet set :
+       {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
+    if (is_supported(set)) twins.push_back(e.twin(set));
+  }
+  for (const State* state : e.everywhere()) {
+    const std::vector<double> forces = e.forces(*state);
+    for (const auto& twin : twins) e.note_same(forces_of(e, *state, *twin), forces, *state);
+    e.looked();
+  }
+  return e.end();
+}
+
+std::optional<ClaimResult> number_types(Examination& e) {
+  if (e.exact() == nullptr) return std::nullopt;
+  e.begin("number types", "the same in float, double and quadruple numbers, each to its rounding");
+  const auto in_double = e.twin();
+  const auto in_float = e.in_float();
+  for (const State* state : e.everywhere()) {
+    compare_with_exact(e, *in_double, *state);
+    const bool close = state->place == Place::near || state->place == Place::start;
+    if (in_float != nullptr && close) compare_with_exact(e, *in_float, *state);
+    e.looked();
+  }
+  return e.end();
+}
+
+}  // namespace tomlin::claims

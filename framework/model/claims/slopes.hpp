@@ -1,0 +1,92 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "framework/model/claims/examination.hpp"
+
+/// Slopes by differences, and work along directions.
+namespace tomlin::claims {
+
+/// The longest difference in parts of the shortest length. Errors fall as (2 pi/50)^2 = 0.016 from
+/// one order to the next.
+inline constexpr double kLongestDifference = 0.02;
+/// Parts of the largest force that its fourth difference may be: (2 pi/100)^4 = 1.6e-5 of a sine.
+inline constexpr double kIrregular = 1e-3;
+/// Parts of it that are tried where that is not smooth.
+inline constexpr double kShorter[] = {1.0, 0.05, 0.0025};
+/// Central differences at h, h/2, h/4, h/8 leave an error of order h^8.
+inline constexpr int kDifferences = 4;
+/// The last two orders of the extrapolation differ by more than the last one is off.
+inline constexpr double kTrust = 10.0;
+/// An energy whose slope has not settled to this is not smooth enough to have one.
+inline constexpr double kSettled = 1e-3;
+struct Slope {
+  double best = 0.0;
+  double unsettled = 0.0;
+  double shortest = 0.0;  ///< difference
+};
+
+/// Slope at 0 by central differences, extrapolated to h = 0: row by row, each column an order of
+/// h^2 better (Romberg).
+template <class Function>
+Slope slope_of(Function&& f, double longest) {
+  std::array<std::array<double, kDifferences>, kDifferences> slope{};
+  double h = longest;
+  for (int row = 0; row < kDifferences; ++row, h *= 0.5) {
+    slope[row][0] = (f(h) - f(-h)) / (2.0 * h);
+    double gain = 4.0;
+    for (int column = 1; column <= row; ++column, gain *= 4.0) {
+      slope[row][column] =
+          (gain * slope[row][column - 1] - slope[row - 1][column - 1]) / (gain - 1.0);
+    }
+  }
+  const double best = slope[kDifferences - 1][kDifferences - 1];
+  return {best, std::abs(best - slope[kDifferences - 1][kDifferences - 2]), 2.0 * h};
+}
+
+inline double work(const std::vector<double>& forces, const Direction& direction) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < forces.size(); ++i) sum += forces[i] * direction[i];
+  return sum;
+}
+
+inline double effort(const std::vector<double>& forces, const Direction& direction) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < forces.size(); ++i) sum += std::abs(forces[i] * direction[i]);
+  return sum;
+}
+
+/// Whether the force along a way has neither kinks nor jumps within `longest` of a state: its
+/// fourth difference is what is left of a smooth one. Where it has, differences say nothing.
+inline bool is_regular(Examination& e, const State& state, const Direction& along,
+                       const Direction& seen, double longest) {
+  constexpr double kWeight[] = {1.0, -4.0, 6.0, -4.0, 1.0};
+  double fourth = 0.0;
+  double most = 0.0;
+  for (int k = 0; k < 5; ++k) {
+    State moved = state;
+    const double h = 0.5 * (k - 2) * longest;
+    for (std::size_t i = 0; i < e.count(); ++i) moved.x[i] += h * along[i];
+    const std::vector<double> forces = e.forces(moved);
+    fourth += kWeight[k] * work(forces, seen);
+    most = std::max(most, effort(forces, seen));
+  }
+  return !(std::abs(fourth) > kIrregular * most);
+}
+
+/// The longest difference that no kink is within; the longest of all first, and nothing where even
+/// the shortest has one.
+inline std::optional<double> regular_difference(Examination& e, const State& state,
+                                                const Direction& along, const Direction& seen) {
+  for (const double part : kShorter) {
+    const double longest = part * kLongestDifference * e.length();
+    if (is_regular(e, state, along, seen, longest)) return longest;
+  }
+  return std::nullopt;
+}
+
+}  // namespace tomlin::claims

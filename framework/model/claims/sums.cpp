@@ -1,0 +1,158 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "framework/model/claims/examination.hpp"
+
+/// What a force does to its bodies as a whole, and to nothing else.
+namespace tomlin::claims {
+namespace {
+
+/// Through the sides of a box partners pull from elsewhere: torques do not cancel there.
+bool is_open(const Scene& scene) {
+  const std::vector<bool>& periodic = scene.box.periodic;
+  return std::find(periodic.begin(), periodic.end(), true) == periodic.end();
+}
+
+ForceAlone::Wrench total_of(Examination& e) {
+  ForceAlone::Wrench total;
+  for (const std::size_t body : e.alone().force().bodies) {
+    const ForceAlone::Wrench wrench = e.alone().wrench(body);
+    for (int a = 0; a < 3; ++a) {
+      total.force[a] += wrench.force[a];
+      total.torque[a] += wrench.torque[a];
+    }
+  }
+  return total;
+}
+
+/// Foreign numbers in the arrays of forces, in which only the force's own bodies may change.
+class Watched {
+ public:
+  Watched(const ForceTwin<double>& twin, const Model& model) : view_(twin.view()) {
+    own_force_.assign(view_.dofs + kGuard, false);
+    mapped_size_ = 0;
+    for (const Model::Body& body : model.bodies()) {
+      const BodySlot<double>& slot = body.bound.slot;
+      if (!slot.mapped) continue;
+      mapped_size_ = std::max(
+          mapped_size_, slot.offset + slot.stride * static_cast<std::size_t>(model.dimension()));
+    }
+    own_mapped_.assign(mapped_size_, false);
+    for (const std::size_t b : twin.force().bodies) {
+      const BodySlot<double>& slot = model.bodies()[b].bound.slot;
+      for (int d = 0; d < model.dimension(); ++d) {
+        for (std::size_t i = 0; i < slot.count; ++i) {
+          (slot.mapped ? own_mapped_ : own_force_)[slot.offset + d * slot.stride + i] = true;
+        }
+        if (slot.rigid) own_force_[slot.centre + d] = true;
+      }
+    }
+  }
+
+  void fill(double background) {
+    std::fill(view_.force, view_.force + own_force_.size(), background);
+    std::fill(view_.mapped_force, view_.mapped_force + mapped_size_, background);
+  }
+  /// Numbers elsewhere than on the force's own bodies that are not what they were.
+  std::size_t changed_elsewhere(double background) const {
+    std::size_t changed = 0;
+    for (std::size_t k = 0; k < own_force_.size(); ++k) {
+      changed += !own_force_[k] && view_.force[k] != background;
+    }
+    for (std::size_t k = 0; k < mapped_size_; ++k) {
+      changed += !own_mapped_[k] && view_.mapped_force[k] != background;
+    }
+    return changed;
+  }
+
+ private:
+  static constexpr std::size_t kGuard = kGroup;  // past the end, which is scratch
+  const SystemView<double>& view_;
+  std::size_t mapped_size_ = 0;
+  std::vector<bool> own_force_, own_mapped_;
+};
+
+}  // namespace
+
+std::optional<ClaimResult> internal(Examination& e) {
+  if (!e.traits().internal) return std::nullopt;
+  const bool open = is_open(e.alone().model().scene());
+  e.begin("internal", open ? "forces and torques sum to zero" : "forces sum to zero");
+  double near = 0.0;  // the largest force at the states so far
+  for (const State* state : e.everywhere()) {
+    const bool close = state->place == Place::near || state->place == Place::start;
+    const double here = e.largest(e.forces(*state));
+    e.looked();
+    if (!close && !std::isfinite(here)) continue;
+    if (close) near = std::max(near, here);
+    const double largest = close ? near : here;
+    const ForceAlone::Wrench total = total_of(e);
+    const double size = largest * static_cast<double>(e.count());
+    const double lever = size * e.reach(*state);
+    for (int a = 0; a < 3; ++a) {
+      e.note(total.force[a], 0.0, size, kRounding * size, *state);
+      if (open) e.note(total.torque[a], 0.0, lever, kRounding * lever, *state);
+    }
+  }
+  return e.end();
+}
+
+/// A driver's force and power as the summary will show them.
+std::optional<ClaimResult> driver(Examination& e) {
+  const Drive* drive = e.bound().drive();
+  if (!e.traits().does_work || drive == nullptr) return std::nullopt;
+  e.begin("driver", "reports the force it exerts, and force . velocity as its power");
+  const auto axes = static_cast<std::size_t>(e.alone().model().dimension());
+  const auto first = static_cast<std::size_t>(e.alone().force().first_rate);
+  for (const State& state : e.near()) {
+    const std::vector<double> forces = e.forces(state);
+    const double* rates = e.alone().rates();
+    const ForceAlone::Wrench total = total_of(e);
+    const double size = e.largest(forces) * static_cast<double>(e.count());
+    double power = 0.0;
+    double fastest = 0.0;
+    e.looked();
+    for (std::size_t d = 0; d < axes; ++d) {
+      e.note(rates[first + d], total.force[d], size, kRounding * size, state);
+      power += total.force[d] * drive->velocity[d];
+      fastest = std::max(fastest, std::abs(drive->velocity[d]));
+    }
+    if (!drive->steady) continue;
+    e.note(rates[first + axes], power, size * fastest, kRounding * size * fastest, state);
+  }
+  return e.end();
+}
+
+/// Kernels that only add, on numbers that are not theirs; what they read stays as it is.
+std::optional<ClaimResult> its_own(Examination& e) {
+  e.begin("its own", "acts on its own bodies only, and adds to what is there");
+  constexpr double kBackground = 8.0;
+  const auto twin = e.twin();
+  Watched watched(*twin, e.alone().model());
+  for (const State& state : e.near()) {
+    const std::vector<double> forces = e.forces(state);
+    e.put(state, *twin);
+    twin->evaluate(state.time);
+    watched.fill(kBackground);
+    for (const Pass<double>& pass : twin->bound().passes()) {
+      if (pass.add != nullptr) pass.add(pass.arguments, twin->stage());
+    }
+    e.looked();
+    const auto elsewhere = static_cast<double>(watched.changed_elsewhere(kBackground));
+    e.note(elsewhere, 0.0, 1.0, 0.0, state);
+    for (std::size_t i = 0; i < e.count(); ++i) {
+      const std::size_t at = e.variable(i).at;
+      e.note_same(static_cast<double>(twin->position(at)), state.x[i], state);
+      e.note_same(static_cast<double>(twin->velocity(at)), state.v[i], state);
+      // Of a rigid body it acts on either the particles or the centre.
+      const bool rigid = e.alone().model().bodies()[e.variable(i).body].bound.slot.rigid;
+      if (rigid) continue;
+      const double size = kBackground + std::abs(forces[i]);
+      e.note(twin->force_at(at), kBackground + forces[i], size, kRounding * size, state, i);
+    }
+  }
+  return e.end();
+}
+
+}  // namespace tomlin::claims

@@ -1,0 +1,307 @@
+#include <algorithm>
+#include <cstdint>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/forcefields/planted.hpp"
+#include "tests/forcefields/wrong_forces.hpp"
+#include "tests/forcefields/wrong_laws.hpp"
+#include "tests/support/ring_scenes.hpp"
+#include "tests/support/spoilt_registry.hpp"
+
+// What `tomlin check` looks at, over every component of the registry, none of which it may accuse,
+// and over forces that are wrong on purpose, all of which it must.
+
+namespace tomlin::test {
+namespace {
+
+constexpr const char* kSite = "sinusoidal_substrate";
+constexpr const char* kDrag = "viscous_damping";
+constexpr const char* kBond = "harmonic_bonds";
+
+/// A chain of particles in the plane, so that bonds have directions and torques.
+const std::string kBonds = R"([[body]]
+type = "chain"
+count = 5
+spacing = 1.1
+particle_mass = 0.7
+origin = [0.3, 0.2]
+[[force]]
+type = "harmonic_bonds"
+pairs = "neighbours"
+stiffness = 3.0
+rest_lengths = 1.0
+[run]
+duration = 1.0
+integrator = { type = "rk4", dt = 1e-3 }
+)";
+
+/// Two chains, one behind the other in memory, on a substrate that decays.
+const std::string kSubstrate = R"([[body]]
+name = "one"
+type = "chain"
+count = 3
+spacing = 0.8
+particle_mass = 0.7
+origin = [0.3, 0.4]
+[[body]]
+name = "two"
+type = "chain"
+count = 4
+spacing = 0.9
+particle_mass = 0.7
+origin = [0.1, 2.0]
+[[force]]
+type = "sinusoidal_substrate"
+body = "one"
+amplitude = 0.2
+period = 1.0
+decay = 0.7
+[run]
+duration = 1.0
+integrator = { type = "rk4", dt = 1e-3 }
+)";
+
+const std::string kDriven = TipScene{}.text();
+
+/// A scheme that takes friction as an operator: the drag is looked at as a force all the same.
+const std::string kSplit = TipScene{.integrator = verlet(0.01)}.text();
+
+const std::string kMemory = R"([[body]]
+type = "chain"
+count = 3
+spacing = 1.1
+particle_mass = 0.7
+velocity = [0.4, -0.3]
+origin = [0.3, 0.2]
+[[force]]
+type = "memory_damping"
+coefficient = 1.5
+memory_time = 0.6
+[run]
+duration = 1.0
+integrator = { type = "rk4", dt = 1e-3 }
+)";
+
+// ---- right forces
+
+void expect_sound(const std::string& text, const std::string& name, std::uint64_t seed = 1) {
+  const auto scene = scene_of(text);
+  for (const ClaimResult& result : check_claims(*scene, {.seed = seed})) {
+    EXPECT_TRUE(result.holds) << name << ": " << result.force << " " << result.claim << " "
+                              << result.error << " > " << result.allowed << ", seed " << seed
+                              << "; " << result.worst.text();
+    EXPECT_GT(result.states, 0) << name << ": " << result.claim;
+  }
+}
+
+/// Of every force, body, integrator and observer: whatever has an example.
+TEST(CheckSuite, AccusesNoComponentsExample) {
+  for (const std::uint64_t seed : kSeeds) {
+    for (const auto& record : standard().forces())
+      expect_sound(record->example, record->name, seed);
+    for (const auto& record : standard().bodies())
+      expect_sound(record->example, record->name, seed);
+    for (const auto& record : standard().integrators()) {
+      expect_sound(record->example, record->name, seed);
+    }
+  }
+}
+
+TEST(CheckSuite, AccusesNoneOfTheScenesBelow) {
+  for (const std::uint64_t seed : kSeeds) {
+    for (const std::string& text : {kBonds, kSubstrate, kDriven, kSplit, kMemory}) {
+      expect_sound(text, "scene", seed);
+    }
+    expect_sound(RingScene{}.text(), "ring", seed);
+    expect_sound(RingScene{.coordinates = "rigid"}.text(), "rigid ring", seed);
+  }
+}
+
+/// The right forces bound in the way in which the wrong ones are.
+TEST(CheckSuite, AccusesNoSoundForceBoundTheSameWay) {
+  const std::set<std::string> none;
+  EXPECT_EQ(
+      SpoiltRegistry("sinusoidal_substrate", planted<SinusoidalSubstrate>).broken_in(kSubstrate),
+      none);
+  EXPECT_EQ(SpoiltRegistry("viscous_damping", planted<ViscousDamping>).broken_in(kDriven), none);
+  EXPECT_EQ(SpoiltRegistry("harmonic_bonds", bonds_by<HookesLaw>()).broken_in(kBonds), none);
+  EXPECT_EQ(SpoiltRegistry("harmonic_bonds", bonds_by<CutOffAndShifted>()).broken_in(kBonds), none);
+  EXPECT_EQ(
+      SpoiltRegistry("driving_spring", wrapped<PlainDriver, DrivingSpring>).broken_in(kDriven),
+      none);
+  EXPECT_EQ(SpoiltRegistry("memory_damping", planted_memory<MemoryDamping>).broken_in(kMemory),
+            none);
+}
+
+/// Energies that are not smooth everywhere: differences across a kink would accuse them.
+TEST(CheckSuite, AccusesNoKinks) {
+  constexpr std::uint64_t kManySeeds = 24;  // some of whose states are close to one
+  const std::set<std::string> none;
+  for (std::uint64_t seed = 1; seed <= kManySeeds; ++seed) {
+    EXPECT_EQ(SpoiltRegistry(kBond, bonds_by<OnlyPushes>()).broken_in(kBonds, seed), none) << seed;
+    EXPECT_EQ(SpoiltRegistry(kBond, bonds_by<Absolute>()).broken_in(kBonds, seed), none) << seed;
+  }
+}
+
+// ---- wrong ones
+
+/// One fault, and a claim that must break over it; others may break, too.
+struct Fault {
+  std::string name;
+  std::string force;
+  ForceFactories bind;
+  std::string claim;
+  std::string scene;
+  void (*change)(ForceRecord&) = nullptr;
+};
+
+std::vector<Fault> faults() {
+  const ForceFactories sound;
+  const ForceFactories substrate = standard().force(kSite)->bind;
+  const auto in_quadruple = [&](ForceFactory<double> wrong) {
+    return ForceFactories(wrong, nullptr, substrate.in_quadruple);
+  };
+  return {
+      {"sign", kSite, planted<ScaledSubstrate<-2, -2>>, "conservative", kSubstrate},
+      {"sign along one axis", kSite, planted<ScaledSubstrate<2, -2>>, "conservative", kSubstrate},
+      {"factor of two", kSite, planted<ScaledSubstrate<4, 4>>, "conservative", kSubstrate},
+      {"factor of one half along y", kSite, planted<ScaledSubstrate<2, 1>>, "conservative",
+       kSubstrate},
+      {"the same, against quadruple numbers", kSite, in_quadruple(planted<ScaledSubstrate<2, 1>>),
+       "exact", kSubstrate},
+      {"chain rule", kSite, planted<WithoutChainRule>, "conservative", kSubstrate},
+      {"decay left out of the energy", kSite, planted<EnergyWithoutDecay>, "conservative",
+       kSubstrate},
+      {"wrong axis", kSite, planted<WrongAxis>, "conservative", kSubstrate},
+      {"energy counted twice", kSite, planted<EnergyTwice>, "conservative", kSubstrate},
+      {"energy without force", kSite, planted<WithoutForce>, "conservative", kSubstrate},
+      {"energy that drifts with time", kSite, wrapped<EnergyThatDrifts, SinusoidalSubstrate>,
+       "time", kSubstrate},
+      {"wrong period", kSite, sound, "periodic", kSubstrate,
+       [](ForceRecord& r) {
+         r.period = [](const void* d, int axis) {
+           return axis == 0 ? 1.5 * static_cast<const SinusoidalSubstrateDescription*>(d)->period
+                            : 0.0;
+         };
+       }},
+      {"Hessian of the wrong sign", kSite, wrapped<NegativeHessian, SinusoidalSubstrate>, "hessian",
+       kSubstrate},
+      {"Hessian twice", kSite, wrapped<TwiceTheHessian, SinusoidalSubstrate>, "hessian",
+       kSubstrate},
+      {"no number far away", kSite, in_quadruple(planted<NoNumberFarAway>), "finite", kSubstrate},
+      {"no number far away, without a second opinion", kSite, planted<NoNumberFarAway>, "finite",
+       kSubstrate},
+      {"drag not told of", kSite, planted<SecretDrag>, "velocity", kSubstrate},
+      {"calls counted", kSite, wrapped<CountsItsCalls, SinusoidalSubstrate>, "repeatable",
+       kSubstrate},
+      {"one evaluation behind", kSite, wrapped<OneBehind, SinusoidalSubstrate>, "repeatable",
+       kSubstrate},
+      {"writes beyond its body", kSite, wrapped<BeyondItsBody, SinusoidalSubstrate>, "its own",
+       kSubstrate},
+      {"adds where it should set", kSite, wrapped<SwappedPasses, SinusoidalSubstrate>, "its own",
+       kSubstrate},
+      {"origin not heard of", kSite, planted<WithoutRebase>, "origin", kSubstrate},
+      {"stale after the origin moved", kSite, wrapped<StaleAfterRebase, SinusoidalSubstrate>,
+       "origin", kSubstrate},
+      {"wrong in floats only", kSite,
+       ForceFactories(substrate.in_double, planted<ScaledSubstrate<4, 4>, float>,
+                      substrate.in_quadruple),
+       "number types", kSubstrate},
+      {"wrong in doubles only", kSite, in_quadruple(planted<EnergyTwice>), "conservative",
+       kSubstrate},
+      {"not internal", kSite, sound, "internal", kSubstrate,
+       [](ForceRecord& r) { r.traits.internal = true; }},
+
+      {"a force on one of two", kBond, bonds_by<Unrequited>(), "internal", kBonds},
+      {"reaction on the wrong particle", kBond, bind_lopsided<1>, "internal", kBonds},
+      {"missing torque", kBond, bonds_by<AcrossTheLine>(), "internal", kBonds},
+      {"wrong at contact only", kBond, bonds_by<WrongAtContact>(), "exact", kBonds},
+      {"wrong far away only", kBond, bonds_by<WrongFarAway>(), "exact", kBonds},
+      {"an energy that jumps at a cut-off", kBond, bonds_by<CutOff>(), "path", kBonds},
+
+      {"damping that drives", kDrag, planted<AntiDissipative>, "dissipative", kDriven},
+      {"damping that drives, split off", kDrag, planted<AntiDissipative>, "dissipative", kSplit},
+      {"damping wrong above some speed", kDrag, planted<DragThatDoubles>, "friction", kDriven},
+      {"half the friction", kDrag, planted<TwiceTheFriction>, "friction", kDriven},
+      {"half the heat", kDrag, wrapped<HalfTheHeat, ViscousDamping>, "balance", kDriven},
+      {"dissipation claimed of a substrate", kSite, sound, "dissipative", kSubstrate,
+       [](ForceRecord& r) { r.traits.dissipative = true; }},
+
+      {"a driver's power of the wrong sign", "driving_spring",
+       wrapped<PlainDriver, PowerOfTheWrongSign>, "driver", kDriven},
+      {"a spring without one half", "driving_spring", wrapped<PlainDriver, WithoutOneHalf>,
+       "conservative", kDriven},
+      {"a pulled end that waits for the next step", "driving_spring",
+       wrapped<PlainDriver, ElapsedForgotten>, "time", kDriven},
+      {"time not told of", "driving_spring", sound, "time", kDriven,
+       [](ForceRecord& r) { r.traits.depends_on_time = false; }},
+
+      {"a memory that stores twice", "memory_damping", planted_memory<MemoryStoresTwice>, "balance",
+       kMemory},
+      {"a memory that fades faster", "memory_damping", planted_memory<MemoryFadesFaster>, "balance",
+       kMemory},
+  };
+}
+
+bool among(const std::set<std::string>& broken, const std::string& claim) {
+  return std::any_of(broken.begin(), broken.end(), [&](const std::string& name) {
+    return name.size() > claim.size() + 2 &&
+           name.compare(name.size() - claim.size() - 2, std::string::npos, ": " + claim) == 0;
+  });
+}
+
+TEST(CheckSuite, CatchesEveryPlantedFault) {
+  const std::vector<Fault> all = faults();
+  EXPECT_GE(all.size(), 40u);
+  for (const Fault& fault : all) {
+    SCOPED_TRACE(fault.name);
+    const SpoiltRegistry registry(fault.force, fault.bind, fault.change);
+    for (const std::uint64_t seed : {std::uint64_t{1}, std::uint64_t{2}, std::uint64_t{3}}) {
+      const std::set<std::string> broken = registry.broken_in(fault.scene, seed);
+      EXPECT_TRUE(among(broken, fault.claim))
+          << "not caught by \"" << fault.claim << "\" with seed " << seed << ", of "
+          << broken.size() << " broken claims"
+          << (broken.empty() ? "" : ", the first \"" + *broken.begin() + "\"");
+      // Whatever else is broken, it is this force that did it.
+      for (const std::string& name : broken) {
+        const std::string accused = name.substr(0, name.find(':'));
+        const bool is_driver = fault.force == "driving_spring" && accused == "driver";
+        EXPECT_TRUE(is_driver || accused == fault.force) << name;
+      }
+    }
+  }
+}
+
+TEST(CheckSuite, CatchesTheLastBitOfAnInstructionSet) {
+  if (!is_supported(InstructionSet::avx2)) GTEST_SKIP() << "only one instruction set here";
+  const SpoiltRegistry registry(kSite, planted_by_set<SinusoidalSubstrate, OneBitOff, double>);
+  EXPECT_EQ(registry.broken_in(kSubstrate),
+            std::set<std::string>{"sinusoidal_substrate: same bits"});
+}
+
+/// The place is that of the fault, and the numbers are those that differ.
+TEST(CheckSuite, SaysWhereAClaimBroke) {
+  const SpoiltRegistry registry(kSite, ForceFactories(planted<ScaledSubstrate<2, 1>>, nullptr,
+                                                      standard().force(kSite)->bind.in_quadruple));
+  const auto scene = parse_scene(kSubstrate, "test.toml", registry.registry());
+  bool seen = false;
+  for (const ClaimResult& result : check_claims(*scene)) {
+    if (result.claim != "exact") continue;
+    seen = true;
+    EXPECT_FALSE(result.holds);
+    EXPECT_EQ(result.worst.body, "one");
+    EXPECT_GE(result.worst.particle, 0);
+    EXPECT_LT(result.worst.particle, 3);
+    EXPECT_EQ(result.worst.coordinate, "y");
+    EXPECT_EQ(result.worst.place.size(), 2u);
+    EXPECT_NEAR(result.worst.found, 0.5 * result.worst.due, 1e-12);
+  }
+  EXPECT_TRUE(seen);
+}
+
+}  // namespace
+}  // namespace tomlin::test
