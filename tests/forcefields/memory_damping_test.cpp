@@ -254,6 +254,7 @@ TEST(MemoryDamping, IsRefusedWhereItWouldBeWrong) {
   const Memory memory{0.5, 0.9};
   for (const char* integrator :
        {"{ type = \"velocity_verlet\", dt = 0.01 }", "{ type = \"blanes_moan\", dt = 0.01 }",
+        "{ type = \"exponential_verlet\", dt = 0.01 }",
         "{ type = \"radau9\", absolute_tolerance = 1e-8, relative_tolerance = 1e-8 }"}) {
     EXPECT_THROW(run_text(particle(0.0, 0.8) + memory_force(memory) + run_of(1.0, integrator)),
                  InputError)
