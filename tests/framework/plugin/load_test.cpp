@@ -1,6 +1,7 @@
 #include "framework/plugin/load.hpp"
 
 #include <cstdlib>
+#include <regex>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -161,6 +162,25 @@ TEST(Plugins, TwoThatHaveTheSameName) {
   EXPECT_EQ(refusal(folder / "copy.so", registry),
             "the plugin " + (folder / "copy.so").string() +
                 ": its component \"morse\" has the name of one from " + plugin("morse").string());
+}
+
+/// What a force of a plugin is asked, its guard passes on: each virtual function of the contract.
+TEST(Plugins, TheGuardOfForcesIsWhole) {
+  const std::string folder = TOMLIN_SOURCE_DIR "/framework/";
+  const std::string contract = content(folder + "core/bound_force.hpp");
+  const std::string guard = content(folder + "model/plugin_code.cpp");
+  const std::size_t begin = contract.find("class BoundForce");
+  ASSERT_NE(begin, std::string::npos);
+  const std::string body = contract.substr(begin);
+  const std::regex function(R"(virtual [^~(;]*?(\w+)\()");
+  std::size_t count = 0;
+  for (std::sregex_iterator match(body.begin(), body.end(), function), end; match != end; ++match) {
+    const std::string name = (*match)[1];
+    EXPECT_NE(guard.find("force_->" + name + "("), std::string::npos) << name;
+    ++count;
+  }
+  constexpr std::size_t kAtLeast = 20;
+  EXPECT_GE(count, kAtLeast) << "the contract was not understood";
 }
 
 /// Beside one that is refused the others are loaded, and all refusals are told.

@@ -165,7 +165,7 @@ std::vector<Complaint> distance_complaints(const void* description, const SceneO
 }
 
 std::vector<ObservedNumber> distance_columns(const void*, const SceneOutline&) {
-  return {{"length", "length"}, {"growth", "length/time"}};
+  return {{"length", "length"}, {"growth", "length/time"}, {"speed", "length/time"}};
 }
 
 void observe_distance(const void* description, const ObservedMoment& moment,
@@ -175,22 +175,27 @@ void observe_distance(const void* description, const ObservedMoment& moment,
   const auto axes = static_cast<std::size_t>(moment.dimension);
   double square = 0.0;
   double rate = 0.0;
+  double speed = 0.0;
   for (std::size_t axis = 0; axis < axes; ++axis) {
     const std::size_t from = static_cast<std::size_t>(d.first) * axes + axis;
     const std::size_t to = static_cast<std::size_t>(d.second) * axes + axis;
     const double way = body.position[to] - body.position[from];
     square += way * way;
-    rate += way * (body.velocity[to] - body.velocity[from]);
+    const double apart = body.velocity[to] - body.velocity[from];
+    rate += way * apart;
+    speed += apart * apart;
   }
   numbers[0] = std::sqrt(square);
   numbers[1] = rate / numbers[0];
+  numbers[2] = std::sqrt(speed);
 }
 
 ObserverRecord distance_record() {
   ObserverRecord record;
   record.name = "particle_distance";
   record.summary = "the distance of two particles of a body";
-  record.equation = "length = |x_second - x_first|, growth = d length / dt";
+  record.equation =
+      "length = |x_second - x_first|, growth = d length / dt, speed = |v_second - v_first|";
   record.source = "geometry";
   record.make_description = &make_description<DistanceDescription>;
   record.parameters = {

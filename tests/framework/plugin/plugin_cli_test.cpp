@@ -197,7 +197,9 @@ TEST_F(PluginCli, BodiesIntegratorsAndObservers) {
   const Ended ended = tomlin({"run", "parts.toml"});
   ASSERT_EQ(ended.status, 0) << ended.err;
   const std::string table = file("parts.out/observables.csv");
-  EXPECT_TRUE(contains(table, ",bond.length [length],bond.growth [length/time]\n")) << table;
+  EXPECT_TRUE(
+      contains(table, ",bond.length [length],bond.growth [length/time],bond.speed [length/time]\n"))
+      << table;
   const Json bond = summary("parts.out")["observers"]["bond"];
   constexpr double kTolerance = 2e-3;  // first order, dt = 1e-3
   EXPECT_NEAR(bond["length"].get<double>(), 2.0 + std::sin(2.0), kTolerance);
@@ -227,6 +229,7 @@ TEST_F(PluginCli, ObserversSeeRigidBodies) {
   constexpr double kRounding = 1e-12;
   EXPECT_NEAR(bond["length"].get<double>(), 2.0, kRounding);
   EXPECT_NEAR(bond["growth"].get<double>(), 0.0, kRounding);
+  EXPECT_NEAR(bond["speed"].get<double>(), 2.0, kRounding);
   auto same = rigid;
   same.back() = "undefined";
   const Ended undefined = tomlin(same);  // a particle and itself: 0/0
