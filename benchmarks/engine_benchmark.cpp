@@ -283,6 +283,14 @@ void register_formulas() {
   const std::string corrugation = "0.1/N * exp(-y^2) * cos(2*pi*x)";
   const std::vector<Variant> substrate = {{"substrate as a formula", {}}};
   const std::vector<Variant> bonds = {{"bonds as a formula", {}, 1}};
+  const auto remembering = [](const std::string& scene, const std::string& until) {
+    return with_text(scene, "type = \"viscous_damping\"", until,
+                     "type = \"memory_damping\"\ncoefficient = 0.3\nmemory_time = 0.5\n");
+  };
+  const std::vector<Variant> memory = {{"drag with a memory", {}}};
+  register_variants("pt", remembering(kPt, "[[force]]"), memory);
+  register_variants("rigid_ring_8", remembering(ring("rigid", "1e-2"), "[[force]]"), memory);
+  register_variants("chain_1000", remembering(chain("1000", "1.0"), "[[force]]"), memory);
   register_variants("pt", substrate_as_formula(kPt, "0.1 * cos(2*pi*x)"), substrate);
   register_variants("rigid_ring_8", substrate_as_formula(ring("rigid", "1e-2"), corrugation),
                     substrate);
@@ -318,6 +326,8 @@ void register_forces() {
                  "type = \"expression\"\nenergy = \"0.05 * cos(2*pi*x)\"\nperiod = 1.0\n");
   register_force("bonds_1000", "tomlin",
                  "type = \"harmonic_bonds\"\npairs = \"neighbours\"\nstiffness = 1.0\n");
+  register_force("bonds_1000", "morse_bonds",
+                 "type = \"morse_bonds\"\npairs = \"neighbours\"\ndepth = 1.0\ninverse_width = 1.0\n");
   register_force("bonds_1000", "as a formula",
                  "type = \"expression\"\nenergy = \"0.5*(r - 1.6)^2\"\npairs = \"neighbours\"\n");
 }

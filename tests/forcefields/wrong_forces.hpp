@@ -360,6 +360,7 @@ class NegativeHessian : public ParticleForce<E, Real, D> {
       sink_.site(body, particle, a, b, -value);
     }
     void pair(std::size_t, std::size_t, std::size_t, std::size_t, int, int, double) override {}
+    void block(std::size_t, std::size_t, int, std::size_t, std::size_t, int, double) override {}
     void centre(std::size_t, const double*, int, int, double) override {}
 
    private:

@@ -182,7 +182,6 @@ class FormulaForce : public BoundForce<Real> {
         if (!program->empty()) program->set_origin(axis, base_[axis]);
       }
     }
-    zero_ = origin;
   }
 
   std::string why_not_finite(const Stage<Real>& stage) const override {
@@ -256,7 +255,6 @@ class FormulaForce : public BoundForce<Real> {
   FormulaProgram<Real> power_;
   Real start_of_time_{};
   std::array<Real, 3> base_{};
-  Origin zero_;
 
  private:
   static std::array<bool, 3> moving_axes(const Binding<Real>& binding) {

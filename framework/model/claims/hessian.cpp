@@ -21,6 +21,10 @@ class Curvature : public HessianSink {
     add(value * (of(one_, body2, j, a) - of(one_, body1, i, a)),
         of(other_, body2, j, b) - of(other_, body1, i, b));
   }
+  void block(std::size_t body1, std::size_t i, int a, std::size_t body2, std::size_t j, int b,
+             double value) override {
+    add(value * of(one_, body1, i, a), of(other_, body2, j, b));
+  }
   void centre(std::size_t body, const double* weight, int a, int b, double value) override {
     double one = 0.0;
     double other = 0.0;
