@@ -162,7 +162,11 @@ TEST_F(PluginCli, EveryCommandTakesThem) {
   const Ended checked = tomlin({"check", "bonded.toml"});
   EXPECT_EQ(checked.status, 0) << checked.err;
   EXPECT_TRUE(contains(checked.out, "morse conservative")) << checked.out;
-  const std::vector<std::string> observable = {"--observable", "chain.centre_of_mass.x"};
+  EXPECT_EQ(tomlin({"compare", "parts.toml", "parts.toml", "--observable", "bond.length"}).status,
+            0);
+  EXPECT_EQ(tomlin({"tradeoff", "bonded.toml", "--observable", "chain.max_speed", "--budget", "1"})
+                .status,
+            0);
   EXPECT_EQ(tomlin({"describe", "--plugin", "libmorse.so"}).status, 0);
   const Ended described = tomlin({"describe", "--plugin", "libmorse.so", "morse"});
   EXPECT_TRUE(contains(described.out, "comes from\n  the plugin " + path("libmorse.so")))
