@@ -121,6 +121,9 @@ class GuardedForce final : public BoundForce<Real> {
   double shortest_bond() const override {
     return guard([&] { return force_->shortest_bond(); });
   }
+  std::string why_not_finite(const Stage<Real>& stage) const override {
+    return guard([&] { return force_->why_not_finite(stage); });
+  }
   bool has_flow() const override {
     return guard([&] { return force_->has_flow(); });
   }
