@@ -48,7 +48,7 @@ template <class Real>
 struct Binding {
   int dimension = 0;
   InstructionSet set = InstructionSet::baseline;
-  Origin origin;                               ///< at time 0
+  Origin origin;  ///< at time 0; an axis whose unit is 0 never moves
   std::array<double, 3> box{};                 ///< length of each periodic axis, else 0
   std::vector<const BoundBody<Real>*> bodies;  ///< those the force acts on
 };

@@ -71,18 +71,27 @@ std::string strongest_force(Model& model, std::size_t coordinate) {
   return strongest;
 }
 
-/// What a force that has no finite value here says about it; empty when none knows.
-std::string why_not_finite(Model& model) {
+/// What a force that has no finite value here, or on the straight way of a step from here, says
+/// about it; empty when none knows.
+std::string why_not_finite(Model& model, const DoubleDouble& time, double h) {
   SystemView<double>& s = model.system().view;
   AlignedVector<double> rates(s.rates + 2 * kGroup, 0.0);
-  const Stage<double> stage =
-      stage_of(s, static_cast<const double*>(s.position), static_cast<const double*>(s.velocity),
-               static_cast<const double*>(s.integrals), rates.data(), 0.0);
-  for (const Model::Force& force : model.forces()) {
-    const std::string why = force.bound->why_not_finite(stage);
-    if (!why.empty()) return fmt::format("the force \"{}\" is not defined here: {}", force.name, why);
+  AlignedVector<double> place(s.position, s.position + s.dofs);
+  place.resize(s.dofs + 2 * kGroup, 0.0);
+  std::string found;
+  for (const double part : {0.0, 0.5, 1.0}) {
+    for (std::size_t i = 0; i < s.dofs; ++i) place[i] = s.position[i] + part * h * s.velocity[i];
+    model.evaluate_at(time, place.data(), s.velocity, s.integrals, rates.data());
+    const Stage<double> stage =
+        stage_of(s, static_cast<const double*>(place.data()), static_cast<const double*>(s.velocity),
+                 static_cast<const double*>(s.integrals), rates.data(), 0.0);
+    for (const Model::Force& force : model.forces()) {
+      if (found.empty()) found = force.bound->why_not_finite(stage);
+    }
+    if (!found.empty()) break;
   }
-  return {};
+  model.evaluate_at(time, s.position, s.velocity, s.integrals, rates.data());
+  return found;
 }
 
 /// Whether two particles of a body stand in one place, or meet within a step of h on their way.
@@ -185,7 +194,7 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
                     scheme.name, stable_step);
   } else if (particles_meet(model, s, name.body, h)) {
     failure.cause = "two particles of the body coincide, and a bond has no direction there";
-  } else if (std::string why = finite ? "" : why_not_finite(model); !why.empty()) {
+  } else if (std::string why = why_not_finite(model, time, h); !why.empty()) {
     failure.cause = std::move(why);
   } else if (!finite) {
     failure.cause = "a force law was left where it is defined, or its numbers overflow";

@@ -86,6 +86,8 @@ class ForceBench {
     binding.dimension = arrangement.dimension;
     binding.set = set;
     binding.box[0] = arrangement.box_length();
+    // Every axis may move, as if another force declared a period there.
+    binding.origin.unit = {1.0, 1.0, 1.0};
     for (const BoundBody<Real>& body : bodies_) binding.bodies.push_back(&body);
     force_ = record.bind.in<Real>()(description, binding);
     force_->place_own(0);

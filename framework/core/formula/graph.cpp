@@ -65,6 +65,8 @@ Quad folded(FormulaGraph::Function which, std::span<const Quad> x) {
       return tomlin::floor(x[0]);
     case choose:
       return x[0] < x[1] ? x[2] : x[3];
+    case when_positive:
+      return x[0] > kZero ? x[0] : Quad(__builtin_nan(""));
   }
   return kZero;
 }
@@ -458,7 +460,7 @@ FormulaGraph::Id FormulaGraph::slope_of_function(const Node& node, std::uint32_t
     case exp:
       return multiply(self, inner[0]);
     case log:
-      return divide(inner[0], u);
+      return divide(inner[0], function(when_positive, {u}));
     case power: {
       const Id lower = FormulaGraph::power(u, subtract(v, one));
       Id result = multiply(multiply(v, lower), inner[0]);
@@ -494,6 +496,8 @@ FormulaGraph::Id FormulaGraph::slope_of_function(const Node& node, std::uint32_t
       return constant(kZero);
     case choose:
       return function(choose, {u, v, inner[2], inner[3]});
+    case when_positive:
+      return inner[0];
   }
   return constant(kZero);
 }

@@ -49,7 +49,8 @@ class FormulaGraph {
     min,
     max,
     floor,
-    choose,  ///< of four: a < b ? c : d
+    choose,    ///< of four: a < b ? c : d
+    when_positive,  ///< u where u > 0, and no number elsewhere: of slopes of what is defined there only
   };
 
   struct Term {

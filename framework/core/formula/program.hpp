@@ -38,7 +38,8 @@ enum class FormulaOp : std::uint8_t {
   maximum,
   round_down,
   less,  ///< 1 where a < b, else 0
-  pick,  ///< b where a is not 0, else c
+  pick,      ///< b where a is not 0, else c
+  when_positive,  ///< a where a > 0, else no number
 };
 
 /// Where an operand stands.

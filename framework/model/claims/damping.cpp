@@ -66,8 +66,10 @@ class Later {
     for (std::size_t k = 0; k < own_rates_.size(); ++k) {
       twin_.own(k) = Real(state_.own[k]) + h * own_rates_[k];
     }
-    const bool driven = e_.traits().does_work;
-    twin_.evaluate(state_.time, driven ? static_cast<double>(h) : 0.0);
+    // What time does to an energy is a driver's work, or heat that is taken out.
+    const Traits& traits = e_.traits();
+    const bool goes_on = traits.does_work || (traits.conservative && traits.depends_on_time);
+    twin_.evaluate(state_.time, goes_on ? static_cast<double>(h) : 0.0);
     return twin_.energy();
   }
 

@@ -60,7 +60,13 @@ std::optional<ClaimResult> periodic(Examination& e) {
 std::optional<ClaimResult> origin(Examination& e) {
   if (e.on_prescribed()) return std::nullopt;
   e.begin("origin", "nothing changes when the origin moves, and all comes back with it");
-  const auto twin = e.twin();
+  // Without a period an axis never moves, unless another force declares one: bound as if there were
+  // such a force.
+  AssemblyPlan plan = e.alone().model().plan();
+  for (int axis = 0; axis < e.alone().model().dimension(); ++axis) {
+    if (!(plan.origin.unit[axis] > 0.0)) plan.origin.unit[axis] = e.length();
+  }
+  const auto twin = std::make_unique<ForceTwin<double>>(plan);
   const Origin first = twin->origin();
   for (const State& state : e.near()) {
     const std::vector<double> before = forces_of(e, state, *twin);
@@ -69,9 +75,7 @@ std::optional<ClaimResult> origin(Examination& e) {
     for (int axis = 0; axis < e.alone().model().dimension(); ++axis) {
       for (const std::int64_t cells : kCells) {
         Origin moved = first;
-        // An axis without a period never moves, unless another force declares one.
-        if (!(moved.unit[axis] > 0.0)) moved.unit[axis] = e.length();
-        if (first.unit[axis] > 0.0 || first.cells[axis] == 0) moved.cells[axis] += cells;
+        moved.cells[axis] += cells;
         const double by =
             -static_cast<double>(moved.cells[axis] - first.cells[axis]) * moved.unit[axis];
         const State seen = shifted(e, state, axis, by);

@@ -145,8 +145,6 @@ TEST_F(Cli, DescribeKnowsWhatItDoesNotKnow) {
   EXPECT_EQ(unknown.status, 2);
   EXPECT_TRUE(contains(unknown.err, "there is no component \"sinusoidal_substrat\"; admissible: "));
   EXPECT_TRUE(contains(unknown.err, "; did you mean \"sinusoidal_substrate\"?\n"));
-  EXPECT_TRUE(
-      contains(tomlin({"describe", "expression"}).err, "\"expression\" is not in this version"));
 }
 
 TEST_F(Cli, DescribeShowsTheTablesOfAScene) {

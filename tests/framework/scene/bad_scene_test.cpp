@@ -125,10 +125,6 @@ TEST(BadScene, NotInThisVersion) {
        "position = [0.0]\nfile = \"x\"",
        {"9:1: body.one.file: not in this version (positions from a file)"}},
       {kRing,
-       R"(type = "bonds")",
-       R"(type = "expression")",
-       {R"(16:8: force.expression.type = "expression": not in this version; admissible: "pull", "bonds", "wave")"}},
-      {kRing,
        "duration = 1e4",
        "duration = 1e4\naccuracy = 1e-6",
        {"27:1: run.accuracy: stands in place of an integrator, and there is one; admissible: one "

@@ -290,6 +290,7 @@ TEST(FormulaLaw, SaysWhereItIsNotDefined) {
   };
   const std::vector<Case> cases = {
       {"1 + log(x)", -1.0, 4, "only positive numbers"},
+      {"log(x)*log(x)", -0.0, 0, "only positive numbers"},
       {"2/(x - 1)", 1.0, 1, "division by zero"},
       {"sqrt(1 - x)", 2.0, 0, "negative number"},
       {"3 + sqrt(x)", 0.0, 4, "derivative"},
