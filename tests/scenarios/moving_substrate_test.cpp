@@ -50,9 +50,11 @@ double place_of_maximum(F&& f, double from, double to) {
   double high = std::min(to, best + step);
   for (int k = 0; k < 100; ++k) {
     const double third = (high - low) / 3.0;
-    (f(low + third) < f(high - third) ? low : high) = f(low + third) < f(high - third)
-                                                          ? low + third
-                                                          : high - third;
+    if (f(low + third) < f(high - third)) {
+      low += third;
+    } else {
+      high -= third;
+    }
   }
   return 0.5 * (low + high);
 }
@@ -227,7 +229,7 @@ TEST(MovingSubstrate, SofterAtomsCostMoreAndTheLedgerCloses) {
     EXPECT_GT(mean_force(result), before);
     EXPECT_NEAR(mean_force(result), told[k], 1e-5);
     before = mean_force(result);
-    const EnergyBalance& energy = result.energy.value();
+    const EnergyResult& energy = result.energy.value();
     EXPECT_GT(energy.heat_out, 1.0);
     EXPECT_LT(std::abs(energy.numerical_work), kSameModel * energy.work_in);
   }
