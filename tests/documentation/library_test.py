@@ -108,7 +108,7 @@ def complaint(page, text, build):
         try:
             commands = lay_out(text, folder, build)
             why = differs(page.numbers, last_numbers(follow(commands, folder)))
-            if why is None and "morse" in text:
+            if why is None and (folder / "morse").is_dir():
                 why = sees_another_bond(page, folder, commands)
             return why
         except RuntimeError as error:
