@@ -68,6 +68,9 @@ std::array<Claim, 7> abilities(const IntegratorRecord& record) {
 
 std::string acts_on(const ForceRecord& force) {
   std::string text = to_string(force.element);
+  if (force.element_of != nullptr) {
+    text = "particles, pairs, angles or a body as a whole, as a scene says";
+  }
   if (force.most_bodies == 1) return text;
   if (force.fewest_bodies == force.most_bodies) {
     return text + fmt::format(", of {} bodies", force.most_bodies);

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "framework/core/citation.hpp"
-#include "framework/scene/effective.hpp"
 #include "framework/core/formula/expression.hpp"
+#include "framework/scene/effective.hpp"
 #include "framework/scene/value_reader.hpp"
 
 namespace tomlin {
@@ -133,7 +133,10 @@ std::string page_of_scenes() {
                      "`[parameters]`.\nComponents have pages of their own: "
                      "[bodies](../bodies/REFERENCE.md),\n"
                      "[forces](../../forcefields/REFERENCE.md),\n"
-                     "[integrators](../../integrators/REFERENCE.md).\n\n";
+                     "[integrators](../../integrators/REFERENCE.md).\n"
+                     "More of them come with [plugins](../../README.md#plugins), which a scene "
+                     "names above its first table,\n`plugins = [\"libNAME.so\"]`; observers, "
+                     "`[[observer]]` with a `type` and a `body`, all do.\n\n";
   std::vector<std::string> functions;
   for (const ExpressionFunction& function : expression_functions()) {
     functions.push_back(code(std::string(function.name)));

@@ -76,6 +76,19 @@ void check_scheme(const Assembly<double>& assembly) {
       }
     }
   }
+  if ((scheme.splits_friction || scheme.conservative_only) && scene.run.ledger) {
+    for (const auto& force : assembly.forces()) {
+      const Traits& traits = force.traits;
+      const bool keeps_account = traits.conservative || traits.does_work ||
+                                 traits.depends_on_velocity || force.bound->is_friction();
+      if (keeps_account || force.bound->own_count() > 0) continue;
+      // A kick's forces are the rates of the ledger, at a velocity of half a step before.
+      refuse("run.integrator.type", place,
+             "falls to first order in the power of the force \"" + force.name +
+                 "\", which is no gradient, and the ledger would not close",
+             "rk4, midpoint, dopri5, dop853, or ledger = false");
+    }
+  }
   if (scheme.conservative_only) {
     for (const auto& force : assembly.forces()) {
       const Traits& traits = force.traits;

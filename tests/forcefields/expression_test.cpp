@@ -342,6 +342,24 @@ TEST(Expression, RefusesWhatMeansNothingAndNamesTheColumn) {
   }
 }
 
+/// Its power would be taken at a velocity of half a step before: an error of first order in the heat.
+TEST(Expression, ALedgerWithAForceThatIsNoGradientTakesASchemeWithStages) {
+  const std::string law = "force = [\"-4*x + 0.1*cos(2*t)\"]";
+  const std::string by_dop853 = adaptive(1e-12, "dop853");
+  for (const char* scheme : {"velocity_verlet", "exponential_verlet", "blanes_moan"}) {
+    SCOPED_TRACE(scheme);
+    for (const bool ledger : {true, false}) {
+      std::string scene = point(law, ledger ? "ledger = true\n" : "");
+      scene.replace(scene.find(by_dop853), by_dop853.size(),
+                    std::string("{ type = \"") + scheme + "\", dt = 1e-2 }");
+      const std::string message = message_of(scene);
+      EXPECT_EQ(message.find("and the ledger would not close") != std::string::npos, ledger)
+          << message;
+    }
+  }
+  EXPECT_EQ(message_of(point(law, "ledger = true\n")), "");
+}
+
 TEST(Expression, ARunThatLeavesTheFormulasRangeNamesTheParticle) {
   const RunResult found = run_text(R"--(
 [[body]]
