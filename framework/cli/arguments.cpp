@@ -78,6 +78,7 @@ observables.csv with the friction trace, and scene.toml, the scene with every de
   tomlin explain pt.toml       its scales, its regime, the stable step, what a run costs
   tomlin check pt.toml         is the scene sound, and do its forces what they claim
   tomlin new pt|fk|ring        a commented scene to start from
+  tomlin describe expression   a force of one's own as a formula in the scene
   tomlin new plugin NAME       a force of one's own in C++, with its test
   tomlin describe              the bodies, forces, integrators and observers
   tomlin describe NAME         one of them: equation, source, parameters, an example
