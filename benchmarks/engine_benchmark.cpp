@@ -274,8 +274,7 @@ std::string substrate_as_formula(const std::string& scene, const std::string& en
 /// The scene with its bonds written out as a formula; r0 for all of them.
 std::string bonds_as_formula(const std::string& scene, const std::string& energy) {
   return with_text(scene, "type = \"harmonic_bonds\"", "[[force]]",
-                   "type = \"expression\"\npairs = \"neighbours\"\nenergy = \"" + energy +
-                       "\"\n");
+                   "type = \"expression\"\npairs = \"neighbours\"\nenergy = \"" + energy + "\"\n");
 }
 
 void register_formulas() {
@@ -294,15 +293,16 @@ void register_formulas() {
   register_variants("pt", substrate_as_formula(kPt, "0.1 * cos(2*pi*x)"), substrate);
   register_variants("rigid_ring_8", substrate_as_formula(ring("rigid", "1e-2"), corrugation),
                     substrate);
-  register_variants("flexible_ring_8",
-                    substrate_as_formula(ring("particles", "1e-4"), corrugation), substrate);
+  register_variants("flexible_ring_8", substrate_as_formula(ring("particles", "1e-4"), corrugation),
+                    substrate);
   register_variants("chain_1000", substrate_as_formula(chain("1000", "1.0"), wave), substrate);
   register_variants("golden_chain_1000",
                     substrate_as_formula(chain("1000", "1.618033988749895"), wave), substrate);
   register_variants("chain_1000", bonds_as_formula(chain("1000", "1.0"), "0.5*(r - 1)^2"), bonds);
 }
 
-// ---- one force alone -------------------------------------------------------------------------------
+// ---- one force alone
+// -------------------------------------------------------------------------------
 
 /// All evaluations of a scene's only force, none of the engine's other work.
 void register_force(const std::string& model, const char* name, const std::string& force) {
@@ -326,8 +326,9 @@ void register_forces() {
                  "type = \"expression\"\nenergy = \"0.05 * cos(2*pi*x)\"\nperiod = 1.0\n");
   register_force("bonds_1000", "tomlin",
                  "type = \"harmonic_bonds\"\npairs = \"neighbours\"\nstiffness = 1.0\n");
-  register_force("bonds_1000", "morse_bonds",
-                 "type = \"morse_bonds\"\npairs = \"neighbours\"\ndepth = 1.0\ninverse_width = 1.0\n");
+  register_force(
+      "bonds_1000", "morse_bonds",
+      "type = \"morse_bonds\"\npairs = \"neighbours\"\ndepth = 1.0\ninverse_width = 1.0\n");
   register_force("bonds_1000", "as a formula",
                  "type = \"expression\"\nenergy = \"0.5*(r - 1.6)^2\"\npairs = \"neighbours\"\n");
 }

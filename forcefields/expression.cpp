@@ -72,7 +72,8 @@ std::uint64_t pairs(const void* description, const SceneOutline& scene) {
   return count_of(d.pairs, scene);
 }
 
-// ---- complaints -----------------------------------------------------------------------------------
+// ---- complaints
+// -----------------------------------------------------------------------------------
 
 class Examiner {
  public:
@@ -81,9 +82,10 @@ class Examiner {
 
   std::vector<Complaint> complaints() {
     if (d_.energy.text.empty() == d_.force.components.empty()) {
-      found_.push_back({"energy", d_.energy.text.empty()
-                                      ? "there is neither an energy nor a force"
-                                      : "there are an energy and a force, and one of them it is",
+      found_.push_back({"energy",
+                        d_.energy.text.empty()
+                            ? "there is neither an energy nor a force"
+                            : "there are an energy and a force, and one of them it is",
                         "energy = \"...\", or force = [\"...\"] with a formula per dimension"});
       return found_;
     }
@@ -153,8 +155,8 @@ class Examiner {
   void look_at_bodies() {
     const FormulaElement element = law_.element();
     if (scene_.bodies.size() > 1 && element != FormulaElement::pair) {
-      found_.push_back({"bodies", "only a formula of r acts between two bodies",
-                        "body = \"...\", one of them"});
+      found_.push_back(
+          {"bodies", "only a formula of r acts between two bodies", "body = \"...\", one of them"});
     }
     if (element == FormulaElement::angle && scene_.dimension == 1) {
       refuse(variable::angle, "is no variable of a scene on a line: there are no angles");
@@ -218,9 +220,10 @@ class Examiner {
         if (std::abs(one - other) <= kRounding * largest_) continue;
         const std::string_view name = expression_variables()[first + axis];
         found_.push_back(
-            {"period", fmt::format("\"{}\" does not repeat: it is {:.9g} at {} = {:.6g}, and {:.9g} "
-                                   "a period further",
-                                   law_.text(component), one, name, at[first + axis], other),
+            {"period",
+             fmt::format("\"{}\" does not repeat: it is {:.9g} at {} = {:.6g}, and {:.9g} "
+                         "a period further",
+                         law_.text(component), one, name, at[first + axis], other),
              "a length after which the formula is as it was, or no period"});
         return false;
       }
@@ -239,7 +242,8 @@ std::vector<Complaint> complaints(const void* description, const SceneOutline& s
   return Examiner(described(description), scene).complaints();
 }
 
-// ---- binding ----------------------------------------------------------------------------------------
+// ---- binding
+// ----------------------------------------------------------------------------------------
 
 template <class Real, class Force, class... Arguments>
 std::unique_ptr<BoundForce<Real>> checked(Arguments&&... arguments) {
@@ -289,9 +293,10 @@ ForceRecord expression_record() {
                 "on each particle, a formula per dimension over x, y, z, vx, vy, vz and t: where "
                 "there is no energy")
           .or_absent(),
-      parameter("pairs", &Description::pairs, dimension::none,
-                "of an energy over r: \"all\", \"neighbours\" or a list of index pairs; between two "
-                "bodies the first index of a pair is in the first")
+      parameter(
+          "pairs", &Description::pairs, dimension::none,
+          "of an energy over r: \"all\", \"neighbours\" or a list of index pairs; between two "
+          "bodies the first index of a pair is in the first")
           .by_default(PairSelection{.kind = PairSelection::Kind::all, .list = {}}),
       parameter("angles", &Description::angles, dimension::none,
                 "of an energy over theta: \"neighbours\", each particle with those before and "
@@ -306,7 +311,8 @@ ForceRecord expression_record() {
   record.pairs = &pairs;
   record.period = &period_along;
   record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
-  record.example = R"toml(# The substrate of a rolling ring as a formula: a particle swings about the minimum.
+  record.example =
+      R"toml(# The substrate of a rolling ring as a formula: a particle swings about the minimum.
 [parameters]
 V0 = 0.1
 a = 1.0

@@ -15,8 +15,8 @@
 ///   r            each pair: of the body ("all", "neighbours" or a list), or between two bodies
 ///   theta        each angle between neighbouring bonds, 0 to pi
 ///
-/// each also over the time t and the scene's parameters. A `force` is over x, y, z, vx, vy, vz and t.
-/// Forces and second derivatives are exact: the formula is differentiated, not its values.
+/// each also over the time t and the scene's parameters. A `force` is over x, y, z, vx, vy, vz and
+/// t. Forces and second derivatives are exact: the formula is differentiated, not its values.
 ///
 /// Conventions: angles in radians; a pair's energy counts once; positions are the scene's own,
 /// however far away. With a declared period they are reduced to it first, and keep their digits.

@@ -515,8 +515,9 @@ class CommandLine {
     describe_ = app_.add_subcommand("describe", "show the components that scenes are made of");
     describe_->footer(kDescribeFooter);
     describe_
-        ->add_option("NAME", described_.name,
-                     "a body, force, integrator or observer, or a table of the scene; all by default")
+        ->add_option(
+            "NAME", described_.name,
+            "a body, force, integrator or observer, or a table of the scene; all by default")
         ->option_text(" ");
     take_plugins(*describe_);
     CLI::Option* json = describe_->add_flag("--json", described_.json, "as JSON");

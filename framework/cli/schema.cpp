@@ -17,9 +17,9 @@
 #include "framework/cli/node_json.hpp"
 #include "framework/core/body.hpp"
 #include "framework/core/force.hpp"
+#include "framework/core/formula/expression.hpp"
 #include "framework/core/integrator.hpp"
 #include "framework/scene/effective.hpp"
-#include "framework/core/formula/expression.hpp"
 #include "framework/scene/language.hpp"
 #include "framework/scene/value_reader.hpp"
 

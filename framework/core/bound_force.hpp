@@ -48,7 +48,7 @@ template <class Real>
 struct Binding {
   int dimension = 0;
   InstructionSet set = InstructionSet::baseline;
-  Origin origin;  ///< at time 0; an axis whose unit is 0 never moves
+  Origin origin;                               ///< at time 0; an axis whose unit is 0 never moves
   std::array<double, 3> box{};                 ///< length of each periodic axis, else 0
   std::vector<const BoundBody<Real>*> bodies;  ///< those the force acts on
 };
@@ -83,8 +83,8 @@ class HessianSink {
   /// d2V / ds_a ds_b, s the separation of two particles.
   virtual void pair(std::size_t body1, std::size_t particle1, std::size_t body2,
                     std::size_t particle2, int a, int b, double value) = 0;
-  /// d2V / dx_a dy_b, x and y the places of two different particles (y_b with x_a comes as a call of
-  /// its own): what forces among three or more are made of, besides site().
+  /// d2V / dx_a dy_b, x and y the places of two different particles (y_b with x_a comes as a call
+  /// of its own): what forces among three or more are made of, besides site().
   virtual void block(std::size_t body1, std::size_t particle1, int a, std::size_t body2,
                      std::size_t particle2, int b, double value) = 0;
   /// d2V / dc_a dc_b, c the weighted mean of a body's particles.

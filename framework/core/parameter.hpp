@@ -148,10 +148,10 @@ struct AngleSelection {
   friend bool operator==(const AngleSelection&, const AngleSelection&) = default;
 };
 
-using ParameterValue = std::variant<double, std::int64_t, bool, std::string, SpaceVector,
-                                    PerParticle, PerParticleVector, PairSelection, WordOrNumbers,
-                                    Attachment, PointList, WordList, FlagList, Passing, Formula,
-                                    FormulaList, AngleSelection>;
+using ParameterValue =
+    std::variant<double, std::int64_t, bool, std::string, SpaceVector, PerParticle,
+                 PerParticleVector, PairSelection, WordOrNumbers, Attachment, PointList, WordList,
+                 FlagList, Passing, Formula, FormulaList, AngleSelection>;
 
 /// One row of a parameter table; the member is reached through `assign` and `read`.
 struct Parameter {

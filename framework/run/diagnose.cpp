@@ -82,9 +82,9 @@ std::string why_not_finite(Model& model, const DoubleDouble& time, double h) {
   for (const double part : {0.0, 0.5, 1.0}) {
     for (std::size_t i = 0; i < s.dofs; ++i) place[i] = s.position[i] + part * h * s.velocity[i];
     model.evaluate_at(time, place.data(), s.velocity, s.integrals, rates.data());
-    const Stage<double> stage =
-        stage_of(s, static_cast<const double*>(place.data()), static_cast<const double*>(s.velocity),
-                 static_cast<const double*>(s.integrals), rates.data(), 0.0);
+    const Stage<double> stage = stage_of(
+        s, static_cast<const double*>(place.data()), static_cast<const double*>(s.velocity),
+        static_cast<const double*>(s.integrals), rates.data(), 0.0);
     for (const Model::Force& force : model.forces()) {
       if (found.empty()) found = force.bound->why_not_finite(stage);
     }

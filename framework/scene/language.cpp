@@ -314,10 +314,9 @@ const std::vector<ReservedKey>& reserved_top_level_keys() {
 
 bool is_word_of_summary(std::string_view name) {
   static constexpr std::string_view kWords[] = {
-      "time",    "energy",   "events",      "window",    "performance", "parameters",
-      "status",  "drivers",  "bodies",      "warnings",  "error",       "determined",
-      "failure", "left_out", "equilibrium", "references",
-      "observers"};
+      "time",    "energy",   "events",      "window",     "performance", "parameters",
+      "status",  "drivers",  "bodies",      "warnings",   "error",       "determined",
+      "failure", "left_out", "equilibrium", "references", "observers"};
   return std::find(std::begin(kWords), std::end(kWords), name) != std::end(kWords);
 }
 

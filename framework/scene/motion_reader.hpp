@@ -4,9 +4,9 @@
 #include <string>
 
 #include "framework/scene/document.hpp"
-#include "framework/scene/parameter_table.hpp"
 #include "framework/scene/fault_list.hpp"
 #include "framework/scene/motion.hpp"
+#include "framework/scene/parameter_table.hpp"
 
 namespace tomlin {
 

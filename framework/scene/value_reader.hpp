@@ -7,8 +7,8 @@
 
 #include "framework/core/parameter.hpp"
 #include "framework/scene/document.hpp"
-#include "framework/scene/parameter_table.hpp"
 #include "framework/scene/fault_list.hpp"
+#include "framework/scene/parameter_table.hpp"
 
 namespace tomlin {
 

@@ -24,7 +24,8 @@ namespace {
 
 constexpr std::array<std::uint64_t, 3> kSeeds = {20240611, 7, 424242};
 
-// ---- the claims of formulas of every kind --------------------------------------------------------
+// ---- the claims of formulas of every kind
+// --------------------------------------------------------
 
 struct Law {
   const char* energy;
@@ -60,7 +61,8 @@ std::shared_ptr<void> describe_law(std::size_t k) {
   auto description = std::make_shared<ExpressionDescription>();
   const Law& law = laws()[k];
   if (*law.energy != '\0') description->energy = formula(law.energy);
-  for (const char* component : law.force) description->force.components.push_back(formula(component));
+  for (const char* component : law.force)
+    description->force.components.push_back(formula(component));
   description->period.numbers = law.period;
   return description;
 }
@@ -87,8 +89,9 @@ ForceRecord record_of(std::size_t k) {
   record.traits_of = nullptr;
   // Pairs and angles are drawn; the law stays.
   std::erase_if(record.parameters, [](const Parameter& row) { return row.key != "pairs"; });
-  if (!(laws()[k].force.empty() && std::string_view(laws()[k].energy).find("r") !=
-                                       std::string_view::npos && record.traits.internal)) {
+  if (!(laws()[k].force.empty() &&
+        std::string_view(laws()[k].energy).find("r") != std::string_view::npos &&
+        record.traits.internal)) {
     record.most_bodies = 1;
   }
   return record;
@@ -104,8 +107,8 @@ TEST(ExpressionClaims, FormulasOfEveryKindKeepThem) {
     check.examine_everywhere(kSeeds[k % kSeeds.size()], kMostParticles);
     EXPECT_GT(check.examined(), 5);
     std::vector<std::string> broken = check.broken();
-    // An angle near pi is known to a unit of pi's last place: what is left of a small pi - theta has
-    // lost digits, whatever comes after.
+    // An angle near pi is known to a unit of pi's last place: what is left of a small pi - theta
+    // has lost digits, whatever comes after.
     if (std::string_view(laws()[k].energy).find("theta") != std::string_view::npos) {
       std::erase_if(broken, [](const std::string& claim) {
         return claim == "force in double is another" || claim == "force in float is another";
@@ -115,7 +118,8 @@ TEST(ExpressionClaims, FormulasOfEveryKindKeepThem) {
   }
 }
 
-// ---- against built-in forces ---------------------------------------------------------------------
+// ---- against built-in forces
+// ---------------------------------------------------------------------
 
 std::string ring(const std::string& substrate, const std::string& coordinates,
                  const std::string& centre = "[0.0, 1.0]") {
@@ -200,9 +204,10 @@ TEST(Expression, BondsAsAFormulaMoveARingAsTheBuiltInOnesDo) {
   const std::string bonds = "type = \"harmonic_bonds\"\npairs = \"all\"\nstiffness = 100.0\n";
   const auto at = scene.find(bonds);
   const double side = 2.0 * std::sin(M_PI / 8.0);
-  scene.replace(at, bonds.size(),
-                "type = \"expression\"\nname = \"bonds\"\npairs = \"neighbours\"\nenergy = \"50*(r - " +
-                    digits(side) + ")^2\"\n");
+  scene.replace(
+      at, bonds.size(),
+      "type = \"expression\"\nname = \"bonds\"\npairs = \"neighbours\"\nenergy = \"50*(r - " +
+          digits(side) + ")^2\"\n");
   std::string twin = ring(kBuiltIn, "particles");
   twin.replace(at, bonds.size(),
                "type = \"harmonic_bonds\"\nname = \"bonds\"\npairs = \"neighbours\"\n"
@@ -227,8 +232,8 @@ constexpr double kExact = 1e-9;
 TEST(Expression, AForceWithFrictionFollowsItsClosedForm) {
   const RunResult found = run_text(point("force = [\"-4*x - 0.4*vx\"]", "ledger = true\n"));
   const double rate = 0.2, frequency = std::sqrt(4.0 - rate * rate), t = 3.0;
-  const double x = std::exp(-rate * t) *
-                   (std::cos(frequency * t) + rate / frequency * std::sin(frequency * t));
+  const double x =
+      std::exp(-rate * t) * (std::cos(frequency * t) + rate / frequency * std::sin(frequency * t));
   const double v = -4.0 / frequency * std::exp(-rate * t) * std::sin(frequency * t);
   EXPECT_NEAR(found.bodies[0].centre_of_mass[0], x, kExact);
   EXPECT_NEAR(found.bodies[0].velocity[0], v, kExact);
@@ -285,8 +290,8 @@ type = "expression"
 energy = "0.5*3*(theta - pi)^2"
 [run]
 ledger = true
-duration = )--" + digits(end) + "\nintegrator = " +
-                                     adaptive(1e-12, "dop853") + "\n");
+duration = )--" + digits(end) +
+                                     "\nintegrator = " + adaptive(1e-12, "dop853") + "\n");
     ASSERT_EQ(found.status, RunStatus::finished);
     const double angle = 6.0 * kSmall * std::cos(std::sqrt(6.0 * kBend) * end);
     const double whole = 0.5 * kBend * 36.0 * kSmall * kSmall;
@@ -295,7 +300,8 @@ duration = )--" + digits(end) + "\nintegrator = " +
   }
 }
 
-// ---- what is refused -----------------------------------------------------------------------------
+// ---- what is refused
+// -----------------------------------------------------------------------------
 
 std::string message_of(const std::string& scene) {
   try {
@@ -342,7 +348,8 @@ TEST(Expression, RefusesWhatMeansNothingAndNamesTheColumn) {
   }
 }
 
-/// Its power would be taken at a velocity of half a step before: an error of first order in the heat.
+/// Its power would be taken at a velocity of half a step before: an error of first order in the
+/// heat.
 TEST(Expression, ALedgerWithAForceThatIsNoGradientTakesASchemeWithStages) {
   const std::string law = "force = [\"-4*x + 0.1*cos(2*t)\"]";
   const std::string by_dop853 = adaptive(1e-12, "dop853");
@@ -381,13 +388,14 @@ integrator = { type = "rk4", dt = 0.3 }
   EXPECT_NE(found.failure->cause.find("column 6"), std::string::npos) << found.failure->cause;
 }
 
-// ---- number types and sets -----------------------------------------------------------------------
+// ---- number types and sets
+// -----------------------------------------------------------------------
 
 TEST(Expression, RunsInEveryNumberTypeWithTheSameLaw) {
   const auto mean = [&](const char* type) {
     const RunResult result =
-        run_text(ring(kFormula, "particles"), {{"run.number_type", "\"" + std::string(type) + "\""},
-                                               {"run.duration", "2.0"}});
+        run_text(ring(kFormula, "particles"),
+                 {{"run.number_type", "\"" + std::string(type) + "\""}, {"run.duration", "2.0"}});
     return result.drivers[0].mean_force[0];
   };
   const double in_double = mean("double");

@@ -144,7 +144,8 @@ class ClaimCheck {
     look_at_origin(description, arrangement, seed, time);
     look_at_curvature(bench, random);
     if (!arrangement.mapped()) look_at_friction(bench, random);
-    if (record_.traits.conservative && record_.traits.depends_on_time && !record_.traits.does_work) {
+    if (record_.traits.conservative && record_.traits.depends_on_time &&
+        !record_.traits.does_work) {
       look_at_changing_energy(bench, random, time);
     } else {
       look_at_heat(bench, random);

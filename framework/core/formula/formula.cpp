@@ -15,9 +15,7 @@ using Id = FormulaGraph::Id;
 std::string_view name_of(std::uint32_t index) { return expression_variables()[index]; }
 
 /// Formulas have been parsed when the scene was read.
-Expression parsed(const std::string& text) {
-  return std::get<Expression>(Expression::parse(text));
-}
+Expression parsed(const std::string& text) { return std::get<Expression>(Expression::parse(text)); }
 
 /// The variables that code for an element reads from blocks.
 std::vector<std::uint32_t> blocks_of(const FormulaLaw& law) {
@@ -95,8 +93,8 @@ FormulaGraph::Lookup FormulaLaw::lookup(FormulaGraph& graph, std::size_t compone
   }
   for (std::uint32_t index = 0; index < variable::origin; ++index) {
     Id node = graph.variable(index);
-    const bool is_place = index < variable::velocity ||
-                          (index >= variable::centre && index < variable::distance);
+    const bool is_place =
+        index < variable::velocity || (index >= variable::centre && index < variable::distance);
     if (is_place && moves[index % 3]) {
       node = graph.add(node, graph.variable(variable::origin + index % 3));
     }
@@ -185,11 +183,12 @@ std::optional<FormulaLaw::Trouble> FormulaLaw::trouble_of_slopes(std::size_t com
   for (std::size_t step = 0; step < steps.size(); ++step) {
     for (std::uint32_t index = 0; index < variable::time; ++index) {
       if (!uses(index)) continue;
-      const auto slope = static_cast<double>(
-          graph.value(graph.derivative(steps[step], index), values));
+      const auto slope =
+          static_cast<double>(graph.value(graph.derivative(steps[step], index), values));
       if (std::isfinite(slope)) continue;
-      return Trouble{component, parts_[component].nodes()[step].column,
-                     fmt::format("its derivative with respect to {} is not finite", name_of(index))};
+      return Trouble{
+          component, parts_[component].nodes()[step].column,
+          fmt::format("its derivative with respect to {} is not finite", name_of(index))};
     }
   }
   return std::nullopt;

@@ -13,8 +13,8 @@
 #include "framework/core/formula/program.hpp"
 #include "framework/core/parameter.hpp"
 
-/// What the formulas of a force mean: over which elements they are, and the code for the energy, the
-/// force and the second derivatives of one element.
+/// What the formulas of a force mean: over which elements they are, and the code for the energy,
+/// the force and the second derivatives of one element.
 namespace tomlin {
 
 /// What a formula names tells what it is evaluated on: x, y, z a particle; xc, yc, zc the centre of
@@ -40,8 +40,8 @@ inline constexpr std::size_t kOriginUniform = 1;
 /// Code for one element.
 struct FormulaCodes {
   std::vector<std::uint32_t> inputs;  ///< variables, one block each
-  FormulaCode force;   ///< on each axis; of a pair dV/dr, of an angle dV/dtheta
-  FormulaCode energy;  ///< empty without one
+  FormulaCode force;                  ///< on each axis; of a pair dV/dr, of an angle dV/dtheta
+  FormulaCode energy;                 ///< empty without one
   /// d2V of particles and centres, the upper triangle by rows; of a pair or an angle u: dV/du,
   /// d2V/du2. Empty without an energy.
   FormulaCode curvature;

@@ -76,7 +76,7 @@ struct FormulaSiteArguments {
   std::size_t inputs = 0;
   int axis[kMostFormulaInputs] = {};  ///< of each input: 0 to 2 position, 3 to 5 velocity
   std::ptrdiff_t rate = kNoRate;      ///< for the ledger, see `heat` below
-  bool heat_is_power = false;  ///< heat = -F.v of outputs; else the sum of the only output
+  bool heat_is_power = false;         ///< heat = -F.v of outputs; else the sum of the only output
 };
 
 /// A formula for the centre of mass of a body.
@@ -97,8 +97,8 @@ struct FormulaPairArguments {
   int dimension = 0;
   /// Neighbours (i, i + 1) of one body instead of the list: these run along contiguous numbers.
   bool chain = false;
-  bool closed = false;  ///< by the pair of the last particle and the first one's image
-  Real wrap[3] = {};    ///< from the first particle to its image behind the last
+  bool closed = false;     ///< by the pair of the last particle and the first one's image
+  Real wrap[3] = {};       ///< from the first particle to its image behind the last
   Real* result = nullptr;  ///< scratch [axis][result_stride], the first pair's behind kGroup others
   std::size_t result_stride = 0;
   std::ptrdiff_t rate = kNoRate;  ///< for the ledger: the sum of the only output

@@ -14,12 +14,12 @@
 #include <fmt/format.h>
 
 #include "framework/core/bound_force.hpp"
+#include "framework/core/dual.hpp"
+#include "framework/core/force.hpp"
 #include "framework/core/formula/formula.hpp"
 #include "framework/core/formula/formula_arguments.hpp"
-#include "framework/core/force.hpp"
-#include "framework/core/kernel_tables.hpp"
-#include "framework/core/dual.hpp"
 #include "framework/core/inverse_trigonometry.hpp"
+#include "framework/core/kernel_tables.hpp"
 #include "framework/core/number_types.hpp"
 #include "framework/core/pairs.hpp"
 #include "framework/core/sum.hpp"
@@ -202,7 +202,8 @@ class FormulaForce : public BoundForce<Real> {
 
   /// Whether the formula is finite for these inputs; else what to say about it. `of` names the
   /// element.
-  std::optional<Complaint> trouble(const Inputs& inputs, Real elapsed, const std::string& of) const {
+  std::optional<Complaint> trouble(const Inputs& inputs, Real elapsed,
+                                   const std::string& of) const {
     if (finite(force_, inputs, elapsed) && (energy_.empty() || finite(energy_, inputs, elapsed))) {
       return std::nullopt;
     }
@@ -211,8 +212,9 @@ class FormulaForce : public BoundForce<Real> {
     for (std::size_t k = 0; k < codes_.inputs.size(); ++k) {
       const std::uint32_t index = codes_.inputs[k];
       double value = static_cast<double>(inputs[k]);
-      const bool is_place = index < formula_variable::velocity ||
-                            (index >= formula_variable::centre && index < formula_variable::distance);
+      const bool is_place =
+          index < formula_variable::velocity ||
+          (index >= formula_variable::centre && index < formula_variable::distance);
       if (is_place) value += static_cast<double>(base_[index % 3]);
       at[index] = value;
       places += fmt::format("{}{} = {:.6g}", places.empty() ? "" : ", ",
@@ -227,10 +229,10 @@ class FormulaForce : public BoundForce<Real> {
     complaint.key = law_.has_energy() ? "energy" : "force";
     complaint.index = found ? found->component : 0;
     if (found) complaint.column = found->column;
-    complaint.why = fmt::format(
-        "\"{}\"{} has no finite value for {}, where {}: {}", law_.text(complaint.index),
-        found ? fmt::format(", column {},", found->column + 1) : std::string(), of, places,
-        found ? found->why : std::string("its numbers overflow"));
+    complaint.why =
+        fmt::format("\"{}\"{} has no finite value for {}, where {}: {}", law_.text(complaint.index),
+                    found ? fmt::format(", column {},", found->column + 1) : std::string(), of,
+                    places, found ? found->why : std::string("its numbers overflow"));
     return complaint;
   }
 
@@ -302,8 +304,11 @@ class ParticleFormula final : public FormulaForce<Real> {
   }
 
   std::vector<Pass<Real>> passes() override {
-    return {{this->kernels_.site.set[0], this->kernels_.site.add[0], &arguments_,
-             {{body_.index, false}}, kRankTranscendental}};
+    return {{this->kernels_.site.set[0],
+             this->kernels_.site.add[0],
+             &arguments_,
+             {{body_.index, false}},
+             kRankTranscendental}};
   }
 
   bool point(PointForce<Real>& force) const override {
@@ -392,7 +397,8 @@ class ParticleFormula final : public FormulaForce<Real> {
     return inputs;
   }
 
-  /// Where a period along x is declared, the largest curvature over it, at the heights of the start.
+  /// Where a period along x is declared, the largest curvature over it, at the heights of the
+  /// start.
   void sample_curvature() {
     if (this->curvature_.empty() || !(this->period_[0] > 0.0)) return;
     const std::size_t rows = std::min<std::size_t>(body_.slot.count, kSamples);
@@ -463,8 +469,11 @@ class CentreFormula final : public FormulaForce<Real> {
   }
 
   std::vector<Pass<Real>> passes() override {
-    return {{this->kernels_.centre.set[0], this->kernels_.centre.add[0], &arguments_,
-             {{body_.index, arguments_.centre.on_coordinates}}, kRankTranscendental}};
+    return {{this->kernels_.centre.set[0],
+             this->kernels_.centre.add[0],
+             &arguments_,
+             {{body_.index, arguments_.centre.on_coordinates}},
+             kRankTranscendental}};
   }
 
   Real energy(const Stage<Real>& stage) const override {
@@ -528,9 +537,7 @@ class PairFormula final : public FormulaForce<Real> {
 
  public:
   PairFormula(const FormulaLaw& law, const Binding<Real>& binding, const PairSelection& selection)
-      : Base(law, binding, {}),
-        body_(*binding.bodies.front()),
-        other_(*binding.bodies.back()) {
+      : Base(law, binding, {}), body_(*binding.bodies.front()), other_(*binding.bodies.back()) {
     BoundPairs<Real> bound = pairs_of(selection, binding);
     pairs_ = std::move(bound.pairs);
     if (pairs_.empty()) return;
@@ -573,9 +580,8 @@ class PairFormula final : public FormulaForce<Real> {
       for (int a = 0; a < this->dimension_; ++a) {
         for (int b = 0; b < this->dimension_; ++b) {
           const double both = together ? 0.0 : static_cast<double>(way[a] * way[b] / (r * r));
-          const double value = this->dimension_ == 1
-                                   ? along
-                                   : along * both + across * ((a == b ? 1.0 : 0.0) - both);
+          const double value =
+              this->dimension_ == 1 ? along : along * both + across * ((a == b ? 1.0 : 0.0) - both);
           sink.pair(body_.index, pair.i, other_.index, pair.j, a, b, value);
         }
       }
@@ -674,8 +680,7 @@ class AngleFormula final : public FormulaForce<Real> {
   using Inputs = typename Base::Inputs;
 
  public:
-  AngleFormula(const FormulaLaw& law, const Binding<Real>& binding,
-               const AngleSelection& selection)
+  AngleFormula(const FormulaLaw& law, const Binding<Real>& binding, const AngleSelection& selection)
       : Base(law, binding, {}), body_(*binding.bodies.front()), box_(binding.box) {
     lay_angles(selection);
     if (angles_.empty()) return;
@@ -847,8 +852,8 @@ class AngleFormula final : public FormulaForce<Real> {
                      HessianSink& sink) const {
     const Curved cosine = cosine_of(bond);
     const double c = cosine.value.value;
-    const double sine = static_cast<double>(cross_of(bond) / sqrt(dot_of(bond) * dot_of(bond) +
-                                                                  cross_of(bond) * cross_of(bond)));
+    const double sine = static_cast<double>(
+        cross_of(bond) / sqrt(dot_of(bond) * dot_of(bond) + cross_of(bond) * cross_of(bond)));
     const bool straight = sine == 0.0;
     const double by_cosine = straight ? (c < 0.0 ? curvature : -curvature) : -slope / sine;
     const double by_angle = straight ? 0.0 : curvature - slope * c / sine;

@@ -218,8 +218,7 @@ TOMLIN_INLINE void gather_pairs(const FormulaPairArguments<Real>& a, const Stage
                                 std::size_t first, std::size_t packs, PairBlock<Real>& block) {
   using Group = Packed<Real>;
   const PairListArguments<Real>& list = a.list;
-  const Real* x1 =
-      (list.first.mapped ? stage.mapped_position : stage.position) + list.first.offset;
+  const Real* x1 = (list.first.mapped ? stage.mapped_position : stage.position) + list.first.offset;
   const Real* x2 =
       (list.second.mapped ? stage.mapped_position : stage.position) + list.second.offset;
   const std::size_t row_length = (list.pairs + kGroup - 1) / kGroup * kGroup;
@@ -361,8 +360,8 @@ void formula_pair_heat(const void* arguments, const Stage<Real>& stage) {
     take_pairs(a, stage, first, packs, block);
     run_formula<Group>(a.code, inputs, packs);
     for (std::size_t k = 0; k < packs; ++k) {
-      heat = heat - without_padding<Real>(output(a.code, inputs, 0, k), first + k * kGroup,
-                                          a.list.pairs);
+      heat = heat -
+             without_padding<Real>(output(a.code, inputs, 0, k), first + k * kGroup, a.list.pairs);
     }
   }
   stage.rates[a.rate] = sum(heat);
@@ -420,8 +419,8 @@ TOMLIN_INLINE void gather_angles(const FormulaAngleArguments<Real>& a, const Sta
       const Group v = minor(2, 0);
       cross = sqrt(fma(z, z, fma(u, u, v * v)));
     }
-    const Group dot = fma(bond[0][2], bond[1][2],
-                          fma(bond[0][1], bond[1][1], bond[0][0] * bond[1][0]));
+    const Group dot =
+        fma(bond[0][2], bond[1][2], fma(bond[0][1], bond[1][1], bond[0][0] * bond[1][0]));
     dot.store(block.dot + k * kGroup);
     cross.store(block.cross + k * kGroup);
     atan2(cross, dot).store(block.angle + k * kGroup);
@@ -496,8 +495,8 @@ void formula_angle_heat(const void* arguments, const Stage<Real>& stage) {
     gather_angles(a, stage, first, packs, block);
     run_formula<Group>(a.code, inputs, packs);
     for (std::size_t k = 0; k < packs; ++k) {
-      heat = heat - without_padding<Real>(output(a.code, inputs, 0, k), first + k * kGroup,
-                                          a.angles);
+      heat =
+          heat - without_padding<Real>(output(a.code, inputs, 0, k), first + k * kGroup, a.angles);
     }
   }
   stage.rates[a.rate] = sum(heat);

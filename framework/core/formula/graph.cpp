@@ -137,7 +137,8 @@ FormulaGraph::Id FormulaGraph::sum(Quad factor_a, Id a, Quad factor_b, Id b) {
     const Node& part = nodes_[id];
     if (part.kind == Kind::constant) {
       all.number += factor * part.number;
-    } else if (part.kind == Kind::sum && (factor == kOne || (part.terms.size() == 1 && part.number == kZero))) {
+    } else if (part.kind == Kind::sum &&
+               (factor == kOne || (part.terms.size() == 1 && part.number == kZero))) {
       all.number += factor * part.number;
       for (const Term& term : part.terms) all.terms.push_back({factor * term.factor, term.node});
     } else {

@@ -27,8 +27,8 @@ class FormulaGraph {
  public:
   using Id = std::uint32_t;
 
-  /// Nodes and their parts together; a graph that would grow beyond it throws std::length_error. Long
-  /// products have derivatives with the square of their factors.
+  /// Nodes and their parts together; a graph that would grow beyond it throws std::length_error.
+  /// Long products have derivatives with the square of their factors.
   static constexpr std::size_t kLargest = 400000;
 
   enum class Kind : std::uint8_t { constant, variable, sum, product, function };
@@ -49,8 +49,9 @@ class FormulaGraph {
     min,
     max,
     floor,
-    choose,    ///< of four: a < b ? c : d
-    when_positive,  ///< u where u > 0, and no number elsewhere: of slopes of what is defined there only
+    choose,         ///< of four: a < b ? c : d
+    when_positive,  ///< u where u > 0, and no number elsewhere: of slopes of what is defined there
+                    ///< only
   };
 
   struct Term {
@@ -88,8 +89,8 @@ class FormulaGraph {
   /// of each step of it.
   Id build(const Expression& expression, const Lookup& names, std::vector<Id>* steps = nullptr);
 
-  /// d node / d variable, exactly. Where a formula has a kink (abs, min, max, floor) the derivative is
-  /// that of either side.
+  /// d node / d variable, exactly. Where a formula has a kink (abs, min, max, floor) the derivative
+  /// is that of either side.
   Id derivative(Id node, std::uint32_t variable);
 
   const Node& operator[](Id node) const { return nodes_[node]; }

@@ -142,14 +142,11 @@ __attribute__((noinline)) void run_steps(const FormulaStep<Real>* code, std::siz
         of_two([](const T& x, const T& y) { return select(x < y, T(Real(1.0)), T(Real(0.0))); });
         break;
       case FormulaOp::when_positive:
-        of_one([](const T& x) {
-          return select(x > T(Real(0.0)), x, T(Real(__builtin_nan(""))));
-        });
+        of_one([](const T& x) { return select(x > T(Real(0.0)), x, T(Real(__builtin_nan("")))); });
         break;
       case FormulaOp::pick:
-        of_three([](const T& x, const T& y, const T& z) {
-          return select(x == T(Real(0.0)), z, y);
-        });
+        of_three(
+            [](const T& x, const T& y, const T& z) { return select(x == T(Real(0.0)), z, y); });
         break;
     }
   }

@@ -18,7 +18,7 @@ struct Value {
   std::size_t index = 0;  ///< of a constant, a uniform variable or a block
   FormulaOp op = FormulaOp::add;
   std::array<std::size_t, 3> operands = {kNone, kNone, kNone};
-  bool varies = false;      ///< not the same for all elements
+  bool varies = false;       ///< not the same for all elements
   std::size_t twin = kNone;  ///< the cosine of a sine, and the sine of a cosine
 };
 
@@ -76,13 +76,11 @@ class Lowering {
     }
     const auto& uniforms = inputs_.uniforms;
     const auto uniform = std::find(uniforms.begin(), uniforms.end(), index);
-    values.push_back(
-        {Value::From::uniform, static_cast<std::size_t>(uniform - uniforms.begin())});
+    values.push_back({Value::From::uniform, static_cast<std::size_t>(uniform - uniforms.begin())});
     return values.size() - 1;
   }
 
-  std::size_t operation(FormulaOp op, std::size_t a, std::size_t b = kNone,
-                        std::size_t c = kNone) {
+  std::size_t operation(FormulaOp op, std::size_t a, std::size_t b = kNone, std::size_t c = kNone) {
     const auto key = std::make_tuple(op, a, b, c);
     const auto found = operations_.find(key);
     if (found != operations_.end()) return found->second;
@@ -144,9 +142,7 @@ class Lowering {
     std::vector<std::size_t> x;
     x.reserve(node.arguments.size());
     for (const Id id : node.arguments) x.push_back(value_of(id));
-    const auto of = [&](FormulaOp op) {
-      return operation(op, x[0], x.size() > 1 ? x[1] : kNone);
-    };
+    const auto of = [&](FormulaOp op) { return operation(op, x[0], x.size() > 1 ? x[1] : kNone); };
     switch (static_cast<FormulaGraph::Function>(node.index)) {
       case sqrt:
         return of(FormulaOp::square_root);
@@ -268,8 +264,7 @@ class Placing {
     const auto index = static_cast<std::uint16_t>(value.index);
     if (value.from == Value::From::block) return {FormulaSlot::inputs, index};
     if (value.from == Value::From::constant) return {FormulaSlot::uniforms, index};
-    return {FormulaSlot::uniforms,
-            static_cast<std::uint16_t>(code_.place_of_uniform(value.index))};
+    return {FormulaSlot::uniforms, static_cast<std::uint16_t>(code_.place_of_uniform(value.index))};
   }
 
   void emit(std::size_t v) {

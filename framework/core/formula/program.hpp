@@ -23,8 +23,8 @@ enum class FormulaOp : std::uint8_t {
   exponential,
   logarithm,
   power,
-  sine,    ///< sin(2 pi a)
-  cosine,  ///< cos(2 pi a)
+  sine,             ///< sin(2 pi a)
+  cosine,           ///< cos(2 pi a)
   sine_and_cosine,  ///< both, the cosine to `also`
   scaled_sine,      ///< b sin(2 pi a): waves mostly come with a factor
   scaled_cosine,
@@ -37,8 +37,8 @@ enum class FormulaOp : std::uint8_t {
   minimum,
   maximum,
   round_down,
-  less,  ///< 1 where a < b, else 0
-  pick,      ///< b where a is not 0, else c
+  less,           ///< 1 where a < b, else 0
+  pick,           ///< b where a is not 0, else c
   when_positive,  ///< a where a > 0, else no number
 };
 
@@ -73,17 +73,17 @@ struct FormulaCode {
   std::vector<FormulaInstruction> prologue;  ///< of uniforms only: once for all elements
   std::vector<FormulaInstruction> body;
   std::vector<Quad> constants;
-  std::size_t uniforms = 0;            ///< in all
-  std::size_t registers = 0;           ///< needed at once
-  std::vector<FormulaSlot> outputs;    ///< of the nodes, in their order
+  std::size_t uniforms = 0;          ///< in all
+  std::size_t registers = 0;         ///< needed at once
+  std::vector<FormulaSlot> outputs;  ///< of the nodes, in their order
 
   /// Where uniform variable k stands among the uniforms.
   std::size_t place_of_uniform(std::size_t k) const { return constants.size() + k; }
   bool fits() const { return registers <= kMostRegisters && uniforms <= kMostUniforms; }
 };
 
-/// The variables of a graph with these indices are blocks, in this order the inputs 0, 1, ...; those
-/// are uniform, in this order.
+/// The variables of a graph with these indices are blocks, in this order the inputs 0, 1, ...;
+/// those are uniform, in this order.
 struct FormulaInputs {
   std::vector<std::uint32_t> blocks;
   std::vector<std::uint32_t> uniforms;

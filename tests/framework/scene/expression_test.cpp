@@ -1,5 +1,3 @@
-#include "framework/scene/parameter_table.hpp"
-
 #include <algorithm>
 #include <bit>
 #include <clocale>
@@ -21,6 +19,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/core/nearest_name.hpp"
+#include "framework/scene/parameter_table.hpp"
 
 namespace tomlin {
 namespace {

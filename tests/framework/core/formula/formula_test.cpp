@@ -56,9 +56,7 @@ const std::vector<std::string>& formulas() {
   return all;
 }
 
-Expression parsed(const std::string& text) {
-  return std::get<Expression>(Expression::parse(text));
-}
+Expression parsed(const std::string& text) { return std::get<Expression>(Expression::parse(text)); }
 
 constexpr std::uint32_t kT = formula_variable::time;
 
@@ -107,8 +105,7 @@ TEST(FormulaGraph, HasTheValueOfTheExpression) {
       for (int k = 0; k < 20; ++k) {
         const double x = places.next(), y = places.next(), t = places.next();
         const double expected = value_of(text, x, y, t);
-        const auto found =
-            static_cast<double>(built.at(built.root, Quad(x), Quad(y), Quad(t)));
+        const auto found = static_cast<double>(built.at(built.root, Quad(x), Quad(y), Quad(t)));
         EXPECT_NEAR(found, expected, kRounding * (1.0 + std::abs(expected))) << x << ' ' << y;
       }
     }
