@@ -196,8 +196,10 @@ class Examiner {
   }
 
   bool repeats_along(std::size_t axis, double length) {
-    constexpr int kPlaces = 17;
+    constexpr int kPlaces = 97;
     constexpr double kRounding = 1e-9;  // of formulas with some dozens of operations
+    constexpr double kFar = 1000.0;     // every other place is compared with one so far away
+    constexpr double kFarRounding = 1e-6;
     const std::uint32_t first =
         law_.element() == FormulaElement::centre ? variable::centre : variable::position;
     for (std::size_t component = 0; component < law_.components(); ++component) {
@@ -210,20 +212,22 @@ class Examiner {
         }
         at[first + axis] -= 0.5 * length;
         FormulaLaw::Values after = at;
-        after[first + axis] += length;
+        const bool far = k % 2 == 1;
+        const double periods = far ? kFar : 1.0;
+        after[first + axis] += periods * length;
         const auto here = law_.evaluate(component, at);
         const auto there = law_.evaluate(component, after);
         if (here.index() != 0 || there.index() != 0) continue;
         const double one = std::get<double>(here);
         const double other = std::get<double>(there);
         largest_ = std::max({largest_, std::abs(one), std::abs(other)});
-        if (std::abs(one - other) <= kRounding * largest_) continue;
+        if (std::abs(one - other) <= (far ? kFarRounding : kRounding) * largest_) continue;
         const std::string_view name = expression_variables()[first + axis];
         found_.push_back(
             {"period",
-             fmt::format("\"{}\" does not repeat: it is {:.9g} at {} = {:.6g}, and {:.9g} "
-                         "a period further",
-                         law_.text(component), one, name, at[first + axis], other),
+             fmt::format("\"{}\" does not repeat: it is {:.9g} at {} = {:.6g}, and {:.9g} {}",
+                         law_.text(component), one, name, at[first + axis], other,
+                         far ? "a thousand periods further" : "a period further"),
              "a length after which the formula is as it was, or no period"});
         return false;
       }

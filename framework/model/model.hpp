@@ -123,6 +123,7 @@ class Model {
     double relaxation_rate = 0.0;
     double spring_frequency = 0.0;  ///< of springs alone, without bounds on substrates
   };
+  /// At the start; where energies change with time, the largest over the run.
   Stiffness stiffness(bool without_bonds = false);
   /// Name of the force with the largest share in it.
   std::string stiffest_force();
@@ -144,6 +145,7 @@ class Model {
   std::optional<std::string> body_without_velocity(double from, double to) const;
 
  private:
+  Stiffness stiffness_at(double time, bool without_bonds);
   static AssemblyPlan plan_for(const Scene& scene, InstructionSet set);
   void lay_tangent();
   static void begin_step(void* model, double time_high, double time_low);

@@ -352,8 +352,29 @@ double response_to_sites(const Model& model, const Model::Body& body, double cur
 }  // namespace
 
 Model::Stiffness Model::stiffness(bool without_bonds) {
+  constexpr int kTimes = 32;  // of energies that change with time, over the run
+  const bool changes = std::any_of(forces().begin(), forces().end(), [](const Force& force) {
+    const Traits& traits = force.traits;
+    return traits.depends_on_time && traits.conservative && !traits.does_work;
+  });
+  Stiffness most = stiffness_at(0.0, without_bonds);
+  if (!changes) return most;
+  for (int k = 1; k <= kTimes; ++k) {
+    // Places that no period of the scene hits again and again.
+    const double turn = 0.6180339887498949 * k;
+    const Stiffness one =
+        stiffness_at((turn - std::floor(turn)) * scene().run.duration, without_bonds);
+    most.frequency = std::max(most.frequency, one.frequency);
+    most.spring_frequency = std::max(most.spring_frequency, one.spring_frequency);
+    most.relaxation_rate = std::max(most.relaxation_rate, one.relaxation_rate);
+  }
+  stiffness_at(0.0, without_bonds);  // forces count their time from the start again
+  return most;
+}
+
+Model::Stiffness Model::stiffness_at(double time, bool without_bonds) {
   const SystemView<double>& view = system().view;
-  evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates_.data());
+  evaluate_at(DoubleDouble(time), view.position, view.velocity, view.integrals, rates_.data());
   const Stage<double> here = stage(view.position, view.velocity, view.integrals, rates_.data());
   ScaledHessian springs(*this, coordinate_count() <= kDenseLimit);
   DampingRates damping(*this);

@@ -20,6 +20,10 @@ namespace {
 /// Parts of a length that has to be seen: what is coarser is warned of, or refused.
 constexpr double kCoarsePlaces = 1e-9;
 constexpr double kFewPlaces = 100.0;  // of a short number type
+// The same in units of length, where the scene has no length of its own.
+constexpr double kCoarseUnits = 1e-6;
+constexpr double kFewUnits = 1000.0;
+constexpr double kNoLength = 1e300;
 constexpr double kUselessPlaces = 1e-3;
 /// Tolerance of an adaptive scheme, as a part of a period or of half the shortest bond.
 constexpr double kCoarseTolerance = 1e-2;
@@ -155,7 +159,9 @@ void Engine::check_places() {
     if (slot.mapped && !slot.rigid) continue;
     const double reach = reach_of(body);
     double worst = 0.0;
+    double farthest_without_length = 0.0;
     int axis = 0;
+    int axis_without_length = 0;
     for (int d = 0; d < model_.dimension(); ++d) {
       const std::size_t first = slot.rigid ? slot.centre + d : slot.offset + d * slot.stride;
       const std::size_t count = slot.rigid ? 1 : slot.count;
@@ -163,11 +169,25 @@ void Engine::check_places() {
         const double farthest = std::abs(view.position[i]) + (slot.rigid ? reach : 0.0);
         double shortest = view.largest_move[i];
         if (slot.rigid && reach > 0.0) shortest = std::min(shortest, reach);
+        if (!(shortest < kNoLength)) {
+          if (farthest <= farthest_without_length) continue;
+          farthest_without_length = farthest;
+          axis_without_length = d;
+          continue;
+        }
         const double coarse = last_place * farthest / shortest;
         if (coarse <= worst) continue;
         worst = coarse;
         axis = d;
       }
+    }
+    // Nothing tells a length of the scene there: in its units, one is as good as another.
+    const double coarse = last_place * farthest_without_length;
+    if (coarse > std::max(kCoarseUnits, kFewUnits * last_place)) {
+      warnings_.push_back(fmt::format(
+          "{}: places along {} are far from zero, and no force declares a period there: {} tells "
+          "them apart to {:.2g}, and shorter ways are lost",
+          body.bound.name, "xyz"[axis_without_length], scene_ -> run.number_type, coarse));
     }
     if (worst <= std::max(kCoarsePlaces, kFewPlaces * last_place)) continue;
     const std::string what = fmt::format(

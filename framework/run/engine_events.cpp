@@ -206,6 +206,12 @@ double Engine::heat_so_far() {
   for (const Model::Driver& driver : drivers_) {
     work += view.integrals[driver.first_rate + model_.dimension()];
   }
+  for (const Model::Force& force : model_.forces()) {
+    // With the ledger: what an energy that changes with time puts in.
+    if (force.traits.conservative && force.heat_rate != kNoRate) {
+      work -= view.integrals[force.heat_rate];
+    }
+  }
   return work - model_.kinetic_energy(view.velocity) -
          model_.potential_energy(seen_, view.position, view.velocity, view.integrals);
 }

@@ -56,7 +56,11 @@ EnergyResult Engine::energy(bool window) const {
   }
   double heat = 0.0;
   for (const Model::Force& force : model_.forces()) {
-    if (force.heat_rate != kNoRate) heat += over_window(force.heat_rate);
+    if (force.heat_rate == kNoRate) continue;
+    // An energy that changes with time does work on the scene: its heat is that, with the other
+    // sign.
+    (force.traits.conservative ? work : heat) +=
+        (force.traits.conservative ? -1.0 : 1.0) * over_window(force.heat_rate);
   }
   if (model_.friction_rate() != kNoRate) heat += over_window(model_.friction_rate());
   energy.work_in = work;

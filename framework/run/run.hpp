@@ -83,7 +83,8 @@ struct ObserverResult {
 struct EnergyResult {
   double kinetic = 0.0;
   double potential = 0.0;
-  std::optional<double> work_in;        ///< by all drivers, at their pulled ends
+  /// By all drivers, at their pulled ends, and by energies that change with time.
+  std::optional<double> work_in;
   std::optional<double> heat_out;       ///< to all dampers
   std::optional<double> stored_change;  ///< of kinetic and potential energy
   /// stored_change + heat_out - work_in: what the integrator itself added.

@@ -1,5 +1,6 @@
 #include "forcefields/expression.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -242,13 +243,14 @@ TEST(Expression, AForceWithFrictionFollowsItsClosedForm) {
   EXPECT_NEAR(*found.energy->numerical_work, 0.0, kExact);
 }
 
-/// V = -x cos(t): x = 1 + 1 - cos(t). What its change in time takes out is the integral of
-/// dV/dt = x sin(t), with the sign of heat.
+/// V = -x cos(t): x = 1 + 1 - cos(t). What its change in time puts in is the integral of
+/// dV/dt = x sin(t).
 TEST(Expression, AnEnergyThatChangesWithTimeClosesTheLedger) {
   const RunResult found = run_text(point("energy = \"-x*cos(t)\"", "ledger = true\n"));
   EXPECT_NEAR(found.bodies[0].centre_of_mass[0], 2.0 - std::cos(3.0), kExact);
   const double put_in = 2.0 * (1.0 - std::cos(3.0)) - 0.5 * std::pow(std::sin(3.0), 2);
-  EXPECT_NEAR(*found.energy->heat_out, -put_in, kExact);
+  EXPECT_NEAR(*found.energy->work_in, put_in, kExact);
+  EXPECT_NEAR(*found.energy->heat_out, 0.0, kExact);
   EXPECT_NEAR(*found.energy->numerical_work, 0.0, kExact);
 }
 
@@ -336,6 +338,9 @@ TEST(Expression, RefusesWhatMeansNothingAndNamesTheColumn) {
       {"energy = \"cos(x)\"\nperiod = 1.0", "8:", "does not repeat"},
       {"energy = \"r^2\"\nperiod = 1.0", "8:", "no period in space"},
       {"energy = \"cos(2*pi*x)\"\nperiod = [1.0, 1.0]", "8:", "more periods"},
+      {"energy = \"x*0/0\"", "7:1", "0 / 0 is a division by zero"},
+      {"energy = \"(x - x)/(x - x) + x\"", "7:1", "division by zero"},
+      {"energy = \"0.1*cos(2*pi*x)*(1 + max(0, x - 100))\"\nperiod = 1.0", "8:", "does not repeat"},
       {"energy = \"log(x - 1)\"", "7:", "column 1, has no finite value for particle 0"},
       {"energy = \"1/(x - 1)\"", "7:", "division by zero"},
       {"energy = \"sqrt(x - 1)\"", "7:", "derivative with respect to x is not finite"},

@@ -144,6 +144,7 @@ template <class Real>
 class FormulaForce : public BoundForce<Real> {
  public:
   static constexpr std::size_t kMostOutputs = 8;
+  static constexpr int kThorough = 64;
   using Outputs = std::array<Real, kMostOutputs>;
   using Inputs = std::array<Real, kMostFormulaInputs>;
 
@@ -192,7 +193,9 @@ class FormulaForce : public BoundForce<Real> {
   /// At the start of the run; throws BindError where the formula is not defined there.
   void check_start() {
     begin_step(DoubleDouble(0.0));
+    thorough_ = kThorough;
     const auto complaint = first_trouble(nullptr);
+    thorough_ = 0;
     if (complaint) throw BindError(*complaint);
   }
 
@@ -204,9 +207,9 @@ class FormulaForce : public BoundForce<Real> {
   /// element.
   std::optional<Complaint> trouble(const Inputs& inputs, Real elapsed,
                                    const std::string& of) const {
-    if (finite(force_, inputs, elapsed) && (energy_.empty() || finite(energy_, inputs, elapsed))) {
-      return std::nullopt;
-    }
+    const bool numbers =
+        finite(force_, inputs, elapsed) && (energy_.empty() || finite(energy_, inputs, elapsed));
+    if (numbers && thorough_ == 0) return std::nullopt;
     FormulaLaw::Values at{};
     std::string places;
     for (std::size_t k = 0; k < codes_.inputs.size(); ++k) {
@@ -223,6 +226,15 @@ class FormulaForce : public BoundForce<Real> {
     at[formula_variable::time] = static_cast<double>(start_of_time_ + elapsed);
     if (law_.depends_on_time()) {
       places += fmt::format("{}t = {:.6g}", places.empty() ? "" : ", ", at[formula_variable::time]);
+    }
+    if (numbers) {
+      // What was simplified away, 0/0 say, is looked at as it is written.
+      --thorough_;
+      bool all = true;
+      for (std::size_t k = 0; k < law_.components(); ++k) {
+        all = all && law_.evaluate(k, at).index() == 0;
+      }
+      if (all) return std::nullopt;
     }
     const auto found = law_.trouble_at(at);
     Complaint complaint;
@@ -257,6 +269,7 @@ class FormulaForce : public BoundForce<Real> {
   FormulaProgram<Real> power_;
   Real start_of_time_{};
   std::array<Real, 3> base_{};
+  mutable int thorough_ = 0;  ///< elements that are still to be looked at as the formula is written
 
  private:
   static std::array<bool, 3> moving_axes(const Binding<Real>& binding) {
@@ -360,10 +373,11 @@ class ParticleFormula final : public FormulaForce<Real> {
   }
 
  private:
-  /// Places along each period at which the curvature is looked at, and what is added to the largest
-  /// for what may lie between.
+  /// Places along each period at which the curvature is looked at first, and steps of the search
+  /// about the largest; what rounding may still add.
   static constexpr int kSamples = 64;
-  static constexpr double kBetween = 1.02;
+  static constexpr int kSearch = 40;
+  static constexpr double kBetween = 1.0 + 1e-12;
 
   FormulaSiteArguments<Real> arguments_for(const FormulaProgram<Real>& program) const {
     FormulaSiteArguments<Real> arguments;
@@ -402,32 +416,55 @@ class ParticleFormula final : public FormulaForce<Real> {
   void sample_curvature() {
     if (this->curvature_.empty() || !(this->period_[0] > 0.0)) return;
     const std::size_t rows = std::min<std::size_t>(body_.slot.count, kSamples);
+    const double apart = this->period_[0] / kSamples;
     for (std::size_t i = 0; i < rows; ++i) {
-      Inputs inputs = inputs_at(nullptr, i);
+      double most = -1.0;
+      double place = 0.0;
       for (int k = 0; k < kSamples; ++k) {
-        for (std::size_t input = 0; input < this->codes_.inputs.size(); ++input) {
-          if (this->codes_.inputs[input] == formula_variable::position) {
-            inputs[input] = Real(this->period_[0] * k / kSamples);
-          }
+        const double here = curvature_at(i, k * apart);
+        if (here <= most) continue;
+        most = here;
+        place = k * apart;
+      }
+      // By thirds: between the neighbours of the largest there is one hill.
+      double low = place - apart;
+      double high = place + apart;
+      for (int k = 0; k < kSearch; ++k) {
+        const double third = (high - low) / 3.0;
+        if (curvature_at(i, low + third) < curvature_at(i, high - third)) {
+          low += third;
+        } else {
+          high -= third;
         }
-        note_curvature(this->evaluate(this->curvature_, inputs, Real(0.0)));
       }
     }
   }
 
+  /// Of particle i, moved along x to a place; the largest so far are noted.
+  double curvature_at(std::size_t i, double x) {
+    Inputs inputs = inputs_at(nullptr, i);
+    for (std::size_t input = 0; input < this->codes_.inputs.size(); ++input) {
+      if (this->codes_.inputs[input] == formula_variable::position) inputs[input] = Real(x);
+    }
+    return note_curvature(this->evaluate(this->curvature_, inputs, Real(0.0)));
+  }
+
   /// The largest sum of a row: no eigenvalue is beyond it.
-  void note_curvature(const typename Base::Outputs& entries) {
+  double note_curvature(const typename Base::Outputs& entries) {
     std::array<double, 3> row{};
     std::array<double, 3> diagonal{};
     for_upper_triangle<Real>(entries, this->dimension_, [&](int a, int b, double value) {
       row[static_cast<std::size_t>(a)] += std::abs(value);
       if (a == b) diagonal[static_cast<std::size_t>(a)] = std::abs(value);
     });
+    double most = 0.0;
     for (std::size_t a = 0; a < 3; ++a) {
       if (!std::isfinite(row[a])) continue;
+      most = std::max(most, row[a]);
       largest_curvature_ = std::max(largest_curvature_, kBetween * row[a]);
       curvature_along_[a] = std::max(curvature_along_[a], kBetween * diagonal[a]);
     }
+    return most;
   }
 
   BoundBody<Real> body_;
@@ -735,6 +772,14 @@ class AngleFormula final : public FormulaForce<Real> {
       const Bonds bond = bonds(stage, k);
       auto complaint = this->trouble({angle_of(bond)}, elapsed, of);
       if (complaint) return complaint;
+      for (std::size_t side = 0; side < 2; ++side) {
+        const auto& way = bond[side];
+        if (way[0] * way[0] + way[1] * way[1] + way[2] * way[2] > Real(0.0)) continue;
+        Complaint together;
+        together.key = "energy";
+        together.why = of + " enclose no angle: two of them are in one place";
+        return together;
+      }
       const bool straight = cross_of(bond) == Real(0.0);
       if (straight && this->evaluate(this->force_, {angle_of(bond)}, elapsed)[0] != Real(0.0)) {
         Complaint line;

@@ -115,6 +115,9 @@ void compare_along(Examination& e, const Path& path, double from, double to) {
     (in_first ? to : from) = middle;
     now = in_first ? first : second;
   }
+  // Beyond where the force is defined there is nothing to compare; `finite` says whether it may be
+  // so.
+  if (!std::isfinite(now.gained) || !std::isfinite(now.work)) return;
   e.note(-now.gained, now.work, now.size, now.allowed, path.at(to));
 }
 
