@@ -301,8 +301,7 @@ void register_formulas() {
   register_variants("chain_1000", bonds_as_formula(chain("1000", "1.0"), "0.5*(r - 1)^2"), bonds);
 }
 
-// ---- one force alone
-// -------------------------------------------------------------------------------
+// ---- one force alone ----------------------------------------------------------------------------
 
 /// All evaluations of a scene's only force, none of the engine's other work.
 void register_force(const std::string& model, const char* name, const std::string& force) {

@@ -72,8 +72,7 @@ std::uint64_t pairs(const void* description, const SceneOutline& scene) {
   return count_of(d.pairs, scene);
 }
 
-// ---- complaints
-// -----------------------------------------------------------------------------------
+// ---- complaints ---------------------------------------------------------------------------------
 
 class Examiner {
  public:
@@ -246,8 +245,7 @@ std::vector<Complaint> complaints(const void* description, const SceneOutline& s
   return Examiner(described(description), scene).complaints();
 }
 
-// ---- binding
-// ----------------------------------------------------------------------------------------
+// ---- binding ------------------------------------------------------------------------------------
 
 template <class Real, class Force, class... Arguments>
 std::unique_ptr<BoundForce<Real>> checked(Arguments&&... arguments) {

@@ -368,7 +368,6 @@ Model::Stiffness Model::stiffness(bool without_bonds) {
     most.spring_frequency = std::max(most.spring_frequency, one.spring_frequency);
     most.relaxation_rate = std::max(most.relaxation_rate, one.relaxation_rate);
   }
-  stiffness_at(0.0, without_bonds);  // forces count their time from the start again
   return most;
 }
 
@@ -376,6 +375,8 @@ Model::Stiffness Model::stiffness_at(double time, bool without_bonds) {
   const SystemView<double>& view = system().view;
   evaluate_at(DoubleDouble(time), view.position, view.velocity, view.integrals, rates_.data());
   const Stage<double> here = stage(view.position, view.velocity, view.integrals, rates_.data());
+  const DoubleDouble anchored = anchor_;
+  anchor(DoubleDouble(time));
   ScaledHessian springs(*this, coordinate_count() <= kDenseLimit);
   DampingRates damping(*this);
   std::vector<double> site_bounds(bodies().size(), 0.0);
@@ -391,6 +392,7 @@ Model::Stiffness Model::stiffness_at(double time, bool without_bonds) {
     }
     force.bound->friction(damping);
   }
+  anchor(anchored);
   const double fastest =
       springs.largest() + *std::max_element(site_bounds.begin(), site_bounds.end());
   if (!view.inertial) return {.relaxation_rate = fastest};

@@ -79,6 +79,7 @@ std::string why_not_finite(Model& model, const DoubleDouble& time, double h) {
   AlignedVector<double> place(s.position, s.position + s.dofs);
   place.resize(s.dofs + 2 * kGroup, 0.0);
   std::string found;
+  model.anchor(time);  // where formulas count their time from; nothing goes on after a failure
   for (const double part : {0.0, 0.5, 1.0}) {
     for (std::size_t i = 0; i < s.dofs; ++i) place[i] = s.position[i] + part * h * s.velocity[i];
     model.evaluate_at(time, place.data(), s.velocity, s.integrals, rates.data());

@@ -170,7 +170,7 @@ void Engine::check_places() {
         double shortest = view.largest_move[i];
         if (slot.rigid && reach > 0.0) shortest = std::min(shortest, reach);
         if (!(shortest < kNoLength)) {
-          if (farthest <= farthest_without_length) continue;
+          if (farthest <= farthest_without_length || !(farthest < kNoLength)) continue;
           farthest_without_length = farthest;
           axis_without_length = d;
           continue;

@@ -147,6 +147,34 @@ TEST(CheckSuite, AccusesNoKinks) {
   }
 }
 
+/// A formula that ends: paths that leave where it is defined are not judged there.
+TEST(CheckSuite, AccusesNoFormulaThatEnds) {
+  const std::set<std::string> none;
+  for (const char* energy : {"-0.5*log(1 - (r/1.5)^2)", "0.1*sqrt(3 - r)"}) {
+    const auto scene = scene_of(std::string(R"--(
+[[body]]
+type = "chain"
+count = 3
+spacing = 1.0
+particle_mass = 1.0
+[[force]]
+type = "expression"
+pairs = "neighbours"
+energy = ")--") + energy + R"--("
+[run]
+duration = 1.0
+integrator = { type = "rk4", dt = 1e-3 }
+)--");
+    for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+      ClaimOptions options;
+      options.seed = seed;
+      for (const ClaimResult& result : check_claims(*scene, options)) {
+        EXPECT_TRUE(result.holds) << energy << ' ' << result.claim << ", seed " << seed;
+      }
+    }
+  }
+}
+
 // ---- wrong ones
 
 /// One fault, and a claim that must break over it; others may break, too.

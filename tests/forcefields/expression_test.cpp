@@ -25,8 +25,7 @@ namespace {
 
 constexpr std::array<std::uint64_t, 3> kSeeds = {20240611, 7, 424242};
 
-// ---- the claims of formulas of every kind
-// --------------------------------------------------------
+// ---- the claims of formulas of every kind -------------------------------------------------------
 
 struct Law {
   const char* energy;
@@ -119,8 +118,7 @@ TEST(ExpressionClaims, FormulasOfEveryKindKeepThem) {
   }
 }
 
-// ---- against built-in forces
-// ---------------------------------------------------------------------
+// ---- against built-in forces --------------------------------------------------------------------
 
 std::string ring(const std::string& substrate, const std::string& coordinates,
                  const std::string& centre = "[0.0, 1.0]") {
@@ -302,8 +300,7 @@ duration = )--" + digits(end) +
   }
 }
 
-// ---- what is refused
-// -----------------------------------------------------------------------------
+// ---- what is refused ----------------------------------------------------------------------------
 
 std::string message_of(const std::string& scene) {
   try {
@@ -393,8 +390,48 @@ integrator = { type = "rk4", dt = 0.3 }
   EXPECT_NE(found.failure->cause.find("column 6"), std::string::npos) << found.failure->cause;
 }
 
-// ---- number types and sets
-// -----------------------------------------------------------------------
+/// The stiffness is 1 at the start and 1e6 a moment later: beyond 2.8e-3 rk4 is unstable.
+TEST(Expression, AStepIsHeldAgainstTheStiffnessOfAllTimes) {
+  std::string scene = point("energy = \"0.5*x^2*(1 + 1e6*sin(t)^2)\"");
+  const std::string old = adaptive(1e-12, "dop853");
+  scene.replace(scene.find(old), old.size(), fixed_step(1e-2));
+  const RunResult refused = run_text(scene);
+  ASSERT_EQ(refused.status, RunStatus::failed);
+  EXPECT_NE(refused.failure->what.find("stability limit"), std::string::npos)
+      << refused.failure->what;
+  scene.replace(scene.find(fixed_step(1e-2)), fixed_step(1e-2).size(), fixed_step(1e-3));
+  EXPECT_EQ(run_text(scene).status, RunStatus::finished);
+}
+
+TEST(Expression, PlacesFarOutWithoutAPeriodAreWarnedOf) {
+  const auto warned = [](const std::string& period) {
+    const RunResult found =
+        run_text(point("energy = \"0.1*cos(2*pi*x)\"\n" + period, "", "[1e11]"));
+    return std::any_of(found.warnings.begin(), found.warnings.end(), [](const std::string& one) {
+      return one.find("no force declares a period") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(warned(""));
+  EXPECT_FALSE(warned("period = 1.0"));
+}
+
+TEST(Expression, ParticlesInOnePlaceEncloseNoAngle) {
+  const std::string message = message_of(R"--(
+[[body]]
+type = "particles"
+positions = [[0.0, 0.0], [0.0, 0.0], [1.0, 0.0]]
+particle_mass = 1.0
+[[force]]
+type = "expression"
+energy = "cos(theta)"
+[run]
+duration = 1.0
+integrator = { type = "rk4", dt = 0.1 }
+)--");
+  EXPECT_NE(message.find("enclose no angle"), std::string::npos) << message;
+}
+
+// ---- number types and sets ----------------------------------------------------------------------
 
 TEST(Expression, RunsInEveryNumberTypeWithTheSameLaw) {
   const auto mean = [&](const char* type) {

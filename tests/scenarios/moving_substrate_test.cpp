@@ -25,8 +25,7 @@ std::vector<Setting> with(std::vector<Setting> settings, const Setting& more) {
 
 double static_force(const RunResult& result) { return result.drivers.at(0).static_force.value(); }
 
-// ---- the balance of forces
-// --------------------------------------------------------------------------
+// ---- the balance of forces ----------------------------------------------------------------------
 
 /// Where a function that rises from negative to positive is zero.
 template <class F>
@@ -168,8 +167,7 @@ TEST(MovingSubstrate, StiffAtomsTendToFixedOnesAsOneOverTheirStiffness) {
   EXPECT_NEAR(deviation[1] * 1e4, 5.895, 0.01);
 }
 
-// ---- at finite speed
-// --------------------------------------------------------------------------------
+// ---- at finite speed ----------------------------------------------------------------------------
 
 /// What two runs at a tolerance of 1e-9 may differ by, relatively, after some thousand steps.
 constexpr double kSameModel = 1e-7;

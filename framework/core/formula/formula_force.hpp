@@ -374,10 +374,15 @@ class ParticleFormula final : public FormulaForce<Real> {
 
  private:
   /// Places along each period at which the curvature is looked at first, and steps of the search
-  /// about the largest; what rounding may still add.
+  /// about the largest.
   static constexpr int kSamples = 64;
   static constexpr int kSearch = 40;
-  static constexpr double kBetween = 1.0 + 1e-12;
+  /// Where the formula depends on more than x: heights beside those of the start, in periods.
+  static constexpr std::size_t kHeights = 5;
+  static constexpr double kHeight[kHeights] = {0.0, -0.25, 0.25, -0.5, 0.5};
+  /// What is added for what lies between, and for rounding alone.
+  static constexpr double kElsewhere = 1.02;
+  static constexpr double kRounding = 1.0 + 1e-12;
 
   FormulaSiteArguments<Real> arguments_for(const FormulaProgram<Real>& program) const {
     FormulaSiteArguments<Real> arguments;
@@ -417,7 +422,11 @@ class ParticleFormula final : public FormulaForce<Real> {
     if (this->curvature_.empty() || !(this->period_[0] > 0.0)) return;
     const std::size_t rows = std::min<std::size_t>(body_.slot.count, kSamples);
     const double apart = this->period_[0] / kSamples;
-    for (std::size_t i = 0; i < rows; ++i) {
+    const bool elsewhere = this->codes_.inputs.size() > 1;
+    margin_ = elsewhere ? kElsewhere : kRounding;
+    for (std::size_t row = 0; row < rows * (elsewhere ? kHeights : 1); ++row) {
+      const std::size_t i = row % rows;
+      aside_ = apart * kSamples * kHeight[row / rows];
       double most = -1.0;
       double place = 0.0;
       for (int k = 0; k < kSamples; ++k) {
@@ -444,7 +453,11 @@ class ParticleFormula final : public FormulaForce<Real> {
   double curvature_at(std::size_t i, double x) {
     Inputs inputs = inputs_at(nullptr, i);
     for (std::size_t input = 0; input < this->codes_.inputs.size(); ++input) {
-      if (this->codes_.inputs[input] == formula_variable::position) inputs[input] = Real(x);
+      if (this->codes_.inputs[input] == formula_variable::position) {
+        inputs[input] = Real(x);
+      } else {
+        inputs[input] = inputs[input] + Real(aside_);
+      }
     }
     return note_curvature(this->evaluate(this->curvature_, inputs, Real(0.0)));
   }
@@ -461,8 +474,8 @@ class ParticleFormula final : public FormulaForce<Real> {
     for (std::size_t a = 0; a < 3; ++a) {
       if (!std::isfinite(row[a])) continue;
       most = std::max(most, row[a]);
-      largest_curvature_ = std::max(largest_curvature_, kBetween * row[a]);
-      curvature_along_[a] = std::max(curvature_along_[a], kBetween * diagonal[a]);
+      largest_curvature_ = std::max(largest_curvature_, margin_ * row[a]);
+      curvature_along_[a] = std::max(curvature_along_[a], margin_ * diagonal[a]);
     }
     return most;
   }
@@ -470,6 +483,8 @@ class ParticleFormula final : public FormulaForce<Real> {
   BoundBody<Real> body_;
   FormulaSiteArguments<Real> arguments_;
   FormulaSiteArguments<Real> heat_;
+  double margin_ = kRounding;
+  double aside_ = 0.0;
   double largest_curvature_ = -1.0;
   std::array<double, 3> curvature_along_{};
 };
