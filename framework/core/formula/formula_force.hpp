@@ -74,12 +74,12 @@ class FormulaProgram {
 
  private:
   Real* at(FormulaSlot slot) const {
-    if (slot.area == FormulaSlot::inputs) return nullptr;
-    if (slot.area == FormulaSlot::uniforms) return uniforms_.data() + kGroup * slot.index;
+    if (slot.area == FormulaSlot::Area::inputs) return nullptr;
+    if (slot.area == FormulaSlot::Area::uniforms) return uniforms_.data() + kGroup * slot.index;
     return registers_.data() + slot.index * kFormulaRegister;
   }
   static std::size_t step(FormulaSlot slot) {
-    return slot.area == FormulaSlot::uniforms ? 0 : kGroup;
+    return slot.area == FormulaSlot::Area::uniforms ? 0 : kGroup;
   }
   FormulaStep<Real> step_of(const FormulaInstruction& from) const {
     const auto operand = [&](FormulaSlot slot) {
@@ -100,7 +100,7 @@ class FormulaProgram {
       const std::array<FormulaSlot, 3> slots = {from.a, from.b, from.c};
       const std::array<const Real**, 3> at = {&body_[k].a.at, &body_[k].b.at, &body_[k].c.at};
       for (std::size_t operand = 0; operand < from.operands; ++operand) {
-        if (slots[operand].area != FormulaSlot::inputs) continue;
+        if (slots[operand].area != FormulaSlot::Area::inputs) continue;
         patches_.push_back({at[operand], slots[operand].index});
       }
     }
@@ -111,8 +111,8 @@ class FormulaProgram {
     FormulaOutput<Real> made;
     made.home = at(slot);
     made.operand = {made.home, step(slot)};
-    if (slot.area == FormulaSlot::inputs) made.input = slot.index;
-    if (slot.area != FormulaSlot::registers) return made;
+    if (slot.area == FormulaSlot::Area::inputs) made.input = slot.index;
+    if (slot.area != FormulaSlot::Area::registers) return made;
     if (std::count(code_.outputs.begin(), code_.outputs.end(), slot) > 1) return made;
     for (std::size_t k = code_.body.size(); k-- > 0;) {
       const FormulaInstruction& from = code_.body[k];

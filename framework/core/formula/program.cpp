@@ -262,9 +262,10 @@ class Placing {
 
   FormulaSlot given(const Value& value) const {
     const auto index = static_cast<std::uint16_t>(value.index);
-    if (value.from == Value::From::block) return {FormulaSlot::inputs, index};
-    if (value.from == Value::From::constant) return {FormulaSlot::uniforms, index};
-    return {FormulaSlot::uniforms, static_cast<std::uint16_t>(code_.place_of_uniform(value.index))};
+    if (value.from == Value::From::block) return {FormulaSlot::Area::inputs, index};
+    if (value.from == Value::From::constant) return {FormulaSlot::Area::uniforms, index};
+    return {FormulaSlot::Area::uniforms,
+            static_cast<std::uint16_t>(code_.place_of_uniform(value.index))};
   }
 
   void emit(std::size_t v) {
@@ -294,14 +295,14 @@ class Placing {
 
   FormulaSlot take(bool varies) {
     if (!varies) {
-      return {FormulaSlot::uniforms, static_cast<std::uint16_t>(code_.uniforms++)};
+      return {FormulaSlot::Area::uniforms, static_cast<std::uint16_t>(code_.uniforms++)};
     }
     if (!free_.empty()) {
       const std::uint16_t index = free_.back();
       free_.pop_back();
-      return {FormulaSlot::registers, index};
+      return {FormulaSlot::Area::registers, index};
     }
-    return {FormulaSlot::registers, static_cast<std::uint16_t>(code_.registers++)};
+    return {FormulaSlot::Area::registers, static_cast<std::uint16_t>(code_.registers++)};
   }
 
   void give_back(std::size_t operand, bool varies) {

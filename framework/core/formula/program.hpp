@@ -44,12 +44,12 @@ enum class FormulaOp : std::uint8_t {
 
 /// Where an operand stands.
 struct FormulaSlot {
-  enum Area : std::uint16_t {
+  enum class Area : std::uint16_t {
     registers,  ///< a block of its own: one number for each element
     uniforms,   ///< one number for all elements
     inputs,     ///< a block that the caller brings
   };
-  std::uint16_t area = registers;
+  Area area = Area::registers;
   std::uint16_t index = 0;
   friend bool operator==(const FormulaSlot&, const FormulaSlot&) = default;
 };

@@ -1,8 +1,9 @@
 #include "framework/model/claims/examination.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 
 #include <fmt/format.h>
 
@@ -363,7 +364,7 @@ void Examination::note(const std::vector<double>& found, const std::vector<doubl
 }
 
 void Examination::note_same(double found, double due, const State& state) {
-  const bool same = std::memcmp(&found, &due, sizeof found) == 0 ||
+  const bool same = std::bit_cast<std::uint64_t>(found) == std::bit_cast<std::uint64_t>(due) ||
                     (std::isnan(found) && std::isnan(due)) || found == due;
   if (same) return note(0.0, 0.0, 0.0, 0.0, state);
   note(found, due, std::abs(due), -1.0, state);
@@ -373,7 +374,9 @@ void Examination::note_same(const std::vector<double>& found, const std::vector<
                             const State& state) {
   for (std::size_t i = 0; i < count(); ++i) {
     const bool both_none = std::isnan(found[i]) && std::isnan(due[i]);
-    if (std::memcmp(&found[i], &due[i], sizeof(double)) == 0 || both_none) continue;
+    const bool same =
+        std::bit_cast<std::uint64_t>(found[i]) == std::bit_cast<std::uint64_t>(due[i]);
+    if (same || both_none) continue;
     return note(found[i], due[i], std::abs(due[i]), -1.0, state, i);
   }
   note(0.0, 0.0, 0.0, 0.0, state);
