@@ -23,7 +23,8 @@ using FitOf = Fit<Scalar<T>>;
 template <class Real>
 constexpr Real power_of_two(int n) {
   using Bits = typename Fit<Real>::Bits;
-  const auto exponent = static_cast<Bits>(std::int64_t{n} + Fit<Real>::kBias);
+  // Modulo the range of Bits: n may be negative, the sum is not.
+  const Bits exponent = static_cast<Bits>(n) + static_cast<Bits>(Fit<Real>::kBias);
   return __builtin_bit_cast(Real, static_cast<Bits>(exponent << Fit<Real>::kFractionBits));
 }
 // The low bits of a number near 1.5 2^52 (2^23 for float) are an integer; adding and subtracting it

@@ -40,6 +40,7 @@ std::vector<std::uint32_t> coordinates_of(FormulaElement element, int dimension)
   const std::uint32_t first =
       element == FormulaElement::particle ? variable::position : variable::centre;
   std::vector<std::uint32_t> coordinates;
+  coordinates.reserve(static_cast<std::size_t>(dimension));
   for (int axis = 0; axis < dimension; ++axis) {
     coordinates.push_back(first + static_cast<std::uint32_t>(axis));
   }
@@ -129,6 +130,7 @@ FormulaCodes FormulaLaw::compiled(int dimension, const std::array<bool, 3>& move
   const auto coordinates = coordinates_of(over, dimension);
   const bool scalar = over == FormulaElement::pair || over == FormulaElement::angle;
   std::vector<Id> slopes;
+  slopes.reserve(coordinates.size());
   for (const std::uint32_t along : coordinates) slopes.push_back(graph.derivative(parts[0], along));
   std::vector<Id> curvatures;
   if (scalar) curvatures.push_back(slopes[0]);
