@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -419,10 +420,12 @@ class ParticleFormula final : public FormulaForce<Real> {
   /// Where a period along x is declared, the largest curvature over it, at the heights of the
   /// start.
   void sample_curvature() {
+    // Who asks is the model, which looks on in double whatever a run computes in.
+    if (!std::is_same_v<Real, double>) return;
     if (this->curvature_.empty() || !(this->period_[0] > 0.0)) return;
-    const std::size_t rows = std::min<std::size_t>(body_.slot.count, kSamples);
-    const double apart = this->period_[0] / kSamples;
     const bool elsewhere = this->codes_.inputs.size() > 1;
+    const std::size_t rows = elsewhere ? std::min<std::size_t>(body_.slot.count, kSamples) : 1;
+    const double apart = this->period_[0] / kSamples;
     margin_ = elsewhere ? kElsewhere : kRounding;
     for (std::size_t row = 0; row < rows * (elsewhere ? kHeights : 1); ++row) {
       const std::size_t i = row % rows;
