@@ -90,6 +90,7 @@ class Examiner {
     }
     look_at_variables();
     look_at_bodies();
+    look_at_selections();
     look_at_period();
     if (found_.empty()) try_to_compile();
     if (found_.empty()) look_at_repetition();
@@ -162,6 +163,18 @@ class Examiner {
     }
     if (element == FormulaElement::angle && scene_.bodies.front().count < 3) {
       found_.push_back({"energy", "an angle takes three particles"});
+    }
+  }
+
+  /// A selection of what the formula is not over would be passed by in silence.
+  void look_at_selections() {
+    const FormulaElement element = law_.element();
+    if (element != FormulaElement::pair && d_.pairs != Description{}.pairs) {
+      found_.push_back({"pairs", "the formula is not over pairs", "pairs beside an energy of r"});
+    }
+    if (element != FormulaElement::angle && d_.angles != Description{}.angles) {
+      found_.push_back(
+          {"angles", "the formula is not over angles", "angles beside an energy of theta"});
     }
   }
 

@@ -33,16 +33,16 @@ class Bibliography {
   }
   void add(const ComponentRecord& component) { add(component.source, component.name); }
 
-  std::vector<Reference> works() && { return std::move(works_); }
+  std::vector<CitedWork> works() && { return std::move(works_); }
 
  private:
-  std::vector<Reference> works_;
+  std::vector<CitedWork> works_;
   std::map<std::string, std::size_t> places_;
 };
 
 }  // namespace
 
-std::vector<Reference> references(const Scene& scene, const AccuracyResult* accuracy) {
+std::vector<CitedWork> references(const Scene& scene, const AccuracyResult* accuracy) {
   Bibliography all;
   for (const SceneBody& body : scene.bodies) all.add(*body.record);
   for (const SceneForce& force : scene.forces) {

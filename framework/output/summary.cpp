@@ -97,7 +97,7 @@ Json body_entry(const BodyResult& body, bool planar) {
 
 Json references_entry(const Scene& scene, const RunResult& result) {
   Json list = Json::array();
-  for (const Reference& one : references(scene, result.accuracy ? &*result.accuracy : nullptr)) {
+  for (const CitedWork& one : references(scene, result.accuracy ? &*result.accuracy : nullptr)) {
     list.push_back({{"source", one.work}, {"for", one.used_for}});
   }
   return list;

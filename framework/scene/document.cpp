@@ -22,7 +22,7 @@ std::string_view without_byte_order_mark(std::string_view text) {
   return text;
 }
 
-[[noreturn]] void stop(const std::string& file, const Mark& mark, std::string why,
+[[noreturn]] void stop(const std::string& file, const TextPlace& mark, std::string why,
                        std::string admissible = "") {
   Fault fault;
   fault.place = {file, static_cast<int>(mark.line), static_cast<int>(mark.column)};
@@ -39,7 +39,7 @@ class Cursor {
   bool at_end() const { return next_ >= text_.size(); }
   char peek() const { return text_[next_]; }
   std::string_view rest() const { return text_.substr(next_); }
-  Mark mark() const { return mark_; }
+  TextPlace mark() const { return mark_; }
 
   void advance(std::size_t bytes = 1) {
     for (; bytes > 0 && !at_end(); --bytes, ++next_) {
@@ -55,7 +55,7 @@ class Cursor {
  private:
   std::string_view text_;
   std::size_t next_ = 0;
-  Mark mark_{1, 1};
+  TextPlace mark_{1, 1};
 };
 
 void refuse_other_encodings(std::string_view text, const std::string& file) {
@@ -307,10 +307,10 @@ std::string_view Source::slice(const Extent& extent) const {
   return text_.substr(begin, offset(extent.end) - begin);
 }
 
-std::size_t Source::offset(const Mark& mark) const {
+std::size_t Source::offset(const TextPlace& mark) const {
   const bool ahead =
       std::pair(mark.line, mark.column) >= std::pair(last_mark_.line, last_mark_.column);
-  Mark here = ahead ? last_mark_ : Mark{1, 1};
+  TextPlace here = ahead ? last_mark_ : TextPlace{1, 1};
   std::size_t at = ahead ? last_offset_ : 0;
   while (here.line < mark.line) {
     const std::size_t end = text_.find('\n', at);

@@ -21,15 +21,15 @@ inline constexpr int kDeepestNesting = 32;  ///< of brackets, and of the parts o
 inline constexpr std::size_t kMostValues = 1'000'000;
 
 /// Line and column, from 1, in characters.
-struct Mark {
+struct TextPlace {
   std::uint32_t line = 0;
   std::uint32_t column = 0;
 };
 
 /// Where a key or a value stands: in the file, or in the n-th `--set` (setting = n, from 1).
 struct Extent {
-  Mark begin;
-  Mark end;
+  TextPlace begin;
+  TextPlace end;
   std::uint32_t setting = 0;
 };
 
@@ -98,13 +98,13 @@ class Source {
   Place place_inside(const Node& text, std::size_t byte) const;
 
  private:
-  std::size_t offset(const Mark& mark) const;
+  std::size_t offset(const TextPlace& mark) const;
 
   std::string file_;
   std::string_view text_;
   const std::vector<Setting>& settings_;
   // Where the last search ended: faults come mostly in order, and lines may be megabytes long.
-  mutable Mark last_mark_{1, 1};
+  mutable TextPlace last_mark_{1, 1};
   mutable std::size_t last_offset_ = 0;
 };
 

@@ -335,6 +335,8 @@ TEST(Expression, RefusesWhatMeansNothingAndNamesTheColumn) {
       {"energy = \"cos(x)\"\nperiod = 1.0", "8:", "does not repeat"},
       {"energy = \"r^2\"\nperiod = 1.0", "8:", "no period in space"},
       {"energy = \"cos(2*pi*x)\"\nperiod = [1.0, 1.0]", "8:", "more periods"},
+      {"energy = \"cos(x)\"\npairs = \"neighbours\"", "8:", "not over pairs"},
+      {"force = [\"-x\"]\nangles = [[0, 1, 2]]", "8:", "not over angles"},
       {"energy = \"x*0/0\"", "7:1", "0 / 0 is a division by zero"},
       {"energy = \"(x - x)/(x - x) + x\"", "7:1", "division by zero"},
       {"energy = \"0.1*cos(2*pi*x)*(1 + max(0, x - 100))\"\nperiod = 1.0", "8:", "does not repeat"},

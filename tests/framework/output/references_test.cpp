@@ -31,9 +31,9 @@ class References : public testing::Test {
   }
 
   /// "work: for, for", without tomlin's own, which must come last.
-  static std::vector<std::string> lines(const std::vector<Reference>& works) {
+  static std::vector<std::string> lines(const std::vector<CitedWork>& works) {
     std::vector<std::string> result;
-    for (const Reference& work : works) {
+    for (const CitedWork& work : works) {
       std::string users;
       for (const std::string& user : work.used_for) users += (users.empty() ? "" : ", ") + user;
       result.push_back(work.work + ": " + users);
