@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -19,6 +20,23 @@ using namespace tomlin;
 
 const Registry& registry() {
   static const Registry all = standard_registry();
+  return all;
+}
+
+/// The same components, with every force a plugin's: each of its calls is guarded.
+const Registry& registry_of_plugins() {
+  static const Registry all = [] {
+    const Registry& ours = registry();
+    Registry plugins;
+    for (const auto& record : ours.bodies()) plugins.add(*record);
+    for (const auto& record : ours.integrators()) plugins.add(*record);
+    for (const auto& record : ours.forces()) {
+      ForceRecord theirs = *record;
+      theirs.library = "libforces.so";
+      plugins.add(std::move(theirs));
+    }
+    return plugins;
+  }();
   return all;
 }
 
@@ -122,11 +140,12 @@ class Blocks : public RunSink {
   std::vector<double> block_;
 };
 
-Engine& engine_for(const std::string& scene, const std::vector<Setting>& settings = {}) {
+Engine& engine_for(const std::string& scene, const std::vector<Setting>& settings = {},
+                   const Registry& components = registry()) {
   RunOptions options;
   options.sink = new Blocks;
   // Leaked on purpose: repetitions go on along the trajectory, and the benchmark ends the process.
-  return *new Engine(parse_scene(scene, "benchmark.toml", registry(), settings), options);
+  return *new Engine(parse_scene(scene, "benchmark.toml", components, settings), options);
 }
 
 void run(benchmark::State& state, Engine& engine, std::uint64_t batch) {
@@ -220,12 +239,15 @@ struct Variant {
 };
 
 void register_variants(const std::string& model, const std::string& scene,
-                       const std::vector<Variant>& variants) {
+                       const std::vector<Variant>& variants,
+                       const Registry& components = registry()) {
   for (const Variant& variant : variants) {
     const auto engine = std::make_shared<Engine*>(nullptr);
     benchmark::RegisterBenchmark((model + "/" + variant.name).c_str(),
-                                 [engine, scene, variant](benchmark::State& state) {
-                                   if (!*engine) *engine = &engine_for(scene, variant.settings);
+                                 [engine, scene, variant, &components](benchmark::State& state) {
+                                   if (!*engine) {
+                                     *engine = &engine_for(scene, variant.settings, components);
+                                   }
                                    run(state, **engine, variant.batch);
                                  });
   }
@@ -287,7 +309,7 @@ void register_formulas() {
                      "type = \"memory_damping\"\ncoefficient = 0.3\nmemory_time = 0.5\n");
   };
   const std::vector<Variant> memory = {{"drag with a memory", {}}};
-  register_variants("pt", remembering(kPt, "[[force]]"), memory);
+  register_variants("pt_memory", remembering(kPt, "[[force]]"), {{"tomlin", {}, 64}});
   register_variants("rigid_ring_8", remembering(ring("rigid", "1e-2"), "[[force]]"), memory);
   register_variants("chain_1000", remembering(chain("1000", "1.0"), "[[force]]"), memory);
   register_variants("pt", substrate_as_formula(kPt, "0.1 * cos(2*pi*x)"), substrate);
@@ -303,12 +325,15 @@ void register_formulas() {
 
 // ---- one force alone ----------------------------------------------------------------------------
 
+const std::string kGoldenChain = "type = \"chain\"\ncount = 1000\nspacing = 1.618033988749895\n";
+/// In the plane, where it bends: the particles of plain::Bending.
+const std::string kRing = "type = \"ring\"\ncount = 1000\nradius = 100.0\ncentre = [0.0, 0.0]\n";
+
 /// All evaluations of a scene's only force, none of the engine's other work.
-void register_force(const std::string& model, const char* name, const std::string& force) {
-  const std::string scene =
-      "[[body]]\ntype = \"chain\"\ncount = 1000\nspacing = 1.618033988749895\nparticle_mass = "
-      "1.0\n[[force]]\n" +
-      force + "[run]\nduration = 1.0\nintegrator = { type = \"rk4\", dt = 1e-2 }\n";
+void register_force(const std::string& model, const char* name, const std::string& force,
+                    const std::string& body = kGoldenChain) {
+  const std::string scene = "[[body]]\nparticle_mass = 1.0\n" + body + "[[force]]\n" + force +
+                            "[run]\nduration = 1.0\nintegrator = { type = \"rk4\", dt = 1e-2 }\n";
   benchmark::RegisterBenchmark((model + "/" + name).c_str(), [scene](benchmark::State& state) {
     ForceAlone alone(*parse_scene(scene, "benchmark.toml", registry()), 0);
     for (auto _ : state) benchmark::DoNotOptimize(alone.forces(0.0));
@@ -328,6 +353,8 @@ void register_forces() {
   register_force(
       "bonds_1000", "morse_bonds",
       "type = \"morse_bonds\"\npairs = \"neighbours\"\ndepth = 1.0\ninverse_width = 1.0\n");
+  register_force("angles_1000", "as a formula",
+                 "type = \"expression\"\nenergy = \"0.5*(theta - pi)^2\"\n", kRing);
   register_force("bonds_1000", "as a formula",
                  "type = \"expression\"\nenergy = \"0.5*(r - 1.6)^2\"\npairs = \"neighbours\"\n");
 }
@@ -359,6 +386,10 @@ std::vector<Variant> sampled(const std::string& dt) {
   register_variants(
       "chain_1000", chain("1000", "1.0"),
       {{"closed by a box", {{"box.lengths", "[1000.0]"}, {"box.periodic", "[true]"}}}});
+  const std::vector<Variant> plugins = {{"forces of a plugin", {}}};
+  register_variants("pt", kPt, plugins, registry_of_plugins());
+  register_variants("rigid_ring_8", ring("rigid", "1e-2"), plugins, registry_of_plugins());
+  register_variants("chain_1000", chain("1000", "1.0"), plugins, registry_of_plugins());
   register_formulas();
   register_forces();
   return true;

@@ -29,6 +29,12 @@ void BM_plain_pt(benchmark::State& state) {
 }
 
 template <class Math>
+void BM_plain_pt_memory(benchmark::State& state) {
+  static RememberingTip<Math> model;
+  run(state, model, 64, 1e-2);
+}
+
+template <class Math>
 void BM_plain_flexible_ring(benchmark::State& state) {
   static FlexibleRing<Math> model(8);
   run(state, model, 16, 1e-4);
@@ -61,15 +67,30 @@ void BM_plain_golden_chain_100000(benchmark::State& state) {
   run(state, model, 1, 1e-2);
 }
 
+// One evaluation of the force, nothing else.
+void BM_plain_angles_1000(benchmark::State& state) {
+  static Bending model(1000, 100.0);
+  for (auto _ : state) {
+    model.evaluate();
+    benchmark::ClobberMemory();
+  }
+  state.counters["s_per_step"] =
+      benchmark::Counter(static_cast<double>(state.iterations()),
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
 // Named MODEL/plain and MODEL/plain_own_math: main.cpp holds the engine's MODEL/tomlin against
 // them.
+BENCHMARK(BM_plain_angles_1000)->Name("angles_1000/plain");
 BENCHMARK(BM_plain_pt<StdMath>)->Name("pt/plain");
+BENCHMARK(BM_plain_pt_memory<StdMath>)->Name("pt_memory/plain");
 BENCHMARK(BM_plain_flexible_ring<StdMath>)->Name("flexible_ring_8/plain");
 BENCHMARK(BM_plain_rigid_ring<StdMath>)->Name("rigid_ring_8/plain");
 BENCHMARK(BM_plain_chain_1000<StdMath>)->Name("chain_1000/plain");
 BENCHMARK(BM_plain_golden_chain_1000<StdMath>)->Name("golden_chain_1000/plain");
 BENCHMARK(BM_plain_golden_chain_100000<StdMath>)->Name("golden_chain_100000/plain");
 BENCHMARK(BM_plain_pt<OwnMath>)->Name("pt/plain_own_math");
+BENCHMARK(BM_plain_pt_memory<OwnMath>)->Name("pt_memory/plain_own_math");
 BENCHMARK(BM_plain_flexible_ring<OwnMath>)->Name("flexible_ring_8/plain_own_math");
 BENCHMARK(BM_plain_rigid_ring<OwnMath>)->Name("rigid_ring_8/plain_own_math");
 BENCHMARK(BM_plain_chain_1000<OwnMath>)->Name("chain_1000/plain_own_math");

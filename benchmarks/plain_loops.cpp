@@ -51,6 +51,64 @@ template <class Math>
   done += steps;
 }
 
+template <class Math>
+[[gnu::noinline]] void RememberingTip<Math>::advance(std::int64_t steps, double h) {
+  const Math math(period);
+  const double k = stiffness;
+  const double rate = 1.0 / memory_time;
+  const double memory = damping * rate;
+  const double site = 2.0 * std::numbers::pi * amplitude / period;
+  const double inverse_mass = 1.0 / mass;
+  const double half = 0.5 * h;
+  const double sixth = h / 6.0;
+  double position = x;
+  double velocity = v;
+  double stretch = q;
+  double integral = force_integral;
+
+  for (std::int64_t n = done; n < done + steps; ++n) {
+    const double t = static_cast<double>(n) * h;
+    const double driver1 = speed * t;
+    const double driver2 = speed * (t + half);
+    const double driver4 = speed * (t + h);
+
+    const double f1 = k * (driver1 - position);
+    const double a1 = (f1 - memory * stretch + site * math.sine(position)) * inverse_mass;
+    const double q1 = velocity - rate * stretch;
+
+    const double x2 = position + half * velocity;
+    const double v2 = velocity + half * a1;
+    const double s2 = stretch + half * q1;
+    const double f2 = k * (driver2 - x2);
+    const double a2 = (f2 - memory * s2 + site * math.sine(x2)) * inverse_mass;
+    const double q2 = v2 - rate * s2;
+
+    const double x3 = position + half * v2;
+    const double v3 = velocity + half * a2;
+    const double s3 = stretch + half * q2;
+    const double f3 = k * (driver2 - x3);
+    const double a3 = (f3 - memory * s3 + site * math.sine(x3)) * inverse_mass;
+    const double q3 = v3 - rate * s3;
+
+    const double x4 = position + h * v3;
+    const double v4 = velocity + h * a3;
+    const double s4 = stretch + h * q3;
+    const double f4 = k * (driver4 - x4);
+    const double a4 = (f4 - memory * s4 + site * math.sine(x4)) * inverse_mass;
+    const double q4 = v4 - rate * s4;
+
+    position += sixth * (velocity + 2.0 * (v2 + v3) + v4);
+    velocity += sixth * (a1 + 2.0 * (a2 + a3) + a4);
+    stretch += sixth * (q1 + 2.0 * (q2 + q3) + q4);
+    integral += sixth * (f1 + 2.0 * (f2 + f3) + f4);
+  }
+  x = position;
+  v = velocity;
+  q = stretch;
+  force_integral = integral;
+  done += steps;
+}
+
 // ---- flexible ring ------------------------------------------------------------------------------
 
 template <class Math>
@@ -357,11 +415,54 @@ template <class Math>
   }
 }
 
+// ---- bending
+// -------------------------------------------------------------------------------------
+
+Bending::Bending(int count, double radius) {
+  for (std::vector<double>* a : {&x, &y, &fx, &fy}) a->assign(count, 0.0);
+  for (int i = 0; i < count; ++i) {
+    const double at = 2.0 * std::numbers::pi * i / count;
+    x[i] = radius * std::cos(at);
+    y[i] = radius * std::sin(at);
+  }
+}
+
+// The angle turns with either bond, across it and by its inverse length.
+[[gnu::noinline]] void Bending::evaluate() {
+  const int n = static_cast<int>(x.size());
+  for (int i = 0; i < n; ++i) fx[i] = fy[i] = 0.0;
+  for (int i = 0; i < n; ++i) {
+    const int before = i == 0 ? n - 1 : i - 1;
+    const int behind = i + 1 == n ? 0 : i + 1;
+    const double ax = x[before] - x[i];
+    const double ay = y[before] - y[i];
+    const double bx = x[behind] - x[i];
+    const double by = y[behind] - y[i];
+    const double signed_angle = std::atan2(ax * by - ay * bx, ax * bx + ay * by);
+    const double slope = std::abs(signed_angle) - std::numbers::pi;
+    const double turn = std::copysign(slope, signed_angle);
+    const double of_a = turn / (ax * ax + ay * ay);
+    const double of_b = turn / (bx * bx + by * by);
+    const double fax = -of_a * ay;
+    const double fay = of_a * ax;
+    const double fbx = of_b * by;
+    const double fby = -of_b * bx;
+    fx[before] += fax;
+    fy[before] += fay;
+    fx[behind] += fbx;
+    fy[behind] += fby;
+    fx[i] -= fax + fbx;
+    fy[i] -= fay + fby;
+  }
+}
+
 template struct PrandtlTomlinson<StdMath>;
+template struct RememberingTip<StdMath>;
 template struct FlexibleRing<StdMath>;
 template struct RigidRing<StdMath>;
 template struct Chain<StdMath>;
 template struct PrandtlTomlinson<OwnMath>;
+template struct RememberingTip<OwnMath>;
 template struct FlexibleRing<OwnMath>;
 template struct RigidRing<OwnMath>;
 template struct Chain<OwnMath>;

@@ -63,6 +63,27 @@ struct PrandtlTomlinson {
   void advance(std::int64_t steps, double h);
 };
 
+// The same with a drag that remembers, a spring that a dashpot lets go: its stretch q is one more
+// unknown, q' = v - q / memory_time, and the drag (damping / memory_time) q.
+template <class Math>
+struct RememberingTip {
+  double mass = 1.0;
+  double stiffness = 2.0;
+  double damping = 0.3;
+  double memory_time = 0.5;
+  double speed = 1e-3;
+  double period = 1.0;
+  double amplitude = 0.1;
+
+  double x = 0.0;
+  double v = 0.0;
+  double q = 0.0;
+  double force_integral = 0.0;
+  std::int64_t done = 0;
+
+  void advance(std::int64_t steps, double h);
+};
+
 // A ring of particles in the plane with a harmonic bond between every two of them. Quantities
 // without "each" are the whole ring's; the particles share them equally.
 template <class Math>
@@ -153,6 +174,15 @@ struct Chain {
   std::vector<double> xs, vs, acc, sum_v, sum_a;
 
   double accelerations(const double* px, const double* pv, double t);
+};
+
+// Forces of (1/2) (theta - pi)^2 at each particle of a closed ring in the plane, theta the angle
+// between the bonds to its neighbours.
+struct Bending {
+  std::vector<double> x, y, fx, fy;
+
+  Bending(int count, double radius);
+  void evaluate();
 };
 
 }  // namespace tomlin::plain

@@ -541,7 +541,24 @@ class Radau9 : public Integrator<double> {
       const double part = error_[k] * weight(size, s.tolerance_scale[at]);
       squares += part * part;
     }
-    return std::sqrt(squares / std::max(1.0, static_cast<double>(width_)));
+    squares += own_squares(h);
+    return std::sqrt(squares / std::max(1.0, static_cast<double>(width_ + s.own_count)));
+  }
+
+  /// The same of variables of prescribed bodies, on which no force acts back.
+  double own_squares(double h) const {
+    const SystemView<double>& s = system_.view;
+    double squares = 0.0;
+    for (std::size_t k = 0; k < s.own_count; ++k) {
+      double difference = h * Tableau::start * first_rates_[k];
+      for (int i = 0; i < kStages; ++i) {
+        difference += Tableau::error[i] * (own_[i][k] - s.integrals[k]);
+      }
+      const double size = std::max(std::abs(s.integrals[k]), std::abs(own_[kLast][k]));
+      const double part = difference * weight(size, 1.0);
+      squares += part * part;
+    }
+    return squares;
   }
 
   // ---- the polynomial of a step, at a fraction x of it

@@ -40,8 +40,6 @@ constexpr double kShortestSlide = 1e-2;
 constexpr double kMissedWay = 1e-2;
 /// Steps that a scheme takes in seconds.
 constexpr double kSoonTaken = 1e6;
-/// Moments at which a prescribed velocity is looked at.
-constexpr int kLooks = 1000;
 
 /// The friction coefficient of a body's particles together.
 class TotalFriction : public FrictionSink {
@@ -72,25 +70,6 @@ double period_of(const Model::Force& force, std::size_t body, const Scene& scene
 double last_place_of(const std::string& number_type) {
   if (number_type == "float") return 0x1p-23;
   return number_type == "quadruple" ? 0x1p-112 : 0x1p-52;
-}
-
-double reach_of(const Model::Body& body) {
-  double reach = 0.0;
-  for (const auto& arm : body.arms) reach = std::max(reach, norm(arm));
-  return reach;
-}
-
-/// The fastest that any particle of a prescribed body is along its way, looked at now and then.
-double fastest_of(const Model::Body& body, double duration) {
-  const double reach = reach_of(body);
-  double fastest = 0.0;
-  for (int k = 0; k <= kLooks; ++k) {
-    const double at = duration * k / kLooks;
-    double speed = reach * std::abs(body.motion->angular_velocity(at));
-    for (const TimeFunction& function : body.motion->velocity) speed += std::abs(function(at));
-    if (std::isfinite(speed)) fastest = std::max(fastest, speed);
-  }
-  return fastest;
 }
 
 /// How much of a prescribed way steps of h miss: Simpson's rule, which a Runge-Kutta step amounts

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
+
+#include "framework/model/model.hpp"
 
 /// What the parts of the run loop share.
 namespace tomlin::engine_parts {
@@ -18,6 +21,27 @@ inline double norm(const std::vector<double>& v) {
   double squares = 0.0;
   for (const double x : v) squares = std::fma(x, x, squares);
   return std::sqrt(squares);
+}
+
+/// Of a body's particles, from its centre.
+inline double reach_of(const Model::Body& body) {
+  double reach = 0.0;
+  for (const auto& arm : body.arms) reach = std::max(reach, norm(arm));
+  return reach;
+}
+
+/// The fastest that any particle of a prescribed body is along its way, looked at now and then.
+inline double fastest_of(const Model::Body& body, double duration) {
+  constexpr int kLooks = 1000;
+  const double reach = reach_of(body);
+  double fastest = 0.0;
+  for (int k = 0; k <= kLooks; ++k) {
+    const double at = duration * k / kLooks;
+    double speed = reach * std::abs(body.motion->angular_velocity(at));
+    for (const TimeFunction& function : body.motion->velocity) speed += std::abs(function(at));
+    if (std::isfinite(speed)) fastest = std::max(fastest, speed);
+  }
+  return fastest;
 }
 
 }  // namespace tomlin::engine_parts

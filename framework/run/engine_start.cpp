@@ -139,8 +139,8 @@ void Engine::resolve_window() {
 /// that follow equilibria do not look at the errors of prescribed ways either.
 void Engine::bound_unwatched_steps() {
   const SystemView<double>& view = model_.system().view;
-  const bool watched = view.coordinates > 0 || view.own_count > 0;
-  if (dt_ > 0.0 || (watched && (path_ == nullptr || view.own_count == 0))) return;
+  const bool watched = view.coordinates > 0 && (path_ == nullptr || view.own_count == 0);
+  if (dt_ > 0.0 || watched) return;
   constexpr double kPartOfPeriod = 0.02;
   constexpr double kPartOfRun = 1e-3;
   longest_unwatched_ = kPartOfRun * duration_;
@@ -150,14 +150,10 @@ void Engine::bound_unwatched_steps() {
   }
   for (const Model::Body& body : model_.bodies()) {
     if (!body.prescribed()) continue;
-    double reach = 0.0;
-    for (const auto& arm : body.arms) reach = std::max(reach, norm(arm));
-    double speed = reach * std::abs(body.motion->angular_velocity.constant);
-    for (const TimeFunction& function : body.motion->velocity) {
-      speed += std::abs(function.constant);
-    }
+    const double speed = fastest_of(body, duration_);
     if (!(speed > 0.0)) continue;
-    const double scale = std::isfinite(period) ? period : std::max(reach, speed * duration_);
+    const double scale =
+        std::isfinite(period) ? period : std::max(reach_of(body), speed * duration_);
     longest_unwatched_ = std::min(longest_unwatched_, kPartOfPeriod * scale / speed);
   }
 }

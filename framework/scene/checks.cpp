@@ -283,7 +283,8 @@ void check_bodies(std::vector<BodyDraft>& bodies, std::optional<int> dimension, 
     if (body.count) counted.push_back(&body);
     if (!check_values(body.reading, dimension, counted, faults)) body.sound = false;
     if (!body.sound || !dimension) continue;
-    const auto complaints = body.record->complaints(body.description.get(), *dimension);
+    const auto complaints = complaints_of(
+        *body.record, [&] { return body.record->complaints(body.description.get(), *dimension); });
     report(complaints, body.reading, faults);
     if (!complaints.empty()) body.sound = false;
   }
@@ -303,9 +304,13 @@ void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>&
     if (!force.sound || !bodies_are_known) continue;
     const auto outline = outline_for(force.bodies, bodies, closed, lengths, *dimension);
     if (!outline) continue;
-    const auto complaints = force.record->complaints(force.description.get(), *outline);
+    bool fits = false;
+    const auto complaints = complaints_of(*force.record, [&] {
+      auto found = force.record->complaints(force.description.get(), *outline);
+      fits = pairs.add(force, *outline, faults);
+      return found;
+    });
     report(complaints, force.reading, faults);
-    const bool fits = pairs.add(force, *outline, faults);
     if (!complaints.empty() || !fits) force.sound = false;
   }
 }
@@ -323,7 +328,9 @@ void check_observers(std::vector<ObserverDraft>& observers, const std::vector<Bo
     if (!observer.sound || !bodies_are_known) continue;
     const auto outline = outline_for(observer.bodies, bodies, closed, lengths, *dimension);
     if (!outline) continue;
-    const auto complaints = observer.record->complaints(observer.description.get(), *outline);
+    const auto complaints = complaints_of(*observer.record, [&] {
+      return observer.record->complaints(observer.description.get(), *outline);
+    });
     report(complaints, observer.reading, faults);
     if (!complaints.empty()) observer.sound = false;
   }

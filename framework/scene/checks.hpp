@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -57,6 +58,24 @@ void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>&
 
 void check_observers(std::vector<ObserverDraft>& observers, const std::vector<BodyDraft>& bodies,
                      const BoxSettings* box, std::optional<int> dimension, FaultList& faults);
+
+/// What `look` finds wrong with a component's values. When the code of a plugin throws instead,
+/// that is the complaint, about the type that brought it in.
+template <class Look>
+std::vector<Complaint> complaints_of(const ComponentRecord& record, Look look) {
+  if (record.library.empty()) return look();
+  const auto thrown = [&](const std::string& said) -> std::vector<Complaint> {
+    return {{"type", "the plugin " + record.library +
+                         " has thrown an exception while looking at the scene: " + said}};
+  };
+  try {
+    return look();
+  } catch (const std::exception& error) {
+    return thrown(error.what());
+  } catch (...) {
+    return thrown("an exception that is no std::exception");
+  }
+}
 
 /// What a record found when it held a component's keys against each other.
 void report(const std::vector<Complaint>& complaints, const TableReading& reading,

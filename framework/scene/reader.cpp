@@ -655,7 +655,10 @@ class SceneReader {
 
     auto description = record->make_description();
     const auto reading = read_section(given, integrator_layout(*record), path, description.get());
-    if (reading.sound) report(record->complaints(description.get()), reading, faults_);
+    if (reading.sound) {
+      const auto look = [&] { return record->complaints(description.get()); };
+      report(complaints_of(*record, look), reading, faults_);
+    }
 
     Table effective;
     effective.set("type", text_node(record->name));

@@ -73,6 +73,11 @@ std::unique_ptr<BoundForce<double>> bind(const void* description, const Binding<
   return factories.in_double(description, binding);
 }
 
+std::vector<Complaint> complaints(const void*, const SceneOutline&) {
+  if (fault() == "throw_looking") throw std::runtime_error("not looked at, as planned");
+  return {};
+}
+
 ForceRecord faulty_record() {
   ForceRecord record;
   record.name = fault() == "taken_name" ? "harmonic_bonds" : "faulty";
@@ -83,6 +88,7 @@ ForceRecord faulty_record() {
   record.make_description = &make_description<FaultyDescription>;
   record.parameters = {
       parameter("strength", &FaultyDescription::strength, dimension::stiffness, "how strong")};
+  record.complaints = &complaints;
   record.bind = {&bind, on_particles<Faulty, kernels::Faulty, kRankCheap>().in_float};
   record.example = "see the tests";
   return record;

@@ -285,6 +285,17 @@ TEST_F(PluginCli, WhatFailsAtRegisteringIsThePlugins) {
   }
 }
 
+TEST_F(PluginCli, WhatFailsAtReadingIsThePlugins) {
+  const Ended ended = tomlin({"run", "faulty.toml"}, with({"FAULT=throw_looking"}));
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_TRUE(contains(ended.err, "error: force.spring.type = \"faulty\": the plugin " +
+                                      path("libfaulty.so") +
+                                      " has thrown an exception while looking at the scene: not "
+                                      "looked at, as planned"))
+      << ended.err;
+  EXPECT_FALSE(exists("faulty.out/summary.json"));
+}
+
 TEST_F(PluginCli, WhatFailsAtBindingIsThePlugins) {
   const Ended ended = tomlin({"run", "faulty.toml"}, with({"FAULT=throw_binding"}));
   EXPECT_EQ(ended.status, 2);

@@ -59,6 +59,50 @@ TEST(PrescribedMotion, AloneIsFollowedInStepsThatSeeTheSubstrate) {
   EXPECT_NEAR(*result.energy->numerical_work, 0.0, kBalance);
 }
 
+/// The way from its velocity, and the work from the energy at its end, whatever the scheme.
+TEST(PrescribedMotion, OfAnyVelocityIsFollowedToTheTolerance) {
+  // Some 900 steps add up errors of 1e-12 each; a scheme that does not watch the way is off by more
+  // than the way itself.
+  constexpr double kWay = 1e-9;
+  constexpr double kWork = 1e-10;  // a fiftieth of a period a step, fifth order at least
+  const double end = 17.3;
+  for (const char* scheme : {"dopri5", "dop853", "radau9"}) {
+    SCOPED_TRACE(scheme);
+    std::string scene =
+        pushed("\"0.3 + 0.2 * cos(t)\"",
+               std::string("integrator = { type = \"") + scheme +
+                   "\", absolute_tolerance = 1e-12, relative_tolerance = 1e-12 }\n");
+    scene.replace(scene.find("duration = 5.0"), 14, "duration = 17.3");
+    const RunResult result = run_text(scene);
+    ASSERT_EQ(result.status, RunStatus::finished);
+    const double way = 0.3 * end + 0.2 * std::sin(end);
+    EXPECT_NEAR(result.bodies[0].centre_of_mass[0], way, kWay);
+    // Of 0.5 v^2: the mean of (0.3 + 0.2 cos t)^2.
+    const double heat =
+        0.5 * (0.09 * end + 0.12 * std::sin(end) + 0.04 * (0.5 * end + 0.25 * std::sin(2.0 * end)));
+    const double stored = 0.1 * (std::cos(2.0 * std::acos(-1.0) * way) - 1.0);
+    EXPECT_NEAR(*result.energy->heat_out, heat, kWork);
+    EXPECT_NEAR(*result.energy->work_in - heat, stored, kWork + kWay);
+  }
+}
+
+/// The implicit scheme watches the way of what pulls beside what is pulled, which hardly feels it.
+TEST(PrescribedMotion, BesideAFreeBodyIsFollowedToTheTolerance) {
+  constexpr double kWay = 1e-8;  // of absolute tolerance 1e-10, some hundred steps
+  const RunResult result = run_text(
+      "[[body]]\ntype = \"point\"\nname = \"slider\"\nposition = [0.0]\nparticle_mass = 1.0\n"
+      "coordinates = \"prescribed\"\nmotion = { velocity = [\"cos(3 * t)\"] }\n"
+      "[[body]]\ntype = \"point\"\nname = \"free\"\nposition = [0.0]\nparticle_mass = 1.0\n"
+      "[[force]]\ntype = \"viscous_damping\"\nbody = \"free\"\ncoefficient = 1.0\n"
+      "[[force]]\ntype = \"harmonic_bonds\"\nbodies = [\"slider\", \"free\"]\n"
+      "pairs = [[0, 0]]\nstiffness = 1e-13\nrest_lengths = 0.0\n"
+      "[run]\nduration = 20.0\n"
+      "integrator = { type = \"radau9\", absolute_tolerance = 1e-10, relative_tolerance = 1e-10 "
+      "}\n");
+  ASSERT_EQ(result.status, RunStatus::finished);
+  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], std::sin(60.0) / 3.0, kWay);
+}
+
 TEST(PrescribedMotion, HasItsOwnLargestSpeedInEveryNumberType) {
   for (const std::string& scheme : kSchemes) {
     for (const char* type : {"double", "float"}) {
