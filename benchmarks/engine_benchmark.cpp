@@ -329,6 +329,13 @@ const std::string kGoldenChain = "type = \"chain\"\ncount = 1000\nspacing = 1.61
 /// In the plane, where it bends: the particles of plain::Bending.
 const std::string kRing = "type = \"ring\"\ncount = 1000\nradius = 100.0\ncentre = [0.0, 0.0]\n";
 
+void evaluate(benchmark::State& state, ForceAlone& alone) {
+  for (auto _ : state) benchmark::DoNotOptimize(alone.forces(0.0));
+  state.counters["s_per_step"] =
+      benchmark::Counter(static_cast<double>(state.iterations()),
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
 /// All evaluations of a scene's only force, none of the engine's other work.
 void register_force(const std::string& model, const char* name, const std::string& force,
                     const std::string& body = kGoldenChain) {
@@ -336,11 +343,22 @@ void register_force(const std::string& model, const char* name, const std::strin
                             "[run]\nduration = 1.0\nintegrator = { type = \"rk4\", dt = 1e-2 }\n";
   benchmark::RegisterBenchmark((model + "/" + name).c_str(), [scene](benchmark::State& state) {
     ForceAlone alone(*parse_scene(scene, "benchmark.toml", registry()), 0);
-    for (auto _ : state) benchmark::DoNotOptimize(alone.forces(0.0));
-    state.counters["s_per_step"] =
-        benchmark::Counter(static_cast<double>(state.iterations()),
-                           benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+    evaluate(state, alone);
   });
+}
+
+/// Every force there is, alone in the scene of its record's example.
+void register_examples() {
+  for (const auto& record : registry().forces()) {
+    const auto scene = parse_scene(record->example, record->name + ".toml", registry());
+    std::size_t index = 0;
+    while (scene->forces[index].record != record.get()) ++index;
+    benchmark::RegisterBenchmark((record->name + "/alone in its example").c_str(),
+                                 [scene, index](benchmark::State& state) {
+                                   ForceAlone alone(*scene, index);
+                                   evaluate(state, alone);
+                                 });
+  }
 }
 
 void register_forces() {
@@ -392,6 +410,7 @@ std::vector<Variant> sampled(const std::string& dt) {
   register_variants("chain_1000", chain("1000", "1.0"), plugins, registry_of_plugins());
   register_formulas();
   register_forces();
+  register_examples();
   return true;
 }();
 

@@ -59,8 +59,9 @@ class RatioReporter : public benchmark::ConsoleReporter {
       const bool built_in = times_.count(model + "/tomlin") > 0;
       const double plain = median(model + (built_in ? "/tomlin" : "/plain"));
       const double ours = median(name);
-      std::printf("%-22s %-26s %12.1f %12.3f\n", model.c_str(), variant.c_str(), ours,
-                  plain > 0.0 ? ours / plain : 0.0);
+      std::printf("%-22s %-26s %12.1f", model.c_str(), variant.c_str(), ours);
+      if (plain > 0.0) std::printf(" %12.3f", ours / plain);
+      std::printf("\n");
     }
   }
 
