@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "framework/core/fault.hpp"
@@ -336,7 +337,6 @@ TEST(Expression, RefusesWhatMeansNothingAndNamesTheColumn) {
       {"energy = \"r^2\"\nperiod = 1.0", "8:", "no period in space"},
       {"energy = \"cos(2*pi*x)\"\nperiod = [1.0, 1.0]", "8:", "more periods"},
       {"energy = \"cos(x)\"\npairs = \"neighbours\"", "8:", "not over pairs"},
-      {"force = [\"-x\"]\nangles = [[0, 1, 2]]", "8:", "not over angles"},
       {"energy = \"x*0/0\"", "7:1", "0 / 0 is a division by zero"},
       {"energy = \"(x - x)/(x - x) + x\"", "7:1", "division by zero"},
       {"energy = \"0.1*cos(2*pi*x)*(1 + max(0, x - 100))\"\nperiod = 1.0", "8:", "does not repeat"},
@@ -390,6 +390,66 @@ integrator = { type = "rk4", dt = 0.3 }
   EXPECT_NE(found.failure->cause.find("particle 1 of \"tips\""), std::string::npos)
       << found.failure->cause;
   EXPECT_NE(found.failure->cause.find("column 6"), std::string::npos) << found.failure->cause;
+}
+
+/// What a slope no longer shows, and what a sine has no phase of, ends a run as the energy does:
+/// on every instruction set, since a NaN is a NaN.
+TEST(Expression, ARunEndsWhereTheEnergyDoes) {
+  struct Case {
+    const char* law;
+    double from;
+    double velocity;
+    const char* why;
+  };
+  const std::vector<Case> cases = {
+      {"energy = \"max(0, log(x))\"", 2.0, -1.0, "only positive numbers have a logarithm"},
+      {"energy = \"min(log(x), 5)\"", 2.0, -1.0, "only positive numbers have a logarithm"},
+      {"energy = \"sqrt(x)^2\"", 1.0, -1.0, "no real square root"},
+      {"energy = \"asin(x) + acos(x) + x\"", 0.9, 1.0, "outside [-1, 1]"},
+      {"force = [\"1e-2*sin(exp(x))\"]", 30.0, 1.0, "holds no phase"},
+      {"energy = \"1e-20*cos(exp(x))\"", 30.0, 1.0, "holds no phase"},
+      {"force = [\"1e-2*tan(exp(x))\"]", 30.0, 1.0, "holds no phase"},
+  };
+  for (const Case& one : cases) {
+    SCOPED_TRACE(one.law);
+    const RunResult found = run_text(fmt::format(R"--(
+[[body]]
+type = "point"
+position = [{}]
+velocity = [{}]
+particle_mass = 1.0
+[[force]]
+type = "expression"
+{}
+[run]
+duration = 10.0
+integrator = {{ type = "rk4", dt = 1e-3 }}
+)--",
+                                                 one.from, one.velocity, one.law));
+    ASSERT_EQ(found.status, RunStatus::failed);
+    EXPECT_NE(found.failure->cause.find(one.why), std::string::npos) << found.failure->cause;
+  }
+}
+
+/// A period is also tried where the particles are: here the formula is all but level elsewhere.
+TEST(Expression, APeriodIsTriedWhereTheParticlesAre) {
+  const auto message = [](const std::string& energy, const std::string& period) {
+    return message_of(point("energy = \"" + energy + "\"\nperiod = " + period, "", "[0.3, 10.0]"));
+  };
+  const std::string well = "0.5*(y - 10)^2 + exp(-(y - 10)^2)*cos(2*pi*x)";
+  EXPECT_NE(message(well, "0.7").find("test.toml:8:10: error: force.expression.period"),
+            std::string::npos)
+      << message(well, "0.7");
+  EXPECT_NE(message("sqrt(y - 5)*cos(2*pi*x)", "0.7").find("does not repeat"), std::string::npos);
+  EXPECT_EQ(message(well, "1.0"), "");
+  EXPECT_EQ(message(well, "[2.0, 0.0]"), "");
+}
+
+/// Powers of powers that no product could hold.
+TEST(Expression, TowersOfPowersAreTaken) {
+  const RunResult found =
+      run_text(point("energy = \"(((((x^64)^64)^64)^64)^64)^2 + 0.5*x^2\"", "", "[0.5]"));
+  EXPECT_EQ(found.status, RunStatus::finished);
 }
 
 /// The stiffness is 1 at the start and 1e6 a moment later: beyond 2.8e-3 rk4 is unstable.

@@ -420,7 +420,7 @@ Outcome call_function(const ExpressionFunction& function, std::span<const double
   };
   if (std::fabs(x) >= kLargestAngle &&
       (function.id == Id::sin || function.id == Id::cos || function.id == Id::tan)) {
-    return refuse(": beyond 2^53 rad a double holds no phase any more");
+    return refuse(": beyond 2^50 turns a double holds no phase any more");
   }
   if (std::fabs(x) > 1.0 && (function.id == Id::asin || function.id == Id::acos)) {
     return refuse(": the argument is outside [-1, 1]");

@@ -132,6 +132,7 @@ FormulaCodes FormulaLaw::compiled(int dimension, const std::array<bool, 3>& move
   std::vector<Id> slopes;
   slopes.reserve(coordinates.size());
   for (const std::uint32_t along : coordinates) slopes.push_back(graph.derivative(parts[0], along));
+  graph.keep_domain(parts[0], slopes);
   std::vector<Id> curvatures;
   if (scalar) curvatures.push_back(slopes[0]);
   for (std::size_t a = 0; a < slopes.size(); ++a) {
@@ -172,6 +173,46 @@ std::optional<FormulaLaw::Trouble> FormulaLaw::trouble_at(const Values& at) cons
     if (auto trouble = trouble_of_slopes(k, at)) return trouble;
   }
   return std::nullopt;
+}
+
+std::string FormulaLaw::why_no_period(const Values& about, std::uint32_t along,
+                                      double length) const {
+  constexpr int kPlaces = 8;
+  constexpr double kPart =
+      0.6180339887498949;              // of a length between places: no symmetry links them
+  constexpr double kUnlike = 1e-9;     // of how much the formula changes there
+  constexpr double kRounding = 1e-13;  // of its size, and of a phase in periods
+  for (std::size_t component = 0; component < parts_.size(); ++component) {
+    struct Pair {
+      double at, here, there;
+    };
+    std::vector<Pair> seen;
+    for (int k = 0; k < kPlaces; ++k) {
+      Values at = about;
+      at[along] += k * kPart * length;
+      Values after = at;
+      after[along] += length;
+      const auto here = evaluate(component, at);
+      const auto there = evaluate(component, after);
+      if (here.index() != 0 || there.index() != 0) continue;
+      seen.push_back({at[along], std::get<double>(here), std::get<double>(there)});
+    }
+    double size = 0.0;
+    double change = 0.0;
+    for (const Pair& one : seen) {
+      size = std::max({size, std::abs(one.here), std::abs(one.there)});
+      change = std::max(change, std::abs(one.here - seen.front().here));
+    }
+    for (const Pair& one : seen) {
+      const double phase = 1.0 + std::abs(one.at) / length;
+      const double allowed = kUnlike * change + kRounding * phase * size;
+      if (std::abs(one.here - one.there) <= allowed) continue;
+      return fmt::format(
+          "\"{}\" does not repeat: it is {:.9g} at {} = {:.6g}, and {:.9g} a period further",
+          text(component), one.here, name_of(along), one.at, one.there);
+    }
+  }
+  return {};
 }
 
 /// The first part of the formula whose derivative is not finite.

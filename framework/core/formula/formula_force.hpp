@@ -235,7 +235,7 @@ class FormulaForce : public BoundForce<Real> {
       for (std::size_t k = 0; k < law_.components(); ++k) {
         all = all && law_.evaluate(k, at).index() == 0;
       }
-      if (all) return std::nullopt;
+      if (all) return no_period(at);
     }
     const auto found = law_.trouble_at(at);
     Complaint complaint;
@@ -247,6 +247,20 @@ class FormulaForce : public BoundForce<Real> {
                     found ? fmt::format(", column {},", found->column + 1) : std::string(), of,
                     places, found ? found->why : std::string("its numbers overflow"));
     return complaint;
+  }
+
+  /// What was declared a period and is none about this place.
+  std::optional<Complaint> no_period(const FormulaLaw::Values& about) const {
+    for (const std::uint32_t index : codes_.inputs) {
+      const bool is_place = index < formula_variable::velocity || index >= formula_variable::centre;
+      if (!is_place || index >= formula_variable::distance || !(period_[index % 3] > 0.0)) continue;
+      Complaint complaint;
+      complaint.key = "period";
+      complaint.why = law_.why_no_period(about, index, period_[index % 3]);
+      complaint.admissible = "a length after which the formula is as it was, or no period";
+      if (!complaint.why.empty()) return complaint;
+    }
+    return std::nullopt;
   }
 
   FormulaView<Real> view(const FormulaProgram<Real>& program) const {

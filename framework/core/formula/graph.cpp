@@ -1,6 +1,8 @@
 #include "framework/core/formula/graph.hpp"
 
 #include <algorithm>
+#include <cstdlib>
+#include <set>
 #include <stdexcept>
 #include <tuple>
 
@@ -12,6 +14,8 @@ namespace {
 
 /// Whole powers up to here are products; beyond, the general power is as fast.
 constexpr int kLargestWholePower = 64;
+/// Powers of powers are products up to here.
+constexpr int kLargestExponent = 4096;
 
 constexpr Quad kZero = 0.0;
 constexpr Quad kOne = 1.0;
@@ -28,6 +32,11 @@ int small_whole(Quad x) {
   const int whole = static_cast<int>(near);
   return Quad(static_cast<double>(whole)) == x ? whole : 0;
 }
+
+constexpr Quad kNoNumber = __builtin_nan("");
+
+/// The first two are numbers.
+bool comparable(std::span<const Quad> x) { return x[0] == x[0] && x[1] == x[1]; }
 
 /// The value of a function of constants.
 Quad folded(FormulaGraph::Function which, std::span<const Quad> x) {
@@ -58,15 +67,17 @@ Quad folded(FormulaGraph::Function which, std::span<const Quad> x) {
     case abs:
       return tomlin::abs(x[0]);
     case min:
-      return x[1] < x[0] ? x[1] : x[0];
+      return comparable(x) ? (x[1] < x[0] ? x[1] : x[0]) : kNoNumber;
     case max:
-      return x[0] < x[1] ? x[1] : x[0];
+      return comparable(x) ? (x[0] < x[1] ? x[1] : x[0]) : kNoNumber;
     case floor:
       return tomlin::floor(x[0]);
     case choose:
-      return x[0] < x[1] ? x[2] : x[3];
+      return comparable(x) ? (x[0] < x[1] ? x[2] : x[3]) : kNoNumber;
     case when_positive:
-      return x[0] > kZero ? x[0] : Quad(__builtin_nan(""));
+      return x[0] > kZero ? x[0] : kNoNumber;
+    case where_finite:
+      return finite(x[1]) ? x[0] : kNoNumber;
   }
   return kZero;
 }
@@ -231,7 +242,12 @@ FormulaGraph::Id FormulaGraph::whole_power(Id base, int exponent) {
   std::vector<Factor> factors;
   if (node.kind == Kind::product) {
     factors = node.factors;
-    for (Factor& factor : factors) factor.exponent *= exponent;
+    for (Factor& factor : factors) {
+      if (std::abs(factor.exponent) > kLargestExponent / std::abs(exponent)) {
+        return function(Function::power, {base, constant(Quad(static_cast<double>(exponent)))});
+      }
+      factor.exponent *= exponent;
+    }
   } else {
     factors.push_back({exponent, base});
   }
@@ -499,8 +515,57 @@ FormulaGraph::Id FormulaGraph::slope_of_function(const Node& node, std::uint32_t
       return function(choose, {u, v, inner[2], inner[3]});
     case when_positive:
       return inner[0];
+    case where_finite:
+      return function(where_finite, {inner[0], v});
   }
   return constant(kZero);
+}
+
+// ---- domains ------------------------------------------------------------------------------------
+
+FormulaGraph::Domains FormulaGraph::domains_of(const std::vector<Id>& roots) {
+  using enum Function;
+  constexpr bool kPositive = true;
+  constexpr bool kNotNegative = false;
+  Domains found;
+  std::set<Id> seen;
+  std::vector<Id> left = roots;
+  while (!left.empty()) {
+    const Id id = left.back();
+    left.pop_back();
+    if (!seen.insert(id).second) continue;
+    const Node node = nodes_[id];  // a copy: the graph grows
+    for (const Term& term : node.terms) left.push_back(term.node);
+    for (const Factor& factor : node.factors) left.push_back(factor.node);
+    left.insert(left.end(), node.arguments.begin(), node.arguments.end());
+    if (node.kind != Kind::function) continue;
+    const Id u = node.arguments[0];
+    switch (static_cast<Function>(node.index)) {
+      case sqrt:
+      case power:
+        found.emplace(std::pair(kNotNegative, u), id);
+        break;
+      case log:
+      case when_positive:
+        found.emplace(std::pair(kPositive, u), id);
+        break;
+      case asin:
+      case acos:
+        // Their slopes have the root of this.
+        found.emplace(std::pair(kNotNegative, subtract(constant(kOne), whole_power(u, 2))), id);
+        break;
+      default:
+        break;
+    }
+  }
+  return found;
+}
+
+void FormulaGraph::keep_domain(Id node, std::vector<Id>& slopes) {
+  const Domains kept = domains_of(slopes);
+  for (const auto& [domain, part] : domains_of({node})) {
+    if (kept.count(domain) == 0) slopes[0] = function(Function::where_finite, {slopes[0], part});
+  }
 }
 
 }  // namespace tomlin

@@ -52,6 +52,7 @@ class FormulaGraph {
     choose,         ///< of four: a < b ? c : d
     when_positive,  ///< u where u > 0, and no number elsewhere: of slopes of what is defined there
                     ///< only
+    where_finite,   ///< of two: the first where the second is finite, and no number elsewhere
   };
 
   struct Term {
@@ -98,6 +99,11 @@ class FormulaGraph {
   bool is_constant(Id node) const { return nodes_[node].kind == Kind::constant; }
   bool is_zero(Id node) const;
 
+  /// Slopes that keep to where `node` is defined: of sqrt(x)^2 the slope is 1, which is no number
+  /// left of zero either. Roots, logarithms and powers that the slopes have lost are kept in the
+  /// first of them.
+  void keep_domain(Id node, std::vector<Id>& slopes);
+
   /// The value where the variables have these values; slow, for messages.
   Quad value(Id node, std::span<const Quad> variables) const;
 
@@ -115,6 +121,10 @@ class FormulaGraph {
   Id slope(Id node, std::uint32_t variable);
   Id slope_of_function(const Node& node, std::uint32_t variable);
   Id call(const Expression::Node& step, std::span<const Id> arguments);
+  /// Where a part of a formula is defined: of which node, and that it has to be positive, or not
+  /// negative.
+  using Domains = std::map<std::pair<bool, Id>, Id>;  ///< to a node that is no number elsewhere
+  Domains domains_of(const std::vector<Id>& roots);
 
   std::vector<Node> nodes_;
   std::map<Node, Id, Before> known_;

@@ -34,6 +34,28 @@ struct Numbers {
   }
 };
 
+/// Turns from which on their sine is none: `sin_turns` is exact below, and beyond the phase of most
+/// numbers is lost. On every instruction set the same.
+template <class Real>
+inline constexpr Real kMostTurns = [] {
+  if constexpr (std::is_same_v<Real, Quad>) {
+    return Quad(0x1p50);
+  } else {
+    return math_detail::power_of_two<Real>(math_detail::Fit<Real>::kFractionBits - 2);
+  }
+}();
+
+template <class T, class Real>
+TOMLIN_INLINE T no_number() {
+  return T(Real(__builtin_nan("")));
+}
+
+/// The turns, or no number where they have no phase.
+template <class T, class Real>
+TOMLIN_INLINE T phase(const T& turns) {
+  return select(abs(turns) < T(kMostTurns<Real>), turns, no_number<T, Real>());
+}
+
 /// `packs` is 1 where T is Real.
 template <class T, class Real>
 __attribute__((noinline)) void run_steps(const FormulaStep<Real>* code, std::size_t length,
@@ -91,28 +113,28 @@ __attribute__((noinline)) void run_steps(const FormulaStep<Real>* code, std::siz
         of_two([](const T& x, const T& y) { return pow(x, y); });
         break;
       case FormulaOp::sine:
-        of_one([](const T& x) { return sin_turns(x); });
+        of_one([](const T& x) { return sin_turns(phase<T, Real>(x)); });
         break;
       case FormulaOp::cosine:
-        of_one([](const T& x) { return cos_turns(x); });
+        of_one([](const T& x) { return cos_turns(phase<T, Real>(x)); });
         break;
       case FormulaOp::sine_and_cosine:
         for (std::size_t k = 0; k < packs; ++k) {
           T sine;
           T cosine;
-          sincos_turns(N::load(s.a.at + k * s.a.step), sine, cosine);
+          sincos_turns(phase<T, Real>(N::load(s.a.at + k * s.a.step)), sine, cosine);
           N::store(sine, s.to + k * N::kStep);
           N::store(cosine, s.also + k * N::kStep);
         }
         break;
       case FormulaOp::scaled_sine:
-        of_two([](const T& x, const T& factor) { return factor * sin_turns(x); });
+        of_two([](const T& x, const T& factor) { return factor * sin_turns(phase<T, Real>(x)); });
         break;
       case FormulaOp::scaled_cosine:
-        of_two([](const T& x, const T& factor) { return factor * cos_turns(x); });
+        of_two([](const T& x, const T& factor) { return factor * cos_turns(phase<T, Real>(x)); });
         break;
       case FormulaOp::tangent:
-        of_one([](const T& x) { return tan_turns(x); });
+        of_one([](const T& x) { return tan_turns(phase<T, Real>(x)); });
         break;
       case FormulaOp::arc_sine:
         of_one([](const T& x) { return asin(x); });
@@ -130,23 +152,32 @@ __attribute__((noinline)) void run_steps(const FormulaStep<Real>* code, std::siz
         of_one([](const T& x) { return abs(x); });
         break;
       case FormulaOp::minimum:
-        of_two([](const T& x, const T& y) { return select(y < x, y, x); });
+        of_two([](const T& x, const T& y) { return select(x == x, select(x < y, x, y), x); });
         break;
       case FormulaOp::maximum:
-        of_two([](const T& x, const T& y) { return select(x < y, y, x); });
+        of_two([](const T& x, const T& y) { return select(x == x, select(y < x, x, y), x); });
         break;
       case FormulaOp::round_down:
         of_one([](const T& x) { return floor(x); });
         break;
       case FormulaOp::less:
-        of_two([](const T& x, const T& y) { return select(x < y, T(Real(1.0)), T(Real(0.0))); });
+        of_two([](const T& x, const T& y) {
+          const T at_most = select(y <= x, T(Real(0.0)), no_number<T, Real>());
+          return select(x < y, T(Real(1.0)), at_most);
+        });
         break;
       case FormulaOp::when_positive:
-        of_one([](const T& x) { return select(x > T(Real(0.0)), x, T(Real(__builtin_nan("")))); });
+        of_one([](const T& x) { return select(x > T(Real(0.0)), x, no_number<T, Real>()); });
+        break;
+      case FormulaOp::where_finite:
+        of_two([](const T& x, const T& y) {
+          return select(y - y == T(Real(0.0)), x, no_number<T, Real>());
+        });
         break;
       case FormulaOp::pick:
-        of_three(
-            [](const T& x, const T& y, const T& z) { return select(x == T(Real(0.0)), z, y); });
+        of_three([](const T& x, const T& y, const T& z) {
+          return select(x == T(Real(0.0)), z, select(x == x, y, x));
+        });
         break;
     }
   }

@@ -176,6 +176,8 @@ class Lowering {
         return of(FormulaOp::round_down);
       case when_positive:
         return of(FormulaOp::when_positive);
+      case where_finite:
+        return of(FormulaOp::where_finite);
       case choose:
         return operation(FormulaOp::pick, operation(FormulaOp::less, x[0], x[1]), x[2], x[3]);
     }

@@ -11,7 +11,7 @@ double rounded_exp(double x);
 double rounded_log(double x);  ///< x > 0
 
 /// From here on neighbouring doubles are a radian or more apart: no phase is left.
-inline constexpr double kLargestAngle = 9007199254740992.0;  // 2^53
+inline constexpr double kLargestAngle = 7074237752028440.0;  // 2^50 turns
 
 double rounded_sin(double x);  ///< |x| < kLargestAngle, also below
 double rounded_cos(double x);
