@@ -334,6 +334,11 @@ int write_pages(const fs::path& folder, const Registry& registry, bool force) {
   return print_result(written);
 }
 
+/// Paths of libraries may be any bytes.
+std::string text_of(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
 }  // namespace
 
 int describe_command(const DescribeArguments& arguments) {
@@ -343,17 +348,17 @@ int describe_command(const DescribeArguments& arguments) {
   const auto tables = scene_tables();
   if (arguments.name.empty()) {
     if (arguments.markdown) return print_result(all_pages(registry));
-    return print_result(arguments.json ? list_json(all, tables).dump(2) + "\n"
+    return print_result(arguments.json ? text_of(list_json(all, tables)) + "\n"
                                        : list_text(all, tables));
   }
   if (const Described* component = find(all, arguments.name)) {
     if (arguments.markdown) return print_result(component_section(*component));
-    return print_result(arguments.json ? component_json(*component).dump(2) + "\n"
+    return print_result(arguments.json ? text_of(component_json(*component)) + "\n"
                                        : component_text(*component));
   }
   if (const SceneTable* table = find(tables, arguments.name)) {
     if (arguments.markdown) return print_result(table_section(*table));
-    return print_result(arguments.json ? table_json(*table).dump(2) + "\n" : table_text(*table));
+    return print_result(arguments.json ? text_of(table_json(*table)) + "\n" : table_text(*table));
   }
   refuse(arguments.name, all, tables);
 }

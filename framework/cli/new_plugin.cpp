@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -29,27 +30,6 @@ namespace {
   throw InputError({std::move(fault)});
 }
 
-/// A name that files, a namespace of C++ and a scene all take.
-void check_name(const std::string& name) {
-  constexpr std::size_t kLongestName = 60;
-  const auto fits = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-  };
-  const bool sound = name.size() <= kLongestName && name.front() >= 'a' && name.front() <= 'z' &&
-                     name.back() != '_' && name.find("__") == std::string::npos &&
-                     std::all_of(name.begin(), name.end(), fits);
-  if (!sound) {
-    refuse("tomlin", "NAME", fmt::format("\"{}\" is no name of a force", name),
-           "small letters, digits and single _, the first a letter: my_force");
-  }
-  const Registry registry = standard_registry();
-  if (registry.body(name) || registry.force(name) || registry.integrator(name) ||
-      registry.observer(name)) {
-    refuse("tomlin", "NAME", fmt::format("tomlin has a component \"{}\" of its own", name),
-           "another name");
-  }
-}
-
 /// "MyForce" of "my_force".
 std::string class_name(std::string_view name) {
   std::string result;
@@ -59,6 +39,59 @@ std::string class_name(std::string_view name) {
     first = c == '_';
   }
   return result;
+}
+
+/// The type of tomlin's own that the force's class, or what describes it, would be called like;
+/// empty when there is none.
+std::string own_type(const std::string& name) {
+  for (const std::string& type : {class_name(name), class_name(name) + "Description"}) {
+    if (std::find(core_types().begin(), core_types().end(), type) != core_types().end())
+      return type;
+  }
+  return "";
+}
+
+/// What CMake makes targets of by itself: a library cannot be called so.
+bool is_target_of_cmake(std::string_view name) {
+  static const std::set<std::string_view> targets = {"all",        "clean",
+                                                     "edit_cache", "help",
+                                                     "install",    "list_install_components",
+                                                     "package",    "package_source",
+                                                     "preinstall", "rebuild_cache",
+                                                     "test"};
+  return targets.contains(name);
+}
+
+/// A name that files, a class of C++, a target of CMake and a scene all take.
+void check_name(const std::string& name) {
+  constexpr std::size_t kLongestName = 60;
+  const auto fits = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  };
+  const bool sound = !name.empty() && name.size() <= kLongestName && name.front() >= 'a' &&
+                     name.front() <= 'z' && name.back() != '_' &&
+                     name.find("__") == std::string::npos &&
+                     std::all_of(name.begin(), name.end(), fits);
+  if (!sound) {
+    refuse("tomlin", "NAME", fmt::format("\"{}\" is no name of a force", name),
+           "small letters, digits and single _, the first a letter: my_force");
+  }
+  if (is_target_of_cmake(name)) {
+    refuse(
+        "tomlin", "NAME",
+        fmt::format("\"{}\" is a target of CMake's own, and the library could not be built", name),
+        fmt::format("another name: {}_force", name));
+  }
+  if (const std::string type = own_type(name); !type.empty()) {
+    refuse("tomlin", "NAME", fmt::format("of \"{}\" comes {}, a type of tomlin's own", name, type),
+           fmt::format("another name: my_{}", name));
+  }
+  const Registry registry = standard_registry();
+  if (registry.body(name) || registry.force(name) || registry.integrator(name) ||
+      registry.observer(name)) {
+    refuse("tomlin", "NAME", fmt::format("tomlin has a component \"{}\" of its own", name),
+           "another name");
+  }
 }
 
 std::string with_names(std::string text, const std::string& name) {

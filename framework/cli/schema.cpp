@@ -349,7 +349,9 @@ Json section_schema(const std::string& key) {
   if (key == "run") return run_schema();
   if (key == "measure") return table_schema(measure_layout());
   if (key == "output") return table_schema(output_layout());
-  if (key == "plugins") return list_of(only("type", "string"));
+  if (key == "plugins") {
+    return {{"type", "array"}, {"items", {{"type", "string"}, {"minLength", 1}}}};
+  }
   return Json::object();
 }
 
@@ -382,7 +384,7 @@ std::string scene_schema(const Registry& registry) {
                   "does not look into if and then."}};
   schema.update(object(std::move(sections), {"body", "run"}));
   schema["definitions"] = std::move(definitions);
-  return schema.dump(2) + "\n";
+  return schema.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace tomlin

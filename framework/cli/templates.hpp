@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tomlin {
@@ -22,5 +23,8 @@ struct PluginTemplate {
 };
 
 const std::vector<PluginTemplate>& plugin_templates();
+
+/// The types that the headers of framework/core bring into a plugin: "Site".
+const std::vector<std::string_view>& core_types();
 
 }  // namespace tomlin

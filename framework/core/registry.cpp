@@ -1,5 +1,7 @@
 #include "framework/core/registry.hpp"
 
+#include <algorithm>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -7,6 +9,7 @@
 #include "framework/core/force.hpp"
 #include "framework/core/integrator.hpp"
 #include "framework/core/observer.hpp"
+#include "framework/core/utf8.hpp"
 
 namespace tomlin {
 namespace {
@@ -25,10 +28,47 @@ void require(bool present, const ComponentRecord& record, const char* what) {
   }
 }
 
+bool is_word(std::string_view name) {
+  return std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  });
+}
+
+/// Each key once; `type` is how the component itself is named.
+void check_rows(const ComponentRecord& record) {
+  std::set<std::string> keys = {"type"};
+  for (const Parameter& row : record.parameters) {
+    require(!row.key.empty() && !row.doc.empty(), record, "key or doc in a parameter row");
+    require(row.assign && row.read, record, "member behind a parameter row");
+    if (!keys.insert(row.key).second) {
+      throw std::invalid_argument("component \"" + record.name + "\" has two keys \"" + row.key +
+                                  "\"");
+    }
+  }
+}
+
+/// All that a record says is shown, much of it as JSON.
+void check_text(const ComponentRecord& record) {
+  std::vector<std::string> texts = {record.summary, record.equation, record.source, record.example};
+  for (const Parameter& row : record.parameters) {
+    texts.insert(texts.end(), {row.key, row.doc});
+    texts.insert(texts.end(), row.choices.begin(), row.choices.end());
+    texts.insert(texts.end(), row.later_choices.begin(), row.later_choices.end());
+  }
+  for (const ReservedKey& reserved : record.reserved) {
+    texts.insert(texts.end(), {reserved.key, reserved.note});
+  }
+  if (!std::all_of(texts.begin(), texts.end(), [](const auto& text) { return is_utf8(text); })) {
+    throw std::invalid_argument("component \"" + record.name + "\" has text that is not UTF-8");
+  }
+}
+
 }  // namespace
 
 std::shared_ptr<void> with_defaults(const ComponentRecord& record) {
   auto description = record.make_description();
+  require(description != nullptr, record, "description");
   for (const Parameter& row : record.parameters) {
     if (row.standard) row.assign(description.get(), *row.standard);
   }
@@ -42,14 +82,16 @@ Registry& Registry::operator=(Registry&&) noexcept = default;
 
 void Registry::refuse_if_unfit(const ComponentRecord& record) const {
   if (record.name.empty()) throw std::invalid_argument("a component has no name");
+  if (!is_word(record.name)) {
+    throw std::invalid_argument("a component's name has more in it than letters, digits, _ and -");
+  }
   require(!record.summary.empty(), record, "summary");
   require(!record.equation.empty(), record, "equation");
   require(!record.source.empty(), record, "source");
   require(!record.example.empty(), record, "example");
   require(record.make_description != nullptr, record, "description");
-  for (const Parameter& row : record.parameters) {
-    require(!row.key.empty() && !row.doc.empty(), record, "key or doc in a parameter row");
-  }
+  check_text(record);
+  check_rows(record);
   if (body(record.name) || force(record.name) || integrator(record.name) || observer(record.name)) {
     throw std::invalid_argument("component \"" + record.name + "\" is registered twice");
   }

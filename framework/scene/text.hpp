@@ -5,19 +5,14 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/core/utf8.hpp"
+
 /// Text for messages.
 namespace tomlin {
 
 inline constexpr std::size_t kLongestShownValue = 60;     ///< bytes of a value in a message
 inline constexpr std::size_t kLongestShownMessage = 300;  ///< of another library's message
 inline constexpr std::size_t kMostShownNames = 30;        ///< of what is admissible
-
-/// Length of the longest start of the text that is UTF-8.
-std::size_t valid_utf8_prefix(std::string_view text);
-
-inline bool is_utf8_continuation(char c) {
-  return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
-}
 
 /// On one line, at most so many bytes, "..." where something was cut. Always UTF-8.
 std::string shortened(std::string_view text, std::size_t most_bytes);

@@ -358,6 +358,14 @@ class Schema(unittest.TestCase):
                 refused, message = self.refused_by_program(text)
                 self.assertTrue(refused, message)
 
+    def test_plugins_are_a_list_of_names(self):
+        for plugins, sound in (("[]", True), ('[""]', False), ('"lib.so"', False), ("[1]", False)):
+            with self.subTest(plugins):
+                text = f"plugins = {plugins}\n" + SCENE
+                refused, message = self.refused_by_program(text)
+                self.assertEqual(refused, not sound, message)
+                self.assertEqual(self.faults(tomllib.loads(text)) == [], sound)
+
     def test_what_the_program_accepts_validates(self):
         """Over all scenes that stand in tests, sound and broken."""
         valid = refused = 0
