@@ -7,11 +7,15 @@
 #include <string>
 #include <variant>
 
+#include <fmt/format.h>
+
 #include "framework/cli/arguments.hpp"
 #include "framework/cli/commands.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/standard_streams.hpp"
 #include "framework/core/fault.hpp"
+#include "framework/model/plugin_code.hpp"
+#include "framework/plugin/load.hpp"
 
 namespace tomlin {
 namespace {
@@ -41,18 +45,32 @@ int end_with(int status, const std::string& message) {
   return status;
 }
 
+/// A plugin may have thrown what nobody else has said anything about.
+std::string or_a_plugin() {
+  if (loaded_plugins().empty()) return "";
+  return fmt::format("; it may come from the code of a plugin: {}",
+                     fmt::join(loaded_plugins(), ", "));
+}
+
 int guarded_program(int argc, const char* const* argv) {
   try {
     return std::visit([](const auto& arguments) { return carry_out(arguments); },
                       parse_arguments(argc, argv));
   } catch (const InputError& error) {
     return end_with(kExitBadInput, error.what());
-  } catch (const std::bad_alloc&) {
-    return end_with(kExitBadInput, "tomlin: error: this takes more memory than there is");
-  } catch (const std::length_error&) {
-    return end_with(kExitBadInput, "tomlin: error: this takes more memory than there is");
-  } catch (const std::exception& error) {
+  } catch (const PluginError& error) {
     return end_with(kExitFailed, std::string("tomlin: error: ") + error.what());
+  } catch (const std::bad_alloc&) {
+    return end_with(kExitBadInput,
+                    "tomlin: error: this takes more memory than there is" + or_a_plugin());
+  } catch (const std::length_error&) {
+    return end_with(kExitBadInput,
+                    "tomlin: error: this takes more memory than there is" + or_a_plugin());
+  } catch (const std::exception& error) {
+    return end_with(kExitFailed, std::string("tomlin: error: ") + error.what() + or_a_plugin());
+  } catch (...) {
+    return end_with(kExitFailed,
+                    "tomlin: error: an exception that is no std::exception" + or_a_plugin());
   }
 }
 

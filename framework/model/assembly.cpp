@@ -300,7 +300,7 @@ void Assembly<Real>::bind_forces() {
                          [&](std::size_t b) { return holds(bodies_[b]); });
     };
     const bool one_body = from.bodies.size() == 1;
-    const Traits traits = from.traits();
+    const Traits traits = bound_by(from, "force", [&] { return from.traits(); });
     if (traits.internal && one_body &&
         all_of([](const Body& body) { return body.bound.slot.rigid || body.prescribed(); })) {
       left_out_.push_back({from.name, "internal to a rigid body, where it does nothing"});
@@ -334,8 +334,8 @@ void Assembly<Real>::bind_forces() {
     force.traits = traits;
     force.bodies = from.bodies;
     try {
-      force.bound =
-          bound_by(from, "force", [&] { return factory(from.description.get(), binding); });
+      force.bound = bound_by(from, "force",
+                             [&] { return something(factory(from.description.get(), binding)); });
     } catch (const BindError& error) {
       faults.push_back(fault_of(from, error.complaint));
       continue;

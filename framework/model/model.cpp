@@ -5,12 +5,35 @@
 #include <limits>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "framework/core/kernel_tables.hpp"
 #include "framework/model/plugin_code.hpp"
 
 TOMLIN_DECLARE_DOUBLE_TABLES(ObserveKernels, ObserveTable)
 
 namespace tomlin {
+
+namespace {
+
+/// Where a body's particles start: as many as it says, each in all dimensions.
+BodyGeometry build(const SceneBody& body, int dimension) {
+  const void* description = body.description.get();
+  BodyGeometry geometry = body.record->build(description, dimension);
+  const std::int64_t count = body.record->count(description);
+  const auto axes = static_cast<std::size_t>(dimension);
+  const bool fits = geometry.anchor.size() == axes &&
+                    geometry.relative.size() == static_cast<std::size_t>(count) &&
+                    std::all_of(geometry.relative.begin(), geometry.relative.end(),
+                                [axes](const auto& place) { return place.size() == axes; });
+  if (!fits) {
+    throw UnfitPart(
+        fmt::format("its geometry is not that of {} particles in {} dimensions", count, dimension));
+  }
+  return geometry;
+}
+
+}  // namespace
 
 /// The unit of each axis is the longest period that a force declares on it; the body with the
 /// lowest start decides how many of them the scene is away, so that the order of bodies does not.
@@ -23,8 +46,7 @@ AssemblyPlan Model::plan_for(const Scene& scene, InstructionSet set) {
   plan.splits_friction = scene.run.integrator.record->splits_friction || plan.quasistatic;
   plan.ledger = scene.run.ledger;
   for (const SceneBody& body : scene.bodies) {
-    plan.geometry.push_back(bound_by(
-        body, "body", [&] { return body.record->build(body.description.get(), scene.dimension); }));
+    plan.geometry.push_back(bound_by(body, "body", [&] { return build(body, scene.dimension); }));
   }
   for (int axis = 0; axis < scene.dimension; ++axis) {
     if (!scene.box.lengths.empty() && scene.box.periodic[axis]) {
@@ -32,7 +54,9 @@ AssemblyPlan Model::plan_for(const Scene& scene, InstructionSet set) {
     }
     double unit = 0.0;
     for (const SceneForce& force : scene.forces) {
-      unit = std::max(unit, force.record->period(force.description.get(), axis));
+      unit = std::max(unit, bound_by(force, "force", [&] {
+                        return force.record->period(force.description.get(), axis);
+                      }));
     }
     plan.origin.unit[axis] = unit;
     if (!(unit > 0.0)) continue;

@@ -1,6 +1,7 @@
 #include "framework/model/plugin_code.hpp"
 
 #include <deque>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -22,6 +23,11 @@ namespace {
 struct Owner {
   std::string component;
   std::string library;
+
+  template <class Action>
+  auto guard(Action action) const {
+    return in_plugin(component, library, action);
+  }
 };
 
 /// One kernel call of a plugin, in place of which ours is called.
@@ -168,7 +174,7 @@ class GuardedForce final : public BoundForce<Real> {
  private:
   template <class Action>
   auto guard(Action action) const {
-    return in_plugin(owner_.component, owner_.library, action);
+    return owner_.guard(action);
   }
 
   /// The same one whenever it is asked for: passes are told apart by their arguments.
@@ -188,7 +194,106 @@ class GuardedForce final : public BoundForce<Real> {
   mutable GuardedPoint<Real> point_;
 };
 
+/// Every function of EquilibriumPath is passed on.
+class GuardedPath final : public EquilibriumPath {
+ public:
+  GuardedPath(EquilibriumPath& path, const Owner& owner) : path_(path), owner_(owner) {}
+
+  StepFault settle(double ahead) override {
+    return owner_.guard([&] { return path_.settle(ahead); });
+  }
+  bool ends() const override {
+    return owner_.guard([&] { return path_.ends(); });
+  }
+  StepFault slip(double since, double ahead) override {
+    return owner_.guard([&] { return path_.slip(since, ahead); });
+  }
+  bool jumped() const override {
+    return owner_.guard([&] { return path_.jumped(); });
+  }
+  double moment(std::size_t k, double* position, double* velocity, double* rates) const override {
+    return owner_.guard([&] { return path_.moment(k, position, velocity, rates); });
+  }
+  EquilibriumState state(double since) override {
+    return owner_.guard([&] { return path_.state(since); });
+  }
+
+ private:
+  EquilibriumPath& path_;
+  const Owner& owner_;
+};
+
+/// Every function of Integrator is passed on.
+class GuardedIntegrator final : public Integrator<double> {
+ public:
+  GuardedIntegrator(std::unique_ptr<Integrator<double>> integrator, System<double>& system,
+                    Owner owner)
+      : Integrator<double>(system), integrator_(std::move(integrator)), owner_(std::move(owner)) {}
+  GuardedIntegrator(const GuardedIntegrator&) = delete;
+  GuardedIntegrator& operator=(const GuardedIntegrator&) = delete;
+
+  void declare(StateLayout& layout) override {
+    owner_.guard([&] { integrator_->declare(layout); });
+  }
+  void attach(RunState& state) override {
+    owner_.guard([&] { integrator_->attach(state); });
+  }
+  StepReport step_from(double since, double h, bool dense) override {
+    return owner_.guard([&] { return integrator_->step_from(since, h, dense); });
+  }
+  bool has_point_block() const override {
+    return owner_.guard([&] { return integrator_->has_point_block(); });
+  }
+  std::size_t point_block(std::size_t first, double h, std::size_t most, double* rates,
+                          double* velocities) override {
+    return owner_.guard(
+        [&] { return integrator_->point_block(first, h, most, rates, velocities); });
+  }
+  const double* first_rates() const override {
+    return owner_.guard([&] { return integrator_->first_rates(); });
+  }
+  void finish_dense_from(double since) override {
+    owner_.guard([&] { integrator_->finish_dense_from(since); });
+  }
+  void interpolate(double theta, double* position, double* velocity,
+                   double* integrals) const override {
+    owner_.guard([&] { integrator_->interpolate(theta, position, velocity, integrals); });
+  }
+  bool between(double theta, double* velocity, double* rates) const override {
+    return owner_.guard([&] { return integrator_->between(theta, velocity, rates); });
+  }
+  void rebased() override {
+    owner_.guard([&] { integrator_->rebased(); });
+  }
+  void forces_changed() override {
+    owner_.guard([&] { integrator_->forces_changed(); });
+  }
+  std::uint64_t evaluations_ahead() const override {
+    return owner_.guard([&] { return integrator_->evaluations_ahead(); });
+  }
+  EquilibriumPath* path() override {
+    EquilibriumPath* const path = owner_.guard([&] { return integrator_->path(); });
+    if (path == nullptr) return nullptr;
+    return &path_.emplace(*path, owner_);
+  }
+  std::uint64_t refused_steps() const override {
+    return owner_.guard([&] { return integrator_->refused_steps(); });
+  }
+
+ private:
+  std::unique_ptr<Integrator<double>> integrator_;
+  Owner owner_;
+  std::optional<GuardedPath> path_;
+};
+
 }  // namespace
+
+std::unique_ptr<Integrator<double>> guarded(std::unique_ptr<Integrator<double>> integrator,
+                                            System<double>& system, std::string component,
+                                            std::string library) {
+  return std::make_unique<GuardedIntegrator>(std::move(integrator), system,
+                                             Owner{std::move(component), std::move(library)});
+}
 
 template <class Real>
 std::unique_ptr<BoundForce<Real>> guarded(std::unique_ptr<BoundForce<Real>> force,

@@ -7,6 +7,7 @@
 
 #include "framework/core/bound_force.hpp"
 #include "framework/core/fault.hpp"
+#include "framework/core/scheme.hpp"
 #include "framework/scene/scene.hpp"
 
 /// The code of plugins at work: what it throws is its own, and said to be.
@@ -42,12 +43,25 @@ auto in_plugin(const std::string& component, const std::string& library, Action 
   }
 }
 
+/// What a component has made is none of what it should be.
+struct UnfitPart : std::logic_error {
+  using std::logic_error::logic_error;
+};
+
+/// What a factory has made, which must be something.
+template <class Pointer>
+Pointer something(Pointer made) {
+  if (made == nullptr) throw UnfitPart("its factory has returned a null pointer");
+  return made;
+}
+
 /// What `action` makes of a component when the scene is bound. What a plugin throws is a fault of
 /// the scene that names it. `kind`: "force", say.
 template <class Component, class Action>
 auto bound_by(const Component& component, const char* kind, Action action) {
   if (component.record->library.empty()) return action();
-  std::string said = "an exception that is no std::exception";
+  const std::string thrown = " has thrown an exception while binding: ";
+  std::string did = thrown + "an exception that is no std::exception";
   try {
     return action();
   } catch (const InputError&) {
@@ -56,20 +70,25 @@ auto bound_by(const Component& component, const char* kind, Action action) {
     throw;
   } catch (const std::bad_alloc&) {
     throw;
+  } catch (const UnfitPart& part) {
+    did = std::string(": ") + part.what();
   } catch (const std::exception& error) {
-    said = error.what();
+    did = thrown + error.what();
   } catch (...) {
     // As it says.
   }
   throw InputError({{component.place, std::string(kind) + "." + component.name, "",
-                     "the plugin " + component.record->library +
-                         " has thrown an exception while binding: " + said,
-                     "", ""}});
+                     "the plugin " + component.record->library + did, "", ""}});
 }
 
 /// The force of a plugin, with each of its functions and kernels called as by in_plugin().
 template <class Real>
 std::unique_ptr<BoundForce<Real>> guarded(std::unique_ptr<BoundForce<Real>> force,
                                           std::string component, std::string library);
+
+/// The same of the integrator of a plugin, which steps `system`, and of the path that it follows.
+std::unique_ptr<Integrator<double>> guarded(std::unique_ptr<Integrator<double>> integrator,
+                                            System<double>& system, std::string component,
+                                            std::string library);
 
 }  // namespace tomlin

@@ -1,5 +1,6 @@
 #include "framework/output/checkpoint.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -20,8 +21,17 @@ constexpr std::uint32_t kFormat = 1;
 
 }  // namespace
 
+std::string without_plugin_paths(std::string_view effective_toml) {
+  // The effective scene has them on its first line, before all tables.
+  constexpr std::string_view kPlugins = "plugins = [";
+  if (!effective_toml.starts_with(kPlugins)) return std::string(effective_toml);
+  const std::size_t end = std::min(effective_toml.find('\n'), effective_toml.size());
+  return std::string(kPlugins) + "...]" + std::string(effective_toml.substr(end));
+}
+
 std::uint64_t scene_fingerprint(std::string_view effective_toml) {
-  return checksum_of(std::as_bytes(std::span(effective_toml)), 0);
+  const std::string compared = without_plugin_paths(effective_toml);
+  return checksum_of(std::as_bytes(std::span(compared)), 0);
 }
 
 void write_checkpoint(const std::filesystem::path& file, const Checkpoint& checkpoint,

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "framework/output/journal.hpp"
@@ -26,7 +27,11 @@ struct Checkpoint {
   std::vector<Plugin> plugins;  ///< whose components the scene is made of
 };
 
-/// What stands for a scene's text in a checkpoint.
+/// An effective scene without the paths of its plugins: where they lie is no part of what is run,
+/// and their content is compared by its hash. As many lines as before.
+std::string without_plugin_paths(std::string_view effective_toml);
+
+/// What stands for a scene's text in a checkpoint; where its plugins lie does not matter.
 std::uint64_t scene_fingerprint(std::string_view effective_toml);
 
 /// Replaces the checkpoint of this name, whole or not at all. Throws OutputError.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -65,8 +66,10 @@ std::string first_difference(std::string_view before, std::string_view now) {
 }
 
 void require_same_scene(const fs::path& file, std::string_view before, const Scene& scene) {
-  if (before == scene.effective_toml) return;
-  refuse(file, "the run was of another scene: " + first_difference(before, scene.effective_toml),
+  const std::string was = without_plugin_paths(before);
+  const std::string is = without_plugin_paths(scene.effective_toml);
+  if (was == is) return;
+  refuse(file, "the run was of another scene: " + first_difference(was, is),
          "the scene as it was, another folder, or --force, which starts again from the beginning");
 }
 
@@ -90,25 +93,33 @@ void require_same_scene_file(const RunFolder& folder, const Scene& scene) {
 struct Ended {
   std::string status;  ///< empty: there is no summary
   std::string failure;
+  std::vector<Checkpoint::Plugin> plugins;
 };
 
-Ended read_summary(const RunFolder& folder) {
-  if (!folder.holds(kSummaryFile)) return {};
-  const fs::path path = folder.file(kSummaryFile);
+std::string text_at(const nlohmann::json& object, const char* key) {
+  if (!object.is_object()) return "";
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+Ended read_summary(const fs::path& path) {
   const auto summary = nlohmann::json::parse(text_of(path), nullptr, false);
-  const auto text = [](const nlohmann::json& object, const char* key) {
-    if (!object.is_object()) return std::string();
-    const auto found = object.find(key);
-    return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
-  };
   Ended ended;
-  ended.status = text(summary, "status");
+  ended.status = text_at(summary, "status");
   for (const RunStatus known : {RunStatus::finished, RunStatus::interrupted, RunStatus::failed}) {
     if (ended.status != to_string(known)) continue;
-    if (summary.contains("failure")) ended.failure = text(summary["failure"], "what");
+    if (summary.contains("failure")) ended.failure = text_at(summary["failure"], "what");
+    if (!summary.contains("plugins")) return ended;
+    for (const auto& plugin : summary["plugins"]) {
+      ended.plugins.push_back({text_at(plugin, "path"), text_at(plugin, "xxh3_128")});
+    }
     return ended;
   }
   refuse(path, "not what a run leaves");
+}
+
+Ended read_summary(const RunFolder& folder) {
+  return folder.holds(kSummaryFile) ? read_summary(folder.file(kSummaryFile)) : Ended();
 }
 
 /// Only counts, and is content with any number.
@@ -148,27 +159,28 @@ std::string shown(const std::string& path, const std::string& hash) {
   return path + " with the content " + hash;
 }
 
-/// The plugins that a run was begun with and those that it would go on with.
-void require_same(const fs::path& checkpoint, const std::vector<Checkpoint::Plugin>& recorded,
+/// The plugins that `file` says a run was begun with and those that it would go on with: of the
+/// same content, wherever they lie, whoever named them first and how often.
+void require_same(const fs::path& file, const std::vector<Checkpoint::Plugin>& recorded,
                   const std::vector<Library>& libraries) {
-  std::vector<std::string> before;
-  std::vector<std::string> now;
-  before.reserve(recorded.size());
-  now.reserve(libraries.size());
+  std::map<std::string, std::string> before;  // what is shown, by content
+  std::map<std::string, std::string> now;
   for (const Checkpoint::Plugin& plugin : recorded) {
-    before.push_back(shown(plugin.path, plugin.hash));
+    before.emplace(plugin.hash, shown(plugin.path, plugin.hash));
   }
-  for (const Library& library : libraries) now.push_back(shown(library.path, library.hash));
-  for (auto* names : {&before, &now}) {  // whoever named them first, and how often
-    std::sort(names->begin(), names->end());
-    names->erase(std::unique(names->begin(), names->end()), names->end());
+  for (const Library& library : libraries) {
+    now.emplace(library.hash, shown(library.path, library.hash));
   }
-  if (before == now) return;
-  const auto listed = [](const std::vector<std::string>& all) {
-    return all.empty() ? std::string("none") : fmt::format("{}", fmt::join(all, "; "));
+  const auto same = [](const auto& one, const auto& other) { return one.first == other.first; };
+  const bool readable = !now.contains("");
+  if (readable && std::equal(before.begin(), before.end(), now.begin(), now.end(), same)) return;
+  const auto listed = [](const std::map<std::string, std::string>& all) {
+    std::string text;
+    for (const auto& [hash, what] : all) text += (text.empty() ? "" : "; ") + what;
+    return text.empty() ? "none" : text;
   };
   refuse(
-      checkpoint,
+      file,
       fmt::format("the run was begun with other plugins: {}; now: {}", listed(before), listed(now)),
       "the plugins as they were, or --force, which starts again from the beginning");
 }
@@ -240,6 +252,7 @@ Resumption without_journal(const RunFolder& folder, const Scene& scene, const En
   require_same_scene_file(folder, scene);
   Resumption resumption;
   if (ended.status == to_string(RunStatus::failed)) {
+    require_same(folder.file(kSummaryFile), ended.plugins, scene.libraries);
     resumption.kind = Resumption::Kind::failed;
     resumption.failure = ended.failure;
     return resumption;
@@ -273,6 +286,7 @@ Resumption find_resumption(const RunFolder& folder, const Scene& scene,
   if (ended.status == to_string(RunStatus::finished)) {
     if (!folder.holds(kSceneFile)) refuse(folder.file(kSceneFile), "there is none");
     require_same_scene_file(folder, scene);
+    require_same(folder.file(kSummaryFile), ended.plugins, scene.libraries);
     Resumption resumption;
     resumption.kind = Resumption::Kind::finished;
     return resumption;
@@ -284,16 +298,20 @@ Resumption find_resumption(const RunFolder& folder, const Scene& scene,
 }
 
 void require_same_libraries(const fs::path& folder, const std::vector<Library>& libraries) {
-  const fs::path file = folder / kCheckpointFile;
+  const fs::path checkpoint = folder / kCheckpointFile;
+  const fs::path summary = folder / kSummaryFile;
   std::error_code error;
-  if (!fs::exists(file, error)) return;
-  std::vector<Checkpoint::Plugin> recorded;
-  try {
-    recorded = read_checkpoint(file).plugins;
-  } catch (const DamagedFile&) {
-    return;  // find_resumption() says what is wrong with it
+  if (fs::exists(checkpoint, error)) {
+    std::vector<Checkpoint::Plugin> recorded;
+    try {
+      recorded = read_checkpoint(checkpoint).plugins;
+    } catch (const DamagedFile&) {
+      return;  // find_resumption() says what is wrong with it
+    }
+    require_same(checkpoint, recorded, libraries);
+  } else if (fs::exists(summary, error)) {
+    require_same(summary, read_summary(summary).plugins, libraries);
   }
-  require_same(file, recorded, libraries);
 }
 
 Resumption start_again(const RunFolder& folder) {

@@ -34,8 +34,8 @@ struct Resumption {
 Resumption find_resumption(const RunFolder& folder, const Scene& scene,
                            const std::string& program_version);
 
-/// Where the checkpoint in a folder says that its run was begun with other plugins than these,
-/// throws InputError with what both are.
+/// Where the checkpoint in a folder, or the summary of a run that is over, says that the run was
+/// begun with plugins of other content than these, throws InputError with what both are.
 void require_same_libraries(const std::filesystem::path& folder,
                             const std::vector<Library>& libraries);
 

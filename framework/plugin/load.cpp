@@ -61,12 +61,18 @@ void hand_over(const Records& records, const PluginFile& file, const fs::path& p
   }
 }
 
+std::vector<std::string>& loaded() {
+  static std::vector<std::string> paths;  // like what is loaded, the whole process's
+  return paths;
+}
+
 /// Empty when the library's components are in the registry now.
 std::string load(const PluginRequest& request, Registry& registry) {
   const PluginFile file = examine_plugin(request.path);
   if (!file.why.empty()) return file.why;
   if (std::string why = probe_registration(request.path); !why.empty()) return why;
   // On its own first, so that of a library that fails nothing is left.
+  loaded().push_back(request.path.string());
   Registry added;
   if (std::string why = register_components(request.path, added); !why.empty()) return why;
   const auto first_taken = [&registry](const auto& records) {
@@ -89,6 +95,8 @@ std::string load(const PluginRequest& request, Registry& registry) {
 }
 
 }  // namespace
+
+const std::vector<std::string>& loaded_plugins() { return loaded(); }
 
 PluginFile examine_plugin(const fs::path& path) {
   PluginFile file;

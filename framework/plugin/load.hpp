@@ -28,6 +28,10 @@ struct PluginFile {
 };
 PluginFile examine_plugin(const std::filesystem::path& path);
 
+/// Paths of the libraries that this process has loaded, for a message on what comes from nobody
+/// knows where.
+const std::vector<std::string>& loaded_plugins();
+
 /// Adds the components of these libraries, each once. Throws InputError with what is wrong with
 /// any of them; the registry then has those of the others only.
 void load_plugins(const std::vector<PluginRequest>& requests, Registry& registry);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cfenv>
 #include <chrono>
 #include <csignal>
 #include <cstring>
@@ -34,6 +35,46 @@ std::string loader_message(const std::filesystem::path& library) {
   const std::string front = library.string() + ": ";
   if (message.starts_with(front)) message.erase(0, front.size());
   return message;
+}
+
+/// Rounding and flushing as they are now, whatever a library makes of them when it is loaded: one
+/// that was linked for fast mathematics would change the program's own numbers.
+class KeptArithmetic {
+ public:
+  KeptArithmetic() { std::fegetenv(&now_); }
+  ~KeptArithmetic() { std::fesetenv(&now_); }
+  KeptArithmetic(const KeptArithmetic&) = delete;
+  KeptArithmetic& operator=(const KeptArithmetic&) = delete;
+
+ private:
+  std::fenv_t now_{};
+};
+
+/// Why the descriptions of components cannot be made; empty when they can.
+template <class Records>
+std::string description_fault(const Records& records) {
+  for (const auto& record : records) {
+    std::string why;
+    try {
+      with_defaults(*record);
+      continue;
+    } catch (const std::exception& error) {
+      why = error.what();
+    } catch (...) {
+      why = "an exception that is no std::exception";
+    }
+    return fmt::format("the description of \"{}\" cannot be made: {}", record->name, why);
+  }
+  return "";
+}
+
+std::string description_fault(const Registry& registry) {
+  for (const std::string& why :
+       {description_fault(registry.bodies()), description_fault(registry.forces()),
+        description_fault(registry.integrators()), description_fault(registry.observers())}) {
+    if (!why.empty()) return why;
+  }
+  return "";
 }
 
 bool is_empty(const Registry& registry) {
@@ -102,6 +143,7 @@ int end_of(pid_t child, std::chrono::steady_clock::time_point until, bool& kille
 }  // namespace
 
 std::string register_components(const std::filesystem::path& library, Registry& registry) {
+  const KeptArithmetic kept;
   // Absolute, so that no search path is looked into; now, so that what is missing shows.
   void* const handle = ::dlopen(std::filesystem::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) return loader_message(library);
@@ -113,7 +155,7 @@ std::string register_components(const std::filesystem::path& library, Registry& 
     message.back() = '\0';
     return fmt::format("registering failed: {}", message.data());
   }
-  return is_empty(registry) ? "it registers no component" : "";
+  return is_empty(registry) ? "it registers no component" : description_fault(registry);
 }
 
 std::string probe_registration(const std::filesystem::path& library, double seconds) {

@@ -22,19 +22,24 @@ constexpr std::chrono::milliseconds kReportEvery{200};
 
 }  // namespace
 
-Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
-    : scene_(std::move(scene)),
+Engine::Engine(const std::shared_ptr<const Scene>& scene, const RunOptions& options) try
+    : scene_(scene),
       options_(options),
       model_(scene_, options.instruction_set),
       scheme_(*scene_->run.integrator.record),
       observe_(model_.observe()),
       duration_(scene_->run.duration) {
   const void* description = scene_->run.integrator.description.get();
-  dt_ = scheme_.step(description);
+  const SceneIntegrator& from = scene_->run.integrator;
+  dt_ = bound_by(from, "integrator", [&] { return scheme_.step(description); });
   ledger_ = scene_->run.ledger;
-  integrator_ = bound_by(scene_->run.integrator, "integrator", [&] {
+  integrator_ = bound_by(from, "integrator", [&] {
     return integrator_in(scene_->run.number_type, model_, description, scheme_);
   });
+  if (!scheme_.library.empty()) {
+    integrator_ = guarded(std::move(integrator_), model_.system(), "integrator " + scheme_.name,
+                          scheme_.library);
+  }
   path_ = integrator_->path();
   list_signals();
   list_watches();
@@ -79,6 +84,12 @@ Engine::Engine(std::shared_ptr<const Scene> scene, const RunOptions& options)
   last_checkpoint_ = started_;
   // Whoever keeps what the run leaves hears of a failure, too.
   if (!attempt([this] { begin(); }) && !sink_has_begun_) begin_sink();
+} catch (const PluginError& error) {
+  // Before the run has begun, of which something could be left.
+  Fault fault;
+  fault.place.file = scene->file;
+  fault.why = error.what();
+  throw InputError({std::move(fault)});
 }
 
 /// From the scene's start, or a checkpoint, to just before the first step.
@@ -232,17 +243,17 @@ void Engine::fail(const PluginError& error) {
   failure_ = std::move(failure);
 }
 
-/// One step of the scheme; its code may be a plugin's, too.
+/// What the functions of a plugin's records throw is not told apart by record.
+void Engine::fail_by_record(const std::string& said) {
+  std::vector<std::string> paths;
+  for (const Library& library : scene_->libraries) paths.push_back(library.path);
+  fail(PluginError("a function of a record", fmt::format("{}", fmt::join(paths, " or ")), said));
+}
+
+/// One step of the scheme; code of a plugin may be in it.
 StepReport Engine::step_from(double since, double h, bool dense) {
   StepReport report{0.0, StepFault::not_finite_or_too_far};
-  attempt([&] {
-    if (scheme_.library.empty()) {
-      report = integrator_->step_from(since, h, dense);
-      return;
-    }
-    report = in_plugin("integrator " + scheme_.name, scheme_.library,
-                       [&] { return integrator_->step_from(since, h, dense); });
-  });
+  attempt([&] { report = integrator_->step_from(since, h, dense); });
   return report;
 }
 

@@ -23,7 +23,7 @@ namespace tomlin {
 /// tests and benchmarks can take single steps.
 class Engine {
  public:
-  Engine(std::shared_ptr<const Scene> scene, const RunOptions& options);
+  Engine(const std::shared_ptr<const Scene>& scene, const RunOptions& options);
 
   RunResult run();
 
@@ -169,6 +169,7 @@ class Engine {
   void finish_events();
   void fail(StepFault fault, double h);
   void fail(const PluginError& error);
+  void fail_by_record(const std::string& said);
   void begin();
   StepReport step_from(double since, double h, bool dense);
   /// False when a plugin has thrown something, which ends the run as failed.
@@ -179,6 +180,16 @@ class Engine {
       return true;
     } catch (const PluginError& error) {
       fail(error);
+    } catch (const InputError&) {
+      throw;
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {
+      if (scene_->libraries.empty()) throw;
+      fail_by_record(error.what());
+    } catch (...) {
+      if (scene_->libraries.empty()) throw;
+      fail_by_record("an exception that is no std::exception");
     }
     return false;
   }

@@ -72,6 +72,7 @@ EnergyResult Engine::energy(bool window) const {
 
 RunResult Engine::result() {
   RunResult result;
+  attempt([&] { result.refused_steps = integrator_->refused_steps(); });
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started_;
   result.status = failure_       ? RunStatus::failed
                   : interrupted_ ? RunStatus::interrupted
@@ -79,7 +80,6 @@ RunResult Engine::result() {
   result.failure = failure_;
   result.end_time = time();
   result.steps = static_cast<std::uint64_t>(counts_[kSteps]);
-  result.refused_steps = integrator_->refused_steps();
   result.force_evaluations = model_.system().evaluations;
   result.jacobian_columns = model_.system().columns;
   result.events = event_counts();

@@ -4,6 +4,7 @@
 
 #include "framework/core/compensated.hpp"
 #include "framework/core/fault.hpp"
+#include "framework/model/plugin_code.hpp"
 
 namespace tomlin {
 namespace {
@@ -18,7 +19,7 @@ class MirroredIntegrator : public Integrator<double>, public ModelFollower {
     system.begin_step = [](void* anchored, double high, double low) {
       static_cast<Model*>(anchored)->anchor(DoubleDouble(high, low));
     };
-    scheme_ = factory(description, system);
+    scheme_ = something(factory(description, system));
     first_rates_.assign(system.view.rates, 0.0);
     model.follow(this);
   }
@@ -187,7 +188,7 @@ std::unique_ptr<Integrator<double>> integrator_in(const std::string& number_type
                                                   const IntegratorRecord& scheme) {
   if (number_type == "float") return mirrored<float>(model, description, scheme);
   if (number_type == "quadruple") return mirrored<Quad>(model, description, scheme);
-  return scheme.bind.in_double(description, model.system());
+  return something(scheme.bind.in_double(description, model.system()));
 }
 
 }  // namespace tomlin

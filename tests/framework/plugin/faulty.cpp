@@ -43,9 +43,14 @@ struct Faulty {
 
 #ifndef TOMLIN_KERNELS_ONLY
 
+#include <cfenv>
 #include <csignal>
 #include <cstdlib>
 #include <string>
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
 
 #include <unistd.h>
 
@@ -62,6 +67,17 @@ std::string fault() {
   return wish == nullptr ? "" : wish;
 }
 
+/// What linking with -ffast-math puts into a library, or worse.
+__attribute__((constructor)) void change_arithmetic() {
+#if defined(__SSE2__)
+  if (fault() == "flush") {
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    _mm_setcsr(_mm_getcsr() | 0x40U);  // what is read, too
+  }
+#endif
+  if (fault() == "round") std::fesetround(FE_UPWARD);
+}
+
 long calls_left() {
   const char* wish = std::getenv("FAULT_AFTER");
   return wish == nullptr ? -1 : std::atol(wish);
@@ -69,8 +85,30 @@ long calls_left() {
 
 std::unique_ptr<BoundForce<double>> bind(const void* description, const Binding<double>& binding) {
   if (fault() == "throw_binding") throw std::runtime_error("not bound, as planned");
+  if (fault() == "nothing_bound") return nullptr;
   const auto factories = on_particles<Faulty, kernels::Faulty, kRankCheap>();
   return factories.in_double(description, binding);
+}
+
+std::shared_ptr<void> make() {
+  if (fault() == "throw_making") throw std::runtime_error("not made, as planned");
+  if (fault() == "nothing_made") return nullptr;
+  return std::make_shared<FaultyDescription>();
+}
+
+double period(const void*, int) {
+  if (fault() == "throw_period") throw std::runtime_error("no period, as planned");
+  return 0.0;
+}
+
+Traits traits(const void*) {
+  if (fault() == "throw_traits") throw std::runtime_error("no traits, as planned");
+  return {};
+}
+
+Element element(const void*) {
+  if (fault() == "throw_element") throw std::runtime_error("no element, as planned");
+  return Element::site;
 }
 
 std::vector<Complaint> complaints(const void*, const SceneOutline&) {
@@ -81,13 +119,20 @@ std::vector<Complaint> complaints(const void*, const SceneOutline&) {
 ForceRecord faulty_record() {
   ForceRecord record;
   record.name = fault() == "taken_name" ? "harmonic_bonds" : "faulty";
+  if (fault() == "odd_name") record.name = "a b\n";
   record.summary = "a spring to zero that may go wrong";
+  if (fault() == "not_utf8") record.summary += " \xff";
   record.equation = "F = -strength x";
   record.source = fault() == "incomplete" ? "" : "a test";
   record.element = Element::site;
-  record.make_description = &make_description<FaultyDescription>;
+  record.make_description = &make;
+  record.period = &period;
+  record.traits_of = &traits;
+  record.element_of = &element;
   record.parameters = {
       parameter("strength", &FaultyDescription::strength, dimension::stiffness, "how strong")};
+  if (fault() == "two_keys") record.parameters.push_back(record.parameters.front());
+  if (fault() == "type_as_key") record.parameters.front().key = "type";
   record.complaints = &complaints;
   record.bind = {&bind, on_particles<Faulty, kernels::Faulty, kRankCheap>().in_float};
   record.example = "see the tests";

@@ -137,6 +137,12 @@ TEST(Plugins, ThatFailWhileRegistering) {
       {"nothing", "it registers no component"},
       {"twice", "registering failed: component \"faulty\" is registered twice"},
       {"incomplete", "registering failed: component \"faulty\" has no source"},
+      {"two_keys", "registering failed: component \"faulty\" has two keys \"strength\""},
+      {"type_as_key", "registering failed: component \"faulty\" has two keys \"type\""},
+      {"not_utf8", "registering failed: component \"faulty\" has text that is not UTF-8"},
+      {"odd_name", "registering failed: a component's name has more in it than letters"},
+      {"throw_making", "the description of \"faulty\" cannot be made: not made, as planned"},
+      {"nothing_made", "the description of \"faulty\" cannot be made: "},
       {"taken_name", "its component \"harmonic_bonds\" has the name of one of tomlin's own"},
   };
   for (const auto& one : cases) {
@@ -164,23 +170,32 @@ TEST(Plugins, TwoThatHaveTheSameName) {
                 ": its component \"morse\" has the name of one from " + plugin("morse").string());
 }
 
-/// What a force of a plugin is asked, its guard passes on: each virtual function of the contract.
-TEST(Plugins, TheGuardOfForcesIsWhole) {
+/// Each virtual function of a contract is passed on by its guard, `call` at a time: "force_->".
+void expect_whole(const std::string& header, const std::string& contract, const std::string& call,
+                  std::size_t at_least) {
   const std::string folder = TOMLIN_SOURCE_DIR "/framework/";
-  const std::string contract = content(folder + "core/bound_force.hpp");
+  const std::string text = content(folder + header);
   const std::string guard = content(folder + "model/plugin_code.cpp");
-  const std::size_t begin = contract.find("class BoundForce");
+  const std::size_t begin = text.find("class " + contract + " {");
   ASSERT_NE(begin, std::string::npos);
-  const std::string body = contract.substr(begin);
+  const std::string body = text.substr(begin, text.find("\n};", begin) - begin);
   const std::regex function(R"(virtual [^~(;]*?(\w+)\()");
   std::size_t count = 0;
   for (std::sregex_iterator match(body.begin(), body.end(), function), end; match != end; ++match) {
     const std::string name = (*match)[1];
-    EXPECT_NE(guard.find("force_->" + name + "("), std::string::npos) << name;
+    EXPECT_NE(guard.find(call + name + "("), std::string::npos) << name;
     ++count;
   }
-  constexpr std::size_t kAtLeast = 20;
-  EXPECT_GE(count, kAtLeast) << "the contract was not understood";
+  EXPECT_GE(count, at_least) << "the contract was not understood";
+}
+
+/// What a force or an integrator of a plugin is asked, its guard passes on.
+TEST(Plugins, TheGuardOfForcesIsWhole) {
+  expect_whole("core/bound_force.hpp", "BoundForce", "force_->", 20);
+}
+TEST(Plugins, TheGuardOfIntegratorsIsWhole) {
+  expect_whole("core/scheme.hpp", "Integrator", "integrator_->", 14);
+  expect_whole("core/scheme.hpp", "EquilibriumPath", "path_.", 6);
 }
 
 /// Beside one that is refused the others are loaded, and all refusals are told.

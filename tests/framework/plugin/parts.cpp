@@ -1,4 +1,7 @@
 #include <cmath>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
 
 #include "framework/core/aligned.hpp"
 #include "framework/core/scheme.hpp"
@@ -7,6 +10,15 @@
 // What is no force: a body, an integrator and an observer of one's own.
 namespace tomlin {
 namespace {
+
+/// Whether the environment variable FAULT asks for this; throws where it asks for an exception.
+bool asked_for(const char* fault) {
+  const char* wish = std::getenv("FAULT");
+  return wish != nullptr && std::string(wish) == fault;
+}
+void fail_if_asked(const char* fault) {
+  if (asked_for(fault)) throw std::length_error("no " + std::string(fault) + ", as planned");
+}
 
 // ---- a body: two particles along x
 
@@ -28,7 +40,8 @@ BodyGeometry build_dumbbell(const void* description, int dimension) {
   const auto& d = *static_cast<const DumbbellDescription*>(description);
   BodyGeometry geometry;
   geometry.anchor = d.centre.components;
-  geometry.relative.assign(2, std::vector<double>(static_cast<std::size_t>(dimension), 0.0));
+  geometry.relative.assign(asked_for("three") ? 3 : 2,
+                           std::vector<double>(static_cast<std::size_t>(dimension), 0.0));
   geometry.relative[0][0] = -0.5 * d.length;
   geometry.relative[1][0] = 0.5 * d.length;
   return geometry;
@@ -85,10 +98,21 @@ class SymplecticEuler final : public Integrator<double> {
     for (std::size_t i = 0; i < view.rates; ++i) view.integrals[i] += h * rates_[i];
     return {h, StepFault::none};
   }
-  const double* first_rates() const override { return rates_.data(); }
-  void finish_dense_from(double since) override { (void)since; }
+  const double* first_rates() const override {
+    fail_if_asked("first_rates");
+    return rates_.data();
+  }
+  void finish_dense_from(double since) override {
+    fail_if_asked("finish_dense_from");
+    (void)since;
+  }
+  std::uint64_t refused_steps() const override {
+    fail_if_asked("refused_steps");
+    return 0;
+  }
   void interpolate(double theta, double* position, double* velocity,
                    double* integrals) const override {
+    fail_if_asked("interpolate");
     const SystemView<double>& view = system_.view;
     const auto between = [theta](const std::vector<double>& from, const double* to, double* at) {
       for (std::size_t i = 0; i < from.size(); ++i) at[i] = from[i] + theta * (to[i] - from[i]);
@@ -117,12 +141,14 @@ double euler_step(const void* description) {
 }
 
 double euler_stable_step(double frequency, double damping_rate) {
+  fail_if_asked("stable_step");
   return 2.0 / (frequency + damping_rate);
 }
 
 std::vector<Complaint> no_scheme_complaints(const void*) { return {}; }
 
 std::unique_ptr<Integrator<double>> bind_euler(const void*, System<double>& system) {
+  if (asked_for("nothing_bound")) return nullptr;
   return std::make_unique<SymplecticEuler>(system);
 }
 

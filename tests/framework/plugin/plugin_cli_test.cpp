@@ -85,6 +85,25 @@ integrator = { type = "rk4", dt = 1e-2 }
 every = 1.0
 )";
 
+/// Its forces and, from a start at rest, its velocities are below the smallest normal number.
+constexpr const char* kSubnormal = R"(
+[[body]]
+type = "point"
+position = [1e-160]
+particle_mass = 1.0
+
+[[force]]
+type = "expression"
+energy = "1e-150*x^2"
+
+[run]
+duration = 1.0
+integrator = { type = "rk4", dt = 1e-2 }
+
+[output]
+every = 0.1
+)";
+
 std::string named(const std::string& library, const char* scene) {
   return "plugins = [\"" + library + "\"]\n" + scene;
 }
@@ -306,6 +325,79 @@ TEST_F(PluginCli, WhatFailsAtBindingIsThePlugins) {
   EXPECT_FALSE(exists("faulty.out/summary.json"));
 }
 
+TEST_F(PluginCli, WhatIsMadeWrongIsRefused) {
+  const auto refused = [this](const std::string& scene, const std::string& fault,
+                              const std::string& message) {
+    const Ended ended = tomlin({"run", scene + ".toml"}, with({"FAULT=" + fault}));
+    EXPECT_EQ(ended.status, 2) << fault;
+    EXPECT_TRUE(contains(ended.err, message)) << ended.err;
+    EXPECT_FALSE(exists(scene + ".out/summary.json"));
+  };
+  const std::string null = ": its factory has returned a null pointer";
+  refused("faulty", "nothing_bound", "force.spring: the plugin " + path("libfaulty.so") + null);
+  refused("parts", "nothing_bound",
+          "integrator.symplectic_euler: the plugin " + path("libparts.so") + null);
+  refused("parts", "three",
+          "body.dumbbell: the plugin " + path("libparts.so") +
+              ": its geometry is not that of 2 particles in 2 dimensions");
+  refused("faulty", "nothing_made", "the description of \"faulty\" cannot be made");
+}
+
+/// Before a run what a record throws is nobody's for certain; the plugins that are there are named.
+TEST_F(PluginCli, WhatRecordsThrowNamesThePlugin) {
+  for (const std::string fault : {"throw_period", "throw_traits"}) {
+    const Ended ended = tomlin({"run", "faulty.toml"}, with({"FAULT=" + fault}));
+    EXPECT_TRUE(ended.status == 1 || ended.status == 2) << ended.status;
+    EXPECT_TRUE(contains(ended.err, path("libfaulty.so"))) << ended.err;
+    EXPECT_TRUE(contains(ended.err, "as planned")) << ended.err;
+  }
+  const Ended ended = tomlin({"explain", "faulty.toml"}, with({"FAULT=throw_element"}));
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_EQ(ended.err,
+            "tomlin: error: no element, as planned; it may come from the code of a plugin: " +
+                path("libfaulty.so") + "\n");
+}
+
+/// In whatever function of its integrator.
+TEST_F(PluginCli, WhatFailsInAnIntegratorIsThePlugins) {
+  for (const std::string fault :
+       {"stable_step", "first_rates", "finish_dense_from", "interpolate", "refused_steps"}) {
+    const Ended ended = tomlin({"run", "parts.toml", "--set", "output.every=0.3333", "-o", fault},
+                               with({"FAULT=" + fault}));
+    EXPECT_EQ(ended.status, 1) << fault;
+    EXPECT_TRUE(
+        contains(ended.err, "the plugin " + path("libparts.so") + " has thrown an exception: "))
+        << ended.err;
+    const std::string whose =
+        fault == "stable_step" ? "a function of a record" : "integrator symplectic_euler";
+    EXPECT_TRUE(contains(ended.err, whose + ": no " + fault + ", as planned; ")) << ended.err;
+    ASSERT_TRUE(exists(fault + "/summary.json")) << fault;
+    EXPECT_EQ(summary(fault)["status"], "failed");
+    EXPECT_FALSE(exists(fault + "/run.checkpoint"));
+  }
+}
+
+/// Whatever a library does to it when it is loaded: fast mathematics flushes small numbers to zero.
+TEST_F(PluginCli, TheArithmeticIsTheProgramsOwn) {
+  write(folder_ / "small.toml", kSubnormal);
+  for (const std::string scene : {"small.toml", "tip.toml"}) {
+    ASSERT_EQ(tomlin({"run", scene, "-o", "own" + scene}).status, 0);
+    const std::string own = file("own" + scene + "/observables.csv");
+    for (const std::string fault : {"flush", "round"}) {
+      const std::string out = fault + scene;
+      ASSERT_EQ(
+          tomlin({"run", scene, "--plugin", "libfaulty.so", "-o", out}, with({"FAULT=" + fault}))
+              .status,
+          0);
+      EXPECT_EQ(file(out + "/observables.csv"), own) << out;
+      EXPECT_EQ(summary(out)["bodies"], summary("own" + scene)["bodies"]) << out;
+    }
+  }
+  const Json moving = summary("ownsmall.toml")["bodies"]["point"]["velocity"][0];
+  EXPECT_NE(moving.get<double>(), 0.0);
+  EXPECT_FALSE(std::isnormal(moving.get<double>()));
+}
+
 /// Wherever in a run it happens, there is a summary, and it says failed.
 TEST_F(PluginCli, WhatFailsInARunIsThePlugins) {
   ASSERT_EQ(tomlin({"run", "faulty.toml", "-o", "sound"}).status, 0);
@@ -399,6 +491,54 @@ TEST_F(PluginResume, AnotherOrAMissingLibraryIsRefused) {
             0);
 }
 
+/// A checkpoint names a library by its content, wherever that lies.
+TEST_F(PluginResume, GoesOnInAnotherFolder) {
+  fs::create_directory(folder_ / "here");
+  for (const char* name : {"libparts.so", "parts.toml"}) {
+    fs::copy(folder_ / name, folder_ / "here" / name);
+  }
+  const auto run = [](const std::string& folder) {
+    return std::vector<std::string>{"run", folder + "/parts.toml", "--set", "run.duration=2000",
+                                    "-o",  folder + "/out"};
+  };
+  auto whole = run("here");
+  whole.back() = "whole";
+  ASSERT_EQ(tomlin(whole).status, 0);
+  interrupt(run("here"), "here/out");
+  fs::rename(folder_ / "here", folder_ / "there");
+  auto on = run("there");
+  on.emplace_back("--resume");
+  const Ended ended = tomlin(on);
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  EXPECT_EQ(file("there/out/observables.csv"), file("whole/observables.csv"));
+  fs::rename(folder_ / "there", folder_ / "back");
+  auto again = run("back");
+  again.emplace_back("--resume");
+  EXPECT_TRUE(contains(tomlin(again).out, "finished already"));
+  // The scene is compared all the same.
+  again.insert(again.end(), {"--set", "observer.bond.second=0"});
+  EXPECT_TRUE(contains(tomlin(again).err, "the run was of another scene"));
+}
+
+/// What is over was made with another library: neither is it finished, nor would it fail again.
+TEST_F(PluginResume, OfARunThatIsOverAnotherLibraryIsRefused) {
+  ASSERT_EQ(tomlin({"run", "parts.toml", "-o", "finished"}).status, 0);
+  ASSERT_EQ(tomlin({"run", "parts.toml", "-o", "failed"}, with({"FAULT=first_rates"})).status, 1);
+  const std::string before = examine_plugin(folder_ / "libparts.so").hash;
+  write(folder_ / "libparts.so", file("libparts.so") + "\n");
+  const std::string now = examine_plugin(folder_ / "libparts.so").hash;
+  for (const std::string folder : {"finished", "failed"}) {
+    expect_refused({"run", "parts.toml", "-o", folder, "--resume"},
+                   "--resume: error: " + folder +
+                       "/summary.json: the run was begun with other plugins: " +
+                       path("libparts.so") + " with the content " + before +
+                       "; now: " + path("libparts.so") + " with the content " + now +
+                       "; admissible: the plugins as they were, or --force, which starts again "
+                       "from the beginning\n");
+    EXPECT_EQ(tomlin({"run", "parts.toml", "-o", folder, "--force"}).status, 0);
+  }
+}
+
 // ---- a new one
 
 TEST_F(PluginCli, NewPluginWritesAFolder) {
@@ -421,6 +561,22 @@ TEST_F(PluginCli, NewPluginWritesAFolder) {
     EXPECT_EQ(tomlin({"new", "plugin", name}).status, 2) << name;
   }
   EXPECT_EQ(tomlin({"new", "plugin"}).status, 2);
+  for (const auto& [name, type] : {std::pair<std::string, std::string>{"site", "Site"},
+                                   {"pair_list", "PairList"},
+                                   {"body", "BodyDescription"}}) {
+    expect_refused({"new", "plugin", name}, "tomlin: error: NAME: of \"" + name + "\" comes " +
+                                                type +
+                                                ", a type of tomlin's own; admissible: another "
+                                                "name: my_" +
+                                                name + "\n");
+  }
+  for (const std::string name : {"test", "all", "install", "clean", "help", "package"}) {
+    expect_refused({"new", "plugin", name},
+                   "tomlin: error: NAME: \"" + name +
+                       "\" is a target of CMake's own, and the library could not be built; "
+                       "admissible: another name: " +
+                       name + "_force\n");
+  }
 }
 
 }  // namespace
