@@ -1,7 +1,6 @@
 #include "framework/cli/plugins.hpp"
 
 #include <filesystem>
-#include <system_error>
 
 #include "framework/scene/libraries.hpp"
 #include "framework/standard_registry.hpp"
@@ -10,17 +9,12 @@ namespace tomlin {
 namespace fs = std::filesystem;
 namespace {
 
-PluginRequest request_of(const std::string& given, const std::vector<std::string>& scenes) {
+PluginRequest request_of(const std::string& given) {
   PluginRequest request;
   request.given = given;
   request.place.file = "--plugin";
   request.everywhere = true;
-  fs::path path = fs::absolute(given);
-  std::error_code error;
-  if (given.find('/') == std::string::npos && !scenes.empty() && !fs::exists(path, error)) {
-    path = fs::absolute(scenes.front()).parent_path() / given;
-  }
-  request.path = path.lexically_normal();
+  request.path = fs::absolute(given).lexically_normal();
   return request;
 }
 
@@ -30,7 +24,7 @@ std::vector<PluginRequest> requested_plugins(const std::vector<std::string>& giv
                                              const std::vector<std::string>& scenes) {
   std::vector<PluginRequest> requests;
   requests.reserve(given.size());
-  for (const std::string& name : given) requests.push_back(request_of(name, scenes));
+  for (const std::string& name : given) requests.push_back(request_of(name));
   for (const std::string& scene : scenes) {
     for (NamedLibrary& library : libraries_of_scene(scene)) {
       requests.push_back({library.given, library.path, library.place, false});

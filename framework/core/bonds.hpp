@@ -59,10 +59,12 @@ std::vector<Complaint> bond_complaints(const void* description, const SceneOutli
 /// The rows of `pairs`, and of `rest_lengths`.
 template <class Description>
 Parameter bonded_pairs() {
-  return parameter("pairs", &Description::pairs, dimension::none,
-                   "which pairs are bonded: \"all\", \"neighbours\" or a list of index pairs; "
-                   "between two bodies \"all\" is each particle of the first with each of the "
-                   "second, and the first index of a pair is in the first body");
+  return parameter(
+      "pairs", &Description::pairs, dimension::none,
+      "which pairs are bonded: \"all\", \"neighbours\" or a list of index pairs; "
+      "between two bodies \"all\" is each particle of the first with each of the "
+      "second, and the first index of a pair is in the first body; in a periodic box a "
+      "bond keeps the images with which it starts");
 }
 template <class Description>
 Parameter bond_rest_lengths() {

@@ -166,6 +166,7 @@ class Assembly {
   void place_fixed();
   bool takes_as_operator(const Force& force) const;
   static void steer(const void* arguments, const Stage<Real>& stage);
+  static void heat_of_drift(const void* arguments, const Stage<Real>& stage);
 
   AssemblyPlan plan_;
   Origin origin_;
@@ -194,6 +195,15 @@ class Assembly {
   std::deque<AlignedVector<Real>> friction_arrays_;
   std::vector<FrictionOperator<Real>> friction_operators_;
   DriftHeatArguments<Real> drift_heat_;
+  /// Heats of forces in a scene without inertia.
+  struct Drifted {
+    std::vector<Operation<Real>> places;  ///< of bodies that move as one
+    std::vector<Operation<Real>> heats;
+    mutable AlignedVector<Real> velocity;
+    const Real* mobility = nullptr;
+    std::size_t dofs = 0;
+  };
+  Drifted drifted_;
   AlignedVector<Real> heat_of_bodies_;
   AlignedVector<Real> mobility_;
   std::vector<std::shared_ptr<void>> zeros_;

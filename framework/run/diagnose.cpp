@@ -79,10 +79,11 @@ std::string why_not_finite(Model& model, const DoubleDouble& time, double h) {
   AlignedVector<double> place(s.position, s.position + s.dofs);
   place.resize(s.dofs + 2 * kGroup, 0.0);
   std::string found;
-  model.anchor(time);  // where formulas count their time from; nothing goes on after a failure
   for (const double part : {0.0, 0.5, 1.0}) {
+    const DoubleDouble then = time + DoubleDouble(part * h);
+    model.anchor(then);  // where formulas count their time from; nothing goes on after a failure
     for (std::size_t i = 0; i < s.dofs; ++i) place[i] = s.position[i] + part * h * s.velocity[i];
-    model.evaluate_at(time, place.data(), s.velocity, s.integrals, rates.data());
+    model.evaluate_at(then, place.data(), s.velocity, s.integrals, rates.data());
     const Stage<double> stage = stage_of(
         s, static_cast<const double*>(place.data()), static_cast<const double*>(s.velocity),
         static_cast<const double*>(s.integrals), rates.data(), 0.0);

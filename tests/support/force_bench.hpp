@@ -40,7 +40,10 @@ struct Arrangement {
   bool mapped() const { return rigid || prescribed; }
   std::size_t particles() const { return count + second; }
   /// Neighbours stand about one apart, those through the box's side too.
-  double box_length() const { return boxed ? static_cast<double>(count) : 0.0; }
+  /// Odd: no two particles are half a box apart, where the nearest image changes.
+  double box_length() const {
+    return boxed ? static_cast<double>(count + (count % 2 == 0 ? 1 : 0)) : 0.0;
+  }
 };
 
 /// Arrangements with this many particles: points, chains and rings in 1, 2 and 3 dimensions, free,

@@ -131,7 +131,9 @@ inline std::shared_ptr<void> shaken(const ForceRecord& record, const void* descr
     if (auto* vector = std::get_if<SpaceVector>(&value)) {
       for (double& component : vector->components) shake(component);
     }
-    if (auto* numbers = std::get_if<WordOrNumbers>(&value)) {
+    // The period of a formula belongs to the formula.
+    auto* numbers = std::get_if<WordOrNumbers>(&value);
+    if (numbers != nullptr && row.key != "period") {
       for (double& number : numbers->numbers) shake(number);
     }
     row.assign(copy.get(), std::move(value));

@@ -175,19 +175,18 @@ std::optional<FormulaLaw::Trouble> FormulaLaw::trouble_at(const Values& at) cons
   return std::nullopt;
 }
 
-std::string FormulaLaw::why_no_period(const Values& about, std::uint32_t along,
-                                      double length) const {
-  constexpr int kPlaces = 8;
-  constexpr double kPart =
-      0.6180339887498949;              // of a length between places: no symmetry links them
-  constexpr double kUnlike = 1e-9;     // of how much the formula changes there
-  constexpr double kRounding = 1e-13;  // of its size, and of a phase in periods
+std::string FormulaLaw::why_no_period(const Values& about, std::uint32_t along, double length,
+                                      int periods) const {
+  constexpr int kPlaces = 4;             // in a period
+  constexpr double kPart = 0.252439024;  // of a length between them: no symmetry links all
+  constexpr double kUnlike = 1e-9;       // of how much the formula changes there
+  constexpr double kRounding = 1e-13;    // of its size, and of a phase in periods
   for (std::size_t component = 0; component < parts_.size(); ++component) {
     struct Pair {
       double at, here, there;
     };
     std::vector<Pair> seen;
-    for (int k = 0; k < kPlaces; ++k) {
+    for (int k = -kPlaces * periods; k < kPlaces * periods; ++k) {
       Values at = about;
       at[along] += k * kPart * length;
       Values after = at;

@@ -87,9 +87,10 @@ class FormulaLaw {
   };
   std::optional<Trouble> trouble_at(const Values& at) const;
 
-  /// Why `length` is no period along a variable, as seen about this place: "..." does not repeat:
-  /// ... Empty when nothing is seen.
-  std::string why_no_period(const Values& about, std::uint32_t along, double length) const;
+  /// Why `length` is no period along a variable, as seen over so many periods to either side of a
+  /// place: "..." does not repeat: ... Empty when nothing is seen.
+  std::string why_no_period(const Values& about, std::uint32_t along, double length,
+                            int periods) const;
 
  private:
   std::optional<Trouble> trouble_of_slopes(std::size_t component, const Values& at) const;

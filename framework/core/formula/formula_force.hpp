@@ -21,6 +21,7 @@
 #include "framework/core/formula/formula_arguments.hpp"
 #include "framework/core/inverse_trigonometry.hpp"
 #include "framework/core/kernel_tables.hpp"
+#include "framework/core/nearest_image.hpp"
 #include "framework/core/number_types.hpp"
 #include "framework/core/pairs.hpp"
 #include "framework/core/sum.hpp"
@@ -146,6 +147,10 @@ class FormulaForce : public BoundForce<Real> {
  public:
   static constexpr std::size_t kMostOutputs = 8;
   static constexpr int kThorough = 64;
+  /// Periods to either side over which a declared one is tried: about the first element, and
+  /// others.
+  static constexpr int kManyPeriods = 100;
+  static constexpr int kFewPeriods = 2;
   using Outputs = std::array<Real, kMostOutputs>;
   using Inputs = std::array<Real, kMostFormulaInputs>;
 
@@ -235,7 +240,10 @@ class FormulaForce : public BoundForce<Real> {
       for (std::size_t k = 0; k < law_.components(); ++k) {
         all = all && law_.evaluate(k, at).index() == 0;
       }
-      if (all) return no_period(at);
+      if (all) {
+        const bool first = thorough_ + 1 == kThorough;
+        return no_period(at, first ? kManyPeriods : kFewPeriods);
+      }
     }
     const auto found = law_.trouble_at(at);
     Complaint complaint;
@@ -250,13 +258,13 @@ class FormulaForce : public BoundForce<Real> {
   }
 
   /// What was declared a period and is none about this place.
-  std::optional<Complaint> no_period(const FormulaLaw::Values& about) const {
+  std::optional<Complaint> no_period(const FormulaLaw::Values& about, int periods) const {
     for (const std::uint32_t index : codes_.inputs) {
       const bool is_place = index < formula_variable::velocity || index >= formula_variable::centre;
       if (!is_place || index >= formula_variable::distance || !(period_[index % 3] > 0.0)) continue;
       Complaint complaint;
       complaint.key = "period";
-      complaint.why = law_.why_no_period(about, index, period_[index % 3]);
+      complaint.why = law_.why_no_period(about, index, period_[index % 3], periods);
       complaint.admissible = "a length after which the formula is as it was, or no period";
       if (!complaint.why.empty()) return complaint;
     }
@@ -606,7 +614,10 @@ class PairFormula final : public FormulaForce<Real> {
 
  public:
   PairFormula(const FormulaLaw& law, const Binding<Real>& binding, const PairSelection& selection)
-      : Base(law, binding, {}), body_(*binding.bodies.front()), other_(*binding.bodies.back()) {
+      : Base(law, binding, {}),
+        body_(*binding.bodies.front()),
+        other_(*binding.bodies.back()),
+        box_(binding.box) {
     BoundPairs<Real> bound = pairs_of(selection, binding);
     pairs_ = std::move(bound.pairs);
     if (pairs_.empty()) return;
@@ -695,6 +706,7 @@ class PairFormula final : public FormulaForce<Real> {
     if (topology != PairTopology::chain) {
       list_.lay(body_, other_, this->dimension_, pairs_);
       arguments_.list = list_.arguments;
+      for (std::size_t d = 0; d < 3; ++d) arguments_.box[d] = Real(box_[d]);
       return;
     }
     arguments_.chain = true;
@@ -723,7 +735,12 @@ class PairFormula final : public FormulaForce<Real> {
         return (slot.mapped ? stage->mapped_position
                             : stage->position)[slot.offset + axis * slot.stride + particle];
       };
-      way[d] = at(other_, pair.j) - at(body_, pair.i) + Real(pair.image[axis]);
+      way[d] = at(other_, pair.j) - at(body_, pair.i);
+      if (arguments_.chain) {
+        way[d] = way[d] + Real(pair.image[axis]);
+      } else if (box_[axis] > 0.0) {
+        way[d] = nearest_image(way[d], Real(box_[axis]));
+      }
     }
     return way;
   }
@@ -734,6 +751,7 @@ class PairFormula final : public FormulaForce<Real> {
 
   BoundBody<Real> body_;
   BoundBody<Real> other_;
+  std::array<double, 3> box_;
   std::vector<BoundPair<Real>> pairs_;
   PairList<Real> list_;
   AlignedVector<Real> result_;

@@ -6,6 +6,7 @@
 #include "framework/core/formula/formula_arguments.hpp"
 #include "framework/core/formula/interpreter.hpp"
 #include "framework/core/kernels.hpp"
+#include "framework/core/nearest_image.hpp"
 
 /// The loops over elements for formulas of a scene: particles, centres of mass, pairs and angles.
 /// One set of kernels for all formulas and dimensions; the formula comes with the arguments.
@@ -221,7 +222,6 @@ TOMLIN_INLINE void gather_pairs(const FormulaPairArguments<Real>& a, const Stage
   const Real* x1 = (list.first.mapped ? stage.mapped_position : stage.position) + list.first.offset;
   const Real* x2 =
       (list.second.mapped ? stage.mapped_position : stage.position) + list.second.offset;
-  const std::size_t row_length = (list.pairs + kGroup - 1) / kGroup * kGroup;
   for (std::size_t k = 0; k < packs; ++k) {
     const std::size_t pair = first + k * kGroup;
     Group square(Real(0.0));
@@ -229,7 +229,7 @@ TOMLIN_INLINE void gather_pairs(const FormulaPairArguments<Real>& a, const Stage
       const auto axis = static_cast<std::size_t>(d);
       Group apart = gather(x2 + axis * list.second.stride, list.j + pair) -
                     gather(x1 + axis * list.first.stride, list.i + pair);
-      if (list.image) apart = apart + Group::load(list.image + axis * row_length + pair);
+      if (a.box[d] > Real(0.0)) apart = nearest_image(apart, a.box[d]);
       apart.store(block.separation[d] + k * kGroup);
       square = a.dimension == 1 ? abs(apart) : fma(apart, apart, square);
     }
