@@ -587,7 +587,8 @@ void Assembly<Real>::order_operations() {
     if (!scene().observers.empty()) rigid_[k].velocities = true;
     for (const Force& force : forces_) {
       const bool acts = std::count(force.bodies.begin(), force.bodies.end(), rigid_body_[k]) > 0;
-      if (acts && force.traits.depends_on_velocity && !force.is_operator) {
+      const bool reads = force.traits.depends_on_velocity || force.heat_rate != kNoRate;
+      if (acts && reads && !force.is_operator) {
         rigid_[k].velocities = true;
       }
     }
@@ -657,10 +658,11 @@ void Assembly<Real>::order_operations() {
     if (slot.rigid && !centre_set[b]) zero(b, true);
     if (!slot.mapped && !particles_set[b]) zero(b, false);
   }
+  drifted_.heats.clear();
   for (Force& force : forces_) {
     Operation<Real> heat;
     if (force.heat_rate != kNoRate && force.bound->heat(force.heat_rate, heat)) {
-      operations_.push_back(heat);
+      (plan_.inertial ? operations_ : drifted_.heats).push_back(heat);
     }
   }
   if (!plan_.inertial) {
@@ -673,10 +675,33 @@ void Assembly<Real>::order_operations() {
                      friction_rate_};
       operations_.push_back({friction.drift_heat, &drift_heat_});
     }
+    if (!drifted_.heats.empty()) {
+      drifted_.velocity.assign(dofs_ + 2 * kGroup, Real(0.0));
+      drifted_.mobility = system_.view.inverse_mass;
+      drifted_.dofs = dofs_;
+      drifted_.places.clear();
+      for (const auto& arguments : rigid_) {
+        drifted_.places.push_back({rigid.place[axis], &arguments});
+      }
+      operations_.push_back({&Assembly::heat_of_drift, &drifted_});
+    }
   }
   add_point_forces(passes);
   system_.view.operations = operations_.data();
   system_.view.operation_count = operations_.size();
+}
+
+/// Without inertia velocities are known when all forces are: only then, what these do.
+template <class Real>
+void Assembly<Real>::heat_of_drift(const void* arguments, const Stage<Real>& stage) {
+  const auto& drifted = *static_cast<const Drifted*>(arguments);
+  for (std::size_t i = 0; i < drifted.dofs; ++i) {
+    drifted.velocity[i] = stage.force[i] * drifted.mobility[i];
+  }
+  Stage<Real> moving = stage;
+  moving.velocity = drifted.velocity.data();
+  for (const Operation<Real>& place : drifted.places) place.run(place.arguments, moving);
+  for (const Operation<Real>& heat : drifted.heats) heat.run(heat.arguments, moving);
 }
 
 /// A single particle on a line has kernels that pass numbers in registers.
