@@ -198,7 +198,7 @@ TEST(Expression, FunctionsAreRoundedCorrectly) {
       {"log(5e-324)", -0x1.74385446d71c3p+9},
       {"sin(pi)", 0x1.1a62633145c07p-53},
       {"sin(1e15)", 0x1.b76f88136cebap-1},
-      {"cos(9007199254740991)", -0x1.fff33f44e67c2p-1},
+      {"cos(7074237752028439)", 0x1.29bf53f75c4d3p-2},
       {"tan(pi / 2)", 0x1.d02967c31cdb5p+53},
       {"tan(1)", 0x1.8eb245cbee3a6p+0},
       {"asin(0.5)", 0x1.0c152382d7366p-1},
