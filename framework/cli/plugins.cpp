@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "framework/cli/crash_note.hpp"
 #include "framework/scene/libraries.hpp"
 #include "framework/standard_registry.hpp"
 
@@ -37,6 +38,7 @@ Registry registry_with_plugins(const std::vector<std::string>& given,
                                const std::vector<std::string>& scenes) {
   Registry registry = standard_registry();
   load_plugins(requested_plugins(given, scenes), registry);
+  if (!loaded_plugins().empty()) tell_of_plugins_in_a_crash(loaded_plugins());
   return registry;
 }
 

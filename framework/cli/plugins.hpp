@@ -8,13 +8,13 @@
 
 namespace tomlin {
 
-/// The libraries of the command line, for all scenes, then those that the scenes name. A library of
-/// the command line is looked for from the current folder on; one without a slash that is not
-/// there, in the folder of the first scene.
+/// The libraries of the command line, for all scenes, by paths from the current folder, then those
+/// that the scenes name, by paths from their own.
 std::vector<PluginRequest> requested_plugins(const std::vector<std::string>& given,
                                              const std::vector<std::string>& scenes);
 
-/// All components that a command has: tomlin's own and those of plugins. Throws InputError.
+/// All components that a command has: tomlin's own and those of plugins. Throws InputError. A crash
+/// of the process tells from then on which libraries were loaded.
 Registry registry_with_plugins(const std::vector<std::string>& given,
                                const std::vector<std::string>& scenes);
 

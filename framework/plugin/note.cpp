@@ -69,11 +69,13 @@ std::string mismatch(const PluginNote& plugin, const PluginNote& program) {
   } else if (plugin.abi != program.abi) {
     difference = fmt::format("the library was built with {} ({}), the program with {} ({})",
                              plugin.abi, plugin.compiler, program.abi, program.compiler);
+  } else if (plugin.release != program.release) {
+    difference = fmt::format("the library was built with tomlin {}, the program is tomlin {}",
+                             plugin.release, program.release);
   } else if (plugin.border != program.border) {
     difference = fmt::format(
-        "the library was built with the headers of tomlin {} ({}), the program with those of {} "
-        "({})",
-        plugin.release, plugin.border, program.release, program.border);
+        "the library was built with other headers of tomlin {} ({}) than the program ({})",
+        plugin.release, plugin.border, program.border);
   } else {
     return "";
   }

@@ -143,11 +143,15 @@ TEST(PluginNote, AMismatchSaysWhichSideHasWhat) {
             std::string::npos);
   other = own;
   other.release = "0.0.1";
+  EXPECT_NE(mismatch(other, own)
+                .find("the library was built with tomlin 0.0.1, the program is tomlin " +
+                      own.release + ": build"),
+            std::string::npos);
+  other = own;
   other.border = "0123456789abcdef";
   EXPECT_NE(mismatch(other, own)
-                .find("the headers of tomlin 0.0.1 (0123456789abcdef), the program "
-                      "with those of " +
-                      own.release + " (" + own.border + ")"),
+                .find("other headers of tomlin " + own.release +
+                      " (0123456789abcdef) than the program (" + own.border + ")"),
             std::string::npos);
   other = own;
   other.compiler = "clang 99.0";

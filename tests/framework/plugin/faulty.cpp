@@ -147,6 +147,7 @@ void count_down() {
   if (left-- > 0) return;
   left = 0;                                 // from now on always
   if (fault() == "throw_number") throw 42;  // NOLINT: what is no exception either
+  if (fault() == "crash_later") std::raise(SIGSEGV);
   throw std::runtime_error("no force, as planned");
 }
 

@@ -115,7 +115,7 @@ TEST(Plugins, OfAnotherBuildAreRefused) {
   std::string other = whole;
   other[at + 8] = other[at + 8] == '0' ? '1' : '0';
   write(folder / "other.so", other);
-  expect_refused(folder / "other.so", "the library was built with the headers of tomlin");
+  expect_refused(folder / "other.so", "the library was built with other headers of tomlin");
   write(folder / "api.so", patched(whole, "api=1;", "api=2;"));
   expect_refused(folder / "api.so", "registered by interface 2, the program loads by 1");
   write(folder / "abi.so", patched(whole, "abi=libstdc++ ", "abi=libfoo+++ "));

@@ -168,7 +168,9 @@ TEST_F(PluginCli, PathsAreFromTheSceneOrTheCurrentFolder) {
   write(folder_ / "deep/plain.toml", kBonded);
   EXPECT_EQ(tomlin({"check", "deep/plain.toml", "--plugin", "deep/libs/libmorse.so"}).status, 0);
   write(folder_ / "deep/libbeside.so", content(plugin("morse")));
-  EXPECT_EQ(tomlin({"check", "deep/plain.toml", "--plugin", "libbeside.so"}).status, 0);
+  // What lies beside the scene is not what was named.
+  EXPECT_EQ(tomlin({"check", "deep/plain.toml", "--plugin", "libbeside.so"}).status, 2);
+  EXPECT_EQ(tomlin({"check", "deep/plain.toml", "--plugin", "deep/libbeside.so"}).status, 0);
   // The loader's own search path is none of them.
   const Ended ended = tomlin({"check", "deep/plain.toml", "--plugin", "libelsewhere.so"},
                              with({"LD_LIBRARY_PATH=" PLUGINS}));
@@ -422,6 +424,12 @@ TEST_F(PluginCli, WhatFailsInARunIsThePlugins) {
       tomlin({"run", "faulty.toml", "-o", "odd"}, with({"FAULT_AFTER=50", "FAULT=throw_number"}));
   EXPECT_EQ(odd.status, 1);
   EXPECT_TRUE(contains(odd.err, "an exception that is no std::exception")) << odd.err;
+  const Ended crashed =
+      tomlin({"run", "faulty.toml", "-o", "gone"}, with({"FAULT_AFTER=50", "FAULT=crash_later"}));
+  EXPECT_NE(crashed.status, 0);
+  EXPECT_TRUE(contains(
+      crashed.err, "a crash, which may come from the code of a plugin: " + path("libfaulty.so")))
+      << crashed.err;
   const Ended checked = tomlin({"check", "faulty.toml"}, with({"FAULT_AFTER=0"}));
   EXPECT_EQ(checked.status, 1);
   EXPECT_TRUE(contains(checked.err, path("libfaulty.so"))) << checked.err;
