@@ -21,6 +21,7 @@ extern "C" void tell_and_crash(int signal) {
 }  // namespace
 
 void tell_of_plugins_in_a_crash(const std::vector<std::string>& paths) {
+  if (paths.empty()) return;
   const std::string note =
       fmt::format("tomlin: error: a crash, which may come from the code of a plugin: {}\n",
                   fmt::join(paths, ", "));

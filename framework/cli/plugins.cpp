@@ -38,7 +38,7 @@ Registry registry_with_plugins(const std::vector<std::string>& given,
                                const std::vector<std::string>& scenes) {
   Registry registry = standard_registry();
   load_plugins(requested_plugins(given, scenes), registry);
-  if (!loaded_plugins().empty()) tell_of_plugins_in_a_crash(loaded_plugins());
+  tell_of_plugins_in_a_crash(loaded_plugins());
   return registry;
 }
 

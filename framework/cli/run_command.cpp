@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "framework/cli/commands.hpp"
+#include "framework/cli/crash_note.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/plugins.hpp"
 #include "framework/cli/progress.hpp"
@@ -111,6 +112,7 @@ int run_command(const RunArguments& arguments) {
   if (arguments.resume) require_plugins_of_run(arguments, plugins);
   Registry registry = standard_registry();
   load_plugins(plugins, registry);
+  tell_of_plugins_in_a_crash(loaded_plugins());
   const auto scene = read_scene(arguments.scene, registry, arguments.settings);
   RunFolder folder(arguments.folder.value_or(default_folder(arguments.scene)), occupied(arguments));
   refuse_to_lose_scene(folder, *scene);
