@@ -39,8 +39,12 @@ class RatioReporter : public benchmark::ConsoleReporter {
       const double plain = median(model + "/plain");
       const double own = median(model + "/plain_own_math");
       const double ours = median(name);
-      std::printf("%-22s %12.1f %12.1f %12.1f %10.3f %10.3f\n", model.c_str(), plain, own, ours,
-                  ours / plain, ours / own);
+      if (plain > 0.0) {
+        std::printf("%-22s %12.1f %12.1f %12.1f %10.3f %10.3f\n", model.c_str(), plain, own, ours,
+                    ours / plain, ours / own);
+      } else {  // its twin was not asked for, or there is none
+        std::printf("%-22s %12s %12s %12.1f\n", model.c_str(), "", "", ours);
+      }
     }
     print_costs();
     ConsoleReporter::Finalize();

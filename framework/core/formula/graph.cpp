@@ -34,6 +34,7 @@ int small_whole(Quad x) {
 }
 
 constexpr Quad kNoNumber = __builtin_nan("");
+constexpr Quad kMostTurns = 0x1p50;  // as doubles: messages are about these
 
 /// The first two are numbers.
 bool comparable(std::span<const Quad> x) { return x[0] == x[0] && x[1] == x[1]; }
@@ -76,6 +77,8 @@ Quad folded(FormulaGraph::Function which, std::span<const Quad> x) {
       return comparable(x) ? (x[0] < x[1] ? x[2] : x[3]) : kNoNumber;
     case when_positive:
       return x[0] > kZero ? x[0] : kNoNumber;
+    case phase:
+      return tomlin::abs(x[0]) < kMostTurns ? x[0] : kNoNumber;
     case where_finite:
       return finite(x[1]) ? x[0] : kNoNumber;
   }
@@ -283,7 +286,20 @@ FormulaGraph::Id FormulaGraph::function(Function which, std::vector<Id> argument
 }
 
 /// An angle in radians as turns. Sums are multiplied out: a phase has no digits to lose.
-FormulaGraph::Id FormulaGraph::in_turns(Id angle) { return spread(kOne / tau<Quad>(), angle); }
+FormulaGraph::Id FormulaGraph::in_turns(Id angle) {
+  const Id turns = spread(kOne / tau<Quad>(), angle);
+  return has_phase(turns) ? turns : function(Function::phase, {turns});
+}
+
+/// A sum of small multiples of variables: no place or time that a run reaches has too many turns.
+bool FormulaGraph::has_phase(Id id) const {
+  constexpr Quad kMostPerUnit = 1024.0;
+  const Node& node = nodes_[id];
+  if (node.kind != Kind::sum) return node.kind == Kind::variable;
+  return std::all_of(node.terms.begin(), node.terms.end(), [&](const Term& term) {
+    return nodes_[term.node].kind == Kind::variable && tomlin::abs(term.factor) <= kMostPerUnit;
+  });
+}
 
 /// factor * node, with sums multiplied out.
 FormulaGraph::Id FormulaGraph::spread(Quad factor, Id id) {
@@ -514,6 +530,7 @@ FormulaGraph::Id FormulaGraph::slope_of_function(const Node& node, std::uint32_t
     case choose:
       return function(choose, {u, v, inner[2], inner[3]});
     case when_positive:
+    case phase:
       return inner[0];
     case where_finite:
       return function(where_finite, {inner[0], v});

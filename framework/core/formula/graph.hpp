@@ -52,6 +52,7 @@ class FormulaGraph {
     choose,         ///< of four: a < b ? c : d
     when_positive,  ///< u where u > 0, and no number elsewhere: of slopes of what is defined there
                     ///< only
+    phase,          ///< turns, and no number where they are so many that no phase is left
     where_finite,   ///< of two: the first where the second is finite, and no number elsewhere
   };
 
@@ -117,6 +118,7 @@ class FormulaGraph {
   Id whole_power(Id base, int exponent);
   Id product_of(std::vector<Factor> factors);
   Id in_turns(Id angle);
+  bool has_phase(Id turns) const;
   Id spread(Quad factor, Id id);
   Id slope(Id node, std::uint32_t variable);
   Id slope_of_function(const Node& node, std::uint32_t variable);

@@ -50,12 +50,6 @@ TOMLIN_INLINE T no_number() {
   return T(Real(__builtin_nan("")));
 }
 
-/// The turns, or no number where they have no phase.
-template <class T, class Real>
-TOMLIN_INLINE T phase(const T& turns) {
-  return select(abs(turns) < T(kMostTurns<Real>), turns, no_number<T, Real>());
-}
-
 /// `packs` is 1 where T is Real.
 template <class T, class Real>
 __attribute__((noinline)) void run_steps(const FormulaStep<Real>* code, std::size_t length,
@@ -113,28 +107,28 @@ __attribute__((noinline)) void run_steps(const FormulaStep<Real>* code, std::siz
         of_two([](const T& x, const T& y) { return pow(x, y); });
         break;
       case FormulaOp::sine:
-        of_one([](const T& x) { return sin_turns(phase<T, Real>(x)); });
+        of_one([](const T& x) { return sin_turns(x); });
         break;
       case FormulaOp::cosine:
-        of_one([](const T& x) { return cos_turns(phase<T, Real>(x)); });
+        of_one([](const T& x) { return cos_turns(x); });
         break;
       case FormulaOp::sine_and_cosine:
         for (std::size_t k = 0; k < packs; ++k) {
           T sine;
           T cosine;
-          sincos_turns(phase<T, Real>(N::load(s.a.at + k * s.a.step)), sine, cosine);
+          sincos_turns(N::load(s.a.at + k * s.a.step), sine, cosine);
           N::store(sine, s.to + k * N::kStep);
           N::store(cosine, s.also + k * N::kStep);
         }
         break;
       case FormulaOp::scaled_sine:
-        of_two([](const T& x, const T& factor) { return factor * sin_turns(phase<T, Real>(x)); });
+        of_two([](const T& x, const T& factor) { return factor * sin_turns(x); });
         break;
       case FormulaOp::scaled_cosine:
-        of_two([](const T& x, const T& factor) { return factor * cos_turns(phase<T, Real>(x)); });
+        of_two([](const T& x, const T& factor) { return factor * cos_turns(x); });
         break;
       case FormulaOp::tangent:
-        of_one([](const T& x) { return tan_turns(phase<T, Real>(x)); });
+        of_one([](const T& x) { return tan_turns(x); });
         break;
       case FormulaOp::arc_sine:
         of_one([](const T& x) { return asin(x); });
@@ -168,6 +162,11 @@ __attribute__((noinline)) void run_steps(const FormulaStep<Real>* code, std::siz
         break;
       case FormulaOp::when_positive:
         of_one([](const T& x) { return select(x > T(Real(0.0)), x, no_number<T, Real>()); });
+        break;
+      case FormulaOp::phase:
+        of_one([](const T& x) {
+          return select(abs(x) < T(kMostTurns<Real>), x, no_number<T, Real>());
+        });
         break;
       case FormulaOp::where_finite:
         of_two([](const T& x, const T& y) {

@@ -176,6 +176,8 @@ class Lowering {
         return of(FormulaOp::round_down);
       case when_positive:
         return of(FormulaOp::when_positive);
+      case phase:
+        return of(FormulaOp::phase);
       case where_finite:
         return of(FormulaOp::where_finite);
       case choose:

@@ -40,6 +40,7 @@ enum class FormulaOp : std::uint8_t {
   less,           ///< 1 where a < b, else 0
   pick,           ///< b where a is not 0, else c
   when_positive,  ///< a where a > 0, else no number
+  phase,          ///< a where its sine and cosine have digits, else no number
   where_finite,   ///< a where b is finite, else no number
 };
 
