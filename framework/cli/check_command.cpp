@@ -28,6 +28,7 @@ struct Check {
   std::string subject;  ///< a force, or "step"
   std::string claim;    ///< "conservative", "stable"
   bool holds = false;
+  bool unseen = false;  ///< there was no state at which anything could be compared
   std::string text;
   Json numbers = Json::object();
 };
@@ -87,9 +88,12 @@ Check check_of(const ClaimResult& result) {
   check.subject = result.force;
   check.claim = result.claim;
   check.holds = result.holds;
+  check.unseen = result.states == 0 && result.holds;
   check.text = row_of(std::to_string(result.states), fmt::format("{:.2g}", result.error),
                       fmt::format("{:.2g}", result.allowed),
-                      result.meaning + (result.holds ? "" : "; broken by " + result.worst.text()));
+                      result.meaning + (check.unseen   ? "; nothing could be compared"
+                                        : result.holds ? ""
+                                                       : "; broken by " + result.worst.text()));
   check.numbers = Json{{"type", result.type},
                        {"meaning", result.meaning},
                        {"error", std::isfinite(result.error) ? Json(result.error) : Json()},
@@ -118,16 +122,19 @@ std::string text_of(const Scene& scene, const Report& report) {
   sections.section(scene.file + ": a valid scene");
   sections.row("check", "verdict " + row_of("states", "error", "allowed", "what is compared"));
   std::size_t failed = 0;
+  std::size_t unseen = 0;
   for (const Check& check : report.checks) {
     failed += check.holds ? 0 : 1;
-    sections.row(check.subject + " " + check.claim,
-                 (check.holds ? "ok      " : "FAILED  ") + check.text);
+    unseen += check.unseen ? 1 : 0;
+    const char* verdict = check.unseen ? "unseen  " : check.holds ? "ok      " : "FAILED  ";
+    sections.row(check.subject + " " + check.claim, verdict + check.text);
   }
   for (const std::string& warning : report.warnings) sections.row("warning", warning);
   const std::size_t count = report.checks.size();
+  const std::string left = unseen == 0 ? "" : fmt::format("; {} had nothing to compare", unseen);
   sections.row("in all", failed == 0 ? fmt::format("{} checks hold; errors are relative, the "
-                                                   "worst of the states looked at",
-                                                   count)
+                                                   "worst of the states looked at{}",
+                                                   count - unseen, left)
                                      : fmt::format("{} of {} checks FAILED", failed, count));
   return sections.text();
 }
@@ -139,6 +146,7 @@ Json json_of(const Report& report) {
   json["checks"] = Json::array();
   for (const Check& check : report.checks) {
     Json entry{{"subject", check.subject}, {"check", check.claim}, {"ok", check.holds}};
+    if (check.unseen) entry["unseen"] = true;
     entry.update(check.numbers);
     entry["text"] = check.text;
     json["checks"].push_back(std::move(entry));

@@ -1,10 +1,12 @@
 #include "framework/model/claims.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
 
 #include "framework/model/claims/examination.hpp"
+#include "framework/model/claims/scale.hpp"
 
 namespace tomlin {
 namespace {
@@ -31,6 +33,7 @@ double shortest_spacing(const Model::Body& body) {
   return shortest;
 }
 
+/// 0 where none is declared.
 double shortest_length(const Model& model) {
   double shortest = 0.0;
   const auto consider = [&](double length) {
@@ -46,16 +49,40 @@ double shortest_length(const Model& model) {
     consider(body.rolling_radius);
     consider(shortest_spacing(body));
   }
-  return shortest > 0.0 ? shortest : 1.0;
+  return shortest;
+}
+
+/// Of each force: the scene's shortest that is declared, or its own where that is much shorter or
+/// nothing is declared. Without either it is that of the other forces; where none has one, how far
+/// from the origin bodies are, but at most 1.
+std::vector<double> lengths_of(const Scene& scene) {
+  const double declared = shortest_length(Model(std::make_shared<Scene>(scene)));
+  std::vector<double> lengths(scene.forces.size(), 0.0);
+  double shortest = 0.0;
+  double reach = 0.0;
+  for (std::size_t k = 0; k < lengths.size(); ++k) {
+    ForceAlone alone(scene, k);
+    if (!alone.built() || alone.variables().empty()) continue;
+    for (const ForceAlone::Variable& variable : alone.variables()) {
+      if (variable.axis >= 0) reach = std::max(reach, std::abs(alone.position(variable)));
+    }
+    lengths[k] = claims::length_of(alone, declared).value_or(declared);
+    if (lengths[k] > 0.0 && (shortest == 0.0 || lengths[k] < shortest)) shortest = lengths[k];
+  }
+  if (shortest == 0.0) shortest = reach > 0.0 ? std::min(reach, 1.0) : 1.0;
+  for (double& length : lengths) {
+    if (length == 0.0) length = shortest;
+  }
+  return lengths;
 }
 
 }  // namespace
 
 std::vector<ClaimResult> check_claims(const Scene& scene, const ClaimOptions& options) {
-  const double length = shortest_length(Model(std::make_shared<Scene>(scene)));
+  const std::vector<double> lengths = lengths_of(scene);
   std::vector<ClaimResult> results;
   for (std::size_t k = 0; k < scene.forces.size(); ++k) {
-    claims::Examination examination(scene, k, length, options);
+    claims::Examination examination(scene, k, lengths[k], options);
     if (!examination.worthwhile()) continue;
     for (const claims::Claim claim : kClaims) {
       if (auto result = claim(examination)) results.push_back(std::move(*result));

@@ -35,7 +35,7 @@ struct ClaimResult {
   /// Relative, at the state where it is the largest part of what is allowed.
   double error = 0.0;
   double allowed = 0.0;  ///< what rounding and finite differences explain there
-  int states = 0;        ///< that were looked at
+  int states = 0;        ///< at which something was compared; 0: the claim holds for want of any
   ClaimPoint worst;
 };
 
@@ -45,8 +45,9 @@ struct ClaimOptions {
 };
 
 /// Checks every force that the scene builds, in the scene's order, each on its own. Looks at the
-/// start; near it, at random displacements of every coordinate by up to a tenth of the shortest
-/// length; far away, by a thousand and a million of them; high above the start; and where two free
+/// start; near it, at random displacements of every coordinate by up to a tenth of a length: the
+/// shortest that the scene declares, or the force's own where nothing declares one or it is much
+/// shorter; far away, by a thousand and a million of them; high above the start; and where two free
 /// particles almost touch, a thousandth and a millionth of a length apart.
 ///
 ///   conservative  virtual work of the force equals minus the change of its energy, by differences

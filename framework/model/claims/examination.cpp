@@ -35,6 +35,13 @@ constexpr double kDisplacement = 0.1;
 constexpr double kFar[] = {1e3, 1e6};
 constexpr double kHigh[] = {3.0, 10.0, 30.0};
 constexpr double kTouching[] = {1e-3, 1e-6};
+/// Changes of inputs, in parts of their size: small enough to be linear in what follows, mostly,
+/// and as small as rounding.
+constexpr double kShake = 1e-9;
+constexpr double kTinyShake = 1e-15;
+constexpr double kStir = 1e-12;  // linear to 10^-4 where kShake is to kBend
+constexpr double kBend = 0.1;    // parts of a change by which it may be off from linear
+constexpr std::uint64_t kShaking = 0x9e3779b97f4a7c15U;
 constexpr int kShakes = 3;  // all small by chance once in 10^4 states, and the allowance is 64-fold
 /// Pairs and particles beyond which few states are looked at, and none in quadruple numbers, where
 /// it would take minutes.
@@ -271,26 +278,99 @@ double Examination::reach(const State& state) const {
   return reach;
 }
 
-double Examination::sensitivity(const State& state) {
-  Random random(options_.seed ^ 0x9e3779b97f4a7c15U);
-  const std::vector<double> before = forces(state);
+/// All that a force reads, by parts of its size.
+State Examination::shaken(const State& state, double shake, Random& random) const {
   const double size = reach(state);
-  double most = 0.0;
-  for (int shake = 0; shake < kShakes; ++shake) {
-    State shaken = state;
+  State shaken = state;
+  for (std::size_t i = 0; i < count(); ++i) {
+    shaken.x[i] += shake * (variable(i).axis >= 0 ? size : 1.0) * random.symmetric();
+    shaken.v[i] *= 1.0 + shake * random.symmetric();
+  }
+  for (double& own : shaken.own) own *= 1.0 + shake * random.symmetric();
+  shaken.time *= 1.0 + shake * random.symmetric();
+  return shaken;
+}
+
+/// The largest force's change under a shake, and by how much more than half of it the half makes.
+Examination::Change Examination::change_by(const State& state, double shake) {
+  const std::vector<double> before = forces(state);
+  Change most;
+  for (int k = 0; k < kShakes; ++k) {
+    Random random(options_.seed ^ (kShaking + static_cast<std::uint64_t>(k)));
+    Random again = random;
+    const std::vector<double> half = forces(shaken(state, 0.5 * shake, random));
+    std::vector<double> change = forces(shaken(state, shake, again));
+    std::vector<double> bend(count());
     for (std::size_t i = 0; i < count(); ++i) {
-      shaken.x[i] += kShake * (variable(i).axis >= 0 ? size : 1.0) * random.symmetric();
-      shaken.v[i] *= 1.0 + kShake * random.symmetric();
+      change[i] -= before[i];
+      bend[i] = change[i] - 2.0 * (half[i] - before[i]);
     }
-    for (double& own : shaken.own) own *= 1.0 + kShake * random.symmetric();
-    shaken.time *= 1.0 + kShake * random.symmetric();
-    std::vector<double> after = forces(shaken);
-    for (std::size_t i = 0; i < count(); ++i) after[i] -= before[i];
-    const double change = largest(after);
-    if (!std::isfinite(change)) return std::numeric_limits<double>::infinity();
-    most = std::max(most, change / kShake);
+    const double size = largest(change);
+    const double bent = largest(bend);
+    most.linear = most.linear && bent <= kBend * size + kRounding * largest(before);
+    if (!(size <= most.size)) most.size = size;
+    if (!(bent <= most.bend)) most.bend = bent;
+    if (!std::isfinite(size) || !std::isfinite(bent)) break;
   }
   return most;
+}
+
+/// The same in quadruple numbers, whose own rounding does not show in it.
+double Examination::exact_change(const State& state, double shake) {
+  ForceTwin<Quad>& twin = *exact();
+  const auto forces_at = [&](const State& from, Random* random) {
+    const double size = shake * reach(from);
+    put(from, twin);
+    double elapsed = 0.0;
+    if (random != nullptr) {
+      for (std::size_t i = 0; i < count(); ++i) {
+        const double move = (variable(i).axis >= 0 ? size : shake) * random->symmetric();
+        twin.position(variable(i).at) = Quad(from.x[i]) + Quad(move);
+        twin.velocity(variable(i).at) =
+            Quad(from.v[i]) + Quad(from.v[i] * (shake * random->symmetric()));
+      }
+      for (std::size_t k = 0; k < from.own.size(); ++k) {
+        twin.own(k) = Quad(from.own[k]) + Quad(from.own[k] * (shake * random->symmetric()));
+      }
+      elapsed = from.time * shake * random->symmetric();
+    }
+    twin.evaluate(from.time, elapsed);
+    std::vector<Quad> forces(count());
+    for (std::size_t i = 0; i < count(); ++i) forces[i] = twin.force_at(variable(i).at);
+    return forces;
+  };
+  const std::vector<Quad> before = forces_at(state, nullptr);
+  double most = 0.0;
+  for (int k = 0; k < kShakes; ++k) {
+    Random random(options_.seed ^ (kShaking + static_cast<std::uint64_t>(k)));
+    const std::vector<Quad> after = forces_at(state, &random);
+    std::vector<double> change(count());
+    for (std::size_t i = 0; i < count(); ++i) change[i] = static_cast<double>(after[i] - before[i]);
+    const double size = largest(change);
+    if (!std::isfinite(size)) return std::numeric_limits<double>::infinity();
+    most = std::max(most, size / shake);
+  }
+  return most;
+}
+
+/// A formula whose terms nearly cancel loses more digits within than its inputs explain: that is
+/// noise, which a tiny shake stirs up.
+double Examination::sensitivity(const State& state) {
+  const Change change = change_by(state, kShake);
+  const Change stirred = change_by(state, kStir);
+  const Change tiny = change_by(state, kTinyShake);
+  double most = tiny.size / kTinyShake;
+  if (change.linear) {
+    most = std::max({most, change.size / kShake, stirred.bend / kTinyShake});
+  } else if (exact() != nullptr) {
+    const double noise = std::abs(stirred.size - kStir * exact_change(state, kStir));
+    most = std::max({most, exact_change(state, kTinyShake), noise / kTinyShake});
+  } else {
+    most = std::max({most, change.size / kShake, stirred.size / kStir});
+  }
+  const bool numbers = std::isfinite(change.size) && std::isfinite(stirred.bend) &&
+                       std::isfinite(tiny.size) && std::isfinite(most);
+  return numbers ? most : std::numeric_limits<double>::infinity();
 }
 
 // ---- the same force otherwise
@@ -315,7 +395,11 @@ ForceTwin<Quad>* Examination::exact() {
 
 std::unique_ptr<ForceTwin<float>> Examination::in_float() const {
   if (record().bind.in_float == nullptr) return nullptr;
-  return std::make_unique<ForceTwin<float>>(alone_.model().plan());
+  try {
+    return std::make_unique<ForceTwin<float>>(alone_.model().plan());
+  } catch (const InputError&) {
+    return nullptr;  // beyond the range of floats
+  }
 }
 
 // ---- the answer

@@ -25,8 +25,6 @@ inline constexpr double kExactRounding = 64.0 * 0x1p-112;
 /// Below it numbers have fewer digits, and 1/eps of them vanish.
 inline constexpr double kSmallest =
     std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
-/// A change of inputs, in parts of their size, small enough to be linear in what follows.
-inline constexpr double kShake = 1e-9;
 inline constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 /// The same numbers with every library: distributions of the standard library differ.
@@ -60,7 +58,7 @@ using Direction = std::vector<double>;  ///< one number for each variable
 
 class Examination {
  public:
-  /// `length` is the scene's shortest.
+  /// `length` is the scene's shortest, or the force's own.
   Examination(const Scene& scene, std::size_t force, double length, const ClaimOptions& options);
 
   /// False when there is nothing to look at: not built, or nothing moves.
@@ -117,7 +115,8 @@ class Examination {
   Direction along(std::size_t i) const;
 
   /// How much the largest force changes, per relative change of all that it reads: what the
-  /// rounding of inputs makes of it. Infinite where it leaves the finite numbers.
+  /// rounding of inputs makes of it. Infinite where it leaves the finite numbers; where even a
+  /// shake as small as rounding turns the force over, so much that everything is allowed.
   double sensitivity(const State& state);
   /// How large the numbers are that places are made of.
   double reach(const State& state) const;
@@ -140,6 +139,14 @@ class Examination {
   bool holds() const { return now_.holds; }
 
  private:
+  State shaken(const State& state, double size, Random& random) const;
+  struct Change {
+    double size = 0.0;
+    double bend = 0.0;
+    bool linear = true;
+  };
+  Change change_by(const State& state, double shake);
+  double exact_change(const State& state, double shake);
   void make_states();
   State displaced(double size, Random& random) const;
   std::optional<State> touching(double distance, Random& random) const;

@@ -1,29 +1,33 @@
+#include <cfenv>
 #include <cmath>
 
 #include "framework/model/claims/examination.hpp"
 
 /// Where a force must be a number.
 namespace tomlin::claims {
-/// Near the start there must be numbers. Far away, too, unless they are too large to be written; a
-/// NaN there must be a NaN in quadruple numbers as well (the logarithm of a negative number). Where
-/// particles touch no number is as good as one, since a run stops there, but not where quadruple
-/// numbers say that there is one.
+/// Near the start there must be numbers. Far away, too, unless they, or numbers on the way to them,
+/// are too large to be written; another NaN there must be a NaN in quadruple numbers as well (the
+/// logarithm of a negative number). Where particles touch no number is as good as one, since a run
+/// stops there, but not where quadruple numbers say that there is one.
 std::optional<ClaimResult> finite(Examination& e) {
   e.begin("finite", "forces and energies are numbers, near, far, high and touching");
   for (const State* state : e.everywhere()) {
+    std::feclearexcept(FE_OVERFLOW);
     const std::vector<double> forces = e.forces(*state);
     const double energy = e.alone().energy(state->time);
+    const bool overflowed = std::fetestexcept(FE_OVERFLOW) != 0;
     e.looked();
     std::size_t lost = kNone;
     for (std::size_t i = e.count(); i-- > 0;) {
       if (!std::isfinite(forces[i])) lost = i;
     }
-    if (lost == kNone && std::isfinite(energy)) {
+    const bool close = state->place == Place::near || state->place == Place::start;
+    const bool numbers = lost == kNone && std::isfinite(energy);
+    if (numbers || (overflowed && state->place != Place::contact && !close)) {
       e.note(0.0, 0.0, 0.0, 0.0, *state);
       continue;
     }
     const double found = lost == kNone ? energy : forces[lost];
-    const bool close = state->place == Place::near || state->place == Place::start;
     double due = 0.0;  // what it says where it can be told
     bool broken =
         close || (std::isnan(found) && state->place != Place::contact) ||

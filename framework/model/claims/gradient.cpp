@@ -22,16 +22,16 @@ double exact_slope(Function&& f, double length) {
   return static_cast<double>((Quad(4.0) * near - far) / Quad(3.0));
 }
 
-/// Differences of the energy along a direction against the force; shorter ones where there is a
-/// kink within them, as in |x| at 0.
-void compare_by_differences(Examination& e, const State& state, const Direction& direction,
-                            std::size_t variable) {
-  const std::optional<double> longest = regular_difference(e, state, direction, direction);
-  if (!longest) return;
-  double rounding = 0.0;  // of an energy
-  double most = 0.0;      // effort along the way
+/// What rounding makes of an energy's difference, and the effort along the way.
+struct Scale {
+  double rounding = 0.0;
+  double effort = 0.0;
+};
+
+Scale scale_of(Examination& e, const State& state, const Direction& direction, double longest) {
+  Scale scale;
   e.put(state);
-  for (const double h : {*longest, -*longest}) {
+  for (const double h : {longest, -longest}) {
     e.put_moved(state, direction, h);
     const double* force = e.alone().forces(state.time);
     double size = 0.0;
@@ -42,20 +42,43 @@ void compare_by_differences(Examination& e, const State& state, const Direction&
       sum += f * std::abs(direction[i]);
     }
     const double energy = std::abs(e.alone().energy(state.time));
-    rounding = std::max(rounding, kRounding * (size + energy));
-    most = std::max(most, sum);
+    scale.rounding = std::max(scale.rounding, kRounding * (size + energy));
+    scale.effort = std::max(scale.effort, sum);
   }
-  const Slope slope = slope_of(
-      [&](double h) {
-        e.put_moved(state, direction, h);
-        return e.alone().energy(state.time);
-      },
-      *longest);
-  const double floor = rounding / slope.shortest;
-  const bool smooth = slope.unsettled <= kSettled * most + floor;
-  const double force = work(e.forces(state), direction);
-  e.note(force, -slope.best, most, smooth ? floor + kTrust * slope.unsettled : -1.0, state,
-         variable);
+  return scale;
+}
+
+/// Differences of the energy along a direction against the force; shorter ones where there is a
+/// kink or a wave within them. False where none are short enough: nothing was compared.
+bool compare_by_differences(Examination& e, const State& state, const Direction& direction,
+                            std::size_t variable) {
+  bool regular = false;  // throughout, and yet no slope
+  double slope_found = 0.0;
+  double most = 0.0;
+  for (const double part : kShorter) {
+    const double longest = part * kLongestDifference * e.length();
+    const bool first = part == kShorter[0];
+    const bool smooth = is_regular(e, state, direction, direction, longest);
+    regular = smooth && (first || regular);
+    if (!smooth) continue;
+    const Scale scale = scale_of(e, state, direction, longest);
+    const Slope slope = slope_of(
+        [&](double h) {
+          e.put_moved(state, direction, h);
+          return e.alone().energy(state.time);
+        },
+        longest);
+    const double floor = scale.rounding / slope.shortest;
+    slope_found = slope.best;
+    most = scale.effort;
+    if (!(slope.unsettled <= kSettled * most + floor)) continue;
+    e.note(work(e.forces(state), direction), -slope.best, most, floor + kTrust * slope.unsettled,
+           state, variable);
+    return true;
+  }
+  // A force without kinks, of an energy with some.
+  if (regular) e.note(work(e.forces(state), direction), -slope_found, most, -1.0, state, variable);
+  return regular;
 }
 
 /// The energy in quadruple numbers, differentiated, against the force in double ones.
@@ -94,10 +117,10 @@ std::optional<ClaimResult> conservative(Examination& e) {
   e.begin("conservative", "force = -gradient of its energy, by differences");
   Random random(e.seed());
   for (const State& state : e.near()) {
-    compare_by_differences(e, state, e.random_direction(random), kNone);
+    const bool together = compare_by_differences(e, state, e.random_direction(random), kNone);
     const std::size_t chosen = random.below(e.count());
-    compare_by_differences(e, state, e.along(chosen), chosen);
-    e.looked();
+    const bool alone = compare_by_differences(e, state, e.along(chosen), chosen);
+    if (together || alone) e.looked();
   }
   return e.end();
 }
@@ -111,8 +134,8 @@ std::optional<ClaimResult> exact(Examination& e) {
     const std::vector<double> forces = e.forces(*state);
     const double sensitivity = e.sensitivity(*state);
     const bool numbers = std::isfinite(e.largest(forces)) && std::isfinite(sensitivity);
-    e.looked();
     if (!numbers && state->place != Place::near && state->place != Place::start) continue;
+    e.looked();
     const bool together =
         compare_exactly(e, *state, e.random_direction(random), forces, sensitivity, kNone);
     const std::size_t chosen = random.below(e.count());

@@ -7,6 +7,10 @@
 namespace tomlin::claims {
 namespace {
 
+/// Second derivatives in parts of the largest force over the longest difference: one at most for a
+/// wave, and some times that for terms of many partners that cancel.
+constexpr double kVisible = 100.0;
+
 /// Second derivatives times a direction, along another: translations for bodies that move as one.
 class Curvature : public HessianSink {
  public:
@@ -69,27 +73,35 @@ Direction translation(const Examination& e, Random& random) {
   return direction;
 }
 
-/// Slopes of the force by differences against second derivatives.
-void compare_curvature(Examination& e, const State& state, const Direction& along,
+/// Slopes of the force by differences against second derivatives. False where none settle, as at a
+/// kink: nothing was compared.
+bool compare_curvature(Examination& e, const State& state, const Direction& along,
                        const Direction& seen, const Curvature& curvature) {
-  const std::optional<double> longest = regular_difference(e, state, along, seen);
-  if (!longest) return;
-  double most = 0.0;
-  const Slope slope = slope_of(
-      [&](double h) {
-        State moved = state;
-        for (std::size_t i = 0; i < e.count(); ++i) moved.x[i] += h * along[i];
-        const std::vector<double> forces = e.forces(moved);
-        most = std::max(most, effort(forces, seen));
-        return work(forces, seen);
-      },
-      *longest);
-  const double rounding =
-      kRounding * (most + e.sensitivity(state) * static_cast<double>(e.count())) / slope.shortest;
-  const double size = curvature.size + std::abs(slope.best);
-  const bool smooth = slope.unsettled <= kSettled * size + rounding;
-  e.note(curvature.sum, -slope.best, size,
-         smooth ? kRounding * size + rounding + kTrust * slope.unsettled : -1.0, state);
+  const double sensitivity = e.sensitivity(state);
+  for (const double part : kShorter) {
+    const double longest = part * kLongestDifference * e.length();
+    if (!is_regular(e, state, along, seen, longest)) continue;
+    double most = 0.0;
+    const Slope slope = slope_of(
+        [&](double h) {
+          State moved = state;
+          for (std::size_t i = 0; i < e.count(); ++i) moved.x[i] += h * along[i];
+          const std::vector<double> forces = e.forces(moved);
+          most = std::max(most, effort(forces, seen));
+          return work(forces, seen);
+        },
+        longest);
+    const double rounding =
+        kRounding * (most + sensitivity * static_cast<double>(e.count())) / slope.shortest;
+    const double size = curvature.size + std::abs(slope.best);
+    // More than a force of this size can have within a difference: there are waves in it.
+    if (curvature.size > kVisible * most / longest) continue;
+    if (!(slope.unsettled <= kSettled * size + rounding)) continue;
+    e.note(curvature.sum, -slope.best, size, kRounding * size + rounding + kTrust * slope.unsettled,
+           state);
+    return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -107,8 +119,7 @@ std::optional<ClaimResult> hessian(Examination& e) {
     Curvature curvature(e, seen, along, e.alone().model());
     twin->bound().hessian(twin->stage(), curvature);
     if (!curvature.given) return std::nullopt;
-    compare_curvature(e, state, along, seen, curvature);
-    e.looked();
+    if (compare_curvature(e, state, along, seen, curvature)) e.looked();
   }
   return e.end();
 }

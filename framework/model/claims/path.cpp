@@ -100,12 +100,15 @@ Comparison compare_piece(Examination& e, const Path& path, double from, double t
   const double size =
       piece.size + effort(e.forces(end), path.way) + std::abs(before) + std::abs(after);
   const double sensitive = e.sensitivity(end) * e.length() * static_cast<double>(e.count());
-  return {after - before, piece.work, size, kRounding * (size + sensitive) + piece.variation};
+  const double least = kSmallest * (1.0 + e.length() * static_cast<double>(e.count()));
+  return {after - before, piece.work, size,
+          kRounding * (size + sensitive) + piece.variation + least};
 }
 
 /// A piece that does not come right is looked at more closely, in the worse of its halves: what is
 /// merely narrow comes right in the end, a jump does not.
-void compare_along(Examination& e, const Path& path, double from, double to) {
+/// False where that is beyond where the force is defined, and there is nothing to compare.
+bool compare_along(Examination& e, const Path& path, double from, double to) {
   Comparison now = compare_piece(e, path, from, to);
   for (int halving = 0; halving < kDeepest && !now.holds(); ++halving) {
     const double middle = 0.5 * (from + to);
@@ -115,10 +118,10 @@ void compare_along(Examination& e, const Path& path, double from, double to) {
     (in_first ? to : from) = middle;
     now = in_first ? first : second;
   }
-  // Beyond where the force is defined there is nothing to compare; `finite` says whether it may be
-  // so.
-  if (!std::isfinite(now.gained) || !std::isfinite(now.work)) return;
+  // `finite` says whether it may be so.
+  if (!std::isfinite(now.gained) || !std::isfinite(now.work)) return false;
   e.note(-now.gained, now.work, now.size, now.allowed, path.at(to));
+  return true;
 }
 
 }  // namespace
@@ -132,10 +135,11 @@ std::optional<ClaimResult> path(Examination& e) {
   for (std::size_t k = 0; k < kPaths; ++k) {
     const Path path = path_of(e, e.near()[k % e.near().size()], random);
     const double width = 1.0 / pieces;
+    bool compared = false;
     for (int piece = 0; piece < pieces && e.holds(); ++piece) {
-      compare_along(e, path, piece * width, (piece + 1) * width);
+      compared = compare_along(e, path, piece * width, (piece + 1) * width) || compared;
     }
-    e.looked();
+    if (compared) e.looked();
   }
   return e.end();
 }

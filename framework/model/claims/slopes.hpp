@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <vector>
 
 #include "framework/model/claims/examination.hpp"
@@ -17,7 +16,7 @@ inline constexpr double kLongestDifference = 0.02;
 /// Parts of the largest force that its fourth difference may be: (2 pi/100)^4 = 1.6e-5 of a sine.
 inline constexpr double kIrregular = 1e-3;
 /// Parts of it that are tried where that is not smooth.
-inline constexpr double kShorter[] = {1.0, 0.05, 0.0025};
+inline constexpr double kShorter[] = {1.0, 0.05, 0.0025, 0.000125};
 /// Central differences at h, h/2, h/4, h/8 leave an error of order h^8.
 inline constexpr int kDifferences = 4;
 /// The last two orders of the extrapolation differ by more than the last one is off.
@@ -45,7 +44,10 @@ Slope slope_of(Function&& f, double longest) {
     }
   }
   const double best = slope[kDifferences - 1][kDifferences - 1];
-  return {best, std::abs(best - slope[kDifferences - 1][kDifferences - 2]), 2.0 * h};
+  // Both are worse than the best; one may come close to it by chance.
+  const double unsettled = std::max(std::abs(best - slope[kDifferences - 1][kDifferences - 2]),
+                                    std::abs(best - slope[kDifferences - 2][kDifferences - 2]));
+  return {best, unsettled, 2.0 * h};
 }
 
 inline double work(const std::vector<double>& forces, const Direction& direction) {
@@ -60,33 +62,37 @@ inline double effort(const std::vector<double>& forces, const Direction& directi
   return sum;
 }
 
-/// Whether the force along a way has neither kinks nor jumps within `longest` of a state: its
-/// fourth difference is what is left of a smooth one. Where it has, differences say nothing.
-inline bool is_regular(Examination& e, const State& state, const Direction& along,
-                       const Direction& seen, double longest) {
-  constexpr double kWeight[] = {1.0, -4.0, 6.0, -4.0, 1.0};
+/// The fourth difference of the force along a way, and the largest effort within it.
+struct Roughness {
   double fourth = 0.0;
   double most = 0.0;
+};
+
+inline Roughness roughness_of(Examination& e, const State& state, const Direction& along,
+                              const Direction& seen, double step) {
+  constexpr double kWeight[] = {1.0, -4.0, 6.0, -4.0, 1.0};
+  Roughness rough;
   for (int k = 0; k < 5; ++k) {
     State moved = state;
-    const double h = 0.5 * (k - 2) * longest;
+    const double h = (k - 2) * step;
     for (std::size_t i = 0; i < e.count(); ++i) moved.x[i] += h * along[i];
     const std::vector<double> forces = e.forces(moved);
-    fourth += kWeight[k] * work(forces, seen);
-    most = std::max(most, effort(forces, seen));
+    rough.fourth += kWeight[k] * work(forces, seen);
+    rough.most = std::max(rough.most, effort(forces, seen));
   }
-  return !(std::abs(fourth) > kIrregular * most);
+  return rough;
 }
 
-/// The longest difference that no kink is within; the longest of all first, and nothing where even
-/// the shortest has one.
-inline std::optional<double> regular_difference(Examination& e, const State& state,
-                                                const Direction& along, const Direction& seen) {
-  for (const double part : kShorter) {
-    const double longest = part * kLongestDifference * e.length();
-    if (is_regular(e, state, along, seen, longest)) return longest;
+/// Whether the force along a way has neither kinks nor jumps within `longest` of a state, nor
+/// waves: its fourth difference is what is left of a smooth one. Where it has, differences say
+/// nothing. By steps of two lengths, of which no wave is a part of both.
+inline bool is_regular(Examination& e, const State& state, const Direction& along,
+                       const Direction& seen, double longest) {
+  for (const double step : {0.5 * longest, 0.309016994374947424 * longest}) {
+    const Roughness rough = roughness_of(e, state, along, seen, step);
+    if (std::abs(rough.fourth) > kIrregular * rough.most) return false;
   }
-  return std::nullopt;
+  return true;
 }
 
 }  // namespace tomlin::claims

@@ -83,16 +83,19 @@ std::optional<ClaimResult> internal(Examination& e) {
   for (const State* state : e.everywhere()) {
     const bool close = state->place == Place::near || state->place == Place::start;
     const double here = e.largest(e.forces(*state));
-    e.looked();
     if (!close && !std::isfinite(here)) continue;
+    e.looked();
     if (close) near = std::max(near, here);
     const double largest = close ? near : here;
     const ForceAlone::Wrench total = total_of(e);
     const double size = largest * static_cast<double>(e.count());
     const double lever = size * e.reach(*state);
+    const double least = kSmallest * static_cast<double>(e.count());
     for (int a = 0; a < 3; ++a) {
-      e.note(total.force[a], 0.0, size, kRounding * size, *state);
-      if (open) e.note(total.torque[a], 0.0, lever, kRounding * lever, *state);
+      e.note(total.force[a], 0.0, size, kRounding * size + least, *state);
+      if (open) {
+        e.note(total.torque[a], 0.0, lever, kRounding * lever + least * e.reach(*state), *state);
+      }
     }
   }
   return e.end();
