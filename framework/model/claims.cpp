@@ -12,11 +12,11 @@ namespace tomlin {
 namespace {
 
 constexpr claims::Claim kClaims[] = {
-    &claims::conservative, &claims::exact,       &claims::path,        &claims::hessian,
-    &claims::finite,       &claims::internal,    &claims::dissipative, &claims::friction,
-    &claims::balance,      &claims::driver,      &claims::periodic,    &claims::origin,
-    &claims::velocity,     &claims::time,        &claims::repeatable,  &claims::its_own,
-    &claims::same_bits,    &claims::number_types};
+    &claims::conservative, &claims::exact,     &claims::path,        &claims::hessian,
+    &claims::stiffness,    &claims::finite,    &claims::internal,    &claims::dissipative,
+    &claims::friction,     &claims::balance,   &claims::driver,      &claims::periodic,
+    &claims::origin,       &claims::velocity,  &claims::time,        &claims::repeatable,
+    &claims::its_own,      &claims::same_bits, &claims::number_types};
 
 /// The shortest distance between particles that follow one another.
 double shortest_spacing(const Model::Body& body) {

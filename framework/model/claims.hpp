@@ -51,10 +51,11 @@ struct ClaimOptions {
 /// particles almost touch, a thousandth and a millionth of a length apart.
 ///
 ///   conservative  virtual work of the force equals minus the change of its energy, by differences
-///                 whose error falls as h^8; near the start
+///                 whose error falls as h^8; near the start, and everywhere where `exact` cannot be
 ///   exact         the same everywhere, in quadruple numbers: exact to a double's last digits
 ///   path          the same along paths of some lengths, where an energy may jump
 ///   hessian       second derivatives are the slopes of the force
+///   stiffness     no curvature is beyond the declared bound, on which the stable step hangs
 ///   finite        forces are numbers: also far away; where two particles touch either that or no
 ///                 number at all, which stops a run
 ///   internal      forces and torques on all bodies it acts on sum to zero

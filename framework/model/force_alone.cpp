@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "framework/model/force_twin.hpp"
+
 namespace tomlin {
 namespace {
 
@@ -86,6 +88,8 @@ void ForceAlone::list_variables() {
 }
 
 const double* ForceAlone::forces(double time) {
+  place_velocities(model_.bodies(), model_.dimension(), position_.data(), velocity_.data(),
+                   model_.system().view.mapped_velocity);
   model_.evaluate_at(DoubleDouble(time), position_.data(), velocity_.data(),
                      state_.reals("integrals"), rates_.data());
   return model_.system().view.force;

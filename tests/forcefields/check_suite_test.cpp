@@ -65,6 +65,24 @@ duration = 1.0
 integrator = { type = "rk4", dt = 1e-3 }
 )";
 
+/// A ring that moves as one: its particles follow from its centre and its rotation.
+const std::string kRigid = R"([[body]]
+type = "ring"
+count = 5
+radius = 0.5
+centre = [0.3, 0.6]
+particle_mass = 0.7
+coordinates = "rigid"
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.2
+period = 1.0
+decay = 0.7
+[run]
+duration = 1.0
+integrator = { type = "rk4", dt = 1e-3 }
+)";
+
 const std::string kDriven = TipScene{}.text();
 
 /// A scheme that takes friction as an operator: the drag is looked at as a force all the same.
@@ -113,7 +131,7 @@ TEST(CheckSuite, AccusesNoComponentsExample) {
 
 TEST(CheckSuite, AccusesNoneOfTheScenesBelow) {
   for (const std::uint64_t seed : kSeeds) {
-    for (const std::string& text : {kBonds, kSubstrate, kDriven, kSplit, kMemory}) {
+    for (const std::string& text : {kBonds, kSubstrate, kRigid, kDriven, kSplit, kMemory}) {
       expect_sound(text, "scene", seed);
     }
     expect_sound(RingScene{}.text(), "ring", seed);
@@ -127,8 +145,12 @@ TEST(CheckSuite, AccusesNoSoundForceBoundTheSameWay) {
   EXPECT_EQ(
       SpoiltRegistry("sinusoidal_substrate", planted<SinusoidalSubstrate>).broken_in(kSubstrate),
       none);
+  EXPECT_EQ(SpoiltRegistry("sinusoidal_substrate", planted<SinusoidalSubstrate>).broken_in(kRigid),
+            none);
   EXPECT_EQ(SpoiltRegistry("viscous_damping", planted<ViscousDamping>).broken_in(kDriven), none);
   EXPECT_EQ(SpoiltRegistry("harmonic_bonds", bonds_by<HookesLaw>()).broken_in(kBonds), none);
+  EXPECT_EQ(SpoiltRegistry("harmonic_bonds", plain_bonds<HookesLaw, double>).broken_in(kBonds),
+            none);
   EXPECT_EQ(SpoiltRegistry("harmonic_bonds", bonds_by<CutOffAndShifted>()).broken_in(kBonds), none);
   EXPECT_EQ(
       SpoiltRegistry("driving_spring", wrapped<PlainDriver, DrivingSpring>).broken_in(kDriven),
@@ -253,6 +275,92 @@ TEST(CheckSuite, CountsOnlyStatesThatWereCompared) {
   EXPECT_TRUE(seen);
 }
 
+/// Torques on a ring that are nothing but the rounding of their terms.
+TEST(CheckSuite, AccusesNoTorqueThatCancels) {
+  const std::vector<std::string> forces = {
+      "type = \"constant_force\"\nforce = [0.1, 0.2]\n",
+      "type = \"expression\"\nenergy = \"0.1*y\"\n",
+      "type = \"expression\"\nenergy = \"0.1*y + 0.05*x\"\n",
+      "type = \"expression\"\nenergy = \"abs(y)\"\n",
+      "type = \"expression\"\nenergy = \"cos(2*pi*x)*exp(-y^2)\"\n"};
+  for (const std::uint64_t seed : kSeeds) {
+    for (const int particles : {3, 5, 6, 7, 12}) {
+      for (const std::string& force : forces) {
+        expect_sound("[[body]]\ntype = \"ring\"\ncount = " + std::to_string(particles) +
+                         "\nradius = 1.0\ncentre = [0.2, 0.4]\nparticle_mass = 0.2\n"
+                         "coordinates = \"rigid\"\n[[force]]\n" +
+                         force +
+                         "[run]\nallow_unstable = true\nduration = 1.0\n"
+                         "integrator = { type = \"rk4\", dt = 1e-3 }\n",
+                     force, seed);
+      }
+    }
+  }
+}
+
+/// What time does to an energy is rounded as the time is: phases of many turns, in any units.
+TEST(CheckSuite, AccusesNoFastLawOfTime) {
+  for (const std::uint64_t seed : kSeeds) {
+    for (const double frequency : {1.0, 10.0, 100.0, 1e4, 1e6}) {
+      const std::string parameters = "[parameters]\nw = " + digits(frequency) + "\n";
+      for (const char* position : {"0.0", "0.25", "0.5"}) {
+        expect_sound(point_under("cos(2*pi*x - w*t)", position, parameters), parameters, seed);
+        expect_sound(point_under("0.1*x*sin(w*t)", position, parameters), parameters, seed);
+      }
+    }
+    const std::string parameters = "[parameters]\na = 2.5e-10\nV0 = 1e-19\nT = 1e-12\n";
+    expect_sound(point_under("V0*cos(2*pi*x/a - 2*pi*t/T)", "0.3e-10", parameters, 1e-26, 1e-11),
+                 "in SI units", seed);
+  }
+}
+
+/// Much narrower than where a particle may be, right under it or beside it.
+TEST(CheckSuite, AccusesNoNarrowFeature) {
+  for (const std::uint64_t seed : kSeeds) {
+    for (const double width : {1e-2, 1e-3, 1e-4}) {
+      const std::string parameters = "[parameters]\ne = " + digits(width) + "\n";
+      for (const char* energy : {"sqrt((x-0.1)^2+e^2)", "1/((x-0.1)^2+e^2)", "exp(-(x-0.1)^2/e^2)",
+                                 "(x-0.1)*atan((x-0.1)/e)"}) {
+        for (const char* position : {"0.1", "0.1004", "0.25"}) {
+          expect_sound(point_under(energy, position, parameters), energy + parameters, seed);
+        }
+      }
+    }
+  }
+}
+
+/// Energies with broken powers, or kinks, and a particle right on them.
+TEST(CheckSuite, AccusesNoParticleOnAKink) {
+  for (const char* energy :
+       {"abs(x)^2.5", "abs(x)^2.5 + x^2", "abs(x)^1.5", "max(0,x)^2", "abs(x)", "abs(sin(pi*x))"}) {
+    for (const char* position : {"0.0", "1.0"}) {
+      const auto scene = scene_of(point_under(energy, position));
+      for (const std::uint64_t seed : kSeeds) {
+        for (const ClaimResult& result : check_claims(*scene, {.seed = seed})) {
+          EXPECT_TRUE(result.holds) << energy << ' ' << result.claim << ' ' << result.worst.text();
+        }
+      }
+    }
+  }
+}
+
+/// The bound of a periodic formula is that of its time.
+TEST(CheckSuite, AccusesNoPeriodicFormulaOfItsStableStep) {
+  for (const char* energy :
+       {"cos(2*pi*x)", "cos(2*pi*x)*sin(3*t)", "cos(2*pi*x)*(1 + 0.5*sin(7*t))",
+        "cos(2*pi*(x - 0.3*t))", "0.3*cos(2*pi*x)*(1 - exp(-t))"}) {
+    std::string scene = point_under(energy, "0.25");
+    scene.insert(scene.find("energy"), "period = 1.0\n");
+    for (const std::uint64_t seed : kSeeds) {
+      expect_sound(scene, energy, seed);
+      const auto results = check_claims(*scene_of(scene), {.seed = seed});
+      EXPECT_TRUE(std::any_of(results.begin(), results.end(), [](const ClaimResult& result) {
+        return result.claim == "stiffness";
+      })) << energy;
+    }
+  }
+}
+
 // ---- wrong ones
 
 /// One fault, and a claim that must break over it; others may break, too.
@@ -308,6 +416,17 @@ std::vector<Fault> faults() {
        kSubstrate},
       {"writes beyond its body", kSite, wrapped<BeyondItsBody, SinusoidalSubstrate>, "its own",
        kSubstrate},
+      {"overwrites what is there", kSite, wrapped<AddsOverwriting, SinusoidalSubstrate>, "its own",
+       kSubstrate},
+      {"overwrites what is there on a rigid body", kSite,
+       wrapped<AddsOverwriting, SinusoidalSubstrate>, "its own", kRigid},
+      {"drag not told of, on a rigid body", kSite, planted<SecretDrag>, "velocity", kRigid},
+      {"elapsed time not told of", kSite, wrapped<FeelsTheStep, SinusoidalSubstrate>, "time",
+       kSubstrate},
+      {"a bound on curvatures that is none", kSite, planted<BoundFarTooSmall>, "stiffness",
+       kSubstrate},
+      {"the same along an axis", kSite, planted<BoundAlongFarTooSmall>, "stiffness", kSubstrate},
+      {"the same on a rigid body", kSite, planted<BoundFarTooSmall>, "stiffness", kRigid},
       {"adds where it should set", kSite, wrapped<SwappedPasses, SinusoidalSubstrate>, "its own",
        kSubstrate},
       {"origin not heard of", kSite, planted<WithoutRebase>, "origin", kSubstrate},
@@ -326,6 +445,12 @@ std::vector<Fault> faults() {
       {"reaction on the wrong particle", kBond, bind_lopsided<1>, "internal", kBonds},
       {"missing torque", kBond, bonds_by<AcrossTheLine>(), "internal", kBonds},
       {"wrong at contact only", kBond, bonds_by<WrongAtContact>(), "exact", kBonds},
+      {"wrong at contact only, in doubles alone", kBond, plain_bonds<WrongAtContact, double>,
+       "conservative", kBonds},
+      {"twice as strong at contact, in doubles alone", kBond, plain_bonds<TwiceAtContact, double>,
+       "conservative", kBonds},
+      {"wrong far away only, in doubles alone", kBond, plain_bonds<WrongFarAway, double>,
+       "conservative", kBonds},
       {"wrong far away only", kBond, bonds_by<WrongFarAway>(), "exact", kBonds},
       {"an energy that jumps at a cut-off", kBond, bonds_by<CutOff>(), "path", kBonds},
 
@@ -333,6 +458,7 @@ std::vector<Fault> faults() {
       {"damping that drives, split off", kDrag, planted<AntiDissipative>, "dissipative", kSplit},
       {"damping wrong above some speed", kDrag, planted<DragThatDoubles>, "friction", kDriven},
       {"half the friction", kDrag, planted<TwiceTheFriction>, "friction", kDriven},
+      {"no heat", kDrag, wrapped<WithoutHeat, ViscousDamping>, "balance", kDriven},
       {"half the heat", kDrag, wrapped<HalfTheHeat, ViscousDamping>, "balance", kDriven},
       {"dissipation claimed of a substrate", kSite, sound, "dissipative", kSubstrate,
        [](ForceRecord& r) { r.traits.dissipative = true; }},
@@ -427,6 +553,24 @@ duration = 1e-12
 integrator = { type = "rk4", dt = 1e-15 }
 )";
   }
+  if (scene == kRigid) {
+    return R"([[body]]
+type = "ring"
+count = 5
+radius = 0.5e-10
+centre = [0.3e-10, 0.6e-10]
+particle_mass = 0.7e-26
+coordinates = "rigid"
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 2e-20
+period = 1e-10
+decay = 0.7e20
+[run]
+duration = 1e-12
+integrator = { type = "rk4", dt = 1e-15 }
+)";
+  }
   if (scene == kMemory) {
     return R"([[body]]
 type = "chain"
@@ -476,7 +620,7 @@ TEST(CheckSuite, CatchesEveryPlantedFaultInSIUnits) {
 
 TEST(CheckSuite, AccusesNoneOfThoseScenesInSIUnits) {
   for (const std::uint64_t seed : kSeeds) {
-    for (const std::string& text : {kBonds, kSubstrate, kDriven, kSplit, kMemory}) {
+    for (const std::string& text : {kBonds, kSubstrate, kRigid, kDriven, kSplit, kMemory}) {
       expect_sound(in_si_units(text), "in SI units", seed);
     }
   }

@@ -189,6 +189,20 @@ struct BoundTooSmall : SinusoidalSubstrate {
   }
 };
 
+struct BoundFarTooSmall : SinusoidalSubstrate {
+  template <int D>
+  static double curvature_bound(const Description& d) {
+    return 0.1 * SinusoidalSubstrate::curvature_bound<D>(d);
+  }
+};
+
+struct BoundAlongFarTooSmall : SinusoidalSubstrate {
+  template <int D>
+  static double curvature_bound_along(const Description& d, int axis) {
+    return 0.1 * SinusoidalSubstrate::curvature_bound_along<D>(d, axis);
+  }
+};
+
 struct BoundTooLarge : SinusoidalSubstrate {
   template <int D>
   static double curvature_bound(const Description& d) {
@@ -211,6 +225,18 @@ class SwappedPasses : public ParticleForce<E, Real, D> {
   std::vector<Pass<double>> passes() override {
     auto passes = ParticleForce<E, Real, D>::passes();
     for (Pass<double>& pass : passes) std::swap(pass.set, pass.add);
+    return passes;
+  }
+};
+
+/// `add` that overwrites; `set` is sound.
+template <class E, class Real, int D>
+class AddsOverwriting : public ParticleForce<E, Real, D> {
+ public:
+  using ParticleForce<E, Real, D>::ParticleForce;
+  std::vector<Pass<double>> passes() override {
+    auto passes = ParticleForce<E, Real, D>::passes();
+    for (Pass<double>& pass : passes) pass.add = pass.set;
     return passes;
   }
 };
@@ -418,6 +444,22 @@ class CountsItsCalls : public WithAnotherPass<E, Real, D> {
     };
   }
   mutable double calls_ = 0.0;
+};
+
+/// Stronger within each step, which it does not tell of.
+template <class E, class Real, int D>
+class FeelsTheStep : public WithAnotherPass<E, Real, D> {
+ public:
+  using WithAnotherPass<E, Real, D>::WithAnotherPass;
+
+ private:
+  Kernel<Real> kernel() const override {
+    return [](const void* arguments, const Stage<Real>& stage) {
+      const auto& self = static_cast<const FeelsTheStep&>(FeelsTheStep::self(arguments));
+      Real* f = (self.slot().mapped ? stage.mapped_force : stage.force) + self.slot().offset;
+      f[0] = f[0] * (Real(1.0) + Real(1e-3) * stage.elapsed);
+    };
+  }
 };
 
 /// Lags behind: the force is that of the evaluation before.

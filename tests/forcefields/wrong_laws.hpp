@@ -164,6 +164,18 @@ struct WrongAtContact : HookesLaw {
   }
 };
 
+/// Twice as strong, closer than a twentieth of the rest length.
+struct TwiceAtContact : HookesLaw {
+  template <class Real>
+  static void force(const Real& k, const Real& rest, const Vec<Real, 3>& apart, Vec<Real, 3>& one,
+                    Vec<Real, 3>& other) {
+    HookesLaw::force(k, rest, apart, one, other);
+    if (!(distance(apart) < Real(0.05) * rest)) return;
+    one = Real(2.0) * one;
+    other = Real(2.0) * other;
+  }
+};
+
 /// Softens by a thousandth beyond a hundred rest lengths; the energy does not.
 struct WrongFarAway : HookesLaw {
   template <class Real>

@@ -372,9 +372,12 @@ class ParticleFormula final : public FormulaForce<Real> {
     }
   }
 
-  double curvature_bound() const override { return largest_curvature_; }
+  double curvature_bound() const override {
+    sample_curvature();
+    return largest_curvature_;
+  }
   double curvature_bound_along(int axis) const override {
-    return largest_curvature_ < 0.0 ? -1.0 : curvature_along_[static_cast<std::size_t>(axis)];
+    return curvature_bound() < 0.0 ? -1.0 : curvature_along_[static_cast<std::size_t>(axis)];
   }
 
   bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
@@ -440,11 +443,15 @@ class ParticleFormula final : public FormulaForce<Real> {
   }
 
   /// Where a period along x is declared, the largest curvature over it, at the heights of the
-  /// start.
-  void sample_curvature() {
+  /// start. That of a formula in time is the one at the start of the present step.
+  void sample_curvature() const {
     // Who asks is the model, which looks on in double whatever a run computes in.
     if (!std::is_same_v<Real, double>) return;
     if (this->curvature_.empty() || !(this->period_[0] > 0.0)) return;
+    if (largest_curvature_ >= 0.0 && sampled_at_ == this->start_of_time_) return;
+    sampled_at_ = this->start_of_time_;
+    largest_curvature_ = -1.0;
+    curvature_along_ = {};
     const bool elsewhere = this->codes_.inputs.size() > 1;
     const std::size_t rows = elsewhere ? std::min<std::size_t>(body_.slot.count, kSamples) : 1;
     const double apart = this->period_[0] / kSamples;
@@ -475,7 +482,7 @@ class ParticleFormula final : public FormulaForce<Real> {
   }
 
   /// Of particle i, moved along x to a place; the largest so far are noted.
-  double curvature_at(std::size_t i, double x) {
+  double curvature_at(std::size_t i, double x) const {
     Inputs inputs = inputs_at(nullptr, i);
     for (std::size_t input = 0; input < this->codes_.inputs.size(); ++input) {
       if (this->codes_.inputs[input] == formula_variable::position) {
@@ -488,7 +495,7 @@ class ParticleFormula final : public FormulaForce<Real> {
   }
 
   /// The largest sum of a row: no eigenvalue is beyond it.
-  double note_curvature(const typename Base::Outputs& entries) {
+  double note_curvature(const typename Base::Outputs& entries) const {
     std::array<double, 3> row{};
     std::array<double, 3> diagonal{};
     for_upper_triangle<Real>(entries, this->dimension_, [&](int a, int b, double value) {
@@ -508,10 +515,11 @@ class ParticleFormula final : public FormulaForce<Real> {
   BoundBody<Real> body_;
   FormulaSiteArguments<Real> arguments_;
   FormulaSiteArguments<Real> heat_;
-  double margin_ = kRounding;
-  double aside_ = 0.0;
-  double largest_curvature_ = -1.0;
-  std::array<double, 3> curvature_along_{};
+  mutable Real sampled_at_{};
+  mutable double margin_ = kRounding;
+  mutable double aside_ = 0.0;
+  mutable double largest_curvature_ = -1.0;
+  mutable std::array<double, 3> curvature_along_{};
 };
 
 /// On the centre of mass of a body: an energy over xc, yc, zc and t.

@@ -9,7 +9,7 @@ namespace {
 
 /// Speeds in parts of the usual one, a length per unit of time.
 constexpr double kSpeeds[] = {1.0, 1e-3, 1e3};
-constexpr double kTinyTime = 1e-12;  // of a difference in quadruple numbers
+constexpr double kTinyTime = 1e-12;  // of a difference in quadruple numbers, or of the duration
 constexpr double kShortTime = 1e-3;  // of the longest difference in double ones
 constexpr double kTrust = 10.0;      // two orders differ by more than the better one is off
 
@@ -48,6 +48,17 @@ class Coefficients : public FrictionSink {
   std::vector<std::vector<double>> of_particle;
 };
 
+/// What time does to an energy is a driver's work, or heat that is taken out.
+bool time_goes_on(const Examination& e) {
+  const Traits& traits = e.traits();
+  return traits.does_work || (traits.conservative && traits.depends_on_time);
+}
+
+/// Velocities are made for a unit of time, laws of time for the run's.
+double unit_of_time(Examination& e) {
+  return time_goes_on(e) ? std::min(1.0, e.alone().model().scene().run.duration) : 1.0;
+}
+
 /// The energy a time `h` on along the velocities, with the force's own variables; time itself goes
 /// on only where a driver accounts for what that does.
 template <class Real>
@@ -66,10 +77,7 @@ class Later {
     for (std::size_t k = 0; k < own_rates_.size(); ++k) {
       twin_.own(k) = Real(state_.own[k]) + h * own_rates_[k];
     }
-    // What time does to an energy is a driver's work, or heat that is taken out.
-    const Traits& traits = e_.traits();
-    const bool goes_on = traits.does_work || (traits.conservative && traits.depends_on_time);
-    twin_.evaluate(state_.time, goes_on ? static_cast<double>(h) : 0.0);
+    twin_.evaluate(state_.time, time_goes_on(e_) ? static_cast<double>(h) : 0.0);
     return twin_.energy();
   }
 
@@ -90,7 +98,8 @@ Gain gain_at(Examination& e, ForceTwin<double>& twin, const State& state, double
   if (e.exact() != nullptr) {
     Later<Quad> later(e, *e.exact(), state);
     // Steps of time that a double holds exactly.
-    const double h = std::ldexp(1.0, static_cast<int>(std::floor(std::log2(kTinyTime))));
+    const double h =
+        std::ldexp(1.0, static_cast<int>(std::floor(std::log2(kTinyTime * unit_of_time(e)))));
     const Quad near = (later(Quad(h)) - later(Quad(-h))) / Quad(2.0 * h);
     const Quad far = (later(Quad(2.0 * h)) - later(Quad(-2.0 * h))) / Quad(4.0 * h);
     const double energy = std::abs(static_cast<double>(later(Quad(0.0))));
@@ -98,7 +107,7 @@ Gain gain_at(Examination& e, ForceTwin<double>& twin, const State& state, double
   }
   Later<double> later(e, twin, state);
   double slope[3] = {};
-  double h = kShortTime;
+  double h = kShortTime * unit_of_time(e);
   double energy = 0.0;
   for (double& s : slope) {
     const double after = later(h);
@@ -167,11 +176,12 @@ std::optional<ClaimResult> friction(Examination& e) {
 }
 
 /// -F.v = dU/dt + heat - power in. Only for forces that take part in the ledger: those with an
-/// energy, with heat, or with a pulled end. Prescribed bodies do work of their own.
+/// energy, with heat or what velocities make of it, or with a pulled end. Prescribed bodies do work
+/// of their own.
 std::optional<ClaimResult> balance(Examination& e) {
   const auto twin = e.twin();
-  const bool takes_part =
-      e.traits().conservative || e.traits().does_work || twin->heat().has_value();
+  const bool takes_part = e.traits().conservative || e.traits().does_work ||
+                          e.traits().depends_on_velocity || twin->heat().has_value();
   if (!takes_part || e.on_prescribed()) return std::nullopt;
   e.begin("balance", "power = energy stored + heat - a driver's work, as the ledger adds them");
   for (const State* state : e.everywhere()) {
@@ -188,6 +198,11 @@ std::optional<ClaimResult> balance(Examination& e) {
     e.put(*state, *twin);
     twin->evaluate(state->time);
     const double heat = twin->heat().value_or(0.0);
+    const double noise = e.change_of(*state, [&](const State& at) {
+      e.put(at, *twin);
+      twin->evaluate(at.time);
+      return twin->heat().value_or(0.0);
+    });
     double speed = 0.0;
     for (std::size_t i = 0; i < e.count(); ++i) {
       speed += std::abs(state->v[i]) / e.variable(i).unit;
@@ -198,8 +213,8 @@ std::optional<ClaimResult> balance(Examination& e) {
     if (const Drive* pulled = e.bound().drive()) {
       for (const double v : pulled->velocity) drive += std::abs(v);
     }
-    const double allowed =
-        kRounding * (size + sensitivity * (speed + drive)) + gain.error + kSmallest * (1.0 + speed);
+    const double allowed = kRounding * (size + noise + sensitivity * (speed + drive)) + gain.error +
+                           kSmallest * (1.0 + speed);
     e.note(-taken.sum, gain.value + heat - work, size, allowed, *state);
     e.looked();
   }

@@ -74,6 +74,12 @@ Examination::Examination(const Scene& scene, std::size_t force, double length,
   if (!worthwhile()) return;
   size_ = static_cast<double>(count() + pairs_of(scene, scene.forces[force]));
   latest_ = latest_time();
+  const auto& bodies = alone_.force().bodies;
+  if (std::any_of(bodies.begin(), bodies.end(),
+                  [&](std::size_t b) { return alone_.model().bodies()[b].bound.slot.rigid; })) {
+    by_terms_ = twin();
+    passes_ = by_terms_->bound().passes();
+  }
   make_states();
 }
 
@@ -353,6 +359,84 @@ double Examination::exact_change(const State& state, double shake) {
   return most;
 }
 
+Examination::Terms Examination::terms(const State& state) {
+  if (by_terms_ == nullptr) return {};
+  ForceTwin<double>& twin = *by_terms_;
+  const SystemView<double>& view = twin.view();
+  std::vector<std::size_t> places;
+  for (const std::size_t b : alone_.force().bodies) {
+    const BodySlot<double>& slot = alone_.model().bodies()[b].bound.slot;
+    for (int d = 0; slot.rigid && d < alone_.model().dimension(); ++d) {
+      for (std::size_t i = 0; i < slot.count; ++i) {
+        places.push_back(slot.offset + d * slot.stride + i);
+      }
+    }
+  }
+  put(state, twin);
+  twin.evaluate(state.time);
+  Random random(options_.seed ^ kShaking);
+  const double shake = kShake * reach(state);
+  std::vector<double> before;
+  for (const std::size_t at : places) {
+    before.push_back(view.mapped_force[at]);
+    view.mapped_position[at] += shake * random.symmetric();
+    view.mapped_force[at] = 0.0;
+  }
+  for (const Pass<double>& pass : passes_) {
+    (pass.add != nullptr ? pass.add : pass.set)(pass.arguments, twin.stage());
+  }
+  std::vector<double> change;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    change.push_back(view.mapped_force[places[k]] - before[k]);
+  }
+  return {gathered(before), gathered(change) / kShake};
+}
+
+/// The largest sum of sizes among the coordinates of rigid bodies; forces come by body, axis and
+/// particle.
+double Examination::gathered(const std::vector<double>& particle_forces) const {
+  double most = 0.0;
+  std::size_t next = 0;
+  for (const std::size_t b : alone_.force().bodies) {
+    const Model::Body& body = alone_.model().bodies()[b];
+    if (!body.bound.slot.rigid) continue;
+    std::vector<double> levers;
+    for (const std::vector<double>& arm : body.arms) {
+      double square = 0.0;
+      for (const double part : arm) square += part * part;
+      levers.push_back(std::sqrt(square));
+    }
+    const double farthest = *std::max_element(levers.begin(), levers.end());
+    double torque = 0.0;
+    for (int d = 0; d < alone_.model().dimension(); ++d) {
+      double sum = 0.0;
+      for (const double lever : levers) {
+        const double size = std::abs(particle_forces[next++]);
+        sum += size;
+        if (farthest > 0.0) torque += size * (lever / farthest);
+      }
+      most = std::max(most, sum);
+    }
+    most = std::max(most, torque);
+  }
+  return most;
+}
+
+double Examination::change_of(const State& state,
+                              const std::function<double(const State&)>& number) {
+  const double before = number(state);
+  double most = 0.0;
+  for (const double shake : {kShake, kStir, kTinyShake}) {
+    for (int k = 0; k < kShakes; ++k) {
+      Random random(options_.seed ^ (kShaking + static_cast<std::uint64_t>(k)));
+      const double change = std::abs(number(shaken(state, shake, random)) - before);
+      if (!std::isfinite(change)) return std::numeric_limits<double>::infinity();
+      most = std::max(most, change / shake);
+    }
+  }
+  return most;
+}
+
 /// A formula whose terms nearly cancel loses more digits within than its inputs explain: that is
 /// noise, which a tiny shake stirs up.
 double Examination::sensitivity(const State& state) {
@@ -370,7 +454,9 @@ double Examination::sensitivity(const State& state) {
   }
   const bool numbers = std::isfinite(change.size) && std::isfinite(stirred.bend) &&
                        std::isfinite(tiny.size) && std::isfinite(most);
-  return numbers ? most : std::numeric_limits<double>::infinity();
+  const Terms single = terms(state);
+  most += single.size + single.change;
+  return numbers && std::isfinite(most) ? most : std::numeric_limits<double>::infinity();
 }
 
 // ---- the same force otherwise

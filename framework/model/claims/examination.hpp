@@ -118,6 +118,15 @@ class Examination {
   /// rounding of inputs makes of it. Infinite where it leaves the finite numbers; where even a
   /// shake as small as rounding turns the force over, so much that everything is allowed.
   double sensitivity(const State& state);
+  /// The same of any other number.
+  double change_of(const State& state, const std::function<double(const State&)>& number);
+  /// Of what the particles of rigid bodies contribute, without regard to signs: places and forces
+  /// are rounded one by one, also where their sum vanishes. As a force at a body's edge.
+  struct Terms {
+    double size = 0.0;
+    double change = 0.0;  ///< per relative change of each place
+  };
+  Terms terms(const State& state);
   /// How large the numbers are that places are made of.
   double reach(const State& state) const;
 
@@ -147,6 +156,7 @@ class Examination {
   };
   Change change_by(const State& state, double shake);
   double exact_change(const State& state, double shake);
+  double gathered(const std::vector<double>& particle_forces) const;
   void make_states();
   State displaced(double size, Random& random) const;
   std::optional<State> touching(double distance, Random& random) const;
@@ -162,6 +172,8 @@ class Examination {
   std::vector<State> near_;
   std::vector<State> extreme_;
   std::unique_ptr<ForceTwin<Quad>> exact_;
+  std::unique_ptr<ForceTwin<double>> by_terms_;  ///< where there is a rigid body
+  std::vector<Pass<double>> passes_;             ///< of it
   bool sought_exact_ = false;
   ClaimResult now_;
   double strain_ = 0.0;  ///< the largest part of what is allowed
@@ -175,6 +187,7 @@ std::optional<ClaimResult> conservative(Examination& e);
 std::optional<ClaimResult> exact(Examination& e);
 std::optional<ClaimResult> path(Examination& e);
 std::optional<ClaimResult> hessian(Examination& e);
+std::optional<ClaimResult> stiffness(Examination& e);
 std::optional<ClaimResult> finite(Examination& e);
 std::optional<ClaimResult> internal(Examination& e);
 std::optional<ClaimResult> dissipative(Examination& e);

@@ -13,13 +13,32 @@ constexpr double kTinyDifference = 1e-12;
 /// Variables that are looked at one by one to find where a slope is wrong.
 constexpr std::size_t kMostSearched = 2000;
 
-/// The same in quadruple numbers, to all digits of a double.
+/// Parts of the longest difference that are tried besides where two particles almost touch.
+constexpr double kAtContact[] = {1e-5, 1e-6};
+
+/// A kink's two slopes differ by as much twice as far away, those about a smooth place by twice as
+/// much; and by more than the rounding of quadruple numbers.
+constexpr double kKinked = 0.75;
+constexpr double kApart = 1e-6;
+
+/// The same in quadruple numbers, to all digits of a double; unsettled where there is a kink.
 template <class Function>
-double exact_slope(Function&& f, double length) {
+Slope exact_slope(Function&& f, double length) {
   const Quad h = Quad(kTinyDifference) * Quad(length);
-  const Quad near = (f(h) - f(-h)) / (Quad(2.0) * h);
-  const Quad far = (f(h + h) - f(-(h + h))) / (Quad(4.0) * h);
-  return static_cast<double>((Quad(4.0) * near - far) / Quad(3.0));
+  const Quad here = f(Quad(0.0));
+  const auto one_sided = [&](const Quad& by) { return (f(by) - here) / by; };
+  const Quad right = one_sided(h);
+  const Quad left = one_sided(-h);
+  const Quad far_right = one_sided(h + h);
+  const Quad far_left = one_sided(-(h + h));
+  const Quad near = (right + left) / Quad(2.0);
+  const Quad far = (far_right + far_left) / Quad(2.0);
+  const double apart = std::abs(static_cast<double>(right - left));
+  const bool kinked = apart > kKinked * std::abs(static_cast<double>(far_right - far_left)) &&
+                      apart > kApart * std::abs(static_cast<double>(abs(right) + abs(left)));
+  return {static_cast<double>((Quad(4.0) * near - far) / Quad(3.0)),
+          std::abs(static_cast<double>(near - far)) + (kinked ? apart : 0.0),
+          static_cast<double>(h)};
 }
 
 /// What rounding makes of an energy's difference, and the effort along the way.
@@ -30,6 +49,7 @@ struct Scale {
 
 Scale scale_of(Examination& e, const State& state, const Direction& direction, double longest) {
   Scale scale;
+  const double terms = e.terms(state).size * e.reach(state);
   e.put(state);
   for (const double h : {longest, -longest}) {
     e.put_moved(state, direction, h);
@@ -42,33 +62,58 @@ Scale scale_of(Examination& e, const State& state, const Direction& direction, d
       sum += f * std::abs(direction[i]);
     }
     const double energy = std::abs(e.alone().energy(state.time));
-    scale.rounding = std::max(scale.rounding, kRounding * (size + energy));
+    scale.rounding = std::max(scale.rounding, kRounding * (size + terms + energy));
     scale.effort = std::max(scale.effort, sum);
   }
   return scale;
+}
+
+/// Lengths of a direction along single coordinates, as a body's edge goes.
+double length_of(const Examination& e, const Direction& direction) {
+  double length = 0.0;
+  for (std::size_t i = 0; i < e.count(); ++i) {
+    length += std::abs(direction[i]) / e.variable(i).unit;
+  }
+  return length;
+}
+
+std::vector<double> parts_at(const State& state) {
+  std::vector<double> parts(std::begin(kShorter), std::end(kShorter));
+  if (state.place == Place::contact) {
+    parts.insert(parts.end(), std::begin(kAtContact), std::end(kAtContact));
+  }
+  return parts;
 }
 
 /// Differences of the energy along a direction against the force; shorter ones where there is a
 /// kink or a wave within them. False where none are short enough: nothing was compared.
 bool compare_by_differences(Examination& e, const State& state, const Direction& direction,
                             std::size_t variable) {
+  const auto energy_at = [&](const State& at) {
+    e.put(at);
+    return e.alone().energy(at.time);
+  };
+  const double energy_noise = kRounding * e.change_of(state, energy_at);
+  const double noise = kRounding * e.sensitivity(state) * length_of(e, direction);
+  const bool close = state.place == Place::near || state.place == Place::start;
   bool regular = false;  // throughout, and yet no slope
   double slope_found = 0.0;
   double most = 0.0;
-  for (const double part : kShorter) {
+  for (const double part : parts_at(state)) {
     const double longest = part * kLongestDifference * e.length();
     const bool first = part == kShorter[0];
     const bool smooth = is_regular(e, state, direction, direction, longest);
     regular = smooth && (first || regular);
     if (!smooth) continue;
     const Scale scale = scale_of(e, state, direction, longest);
+    e.put(state);
     const Slope slope = slope_of(
         [&](double h) {
           e.put_moved(state, direction, h);
           return e.alone().energy(state.time);
         },
         longest);
-    const double floor = scale.rounding / slope.shortest;
+    const double floor = (scale.rounding + energy_noise) / slope.shortest + noise;
     slope_found = slope.best;
     most = scale.effort;
     if (!(slope.unsettled <= kSettled * most + floor)) continue;
@@ -77,8 +122,9 @@ bool compare_by_differences(Examination& e, const State& state, const Direction&
     return true;
   }
   // A force without kinks, of an energy with some.
-  if (regular) e.note(work(e.forces(state), direction), -slope_found, most, -1.0, state, variable);
-  return regular;
+  if (regular && close)
+    e.note(work(e.forces(state), direction), -slope_found, most, -1.0, state, variable);
+  return regular && close;
 }
 
 /// The energy in quadruple numbers, differentiated, against the force in double ones.
@@ -87,7 +133,7 @@ bool compare_exactly(Examination& e, const State& state, const Direction& direct
   ForceTwin<Quad>& twin = *e.exact();
   e.put(state);
   e.put(state, twin);
-  const double slope = exact_slope(
+  const Slope difference = exact_slope(
       [&](const Quad& h) {
         for (std::size_t i = 0; i < e.count(); ++i) {
           twin.position(e.variable(i).at) = Quad(state.x[i]) + h * Quad(direction[i]);
@@ -96,27 +142,36 @@ bool compare_exactly(Examination& e, const State& state, const Direction& direct
         return twin.energy();
       },
       e.length());
-  double length = 0.0;  // of the direction
-  for (std::size_t i = 0; i < e.count(); ++i) {
-    length += std::abs(direction[i]) / e.variable(i).unit;
-  }
+  const double slope = difference.best;
+  const double length = length_of(e, direction);
   const double size = effort(forces, direction);
   const double energy = std::abs(e.alone().energy(state.time));
   const double allowed = kRounding * (size + sensitivity * length) + kSmallest * length +
-                         kExactRounding * energy / (kTinyDifference * e.length());
+                         kExactRounding * energy / (kTinyDifference * e.length()) +
+                         kTrust * difference.unsettled;
   const double force = work(forces, direction);
   e.note(force, -slope, size, allowed, state, variable);
   return std::abs(force + slope) <= allowed;
 }
 
+bool is_number(Examination& e, const State& state) {
+  const bool forces = std::isfinite(e.largest(e.forces(state)));
+  return forces && std::isfinite(e.alone().energy(state.time)) &&
+         std::isfinite(e.sensitivity(state));
+}
+
 }  // namespace
 
 /// All coordinates at once, where a fault of any part shows, and one alone, where it shows best.
+/// Far away and at contact, too, where there are no quadruple numbers to look there.
 std::optional<ClaimResult> conservative(Examination& e) {
   if (!e.traits().conservative) return std::nullopt;
   e.begin("conservative", "force = -gradient of its energy, by differences");
   Random random(e.seed());
-  for (const State& state : e.near()) {
+  for (const State* at : e.everywhere()) {
+    const State& state = *at;
+    const bool close = state.place == Place::near || state.place == Place::start;
+    if (!close && (e.exact() != nullptr || !is_number(e, state))) continue;
     const bool together = compare_by_differences(e, state, e.random_direction(random), kNone);
     const std::size_t chosen = random.below(e.count());
     const bool alone = compare_by_differences(e, state, e.along(chosen), chosen);

@@ -54,6 +54,17 @@ class Watched {
     std::fill(view_.force, view_.force + own_force_.size(), background);
     std::fill(view_.mapped_force, view_.mapped_force + mapped_size_, background);
   }
+  /// Numbers on the force's own bodies.
+  std::vector<double> own() const {
+    std::vector<double> numbers;
+    for (std::size_t k = 0; k < own_force_.size(); ++k) {
+      if (own_force_[k]) numbers.push_back(view_.force[k]);
+    }
+    for (std::size_t k = 0; k < mapped_size_; ++k) {
+      if (own_mapped_[k]) numbers.push_back(view_.mapped_force[k]);
+    }
+    return numbers;
+  }
   /// Numbers elsewhere than on the force's own bodies that are not what they were.
   std::size_t changed_elsewhere(double background) const {
     std::size_t changed = 0;
@@ -82,7 +93,8 @@ std::optional<ClaimResult> internal(Examination& e) {
   double near = 0.0;  // the largest force at the states so far
   for (const State* state : e.everywhere()) {
     const bool close = state->place == Place::near || state->place == Place::start;
-    const double here = e.largest(e.forces(*state));
+    const double terms = e.terms(*state).size;
+    const double here = terms + e.largest(e.forces(*state));
     if (!close && !std::isfinite(here)) continue;
     e.looked();
     if (close) near = std::max(near, here);
@@ -112,7 +124,7 @@ std::optional<ClaimResult> driver(Examination& e) {
     const std::vector<double> forces = e.forces(state);
     const double* rates = e.alone().rates();
     const ForceAlone::Wrench total = total_of(e);
-    const double size = e.largest(forces) * static_cast<double>(e.count());
+    const double size = (e.largest(forces) + e.terms(state).size) * static_cast<double>(e.count());
     double power = 0.0;
     double fastest = 0.0;
     e.looked();
@@ -127,7 +139,8 @@ std::optional<ClaimResult> driver(Examination& e) {
   return e.end();
 }
 
-/// Kernels that only add, on numbers that are not theirs; what they read stays as it is.
+/// Kernels that only add, on numbers that are not theirs; what they read stays as it is. What they
+/// add to nothing they add to anything, on the particles of rigid bodies and on their centres too.
 std::optional<ClaimResult> its_own(Examination& e) {
   e.begin("its own", "acts on its own bodies only, and adds to what is there");
   constexpr double kBackground = 8.0;
@@ -137,9 +150,19 @@ std::optional<ClaimResult> its_own(Examination& e) {
     const std::vector<double> forces = e.forces(state);
     e.put(state, *twin);
     twin->evaluate(state.time);
-    watched.fill(kBackground);
-    for (const Pass<double>& pass : twin->bound().passes()) {
-      if (pass.add != nullptr) pass.add(pass.arguments, twin->stage());
+    const auto add_to = [&](double background) {
+      watched.fill(background);
+      for (const Pass<double>& pass : twin->bound().passes()) {
+        if (pass.add != nullptr) pass.add(pass.arguments, twin->stage());
+      }
+    };
+    add_to(0.0);
+    const std::vector<double> added = watched.own();
+    add_to(kBackground);
+    const std::vector<double> found = watched.own();
+    for (std::size_t k = 0; k < added.size(); ++k) {
+      const double size = kBackground + std::abs(added[k]);
+      e.note(found[k], kBackground + added[k], size, kRounding * size, state);
     }
     e.looked();
     const auto elsewhere = static_cast<double>(watched.changed_elsewhere(kBackground));

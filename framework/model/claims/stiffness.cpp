@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "framework/model/claims/slopes.hpp"
+
+/// The declared bound on curvatures, from which the stable step follows.
+namespace tomlin::claims {
+namespace {
+
+/// By so much a bound may be passed: some are found by searching, and stable steps have a margin.
+constexpr double kShort = 0.05;
+/// Random phases of a periodic force that are looked at besides each state.
+constexpr int kPhases = 8;
+/// Squarings that settle the largest of eigenvalues, also where two are close.
+constexpr int kPasses = 100;
+
+using Block = std::array<double, 9>;
+
+/// Second derivatives in the place of each particle alone.
+class Blocks : public HessianSink {
+ public:
+  explicit Blocks(const Model& model) {
+    for (const Model::Body& body : model.bodies()) {
+      of_particle.emplace_back(body.bound.slot.count, Block{});
+    }
+  }
+
+  void site(std::size_t body, std::size_t particle, int a, int b, double value) override {
+    given = true;
+    of_particle[body][particle][static_cast<std::size_t>(3 * a + b)] += value;
+  }
+  void pair(std::size_t body1, std::size_t i, std::size_t body2, std::size_t j, int a, int b,
+            double value) override {
+    site(body1, i, a, b, value);
+    site(body2, j, a, b, value);
+  }
+  void block(std::size_t, std::size_t, int, std::size_t, std::size_t, int, double) override {}
+  void centre(std::size_t body, const double* weight, int a, int b, double value) override {
+    for (std::size_t i = 0; i < of_particle[body].size(); ++i) {
+      site(body, i, a, b, weight[i] * weight[i] * value);
+    }
+  }
+
+  std::vector<std::vector<Block>> of_particle;
+  bool given = false;
+};
+
+/// The largest size of an eigenvalue, by iteration from below.
+double norm_of(const Block& block) {
+  std::array<double, 3> u{0.6, 0.5, 0.4};
+  double norm = 0.0;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    std::array<double, 3> w{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t b = 0; b < 3; ++b) w[a] += block[3 * a + b] * u[b];
+    }
+    const double size = std::hypot(w[0], w[1], w[2]);
+    if (!(size > 0.0)) return size;
+    norm = size / std::hypot(u[0], u[1], u[2]);
+    for (std::size_t a = 0; a < 3; ++a) u[a] = w[a] / size;
+  }
+  return norm;
+}
+
+void note_bound(Examination& e, double curvature, double bound, const State& state) {
+  const double found = std::max(curvature, bound);
+  e.note(std::isnan(curvature) ? curvature : found, bound, bound,
+         kShort * bound + kRounding * found + kSmallest, state);
+}
+
+/// Second derivatives where a force gives them. False where it does not.
+bool compare_blocks(Examination& e, ForceTwin<double>& twin, const State& state) {
+  e.put(state, twin);
+  twin.evaluate(state.time);
+  Blocks blocks(e.alone().model());
+  const BoundForce<double>& force = twin.bound();
+  force.hessian(twin.stage(), blocks);
+  if (!blocks.given) return false;
+  const auto axes = static_cast<std::size_t>(e.alone().model().dimension());
+  double most = 0.0;
+  std::array<double, 3> along{};
+  for (const auto& of_body : blocks.of_particle) {
+    for (const Block& block : of_body) {
+      most = std::max(most, norm_of(block));
+      for (std::size_t d = 0; d < axes; ++d) along[d] = std::max(along[d], std::abs(block[4 * d]));
+    }
+  }
+  note_bound(e, most, force.curvature_bound(), state);
+  for (std::size_t d = 0; d < axes; ++d) {
+    const double bound = force.curvature_bound_along(static_cast<int>(d));
+    // In parts of the largest, of which the others are rounded.
+    if (bound >= 0.0 && along[d] > kRounding * most) note_bound(e, along[d], bound, state);
+  }
+  return true;
+}
+
+/// Slopes of the force along a coordinate where it does not. False where none settles.
+bool compare_slope(Examination& e, const State& state, std::size_t i) {
+  const Direction along = e.along(i);
+  const double longest = kLongestDifference * e.length();
+  if (e.variable(i).axis < 0 || !is_regular(e, state, along, along, longest)) return false;
+  double most = 0.0;
+  const Slope slope = slope_of(
+      [&](double h) {
+        State moved = state;
+        moved.x[i] += h;
+        const std::vector<double> forces = e.forces(moved);
+        most = std::max(most, std::abs(forces[i]));
+        return forces[i];
+      },
+      longest);
+  const double rounding = kRounding * (most + e.sensitivity(state)) / slope.shortest;
+  const double error = rounding + kTrust * slope.unsettled;
+  if (!(error <= kSettled * std::abs(slope.best))) return false;
+  const auto& slot = e.alone().model().bodies()[e.variable(i).body].bound.slot;
+  const double particles = slot.rigid ? static_cast<double>(slot.count) : 1.0;
+  note_bound(e, std::abs(slope.best),
+             particles * e.bound().curvature_bound_along(e.variable(i).axis), state);
+  return true;
+}
+
+/// Moved along every axis with a period by a random part of it.
+State in_another_phase(const Examination& e, const State& state, const SceneForce& from,
+                       Random& random) {
+  State moved = state;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double by = from.record->period(from.description.get(), axis) * random.symmetric();
+    for (std::size_t i = 0; i < e.count(); ++i) {
+      if (e.variable(i).axis == axis) moved.x[i] += by;
+    }
+  }
+  return moved;
+}
+
+}  // namespace
+
+std::optional<ClaimResult> stiffness(Examination& e) {
+  if (!(e.bound().curvature_bound() >= 0.0)) return std::nullopt;
+  e.begin("stiffness", "no curvature beyond the bound that the stable step is made of");
+  Random random(e.seed());
+  const auto twin = e.twin();
+  for (const State& state : e.near()) {
+    bool compared = false;
+    for (int phase = 0; phase <= (e.traits().periodic ? kPhases : 0); ++phase) {
+      const State here = phase == 0 ? state : in_another_phase(e, state, e.described(), random);
+      compared = compare_blocks(e, *twin, here) ||
+                 compare_slope(e, here, random.below(e.count())) || compared;
+    }
+    if (compared) e.looked();
+  }
+  return e.end();
+}
+
+}  // namespace tomlin::claims
