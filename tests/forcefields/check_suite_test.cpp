@@ -275,6 +275,19 @@ TEST(CheckSuite, CountsOnlyStatesThatWereCompared) {
   EXPECT_TRUE(seen);
 }
 
+/// Looked at far away and high above in doubles alone, where it all but vanishes: there numbers
+/// have few digits.
+TEST(CheckSuite, AccusesNoForceThatFadesToNothing) {
+  const SpoiltRegistry registry(kSite, planted<SinusoidalSubstrate>);
+  for (const std::uint64_t seed : kSeeds) {
+    for (const char* decay : {"0.8", "1.0", "7.0", "8.0", "9.0", "80.0"}) {
+      std::string scene = kSubstrate;
+      scene.replace(scene.find("decay = 0.7"), 11, "decay = " + std::string(decay));
+      EXPECT_EQ(registry.broken_in(scene, seed), std::set<std::string>{}) << decay;
+    }
+  }
+}
+
 /// Torques on a ring that are nothing but the rounding of their terms.
 TEST(CheckSuite, AccusesNoTorqueThatCancels) {
   const std::vector<std::string> forces = {

@@ -113,7 +113,8 @@ bool compare_by_differences(Examination& e, const State& state, const Direction&
           return e.alone().energy(state.time);
         },
         longest);
-    const double floor = (scale.rounding + energy_noise) / slope.shortest + noise;
+    const double floor =
+        (scale.rounding + energy_noise + kSmallest) / slope.shortest + noise + kSmallest;
     slope_found = slope.best;
     most = scale.effort;
     if (!(slope.unsettled <= kSettled * most + floor)) continue;
