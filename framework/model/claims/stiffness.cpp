@@ -29,7 +29,8 @@ class Blocks : public HessianSink {
 
   void site(std::size_t body, std::size_t particle, int a, int b, double value) override {
     given = true;
-    of_particle[body][particle][static_cast<std::size_t>(3 * a + b)] += value;
+    of_particle[body][particle][3 * static_cast<std::size_t>(a) + static_cast<std::size_t>(b)] +=
+        value;
   }
   void pair(std::size_t body1, std::size_t i, std::size_t body2, std::size_t j, int a, int b,
             double value) override {
