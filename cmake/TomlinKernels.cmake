@@ -22,6 +22,10 @@ set(TOMLIN_KERNEL_FLAGS -ffp-contract=off -fno-math-errno -fno-trapping-math
 
 # -march alone makes Highway fall back to two lanes: it wants the cryptographic sets as well.
 set(TOMLIN_FLAGS_baseline "")
+# Fuzzers read, and run no kernel: under their sanitizers the largest take minutes to compile.
+if(TOMLIN_FUZZ)
+  set(TOMLIN_FLAGS_baseline -fno-sanitize=all)
+endif()
 set(TOMLIN_FLAGS_avx2 -march=x86-64-v3 -maes -mpclmul -DTOMLIN_TARGET=avx2 -DTOMLIN_TARGET_AVX2=1)
 set(TOMLIN_FLAGS_avx512 -march=x86-64-v4 -maes -mpclmul -DTOMLIN_TARGET=avx512
                         -DTOMLIN_TARGET_AVX512=1)
