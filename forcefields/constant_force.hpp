@@ -6,12 +6,11 @@
 
 /// The same force on every particle, for ever.
 ///
-///   V = -F.x,  x counted from the cell in which the scene starts
+///   V = -F.x
 ///
 ///   F  force  per particle, one component per axis
 ///
-/// Source: elementary. Its energy falls without end when a body slides: only differences of it mean
-/// anything.
+/// Source: elementary. Its energy is no periodic one: x is the scene's own, whole cells included.
 namespace tomlin {
 
 struct ConstantForceDescription {
@@ -29,7 +28,7 @@ struct ConstantForce {
   template <class T, int D>
   struct Parameters {
     Vec<T, D> force;
-    Vec<T, D> base;  ///< how far the scene's origin has come from where it was at first
+    Vec<T, D> base;  ///< where the scene's origin is
   };
 
   template <class T, int D>
@@ -43,10 +42,9 @@ struct ConstantForce {
   }
 
   template <class T, int D>
-  static void rebase(Parameters<T, D>& p, const Description&, const Origin& origin,
-                     const Origin& first) {
+  static void rebase(Parameters<T, D>& p, const Description&, const Origin& origin) {
     for (int k = 0; k < D; ++k) {
-      p.base[k] = T(static_cast<double>(origin.cells[k] - first.cells[k])) * T(origin.unit[k]);
+      p.base[k] = T(static_cast<double>(origin.cells[k])) * T(origin.unit[k]);
     }
   }
 

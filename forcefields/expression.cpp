@@ -312,7 +312,8 @@ ForceRecord expression_record() {
           "pairs", &Description::pairs, dimension::none,
           "of an energy over r: \"all\", \"neighbours\" or a list of index pairs; between two "
           "bodies the first index of a pair is in the first. In a periodic box r is that of the "
-          "nearest images at every time; neighbours keep theirs")
+          "nearest images at every time; neighbours keep theirs, and join the last particle to the "
+          "first in a ring, and in a chain along a periodic axis")
           .by_default(PairSelection{.kind = PairSelection::Kind::all, .list = {}}),
       parameter("angles", &Description::angles, dimension::none,
                 "of an energy over theta: \"neighbours\", each particle with those before and "

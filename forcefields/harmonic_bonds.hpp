@@ -13,7 +13,8 @@
 ///   r_ij  a distance, in one dimension too: |x_j - x_i|
 ///
 /// Source: Sircar and Patra, eq. (3); Frenkel and Kontorova (1938) for neighbours on a line.
-/// Valid for r_ij > 0: coincident particles have no direction to push, and a run stops there.
+/// A bond without rest length is -K (x_i - x_j), also where its ends coincide. Any other is valid
+/// for r_ij > 0: coincident particles have no direction to push, and a run stops there.
 namespace tomlin {
 
 struct HarmonicBondsDescription {
@@ -42,13 +43,18 @@ struct HarmonicBonds {
   template <class T, int D>
   static T energy(const Parameters<T, D>& p, const Pair<T, D>& pair) {
     const T stretch = distance(pair.separation) - pair.datum;
-    return T(0.5) * p.stiffness * stretch * stretch;
+    const T stretched = T(0.5) * p.stiffness * stretch * stretch;
+    if constexpr (D == 1) return stretched;
+    const T without_length = T(0.5) * p.stiffness * norm_squared(pair.separation);
+    return select(pair.datum == T(0.0), without_length, stretched);
   }
 
   template <class T, int D>
   static Vec<T, D> force(const Parameters<T, D>& p, const Pair<T, D>& pair) {
     const T r = distance(pair.separation);
-    return pull(pair.separation, r, T(p.stiffness * (r - pair.datum)));
+    const T tension = p.stiffness * (r - pair.datum);
+    if constexpr (D == 1) return pull(pair.separation, r, tension);
+    return select(pair.datum == T(0.0), p.stiffness, tension / r) * pair.separation;
   }
 };
 

@@ -13,8 +13,8 @@
 ///
 ///   c    coefficient  mass/time, per particle: the drag c v on what is much slower than tau
 ///   tau  memory_time
-///   q    the spring's stretch. The force's own variable is w q, one for each axis, with w = 1/tau
-///        where that is above 1, else 1: a stretch of v tau would be below any absolute tolerance
+///   q    the spring's stretch. The force's own variable is w q, one for each axis, with w = 1/tau:
+///        a velocity, whose errors are held against the same tolerance as those of particles
 ///
 /// For tau -> 0 it is viscous damping. Several of them make a Prony series. The power -F.v changes
 /// its sign: the spring gives back some of what it took.
@@ -37,17 +37,13 @@ struct MemoryDamping {
   template <class T, int D>
   struct Parameters {
     T rate;       // 1/tau
-    T weight;     // w
     T pull;       // k/w
     T stiffness;  // k/w^2
   };
 
   template <class T, int D>
   static Parameters<T, D> parameters(const Description& d) {
-    const T rate = T(1.0) / T(d.memory_time);
-    const T weight(d.memory_time < 1.0 ? rate : T(1.0));
-    const T pull = T(d.coefficient) * rate / weight;
-    return {rate, weight, pull, pull / weight};
+    return {T(1.0) / T(d.memory_time), T(d.coefficient), T(d.coefficient) * T(d.memory_time)};
   }
 
   template <class T, int D>
@@ -58,7 +54,7 @@ struct MemoryDamping {
   template <class T, int D>
   static Vec<T, D> rate(const Parameters<T, D>& p, const OwnSite<T, D>& site) {
     Vec<T, D> rate;
-    for (int d = 0; d < D; ++d) rate[d] = fma(-p.rate, site.own[d], p.weight * site.velocity[d]);
+    for (int d = 0; d < D; ++d) rate[d] = p.rate * (site.velocity[d] - site.own[d]);
     return rate;
   }
 

@@ -8,7 +8,8 @@ namespace {
 
 double step(const void*) { return 0.0; }
 
-/// Where one of the two tolerances is zero, the other rules.
+/// Where one of the two tolerances is zero, the other rules. (The absolute one is a length: see
+/// tolerance_of() in framework/scene/natural_units.hpp.)
 double tolerance(const void* description) {
   const auto& d = *static_cast<const AdaptiveDescription*>(description);
   return std::max(d.absolute_tolerance, d.relative_tolerance);
@@ -39,8 +40,9 @@ void describe_adaptive(IntegratorRecord& record, double default_tolerance) {
   record.adaptive = true;
   record.make_description = &make_description<AdaptiveDescription>;
   record.parameters = {
-      parameter("absolute_tolerance", &AdaptiveDescription::absolute_tolerance, dimension::none,
-                "largest error per step, in units of each coordinate and velocity")
+      parameter("absolute_tolerance", &AdaptiveDescription::absolute_tolerance, dimension::length,
+                "largest error per step of a coordinate; by the scene's time, of a velocity; by "
+                "its length, of an angle in rad")
           .in(non_negative)
           .by_default(default_tolerance),
       parameter("relative_tolerance", &AdaptiveDescription::relative_tolerance, dimension::none,
@@ -58,7 +60,7 @@ void describe_adaptive(IntegratorRecord& record, double default_tolerance) {
       parameter("largest_step", &AdaptiveDescription::largest_step, dimension::time,
                 "never step further")
           .in(positive)
-          .by_default(1e12),
+          .by_default(1e300),
       parameter("most_steps", &AdaptiveDescription::most_steps, dimension::none,
                 "a run that needs more fails")
           .in(positive)

@@ -11,6 +11,7 @@
 #include "framework/core/math.hpp"
 #include "framework/core/random.hpp"
 #include "framework/core/scheme.hpp"
+#include "framework/core/tolerance.hpp"
 #include "integrators/equilibrium.hpp"
 #include "integrators/path_step.hpp"
 
@@ -52,6 +53,8 @@ constexpr double kAtFold = 1e-7;
 constexpr int kMostFoldTries = 4;
 /// Of a step: how closely a bifurcation is bracketed.
 constexpr double kBracket = 1e-8;
+/// Of the way from the last point to a fold: how closely before it K must be positive.
+constexpr double kJustBefore = 1e-3;
 /// Below this part of its own unit time stands still, and velocities have no meaning.
 constexpr double kNoTime = 1e-12;
 
@@ -60,6 +63,19 @@ constexpr double kPastFold = 1e-2;
 constexpr double kOffUnstable = 1e-4;
 constexpr double kRandomPart = 1e-3;
 constexpr int kMostKicks = 10;
+// Ties. Forces in units of the typical stiffness, times a natural unit.
+constexpr double kUlpsOfForce = 16.0;  ///< below that rounding decides
+/// Equilibria closer than this part of their distance from the start are one.
+constexpr double kApart = 0.5;
+constexpr double kNoDistance = 1e-9;
+/// Of disturbances to the power of 2/3: curvatures, as parts of a typical one, at which a pitchfork
+/// that such a force unfolds is near. And how far another branch may be, in natural units.
+constexpr double kSoft = 30.0;
+constexpr double kFarthestAside = 0.2;
+/// Forces that change by more than this part along the direction of instability break symmetry.
+constexpr double kInCommon = 1e-4;
+/// Random numbers of a run that is not disturbed.
+constexpr RandomKey kAlways{0, 2};
 /// Slips in a row without any time between them.
 constexpr std::int64_t kMostSlipsAtOnce = 1000;
 
@@ -74,7 +90,8 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
       node.slope.assign(n_, 0.0);
     }
     for (auto& one : rates_of_step_) one.assign(rates + 2 * kGroup, 0.0);
-    for (auto* vector : {&across_, &correction_, &along_time_, &foretold_, &kick_}) {
+    for (auto* vector : {&across_, &correction_, &along_time_, &foretold_, &kick_, &random_kick_,
+                         &other_, &aside_}) {
       vector->assign(n_, 0.0);
     }
     start_position_.assign(system.view.dofs, 0.0);
@@ -111,6 +128,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   StepFault settle(double ahead) override {
     control_[kNext] = kFirstStep;
     balance_.start_at(0.0);
+    tied_.reset();
     std::fill(kick_.begin(), kick_.end(), 0.0);
     return come_to_rest(0.0, ahead);
   }
@@ -120,13 +138,16 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   StepFault slip(double since, double ahead) override {
     balance_.start_at(since);
     std::fill(kick_.begin(), kick_.end(), 0.0);
-    if (counts_[kEnd] == kFold) {
+    tied_.reset();
+    if (counts_[kEnd] == kDisturbed) {
+      kick_ = aside_;
+    } else if (counts_[kEnd] == kFold) {
       const double length = balance_.norm(slope_);
       for (std::size_t k = 0; k < n_; ++k) kick_[k] = kPastFold * slope_[k] / length;
     } else {
       balance_.linearise(kick_.data(), since);
       balance_.softest(kick_.data());
-      for (double& x : kick_) x *= kOffUnstable;
+      choose_side(since);
     }
     const bool fold = counts_[kEnd] == kFold;
     counts_[kEnd] = kGoesOn;
@@ -137,6 +158,13 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   }
 
   bool jumped() const override { return jumped_; }
+
+  std::optional<std::size_t> tied() const override { return tied_; }
+
+  void disturb(double size, std::uint64_t seed, std::uint64_t stream) override {
+    disturbance_ = size;
+    random_ = {seed, stream};
+  }
 
   double moment(std::size_t k, double* position, double* velocity, double* rates) const override {
     const double theta = static_cast<double>(k) / static_cast<double>(kMoments - 1);
@@ -201,7 +229,9 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
       control_[kNext] = std::max(factor * length, kShortest);
       control_[kOldLength] = length;
       control_[kOldError] = std::max(*error, kLeastError);
-      return accept(h);
+      const StepReport report = accept(h);
+      if (disturbance_ > 0.0 && counts_[kEnd] == kGoesOn) look_aside(since + report.taken);
+      return report;
     }
   }
 
@@ -226,7 +256,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
  private:
   enum { kNext, kPace, kFirstPace, kTimeSlope, kOldLength, kOldError, kControls };
   enum { kKnown, kTaken, kRefused, kEnd, kSlipsAtOnce, kCounts };
-  enum End : std::int64_t { kGoesOn, kFold, kBifurcation, kFailed };
+  enum End : std::int64_t { kGoesOn, kFold, kBifurcation, kFailed, kDisturbed };
 
   /// A point of the curve relative to the step's start; slopes are with respect to the length along
   /// the first tangent.
@@ -258,20 +288,19 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
 
   // ---- relaxing
 
-  /// From the present state, displaced by `kick_`, to a stable rest. From an unstable one it is
-  /// displaced again.
+  /// From the present state, displaced by `kick_`, to a stable rest.
   StepFault come_to_rest(double now, double ahead) {
     std::vector<double>& offset = foretold_;
     offset = kick_;
-    for (int kicks = 0;; ++kicks) {
-      if (!balance_.descend(offset.data(), now)) return StepFault::no_equilibrium;
+    bool decided = true;
+    if (!relax(offset, now, 1.0, decided)) return StepFault::no_equilibrium;
+    if (!decided) {
+      // Once more, where what is random in a displacement is turned round.
+      other_ = kick_start_;
+      bool unused = true;
+      if (relax(other_, now, -1.0, unused)) compare(offset, other_);
       balance_.linearise(offset.data(), now);
       balance_.find_neutral();
-      const bool sound = balance_.polish(offset.data(), now);
-      if (sound && (n_ == 0 || (balance_.factor(nullptr) && balance_.negative() == 0))) break;
-      if (kicks == kMostKicks) return StepFault::no_equilibrium;
-      choose_kick(offset, now);
-      for (std::size_t k = 0; k < n_; ++k) offset[k] += kick_[k];
     }
     const auto& coordinates = system_.tangent->coordinates();
     for (std::size_t k = 0; k < n_; ++k) system_.view.position[coordinates[k]] += offset[k];
@@ -279,16 +308,142 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     return StepFault::none;
   }
 
+  /// From an unstable rest it is displaced again, and something random has a say in it.
+  bool relax(std::vector<double>& offset, double now, double sign, bool& decided) {
+    kick_start_ = offset;
+    for (int kicks = 0;; ++kicks) {
+      if (!balance_.descend(offset.data(), now)) return false;
+      balance_.linearise(offset.data(), now);
+      balance_.find_neutral();
+      const bool sound = balance_.polish(offset.data(), now);
+      if (sound && (n_ == 0 || (balance_.factor(nullptr) && balance_.negative() == 0))) return true;
+      if (kicks == kMostKicks) return false;
+      decided = false;
+      choose_kick(offset, now);
+      for (std::size_t k = 0; k < n_; ++k) offset[k] += kick_[k] + sign * random_kick_[k];
+    }
+  }
+
+  /// Two equilibria that are as near: a tie, if they are two.
+  void compare(const std::vector<double>& one, const std::vector<double>& another) {
+    for (std::size_t k = 0; k < n_; ++k) correction_[k] = one[k] - another[k];
+    const double apart = balance_.norm(correction_.data());
+    const double away = std::max(balance_.norm(one.data()), balance_.norm(another.data()));
+    if (!(apart > kApart * away) || !(away > kNoDistance)) return;
+    std::size_t most = 0;
+    for (std::size_t k = 1; k < n_; ++k) {
+      if (std::abs(correction_[k] / balance_.unit(k)) >
+          std::abs(correction_[most] / balance_.unit(most))) {
+        most = k;
+      }
+    }
+    tied_ = system_.tangent->coordinates()[most];
+  }
+
+  /// Where stability is lost along the direction in `kick_`, of norm 1: to the side that the force
+  /// along it points to, or is going to point to. Where these are rounding both sides are tried; if
+  /// two equilibria are found it is a tie, and the side is the one to which friction points when
+  /// the drivers move slowly, or else an arbitrary one.
+  void choose_side(double since) {
+    double force = 0.0;
+    double farthest = 1.0;
+    const auto& coordinates = system_.tangent->coordinates();
+    std::size_t most = 0;
+    for (std::size_t k = 0; k < n_; ++k) {
+      const double unit = balance_.unit(k);
+      force = std::fma(balance_.force()[k], kick_[k], force);
+      farthest = std::max(farthest, std::abs(system_.view.position[coordinates[k]]) / unit);
+      if (std::abs(kick_[k] / unit) > std::abs(kick_[most] / balance_.unit(most))) most = k;
+    }
+    constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+    const double typical = balance_.stiffness_scale();
+    const double rounding = kUlpsOfForce * kEpsilon * typical * farthest;
+    // A fold is where forces change with time along the direction of instability.
+    double along = 0.0;
+    double change = typical / control_[kPace];
+    for (std::size_t k = 0; k < n_; ++k) {
+      along = std::fma(kick_[k], force_in_time_[k], along);
+      change = std::max(change, std::abs(force_in_time_[k] * balance_.unit(k)));
+    }
+    const bool ahead = std::abs(along) > kInCommon * change;
+    const bool known = std::abs(force) > rounding;
+    const bool undecided = !ahead && !known;
+    double side = (ahead && !known ? along : force) < 0.0 ? -1.0 : 1.0;
+    if (undecided) side = side_of_friction(most);
+    const double noise = disturbance_ * typical / balance_.unit(most);
+    if (!ahead && std::abs(force) <= noise) {
+      // To either side in turn, so that two streams of random numbers see both.
+      side = (kick_[most] < 0.0) == (random_.stream % 2 == 1) ? 1.0 : -1.0;
+    }
+    for (double& x : kick_) x *= side * kOffUnstable;
+    if (!undecided) return;
+    // Both sides, from the same place.
+    std::vector<double>& one = foretold_;
+    std::vector<double>& another = other_;
+    const std::vector<double> kick = kick_;
+    bool unused = true;
+    one = kick;
+    for (std::size_t k = 0; k < n_; ++k) another[k] = -kick[k];
+    if (relax(one, since, 1.0, unused) && relax(another, since, 1.0, unused)) compare(one, another);
+    kick_ = kick;
+  }
+
+  /// A pitchfork that a small force unfolds has no unstable point on the path that the force
+  /// prefers, but another branch close by. A disturbance of this size, larger than the force, may
+  /// lead there: where the scene is so soft that it would, equilibria beside this one are looked
+  /// for, and one is taken or not, once for each soft stretch.
+  void look_aside(double now) {
+    if (n_ == 0) return;
+    balance_.start_at(now);
+    std::fill(other_.begin(), other_.end(), 0.0);
+    balance_.linearise(other_.data(), now);
+    const double softness = balance_.softest(random_kick_.data());
+    const double typical = balance_.stiffness_scale();
+    const double size = pow(disturbance_ / balance_.unit(0), 2.0 / 3.0);
+    const bool soft = std::abs(softness) <= kSoft * size * typical;
+    if (!soft) looked_aside_ = false;
+    if (!soft || looked_aside_) return;
+    const double length = std::sqrt(std::abs(softness) / typical);
+    for (const double times : {2.0, -2.0, 4.0, -4.0, 8.0, -8.0}) {
+      for (std::size_t k = 0; k < n_; ++k) aside_[k] = times * length * random_kick_[k];
+      if (!(balance_.largest(aside_.data()) <= kFarthestAside)) continue;
+      other_ = aside_;
+      if (!balance_.descend(other_.data(), now)) continue;
+      if (!(balance_.norm(other_.data()) > kApart * length)) continue;
+      looked_aside_ = true;
+      const auto moment = static_cast<std::uint64_t>(counts_[kTaken]);
+      if (random_.stream == 1 || uniform_symmetric(random_, {moment, 4, 0, 0}) < 0.0) {
+        counts_[kEnd] = kDisturbed;
+      }
+      return;
+    }
+  }
+
+  /// Drag along the direction in `kick_` as the scene moves on; else a side that is always the
+  /// same, its largest part (coordinate k) being positive.
+  double side_of_friction(std::size_t k) {
+    constexpr double kAboveRounding = 1e-9;
+    system_.tangent->times_friction(slope_, correction_.data());
+    double drag = 0.0;
+    double size = 0.0;
+    for (std::size_t i = 0; i < n_; ++i) {
+      drag = std::fma(-correction_[i], kick_[i], drag);
+      size = std::max(size, std::abs(correction_[i] * balance_.unit(i)));
+    }
+    if (std::abs(drag) > kAboveRounding * size) return drag < 0.0 ? -1.0 : 1.0;
+    return kick_[k] < 0.0 ? -1.0 : 1.0;
+  }
+
   /// The way that the drivers are going to push, and a little of everything.
   void choose_kick(const std::vector<double>& offset, double now) {
-    constexpr double kFirstMoment = 1e-6;
+    constexpr double kFirstMoment = 1e-6;  // in the scene's time
     constexpr double kLastMoment = 1e18;
     constexpr double kPush = 1e-4;  // of the scale of forces
     balance_.evaluate(offset.data(), now);
     copy(balance_.force(), n_, correction_.data());
     double length = 0.0;
-    for (double moment = kFirstMoment; moment < kLastMoment; moment *= 10.0) {
-      balance_.evaluate(offset.data(), now + moment);
+    for (double part = kFirstMoment; part < kLastMoment; part *= 10.0) {
+      balance_.evaluate(offset.data(), now + part * tolerance_scales(system_.view).time);
       for (std::size_t k = 0; k < n_; ++k) {
         const double unit = balance_.unit(k);
         kick_[k] = (balance_.force()[k] - correction_[k]) * unit * unit;
@@ -297,16 +452,17 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
       if (!(length < kPush * balance_.stiffness_scale())) break;
     }
     const bool pushed = length > 0.0 && std::isfinite(length);
+    const bool turned = random_.stream == 1;
     for (std::size_t k = 0; k < n_; ++k) {
-      const double random =
-          kRandomPart * balance_.unit(k) * uniform_symmetric({0, 2}, {k, 0, 0, 0});
-      kick_[k] = kOffUnstable * ((pushed ? kick_[k] / length : 0.0) + random);
+      kick_[k] = pushed ? kOffUnstable * kick_[k] / length : 0.0;
+      random_kick_[k] = (turned ? -1.0 : 1.0) * kOffUnstable * kRandomPart * balance_.unit(k) *
+                        uniform_symmetric(turned ? kAlways : random_, {k, 0, 0, 0});
     }
   }
 
   /// The tangent, and what else is to be known, at an equilibrium that no step has come to.
   void begin_branch(double since, double ahead) {
-    const double h = ahead > 0.0 ? ahead : 1.0;
+    const double h = ahead > 0.0 ? ahead : tolerance_scales(system_.view).time;
     balance_.start_at(since);
     std::vector<double>& here = nodes_[0].place;
     std::fill(here.begin(), here.end(), 0.0);
@@ -497,7 +653,11 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
       const double lost = kind == kGoesOn ? first_unstable(2.0) : 2.0;
       return lost <= 1.0 ? end_at_bifurcation(last_before(lost), lost) : kind;
     }
-    if (fold < unstable) return end_at_fold(fold);
+    if (fold < unstable) {
+      const double before = fold - kJustBefore * (fold - last_before(fold));
+      if (is_held_at(before)) return end_at_fold(fold);
+      return end_at_bifurcation(last_before(before), before);
+    }
     if (unstable <= 1.0) return end_at_bifurcation(last_before(unstable), unstable);
     return std::nullopt;
   }
@@ -541,17 +701,21 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   /// By halving, up to where the equilibrium is just unstable. There K is singular, and points can
   /// no longer be corrected: the step's own polynomial is what there is.
   End end_at_bifurcation(double stable, double unstable) {
-    double time = 0.0;
     while (unstable - stable > kBracket) {
       const double middle = 0.5 * (stable + unstable);
-      const HermiteWeights weights(kPathNodes, middle);
-      combine(weights.value, weights.slope, kPathNodes, foretold_.data(), time);
-      balance_.linearise(foretold_.data(), since_ + time);
-      const bool held = balance_.factor(nullptr) && balance_.negative() == 0;
-      (held ? stable : unstable) = middle;
+      (is_held_at(middle) ? stable : unstable) = middle;
     }
     restrict_to(unstable);
     return kBifurcation;
+  }
+
+  /// Whether K is positive there, on the step's polynomial.
+  bool is_held_at(double theta) {
+    double time = 0.0;
+    const HermiteWeights weights(kPathNodes, theta);
+    combine(weights.value, weights.slope, kPathNodes, foretold_.data(), time);
+    balance_.linearise(foretold_.data(), since_ + time);
+    return balance_.factor(nullptr) && balance_.negative() == 0;
   }
 
   /// The step up to theta, as it is interpolated.
@@ -785,7 +949,15 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   std::vector<double> foretold_;
   double foretold_time_ = 0.0;
   std::vector<double> kick_;
+  std::vector<double> random_kick_;
+  std::vector<double> kick_start_;  ///< displacement that the last relaxation began with
+  std::vector<double> other_;
+  std::vector<double> aside_;  ///< where a disturbance leads
+  bool looked_aside_ = false;
   bool jumped_ = false;
+  std::optional<std::size_t> tied_;
+  double disturbance_ = 0.0;
+  RandomKey random_ = kAlways;
 };
 
 double no_fixed_step(const void*) { return 0.0; }

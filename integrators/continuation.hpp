@@ -25,6 +25,13 @@
 /// it is displaced by 1e-4 of the sound move of a coordinate, along the way that the drivers are
 /// going to push it, with a thousandth of that in random directions (always the same).
 ///
+/// Where stability is lost at a bifurcation the scene goes to the side that the force along the
+/// direction of instability points to, also where that is as small as 1e-14 of the typical
+/// stiffness. Below that rounding would decide: both sides are tried, and if they lead to different
+/// equilibria it is a tie. Then the scene takes the side to which friction points when its drivers
+/// move slowly. The same is said of an unstable rest from which only the random part of a
+/// displacement leads away.
+///
 /// Directions that nothing holds (curvature below 1e-12 of a typical one) stay as they are: the
 /// scene does not move along them.
 /// Source: H. B. Keller (1977); E. L. Allgower and K. Georg, Introduction to Numerical Continuation

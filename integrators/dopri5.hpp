@@ -8,8 +8,9 @@
 /// The fifth-order solution is carried on. A step is accepted when
 ///   err = sqrt(mean_i (e_i / (absolute_tolerance + relative_tolerance * max(|y0_i|, |y1_i|)))^2)
 /// over all coordinates, velocities and variables that forces own is at most 1, e being the
-/// difference to the fourth-order solution; angles count in radians, positions relative to the
-/// scene's origin. The next step is
+/// difference to the fourth-order solution, positions relative to the scene's origin. Velocities
+/// count times the scene's time, angles in rad times its length (natural_units.hpp), so that a
+/// scene in other units takes the same steps. The next step is
 ///   h <- h * clip(0.9 err^(-0.17) err_old^0.04, 0.2, 10)     (a PI controller).
 /// Running integrals get the weights of the fifth-order solution but no say in the error.
 ///

@@ -11,6 +11,7 @@
 #include "framework/core/integrator.hpp"
 #include "framework/core/math.hpp"
 #include "framework/core/scheme.hpp"
+#include "framework/core/tolerance.hpp"
 #include "integrators/adaptive.hpp"
 #include "integrators/embedded_kernels.hpp"
 
@@ -41,11 +42,13 @@ class EmbeddedPair : public Integrator<Real> {
                System<Real>& system)
       : Integrator<Real>(system),
         d_(description),
+        time_(static_cast<double>(tolerance_scales(system.view).time)),
         name_(scheme.name),
         end_(scheme.end),
         slopes_(scheme.end + 1 + scheme.extra),
         control_law_(scheme.control),
         kernels_(scheme.kernels) {
+    d_.absolute_tolerance /= static_cast<double>(tolerance_scales(system.view).length);
     const std::size_t n = system.view.dofs;
     const std::size_t m = system.view.rates;
     const auto slopes = static_cast<std::size_t>(slopes_);
@@ -199,23 +202,28 @@ class EmbeddedPair : public Integrator<Real> {
   /// more than the tolerance allows (Hairer, Norsett, Wanner, section II.4).
   double guessed_step() const {
     const SystemView<Real>& s = system_.view;
+    const ToleranceScales<Real> scales = tolerance_scales(s);
     // Sums that do not depend on the order of bodies, as in the error estimate.
     DoubleDouble sizes;
     DoubleDouble slopes;
     for (std::size_t i = 0; i < s.dofs; ++i) {
-      const auto scale = static_cast<double>(s.tolerance_scale[i]);
-      const double x = static_cast<double>(s.position[i]) * scale;
+      const auto scale = static_cast<double>(scales.velocity[i]);  // all in the scene's own units
+      const double x = static_cast<double>(s.position[i]) * static_cast<double>(scales.position[i]);
       const double v = static_cast<double>(s.velocity[i]) * scale;
-      const double a = static_cast<double>(arrays_.acceleration[0][i]) * scale;
+      const double a = static_cast<double>(arrays_.acceleration[0][i]) * scale * time_;
       const double weight_x = d_.absolute_tolerance + d_.relative_tolerance * std::abs(x) + 1e-300;
       const double weight_v = d_.absolute_tolerance + d_.relative_tolerance * std::abs(v) + 1e-300;
-      sizes += x / weight_x * (x / weight_x) + v / weight_v * (v / weight_v);
-      slopes += v / weight_x * (v / weight_x) + a / weight_v * (a / weight_v);
+      sizes += x / weight_x * (x / weight_x);
+      slopes += v / weight_x * (v / weight_x);
+      if (!s.inertial) continue;
+      sizes += v / weight_v * (v / weight_v);
+      slopes += a / weight_v * (a / weight_v);
     }
     const double size = std::sqrt(static_cast<double>(sizes));
     const double slope = std::sqrt(static_cast<double>(slopes));
-    const double guess = size < 1e-5 || slope < 1e-5 ? 1e-6 : 0.01 * size / slope;
-    return std::clamp(guess, std::max(d_.smallest_step, 1e-10), d_.largest_step);
+    const double guess = (size < 1e-5 || slope < 1e-5 ? 1e-6 : 0.01 * size / slope) * time_;
+    const double least = std::max(d_.smallest_step, 1e-10 * time_);
+    return std::min(std::max(guess, least), d_.largest_step);
   }
 
   void accept(double h) {
@@ -283,7 +291,9 @@ class EmbeddedPair : public Integrator<Real> {
     }
   }
 
-  AdaptiveDescription d_;
+  AdaptiveDescription
+      d_;        ///< but for the absolute tolerance, which is a part of the scene's length
+  double time_;  ///< of the scene
   std::string name_;
   int end_;
   int slopes_;

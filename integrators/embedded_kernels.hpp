@@ -6,6 +6,7 @@
 #include "framework/core/evaluate.hpp"
 #include "framework/core/number_types.hpp"
 #include "framework/core/system.hpp"
+#include "framework/core/tolerance.hpp"
 
 /// The kernels of embedded explicit Runge-Kutta pairs, made from a tableau.
 namespace tomlin {
@@ -222,7 +223,8 @@ struct EmbeddedKernels {
     return error * scale / (fma(relative, size, absolute) + smallest);
   }
 
-  /// Sum of the weighted squares of h times a row, over all that tolerances apply to.
+  /// Sum of the weighted squares of h times a row, over all that tolerances apply to. Both
+  /// tolerances are pure numbers.
   template <class Row, int n, bool inertial, class Real>
   TOMLIN_INLINE static double squares(const SystemView<Real>& s, const EmbeddedArrays<Real>& w,
                                       Real h, double absolute_tolerance,
@@ -232,24 +234,27 @@ struct EmbeddedKernels {
     const Group absolute{Real(absolute_tolerance)};
     const Group relative{Real(relative_tolerance)};
     const Group smallest{Real(sizeof(Real) < sizeof(double) ? 1e-37 : 1e-300)};
+    const Real* position_scale = s.tolerance_scale;
+    const Real* velocity_scale = s.tolerance_scale + s.dofs;
+    const Real* own_scale = s.tolerance_scale + 3 * s.dofs;
     OrderFreeSum<Group> sums(Group(Real(0.0)));
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      const Group scale = Group::load(s.tolerance_scale + i);
       const Group ex = weighted(combined.of(w.velocity, i), Group::load(s.position + i),
-                                Group::load(w.position + i), scale, absolute, relative, smallest);
+                                Group::load(w.position + i), Group::load(position_scale + i),
+                                absolute, relative, smallest);
       if constexpr (inertial) {
-        const Group ev =
-            weighted(combined.of(w.acceleration, i), Group::load(s.velocity + i),
-                     Group::load(w.velocity[kEnd] + i), scale, absolute, relative, smallest);
+        const Group ev = weighted(combined.of(w.acceleration, i), Group::load(s.velocity + i),
+                                  Group::load(w.velocity[kEnd] + i),
+                                  Group::load(velocity_scale + i), absolute, relative, smallest);
         sums.add(fma(ex, ex, ev * ev));
       } else {
         sums.add(ex * ex);
       }
     }
     for (std::size_t i = 0; i < s.own; i += kGroup) {
-      const Group e =
-          weighted(combined.of(w.rates, i), Group::load(s.integrals + i),
-                   Group::load(w.integrals + i), Group(Real(1.0)), absolute, relative, smallest);
+      const Group e = weighted(combined.of(w.rates, i), Group::load(s.integrals + i),
+                               Group::load(w.integrals + i), Group::load(own_scale + i), absolute,
+                               relative, smallest);
       sums.add(e * e);
     }
     return static_cast<double>(sum(sums.total()));

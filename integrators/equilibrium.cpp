@@ -7,6 +7,7 @@
 
 #include "framework/core/math.hpp"
 #include "framework/core/random.hpp"
+#include "framework/core/tolerance.hpp"
 
 namespace tomlin {
 namespace {
@@ -210,6 +211,12 @@ double Equilibrium::scale_of_stiffness() {
       scale = std::max(scale, unit_[k] * std::abs(change_[k]));
     }
   }
+  if (scale > 0.0) return scale;
+  // Nothing holds the scene: what else has the unit of an energy.
+  const double time = tolerance_scales(system_.view).time;
+  for (std::size_t k = 0; k < n_; ++k) {
+    scale = std::max(scale, tangent_.masses()[k] * unit_[k] * unit_[k] / time / time);
+  }
   return scale > 0.0 ? scale : 1.0;
 }
 
@@ -351,7 +358,7 @@ void Equilibrium::describe(double& softest_of_all, double& log_determinant_of_al
       neutral() == 0 ? log_determinant() : std::numeric_limits<double>::quiet_NaN();
   std::vector<double> plain(n_);
   for (std::size_t k = 0; k < n_; ++k) {
-    plain[k] = 1.0 / system_.view.tolerance_scale[tangent_.coordinates()[k]];
+    plain[k] = 1.0 / tolerance_scales(system_.view).in_units[tangent_.coordinates()[k]];
     log_determinant_of_all += 2.0 * log(plain[k]);
   }
   std::swap(unit_, plain);

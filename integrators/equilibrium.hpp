@@ -67,7 +67,7 @@ class Equilibrium {
   /// The softest direction that is not neutral, of norm 1, at the last linearise(), and the second
   /// derivative of the energy along it, in natural units.
   double softest(double* direction);
-  /// At the last linearise(), in the scene's own units and angles in rad: the smallest second
+  /// At the last linearise(), angles counting as arcs at the scene's length: the smallest second
   /// derivative along a direction of unit length that is not neutral, and ln |det K|; not a number
   /// where a direction is neutral.
   void describe(double& softest_of_all, double& log_determinant_of_all);

@@ -40,6 +40,9 @@ class HermiteOutput {
     copy<Real>(rates, nullptr, rates_);
   }
 
+  const double* start_position() const { return position_.data(); }
+  const double* start_velocity() const { return velocity_.data(); }
+
   void interpolate(double theta, double h, const SystemView<Real>& end,
                    const Real* end_acceleration, const Real* end_rates, double* position,
                    double* velocity, double* integrals) const {

@@ -14,6 +14,7 @@
 #include "framework/core/integrator.hpp"
 #include "framework/core/math.hpp"
 #include "framework/core/scheme.hpp"
+#include "framework/core/tolerance.hpp"
 #include "integrators/adaptive.hpp"
 #include "integrators/radau9_tableau.hpp"
 
@@ -52,17 +53,38 @@ constexpr double kFarthest = 8.0;
 /// Corrections of this part of a number are rounding.
 constexpr double kRounding = 1e-13;
 
+/// The integral of the polynomial that is 1 at the start and 0 at the nodes, by x.
+constexpr double kRestOfStart[] = {1.0, -12.5, 50.0, -87.5, 70.0, -21.0};
+
+// Running integrals. Their error is of order h^10 in a step, that of coordinates h^6.
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+constexpr double kIntegralsExponent = 0.6;
+constexpr double kDenseExponent = 0.85;  ///< within a step, of order h^7
+constexpr double kOfIntegrals = 10.0;    ///< times the tolerance: theirs, of what is dissipated
+constexpr double kLeftOverOfIntegrals = 0.1;  ///< of their tolerance, when iterations end
+constexpr int kMoreIterations = 10;           ///< for them, where coordinates need no more
+/// Roundings of a coordinate, and of a rate.
+constexpr double kUlpsOfCoordinate = 16.0;
+/// Corrections that shrink no faster, and are no larger, are rounding, too.
+constexpr double kNoMore = 0.5;
+constexpr double kMostUlps = 1e3;
+constexpr double kUlpsOfRate = 8.0;
+constexpr double kUlpsOfDifferences = 64.0;  ///< where a soft scene makes more of them
+
 class Radau9 : public Integrator<double> {
  public:
   Radau9(const Description& description, System<double>& system)
       : Integrator<double>(system),
         d_(description),
+        scales_(tolerance_scales(system.view)),
         tangent_(*system.tangent),
         at_(tangent_.coordinates()),
         n_(at_.size()),
         width_(system.view.inertial ? 2 * n_ : n_),
         pairs_{tangent_.shifted(), tangent_.shifted()} {
     const SystemView<double>& s = system_.view;
+    d_.absolute_tolerance /= scales_.length;
+    tolerance_ = kOfIntegrals * std::max(d_.absolute_tolerance, d_.relative_tolerance);
     for (int i = 0; i < kStages; ++i) {
       z_[i].assign(width_, 0.0);
       slope_[i].assign(width_, 0.0);
@@ -74,6 +96,7 @@ class Radau9 : public Integrator<double> {
     error_.assign(width_, 0.0);
     product_.assign(n_, 0.0);
     product2_.assign(n_, 0.0);
+    along_.assign(n_, 0.0);
     for (Numbers* v : {&position_, &velocity_, &start_position_, &start_velocity_}) {
       v->assign(s.dofs + kGap, 0.0);
     }
@@ -86,7 +109,7 @@ class Radau9 : public Integrator<double> {
     layout.add_reals("radau9.first_slope", width_);
     layout.add_reals("radau9.first_rates", system_.view.rates);
     layout.add_reals("radau9.last_step", kStages * width_);
-    layout.add_reals("radau9.control", 3);
+    layout.add_reals("radau9.control", 4);
     layout.add_integers("radau9.counts", 3);
   }
 
@@ -153,9 +176,15 @@ class Radau9 : public Integrator<double> {
       for (std::size_t k = 0; k < n_; ++k) {
         position[at_[k]] = start_position_[at_[k]] + combined(along, k);
       }
+      // The polynomial through the rates at the nodes and at the start, which adds nothing at 1.
       const Weights area = quadrature_weights(theta);
+      const Weights at_start = lagrange(0.0);
+      double rest = 0.0;
+      for (int k = kStages; k >= 0; --k) rest = std::fma(rest, theta, kRestOfStart[k]);
       for (std::size_t k = 0; k < s.rates; ++k) {
-        integrals[k] = start_integrals_[k] + last_h_ * combined_rates(area, k);
+        const double missed = start_rates_[k] - combined_rates(at_start, k);
+        integrals[k] =
+            start_integrals_[k] + last_h_ * std::fma(theta * rest, missed, combined_rates(area, k));
       }
     }
     velocity_within(theta, velocity);
@@ -172,12 +201,22 @@ class Radau9 : public Integrator<double> {
     return static_cast<std::uint64_t>(counts_[kRefused]);
   }
 
+  void watch(const std::vector<WatchedIntegral>& integrals,
+             const std::vector<double>& along) override {
+    watched_ = integrals;
+    last_integrals_.assign(watched_.size(), 0.0);
+    for (std::size_t k = 0; k < n_; ++k) along_[k] = along[at_[k]];
+  }
+  double rounding_of_works() const override { return std::sqrt(control_[kRounded]); }
+
  private:
   using Numbers = AlignedVector<double>;
   using Weights = std::array<double, kStages>;
+  using Values = std::array<double, kStages + 1>;  ///< at a step's start and its nodes
   static constexpr std::size_t kGap = 3 * kGroup;
-  /// kOldStep: of the polynomial kept; 0 when there is none.
-  enum { kNext, kOldError, kOldStep };
+  /// kOldStep: of the polynomial kept; 0 when there is none. kRounded: square of the error of works
+  /// through rounding.
+  enum { kNext, kOldError, kOldStep, kRounded };
   enum { kStarted, kTaken, kRefused };
   /// Whether slope and rates at the next step's start are known. kAnew: all but that.
   enum { kNo, kYes, kAnew };
@@ -198,6 +237,7 @@ class Radau9 : public Integrator<double> {
     control_[kOldStep] = 0.0;
     control_[kOldError] = kLeastOldError;
     if (std::exchange(counts_[kStarted], kYes) == kAnew) return;
+    control_[kRounded] = 0.0;
     control_[kNext] = d_.initial_step;
     if (d_.initial_step > 0.0) return;
     weigh();
@@ -233,6 +273,7 @@ class Radau9 : public Integrator<double> {
         if (!(std::abs(z[k]) <= s.largest_move[at_[k]])) return {.within_moves = false};
       }
     }
+    const double of_integrals = error_of_integrals(h);
     Trial trial;
     trial.error = estimate(first_slope_, h);
     if (trial.error > 1.0 && (refused || !(control_[kOldStep] > 0.0))) {
@@ -242,6 +283,12 @@ class Radau9 : public Integrator<double> {
                   slope_[0].data());
       system_.evaluations += 1;
       trial.error = estimate(slope_[0].data(), h);
+    }
+    if (of_integrals > 0.0) {
+      trial.error = std::max(trial.error, pow(of_integrals, kIntegralsExponent));
+    }
+    if (within_step_ > 0.0) {
+      trial.error = std::max(trial.error, pow(within_step_, kDenseExponent));
     }
     return trial;
   }
@@ -266,6 +313,7 @@ class Radau9 : public Integrator<double> {
         s.velocity[at_[k]] = first_slope_[k] = combined(slopes, k) / h;
       }
     }
+    control_[kRounded] += rounded_ * rounded_;
     const Weights area = last_row();
     for (std::size_t k = 0; k < s.rates; ++k) s.integrals[k] += h * combined_rates(area, k);
     std::copy(rates_[kLast].begin(), rates_[kLast].begin() + s.rates, first_rates_);
@@ -278,10 +326,17 @@ class Radau9 : public Integrator<double> {
     const SystemView<double>& s = system_.view;
     for (std::size_t k = 0; k < width_; ++k) {
       const std::size_t at = at_[k % n_];
-      const double scale = s.tolerance_scale[at];
       const double size = std::abs(k < n_ ? s.position[at] : s.velocity[at]);
-      weight_[k] = weight(size, scale);
+      weight_[k] = weight(size, scale_of(k));
     }
+  }
+
+  /// What makes a coordinate a length: of an angle, that of an arc at the scene's length.
+  double unit(std::size_t k) const { return scales_.in_units[at_[k]]; }
+
+  /// Of a coordinate, or of its velocity.
+  double scale_of(std::size_t k) const {
+    return k < n_ ? scales_.position[at_[k]] : scales_.velocity[at_[k - n_]];
   }
 
   double weight(double size, double scale) const {
@@ -405,27 +460,179 @@ class Radau9 : public Integrator<double> {
 
   Solution solve_stages(double since, double h) {
     double last = 0.0;
-    for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+    bool placed = false;  // coordinates and velocities are within their tolerance
+    rounded_ = 0.0;
+    for (int iteration = 0;
+         iteration < (placed ? kMostIterations + kMoreIterations : kMostIterations); ++iteration) {
       for (int i = 0; i < kStages; ++i) {
         place(z_[i].data());
         evaluate_at(position_.data(), velocity_.data(), own_[i].data(), rates_[i].data(),
                     since + Tableau::c[i] * h, slope_[i].data());
       }
       system_.evaluations += kStages;
+      const double moved = change_of_integrals(h);
       const double change = improve(h);
       if (!std::isfinite(change)) return Solution::not_finite;
-      if (iteration == 0) {
-        if (change <= kAtOnce * kLeftOver) return Solution::found;
-      } else {
-        const double rate = change / last;
+      const double rate = iteration > 0 ? change / last : 0.0;
+      if (!placed && iteration == 0) {
+        placed = change <= kAtOnce * kLeftOver;
+      } else if (!placed) {
         if (rate >= kSlowest) return Solution::none;
         const double left = rate / (1.0 - rate) * change;
-        if (left <= kLeftOver) return Solution::found;
+        placed = left <= kLeftOver;
         if (left * pow(rate, kMostIterations - 1 - iteration) > kLeftOver) return Solution::none;
+      }
+      if (placed && (unwatched() || (iteration > 0 && integrals_settled(h, moved, rate)))) {
+        return Solution::found;
       }
       last = change;
     }
     return Solution::none;
+  }
+
+  // ---- running integrals
+
+  /// The mean force of a driver is what is left of large parts that cancel, and so is its work:
+  /// what is dissipated. Errors of both are held against that.
+
+  /// Power that friction takes, at velocities u.
+  double dissipation(const double* u) {
+    tangent_.times_friction(u, product_.data());
+    double power = 0.0;
+    for (std::size_t k = 0; k < n_; ++k) power = std::fma(u[k], product_[k], power);
+    return power;
+  }
+
+  /// By how much, as an energy, integrals over the step differ from those of the last iteration.
+  double change_of_integrals(double h) {
+    if (watched_.empty()) return 0.0;
+    const Weights area = last_row();
+    dissipated_ = 0.0;
+    for (int i = 0; i < kStages; ++i) {
+      power_[i + 1] = dissipation(slope_[i].data());
+      dissipated_ = std::fma(h * area[i], power_[i + 1], dissipated_);
+    }
+    double most = std::abs(dissipated_ - std::exchange(last_dissipated_, dissipated_));
+    scale_ = h * dissipation(along_.data());
+    if (scale_ > 0.0) scale_ = std::max(scale_, dissipated_);
+    for (std::size_t w = 0; w < watched_.size(); ++w) {
+      const double now = h * watched_[w].speed * combined_rates(area, watched_[w].rate);
+      most = std::max(most, std::abs(now - std::exchange(last_integrals_[w], now)));
+    }
+    return most;
+  }
+
+  /// Where nothing is dissipated the whole of the work is stored; and where no driver is steady
+  /// nothing is known of what is dissipated on average.
+  bool unwatched() const { return watched_.empty() || scale_ == 0.0; }
+
+  /// Whether another iteration would change them by no more than is allowed, or than rounding does;
+  /// the last one has by `moved`.
+  bool integrals_settled(double h, double moved, double rate) {
+    const double allowed = kLeftOverOfIntegrals * tolerance_ * scale_;
+    if (rate < 1.0 && rate / (1.0 - rate) * moved <= allowed) return true;
+    double largest = 0.0;
+    for (const WatchedIntegral& w : watched_) {
+      largest = std::max(largest, w.speed * largest_rate(w.rate));
+    }
+    const double ulps = largest_change_ / (kEpsilon * farthest() + 1e-300);
+    const bool converges = ulps > kUlpsOfCoordinate && (rate < kNoMore || ulps > kMostUlps);
+    if (converges && moved > kUlpsOfRate * kEpsilon * h * largest) return false;
+    rounded_ = moved;
+    return true;
+  }
+
+  double largest_rate(std::size_t k) const {
+    double largest = 0.0;
+    for (int i = 0; i < kStages; ++i) largest = std::max(largest, std::abs(rates_[i][k]));
+    return largest;
+  }
+
+  /// Of the quadratures of all that is watched, in what is allowed. Rounding of coordinates is no
+  /// error of a step: a shorter one would not help.
+  double error_of_integrals(double h) {
+    within_step_ = 0.0;
+    if (unwatched()) return 0.0;
+    const double allowed = tolerance_ * scale_;
+    const double ulps = h * kUlpsOfDifferences * kEpsilon * farthest();
+    const double rounding = ulps * stiffness() * fastest();
+    double most = 0.0;
+    const auto include = [&](const Values& values, double noise) {
+      double within = 0.0;
+      const double error = error_of_quadrature(h, values, within);
+      if (within > noise) {
+        within_step_ =
+            std::max(within_step_, within / std::max(allowed * steps_in_period(h), noise));
+      }
+      if (error > noise) most = std::max(most, error / std::max(allowed, noise));
+    };
+    power_[0] = dissipation(first_slope_);
+    include(power_, rounding);
+    for (const WatchedIntegral& w : watched_) {
+      Values values;
+      values[0] = w.speed * first_rates_[w.rate];
+      for (int i = 0; i < kStages; ++i) values[i + 1] = w.speed * rates_[i][w.rate];
+      include(values, w.stiffness > 0.0 ? ulps * w.stiffness * w.speed : rounding);
+    }
+    return most;
+  }
+
+  /// A large second derivative of the energy at the last linearise().
+  double stiffness() {
+    double most = 0.0;
+    for (const double sign : {1.0, -1.0}) {
+      for (std::size_t k = 0; k < n_; ++k) error_[k] = (k % 2 == 0 ? 1.0 : sign) / unit(k);
+      tangent_.times_stiffness(error_.data(), product_.data());
+      for (std::size_t k = 0; k < n_; ++k) {
+        most = std::max(most, std::abs(product_[k]) / unit(k));
+      }
+    }
+    return most;
+  }
+
+  /// Windows begin and end within steps, and are no shorter than a period.
+  double steps_in_period(double h) const {
+    double most = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < n_; ++k) {
+      if (along_[k] == 0.0) continue;
+      most = std::min(most, system_.view.largest_move[at_[k]] / (h * std::abs(along_[k])));
+    }
+    return std::max(1.0, most);
+  }
+
+  double fastest() const {
+    double most = 0.0;
+    for (std::size_t k = 0; k < n_; ++k) {
+      most = std::max(most, std::max(std::abs(along_[k]), std::abs(first_slope_[k])) * unit(k));
+    }
+    return most;
+  }
+
+  double farthest() const {
+    double most = 0.0;
+    for (std::size_t k = 0; k < n_; ++k) {
+      most = std::max(most, std::abs(system_.view.position[at_[k]]) * unit(k));
+    }
+    return most;
+  }
+
+  /// A quadrature of order 9 does wrong what goes like P_9. Of the values' polynomial P_4 and P_5
+  /// are known, and by how much they are smaller than P_2 and P_3: as fast the rest is taken to
+  /// fall. Below rounding nothing is known, and nothing is wrong.
+  static double error_of_quadrature(double h, const Values& values, double& within) {
+    double squares[2] = {};
+    double largest = 0.0;
+    for (const double value : values) largest = std::max(largest, std::abs(value));
+    for (int row = 0; row < 4; ++row) {
+      double part = 0.0;
+      for (int j = 0; j <= kStages; ++j) part += Tableau::legendre[row][j] * values[j];
+      squares[row / 2] += part * part;
+    }
+    const double high = std::sqrt(squares[1]);
+    if (high <= kUlpsOfRate * kEpsilon * largest) return 0.0;
+    const double falls = squares[0] > squares[1] ? std::sqrt(squares[1] / squares[0]) : 1.0;
+    within = h * high * falls;  // P_6
+    return within * falls * std::sqrt(falls);
   }
 
   /// One correction of all stages; its size in tolerances.
@@ -450,11 +657,13 @@ class Radau9 : public Integrator<double> {
     solve_mode(Tableau::real_mode / h, mode_[0].data());
     for (int p = 0; p < 2; ++p) solve_pair(p, h, mode_[1 + 2 * p].data(), mode_[2 + 2 * p].data());
     double squares = 0.0;
+    largest_change_ = 0.0;
     for (int i = 0; i < kStages; ++i) {
       for (std::size_t k = 0; k < width_; ++k) {
         double change = 0.0;
         for (int j = 0; j < kStages; ++j) change += Tableau::from_modes[i][j] * mode_[j][k];
         z_[i][k] += change;
+        if (k < n_) largest_change_ = std::max(largest_change_, std::abs(change) * unit(k));
         const double part = change * weight_[k];
         squares += part * part;
       }
@@ -468,7 +677,7 @@ class Radau9 : public Integrator<double> {
     const SystemView<double>& s = system_.view;
     double squares = 0.0;
     for (std::size_t k = 0; k < s.own_count; ++k) {
-      const double importance = weight(std::abs(s.integrals[k]), 1.0);
+      const double importance = weight(std::abs(s.integrals[k]), scales_.own[k]);
       for (int i = 0; i < kStages; ++i) {
         double way = 0.0;
         for (int j = 0; j < kStages; ++j) way += Tableau::a[i][j] * rates_[j][k];
@@ -538,7 +747,7 @@ class Radau9 : public Integrator<double> {
       const std::size_t at = at_[k % n_];
       const double before = k < n_ ? s.position[at] : s.velocity[at];
       const double size = std::max(std::abs(before), std::abs(before + z_[kLast][k]));
-      const double part = error_[k] * weight(size, s.tolerance_scale[at]);
+      const double part = error_[k] * weight(size, scale_of(k));
       squares += part * part;
     }
     squares += own_squares(h);
@@ -555,7 +764,7 @@ class Radau9 : public Integrator<double> {
         difference += Tableau::error[i] * (own_[i][k] - s.integrals[k]);
       }
       const double size = std::max(std::abs(s.integrals[k]), std::abs(own_[kLast][k]));
-      const double part = difference * weight(size, 1.0);
+      const double part = difference * weight(size, scales_.own[k]);
       squares += part * part;
     }
     return squares;
@@ -639,12 +848,24 @@ class Radau9 : public Integrator<double> {
     }
   }
 
-  Description d_;
+  Description d_;  ///< but for the absolute tolerance, which is a part of the scene's length
+  ToleranceScales<double> scales_;
   Tangent& tangent_;
   const std::vector<std::size_t>& at_;  ///< where the free coordinates stand
   std::size_t n_;
-  std::size_t width_;  ///< numbers solved for: coordinates, and with inertia their velocities
+  std::size_t width_;       ///< numbers solved for: coordinates, and with inertia their velocities
+  double tolerance_ = 0.0;  ///< of running integrals, as a part of what is dissipated
   std::array<std::unique_ptr<ShiftedTangent>, 2> pairs_;
+
+  std::vector<WatchedIntegral> watched_;
+  std::vector<double> last_integrals_;  ///< over the step, by the last iteration; energies
+  Values power_{};
+  double dissipated_ = 0.0;
+  double last_dissipated_ = 0.0;
+  double scale_ = 0.0;           ///< what errors of works are held against, an energy
+  double largest_change_ = 0.0;  ///< of a coordinate, by the last iteration
+  double within_step_ = 0.0;     ///< error of integrals there, in what is allowed
+  double rounded_ = 0.0;         ///< error of works through rounding, in this step
 
   // Of the stages: ways from the step's start, slopes, rates, own variables; corrections by mode.
   std::array<Numbers, kStages> z_;
@@ -656,6 +877,7 @@ class Radau9 : public Integrator<double> {
   Numbers error_;
   Numbers product_;
   Numbers product2_;
+  Numbers along_;  ///< velocities of a scene that moves with its drivers
   Numbers position_;
   Numbers velocity_;
   Numbers spare_rates_;

@@ -30,7 +30,7 @@ std::vector<Complaint> fetch(Description& d, const std::filesystem::path& folder
   const auto path = folder / d.file;
   const TextFile contents = read_text_file(path, kLargestFile);
   if (!contents.why.empty()) return {{"file", path.string() + ": " + contents.why, ""}};
-  if (contents.text.size() > kLargestFile) {
+  if (contents.too_large) {
     return {{"file", path.string() + ": the file is too large",
              fmt::format("at most {} MB", kLargestFile >> 20)}};
   }
@@ -38,7 +38,8 @@ std::vector<Complaint> fetch(Description& d, const std::filesystem::path& folder
   std::vector<Complaint> complaints;
   for (std::string& fault : file.faults) complaints.push_back({"file", std::move(fault), ""});
   d.positions = std::move(file.positions);
-  d.read_from = std::exchange(d.file, "");
+  d.read_from = path;
+  d.file.clear();
   return complaints;
 }
 
@@ -79,8 +80,6 @@ std::vector<Complaint> complaints(const void* description, int dimension) {
   return {};
 }
 
-BodyEnds ends(const void*, int dimension) { return {.open_along = dimension == 1 ? 0 : -1}; }
-
 BodyGeometry build(const void* description, int dimension) {
   const PointList& positions = static_cast<const Description*>(description)->positions;
   BodyGeometry geometry;
@@ -116,7 +115,6 @@ BodyRecord particles_record() {
   record.dimension = &dimension_of;
   record.count = &count;
   record.complaints = &complaints;
-  record.ends = &ends;
   record.build = &build;
   record.example = R"(# Three particles, bonded to each other in a triangle.
 [[body]]

@@ -7,8 +7,7 @@ namespace tomlin {
 
 struct ParticlesDescription : BodyDescription {
   PointList positions;
-  std::string file;       ///< empty once its positions are fetched
-  std::string read_from;  ///< the file that they were fetched from; for messages
+  std::string file;  ///< empty once its positions are fetched: see read_from
 };
 
 BodyRecord particles_record();

@@ -14,18 +14,10 @@ namespace tomlin {
 namespace {
 
 constexpr std::size_t kMostColumns = 3;
-constexpr std::size_t kMostFaults = 10;        // of a file; nobody reads more
-constexpr std::size_t kLongestShownWord = 30;  // bytes
+constexpr std::size_t kMostFaults = 10;  // of a file; nobody reads more
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
-/// In quotes, on one line, ASCII whatever the file holds.
-std::string shown(std::string_view word) {
-  std::string text;
-  for (const char c : word.substr(0, kLongestShownWord)) text += c > ' ' && c <= '~' ? c : '?';
-  return '"' + text + (word.size() > kLongestShownWord ? "...\"" : "\"");
-}
 
 /// The columns of one line.
 struct Row {
@@ -33,6 +25,7 @@ struct Row {
   std::string why;  ///< what is wrong; empty when sound
 };
 
+/// Never repeats what stands in the file: a scene of somebody else's may name any.
 class RowReader {
  public:
   explicit RowReader(std::string_view line) : rest_(line.substr(0, line.find('#'))) {}
@@ -43,25 +36,26 @@ class RowReader {
     bool after_comma = false;
     while (!rest_.empty() || after_comma) {
       const std::string_view word = take_word();
-      if (word.empty()) return refused("a column is empty");
+      if (word.empty()) return refused("is empty");
       const auto end = word.data() + word.size();
       // A sign that from_chars does not know.
       const char* begin = word.data() + (word.size() > 1 && word[0] == '+' && word[1] != '-');
       double number = 0.0;
       const auto [stop, error] = std::from_chars(begin, end, number);
       if (error == std::errc::result_out_of_range) {
-        return refused(shown(word) + " is too large or too small for a double");
+        return refused("is too large or too small for a double");
       }
-      if (error != std::errc() || stop != end) return refused(shown(word) + " is not a number");
-      if (!std::isfinite(number)) return refused(shown(word) + " is not a finite number");
+      if (error != std::errc() || stop != end) return refused("is not a number");
+      if (!std::isfinite(number)) return refused("is not a finite number");
       row.numbers.push_back(number);
+      ++column_;
       after_comma = take_comma();
     }
     return row;
   }
 
  private:
-  static Row refused(std::string why) { return {{}, std::move(why)}; }
+  Row refused(const char* why) const { return {{}, fmt::format("column {} {}", column_, why)}; }
 
   void skip_spaces() {
     while (!rest_.empty() && is_space(rest_.front())) rest_.remove_prefix(1);
@@ -84,6 +78,7 @@ class RowReader {
   }
 
   std::string_view rest_;
+  std::size_t column_ = 1;
 };
 
 std::string columns(std::size_t count) {

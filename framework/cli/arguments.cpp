@@ -32,6 +32,8 @@ struct LaterCommand {
 constexpr std::array kLaterCommands = {
     LaterCommand{"sweep", "many runs over the values of parameters"},
     LaterCommand{"stability", "thresholds and equilibria"},
+    LaterCommand{"merge", "the parts of a sweep into one"},
+    LaterCommand{"export", "input files for LAMMPS"},
     LaterCommand{"report", "a web page of a run"},
 };
 
@@ -221,12 +223,14 @@ and with two particles almost touching:
   its own                     it acts on its own bodies only
   same bits, number types     every instruction set and number type says the same
 
-A claim that does not hold is shown with the state, particle, place and time where it broke, and with
-both numbers.
+Where all holds that is said in one line; --verbose shows every check, with its largest error and what
+is allowed there. A claim that does not hold is shown with the state, particle, place and time where it
+broke, and with both numbers.
 
 Examples:
 
   tomlin check pt.toml
+  tomlin check pt.toml --verbose
   tomlin check pt.toml --set run.integrator.dt=0.1 --json
 
 With --json faults of the scene are listed on standard output.
@@ -255,6 +259,7 @@ Examples:
 
   tomlin describe                          all components in a line each
   tomlin describe sinusoidal_substrate     equation, source, parameters, an example that runs
+  tomlin describe force                    the forces, and the keys that each of them takes
   tomlin describe run                      the keys of a table of the scene
   tomlin describe rk4 --json               the same for programs
   tomlin describe rk4 --markdown           the same for a page
@@ -303,6 +308,14 @@ void check_command(std::string_view word) {
   }
   refuse(fmt::format("there is no command \"{}\"", word), nearest_name(word, names).value_or(""),
          all_commands());
+}
+
+/// An option without a command: of the program itself.
+void check_option(std::string_view word) {
+  static const std::vector<std::string> names = {"-h", "--help", "--version"};
+  if (std::find(names.begin(), names.end(), word) != names.end()) return;
+  refuse(fmt::format("tomlin has no option {}", word), nearest_name(word, names).value_or(""),
+         "tomlin --help shows them");
 }
 
 /// "PATH=VALUE" each.
@@ -494,7 +507,9 @@ class CommandLine {
     check_ = app_.add_subcommand("check", "validate a scene and check the claims of its forces");
     check_->footer(kCheckFooter);
     take_scene(*check_, checked_.scene);
-    check_->add_flag("--json", checked_.json, "as JSON");
+    CLI::Option* json = check_->add_flag("--json", checked_.json, "as JSON");
+    check_->add_flag("--verbose", checked_.verbose, "show what holds, too, check by check")
+        ->excludes(json);
     check_->add_option("--seed", checked_.seed, "of the random states that claims are looked at")
         ->capture_default_str();
   }
@@ -517,7 +532,8 @@ class CommandLine {
     describe_
         ->add_option(
             "NAME", described_.name,
-            "a body, force, integrator or observer, or a table of the scene; all by default")
+            "a component by its type, a kind of them (force), or a table of the scene; all by "
+            "default")
         ->option_text(" ");
     take_plugins(*describe_);
     CLI::Option* json = describe_->add_flag("--json", described_.json, "as JSON");
@@ -657,6 +673,10 @@ class CommandLine {
     const CLI::App& app = app_.remaining().empty() ? chosen() : app_;
     const auto extras = app.remaining();
     const std::string word = extras.empty() ? "" : extras.front();
+    const bool takes_settings = app.get_option_no_throw("--set") != nullptr;
+    if (takes_settings && !is_option(word) && word.find('=') != std::string::npos) {
+      refuse(fmt::format("\"{}\" stands by itself", word), "", "--set " + word);
+    }
     if (!is_option(word)) {
       refuse(fmt::format("{} does not expect \"{}\" ({} --help tells more)", name_of(app), word,
                          name_of(app)));
@@ -666,8 +686,10 @@ class CommandLine {
       for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
     }
     const std::string name = word.substr(0, word.find('='));
+    std::string admissible = name_of(app) + " --help shows them";
+    if (takes_settings) admissible += "; values of the scene are given by --set PATH=VALUE";
     refuse(fmt::format("{} has no option {}", name_of(app), name),
-           nearest_name(name, names).value_or(""), name_of(app) + " --help shows them");
+           nearest_name(name, names).value_or(""), admissible);
   }
 
   CLI::App app_{"Nanoscale friction models from plain scene files.", "tomlin"};
@@ -699,7 +721,18 @@ class CommandLine {
 
 Arguments parse_arguments(int argc, const char* const* argv) {
   if (argc < 2) refuse("a command is due", "", all_commands());
-  if (!is_option(argv[1])) check_command(argv[1]);
+  // `tomlin help run` is `tomlin run --help`.
+  if (argv[1] == std::string_view("help")) {
+    std::vector<const char*> words = {argv[0]};
+    if (argc > 2) words.push_back(argv[2]);
+    words.push_back("--help");
+    return parse_arguments(static_cast<int>(words.size()), words.data());
+  }
+  if (!is_option(argv[1])) {
+    check_command(argv[1]);
+  } else if (argc == 2) {
+    check_option(argv[1]);
+  }
   return CommandLine().parse(argc, argv);
 }
 

@@ -60,6 +60,7 @@ struct CheckArguments {
   std::vector<Setting> settings;
   std::vector<std::string> plugins;
   bool json = false;
+  bool verbose = false;    ///< what holds, too
   std::uint64_t seed = 1;  ///< of the random states that claims are looked at
 };
 

@@ -36,6 +36,7 @@ struct Check {
 struct Report {
   std::vector<Check> checks;
   std::vector<std::string> warnings;
+  std::vector<Model::LeftOut> not_built;
 
   bool sound() const {
     for (const Check& check : checks) {
@@ -112,31 +113,66 @@ Report report_on(const std::shared_ptr<const Scene>& scene, std::uint64_t seed) 
   }
   const Model model(scene);
   for (const Model::LeftOut& left : model.left_out()) {
-    report.warnings.push_back(left.force + " is not built and was not checked: " + left.why);
+    report.not_built.push_back(left);
   }
   return report;
 }
 
-std::string text_of(const Scene& scene, const Report& report) {
-  Sections sections;
-  sections.section(scene.file + ": a valid scene");
-  sections.row("check", "verdict " + row_of("states", "error", "allowed", "what is compared"));
+std::vector<std::string> all_warnings(const Report& report) {
+  std::vector<std::string> all = report.warnings;
+  for (const Model::LeftOut& left : report.not_built) {
+    all.push_back(left.force + " is not built and was not checked: " + left.why);
+  }
+  return all;
+}
+
+/// "57 checks hold; 3 had nothing to compare", or how many do not.
+std::string verdict_on(const Report& report) {
   std::size_t failed = 0;
   std::size_t unseen = 0;
   for (const Check& check : report.checks) {
     failed += check.holds ? 0 : 1;
     unseen += check.unseen ? 1 : 0;
+  }
+  const std::size_t count = report.checks.size();
+  if (failed > 0) return fmt::format("{} of {} checks FAILED", failed, count);
+  const std::string left = unseen == 0 ? "" : fmt::format("; {} had nothing to compare", unseen);
+  return fmt::format("{} checks hold{}", count - unseen, left);
+}
+
+/// One line, where all holds; warnings of what holds only since the scene insists follow it.
+std::string line_of(const Scene& scene, const Report& report) {
+  std::string text = scene.file + ": " + verdict_on(report);
+  std::string left_out;
+  for (const Model::LeftOut& one : report.not_built) {
+    left_out += (left_out.empty() ? "; not built, and so not checked: " : ", ") + one.force;
+  }
+  text += left_out + "\n";
+  for (const std::string& warning : report.warnings) {
+    text += scene.file + ": warning: " + warning + "\n";
+  }
+  return text;
+}
+
+/// Every check, or those that do not hold.
+std::string table_of(const Scene& scene, const Report& report, bool all) {
+  Sections sections;
+  sections.section(scene.file + ": a valid scene");
+  sections.row("check", "verdict " + row_of("states", "error", "allowed", "what is compared"));
+  for (const Check& check : report.checks) {
+    if (check.holds && !all) continue;
     const char* verdict = check.unseen ? "unseen  " : check.holds ? "ok      " : "FAILED  ";
     sections.row(check.subject + " " + check.claim, verdict + check.text);
   }
-  for (const std::string& warning : report.warnings) sections.row("warning", warning);
-  const std::size_t count = report.checks.size();
-  const std::string left = unseen == 0 ? "" : fmt::format("; {} had nothing to compare", unseen);
-  sections.row("in all", failed == 0 ? fmt::format("{} checks hold; errors are relative, the "
-                                                   "worst of the states looked at{}",
-                                                   count - unseen, left)
-                                     : fmt::format("{} of {} checks FAILED", failed, count));
+  for (const std::string& warning : all_warnings(report)) sections.row("warning", warning);
+  sections.row("in all", verdict_on(report));
+  sections.row("errors", "relative, the worst of the states looked at");
   return sections.text();
+}
+
+std::string text_of(const Scene& scene, const Report& report, bool verbose) {
+  if (!verbose && report.sound()) return line_of(scene, report);
+  return table_of(scene, report, verbose);
 }
 
 Json json_of(const Report& report) {
@@ -151,7 +187,7 @@ Json json_of(const Report& report) {
     entry["text"] = check.text;
     json["checks"].push_back(std::move(entry));
   }
-  json["warnings"] = report.warnings;
+  json["warnings"] = all_warnings(report);
   return json;
 }
 
@@ -186,8 +222,8 @@ int check_command(const CheckArguments& arguments) {
     const Registry registry = registry_with_plugins(arguments.plugins, {arguments.scene});
     const auto scene = read_scene(arguments.scene, registry, arguments.settings);
     const Report report = report_on(scene, arguments.seed);
-    const int status =
-        print_result(arguments.json ? dumped(json_of(report)) : text_of(*scene, report));
+    const int status = print_result(arguments.json ? dumped(json_of(report))
+                                                   : text_of(*scene, report, arguments.verbose));
     return report.sound() ? status : kExitFailed;
   } catch (const InputError& error) {
     if (!arguments.json) throw;

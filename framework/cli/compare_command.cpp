@@ -1,3 +1,4 @@
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <memory>
@@ -7,6 +8,7 @@
 #include "framework/cli/commands.hpp"
 #include "framework/cli/compare_text.hpp"
 #include "framework/cli/exit_status.hpp"
+#include "framework/cli/inputs.hpp"
 #include "framework/cli/plugins.hpp"
 #include "framework/cli/stop_signals.hpp"
 #include "framework/cli/study_figure.hpp"
@@ -21,6 +23,7 @@ constexpr const char* kDefaultFolder = "compare.out";
 constexpr const char* kCsvFile = "compare.csv";
 constexpr const char* kJsonFile = "compare.json";
 constexpr const char* kFigureFile = "compare.svg";
+constexpr std::array kFiles = {kCsvFile, kJsonFile, kFigureFile};
 
 /// The faults of all scenes together.
 std::vector<std::shared_ptr<const Scene>> read_scenes(const CompareArguments& arguments,
@@ -44,15 +47,16 @@ int compare_command(const CompareArguments& arguments) {
   const Registry registry = registry_with_plugins(arguments.plugins, arguments.scenes);
   const auto scenes = read_scenes(arguments, registry);
   RunFolder folder(arguments.folder.value_or(kDefaultFolder),
-                   arguments.force ? Occupied::replace_results : Occupied::refuse);
+                   arguments.force ? Occupied::replace_results : Occupied::refuse, kFiles);
+  for (const auto& scene : scenes) refuse_to_lose_inputs(folder, *scene, kFiles);
+  folder.own();
 
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
   StopSignals signals;
-  const Comparison comparison = compare_models(
-      scenes, registry, {arguments.observable, arguments.tolerance, &signals.stop()});
+  const Comparison comparison =
+      compare_models(scenes, {arguments.observable, arguments.tolerance, &signals.stop()});
 
-  folder.create();
   folder.write_file(kCsvFile, compare_csv(comparison));
   std::string where = (folder.path() / "").string() + ": " + kJsonFile + ", " + kCsvFile;
   if (write_study_figure(folder, kFigureFile, compare_figure(comparison))) {

@@ -33,6 +33,7 @@
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/language.hpp"
+#include "framework/scene/natural_units.hpp"
 #include "framework/scene/value_reader.hpp"
 
 namespace tomlin {
@@ -53,10 +54,54 @@ const Described* find(const std::vector<Described>& all, const std::string& name
   return found == all.end() ? nullptr : &*found;
 }
 
+/// "until" is "run.until", too.
 const SceneTable* find(const std::vector<SceneTable>& tables, const std::string& name) {
-  const auto found = std::find_if(tables.begin(), tables.end(),
-                                  [&name](const auto& table) { return table.name == name; });
+  const auto found = std::find_if(tables.begin(), tables.end(), [&name](const auto& table) {
+    return table.name == name || table.name.ends_with("." + name);
+  });
   return found == tables.end() ? nullptr : &*found;
+}
+
+/// "force" or "forces"; nullptr when it is no kind of component.
+const KindNames* find_kind(const std::string& name) {
+  const auto* found = std::find_if(kKinds.begin(), kKinds.end(), [&name](const KindNames& kind) {
+    return name == kind.first || name == kind.second;
+  });
+  return found == kKinds.end() ? nullptr : found;
+}
+
+/// As scenes write what is meant: "[run]", "[[force]]", "force.driving_spring".
+std::string without_scene_signs(std::string name) {
+  std::erase_if(name, [](char c) { return c == '[' || c == ']'; });
+  for (const auto& [kind, kinds] : kKinds) {
+    const std::string start = std::string(kind) + ".";
+    if (name.starts_with(start)) return name.substr(start.size());
+  }
+  return name;
+}
+
+/// What scenes have beside components and the tables with keys of the program's own.
+std::vector<SceneTable> described_tables() {
+  std::vector<SceneTable> tables = scene_tables();
+  SceneTable parameters{"parameters", "names for numbers, for all expressions of the scene", {}};
+  parameters.layout.own_keys = {
+      {"NAME", "a number, or an expression over other parameters: k = 2.0, xi = \"2 * sqrt(k)\""}};
+  tables.insert(tables.begin() + 1, std::move(parameters));
+  return tables;
+}
+
+/// The components and tables that take a key of that name.
+std::vector<std::string> takers_of(const std::string& key, const std::vector<Described>& all,
+                                   const std::vector<SceneTable>& tables) {
+  std::vector<std::string> takers;
+  for (const Described& component : all) {
+    if (component.layout.row(key) != nullptr) takers.push_back(component.record->name);
+  }
+  for (const SceneTable& table : tables) {
+    const bool own = table.layout.is_own_key(key);
+    if (own || table.layout.row(key) != nullptr) takers.push_back("[" + table.name + "]");
+  }
+  return takers;
 }
 
 [[noreturn]] void refuse(const std::string& name, const std::vector<Described>& all,
@@ -65,11 +110,21 @@ const SceneTable* find(const std::vector<SceneTable>& tables, const std::string&
   names.reserve(all.size() + tables.size());
   for (const Described& component : all) names.push_back(component.record->name);
   for (const SceneTable& table : tables) names.push_back(table.name);
+  for (const auto& [kind, kinds] : kKinds) names.emplace_back(kind);
+  const auto takers = takers_of(name, all, tables);
+  const ReservedKey* planned = planned_word(name);
   Fault fault;
   fault.place.file = "tomlin";
-  fault.why = fmt::format("there is no component \"{}\"", name);
-  fault.admissible = listed(names);
-  fault.nearest = nearest_name(name, names).value_or("");
+  if (!takers.empty()) {
+    fault.why = fmt::format("\"{}\" is a key of {}", name, listed(takers));
+    fault.admissible = "one of these names";
+  } else if (planned != nullptr) {
+    fault.why = fmt::format("\"{}\" is {}", name, not_in_this_version(*planned));
+  } else {
+    fault.why = fmt::format("there is no component \"{}\"", name);
+    fault.admissible = listed(names);
+    fault.nearest = nearest_name(name, names).value_or("");
+  }
   throw InputError({fault});
 }
 
@@ -152,8 +207,8 @@ void append_later(std::string& text, const TableLayout& layout) {
 
 std::string table_text(const SceneTable& table) {
   std::string text = fmt::format("[{}]: {}\n", table.name, table.summary);
-  append_rows(text, table.layout.rows);
-  append_own_keys(text, "and", table.layout.own_keys);
+  if (!table.layout.rows.empty()) append_rows(text, table.layout.rows);
+  append_own_keys(text, table.layout.rows.empty() ? "keys" : "and", table.layout.own_keys);
   append_later(text, table.layout);
   return text;
 }
@@ -172,6 +227,45 @@ std::string component_text(const Described& component) {
   append_later(text, component.layout);
   text += "\nexample\n";
   append_indented(text, record.example);
+  return text;
+}
+
+/// Where a scene has one of a kind.
+std::string heading_of(const KindNames& kind) {
+  const std::string name = kind.first;
+  if (name == "integrator") return "integrator = { type = ..., ... } in [run]";
+  return "[[" + name + "]]";
+}
+
+std::vector<const Described*> those_of(const KindNames& kind, const std::vector<Described>& all) {
+  std::vector<const Described*> found;
+  for (const Described& component : all) {
+    if (component.kind == kind.first) found.push_back(&component);
+  }
+  return found;
+}
+
+/// All of a kind in a line each, and what each of them takes.
+std::string kind_text(const KindNames& kind, const std::vector<Described>& all) {
+  const auto found = those_of(kind, all);
+  std::string text = fmt::format("{}: {}\n", heading_of(kind), kind.second);
+  if (found.empty()) return text + "  none; they come with plugins, see describe --plugin LIB\n";
+  std::size_t width = 0;
+  for (const Described* one : found) width = std::max(width, one->record->name.size());
+  text += "\ntype\n";
+  for (const Described* one : found) {
+    fmt::format_to(std::back_inserter(text), "  {:<{}}  {}{}\n", one->record->name, width,
+                   one->record->summary, origin_in_brackets(*one->record));
+  }
+  append_own_keys(text, std::string("every ") + kind.first + " takes, beside keys of its own",
+                  found.front()->layout.own_keys);
+  return text +
+         "\n`tomlin describe NAME` shows one with its equation, parameters and an example.\n";
+}
+
+std::string kind_section(const KindNames& kind, const std::vector<Described>& all) {
+  std::string text;
+  for (const Described* one : those_of(kind, all)) text += component_section(*one);
   return text;
 }
 
@@ -208,6 +302,7 @@ Json parameter_json(const Parameter& row) {
   entry["required"] = row.required();
   const auto standard = row.standard ? to_node(*row.standard) : std::nullopt;
   entry["default"] = standard ? json_of(*standard) : Json();
+  if (has_natural_default(row)) entry["default_unit"] = natural_unit_text(row).substr(4);
   entry["admissible"] = what_is_due(row);
   entry["choices"] = row.choices;
   entry["doc"] = row.doc;
@@ -300,6 +395,21 @@ Json list_json(const std::vector<Described>& all, const std::vector<SceneTable>&
   return list;
 }
 
+Json kind_json(const KindNames& kind, const std::vector<Described>& all) {
+  Json entry = {{"name", kind.first}, {"kind", "kind"}, {kind.second, Json::array()}};
+  const auto found = those_of(kind, all);
+  for (const Described* one : found) {
+    entry[kind.second].push_back(
+        Json{{"name", one->record->name}, {"summary", one->record->summary}});
+  }
+  entry["other_keys"] = Json::array();
+  if (found.empty()) return entry;
+  for (const OwnKey& own : found.front()->layout.own_keys) {
+    entry["other_keys"].push_back(Json{{"key", own.key}, {"doc", own.doc}});
+  }
+  return entry;
+}
+
 // ---- Markdown
 
 std::string all_pages(const Registry& registry) {
@@ -345,22 +455,28 @@ int describe_command(const DescribeArguments& arguments) {
   const Registry registry = registry_with_plugins(arguments.plugins, {});
   if (arguments.folder) return write_pages(*arguments.folder, registry, arguments.force);
   const auto all = all_components(registry);
-  const auto tables = scene_tables();
+  const auto tables = described_tables();
   if (arguments.name.empty()) {
     if (arguments.markdown) return print_result(all_pages(registry));
     return print_result(arguments.json ? text_of(list_json(all, tables)) + "\n"
                                        : list_text(all, tables));
   }
-  if (const Described* component = find(all, arguments.name)) {
+  const std::string name = without_scene_signs(arguments.name);
+  if (const Described* component = find(all, name)) {
     if (arguments.markdown) return print_result(component_section(*component));
     return print_result(arguments.json ? text_of(component_json(*component)) + "\n"
                                        : component_text(*component));
   }
-  if (const SceneTable* table = find(tables, arguments.name)) {
+  if (const KindNames* kind = find_kind(name)) {
+    if (arguments.markdown) return print_result(kind_section(*kind, all));
+    return print_result(arguments.json ? text_of(kind_json(*kind, all)) + "\n"
+                                       : kind_text(*kind, all));
+  }
+  if (const SceneTable* table = find(tables, name)) {
     if (arguments.markdown) return print_result(table_section(*table));
     return print_result(arguments.json ? text_of(table_json(*table)) + "\n" : table_text(*table));
   }
-  refuse(arguments.name, all, tables);
+  refuse(name, all, tables);
 }
 
 }  // namespace tomlin

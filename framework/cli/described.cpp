@@ -6,6 +6,7 @@
 #include "framework/core/body.hpp"
 #include "framework/core/observer.hpp"
 #include "framework/scene/effective.hpp"
+#include "framework/scene/natural_units.hpp"
 
 namespace tomlin {
 namespace {
@@ -105,7 +106,8 @@ std::vector<std::string> number_types(const Described& component) {
 std::string default_text(const Parameter& row) {
   if (row.required()) return "required";
   const auto standard = row.standard ? to_node(*row.standard) : std::nullopt;
-  return standard ? "default " + value_text(*standard) : "may be absent";
+  if (!standard) return "may be absent";
+  return "default " + value_text(*standard) + natural_unit_text(row);
 }
 
 std::vector<std::pair<std::string, std::string>> later(const TableLayout& layout) {

@@ -4,6 +4,7 @@
 
 #include "framework/cli/component_text.hpp"
 #include "framework/cli/explanation.hpp"
+#include "framework/scene/natural_units.hpp"
 
 namespace tomlin {
 namespace {
@@ -61,12 +62,15 @@ Json parts_json(const Explanation& e) {
   return list;
 }
 
-Json scales_json(const Scales& scales) {
+Json scales_json(const Scales& scales, const Scene& scene) {
   Json json;
   json["frequency"] = scales.frequency;
   json["relaxation_rate"] = scales.relaxation_rate;
   json["period"] = inverse(kTau, scales.frequency);
   json["damping_rate"] = scales.damping_rate;
+  const NaturalUnits units = natural_units(scene);
+  json["length"] = units.length;
+  json["time"] = units.time;
   json["shortest_time"] = scales.shortest_time > 0.0 ? Json(scales.shortest_time) : Json();
   json["stiffest_force"] = scales.stiffest_force.empty() ? Json() : Json(scales.stiffest_force);
   json["forces"] = Json::array();
@@ -160,7 +164,7 @@ std::string explanation_json(const Explanation& e) {
   json["forces"] = forces_json(e);
   json["left_out"] = left_out_json(e);
   json["parts"] = parts_json(e);
-  json["scales"] = scales_json(e.scales);
+  json["scales"] = scales_json(e.scales, *e.scene);
   json["sliding"] = sliding_json(e.scales);
   json["misfits"] = misfits_json(e.scales);
   json["integrator"] = step_json(e.step);

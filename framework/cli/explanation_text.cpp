@@ -1,12 +1,13 @@
 #include <cmath>
 #include <cstddef>
-#include <filesystem>
 
 #include <fmt/format.h>
 
 #include "framework/cli/component_text.hpp"
 #include "framework/cli/explanation.hpp"
 #include "framework/cli/sections.hpp"
+#include "framework/scene/natural_units.hpp"
+#include "framework/scene/title.hpp"
 
 namespace tomlin {
 namespace {
@@ -173,6 +174,10 @@ void add_step(Sections& sections, const Explanation& e) {
         text_of(e.scales.shortest_time) + ", the least of 1/omega, 1/damping rate and a/(2 pi v)");
   }
   if (!e.scales.stiffest_force.empty()) sections.row("stiffest force", e.scales.stiffest_force);
+  if (!step.adaptive) return;
+  const NaturalUnits units = natural_units(*e.scene);
+  sections.row("tolerances in", fmt::format("length {}, {}; time {}, {}", text_of(units.length),
+                                            units.length_of, text_of(units.time), units.time_of));
 }
 
 /// A time of about this many seconds, as people say it.
@@ -211,8 +216,7 @@ void add_cost(Sections& sections, const Explanation& e) {
 
 std::string explanation_text(const Explanation& e) {
   const Scene& scene = *e.scene;
-  const std::string title =
-      scene.name.empty() ? std::filesystem::path(scene.file).stem().string() : scene.name;
+  const std::string title = title_of(scene);
   Sections sections;
   add_built(sections, e);
   add_frequencies(sections, e.scales);

@@ -49,6 +49,7 @@ int new_command(const NewArguments& arguments) {
   const SceneTemplate& scene = template_of(arguments.model);
   const fs::path file = file_of(arguments);
   refuse_to_replace(file, arguments.force);
+  refuse_unwritable(file);
   OutputFile output(file);
   output.append(scene.text);
   output.publish();

@@ -8,4 +8,9 @@ namespace tomlin {
 /// and not to be replaced.
 void refuse_to_replace(const std::filesystem::path& file, bool force);
 
+/// Throws InputError where nothing can be put in the place of a file that `option` names: it, or
+/// what it is written as, is a folder, or the folder around it is not there or may not be written
+/// to.
+void refuse_unwritable(const std::filesystem::path& file, const char* option = "-o");
+
 }  // namespace tomlin

@@ -1,5 +1,4 @@
 #include <array>
-#include <cstdio>
 #include <filesystem>
 #include <iterator>
 #include <string>
@@ -12,7 +11,9 @@
 
 #include "framework/cli/commands.hpp"
 #include "framework/cli/exit_status.hpp"
+#include "framework/cli/new_file.hpp"
 #include "framework/cli/plot_text.hpp"
+#include "framework/cli/printable.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/core/nearest_name.hpp"
 #include "framework/output/output_file.hpp"
@@ -124,11 +125,6 @@ PictureFormat format_of(const std::string& file) {
   refuse(file, "the suffix does not say what kind of picture", ".svg, .png, .pdf", "", "-o");
 }
 
-void check_file(const std::string& file) {
-  std::error_code error;
-  if (fs::is_directory(file, error)) refuse(file, "this is a folder", "a file", "", "-o");
-}
-
 std::vector<StoredRun> read_runs(const std::vector<std::string>& folders,
                                  std::vector<std::string>& notes) {
   std::vector<StoredRun> runs;
@@ -197,7 +193,7 @@ Figure drawn_curves(const std::vector<StoredRun>& runs, const std::string& what,
 
 int plot_command(const PlotArguments& arguments) {
   const PictureFormat format = format_of(arguments.file);
-  check_file(arguments.file);
+  refuse_unwritable(arguments.file);
   const Words words = sorted(arguments.words);
   std::vector<std::string> notes;
   const std::vector<StoredRun> runs = read_runs(words.folders, notes);
@@ -208,7 +204,7 @@ int plot_command(const PlotArguments& arguments) {
   OutputFile output(arguments.file);
   output.append(picture);
   output.publish();
-  for (const std::string& note : notes) std::fputs(("note: " + note + "\n").c_str(), stderr);
+  for (const std::string& note : notes) print_error_line("note: " + note);
   return kExitDone;
 }
 

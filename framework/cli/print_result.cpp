@@ -4,16 +4,18 @@
 
 #include "framework/cli/commands.hpp"
 #include "framework/cli/exit_status.hpp"
+#include "framework/cli/printable.hpp"
 
 namespace tomlin {
 
-int print_result(const std::string& text) {
+int print_result(const std::string& given) {
+  const std::string text = printable(given);
   const bool printed =
       std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
   // A reader that went away, as `head` does, has seen what it wanted.
   if (printed || errno == EPIPE) return kExitDone;
   const std::string reason = std::generic_category().message(errno);
-  std::fputs(("tomlin: error: cannot write to standard output: " + reason + "\n").c_str(), stderr);
+  print_error_line("tomlin: error: cannot write to standard output: " + reason);
   return kExitFailed;
 }
 

@@ -1,6 +1,5 @@
 #include "framework/cli/program.hpp"
 
-#include <cstdio>
 #include <exception>
 #include <new>
 #include <stdexcept>
@@ -11,9 +10,12 @@
 
 #include "framework/cli/arguments.hpp"
 #include "framework/cli/commands.hpp"
+#include "framework/cli/crash_note.hpp"
 #include "framework/cli/exit_status.hpp"
+#include "framework/cli/printable.hpp"
 #include "framework/cli/standard_streams.hpp"
 #include "framework/core/fault.hpp"
+#include "framework/core/instruction_set.hpp"
 #include "framework/model/plugin_code.hpp"
 #include "framework/plugin/load.hpp"
 
@@ -41,7 +43,7 @@ int carry_out(const PlotArguments& arguments) { return plot_command(arguments); 
 int carry_out(const TextToPrint& text) { return print_result(text.text); }
 
 int end_with(int status, const std::string& message) {
-  std::fputs((message + "\n").c_str(), stderr);
+  print_error_line(message);
   return status;
 }
 
@@ -54,8 +56,10 @@ std::string or_a_plugin() {
 
 int guarded_program(int argc, const char* const* argv) {
   try {
-    return std::visit([](const auto& arguments) { return carry_out(arguments); },
-                      parse_arguments(argc, argv));
+    const auto all = parse_arguments(argc, argv);
+    // Before anything is made for it.
+    if (!std::holds_alternative<TextToPrint>(all)) chosen_instruction_set();
+    return std::visit([](const auto& arguments) { return carry_out(arguments); }, all);
   } catch (const InputError& error) {
     return end_with(kExitBadInput, error.what());
   } catch (const PluginError& error) {
@@ -78,11 +82,13 @@ int guarded_program(int argc, const char* const* argv) {
 
 int program(int argc, const char* const* argv) noexcept {
   occupy_closed_standard_streams();
+  int status = kExitFailed;
   try {
-    return guarded_program(argc, argv);
+    status = guarded_program(argc, argv);
   } catch (...) {  // not even a message can be put together
-    return kExitFailed;
   }
+  program_is_over();
+  return status;
 }
 
 }  // namespace tomlin

@@ -1,9 +1,11 @@
 #include "framework/cli/progress.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <utility>
 
 #include <fmt/format.h>
 #include <spdlog/logger.h>
@@ -14,6 +16,8 @@ namespace tomlin {
 namespace {
 
 constexpr double kPlainEvery = 10.0;  // seconds
+constexpr double kFirstBefore = 2.0;  // of what comes before the run
+constexpr std::chrono::milliseconds kTerminalEvery{500};
 
 std::string duration_text(double seconds) {
   constexpr double kLongest = 1e9;  // thirty years
@@ -39,23 +43,58 @@ std::string progress_text(const RunProgress& progress) {
                      duration_text(elapsed), duration_text(remaining), rate);
 }
 
-ProgressLine::ProgressLine(Style style) : style_(style) {
-  if (style != Style::plain) return;
-  log_ =
-      std::make_shared<spdlog::logger>("tomlin", std::make_shared<spdlog::sinks::stderr_sink_mt>());
-  log_->set_pattern("%n: %v");
-  log_->flush_on(spdlog::level::info);
+ProgressLine::ProgressLine(Style style, std::string before)
+    : style_(style),
+      next_plain_(before.empty() ? kPlainEvery : kFirstBefore),
+      before_(std::move(before)) {
+  if (style == Style::plain) {
+    log_ = std::make_shared<spdlog::logger>("tomlin",
+                                            std::make_shared<spdlog::sinks::stderr_sink_mt>());
+    log_->set_pattern("%n: %v");
+    log_->flush_on(spdlog::level::info);
+  }
+  if (style != Style::silent && !before_.empty()) {
+    thread_ = std::thread([this] { show_what_is_before(); });
+  }
+}
+
+ProgressLine::~ProgressLine() { finish(); }
+
+void ProgressLine::show_what_is_before() {
+  using Clock = std::chrono::steady_clock;
+  const auto started = Clock::now();
+  std::unique_lock lock(mutex_);
+  while (!changed_.wait_for(lock, kTerminalEvery, [this] { return begun_; })) {
+    const std::chrono::duration<double> elapsed = Clock::now() - started;
+    write(fmt::format("{}, {} elapsed", before_, duration_text(elapsed.count())), elapsed.count());
+  }
+}
+
+void ProgressLine::end_what_is_before() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    begun_ = true;
+  }
+  changed_.notify_one();
+  thread_.join();
+  next_plain_ = kPlainEvery;
 }
 
 void ProgressLine::show(const RunProgress& progress) {
   if (style_ == Style::silent) return;
+  end_what_is_before();
+  write(progress_text(progress), progress.elapsed_seconds);
+}
+
+void ProgressLine::write(const std::string& text, double elapsed_seconds) {
   if (style_ == Style::plain) {
-    if (progress.elapsed_seconds - last_shown_ < kPlainEvery) return;
-    last_shown_ = progress.elapsed_seconds;
-    log_->info(progress_text(progress));
+    if (elapsed_seconds < next_plain_) return;
+    next_plain_ = elapsed_seconds + kPlainEvery;
+    log_->info(text);
     return;
   }
-  std::string line = "tomlin: " + progress_text(progress);
+  std::string line = "tomlin: " + text;
   const std::size_t width = line.size();
   if (width < width_) line.append(width_ - width, ' ');
   width_ = width;
@@ -64,6 +103,7 @@ void ProgressLine::show(const RunProgress& progress) {
 }
 
 void ProgressLine::finish() {
+  end_what_is_before();
   if (style_ != Style::terminal || width_ == 0) return;
   std::fputs(("\r" + std::string(width_, ' ') + "\r").c_str(), stderr);
   std::fflush(stderr);

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <condition_variable>
 #include <cstddef>
 #include <memory>
+#include <mutex>
 #include <string>
+#include <thread>
 
 #include "framework/run/run.hpp"
 
@@ -21,17 +24,32 @@ class ProgressLine {
  public:
   enum class Style { silent, terminal, plain };
 
-  explicit ProgressLine(Style style);
+  /// What comes before the first step and has no end that is known, as a pilot, is shown with its
+  /// name and the time it has taken; "" where nothing does.
+  explicit ProgressLine(Style style, std::string before = "");
+  ~ProgressLine();
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
 
   void show(const RunProgress& progress);
   /// Clears the terminal's line.
   void finish();
 
  private:
+  /// Until the run begins; a thread of its own.
+  void show_what_is_before();
+  void end_what_is_before();
+  void write(const std::string& text, double elapsed_seconds);
+
   Style style_;
   std::shared_ptr<spdlog::logger> log_;  ///< for plain lines
   std::size_t width_ = 0;                ///< of what stands on the terminal's line
-  double last_shown_ = 0.0;              ///< elapsed seconds at the last plain line
+  double next_plain_ = 0.0;              ///< elapsed seconds at the next plain line
+  std::string before_;
+  bool begun_ = false;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::thread thread_;  ///< last: it uses the others
 };
 
 /// The style for standard error as it is.

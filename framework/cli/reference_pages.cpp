@@ -9,6 +9,7 @@
 #include "framework/core/citation.hpp"
 #include "framework/core/formula/expression.hpp"
 #include "framework/scene/effective.hpp"
+#include "framework/scene/natural_units.hpp"
 #include "framework/scene/value_reader.hpp"
 
 namespace tomlin {
@@ -61,7 +62,7 @@ std::string code(const std::string& text) { return "`" + text + "`"; }
 std::string default_cell(const Parameter& row) {
   if (row.required()) return "required";
   const auto standard = row.standard ? to_node(*row.standard) : std::nullopt;
-  return standard ? code(value_text(*standard)) : "may be absent";
+  return standard ? code(value_text(*standard)) + natural_unit_text(row) : "may be absent";
 }
 
 /// "..., doi:10.1/2" with a link.

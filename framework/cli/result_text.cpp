@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <filesystem>
 #include <iterator>
 #include <optional>
 #include <utility>
@@ -11,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "framework/output/references.hpp"
+#include "framework/scene/title.hpp"
 
 namespace tomlin {
 namespace {
@@ -100,10 +100,6 @@ void add_lines(std::vector<Line>& lines, const Results& results) {
   }
 }
 
-std::string title(const Scene& scene) {
-  return scene.name.empty() ? std::filesystem::path(scene.file).stem().string() : scene.name;
-}
-
 }  // namespace
 
 std::string result_text(const Scene& scene, const RunResult& result, const std::string& where) {
@@ -149,7 +145,7 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
 
   std::size_t width = 0;
   for (const Line& line : lines) width = std::max(width, line.label.size());
-  std::string text = title(scene) + "\n";
+  std::string text = title_of(scene) + "\n";
   for (const auto& [label, content] : lines) {
     fmt::format_to(std::back_inserter(text), "  {:<{}}  {}\n", label, width, content);
   }

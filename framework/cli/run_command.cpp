@@ -1,9 +1,6 @@
 #include <csignal>
 #include <cstddef>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -12,7 +9,9 @@
 #include "framework/cli/commands.hpp"
 #include "framework/cli/crash_note.hpp"
 #include "framework/cli/exit_status.hpp"
+#include "framework/cli/inputs.hpp"
 #include "framework/cli/plugins.hpp"
+#include "framework/cli/printable.hpp"
 #include "framework/cli/progress.hpp"
 #include "framework/cli/result_text.hpp"
 #include "framework/cli/stop_signals.hpp"
@@ -20,6 +19,8 @@
 #include "framework/output/resumption.hpp"
 #include "framework/output/run_folder.hpp"
 #include "framework/output/run_recorder.hpp"
+#include "framework/output/store_file.hpp"
+#include "framework/run/failure_fault.hpp"
 #include "framework/run/run.hpp"
 #include "framework/standard_registry.hpp"
 #include "framework/study/accuracy.hpp"
@@ -32,28 +33,11 @@ std::string default_folder(const std::string& scene_file) {
   return fs::path(scene_file).stem().string() + ".out";
 }
 
-/// A scene may be run again in the folder it was found in, but never be replaced by another.
-void refuse_to_lose_scene(const RunFolder& folder, const Scene& scene) {
-  for (const char* name : kFilesOfARun) {
-    std::error_code error;
-    if (!fs::equivalent(folder.file(name), scene.file, error)) continue;
-    std::ifstream file(scene.file, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    if (name == std::string(kSceneFile) && text == scene.effective_toml) continue;
-    Fault fault;
-    fault.place.file = "-o";
-    fault.key = folder.path().string();
-    fault.why = "the results would replace the scene itself";
-    fault.admissible = "another folder";
-    throw InputError({fault});
-  }
-}
-
 void print_error(const std::string& file, const std::string& why) {
   Fault fault;
   fault.place.file = file;
   fault.why = why;
-  std::fputs((to_string(fault) + "\n").c_str(), stderr);
+  print_error_line(to_string(fault));
 }
 
 std::string where_results_are(const RunFolder& folder) {
@@ -96,7 +80,7 @@ int already_over(RunFolder& folder, const Scene& scene, const Resumption& found,
                                 " has failed, and would again: " + found.failure);
     return kExitFailed;
   }
-  for (const char* name : {kCheckpointFile, kJournalFile}) {
+  for (const char* name : {kStoreFile, kCheckpointFile, kJournalFile}) {
     if (folder.holds(name)) folder.remove(name);
   }
   if (quiet) return kExitDone;
@@ -115,23 +99,26 @@ int run_command(const RunArguments& arguments) {
   tell_of_plugins_in_a_crash(loaded_plugins());
   const auto scene = read_scene(arguments.scene, registry, arguments.settings);
   RunFolder folder(arguments.folder.value_or(default_folder(arguments.scene)), occupied(arguments));
-  refuse_to_lose_scene(folder, *scene);
+  refuse_to_lose_inputs(folder, *scene, kFilesOfARun);
   Resumption found = resumption(arguments, folder, *scene);
   if (found.kind == Resumption::Kind::finished || found.kind == Resumption::Kind::failed) {
     return already_over(folder, *scene, found, arguments.quiet);
   }
-  folder.create();
+  folder.own(found.journal);
+  StoreFile store(folder, *scene, TOMLIN_VERSION,
+                  arguments.resume ? StoreFile::Before::read : StoreFile::Before::ignore);
 
   // A full disk or a reader that went away is an error that is reported, not the end.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
   StopSignals signals;
-  ProgressLine progress(arguments.quiet ? ProgressLine::Style::silent : progress_style());
+  ProgressLine progress(arguments.quiet ? ProgressLine::Style::silent : progress_style(),
+                        scene->run.accuracy ? "pilot: looking for the integrator" : "");
   // With an accuracy the program looks for the integrator; the same one when a run goes on.
   ChosenIntegrator chosen;
   chosen.scene = scene;
   if (scene->run.accuracy) {
-    chosen = choose_integrator(scene, registry, &signals.stop());
+    chosen = choose_integrator(scene, registry, &signals.stop(), kMostPilotWork, &store);
     if (chosen.interrupted) return kExitSignal + signals.caught();
   }
   const std::vector<std::byte> state = std::move(found.state);
@@ -142,7 +129,8 @@ int run_command(const RunArguments& arguments) {
   options.sink = &recorder;
   options.on_progress = [&progress](const RunProgress& now) { progress.show(now); };
   options.stop = &signals.stop();
-  RunResult result = run(chosen.scene, options);
+  options.store = &store;
+  RunResult result = run_as_bound(chosen.scene, options);
   progress.finish();
   if (scene->run.accuracy) estimate_errors(chosen, options, result);
 
@@ -152,7 +140,7 @@ int run_command(const RunArguments& arguments) {
   if (!arguments.quiet) {
     status = print_result(result_text(*scene, result, where_results_are(folder)));
   }
-  if (numerical) print_error(scene->file, to_string(*numerical));
+  if (numerical) print_error_line(to_string(fault_of(*numerical, *chosen.scene)));
   if (trouble) print_error("tomlin", *trouble);
   if (numerical || trouble) return kExitFailed;
   if (result.status == RunStatus::interrupted) return kExitSignal + signals.caught();

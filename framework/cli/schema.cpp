@@ -21,6 +21,7 @@
 #include "framework/core/integrator.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/language.hpp"
+#include "framework/scene/natural_units.hpp"
 #include "framework/scene/value_reader.hpp"
 
 namespace tomlin {
@@ -186,7 +187,7 @@ Json key_schema(const Parameter& row) {
       described(fmt::format("{}{}; {}; {}", row.doc, unit, what_is_due(row), default_text(row)),
                 value_schema(row));
   const auto standard = row.standard ? to_node(*row.standard) : std::nullopt;
-  if (standard) schema["default"] = json_of(*standard);
+  if (standard && !has_natural_default(row)) schema["default"] = json_of(*standard);
   return schema;
 }
 

@@ -15,6 +15,7 @@ int schema_command(const SchemaArguments& arguments) {
   if (!arguments.file) return print_result(schema);
   const std::filesystem::path file = *arguments.file;
   refuse_to_replace(file, arguments.force);
+  refuse_unwritable(file);
   OutputFile output(file);
   output.append(schema);
   output.publish();

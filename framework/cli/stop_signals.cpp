@@ -10,23 +10,25 @@ std::atomic<bool> g_stop{false};
 std::atomic<int> g_signal{0};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
-void act_on(int signal, void (*handler)(int)) {
-  struct sigaction action = {};
-  action.sa_handler = handler;
-  action.sa_flags = SA_RESTART;
-  sigemptyset(&action.sa_mask);
-  sigaction(signal, &action, nullptr);
-}
+constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGXCPU};
 
-void act_on_both(void (*handler)(int)) {
-  act_on(SIGINT, handler);
-  act_on(SIGTERM, handler);
+void act_on_all(void (*handler)(int)) {
+  for (const int signal : kSignals) {
+    struct sigaction before = {};
+    // To ignore a signal is the decision of whoever has started the program.
+    if (sigaction(signal, nullptr, &before) != 0 || before.sa_handler == SIG_IGN) continue;
+    struct sigaction action = {};
+    action.sa_handler = handler;
+    action.sa_flags = SA_RESTART;
+    sigemptyset(&action.sa_mask);
+    sigaction(signal, &action, nullptr);
+  }
 }
 
 extern "C" void stop_the_run(int signal) {
   g_signal = signal;
   g_stop = true;
-  act_on_both(SIG_DFL);
+  act_on_all(SIG_DFL);
 }
 
 }  // namespace
@@ -34,10 +36,10 @@ extern "C" void stop_the_run(int signal) {
 StopSignals::StopSignals() {
   g_stop = false;
   g_signal = 0;
-  act_on_both(&stop_the_run);
+  act_on_all(&stop_the_run);
 }
 
-StopSignals::~StopSignals() { act_on_both(SIG_DFL); }
+StopSignals::~StopSignals() { act_on_all(SIG_DFL); }
 
 const std::atomic<bool>& StopSignals::stop() const { return g_stop; }
 

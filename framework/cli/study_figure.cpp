@@ -1,9 +1,9 @@
 #include "framework/cli/study_figure.hpp"
 
-#include <cstdio>
 #include <exception>
 #include <string>
 
+#include "framework/cli/printable.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/plot/gnuplot.hpp"
 #include "framework/plot/gnuplot_script.hpp"
@@ -12,7 +12,7 @@ namespace tomlin {
 namespace {
 
 bool note(const std::exception& error) {
-  std::fputs((std::string("note: no figure: ") + error.what() + "\n").c_str(), stderr);
+  print_error_line(std::string("note: no figure: ") + error.what());
   return false;
 }
 

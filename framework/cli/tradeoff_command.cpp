@@ -1,3 +1,4 @@
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstddef>
@@ -11,7 +12,9 @@
 
 #include "framework/cli/commands.hpp"
 #include "framework/cli/exit_status.hpp"
+#include "framework/cli/inputs.hpp"
 #include "framework/cli/plugins.hpp"
+#include "framework/cli/printable.hpp"
 #include "framework/cli/progress.hpp"
 #include "framework/cli/stop_signals.hpp"
 #include "framework/cli/study_figure.hpp"
@@ -29,12 +32,13 @@ namespace {
 constexpr const char* kCsvFile = "tradeoff.csv";
 constexpr const char* kJsonFile = "tradeoff.json";
 constexpr const char* kFigureFile = "tradeoff.svg";
+constexpr std::array kFiles = {kCsvFile, kJsonFile, kFigureFile};
 
 std::string default_folder(const std::string& scene_file) {
   return fs::path(scene_file).stem().string() + ".tradeoff.out";
 }
 
-void print_note(const std::string& note) { std::fputs(("note: " + note + "\n").c_str(), stderr); }
+void print_note(const std::string& note) { print_error_line("note: " + note); }
 
 /// On a terminal one line that tells what is going on.
 class Progress {
@@ -82,15 +86,16 @@ int tradeoff_command(const TradeoffArguments& arguments) {
   const Registry registry = registry_with_plugins(arguments.plugins, {arguments.scene});
   const auto scene = read_scene(arguments.scene, registry, arguments.settings);
   RunFolder folder(arguments.folder.value_or(default_folder(arguments.scene)),
-                   arguments.force ? Occupied::replace_results : Occupied::refuse);
+                   arguments.force ? Occupied::replace_results : Occupied::refuse, kFiles);
+  refuse_to_lose_inputs(folder, *scene, kFiles);
   check_new_scene(arguments);
+  folder.own();
 
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
   StopSignals signals;
   const Tradeoff tradeoff = measured(scene, registry, arguments, signals);
 
-  folder.create();
   folder.write_file(kCsvFile, tradeoff_csv(tradeoff));
   std::string where = (folder.path() / "").string() + ": " + kJsonFile + ", " + kCsvFile;
   if (!tradeoff.points.empty() &&

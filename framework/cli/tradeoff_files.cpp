@@ -116,6 +116,8 @@ std::string tradeoff_json(const Scene& scene, const Tradeoff& tradeoff) {
   json["observable"] = tradeoff.observable;
   json["tolerance"] = number(tradeoff.tolerance);
   json["relative"] = tradeoff.scale.relative;
+  json["resolved"] = tradeoff.reference && tradeoff.scale.resolved;
+  json["error_unit"] = number(tradeoff.scale.size);
   json["parameters"] = Json::object();
   for (const auto& [name, value] : scene.parameters) json["parameters"][name] = number(value);
   json["reference"] = tradeoff.reference ? reference_entry(*tradeoff.reference) : Json();

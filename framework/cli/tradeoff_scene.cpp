@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/cli/new_file.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/core/text_file.hpp"
 #include "framework/output/output_file.hpp"
@@ -35,6 +36,7 @@ void check_new_scene(const TradeoffArguments& arguments) {
   if (fs::exists(fs::symlink_status(*arguments.write, error)) && !arguments.force) {
     refuse_file(*arguments.write, "there is something of this name", "a new file, or --force");
   }
+  refuse_unwritable(*arguments.write, "--write");
 }
 
 std::string write_scene(const TradeoffArguments& arguments, const Registry& registry,
@@ -42,6 +44,7 @@ std::string write_scene(const TradeoffArguments& arguments, const Registry& regi
   std::vector<Setting> settings = arguments.settings;
   settings.insert(settings.end(), recommendation.settings.begin(), recommendation.settings.end());
   const TextFile source = read_text_file(arguments.scene, kLargestSceneFile);
+  if (source.too_large) return "the scene is too large";
   if (!source.why.empty()) return source.why;
   try {
     const std::string text = edited(source.text, arguments.scene, settings);

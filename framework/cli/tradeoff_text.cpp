@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <filesystem>
 #include <iterator>
 #include <map>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+
+#include "framework/scene/title.hpp"
 
 namespace tomlin {
 namespace {
@@ -37,8 +38,9 @@ class Rows {
 };
 
 std::string error_text(const Tradeoff& tradeoff, double error) {
-  if (!tradeoff.scale.relative) return fmt::format("{:.1e}", error);
-  return fmt::format("{:.1e} ({:.1e} of it)", error, error / tradeoff.scale.size);
+  if (!tradeoff.scale.resolved) return fmt::format("{:.1e}", error);
+  return fmt::format("{:.1e} ({:.1e} of {})", error, error / tradeoff.scale.size,
+                     tradeoff.scale.relative ? "it" : fmt::format("{:.2g}", tradeoff.scale.size));
 }
 
 std::string second_text(const Tradeoff& tradeoff) {
@@ -59,11 +61,13 @@ std::string quadruple_text(const Tradeoff& tradeoff) {
                      100.0 * reference.quadruple_part);
 }
 
-std::string sensitivity_text(const Sensitivity& sensitivity) {
+std::string sensitivity_text(const Sensitivity& sensitivity, const ErrorScale& scale) {
   if (sensitivity.values.empty()) return "not known: " + sensitivity.why;
-  const std::string spread = fmt::format(
-      "starts that differ by {:g} and {:g} move it by {:.1e}, {:.1f} digits are shared",
-      sensitivity.sizes.front(), sensitivity.sizes.back(), sensitivity.spread, sensitivity.digits);
+  std::string spread =
+      fmt::format("starts that differ by {:g} and {:g} move it by {:.1e}",
+                  sensitivity.sizes.front(), sensitivity.sizes.back(), sensitivity.spread);
+  // Zero has no digits.
+  if (scale.relative) spread += fmt::format(", {:.1f} digits are shared", sensitivity.digits);
   switch (sensitivity.verdict) {
     case Sensitivity::Verdict::determined:
       return "yes: " + spread;
@@ -85,7 +89,12 @@ void add_reference(Rows& rows, const Tradeoff& tradeoff) {
                                reference.seconds));
   rows.add("  other scheme", second_text(tradeoff));
   rows.add("  quadruple", quadruple_text(tradeoff));
-  rows.add("determined", sensitivity_text(tradeoff.sensitivity));
+  if (tradeoff.scale.resolved && !tradeoff.scale.relative) {
+    rows.add("  zero", fmt::format("as far as it is known: errors are parts of {:.2g}, which the "
+                                   "scene's own units have for it",
+                                   tradeoff.scale.size));
+  }
+  rows.add("determined", sensitivity_text(tradeoff.sensitivity, tradeoff.scale));
 }
 
 /// "1e-2 to 1e-4" of 2, 3, 4.
@@ -171,7 +180,8 @@ std::string recommendation(const Tradeoff& tradeoff) {
   const TradeoffPoint& point = tradeoff.points[chosen.point];
   std::string text = fmt::format(
       "recommended for {} error of {:.2g}: {}, error {:.1e}, {} evaluations, {:.2g} s\n\n",
-      tradeoff.scale.relative ? "a relative" : "an", chosen.tolerance,
+      tradeoff.scale.relative ? "a relative" : "an",
+      chosen.tolerance * (tradeoff.scale.relative ? 1.0 : tradeoff.scale.size),
       tradeoff.rungs[point.rung].name, tradeoff.error_of(point), point.cost(), point.seconds);
   for (const std::string& line : scene_lines(chosen.settings)) text += "  " + line + "\n";
   return text;
@@ -180,8 +190,7 @@ std::string recommendation(const Tradeoff& tradeoff) {
 }  // namespace
 
 std::string tradeoff_text(const Scene& scene, const Tradeoff& tradeoff, const std::string& where) {
-  std::string text =
-      (scene.name.empty() ? std::filesystem::path(scene.file).stem().string() : scene.name) + "\n";
+  std::string text = title_of(scene) + "\n";
   Rows rows;
   rows.add("observable", tradeoff.observable);
   if (tradeoff.reference) {

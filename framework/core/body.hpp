@@ -16,6 +16,7 @@ struct BodyDescription {
   PerParticle particle_mass;
   PerParticleVector velocity;
   std::string coordinates;
+  std::filesystem::path read_from;  ///< the file that `prepare` has fetched a part from; or empty
 };
 
 /// The rows for BodyDescription, for a description D derived from it.

@@ -61,10 +61,13 @@ template <class Description>
 Parameter bonded_pairs() {
   return parameter(
       "pairs", &Description::pairs, dimension::none,
-      "which pairs are bonded: \"all\", \"neighbours\" or a list of index pairs; "
+      "which pairs are bonded: \"all\", \"neighbours\" (each particle with the next; the last with "
+      "the first in a ring, and in a chain along a periodic axis) or a list of index pairs; "
       "between two bodies \"all\" is each particle of the first with each of the "
       "second, and the first index of a pair is in the first body; in a periodic box a "
-      "bond keeps the images with which it starts");
+      "bond keeps the images with which it starts, and is warned of where it becomes as long as "
+      "half "
+      "the box");
 }
 template <class Description>
 Parameter bond_rest_lengths() {
@@ -99,7 +102,7 @@ template <class E, const KernelTables& tables, int rank, class Real>
 std::unique_ptr<BoundForce<Real>> bind_on_bonds(const void* description,
                                                 const Binding<Real>& binding) {
   const auto& d = *static_cast<const typename E::Description*>(description);
-  BoundPairs<Real> bound = pairs_of(d.pairs, binding);
+  BoundPairs<Real> bound = pairs_of(d.pairs, binding, PairImages::kept);
   return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
     set_rest_lengths<Real, D>(d.rest_lengths, binding, bound.pairs);
     return std::make_unique<PairForce<E, Real, D>>(d, binding, tables, std::move(bound), rank);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "framework/core/math.hpp"
+#include "framework/core/power_of_two.hpp"
 
 namespace tomlin {
 namespace {
@@ -12,6 +13,15 @@ double dot(const std::vector<double>& a, const double* b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
   return sum;
+}
+
+/// One by the power of two of the first size that is one: a unit that is taken out before roots
+/// are, so that a matrix in other units has the same bits.
+double unit_of(const std::vector<double>& sizes) {
+  for (const double size : sizes) {
+    if (std::isnormal(size)) return 1.0 / power_of_two_above(size);
+  }
+  return 1.0;
 }
 
 }  // namespace
@@ -43,16 +53,18 @@ void BorderedFactors::scale(const std::vector<double>& sizes) {
       scale_[i] += std::abs(term.weight) * term.direction[i] * term.direction[i];
     }
   }
+  const double unit = unit_of(scale_);
   for (double& scale : scale_) {
-    scale = scale > 0.0 && std::isfinite(scale) ? 1.0 / std::sqrt(scale) : 1.0;
+    scale = scale > 0.0 && std::isfinite(scale) ? 1.0 / std::sqrt(scale * unit) : 1.0;
   }
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = matrix_.first_of(i); j < matrix_.end_of(i); ++j) {
-      matrix_.at(i, j) *= scale_[i] * scale_[j];
+      matrix_.at(i, j) = matrix_.at(i, j) * unit * (scale_[i] * scale_[j]);
     }
   }
+  scale_.push_back(unit);  // behind the scales
   for (RankOne& term : terms_) {
-    const double root = std::sqrt(std::abs(term.weight));
+    const double root = std::sqrt(std::abs(term.weight * unit));
     for (std::size_t i = 0; i < n; ++i) term.direction[i] *= root * scale_[i];
     term.weight = term.weight < 0.0 ? -1.0 : 1.0;
   }
@@ -106,8 +118,9 @@ bool BorderedFactors::factor_terms() {
 
 /// Haynsworth's inertia of the block matrix with B and -S on its diagonal and U beside it.
 void BorderedFactors::count() {
-  log_determinant_ = band_.log_determinant();
-  for (const double scale : scale_) log_determinant_ -= 2.0 * log(scale);
+  const std::size_t n = matrix_.size();
+  log_determinant_ = band_.log_determinant() - static_cast<double>(n) * log(scale_[n]);
+  for (std::size_t i = 0; i < n; ++i) log_determinant_ -= 2.0 * log(scale_[i]);
   negative_ = band_.negative();
   if (terms_.empty()) return;
   log_determinant_ += capacitance_.log_determinant();
@@ -117,8 +130,9 @@ void BorderedFactors::count() {
 
 /// A^-1 b = D (y - B^-1 U (S + U^T B^-1 U)^-1 U^T y), y = B^-1 D b.
 void BorderedFactors::solve(double* x) const {
-  const std::size_t n = scale_.size();
-  for (std::size_t i = 0; i < n; ++i) x[i] *= scale_[i];
+  if (scale_.empty()) return;
+  const std::size_t n = scale_.size() - 1;
+  for (std::size_t i = 0; i < n; ++i) x[i] *= scale_[n] * scale_[i];
   band_.solve(x);
   if (!terms_.empty()) {
     for (std::size_t k = 0; k < terms_.size(); ++k) shares_[k] = dot(terms_[k].direction, x);

@@ -67,7 +67,10 @@ inline constexpr int kRankTranscendental = 2;
 /// One kernel call of a force. The model orders the passes and lets the first on a region set.
 template <class Real>
 struct Pass {
-  Kernel<Real> set = nullptr;  ///< null: this pass can only add
+  /// Null: this pass can only add. What stands in the region before is no number that means
+  /// anything, so all of it is written: of particles every axis with its padding, up to a whole
+  /// group, and of a centre its group of eight, the rotation included.
+  Kernel<Real> set = nullptr;
   Kernel<Real> add = nullptr;
   const void* arguments = nullptr;
   std::vector<Region> writes;
@@ -162,6 +165,12 @@ class BoundForce {
   virtual const Drive* drive() const { return nullptr; }
   /// Shortest distance that a pair of it keeps; 0 when there are none.
   virtual double shortest_bond() const { return 0.0; }
+  /// Bonds that keep the images with which they start, in a periodic box: what has become so long
+  /// that another image of the same particle is nearer, for a warning; empty where none has.
+  virtual std::string bond_beyond_half_box(const Stage<Real>& stage) const {
+    (void)stage;
+    return {};
+  }
   /// Where and why it has no finite value at a stage, for messages: "in 'log(y)', column 1, of
   /// particle 3: ...". Empty when it cannot tell.
   virtual std::string why_not_finite(const Stage<Real>& stage) const {

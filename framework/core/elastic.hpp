@@ -21,7 +21,7 @@ struct ElasticBody {
   double total_mass = 0.0;
   double friction_rate = 0.0;     ///< coefficient/mass, the same for all its particles
   std::vector<double> mass;       ///< [count]
-  std::vector<double> root_mass;  ///< [count], square roots
+  std::vector<double> root_mass;  ///< [count], square roots in power_of_two_above(mass[0])
   std::vector<double> shape;      ///< [n], relative to the centre of mass
 
   // Of a body without bonds these are empty.

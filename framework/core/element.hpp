@@ -44,7 +44,8 @@ TOMLIN_INLINE T distance(const Vec<T, D>& separation) {
 }
 
 /// The force on the first particle of a pair that is pulled towards the second by `tension`
-/// (dV/dr; negative: pushed away). `r` is the distance between them.
+/// (dV/dr; negative: pushed away). `r` is the distance between them. In one place a pair without
+/// tension does not pull, and one with tension has no direction: that is no number.
 template <class T, int D>
 TOMLIN_INLINE Vec<T, D> pull(const Vec<T, D>& separation, const T& r, const T& tension) {
   Vec<T, D> force;
@@ -52,7 +53,8 @@ TOMLIN_INLINE Vec<T, D> pull(const Vec<T, D>& separation, const T& r, const T& t
     (void)r;
     force[0] = tension * copysign(T(1.0), separation[0]);
   } else {
-    const T scale = tension / r;
+    const T none(0.0);
+    const T scale = select((r == none) & (tension == none), none, tension / r);
     for (int d = 0; d < D; ++d) force[d] = scale * separation[d];
   }
   return force;

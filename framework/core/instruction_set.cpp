@@ -1,6 +1,12 @@
 #include "framework/core/instruction_set.hpp"
 
 #include <cstdlib>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "framework/core/fault.hpp"
+#include "framework/core/nearest_name.hpp"
 
 namespace tomlin {
 namespace {
@@ -24,6 +30,25 @@ bool machine_has_avx512() {
 #endif
 }
 
+constexpr const char* kVariable = "TOMLIN_INSTRUCTION_SET";
+
+InstructionSet named(const std::string& wish) {
+  std::vector<std::string> names;
+  for (const InstructionSet set :
+       {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
+    if (to_string(set) == wish) return set;
+    names.emplace_back(to_string(set));
+  }
+  Fault fault;
+  fault.place.file = "tomlin";
+  fault.key = kVariable;
+  fault.value = wish;
+  fault.why = "no instruction set that there are kernels for";
+  fault.admissible = names[0] + ", " + names[1] + ", " + names[2];
+  fault.nearest = nearest_name(wish, names).value_or("");
+  throw InputError({std::move(fault)});
+}
+
 }  // namespace
 
 bool is_supported(InstructionSet set) {
@@ -39,11 +64,10 @@ bool is_supported(InstructionSet set) {
 }
 
 InstructionSet chosen_instruction_set() {
-  if (const char* wish = std::getenv("TOMLIN_INSTRUCTION_SET")) {
-    for (const InstructionSet set :
-         {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
-      if (to_string(set) == wish && is_supported(set)) return set;
-    }
+  const char* wish = std::getenv(kVariable);
+  if (wish != nullptr && *wish != '\0') {
+    const InstructionSet set = named(wish);
+    if (is_supported(set)) return set;
   }
   if (is_supported(InstructionSet::avx512)) return InstructionSet::avx512;
   if (is_supported(InstructionSet::avx2)) return InstructionSet::avx2;

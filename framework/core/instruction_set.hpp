@@ -19,8 +19,8 @@ inline constexpr bool kCompiledForAvx512 = true;
 inline constexpr bool kCompiledForAvx512 = false;
 #endif
 
-/// The widest supported set, or the one named by the environment variable
-/// TOMLIN_INSTRUCTION_SET ("baseline", "avx2", "avx512") when that is supported.
+/// The widest supported set, or the one that the variable TOMLIN_INSTRUCTION_SET ("baseline",
+/// "avx2", "avx512") names, where it is supported. Throws InputError when it names none of them.
 InstructionSet chosen_instruction_set();
 
 /// True when the build has kernels of this set and this machine can run them.

@@ -77,8 +77,10 @@ struct PairListArguments {
   const std::size_t* i = nullptr;  ///< [padded pairs]; the padding repeats the last pair
   const std::size_t* j = nullptr;
   const Real* datum = nullptr;  ///< [padded pairs]
-  const Real* image = nullptr;  ///< [axis][padded pairs], added to separations; null without a box
-  Real* result = nullptr;       ///< scratch [axis][padded pairs]
+  const Real* image = nullptr;  ///< [axis][padded pairs], added to separations; null: none is
+  Real box[3] =
+      {};  ///< length along each axis on which separations are to the nearest image, else 0
+  Real* result = nullptr;  ///< scratch [axis][padded pairs]
   /// For each particle of `first`, then of `second`: its pairs in row order, as +/-(pair + 1).
   std::size_t particles_first = 0;
   std::size_t particles_second = 0;

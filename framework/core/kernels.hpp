@@ -5,6 +5,7 @@
 #include "framework/core/element.hpp"
 #include "framework/core/kernel_arguments.hpp"
 #include "framework/core/math.hpp"
+#include "framework/core/nearest_image.hpp"
 #include "framework/core/number_types.hpp"
 
 /// The loops over elements, written once per element kind. They turn an evaluator, which knows one
@@ -431,9 +432,11 @@ TOMLIN_FLATTEN void pair_list_kernel(const void* arguments, const Stage<Real>& s
   for (std::size_t k = 0; k < a.pairs; k += kGroup) {
     Pair<Group, D> pair;
     for (int d = 0; d < D; ++d) {
-      const Group apart =
+      Group apart =
           gather(x2 + d * a.second.stride, a.j + k) - gather(x1 + d * a.first.stride, a.i + k);
-      pair.separation[d] = a.image ? apart + Group::load(a.image + d * row_length + k) : apart;
+      if (a.image) apart = apart + Group::load(a.image + d * row_length + k);
+      if (a.box[d] > Real(0.0)) apart = nearest_image(apart, a.box[d]);
+      pair.separation[d] = apart;
     }
     pair.datum = Group::load(a.datum + k);
     const Vec<Group, D> force = force_on<E, Group, D>(p, pair);

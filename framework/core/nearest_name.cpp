@@ -52,6 +52,36 @@ bool is_close(const std::string& a, const std::string& b, std::size_t edits) {
   return edits <= std::clamp<std::size_t>(longer / 3, 1, kMostEdits);
 }
 
+/// "bodies" of "body", "boxes" of "box".
+bool is_plural(const std::string& many, const std::string& one) {
+  if (one.size() < kShortestAbbreviation) return false;
+  const bool y = one.back() == 'y' && many == one.substr(0, one.size() - 1) + "ies";
+  return y || many == one + "s" || many == one + "es";
+}
+
+/// Whether the word is one of those that make up the name, as "mass" of "particle_mass".
+bool is_word_of(const std::string& word, const std::string& name) {
+  for (std::size_t at = name.find(word); at != std::string::npos; at = name.find(word, at + 1)) {
+    const bool begins = at == 0 || name[at - 1] == '_';
+    const std::size_t end = at + word.size();
+    if (begins && (end == name.size() || name[end] == '_')) return true;
+  }
+  return false;
+}
+
+/// The only name that the word is a part of.
+std::optional<std::string> only_name_with(const std::string& word,
+                                          const std::vector<std::string>& valid_names) {
+  const std::string* found = nullptr;
+  for (const std::string& valid : valid_names) {
+    if (valid.size() > kLongestName || !is_word_of(word, lower(valid))) continue;
+    if (found != nullptr) return std::nullopt;
+    found = &valid;
+  }
+  if (found == nullptr) return std::nullopt;
+  return *found;
+}
+
 }  // namespace
 
 std::optional<std::string> nearest_name(std::string_view name,
@@ -67,7 +97,7 @@ std::optional<std::string> nearest_name(std::string_view name,
     if (valid.empty() || valid.size() > kLongestName) continue;
     const std::string candidate = lower(valid);
     const std::size_t edits = edits_between(wanted, candidate);
-    const bool close = is_close(wanted, candidate, edits);
+    const bool close = is_close(wanted, candidate, edits) || is_plural(wanted, candidate);
     const bool abbreviation =
         wanted.size() >= kShortestAbbreviation && candidate.starts_with(wanted);
     if (!close && !abbreviation) continue;
@@ -81,8 +111,9 @@ std::optional<std::string> nearest_name(std::string_view name,
       nearest = &valid;
     }
   }
-  if (nearest == nullptr) return std::nullopt;
-  return *nearest;
+  if (nearest != nullptr) return *nearest;
+  if (wanted.size() < kShortestAbbreviation) return std::nullopt;
+  return only_name_with(wanted, valid_names);
 }
 
 }  // namespace tomlin

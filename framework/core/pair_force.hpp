@@ -1,13 +1,19 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
+#include <string>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "framework/core/bound_force.hpp"
 #include "framework/core/element.hpp"
 #include "framework/core/kernel_tables.hpp"
+#include "framework/core/nearest_image.hpp"
 #include "framework/core/number_types.hpp"
 #include "framework/core/pairs.hpp"
 #include "framework/core/parameter.hpp"
@@ -18,7 +24,8 @@
 namespace tomlin {
 
 /// The evaluator on pairs within one body or between two. All pairs of a body and neighbours run
-/// along contiguous numbers; any other list gathers.
+/// along contiguous numbers; any other list gathers. In a periodic box separations are those to the
+/// nearest image at every time, unless the pairs are bonds, which keep theirs.
 template <class E, class Real, int D>
 class PairForce : public BoundForce<Real> {
  public:
@@ -30,6 +37,7 @@ class PairForce : public BoundForce<Real> {
         tables_(tables.on<Real>(binding.set)),
         body_(*binding.bodies.front()),
         other_(*binding.bodies.back()),
+        box_(binding.box),
         topology_(bound.topology),
         pairs_(std::move(bound.pairs)),
         rank_(rank) {
@@ -42,7 +50,8 @@ class PairForce : public BoundForce<Real> {
         lay_chain();
         break;
       case PairTopology::list:
-        list_.lay(body_, other_, D, pairs_);
+        by_nearest_image_ = bound.images == PairImages::nearest;
+        list_.lay(body_, other_, D, pairs_, by_nearest_image_ ? box_ : std::array<double, 3>{});
         list_.arguments.parameters = &parameters_;
         break;
     }
@@ -72,14 +81,19 @@ class PairForce : public BoundForce<Real> {
   }
 
   void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
-    using T = Dual<Real, D>;
     for (const BoundPair<Real>& bound : pairs_) {
-      const auto force = force_on<E, T, D>(in_type<E, T, Real, D>(parameters_),
-                                           differentiable(pair(stage, bound)));
+      const Pair<Real, D> here = pair(stage, bound);
+      const bool together = pulls_nothing_together(here);
+      Pair<Real, D> beside = here;
+      // The same in all directions where particles without tension are together.
+      if (together) beside.separation[0] = Real(kBeside);
+      const auto force = slopes(beside);
       for (int a = 0; a < D; ++a) {
         for (int b = 0; b < D; ++b) {
-          sink.pair(body_.index, bound.i, other_.index, bound.j, a, b,
-                    static_cast<double>(force[a].derivative[b]));
+          const Real slope = !together ? force[a].derivative[b]
+                             : a == b  ? force[0].derivative[0]
+                                       : Real(0.0);
+          sink.pair(body_.index, bound.i, other_.index, bound.j, a, b, static_cast<double>(slope));
         }
       }
     }
@@ -94,13 +108,78 @@ class PairForce : public BoundForce<Real> {
     return shortest;
   }
 
+  std::string bond_beyond_half_box(const Stage<Real>& stage) const override {
+    if (topology_ != PairTopology::list || by_nearest_image_) return {};
+    static constexpr char kAxes[] = {'x', 'y', 'z'};
+    for (const BoundPair<Real>& bound : pairs_) {
+      const Pair<Real, D> here = pair(stage, bound);
+      for (int d = 0; d < D; ++d) {
+        const double apart = std::abs(static_cast<double>(here.separation[d]));
+        if (!(box_[d] > 0.0 && apart >= 0.5 * box_[d])) continue;
+        return fmt::format("{} are {:.4g} apart along {}, half the box or more", name_of(bound),
+                           apart, kAxes[d]);
+      }
+    }
+    return {};
+  }
+
+  std::string why_not_finite(const Stage<Real>& stage) const override {
+    for (const BoundPair<Real>& bound : pairs_) {
+      const Pair<Real, D> here = pair(stage, bound);
+      const Vec<Real, D> force = force_on<E, Real, D>(parameters_, here);
+      bool finite = true;
+      for (int d = 0; d < D; ++d) finite = finite && force[d] - force[d] == Real(0.0);
+      if (finite || !are_together(here)) continue;
+      return name_of(bound) + " are in one place, where the force between them has no direction";
+    }
+    return {};
+  }
+
  private:
+  /// So short a way that nothing changes along it, and no number but its square.
+  static constexpr double kBeside = sizeof(Real) < sizeof(double) ? 1e-18 : 1e-150;
+
+  static bool are_together(const Pair<Real, D>& pair) {
+    for (int d = 0; d < D; ++d) {
+      if (pair.separation[d] != Real(0.0)) return false;
+    }
+    return true;
+  }
+
+  /// On a line particles pass through each other: a pair has a direction on either side.
+  bool pulls_nothing_together(const Pair<Real, D>& pair) const {
+    if (D == 1 || !are_together(pair)) return false;
+    const Vec<Real, D> force = force_on<E, Real, D>(parameters_, pair);
+    for (int d = 0; d < D; ++d) {
+      if (force[d] != Real(0.0)) return false;  // no number is not equal to any
+    }
+    return true;
+  }
+
+  Vec<Dual<Real, D>, D> slopes(const Pair<Real, D>& pair) const {
+    using T = Dual<Real, D>;
+    return force_on<E, T, D>(in_type<E, T, Real, D>(parameters_), differentiable(pair));
+  }
+
+  std::string name_of(const BoundPair<Real>& bound) const {
+    if (body_.index == other_.index) {
+      return fmt::format("particles {} and {} of \"{}\"", bound.i, bound.j, body_.name);
+    }
+    return fmt::format("particle {} of \"{}\" and particle {} of \"{}\"", bound.i, body_.name,
+                       bound.j, other_.name);
+  }
+
   Pair<Real, D> pair(const Stage<Real>& stage, const BoundPair<Real>& bound) const {
     const auto from =
         vector_at<D, Real>(body_.slot, stage.position, stage.mapped_position, bound.i);
     const auto to = vector_at<D, Real>(other_.slot, stage.position, stage.mapped_position, bound.j);
     Pair<Real, D> pair;
-    for (int d = 0; d < D; ++d) pair.separation[d] = to[d] - from[d] + Real(bound.image[d]);
+    for (int d = 0; d < D; ++d) {
+      const Real apart = to[d] - from[d];
+      const bool nearest = by_nearest_image_ && box_[d] > 0.0;
+      pair.separation[d] =
+          nearest ? nearest_image(apart, Real(box_[d])) : apart + Real(bound.image[d]);
+    }
     pair.datum = bound.datum;
     return pair;
   }
@@ -162,7 +241,9 @@ class PairForce : public BoundForce<Real> {
   const KernelTable<Real>& tables_;
   BoundBody<Real> body_;
   BoundBody<Real> other_;
+  std::array<double, 3> box_;
   PairTopology topology_;
+  bool by_nearest_image_ = false;
   std::vector<BoundPair<Real>> pairs_;
   int rank_;
 

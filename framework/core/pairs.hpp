@@ -30,21 +30,30 @@ enum class PairTopology {
   list,   ///< anything else
 };
 
+/// Through the sides of a periodic box a pair is of one particle and an image of the other.
+enum class PairImages {
+  nearest,  ///< the nearest at every time: a potential. Neighbours along a chain keep theirs
+  kept,     ///< the nearest at the start, for ever: a bond
+};
+
 template <class Real>
 struct BoundPairs {
   PairTopology topology = PairTopology::list;
+  PairImages images = PairImages::nearest;
   std::vector<BoundPair<Real>> pairs;  ///< "all" row by row, "neighbours" in order
 };
 
-/// The pairs that a selection means on the bodies of a binding, each once. In a periodic box a pair
-/// is that of the nearest images at the start, and stays with them; the pair that closes a chain
-/// goes forwards.
+/// The pairs that a selection means on the bodies of a binding, each once, and the images that they
+/// have at the start: the nearest. Neighbours are as they stand; the pair that closes a chain goes
+/// forwards through the box's side.
 template <class Real>
-BoundPairs<Real> pairs_of(const PairSelection& selection, const Binding<Real>& binding) {
+BoundPairs<Real> pairs_of(const PairSelection& selection, const Binding<Real>& binding,
+                          PairImages images = PairImages::nearest) {
   const BoundBody<Real>& one = *binding.bodies.front();
   const BoundBody<Real>& other = *binding.bodies.back();
   const std::size_t count = one.slot.count;
   BoundPairs<Real> found;
+  found.images = images;
   const auto add = [&](std::size_t i, std::size_t j) {
     BoundPair<Real> pair;
     pair.i = i;
@@ -95,10 +104,11 @@ BoundPairs<Real> pairs_of(const PairSelection& selection, const Binding<Real>& b
   const auto is_imaged = [](const BoundPair<Real>& pair) {
     return pair.image != std::array<double, 3>{};
   };
-  if (found.topology == PairTopology::ring &&
-      std::any_of(found.pairs.begin(), found.pairs.end(), is_imaged)) {
-    found.topology = PairTopology::list;
-  }
+  const bool boxed = binding.box != std::array<double, 3>{};
+  const bool by_image = images == PairImages::nearest
+                            ? boxed
+                            : std::any_of(found.pairs.begin(), found.pairs.end(), is_imaged);
+  if (found.topology == PairTopology::ring && by_image) found.topology = PairTopology::list;
   return found;
 }
 
@@ -118,8 +128,9 @@ template <class Real>
 struct PairList {
   PairListArguments<Real> arguments;
 
+  /// `box`: along its axes separations are to the nearest image, in place of the pairs' own.
   void lay(const BoundBody<Real>& one, const BoundBody<Real>& other, int dimension,
-           const std::vector<BoundPair<Real>>& pairs) {
+           const std::vector<BoundPair<Real>>& pairs, const std::array<double, 3>& box) {
     const std::size_t length = padded(pairs.size());
     const bool same = other.index == one.index;
     image_.assign(static_cast<std::size_t>(dimension) * length, Real(0.0));
@@ -130,6 +141,7 @@ struct PairList {
       index_j_.push_back(bound.j);
       datum_.push_back(bound.datum);
       for (int d = 0; d < dimension; ++d) {
+        if (box[d] > 0.0) continue;
         image_[static_cast<std::size_t>(d) * length + k] = Real(bound.image[d]);
         imaged = imaged || bound.image[d] != 0.0;
       }
@@ -144,6 +156,7 @@ struct PairList {
     arguments.j = index_j_.data();
     arguments.datum = datum_.data();
     if (imaged) arguments.image = image_.data();
+    for (std::size_t d = 0; d < 3; ++d) arguments.box[d] = Real(box[d]);
     arguments.result = result_.data();
   }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "framework/core/double_double.hpp"
@@ -50,6 +51,15 @@ class EquilibriumPath {
   /// It was a jump. Else the scene has only branched off: the next equilibrium begins where the
   /// last one has ended.
   virtual bool jumped() const = 0;
+  /// Where the last settle() or slip() was a tie, no force but rounding preferring the equilibrium
+  /// that it took: the coordinate in which that differs most from the other one.
+  virtual std::optional<std::size_t> tied() const { return std::nullopt; }
+  /// From now on random forces decide where nothing stronger does. They displace a coordinate of
+  /// typical stiffness by about `size`, differently in each stream of random numbers; streams of
+  /// odd and of even number leave an unstable equilibrium to opposite sides wherever they decide.
+  virtual void disturb(double size, std::uint64_t seed, std::uint64_t stream) {
+    (void)size, (void)seed, (void)stream;
+  }
 
   /// Moments of the last step, close enough that cubics through each four show all that it does;
   /// the first is its start and the last its end.
@@ -62,6 +72,14 @@ class EquilibriumPath {
 
  protected:
   EquilibriumPath() = default;
+};
+
+/// A running integral that results are made of, and what its rate must be multiplied by to be a
+/// power: 1, or for a force the speed of what it pulls.
+struct WatchedIntegral {
+  std::size_t rate = 0;  ///< where it stands among the rates
+  double speed = 1.0;
+  double stiffness = 0.0;  ///< by how much the rate changes where a coordinate does
 };
 
 /// Advances position, velocity and integrals of a system. All three are known at the same time at
@@ -134,6 +152,16 @@ class Integrator {
 
   /// For a scheme that follows equilibria; null for all others.
   virtual EquilibriumPath* path() { return nullptr; }
+
+  /// Before the first step: integrals whose error a scheme may hold against what is dissipated,
+  /// which is no less on average than at the velocities `along`, [dofs]: all move with the drivers.
+  virtual void watch(const std::vector<WatchedIntegral>& integrals,
+                     const std::vector<double>& along) {
+    (void)integrals, (void)along;
+  }
+  /// Error of the works among them that rounding has made so far, where that is more than the
+  /// tolerance allows; an energy.
+  virtual double rounding_of_works() const { return 0.0; }
 
   /// Accepted and refused attempts of an adaptive scheme.
   virtual std::uint64_t refused_steps() const { return 0; }

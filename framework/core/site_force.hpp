@@ -58,10 +58,6 @@ class ForceOnSites : public BoundForce<Real> {
   void rebase(const Origin& origin) override {
     if constexpr (requires { E::template rebase<Real, D>(parameters_, description_, origin); }) {
       E::template rebase<Real, D>(parameters_, description_, origin);
-    } else if constexpr (requires {
-                           E::template rebase<Real, D>(parameters_, description_, origin, origin);
-                         }) {
-      E::template rebase<Real, D>(parameters_, description_, origin, first_origin_);
     }
   }
 

@@ -9,11 +9,12 @@ namespace tomlin {
 /// What stands in a file, or why it cannot be had.
 struct TextFile {
   std::string text;
-  std::string why;  ///< empty when the text is there
+  std::string why;         ///< empty when the text is there, or too much of it
+  bool too_large = false;  ///< there are more bytes than were allowed, and none of them is here
 };
 
-/// Never throws. Of a file that is larger than `most_bytes` one byte more is read, so that the
-/// excess is noticed; a device may never end.
+/// Never throws. Only regular files are opened: a pipe or a device may never end, or do something
+/// when it is opened. One that is too large is not read.
 TextFile read_text_file(const std::filesystem::path& path, std::size_t most_bytes);
 
 }  // namespace tomlin

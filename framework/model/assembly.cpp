@@ -10,7 +10,10 @@
 #include "framework/core/kernel_tables.hpp"
 #include "framework/core/random.hpp"
 #include "framework/core/sum.hpp"
+#include "framework/core/tolerance.hpp"
 #include "framework/model/plugin_code.hpp"
+#include "framework/scene/motion_slope.hpp"
+#include "framework/scene/natural_units.hpp"
 
 TOMLIN_DECLARE_TABLES(RigidKernels, RigidTable)
 TOMLIN_DECLARE_TABLES(FrictionKernels, FrictionTable)
@@ -64,6 +67,43 @@ void zero_kernel(const void* arguments, const Stage<Real>& stage) {
   for (std::size_t i = 0; i < a.length; ++i) f[i] = Real(0.0);
 }
 
+/// What accelerates a prescribed body, besides what the forces on it take: m dv/dt and the power of
+/// that and of I domega/dt. Added to the body's force and power, and kept apart behind them, since
+/// their integrals are known from the velocities at both ends, jumps of the velocity included.
+struct InertiaArguments {
+  const Motion* motion = nullptr;
+  const DoubleDouble* anchor = nullptr;  ///< of the stages' time
+  double mass = 0.0;
+  double inertia = 0.0;
+  std::ptrdiff_t rate = kNoRate;  ///< of the body's force
+};
+
+template <class Real>
+void inertia_kernel(const void* arguments, const Stage<Real>& stage) {
+  const auto& a = *static_cast<const InertiaArguments*>(arguments);
+  const double now = static_cast<double>(*a.anchor) + static_cast<double>(stage.elapsed);
+  // Where a velocity jumps or its slope has no bound there is no force to speak of.
+  const auto slope = [now](const TimeFunction& function) {
+    const double value = slope_of(function, now);
+    return std::isfinite(value) ? value : 0.0;
+  };
+  const auto axes = static_cast<std::ptrdiff_t>(a.motion->velocity.size());
+  Real* total = stage.rates + a.rate;
+  Real* apart = total + axes + 1;
+  const TimeFunction& spin = a.motion->angular_velocity;
+  double power = 0.0;
+  if (!spin.is_constant()) power = a.inertia * slope(spin) * spin(now);
+  for (std::ptrdiff_t d = 0; d < axes; ++d) {
+    const TimeFunction& velocity = a.motion->velocity[d];
+    const double force = velocity.is_constant() ? 0.0 : a.mass * slope(velocity);
+    if (force != 0.0) power = std::fma(force, velocity(now), power);
+    apart[d] = Real(force);
+    total[d] = total[d] + apart[d];
+  }
+  apart[axes] = Real(power);
+  total[axes] = total[axes] + apart[axes];
+}
+
 /// Collects the friction coefficients of particles.
 class CoefficientSink : public FrictionSink {
  public:
@@ -74,6 +114,37 @@ class CoefficientSink : public FrictionSink {
   std::vector<std::vector<double>> coefficients;
 };
 
+/// Errors are held against the scene's own length and time: see framework/core/tolerance.hpp.
+template <class Real>
+AlignedVector<Real> tolerance_scales_of(const Assembly<Real>& assembly) {
+  const NaturalUnits units = natural_units(assembly.scene());
+  const SystemView<Real>& view = assembly.system().view;
+  const Real per_length = Real(1.0 / units.length);
+  const Real time = Real(units.time);
+  AlignedVector<Real> scales(size_of_tolerance_scales(view), per_length);
+  Real* velocity = scales.data() + view.dofs;
+  Real* in_units = velocity + view.dofs;
+  Real* own = in_units + view.dofs;
+  std::fill(velocity, in_units, per_length * time);
+  std::fill(in_units, own, Real(1.0));
+  std::fill(own, own + view.own, per_length * time);
+  for (const auto& body : assembly.bodies()) {
+    if (!body.bound.slot.rigid || assembly.dimension() != 2) continue;
+    const std::size_t at = body.bound.slot.centre + kRotation;
+    scales[at] = tau<Real>();
+    in_units[at] = tau<Real>() * Real(units.length);
+    velocity[at] = tau<Real>() * time;
+  }
+  for (const auto& steered : assembly.steered()) {
+    for (int k = 0; k < 4; ++k) {
+      if (steered.own[k] >= 0) own[steered.own[k]] = k < 3 ? per_length : tau<Real>();
+    }
+  }
+  own[view.own] = Real(units.length);
+  own[view.own + 1] = time;
+  return scales;
+}
+
 }  // namespace
 
 template <class Real>
@@ -83,6 +154,8 @@ Assembly<Real>::Assembly(const AssemblyPlan& plan) : plan_(plan), origin_(plan.o
   lay_coordinates();
   bind_forces();
   lay_rates();
+  tolerance_scale_ = tolerance_scales_of(*this);
+  system_.view.tolerance_scale = tolerance_scale_.data();
   bound_moves();
   if (!plan_.inertial || plan_.splits_friction) lay_friction();
   order_operations();
@@ -199,7 +272,6 @@ template <class Real>
 void Assembly<Real>::lay_coordinates() {
   inverse_mass_.assign(dofs_, Real(0.0));
   largest_move_.assign(dofs_, unbounded<Real>());
-  tolerance_scale_.assign(dofs_, Real(1.0));
   force_.assign(dofs_ + 2 * kGroup, Real(0.0));
   mapped_position_.assign(mapped_size_ + 2 * kGroup, Real(0.0));
   mapped_velocity_.assign(mapped_size_ + 2 * kGroup, Real(0.0));
@@ -232,7 +304,6 @@ void Assembly<Real>::lay_coordinates() {
       }
       if (dimension() != 2) continue;
       largest_move_[slot.centre + kRotation] = Real(0.5);
-      tolerance_scale_[slot.centre + kRotation] = tau<Real>();
       // A body without extent (one particle) has no rotation to speak of: it stays put.
       if (!(body.inertia > 0.0) || body.rotation_held) continue;
       inverse_mass_[slot.centre + kRotation] =
@@ -254,7 +325,6 @@ void Assembly<Real>::lay_coordinates() {
   view.inertial = plan_.inertial;
   view.inverse_mass = inverse_mass_.data();
   view.largest_move = largest_move_.data();
-  view.tolerance_scale = tolerance_scale_.data();
   view.force = force_.data();
   view.mapped_position = mapped_position_.data();
   view.mapped_velocity = mapped_velocity_.data();
@@ -404,6 +474,7 @@ void Assembly<Real>::lay_rates() {
     arguments.velocities = true;
     arguments.rate = static_cast<std::ptrdiff_t>(rates);
     rates += dimension() + 1;
+    if (plan_.inertial && !plan_.quasistatic && accelerates(*body.motion)) rates += dimension() + 1;
     Drive drive;
     drive.start = body.bound.start_centre;
     drive.travel.assign(dimension(), 0.0);
@@ -601,6 +672,7 @@ void Assembly<Real>::order_operations() {
   }
   std::stable_sort(passes.begin(), passes.end(),
                    [](const auto& a, const auto& b) { return a.rank < b.rank; });
+  if (plan_.backwards) std::reverse(passes.begin(), passes.end());
 
   std::vector<bool> particles_set(bodies_.size(), false);
   std::vector<bool> centre_set(bodies_.size(), false);
@@ -646,6 +718,13 @@ void Assembly<Real>::order_operations() {
     if (bodies_[b].prescribed()) {
       if (!particles_set[b]) zero(b, false);
       operations_.push_back({rigid.react[axis], &rigid_[k]});
+      const Body& body = bodies_[b];
+      if (!plan_.inertial || plan_.quasistatic || !accelerates(*body.motion)) continue;
+      auto arguments = std::make_shared<InertiaArguments>();
+      *arguments = {body.motion, &steering_[body.steering].anchor, body.total_mass, body.inertia,
+                    rigid_[k].rate};
+      operations_.push_back({&inertia_kernel<Real>, arguments.get()});
+      zeros_.push_back(std::move(arguments));
       continue;
     }
     if (!particles_set[b]) continue;
@@ -657,7 +736,12 @@ void Assembly<Real>::order_operations() {
     const BodySlot<Real>& slot = bodies_[b].bound.slot;
     if (slot.rigid && !centre_set[b]) zero(b, true);
     if (!slot.mapped && !particles_set[b]) zero(b, false);
+    if (slot.rigid) list_written(b, true);
+    if (!slot.mapped || particles_set[b]) list_written(b, false);
   }
+#ifndef NDEBUG
+  operations_.insert(operations_.begin(), Operation<Real>{&Assembly::spoil, &written_});
+#endif
   drifted_.heats.clear();
   for (Force& force : forces_) {
     Operation<Real> heat;
@@ -689,6 +773,35 @@ void Assembly<Real>::order_operations() {
   add_point_forces(passes);
   system_.view.operations = operations_.data();
   system_.view.operation_count = operations_.size();
+}
+
+/// All that kernels which set have to set: groups with their padding, no gaps between axes.
+template <class Real>
+void Assembly<Real>::list_written(std::size_t body, bool centre) {
+  const BodySlot<Real>& slot = bodies_[body].bound.slot;
+  if (centre) {
+    written_.push_back({false, slot.centre, kGroup});
+    return;
+  }
+  for (int d = 0; d < dimension(); ++d) {
+    written_.push_back({slot.mapped, slot.offset + d * slot.stride, padded(slot.count)});
+  }
+}
+
+template <class Real>
+void Assembly<Real>::spoil(const void* written, const Stage<Real>& stage) {
+  for (const Written& part : *static_cast<const std::vector<Written>*>(written)) {
+    Real* const from = (part.mapped ? stage.mapped_force : stage.force) + part.offset;
+    std::fill_n(from, part.length, Real(std::numeric_limits<double>::quiet_NaN()));
+  }
+}
+
+template <class Real>
+void Assembly<Real>::spoil_forces() {
+  Stage<Real> stage;
+  stage.force = force_.data();
+  stage.mapped_force = mapped_force_.data();
+  spoil(&written_, stage);
 }
 
 /// Without inertia velocities are known when all forces are: only then, what these do.

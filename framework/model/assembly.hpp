@@ -39,6 +39,7 @@ struct AssemblyPlan {
   bool splits_friction = false;
   bool quasistatic = false;  ///< no friction acts, on nothing
   bool ledger = false;
+  bool backwards = false;  ///< kernels in the opposite order: another sums the same, to rounding
 };
 
 /// Index of the rotation among a planar body's coordinates.
@@ -121,6 +122,10 @@ class Assembly {
   /// The origin has moved; positions in the state are the caller's to shift.
   void rebase(const Origin& origin);
 
+  /// Write no numbers where the next evaluation has to write forces, so that a kernel that adds to
+  /// what it should set shows.
+  void spoil_forces();
+
   /// How far a prescribed body has come since the start along an axis, at the anchor.
   double travel_of(const Body& body, int axis) const;
   /// Its rotation in turns at the last evaluation.
@@ -167,6 +172,14 @@ class Assembly {
   bool takes_as_operator(const Force& force) const;
   static void steer(const void* arguments, const Stage<Real>& stage);
   static void heat_of_drift(const void* arguments, const Stage<Real>& stage);
+  /// Numbers in the arrays of forces that one evaluation writes.
+  struct Written {
+    bool mapped = false;
+    std::size_t offset = 0;
+    std::size_t length = 0;
+  };
+  void list_written(std::size_t body, bool centre);
+  static void spoil(const void* written, const Stage<Real>& stage);
 
   AssemblyPlan plan_;
   Origin origin_;
@@ -207,6 +220,7 @@ class Assembly {
   AlignedVector<Real> heat_of_bodies_;
   AlignedVector<Real> mobility_;
   std::vector<std::shared_ptr<void>> zeros_;
+  std::vector<Written> written_;
   std::vector<PointForce<Real>> point_forces_;
   AlignedVector<Real> inverse_mass_;
   AlignedVector<Real> largest_move_;

@@ -88,6 +88,12 @@ std::vector<ClaimResult> check_claims(const Scene& scene, const ClaimOptions& op
       if (auto result = claim(examination)) results.push_back(std::move(*result));
     }
   }
+  if (!results.empty()) {
+    const double length = *std::min_element(lengths.begin(), lengths.end());
+    if (auto result = claims::sum_of_all(scene, length, options)) {
+      results.push_back(std::move(*result));
+    }
+  }
   return results;
 }
 

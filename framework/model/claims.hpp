@@ -25,9 +25,12 @@ struct ClaimPoint {
   std::string text() const;
 };
 
-/// One claim of one force.
+/// What the claims of all forces together are filed under.
+inline constexpr const char* kAllForces = "all forces";
+
+/// One claim of one force, or of all.
 struct ClaimResult {
-  std::string force;  ///< its name in the scene
+  std::string force;  ///< its name in the scene, or kAllForces
   std::string type;
   std::string claim;    ///< "conservative", "internal", "dissipative", "periodic", ...
   std::string meaning;  ///< what was compared: "force = -gradient of the energy"
@@ -44,11 +47,12 @@ struct ClaimOptions {
   std::uint64_t seed = 1;    ///< of the displacements
 };
 
-/// Checks every force that the scene builds, in the scene's order, each on its own. Looks at the
-/// start; near it, at random displacements of every coordinate by up to a tenth of a length: the
-/// shortest that the scene declares, or the force's own where nothing declares one or it is much
-/// shorter; far away, by a thousand and a million of them; high above the start; and where two free
-/// particles almost touch, a thousandth and a millionth of a length apart.
+/// Checks every force that the scene builds, in the scene's order, each on its own, then all of
+/// them together. Looks at the start; near it, at random displacements of every coordinate by up to
+/// a tenth of a length: the shortest that the scene declares, or the force's own where nothing
+/// declares one or it is much shorter; far away, by a thousand and a million of them; high above
+/// the start; and where two free particles almost touch, a thousandth and a millionth of a length
+/// apart.
 ///
 ///   conservative  virtual work of the force equals minus the change of its energy, by differences
 ///                 whose error falls as h^8; near the start, and everywhere where `exact` cannot be
@@ -71,6 +75,12 @@ struct ClaimOptions {
 ///   its own       touches nothing but forces on its own bodies, and adds to what is there
 ///   same bits     on every instruction set
 ///   number types  the same in float, double and quadruple numbers, each to its own rounding
+///
+/// and last all of them together, as "all forces":
+///
+///   sum           what they do together is the sum of what each does alone, and so are the forces
+///                 and the power of drivers: with no numbers in the arrays before, the same bits
+///                 when evaluated again, in the opposite order too; near the start
 ///
 /// Throws InputError when the scene cannot be bound.
 std::vector<ClaimResult> check_claims(const Scene& scene, const ClaimOptions& options = {});

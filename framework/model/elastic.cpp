@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "framework/core/math.hpp"
+#include "framework/core/power_of_two.hpp"
 
 namespace tomlin {
 namespace {
@@ -12,6 +13,8 @@ namespace {
 constexpr std::size_t kMostCoordinates = 256;
 /// Parts of the largest squared frequency that are rounding.
 constexpr double kRounding = 1e-12;
+/// Of it, below which a mode does not hold the shape.
+constexpr double kFloppy = 1e-9;
 /// Parts by which friction rates of one body may differ.
 constexpr double kSameRate = 1e-12;
 
@@ -168,28 +171,89 @@ std::string refusal_of(const Body& body, bool bonded) {
   return "";
 }
 
-void find_modes(const Body& body, std::vector<double> matrix, const double* force,
-                ElasticBody& elastic) {
+/// Motions of a body in the plane as a whole, in mass-weighted coordinates, of unit length each.
+std::vector<std::vector<double>> rigid_motions(const ElasticBody& elastic) {
   const std::size_t n = elastic.size();
+  const std::size_t count = elastic.count;
+  std::vector<std::vector<double>> motions;
+  for (int d = 0; d < elastic.axes; ++d) {
+    motions.emplace_back(n, 0.0);
+    for (std::size_t i = 0; i < count; ++i) motions.back()[d * count + i] = elastic.root_mass[i];
+  }
+  if (elastic.turns) {
+    motions.emplace_back(n, 0.0);
+    for (std::size_t i = 0; i < count; ++i) {
+      motions.back()[i] = -elastic.root_mass[i] * elastic.shape[count + i];
+      motions.back()[count + i] = elastic.root_mass[i] * elastic.shape[i];
+    }
+  }
+  for (std::vector<double>& motion : motions) {
+    double squares = 0.0;
+    for (const double x : motion) squares = fma(x, x, squares);
+    if (squares == 0.0) continue;
+    for (double& x : motion) x /= sqrt(squares);
+  }
+  return motions;
+}
+
+/// matrix <- (1 - t t^T) matrix (1 - t t^T).
+void project_out(const std::vector<double>& t, std::vector<double>& matrix) {
+  const std::size_t n = t.size();
+  std::vector<double> along(n, 0.0);
+  double both = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) along[i] = fma(matrix[i * n + j], t[j], along[i]);
+    both = fma(t[i], along[i], both);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) {
+      matrix[i * n + j] += t[i] * t[j] * both - t[i] * along[j] - along[i] * t[j];
+    }
+  }
+}
+
+/// In the plane the modes are those of a shape, which bonds have to hold: the frame follows the
+/// motion as a whole and no other. Returns why they do not, if so.
+std::string find_modes(const Body& body, std::vector<double> matrix, const double* force,
+                       ElasticBody& elastic) {
+  const std::size_t n = elastic.size();
+  const double unit = power_of_two_above(elastic.mass.front());
   const auto root = [&](std::size_t k) { return elastic.root_mass[k % elastic.count]; };
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < n; ++j) matrix[i * n + j] /= root(i) * root(j);
+    for (std::size_t j = 0; j < n; ++j) {
+      matrix[i * n + j] = matrix[i * n + j] / unit / (root(i) * root(j));
+    }
+  }
+  const auto whole = rigid_motions(elastic);
+  if (elastic.axes > 1) {
+    for (const std::vector<double>& motion : whole) project_out(motion, matrix);
   }
   Jacobi(matrix, elastic.modes, n);
   double most = 0.0;
   for (std::size_t j = 0; j < n; ++j) most = std::max(most, matrix[j * n + j]);
+  std::size_t loose = 0;
+  std::size_t pushed = 0;
   for (std::size_t j = 0; j < n; ++j) {
-    // Bonds under pressure may push some way; that is left to the kicks.
+    // On a line bonds under pressure may push; that is left to the kicks.
     const double square = matrix[j * n + j] > kRounding * most ? matrix[j * n + j] : 0.0;
+    if (matrix[j * n + j] <= kFloppy * most) ++loose;
+    if (matrix[j * n + j] < -kFloppy * most) ++pushed;
     double pull = 0.0;
     for (std::size_t k = 0; k < n; ++k) {
       const std::size_t at =
           body.bound.slot.offset + k / elastic.count * body.bound.slot.stride + k % elastic.count;
-      pull = fma(elastic.modes[j * n + k], force[at] / root(k), pull);
+      pull = fma(elastic.modes[j * n + k], force[at] / unit / root(k), pull);
     }
     elastic.squares.push_back(square);
     elastic.equilibrium.push_back(square > 0.0 ? pull / square : 0.0);
   }
+  if (elastic.axes == 1 || loose <= whole.size()) return "";
+  const std::string name = "the bonds of the body \"" + body.bound.name + "\" do not ";
+  if (pushed > 0) {
+    return name + "keep its shape: it buckles under them";
+  }
+  return name + "determine its shape: it bends freely in " + std::to_string(loose - whole.size()) +
+         " ways, which its modes do not follow";
 }
 
 }  // namespace
@@ -227,7 +291,7 @@ std::vector<ElasticBody> elastic_bodies(Assembly<double>& assembly, std::string&
     elastic.mass = body.bound.mass;
     for (const double mass : elastic.mass) {
       elastic.total_mass += mass;
-      elastic.root_mass.push_back(sqrt(mass));
+      elastic.root_mass.push_back(sqrt(mass / power_of_two_above(elastic.mass.front())));
     }
     for (int d = 0; d < elastic.axes; ++d) {
       for (std::size_t i = 0; i < slot.count; ++i) elastic.shape.push_back(body.arms[i][d]);
@@ -248,7 +312,8 @@ std::vector<ElasticBody> elastic_bodies(Assembly<double>& assembly, std::string&
       for (const auto& force : assembly.forces()) {
         if (bonds_it(force)) force.bound->hessian(start.stage(), matrix);
       }
-      find_modes(body, std::move(matrix.values), start.force(), elastic);
+      fault = find_modes(body, std::move(matrix.values), start.force(), elastic);
+      if (!fault.empty()) return {};
     }
     all.push_back(std::move(elastic));
   }

@@ -11,26 +11,6 @@ namespace {
 
 constexpr double kTau = 6.283185307179586476925286766559;
 
-/// Friction that a scheme takes as an operator is a force here like any other.
-IntegratorRecord without_demands(IntegratorRecord scheme) {
-  scheme.without_inertia = true;
-  scheme.splits_friction = scheme.splits_bonds = false;
-  scheme.needs_tangent = scheme.conservative_only = scheme.follows_equilibria = false;
-  return scheme;
-}
-
-/// Dynamics, scheme and number type are matters of the run, not of the force.
-std::shared_ptr<const Scene> with_only(const Scene& scene, std::size_t force,
-                                       const IntegratorRecord& scheme) {
-  auto alone = std::make_shared<Scene>(scene);
-  alone->forces = {scene.forces[force]};
-  alone->run.dynamics = "inertial";
-  alone->run.integrator.record = &scheme;
-  alone->run.number_type = "double";
-  alone->run.ledger = false;
-  return alone;
-}
-
 double farthest_arm(const Model::Body& body) {
   double farthest = 0.0;
   for (const std::vector<double>& arm : body.arms) {
@@ -41,9 +21,27 @@ double farthest_arm(const Model::Body& body) {
 
 }  // namespace
 
+IntegratorRecord without_demands(IntegratorRecord scheme) {
+  scheme.without_inertia = true;
+  scheme.splits_friction = scheme.splits_bonds = false;
+  scheme.needs_tangent = scheme.conservative_only = scheme.follows_equilibria = false;
+  return scheme;
+}
+
+std::shared_ptr<const Scene> with_forces(const Scene& scene, std::vector<SceneForce> forces,
+                                         const IntegratorRecord& scheme) {
+  auto with = std::make_shared<Scene>(scene);
+  with->forces = std::move(forces);
+  with->run.dynamics = "inertial";
+  with->run.integrator.record = &scheme;
+  with->run.number_type = "double";
+  with->run.ledger = false;
+  return with;
+}
+
 ForceAlone::ForceAlone(const Scene& scene, std::size_t force)
     : scheme_(without_demands(*scene.run.integrator.record)),
-      model_(with_only(scene, force, scheme_)) {
+      model_(with_forces(scene, {scene.forces[force]}, scheme_)) {
   StateLayout layout;
   model_.declare(layout);
   state_ = RunState(layout, 1);

@@ -127,6 +127,11 @@ class Model {
   Stiffness stiffness(bool without_bonds = false);
   /// Name of the force with the largest share in it.
   std::string stiffest_force();
+  /// A bound of the slowest time that what is off its steady state decays in, but for what
+  /// substrates do: of variables of the forces' own, and of the modes about the start under springs
+  /// and friction, an underdamped mode's period included. 0: there is none. Nothing for more
+  /// coordinates than are looked at.
+  std::optional<double> slowest_time();
 
   /// The largest fixed step that this scheme is stable with; infinite when nothing limits it.
   double stable_step(const IntegratorRecord& scheme);
@@ -154,6 +159,7 @@ class Model {
   void keep_shapes();
   void place_origin();
   double share_of_stiffness(const Force& force, const Stage<double>& here);
+  bool is_substrate(const Force& force) const;
   Stage<double> stage(const double* position, const double* velocity, const double* integrals,
                       double* rates) const;
 

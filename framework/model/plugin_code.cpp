@@ -127,6 +127,9 @@ class GuardedForce final : public BoundForce<Real> {
   double shortest_bond() const override {
     return guard([&] { return force_->shortest_bond(); });
   }
+  std::string bond_beyond_half_box(const Stage<Real>& stage) const override {
+    return guard([&] { return force_->bond_beyond_half_box(stage); });
+  }
   std::string why_not_finite(const Stage<Real>& stage) const override {
     return guard([&] { return force_->why_not_finite(stage); });
   }
@@ -211,6 +214,12 @@ class GuardedPath final : public EquilibriumPath {
   bool jumped() const override {
     return owner_.guard([&] { return path_.jumped(); });
   }
+  std::optional<std::size_t> tied() const override {
+    return owner_.guard([&] { return path_.tied(); });
+  }
+  void disturb(double size, std::uint64_t seed, std::uint64_t stream) override {
+    owner_.guard([&] { path_.disturb(size, seed, stream); });
+  }
   double moment(std::size_t k, double* position, double* velocity, double* rates) const override {
     return owner_.guard([&] { return path_.moment(k, position, velocity, rates); });
   }
@@ -270,6 +279,13 @@ class GuardedIntegrator final : public Integrator<double> {
   }
   std::uint64_t evaluations_ahead() const override {
     return owner_.guard([&] { return integrator_->evaluations_ahead(); });
+  }
+  void watch(const std::vector<WatchedIntegral>& integrals,
+             const std::vector<double>& along) override {
+    owner_.guard([&] { integrator_->watch(integrals, along); });
+  }
+  double rounding_of_works() const override {
+    return owner_.guard([&] { return integrator_->rounding_of_works(); });
   }
   EquilibriumPath* path() override {
     EquilibriumPath* const path = owner_.guard([&] { return integrator_->path(); });

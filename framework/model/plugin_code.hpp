@@ -8,6 +8,7 @@
 #include "framework/core/bound_force.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/core/scheme.hpp"
+#include "framework/model/own_arithmetic.hpp"
 #include "framework/scene/scene.hpp"
 
 /// The code of plugins at work: what it throws is its own, and said to be.
@@ -29,9 +30,11 @@ class PluginError : public std::runtime_error {
   std::string said_;
 };
 
-/// What `action` returns; whatever it throws comes out as a PluginError.
+/// What `action` returns; whatever it throws comes out as a PluginError, and the arithmetic is as
+/// it was before.
 template <class Action>
 auto in_plugin(const std::string& component, const std::string& library, Action action) {
+  const OwnArithmetic own;
   try {
     return action();
   } catch (const PluginError&) {
@@ -62,6 +65,7 @@ auto bound_by(const Component& component, const char* kind, Action action) {
   if (component.record->library.empty()) return action();
   const std::string thrown = " has thrown an exception while binding: ";
   std::string did = thrown + "an exception that is no std::exception";
+  const OwnArithmetic own;
   try {
     return action();
   } catch (const InputError&) {

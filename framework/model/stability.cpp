@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "framework/core/tolerance.hpp"
 #include "framework/model/model.hpp"
 
 /// The largest stable step, from bounds on curvature and damping before the first step.
@@ -14,6 +15,10 @@ namespace {
 
 /// Up to so many coordinates the fastest mode is found exactly, beyond it bounded row by row.
 constexpr std::size_t kDenseLimit = 300;
+/// Up to so many the slowest one is: a second for a run that takes longer by far.
+constexpr std::size_t kDenseLimitOfSlowest = 1000;
+/// An eigenvalue below this part of the largest is zero: its mode is unconstrained.
+constexpr double kNeutral = 1e-12;
 
 /// Second derivatives scaled by mass: M^(-1/2) H M^(-1/2), or its absolute row sums. Particles of a
 /// rigid body count by what they do to its centre and its rotation.
@@ -68,6 +73,13 @@ class ScaledHessian : public HessianSink {
         add(parts(body, i, a), parts(body, j, b), value * weight[i] * weight[j]);
       }
     }
+  }
+
+  /// Of a dense one.
+  std::vector<double> eigenvalues() const {
+    if (matrix_.rows() == 0) return {};
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix_, Eigen::EigenvaluesOnly);
+    return {solver.eigenvalues().begin(), solver.eigenvalues().end()};
   }
 
   double largest() const {
@@ -285,7 +297,8 @@ OwnModes own_modes(Model& model) {
   const SystemView<double>& view = model.system().view;
   OwnModes modes;
   if (view.own_count == 0) return modes;
-  constexpr double kChange = 1e-6;
+  const ToleranceScales<double> scales = tolerance_scales(view);
+  const double change = 1e-6 * (scales.length / scales.time);
   AlignedVector<double> own(view.integrals, view.integrals + view.rates);
   AlignedVector<double> velocity(view.velocity, view.velocity + view.dofs);
   own.resize(own.size() + 2 * kGroup, 0.0);
@@ -298,27 +311,89 @@ OwnModes own_modes(Model& model) {
   const auto largest_change = [&] {
     double most = 0.0;
     for (std::size_t k = 0; k < view.own_count; ++k) {
-      most = std::max(most, std::abs(after[k] - before[k]) / kChange);
+      most = std::max(most, std::abs(after[k] - before[k]) / change);
     }
     return most;
   };
   evaluate(before);
   const std::vector<double> force(view.force, view.force + view.dofs);
-  for (std::size_t k = 0; k < view.own_count; ++k) own[k] += kChange;
+  for (std::size_t k = 0; k < view.own_count; ++k) own[k] += change;
   evaluate(after);
   modes.rate = largest_change();
   double response = 0.0;  // of accelerations
   for (std::size_t i = 0; i < view.dofs; ++i) {
     response =
-        std::max(response, std::abs(view.force[i] - force[i]) / kChange * view.inverse_mass[i]);
+        std::max(response, std::abs(view.force[i] - force[i]) / change * view.inverse_mass[i]);
   }
-  for (std::size_t k = 0; k < view.own_count; ++k) own[k] -= kChange;
+  for (std::size_t k = 0; k < view.own_count; ++k) own[k] -= change;
   for (std::size_t i = 0; i < view.dofs; ++i) {
-    if (view.inverse_mass[i] > 0.0) velocity[i] += kChange;
+    if (view.inverse_mass[i] > 0.0) velocity[i] += change;
   }
   evaluate(after);
   modes.square = response * largest_change();
   return modes;
+}
+
+/// How forces' own variables decay, and the friction over mass that they are on what is slow.
+struct OwnDecay {
+  double slowest = 0.0;   ///< time
+  double friction = 0.0;  ///< the largest, 1/time; with inertia
+};
+
+/// Measured as in own_modes().
+OwnDecay own_decay(Model& model) {
+  const SystemView<double>& view = model.system().view;
+  OwnDecay decay;
+  if (view.own_count == 0) return decay;
+  constexpr double kChange = 1e-6;
+  AlignedVector<double> own(view.integrals, view.integrals + view.rates);
+  AlignedVector<double> velocity(view.velocity, view.velocity + view.dofs);
+  own.resize(own.size() + 2 * kGroup, 0.0);
+  velocity.resize(velocity.size() + 2 * kGroup, 0.0);
+  AlignedVector<double> before(view.rates + 2 * kGroup, 0.0);
+  AlignedVector<double> after = before;
+  const auto evaluate = [&](AlignedVector<double>& rates) {
+    model.evaluate_at(DoubleDouble(0.0), view.position, velocity.data(), own.data(), rates.data());
+  };
+  evaluate(before);
+  const std::vector<double> force(view.force, view.force + view.dofs);
+  for (std::size_t k = 0; k < view.own_count; ++k) own[k] += kChange;
+  evaluate(after);
+  std::vector<double> rate(view.own_count);
+  for (std::size_t k = 0; k < view.own_count; ++k) {
+    rate[k] = (before[k] - after[k]) / kChange;
+    if (rate[k] > 0.0) decay.slowest = std::max(decay.slowest, 1.0 / rate[k]);
+    own[k] -= kChange;
+  }
+  if (!view.inertial) return decay;
+  for (std::size_t i = 0; i < view.dofs; ++i) {
+    if (view.inverse_mass[i] > 0.0) velocity[i] += kChange;
+  }
+  evaluate(after);
+  const std::vector<double> driven(view.force, view.force + view.dofs);
+  // To where they come to rest at that velocity.
+  for (std::size_t k = 0; k < view.own_count; ++k) {
+    if (rate[k] > 0.0) own[k] += (after[k] - before[k]) / rate[k];
+  }
+  evaluate(after);
+  for (std::size_t i = 0; i < view.dofs; ++i) {
+    const double slowed = (driven[i] - view.force[i]) / kChange * view.inverse_mass[i];
+    decay.friction = std::max(decay.friction, slowed);
+  }
+  return decay;
+}
+
+/// Of an oscillator of this square frequency, whose friction over mass lies between two bounds; 0
+/// where it has neither stiffness nor friction.
+double slowest_time_of_mode(double square, double least_friction, double most_friction) {
+  constexpr double kTau = 6.283185307179586476925286766559;
+  if (!(square > 0.0)) return least_friction > 0.0 ? 1.0 / least_friction : 0.0;
+  double slowest = kTau / std::sqrt(square);
+  if (least_friction > 0.0) slowest = std::max(slowest, 2.0 / least_friction);
+  const double half = 0.5 * most_friction;
+  if (square >= half * half) return slowest;
+  return std::max(least_friction > 0.0 ? 2.0 / least_friction : 0.0,
+                  (half + std::sqrt(half * half - square)) / square);
 }
 
 /// What a curvature of the energy per particle does to the fastest motion of a body at most: its
@@ -400,6 +475,51 @@ Model::Stiffness Model::stiffness_at(double time, bool without_bonds) {
           .damping_rate = damping.largest(),
           .least_damping_rate = damping.least(),
           .spring_frequency = std::sqrt(springs.largest())};
+}
+
+std::optional<double> Model::slowest_time() {
+  if (coordinate_count() > kDenseLimitOfSlowest) return std::nullopt;
+  const SystemView<double>& view = system().view;
+  const OwnDecay own = own_decay(*this);
+  evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates_.data());
+  const Stage<double> here = stage(view.position, view.velocity, view.integrals, rates_.data());
+  ScaledHessian springs(*this, true);
+  DampingRates damping(*this);
+  for (const Force& force : forces()) {
+    force.bound->friction(damping);
+    if (force.bound->curvature_bound() < 0.0 && !is_substrate(force)) {
+      force.bound->hessian(here, springs);
+    }
+  }
+  const std::vector<double> squares = springs.eigenvalues();
+  double slowest = own.slowest;
+  if (squares.empty()) return slowest;
+  const double nothing = kNeutral * *std::max_element(squares.begin(), squares.end());
+  for (const double square : squares) {
+    if (!view.inertial) {
+      if (square > nothing) slowest = std::max(slowest, 1.0 / square);
+      continue;
+    }
+    const double held = square > nothing ? square : 0.0;
+    // A memory slows what is faster than it the less.
+    const double swing = held * own.slowest * own.slowest;
+    const double least = damping.least() + own.friction / (1.0 + swing);
+    if (!std::isfinite(least)) continue;
+    slowest =
+        std::max(slowest, slowest_time_of_mode(held, least, damping.largest() + own.friction));
+  }
+  return slowest;
+}
+
+/// Repeats itself along an axis: what moves over it sees its mean.
+bool Model::is_substrate(const Force& force) const {
+  for (const SceneForce& one : scene().forces) {
+    if (one.name != force.name) continue;
+    for (int d = 0; d < dimension(); ++d) {
+      if (one.record->period(one.description.get(), d) > 0.0) return true;
+    }
+  }
+  return false;
 }
 
 double Model::share_of_stiffness(const Force& force, const Stage<double>& here) {

@@ -1,12 +1,8 @@
 #include "framework/output/checkpoint.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <system_error>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include "framework/output/checksum.hpp"
 
@@ -14,10 +10,6 @@ namespace tomlin {
 namespace {
 
 constexpr std::uint32_t kFormat = 1;
-
-[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
-  throw DamagedFile(fmt::format("{}: {}", file.string(), why));
-}
 
 }  // namespace
 
@@ -57,25 +49,7 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint& check
 }
 
 Checkpoint read_checkpoint(const std::filesystem::path& file) {
-  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  struct stat status = {};
-  if (!descriptor.open() || ::fstat(descriptor.number(), &status) != 0) {
-    refuse(file, "cannot be read: " + std::generic_category().message(errno));
-  }
-  if (!S_ISREG(status.st_mode)) refuse(file, "not a file");
-  // A file of another length than its head says is not read at all.
-  std::byte head[kRecordHead];
-  const auto size = static_cast<std::uint64_t>(status.st_size);
-  if (read_at(descriptor, head, 0) < static_cast<std::ptrdiff_t>(sizeof head) ||
-      record_head(file.string(), head).length + kRecordHead + kRecordChecksum > size) {
-    refuse(file, "truncated");
-  }
-  std::vector<std::byte> bytes(static_cast<std::size_t>(status.st_size));
-  const std::ptrdiff_t got = read_at(descriptor, bytes, 0);
-  if (got < 0) {
-    refuse(file, "cannot be read: " + std::generic_category().message(static_cast<int>(-got)));
-  }
-  return parse_checkpoint(file.string(), std::span(bytes).first(static_cast<std::size_t>(got)));
+  return parse_checkpoint(file.string(), read_record_file(file));
 }
 
 Checkpoint parse_checkpoint(const std::string& file, std::span<const std::byte> bytes) {

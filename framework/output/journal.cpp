@@ -163,13 +163,6 @@ void JournalWriter::synchronise() {
   if (const int error = tomlin::synchronise(descriptor_)) fail(error);
 }
 
-void JournalWriter::check_in_place() const {
-  if (is_at(descriptor_, file_)) return;
-  throw OutputError(
-      fmt::format("cannot write {}: it has gone; the folder was removed or replaced during the run",
-                  file_.string()));
-}
-
 void JournalWriter::write_rows() {
   if (row_block_.size() == 0) return;
   write(row_block_);

@@ -66,9 +66,6 @@ class JournalWriter {
   JournalMark flush();
   /// What was flushed outlives a power cut.
   void synchronise();
-  /// Throws when the file of this name is not the one that is written any more: the folder was
-  /// removed or replaced.
-  void check_in_place() const;
 
  private:
   void write(RecordWriter& record);

@@ -8,9 +8,25 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 namespace tomlin {
+namespace {
+
+/// Takes a file away that a killed program has left. 0, or why it stays: EBUSY when somebody is
+/// writing it.
+int remove_left(const std::filesystem::path& file) {
+  const Descriptor left(::open(file.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  // What cannot be opened, a link say, nobody is writing.
+  if (left.open()) {
+    if (::flock(left.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return EBUSY;
+    if (!is_at(left, file)) return 0;  // somebody else has taken it away
+  }
+  return ::unlink(file.c_str()) == 0 || errno == ENOENT ? 0 : errno;
+}
+
+}  // namespace
 
 OutputError::OutputError(const std::filesystem::path& file, int error)
     : OutputError(fmt::format("cannot write {}: {}", file.string(),
@@ -20,13 +36,21 @@ std::filesystem::path unfinished(std::filesystem::path file) { return file += kU
 
 OutputFile::OutputFile(std::filesystem::path file)
     : file_(std::move(file)), unfinished_(unfinished(file_)) {
-  descriptor_ =
-      Descriptor(::open(unfinished_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-  if (!descriptor_.open()) fail(errno);
+  constexpr int kTries = 10;  // others may come and go
+  for (int k = 0; k < kTries && !descriptor_.open(); ++k) {
+    descriptor_ =
+        Descriptor(::open(unfinished_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    if (descriptor_.open()) break;
+    if (errno != EEXIST) fail(errno);
+    if (const int error = remove_left(unfinished_)) fail(error);
+  }
+  if (!descriptor_.open()) fail(EBUSY);
+  // Where a file system knows no locks there is no protection.
+  ::flock(descriptor_.number(), LOCK_EX | LOCK_NB);
 }
 
 OutputFile::~OutputFile() {
-  if (!published_) ::unlink(unfinished_.c_str());
+  if (!published_ && is_at(descriptor_, unfinished_)) ::unlink(unfinished_.c_str());
 }
 
 void OutputFile::append(std::string_view text) { append(std::as_bytes(std::span(text))); }
@@ -53,8 +77,19 @@ void OutputFile::publish(Lasting lasting) {
   if (lasting == Lasting::with_its_name) {
     if (const int error = synchronise(descriptor_)) fail(error);
   }
-  if (::close(descriptor_.release()) != 0) fail(errno);
-  if (std::rename(unfinished_.c_str(), file_.c_str()) != 0) fail(errno);
+  if (!is_at(descriptor_, unfinished_)) fail(ENOENT);
+  // Some file systems tell only now that there was no room. The lock goes with the last descriptor.
+  const Descriptor kept(::dup(descriptor_.number()));
+  if (::close(descriptor_.release()) != 0) {
+    const int error = errno;
+    if (is_at(kept, unfinished_)) ::unlink(unfinished_.c_str());
+    fail(error);
+  }
+  if (std::rename(unfinished_.c_str(), file_.c_str()) != 0) {
+    const int error = errno;
+    ::unlink(unfinished_.c_str());
+    fail(error);
+  }
   published_ = true;
 }
 

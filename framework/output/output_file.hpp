@@ -27,15 +27,17 @@ inline constexpr std::string_view kUnfinished = ".part";
 std::filesystem::path unfinished(std::filesystem::path file);
 
 /// A file that appears complete or not at all: it is written as NAME.part and renamed when it is
-/// published. One that never is disappears, unless the run was killed: then NAME.part stays.
-/// Everything throws OutputError.
+/// published. One that never is disappears, unless the program was killed: then NAME.part stays
+/// until somebody writes the same file. Who writes has NAME.part locked. Where another file has got
+/// the name meanwhile, as in a folder that was moved and made anew, that is not touched. Everything
+/// throws OutputError.
 class OutputFile {
  public:
   /// Whether a file that has its name is whole even after a power cut, or may need a moment. (The
   /// name itself may be lost until its folder is synchronised.)
   enum class Lasting { with_its_name, some_time_later };
 
-  /// Opens NAME.part, which must not exist.
+  /// Makes NAME.part, in place of one that nobody is writing any more.
   explicit OutputFile(std::filesystem::path file);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;

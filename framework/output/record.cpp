@@ -1,10 +1,15 @@
 #include "framework/output/record.hpp"
 
+#include <cerrno>
+#include <system_error>
 #include <utility>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include "framework/output/checksum.hpp"
+#include "framework/output/descriptor.hpp"
 
 namespace tomlin {
 namespace {
@@ -109,6 +114,32 @@ std::span<const std::byte> record_content(const std::string& file, std::span<con
   if (found != stored) reader.refuse("corrupted: a checksum is wrong");
   checksum = found;
   return whole.subspan(kRecordHead, length);
+}
+
+std::vector<std::byte> read_record_file(const std::filesystem::path& file) {
+  const auto refuse = [&file](const std::string& why) {
+    throw DamagedFile(fmt::format("{}: {}", file.string(), why));
+  };
+  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  struct stat status = {};
+  if (!descriptor.open() || ::fstat(descriptor.number(), &status) != 0) {
+    refuse("cannot be read: " + std::generic_category().message(errno));
+  }
+  if (!S_ISREG(status.st_mode)) refuse("not a file");
+  // A file of another length than its head says is not read at all.
+  std::byte head[kRecordHead];
+  const auto size = static_cast<std::uint64_t>(status.st_size);
+  if (read_at(descriptor, head, 0) < static_cast<std::ptrdiff_t>(sizeof head) ||
+      record_head(file.string(), head).length + kRecordHead + kRecordChecksum > size) {
+    refuse("truncated");
+  }
+  std::vector<std::byte> bytes(static_cast<std::size_t>(status.st_size));
+  const std::ptrdiff_t got = read_at(descriptor, bytes, 0);
+  if (got < 0) {
+    refuse("cannot be read: " + std::generic_category().message(static_cast<int>(-got)));
+  }
+  bytes.resize(static_cast<std::size_t>(got));
+  return bytes;
 }
 
 }  // namespace tomlin

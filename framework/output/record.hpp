@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -28,7 +29,13 @@ class TruncatedFile : public DamagedFile {
   using DamagedFile::DamagedFile;
 };
 
-enum class RecordKind : std::uint32_t { journal = 1, rows = 2, events = 3, checkpoint = 4 };
+enum class RecordKind : std::uint32_t {
+  journal = 1,
+  rows = 2,
+  events = 3,
+  checkpoint = 4,
+  store = 5
+};
 
 inline constexpr std::size_t kRecordHead = 16;      ///< bytes in front of the content
 inline constexpr std::size_t kRecordChecksum = 8;   ///< bytes behind it
@@ -104,5 +111,9 @@ RecordHead record_head(const std::string& file, std::span<const std::byte> bytes
 /// The content of one whole record; `checksum` as in RecordWriter::seal(). Throws DamagedFile.
 std::span<const std::byte> record_content(const std::string& file, std::span<const std::byte> whole,
                                           std::uint64_t& checksum);
+
+/// All of a file that holds one record, which is not looked into; takes no more memory than the
+/// file does. Throws DamagedFile.
+std::vector<std::byte> read_record_file(const std::filesystem::path& file);
 
 }  // namespace tomlin

@@ -28,6 +28,16 @@ constexpr const char* kStartAgain = "--force, which starts again from the beginn
   throw InputError({fault});
 }
 
+/// Whether it is resumed or not.
+[[noreturn]] void refuse_folder(const RunFolder& folder, std::string why, std::string admissible) {
+  Fault fault;
+  fault.place.file = "-o";
+  fault.key = folder.path().string();
+  fault.why = std::move(why);
+  fault.admissible = std::move(admissible);
+  throw InputError({fault});
+}
+
 /// Where a file is damaged: its message names it already.
 [[noreturn]] void refuse(const DamagedFile& damage) {
   Fault fault;
@@ -78,6 +88,7 @@ std::string text_of(const fs::path& path) {
   std::error_code error;
   const auto size = fs::file_size(path, error);
   TextFile file = read_text_file(path, error ? 0 : static_cast<std::size_t>(size));
+  if (file.too_large) file.why = "the file is changing while it is read";
   if (!file.why.empty()) refuse(path, file.why);
   return std::move(file.text);
 }
@@ -224,8 +235,9 @@ Resumption from_journal(const RunFolder& folder, const Scene& scene,
     journal.emplace(folder.file(kJournalFile));
   } catch (const TruncatedFile&) {
     if (has_checkpoint) throw;
-    // Killed while the first lines were written.
-    require_same_scene_file(folder, scene);
+    // Killed while the first lines were written. Where there is no summary either, whatever else is
+    // there was about to be replaced.
+    if (!ended.status.empty()) require_same_scene_file(folder, scene);
     Resumption resumption;
     resumption.journal = std::move(owned);
     return resumption;
@@ -271,9 +283,9 @@ Descriptor own_existing(const RunFolder& folder) {
   try {
     return own_journal(folder.file(kJournalFile), Absent::leave_it);
   } catch (const JournalInUse&) {
-    refuse(folder.path(), "another run is writing here", "another folder");
+    refuse_folder(folder, "another run is writing here", "another folder");
   } catch (const OutputError& error) {
-    refuse(folder.path(), error.what());
+    refuse_folder(folder, error.what(), kStartAgain);
   }
 }
 
@@ -289,6 +301,7 @@ Resumption find_resumption(const RunFolder& folder, const Scene& scene,
     require_same(folder.file(kSummaryFile), ended.plugins, scene.libraries);
     Resumption resumption;
     resumption.kind = Resumption::Kind::finished;
+    resumption.journal = std::move(owned);
     return resumption;
   }
   if (!owned.open()) return without_journal(folder, scene, ended);

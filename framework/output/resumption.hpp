@@ -21,7 +21,7 @@ struct Resumption {
     failed,      ///< the run came to its end by failing, and would again
   };
   Kind kind = Kind::from_start;
-  Descriptor journal;  ///< owned; may be closed when starting anew
+  Descriptor journal;  ///< owned; not open where there is none
   JournalMark mark;
   RunLayout layout;              ///< of the run that was stopped
   std::vector<std::byte> state;  ///< see RunOptions::resume_from

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "framework/core/fault.hpp"
+#include "framework/output/journal.hpp"
 
 namespace tomlin {
 namespace fs = std::filesystem;
@@ -48,8 +49,8 @@ fs::path trimmed(const fs::path& path) {
 
 }  // namespace
 
-RunFolder::RunFolder(const fs::path& folder, Occupied occupied)
-    : folder_(trimmed(folder)), occupied_(occupied) {
+RunFolder::RunFolder(const fs::path& folder, Occupied occupied, std::span<const char* const> names)
+    : folder_(trimmed(folder)), occupied_(occupied), names_(names.begin(), names.end()) {
   if (folder_.empty()) refuse(folder_, "no name for a folder", kUsableFolder);
   std::error_code error;
   const auto status = fs::status(folder_, error);
@@ -69,6 +70,12 @@ RunFolder::RunFolder(const fs::path& folder, Occupied occupied)
 }
 
 RunFolder::~RunFolder() {
+  struct stat status = {};
+  if (!written_ && lock_.open() && ::fstat(lock_.number(), &status) == 0 && status.st_size == 0 &&
+      in_place()) {
+    // What was found before the run began is of no use without it.
+    for (const char* name : {kStoreFile, kJournalFile}) ::unlink(file(name).c_str());
+  }
   // rmdir takes empty folders only.
   std::for_each(made_.rbegin(), made_.rend(), [](const fs::path& path) { ::rmdir(path.c_str()); });
 }
@@ -81,7 +88,7 @@ void RunFolder::check_folder() const {
   if (const int reason = reason_not_writable(folder_)) {
     refuse(folder_, "cannot be written to: " + message(reason));
   }
-  for (const char* name : kFilesOfARun) {
+  for (const std::string& name : names_) {
     for (const fs::path& path : {file(name), unfinished(file(name))}) {
       if (fs::is_directory(fs::symlink_status(path, error))) {
         refuse(path, "a folder where a file is to be written");
@@ -90,8 +97,18 @@ void RunFolder::check_folder() const {
   }
 }
 
+/// Nothing, or what a program has left that was killed before it had anything to keep.
+bool RunFolder::is_unused() const {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error)) {
+    if (entry.path().filename() != kJournalFile) return false;
+    if (!entry.is_regular_file(error) || entry.file_size(error) != 0 || error) return false;
+  }
+  return !error;
+}
+
 void RunFolder::check_occupied() const {
-  if (occupied_ == Occupied::replace_results) return;
+  if (occupied_ == Occupied::replace_results || is_unused()) return;
   if (occupied_ == Occupied::go_on && holds_any_run()) return;
   if (holds(kJournalFile) || holds(kCheckpointFile)) {
     refuse(folder_, "a run was stopped here",
@@ -144,6 +161,46 @@ void RunFolder::create() {
   }
 }
 
+void RunFolder::own(Descriptor& journal) {
+  create();
+  if (!journal.open()) {
+    try {
+      journal = own_journal(file(kJournalFile), Absent::make_it);
+    } catch (const JournalInUse&) {
+      refuse(folder_, "another run is writing here", "another folder");
+    } catch (const OutputError& error) {
+      refuse(folder_, error.what());
+    }
+    lock_ = Descriptor(::fcntl(journal.number(), F_DUPFD_CLOEXEC, 0));
+    look_again();
+    return;
+  }
+  lock_ = Descriptor(::fcntl(journal.number(), F_DUPFD_CLOEXEC, 0));
+  if (occupied_ == Occupied::refuse) look_again();
+}
+
+void RunFolder::own() {
+  Descriptor journal;
+  own(journal);
+}
+
+/// Another program may have come and gone before this one had the folder.
+void RunFolder::look_again() const {
+  const auto refuse_new = [this] {
+    refuse(folder_, "another program has written here meanwhile", kUsableFolder);
+  };
+  if (occupied_ == Occupied::refuse && !is_unused()) refuse_new();
+  if (occupied_ != Occupied::go_on) return;
+  for (const char* name : kFilesOfARun) {
+    if (name != std::string_view(kJournalFile) && name != std::string_view(kSceneFile) &&
+        holds(name)) {
+      refuse_new();
+    }
+  }
+}
+
+bool RunFolder::in_place() const { return is_at(lock_, file(kJournalFile)); }
+
 void RunFolder::remove_results() {
   for (const char* name : kResultFiles) remove(name);
   // What a killed run left would be in the way of the same files.
@@ -160,6 +217,7 @@ void RunFolder::write_file(std::string_view name, std::string_view text) const {
   OutputFile output(file(name));
   output.append(text);
   output.publish();
+  written_ = true;
 }
 
 }  // namespace tomlin

@@ -2,10 +2,12 @@
 
 #include <array>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "framework/output/descriptor.hpp"
 #include "framework/output/output_file.hpp"
 
 namespace tomlin {
@@ -18,6 +20,7 @@ inline constexpr const char* kXyzFile = "trajectory.xyz";
 inline constexpr const char* kSceneFile = "scene.toml";
 inline constexpr const char* kCheckpointFile = "run.checkpoint";
 inline constexpr const char* kJournalFile = "run.journal";
+inline constexpr const char* kStoreFile = "run.store";
 
 /// What a run has found, made when it ends. The summary goes first and comes last: where it is,
 /// everything else belongs to it.
@@ -25,9 +28,9 @@ inline constexpr std::array kResultFiles = {kSummaryFile, kTableFile, kEventsFil
                                             kXyzFile};
 
 /// Everything that a run leaves in its folder, and so all that --force may replace.
-inline constexpr std::array kFilesOfARun = {kSummaryFile,    kTableFile,  kEventsFile,
-                                            kH5mdFile,       kXyzFile,    kSceneFile,
-                                            kCheckpointFile, kJournalFile};
+inline constexpr std::array kFilesOfARun = {kSummaryFile,    kTableFile,   kEventsFile,
+                                            kH5mdFile,       kXyzFile,     kSceneFile,
+                                            kCheckpointFile, kJournalFile, kStoreFile};
 
 /// What to do with a folder that has something in it.
 enum class Occupied {
@@ -36,18 +39,31 @@ enum class Occupied {
   go_on,            ///< use it where there are files of a run, refuse it otherwise
 };
 
-/// The folder that a run writes its results to.
+/// The folder that a run, or a study, writes its results to. Whoever has the journal in it locked
+/// has the folder, a study as well.
 class RunFolder {
  public:
-  /// Looks, and makes nothing. Throws InputError when the folder cannot be used.
-  RunFolder(const std::filesystem::path& folder, Occupied occupied);
-  /// A folder that was made and never written to disappears again.
+  /// Looks, and makes nothing. Throws InputError when the folder cannot be used, or no file be put
+  /// in the place of one of these names.
+  RunFolder(const std::filesystem::path& folder, Occupied occupied,
+            std::span<const char* const> names = kFilesOfARun);
+  /// A folder that was made and never written to disappears again, and so does a journal that
+  /// nothing was written to.
   ~RunFolder();
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
 
   /// Makes the folder with all above it. Throws InputError when that fails.
   void create();
+  /// Makes the folder, and has it from now on: no other program writes to it meanwhile. `journal`
+  /// is its journal, locked, or not open where there is none; then it is made. Throws InputError
+  /// when another program has the folder, or has put something there since it was looked at.
+  void own(Descriptor& journal);
+  /// The same for a study, which has no journal.
+  void own();
+  /// Whether the folder that is owned still has its name: it may have been moved away, and another
+  /// been made.
+  bool in_place() const;
   /// Takes away what an earlier run has found, and whatever is unfinished. Throws OutputError.
   void remove_results();
   /// Takes a file away; it need not be there. Throws OutputError.
@@ -64,11 +80,16 @@ class RunFolder {
   void check_folder() const;
   void check_occupied() const;
   void check_place_for_new() const;
+  void look_again() const;
+  bool is_unused() const;
   bool holds_any_run() const;
 
   std::filesystem::path folder_;
   Occupied occupied_;
+  std::vector<std::string> names_;           ///< of files that are to be written
   std::vector<std::filesystem::path> made_;  ///< outermost first
+  mutable bool written_ = false;  ///< a file of the run's own, which it says something of
+  Descriptor lock_;               ///< the journal's, which is locked as long as this is
 };
 
 }  // namespace tomlin

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "framework/core/fault.hpp"
+#include "framework/core/text_file.hpp"
 #include "framework/output/result_file.hpp"
 #include "framework/output/summary.hpp"
 
@@ -55,8 +56,6 @@ void RunRecorder::attempt(Action action) {
   if (trouble_) return;
   try {
     action();
-  } catch (const JournalInUse&) {
-    throw;
   } catch (const OutputError& error) {
     trouble_ = error.what();
     on_trouble_();
@@ -68,27 +67,38 @@ void RunRecorder::begin(const RunLayout& layout) {
     refuse(folder_, "this program keeps other numbers of this scene than the one that was stopped",
            "the program that began the run, or --force, which starts again");
   }
-  try {
-    attempt([&] { resumption_.kind == Resumption::Kind::go_on ? go_on(layout) : start(layout); });
-  } catch (const JournalInUse&) {
-    refuse(folder_, "another run is writing here", "another folder");
-  }
+  attempt([&] { resumption_.kind == Resumption::Kind::go_on ? go_on(layout) : start(layout); });
 }
 
 void RunRecorder::start(const RunLayout& layout) {
-  // Whoever owns the journal owns the folder. It says what there is to go on with, and so changes
-  // only when nothing is left of what was there before.
-  Descriptor owned = std::move(resumption_.journal);
-  if (!owned.open()) owned = own_journal(folder_.file(kJournalFile), Absent::make_it);
+  // The journal says what there is to go on with, and so changes only when nothing is left of what
+  // was there before: where it is empty, a run can begin.
+  check_in_place();
   folder_.remove_results();
   cleared_ = true;
   folder_.remove(kCheckpointFile);
-  journal_.emplace(folder_.file(kJournalFile), std::move(owned),
+  if (!holds_scene()) folder_.remove(kSceneFile);
+  journal_.emplace(folder_.file(kJournalFile), std::move(resumption_.journal),
                    JournalHeader{version_, scene_.effective_toml, layout});
   folder_.write_file(kSceneFile, scene_.effective_toml);
 }
 
+/// Whether scene.toml is what it is going to be: the run may be of that very file.
+bool RunRecorder::holds_scene() const {
+  const std::string& scene = scene_.effective_toml;
+  return read_text_file(folder_.file(kSceneFile), scene.size()).text == scene;
+}
+
+void RunRecorder::check_in_place() const {
+  if (folder_.in_place()) return;
+  throw OutputError(
+      fmt::format("cannot write to {}: it has gone; the folder was removed or replaced during the "
+                  "run",
+                  folder_.path().string()));
+}
+
 void RunRecorder::go_on(const RunLayout& layout) {
+  check_in_place();
   folder_.remove_results();
   cleared_ = true;
   if (!folder_.holds(kSceneFile)) folder_.write_file(kSceneFile, scene_.effective_toml);
@@ -115,7 +125,7 @@ void RunRecorder::checkpoint(const RunState& state) {
     for (const Library& library : scene_.libraries) {
       checkpoint.plugins.push_back({library.path, library.hash});
     }
-    journal_->check_in_place();
+    check_in_place();
     // A power cut right after the start costs nothing but the start: short runs stay quick.
     const auto lasting = std::exchange(kept_once_, true) ? OutputFile::Lasting::with_its_name
                                                          : OutputFile::Lasting::some_time_later;
@@ -127,7 +137,7 @@ void RunRecorder::checkpoint(const RunState& state) {
 /// Everything comes from the journal, whose checksums are looked at once more.
 void RunRecorder::write_results() {
   const JournalMark end = journal_->flush();
-  journal_->check_in_place();
+  check_in_place();
   auto files = result_files(scene_, folder_, version_);
   ToAll all(files);
   try {
@@ -137,7 +147,10 @@ void RunRecorder::write_results() {
       throw DamagedFile(
           fmt::format("{}: it was changed during the run", folder_.file(kJournalFile).string()));
     }
-    for (const auto& file : files) file->finish();
+    for (const auto& file : files) {
+      check_in_place();
+      file->finish();
+    }
   } catch (const DamagedFile& error) {
     throw OutputError(error.what());
   }
@@ -156,8 +169,8 @@ std::optional<std::string> RunRecorder::finish(RunResult& result) {
     result.failure = failure;
   }
   try {
-    // Beside results of an earlier run it would speak for them.
-    if (cleared_) {
+    // Beside results of an earlier run, or of another one, it would speak for them.
+    if (cleared_ && folder_.in_place()) {
       folder_.write_file(kSummaryFile, summary_json(scene_, result));
       synchronise_folder_of(folder_.file(kSummaryFile));
     }
@@ -166,8 +179,8 @@ std::optional<std::string> RunRecorder::finish(RunResult& result) {
   }
   if (ended) {
     attempt([&] {
-      folder_.remove(kCheckpointFile);
-      folder_.remove(kJournalFile);
+      check_in_place();
+      for (const char* name : {kStoreFile, kCheckpointFile, kJournalFile}) folder_.remove(name);
     });
   }
   return trouble_;

@@ -22,12 +22,13 @@ namespace tomlin {
 /// known can still be said; the last checkpoint stays.
 class RunRecorder : public RunSink {
  public:
-  /// Nothing is touched before begin(). `on_trouble` is called when something cannot be written.
+  /// Of an owned folder. Nothing is touched before begin(). `on_trouble` is called when something
+  /// cannot be written.
   RunRecorder(RunFolder& folder, const Scene& scene, std::string program_version,
               Resumption resumption, std::function<void()> on_trouble);
 
-  /// Throws InputError, and has touched nothing, when another program writes to the folder or
-  /// keeps other numbers in its checkpoints than this one.
+  /// Throws InputError, and has touched nothing, when the run was begun by a program that keeps
+  /// other numbers in its checkpoints than this one.
   void begin(const RunLayout& layout) override;
   void sample(const std::vector<double>& row) override;
   void event(const Event& event) override;
@@ -41,6 +42,8 @@ class RunRecorder : public RunSink {
   void start(const RunLayout& layout);
   void go_on(const RunLayout& layout);
   void write_results();
+  bool holds_scene() const;
+  void check_in_place() const;
   template <class Action>
   void attempt(Action action);
 

@@ -3,12 +3,20 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "framework/core/integrator.hpp"
+#include "framework/output/checksum.hpp"
+#include "framework/output/machine.hpp"
 #include "framework/output/references.hpp"
+#include "framework/scene/document.hpp"
+#include "framework/scene/effective.hpp"
 
 namespace tomlin {
 namespace {
@@ -95,6 +103,63 @@ Json body_entry(const BodyResult& body, bool planar) {
   return entry;
 }
 
+/// Of the layout of a summary: another one when a key goes or means something else.
+constexpr int kFormat = 1;
+
+Json program_entry() {
+  return {{"name", "tomlin"}, {"version", TOMLIN_VERSION}, {"format", kFormat}};
+}
+
+/// The hash is that of `scene.toml`, however the scene got its values.
+Json scene_entry(const Scene& scene) {
+  const auto bytes = std::as_bytes(std::span<const char>(scene.effective_toml));
+  return {{"name", text_or_null(scene.name)},
+          {"xxh3_64", fmt::format("{:016x}", checksum_of(bytes, 0))}};
+}
+
+Json value_entry(const std::optional<Node>& node) {
+  if (!node) return {};
+  if (const auto* x = node->as<double>()) return number(*x);
+  if (const auto* n = node->as<std::int64_t>()) return *n;
+  if (const auto* flag = node->as<bool>()) return *flag;
+  if (const auto* text = node->as<std::string>()) return *text;
+  return {};
+}
+
+/// With all of its keys, those left to their defaults too; with an accuracy the one that was taken.
+Json integrator_entry(const Scene& scene, const RunResult& result) {
+  const SceneIntegrator& asked = scene.run.integrator;
+  const IntegratorRecord* scheme = result.accuracy      ? result.accuracy->scheme
+                                   : scene.run.accuracy ? nullptr
+                                                        : asked.record;
+  if (scheme == nullptr) return {};
+  const Node taken = parse_setting(result.accuracy ? result.accuracy->integrator : "", 1);
+  const Table* given = taken.as<Table>();
+  Json entry = {{"type", scheme->name}};
+  for (const Parameter& row : scheme->parameters) {
+    const Node* written = given ? given->find(row.key) : nullptr;
+    if (written != nullptr) {
+      entry[row.key] = value_entry(*written);
+    } else if (!result.accuracy) {
+      entry[row.key] = value_entry(to_node(row.read(asked.description.get())));
+    } else {
+      entry[row.key] = row.standard ? value_entry(to_node(*row.standard)) : Json();
+    }
+  }
+  return entry;
+}
+
+/// All that may differ between two runs of a scene to the same results.
+Json performance_entry(const Scene& scene, const RunResult& result) {
+  const Machine machine = this_machine();
+  return {{"wall_seconds", number(result.wall_seconds)},
+          {"steps_per_second", number(result.steps_per_second)},
+          {"scene_file", scene.file},
+          {"instruction_set", std::string(to_string(result.instruction_set))},
+          {"processor", text_or_null(machine.processor)},
+          {"system", text_or_null(machine.system)}};
+}
+
 Json references_entry(const Scene& scene, const RunResult& result) {
   Json list = Json::array();
   for (const CitedWork& one : references(scene, result.accuracy ? &*result.accuracy : nullptr)) {
@@ -118,6 +183,9 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
   Json summary;
   summary["status"] = to_string(result.status);
   if (result.failure) summary["failure"] = failure_entry(*result.failure);
+  summary["program"] = program_entry();
+  summary["scene"] = scene_entry(scene);
+  summary["integrator"] = integrator_entry(scene, result);
 
   summary["parameters"] = Json::object();
   for (const auto& [name, value] : scene.parameters) summary["parameters"][name] = number(value);
@@ -149,7 +217,8 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
                        {"hops", count(result.events.hops)},
                        {"turns", count(result.events.turns)},
                        {"reversals", count(result.events.reversals)},
-                       {"driver_reversals", count(result.events.driver_reversals)}};
+                       {"driver_reversals", count(result.events.driver_reversals)},
+                       {"ties", count(result.events.ties)}};
   if (result.steady) {
     summary["until"] = {{"steady", result.steady->path},
                         {"reached", result.steady->reached},
@@ -168,11 +237,10 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
 
   if (result.accuracy) {
     const AccuracyResult& accuracy = *result.accuracy;
-    summary["accuracy"] = {{"asked", number(accuracy.asked)},
-                           {"integrator", accuracy.integrator},
-                           {"companion", accuracy.companion},
-                           {"pilot_cost", accuracy.pilot_cost},
-                           {"companion_cost", accuracy.companion_cost}};
+    summary["accuracy"] = {
+        {"asked", number(accuracy.asked)},   {"integrator", accuracy.integrator},
+        {"companion", accuracy.companion},   {"second_companion", accuracy.second_companion},
+        {"pilot_cost", accuracy.pilot_cost}, {"companion_cost", accuracy.companion_cost}};
   }
   if (!result.errors.empty()) {
     summary["error"] = Json::object();
@@ -192,9 +260,7 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
           {{"given", library.given}, {"path", library.path}, {"xxh3_128", library.hash}});
     }
   }
-  summary["performance"] = {{"wall_seconds", number(result.wall_seconds)},
-                            {"steps_per_second", number(result.steps_per_second)},
-                            {"instruction_set", std::string(to_string(result.instruction_set))}};
+  summary["performance"] = performance_entry(scene, result);
   return summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -95,6 +96,17 @@ std::string all_of(int descriptor) {
   }
 }
 
+/// The environment without what would choose a terminal: the figure's script does.
+std::vector<char*> environment() {
+  constexpr std::string_view kTerminal = "GNUTERM=";
+  std::vector<char*> kept;
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    if (!std::string_view(*entry).starts_with(kTerminal)) kept.push_back(*entry);
+  }
+  kept.push_back(nullptr);
+  return kept;
+}
+
 /// Starts the program with these as its standard streams.
 pid_t spawned(const std::string& name, int input, int output, int errors) {
   posix_spawn_file_actions_t streams;
@@ -106,7 +118,8 @@ pid_t spawned(const std::string& name, int input, int output, int errors) {
   std::string defaults = "-d";  // no ~/.gnuplot: the same figure for everybody
   std::array<char*, 3> words = {word.data(), defaults.data(), nullptr};
   pid_t child = -1;
-  const int error = ::posix_spawnp(&child, word.c_str(), &streams, nullptr, words.data(), environ);
+  const int error =
+      ::posix_spawnp(&child, word.c_str(), &streams, nullptr, words.data(), environment().data());
   ::posix_spawn_file_actions_destroy(&streams);
   if (error != 0) refuse(name, error);
   return child;

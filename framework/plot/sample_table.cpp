@@ -82,7 +82,7 @@ class Row {
 };
 
 std::ifstream opened(const std::string& file) {
-  const TextFile start = read_text_file(file, 1);  // it knows what cannot be read, and why
+  const TextFile start = read_text_file(file, 0);  // it knows what cannot be read, and why
   if (!start.why.empty()) refuse({file}, "", start.why);
   return std::ifstream(file, std::ios::binary);
 }

@@ -49,7 +49,7 @@ std::string written(const Node& node) {
 std::map<std::string, std::string> written_parameters(const std::string& file) try {
   std::map<std::string, std::string> result;
   const TextFile scene = read_text_file(file, kLargestSceneFile);
-  if (!scene.why.empty()) return result;
+  if (!scene.why.empty() || scene.too_large) return result;
   const Table document = parse_document(scene.text, file);
   const Node* parameters = document.find("parameters");
   const Table* table = parameters == nullptr ? nullptr : parameters->as<Table>();
@@ -77,6 +77,7 @@ StoredRun read_stored_run(const std::string& folder) {
   run.name = name_of(folder);
   const std::string file = file_of(run, kSummaryFile);
   const TextFile summary = read_text_file(file, kLargestSummary);
+  if (summary.too_large) refuse(file, "this is too large for the summary of a run");
   if (!summary.why.empty()) refuse(file, summary.why);
   const Json json = Json::parse(summary.text, nullptr, false);
   if (!json.is_object()) refuse(file, "this is not the summary of a run");

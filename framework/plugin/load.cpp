@@ -106,7 +106,8 @@ PluginFile examine_plugin(const fs::path& path) {
     file.why = fmt::format("it has {} MB; at most {} MB", size >> 20, kLargestLibrary >> 20);
     return file;
   }
-  const TextFile content = read_text_file(path, error ? 0 : static_cast<std::size_t>(size));
+  TextFile content = read_text_file(path, error ? 0 : static_cast<std::size_t>(size));
+  if (content.too_large) content.why = "the file is changing while it is read";
   if (!content.why.empty()) {
     file.why = content.why;
     return file;

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "framework/core/math.hpp"
-#include "framework/run/engine.hpp"
 #include "framework/run/observables.hpp"
+#include "framework/run/side_run.hpp"
 
 namespace tomlin {
 namespace {
@@ -95,13 +95,11 @@ void determine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
     if (const auto value = observable(result, followed.path)) followed.values.push_back(*value);
   }
   RunOptions quiet = options;
-  quiet.sink = nullptr;
-  quiet.resume_from = nullptr;
   for (std::int64_t repeat = 1; repeat <= settings.repeats; ++repeat) {
     quiet.perturbation =
         Perturbation{settings.bodies, settings.size, static_cast<std::uint64_t>(scene->run.seed),
                      static_cast<std::uint64_t>(repeat)};
-    const RunResult other = Engine(scene, quiet).run();
+    const RunResult other = side_run(scene, quiet, fmt::format("perturbed start {}", repeat));
     if (other.status == RunStatus::interrupted) {
       result.status = RunStatus::interrupted;
       result.warnings.push_back(fmt::format("stopped after {} of {} runs from perturbed starts",

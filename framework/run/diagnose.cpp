@@ -21,7 +21,7 @@ std::size_t worst_coordinate(Model& model, double h) {
     const double move = s.inertial ? h * std::abs(s.velocity[i]) + 0.5 * h * h * std::abs(response)
                                    : h * std::abs(response);
     if (!std::isfinite(move)) return i;
-    const double limit = s.largest_move[i] < 1e300 ? s.largest_move[i] : 1.0;
+    const double limit = s.largest_move[i] < 1e300 ? s.largest_move[i] : 1.0 / s.tolerance_scale[i];
     if (move / limit > furthest) {
       furthest = move / limit;
       worst = i;
@@ -148,7 +148,9 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
   if (const auto body = model.body_without_velocity(failure.time, failure.time + h)) {
     failure.body = *body;
     failure.what = "its prescribed motion has no finite value";
-    failure.cause = "an expression in motion is left where it is defined";
+    failure.cause =
+        "an expression in motion has no value there: it is evaluated outside of the range in which "
+        "it is defined";
     return failure;
   }
   model.evaluate_at(time, s.position, s.velocity, s.integrals, rates.data());
@@ -156,7 +158,8 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
     failure.what =
         "a variable that is not a coordinate left the finite numbers, or cannot be kept "
         "to the tolerance";
-    failure.cause = "a force law was left where it is defined, or a motion jumps";
+    failure.cause =
+        "a force law was evaluated outside of the range in which it is defined, or a motion jumps";
     return failure;
   }
   const std::size_t worst = worst_coordinate(model, h);
@@ -176,6 +179,14 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
       failure.cause = "the scene is stiffer, or the run longer, than most_steps allows for";
       return failure;
     case StepFault::no_equilibrium:
+      if (scheme.splits_bonds) {
+        failure.what = "the body has left the shape that " + scheme.name + " takes its bonds at";
+        failure.cause = fmt::format(
+            "its bonds are soft, loose or too far from rest for a step of {:g}: take a "
+            "much smaller dt, or another scheme: velocity_verlet, dopri5",
+            h);
+        return failure;
+      }
       failure.what = "no stable equilibrium was found from here on";
       failure.cause =
           "nothing holds the scene against its forces: it slides away, or slips without end";
@@ -199,7 +210,9 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
   } else if (std::string why = why_not_finite(model, time, h); !why.empty()) {
     failure.cause = std::move(why);
   } else if (!finite) {
-    failure.cause = "a force law was left where it is defined, or its numbers overflow";
+    failure.cause =
+        "a force law was evaluated outside of the range in which it is defined, or its numbers "
+        "overflow";
   } else if (scheme.adaptive) {
     failure.cause =
         "no step down to smallest_step was sound: the scene's forces are too strong, its lengths "

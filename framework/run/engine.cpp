@@ -7,9 +7,12 @@
 
 #include <fmt/format.h>
 
+#include "framework/run/bond_watch.hpp"
 #include "framework/run/diagnose.hpp"
+#include "framework/run/disturbance.hpp"
 #include "framework/run/engine_parts.hpp"
 #include "framework/run/number_type.hpp"
+#include "framework/run/watched_integrals.hpp"
 
 namespace tomlin {
 
@@ -42,6 +45,7 @@ Engine::Engine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
   }
   path_ = integrator_->path();
   list_signals();
+  integrator_->watch(watched_integrals(model_), along_with_drivers(model_));
   list_watches();
   list_triggers();
   bind_observers();
@@ -73,7 +77,8 @@ Engine::Engine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
     while (remains(full_steps_) < -kNoStep * dt_) --full_steps_;
     while (remains(full_steps_ + 1) >= -kNoStep * dt_) ++full_steps_;
   }
-  sampling_ = (options_.sink != nullptr || !watchers_.empty()) && scene_->output.every.has_value();
+  const bool wanted = options_.sink != nullptr && options_.sink->wants_samples();
+  sampling_ = (wanted || !watchers_.empty()) && scene_->output.every.has_value();
   counts_[kRotationEvery] = 1;
   extremes_.start();
   first_maximum_.start();
@@ -95,7 +100,10 @@ Engine::Engine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
 /// From the scene's start, or a checkpoint, to just before the first step.
 void Engine::begin() {
   if (options_.perturbation) {
-    model_.start(&*options_.perturbation);
+    const Perturbation& noise = *options_.perturbation;
+    model_.start(&noise);
+    if (path_ != nullptr) path_->disturb(noise.size, noise.seed, noise.stream);
+    disturb_every_ = path_ != nullptr ? 0.0 : memory_of_disturbances(model_);
   } else {
     model_.start();
   }
@@ -115,6 +123,7 @@ void Engine::begin() {
     resume(*options_.resume_from);
   } else {
     observe_start();
+    note_tie();
     keep_checkpoint();
   }
 }
@@ -138,13 +147,18 @@ void Engine::declare(StateLayout& layout) {
   extremes_.declare(layout, signal_count_);
   first_maximum_.declare(layout, drivers_.size());
   layout.add_integers("events.counts", kEventKinds);
-  if (path_ != nullptr) layout.add_reals("events.peaks", drivers_.size());
+  if (path_ != nullptr) {
+    layout.add_reals("events.peaks", drivers_.size());
+    layout.add_reals("events.tie", 2);
+  }
   layout.add_reals("events.drivers", driver_watches_.size() * DriverWatch::kReals);
   layout.add_integers("events.drivers", driver_watches_.size() * DriverWatch::kIntegers);
   layout.add_reals("events.bodies", body_watches_.size() * BodyWatch::kReals);
   layout.add_integers("events.bodies", body_watches_.size() * BodyWatch::kIntegers);
   layout.add_integers("events.beyond", 2 * triggers_.size());
-  if (period_ > 0.0) layout.add_reals("until", kSteadyNumbers);
+  if (period_ > 0.0) layout.add_reals("until", Steadiness::kNumbers);
+  if (has_images(model_)) layout.add_integers("long_bonds", model_.forces().size());
+  if (options_.perturbation) layout.add_reals("disturbed", 1);
   if (!watchers_.empty()) {
     layout.add_reals("observed.sums", 2 * observed_numbers());
     layout.add_integers("observed.count", 1);
@@ -162,7 +176,10 @@ void Engine::attach() {
   last_turns_ = state_.reals("last_turns");
   turn_wraps_ = state_.integers("turn_wraps");
   event_counts_ = state_.integers("events.counts");
-  if (path_ != nullptr) peaks_ = state_.reals("events.peaks");
+  if (path_ != nullptr) {
+    peaks_ = state_.reals("events.peaks");
+    tie_ = state_.reals("events.tie");
+  }
   const auto attach_watches = [this](const char* field, auto& watches) {
     double* reals = state_.reals(field);
     std::int64_t* integers = state_.integers(field);
@@ -175,7 +192,9 @@ void Engine::attach() {
   attach_watches("events.bodies", body_watches_);
   std::int64_t* beyond = state_.integers("events.beyond");
   for (Trigger& trigger : triggers_) trigger.beyond = std::exchange(beyond, beyond + 2);
-  if (period_ > 0.0) steady_ = state_.reals("until");
+  if (period_ > 0.0) steadiness_.attach(state_.reals("until"));
+  if (has_images(model_)) long_bonds_ = state_.integers("long_bonds");
+  if (options_.perturbation) disturbed_ = state_.reals("disturbed");
   if (!watchers_.empty()) {
     observed_sums_ = state_.reals("observed.sums");
     observed_count_ = state_.integers("observed.count");
@@ -205,7 +224,7 @@ void Engine::resume(const std::vector<std::byte>& numbers) {
   if (period_ > 0.0) {
     // After the run's last period its window stays.
     const double last = std::nearbyint(duration_ / period_) - 1.0;
-    const double before = std::min(steady_[kPeriods], last);
+    const double before = std::min(steadiness_.periods(), last);
     from_.time = before * period_;
     to_.time = (before + 1.0) * period_;
   }
@@ -262,6 +281,18 @@ void Engine::keep_checkpoint() {
   if (options_.sink == nullptr) return;
   counts_[kEvaluations] = static_cast<std::int64_t>(model_.system().evaluations) -
                           static_cast<std::int64_t>(integrator_->evaluations_ahead());
+  counts_[kColumns] = static_cast<std::int64_t>(model_.system().columns);
+  options_.sink->checkpoint(state_);
+}
+
+/// Where runs follow whose results this one's is compared with, it need not be repeated when those
+/// are stopped. What a run until it is steady, and a path of equilibria, know at their end is not
+/// all in the numbers: they go on from the checkpoint before.
+void Engine::keep_end() {
+  const bool more_follow = scene_->run.perturb || scene_->run.accuracy;
+  if (options_.sink == nullptr || !more_follow || failed() || interrupted_) return;
+  if (path_ != nullptr || period_ > 0.0) return;
+  counts_[kEvaluations] = static_cast<std::int64_t>(model_.system().evaluations);
   counts_[kColumns] = static_cast<std::int64_t>(model_.system().columns);
   options_.sink->checkpoint(state_);
 }
@@ -526,6 +557,7 @@ void Engine::housekeeping() {
   track_rotation();
   if (!housekeeping_due()) return;
   if (model_.rebase_if_due()) integrator_->rebased();
+  if (disturb_every_ > 0.0 && time() >= *disturbed_ + disturb_every_) disturb();
   if (stopped()) {
     interrupted_ = ended_ = true;
     if (!within_step_) keep_checkpoint();
@@ -546,6 +578,18 @@ void Engine::housekeeping() {
   }
 }
 
+/// At the present state, whose particles of rigid bodies are placed first.
+void Engine::watch_bonds() {
+  if (long_bonds_ == nullptr) return;
+  const SystemView<double>& view = model_.system().view;
+  model_.evaluate_at(now(), view.position, view.velocity, view.integrals, final_rates_.data());
+  note_long_bonds(model_,
+                  stage_of(view, static_cast<const double*>(view.position),
+                           static_cast<const double*>(view.velocity),
+                           static_cast<const double*>(view.integrals), final_rates_.data(), 0.0),
+                  long_bonds_);
+}
+
 bool Engine::stopped() const {
   if (too_dear()) return true;
   return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
@@ -555,8 +599,12 @@ RunResult Engine::run() {
   // Where batches end blocks of steps do, and some of what is watched is looked at there: at the
   // same steps whether the run began here or goes on from a checkpoint.
   attempt([this] {
-    while (!done()) advance(kBatch - steps() % kBatch);
+    while (!done()) {
+      advance(kBatch - steps() % kBatch);
+      if (!interrupted_) watch_bonds();
+    }
   });
+  keep_end();
   finish();
   return result();
 }

@@ -16,6 +16,7 @@
 #include "framework/run/extremes.hpp"
 #include "framework/run/instant.hpp"
 #include "framework/run/run.hpp"
+#include "framework/run/steadiness.hpp"
 
 namespace tomlin {
 
@@ -124,17 +125,24 @@ class Engine {
   void start_until();
   void end_period();
   void warn_of_unsteadiness();
+  void watch_bonds();
   std::int64_t plain_steps() const;
   void plain_block(std::int64_t most);
   void look(double at);
   bool look_between(double from, double to);
   void look_along_path(double from, double to);
   void include_cubics(double from, double to);
+  void signals_within(double theta);
+  double refined(std::size_t signal, double theta, double value, bool maximum);
+  double refined_pull(std::size_t driver, double theta, double value);
   void see_pull(std::size_t driver, double pull);
   void settle();
   void forget_pulls();
   void tell_of_slip(double lost);
   bool slip();
+  void note_tie();
+  void warn_of_ties();
+  void disturb();
   void describe_equilibrium();
   /// Force of a driver along its way at the start, times its speed.
   double pull_of(std::size_t driver, const double* signals) const {
@@ -150,6 +158,7 @@ class Engine {
   void begin_sink();
   void observe_start();
   void keep_checkpoint();
+  void keep_end();
   bool too_dear() const;
   bool stopped() const;
   void signals_from_rates(const double* rates);
@@ -225,10 +234,14 @@ class Engine {
   std::int64_t plain_left_ = 0;     ///< steps known to have nothing to serve
 
   // In the run state.
-  double* clock_ = nullptr;         ///< high and low part of the time
-  std::int64_t* counts_ = nullptr;  ///< steps taken, steps on the grid, next sample
-  double* peaks_ = nullptr;         ///< quasistatic: of drivers' pulls since the last slip
-  double* last_turns_ = nullptr;    ///< flexible bodies: rotation when last looked at
+  double* clock_ = nullptr;             ///< high and low part of the time
+  std::int64_t* counts_ = nullptr;      ///< steps taken, steps on the grid, next sample
+  std::int64_t* long_bonds_ = nullptr;  ///< by force, see bond_watch.hpp; null without a box
+  double* tie_ = nullptr;               ///< quasistatic: time and coordinate of the first one
+  double* disturbed_ = nullptr;         ///< of a run that is disturbed: when last
+  double disturb_every_ = 0.0;          ///< at the earliest; 0: never again after the start
+  double* peaks_ = nullptr;             ///< quasistatic: of drivers' pulls since the last slip
+  double* last_turns_ = nullptr;        ///< flexible bodies: rotation when last looked at
   std::int64_t* turn_wraps_ = nullptr;
   enum { kSteps, kGridSteps, kNextSample, kRotationEvery, kEvaluations, kColumns, kCounts };
 
@@ -239,6 +252,8 @@ class Engine {
   std::vector<double> signals_;
   std::vector<double> pulls_;
   std::vector<double> between_[4];  ///< signals at thirds of a step, or of a part of it
+  double between_from_ = 0.0;       ///< the time that they begin at
+  double between_length_ = 0.0;     ///< 0: of a path, which has no dense output
   std::vector<double> direction_;   ///< [driver * dimension + axis], velocities at the start
   std::vector<double> speed_;       ///< of each driver
   std::vector<double> along_;       ///< pull times this is the force along the present velocity
@@ -277,9 +292,9 @@ class Engine {
   std::int64_t* observed_count_ = nullptr;  ///< of them
 
   // Until it is steady.
-  double period_ = 0.0;       ///< of the driver, as a time; 0: runs for its duration
-  double* steady_ = nullptr;  ///< in the run state
-  enum { kPeriods, kLastValue, kLastChange, kChange, kAlike, kReached, kSteadyNumbers };
+  double period_ = 0.0;        ///< of the driver, as a time; 0: runs for its duration
+  double slowest_time_ = 0.0;  ///< of the scene, as far as it is known
+  Steadiness steadiness_;
   bool period_over_ = false;
 
   Moment from_;

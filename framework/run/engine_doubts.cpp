@@ -6,8 +6,11 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/tolerance.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/run/engine_parts.hpp"
+#include "framework/run/time_scale.hpp"
+#include "framework/scene/natural_units.hpp"
 
 /// Scenes that run to their end and still give no number to trust: refused, or warned of, before
 /// the first step.
@@ -20,13 +23,15 @@ namespace {
 /// Parts of a length that has to be seen: what is coarser is warned of, or refused.
 constexpr double kCoarsePlaces = 1e-9;
 constexpr double kFewPlaces = 100.0;  // of a short number type
-// The same in units of length, where the scene has no length of its own.
+// The same in the scene's length (natural_units.hpp), where no period or bond is along an axis.
 constexpr double kCoarseUnits = 1e-6;
 constexpr double kFewUnits = 1000.0;
 constexpr double kNoLength = 1e300;
 constexpr double kUselessPlaces = 1e-3;
-/// Tolerance of an adaptive scheme, as a part of a period or of half the shortest bond.
+/// Tolerance of an adaptive scheme, as a part of a period or of half the shortest bond. Half a
+/// period is the way from a well to the next barrier: a step may end in any well.
 constexpr double kCoarseTolerance = 1e-2;
+constexpr double kUselessTolerance = 0.5;
 /// Of a driver's force by that of places, as a part of what substrate and drag have at most.
 constexpr double kCoarseForce = 1e-2;
 /// Relative error of the drag, and so of a mean force, by the scheme alone.
@@ -36,8 +41,8 @@ constexpr double kUselessDrag = 1e-1;
 constexpr double kCoarseMean = 1e-6;
 /// Of a driver's period within the window: less is not sliding.
 constexpr double kShortestSlide = 1e-2;
-/// Of a prescribed way, by steps that do not see it.
-constexpr double kMissedWay = 1e-2;
+/// Of what changes with time by itself, by steps that do not see it.
+constexpr double kMissedChange = 1e-2;
 /// Steps that a scheme takes in seconds.
 constexpr double kSoonTaken = 1e6;
 
@@ -67,33 +72,20 @@ double period_of(const Model::Force& force, std::size_t body, const Scene& scene
   return longest;
 }
 
+/// Whether a longest step stands beside the tolerances.
+bool holds_steps(const RunSettings& run) {
+  for (const Parameter& row : run.integrator.record->parameters) {
+    if (row.key != "largest_step") continue;
+    const ParameterValue value = row.read(run.integrator.description.get());
+    const auto* step = std::get_if<double>(&value);
+    return step != nullptr && *step < run.duration;
+  }
+  return false;
+}
+
 double last_place_of(const std::string& number_type) {
   if (number_type == "float") return 0x1p-23;
   return number_type == "quadruple" ? 0x1p-112 : 0x1p-52;
-}
-
-/// How much of a prescribed way steps of h miss: Simpson's rule, which a Runge-Kutta step amounts
-/// to, against the same on eighths, at steps all over the run.
-double missed_by_steps(const TimeFunction& function, double h, double duration) {
-  constexpr int kSteps = 100;
-  constexpr int kParts = 16;
-  double way = 0.0;
-  double missed = 0.0;
-  for (int k = 0; k < kSteps; ++k) {
-    const double from = std::max(0.0, duration - h) * k / kSteps;
-    double in_parts = 0.0;
-    double at_once = 0.0;
-    for (int part = 0; part <= kParts; ++part) {
-      const double velocity = function(from + h * part / kParts);
-      const bool edge = part == 0 || part == kParts;
-      in_parts += (edge ? 1.0 : part % 2 == 0 ? 2.0 : 4.0) / (3.0 * kParts) * velocity;
-      if (edge) at_once += velocity / 6.0;
-      if (2 * part == kParts) at_once += velocity * 4.0 / 6.0;
-    }
-    way += std::abs(in_parts) + std::abs(at_once);
-    missed += 2.0 * std::abs(in_parts - at_once);
-  }
-  return way > 0.0 ? missed / way : 0.0;
 }
 
 }  // namespace
@@ -160,13 +152,13 @@ void Engine::check_places() {
         axis = d;
       }
     }
-    // Nothing tells a length of the scene there: in its units, one is as good as another.
-    const double coarse = last_place * farthest_without_length;
+    const double coarse = last_place * farthest_without_length / tolerance_scales(view).length;
     if (coarse > std::max(kCoarseUnits, kFewUnits * last_place)) {
       warnings_.push_back(fmt::format(
           "{}: places along {} are far from zero, and no force declares a period there: {} tells "
           "them apart to {:.2g}, and shorter ways are lost",
-          body.bound.name, "xyz"[axis_without_length], scene_ -> run.number_type, coarse));
+          body.bound.name, "xyz"[axis_without_length], scene_ -> run.number_type,
+          last_place* farthest_without_length));
     }
     if (worst <= std::max(kCoarsePlaces, kFewPlaces * last_place)) continue;
     const std::string what = fmt::format(
@@ -181,8 +173,20 @@ void Engine::check_places() {
   }
 }
 
-/// What moves as prescribed may no more jump over a period in a step than what is free.
+/// What changes with time by itself has a time scale: a fixed step that does not resolve it is
+/// warned of, and that of an adaptive scheme, whose error estimate may step over a pulse, bounded
+/// by it. What moves as prescribed may no more jump over a period in a step than what is free.
 void Engine::check_ways() {
+  for (const TimeDependence& change : time_dependences(model_)) {
+    const double longest = resolving_step(change, kMissedChange, duration_);
+    if (dt_ == 0.0) {
+      longest_unwatched_ = std::min(longest_unwatched_, longest);
+    } else if (longest < dt_ || missed_by_steps(change, dt_, duration_) > kMissedChange) {
+      warnings_.push_back(
+          fmt::format("{} changes faster than steps of {:g} can follow", change.what, dt_));
+    }
+  }
+  model_.anchor(DoubleDouble(0.0));
   if (dt_ == 0.0) return;
   double period = std::numeric_limits<double>::infinity();
   for (int d = 0; d < model_.dimension(); ++d) {
@@ -191,14 +195,6 @@ void Engine::check_ways() {
   for (const Model::Body& body : model_.bodies()) {
     if (!body.prescribed()) continue;
     const double way = fastest_of(body, duration_) * dt_;
-    for (const TimeFunction& function : body.motion->velocity) {
-      if (function.is_constant() || !(missed_by_steps(function, dt_, duration_) > kMissedWay))
-        continue;
-      warnings_.push_back(
-          fmt::format("{}: its prescribed velocity {} changes faster than steps of "
-                      "{:g} can follow",
-                      body.bound.name, function.text, dt_));
-    }
     if (!(way > period)) continue;
     fail_at_start(
         body.bound.name,
@@ -210,8 +206,6 @@ void Engine::check_ways() {
 /// Schemes that take friction apart from forces are stable where friction rules, and wrong.
 void Engine::check_drag() {
   if (dt_ == 0.0 || scheme_.drag_error == nullptr || !model_.system().view.inertial) return;
-  const auto drives = [](const Model::Force& force) { return !force.bound->is_friction(); };
-  if (std::none_of(model_.forces().begin(), model_.forces().end(), drives)) return;
   const double rate = model_.stiffness().damping_rate;
   const double error = scheme_.drag_error(std::min(dt_, duration_) * rate);
   if (!(error > kCoarseDrag)) return;
@@ -245,20 +239,32 @@ void Engine::check_pace() {
                             most));
 }
 
-/// A tolerance that does not see the lattice, as the default one in units of atoms' metres.
+/// A tolerance that does not see the lattice. Where nothing else keeps steps short, the result
+/// means nothing.
 void Engine::warn_of_coarse_tolerance() {
-  if (scheme_.tolerance == nullptr) return;
-  const double asked = scheme_.tolerance(scene_->run.integrator.description.get());
   const SystemView<double>& view = model_.system().view;
-  double shortest = std::numeric_limits<double>::infinity();
+  const ToleranceScales<double> scales = tolerance_scales(view);
+  const auto asked = tolerance_of(scene_->run.integrator, scales.length);
+  if (!asked) return;
+  double shortest = std::numeric_limits<double>::infinity();  // in the scene's length, or rad
   for (std::size_t i = 0; i < view.dofs; ++i) {
-    if (view.inverse_mass[i] > 0.0) shortest = std::min(shortest, view.largest_move[i]);
+    if (view.inverse_mass[i] <= 0.0) continue;
+    shortest = std::min(shortest, view.largest_move[i] * scales.position[i]);
   }
-  if (!(asked > kCoarseTolerance * shortest)) return;
-  warnings_.push_back(
-      fmt::format("a tolerance of {:g} does not resolve the scene's shortest length, {:g} (a "
-                  "period, or half a bond): results follow the steps",
-                  asked, shortest));
+  if (!(*asked > kCoarseTolerance * shortest)) return;
+  const std::string what = fmt::format(
+      "a tolerance of {:g} does not resolve the scene's shortest length, {:g} (a period, or half a "
+      "bond)",
+      *asked * scales.length, shortest * scales.length);
+  if (*asked <= kUselessTolerance * shortest || holds_steps(scene_->run) ||
+      scene_->run.allow_unstable) {
+    warnings_.push_back(what + ": results follow the steps");
+    return;
+  }
+  fail_at_start("", what + ": the result would mean nothing",
+                fmt::format("take finer tolerances, absolute ones well below {:.2g}; without "
+                            "absolute_tolerance it is 1e-9 of the scene's length, {:g}",
+                            kCoarseTolerance * shortest * scales.length, scales.length));
 }
 
 /// A place is known to the tolerance or to its last digit, and a driver's force to its stiffness
@@ -284,9 +290,8 @@ void Engine::warn_of_stiff_drivers() {
     double square = 0.0;
     for (const double part : drive->velocity) square += part * part;
     largest = std::max(largest, friction.total * std::sqrt(square));
-    const double asked = scheme_.tolerance == nullptr
-                             ? 0.0
-                             : scheme_.tolerance(scene_->run.integrator.description.get());
+    const double length = tolerance_scales(model_.system().view).length;
+    const double asked = tolerance_of(scene_->run.integrator, length).value_or(0.0) * length;
     const double known = std::max(asked, last_place * shortest);
     if (!(drive->stiffness * known > kCoarseForce * largest)) continue;
     warnings_.push_back(fmt::format(

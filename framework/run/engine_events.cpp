@@ -8,6 +8,7 @@
 
 #include "framework/run/engine.hpp"
 #include "framework/run/observables.hpp"
+#include "framework/scene/motion_slope.hpp"
 
 /// What the run loop does about events: those that are told of, those that change a force, and the
 /// end of a run that goes on until it is steady.
@@ -21,9 +22,6 @@ double precision_of(const std::string& number_type) {
 
 /// Halvings, at most, of a bracket of an event.
 constexpr std::uintmax_t kMostTries = 100;
-
-/// Periods in a row, each within the tolerance, that make a run steady.
-constexpr double kAlikeInARow = 2.0;
 
 double cubic(double theta, double h, double y0, double slope0, double y1, double slope1) {
   const double rest = 1.0 - theta;
@@ -205,6 +203,15 @@ double Engine::heat_so_far() {
   double work = 0.0;
   for (const Model::Driver& driver : drivers_) {
     work += view.integrals[driver.first_rate + model_.dimension()];
+    // The kinetic energy below is that of what is free.
+    for (const Model::Body& body : model_.bodies()) {
+      if (!body.prescribed() || body.bound.name != driver.name) continue;
+      const auto apart = static_cast<std::size_t>(driver.first_rate) +
+                         2 * static_cast<std::size_t>(model_.dimension()) + 1;
+      if (accelerates(*body.motion) && view.inertial && path_ == nullptr) {
+        work -= view.integrals[apart];
+      }
+    }
   }
   for (const Model::Force& force : model_.forces()) {
     // With the ledger: what an energy that changes with time puts in.
@@ -284,6 +291,7 @@ void Engine::watch(double at, const double* signals, const std::vector<Reading>&
 /// The end is one more moment. What is going on then counts as far as it got.
 void Engine::finish_events() {
   const SystemView<double>& view = model_.system().view;
+  seen_ = now();  // a run that resumes at its end has taken no step
   signals_from_rates(final_rates_.data());
   read_bodies(view.position, nullptr, readings_);
   watch(time(), signals_.data(), readings_);
@@ -307,7 +315,10 @@ EventCounts Engine::event_counts() const {
     counts.reversals = count(EventKind::reversal);
     if (watch.watches_slips()) counts.slips = count(EventKind::slip);
   }
-  if (path_ != nullptr) counts.slips = count(EventKind::slip);
+  if (path_ != nullptr) {
+    counts.slips = count(EventKind::slip);
+    counts.ties = count(EventKind::tie);
+  }
   for (const BodyWatch& watch : body_watches_) {
     counts.turns = count(EventKind::turn);
     if (watch.watches_hops()) counts.hops = count(EventKind::hop);
@@ -321,6 +332,13 @@ void Engine::start_until() {
   const UntilSettings& until = *scene_->run.until;
   const auto place = until.places.find("steady");
   observable(result(), until.steady, place == until.places.end() ? until.place : place->second);
+  const auto slowest = model_.slowest_time();
+  slowest_time_ = slowest.value_or(0.0);
+  if (slowest) return;
+  warnings_.push_back(
+      fmt::format("run.until: the slowest internal time of so many coordinates is not known, only "
+                  "how {} has changed so far",
+                  until.steady));
 }
 
 /// The window has been one period of the driver: is the run steady, or what is the next one?
@@ -330,25 +348,17 @@ void Engine::end_period() {
   model_.evaluate_at(now(), view.position, view.velocity, view.integrals, final_rates_.data());
   const UntilSettings& until = *scene_->run.until;
   const double value = observable(result(), until.steady).value_or(0.0);
-  const double change = value - steady_[kLastValue];
-  if (steady_[kPeriods] >= 1.0) {
-    // Changes that shrink by a factor each period add up to a geometric series.
-    const double ratio = std::abs(change / steady_[kLastChange]);
-    const bool shrinks = steady_[kPeriods] >= 2.0 && ratio < 1.0;
-    const double rest = std::abs(change) * (shrinks ? std::max(1.0, ratio / (1.0 - ratio)) : 1.0);
-    steady_[kChange] = value != 0.0 ? rest / std::abs(value) : rest;
-    const bool alike = steady_[kChange] <= until.tolerance;
-    steady_[kAlike] = alike ? steady_[kAlike] + 1.0 : 0.0;
-    steady_[kLastChange] = change;
+  steadiness_.add(value);
+  const double ahead = duration_ / period_ - steadiness_.periods();
+  if (const auto distance = steadiness_.distance(slowest_time_ / period_, ahead)) {
+    steadiness_.kept_distance() = value != 0.0 ? *distance / std::abs(value) : *distance;
+    if (steadiness_.kept_distance() <= until.tolerance) {
+      steadiness_.reach();
+      ended_ = true;
+      return;
+    }
   }
-  steady_[kLastValue] = value;
-  steady_[kPeriods] += 1.0;
-  if (steady_[kAlike] >= kAlikeInARow) {
-    steady_[kReached] = 1.0;
-    ended_ = true;
-    return;
-  }
-  const double next = (steady_[kPeriods] + 1.0) * period_;
+  const double next = (steadiness_.periods() + 1.0) * period_;
   if (next > duration_ * (1.0 + 1e-9)) return;  // the last period of the run
   from_.time = to_.time;
   to_.time = next;
@@ -361,22 +371,29 @@ void Engine::end_period() {
 }
 
 void Engine::warn_of_unsteadiness() {
-  if (period_ == 0.0 || steady_[kReached] != 0.0) return;
+  if (period_ == 0.0 || steadiness_.reached()) return;
   const UntilSettings& until = *scene_->run.until;
-  const std::string change =
-      steady_[kPeriods] < 2.0
-          ? "after one period"
-          : fmt::format("it still changes by a part of {:.2g}", steady_[kChange]);
+  const double least = Steadiness::least_periods(slowest_time_ / period_);
+  std::string why =
+      fmt::format("it still changes by a part of {:.2g}", steadiness_.kept_distance());
+  if (steadiness_.periods() < least) {
+    why = fmt::format("that takes {:g} periods at least", least);
+    if (least > static_cast<double>(Steadiness::kWindows)) {
+      why += fmt::format(", since the slowest internal time of the scene is {:.3g}", slowest_time_);
+    }
+  }
   warnings_.push_back(fmt::format("{} is not steady to {:g} by time {:g}: {}", until.steady,
-                                  until.tolerance, duration_, change));
+                                  until.tolerance, duration_, why));
 }
 
 SteadyResult Engine::steady() const {
   SteadyResult result;
   result.path = scene_->run.until->steady;
-  result.reached = steady_[kReached] != 0.0;
-  result.periods = static_cast<std::uint64_t>(steady_[kPeriods]);
-  if (steady_[kPeriods] >= 2.0) result.change = steady_[kChange];
+  result.reached = steadiness_.reached();
+  result.periods = static_cast<std::uint64_t>(steadiness_.periods());
+  if (steadiness_.periods() >= Steadiness::least_periods(slowest_time_ / period_)) {
+    result.change = steadiness_.kept_distance();
+  }
   return result;
 }
 

@@ -6,8 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "framework/run/bond_watch.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/run/engine_parts.hpp"
+#include "framework/run/prescribed_inertia.hpp"
 
 /// What a run looks at along the way: signals that extremes are taken of, samples, the edges of the
 /// window, rotations.
@@ -19,6 +21,9 @@ namespace {
 
 /// A flexible body that would turn more than this between looks is looked at after every step.
 constexpr double kMuchTurning = 0.05;
+/// An extreme of a cubic is looked at on the dense output where it comes as near to the largest so
+/// far, in parts of what the signal changes by in the step: the cubic may be off by that.
+constexpr double kNear = 0.1;
 /// Of one very long step, before a signal is heard.
 constexpr std::uint64_t kSamplesBetweenLooks = 100'000;
 
@@ -31,6 +36,26 @@ std::string fields_of(const StateLayout& layout) {
     }
   }
   return fields;
+}
+
+/// The value of a function of [0, 1] at its extreme near theta: the vertex of the parabola through
+/// three points, and of one through three nearer ones.
+template <class Function>
+double extreme_near(double theta, Function function) {
+  constexpr double kFirst = 1.0 / 12.0;
+  constexpr double kNearer = 0.25;
+  constexpr int kPasses = 2;
+  double reach = kFirst;
+  for (int pass = 0; pass < kPasses; ++pass, reach *= kNearer) {
+    const double middle = std::clamp(theta, reach, 1.0 - reach);
+    const double before = function(middle - reach);
+    const double here = function(middle);
+    const double after = function(middle + reach);
+    const double bend = after - 2.0 * here + before;
+    if (bend == 0.0) break;
+    theta = middle - std::clamp(0.5 * (after - before) / bend, -1.0, 1.0) * reach;
+  }
+  return function(theta);
 }
 
 }  // namespace
@@ -127,8 +152,43 @@ bool Engine::look_between(double from, double to) {
     interpolate_readings(k / 3.0, to - from);
     watch(from + (to - from) * k / 3.0, between_[k].data(), between_readings_);
   }
+  between_from_ = from;
+  between_length_ = to - from;
   include_cubics(from, to);
   return true;
+}
+
+/// All signals at a part of the last step, on its dense output.
+void Engine::signals_within(double theta) {
+  integrator_->between(theta, dense_velocity_.data(), dense_rates_.data());
+  signals_from_rates(dense_rates_.data());
+  signals_from_velocity(dense_velocity_.data(), between_from_ + between_length_ * theta);
+}
+
+/// The cubic says where an extreme is, the dense output how large: the cubic is coarser than it
+/// where steps are long. As the cubic has it, where there is no dense output, and nothing that
+/// would be larger than the largest so far.
+double Engine::refined(std::size_t signal, double theta, double value, bool maximum) {
+  if (between_length_ == 0.0) return value;
+  const auto [low, high] = std::minmax(
+      {between_[0][signal], between_[1][signal], between_[2][signal], between_[3][signal]});
+  const double near = kNear * (high - low);
+  if (extremes_.any(signal)) {
+    if (maximum && value + near < extremes_.high(signal)) return value;
+    if (!maximum && value - near > extremes_.low(signal)) return value;
+  }
+  return extreme_near(theta, [&](double part) {
+    signals_within(part);
+    return signals_[signal];
+  });
+}
+
+double Engine::refined_pull(std::size_t driver, double theta, double value) {
+  if (between_length_ == 0.0) return value;
+  return extreme_near(theta, [&](double part) {
+    signals_within(part);
+    return pull_of(driver, signals_.data());
+  });
 }
 
 /// Extremes of the cubics through the signals at the ends and at thirds of [from, to].
@@ -146,7 +206,8 @@ void Engine::include_cubics(double from, double to) {
       const CubicExtremes found =
           cubic_extremes(between_[0][s], between_[1][s], between_[2][s], between_[3][s]);
       for (int e = 0; e < found.count; ++e) {
-        if (inside(found.place[e])) extremes_.include(s, found.value[e]);
+        if (!inside(found.place[e])) continue;
+        extremes_.include(s, refined(s, found.place[e], found.value[e], found.is_maximum[e]));
       }
     }
   }
@@ -156,7 +217,9 @@ void Engine::include_cubics(double from, double to) {
         cubic_extremes(pull_of(k, between_[0].data()), pull_of(k, between_[1].data()),
                        pull_of(k, between_[2].data()), pull_of(k, between_[3].data()));
     for (int e = 0; e < found.count; ++e) {
-      if (found.is_maximum[e]) first_maximum_.settle(k, found.value[e]);
+      if (found.is_maximum[e] && first_maximum_.searching() && !first_maximum_.found(k)) {
+        first_maximum_.settle(k, refined_pull(k, found.place[e], found.value[e]));
+      }
       if (path_ != nullptr) see_pull(k, found.value[e]);
     }
   }
@@ -284,6 +347,12 @@ void Engine::keep_moment(Moment& moment, double at, const double* position, cons
                          const double* integrals) {
   *moment.reached = 1;
   model_.evaluate_at(DoubleDouble(at), position, velocity, integrals, dense_rates_.data());
+  if (long_bonds_ != nullptr) {
+    note_long_bonds(
+        model_,
+        stage_of(model_.system().view, position, velocity, integrals, dense_rates_.data(), 0.0),
+        long_bonds_);
+  }
   std::copy(integrals, integrals + model_.system().view.rates, moment.integrals);
   const int axes = model_.dimension();
   for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
@@ -297,7 +366,7 @@ void Engine::keep_moment(Moment& moment, double at, const double* position, cons
     moment.turns[b] = turns_of(b, position);
   }
   if (ledger_) {
-    *moment.stored = model_.kinetic_energy(velocity) +
+    *moment.stored = model_.kinetic_energy(velocity) + prescribed_kinetic_energy(model_, at) +
                      model_.potential_energy(DoubleDouble(at), position, velocity, integrals);
   }
   // The signals of the step's start have been used; this is scratch until the next.

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/run/disturbance.hpp"
 #include "framework/run/engine.hpp"
 
 /// What the run loop does for schemes that follow equilibria: how a run starts, what a step shows,
@@ -72,11 +73,53 @@ bool Engine::slip() {
   const double lost =
       before - model_.potential_energy(now(), view.position, view.velocity, view.integrals);
   if (model_.friction_rate() != kNoRate) view.integrals[model_.friction_rate()] += lost;
+  note_tie();
   if (!path_->jumped()) return true;
   model_.evaluate_at(now(), view.position, view.velocity, view.integrals, dense_rates_.data());
   signals_from_rates(dense_rates_.data());
   tell_of_slip(lost);
   return true;
+}
+
+/// Friction makes one state of starts that differ: what they would part at later needs noise there.
+void Engine::disturb() {
+  tomlin::disturb(*options_.perturbation, static_cast<std::uint64_t>(counts_[kSteps]), model_);
+  *disturbed_ = time();
+  integrator_->forces_changed();
+}
+
+void Engine::note_tie() {
+  if (path_ == nullptr) return;
+  const std::optional<std::size_t> coordinate = path_->tied();
+  if (!coordinate) return;
+  if (event_counts_[static_cast<std::size_t>(EventKind::tie)] == 0) {
+    tie_[0] = time();
+    tie_[1] = static_cast<double>(*coordinate);
+  }
+  Event event;
+  event.kind = EventKind::tie;
+  event.time = time();
+  event.duration = 0.0;
+  event.size = event.energy_lost = event.peak_force = kNone;
+  const std::string body = model_.name_of(*coordinate).body;
+  for (const Model::Body& one : model_.bodies()) {
+    if (one.bound.name == body) event_name_ = one.bound.name;
+  }
+  record(event);
+}
+
+void Engine::warn_of_ties() {
+  if (path_ == nullptr) return;
+  const std::int64_t ties = event_counts_[static_cast<std::size_t>(EventKind::tie)];
+  if (ties == 0) return;
+  const Model::CoordinateName name = model_.name_of(static_cast<std::size_t>(tie_[1]));
+  const std::string particle = name.particle < 0 ? "" : fmt::format(", particle {}", name.particle);
+  const std::string times = ties == 1 ? "" : fmt::format(", the first of {} ties", ties);
+  warnings_.push_back(fmt::format(
+      "not determined after time {:.6g}{}: there the scene is symmetric and its equilibrium "
+      "unstable, so that nothing but rounding decides which way {}{}, {} goes; break the symmetry "
+      "by a small force, or see how far results differ with run.perturb",
+      tie_[0], times, name.body, particle, name.axis));
 }
 
 /// It is the slip of the driver whose spring's end gets furthest ahead.

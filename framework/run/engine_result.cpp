@@ -4,8 +4,11 @@
 #include <limits>
 #include <utility>
 
+#include "framework/run/bond_watch.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/run/engine_parts.hpp"
+#include "framework/run/prescribed_inertia.hpp"
+#include "framework/run/watched_integrals.hpp"
 
 /// What is known at the end of a run.
 namespace tomlin {
@@ -35,9 +38,22 @@ void Engine::read_end() {
   if (!failure_ && !interrupted_) {
     finish_events();
     warn_of_unsteadiness();
+    warn_of_ties();
+    double work = 0.0;
+    for (const Model::Driver& driver : drivers_) {
+      const std::size_t power = driver.first_rate + model_.dimension();
+      work += to_.integrals[power] - from_.integrals[power];
+    }
+    const double rounding = integrator_->rounding_of_works();
+    const double tolerance =
+        scheme_.tolerance ? scheme_.tolerance(scene_->run.integrator.description.get()) : 0.0;
+    if (const auto doubt = doubt_of_rounding(rounding, work, tolerance)) {
+      warnings_.push_back(*doubt);
+    }
   }
   if (!ledger_) return;
-  kinetic_energy_ = model_.kinetic_energy(view.velocity);
+  kinetic_energy_ =
+      model_.kinetic_energy(view.velocity) + prescribed_kinetic_energy(model_, time());
   potential_energy_ = model_.potential_energy(now(), view.position, view.velocity, view.integrals);
 }
 
@@ -53,6 +69,8 @@ EnergyResult Engine::energy(bool window) const {
   double work = 0.0;
   for (const Model::Driver& driver : drivers_) {
     work += over_window(driver.first_rate + model_.dimension());
+    work += inertia_lacking(model_, driver, from_.integrals, to_.integrals, from_.time, to_.time)
+                .back();
   }
   double heat = 0.0;
   for (const Model::Force& force : model_.forces()) {
@@ -88,6 +106,11 @@ RunResult Engine::result() {
   result.window_from = from_.time;
   result.window_to = to_.time;
   result.warnings = warnings_;
+  if (long_bonds_ != nullptr) {
+    for (std::string& warning : warnings_of_long_bonds(model_, long_bonds_)) {
+      result.warnings.push_back(std::move(warning));
+    }
+  }
   for (const Model::LeftOut& left : model_.left_out()) {
     result.left_out.emplace_back(left.force, left.why);
   }
@@ -102,13 +125,18 @@ RunResult Engine::result() {
   const double length = to_.time - from_.time;
   for (std::size_t k = 0; k < drivers_.size(); ++k) {
     const Model::Driver& from = drivers_[k];
+    std::vector<double> lacking(axes + 1, 0.0);
+    if (window) {
+      lacking = inertia_lacking(model_, from, from_.integrals, to_.integrals, from_.time, to_.time);
+    }
     DriverResult driver;
     driver.name = from.name;
     for (int d = 0; d < axes; ++d) {
       const std::size_t rate = from.first_rate + d;
       driver.final_force.push_back(final_rates_[rate]);
       if (!window) continue;
-      driver.mean_force.push_back((to_.integrals[rate] - from_.integrals[rate]) / length);
+      driver.mean_force.push_back((to_.integrals[rate] - from_.integrals[rate] + lacking[d]) /
+                                  length);
       driver.max_force.push_back(extremes_.high(k * axes + d));
       driver.min_force.push_back(extremes_.low(k * axes + d));
     }
@@ -116,7 +144,7 @@ RunResult Engine::result() {
     if (drags_[k] && first_maximum_.found(k)) driver.static_force = first_maximum_.value(k) / speed;
     if (window) {
       const std::size_t power = from.first_rate + axes;
-      driver.work = to_.integrals[power] - from_.integrals[power];
+      driver.work = to_.integrals[power] - from_.integrals[power] + lacking[axes];
       if (from.drive->steady) driver.distance = speed * length;
       if (from.drive->steady && speed > 0.0)
         driver.work_per_distance = *driver.work / *driver.distance;

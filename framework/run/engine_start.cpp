@@ -7,8 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/tolerance.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/run/engine_parts.hpp"
+#include "framework/scene/natural_units.hpp"
 
 /// What a run is refused for or warned of before its first step, and the window that it is asked
 /// for.
@@ -161,11 +163,12 @@ void Engine::bound_unwatched_steps() {
 /// An adaptive scheme that is asked for more digits than its numbers have.
 void Engine::warn_of_fine_tolerance() {
   if (scheme_.tolerance == nullptr || scene_->run.number_type != "float") return;
-  const double asked = scheme_.tolerance(scene_->run.integrator.description.get());
+  const double asked =
+      *tolerance_of(scene_->run.integrator, tolerance_scales(model_.system().view).length);
   if (asked >= kFinestOfFloat) return;
   warnings_.push_back(fmt::format(
-      "floats carry no tolerance of {:g}: below about {:g} steps follow their rounding and get "
-      "very short",
+      "floats carry no tolerance of {:g} of a length: below about {:g} steps follow their rounding "
+      "and get very short",
       asked, kFinestOfFloat));
 }
 

@@ -116,6 +116,11 @@ Fault unknown(const std::vector<Observable>& all, std::string_view path, const P
   fault.admissible = "a dotted path as in summary.json, components by letter";
   if (!names.empty()) fault.admissible += ", say \"" + names.front() + "\"";
   fault.nearest = nearest_name(path, names).value_or("");
+  // "mean_force", without whose and along which axis: the first of these.
+  for (const std::string& name : names) {
+    const bool part = ("." + name + ".").find("." + std::string(path) + ".") != std::string::npos;
+    if (fault.nearest.empty() && !path.empty() && part) fault.nearest = name;
+  }
   return fault;
 }
 
@@ -132,7 +137,8 @@ std::vector<Observable> observables(const RunResult& result) {
       .add_count("hops", result.events.hops)
       .add_count("turns", result.events.turns)
       .add_count("reversals", result.events.reversals)
-      .add_count("driver_reversals", result.events.driver_reversals);
+      .add_count("driver_reversals", result.events.driver_reversals)
+      .add_count("ties", result.events.ties);
   if (result.equilibrium) {
     all.under("equilibrium")
         .add("energy", result.equilibrium->energy)

@@ -39,6 +39,8 @@ const char* to_string(EventKind kind) {
       return "reversal";
     case EventKind::driver_reversal:
       return "driver_reversal";
+    case EventKind::tie:
+      return "tie";
   }
   return "";
 }
@@ -63,7 +65,7 @@ std::string to_string(const RunFailure& failure) {
                      failure.what, where, force, failure.cause);
 }
 
-RunResult run(const std::shared_ptr<const Scene>& scene, const RunOptions& options) {
+RunResult run_as_bound(const std::shared_ptr<const Scene>& scene, const RunOptions& options) {
   Engine engine(scene, options);
   RunResult result = engine.run();
   if (scene->run.perturb) determine(scene, options, result);

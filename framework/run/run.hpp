@@ -106,6 +106,7 @@ struct EventCounts {
   std::optional<std::uint64_t> turns;      ///< whole ones, of bodies in the plane
   std::optional<std::uint64_t> reversals;  ///< of bodies against their drivers
   std::optional<std::uint64_t> driver_reversals;
+  std::optional<std::uint64_t> ties;  ///< of quasistatic runs
 };
 
 /// How a run until it is steady came out.
@@ -132,8 +133,9 @@ struct AccuracyResult {
   double asked = 0.0;
   std::string integrator;  ///< as a line of a scene
   std::string companion;   ///< the same of the run that errors are estimated with; empty: none
-  std::uint64_t pilot_cost = 0;  ///< evaluations and columns
-  std::uint64_t companion_cost = 0;
+  std::string second_companion;                        ///< and of the coarser one beside it
+  std::uint64_t pilot_cost = 0;                        ///< evaluations and columns
+  std::uint64_t companion_cost = 0;                    ///< of both
   const IntegratorRecord* scheme = nullptr;            ///< the integrator's
   const IntegratorRecord* companion_scheme = nullptr;  ///< null where there is no companion
 };
@@ -204,10 +206,11 @@ enum class EventKind {
   turn,             ///< a body has completed a turn
   reversal,         ///< a body moves against its driver
   driver_reversal,  ///< a driver turns round
+  tie,              ///< nothing but rounding decides where a quasistatic scene goes
 };
-inline constexpr std::size_t kEventKinds = 5;
+inline constexpr std::size_t kEventKinds = 6;
 
-/// "slip", "hop", "turn", "reversal", "driver_reversal".
+/// "slip", "hop", "turn", "reversal", "driver_reversal", "tie".
 const char* to_string(EventKind kind);
 
 /// Something that happened. What a kind has no number for is not a number.
@@ -232,13 +235,29 @@ class RunSink {
   /// first after the moment from which it goes on.
   virtual void sample(const std::vector<double>& row) = 0;
   virtual void event(const Event& event) { (void)event; }
-  /// At the start, every `[run] checkpoint_every` seconds and when a run is stopped: whatever was
-  /// sent so far belongs to the time before these numbers, whatever comes is after them. See
-  /// RunOptions::resume_from.
+  /// At the start, every `[run] checkpoint_every` seconds, when a run is stopped and at its end
+  /// where more runs follow: whatever was sent so far belongs to the time before these numbers,
+  /// whatever comes is after them. See RunOptions::resume_from.
   virtual void checkpoint(const RunState& state) { (void)state; }
+  /// Without them none are taken for this sink.
+  virtual bool wants_samples() const { return true; }
 
  protected:
   RunSink() = default;
+};
+
+/// Keeps what is done before and after a run proper, the choice of its integrator and runs that its
+/// result is compared with, for a run that is stopped meanwhile and goes on later: by name.
+class RunStore {
+ public:
+  virtual ~RunStore() = default;
+  /// What was kept last under this name; empty when there is nothing.
+  virtual std::vector<std::byte> kept(const std::string& name) const = 0;
+  /// What cannot be kept is computed again.
+  virtual void keep(const std::string& name, std::vector<std::byte> bytes) = 0;
+
+ protected:
+  RunStore() = default;
 };
 
 struct RunProgress {
@@ -261,10 +280,13 @@ struct RunOptions {
   /// The bytes of a checkpoint of the same scene: go on from there. Throws std::invalid_argument
   /// when they are not.
   const std::vector<std::byte>* resume_from = nullptr;
+  RunStore* store = nullptr;  ///< for what is done besides the run proper
 };
 
-/// Throws InputError for what only shows when the scene is bound; everything later is in the
-/// result. Allocates nothing between the first step and the last.
-RunResult run(const std::shared_ptr<const Scene>& scene, const RunOptions& options = {});
+/// One run with the integrator that the scene is bound with, whatever accuracy it asks for; run()
+/// in framework/study/accuracy.hpp does all that a scene says. Throws InputError for what only
+/// shows when the scene is bound; everything later is in the result. Allocates nothing between the
+/// first step and the last.
+RunResult run_as_bound(const std::shared_ptr<const Scene>& scene, const RunOptions& options = {});
 
 }  // namespace tomlin

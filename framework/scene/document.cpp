@@ -9,6 +9,7 @@
 #define TOML_ASSERT(expression) static_cast<void>(0)
 #include <toml++/toml.h>
 
+#include "framework/scene/syntax_fault.hpp"
 #include "framework/scene/text.hpp"
 
 namespace tomlin {
@@ -109,7 +110,7 @@ class Outline {
   // in undefined behaviour.
   void refuse_other_alphabets(char c) {
     if (static_cast<unsigned char>(c) < 0x80U) return;
-    stop(file_, cursor_.mark(), "a character beyond ASCII outside of strings and comments");
+    throw InputError({explain_character(cursor_.rest(), file_, cursor_.mark())});
   }
 
   // The library and all that follows walk nested values and tables by recursion; a file must not
@@ -151,14 +152,6 @@ bool says_nothing(std::string_view text) {
     }
   }
   return true;
-}
-
-std::string why_no_toml(std::string_view description) {
-  constexpr std::string_view kOpening = "Error while parsing ";
-  const bool says_where = description.starts_with(kOpening);
-  if (says_where) description.remove_prefix(kOpening.size());
-  return (says_where ? "TOML syntax error in " : "TOML syntax error: ") +
-         shortened(description, kLongestShownMessage);
 }
 
 Extent extent_of(const toml::source_region& region, std::uint32_t setting) {
@@ -236,11 +229,13 @@ std::string kind_of(const Node& node) {
 
 void check_outline(std::string_view text, const std::string& file) { Outline(text, file).check(); }
 
+void refuse_too_large(const std::string& file) {
+  stop(file, {1, 1}, "the file is too large",
+       "at most " + std::to_string(kLargestSceneFile >> 20) + " MiB");
+}
+
 Table parse_document(std::string_view text, const std::string& file) {
-  if (text.size() > kLargestSceneFile) {
-    stop(file, {1, 1}, "the file is too large",
-         "at most " + std::to_string(kLargestSceneFile >> 20) + " MiB");
-  }
+  if (text.size() > kLargestSceneFile) refuse_too_large(file);
   refuse_other_encodings(text, file);
   text = without_byte_order_mark(text);
   if (says_nothing(text)) stop(file, {1, 1}, "the file is empty: there is no scene in it");
@@ -250,7 +245,7 @@ Table parse_document(std::string_view text, const std::string& file) {
     return std::move(*converted(document, 0).as<Table>());
   } catch (const toml::parse_error& error) {
     const auto& begin = error.source().begin;
-    stop(file, {begin.line, begin.column}, why_no_toml(error.description()));
+    throw InputError({explain_syntax(text, file, {begin.line, begin.column}, error.description())});
   }
 }
 
@@ -273,11 +268,27 @@ Node parse_setting(std::string_view text, std::uint32_t setting) {
   return plain_text;
 }
 
+std::optional<Fault> explain_setting(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(" \t");
+  if (begin == std::string_view::npos) return std::nullopt;
+  if (std::string_view("[{\"'").find(text[begin]) == std::string_view::npos) return std::nullopt;
+  const std::string document = "value = " + std::string(text);
+  try {
+    (void)parse_document(document, "");
+  } catch (const InputError& error) {
+    return error.faults().front();
+  }
+  return std::nullopt;
+}
+
 Source::Source(std::string file, std::string_view text, const std::vector<Setting>& settings)
     : file_(std::move(file)), text_(without_byte_order_mark(text)), settings_(settings) {}
 
 Place Source::place(const Extent& extent) const {
-  if (extent.setting > 0) return {"--set", static_cast<int>(extent.setting), 1};
+  if (extent.setting > 0) {
+    const Setting& setting = settings_[extent.setting - 1];
+    return {"--set " + shortened(setting.path + "=" + setting.value, kLongestShownValue), 0, 0};
+  }
   return {file_, static_cast<int>(extent.begin.line), static_cast<int>(extent.begin.column)};
 }
 

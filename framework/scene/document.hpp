@@ -77,11 +77,18 @@ std::string kind_of(const Node& node);
 /// alphabets.
 void check_outline(std::string_view text, const std::string& file);
 
+/// Throws InputError: the file has more than kLargestSceneFile bytes.
+[[noreturn]] void refuse_too_large(const std::string& file);
+
 /// The text of a scene; throws InputError with the one fault that stops the reading.
 Table parse_document(std::string_view text, const std::string& file);
 
 /// The value of the n-th `--set`: a TOML value, or else text. Never fails.
 Node parse_setting(std::string_view text, std::uint32_t setting);
+
+/// What is wrong with a `--set` that begins as a list, a table or a string in quotes and is none,
+/// so that it would be taken for plain text. Its place means nothing.
+std::optional<Fault> explain_setting(std::string_view text);
 
 /// What was written, for messages.
 class Source {

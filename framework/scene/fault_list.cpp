@@ -7,11 +7,10 @@
 namespace tomlin {
 namespace {
 
-constexpr const char* kSettings = "--set";
-
-bool comes_before(const Fault& a, const Fault& b) {
-  const auto order = [](const Fault& fault) {
-    return std::tuple(fault.place.file == kSettings, fault.place.line, fault.place.column);
+bool comes_before(const FoundFault& a, const FoundFault& b) {
+  const auto order = [](const FoundFault& found) {
+    const Place& place = found.fault.place;
+    return std::tuple(found.setting, place.line, place.column);
   };
   return order(a) < order(b);
 }
@@ -19,15 +18,17 @@ bool comes_before(const Fault& a, const Fault& b) {
 }  // namespace
 
 void FaultList::of_value(const Node& value, Wrong wrong) {
-  add(source_.place(value.where), source_.written(value.where), std::move(wrong));
+  add(value.where.setting, source_.place(value.where), source_.written(value.where),
+      std::move(wrong));
 }
 
 void FaultList::of_key(const Extent& key, Wrong wrong) {
-  add(source_.place(key), "", std::move(wrong));
+  add(key.setting, source_.place(key), "", std::move(wrong));
 }
 
 void FaultList::inside(const Node& text, std::size_t byte, Wrong wrong) {
-  add(source_.place_inside(text, byte), source_.written(text.where), std::move(wrong));
+  add(text.where.setting, source_.place_inside(text, byte), source_.written(text.where),
+      std::move(wrong));
 }
 
 void FaultList::throw_if_any() const {
@@ -35,12 +36,15 @@ void FaultList::throw_if_any() const {
 }
 
 std::vector<Fault> FaultList::in_order() const {
-  std::vector<Fault> faults = faults_;
-  std::stable_sort(faults.begin(), faults.end(), comes_before);
+  std::vector<FoundFault> found = faults_;
+  std::stable_sort(found.begin(), found.end(), comes_before);
+  std::vector<Fault> faults;
+  faults.reserve(found.size());
+  for (FoundFault& one : found) faults.push_back(std::move(one.fault));
   return faults;
 }
 
-void FaultList::add(Place place, std::string value, Wrong wrong) {
+void FaultList::add(std::uint32_t setting, Place place, std::string value, Wrong wrong) {
   if (faults_.size() == kMostFaults) {
     std::vector<Fault> faults = in_order();
     Fault more;
@@ -56,7 +60,7 @@ void FaultList::add(Place place, std::string value, Wrong wrong) {
   fault.why = std::move(wrong.why);
   fault.admissible = std::move(wrong.admissible);
   fault.nearest = std::move(wrong.nearest);
-  faults_.push_back(std::move(fault));
+  faults_.push_back({setting, std::move(fault)});
 }
 
 }  // namespace tomlin

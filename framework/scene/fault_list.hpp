@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,12 @@ struct Wrong {
   std::string why;
   std::string admissible = {};
   std::string nearest = {};
+};
+
+/// A fault, and in the how manyeth `--set`; 0: in the file.
+struct FoundFault {
+  std::uint32_t setting = 0;
+  Fault fault;
 };
 
 /// The faults of a scene, collected so that they are all shown together.
@@ -37,14 +44,14 @@ class FaultList {
   void throw_if_any() const;
 
  private:
-  void add(Place place, std::string value, Wrong wrong);
+  void add(std::uint32_t setting, Place place, std::string value, Wrong wrong);
   std::vector<Fault> in_order() const;
 
   // A file of junk may hold a million faults; nobody reads them, and to find them all takes long.
   static constexpr std::size_t kMostFaults = 200;
 
   const Source& source_;
-  std::vector<Fault> faults_;
+  std::vector<FoundFault> faults_;
 };
 
 }  // namespace tomlin

@@ -312,11 +312,50 @@ const std::vector<ReservedKey>& reserved_top_level_keys() {
   return keys;
 }
 
+const std::vector<ReservedKey>& planned_words() {
+  static const char* const kBaths = "heat baths, and the noise that comes with them";
+  static const char* const kMany = "many runs over values of parameters";
+  static const char* const kPotentials = "potentials between atoms, cut off, with neighbour lists";
+  static const std::vector<ReservedKey> words = {
+      {"temperature", kBaths},
+      {"noise", kBaths},
+      {"langevin", kBaths},
+      {"brownian", kBaths},
+      {"thermostat", kBaths},
+      {"nose_hoover", kBaths},
+      {"sweep", kMany},
+      {"replicas", kMany},
+      {"merge", kMany},
+      {"stability", "thresholds and equilibria"},
+      {"export", "input for other programs"},
+      {"report", "a web page of a run"},
+      {"species", kPotentials},
+      {"cutoff", kPotentials},
+      {"lennard_jones", kPotentials},
+      {"tersoff", kPotentials},
+      {"constraints", "lengths that are held exactly"},
+  };
+  return words;
+}
+
+const ReservedKey* planned_word(std::string_view word) {
+  const auto& words = planned_words();
+  const auto found = std::find_if(words.begin(), words.end(),
+                                  [word](const ReservedKey& one) { return one.key == word; });
+  return found == words.end() ? nullptr : &*found;
+}
+
+std::string not_in_this_version(const ReservedKey& planned) {
+  return planned.note.empty() ? kNotInThisVersion
+                              : std::string(kNotInThisVersion) + " (" + planned.note + ")";
+}
+
 bool is_word_of_summary(std::string_view name) {
   static constexpr std::string_view kWords[] = {
-      "time",    "energy",   "events",      "window",     "performance", "parameters",
-      "status",  "drivers",  "bodies",      "warnings",   "error",       "determined",
-      "failure", "left_out", "equilibrium", "references", "observers"};
+      "time",    "energy",     "events",      "window",     "performance", "parameters",
+      "status",  "drivers",    "bodies",      "warnings",   "error",       "determined",
+      "failure", "left_out",   "equilibrium", "references", "observers",   "program",
+      "scene",   "integrator", "until",       "accuracy",   "plugins"};
   return std::find(std::begin(kWords), std::end(kWords), name) != std::end(kWords);
 }
 

@@ -24,6 +24,8 @@ struct TableLayout {
   std::vector<OwnKey> own_keys;
   std::vector<Parameter> rows;
   std::vector<ReservedKey> reserved;
+  /// Keys that are looked for here and stand elsewhere, with where: "run.integrator".
+  std::vector<ReservedKey> elsewhere = {};
 
   /// Every admissible key: its own, then those of the rows.
   std::vector<std::string> keys() const;
@@ -65,6 +67,14 @@ TableLayout integrator_layout(const IntegratorRecord& record);
 /// output; in the order of the effective scene.
 const std::vector<std::string>& top_level_keys();
 const std::vector<ReservedKey>& reserved_top_level_keys();
+
+/// What is planned, and may be asked for in any table, as a type or as a choice: temperature and
+/// the like. A word that a table or a registry knows is looked for there first.
+const std::vector<ReservedKey>& planned_words();
+/// nullptr where nothing of that name is planned.
+const ReservedKey* planned_word(std::string_view word);
+/// "not in this version (heat baths, and the noise that comes with them)".
+std::string not_in_this_version(const ReservedKey& planned);
 
 /// Words that a summary uses beside the names of bodies and forces.
 bool is_word_of_summary(std::string_view name);

@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 
 std::vector<NamedLibrary> libraries_of_scene(const std::string& file) {
   const TextFile contents = read_text_file(file, kLargestSceneFile);
-  if (!contents.why.empty()) return {};
+  if (!contents.why.empty() || contents.too_large) return {};
   std::optional<Table> document;
   try {
     document = parse_document(contents.text, file);

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "framework/core/nearest_name.hpp"
+#include "framework/scene/units.hpp"
 
 namespace tomlin {
 namespace {
@@ -33,10 +34,24 @@ bool is_function(std::string_view name) {
                      [name](const ExpressionFunction& one) { return one.name == name; });
 }
 
+/// The message for "2.5 nm".
+ExpressionError explain_unit(const NumberWithUnit& found) {
+  const std::string number(found.number);
+  const std::string unit(found.unit);
+  std::string why = std::string(kNumbersHaveNoUnits) + "; write " + number;
+  if (is_identifier(unit)) {
+    why += ", or '" + number + " * " + unit + "' where " + unit + " is a parameter";
+  }
+  return {found.column, std::move(why)};
+}
+
 template <class Result>
 Result parsed(std::string_view text) {
   auto result = Expression::parse(text);
-  if (auto* error = std::get_if<ExpressionError>(&result)) return std::move(*error);
+  if (auto* error = std::get_if<ExpressionError>(&result)) {
+    if (const auto unit = unit_in(text)) return explain_unit(*unit);
+    return std::move(*error);
+  }
   return std::get<Expression>(std::move(result));
 }
 
@@ -108,7 +123,12 @@ ExpressionError ParameterTable::explain_unknown(std::string_view name, std::size
     const std::string& valid = entries_[i].name;
     if (i != user && is_identifier(valid) && !is_reserved_name(valid)) valid_names.push_back(valid);
   }
-  return {column, why, nearest_name(name, valid_names).value_or("")};
+  const auto nearest = nearest_name(name, valid_names);
+  if (!nearest && is_unit(name)) {
+    return {column,
+            why + ", and no units are known: give it a value in [parameters], or leave it out"};
+  }
+  return {column, why, nearest.value_or("")};
 }
 
 std::vector<std::vector<ParameterTable::Edge>> ParameterTable::find_references() {

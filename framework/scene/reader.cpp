@@ -21,6 +21,7 @@
 #include "framework/scene/language.hpp"
 #include "framework/scene/libraries.hpp"
 #include "framework/scene/motion_reader.hpp"
+#include "framework/scene/natural_units.hpp"
 #include "framework/scene/parameter_table.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/scene/settings.hpp"
@@ -70,6 +71,7 @@ class SceneReader {
         values_(parameters_, faults),
         scene_(std::make_shared<Scene>()) {
     scene_->file = file;
+    scene_->registry = &registry;
   }
 
   std::shared_ptr<const Scene> read() {
@@ -362,8 +364,10 @@ class SceneReader {
     for (const auto& record : records) {
       if (record->name == *type) return record.get();
     }
-    faults_.of_value(*node, {key, "there is no such " + kind, listed(in_quotes(names)),
-                             nearest_name(*type, names).value_or("")});
+    const ReservedKey* planned = planned_word(*type);
+    faults_.of_value(
+        *node, {key, planned ? not_in_this_version(*planned) : "there is no such " + kind,
+                listed(in_quotes(names)), planned ? "" : nearest_name(*type, names).value_or("")});
     return nullptr;
   }
 
@@ -534,7 +538,14 @@ class SceneReader {
     }
     RunSettings& run = scene_->run;
     const bool until = given->table->find("until") != nullptr;
-    const TableReading reading = read_section(*given, run_layout(until), "run", &run);
+    TableLayout layout = run_layout(until);
+    // An integrator's keys beside it, instead of in its table.
+    for (const auto& record : registry_.integrators()) {
+      for (const Parameter& row : record->parameters) {
+        layout.elsewhere.push_back({row.key, "integrator = { type = ..., ... }"});
+      }
+    }
+    const TableReading reading = read_section(*given, layout, "run", &run);
     run.place = source_.place(given->where);
     run.places = reading.places;
     duration_is_known_ = reading.has("duration");
@@ -614,7 +625,7 @@ class SceneReader {
       SceneIntegrator& integrator = scene_->run.integrator;
       integrator.name = record->name;
       integrator.record = record.get();
-      integrator.description = with_defaults(*record);
+      integrator.description = with_natural_defaults(*record);
       integrator.place = source_.place(run.where);
       return;
     }
@@ -654,7 +665,9 @@ class SceneReader {
     if (record == nullptr) return std::nullopt;
 
     auto description = record->make_description();
-    const auto reading = read_section(given, integrator_layout(*record), path, description.get());
+    auto reading = read_section(given, integrator_layout(*record), path, description.get());
+    const auto natural = fill_in_natural_defaults(*record, *table, description.get());
+    for (const auto& [key, value] : natural) reading.effective.set(key, Node{value, {}});
     if (reading.sound) {
       const auto look = [&] { return record->complaints(description.get()); };
       report(complaints_of(*record, look), reading, faults_);
@@ -672,6 +685,48 @@ class SceneReader {
     integrator.places = reading.places;
     if (record->follows_equilibria != quasistatic) fit_to_dynamics(reading, *record);
     return Node{std::move(effective), {}};
+  }
+
+  /// Defaults that are numbers of the scene's own units (natural_units.hpp), of keys that were not
+  /// given. Where there are faults those units are not known; such a scene is refused.
+  std::map<std::string, double> fill_in_natural_defaults(const IntegratorRecord& record,
+                                                         const Table& given,
+                                                         void* description) const {
+    std::map<std::string, double> filled_in;
+    if (!faults_.empty()) return filled_in;
+    std::optional<NaturalUnits> units;
+    for (const Parameter& row : record.parameters) {
+      if (!has_natural_default(row) || given.find(row.key) != nullptr) continue;
+      if (!units) units = natural_units(so_far());
+      const double value = natural_default(row, *units);
+      row.assign(description, value);
+      filled_in[row.key] = value;
+    }
+    return filled_in;
+  }
+
+  /// What has been read, as far as it says what the scene's units are.
+  Scene so_far() const {
+    Scene scene;
+    scene.dimension = scene_->dimension;
+    scene.run.dynamics = scene_->run.dynamics;
+    scene.run.duration = scene_->run.duration;
+    for (const BodyDraft& draft : bodies_) {
+      scene.bodies.push_back(component_of<SceneBody>(draft));
+      scene.bodies.back().motion = draft.motion;
+    }
+    for (const ForceDraft& draft : forces_) {
+      scene.forces.push_back(component_of<SceneForce>(draft));
+      scene.forces.back().bodies = draft.bodies;
+    }
+    return scene;
+  }
+
+  /// With all its defaults, for the scene as far as it has been read.
+  std::shared_ptr<void> with_natural_defaults(const IntegratorRecord& record) const {
+    auto description = with_defaults(record);
+    fill_in_natural_defaults(record, Table{}, description.get());
+    return description;
   }
 
   /// `{ type = ... }` of the scheme that follows equilibria.
@@ -697,7 +752,7 @@ class SceneReader {
       SceneIntegrator& integrator = scene_->run.integrator;
       integrator.not_used = std::exchange(integrator.name, record->name);
       integrator.record = record.get();
-      integrator.description = with_defaults(*record);
+      integrator.description = with_natural_defaults(*record);
       return;
     }
   }
@@ -879,6 +934,7 @@ class SceneReader {
 
 std::string contents_of(const std::string& file) {
   TextFile contents = read_text_file(file, kLargestSceneFile);
+  if (contents.too_large) refuse_too_large(file);
   if (contents.why.empty()) return std::move(contents.text);
   Fault fault;
   fault.place = {file, 1, 1};

@@ -139,6 +139,7 @@ struct Scene {
   OutputSettings output;
   /// The scene with every default filled in; reading it again gives the same scene.
   std::string effective_toml;
+  const Registry* registry = nullptr;  ///< that it was read with: outlives it, and stays in place
 };
 
 /// `--set PATH=VALUE`: a parameter's name or a dotted path (`run.integrator.dt`,

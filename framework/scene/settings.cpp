@@ -97,6 +97,12 @@ class Application {
                              std::move(admissible), std::move(nearest)});
   }
 
+  bool refuse_planned(const std::string& name) {
+    const ReservedKey* planned = planned_word(name);
+    if (planned != nullptr) refuse(not_in_this_version(*planned));
+    return planned != nullptr;
+  }
+
   void set_parameter(const std::string& name) {
     const auto names = parameter_names(document_);
     if (holds(names, name)) {
@@ -104,6 +110,7 @@ class Application {
     }
     if (name == kPlugins) return refuse("not set here", "--plugin LIB, or the scene itself");
     if (holds(top_level_keys(), name)) return refuse("a table, not a value", kAdmissiblePaths);
+    if (refuse_planned(name)) return;
     refuse("there is no such parameter",
            names.empty() ? kAdmissiblePaths : listed(names) + "; or a dotted path",
            nearest_name(name, names).value_or(""));
@@ -113,6 +120,7 @@ class Application {
     std::vector<std::string> tables = top_level_keys();
     std::erase(tables, kPlugins);
     if (!holds(tables, parts[0])) {
+      if (refuse_planned(parts[0])) return;
       return refuse("there is no such table", listed(tables),
                     nearest_name(parts[0], tables).value_or(""));
     }
@@ -157,6 +165,12 @@ class Application {
   }
 
   void put(Table& table, const std::string& key) {
+    if (const auto fault = explain_setting(setting_.value)) {
+      // The usual reason: quotes inside of the option that the shell has taken for its own.
+      const std::string whole = "the whole option in single quotes";
+      return refuse(fault->why,
+                    fault->admissible.empty() ? whole : fault->admissible + "; " + whole);
+    }
     table.set(key, parse_setting(setting_.value, where_.setting));
   }
 
@@ -172,7 +186,7 @@ void apply_settings(const std::vector<Setting>& settings, Table& document, Fault
   if (settings.size() > kMostSettings) {
     Extent last;
     last.setting = static_cast<std::uint32_t>(settings.size());
-    faults.of_key(last, {"", fmt::format("there are {}", settings.size()),
+    faults.of_key(last, {"", fmt::format("there are {} of these", settings.size()),
                          fmt::format("at most {}", kMostSettings)});
     faults.throw_if_any();
   }

@@ -78,18 +78,46 @@ TableReading read_table(const Table& table, const Extent& where, const TableLayo
   return reading;
 }
 
+namespace {
+
+/// "run.integrator", "output or measure": the tables that take the key; empty where none does.
+std::string table_of(const std::string& key, const TableLayout& layout) {
+  std::string tables;
+  const auto add = [&tables](const std::string& table) {
+    tables += (tables.empty() ? "" : " or ") + ("[" + table + "]");
+  };
+  for (const ReservedKey& one : layout.elsewhere) {
+    if (one.key == key) return one.note;
+  }
+  for (const SceneTable& table : scene_tables()) {
+    if (table.layout.row(key) != nullptr) add(table.name);
+  }
+  return tables;
+}
+
+}  // namespace
+
 void report_key(const Entry& entry, const std::string& path, const TableLayout& layout,
                 FaultList& faults) {
   Wrong wrong;
   wrong.key = (path.empty() ? "" : path + ".") + key_text(shortened(entry.key, kLongestShownValue));
-  if (const ReservedKey* reserved = layout.reserved_key(entry.key)) {
-    wrong.why = kNotInThisVersion;
-    if (!reserved->note.empty()) wrong.why += " (" + reserved->note + ")";
+  const ReservedKey* reserved = layout.reserved_key(entry.key);
+  if (reserved == nullptr) reserved = planned_word(entry.key);
+  if (reserved != nullptr) {
+    wrong.why = not_in_this_version(*reserved);
   } else {
     const auto keys = layout.keys();
     wrong.why = "unknown key";
-    wrong.admissible = listed(keys);
     wrong.nearest = nearest_name(entry.key, keys).value_or("");
+    // "every" is that of [output] rather than checkpoint_every.
+    const std::string& near = wrong.nearest;
+    const bool part = near.ends_with("_" + entry.key) || near.starts_with(entry.key + "_");
+    const std::string other = near.empty() || part ? table_of(entry.key, layout) : "";
+    if (!other.empty()) {
+      wrong.nearest.clear();
+      wrong.why += " here: it is one of " + other;
+    }
+    wrong.admissible = listed(keys);
     if (entry.key == "plugins") wrong.admissible = "plugins stands above the first [table]";
   }
   faults.of_key(entry.where, std::move(wrong));

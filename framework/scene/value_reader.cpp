@@ -530,10 +530,21 @@ bool ValueReader::is_word(const Subject& subject, const Node& node, const std::s
                           const std::vector<std::string>& words) const {
   if (std::find(words.begin(), words.end(), word) != words.end()) return true;
   const auto& later = subject.row.later_choices;
-  const bool not_yet = std::find(later.begin(), later.end(), word) != later.end();
-  faults_.of_value(
-      node, {subject.key, not_yet ? kNotInThisVersion : "no such choice", what_is_due(subject.row),
-             not_yet ? "" : nearest_name(word, words).value_or("")});
+  const ReservedKey* planned = planned_word(word);
+  const bool not_yet =
+      planned != nullptr || std::find(later.begin(), later.end(), word) != later.end();
+  // Whoever names a system of units has numbers in it, and they are taken as they are.
+  if (!not_yet && subject.key == "scene.units") {
+    faults_.of_value(node, {subject.key, "no such choice",
+                            "\"reduced\", for SI and any other "
+                            "consistent units, too"});
+    return false;
+  }
+  const std::string why = planned   ? not_in_this_version(*planned)
+                          : not_yet ? kNotInThisVersion
+                                    : "no such choice";
+  faults_.of_value(node, {subject.key, why, what_is_due(subject.row),
+                          not_yet ? "" : nearest_name(word, words).value_or("")});
   return false;
 }
 

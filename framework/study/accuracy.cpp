@@ -26,117 +26,191 @@ bool has_error(const std::string& path) {
   return path.starts_with("drivers.") || path.starts_with("bodies.") || path.starts_with("energy.");
 }
 
-void add_errors(RunResult& result, const RunResult& companion, double share) {
+/// A companion that has run, and the share of the difference to it that is the error.
+struct Beside {
+  RunResult result;
+  double share = 1.0;
+};
+
+void add_errors(RunResult& result, const std::vector<Beside>& companions) {
   for (const Observable& one : observables(result)) {
     if (!has_error(one.path)) continue;
-    const auto other = observable(companion, one.path);
     ErrorEstimate estimate{one.path, std::nullopt};
-    if (one.value && other) {
-      estimate.error =
-          std::max(share * std::abs(*one.value - *other), kRounding * std::abs(*one.value));
+    for (const Beside& companion : companions) {
+      const auto other = observable(companion.result, one.path);
+      if (!one.value || !other) continue;
+      const double error = std::max(companion.share * std::abs(*one.value - *other),
+                                    kRounding * std::abs(*one.value));
+      estimate.error = std::max(estimate.error.value_or(0.0), error);
     }
     result.errors.push_back(std::move(estimate));
   }
 }
 
-void warn_of_large_errors(const RunResult& main, const RunResult& companion,
-                          const ChosenIntegrator& chosen, std::vector<std::string>& warnings) {
+void warn_of_large_errors(RunResult& result, const std::vector<Beside>& companions,
+                          const ChosenIntegrator& chosen) {
   const double accuracy = *chosen.scene->run.accuracy;
-  const double found = chosen.share * relative_difference(companion, main, chosen.length);
+  double found = 0.0;
+  for (const Beside& companion : companions) {
+    const double difference = relative_difference(companion.result, result, chosen.length);
+    found = std::max(found, companion.share * difference);
+  }
   if (found <= accuracy) return;
-  warnings.push_back(
+  result.warnings.push_back(
       fmt::format("accuracy {:g} was not reached: the estimated error is {:.1e} of the result",
                   accuracy, found));
 }
 
-/// The integrator of a scene, coarser or finer, and what part of the difference is its error.
-struct Companion {
-  std::shared_ptr<const Scene> scene;
-  double share = 1.0;
-};
-
-Companion companion_of(const std::shared_ptr<const Scene>& scene) {
-  constexpr double kWider = 30.0;
-  constexpr double kNearlyStable = 0.95;
+/// A scene with other numbers in the rows of its integrator: `change` has each row and its number.
+template <class Change>
+std::shared_ptr<const Scene> with_integrator(const std::shared_ptr<const Scene>& scene,
+                                             Change change) {
   const SceneIntegrator& integrator = scene->run.integrator;
-  const double dt = integrator.record->step(integrator.description.get());
-  double factor = kWider;
-  Companion companion{nullptr, kShareOfDifference};
-  if (dt > 0.0) {
-    const bool stable = 2.0 * dt <= kNearlyStable * Engine(scene, {}).stable_step();
-    factor = stable ? 2.0 : 0.5;
-    // Of second order at least: the longer step has four times the error.
-    companion.share = stable ? 1.0 / 3.0 : 4.0 / 3.0;
-  }
   auto description = integrator.record->make_description();
   for (const Parameter& row : integrator.record->parameters) {
     ParameterValue value = row.read(integrator.description.get());
-    const bool turned = dt > 0.0 ? row.key == "dt" : row.key.ends_with("tolerance");
-    if (turned) value = std::get<double>(value) * factor;
+    if (double* number = std::get_if<double>(&value)) change(row, *number);
     row.assign(description.get(), std::move(value));
   }
   auto other = std::make_shared<Scene>(*scene);
   other->run.integrator.description = std::move(description);
-  companion.scene = std::move(other);
-  return companion;
+  return other;
+}
+
+/// A scene with its integrator coarser by this factor, or finer below 1.
+std::shared_ptr<const Scene> with_integrator_coarser(const std::shared_ptr<const Scene>& scene,
+                                                     double factor) {
+  const SceneIntegrator& integrator = scene->run.integrator;
+  const bool fixed = integrator.record->step(integrator.description.get()) > 0.0;
+  return with_integrator(scene, [=](const Parameter& row, double& number) {
+    if (fixed ? row.key == "dt" : row.key.ends_with("tolerance")) number *= factor;
+  });
+}
+
+/// Begun with this step where an adaptive scheme would guess one. The guess does not know the
+/// tolerance: runs that begin with the same step have the same error in what happens within it.
+std::shared_ptr<const Scene> with_first_step(const std::shared_ptr<const Scene>& scene,
+                                             double step) {
+  return with_integrator(scene, [=](const Parameter& row, double& number) {
+    if (row.key == "initial_step" && number == 0.0) number = step;
+  });
+}
+
+double mean_step_of(const RunResult& result) {
+  return result.steps > 0 ? result.end_time / static_cast<double>(result.steps) : 0.0;
+}
+
+/// The integrator of a scene, coarser; steps half as long where longer ones are not stable.
+std::vector<Companion> companions_of(const std::shared_ptr<const Scene>& scene) {
+  constexpr double kWider = 10.0;
+  constexpr double kNearlyStable = 0.95;
+  const IntegratorRecord& scheme = *scene->run.integrator.record;
+  const double dt = scheme.step(scene->run.integrator.description.get());
+  std::vector<Companion> companions;
+  if (dt == 0.0) {
+    for (const double share : kSharesOfTolerances) {
+      const double factor = std::pow(kWider, static_cast<double>(companions.size() + 1));
+      companions.push_back({with_integrator_coarser(scene, factor), "", share});
+    }
+    return companions;
+  }
+  const double stable = kNearlyStable * Engine(scene, {}).stable_step();
+  double factor = 1.0;
+  for (const double share : shares_of_steps(scheme.order)) {
+    factor *= 2.0;
+    if (factor * dt > stable) break;
+    companions.push_back({with_integrator_coarser(scene, factor), "", share});
+  }
+  if (companions.size() == 1) companions.front().share *= kAlone;
+  if (!companions.empty()) return companions;
+  // Of second order at least: three quarters of the error have gone with half the step.
+  return {{with_integrator_coarser(scene, 0.5), "", kAlone * 4.0 / 3.0}};
 }
 
 }  // namespace
 
 void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, RunResult& result) {
   const double accuracy = *chosen.scene->run.accuracy;
-  result.accuracy = AccuracyResult{accuracy, chosen.text, chosen.companion_text, chosen.pilot_cost};
-  result.accuracy->scheme = chosen.scene->run.integrator.record;
-  if (chosen.companion) result.accuracy->companion_scheme = chosen.companion->run.integrator.record;
+  result.accuracy = AccuracyResult{};
+  AccuracyResult& taken = *result.accuracy;
+  taken.asked = accuracy;
+  taken.integrator = chosen.text;
+  taken.pilot_cost = chosen.pilot_cost;
+  taken.scheme = chosen.scene->run.integrator.record;
+  if (!chosen.companions.empty()) {
+    taken.companion = chosen.companions.front().text;
+    taken.companion_scheme = chosen.companions.front().scene->run.integrator.record;
+  }
+  if (chosen.companions.size() > 1) taken.second_companion = chosen.companions.back().text;
   result.warnings.insert(result.warnings.end(), chosen.warnings.begin(), chosen.warnings.end());
   if (result.status != RunStatus::finished) return;
-  if (chosen.companion == nullptr) {
+  if (chosen.companions.empty()) {
     result.warnings.emplace_back("no error was estimated: nothing cheaper than the run will do");
     return;
   }
-  TrialLimits limits;
-  limits.stop = options.stop;
-  const std::uint64_t cost = result.force_evaluations + result.jacobian_columns;
-  limits.cost = static_cast<std::uint64_t>(kMostForCompanion * static_cast<double>(cost));
-  const TrialRun companion = try_run(chosen.companion, limits);
-  result.accuracy->companion_cost = companion.cost();
-  if (!companion.finished()) {
-    result.warnings.push_back(
-        companion.end == TrialRun::End::over_budget
-            ? fmt::format("no error was estimated: a cheaper run took more than {} of this one",
-                          kMostForCompanion)
-            : "no error was estimated: the cheaper run did not end" +
-                  (companion.why.empty() ? std::string() : ": " + companion.why));
-    return;
+  const auto cost = static_cast<double>(result.force_evaluations + result.jacobian_columns);
+  const double mean_step = mean_step_of(result);
+  std::vector<Beside> finished;
+  for (const Companion& companion : chosen.companions) {
+    TrialLimits limits;
+    limits.stop = options.stop;
+    limits.store = options.store;
+    limits.name = finished.empty() ? "companion" : "second_companion";
+    limits.cost = static_cast<std::uint64_t>(kMostForCompanions * cost) - taken.companion_cost;
+    TrialRun trial = try_run(with_first_step(companion.scene, mean_step), limits);
+    taken.companion_cost += trial.cost();
+    if (trial.end == TrialRun::End::interrupted) {
+      result.status = RunStatus::interrupted;
+      result.warnings.emplace_back("stopped while errors were estimated: there are none yet");
+      return;
+    }
+    if (!trial.finished()) {
+      if (!finished.empty()) {
+        finished.front().share *= kAlone;
+        break;
+      }
+      result.warnings.push_back(
+          trial.end == TrialRun::End::over_budget
+              ? fmt::format("no error was estimated: a coarser run took more than {} of this one",
+                            kMostForCompanions)
+              : "no error was estimated: the coarser run did not end" +
+                    (trial.why.empty() ? std::string() : ": " + trial.why));
+      return;
+    }
+    finished.push_back({std::move(trial.result), companion.share});
   }
-  add_errors(result, companion.result, chosen.share);
-  warn_of_large_errors(result, companion.result, chosen, result.warnings);
+  add_errors(result, finished);
+  warn_of_large_errors(result, finished, chosen);
 }
 
-RunResult run_to_accuracy(const std::shared_ptr<const Scene>& scene, const Registry& registry,
-                          const RunOptions& options) {
-  if (!scene->run.accuracy) return run(scene, options);
-  const ChosenIntegrator chosen = choose_integrator(scene, registry, options.stop);
+RunResult run(const std::shared_ptr<const Scene>& scene, const RunOptions& options) {
+  if (!scene->run.accuracy) return run_as_bound(scene, options);
+  const ChosenIntegrator chosen =
+      choose_integrator(scene, *scene->registry, options.stop, kMostPilotWork, options.store);
   if (chosen.interrupted) {
     RunResult result;
     result.status = RunStatus::interrupted;
     return result;
   }
-  RunResult result = run(chosen.scene, options);
+  RunResult result = run_as_bound(chosen.scene, options);
   estimate_errors(chosen, options, result);
   return result;
 }
 
-RunResult run_with_errors(const std::shared_ptr<const Scene>& scene, const Registry& registry,
-                          const RunOptions& options) {
-  if (scene->run.accuracy) return run_to_accuracy(scene, registry, options);
-  RunResult result = run(scene, options);
+RunResult run_with_errors(const std::shared_ptr<const Scene>& scene, const RunOptions& options) {
+  if (scene->run.accuracy) return run(scene, options);
+  RunResult result = run_as_bound(scene, options);
   if (result.status != RunStatus::finished) return result;
-  const Companion companion = companion_of(scene);
   TrialLimits limits;
   limits.stop = options.stop;
-  const TrialRun other = try_run(companion.scene, limits);
-  if (other.finished()) add_errors(result, other.result, companion.share);
+  const double mean_step = mean_step_of(result);
+  std::vector<Beside> finished;
+  for (const Companion& companion : companions_of(scene)) {
+    TrialRun other = try_run(with_first_step(companion.scene, mean_step), limits);
+    if (other.end == TrialRun::End::interrupted) result.status = RunStatus::interrupted;
+    if (other.finished()) finished.push_back({std::move(other.result), companion.share});
+  }
+  if (!finished.empty()) add_errors(result, finished);
   return result;
 }
 

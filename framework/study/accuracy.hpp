@@ -7,25 +7,26 @@
 #include "framework/scene/scene.hpp"
 #include "framework/study/pilot.hpp"
 
-/// `[run] accuracy`: how large the errors of a run are whose integrator the pilot has picked
-/// (pilot.hpp).
+/// Runs that do all that a scene says, and how large the errors of a run are whose integrator the
+/// pilot has picked (pilot.hpp).
 ///
-/// With e the error of the run and E, at least 3 e, that of its companion, their results differ by
-/// at least 2 e: half the difference is the estimate, of every observable, and errs on the safe
-/// side wherever the companion is worse than that. Where the pilot found no such pair, the whole
-/// difference is.
+/// Two companions run the whole scene with the same integrator, one setting coarser and two: with
+/// tolerances ten and a hundred times as wide, or steps twice and four times as long. Of the same
+/// scheme, they err as the run does, only more, in every observable. The stated error is a share of
+/// the larger difference (pilot.hpp): one difference alone is small by chance now and then, where
+/// an error changes its sign between two settings.
 namespace tomlin {
 
-/// Runs the companion of a finished run, and adds errors, the choice and warnings to the result.
+/// Does what the scene says: with `[run] accuracy`, picks its integrator, runs, and estimates the
+/// errors of all results. Otherwise one run, as run_as_bound(). Throws InputError for what only
+/// shows when the scene is bound; everything later is in the result.
+RunResult run(const std::shared_ptr<const Scene>& scene, const RunOptions& options = {});
+
+/// Runs the companions of a finished run, and adds errors, the choice and warnings to the result.
 void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, RunResult& result);
 
-/// All of it: choose, run, estimate. A scene without an accuracy is simply run.
-RunResult run_to_accuracy(const std::shared_ptr<const Scene>& scene, const Registry& registry,
-                          const RunOptions& options = {});
-
-/// The same with errors for a scene that has an integrator, too: its companion takes tolerances
-/// thirty times as wide, or steps twice as long (half as long where that is not stable).
-RunResult run_with_errors(const std::shared_ptr<const Scene>& scene, const Registry& registry,
+/// run() with errors for a scene that has an integrator, too.
+RunResult run_with_errors(const std::shared_ptr<const Scene>& scene,
                           const RunOptions& options = {});
 
 }  // namespace tomlin

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <string_view>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include "framework/model/model.hpp"
 #include "framework/model/scales.hpp"
 #include "framework/run/observables.hpp"
+#include "framework/scene/title.hpp"
 #include "framework/study/accuracy.hpp"
 #include "framework/study/variants.hpp"
 
@@ -147,15 +147,11 @@ class Trace : public RunSink {
   std::array<std::size_t, 3> columns_{};
 };
 
-std::string name_of(const Scene& scene) {
-  return scene.name.empty() ? std::filesystem::path(scene.file).stem().string() : scene.name;
-}
-
-ComparedModel run_model(const std::shared_ptr<const Scene>& scene, const Registry& registry,
-                        const Setup& setup, const CompareRequest& request) {
+ComparedModel run_model(const std::shared_ptr<const Scene>& scene, const Setup& setup,
+                        const CompareRequest& request) {
   ComparedModel model;
   model.file = scene->file;
-  model.name = name_of(*scene);
+  model.name = title_of(*scene);
   model.bodies = scene->bodies.size();
   for (const SceneBody& body : scene->bodies) {
     model.particles += static_cast<std::size_t>(body.record->count(body.description.get()));
@@ -170,7 +166,7 @@ ComparedModel run_model(const std::shared_ptr<const Scene>& scene, const Registr
   RunOptions options;
   options.stop = request.stop;
   if (!setup.velocity.empty()) options.sink = &trace;
-  model.result = run_with_errors(sampled, registry, options);
+  model.result = run_with_errors(sampled, options);
   if (model.result.status != RunStatus::finished) return model;
 
   const std::string path = path_in(model.result, request.observable);
@@ -251,7 +247,7 @@ const char* to_string(ComparedModel::Verdict verdict) {
 }
 
 Comparison compare_models(const std::vector<std::shared_ptr<const Scene>>& scenes,
-                          const Registry& registry, const CompareRequest& request) {
+                          const CompareRequest& request) {
   Comparison comparison;
   comparison.observable = request.observable;
   comparison.tolerance = request.tolerance;
@@ -261,7 +257,7 @@ Comparison compare_models(const std::vector<std::shared_ptr<const Scene>>& scene
   check_setups(scenes, setups, comparison.notes);
   for (std::size_t k = 0; k < scenes.size(); ++k) {
     if (request.on_progress) request.on_progress(scenes[k]->file);
-    comparison.models.push_back(run_model(scenes[k], registry, setups[k], request));
+    comparison.models.push_back(run_model(scenes[k], setups[k], request));
     if (comparison.models.back().result.status == RunStatus::interrupted) {
       comparison.interrupted = true;
       return comparison;

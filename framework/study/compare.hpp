@@ -65,6 +65,6 @@ struct Comparison {
 /// Throws InputError for scenes that are not comparable, and for an observable that one of them
 /// does not have. A run that fails is a model that failed.
 Comparison compare_models(const std::vector<std::shared_ptr<const Scene>>& scenes,
-                          const Registry& registry, const CompareRequest& request);
+                          const CompareRequest& request);
 
 }  // namespace tomlin

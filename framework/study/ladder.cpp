@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "framework/run/engine.hpp"
+#include "framework/scene/natural_units.hpp"
 #include "framework/scene/text.hpp"
 
 namespace tomlin {
@@ -31,24 +32,6 @@ std::vector<const Parameter*> knob_rows(const IntegratorRecord& integrator) {
 }
 
 bool is_absolute(const Parameter& row) { return std::string_view(row.key).starts_with(kAbsolute); }
-
-std::optional<double> value_of(const SceneIntegrator& integrator, bool absolute) {
-  if (integrator.record == nullptr || !integrator.record->adaptive) return std::nullopt;
-  for (const Parameter* row : knob_rows(*integrator.record)) {
-    if (is_absolute(*row) != absolute) continue;
-    return std::get<double>(row->read(integrator.description.get()));
-  }
-  return std::nullopt;
-}
-
-/// How much larger an absolute tolerance is than a relative one: as the scene has them, or else the
-/// shortest length after which a force repeats itself.
-double absolute_share(const Scene& scene) {
-  const auto absolute = value_of(scene.run.integrator, true);
-  const auto relative = value_of(scene.run.integrator, false);
-  if (absolute && relative && *absolute > 0.0 && *relative > 0.0) return *absolute / *relative;
-  return length_scale(scene);
-}
 
 /// A model of the scene, or the scene's own.
 struct ModelChange {
@@ -108,7 +91,8 @@ Rung rung_of(const Scene& scene, const ModelChange& model, const IntegratorRecor
     rung.settings.push_back({"run.number_type", quoted_text(rung.number_type)});
   }
   rung.knob = integrator.adaptive ? Knob::tolerance : Knob::step;
-  rung.absolute_share = absolute_share(scene);
+  rung.absolute_share = length_scale(scene);
+  if (rung.knob == Knob::step) rung.unit = scene.run.duration;
   return rung;
 }
 
@@ -170,16 +154,7 @@ std::vector<Rung> own_ladder(const Variants& variants) {
   return rungs;
 }
 
-double length_scale(const Scene& scene) {
-  double shortest = 0.0;
-  for (const SceneForce& force : scene.forces) {
-    for (int d = 0; d < scene.dimension; ++d) {
-      const double period = force.record->period(force.description.get(), d);
-      if (period > 0.0 && (shortest == 0.0 || period < shortest)) shortest = period;
-    }
-  }
-  return shortest > 0.0 ? shortest : 1.0;
-}
+double length_scale(const Scene& scene) { return natural_units(scene).length; }
 
 std::string condensed(const InputError& error) {
   const std::vector<Fault>& faults = error.faults();

@@ -24,8 +24,12 @@ struct Rung {
   std::string number_type = "double";
   std::vector<Setting> settings;  ///< all but the integrator
   Knob knob = Knob::tolerance;
-  /// Tolerances as the knob has them are relative; absolute ones are this many times larger.
+  /// Tolerances as the knob has them are relative; absolute ones are this many times larger: the
+  /// scene's length.
   double absolute_share = 1.0;
+  /// What steps have two digits in, so that a scene in other units gets the same: the run's
+  /// duration.
+  double unit = 1.0;
   /// Of a fixed step; infinite where nothing is known to limit it.
   double stable_step = std::numeric_limits<double>::infinity();
   std::string refused;  ///< why the scene cannot be run so; empty when it can
@@ -45,7 +49,7 @@ std::vector<Rung> ladder(const Variants& variants);
 /// Those of them that solve the scene's own equations in its own number type.
 std::vector<Rung> own_ladder(const Variants& variants);
 
-/// The shortest length after which a force of the scene repeats itself; 1 where none does.
+/// The scene's length (framework/scene/natural_units.hpp).
 double length_scale(const Scene& scene);
 
 /// What an error of the input says, on one line: its first fault without its place, and how many

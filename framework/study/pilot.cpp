@@ -14,6 +14,8 @@
 
 #include "framework/model/model.hpp"
 #include "framework/model/scales.hpp"
+#include "framework/run/engine.hpp"
+#include "framework/study/kept_choice.hpp"
 #include "framework/study/ladder.hpp"
 #include "framework/study/trial_run.hpp"
 
@@ -22,10 +24,11 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Of the error allowed, what the companion may have in the pilot: a whole run is not quite it.
+/// Of the error allowed, what the first companion may have in the pilot: a whole run is not quite
+/// it.
 constexpr double kShareOfCompanion = 0.1;
-/// The same of costs.
-constexpr double kSlack = 0.85;
+/// The same of what would be stated.
+constexpr double kMostStated = 0.5;
 /// The pilot's reference is so much finer than what is asked for.
 constexpr double kReferenceShare = 1e-4;
 constexpr double kFinestTolerance = 1e-13;
@@ -47,8 +50,6 @@ constexpr double kFewestSteps = 50.0;
 constexpr double kFloor = 1e-3;
 /// A body that moves by less of the scene's length does not move.
 constexpr double kUnmoved = 1e-9;
-/// The companion's error in the pilot is at least so many times the run's.
-constexpr double kFactorOfCompanion = 10.0;
 
 /// A vector of the pilot's results, and a size that its error is never held below.
 struct Headline {
@@ -164,6 +165,8 @@ class Pilot {
     }
     if (!rungs_.empty()) length_ = rungs_.front().absolute_share;
     if (rungs_.empty()) {
+      // Mostly the scene's own fault, which is reported once, at its own place.
+      (void)Engine(scene_, {});
       throw InputError({{scene_->run.place, "run.accuracy", "",
                          "no integrator takes this scene: " + refusals_, "an integrator", ""}});
     }
@@ -172,24 +175,15 @@ class Pilot {
   ChosenIntegrator choose() {
     find_reference();
     const std::vector<std::size_t> order = climbing_order();
-    // The companion first, good enough by itself; then a run that is better by far.
-    const Wanted cheap{.error = kShareOfCompanion * accuracy_};
-    for (const std::size_t k : order) climb(k, cheap);
-    const std::optional<Tried> companion = confirmed(cheap);
-    std::optional<Tried> main;
-    if (companion) {
-      const double noise = 2.0 * kReferenceShare * accuracy_;
-      const Wanted fine{.error = std::max(companion->error / kFactorOfCompanion, noise),
-                        .cost = companion->cost / (kSlack * kMostForCompanion)};
-      for (const std::size_t k : order) climb(k, fine);
-      main = confirmed(fine);
-    }
+    const Wanted wanted{.error = kShareOfCompanion * accuracy_};
+    for (const std::size_t k : order) climb(k, wanted);
+    const std::optional<Tried> companion = confirmed(wanted);
+    const std::optional<Tried> main = companion ? main_beside(*companion) : most_accurate();
     ChosenIntegrator chosen;
     chosen.pilot_cost = cost_;
     chosen.length = length_;
     chosen.interrupted = interrupted();
     if (chosen.interrupted) return chosen;
-    if (!main) main = companion ? companion : most_accurate();
     if (!main) return as_it_is(std::move(chosen));
     if (main->error > accuracy_) {
       chosen.warnings.push_back(
@@ -201,12 +195,11 @@ class Pilot {
     }
     chosen.scene = scene_at(*main);
     chosen.text = line(*main);
-    if (const auto other = companion_of(*main)) {
-      chosen.companion = scene_at(*other);
-      chosen.companion_text = line(*other);
-      const bool far_worse = other->error >= kFactorOfCompanion * main->error;
-      chosen.share = far_worse ? kShareOfDifference : 1.0;
+    const CompanionShares shares = shares_of(rungs_[main->rung]);
+    for (const Tried& one : coarser_than(*main)) {
+      chosen.companions.push_back({scene_at(one), line(one), shares[chosen.companions.size()]});
     }
+    if (chosen.companions.size() == 1) chosen.companions.front().share *= kAlone;
     return chosen;
   }
 
@@ -314,12 +307,11 @@ class Pilot {
     return trial;
   }
 
-  /// A setting with at most this error that costs at least this much.
+  /// A setting with at most this error.
   struct Wanted {
     double error = 0.0;
-    double cost = 0.0;
 
-    bool met_by(const Tried& tried) const { return tried.error <= error && tried.cost >= cost; }
+    bool met_by(const Tried& tried) const { return tried.error <= error; }
   };
 
   /// The settings of a rung from coarse to fine: steps from a little below the stable one by
@@ -327,12 +319,14 @@ class Pilot {
   double knob(const Rung& rung, int level) const {
     if (rung.knob == Knob::tolerance) return kTolerances[static_cast<std::size_t>(level)];
     const double longest = std::min(piece_.duration / kFewestSteps, kFirstStep * rung.stable_step);
-    return two_digits(longest) * std::ldexp(1.0, -level);
+    return two_digits(longest / rung.unit) * rung.unit * std::ldexp(1.0, -level);
   }
 
   /// From coarse to fine until a setting is as wanted, or dearer than one that is.
   void climb(std::size_t k, const Wanted& wanted) {
-    for (int level = 0; level < kMostKnobs && !interrupted(); ++level) {
+    // Two coarser settings than the run's there are for tolerances, which cost little more.
+    const int first = rungs_[k].knob == Knob::tolerance ? 1 : 0;
+    for (int level = first; level < kMostKnobs && !interrupted(); ++level) {
       const auto best = cheapest_of(wanted);
       const Tried tried = try_out(k, level, best ? best->cost : dearest_);
       if (wanted.met_by(tried) || tried.cost == kInfinity) return;
@@ -416,12 +410,50 @@ class Pilot {
     return best;
   }
 
-  /// The most accurate of those that cost little enough.
-  std::optional<Tried> companion_of(const Tried& main) const {
-    std::optional<Tried> found;
-    for (const Tried& one : tried_) {
-      if (!(one.cost <= kSlack * kMostForCompanion * main.cost)) continue;
-      if (std::isfinite(one.error) && (!found || one.error < found->error)) found = one;
+  static CompanionShares shares_of(const Rung& rung) {
+    return rung.knob == Knob::step ? shares_of_steps(rung.integrator->order) : kSharesOfTolerances;
+  }
+
+  /// The level of a setting, where its rung has one: the reference may stand between two.
+  int level_of(const Tried& tried) const {
+    if (tried.level != kReferenceLevel) return tried.level;
+    int level = 0;
+    while (level + 1 < kMostKnobs && kTolerances[static_cast<std::size_t>(level)] > tried.knob) {
+      ++level;
+    }
+    return level;
+  }
+
+  /// The next finer setting than a companion that is good enough by itself; finer yet where the
+  /// errors that would be stated are not. The companion itself where there is nothing finer.
+  Tried main_beside(const Tried& companion) {
+    Tried main = companion;
+    for (int level = level_of(companion) + 1; level < kMostKnobs && !interrupted(); ++level) {
+      const Tried finer = try_out(companion.rung, level, kInfinity);
+      if (!finer.finished || !std::isfinite(finer.cost)) break;
+      main = finer;
+      if (stated_error(main) <= kMostStated * accuracy_) break;
+    }
+    return main;
+  }
+
+  /// As far as the pilot knows: differences to companions are hardly more than their errors.
+  double stated_error(const Tried& main) {
+    const CompanionShares shares = shares_of(rungs_[main.rung]);
+    double stated = 0.0;
+    std::size_t k = 0;
+    for (const Tried& one : coarser_than(main)) stated = std::max(stated, shares[k++] * one.error);
+    return stated;
+  }
+
+  /// The companions of a setting, from the nearer one on.
+  std::vector<Tried> coarser_than(const Tried& main) {
+    std::vector<Tried> found;
+    const int level = level_of(main);
+    for (int k = 1; k <= static_cast<int>(kCompanions) && level >= k; ++k) {
+      const Tried one = try_out(main.rung, level - k, kInfinity);
+      if (!one.finished || !std::isfinite(one.cost)) break;
+      found.push_back(one);
     }
     return found;
   }
@@ -477,10 +509,22 @@ double relative_difference(const RunResult& result, const RunResult& reference, 
   return largest;
 }
 
+CompanionShares shares_of_steps(int order) {
+  // Differences to steps twice and four times as long are 2^p - 1 and 4^p - 1 times the error.
+  constexpr CompanionShares kTimesTheError = {18.0, 50.0};
+  const double ratio = std::ldexp(1.0, order);
+  return {kTimesTheError[0] / (ratio - 1.0), kTimesTheError[1] / (ratio * ratio - 1.0)};
+}
+
 ChosenIntegrator choose_integrator(const std::shared_ptr<const Scene>& scene,
                                    const Registry& registry, const std::atomic<bool>* stop,
-                                   double most_work) {
-  return Pilot(scene, registry, stop, most_work).choose();
+                                   double most_work, RunStore* store) {
+  if (store != nullptr) {
+    if (auto kept = kept_choice(*store, scene, registry)) return std::move(*kept);
+  }
+  ChosenIntegrator chosen = Pilot(scene, registry, stop, most_work).choose();
+  if (store != nullptr && !chosen.interrupted) keep_choice(*store, chosen);
+  return chosen;
 }
 
 }  // namespace tomlin

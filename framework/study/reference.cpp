@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "framework/core/fault.hpp"
+#include "framework/scene/natural_units.hpp"
 
 namespace tomlin {
 namespace {
@@ -24,10 +27,33 @@ constexpr double kShareOfQuadruple = 0.05;
 constexpr double kMostSecondsOfQuadruple = 2.0;
 /// A run in quadruple takes about so many times longer.
 constexpr double kSlownessOfQuadruple = 500.0;
-/// A value within so many of its own errors of zero is zero as far as it is known.
+/// A value within so many of its own errors of zero is not known; it is zero where its error is no
+/// more than rounding of what the scene's own units have for it.
 constexpr double kErrorsFromZero = 10.0;
+constexpr double kZero = 1e-12;
 /// Moves below this part of the value are rounding.
 constexpr double kRounding = 1e-14;
+
+/// The dimension of what stands at a path of the summary; counts and angles have none.
+Dimension dimension_of(std::string_view path) {
+  constexpr std::pair<std::string_view, Dimension> kWords[] = {
+      {"_force", dimension::force},
+      {"work_per_distance", dimension::force},
+      {".work", dimension::energy},
+      {"energy.", dimension::energy},
+      {"equilibrium.energy", dimension::energy},
+      {"smallest_curvature", dimension::stiffness},
+      {"velocity", dimension::velocity},
+      {"max_speed", dimension::velocity},
+      {"distance", dimension::length},
+      {"centre_of_mass", dimension::length},
+      {"time.end", dimension::time},
+      {"window.", dimension::time}};
+  for (const auto& [word, dimension] : kWords) {
+    if (path.find(word) != std::string_view::npos) return dimension;
+  }
+  return dimension::none;
+}
 
 bool may_be_reference(const Rung& rung) {
   return rung.is_own_model() && rung.number_type == "double" && rung.refused.empty();
@@ -53,6 +79,7 @@ class ReferenceSearch {
     for (const Rung& rung : rungs) {
       if (may_be_reference(rung)) candidates_.push_back(&rung);
     }
+    found_.natural = natural_units(variants.scene()).of(dimension_of(measurer.observable()));
   }
 
   std::optional<Reference> find(std::string& why) {
@@ -138,8 +165,9 @@ class ReferenceSearch {
   /// A move that is small enough for this value.
   double goal() const {
     const double size = std::abs(found_.value);
-    // A value that is tiny against its first moves is zero; then the tolerance is absolute.
-    return kFiner * tolerance_ * (size > kErrorsFromZero * found_.error ? size : 1.0);
+    // A value that is tiny against its first moves is zero, or not resolved.
+    return kFiner * tolerance_ *
+           (size > kErrorsFromZero * found_.error ? size : kZero * found_.natural);
   }
 
   void keep(const Rung& rung, double knob, const Measurement& at) {
@@ -283,8 +311,8 @@ class ReferenceSearch {
 
 ErrorScale error_scale(const Reference& reference) {
   const double size = std::abs(reference.value);
-  if (size > kErrorsFromZero * reference.error) return {true, size};
-  return {false, 1.0};
+  if (size > kErrorsFromZero * reference.error) return {true, true, size};
+  return {false, reference.error <= kZero * reference.natural, reference.natural};
 }
 
 std::optional<Reference> find_reference(const Variants& variants, const std::vector<Rung>& rungs,

@@ -15,6 +15,7 @@ struct Reference {
   Knob knob = Knob::tolerance;
   double knob_value = 0.0;
   double value = 0.0;
+  double natural = 1.0;  ///< what has the observable's dimension in the scene's own units
   /// Estimated: the last move when the scheme was tightened, or its difference to the second
   /// scheme or to quadruple numbers where that is larger.
   double error = 0.0;
@@ -35,9 +36,12 @@ struct Reference {
   std::string unchecked;        ///< why there was no run in quadruple
 };
 
-/// Errors relative to the reference, or absolute where that is zero as far as it is known.
+/// Errors relative to the reference; where that is zero to the last digits of what the scene's own
+/// units have for it, relative to that. A value that is neither larger than its own error nor zero
+/// is not resolved: nothing can be held against it.
 struct ErrorScale {
   bool relative = true;
+  bool resolved = true;
   double size = 1.0;  ///< what an error is divided by
 };
 ErrorScale error_scale(const Reference& reference);

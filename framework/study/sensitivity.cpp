@@ -47,10 +47,12 @@ void judge(Sensitivity& found, const Reference& reference, double tolerance) {
   // An error that no tightening makes smaller is no error of the steps.
   const bool of_the_steps = reference.settled || !reference.finest;
   const bool beyond_errors = !of_the_steps || found.spread > kErrors * found.integration_error;
-  if (found.spread <= tolerance * scale.size) {
+  if (scale.resolved && found.spread <= tolerance * scale.size) {
     found.verdict = Sensitivity::Verdict::determined;
-  } else if (beyond_errors) {
+  } else if (beyond_errors && found.spread > tolerance * std::abs(reference.value)) {
     found.verdict = Sensitivity::Verdict::not_determined;
+  } else if (!scale.resolved) {
+    found.why = "the reference is not resolved";
   } else {
     found.why = fmt::format("the spread {:.2g} is no larger than ten estimated errors, {:.2g}",
                             found.spread, kErrors * found.integration_error);

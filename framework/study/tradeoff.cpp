@@ -21,6 +21,7 @@ constexpr double kFineEnough = 0.01;
 constexpr double kErrorsOfReference = 2.0;
 /// A spread beyond this part of the value leaves nothing to recommend a setting for.
 constexpr double kNoDigit = 0.1;
+constexpr const char* kNotDetermined = "the result is not determined: no digit of it has a meaning";
 
 [[noreturn]] void refuse(const std::string& path, const char* why) {
   throw InputError({{{.file = "--observable"}, path, "", why, "an observable of the scene", ""}});
@@ -69,17 +70,37 @@ class TradeoffStudy {
       say("perturbed starts");
       found_.sensitivity =
           find_sensitivity(variants_, found_.rungs, *found_.reference, measurer_, found_.tolerance);
+      if (!found_.scale.resolved) return unresolved();
       climb();
       recommend();
     } else {
-      leave_all_out();
+      leave_all_out("there is no reference");
     }
+    return finished();
+  }
+
+ private:
+  Tradeoff finished() {
     found_.interrupted = measurer_.interrupted();
     found_.seconds = measurer_.used();
     return std::move(found_);
   }
 
- private:
+  /// No error can be measured against it, and no setting be recommended.
+  Tradeoff unresolved() {
+    const Reference& reference = *found_.reference;
+    leave_all_out("the reference is not resolved");
+    if (!is_determined()) {
+      found_.why_none = kNotDetermined;
+      return finished();
+    }
+    found_.why_none = fmt::format(
+        "the reference is not resolved: {:.2g} with an error of {:.1e}{}", reference.value,
+        reference.error,
+        reference.finest ? ", at the finest that its numbers keep" : "; a larger budget may do");
+    return finished();
+  }
+
   void say(const std::string& what) const {
     if (request_.on_progress) request_.on_progress(what);
   }
@@ -131,7 +152,7 @@ class TradeoffStudy {
   void recommend() {
     if (!is_determined() &&
         found_.sensitivity.spread > kNoDigit * std::abs(found_.reference->value)) {
-      found_.why_none = "the result is not determined: no digit of it has a meaning";
+      found_.why_none = kNotDetermined;
       return;
     }
     if (!found_.reference->settled && found_.reference->error > tolerance()) {
@@ -150,11 +171,11 @@ class TradeoffStudy {
                                            found_.rungs[point.rung].at(point.knob)};
   }
 
-  void leave_all_out() {
+  void leave_all_out(const char* why) {
     for (const Rung& rung : found_.rungs) {
       const bool refused = !rung.refused.empty();
       found_.gaps.push_back({refused ? TradeoffGap::Kind::refused : TradeoffGap::Kind::over_budget,
-                             rung.name, refused ? rung.refused : "there is no reference"});
+                             rung.name, refused ? rung.refused : why});
     }
   }
 

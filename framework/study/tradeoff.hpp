@@ -18,8 +18,9 @@ namespace tomlin {
 
 struct TradeoffRequest {
   std::string observable;
-  double tolerance = 1e-3;  ///< of the observable, relative to it; absolute where it is zero
-  double budget = 60.0;     ///< seconds of the machine's time
+  double tolerance =
+      1e-3;  ///< of the observable, relative to it; where it is zero, to the scene's units
+  double budget = 60.0;  ///< seconds of the machine's time
   const std::atomic<bool>* stop = nullptr;
   /// Called before each part of the work with what it is: "reference", "rk4".
   std::function<void(const std::string&)> on_progress = {};

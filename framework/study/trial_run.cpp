@@ -5,9 +5,10 @@
 #include <condition_variable>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include "framework/core/fault.hpp"
-#include "framework/run/engine.hpp"
+#include "framework/run/side_run.hpp"
 #include "framework/study/ladder.hpp"
 
 namespace tomlin {
@@ -87,7 +88,8 @@ TrialRun try_run(const std::shared_ptr<const Scene>& scene, const TrialLimits& l
     options.stop = &watchdog.stop();
     options.most_cost = limits.cost;
     options.perturbation = limits.perturbation;
-    trial.result = Engine(scene, options).run();
+    options.store = limits.store;
+    trial.result = side_run(scene, std::move(options), limits.name);
     trial.seconds = trial.result.wall_seconds;
     trial.end = end_of(trial.result, watchdog);
     if (trial.result.failure) trial.why = to_string(*trial.result.failure);

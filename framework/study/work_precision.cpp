@@ -45,6 +45,11 @@ double rounded(double x, int digits) {
   return result;
 }
 
+/// The same of a knob, which is a step in parts of the run or a tolerance.
+double rounded(const Rung& rung, double knob, int digits) {
+  return rounded(knob / rung.unit, digits) * rung.unit;
+}
+
 double rounded_down(double x) {
   const double near = rounded(x, 2);
   if (near <= x) return near;
@@ -221,8 +226,8 @@ Bracket bracket_of(const Aim& aim, std::size_t rung, const std::vector<TradeoffP
 
 /// Halfway between two values of a knob, by their ratio; nothing when two digits do not tell them
 /// apart.
-std::optional<double> between(double coarse, double fine) {
-  const double middle = rounded(std::sqrt(coarse * fine), 2);
+std::optional<double> between(const Rung& rung, double coarse, double fine) {
+  const double middle = rounded(std::sqrt(coarse / rung.unit * (fine / rung.unit)), 2) * rung.unit;
   if (middle >= coarse || middle <= fine) return std::nullopt;
   return middle;
 }
@@ -233,11 +238,12 @@ bool Aim::is_met(double error) const { return error + doubt <= kMargin * toleran
 
 double first_knob(const Rung& rung, double duration) {
   if (rung.knob == Knob::tolerance) return kCoarsestTolerance;
-  return rounded_down(std::min(kBelowStable * rung.stable_step, kFirstPart * duration));
+  const double longest = std::min(kBelowStable * rung.stable_step, kFirstPart * duration);
+  return rounded_down(longest / rung.unit) * rung.unit;
 }
 
 double next_knob(const Rung& rung, double knob) {
-  if (rung.knob == Knob::step) return rounded(0.5 * knob, 2);
+  if (rung.knob == Knob::step) return rounded(rung, 0.5 * knob, 2);
   const double decade = rounded(knob, 1);
   constexpr double kHalfDecade = 0.3;  // 1, 0.3, 0.1, ...: easy to read
   const bool power_of_ten = fmt::format("{:.0e}", decade).front() == '1';
@@ -264,8 +270,8 @@ void refine(const Aim& aim, Measurer& measurer, Tradeoff& tradeoff) {
       if (bracket.coarse == kNone || bracket.fine == kNone) continue;
       // What lies between costs more than the coarser of the two.
       if (tradeoff.points[bracket.coarse].cost() >= least) continue;
-      const auto middle =
-          between(tradeoff.points[bracket.coarse].knob, tradeoff.points[bracket.fine].knob);
+      const auto middle = between(tradeoff.rungs[r], tradeoff.points[bracket.coarse].knob,
+                                  tradeoff.points[bracket.fine].knob);
       if (!middle || measurer.is_over()) continue;
       const Measurement& found = measurer.at(tradeoff.rungs[r], *middle, measurer.left());
       if (found.defined()) tradeoff.points.push_back(point_of(r, *middle, found, aim));

@@ -36,7 +36,8 @@ PAGES = [
     # Steady drag, coefficient * velocity; what is left of the start is exp(-30), and the window's
     # integral is as good as the standard tolerance of dopri5. (The plugin of the page ends with
     # a text.)
-    Page("README.md", [(3.0 * 0.5, 1e-8)]),
+    # The second program prints what its mean force is off by, at an accuracy of 1e-4.
+    Page("README.md", [(3.0 * 0.5, 1e-8), (0.0, 3.0 * 0.5 * 1e-4)]),
     Page("forcefields/README.md", [
         # Energy of the quartic trap: v = -A^2 sqrt(s / (2 m)); tolerance 1e-12 a step, some dozens.
         (-1.0 * math.sqrt(2.0 / (2.0 * 1.0)), 1e-10),

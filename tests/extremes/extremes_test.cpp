@@ -11,6 +11,7 @@
 #include "tests/extremes/observed.hpp"
 #include "tests/extremes/page.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
+#include "tests/support/paths.hpp"
 
 /// Extreme scenes: right numbers, or a cause; never a NaN, a hang, a wrong number in silence.
 namespace tomlin::test {
@@ -22,7 +23,7 @@ std::vector<Subject> subjects() {
 
 namespace {
 
-constexpr const char* kPage = TOMLIN_SOURCE_DIR "/tests/EXTREMES.md";
+const std::string kPage = std::string(paths::source) + "/tests/EXTREMES.md";
 
 void expect_words(const ExtremeCase& extreme, const std::string& text) {
   for (const std::string& word : extreme.words) {

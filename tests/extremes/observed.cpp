@@ -60,7 +60,9 @@ void run_into(const fs::path& path, const std::shared_ptr<const Scene>& scene,
               const ExtremeCase& extreme, Observed& observed) {
   RunFolder folder(path, Occupied::refuse);
   folder.create();
-  RunRecorder recorder(folder, *scene, TOMLIN_VERSION, start_again(folder), [] {});
+  Resumption start = start_again(folder);
+  folder.own(start.journal);
+  RunRecorder recorder(folder, *scene, TOMLIN_VERSION, std::move(start), [] {});
   RunOptions options;
   options.sink = &recorder;
   const Guard guard(options, extreme.seconds);

@@ -24,6 +24,11 @@ struct Units {
   }
 };
 
+std::vector<Setting> with_tolerance(std::vector<Setting> settings) {
+  settings.push_back({"run.integrator", "{ type = \"dopri5\", absolute_tolerance = 1e-9 }"});
+  return settings;
+}
+
 ExtremeCase scaled(const std::string& name, const std::string& extreme, const Units& units) {
   std::vector<Setting> settings = units.settings();
   settings.push_back(rk4(0.01 * units.time));
@@ -49,11 +54,12 @@ Subject units() {
        scaled("mass_1e150", "masses of 1e150", {.mass = 1e150}),
        scaled("time_1e_150", "times of 1e-150", {.time = 1e-150}),
        scaled("time_1e150", "times of 1e150", {.time = 1e150}),
-       finishes(kTip, "default_tolerance", "lengths of 1e-10 and the tolerance of lengths of 1",
+       finishes(kTip, "default_tolerance", "lengths of 1e-10 and default tolerances",
                 atoms_adaptive,
-                {is_that_of("drivers.driver.final_force.x", kTip, {}, 3.0 * atoms.force(),
-                            "the same in units of 1, scaled: no digit of it", atoms.force())},
-                {"does not resolve the scene's shortest length"}),
+                {is_that_of("drivers.driver.final_force.x", kTip, {}, 1e-8 * atoms.force(),
+                            "the same in units of 1, scaled", atoms.force())}),
+       fails(kTip, "tolerance_of_1e_9", "lengths of 1e-10 and a tolerance of 1e-9",
+             with_tolerance(atoms_adaptive), {"does not resolve the scene's shortest length"}),
        finishes(kTip, "corrugation_5e_324", "a corrugation of the smallest number there is",
                 {{"V0", "5e-324"}}, {is("drivers.driver.final_force.x", 0.02, 1e-8, "drag alone")}),
        finishes(kTip, "velocity_5e_324", "a velocity of the smallest number there is",

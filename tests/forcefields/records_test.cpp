@@ -14,6 +14,7 @@
 #include "framework/core/citation.hpp"
 #include "framework/core/fault.hpp"
 #include "framework/core/force.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"
 
 // What components say about themselves: examples, ranges, names, and that nothing is left out.
@@ -144,7 +145,7 @@ std::string camel_case(const std::string& name) {
 
 /// type = "..." is the file's name and, in CamelCase, the class's.
 TEST(Names, TypeFileAndClassAgree) {
-  const std::filesystem::path source = TOMLIN_SOURCE_DIR;
+  const std::filesystem::path source = paths::source;
   const auto look_at = [&](const std::string& folder, const std::string& name,
                            const std::string& declared) {
     SCOPED_TRACE(folder + "/" + name);
@@ -179,7 +180,7 @@ TEST(Names, TypeFileAndClassAgree) {
 
 /// No file of a component without its component.
 TEST(Names, EveryFilePairIsRegistered) {
-  const std::filesystem::path source = TOMLIN_SOURCE_DIR;
+  const std::filesystem::path source = paths::source;
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(source / "forcefields")) {
     if (entry.path().extension() != ".cpp" || entry.path().stem() == "register") continue;

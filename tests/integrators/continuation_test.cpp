@@ -248,7 +248,9 @@ TEST(QuasistaticTip, EndsWhenItIsSteady) {
       run_text(text, {{"run.until", "{ steady = \"driver.mean_force.x\", tolerance = 1e-8 }"}});
   ASSERT_TRUE(result.steady.has_value());
   EXPECT_TRUE(result.steady->reached);
-  EXPECT_LE(result.steady->periods, 5u);
+  // The path's own error makes means differ by some 1e-9 from period to period: until no more than
+  // 1e-8 can come of that in the periods left, nothing is known.
+  EXPECT_LE(result.steady->periods, 15u);
   EXPECT_NEAR(result.drivers[0].mean_force[0], tip.lost(), kForceError);
 }
 

@@ -120,6 +120,54 @@ TEST(ExponentialChain, BondsAndFrictionAloneAreExact) {
   }
 }
 
+/// Heat is that of the flow, and not of velocities at the steps' ends.
+TEST(ExponentialChain, HeatOfBondsAndFrictionAloneIsExact) {
+  constexpr double kRounding = 1e-10;
+  const auto heat = [](const std::string& integrator) {
+    return *run_text(bonds_alone(30.0, integrator), {{"run.ledger", "true"}}).energy->heat_out;
+  };
+  const double exact = heat(adaptive(1e-13, "dop853"));
+  EXPECT_GT(exact, 0.1);
+  for (const double h : {0.01, 0.5, 4.0}) EXPECT_NEAR(heat(scheme(h)), exact, kRounding) << h;
+}
+
+/// A hundred times the friction that stops a motion within a step.
+TEST(ExponentialChain, StrongFrictionDragsAtTheTerminalSpeed) {
+  const std::vector<Setting> strong = {{"force.viscous_damping.coefficient", "2000.0"},
+                                       {"run.ledger", "true"},
+                                       {"run.duration", "400.0"}};
+  const RunResult exact = run_text(chain(10.0, adaptive(1e-10, "radau9"), 1.0), strong);
+  const RunResult found = run_text(chain(10.0, scheme(0.05), 1.0), strong);
+  constexpr double kStepError = 2e-3;  // of first order in step * stiffness / friction
+  const auto near = [&](double a, double b) { EXPECT_NEAR(a, b, kStepError * std::abs(b)); };
+  near(found.bodies[0].velocity[0], exact.bodies[0].velocity[0]);
+  near(found.drivers[0].mean_force[0], exact.drivers[0].mean_force[0]);
+  near(*found.energy->heat_out, *exact.energy->heat_out);
+}
+
+/// Between the ends of a step in which friction has stopped a motion: no cubic follows that.
+TEST(ExponentialVerlet, DenseOutputFollowsMotionsThatStopWithinAStep) {
+  Oscillator o;
+  o.k = o.pull = 0.0;
+  o.v0 = 1.0;
+  o.duration = 1.0;
+  for (const double damped : {0.9, 1.1, 30.0, 1e4}) {
+    o.c = damped * o.m / 0.25;
+    KeptSamples samples;
+    RunOptions options;
+    options.sink = &samples;
+    run_text(o.scene(scheme(0.25), "[output]\nevery = 0.03125\n"), {}, options);
+    ASSERT_EQ(samples.rows.size(), 33u);
+    const double rate = o.c / o.m;
+    // A cubic's error where it is one.
+    const double allowed = damped < 1.0 ? 2e-3 : 1e-12;
+    for (const auto& row : samples.rows) {
+      const double x = row[samples.column("tip.centre_of_mass.x")];
+      EXPECT_NEAR(x, o.at(row[0]).x, allowed / rate) << row[0] << ", " << damped;
+    }
+  }
+}
+
 TEST(ExponentialChain, IsOfSecondOrder) {
   const RunResult exact = run_text(chain(10.0, adaptive(1e-13, "dop853")));
   std::vector<double> steps, errors, means;

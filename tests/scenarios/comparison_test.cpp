@@ -7,6 +7,7 @@
 
 #include "framework/study/compare.hpp"
 #include "tests/scenarios/scenario_fixture.hpp"
+#include "tests/support/paths.hpp"
 
 /// The three questions of scenarios/comparison, against what is known without the program.
 namespace tomlin::test {
@@ -18,10 +19,10 @@ Comparison compared(const std::vector<std::string>& files, double tolerance,
                     const std::vector<Setting>& settings = {}) {
   std::vector<std::shared_ptr<const Scene>> scenes;
   for (const std::string& file : files) {
-    scenes.push_back(
-        read_scene(TOMLIN_SOURCE_DIR "/scenarios/comparison/" + file, registry(), settings));
+    scenes.push_back(read_scene(std::string(paths::source) + "/scenarios/comparison/" + file,
+                                registry(), settings));
   }
-  return compare_models(scenes, registry(), {"driver.mean_force.x", tolerance});
+  return compare_models(scenes, {"driver.mean_force.x", tolerance});
 }
 
 double value(const Comparison& comparison, std::size_t k) {

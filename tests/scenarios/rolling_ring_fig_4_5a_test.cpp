@@ -101,7 +101,9 @@ TEST(RollingRingFig4, SmoothSlidingHasTheSpeedOfItsEquilibria) {
   // dx/dX is largest on the top, 1/(1 - k_crit/k); what is left is of order v^2.
   for (const double stiffness : {38.0, 60.0}) {
     const double s = 4.0 * kPi * kPi * std::abs(share(kParticles, 0.1)) / stiffness;
-    const auto result = run_shipped(kFig4, {{"k", text_of(stiffness)}, {"v", "1e-5"}});
+    const auto result = run_shipped(
+        kFig4,
+        {{"k", text_of(stiffness)}, {"v", "1e-5"}, {"run.integrator.absolute_tolerance", "1e-11"}});
     EXPECT_NEAR(max_speed(result) / 1e-5 * (1.0 - s), 1.0, 1e-4) << stiffness;
     EXPECT_NEAR(mean_force(result) / (kDamping * 1e-5 / std::sqrt(1.0 - s * s)), 1.0, 1e-4);
   }

@@ -11,6 +11,8 @@
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/standard_registry.hpp"
+#include "framework/study/accuracy.hpp"
+#include "tests/support/paths.hpp"
 
 /// Runs the scenes that are shipped, and scenes given as text.
 namespace tomlin::test {
@@ -40,7 +42,7 @@ inline RunResult run_shipped(const std::string& scene, const std::vector<Setting
                              RunSink* sink = nullptr) {
   RunOptions options;
   options.sink = sink;
-  const std::string file = TOMLIN_SOURCE_DIR "/scenarios/" + scene;
+  const std::string file = std::string(paths::source) + "/scenarios/" + scene;
   return finished(run(read_scene(file, registry(), settings), options));
 }
 
@@ -51,7 +53,8 @@ inline RunResult run_text(std::string_view text, const std::vector<Setting>& set
 /// What a resolved parameter of a shipped scene is worth.
 inline double parameter_of(const std::string& scene, const std::string& name,
                            const std::vector<Setting>& settings = {}) {
-  const auto read = read_scene(TOMLIN_SOURCE_DIR "/scenarios/" + scene, registry(), settings);
+  const auto read =
+      read_scene(std::string(paths::source) + "/scenarios/" + scene, registry(), settings);
   for (const auto& [key, value] : read->parameters) {
     if (key == name) return value;
   }

@@ -97,9 +97,7 @@ struct FormulaPairArguments {
   int dimension = 0;
   /// Neighbours (i, i + 1) of one body instead of the list: these run along contiguous numbers.
   bool chain = false;
-  bool closed = false;  ///< by the pair of the last particle and the first one's image
-  /// Pairs that are no neighbours are of nearest images: the box along its periodic axes, else 0.
-  Real box[3] = {};
+  bool closed = false;     ///< by the pair of the last particle and the first one's image
   Real wrap[3] = {};       ///< from the first particle to its image behind the last
   Real* result = nullptr;  ///< scratch [axis][result_stride], the first pair's behind kGroup others
   std::size_t result_stride = 0;

@@ -712,9 +712,8 @@ class PairFormula final : public FormulaForce<Real> {
   void lay_pairs(PairTopology topology) {
     arguments_.dimension = this->dimension_;
     if (topology != PairTopology::chain) {
-      list_.lay(body_, other_, this->dimension_, pairs_);
+      list_.lay(body_, other_, this->dimension_, pairs_, box_);
       arguments_.list = list_.arguments;
-      for (std::size_t d = 0; d < 3; ++d) arguments_.box[d] = Real(box_[d]);
       return;
     }
     arguments_.chain = true;

@@ -186,13 +186,10 @@ void formula_centre_kernel(const void* arguments, const Stage<Real>& stage) {
   using Group = Packed<Real>;
   const auto& a = *static_cast<const FormulaCentreArguments<Real>*>(arguments);
   const CentreArguments<Real>& c = a.centre;
-  Real force[3] = {};
+  Real force[3] = {};  // none along axes that the scene does not have, nor on the rotation
   evaluate_at_centre(a, stage, force);
   if (c.on_coordinates) {
-    for (int d = 0; d < a.dimension; ++d) {
-      Real& to = stage.force[c.body.centre + static_cast<std::size_t>(d)];
-      to = set ? force[d] : to + force[d];
-    }
+    put<set>(stage.force + c.body.centre, three_lanes(force[0], force[1], force[2]));
     return;
   }
   Real* f = (c.body.mapped ? stage.mapped_force : stage.force) + c.body.offset;
@@ -229,7 +226,7 @@ TOMLIN_INLINE void gather_pairs(const FormulaPairArguments<Real>& a, const Stage
       const auto axis = static_cast<std::size_t>(d);
       Group apart = gather(x2 + axis * list.second.stride, list.j + pair) -
                     gather(x1 + axis * list.first.stride, list.i + pair);
-      if (a.box[d] > Real(0.0)) apart = nearest_image(apart, a.box[d]);
+      if (list.box[d] > Real(0.0)) apart = nearest_image(apart, list.box[d]);
       apart.store(block.separation[d] + k * kGroup);
       square = a.dimension == 1 ? abs(apart) : fma(apart, apart, square);
     }

@@ -179,7 +179,12 @@ class Examination {
   double strain_ = 0.0;  ///< the largest part of what is allowed
 };
 
-// The claims, each where it applies.
+/// Of all forces of a scene together: each alone makes its part of the sum. Nothing where no force
+/// acts on what moves.
+std::optional<ClaimResult> sum_of_all(const Scene& scene, double length,
+                                      const ClaimOptions& options);
+
+// The claims of one force, each where it applies.
 
 using Claim = std::optional<ClaimResult> (*)(Examination&);
 

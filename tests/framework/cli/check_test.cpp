@@ -17,9 +17,40 @@ class Check : public Cli {
   }
 };
 
+/// Nothing to mend: nothing to read.
+TEST_F(Check, ASoundSceneIsOneLine) {
+  const Ended ended = tomlin({"check", "tip.toml"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_EQ(ended.err, "");
+  EXPECT_EQ(lines(ended.out), 1) << ended.out;
+  EXPECT_EQ(ended.out.substr(0, 10), "tip.toml: ");
+  EXPECT_TRUE(contains(ended.out, "checks hold")) << ended.out;
+  for (const char* model : {"pt", "fk", "ring"}) {
+    ASSERT_EQ(tomlin({"new", model}).status, 0);
+    const Ended fresh = tomlin({"check", std::string(model) + ".toml"});
+    EXPECT_EQ(lines(fresh.out), 1) << fresh.out;
+  }
+  EXPECT_TRUE(contains(tomlin({"check", "ring.toml"}).out, "harmonic_bonds"));
+  EXPECT_EQ(tomlin({"check", "tip.toml", "--verbose", "--json"}).status, 2);
+}
+
+/// What holds is not shown beside what does not, unless asked for; what is insisted on is said.
+TEST_F(Check, OnlyWhatDoesNotHoldIsShown) {
+  const Ended failed = tomlin({"check", "tip.toml", "--set", "run.integrator.dt=5"});
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_FALSE(contains(failed.out, "ok  ")) << failed.out;
+  EXPECT_LT(lines(failed.out), 8);
+  const Ended all = tomlin({"check", "tip.toml", "--set", "run.integrator.dt=5", "--verbose"});
+  EXPECT_GT(lines(all.out), 30);
+  const Ended insisted = tomlin(
+      {"check", "tip.toml", "--set", "run.integrator.dt=5", "--set", "run.allow_unstable=true"});
+  EXPECT_EQ(insisted.status, 0);
+  EXPECT_TRUE(contains(insisted.out, "\ntip.toml: warning: dt = 5 is ")) << insisted.out;
+}
+
 TEST_F(Check, ASoundSceneHasALineForEachClaim) {
   const auto before = all_files();
-  const Ended ended = tomlin({"check", "tip.toml"});
+  const Ended ended = tomlin({"check", "tip.toml", "--verbose"});
   EXPECT_EQ(ended.status, 0) << ended.err;
   EXPECT_EQ(ended.err, "");
   EXPECT_EQ(all_files(), before);
@@ -99,7 +130,7 @@ TEST_F(Check, WhatShowsOnlyWhenBoundIsAFaultToo) {
   const Json json = checked({"tip.toml", "--set", "measure.to=50"}, 2);
   EXPECT_EQ(json["valid"], false);
   EXPECT_EQ(json["faults"][0]["key"], "measure.to");
-  EXPECT_EQ(json["faults"][0]["file"], "--set");
+  EXPECT_EQ(json["faults"][0]["file"], "--set measure.to=50");
   const Json missing = checked({"missing.toml"}, 2);
   EXPECT_EQ(missing["faults"][0]["file"], "missing.toml");
 }

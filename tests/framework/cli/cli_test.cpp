@@ -33,6 +33,8 @@ TEST_F(Cli, HelpIsEverywhere) {
     }
   }
   const std::string help = tomlin({"--help"}).out;
+  EXPECT_EQ(tomlin({"help"}).out, help);
+  EXPECT_EQ(tomlin({"help", "run"}).out, tomlin({"run", "--help"}).out);
   for (const char* name : {"run", "describe", "sweep", "tradeoff", "compare", "stability",
                            "explain", "check", "schema", "new", "report", "plot"}) {
     EXPECT_TRUE(contains(help, std::string("\n  ") + name + " ")) << name;
@@ -70,7 +72,13 @@ TEST_F(Cli, WhatItDoesNotKnowIsBadInput) {
                  "tomlin --help tells more; did you mean \"sweep\"?\n");
   expect_refused({"run", "tip.toml", "--frce"},
                  "tomlin: error: tomlin run has no option --frce; admissible: tomlin run --help "
-                 "shows them; did you mean \"--force\"?\n");
+                 "shows them; values of the scene are given by --set PATH=VALUE; did you mean "
+                 "\"--force\"?\n");
+  expect_refused({"run", "tip.toml", "v=1"},
+                 "tomlin: error: \"v=1\" stands by itself; admissible: --set v=1\n");
+  expect_refused({"--verison"},
+                 "tomlin: error: tomlin has no option --verison; admissible: tomlin --help shows "
+                 "them; did you mean \"--version\"?\n");
   expect_refused({"--quiet", "run", "tip.toml"},
                  "tomlin: error: tomlin has no option --quiet; admissible: tomlin --help shows "
                  "them\n");
@@ -84,7 +92,7 @@ TEST_F(Cli, WhatItDoesNotKnowIsBadInput) {
 }
 
 TEST_F(Cli, WhatIsToComeSaysSo) {
-  for (const std::string name : {"sweep", "stability", "report"}) {
+  for (const std::string name : {"sweep", "stability", "merge", "export", "report"}) {
     expect_refused({name}, "tomlin: error: \"" + name + "\" is not in this version\n");
   }
   expect_refused({"sweep", "tip.toml", "--over", "v=1,2", "-o", "x"},
@@ -161,8 +169,45 @@ TEST_F(Cli, DescribeShowsTheTablesOfAScene) {
       EXPECT_TRUE(contains(text.out, "\n  " + row["key"].get<std::string>() + " ["));
     }
   }
-  EXPECT_EQ(list["tables"].size(), 7U);
+  EXPECT_EQ(list["tables"].size(), 8U);
   EXPECT_GT(keys, 20U);
+}
+
+/// Every name that the list, a page or a scene has, in every form.
+TEST_F(Cli, DescribeKnowsEveryName) {
+  const Json list = Json::parse(tomlin({"describe", "--json"}).out);
+  std::vector<std::string> names = {"body",       "bodies",    "force",     "forces",
+                                    "integrator", "observer",  "[run]",     "[[force]]",
+                                    "until",      "run.until", "parameters"};
+  for (const auto& [kinds, listed] : list.items()) {
+    names.push_back(kinds == "tables" ? "scene" : kinds);
+    for (const Json& one : listed) {
+      names.push_back(one["name"]);
+      if (kinds == "forces") names.push_back("force." + one["name"].get<std::string>());
+    }
+  }
+  EXPECT_GT(names.size(), 40U);
+  for (const std::string& name : names) {
+    for (const char* form : {"", "--json", "--markdown"}) {
+      std::vector<std::string> arguments = {"describe", name};
+      if (*form != 0) arguments.emplace_back(form);
+      const Ended ended = tomlin(arguments);
+      EXPECT_EQ(ended.status, 0) << name << " " << form << ": " << ended.err;
+    }
+  }
+  const std::string forces = tomlin({"describe", "force"}).out;
+  for (const Json& one : list["forces"]) {
+    EXPECT_TRUE(contains(forces, "\n  " + one["name"].get<std::string>() + " ")) << forces;
+  }
+  EXPECT_TRUE(contains(forces, "\n  bodies: ")) << forces;
+}
+
+TEST_F(Cli, DescribeSaysWhereAKeyIs) {
+  const auto error = [this](const char* name) { return tomlin({"describe", name}).err; };
+  EXPECT_TRUE(
+      contains(error("stiffness"), "\"stiffness\" is a key of driving_spring, harmonic_bonds"));
+  EXPECT_TRUE(contains(error("every"), "is a key of [output]"));
+  EXPECT_TRUE(contains(error("langevin"), "\"langevin\" is not in this version"));
 }
 
 TEST_F(Cli, DescribeNamesTheWorksOfASource) {
@@ -230,6 +275,10 @@ TEST_F(Cli, ARunLeavesItsFilesAndAShortResult) {
 
   const Json results = summary("tip.out");
   EXPECT_EQ(results["status"], "finished");
+  EXPECT_EQ(results["program"]["version"], tomlin({"--version"}).out.substr(7, 5));
+  EXPECT_EQ(results["scene"]["name"], "a tip");
+  EXPECT_EQ(results["integrator"], Json::parse(R"({"type": "rk4", "dt": 0.01})"));
+  EXPECT_EQ(results["performance"]["scene_file"], "tip.toml");
   EXPECT_EQ(results["parameters"]["two_v"], 0.02);
   EXPECT_EQ(results["time"]["end"], 300.0);
   EXPECT_EQ(results["time"]["steps"], 30000);
@@ -242,6 +291,17 @@ TEST_F(Cli, ARunLeavesItsFilesAndAShortResult) {
   EXPECT_EQ(table.substr(0, 35), "time [time],driver.force.x [force],");
   EXPECT_EQ(lines(table), 1 + 429);   // the header, and 0, 0.7, ... below 300
   EXPECT_EQ(all_files().size(), 6U);  // the scene, the folder and four files in it
+}
+
+TEST_F(Cli, ASummaryHasTheIntegratorThatWasTaken) {
+  ASSERT_EQ(tomlin({"run", "tip.toml", "--set", "run.accuracy=1e-3", "--quiet"}).status, 0);
+  const Json results = summary("tip.out");
+  const auto type = results["integrator"]["type"].get<std::string>();
+  EXPECT_TRUE(contains(results["accuracy"]["integrator"].get<std::string>(), '"' + type + '"'));
+  // Every key has its value, those that were left alone too.
+  for (const Json& row : Json::parse(tomlin({"describe", type, "--json"}).out)["parameters"]) {
+    EXPECT_TRUE(results["integrator"].contains(row["key"].get<std::string>())) << row;
+  }
 }
 
 TEST_F(Cli, NoTableWithoutASamplingInterval) {
@@ -417,18 +477,88 @@ TEST_F(Cli, WhatShowsOnlyWhenTheSceneIsBoundMakesNoFolder) {
   EXPECT_FALSE(exists("a"));
 }
 
+/// What shows when a scene is bound is reported once and at its own place, whoever binds it.
+TEST_F(Cli, AFaultIsTheSameUnderAnAccuracy) {
+  for (const std::vector<std::string>& settings :
+       {std::vector<std::string>{"measure.to=50"},
+        {"output.every=1e-14"},
+        {"force.driver.velocity=[0.0]"},
+        {"measure.driver=viscous_damping"},
+        {"run.until={ steady = \"driver.mean_force.x\", tolerance = 1e-3 }", "run.duration=10"},
+        {"force.sinusoidal_substrate.type=expression"}}) {
+    std::vector<std::string> arguments = {"run", "tip.toml"};
+    for (const std::string& setting : settings) {
+      arguments.insert(arguments.end(), {"--set", setting});
+    }
+    const Ended with_integrator = tomlin(arguments);
+    EXPECT_EQ(with_integrator.status, 2) << settings.front();
+    arguments.insert(arguments.end(), {"--set", "run.accuracy=1e-3"});
+    const Ended with_accuracy = tomlin(arguments);
+    EXPECT_EQ(with_accuracy.status, 2) << settings.front();
+    EXPECT_EQ(with_accuracy.err, with_integrator.err) << settings.front();
+    EXPECT_FALSE(contains(with_accuracy.err, "no integrator takes")) << with_accuracy.err;
+  }
+}
+
+/// A pilot of seconds is no silence; on no terminal it is told in plain lines.
+TEST_F(Cli, APilotShowsThatItGoesOn) {
+  ASSERT_EQ(tomlin({"new", "fk"}).status, 0);
+  const Ended ended = tomlin({"run", "fk.toml", "--set", "N=20000", "--set", "run.accuracy=1e-8"},
+                             {.then = [](pid_t child) {
+                               std::this_thread::sleep_for(std::chrono::milliseconds(3500));
+                               ::kill(child, SIGINT);
+                             }});
+  EXPECT_EQ(ended.status, 130) << ended.err;
+  EXPECT_TRUE(contains(ended.err, "tomlin: pilot: looking for the integrator, 0:0")) << ended.err;
+  EXPECT_TRUE(contains(ended.err, " elapsed\n")) << ended.err;
+  EXPECT_FALSE(contains(ended.err, "\r")) << ended.err;
+}
+
 // ---- runs that do not end well
 
 TEST_F(Cli, AFailedRunLeavesItsSummary) {
   const Ended ended = tomlin({"run", "tip.toml", "--set", "run.integrator.dt=10"});
   EXPECT_EQ(ended.status, 1);
-  EXPECT_EQ(ended.err.substr(0, 30), "tip.toml: error: step 0, time ") << ended.err;
+  const std::string place = "--set run.integrator.dt=10: error: run.integrator.dt: step 0, time ";
+  EXPECT_EQ(ended.err.substr(0, place.size()), place) << ended.err;
   EXPECT_TRUE(contains(ended.err, "likely cause: ")) << ended.err;
   EXPECT_EQ(lines(ended.err), 1);
   const Json results = summary("tip.out");
   EXPECT_EQ(results["status"], "failed");
   EXPECT_TRUE(contains(results["failure"]["what"].get<std::string>(), "stability limit"));
   EXPECT_TRUE(exists("tip.out/scene.toml"));
+}
+
+/// Whatever refuses a step stands where the step does.
+TEST_F(Cli, AStepThatIsRefusedHasItsPlace) {
+  struct Refused {
+    const char* integrator;
+    const char* key;
+    int column;
+    std::vector<std::string> more;
+  };
+  for (const Refused& one :
+       {Refused{R"({ type = "rk4", dt = 10 })", "dt", 35, {}},
+        Refused{R"({ type = "velocity_verlet", dt = 10 })", "dt", 47, {}},
+        Refused{R"({ type = "velocity_verlet", dt = 0.4 })",
+                "dt",
+                47,
+                {"force.viscous_damping.coefficient=40"}},
+        Refused{R"({ type = "dopri5", most_steps = 20 })", "most_steps", 46, {}}}) {
+    std::string scene = kTip;
+    const std::string old_text = R"({ type = "rk4", dt = 1e-2 })";
+    scene.replace(scene.find(old_text), old_text.size(), one.integrator);
+    write(folder_ / "step.toml", scene);
+    std::vector<std::string> arguments = {"run", "step.toml", "--force"};
+    for (const std::string& setting : one.more) {
+      arguments.insert(arguments.end(), {"--set", setting});
+    }
+    const Ended ended = tomlin(arguments);
+    EXPECT_EQ(ended.status, 1) << one.integrator;
+    const std::string place = "step.toml:31:" + std::to_string(one.column) +
+                              ": error: run.integrator." + one.key + ": step ";
+    EXPECT_EQ(ended.err.substr(0, place.size()), place) << ended.err;
+  }
 }
 
 TEST_F(Cli, ARunThatBreaksDownLeavesItsSummary) {
@@ -496,6 +626,48 @@ TEST_F(Cli, AKilledRunLeavesNothingThatLooksComplete) {
   EXPECT_EQ(tomlin({"run", "tip.toml"}).status, 2);
   EXPECT_EQ(tomlin({"run", "tip.toml", "--force"}).status, 0);
   EXPECT_FALSE(fs::exists(begun));
+}
+
+// ---- what others wrote
+
+/// A scene's name, a file's name, a plugin's message: nothing of it controls the terminal.
+TEST_F(Cli, WhatOthersWroteReachesATerminalEscaped) {
+  const auto acts = [](const std::string& text) {
+    return std::any_of(text.begin(), text.end(), [](char c) {
+      return c != '\n' && c != '\t' && (static_cast<unsigned char>(c) < 0x20U || c == 0x7F);
+    });
+  };
+  std::string scene = kTip;
+  const std::string name = "name = \"a tip\"";
+  scene.replace(scene.find(name), name.size(), "name = \"\\u001b]0;x\\u0007 \\u009b31m \\u202e\"");
+  const std::string file = "\x1b[31m.toml";
+  write(folder_ / file, scene);
+  for (const char* command : {"explain", "check", "run"}) {
+    const Ended ended = tomlin({command, file});
+    EXPECT_EQ(ended.status, 0) << ended.err;
+    EXPECT_FALSE(acts(ended.out + ended.err)) << command;
+    for (const char* hidden : {"\u009b", "\u202e"}) EXPECT_FALSE(contains(ended.out, hidden));
+  }
+  EXPECT_TRUE(contains(tomlin({"explain", file}).out, "]0;x \\u009B31m \\u202E"));
+  const Json json = Json::parse(tomlin({"explain", file, "--json"}).out);
+  EXPECT_TRUE(contains(json.dump(), "\u009b31m")) << json.dump();
+  write(folder_ / file, "[run]\nduration = oops\n");
+  const Ended refused = tomlin({"run", file});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_FALSE(acts(refused.err));
+  EXPECT_TRUE(contains(refused.err, "\\u001B[31m.toml:2:")) << refused.err;
+}
+
+TEST_F(Cli, AnUnknownInstructionSetIsBadInput) {
+  const Conditions wish{.environment = {"TOMLIN_INSTRUCTION_SET=AVX2"}};
+  const Ended ended = tomlin({"run", "tip.toml"}, wish);
+  EXPECT_EQ(ended.status, 2);
+  EXPECT_EQ(ended.err,
+            "tomlin: error: TOMLIN_INSTRUCTION_SET = AVX2: no instruction set that there are "
+            "kernels for; admissible: baseline, avx2, avx512; did you mean \"avx2\"?\n");
+  EXPECT_FALSE(exists("tip.out"));
+  EXPECT_EQ(tomlin({"--version"}, wish).status, 0);
+  EXPECT_EQ(tomlin({"run", "tip.toml"}, {.environment = {"TOMLIN_INSTRUCTION_SET="}}).status, 0);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "tests/framework/output/temporary_folder.hpp"
+#include "tests/support/paths.hpp"
 
 /// Runs the program as a user does.
 namespace tomlin::test {
@@ -35,6 +36,7 @@ struct Conditions {
   std::function<void(pid_t)> then = {};       ///< called while the program runs
   std::vector<std::string> environment = {};  ///< more of it: "NAME=VALUE"
   std::vector<int> closed = {};               ///< standard streams that the program has not got
+  std::vector<int> ignored = {};              ///< signals
 };
 
 inline Ended run_program(const std::filesystem::path& folder,
@@ -46,7 +48,7 @@ inline Ended run_program(const std::filesystem::path& folder,
   write(out, "");  // there even when the program is killed before it begins
   write(err, "");
   const std::string target = conditions.standard_output.empty() ? out : conditions.standard_output;
-  std::vector<std::string> words = {TOMLIN_PROGRAM};
+  std::vector<std::string> words = {paths::program};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   argv.reserve(words.size() + 1);
@@ -63,6 +65,7 @@ inline Ended run_program(const std::filesystem::path& folder,
     ::dup2(output, 1);
     ::dup2(errors, 2);
     for (const int stream : conditions.closed) ::close(stream);
+    for (const int signal : conditions.ignored) std::signal(signal, SIG_IGN);
     for (const std::string& entry : conditions.environment) {
       ::putenv(const_cast<char*>(entry.c_str()));  // NOLINT: this process ends here
     }

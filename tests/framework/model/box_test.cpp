@@ -1,10 +1,21 @@
 #include <cmath>
+#include <cstdint>
+#include <memory>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "forcefields/morse_bonds.hpp"
+#include "framework/core/bonds.hpp"
+#include "framework/core/kernel_tables.hpp"
+#include "framework/core/pair_force.hpp"
 #include "tests/support/ring_scenes.hpp"
+#include "tests/support/spoilt_registry.hpp"
+
+TOMLIN_DECLARE_KERNELS(MorseBonds)
 
 // A chain that the box closes: minimum images, phonons, translations.
 
@@ -169,6 +180,147 @@ TEST(Box, LeavesARingAlone) {
   for (int d = 0; d < 2; ++d) {
     EXPECT_NEAR(boxed.bodies[0].centre_of_mass[d], alone.bodies[0].centre_of_mass[d], 1e-12);
     EXPECT_NEAR(boxed.drivers[0].mean_force[d], alone.drivers[0].mean_force[d], 1e-12);
+  }
+}
+
+// ---- which images
+
+/// Two atoms a distance of 1 apart in a box of 6, tied by springs without rest length.
+TEST(Box, ClosesNoBodyButAChain) {
+  const auto energy_of = [](const std::string& body) {
+    const RunResult result =
+        run_text("[box]\nlengths = [6.0]\nperiodic = [true]\n[[body]]\n" + body +
+                 "particle_mass = 1.0\n[[force]]\ntype = \"harmonic_bonds\"\n"
+                 "pairs = \"neighbours\"\nstiffness = 2.0\nrest_lengths = 0.0\n"
+                 "[run]\nduration = 1e-6\nledger = true\nintegrator = " +
+                 fixed_step(1e-6) + "\n");
+    return result.energy->potential;
+  };
+  EXPECT_NEAR(energy_of("type = \"particles\"\npositions = [0.5, 1.5]\n"), 1.0, 1e-9);
+  EXPECT_NEAR(energy_of("type = \"chain\"\ncount = 2\nspacing = 1.0\norigin = [0.5]\n"), 1.0 + 25.0,
+              1e-9);
+}
+
+/// A row of atoms that is drawn over another, round a periodic box and more.
+std::string drawn_over(const std::string& force) {
+  return R"([box]
+lengths = [6.0]
+periodic = [true]
+[[body]]
+name = "slider"
+type = "particles"
+positions = [0.2, 1.7, 2.9]
+particle_mass = 1.0
+coordinates = "prescribed"
+motion = { velocity = [1.0] }
+[[body]]
+name = "row"
+type = "particles"
+positions = [0.0, 2.0, 4.0]
+particle_mass = 1.0
+coordinates = "fixed"
+[[force]]
+name = "pull"
+bodies = ["slider", "row"]
+)" + force +
+         "[run]\nduration = 20.0\nintegrator = " + fixed_step(1e-2) + "\n";
+}
+
+const std::string kWell =
+    "type = \"morse_bonds\"\npairs = \"all\"\ndepth = 0.5\ninverse_width = 3.0\n"
+    "rest_lengths = 0.4\n";
+const std::string kWellAsFormula =
+    "type = \"expression\"\nenergy = \"0.5*(1 - exp(-3*(r - 0.4)))^2\"\n";
+
+/// As a plugin's potential is bound.
+template <class Real>
+std::unique_ptr<BoundForce<Real>> by_nearest_images(const void* description,
+                                                    const Binding<Real>& binding) {
+  const auto& d = *static_cast<const MorseBondsDescription*>(description);
+  BoundPairs<Real> bound = pairs_of(d.pairs, binding);
+  return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
+    set_rest_lengths<Real, D>(d.rest_lengths, binding, bound.pairs);
+    return std::make_unique<PairForce<MorseBonds, Real, D>>(d, binding, kernels::MorseBonds,
+                                                            std::move(bound), kRankPairs);
+  });
+}
+
+const ForceFactories kByNearestImages = {&by_nearest_images<double>, &by_nearest_images<float>,
+                                         &by_nearest_images<Quad>};
+
+/// The most that a force reaches is reached in every period of the way.
+TEST(Box, PotentialsOfPluginsTakeTheNearestImages) {
+  const SpoiltRegistry plugin("morse_bonds", kByNearestImages);
+  const RunResult formula = run_text(drawn_over(kWellAsFormula));
+  const RunResult potential =
+      run(parse_scene(drawn_over(kWell), "test.toml", plugin.registry()), {});
+  const DriverResult& due = driver_of(formula, "slider");
+  const DriverResult& found = driver_of(potential, "slider");
+  constexpr double kSame = 1e-10;  // of rounding, over 2000 steps
+  EXPECT_NEAR(found.mean_force[0], due.mean_force[0], kSame);
+  EXPECT_NEAR(*found.work, *due.work, kSame);
+  EXPECT_NEAR(found.final_force[0], due.final_force[0], kSame);
+  EXPECT_TRUE(potential.warnings.empty());
+  // Bonds are left behind, and that is said.
+  const RunResult bonds = run_text(drawn_over(kWell));
+  EXPECT_GT(std::abs(driver_of(bonds, "slider").final_force[0] - due.final_force[0]), 1e-3);
+  ASSERT_EQ(bonds.warnings.size(), 1u);
+  EXPECT_NE(bonds.warnings[0].find("pull: a bond became as long as half the box"),
+            std::string::npos)
+      << bonds.warnings[0];
+}
+
+/// Energies and second derivatives are of the same images as forces.
+TEST(Box, PotentialsOfPluginsKeepTheirClaims) {
+  std::string scene = drawn_over(kWell);
+  const std::string prescribed = "coordinates = \"prescribed\"\nmotion = { velocity = [1.0] }\n";
+  scene.erase(scene.find(prescribed), prescribed.size());
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    EXPECT_EQ(SpoiltRegistry("morse_bonds", kByNearestImages).broken_in(scene, seed),
+              std::set<std::string>{});
+  }
+}
+
+TEST(Box, BondsThatStayShortAreNotWarnedOf) {
+  const RunResult result = run_text(R"([box]
+lengths = [6.0]
+periodic = [true]
+[[body]]
+name = "pair"
+type = "particles"
+positions = [5.8, 0.4]
+velocity = [[3.0], [3.2]]
+particle_mass = 1.0
+[[force]]
+type = "harmonic_bonds"
+pairs = "all"
+stiffness = 2.0
+[run]
+duration = 20.0
+integrator = )" + fixed_step(1e-2) + "\n");
+  EXPECT_EQ(result.status, RunStatus::finished);
+  EXPECT_TRUE(result.warnings.empty());
+}
+
+// ---- where positions are counted from
+
+/// An energy that is not periodic is that of the scene's own coordinates, whatever else declares a
+/// period: at the start, and cells later.
+TEST(Origin, IsAddedBackToEnergiesWithoutAPeriod) {
+  const auto energy_of = [](double duration, bool period) {
+    const RunResult result = run_text(
+        "[[body]]\ntype = \"point\"\nposition = [2.3]\nvelocity = [4.0]\nparticle_mass = 1.0\n"
+        "[[force]]\ntype = \"constant_force\"\nforce = [0.5]\n" +
+        std::string(period ? "[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = 0.0\n"
+                             "period = 1.0\n"
+                           : "") +
+        "[run]\nduration = " + digits(duration) +
+        "\nledger = true\nintegrator = " + fixed_step(duration / 64.0) + "\n");
+    return result.energy->potential;
+  };
+  for (const bool period : {false, true}) {
+    EXPECT_NEAR(energy_of(1e-9, period), -0.5 * 2.3, 1e-8);
+    EXPECT_NEAR(energy_of(5.0, period), -0.5 * (2.3 + 4.0 * 5.0 + 0.25 * 25.0), 1e-12);
   }
 }
 

@@ -71,20 +71,102 @@ TEST(Prescribed, IsADriverOfItsOwn) {
   }
 }
 
-/// Without a substrate it is drag alone, and work is force times way, exactly.
+/// Without a substrate it is drag and what accelerates the body; work is force times way, exactly.
 TEST(Prescribed, PowerIsForceTimesVelocity) {
+  const double mass = 1.7;
   const std::string scene =
-      "[[body]]\nname = \"ball\"\ntype = \"point\"\nposition = [0.0]\nparticle_mass = 1.0\n"
-      "coordinates = \"prescribed\"\nmotion = { velocity = [\"0.4 * cos(2 * t)\"] }\n"
+      "[[body]]\nname = \"ball\"\ntype = \"point\"\nposition = [0.0]\nparticle_mass = " +
+      digits(mass) +
+      "\ncoordinates = \"prescribed\"\nmotion = { velocity = [\"0.4 * cos(2 * t)\"] }\n"
       "[[force]]\ntype = \"viscous_damping\"\ncoefficient = 1.5\n"
       "[run]\nduration = 2.0\nledger = true\nintegrator = ";
-  const RunResult result = run_text(scene + fixed_step(0.01) + "\n");
-  const DriverResult& driver = driver_of(result, "ball");
-  EXPECT_NEAR(driver.final_force[0], 1.5 * 0.4 * std::cos(4.0), 1e-12);
-  EXPECT_NEAR(driver.mean_force[0], 1.5 * 0.4 * std::sin(4.0) / 2.0 / 2.0, 1e-9);
-  const double work = 1.5 * 0.16 * (1.0 + std::sin(8.0) / 8.0);
-  EXPECT_NEAR(*driver.work, work, 1e-9);
-  EXPECT_NEAR(*result.energy->heat_out, work, 1e-9);
+  for (const std::string& integrator : {fixed_step(0.01), adaptive_held_to(0.01)}) {
+    const RunResult result = run_text(scene + integrator + "\n");
+    const DriverResult& driver = driver_of(result, "ball");
+    const double end = 0.4 * std::cos(4.0);
+    EXPECT_NEAR(driver.final_force[0], 1.5 * end - mass * 0.8 * std::sin(4.0), 1e-12);
+    EXPECT_NEAR(driver.mean_force[0],
+                1.5 * 0.4 * std::sin(4.0) / 2.0 / 2.0 + mass * (end - 0.4) / 2.0, 1e-9);
+    const double heat = 1.5 * 0.16 * (1.0 + std::sin(8.0) / 8.0);
+    EXPECT_NEAR(*driver.work, heat + 0.5 * mass * (end * end - 0.16), 1e-9);
+    EXPECT_NEAR(*result.energy->heat_out, heat, 1e-9);
+    EXPECT_NEAR(result.energy->kinetic, 0.5 * mass * end * end, 1e-12);
+    EXPECT_NEAR(*result.energy->numerical_work, 0.0, 1e-12);
+  }
+}
+
+/// A wheel that speeds up, turns and jumps, in windows that begin and end anywhere: all that is put
+/// in is heat or kinetic energy, and the mean force has the change of momentum.
+TEST(Prescribed, InertiaIsInForceWorkAndKineticEnergy) {
+  const auto square_wave = [](double t) { return std::floor(t) - 2.0 * std::floor(0.5 * t); };
+  const double from = 0.35;
+  const double to = 2.6;
+  for (const std::string& integrator :
+       {fixed_step(0.01), verlet(0.01), adaptive(1e-9), std::string("{ type = \"radau9\" }")}) {
+    SCOPED_TRACE(integrator);
+    const std::string motion =
+        "{ velocity = [\"floor(t) - 2*floor(t/2)\", \"0.3*t^2\"], angular_velocity = "
+        "\"2*sin(3*t)\" }";
+    const std::string text =
+        "[[body]]\nname = \"wheel\"\ntype = \"ring\"\ncount = 4\nradius = 0.5\n"
+        "particle_mass = 2.0\ncentre = [0.0, 0.0]\ncoordinates = \"prescribed\"\nmotion = " +
+        motion +
+        "\n[[force]]\ntype = \"viscous_damping\"\ncoefficient = 0.1\n[run]\nduration = 3.0\n"
+        "ledger = true\nintegrator = " +
+        integrator + "\n[measure]\nfrom = 0.35\nto = 2.6\nin = \"time\"\n";
+    const RunResult result = run_text(text);
+    ASSERT_EQ(result.status, RunStatus::finished);
+    const auto kinetic = [&](double t) {
+      const double spin = 2.0 * std::sin(3.0 * t);
+      return 4.0 * (std::pow(square_wave(t), 2) + std::pow(0.3 * t * t, 2)) +
+             0.5 * 8.0 * 0.25 * spin * spin;
+    };
+    EXPECT_NEAR(result.energy->kinetic, kinetic(3.0), 1e-9);
+    EXPECT_NEAR(*result.energy->stored_change, kinetic(to) - kinetic(from), 1e-9);
+    EXPECT_NEAR(*result.energy->numerical_work, 0.0, 1e-9);
+    const DriverResult& wheel = driver_of(result, "wheel");
+    EXPECT_EQ(*wheel.work, *result.energy->work_in);
+    const double momentum[2] = {8.0 * (square_wave(to) - square_wave(from)),
+                                8.0 * 0.3 * (to * to - from * from)};
+    const double drag = 0.4 * 0.1 * (to * to * to - from * from * from);
+    EXPECT_NEAR(wheel.mean_force[1] * (to - from), momentum[1] + drag, 1e-5);
+    EXPECT_NEAR(wheel.mean_force[0] * (to - from), momentum[0] + 0.4, 0.02) << "jumps in steps";
+    // At the end: 8 times an acceleration of 0.6 t, and drag.
+    EXPECT_NEAR(wheel.final_force[1], 8.0 * 1.8 + 0.4 * 2.7, 1e-9);
+    EXPECT_NEAR(*result.energy->work_in, *result.energy->heat_out + kinetic(to) - kinetic(from),
+                1e-9);
+  }
+}
+
+TEST(Prescribed, WithoutInertiaThereIsNone) {
+  const std::string body =
+      "[[body]]\nname = \"ball\"\ntype = \"point\"\nposition = [0.0]\nparticle_mass = 1.7\n"
+      "coordinates = \"prescribed\"\nmotion = { velocity = [\"0.4 * cos(2 * t)\"] }\n"
+      "[[force]]\ntype = \"viscous_damping\"\ncoefficient = 1.5\n"
+      "[run]\nduration = 2.0\nledger = true\ndynamics = \"overdamped\"\nintegrator = ";
+  const RunResult result = run_text(body + fixed_step(0.01) + "\n");
+  EXPECT_NEAR(driver_of(result, "ball").final_force[0], 1.5 * 0.4 * std::cos(4.0), 1e-12);
+  EXPECT_EQ(result.energy->kinetic, 0.0);
+  EXPECT_NEAR(*result.energy->numerical_work, 0.0, 1e-12);
+}
+
+/// A run that goes on from its middle knows as much.
+TEST(Prescribed, InertiaSurvivesAResume) {
+  Wheel wheel{.velocity = "[\"0.3 * cos(2 * t)\", \"0.1*floor(3*t)\"]",
+              .angular_velocity = "\"0.5 * sin(t)\"",
+              .duration = 3.0,
+              .more = "ledger = true\n"};
+  const auto scene = scene_of(wheel.text(fixed_step(0.01)));
+  Engine whole(scene, {});
+  const RunResult expected = whole.run();
+  Engine first(scene, {});
+  first.advance(137);
+  Engine second(scene, {});
+  second.resume(first.state().to_bytes());
+  const RunResult found = second.run();
+  EXPECT_EQ(*found.drivers[0].work, *expected.drivers[0].work);
+  EXPECT_EQ(found.drivers[0].mean_force, expected.drivers[0].mean_force);
+  EXPECT_EQ(*found.energy->numerical_work, *expected.energy->numerical_work);
 }
 
 /// The place follows from the velocity's integral, with the order of the scheme.

@@ -141,17 +141,6 @@ TEST(Journal, IsNoLink) {
   EXPECT_EQ(content(folder / "precious"), "mine");
 }
 
-TEST(Journal, NoticesThatItHasGone) {
-  const TemporaryFolder folder;
-  const fs::path file = folder / "j";
-  JournalWriter journal(file, own_journal(file, Absent::make_it), small_header());
-  EXPECT_NO_THROW(journal.check_in_place());
-  fs::remove(file);
-  EXPECT_THROW(journal.check_in_place(), OutputError);
-  write(file, "another");
-  EXPECT_THROW(journal.check_in_place(), OutputError);
-}
-
 TEST(Journal, TakesNothingMoreOnceTheDiskWasFull) {
   const TemporaryFolder folder;
   const fs::path file = folder / "j";

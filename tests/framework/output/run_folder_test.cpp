@@ -69,7 +69,7 @@ TEST(RunFolder, MustBeEmpty) {
 TEST(RunFolder, OfARunThatWasStoppedSaysHowToGoOn) {
   for (const char* name : {"run.journal", "run.checkpoint"}) {
     const TemporaryFolder temporary;
-    write(temporary / name, "");
+    write(temporary / name, "x");
     EXPECT_TRUE(contains(refusal(temporary.path()), "--resume")) << name;
   }
 }
@@ -163,6 +163,115 @@ TEST(RunFolder, AFileAppearsWholeOrNotAtAll) {
   const DiskLimit limit(1000);
   EXPECT_THROW(folder.write_file(kSummaryFile, std::string(2000, 'x')), OutputError);
   EXPECT_EQ(content(temporary / "summary.json"), "first");
+}
+
+TEST(RunFolder, HasOneOwner) {
+  const TemporaryFolder temporary;
+  RunFolder first(temporary / "run", Occupied::refuse);
+  RunFolder second(temporary / "run", Occupied::refuse);
+  first.own();
+  EXPECT_TRUE(first.in_place());
+  const auto refused = [](RunFolder& folder) {
+    try {
+      folder.own();
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_TRUE(contains(refused(second), "another run is writing here")) << refused(second);
+  RunFolder forced(temporary / "run", Occupied::replace_results);
+  EXPECT_TRUE(contains(refused(forced), "another run is writing here"));
+}
+
+/// A run that came and went between the look at the folder and its being owned is not replaced.
+TEST(RunFolder, IsLookedAtAgainOnceItIsOwned) {
+  for (const Occupied occupied : {Occupied::refuse, Occupied::go_on, Occupied::replace_results}) {
+    const TemporaryFolder temporary;
+    RunFolder folder(temporary / "run", occupied);
+    fs::create_directory(temporary / "run");
+    write(temporary.path() / "run" / "summary.json", "{}");
+    if (occupied == Occupied::replace_results) {
+      EXPECT_NO_THROW(folder.own());
+      continue;
+    }
+    EXPECT_THROW(folder.own(), InputError);
+    EXPECT_EQ(content(temporary.path() / "run" / "summary.json"), "{}");
+  }
+}
+
+TEST(RunFolder, AnEmptyJournalIsInNobodysWay) {
+  const TemporaryFolder temporary;
+  {
+    RunFolder folder(temporary / "run", Occupied::refuse);
+    folder.own();
+    EXPECT_TRUE(fs::exists(temporary.path() / "run" / kJournalFile));
+  }
+  EXPECT_TRUE(fs::is_empty(temporary.path()));  // nothing came of it
+  // What a program leaves that is killed before it had anything to keep.
+  fs::create_directory(temporary / "run");
+  write(temporary.path() / "run" / kJournalFile, "");
+  EXPECT_EQ(refusal(temporary / "run"), "");
+  write(temporary.path() / "run" / kJournalFile, "x");
+  EXPECT_TRUE(contains(refusal(temporary / "run"), "--resume"));
+}
+
+TEST(RunFolder, NoticesThatItWasMovedAway) {
+  const TemporaryFolder temporary;
+  RunFolder folder(temporary / "run", Occupied::refuse);
+  folder.own();
+  fs::rename(temporary / "run", temporary / "away");
+  EXPECT_FALSE(folder.in_place());
+  fs::create_directory(temporary / "run");
+  write(temporary.path() / "run" / kJournalFile, "");
+  EXPECT_FALSE(folder.in_place());
+  EXPECT_TRUE(fs::exists(temporary.path() / "run" / kJournalFile));
+}
+
+// ---- files that are not complete yet
+
+TEST(OutputFile, TakesThePlaceOfOneThatWasLeft) {
+  const TemporaryFolder temporary;
+  write(temporary / "a.part", "left by a program that was killed");
+  OutputFile file(temporary / "a");
+  file.append("new");
+  file.publish();
+  EXPECT_EQ(content(temporary / "a"), "new");
+  EXPECT_FALSE(fs::exists(temporary / "a.part"));
+  write(temporary / "precious", "mine");
+  fs::create_symlink(temporary / "precious", temporary / "a.part");
+  OutputFile again(temporary / "a");
+  again.append("newer");
+  again.publish();
+  EXPECT_EQ(content(temporary / "a"), "newer");
+  EXPECT_EQ(content(temporary / "precious"), "mine");
+}
+
+TEST(OutputFile, IsWrittenByOneAtATime) {
+  const TemporaryFolder temporary;
+  OutputFile first(temporary / "a");
+  first.append("first");
+  EXPECT_THROW(OutputFile(temporary / "a"), OutputError);
+  EXPECT_TRUE(fs::exists(temporary / "a.part"));
+  first.publish();
+  EXPECT_EQ(content(temporary / "a"), "first");
+}
+
+/// In a folder that was moved away and made anew.
+TEST(OutputFile, TouchesNoOtherFileOfItsName) {
+  const TemporaryFolder temporary;
+  fs::create_directory(temporary / "run");
+  {
+    OutputFile mine(temporary.path() / "run" / "a");
+    OutputFile other(temporary.path() / "run" / "b");
+    fs::rename(temporary / "run", temporary / "away");
+    fs::create_directory(temporary / "run");
+    for (const char* name : {"a.part", "b.part"}) write(temporary.path() / "run" / name, "theirs");
+    EXPECT_THROW(mine.publish(), OutputError);
+  }
+  EXPECT_FALSE(fs::exists(temporary.path() / "run" / "a"));
+  EXPECT_EQ(content(temporary.path() / "run" / "a.part"), "theirs");
+  EXPECT_EQ(content(temporary.path() / "run" / "b.part"), "theirs");
 }
 
 }  // namespace

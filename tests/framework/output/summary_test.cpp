@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "framework/run/observables.hpp"
+#include "framework/scene/language.hpp"
 
 namespace tomlin::test {
 namespace {
@@ -35,7 +36,8 @@ RunResult planar_result() {
   result.window_from = 0.1;
   result.window_to = 1.0 / 3.0;
   result.events.slips = 12;
-  result.events.hops = result.events.turns = result.events.driver_reversals = 0;
+  result.events.hops = result.events.turns = result.events.driver_reversals = result.events.ties =
+      0;
   result.events.reversals = 3;
   DriverResult driver;
   driver.name = "driver";
@@ -75,8 +77,9 @@ using Names = std::vector<std::string>;
 
 TEST(Summary, HasEveryKeyOfAFinishedRun) {
   const Json summary = Json::parse(summary_json(planar_scene(), planar_result()));
-  EXPECT_EQ(keys(summary), (Names{"status", "parameters", "time", "window", "drivers", "bodies",
-                                  "events", "warnings", "left_out", "references", "performance"}));
+  EXPECT_EQ(keys(summary), (Names{"status", "program", "scene", "integrator", "parameters", "time",
+                                  "window", "drivers", "bodies", "events", "warnings", "left_out",
+                                  "references", "performance"}));
   EXPECT_EQ(summary["status"], "finished");
   EXPECT_EQ(keys(summary["parameters"]), (Names{"xi", "N"}));
   EXPECT_EQ(keys(summary["time"]),
@@ -90,15 +93,54 @@ TEST(Summary, HasEveryKeyOfAFinishedRun) {
             (Names{"centre_of_mass", "velocity", "rotation", "turns", "rolling", "mean_velocity",
                    "max_speed"}));
   EXPECT_EQ(keys(summary["events"]),
-            (Names{"slips", "hops", "turns", "reversals", "driver_reversals"}));
+            (Names{"slips", "hops", "turns", "reversals", "driver_reversals", "ties"}));
   EXPECT_EQ(summary["events"]["slips"], 12);
   EXPECT_EQ(summary["events"]["turns"], 0);
   EXPECT_EQ(summary["warnings"], Json({"a warning with \"quotes\""}));
   EXPECT_EQ(summary["left_out"],
             Json::parse(R"([{"force": "springs", "why": "inside a rigid body"}])"));
-  EXPECT_EQ(keys(summary["performance"]),
-            (Names{"wall_seconds", "steps_per_second", "instruction_set"}));
+  EXPECT_EQ(keys(summary["performance"]), (Names{"wall_seconds", "steps_per_second", "scene_file",
+                                                 "instruction_set", "processor", "system"}));
   EXPECT_EQ(summary["performance"]["instruction_set"], "baseline");
+}
+
+TEST(Summary, SaysWhatMadeIt) {
+  Scene scene = planar_scene();
+  scene.name = "a ring";
+  scene.file = "here/ring.toml";
+  scene.effective_toml = "[scene]\n";
+  const Json summary = Json::parse(summary_json(scene, planar_result()));
+  EXPECT_EQ(summary["program"]["name"], "tomlin");
+  EXPECT_EQ(summary["program"]["format"], 1);
+  EXPECT_NE(summary["program"]["version"], "");
+  EXPECT_EQ(summary["scene"]["name"], "a ring");
+  EXPECT_EQ(summary["scene"]["xxh3_64"].get<std::string>().size(), 16U);
+  EXPECT_EQ(summary["performance"]["scene_file"], "here/ring.toml");
+  EXPECT_NE(summary["performance"]["system"], "");
+
+  // Another scene, another hash; the same one elsewhere, the same.
+  scene.file = "there/ring.toml";
+  EXPECT_EQ(Json::parse(summary_json(scene, planar_result()))["scene"], summary["scene"]);
+  scene.effective_toml += "name = \"\"\n";
+  EXPECT_NE(Json::parse(summary_json(scene, planar_result()))["scene"], summary["scene"]);
+}
+
+/// A body that were called like a key of the summary could not be asked for by its name.
+TEST(Summary, ItsKeysAreNoNamesOfBodies) {
+  Scene scene = planar_scene();
+  scene.libraries = {Library{}};
+  RunResult result = planar_result();
+  result.failure = RunFailure{};
+  result.observers = {ObserverResult{}};
+  result.steady = SteadyResult{};
+  result.equilibrium = EquilibriumResult{};
+  result.energy = EnergyResult{};
+  result.determined = {DeterminedResult{}};
+  result.accuracy = AccuracyResult{};
+  result.errors = {ErrorEstimate{}};
+  const Json summary = Json::parse(summary_json(scene, result));
+  EXPECT_GT(summary.size(), 20U);
+  for (const std::string& key : keys(summary)) EXPECT_TRUE(is_word_of_summary(key)) << key;
 }
 
 TEST(Summary, SaysHowARunUntilSteadyCameOut) {
@@ -146,7 +188,7 @@ TEST(Summary, HoldsTheObservables) {
   for (const auto& [key, value] : summary.items()) {
     // Not results.
     if (key == "parameters" || key == "left_out" || key == "warnings") continue;
-    if (key == "references") continue;
+    if (key == "references" || key == "program" || key == "scene" || key == "integrator") continue;
     collect(value, key, numbers);
   }
   std::size_t found = 0;

@@ -124,6 +124,18 @@ TEST_F(Gnuplot, DrawsTheSamePictureEveryTime) {
   EXPECT_EQ(run_gnuplot(script), picture);
 }
 
+/// The script chooses the terminal; the user's own choice may be one that this gnuplot lacks.
+TEST_F(Gnuplot, TakesNoTerminalFromTheEnvironment) {
+  SKIP_WITHOUT_GNUPLOT();
+  const std::string script = gnuplot_script(small_figure(), PictureFormat::svg);
+  const std::string picture = run_gnuplot(script);
+  ::setenv("GNUTERM", "no_such_terminal", 1);
+  EXPECT_EQ(run_gnuplot(script), picture);
+  use(program_of("printenv GNUTERM; echo drawn\n"));
+  EXPECT_EQ(run_gnuplot(script), "drawn\n");
+  ::unsetenv("GNUTERM");
+}
+
 TEST_F(Gnuplot, AKeyIsShownWholeBesideALowPanel) {
   SKIP_WITHOUT_GNUPLOT();
   Figure figure = small_figure();

@@ -11,6 +11,7 @@
 
 #include "framework/plugin/note.hpp"
 #include "tests/framework/plugin/plugin_files.hpp"
+#include "tests/support/paths.hpp"
 
 namespace tomlin::test {
 namespace {
@@ -55,7 +56,7 @@ TEST(ElfNote, TellsWhatAPluginIs) {
 TEST(ElfNote, OtherFilesHaveNone) {
   EXPECT_EQ(read("").why, "not a shared library");
   EXPECT_EQ(read("[[body]]\n").why, "not a shared library");
-  EXPECT_EQ(read(content(TOMLIN_PROGRAM)).text, "");
+  EXPECT_EQ(read(content(paths::program)).text, "");
   EXPECT_NE(read(content(plugin("no_note"))).why.find("not a plugin of tomlin"), std::string::npos);
   std::string other = morse();
   other[EI_CLASS] = ELFCLASS32;

@@ -43,6 +43,8 @@ struct Faulty {
 
 #ifndef TOMLIN_KERNELS_ONLY
 
+#undef NDEBUG  // a failed assertion is one of the faults
+#include <cassert>
 #include <cfenv>
 #include <csignal>
 #include <cstdlib>
@@ -139,6 +141,13 @@ ForceRecord faulty_record() {
   return record;
 }
 
+/// Until there is no stack any more.
+long overflow(long depth) {
+  volatile char block[1 << 12];
+  block[0] = static_cast<char>(depth);
+  return depth > 0 ? overflow(depth + 1) + block[0] : 0;
+}
+
 }  // namespace
 
 void count_down() {
@@ -148,6 +157,14 @@ void count_down() {
   left = 0;                                 // from now on always
   if (fault() == "throw_number") throw 42;  // NOLINT: what is no exception either
   if (fault() == "crash_later") std::raise(SIGSEGV);
+  if (fault() == "abort_later") std::abort();
+  if (fault() == "assert_later") assert(fault() == "sound");
+  if (fault() == "overflow_later") left += overflow(1);
+  if (fault() == "exit_later") std::exit(0);  // NOLINT: as planned
+  if (fault() == "round_later") {
+    std::fesetround(FE_UPWARD);
+    return;
+  }
   throw std::runtime_error("no force, as planned");
 }
 

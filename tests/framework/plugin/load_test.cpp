@@ -13,6 +13,7 @@
 #include "framework/plugin/registration.hpp"
 #include "framework/standard_registry.hpp"
 #include "tests/framework/plugin/plugin_files.hpp"
+#include "tests/support/paths.hpp"
 
 namespace tomlin::test {
 namespace {
@@ -173,7 +174,7 @@ TEST(Plugins, TwoThatHaveTheSameName) {
 /// Each virtual function of a contract is passed on by its guard, `call` at a time: "force_->".
 void expect_whole(const std::string& header, const std::string& contract, const std::string& call,
                   std::size_t at_least) {
-  const std::string folder = TOMLIN_SOURCE_DIR "/framework/";
+  const std::string folder = std::string(paths::source) + "/framework/";
   const std::string text = content(folder + header);
   const std::string guard = content(folder + "model/plugin_code.cpp");
   const std::size_t begin = text.find("class " + contract + " {");

@@ -8,6 +8,7 @@
 #include "framework/plugin/load.hpp"
 #include "tests/framework/cli/cli_fixture.hpp"
 #include "tests/framework/plugin/plugin_files.hpp"
+#include "tests/support/paths.hpp"
 
 namespace tomlin::test {
 namespace {
@@ -173,14 +174,14 @@ TEST_F(PluginCli, PathsAreFromTheSceneOrTheCurrentFolder) {
   EXPECT_EQ(tomlin({"check", "deep/plain.toml", "--plugin", "deep/libbeside.so"}).status, 0);
   // The loader's own search path is none of them.
   const Ended ended = tomlin({"check", "deep/plain.toml", "--plugin", "libelsewhere.so"},
-                             with({"LD_LIBRARY_PATH=" PLUGINS}));
+                             with({std::string("LD_LIBRARY_PATH=") + paths::plugins}));
   EXPECT_EQ(ended.status, 2);
 }
 
 TEST_F(PluginCli, EveryCommandTakesThem) {
   write(folder_ / "plain.toml", kBonded);
   EXPECT_EQ(tomlin({"explain", "bonded.toml"}).status, 0);
-  const Ended checked = tomlin({"check", "bonded.toml"});
+  const Ended checked = tomlin({"check", "bonded.toml", "--verbose"});
   EXPECT_EQ(checked.status, 0) << checked.err;
   EXPECT_TRUE(contains(checked.out, "morse conservative")) << checked.out;
   EXPECT_EQ(tomlin({"compare", "parts.toml", "parts.toml", "--observable", "bond.length"}).status,
@@ -430,9 +431,41 @@ TEST_F(PluginCli, WhatFailsInARunIsThePlugins) {
   EXPECT_TRUE(contains(
       crashed.err, "a crash, which may come from the code of a plugin: " + path("libfaulty.so")))
       << crashed.err;
+  for (const std::string fault : {"abort", "assert", "overflow"}) {
+    const Ended died = tomlin({"run", "faulty.toml", "-o", fault},
+                              with({"FAULT_AFTER=50", "FAULT=" + fault + "_later"}));
+    EXPECT_GT(died.status, 128) << fault;
+    EXPECT_TRUE(contains(
+        died.err, "a crash, which may come from the code of a plugin: " + path("libfaulty.so")))
+        << fault << died.err;
+  }
   const Ended checked = tomlin({"check", "faulty.toml"}, with({"FAULT_AFTER=0"}));
   EXPECT_EQ(checked.status, 1);
   EXPECT_TRUE(contains(checked.err, path("libfaulty.so"))) << checked.err;
+}
+
+/// Status 0 is the program's to give.
+TEST_F(PluginCli, AForceThatCallsExitIsNoSuccess) {
+  const Ended ended = tomlin({"run", "faulty.toml"}, with({"FAULT_AFTER=50", "FAULT=exit_later"}));
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_EQ(ended.err,
+            "tomlin: error: the program was left by exit(), which only the code of a plugin "
+            "calls: " +
+                path("libfaulty.so") + "\n");
+  EXPECT_FALSE(exists("faulty.out/summary.json"));
+  const Ended resumed = tomlin({"run", "faulty.toml", "--resume"});
+  EXPECT_EQ(resumed.status, 0) << resumed.err;
+}
+
+/// Each of the force's numbers is right, whatever it leaves behind.
+TEST_F(PluginCli, RoundingIsPutBackAfterEveryCall) {
+  ASSERT_EQ(tomlin({"run", "faulty.toml", "-o", "sound"}).status, 0);
+  ASSERT_EQ(
+      tomlin({"run", "faulty.toml", "-o", "round"}, with({"FAULT_AFTER=50", "FAULT=round_later"}))
+          .status,
+      0);
+  EXPECT_EQ(file("round/observables.csv"), file("sound/observables.csv"));
+  EXPECT_EQ(summary("round")["bodies"], summary("sound")["bodies"]);
 }
 
 // ---- going on

@@ -7,12 +7,13 @@
 #include <string>
 
 #include "tests/framework/output/temporary_folder.hpp"
+#include "tests/support/paths.hpp"
 
 /// The libraries that CMakeLists.txt makes, and files that differ from them in a few bytes.
 namespace tomlin::test {
 
 inline std::filesystem::path plugin(const std::string& name) {
-  return std::filesystem::path(PLUGINS) / ("lib" + name + ".so");
+  return std::filesystem::path(paths::plugins) / ("lib" + name + ".so");
 }
 
 inline std::span<const std::byte> bytes_of(const std::string& text) {

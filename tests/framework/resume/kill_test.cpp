@@ -155,6 +155,8 @@ std::vector<Named> scenes() {
       {"rigid ring", ring("rigid") + settings("1500", kAdaptive)},
       {"rigid ring, implicit", ring("rigid") + settings("600", kImplicit)},
       {"chain, implicit", kChain + settings("150", kImplicit)},
+      {"tip, to an accuracy",
+       kTipForces + "[run]\nduration = 6e3\naccuracy = 1e-4\ncheckpoint_every = 0.01\n"},
       {"perturbed starts",
        ring("particles") + settings("100", "{ type = \"rk4\", dt = 4e-3 }",
                                     "ledger = true\nperturb = { size = 1e-9, repeats = 2 }\n")},

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tests/framework/cli/cli_fixture.hpp"
+#include "tests/support/paths.hpp"
 
 /// What tests of runs that go on share: the files of a folder, and how two folders compare.
 namespace tomlin::test {
@@ -47,7 +48,7 @@ trajectory = true
 /// What is put before the program so that waiting for the disk costs nothing: a run that is killed,
 /// unlike a power cut, does not depend on it.
 inline std::vector<std::string> impatient() {
-  return {"LD_PRELOAD=" FAILING_CALLS,
+  return {std::string("LD_PRELOAD=") + paths::failing_calls,
           // The library comes before that of the sanitizer.
           "ASAN_OPTIONS=verify_asan_link_order=0"};
 }

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "tests/support/memory_store.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // Is the result determined at all? Runs from starts that hardly differ.
@@ -112,6 +114,27 @@ TEST(Determined, OtherObservablesOnRequest) {
                InputError);
 }
 
+/// A well that splits in two long after friction has made one state of all starts.
+TEST(Determined, NotByStartsThatRelaxToOneState) {
+  const char* const dopri5 = "\"inertial\"\nintegrator = { type = \"dopri5\" }\n";
+  const char* const rk4 = "\"inertial\"\nintegrator = { type = \"rk4\", dt = 0.02 }\n";
+  const char* const overdamped = "\"overdamped\"\nintegrator = { type = \"rk4\", dt = 0.02 }\n";
+  for (const char* dynamics : {dopri5, rk4, overdamped}) {
+    SCOPED_TRACE(dynamics);
+    const std::string text =
+        "[[body]]\nname = \"tip\"\ntype = \"point\"\nposition = [0.0]\nparticle_mass = 1.0\n"
+        "[[force]]\nname = \"driver\"\ntype = \"driving_spring\"\nstiffness = 0.2\n"
+        "velocity = [0.0]\nstart = [0.0]\n[[force]]\ntype = \"expression\"\n"
+        "energy = \"(0.8 - 0.01*t)*x^2/2 + x^4/4 + 0.0015*max(0, t - 160)*x\"\n"
+        "[[force]]\ntype = \"viscous_damping\"\ncoefficient = 1.0\n"
+        "[run]\nduration = 300.0\nperturb = { size = 1e-6, repeats = 8 }\ndynamics = " +
+        std::string(dynamics);
+    const RunResult result = run_text(text);
+    ASSERT_EQ(result.status, RunStatus::finished);
+    EXPECT_LT(of(result, kForce).digits, kDigitsOfADeterminedResult);
+  }
+}
+
 // ---- interrupted
 
 TEST(Interrupted, IsAStatusAndNoWindow) {
@@ -150,6 +173,28 @@ TEST(Interrupted, WhileItRepeatsRuns) {
   EXPECT_FALSE(result.drivers[0].mean_force.empty());
   ASSERT_FALSE(result.warnings.empty());
   EXPECT_NE(result.warnings.back().find("perturbed"), std::string::npos);
+}
+
+/// A start that is over is over at once: it keeps its end again, and no start before it.
+TEST(Determined, WhatIsInTheStoreIsNotRepeated) {
+  const auto scene = scene_of(ring(1.0, perturb()).text());
+  MemoryStore store;
+  RunOptions options;
+  options.store = &store;
+  const RunResult alone = run(scene);
+  const RunResult first = run(scene, options);
+  const std::map<std::string, int> twice = {
+      {"perturbed start 1", 2}, {"perturbed start 2", 2}, {"perturbed start 3", 2}};
+  EXPECT_EQ(store.counts, twice);
+  store.counts.clear();
+  const RunResult second = run(scene, options);
+  const std::map<std::string, int> once = {
+      {"perturbed start 1", 1}, {"perturbed start 2", 1}, {"perturbed start 3", 1}};
+  EXPECT_EQ(store.counts, once);
+  for (const RunResult* result : {&first, &second}) {
+    EXPECT_TRUE(same_bits(of(*result, kForce).min, of(alone, kForce).min));
+    EXPECT_TRUE(same_bits(of(*result, kForce).max, of(alone, kForce).max));
+  }
 }
 
 }  // namespace

@@ -80,7 +80,9 @@ TEST(PrescribedMotion, OfAnyVelocityIsFollowedToTheTolerance) {
     // Of 0.5 v^2: the mean of (0.3 + 0.2 cos t)^2.
     const double heat =
         0.5 * (0.09 * end + 0.12 * std::sin(end) + 0.04 * (0.5 * end + 0.25 * std::sin(2.0 * end)));
-    const double stored = 0.1 * (std::cos(2.0 * std::acos(-1.0) * way) - 1.0);
+    const double last = 0.3 + 0.2 * std::cos(end);
+    const double stored =
+        0.1 * (std::cos(2.0 * std::acos(-1.0) * way) - 1.0) + 0.5 * (last * last - 0.5 * 0.5);
     EXPECT_NEAR(*result.energy->heat_out, heat, kWork);
     EXPECT_NEAR(*result.energy->work_in - heat, stored, kWork + kWay);
   }

@@ -697,6 +697,10 @@ TEST(NearestName, OnlyWhenReasonablyClose) {
     EXPECT_EQ(nearest_name(name, names).value_or(""), expected) << name;
   }
   EXPECT_EQ(nearest_name("abd", {"abc", "abe"}), "abc");  // the first of equals
+  EXPECT_EQ(nearest_name("bodies", {"box", "body"}), "body");
+  EXPECT_EQ(nearest_name("mass", {"radius", "particle_mass"}), "particle_mass");
+  EXPECT_EQ(nearest_name("damping", {"viscous_damping", "memory_damping"}), std::nullopt);
+  EXPECT_EQ(nearest_name("mas", {"radius", "particle_mass"}), std::nullopt);
   EXPECT_EQ(nearest_name("K", {"x", "k"}), "k");
   EXPECT_EQ(nearest_name("a", {}), std::nullopt);
   EXPECT_EQ(nearest_name(std::string(100000, 'a'), {std::string(100000, 'b')}), std::nullopt);

@@ -118,12 +118,12 @@ TEST(HostileInput, Expressions) {
 TEST(HostileInput, Settings) {
   const std::vector<Setting> many(kMostSettings + 1, Setting{"N", "8"});
   expect_one_fault(faults_of(kRing, many),
-                   "--set:1001:1: error: there are 1001; admissible: at most 1000");
+                   "--set N=8: error: there are 1001 of these; admissible: at most 1000");
   const std::string deep = repeated("a.", 100000) + "a";
-  expect_one_fault(faults_of(kRing, {{"run." + deep, "1"}}), "--set:1:1: error: run.a.a");
+  expect_one_fault(faults_of(kRing, {{"run." + deep, "1"}}), "--set run.a.a");
   EXPECT_NE(faults_of(kRing, {{"run." + deep, "1"}}).find("at most 32 levels"), std::string::npos);
-  expect_one_fault(faults_of(kRing, {{"R", repeated("(", 100000)}}), "--set:1:1: error: ");
-  expect_one_fault(faults_of(kRing, {{"R", repeated("[", 100000)}}), "--set:1:1: error: ");
+  expect_one_fault(faults_of(kRing, {{"R", repeated("(", 100000)}}), "--set R=((");
+  expect_one_fault(faults_of(kRing, {{"R", repeated("[", 100000)}}), "--set R=[[");
 }
 
 TEST(HostileInput, Junk) {
@@ -233,12 +233,13 @@ TEST_F(Files, ThatCannotBeReadAreRefused) {
   expect_one_fault(faults_reading(path("empty.toml")),
                    path("empty.toml") + ":1:1: error: the file is empty");
   expect_one_fault(faults_reading(folder_),
-                   folder_ + ":1:1: error: a directory, where a file is due");
+                   folder_ + ":1:1: error: a directory, where a file is expected");
   expect_one_fault(faults_reading(path("plain/scene.toml")),
                    path("plain/scene.toml") + ":1:1: error: ");
   expect_one_fault(faults_reading(path("large.toml")),
                    path("large.toml") + ":1:1: error: the file is too large");
-  expect_one_fault(faults_reading("/dev/zero"), "/dev/zero:1:1: error: the file is too large");
+  expect_one_fault(faults_reading("/dev/zero"),
+                   "/dev/zero:1:1: error: a device or a socket, where a file is expected");
   expect_one_fault(faults_reading(""), ":1:1: error: there is no such file");
   EXPECT_NE(faults_reading(std::string(100000, 'a')).find(":1:1: error: the file cannot be read"),
             std::string::npos);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/scene/text.hpp"
 #include "tests/framework/scene/scene_fixture.hpp"
 
 /// `--set PATH=VALUE`.
@@ -87,7 +88,7 @@ TEST(Settings, HealFaultsOfTheFile) {
 
 struct Unfit {
   Setting setting;
-  std::string fault;  ///< behind "--set:2:1: error: "; after "..." anything goes
+  std::string fault;  ///< behind "--set PATH=VALUE: error: "; after "..." anything goes
 };
 
 TEST(Settings, FaultsNameTheSetting) {
@@ -134,11 +135,21 @@ TEST(Settings, FaultsNameTheSetting) {
       {{"force.driver.attach.particle", "9"},
        "force.driver.attach.particle = 9: there is no particle 9: indices are 0 to 7"},
       {{"run.seed", "1\nledger = true"}, "run.seed = 1 ledger = true: ..."},
+      {{"temperature", "300"}, "temperature = 300: not in this version..."},
+      {{"sweep.k", "1"}, "sweep.k = 1: not in this version..."},
+      {{"run.integrator", "{type=euler,dt=0.1}"},
+       R"(run.integrator = {type=euler,dt=0.1}: words, names and expressions are written in )"
+       R"(quotes; admissible: "euler"; the whole option in single quotes)"},
+      {{"force.driver.velocity", "[1, 2"},
+       "force.driver.velocity = [1, 2: the closing ] of this list is missing; admissible: the "
+       "whole option in single quotes"},
       {{"scene.name", "\xff"}, "scene.name = ?: not UTF-8 text"},
   };
   for (const Unfit& unfit : all) {
     SCOPED_TRACE(unfit.setting.path + "=" + unfit.setting.value);
-    std::string expected = "--set:2:1: error: " + unfit.fault;
+    const std::string& path = unfit.setting.path;
+    const std::string option = "--set " + shortened(path + "=" + unfit.setting.value, 60);
+    std::string expected = option + ": error: " + unfit.fault;
     const std::string found = faults_of(kRing, {{"k", "1"}, unfit.setting});
     EXPECT_EQ(std::count(found.begin(), found.end(), '\n'), 1) << found;
     if (expected.ends_with("...")) {
@@ -154,8 +165,8 @@ TEST(Settings, FaultsOfTheFileComeFirst) {
   const auto found =
       faults_of(replaced("radius = \"R\"", "radius = -1"), {{"run.duration", "0"}, {"S", "1"}});
   const auto file = found.find("ring.toml:12:10: error: body.ring.radius");
-  const auto first = found.find("--set:1:1: error: run.duration");
-  const auto second = found.find("--set:2:1: error: S");
+  const auto first = found.find("--set run.duration=0: error: run.duration");
+  const auto second = found.find("--set S=1: error: S");
   EXPECT_EQ(file, 0U);
   EXPECT_LT(first, second);
   EXPECT_NE(second, std::string::npos);

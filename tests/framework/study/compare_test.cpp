@@ -84,7 +84,7 @@ std::shared_ptr<const Scene> scene(const std::string& text, const std::string& f
 
 Comparison compared(const std::vector<std::shared_ptr<const Scene>>& scenes,
                     double tolerance = 1e-6) {
-  return compare_models(scenes, test::standard(), {"driver.mean_force.x", tolerance});
+  return compare_models(scenes, {"driver.mean_force.x", tolerance});
 }
 
 TEST(Compare, ARingThatIsATipIsOne) {
@@ -171,7 +171,7 @@ TEST(Compare, AModelThatFailsIsSaidToHave) {
 
 TEST(Compare, AnUnknownObservableNamesTheScene) {
   try {
-    compare_models({scene(ring(), "ring.toml"), scene(tip("0.1"), "tip.toml")}, test::standard(),
+    compare_models({scene(ring(), "ring.toml"), scene(tip("0.1"), "tip.toml")},
                    {"driver.mean_farce.x"});
     FAIL() << "not refused";
   } catch (const InputError& error) {

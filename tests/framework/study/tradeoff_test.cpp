@@ -147,7 +147,7 @@ TEST(Tradeoff, AModelsErrorIsPartOfIt) {
   EXPECT_TRUE(found.rungs[found.points[found.recommendation->point].rung].is_own_model());
 }
 
-TEST(Tradeoff, WhereTheNumberIsZeroErrorsAreAbsolute) {
+TEST(Tradeoff, WhereTheNumberIsZeroErrorsArePartsOfTheScenesForce) {
   TipScene rest = smooth();
   rest.velocity = 0.0;
   rest.position = 0.5;  // a well
@@ -155,8 +155,35 @@ TEST(Tradeoff, WhereTheNumberIsZeroErrorsAreAbsolute) {
   const Tradeoff found = tradeoff_of(rest.text());
   ASSERT_TRUE(found.reference);
   EXPECT_FALSE(found.scale.relative);
-  EXPECT_EQ(found.scale.size, 1.0);
+  EXPECT_TRUE(found.scale.resolved);
+  // The corrugation's.
+  EXPECT_NEAR(found.scale.size, rest.amplitude * std::pow(2.0 * 3.141592653589793, 2.0), 1e-12);
   ASSERT_TRUE(found.recommendation);
+}
+
+/// A value of the size of its own error is neither known nor zero: nothing is held against it.
+TEST(Tradeoff, WhatIsNotResolvedIsNotRecommended) {
+  Reference reference;
+  reference.natural = 8.0;
+  reference.value = 1e-8;
+  reference.error = 3e-9;
+  EXPECT_FALSE(error_scale(reference).resolved);
+  reference.error = 1e-10;
+  EXPECT_TRUE(error_scale(reference).resolved);
+  EXPECT_TRUE(error_scale(reference).relative);
+  reference.value = 1e-13;
+  reference.error = 1e-12;
+  EXPECT_TRUE(error_scale(reference).resolved) << "rounding: it is zero";
+  EXPECT_FALSE(error_scale(reference).relative);
+  // Hardly driven at all: a mean force of 1e-8 beside forces of 8.
+  TipScene tip = smooth();
+  tip.velocity = 1e-9;
+  tip.position = 0.5;
+  tip.more = "";
+  const Tradeoff found = tradeoff_of(tip.text(), "driver.mean_force.x", 1e-6, 2.0);
+  ASSERT_TRUE(found.reference);
+  EXPECT_TRUE(found.scale.relative || !found.recommendation)
+      << "T has turned from relative to absolute";
 }
 
 /// The ring of the paper's Table I, whose orientation at decay 0 is unstable in every period.

@@ -1,0 +1,62 @@
+#include "framework/cli/inputs.hpp"
+
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "framework/core/fault.hpp"
+#include "framework/core/text_file.hpp"
+#include "framework/output/output_file.hpp"
+
+namespace tomlin {
+namespace fs = std::filesystem;
+namespace {
+
+struct Input {
+  std::string what;
+  fs::path path;
+};
+
+/// What the scene reads, the scene first.
+std::vector<Input> inputs_of(const Scene& scene) {
+  std::vector<Input> all = {{"the scene itself", scene.file}};
+  for (const SceneBody& body : scene.bodies) {
+    const fs::path& file = body.record->common(body.description.get()).read_from;
+    if (!file.empty()) all.push_back({"the positions of " + body.name, file});
+  }
+  for (const Library& library : scene.libraries) all.push_back({"a plugin", library.path});
+  return all;
+}
+
+/// A scene may be run again in the folder it was found in, but never be replaced by another.
+bool stays_the_same(const fs::path& file, const Scene& scene) {
+  if (file.filename() != kSceneFile) return false;
+  const std::size_t size = scene.effective_toml.size();
+  return read_text_file(file, size).text == scene.effective_toml;
+}
+
+}  // namespace
+
+void refuse_to_lose_inputs(const RunFolder& folder, const Scene& scene,
+                           std::span<const char* const> names) {
+  for (const Input& input : inputs_of(scene)) {
+    for (const char* name : names) {
+      for (const fs::path& file : {folder.file(name), unfinished(folder.file(name))}) {
+        std::error_code error;
+        if (!fs::equivalent(file, input.path, error) || stays_the_same(file, scene)) continue;
+        Fault fault;
+        fault.place.file = "-o";
+        fault.key = folder.path().string();
+        fault.why = fmt::format("the results would replace {}: {}", input.what, file.string());
+        fault.admissible = "another folder";
+        throw InputError({std::move(fault)});
+      }
+    }
+  }
+}
+
+}  // namespace tomlin

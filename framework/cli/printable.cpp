@@ -1,0 +1,72 @@
+#include "framework/cli/printable.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "framework/core/utf8.hpp"
+
+namespace tomlin {
+namespace {
+
+/// Ranges of characters that act instead of being shown (Unicode 15, categories Cc and Zl to Cf):
+/// controls, and marks that change the direction or the end of a line.
+struct Range {
+  std::uint32_t first;
+  std::uint32_t last;
+};
+constexpr Range kActing[] = {{0x00, 0x08},     {0x0B, 0x1F},     {0x7F, 0x9F},    {0x61C, 0x61C},
+                             {0x200E, 0x200F}, {0x2028, 0x202E}, {0x2066, 0x2069}};
+
+bool acts(std::uint32_t character) {
+  return std::any_of(std::begin(kActing), std::end(kActing), [=](const Range& range) {
+    return range.first <= character && character <= range.last;
+  });
+}
+
+/// Of UTF-8: the character that starts the text, and its bytes.
+std::uint32_t first_character(std::string_view text, std::size_t& length) {
+  const auto byte = [text](std::size_t i) -> std::uint32_t {
+    return static_cast<unsigned char>(text[i]);
+  };
+  const std::uint32_t first = byte(0);
+  length = first < 0x80U ? 1 : first >= 0xF0U ? 4 : first >= 0xE0U ? 3 : 2;
+  if (length == 1) return first;
+  std::uint32_t character = first & (0xFFU >> (length + 1));
+  for (std::size_t i = 1; i < length; ++i) character = (character << 6U) | (byte(i) & 0x3FU);
+  return character;
+}
+
+}  // namespace
+
+std::string printable(std::string_view text) {
+  std::string result;
+  result.reserve(text.size());
+  while (!text.empty()) {
+    std::string_view sound = text.substr(0, valid_utf8_prefix(text));
+    text.remove_prefix(sound.size());
+    while (!sound.empty()) {
+      std::size_t length = 0;
+      const std::uint32_t character = first_character(sound, length);
+      if (acts(character)) {
+        result += fmt::format("\\u{:04X}", character);
+      } else {
+        result += sound.substr(0, length);
+      }
+      sound.remove_prefix(length);
+    }
+    if (text.empty()) break;
+    result += '?';
+    text.remove_prefix(1);
+  }
+  return result;
+}
+
+void print_error_line(std::string_view text) {
+  std::fputs((printable(text) + "\n").c_str(), stderr);
+}
+
+}  // namespace tomlin

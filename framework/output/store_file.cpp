@@ -1,0 +1,61 @@
+#include "framework/output/store_file.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/output/checkpoint.hpp"
+#include "framework/output/output_file.hpp"
+#include "framework/output/record.hpp"
+
+namespace tomlin {
+
+StoreFile::StoreFile(const RunFolder& folder, const Scene& scene,
+                     const std::string& program_version, Before before)
+    : folder_(folder),
+      owner_(fmt::format("{} {:x}", program_version, scene_fingerprint(scene.effective_toml))) {
+  for (const Library& library : scene.libraries) owner_ += " " + library.hash;
+  if (before == Before::read && folder_.holds(kStoreFile)) read();
+}
+
+void StoreFile::read() try {
+  const std::string file = folder_.file(kStoreFile).string();
+  const std::vector<std::byte> bytes = read_record_file(file);
+  std::uint64_t checksum = kFirstChecksum;
+  RecordReader record(file, record_content(file, bytes, checksum));
+  if (record_head(file, std::span(bytes).first(kRecordHead)).kind != RecordKind::store) return;
+  if (record.text() != owner_) return;
+  while (record.left() > 0) {
+    std::string name = record.text();
+    const auto content = record.bytes();
+    all_[std::move(name)].assign(content.begin(), content.end());
+  }
+} catch (const DamagedFile&) {
+  all_.clear();
+}
+
+std::vector<std::byte> StoreFile::kept(const std::string& name) const {
+  const auto found = all_.find(name);
+  return found == all_.end() ? std::vector<std::byte>() : found->second;
+}
+
+void StoreFile::keep(const std::string& name, std::vector<std::byte> bytes) {
+  all_[name] = std::move(bytes);
+  if (!folder_.in_place()) return;
+  RecordWriter record(RecordKind::store);
+  record.text(owner_);
+  for (const auto& [kept, content] : all_) {
+    record.text(kept);
+    record.bytes(content);
+  }
+  std::uint64_t checksum = kFirstChecksum;
+  try {
+    OutputFile output(folder_.file(kStoreFile));
+    output.append(record.seal(checksum));
+    output.publish(OutputFile::Lasting::some_time_later);
+  } catch (const OutputError&) {
+    // The next one may get through; what is lost is computed again.
+  }
+}
+
+}  // namespace tomlin

@@ -1,0 +1,367 @@
+#include "framework/scene/natural_units.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace tomlin {
+namespace {
+
+constexpr double kTau = 6.283185307179586476925286766559;
+constexpr double kNone = std::numeric_limits<double>::infinity();
+/// A default of this size is no bound at all, in any units.
+constexpr double kNoBound = 1e300;
+
+/// A length, or the root or inverse of a number that is a power of one; infinite for all else.
+double as_length(const Dimension& dimension, double value) {
+  if (dimension.mass != 0 || dimension.time != 0 || !(value > 0.0)) return kNone;
+  switch (dimension.length) {
+    case 1:
+      return value;
+    case -1:
+      return 1.0 / value;
+    case 2:
+      return std::sqrt(value);
+    case -2:
+      return 1.0 / std::sqrt(value);
+    default:
+      return kNone;
+  }
+}
+
+/// The plain numbers of a row, of the kinds that stand for sizes.
+std::vector<double> numbers_of(const Parameter& row, const void* description) {
+  const ParameterValue value = row.read(description);
+  if (const auto* number = std::get_if<double>(&value)) return {*number};
+  if (const auto* numbers = std::get_if<WordOrNumbers>(&value)) return numbers->numbers;
+  if (const auto* numbers = std::get_if<PerParticle>(&value)) return numbers->values;
+  return {};
+}
+
+/// The size of a row's vectors.
+double largest_vector(const Parameter& row, const void* description) {
+  const ParameterValue value = row.read(description);
+  std::vector<SpaceVector> vectors;
+  if (const auto* vector = std::get_if<SpaceVector>(&value)) vectors = {*vector};
+  if (const auto* list = std::get_if<PerParticleVector>(&value)) vectors = list->values;
+  double largest = 0.0;
+  for (const SpaceVector& vector : vectors) {
+    for (const double x : vector.components) largest = std::max(largest, std::abs(x));
+  }
+  return largest;
+}
+
+class Search {
+ public:
+  explicit Search(const Scene& scene) : scene_(scene) {}
+
+  NaturalUnits units() {
+    find_length();
+    find_time();
+    if (!(found_.length > 0.0)) find_length_by_motion();
+    return found_;
+  }
+
+ private:
+  struct Body {
+    double particle = kNone;  ///< mass of the lightest
+    double total = 0.0;
+    double friction = kNone;  ///< the smallest coefficient of a particle
+    bool moves = true;        ///< by forces
+  };
+
+  double period_of(const SceneForce& force) const {
+    double shortest = kNone;
+    for (int d = 0; d < scene_.dimension; ++d) {
+      const double period = force.record->period(force.description.get(), d);
+      if (period > 0.0) shortest = std::min(shortest, period);
+    }
+    return shortest;
+  }
+
+  /// The smallest distance between particles that follow each other.
+  double spacing_of(const SceneBody& body) const {
+    double shortest = kNone;
+    try {
+      const BodyGeometry geometry = body.record->build(body.description.get(), scene_.dimension);
+      const auto& place = geometry.relative;
+      for (std::size_t i = 1; i < place.size(); ++i) {
+        double square = 0.0;
+        for (std::size_t d = 0; d < place[i].size(); ++d) {
+          const double apart = place[i][d] - place[i - 1][d];
+          square = std::fma(apart, apart, square);
+        }
+        if (square > 0.0) shortest = std::min(shortest, std::sqrt(square));
+      }
+    } catch (const std::exception&) {
+      return kNone;  // binding says what is wrong with it
+    }
+    return shortest;
+  }
+
+  void take_length(double length, const char* what) {
+    if (!std::isnormal(length)) return;
+    found_.length = length;
+    found_.length_of = what;
+  }
+
+  void find_length() {
+    found_.length = 0.0;
+    double shortest = kNone;
+    for (const SceneForce& force : scene_.forces) shortest = std::min(shortest, period_of(force));
+    if (shortest < kNone) return take_length(shortest, "the shortest period");
+    for (const SceneForce& force : scene_.forces) shortest = std::min(shortest, length_of(force));
+    for (const SceneBody& body : scene_.bodies) {
+      if (body.record->count(body.description.get()) > 1) {
+        shortest = std::min(shortest, spacing_of(body));
+      }
+    }
+    if (shortest < kNone) {
+      return take_length(shortest, "the shortest bond or distance of neighbours");
+    }
+    for (const SceneForce& force : scene_.forces) {
+      if (says_nothing(force)) take_length(1.0, "the unit, since a formula says no length");
+    }
+  }
+
+  /// No number of it has a dimension: its scales stand in a formula.
+  bool says_nothing(const SceneForce& force) const {
+    const auto has_number = [&force](const Parameter& row) {
+      if (row.dimension == dimension::none) return false;
+      const std::vector<double> numbers = numbers_of(row, force.description.get());
+      const auto is_given = [](double x) { return std::isnormal(x); };
+      return std::any_of(numbers.begin(), numbers.end(), is_given) ||
+             largest_vector(row, force.description.get()) > 0.0;
+    };
+    const auto& rows = force.record->parameters;
+    return std::none_of(rows.begin(), rows.end(), has_number);
+  }
+
+  double length_of(const SceneForce& force) const {
+    double shortest = kNone;
+    for (const Parameter& row : force.record->parameters) {
+      for (const double x : numbers_of(row, force.description.get())) {
+        shortest = std::min(shortest, as_length(row.dimension, x));
+      }
+    }
+    return shortest;
+  }
+
+  /// The largest speed that is given.
+  double speed() const {
+    double fastest = 0.0;
+    const auto consider = [&fastest](const auto& component) {
+      for (const Parameter& row : component.record->parameters) {
+        if (row.dimension != dimension::velocity) continue;
+        fastest = std::max(fastest, largest_vector(row, component.description.get()));
+      }
+    };
+    for (const SceneForce& force : scene_.forces) consider(force);
+    for (const SceneBody& body : scene_.bodies) {
+      consider(body);
+      if (!body.motion) continue;
+      for (const TimeFunction& function : body.motion->velocity) {
+        if (function.is_constant()) fastest = std::max(fastest, std::abs(function.constant));
+      }
+    }
+    return fastest;
+  }
+
+  void find_length_by_motion() {
+    take_length(speed() * found_.time, "the way of what is fastest in the scene's time");
+    if (found_.length > 0.0) return;
+    double farthest = 0.0;
+    const auto consider = [&farthest](const auto& component) {
+      for (const Parameter& row : component.record->parameters) {
+        if (row.dimension != dimension::length) continue;
+        farthest = std::max(farthest, largest_vector(row, component.description.get()));
+      }
+    };
+    for (const SceneForce& force : scene_.forces) consider(force);
+    for (const SceneBody& body : scene_.bodies) consider(body);
+    take_length(farthest, "the distance of what is farthest from zero");
+    if (found_.length > 0.0) return;
+    found_.length = 1.0;
+    found_.length_of = "the unit, since nothing in the scene has a length";
+  }
+
+  std::vector<Body> bodies() const {
+    std::vector<Body> all;
+    for (const SceneBody& from : scene_.bodies) {
+      const BodyDescription& common = from.record->common(from.description.get());
+      const auto count = static_cast<double>(from.record->count(from.description.get()));
+      const std::vector<double>& masses = common.particle_mass.values;
+      Body body;
+      for (const double mass : masses) {
+        body.particle = std::min(body.particle, mass);
+        body.total += mass;
+      }
+      if (masses.size() == 1) body.total *= count;
+      body.moves = common.coordinates == "particles" || common.coordinates == "rigid";
+      all.push_back(body);
+    }
+    for (const SceneForce& force : scene_.forces) {
+      double coefficient = kNone;
+      for (const Parameter& row : force.record->parameters) {
+        if (row.dimension != dimension::friction) continue;
+        for (const double x : numbers_of(row, force.description.get())) {
+          if (x > 0.0) coefficient = std::min(coefficient, x);
+        }
+      }
+      for (const std::size_t b : force.bodies) {
+        all[b].friction = std::min(all[b].friction, coefficient);
+      }
+    }
+    return all;
+  }
+
+  /// Per particle, or of all particles together where it acts on their centre.
+  struct Stiffness {
+    double value = 0.0;
+    bool of_centre = false;
+  };
+
+  Stiffness stiffness_of(const SceneForce& force) const {
+    const void* description = force.description.get();
+    double length = period_of(force) / kTau;
+    if (!(length < kNone)) length = length_of(force);
+    Stiffness found;
+    for (const Parameter& row : force.record->parameters) {
+      const ParameterValue value = row.read(description);
+      if (const auto* attachment = std::get_if<Attachment>(&value)) {
+        found.of_centre = attachment->kind == Attachment::Kind::centre_of_mass;
+      }
+      for (const double x : numbers_of(row, description)) {
+        if (row.dimension == dimension::stiffness) found.value = std::max(found.value, x);
+        if (row.dimension == dimension::energy && length < kNone) {
+          found.value = std::max(found.value, std::abs(x) / length / length);
+        }
+      }
+    }
+    return found;
+  }
+
+  void take_time(double time, double mass, const char* what) {
+    if (!std::isnormal(time)) return;
+    found_.time = time;
+    found_.mass = mass;
+    found_.time_of = what;
+  }
+
+  /// Forces that tell the time, in this order.
+  enum class Kind { periodic, outer, internal };
+
+  Kind kind_of(const SceneForce& force) const {
+    if (force.bodies.size() == 1 && force.traits().internal) return Kind::internal;
+    return period_of(force) < kNone ? Kind::periodic : Kind::outer;
+  }
+
+  /// The fastest swing (without inertia, decay) by forces of one kind, unless it is slower than the
+  /// run. A driver that hardly gives way says nothing of how fast a scene moves over a corrugation.
+  void find_swing(const std::vector<Body>& bodies, Kind kind) {
+    double fastest = kNone;
+    double stiffness = 0.0;
+    const bool inertial = scene_.run.dynamics == "inertial";
+    for (const SceneForce& force : scene_.forces) {
+      if (kind_of(force) != kind) continue;
+      const Stiffness own = stiffness_of(force);
+      for (const std::size_t b : force.bodies) {
+        const Body& body = bodies[b];
+        if (!body.moves) continue;
+        const double share = own.of_centre ? body.total / body.particle : 1.0;
+        const double rate = own.value / share / (inertial ? body.particle : body.friction);
+        const double time = 1.0 / (inertial ? std::sqrt(rate) : rate);
+        if (!(time < fastest)) continue;
+        fastest = time;
+        stiffness = own.value;
+      }
+    }
+    if (!(fastest <= scene_.run.duration)) return;
+    take_time(fastest, stiffness * fastest * fastest,
+              inertial ? "1/sqrt(stiffness/mass)" : "friction/stiffness");
+  }
+
+  void find_time() {
+    const std::vector<Body> all = bodies();
+    double lightest = kNone;
+    double damping = 0.0;
+    for (const Body& body : all) {
+      if (!(body.particle < kNone)) continue;
+      lightest = std::min(lightest, body.total);
+      if (body.moves && body.friction < kNone) {
+        damping = std::max(damping, body.friction / body.particle);
+      }
+    }
+    found_.time = 0.0;
+    if (scene_.run.dynamics != "quasistatic") {
+      for (const Kind kind : {Kind::periodic, Kind::outer, Kind::internal}) {
+        if (!(found_.time > 0.0)) find_swing(all, kind);
+      }
+      if (!(found_.time > 0.0) && damping > 0.0 && scene_.run.dynamics == "inertial") {
+        take_time(1.0 / damping, lightest, "mass/friction");
+      }
+    }
+    const double mass = std::isnormal(lightest) ? lightest : 1.0;
+    if (!(found_.time > 0.0) && found_.length > 0.0) {
+      take_time(found_.length / speed(), mass, "the length by the largest speed");
+    }
+    if (!(found_.time > 0.0)) take_time(scene_.run.duration, mass, "the run's duration");
+    if (!(found_.time > 0.0)) take_time(1.0, mass, "the unit, since nothing has a time");
+  }
+
+  const Scene& scene_;
+  NaturalUnits found_;
+};
+
+double power(double x, int n) {
+  double result = 1.0;
+  for (int k = 0; k < std::abs(n); ++k) result = n < 0 ? result / x : result * x;
+  return result;
+}
+
+}  // namespace
+
+double NaturalUnits::of(const Dimension& dimension) const {
+  return power(mass, dimension.mass) * power(length, dimension.length) *
+         power(time, dimension.time);
+}
+
+NaturalUnits natural_units(const Scene& scene) { return Search(scene).units(); }
+
+bool has_natural_default(const Parameter& row) {
+  if (row.dimension != dimension::length && row.dimension != dimension::time) return false;
+  if (!row.standard) return false;
+  const auto* number = std::get_if<double>(&*row.standard);
+  return number != nullptr && *number > 0.0 && *number < kNoBound;
+}
+
+std::string natural_unit_text(const Parameter& row) {
+  if (!has_natural_default(row)) return "";
+  return row.dimension == dimension::length ? " of the scene's length" : " of the scene's time";
+}
+
+double natural_default(const Parameter& row, const NaturalUnits& units) {
+  const double standard = std::get<double>(*row.standard);
+  return has_natural_default(row) ? standard * units.of(row.dimension) : standard;
+}
+
+std::optional<double> tolerance_of(const SceneIntegrator& integrator, double length) {
+  const IntegratorRecord& record = *integrator.record;
+  if (record.tolerance == nullptr) return std::nullopt;
+  std::optional<double> largest;
+  for (const Parameter& row : record.parameters) {
+    if (!std::string_view(row.key).ends_with("tolerance")) continue;
+    const ParameterValue value = row.read(integrator.description.get());
+    const auto* number = std::get_if<double>(&value);
+    if (number == nullptr) continue;
+    const double part = row.dimension == dimension::length ? *number / length : *number;
+    largest = std::max(largest.value_or(0.0), part);
+  }
+  return largest ? *largest : record.tolerance(integrator.description.get());
+}
+
+}  // namespace tomlin

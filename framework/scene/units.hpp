@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+/// Units where a number is expected: scenes have none, and a message says so instead of something
+/// about operators.
+namespace tomlin {
+
+inline constexpr std::string_view kNumbersHaveNoUnits =
+    "numbers have no units here: a scene is in reduced or any consistent ones";
+
+/// A number with a unit behind it, "2.5 nm", "1 N/m", "0.3eV/A^2".
+struct NumberWithUnit {
+  std::string_view number;
+  std::string_view unit;
+  std::size_t column = 0;  ///< of the unit, bytes into the text
+};
+
+/// Nothing where the text is something else.
+std::optional<NumberWithUnit> unit_in(std::string_view text);
+
+/// "nm", "eV", "K": a unit that is written with a letter or a prefix of its own.
+bool is_unit(std::string_view word);
+
+}  // namespace tomlin

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "framework/core/registry.hpp"
+#include "framework/run/run.hpp"
+#include "framework/scene/scene.hpp"
+#include "framework/study/pilot.hpp"
+
+namespace tomlin {
+
+void keep_choice(RunStore& store, const ChosenIntegrator& chosen);
+
+/// The same choice again, bit by bit, for the same scene; nothing where none was kept.
+std::optional<ChosenIntegrator> kept_choice(const RunStore& store,
+                                            const std::shared_ptr<const Scene>& scene,
+                                            const Registry& registry);
+
+}  // namespace tomlin

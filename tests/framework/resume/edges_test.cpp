@@ -1,0 +1,282 @@
+#include <chrono>
+#include <csignal>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/framework/resume/resume_fixture.hpp"
+
+/// What is kept before a run begins, after it has ended and beside it: whose folder it is, what the
+/// scene reads, the choice of an integrator, estimates of errors, perturbed starts.
+namespace tomlin::test {
+namespace {
+
+/// A tip to an accuracy: the pilot takes a tenth of a second, the run and its companion some more.
+const std::string kToAnAccuracy = R"(
+[[body]]
+name = "tip"
+type = "point"
+position = [0.13]
+particle_mass = 1.0
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 0.7
+velocity = [0.11]
+[[force]]
+type = "viscous_damping"
+coefficient = 0.37
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.21
+period = 1.0
+[run]
+duration = 1.5e4
+accuracy = 1e-5
+checkpoint_every = 0.01
+)";
+
+std::string perturbed() {
+  std::string text = kToAnAccuracy;
+  const std::string accuracy = "accuracy = 1e-5";
+  return text.replace(text.find(accuracy), accuracy.size(),
+                      "integrator = { type = \"rk4\", dt = 1e-2 }\n"
+                      "perturb = { size = 1e-9, repeats = 3 }");
+}
+
+std::string long_run() {
+  std::string text = kShortRun;
+  return text.replace(text.find("duration = 1.5"), 14, "duration = 1e7");
+}
+
+class Edges : public Cli {
+ protected:
+  void SetUp() override {
+    write(folder_ / "scene.toml", kShortRun);
+    write(folder_ / "long.toml", long_run());
+    write(folder_ / "accurate.toml", kToAnAccuracy);
+    write(folder_ / "perturbed.toml", perturbed());
+  }
+
+  Ended run(const std::string& scene, const std::string& out,
+            const std::vector<std::string>& more = {}, const Conditions& conditions = {}) {
+    std::vector<std::string> words = {"run", scene, "-o", out};
+    words.insert(words.end(), more.begin(), more.end());
+    return tomlin(words, conditions);
+  }
+
+  /// Stopped as soon as the file holds the words.
+  Ended stopped_at(const std::string& scene, const std::string& out, const std::string& file_name,
+                   const std::string& words, int signal = SIGTERM) {
+    const auto stop = [&](pid_t child) {
+      const fs::path file = folder_ / (out + "/" + file_name);
+      for (int k = 0; k < 20000; ++k) {
+        if (fs::exists(file) && contains(content(file), words)) break;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+      ::kill(child, signal);
+    };
+    return run(scene, out, {"--quiet"}, {.then = stop, .environment = impatient()});
+  }
+
+  void expect_goes_on_to_the_same(const std::string& scene, const std::string& out) {
+    ASSERT_EQ(run(scene, "whole", {"--quiet"}).status, 0);
+    const Ended ended = run(scene, out, {"--resume", "--quiet"});
+    EXPECT_EQ(ended.status, 0) << ended.err;
+    EXPECT_EQ(differing(folder_ / "whole", folder_ / out), "");
+  }
+};
+
+// ---- whose folder it is
+
+/// Long before there is anything to write.
+TEST_F(Edges, ARunOwnsItsFolderWhileItsPilotIsOn) {
+  write(folder_ / "slow.toml", kToAnAccuracy + "number_type = \"quadruple\"\n");
+  const Ended first = run(
+      "slow.toml", "out", {}, {.then = [&](pid_t child) {
+        EXPECT_TRUE(appears(folder_ / "out/run.journal"));
+        EXPECT_FALSE(exists("out/scene.toml"));
+        for (const std::vector<std::string>& how :
+             std::vector<std::vector<std::string>>{{}, {"--force"}, {"--resume"}}) {
+          const Ended second = run("scene.toml", "out", how);
+          EXPECT_EQ(second.status, 2);
+          EXPECT_TRUE(contains(second.err, "another run is writing here")) << second.err;
+        }
+        const Ended study = tomlin({"tradeoff", "scene.toml", "--observable", "driver.mean_force.x",
+                                    "--budget", "1", "-o", "out", "--force"});
+        EXPECT_EQ(study.status, 2);
+        EXPECT_TRUE(contains(study.err, "another run is writing here")) << study.err;
+        ::kill(child, SIGTERM);
+      }});
+  EXPECT_EQ(first.status, 128 + SIGTERM) << first.err;
+  EXPECT_FALSE(exists("out"));  // nothing came of it
+}
+
+TEST_F(Edges, AFolderThatWasMovedAwayLeavesItsNameToOthers) {
+  std::map<std::string, std::string> others;
+  const Ended ended = run("long.toml", "out", {},
+                          {.then =
+                               [&](pid_t) {
+                                 EXPECT_TRUE(appears(folder_ / "out/run.checkpoint"));
+                                 fs::rename(folder_ / "out", folder_ / "away");
+                                 EXPECT_EQ(run("scene.toml", "out").status, 0);
+                                 others = files_of(folder_ / "out");
+                               },
+                           .environment = impatient()});
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_TRUE(contains(ended.err, "the folder was removed or replaced") ||
+              contains(ended.err, "out/run.checkpoint.part: No such file or directory"))
+      << ended.err;
+  EXPECT_EQ(files_of(folder_ / "out"), others);
+  // What was moved goes on where it is.
+  EXPECT_TRUE(exists("away/run.checkpoint"));
+}
+
+// ---- what is there already
+
+/// Whatever it is called.
+TEST_F(Edges, ForceNeverTakesAwayWhatTheSceneReads) {
+  std::string scene = kShortRun;
+  const std::string point = "type = \"point\"\nposition = [0.0]";
+  scene.replace(scene.find(point), point.size(), "type = \"particles\"\nfile = \"FILE\"");
+  for (const std::string name : {"trajectory.xyz", "observables.csv", "summary.json.part"}) {
+    fs::remove_all(folder_ / "here");
+    fs::create_directory(folder_ / "here");
+    write(folder_ / ("here/" + name), "0.0\n");
+    std::string text = scene;
+    write(folder_ / "here/s.toml", text.replace(text.find("FILE"), 4, name));
+    const Ended ended = run("here/s.toml", "here", {"--force"});
+    EXPECT_EQ(ended.status, 2);
+    EXPECT_TRUE(contains(ended.err, "would replace the positions of tip: here/" + name))
+        << ended.err;
+    EXPECT_EQ(file("here/" + name), "0.0\n");
+    EXPECT_FALSE(exists("here/scene.toml"));
+    EXPECT_EQ(run("here/s.toml", "elsewhere", {"--force"}).status, 0);
+  }
+  write(folder_ / "here/tradeoff.csv", "0.0\n");
+  std::string text = scene;
+  write(folder_ / "here/s.toml", text.replace(text.find("FILE"), 4, "tradeoff.csv"));
+  EXPECT_EQ(tomlin({"tradeoff", "here/s.toml", "--observable", "driver.mean_force.x", "--budget",
+                    "1", "-o", "here", "--force"})
+                .status,
+            2);
+  EXPECT_EQ(file("here/tradeoff.csv"), "0.0\n");
+}
+
+/// At once: nothing of the new run could be written.
+TEST_F(Edges, AReplacementThatTheDiskHadNoRoomForGoesOn) {
+  ASSERT_EQ(run("scene.toml", "out", {"--set", "run.duration=0.9"}).status, 0);
+  const Ended full = run("scene.toml", "out", {"--force"}, {.largest_file = 500});
+  EXPECT_EQ(full.status, 1);
+  EXPECT_TRUE(contains(full.err, "File too large")) << full.err;
+  expect_goes_on_to_the_same("scene.toml", "out");
+}
+
+/// Files of commands that were killed.
+TEST_F(Edges, WhatIsUnfinishedBlocksNothing) {
+  write(folder_ / "schema.json.part", "");
+  EXPECT_EQ(tomlin({"schema", "-o", "schema.json"}).status, 0);
+  fs::create_directory(folder_ / "study");
+  write(folder_ / "study/tradeoff.csv.part", "");
+  const Ended ended = tomlin({"tradeoff", "scene.toml", "--observable", "driver.mean_force.x",
+                              "--budget", "1", "-o", "study", "--force"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_TRUE(exists("study/tradeoff.csv"));
+  EXPECT_FALSE(exists("study/tradeoff.csv.part"));
+  EXPECT_FALSE(exists("study/run.journal"));
+}
+
+/// Before the work, not after it.
+TEST_F(Edges, WhereResultsCannotBeWrittenIsFoundAtOnce) {
+  fs::create_directories(folder_ / "study/tradeoff.json");
+  const Ended study = tomlin({"tradeoff", "scene.toml", "--observable", "driver.mean_force.x",
+                              "--budget", "1e9", "-o", "study", "--force"});
+  EXPECT_EQ(study.status, 2);
+  EXPECT_TRUE(contains(study.err, "a folder where a file is to be written")) << study.err;
+  const Ended write = tomlin({"tradeoff", "scene.toml", "--observable", "driver.mean_force.x",
+                              "--budget", "1e9", "-o", "other", "--write", "none/scene.toml"});
+  EXPECT_EQ(write.status, 2);
+  EXPECT_TRUE(contains(write.err, "there is no folder none")) << write.err;
+  EXPECT_FALSE(exists("other"));
+  const Ended plot = tomlin({"plot", "out", "-o", "none/a.svg"});
+  EXPECT_EQ(plot.status, 2);
+  EXPECT_TRUE(contains(plot.err, "there is no folder none")) << plot.err;
+}
+
+// ---- before and after the run proper
+
+TEST_F(Edges, ASignalWhileErrorsAreEstimatedIsNoEnd) {
+  const Ended ended = stopped_at("accurate.toml", "out", "run.store", "companion");
+  ASSERT_EQ(ended.status, 128 + SIGTERM) << ended.err;
+  const Json stopped = summary("out");
+  EXPECT_EQ(stopped["status"], "interrupted");
+  EXPECT_FALSE(stopped.contains("error"));
+  EXPECT_TRUE(exists("out/run.checkpoint"));
+  expect_goes_on_to_the_same("accurate.toml", "out");
+  EXPECT_TRUE(summary("out").contains("error"));
+  EXPECT_FALSE(exists("out/run.store"));
+}
+
+TEST_F(Edges, AKillWhileErrorsAreEstimatedIsNoEndEither) {
+  const Ended ended = stopped_at("accurate.toml", "out", "run.store", "companion", SIGKILL);
+  ASSERT_EQ(ended.status, 128 + SIGKILL);
+  EXPECT_FALSE(exists("out/summary.json"));
+  expect_goes_on_to_the_same("accurate.toml", "out");
+}
+
+TEST_F(Edges, PerturbedStartsThatAreOverAreKept) {
+  const Ended ended = stopped_at("perturbed.toml", "out", "run.store", "perturbed start 2");
+  ASSERT_EQ(ended.status, 128 + SIGTERM) << ended.err;
+  EXPECT_EQ(summary("out")["status"], "interrupted");
+  expect_goes_on_to_the_same("perturbed.toml", "out");
+}
+
+/// A cache: what is damaged, or of another scene, is computed again.
+TEST_F(Edges, AStoreThatIsNoneIsNotTaken) {
+  ASSERT_EQ(stopped_at("perturbed.toml", "out", "run.store", "perturbed start 2").status,
+            128 + SIGTERM);
+  std::string store = file("out/run.store");
+  store[store.size() / 2] = static_cast<char>(store[store.size() / 2] ^ 1);
+  write(folder_ / "out/run.store", store);
+  expect_goes_on_to_the_same("perturbed.toml", "out");
+}
+
+// ---- signals
+
+TEST_F(Edges, WhateverAsksForAnEndStopsTheRun) {
+  for (const int signal : {SIGHUP, SIGUSR1, SIGXCPU}) {
+    const std::string out = "signal-" + std::to_string(signal);
+    const Ended ended = run("long.toml", out, {},
+                            {.then =
+                                 [&](pid_t child) {
+                                   EXPECT_TRUE(appears(folder_ / (out + "/run.checkpoint")));
+                                   ::kill(child, signal);
+                                 },
+                             .environment = impatient()});
+    EXPECT_EQ(ended.status, 128 + signal) << ended.err;
+    EXPECT_EQ(summary(out)["status"], "interrupted");
+    EXPECT_TRUE(exists(out + "/run.checkpoint"));
+  }
+}
+
+/// As under nohup, and in the background of a script.
+TEST_F(Edges, ASignalThatIsIgnoredStaysIgnored) {
+  for (const int signal : {SIGINT, SIGHUP}) {
+    const Ended ended = run(
+        "scene.toml", "out" + std::to_string(signal), {"--set", "run.duration=3e4"},
+        {.then =
+             [&](pid_t child) {
+               EXPECT_TRUE(appears(folder_ / ("out" + std::to_string(signal)) / "run.checkpoint"));
+               ::kill(child, signal);
+             },
+         .environment = impatient(),
+         .ignored = {signal}});
+    EXPECT_EQ(ended.status, 0) << ended.err;
+  }
+}
+
+}  // namespace
+}  // namespace tomlin::test

@@ -1,0 +1,133 @@
+#include "framework/run/time_scale.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/scenes.hpp"
+
+// What changes with time by itself, against the steps of every scheme: a fixed one that does not
+// see it is warned of, an adaptive one sees it.
+
+namespace tomlin::test {
+namespace {
+
+std::string tip(const std::string& forces, const std::string& integrator,
+                const std::string& dynamics = "inertial") {
+  return R"([[body]]
+name = "tip"
+type = "point"
+position = [0.4]
+particle_mass = 1.0
+)" + forces +
+         R"([[force]]
+type = "viscous_damping"
+coefficient = 0.3
+[run]
+duration = 5.0
+dynamics = ")" +
+         dynamics + "\"\nintegrator = " + integrator + "\n";
+}
+
+std::string formula(const std::string& energy) {
+  return "[[force]]\nname = \"shake\"\ntype = \"expression\"\nenergy = \"" + energy + "\"\n";
+}
+
+bool is_warned(const RunResult& result) {
+  return std::any_of(result.warnings.begin(), result.warnings.end(), [](const auto& warning) {
+    return warning.find("changes faster than steps") != std::string::npos;
+  });
+}
+
+TEST(TimeScale, EveryFixedStepIsHeldAgainstFormulasOfTime) {
+  for (const auto& scheme : standard().integrators()) {
+    if (scheme->follows_equilibria || scheme->adaptive || scheme->conservative_only) continue;
+    SCOPED_TRACE(scheme->name);
+    const auto warned = [&](const std::string& energy, double dt) {
+      return is_warned(run_text(tip(formula(energy), held_to(scheme->name, dt))));
+    };
+    EXPECT_TRUE(warned("0.1*cos(2*pi*x) + 5*sin(1000*t)*x", 0.01));
+    EXPECT_TRUE(warned("5*sin(1000*t)*x", 0.01));
+    EXPECT_TRUE(warned("0.1*cos(2*pi*(x - 50*t))", 0.02)) << "a wave, a period a step";
+    EXPECT_TRUE(warned("0.1*(1 + sin(900*t))*cos(2*pi*(x - 0.4))", 0.01))
+        << "no force at the start";
+    EXPECT_TRUE(warned("-exp(-((t - 3.003) / 0.001)^2)*x", 0.01)) << "a pulse";
+    // A step a twentieth of these.
+    EXPECT_FALSE(warned("5*sin(1000*t)*x", 5e-5));
+    EXPECT_FALSE(warned("0.1*cos(2*pi*x) + 5*sin(3*t)*x", 0.01));
+    EXPECT_FALSE(warned("-exp(-((t - 3.003) / 0.1)^2)*x", 0.01));
+    EXPECT_FALSE(warned("0.1*t*x", 0.01));
+    EXPECT_FALSE(warned("(x - 0.2*t)^2", 0.01));
+  }
+}
+
+TEST(TimeScale, DriversOfSteadyVelocityHaveNone) {
+  Engine engine(scene_of(tip("[[force]]\ntype = \"driving_spring\"\nstiffness = 1.0\n"
+                             "velocity = [0.1]\n",
+                             fixed_step(0.01))),
+                {});
+  EXPECT_TRUE(time_dependences(engine.model()).empty());
+}
+
+TEST(TimeScale, PrescribedMotionsAreNamed) {
+  const auto said = [](const std::string& motion) {
+    const RunResult result = run_text(
+        "[[body]]\nname = \"stage\"\ntype = \"ring\"\nradius = 1.0\ncount = 4\n"
+        "particle_mass = 1.0\ncentre = [0.0, 0.0]\ncoordinates = \"prescribed\"\nmotion = " +
+        motion + "\n[[force]]\ntype = \"viscous_damping\"\ncoefficient = 0.5\n" +
+        "[run]\nduration = 2.0\nintegrator = " + fixed_step(0.01) + "\n");
+    for (const std::string& warning : result.warnings) {
+      if (warning.find("changes faster") != std::string::npos) return warning;
+    }
+    return std::string();
+  };
+  EXPECT_NE(said("{ velocity = [\"sin(1000*t)\", 0.0] }").find("stage: its prescribed velocity"),
+            std::string::npos);
+  EXPECT_NE(said("{ velocity = [0.0, 0.0], angular_velocity = \"sin(1000*t)\" }")
+                .find("angular velocity sin(1000*t)"),
+            std::string::npos);
+  EXPECT_EQ(said("{ velocity = [\"sin(10*t)\", 0.0] }"), "");
+}
+
+/// A pulse while nothing else happens: steps grow, and would go over it.
+TEST(TimeScale, AdaptiveSchemesSeePulses) {
+  for (const auto& scheme : standard().integrators()) {
+    if (scheme->follows_equilibria || !scheme->adaptive) continue;
+    SCOPED_TRACE(scheme->name);
+    const double width = 0.002;
+    const RunResult result =
+        run_text(tip(formula("-exp(-((t - 3.0) / 0.002)^2)*x"), adaptive(1e-8, scheme->name)));
+    // Its momentum, and friction since.
+    const double expected = std::sqrt(3.14159265358979) * width * std::exp(-0.3 * 2.0);
+    EXPECT_NEAR(result.bodies[0].velocity[0], expected, 1e-4 * expected);
+  }
+}
+
+/// A path of equilibria sees a pulse, or fails on it; it does not step over it.
+TEST(TimeScale, PathsOfEquilibriaDoNotStepOverPulses) {
+  int finished = 0;
+  for (const char* width : {"0.003", "0.01", "0.2", "0.3"}) {
+    SCOPED_TRACE(width);
+    const std::string pulse = std::string("0.5*2*x^2 - exp(-((t - 3.0) / ") + width + ")^2)*x";
+    RunOptions options;
+    KeptSamples samples;
+    options.sink = &samples;
+    const RunResult result =
+        run_text(tip(formula(pulse), "{ type = \"continuation\" }", "quasistatic") +
+                     "[output]\nevery = 0.001\n",
+                 {}, options);
+    if (result.status != RunStatus::finished) continue;
+    ++finished;
+    double most = 0.0;
+    for (const auto& row : samples.rows) {
+      most = std::max(most, row[samples.column("tip.centre_of_mass.x")]);
+    }
+    EXPECT_NEAR(most, 0.5, 1e-3);
+  }
+  EXPECT_GT(finished, 0);
+}
+
+}  // namespace
+}  // namespace tomlin::test

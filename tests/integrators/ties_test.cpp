@@ -1,0 +1,154 @@
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/scenes.hpp"
+
+// Quasistatic paths through instabilities of symmetric scenes: where nothing but rounding decides
+// the run says so, and where anything else does it goes that way.
+
+namespace tomlin::test {
+namespace {
+
+RunResult run_with(const std::string& text, KeptSamples& sink) {
+  RunOptions options;
+  options.sink = &sink;
+  return run_text(text, {}, options);
+}
+
+bool warned_of_tie(const RunResult& result) {
+  for (const std::string& warning : result.warnings) {
+    if (warning.find("not determined after time") != std::string::npos) return true;
+  }
+  return false;
+}
+
+/// A well that splits at t = 0.5 into two, at sqrt(2 t - 1) and - sqrt(2 t - 1); from t = 0.8 on
+/// they differ. `tilt` is a steady force.
+std::string splitting(double tilt, const std::string& more = "") {
+  return "[[body]]\nname = \"tip\"\ntype = \"point\"\nposition = [0.0]\nparticle_mass = 1.0\n"
+         "[[force]]\nname = \"driver\"\ntype = \"driving_spring\"\nstiffness = 0.2\n"
+         "velocity = [0.0]\nstart = [0.0]\n[[force]]\ntype = \"expression\"\nenergy = "
+         "\"(0.8 - 2*t)*x^2/2 + x^4/4 + 0.3*max(0, t - 0.8)*x - " +
+         digits(std::abs(tilt)) + (tilt < 0.0 ? "*(0 - x)" : "*x") +
+         "\"\n[[force]]\ntype = \"viscous_damping\"\ncoefficient = 1.0\n"
+         "[run]\ndynamics = \"quasistatic\"\nduration = 1.5\n" +
+         more;
+}
+
+TEST(Ties, ASymmetricWellThatSplitsIsOne) {
+  KeptSamples sink;
+  const RunResult result = run_with(splitting(0.0), sink);
+  ASSERT_EQ(result.status, RunStatus::finished);
+  EXPECT_EQ(result.events.ties, 1u);
+  EXPECT_TRUE(warned_of_tie(result));
+  const std::vector<Event> ties = sink.of(EventKind::tie);
+  ASSERT_EQ(ties.size(), 1u);
+  EXPECT_NEAR(ties[0].time, 0.5, 1e-6);
+  EXPECT_EQ(ties[0].name, "tip");
+}
+
+/// The smallest tilts are as good as any, and the path goes their way.
+TEST(Ties, ATiltDecides) {
+  for (const double size : {1e-3, 1e-6, 1e-9, 1e-12}) {
+    for (const double sign : {1.0, -1.0}) {
+      const RunResult result = run_text(splitting(sign * size));
+      ASSERT_EQ(result.status, RunStatus::finished) << sign * size;
+      EXPECT_EQ(result.events.ties, 0u) << sign * size;
+      EXPECT_FALSE(warned_of_tie(result)) << sign * size;
+      EXPECT_GT(result.bodies[0].centre_of_mass[0] * sign, 0.5) << sign * size;
+    }
+  }
+}
+
+/// Disturbances decide where they are stronger than the tilt, though all starts relax to one
+/// equilibrium before. Two repeats leave to opposite sides wherever they decide.
+TEST(Ties, PerturbDisturbsOnTheWay) {
+  const auto digits_of = [](double tilt, const char* size) {
+    const RunResult result =
+        run_text(splitting(tilt, std::string("perturb = { size = ") + size + ", repeats = 2 }\n"));
+    EXPECT_EQ(result.determined.size(), 1u);
+    return result.determined.at(0).digits;
+  };
+  EXPECT_LT(digits_of(0.0, "1e-12"), 3.0);
+  EXPECT_GT(digits_of(1e-4, "1e-9"), 8.0);
+  EXPECT_GT(digits_of(1e-6, "1e-9"), 8.0);
+}
+
+/// Two bonds in a row that are pulled apart; `stronger` is what the second one's depth exceeds the
+/// first one's by.
+std::string bonds(double stronger) {
+  const auto bond = [](const char* name, const char* pair, double depth) {
+    return std::string("[[force]]\nname = \"") + name + "\"\ntype = \"morse_bonds\"\npairs = [" +
+           pair + "]\ndepth = " + digits(depth) + "\ninverse_width = 2.0\n";
+  };
+  return "[[body]]\ntype = \"particles\"\nname = \"p\"\npositions = [0.0, 1.0, 2.0]\n"
+         "particle_mass = 1.0\n" +
+         bond("left", "[0, 1]", 0.2) + bond("right", "[1, 2]", 0.2 * (1.0 + stronger)) +
+         "[[force]]\nname = \"driver\"\ntype = \"driving_spring\"\nstiffness = 0.15\n"
+         "velocity = [1.0]\nattach = { particle = 2 }\n[[force]]\nname = \"hold\"\n"
+         "type = \"driving_spring\"\nstiffness = 3.0\nvelocity = [0.0]\n"
+         "attach = { particle = 0 }\n[[force]]\ntype = \"viscous_damping\"\ncoefficient = 0.5\n"
+         "[run]\ndynamics = \"quasistatic\"\nduration = 4.0\n";
+}
+
+/// Centre of mass where the right bond is broken, and the left one.
+constexpr double kRightBroken = 2.333;
+constexpr double kLeftBroken = 3.665;
+
+TEST(Ties, TwoEqualBondsAreOne) {
+  const RunResult result = run_text(bonds(0.0));
+  ASSERT_EQ(result.status, RunStatus::finished);
+  EXPECT_GE(result.events.ties.value(), 1u);
+  EXPECT_TRUE(warned_of_tie(result));
+  // The side that friction takes when the driver is slow.
+  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], kRightBroken, 0.01);
+}
+
+TEST(Ties, TheWeakerBondBreaks) {
+  for (const double size : {1e-3, 1e-6, 1e-9, 1e-12}) {
+    const RunResult left = run_text(bonds(size));
+    const RunResult right = run_text(bonds(-size));
+    EXPECT_EQ(left.events.ties, 0u) << size;
+    EXPECT_EQ(right.events.ties, 0u) << size;
+    EXPECT_NEAR(left.bodies[0].centre_of_mass[0], kLeftBroken, 0.02) << size;
+    EXPECT_NEAR(right.bodies[0].centre_of_mass[0], kRightBroken, 0.02) << size;
+  }
+}
+
+/// Chains of any spacing over a corrugation slip for reasons of their own.
+TEST(Ties, NoneInScenesWithoutSymmetry) {
+  std::uint64_t slips = 0;
+  for (const unsigned seed : {11u, 12u, 13u}) {
+    std::mt19937_64 random(seed);
+    const auto between = [&](double low, double high) {
+      return low + (high - low) * std::uniform_real_distribution<double>()(random);
+    };
+    for (int n = 0; n < 8; ++n) {
+      const int count = 1 + n;
+      const std::string text =
+          "[[body]]\ntype = \"chain\"\ncount = " + std::to_string(count) +
+          "\nspacing = " + digits(between(0.3, 1.7)) + "\norigin = [" + digits(between(0.0, 1.0)) +
+          "]\nparticle_mass = 1.0\n[[force]]\ntype = \"harmonic_bonds\"\npairs = \"neighbours\"\n"
+          "stiffness = " +
+          digits(between(0.2, 3.0)) +
+          "\n[[force]]\nname = \"driver\"\ntype = \"driving_spring\"\nstiffness = " +
+          digits(between(0.2, 2.0)) +
+          "\nvelocity = [1.0]\n[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = " +
+          digits(between(0.02, 0.3)) +
+          "\nperiod = 1.0\n[run]\ndynamics = \"quasistatic\"\nduration = 3.0\n";
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", scene " + std::to_string(n));
+      const RunResult result = run_text(text);
+      if (result.status != RunStatus::finished) continue;
+      EXPECT_EQ(result.events.ties, 0u);
+      slips += result.events.slips.value();
+    }
+  }
+  EXPECT_GT(slips, 20u) << "nothing happened";
+}
+
+}  // namespace
+}  // namespace tomlin::test
