@@ -59,7 +59,7 @@ class RunFolder {
   /// is its journal, locked, or not open where there is none; then it is made. Throws InputError
   /// when another program has the folder, or has put something there since it was looked at.
   void own(Descriptor& journal);
-  /// The same for a study, which has no journal.
+  /// The same for a study, whose journal is a lock and nothing else: it never outlives the study.
   void own();
   /// Whether the folder that is owned still has its name: it may have been moved away, and another
   /// been made.
@@ -89,6 +89,7 @@ class RunFolder {
   std::vector<std::string> names_;           ///< of files that are to be written
   std::vector<std::filesystem::path> made_;  ///< outermost first
   mutable bool written_ = false;  ///< a file of the run's own, which it says something of
+  bool only_locked_ = false;      ///< of a study: nothing is ever written to the journal
   Descriptor lock_;               ///< the journal's, which is locked as long as this is
 };
 

@@ -51,6 +51,11 @@ Engine::Engine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
   bind_observers();
   resolve_window();
 
+  if (options_.watches_energy && !ledger_ && path_ == nullptr) {
+    balance_ = std::make_unique<EnergyBalance>(scene_, options_);
+    balance_->start(period_ > 0.0 ? 0.0 : from_.time, period_ > 0.0 ? duration_ : to_.time, dt_);
+  }
+
   StateLayout layout;
   declare(layout);
   state_ = RunState(layout, 1);
@@ -81,7 +86,7 @@ Engine::Engine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
   sampling_ = (wanted || !watchers_.empty()) && scene_->output.every.has_value();
   counts_[kRotationEvery] = 1;
   extremes_.start();
-  first_maximum_.start();
+  static_forces_.start();
   for (DriverWatch& watch : driver_watches_) watch.start();
   for (BodyWatch& watch : body_watches_) watch.start();
   started_ = std::chrono::steady_clock::now();
@@ -119,6 +124,8 @@ void Engine::begin() {
   if (period_ > 0.0) start_until();
   begin_sink();
   if (failure_) return;
+  find_wells();
+  if (balance_) balance_->prepare();
   if (options_.resume_from) {
     resume(*options_.resume_from);
   } else {
@@ -145,8 +152,9 @@ void Engine::declare(StateLayout& layout) {
     layout.add_reals(name + ".stored", 1);
   }
   extremes_.declare(layout, signal_count_);
-  first_maximum_.declare(layout, drivers_.size());
+  static_forces_.declare(layout, drivers_.size());
   layout.add_integers("events.counts", kEventKinds);
+  layout.add_integers("events.slips_within", 1);
   if (path_ != nullptr) {
     layout.add_reals("events.peaks", drivers_.size());
     layout.add_reals("events.tie", 2);
@@ -159,6 +167,10 @@ void Engine::declare(StateLayout& layout) {
   if (period_ > 0.0) layout.add_reals("until", Steadiness::kNumbers);
   if (has_images(model_)) layout.add_integers("long_bonds", model_.forces().size());
   if (options_.perturbation) layout.add_reals("disturbed", 1);
+  if (balance_) {
+    layout.add_reals("energy_balance", EnergyBalance::reals());
+    layout.add_integers("energy_balance", EnergyBalance::integers());
+  }
   if (!watchers_.empty()) {
     layout.add_reals("observed.sums", 2 * observed_numbers());
     layout.add_integers("observed.count", 1);
@@ -170,12 +182,13 @@ void Engine::attach() {
   integrator_->attach(state_);
   model_.attach(state_);
   extremes_.attach(state_);
-  first_maximum_.attach(state_);
+  static_forces_.attach(state_);
   clock_ = state_.reals("clock");
   counts_ = state_.integers("counts");
   last_turns_ = state_.reals("last_turns");
   turn_wraps_ = state_.integers("turn_wraps");
   event_counts_ = state_.integers("events.counts");
+  slips_within_ = state_.integers("events.slips_within");
   if (path_ != nullptr) {
     peaks_ = state_.reals("events.peaks");
     tie_ = state_.reals("events.tie");
@@ -195,6 +208,9 @@ void Engine::attach() {
   if (period_ > 0.0) steadiness_.attach(state_.reals("until"));
   if (has_images(model_)) long_bonds_ = state_.integers("long_bonds");
   if (options_.perturbation) disturbed_ = state_.reals("disturbed");
+  if (balance_) {
+    balance_->attach(state_.reals("energy_balance"), state_.integers("energy_balance"));
+  }
   if (!watchers_.empty()) {
     observed_sums_ = state_.reals("observed.sums");
     observed_count_ = state_.integers("observed.count");
@@ -228,6 +244,38 @@ void Engine::resume(const std::vector<std::byte>& numbers) {
     from_.time = before * period_;
     to_.time = (before + 1.0) * period_;
   }
+}
+
+/// Go on from where another engine is, of the same scene but for what is observed and kept of it.
+void Engine::take_up(RunState& other) {
+  const auto is_in = [](const std::vector<StateLayout::Field>& fields,
+                        const StateLayout::Field& field) {
+    return std::any_of(fields.begin(), fields.end(), [&](const StateLayout::Field& one) {
+      return one.name == field.name && one.count == field.count;
+    });
+  };
+  for (const StateLayout::Field& field : state_.layout().reals()) {
+    if (!is_in(other.layout().reals(), field)) continue;
+    std::copy_n(other.reals(field.name), field.count, state_.reals(field.name));
+  }
+  for (const StateLayout::Field& field : state_.layout().integers()) {
+    if (!is_in(other.layout().integers(), field)) continue;
+    std::copy_n(other.integers(field.name), field.count, state_.integers(field.name));
+  }
+  for (const StateLayout::Field& field : state_.layout().raw()) {
+    if (!is_in(other.layout().raw(), field)) continue;
+    std::copy_n(other.numbers<std::byte>(field.name), field.count,
+                state_.numbers<std::byte>(field.name));
+  }
+  // Forces' own variables come first among the integrals.
+  std::copy_n(other.reals("integrals"), model_.system().view.own_count, state_.reals("integrals"));
+  model_.attach(state_);
+  integrator_->rebased();
+  integrator_->forces_changed();
+  plain_left_ = 0;
+  ended_ = interrupted_ = false;
+  anchor_here();
+  set_directions();
 }
 
 /// Forces count their time from where a run at this point does, whatever came before.
@@ -537,8 +585,10 @@ bool Engine::too_dear() const {
 void Engine::advance(std::uint64_t steps) {
   const auto target = static_cast<std::uint64_t>(counts_[kSteps]) + steps;
   while (!done() && static_cast<std::uint64_t>(counts_[kSteps]) < target) {
+    std::uint64_t most = target - static_cast<std::uint64_t>(counts_[kSteps]);
+    if (balance_) most = std::min(most, balance_->look(*this));
     if (dt_ > 0.0) {
-      step_fixed(target - static_cast<std::uint64_t>(counts_[kSteps]));
+      step_fixed(most);
     } else {
       step_adaptive();
       // Its steps may be few and dear.
@@ -603,6 +653,7 @@ RunResult Engine::run() {
       advance(kBatch - steps() % kBatch);
       if (!interrupted_) watch_bonds();
     }
+    if (balance_) balance_->look(*this);
   });
   keep_end();
   finish();

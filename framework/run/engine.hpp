@@ -6,17 +6,20 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "framework/core/scheme.hpp"
 #include "framework/model/model.hpp"
 #include "framework/model/observe_kernels.hpp"
 #include "framework/model/plugin_code.hpp"
+#include "framework/run/energy_balance.hpp"
 #include "framework/run/events.hpp"
 #include "framework/run/extremes.hpp"
 #include "framework/run/instant.hpp"
 #include "framework/run/run.hpp"
 #include "framework/run/steadiness.hpp"
+#include "framework/run/window_warnings.hpp"
 
 namespace tomlin {
 
@@ -32,6 +35,10 @@ class Engine {
   RunState& state() { return state_; }
   Integrator<double>& integrator() { return *integrator_; }
   double stable_step() const { return stable_step_; }
+  /// What is known of the energy balance without a ledger, after run(); see energy_balance.hpp.
+  std::optional<SampledWork> sampled_work() const {
+    return balance_ ? balance_->found() : std::nullopt;
+  }
   /// What the code of a plugin has thrown, if it has.
   const std::optional<PluginError>& thrown() const { return thrown_; }
 
@@ -48,6 +55,8 @@ class Engine {
   std::uint64_t steps() const { return static_cast<std::uint64_t>(counts_[kSteps]); }
 
  private:
+  friend class EnergyBalance;
+
   /// Everything that the window needs to know of one moment; the numbers stand in the run state.
   struct Moment {
     double time = 0.0;
@@ -97,6 +106,9 @@ class Engine {
   void warn_of_coarse_tolerance();
   void warn_of_stiff_drivers();
   void warn_of_short_window();
+  std::pair<DriverWindow, bool> window_of(std::size_t driver) const;
+  bool turns_round(std::size_t driver) const;
+  void warn_of_window();
   bool foresees_too_many_steps();
   bool take_to(const Passed& passed, const DoubleDouble& begin, double length, double since,
                const DoubleDouble& arrived, bool to_grid);
@@ -107,6 +119,8 @@ class Engine {
   void anchor_here();
   DoubleDouble into_step() const;
   void list_watches();
+  void find_wells();
+  std::optional<std::size_t> body_pulled_by(std::size_t driver) const;
   void list_triggers();
   void start_triggers();
   bool waiting() const;
@@ -134,7 +148,7 @@ class Engine {
   void include_cubics(double from, double to);
   void signals_within(double theta);
   double refined(std::size_t signal, double theta, double value, bool maximum);
-  double refined_pull(std::size_t driver, double theta, double value);
+  void include_pull(std::size_t driver, double theta, double value);
   void see_pull(std::size_t driver, double pull);
   void settle();
   void forget_pulls();
@@ -211,6 +225,12 @@ class Engine {
   std::vector<ObserverResult> observer_results() const;
   RunResult result();
   EnergyResult energy(bool window) const;
+  EnergyTerms terms_between(const double* from_integrals, const double* to_integrals, double from,
+                            double to) const;
+  double kinetic_energy_now() const;
+  double stored_energy();
+  void take_up(RunState& other);
+  void warn_of_energy();
   EventCounts event_counts() const;
   SteadyResult steady() const;
   DoubleDouble now() const { return {clock_[0], clock_[1]}; }
@@ -258,7 +278,7 @@ class Engine {
   std::vector<double> speed_;       ///< of each driver
   std::vector<double> along_;       ///< pull times this is the force along the present velocity
   Extremes extremes_;
-  FirstMaximum first_maximum_;
+  StaticForces static_forces_;
 
   // Events. Those that are only told of follow from signals; those that change a force split steps.
   std::vector<DriverWatch> driver_watches_;
@@ -267,6 +287,7 @@ class Engine {
   DriverWatch::Heat heat_;
   std::string_view event_name_;
   std::int64_t* event_counts_ = nullptr;  ///< by kind, in the run state
+  std::int64_t* slips_within_ = nullptr;  ///< that have begun within the window
   std::vector<Reading> readings_;         ///< by body watch, at the start of the step
   std::vector<Reading> end_readings_;
   std::vector<Reading> between_readings_;
@@ -307,6 +328,8 @@ class Engine {
   AlignedVector<double> final_rates_;
   AlignedVector<double> block_rates_;
   AlignedVector<double> block_velocities_;
+
+  std::unique_ptr<EnergyBalance> balance_;  ///< null where nothing is sampled
 
   bool sampling_ = false;
   bool sink_has_begun_ = false;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -39,8 +40,6 @@ constexpr double kCoarseDrag = 1e-2;
 constexpr double kUselessDrag = 1e-1;
 /// Relative error of a mean by the rounding of the integral that it is a difference of.
 constexpr double kCoarseMean = 1e-6;
-/// Of a driver's period within the window: less is not sliding.
-constexpr double kShortestSlide = 1e-2;
 /// Of what changes with time by itself, by steps that do not see it.
 constexpr double kMissedChange = 1e-2;
 /// Steps that a scheme takes in seconds.
@@ -302,7 +301,7 @@ void Engine::warn_of_stiff_drivers() {
 }
 
 /// Means are differences of integrals, which have rounded since the start of the run; and those of
-/// a driver that hardly moves tell of its start.
+/// a window that is no number of periods depend on where it begins.
 void Engine::warn_of_short_window() {
   if (period_ > 0.0) return;
   const double window = to_.time - from_.time;
@@ -313,16 +312,65 @@ void Engine::warn_of_short_window() {
                     "right to some {:.1g} of themselves",
                     window / to_.time, rounding));
   }
-  for (const Model::Driver& driver : drivers_) {
-    if (driver.drive == nullptr) continue;
-    for (int d = 0; d < model_.dimension(); ++d) {
-      const double period = model_.origin().unit[d];
-      const double way = std::abs(driver.drive->velocity[d]) * window;
-      if (!(period > 0.0 && way > 0.0) || way >= kShortestSlide * period) continue;
-      warnings_.push_back(
-          fmt::format("{} moves by {:.2g} of a period within the window: its means "
-                      "tell of the start, not of sliding",
-                      driver.name, way / period));
+  for (std::size_t k = 0; k < drivers_.size(); ++k) {
+    const auto [seen, unique] = window_of(k);
+    if (!unique) continue;
+    for (std::string& doubt : doubts_before(seen)) warnings_.push_back(std::move(doubt));
+  }
+}
+
+/// The window as a driver of steady speed sees it, and whether no two forces have different periods
+/// along its way.
+std::pair<DriverWindow, bool> Engine::window_of(std::size_t driver) const {
+  DriverWindow window;
+  window.driver = drivers_[driver].name;
+  window.from = from_.time;
+  window.to = to_.time;
+  bool unique = true;
+  const Drive& drive = *drivers_[driver].drive;
+  if (!drags_[driver] || turns_round(driver)) return {window, unique};
+  for (int d = 0; d < model_.dimension(); ++d) {
+    if (drive.velocity[d] == 0.0) continue;
+    for (const SceneForce& force : scene_->forces) {
+      const double period = force.record->period(force.description.get(), d);
+      if (!(period > 0.0)) continue;
+      unique = unique && (window.period == 0.0 || window.period == period);
+      if (period < window.period) continue;
+      window.period = period;
+      window.speed = std::abs(drive.velocity[d]);
+    }
+  }
+  return {window, unique};
+}
+
+bool Engine::turns_round(std::size_t driver) const {
+  return std::any_of(triggers_.begin(), triggers_.end(), [&](const Trigger& trigger) {
+    return model_.forces()[trigger.force].name == drivers_[driver].name;
+  });
+}
+
+/// At the end: what springs pull has followed them, and slips enough have been seen.
+void Engine::warn_of_window() {
+  if (period_ > 0.0 || *from_.reached == 0 || *to_.reached == 0) return;
+  const auto axes = static_cast<std::size_t>(model_.dimension());
+  for (const DriverWatch& watch : driver_watches_) {
+    const std::size_t k = watch.driver();
+    const DriverWindow window = window_of(k).first;
+    const auto body = body_pulled_by(k);
+    if (!(window.period > 0.0) || !body) continue;
+    double moved = 0.0;
+    for (std::size_t d = 0; d < axes; ++d) {
+      const DoubleDouble way = to_.place(*body * axes + d) - from_.place(*body * axes + d);
+      moved += static_cast<double>(way) * direction_[k * axes + d] / speed_[k];
+    }
+    std::optional<std::uint64_t> slips;
+    if (watch.watches_slips() && driver_watches_.size() == 1) {
+      slips = static_cast<std::uint64_t>(*slips_within_);
+    }
+    const auto all =
+        static_cast<std::uint64_t>(event_counts_[static_cast<std::size_t>(EventKind::slip)]);
+    for (std::string& doubt : doubts_after(window, moved, slips, all)) {
+      warnings_.push_back(std::move(doubt));
     }
   }
 }

@@ -8,6 +8,7 @@
 
 #include "framework/run/engine.hpp"
 #include "framework/run/observables.hpp"
+#include "framework/run/wells.hpp"
 #include "framework/scene/motion_slope.hpp"
 
 /// What the run loop does about events: those that are told of, those that change a force, and the
@@ -56,6 +57,26 @@ void Engine::list_watches() {
   end_readings_ = between_readings_ = readings_;
   emit_ = [this](const Event& event) { record(event); };
   heat_ = [this] { return heat_so_far(); };
+}
+
+/// Of springs; what is prescribed is no force.
+std::optional<std::size_t> Engine::body_pulled_by(std::size_t driver) const {
+  for (const Model::Force& force : model_.forces()) {
+    if (force.name == drivers_[driver].name) return force.bodies.front();
+  }
+  return {};
+}
+
+void Engine::find_wells() {
+  if (path_ != nullptr) return;
+  for (DriverWatch& watch : driver_watches_) {
+    if (!watch.watches_slips()) continue;
+    const auto body = body_pulled_by(watch.driver());
+    if (!body) continue;
+    const auto way =
+        way_to_well(model_, *body, drivers_[watch.driver()], watch.period(), duration_);
+    if (way) watch.set_wells(*way);
+  }
 }
 
 void Engine::list_triggers() {
@@ -194,6 +215,14 @@ void Engine::fire(const Trigger& trigger) {
 void Engine::record(Event event) {
   event.name = event_name_;
   ++event_counts_[static_cast<std::size_t>(event.kind)];
+  if (event.kind == EventKind::slip && event.time >= from_.time && event.time <= to_.time) {
+    ++*slips_within_;
+  }
+  if (event.kind == EventKind::slip && static_forces_.any_open()) {
+    for (std::size_t k = 0; k < drivers_.size(); ++k) {
+      if (drivers_[k].name == event.name) static_forces_.settle(k);
+    }
+  }
   if (options_.sink) options_.sink->event(event);
 }
 

@@ -24,6 +24,7 @@ constexpr double kMuchTurning = 0.05;
 /// An extreme of a cubic is looked at on the dense output where it comes as near to the largest so
 /// far, in parts of what the signal changes by in the step: the cubic may be off by that.
 constexpr double kNear = 0.1;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Of one very long step, before a signal is heard.
 constexpr std::uint64_t kSamplesBetweenLooks = 100'000;
 
@@ -183,12 +184,23 @@ double Engine::refined(std::size_t signal, double theta, double value, bool maxi
   });
 }
 
-double Engine::refined_pull(std::size_t driver, double theta, double value) {
-  if (between_length_ == 0.0) return value;
-  return extreme_near(theta, [&](double part) {
-    signals_within(part);
-    return pull_of(driver, signals_.data());
-  });
+/// A maximum of the pull that a cubic has, for the static force; refined as extremes are.
+void Engine::include_pull(std::size_t driver, double theta, double value) {
+  if (!static_forces_.open(driver)) return;
+  double low = kInfinity;
+  double high = -kInfinity;
+  for (const std::vector<double>& signals : between_) {
+    const double pull = pull_of(driver, signals.data());
+    low = std::min(low, pull);
+    high = std::max(high, pull);
+  }
+  if (between_length_ > 0.0 && value + kNear * (high - low) >= static_forces_.value(driver)) {
+    value = extreme_near(theta, [&](double part) {
+      signals_within(part);
+      return pull_of(driver, signals_.data());
+    });
+  }
+  static_forces_.include(driver, value);
 }
 
 /// Extremes of the cubics through the signals at the ends and at thirds of [from, to].
@@ -211,15 +223,14 @@ void Engine::include_cubics(double from, double to) {
       }
     }
   }
-  if (!first_maximum_.searching() && path_ == nullptr) return;
+  if (!static_forces_.any_open() && path_ == nullptr) return;
   for (std::size_t k = 0; k < drivers_.size(); ++k) {
+    for (const int end : {0, 3}) static_forces_.include(k, pull_of(k, between_[end].data()));
     const CubicExtremes found =
         cubic_extremes(pull_of(k, between_[0].data()), pull_of(k, between_[1].data()),
                        pull_of(k, between_[2].data()), pull_of(k, between_[3].data()));
     for (int e = 0; e < found.count; ++e) {
-      if (found.is_maximum[e] && first_maximum_.searching() && !first_maximum_.found(k)) {
-        first_maximum_.settle(k, refined_pull(k, found.place[e], found.value[e]));
-      }
+      if (found.is_maximum[e]) include_pull(k, found.place[e], found.value[e]);
       if (path_ != nullptr) see_pull(k, found.value[e]);
     }
   }
@@ -229,9 +240,9 @@ void Engine::include_cubics(double from, double to) {
 void Engine::look(double at) {
   watch(at, signals_.data(), readings_);
   extremes_.add(at, signals_.data(), at >= from_.time && at <= to_.time);
-  if (!first_maximum_.searching()) return;
+  if (!static_forces_.any_open()) return;
   for (std::size_t k = 0; k < drivers_.size(); ++k) pulls_[k] = pull_of(k, signals_.data());
-  first_maximum_.add(at, pulls_.data());
+  static_forces_.add(at, pulls_.data());
 }
 
 /// Driver forces.

@@ -141,7 +141,10 @@ void Engine::tell_of_slip(double lost) {
       event.peak_force = peaks_[k];
       event_name_ = drivers_[k].name;
     }
-    if (ahead > 0.0) first_maximum_.settle(k, pull_of(k, held.data()));
+    if (ahead > 0.0) {
+      static_forces_.include(k, pull_of(k, held.data()));
+      static_forces_.settle(k);
+    }
     watch.turned();
   }
   if (event.time >= from_.time && event.time <= to_.time) {

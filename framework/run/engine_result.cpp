@@ -39,6 +39,7 @@ void Engine::read_end() {
     finish_events();
     warn_of_unsteadiness();
     warn_of_ties();
+    warn_of_window();
     double work = 0.0;
     for (const Model::Driver& driver : drivers_) {
       const std::size_t power = driver.first_rate + model_.dimension();
@@ -51,10 +52,12 @@ void Engine::read_end() {
       warnings_.push_back(*doubt);
     }
   }
-  if (!ledger_) return;
-  kinetic_energy_ =
-      model_.kinetic_energy(view.velocity) + prescribed_kinetic_energy(model_, time());
-  potential_energy_ = model_.potential_energy(now(), view.position, view.velocity, view.integrals);
+  if (ledger_) {
+    kinetic_energy_ = kinetic_energy_now();
+    potential_energy_ =
+        model_.potential_energy(now(), view.position, view.velocity, view.integrals);
+  }
+  if (!failure_ && !interrupted_) warn_of_energy();
 }
 
 /// Over the window, each term from its own integral; what does not balance is the integrator's.
@@ -63,29 +66,63 @@ EnergyResult Engine::energy(bool window) const {
   energy.kinetic = kinetic_energy_;
   energy.potential = potential_energy_;
   if (!window) return energy;
-  const auto over_window = [&](std::ptrdiff_t rate) {
-    return to_.integrals[rate] - from_.integrals[rate];
+  const EnergyTerms terms = terms_between(from_.integrals, to_.integrals, from_.time, to_.time);
+  energy.work_in = terms.work;
+  energy.heat_out = terms.heat;
+  energy.stored_change = *to_.stored - *from_.stored;
+  energy.numerical_work = *energy.stored_change + terms.heat - terms.work;
+  return energy;
+}
+
+/// Work and heat between two times, from running integrals with a ledger.
+EnergyTerms Engine::terms_between(const double* from_integrals, const double* to_integrals,
+                                  double from, double to) const {
+  const auto between = [&](std::ptrdiff_t rate) {
+    return to_integrals[rate] - from_integrals[rate];
   };
-  double work = 0.0;
+  EnergyTerms terms;
   for (const Model::Driver& driver : drivers_) {
-    work += over_window(driver.first_rate + model_.dimension());
-    work += inertia_lacking(model_, driver, from_.integrals, to_.integrals, from_.time, to_.time)
-                .back();
+    terms.work += between(driver.first_rate + model_.dimension());
+    if (is_accelerated(model_, driver)) {
+      terms.work += inertia_lacking(model_, driver, from_integrals, to_integrals, from, to).back();
+    }
   }
-  double heat = 0.0;
   for (const Model::Force& force : model_.forces()) {
     if (force.heat_rate == kNoRate) continue;
     // An energy that changes with time does work on the scene: its heat is that, with the other
     // sign.
-    (force.traits.conservative ? work : heat) +=
-        (force.traits.conservative ? -1.0 : 1.0) * over_window(force.heat_rate);
+    (force.traits.conservative ? terms.work : terms.heat) +=
+        (force.traits.conservative ? -1.0 : 1.0) * between(force.heat_rate);
   }
-  if (model_.friction_rate() != kNoRate) heat += over_window(model_.friction_rate());
-  energy.work_in = work;
-  energy.heat_out = heat;
-  energy.stored_change = *to_.stored - *from_.stored;
-  energy.numerical_work = *energy.stored_change + heat - work;
-  return energy;
+  if (model_.friction_rate() != kNoRate) terms.heat += between(model_.friction_rate());
+  return terms;
+}
+
+double Engine::kinetic_energy_now() const {
+  return model_.kinetic_energy(model_.system().view.velocity) +
+         prescribed_kinetic_energy(model_, time());
+}
+
+/// But for a constant.
+double Engine::stored_energy() {
+  const SystemView<double>& view = model_.system().view;
+  return kinetic_energy_now() +
+         model_.potential_energy(now(), view.position, view.velocity, view.integrals);
+}
+
+/// Over the window: with a ledger all of it, else as sampled.
+void Engine::warn_of_energy() {
+  if (!options_.watches_energy || path_ != nullptr) return;
+  std::optional<SampledWork> found;
+  if (ledger_) {
+    if (*from_.reached == 0 || *to_.reached == 0) return;
+    const EnergyResult whole = energy(true);
+    found = SampledWork{*whole.work_in, *whole.heat_out, whole.kinetic, *whole.numerical_work, 0.0};
+  } else if (balance_) {
+    found = balance_->found();
+  }
+  if (!found) return;
+  if (auto doubt = doubt_of_balance(*found, !ledger_)) warnings_.push_back(*std::move(doubt));
 }
 
 RunResult Engine::result() {
@@ -141,7 +178,7 @@ RunResult Engine::result() {
       driver.min_force.push_back(extremes_.low(k * axes + d));
     }
     const double speed = norm(from.drive->velocity);
-    if (drags_[k] && first_maximum_.found(k)) driver.static_force = first_maximum_.value(k) / speed;
+    if (drags_[k] && static_forces_.any(k)) driver.static_force = static_forces_.value(k) / speed;
     if (window) {
       const std::size_t power = from.first_rate + axes;
       driver.work = to_.integrals[power] - from_.integrals[power] + lacking[axes];

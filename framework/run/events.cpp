@@ -12,6 +12,12 @@ constexpr double kFastFactor = 10.0;
 /// Between two slips the driver moves at least this part of a period: the swings after a slip
 /// belong to it.
 constexpr double kCalmPart = 0.02;
+/// Of a period, from the bottom of a well: there the point is in it. A sinusoid turns concave at a
+/// quarter; a spring holds the point a little beyond.
+constexpr double kInner = 0.3;
+/// Parts of the driver's speed: the point rests in a well, whose curvature is more than the
+/// spring's.
+constexpr double kAtRest = 0.5;
 /// Parts of the driver's speed, and units of rounding, that are no motion backwards.
 constexpr double kNoMotion = 1e-3;
 constexpr double kRoundings = 16.0;
@@ -140,7 +146,11 @@ double DriverWatch::way(double from, double force_from, double to, double force_
 }
 
 void DriverWatch::look(const Emit& emit, const Heat& heat) {
-  if (watches_slips() && slips_ == Slips::looked_for) look_for_slip(emit, heat);
+  if (watches_slips() && slips_ == Slips::looked_for) {
+    if (busy_[kWells] != 0 && force_.value(0) < force_.value(1)) busy_[kMoved] = 1;
+    look_for_slip(emit, heat);
+    if (busy_[kMoved] != 0) look_for_passage(emit, heat);
+  }
   look_for_reversal(emit);
 }
 
@@ -181,8 +191,42 @@ void DriverWatch::look_for_slip(const Emit& emit, const Heat& heat) {
     numbers_[kEndHeat] = heat();
   }
   if ((now - numbers_[kLastFast]) * speed_ < kCalmPart * period_) return;
-  emit_slip(emit);
+  double well = 0.0;
+  if (busy_[kWells] != 0 && !in_well(well)) return;  // on a barrier
+  // What only swings in its well has not slipped, nor has what came to its first one.
+  const bool stayed = busy_[kHasWell] == 0 || well == numbers_[kWell];
+  if (busy_[kWells] == 0 || !stayed) emit_slip(emit);
+  numbers_[kWell] = well;
+  busy_[kHasWell] = busy_[kWells];
   busy_[kSlipping] = busy_[kHasPeak] = 0;
+}
+
+/// The well that the point is in, by its number from the start.
+bool DriverWatch::in_well(double& well) const {
+  const double moved =
+      way(numbers_[kFirstTime], numbers_[kFirstForce], force_.time(0), force_.value(0));
+  const double place = (moved - well_offset_) / period_;
+  well = std::nearbyint(place);
+  return std::abs(place - well) < kInner;
+}
+
+/// At rest in another well: a slip that no speed has told of.
+void DriverWatch::look_for_passage(const Emit& emit, const Heat& heat) {
+  if (busy_[kSlipping] != 0) return;
+  const double now = force_.time(0);
+  const double rise = force_.value(0) - force_.value(1);
+  if (rise < (1.0 - kAtRest) * stiffness_ * speed_ * (now - force_.time(1))) return;
+  double well = 0.0;
+  if (!in_well(well)) return;
+  if (busy_[kHasWell] != 0 && well > numbers_[kWell] && busy_[kHasPeak] != 0) {
+    numbers_[kLastFast] = force_.when_slope_is(0.0, force_.time(2), now);
+    numbers_[kEndForce] = force_.at(numbers_[kLastFast]);
+    numbers_[kEndHeat] = heat();
+    emit_slip(emit);
+  }
+  numbers_[kWell] = well;
+  busy_[kHasWell] = 1;
+  busy_[kMoved] = 0;
 }
 
 void DriverWatch::emit_slip(const Emit& emit) const {

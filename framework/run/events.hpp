@@ -61,7 +61,9 @@ class LastPoints {
 /// Slips and reversals of the point that a spring of steady speed pulls. Both follow from the
 /// spring's force along the pull: the point's velocity is v - (dF/dt)/k.
 ///   slip      from the maximum of F before the point runs faster than ten times v to the last
-///             moment at which it does, when it has been slower for a fiftieth of a period
+///             moment at which it does, when it has been slower for a fiftieth of a period. Where
+///             wells are known it ends in one, another than it began in; and from well to well at
+///             any speed, when the point has come to less than half of v
 ///   reversal  from where its velocity along the pull turns negative to where it turns back
 class DriverWatch {
  public:
@@ -70,14 +72,21 @@ class DriverWatch {
   enum class Slips { looked_for, told };
   DriverWatch(std::size_t driver, const Drive& drive, double period, double precision, Slips slips);
 
-  static constexpr std::size_t kReals = LastPoints::kReals + 8;
-  static constexpr std::size_t kIntegers = LastPoints::kIntegers + 4;
+  static constexpr std::size_t kReals = LastPoints::kReals + 11;
+  static constexpr std::size_t kIntegers = LastPoints::kIntegers + 7;
+  /// The point has wells, a period apart, this far from where it is at the start, along the pull;
+  /// they hold it against the spring.
+  void set_wells(double offset) {
+    busy_[kWells] = 1;
+    well_offset_ = offset;
+  }
   std::size_t driver() const { return driver_; }
   bool watches_slips() const { return period_ > 0.0; }
   double stiffness() const { return stiffness_; }
+  double period() const { return period_; }
   void attach(double* reals, std::int64_t* integers);
   void start();
-  /// Its driver has turned round: what was going on is over.
+  /// Its driver has turned round: what was going on is over, and wells are not counted any more.
   void turned() { start(); }
 
   using Emit = std::function<void(const Event&)>;
@@ -89,20 +98,42 @@ class DriverWatch {
     const bool known = force_.count() >= 2;
     const double rise = known ? force - force_.value(0) : 0.0;
     const double pulled = known ? stiffness_ * speed_ * (time - force_.time(0)) : 0.0;
+    if (force_.count() == 0) {
+      numbers_[kFirstTime] = time;
+      numbers_[kFirstForce] = force;
+      busy_[kMoved] = busy_[kWells];
+    }
     force_.add(time, force);
-    if (rise > 0.0 && rise < pulled && busy_[kSlipping] + busy_[kBack] == 0) return;
+    if (rise > 0.0 && rise < pulled && busy_[kSlipping] + busy_[kBack] + busy_[kMoved] == 0) {
+      return;
+    }
     if (known) look(emit, heat);
   }
   /// The run is over: what is going on is reported as far as it got.
   void finish(double time, const Emit& emit);
 
  private:
-  enum { kPeakTime, kPeakForce, kPeakHeat, kLastFast, kEndForce, kEndHeat, kBackTime, kBackForce };
-  enum { kSlipping, kBack, kFast, kHasPeak };
+  enum {
+    kPeakTime,
+    kPeakForce,
+    kPeakHeat,
+    kLastFast,
+    kEndForce,
+    kEndHeat,
+    kBackTime,
+    kBackForce,
+    kFirstTime,  ///< of the first point since the start, from which wells are counted
+    kFirstForce,
+    kWell  ///< the one that the point was in last
+  };
+  /// kMoved: the force has fallen since the point was seen at rest in a well.
+  enum { kSlipping, kBack, kFast, kHasPeak, kMoved, kHasWell, kWells };
   double way(double from, double force_from, double to, double force_to) const;
   void look(const Emit& emit, const Heat& heat);
   void look_for_slip(const Emit& emit, const Heat& heat);
   void look_for_reversal(const Emit& emit);
+  bool in_well(double& well) const;
+  void look_for_passage(const Emit& emit, const Heat& heat);
   void emit_slip(const Emit& emit) const;
 
   std::size_t driver_;
@@ -111,6 +142,7 @@ class DriverWatch {
   double period_;
   double precision_;
   Slips slips_;
+  double well_offset_ = 0.0;  ///< where wells are known
   LastPoints force_;
   double* numbers_ = nullptr;
   std::int64_t* busy_ = nullptr;

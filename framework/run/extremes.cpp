@@ -1,5 +1,6 @@
 #include "framework/run/extremes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -113,42 +114,45 @@ void Extremes::include(std::size_t k, double value) {
   if (value < low_[k]) low_[k] = value;
 }
 
-void FirstMaximum::settle(std::size_t k, double value) {
-  if (found_[k] != 0) return;
-  height_[k] = value;
-  found_[k] = 1;
-  --*missing_;
-}
-
-void FirstMaximum::declare(StateLayout& layout, std::size_t signals) {
+void StaticForces::declare(StateLayout& layout, std::size_t signals) {
   signals_ = signals;
-  layout.add_reals("first_maximum.height", signals);
-  layout.add_reals("first_maximum.last", signals);
-  layout.add_reals("first_maximum.previous", signals);
-  layout.add_reals("first_maximum.times", 2);
-  layout.add_integers("first_maximum.found", signals);
-  layout.add_integers("first_maximum.counts", 2);
+  layout.add_reals("static_force.height", signals);
+  layout.add_reals("static_force.last", signals);
+  layout.add_reals("static_force.previous", signals);
+  layout.add_reals("static_force.times", 2);
+  layout.add_integers("static_force.settled", signals);
+  layout.add_integers("static_force.counts", 2);
 }
 
-void FirstMaximum::attach(RunState& state) {
-  height_ = state.reals("first_maximum.height");
-  last_ = state.reals("first_maximum.last");
-  previous_ = state.reals("first_maximum.previous");
-  times_ = state.reals("first_maximum.times");
-  found_ = state.integers("first_maximum.found");
-  seen_ = state.integers("first_maximum.counts");
-  missing_ = seen_ + 1;
+void StaticForces::attach(RunState& state) {
+  height_ = state.reals("static_force.height");
+  last_ = state.reals("static_force.last");
+  previous_ = state.reals("static_force.previous");
+  times_ = state.reals("static_force.times");
+  settled_ = state.integers("static_force.settled");
+  seen_ = state.integers("static_force.counts");
+  open_ = seen_ + 1;
 }
 
-void FirstMaximum::start() { *missing_ = static_cast<std::int64_t>(signals_); }
+void StaticForces::start() {
+  *open_ = static_cast<std::int64_t>(signals_);
+  std::fill_n(height_, signals_, -std::numeric_limits<double>::max());
+}
 
-void FirstMaximum::add(double time, const double* values) {
+void StaticForces::settle(std::size_t signal) {
+  if (std::exchange(settled_[signal], 1) == 0) --*open_;
+}
+
+bool StaticForces::any(std::size_t signal) const {
+  return height_[signal] > -std::numeric_limits<double>::max();
+}
+
+void StaticForces::add(double time, const double* values) {
   for (std::size_t k = 0; k < signals_; ++k) {
     const double y = values[k];
-    if (found_[k] == 0 && *seen_ >= 2 && last_[k] > previous_[k] && last_[k] >= y) {
-      height_[k] = parabola_vertex(times_[1], previous_[k], times_[0], last_[k], time, y);
-      found_[k] = 1;
-      --*missing_;
+    include(k, y);
+    if (*seen_ >= 2 && last_[k] > previous_[k] && last_[k] >= y) {
+      include(k, parabola_vertex(times_[1], previous_[k], times_[0], last_[k], time, y));
     }
     previous_[k] = last_[k];
     last_[k] = y;

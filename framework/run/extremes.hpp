@@ -38,18 +38,25 @@ class Extremes {
   enum { kSeen, kLastInside };
 };
 
-/// The first local maximum of one signal in the whole run.
-class FirstMaximum {
+/// Static forces: of each signal the largest value before it is settled, by the first slip, or of
+/// the whole run.
+class StaticForces {
  public:
   void declare(StateLayout& layout, std::size_t signals);
   void attach(RunState& state);
-  void add(double time, const double* values);
-  /// A peak known to be the first.
-  void settle(std::size_t signal, double value);
-  bool searching() const { return *missing_ > 0; }
-  bool found(std::size_t signal) const { return found_[signal] != 0; }
-  double value(std::size_t signal) const { return height_[signal]; }
   void start();
+  /// A point of each signal; a maximum between points is that of the parabola through three.
+  void add(double time, const double* values);
+  /// One more value of a signal.
+  void include(std::size_t signal, double value) {
+    if (settled_[signal] == 0 && value > height_[signal]) height_[signal] = value;
+  }
+  /// The signal has slipped.
+  void settle(std::size_t signal);
+  bool any_open() const { return *open_ > 0; }
+  bool open(std::size_t signal) const { return settled_[signal] == 0; }
+  bool any(std::size_t signal) const;
+  double value(std::size_t signal) const { return height_[signal]; }
 
  private:
   std::size_t signals_ = 0;
@@ -57,9 +64,9 @@ class FirstMaximum {
   double* last_ = nullptr;
   double* previous_ = nullptr;
   double* times_ = nullptr;
-  std::int64_t* found_ = nullptr;
+  std::int64_t* settled_ = nullptr;
   std::int64_t* seen_ = nullptr;
-  std::int64_t* missing_ = nullptr;
+  std::int64_t* open_ = nullptr;
 };
 
 /// Local extremes of the cubic through values at 0, 1/3, 2/3 and 1, in the order of their place.

@@ -1,5 +1,6 @@
 #include "framework/run/prescribed_inertia.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "framework/scene/motion_slope.hpp"
@@ -34,6 +35,13 @@ double prescribed_kinetic_energy(const Model& model, double time) {
     if (body.prescribed()) energy += kinetic_energy_of(body, time);
   }
   return energy;
+}
+
+bool is_accelerated(const Model& model, const Model::Driver& driver) {
+  return has_inertia(model) &&
+         std::any_of(model.bodies().begin(), model.bodies().end(), [&](const Model::Body& body) {
+           return body.prescribed() && body.bound.name == driver.name && accelerates(*body.motion);
+         });
 }
 
 std::vector<double> inertia_lacking(const Model& model, const Model::Driver& driver,

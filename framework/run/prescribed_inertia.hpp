@@ -11,6 +11,9 @@ namespace tomlin {
 /// m v^2/2 and I omega^2/2 of all prescribed bodies.
 double prescribed_kinetic_energy(const Model& model, double time);
 
+/// Whether a driver is a prescribed body with inertia whose velocity changes.
+bool is_accelerated(const Model& model, const Model::Driver& driver);
+
 /// What running integrals of a driver lack to the integrals of its force on each axis and of its
 /// power between two times, `gained` being the integrals' own changes: a scheme's sums over
 /// accelerations in place of changes of momentum and energy, which are exact and see jumps. Zeros

@@ -47,7 +47,8 @@ struct DriverResult {
   std::vector<double> final_force;
   std::vector<double> max_force;
   std::vector<double> min_force;
-  std::optional<double> static_force;  ///< first maximum along the pull in the whole run
+  /// Largest along the pull before the first slip, else in the whole run.
+  std::optional<double> static_force;
   std::optional<double> work;
   std::optional<double> work_per_distance;
   std::optional<double> distance;
@@ -280,7 +281,8 @@ struct RunOptions {
   /// The bytes of a checkpoint of the same scene: go on from there. Throws std::invalid_argument
   /// when they are not.
   const std::vector<std::byte>* resume_from = nullptr;
-  RunStore* store = nullptr;  ///< for what is done besides the run proper
+  RunStore* store = nullptr;   ///< for what is done besides the run proper
+  bool watches_energy = true;  ///< warn where the energy balance does not close
 };
 
 /// One run with the integrator that the scene is bound with, whatever accuracy it asks for; run()

@@ -103,7 +103,7 @@ TEST(Plugins, FilesThatAreNone) {
   expect_refused(plugin("no_note"), "not a plugin of tomlin");
   expect_refused(plugin("no_entry"), "it has no tomlin_register_plugin");
   expect_refused(plugin("missing_symbol"), "undefined symbol");
-  expect_refused("/dev/zero", "not a shared library");
+  expect_refused("/dev/zero", "a device or a socket, where a file is expected");
 }
 
 /// The note is read first: nothing of a library that does not fit is run.

@@ -145,6 +145,45 @@ TEST(Slips, HaveThePeakTheLengthAndTheMomentThatSamplesShow) {
   }
 }
 
+/// A driver so fast that the tip is never ten times as fast, at a stick-slip parameter of 3.9 under
+/// strong drag; and one as fast over a substrate that is too weak for wells.
+TEST(Slips, AreCountedFromWellToWellAtAnySpeed) {
+  constexpr double kPeriods = 12.0;
+  for (const bool wells : {true, false}) {
+    for (const std::string& integrator : {fixed_step(0.01), adaptive(1e-9)}) {
+      TipScene tip = slipping(4.0);
+      tip.velocity = 0.1;
+      tip.amplitude = wells ? 0.1 : 0.02;
+      tip.duration = kPeriods / tip.velocity;
+      tip.integrator = integrator;
+      const Watched run(tip.text());
+      double fastest = 0.0;
+      for (const double v : run.column("tip.velocity.x")) fastest = std::max(fastest, v);
+      EXPECT_LT(fastest, 10.0 * tip.velocity) << "the test by speed would see them";
+      const double slips = static_cast<double>(run.result.events.slips.value());
+      EXPECT_GE(slips, wells ? kPeriods - 2.0 : 0.0) << integrator;
+      EXPECT_LE(slips, wells ? kPeriods : 0.0) << integrator;
+      for (const Event& slip : run.kept.of(EventKind::slip)) {
+        EXPECT_GT(slip.size, 0.5);
+        EXPECT_LT(slip.size, 1.2);
+        EXPECT_GT(slip.energy_lost, 0.0);
+      }
+    }
+  }
+}
+
+/// It only rolls to where it can stick: the static force is what the substrate can hold.
+TEST(Slips, AStartOnTopOfABarrierIsNone) {
+  TipScene tip = slipping(1.5);
+  tip.position = 1e-3;
+  const RunResult result = run_text(tip.text());
+  const double strongest = 2.0 * kPi * tip.amplitude / tip.period;
+  EXPECT_GT(*result.drivers[0].static_force, strongest);
+  EXPECT_LT(*result.drivers[0].static_force, 1.05 * strongest);
+  EXPECT_GE(*result.events.slips, 5u);
+  EXPECT_LE(*result.events.slips, 6u);
+}
+
 TEST(Slips, LoseTheEnergyThatTheDamperTakes) {
   const TipScene tip = slipping(1.5);
   const Watched run(tip.text());

@@ -1,0 +1,213 @@
+#include "framework/run/energy_balance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/core/random.hpp"
+#include "framework/run/engine.hpp"
+#include "framework/run/engine_parts.hpp"
+
+namespace tomlin {
+namespace {
+
+/// Of the window, one block of steps in each. Fixed steps are many and cheap, adaptive ones few and
+/// dear.
+constexpr std::int64_t kFixedStrata = 128;
+constexpr std::int64_t kAdaptiveStrata = 32;
+/// Steps in a block. Blocks of fixed steps begin where the run looks at its origin; short runs, of
+/// so many strata of so many steps, are looked at from there to the next time, and so as a whole.
+constexpr double kShort = 2.0 * engine_parts::kHousekeepingEvery;
+constexpr std::uint64_t kWhole = engine_parts::kHousekeepingEvery;
+constexpr std::uint64_t kFixedSteps = kWhole / 2;
+constexpr std::uint64_t kAdaptiveSteps = 4;
+/// Numerical work beside the larger one of work and heat, or beside the kinetic energy where there
+/// is neither: a few per cent are what a coarse but sensible step costs.
+constexpr double kNotSmall = 0.05;
+/// Standard errors that a sampled numerical work has to be away from zero: slips are rare and
+/// large, so that a few blocks decide.
+constexpr double kSurely = 4.0;
+/// Without work and heat: parts of the kinetic energy that are rounding.
+constexpr double kNoWork = 1e-9;
+/// Blocks for a standard error.
+constexpr std::int64_t kFewest = 8;
+
+/// Of the places of blocks: the same in every run, so that results are reproducible.
+constexpr RandomKey kKey{0x656e65726779, 0};
+
+/// The scene with a ledger and nothing else that takes time.
+std::shared_ptr<const Scene> with_ledger(const Scene& scene) {
+  auto result = std::make_shared<Scene>(scene);
+  result->run.ledger = true;
+  result->run.until.reset();
+  result->run.perturb.reset();
+  result->run.accuracy.reset();
+  result->output.every.reset();
+  result->output.trajectory = false;
+  result->observers.clear();
+  result->measure = {};
+  return result;
+}
+
+}  // namespace
+
+std::optional<std::string> doubt_of_balance(const SampledWork& found, bool sampled) {
+  const double exchanged = std::max(std::abs(found.work), std::abs(found.heat));
+  const bool driven = exchanged > kNoWork * found.kinetic;
+  const double scale = driven ? exchanged : found.kinetic;
+  const double numerical = std::abs(found.numerical);
+  if (!(numerical > kNotSmall * scale && numerical > kSurely * found.uncertainty)) return {};
+  const std::string beside =
+      driven ? fmt::format("a work of {:.2g} and a heat of {:.2g}", found.work, found.heat)
+             : fmt::format("a kinetic energy of {:.2g}", found.kinetic);
+  return fmt::format(
+      "the energy balance does not close: the numerical work, which the integrator adds by itself, "
+      "is {}{:.2g} beside {}: take shorter steps or finer tolerances{}",
+      sampled ? "about " : "", found.numerical, beside,
+      sampled ? "; ledger = true gives the whole balance" : "");
+}
+
+EnergyBalance::EnergyBalance(const std::shared_ptr<const Scene>& scene, const RunOptions& options)
+    : scene_(scene) {
+  options_.instruction_set = options.instruction_set;
+  options_.watches_energy = false;
+}
+
+EnergyBalance::~EnergyBalance() = default;
+
+void EnergyBalance::attach(double* reals, std::int64_t* integers) {
+  sums_ = reals;
+  place_ = integers;
+}
+
+void EnergyBalance::start(double from, double to, double dt) {
+  from_ = from;
+  to_ = to;
+  strata_ = dt > 0.0 ? kFixedStrata : kAdaptiveStrata;
+  whole_ = dt > 0.0 && (to - from) / dt < kShort * kFixedStrata;
+  steps_ = whole_ ? kWhole : dt > 0.0 ? kFixedSteps : kAdaptiveSteps;
+}
+
+void EnergyBalance::prepare() {
+  try {
+    twin_ = std::make_unique<Engine>(with_ledger(*scene_), options_);
+    integrals_.assign(twin_->model_.system().view.rates, 0.0);
+    twin_->advance(1);  // what is allocated at the first step is
+    if (twin_->failed()) twin_ = nullptr;
+  } catch (const InputError&) {
+    twin_ = nullptr;  // a force that no ledger can be kept of under this scheme
+  }
+}
+
+/// When the block of a stratum begins at the earliest.
+double EnergyBalance::time_of(std::int64_t stratum) const {
+  if (stratum >= strata_) return std::numeric_limits<double>::infinity();
+  const double part =
+      0.5 + 0.5 * uniform_symmetric(kKey, {static_cast<std::uint64_t>(stratum), 0, 0, 0});
+  return from_ +
+         (to_ - from_) * (static_cast<double>(stratum) + part) / static_cast<double>(strata_);
+}
+
+std::uint64_t EnergyBalance::look(Engine& run) {
+  constexpr auto kAnyNumber = std::numeric_limits<std::uint64_t>::max();
+  if (!twin_) return kAnyNumber;
+  const double now = run.time();
+  if (place_[kOpen] != 0) {
+    // Where an event has split a step there are more of them.
+    const double left = sums_[kBlockEnd] - now;
+    if (left > engine_parts::kNoStep * run.dt_ && !run.done()) {
+      return static_cast<std::uint64_t>(std::max(1.0, std::nearbyint(left / run.dt_)));
+    }
+    const bool there = std::abs(left) <= engine_parts::kNoStep * run.dt_ && !run.failed();
+    const double energy = there ? run.stored_energy() : sums_[kBlockEnergy];
+    close(sums_[kOpenWork] + (energy - sums_[kBlockEnergy]));
+  }
+  if (known_ != place_[kStratum]) next_ = time_of(known_ = place_[kStratum]);
+  if (now < (whole_ ? from_ : next_) || now >= to_ || run.done()) return kAnyNumber;
+  if (run.dt_ == 0.0) {
+    open(run);
+  } else if (run.housekeeping_due()) {
+    open(run);
+    if (place_[kOpen] != 0) return steps_;
+  }
+  return kAnyNumber;
+}
+
+void EnergyBalance::open(Engine& run) {
+  twin_->take_up(run.state_);
+  const SystemView<double>& view = twin_->model_.system().view;
+  std::copy_n(view.integrals, view.rates, integrals_.data());
+  const double begin = twin_->time();
+  const double stored = twin_->stored_energy();
+  twin_->advance(steps_);
+  const double end = twin_->time();
+  if (twin_->failed() || !(end > begin)) {
+    twin_ = nullptr;  // the run itself will say why
+    return;
+  }
+  EnergyTerms terms = twin_->terms_between(integrals_.data(), view.integrals, begin, end);
+  sums_[kBlockEnergy] = twin_->stored_energy();
+  terms.stored = sums_[kBlockEnergy] - stored;
+
+  // The block stands for its stratum, and for those that it reaches over.
+  const std::int64_t first = place_[kStratum];
+  std::int64_t& next = place_[kStratum];
+  for (++next; next < strata_ && time_of(next) < end;) ++next;
+  const double length = end - begin;
+  const double stratum = (to_ - from_) / static_cast<double>(strata_);
+  const double stands_for =
+      whole_ ? length : std::max(length, stratum * static_cast<double>(next - first));
+  const double weight = stands_for / length;
+  sums_[kTime] += stands_for;
+  sums_[kWork] += weight * terms.work;
+  sums_[kHeat] += weight * terms.heat;
+  sums_[kKinetic] += stands_for * twin_->kinetic_energy_now();
+  sums_[kBlockEnd] = end;
+  sums_[kBlockLength] = length;
+  sums_[kBlockWeight] = weight;
+  sums_[kOpenWork] = terms.numerical();
+  if (run.dt_ > 0.0) {
+    place_[kOpen] = 1;
+  } else {
+    close(terms.numerical());
+  }
+}
+
+void EnergyBalance::close(double numerical) {
+  const double weight = sums_[kBlockWeight];
+  const double stands_for = weight * sums_[kBlockLength];
+  const double rate = numerical / sums_[kBlockLength];
+  sums_[kNumerical] += weight * numerical;
+  // The part of the stratum that was looked at has no uncertainty.
+  const double unseen = stands_for * stands_for * (1.0 - 1.0 / weight);
+  sums_[kSquares] += unseen * rate * rate;
+  sums_[kCross] += unseen * rate;
+  sums_[kWeights] += unseen;
+  place_[kOpen] = 0;
+  ++place_[kBlocks];
+}
+
+std::optional<SampledWork> EnergyBalance::found() const {
+  if (place_[kBlocks] == 0) return {};
+  const double time = sums_[kTime];
+  const double whole = (to_ - from_) / time;
+  SampledWork found;
+  found.work = whole * sums_[kWork];
+  found.heat = whole * sums_[kHeat];
+  found.kinetic = sums_[kKinetic] / time;
+  found.numerical = whole * sums_[kNumerical];
+  if (sums_[kWeights] > 0.0) {
+    if (place_[kBlocks] < kFewest) return {};
+    const double mean = sums_[kNumerical] / time;
+    const auto blocks = static_cast<double>(place_[kBlocks]);
+    const double variance =
+        sums_[kSquares] - 2.0 * mean * sums_[kCross] + mean * mean * sums_[kWeights];
+    found.uncertainty = whole * std::sqrt(std::max(0.0, variance) * blocks / (blocks - 1.0));
+  }
+  return found;
+}
+
+}  // namespace tomlin

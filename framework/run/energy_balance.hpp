@@ -1,0 +1,107 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "framework/core/aligned.hpp"
+#include "framework/core/state_layout.hpp"
+#include "framework/run/run.hpp"
+
+/// Whether the energy balance of a run closes: stored change + heat - work, the numerical work, is
+/// what the integrator itself adds or takes. With `[run] ledger` the run knows it; without, it is
+/// sampled.
+namespace tomlin {
+
+class Engine;
+
+/// What a few steps do to the energy.
+struct EnergyTerms {
+  double work = 0.0;    ///< by drivers, and by energies that change with time
+  double heat = 0.0;    ///< to all dampers
+  double stored = 0.0;  ///< change of kinetic and potential energy
+
+  double numerical() const { return stored + heat - work; }
+};
+
+/// A sum over a window, known from some of its steps.
+struct SampledWork {
+  double work = 0.0;
+  double heat = 0.0;
+  double kinetic = 0.0;  ///< mean over the window
+  double numerical = 0.0;
+  double uncertainty = 0.0;  ///< standard error of `numerical`; 0: all steps were looked at
+};
+
+/// A warning where the numerical work is neither small beside work and heat nor the chance of a
+/// sample. Without work and heat it is held against the kinetic energy.
+std::optional<std::string> doubt_of_balance(const SampledWork& found, bool sampled);
+
+/// The balance of a run without a ledger, from short blocks of steps at random times, one in each
+/// of some equal parts of the window (stratified sampling). A second engine with a ledger takes the
+/// steps of a block from the run's own state; where steps are fixed, the energy that the run itself
+/// has after them counts. All that is known so far stands in the run's state.
+class EnergyBalance {
+ public:
+  /// Numbers in the run state.
+  static constexpr std::size_t reals() { return kReals; }
+  static constexpr std::size_t integers() { return kIntegers; }
+
+  EnergyBalance(const std::shared_ptr<const Scene>& scene, const RunOptions& options);
+  ~EnergyBalance();
+  EnergyBalance(const EnergyBalance&) = delete;
+  EnergyBalance& operator=(const EnergyBalance&) = delete;
+
+  void attach(double* reals, std::int64_t* integers);
+  /// Of a window, with steps of dt; 0: adaptive.
+  void start(double from, double to, double dt);
+  /// Before the first step: makes the second engine. Without effect where no ledger can be kept.
+  void prepare();
+
+  /// Before every step of the run, or as many as it said last; and at its end.
+  std::uint64_t look(Engine& run);
+  /// At the end of the run. Nothing where too few steps were looked at.
+  std::optional<SampledWork> found() const;
+
+ private:
+  enum {
+    kBlockEnd,     ///< of the last block: the time
+    kBlockLength,  ///< its time
+    kBlockWeight,  ///< what it stands for, in parts of its length
+    kBlockEnergy,  ///< energy that the second engine has at its end
+    kOpenWork,     ///< numerical work of it
+    kTime,         ///< that blocks stand for
+    kWork,         ///< sums over blocks, by weight
+    kHeat,
+    kKinetic,
+    kNumerical,
+    kSquares,  ///< for the standard error: of w^2 r^2, w^2 r and w^2, where w is the time that a
+               ///< block
+    kCross,    ///< stands for and r its numerical work by time
+    kWeights,
+    kReals
+  };
+  enum { kStratum, kOpen, kBlocks, kIntegers };
+
+  double time_of(std::int64_t stratum) const;
+  void open(Engine& run);
+  void close(double numerical);
+
+  std::shared_ptr<const Scene> scene_;
+  RunOptions options_;
+  std::unique_ptr<Engine> twin_;     ///< null: nothing is looked at
+  AlignedVector<double> integrals_;  ///< of the twin, where a block begins
+  double from_ = 0.0;
+  double to_ = 0.0;
+  std::int64_t known_ = -1;  ///< the stratum whose block begins
+  double next_ = 0.0;        ///< at this time
+  std::int64_t strata_ = 0;
+  std::uint64_t steps_ = 0;  ///< in a block
+  bool whole_ = false;       ///< block after block
+  double* sums_ = nullptr;
+  std::int64_t* place_ = nullptr;
+};
+
+}  // namespace tomlin

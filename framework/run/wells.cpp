@@ -1,0 +1,85 @@
+#include "framework/run/wells.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace tomlin {
+namespace {
+
+/// Looks along a period, and times over the run for energies that change.
+constexpr int kLooks = 64;
+constexpr int kTimes = 8;
+/// Of the energy, that its differences are rounding.
+constexpr double kRounding = 1e-10;
+
+/// The only axis that a driver pulls along; -1: there is none.
+int axis_of(const Drive& drive) {
+  int axis = -1;
+  for (std::size_t d = 0; d < drive.velocity.size(); ++d) {
+    if (drive.velocity[d] == 0.0) continue;
+    if (axis >= 0) return -1;
+    axis = static_cast<int>(d);
+  }
+  return axis;
+}
+
+}  // namespace
+
+std::optional<double> way_to_well(Model& model, std::size_t body, const Model::Driver& driver,
+                                  double period, double duration) {
+  const Model::Body& pulled = model.bodies()[body];
+  const BodySlot<double>& slot = pulled.bound.slot;
+  const int axis = axis_of(*driver.drive);
+  const bool alone = slot.count == 1 && !slot.mapped;
+  const bool held = slot.rigid && (!pulled.rotates() || pulled.rotation_held);
+  if (axis < 0 || !(alone || held)) return {};
+
+  SystemView<double>& view = model.system().view;
+  const std::size_t place = slot.rigid ? slot.centre + static_cast<std::size_t>(axis)
+                                       : slot.offset + static_cast<std::size_t>(axis) * slot.stride;
+  const double start = view.position[place];
+  std::vector<double> rates(view.rates + 2 * kGroup, 0.0);
+  model.evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates.data());
+  const double stiffness = driver.drive->stiffness;
+  const double stretch = rates[static_cast<std::size_t>(driver.first_rate + axis)] / stiffness;
+
+  double deepest = 0.0;
+  std::optional<double> way;
+  const double step = period / kLooks;
+  std::vector<double> energy(kLooks + 2);  // but for the spring's
+  for (int k = 0; k < kTimes; ++k) {
+    const double time = duration * k / kTimes;
+    const double pull = stretch + driver.drive->velocity[static_cast<std::size_t>(axis)] * time;
+    double size = 0.0;
+    for (std::size_t i = 0; i < energy.size(); ++i) {
+      const double moved = step * static_cast<double>(i);
+      view.position[place] = start + moved;
+      const double spring = 0.5 * stiffness * (pull - moved) * (pull - moved);
+      const double all =
+          model.potential_energy(DoubleDouble(time), view.position, view.velocity, view.integrals);
+      energy[i] = all - spring;
+      size = std::max({size, std::abs(all), spring});
+    }
+    view.position[place] = start;
+    // A steady force tilts it.
+    const double tilt = (energy[kLooks] - energy[0]) / kLooks;
+    for (std::size_t i = 0; i < energy.size(); ++i) energy[i] -= tilt * static_cast<double>(i);
+    const auto [low, high] = std::minmax_element(energy.begin(), energy.end());
+    const double depth = *high - *low;
+    if (!(depth > kRounding * size) || depth <= deepest) continue;
+    double concave = 0.0;
+    for (std::size_t i = 1; i + 1 < energy.size(); ++i) {
+      concave = std::max(concave, 2.0 * energy[i] - energy[i - 1] - energy[i + 1]);
+    }
+    if (!(concave > stiffness * step * step)) continue;
+    deepest = depth;
+    way = step * static_cast<double>(low - energy.begin());
+  }
+  model.anchor(DoubleDouble(0.0));
+  if (!way) return {};
+  return driver.drive->velocity[static_cast<std::size_t>(axis)] > 0.0 ? *way : -*way;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,73 @@
+#include "framework/run/window_warnings.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace tomlin {
+namespace {
+
+/// Of a driver's period within the window: less is not sliding.
+constexpr double kShortestSlide = 1e-2;
+/// What a part of a period too much or too little may be of the window: a mean over whole periods
+/// and one over this window differ by as much.
+constexpr double kPartOfPeriod = 1e-3;
+/// Of the driver's way, by which the pulled body may be ahead or behind.
+constexpr double kLag = 0.1;
+/// In periods: a window that begins before a slip and ends after one is no better known.
+constexpr double kLagInPeriods = 1.0;
+/// Slips that a mean is taken of.
+constexpr std::uint64_t kFewSlips = 3;
+
+/// Times in messages, to what a reader would type.
+std::string digits(double time) { return fmt::format("{:.6g}", time); }
+
+}  // namespace
+
+std::vector<std::string> doubts_before(const DriverWindow& w) {
+  const double periods = w.speed * (w.to - w.from) / w.period;
+  if (!(w.period > 0.0 && periods > 0.0)) return {};
+  if (periods < kShortestSlide) {
+    return {fmt::format(
+        "{} moves by {:.2g} of a period within the window: its means tell of the start, not of "
+        "sliding",
+        w.driver, periods)};
+  }
+  const double whole = std::floor(periods * (1.0 + kPartOfPeriod));
+  if (std::abs(periods - std::nearbyint(periods)) <= kPartOfPeriod * periods) return {};
+  const std::string would_do = whole > 0.0
+                                   ? fmt::format("from {} to {} it would be {:g}", digits(w.from),
+                                                 digits(w.from + whole * w.period / w.speed), whole)
+                                   : fmt::format("a period takes {}", digits(w.period / w.speed));
+  return {fmt::format(
+      "the window is {:.4g} periods of {}, no whole number: its means depend on where it begins; "
+      "{} ([measure] from, to; in = \"driver_periods\" counts periods)",
+      periods, w.driver, would_do)};
+}
+
+std::vector<std::string> doubts_after(const DriverWindow& w, double moved,
+                                      std::optional<std::uint64_t> slips, std::uint64_t whole_run) {
+  const double distance = w.speed * (w.to - w.from);
+  if (!(w.period > 0.0) || distance < kShortestSlide * w.period) return {};
+  const double lag = distance - moved;
+  if (std::abs(lag) > kLag * distance && std::abs(lag) > kLagInPeriods * w.period) {
+    return {
+        fmt::format("{} moves by {:.3g} within the window and what it pulls by {:.3g}: its means "
+                    "are those of a "
+                    "spring that is still being {}; begin the window later, at {} or after",
+                    w.driver, distance, moved, lag > 0.0 ? "loaded" : "unloaded", digits(w.to))};
+  }
+  if (slips && whole_run > 0 && *slips < kFewSlips) {
+    const double each = *slips > 0 ? (w.to - w.from) / static_cast<double>(*slips)
+                                   : std::max(w.to - w.from, w.period / w.speed);
+    return {fmt::format(
+        "{} of {} begin within the window, too few for a mean: a window of {} would have {}",
+        *slips == 0   ? std::string("no slips")
+        : *slips == 1 ? std::string("one slip")
+                      : fmt::format("{} slips", *slips),
+        w.driver, digits(static_cast<double>(kFewSlips) * each), kFewSlips)};
+  }
+  return {};
+}
+
+}  // namespace tomlin

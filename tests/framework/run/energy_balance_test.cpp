@@ -1,0 +1,144 @@
+#include "framework/run/energy_balance.hpp"
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "forcefields/sinusoidal_substrate.hpp"
+#include "tests/forcefields/planted.hpp"
+#include "tests/support/ring_scenes.hpp"
+#include "tests/support/spoilt_registry.hpp"
+
+// Runs without a ledger know from a sample of their steps whether their energy balance closes.
+
+namespace tomlin::test {
+namespace {
+
+/// Standard errors that a sample may be off: with these seeds and so many scenes 3 come up.
+constexpr double kErrors = 4.0;
+/// Of the work: where every step is looked at, only rounding is left, of floats in the worst case.
+constexpr double kRounding = 1e-7;
+
+bool warned(const RunResult& result) {
+  for (const std::string& warning : result.warnings) {
+    if (warning.find("energy balance") != std::string::npos) return true;
+  }
+  return false;
+}
+
+struct Case {
+  std::string name;
+  std::string text;
+};
+
+/// Stick-slip of a tip and of rings with steps from sensible to coarse.
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  const auto add_tip = [&](const std::string& integrator, const std::string& more) {
+    const TipScene tip{.stiffness = 0.7,
+                       .damping = 0.3,
+                       .amplitude = 0.3,
+                       .duration = 80.0,
+                       .integrator = integrator,
+                       .more = more};
+    all.push_back({"tip, " + integrator + ", " + more, tip.text()});
+  };
+  for (const double dt : {0.02, 0.1, 0.3, 0.4}) add_tip(fixed_step(dt), "");
+  for (const double dt : {0.05, 0.3}) add_tip(verlet(dt), "");
+  for (const double dt : {0.02, 0.05}) add_tip(fixed_step(dt), "dynamics = \"overdamped\"\n");
+  for (const double tolerance : {1e-6, 1e-2}) add_tip(adaptive(tolerance), "");
+  add_tip(adaptive(1e-4, "radau9"), "");
+  add_tip(fixed_step(0.3), "number_type = \"float\"\n");
+  for (const std::string coordinates : {"particles", "rigid"}) {
+    const RingScene ring{.coordinates = coordinates,
+                         .duration = 40.0,
+                         .integrator = fixed_step(coordinates == "rigid" ? 0.1 : 0.01)};
+    all.push_back({"ring, " + coordinates, ring.text()});
+  }
+  return all;
+}
+
+std::string with_ledger(std::string text) {
+  return text.replace(text.find("[run]\n"), 6, "[run]\nledger = true\n");
+}
+
+/// What a sample says is what the ledger says, within its own uncertainty; and nothing that it
+/// looks at is changed by that.
+TEST(EnergyBalance, OfASampleIsThatOfTheLedger) {
+  for (const Case& one : cases()) {
+    SCOPED_TRACE(one.name);
+    const auto scene = scene_of(one.text);
+    Engine engine(scene, {});
+    const RunResult watched = engine.run();
+    ASSERT_EQ(watched.status, RunStatus::finished);
+    const std::optional<SampledWork> found = engine.sampled_work();
+    ASSERT_TRUE(found);
+    const EnergyResult exact = *run_text(with_ledger(one.text)).energy;
+    EXPECT_NEAR(found->numerical, *exact.numerical_work,
+                kErrors * found->uncertainty + kRounding * *exact.work_in);
+    EXPECT_GT(found->work, 0.5 * *exact.work_in);
+    EXPECT_LT(found->work, 2.0 * *exact.work_in);
+
+    RunOptions blind;
+    blind.watches_energy = false;
+    const RunResult alone = run_as_bound(scene, blind);
+    EXPECT_EQ(alone.steps, watched.steps);
+    EXPECT_EQ(alone.drivers[0].mean_force, watched.drivers[0].mean_force);
+    EXPECT_EQ(alone.bodies[0].centre_of_mass, watched.bodies[0].centre_of_mass);
+    EXPECT_EQ(alone.bodies[0].velocity, watched.bodies[0].velocity);
+  }
+}
+
+/// Steps that are too long for what they should resolve are warned of, with and without a ledger,
+/// and good ones are not.
+TEST(EnergyBalance, ThatDoesNotCloseIsWarnedOf) {
+  for (const bool coarse : {false, true}) {
+    const TipScene tip{.stiffness = 0.7,
+                       .damping = 0.3,
+                       .amplitude = 0.3,
+                       .duration = 80.0,
+                       .integrator = fixed_step(coarse ? 0.4 : 0.1)};
+    EXPECT_EQ(warned(run_text(tip.text())), coarse);
+    EXPECT_EQ(warned(run_text(with_ledger(tip.text()))), coarse);
+  }
+}
+
+/// A substrate that pulls on beside what its energy says.
+struct PullsOn : SinusoidalSubstrate {
+  template <class T, int D>
+  static Vec<T, D> force(const Parameters<T, D>& p, const Site<T, D>& site) {
+    Vec<T, D> force = SinusoidalSubstrate::force(p, site);
+    force[0] = force[0] + T(0.2) * p.slope;
+    return force;
+  }
+};
+
+TEST(EnergyBalance, FindsAForceThatIsNotTheSlopeOfItsEnergy) {
+  const TipScene tip{.stiffness = 0.7, .damping = 0.3, .amplitude = 0.3, .duration = 80.0};
+  const SpoiltRegistry spoilt("sinusoidal_substrate", planted<PullsOn>);
+  const SpoiltRegistry sound("sinusoidal_substrate", planted<SinusoidalSubstrate>);
+  for (const std::string& text : {tip.text(), with_ledger(tip.text())}) {
+    EXPECT_TRUE(warned(run(parse_scene(text, "test.toml", spoilt.registry()), {})));
+    EXPECT_FALSE(warned(run(parse_scene(text, "test.toml", sound.registry()), {})));
+  }
+}
+
+/// Without friction and drivers the kinetic energy is what numerical work is held against; that of
+/// a symplectic scheme comes and goes.
+TEST(EnergyBalance, OfWhatIsLeftAlone) {
+  const auto left_alone = [](const std::string& integrator) {
+    return "[[body]]\nname = \"tip\"\ntype = \"point\"\nparticle_mass = 1.0\nposition = [0.2]\n"
+           "velocity = [3.0]\n[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = 0.5\n"
+           "period = 1.0\n[run]\nduration = 200.0\nintegrator = " +
+           integrator + "\n";
+  };
+  EXPECT_FALSE(warned(run_text(left_alone(verlet(0.02)))));
+  EXPECT_FALSE(warned(run_text(left_alone(fixed_step(0.02)))));
+  EXPECT_TRUE(warned(run_text(left_alone(fixed_step(0.2)))));
+}
+
+}  // namespace
+}  // namespace tomlin::test

@@ -1,0 +1,48 @@
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/ring_scenes.hpp"
+
+// Windows whose means say little of sliding are warned of, and good ones are not.
+
+namespace tomlin::test {
+namespace {
+
+/// Periods of 4, slips in each.
+TipScene tip(double from, double to, double stiffness = 1.0) {
+  return {.velocity = 0.25,
+          .stiffness = stiffness,
+          .damping = 4.0,
+          .position = 0.5,
+          .duration = to,
+          .more = "[measure]\nin = \"time\"\nfrom = " + digits(from) + "\nto = " + digits(to) + "\n"};
+}
+
+std::string warnings_of(const TipScene& scene) {
+  std::string all;
+  for (const std::string& warning : run_text(scene.text()).warnings) all += warning + "\n";
+  return all;
+}
+
+TEST(Window, OfWholePeriodsIsNotWarnedOf) { EXPECT_EQ(warnings_of(tip(8.0, 32.0)), ""); }
+
+TEST(Window, OfPartsOfPeriodsSaysWhichWouldDo) {
+  const std::string found = warnings_of(tip(8.0, 30.0));
+  EXPECT_NE(found.find("5.5 periods of driver"), std::string::npos) << found;
+  EXPECT_NE(found.find("from 8 to 28 it would be 5"), std::string::npos) << found;
+}
+
+/// A spring so soft that it is still loaded: its force is not that of sliding.
+TEST(Window, InWhichTheBodyHasNotFollowedIsWarnedOf) {
+  const std::string found = warnings_of(tip(0.0, 16.0, 0.02));
+  EXPECT_NE(found.find("still being loaded"), std::string::npos) << found;
+}
+
+TEST(Window, OfFewSlipsIsWarnedOf) {
+  const std::string found = warnings_of(tip(8.0, 16.0));
+  EXPECT_NE(found.find("2 slips of driver begin within the window"), std::string::npos) << found;
+}
+
+}  // namespace
+}  // namespace tomlin::test
