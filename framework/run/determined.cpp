@@ -95,15 +95,17 @@ void determine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
     if (const auto value = observable(result, followed.path)) followed.values.push_back(*value);
   }
   RunOptions quiet = options;
-  for (std::int64_t repeat = 1; repeat <= settings.repeats; ++repeat) {
+  const bool two_sides = scene->run.dynamics == "quasistatic";
+  const std::int64_t repeats = std::max(settings.repeats, std::int64_t{two_sides ? 2 : 1});
+  for (std::int64_t repeat = 1; repeat <= repeats; ++repeat) {
     quiet.perturbation =
         Perturbation{settings.bodies, settings.size, static_cast<std::uint64_t>(scene->run.seed),
                      static_cast<std::uint64_t>(repeat)};
     const RunResult other = side_run(scene, quiet, fmt::format("perturbed start {}", repeat));
     if (other.status == RunStatus::interrupted) {
       result.status = RunStatus::interrupted;
-      result.warnings.push_back(fmt::format("stopped after {} of {} runs from perturbed starts",
-                                            repeat - 1, settings.repeats));
+      result.warnings.push_back(
+          fmt::format("stopped after {} of {} runs from perturbed starts", repeat - 1, repeats));
       break;
     }
     if (other.failure) {
