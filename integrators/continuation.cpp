@@ -131,6 +131,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     balance_.apply(nullptr);
     const StepFault fault = come_to_rest(0.0, ahead);
     if (fault != StepFault::none || n_ == 0 || !(disturbance_ > 0.0)) return fault;
+    if (turns_freely()) return fault;
     find_random_force();
     balance_.apply(random_force_.data());
     std::fill(kick_.begin(), kick_.end(), 0.0);
@@ -287,6 +288,25 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   double speed() const { return 1.0 / control_[kPace]; }
 
   // ---- disturbances
+
+  /// Something turns that nothing holds: along its neutral direction, which is straight, forces
+  /// appear where it is followed. A steady force, which does not turn with it, would hold or upset
+  /// it.
+  bool turns_freely() {
+    constexpr double kAway = 0.1;  // in natural units
+    constexpr double kNoForce = 1e-6;
+    balance_.start_at(0.0);
+    for (std::size_t d = 0; d < balance_.neutral(); ++d) {
+      const double* direction = balance_.neutral(d);
+      for (std::size_t k = 0; k < n_; ++k) other_[k] = kAway * direction[k];
+      balance_.evaluate(other_.data(), 0.0);
+      for (std::size_t k = 0; k < n_; ++k) {
+        const double force = std::abs(balance_.force()[k] * balance_.unit(k));
+        if (!(force <= kNoForce * balance_.stiffness_scale())) return true;
+      }
+    }
+    return false;
+  }
 
   /// The steady force of a disturbed run: it would displace the equilibrium that the scene is in by
   /// a random vector, whose components are a quarter to three quarters of the disturbance. Streams
