@@ -68,14 +68,12 @@ constexpr double kUlpsOfForce = 16.0;  ///< below that rounding decides
 /// Equilibria closer than this part of their distance from the start are one.
 constexpr double kApart = 0.5;
 constexpr double kNoDistance = 1e-9;
-/// Of disturbances to the power of 2/3: curvatures, as parts of a typical one, at which a pitchfork
-/// that such a force unfolds is near. And how far another branch may be, in natural units.
-constexpr double kSoft = 30.0;
-constexpr double kFarthestAside = 0.2;
 /// Forces that change by more than this part along the direction of instability break symmetry.
 constexpr double kInCommon = 1e-4;
 /// Random numbers of a run that is not disturbed.
 constexpr RandomKey kAlways{0, 2};
+/// Those of the random force are at places of their own in their stream.
+constexpr std::uint64_t kOfRandomForce = 8;
 /// Slips in a row without any time between them.
 constexpr std::int64_t kMostSlipsAtOnce = 1000;
 
@@ -91,7 +89,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     }
     for (auto& one : rates_of_step_) one.assign(rates + 2 * kGroup, 0.0);
     for (auto* vector : {&across_, &correction_, &along_time_, &foretold_, &kick_, &random_kick_,
-                         &other_, &aside_}) {
+                         &other_, &random_force_}) {
       vector->assign(n_, 0.0);
     }
     start_position_.assign(system.view.dofs, 0.0);
@@ -130,6 +128,13 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     balance_.start_at(0.0);
     tied_.reset();
     std::fill(kick_.begin(), kick_.end(), 0.0);
+    balance_.apply(nullptr);
+    const StepFault fault = come_to_rest(0.0, ahead);
+    if (fault != StepFault::none || n_ == 0 || !(disturbance_ > 0.0)) return fault;
+    if (turns_freely()) return fault;
+    find_random_force();
+    balance_.apply(random_force_.data());
+    std::fill(kick_.begin(), kick_.end(), 0.0);
     return come_to_rest(0.0, ahead);
   }
 
@@ -139,9 +144,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     balance_.start_at(since);
     std::fill(kick_.begin(), kick_.end(), 0.0);
     tied_.reset();
-    if (counts_[kEnd] == kDisturbed) {
-      kick_ = aside_;
-    } else if (counts_[kEnd] == kFold) {
+    if (counts_[kEnd] == kFold) {
       const double length = balance_.norm(slope_);
       for (std::size_t k = 0; k < n_; ++k) kick_[k] = kPastFold * slope_[k] / length;
     } else {
@@ -229,9 +232,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
       control_[kNext] = std::max(factor * length, kShortest);
       control_[kOldLength] = length;
       control_[kOldError] = std::max(*error, kLeastError);
-      const StepReport report = accept(h);
-      if (disturbance_ > 0.0 && counts_[kEnd] == kGoesOn) look_aside(since + report.taken);
-      return report;
+      return accept(h);
     }
   }
 
@@ -256,7 +257,7 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
  private:
   enum { kNext, kPace, kFirstPace, kTimeSlope, kOldLength, kOldError, kControls };
   enum { kKnown, kTaken, kRefused, kEnd, kSlipsAtOnce, kCounts };
-  enum End : std::int64_t { kGoesOn, kFold, kBifurcation, kFailed, kDisturbed };
+  enum End : std::int64_t { kGoesOn, kFold, kBifurcation, kFailed };
 
   /// A point of the curve relative to the step's start; slopes are with respect to the length along
   /// the first tangent.
@@ -285,6 +286,50 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
 
   /// Weight of time in the length of the curve: what the scene moves by in it, in natural units.
   double speed() const { return 1.0 / control_[kPace]; }
+
+  // ---- disturbances
+
+  /// Something turns that nothing holds: along its neutral direction, which is straight, forces
+  /// appear where it is followed. A steady force, which does not turn with it, would hold or upset
+  /// it.
+  bool turns_freely() {
+    constexpr double kAway = 0.1;  // in natural units
+    constexpr double kNoForce = 1e-6;
+    balance_.start_at(0.0);
+    for (std::size_t d = 0; d < balance_.neutral(); ++d) {
+      const double* direction = balance_.neutral(d);
+      for (std::size_t k = 0; k < n_; ++k) other_[k] = kAway * direction[k];
+      balance_.evaluate(other_.data(), 0.0);
+      for (std::size_t k = 0; k < n_; ++k) {
+        const double force = std::abs(balance_.force()[k] * balance_.unit(k));
+        if (!(force <= kNoForce * balance_.stiffness_scale())) return true;
+      }
+    }
+    return false;
+  }
+
+  /// The steady force of a disturbed run: it would displace the equilibrium that the scene is in by
+  /// a random vector, whose components are a quarter to three quarters of the disturbance. Streams
+  /// of an odd number and the even one after it have opposite forces.
+  ///
+  /// A tilt e of a pitchfork a x^2/2 + b x^4/4 - e x leaves the equilibrium that it prefers stable
+  /// throughout, and that further from all others than any small displacement reaches: at least
+  /// 3 (e / 2b)^(1/3). Such a path loses its side only to a force above e.
+  void find_random_force() {
+    balance_.start_at(0.0);
+    std::fill(other_.begin(), other_.end(), 0.0);
+    balance_.linearise(other_.data(), 0.0);
+    const RandomKey pair{random_.seed, (random_.stream + 1) / 2};
+    const double size = random_.stream % 2 == 1 ? disturbance_ : -disturbance_;
+    const double* in_units = tolerance_scales(system_.view).in_units;
+    const auto& coordinates = system_.tangent->coordinates();
+    for (std::size_t k = 0; k < n_; ++k) {
+      const double x = uniform_symmetric(pair, {k, kOfRandomForce, 0, 0});
+      const double part = 0.5 * x + (x < 0.0 ? -0.25 : 0.25);
+      other_[k] = size / in_units[coordinates[k]] * part;
+    }
+    system_.tangent->times_stiffness(other_.data(), random_force_.data());
+  }
 
   // ---- relaxing
 
@@ -369,11 +414,11 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     const bool known = std::abs(force) > rounding;
     const bool undecided = !ahead && !known;
     double side = (ahead && !known ? along : force) < 0.0 ? -1.0 : 1.0;
-    if (undecided) side = side_of_friction(most);
-    const double noise = disturbance_ * typical / balance_.unit(most);
-    if (!ahead && std::abs(force) <= noise) {
+    if (undecided && disturbance_ > 0.0) {
       // To either side in turn, so that two streams of random numbers see both.
       side = (kick_[most] < 0.0) == (random_.stream % 2 == 1) ? 1.0 : -1.0;
+    } else if (undecided) {
+      side = side_of_friction(most);
     }
     for (double& x : kick_) x *= side * kOffUnstable;
     if (!undecided) return;
@@ -386,37 +431,6 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
     for (std::size_t k = 0; k < n_; ++k) another[k] = -kick[k];
     if (relax(one, since, 1.0, unused) && relax(another, since, 1.0, unused)) compare(one, another);
     kick_ = kick;
-  }
-
-  /// A pitchfork that a small force unfolds has no unstable point on the path that the force
-  /// prefers, but another branch close by. A disturbance of this size, larger than the force, may
-  /// lead there: where the scene is so soft that it would, equilibria beside this one are looked
-  /// for, and one is taken or not, once for each soft stretch.
-  void look_aside(double now) {
-    if (n_ == 0) return;
-    balance_.start_at(now);
-    std::fill(other_.begin(), other_.end(), 0.0);
-    balance_.linearise(other_.data(), now);
-    const double softness = balance_.softest(random_kick_.data());
-    const double typical = balance_.stiffness_scale();
-    const double size = pow(disturbance_ / balance_.unit(0), 2.0 / 3.0);
-    const bool soft = std::abs(softness) <= kSoft * size * typical;
-    if (!soft) looked_aside_ = false;
-    if (!soft || looked_aside_) return;
-    const double length = std::sqrt(std::abs(softness) / typical);
-    for (const double times : {2.0, -2.0, 4.0, -4.0, 8.0, -8.0}) {
-      for (std::size_t k = 0; k < n_; ++k) aside_[k] = times * length * random_kick_[k];
-      if (!(balance_.largest(aside_.data()) <= kFarthestAside)) continue;
-      other_ = aside_;
-      if (!balance_.descend(other_.data(), now)) continue;
-      if (!(balance_.norm(other_.data()) > kApart * length)) continue;
-      looked_aside_ = true;
-      const auto moment = static_cast<std::uint64_t>(counts_[kTaken]);
-      if (random_.stream == 1 || uniform_symmetric(random_, {moment, 4, 0, 0}) < 0.0) {
-        counts_[kEnd] = kDisturbed;
-      }
-      return;
-    }
   }
 
   /// Drag along the direction in `kick_` as the scene moves on; else a side that is always the
@@ -952,11 +966,10 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
   std::vector<double> random_kick_;
   std::vector<double> kick_start_;  ///< displacement that the last relaxation began with
   std::vector<double> other_;
-  std::vector<double> aside_;  ///< where a disturbance leads
-  bool looked_aside_ = false;
   bool jumped_ = false;
   std::optional<std::size_t> tied_;
   double disturbance_ = 0.0;
+  std::vector<double> random_force_;  ///< the same in all of a run
   RandomKey random_ = kAlways;
 };
 

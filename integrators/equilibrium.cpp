@@ -132,6 +132,8 @@ void Equilibrium::place(const double* offset, double t) {
 void Equilibrium::take_force() {
   const auto& coordinates = tangent_.coordinates();
   for (std::size_t k = 0; k < n_; ++k) force_[k] = system_.view.force[coordinates[k]];
+  if (steady_ == nullptr) return;
+  for (std::size_t k = 0; k < n_; ++k) force_[k] += steady_[k];
 }
 
 void Equilibrium::evaluate(const double* offset, double t) {

@@ -29,6 +29,10 @@ class Equilibrium {
   double norm(const double* x) const;
   double largest(const double* x) const;
 
+  /// A steady force that acts beside the scene's own from now on, [n], in place of the last one;
+  /// null: none. Rates do not know of it.
+  void apply(const double* steady) { steady_ = steady; }
+
   /// Places are told relative to the present state from now on; times are counted from the anchor,
   /// and the present one is `since`.
   void start_at(double since);
@@ -105,6 +109,7 @@ class Equilibrium {
   std::size_t n_;
   std::vector<double> unit_;
   double* control_ = nullptr;
+  const double* steady_ = nullptr;
 
   double since_ = 0.0;
   std::vector<double> start_;  ///< [n]

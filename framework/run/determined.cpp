@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +19,9 @@ namespace {
 
 constexpr double kMostDigits = 17.0;  // of a double
 constexpr double kLog10 = 2.302585092994046;
+/// Halving a force takes half of a change that is in proportion to it, and nothing of a change of
+/// branch. Where it takes more than this the two runs are on different branches.
+constexpr double kMostTaken = 0.75;
 
 /// An observable that is followed, and the size that its spread is held against: a component of a
 /// vector is as large as the vector.
@@ -57,6 +61,17 @@ std::vector<Followed> asked_for(const PerturbSettings& settings, const RunResult
   return all;
 }
 
+/// What a result is on the branch that a disturbed path has taken, where it has been repeated under
+/// half the force: extrapolated to none at all. The force itself, which moves results in
+/// proportion, is no reason to call them not determined.
+std::optional<double> without_force(std::optional<double> alone, std::optional<double> under,
+                                    std::optional<double> under_half) {
+  if (!alone || !under || !under_half) return under;
+  const double change = std::abs(*under - *alone);
+  const double step = std::abs(*under - *under_half);
+  return step > kMostTaken * change ? under : 2.0 * *under_half - *under;
+}
+
 double size_of(const RunResult& result, const Followed& followed) {
   double squares = 0.0;
   for (const std::string& path : followed.vector) {
@@ -94,16 +109,26 @@ void determine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
     sizes.push_back(size_of(result, followed));
     if (const auto value = observable(result, followed.path)) followed.values.push_back(*value);
   }
+  const bool quasistatic = scene->run.dynamics == "quasistatic";
+  const std::int64_t repeats = std::max(settings.repeats, std::int64_t{quasistatic ? 2 : 1});
   RunOptions quiet = options;
-  for (std::int64_t repeat = 1; repeat <= settings.repeats; ++repeat) {
+  const auto repeated = [&](std::int64_t repeat, double size, const char* more) {
     quiet.perturbation =
-        Perturbation{settings.bodies, settings.size, static_cast<std::uint64_t>(scene->run.seed),
+        Perturbation{settings.bodies, size, static_cast<std::uint64_t>(scene->run.seed),
                      static_cast<std::uint64_t>(repeat)};
-    const RunResult other = side_run(scene, quiet, fmt::format("perturbed start {}", repeat));
-    if (other.status == RunStatus::interrupted) {
+    return side_run(scene, quiet, fmt::format("perturbed start {}{}", repeat, more));
+  };
+  for (std::int64_t repeat = 1; repeat <= repeats; ++repeat) {
+    const RunResult other = repeated(repeat, settings.size, "");
+    std::optional<RunResult> half;
+    if (quasistatic && other.status == RunStatus::finished) {
+      half = repeated(repeat, 0.5 * settings.size, ", half the size");
+    }
+    if (other.status == RunStatus::interrupted ||
+        (half && half->status == RunStatus::interrupted)) {
       result.status = RunStatus::interrupted;
-      result.warnings.push_back(fmt::format("stopped after {} of {} runs from perturbed starts",
-                                            repeat - 1, settings.repeats));
+      result.warnings.push_back(
+          fmt::format("stopped after {} of {} runs from perturbed starts", repeat - 1, repeats));
       break;
     }
     if (other.failure) {
@@ -112,8 +137,15 @@ void determine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
       continue;
     }
     for (std::size_t k = 0; k < all.size(); ++k) {
-      if (const auto value = observable(other, all[k].path)) all[k].values.push_back(*value);
-      sizes[k] = std::max(sizes[k], size_of(other, all[k]));
+      std::optional<double> value = observable(other, all[k].path);
+      double size = size_of(other, all[k]);
+      if (half && !half->failure) {
+        value =
+            without_force(observable(result, all[k].path), value, observable(*half, all[k].path));
+        size = std::abs(value.value_or(0.0));
+      }
+      if (value) all[k].values.push_back(*value);
+      sizes[k] = std::max(sizes[k], size);
     }
   }
   for (std::size_t k = 0; k < all.size(); ++k) {

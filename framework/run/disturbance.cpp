@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "framework/core/random.hpp"
+#include "framework/core/tolerance.hpp"
 
 namespace tomlin {
 namespace {
@@ -24,7 +25,7 @@ void disturb(const Perturbation& noise, std::uint64_t moment, Model& model) {
   const SystemView<double>& view = model.system().view;
   const auto displace = [&](std::size_t k) {
     if (view.inverse_mass[k] == 0.0) return;
-    view.position[k] += noise.size / view.tolerance_scale[k] *
+    view.position[k] += noise.size / tolerance_scales(view).in_units[k] *
                         uniform_symmetric({noise.seed, noise.stream}, {k, kOnTheWay, moment, 0});
   };
   for (const Model::Body& body : model.bodies()) {

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/run/disturbance.hpp"
 #include "tests/support/memory_store.hpp"
 #include "tests/support/ring_scenes.hpp"
 
@@ -112,6 +113,31 @@ TEST(Determined, OtherObservablesOnRequest) {
   EXPECT_EQ(*result.determined[0].value, *result.bodies[0].turns);
   EXPECT_THROW(run_text(ring(1.0, perturb(", observables = [\"ring.turnips\"]")).text()),
                InputError);
+}
+
+/// So is the noise on the way, whatever the scene's own length.
+TEST(Determined, ADisturbanceOnTheWayIsOfTheSize) {
+  constexpr double kLength = 1e-9;
+  Model model(
+      scene_of("[[body]]\ntype = \"chain\"\ncount = 16\nspacing = 1e-9\norigin = [0.0]\n"
+               "particle_mass = 1.0\n[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = 1.0\n"
+               "period = 1e-9\n[[force]]\ntype = \"viscous_damping\"\ncoefficient = 1e9\n"
+               "[run]\nduration = 1e-9\nintegrator = { type = \"rk4\", dt = 1e-12 }\n"));
+  StateLayout layout;
+  model.declare(layout);
+  RunState state(layout, 1);
+  model.attach(state);
+  model.start();
+  const double size = 1e-3 * kLength;
+  const double* position = model.system().view.position;
+  const std::vector<double> before(position, position + 16);
+  disturb({{0}, size, 5, 1}, 1, model);
+  double largest = 0.0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    largest = std::max(largest, std::abs(position[i] - before[i]));
+  }
+  EXPECT_LE(largest, size);
+  EXPECT_GT(largest, 0.5 * size);
 }
 
 /// A well that splits in two long after friction has made one state of all starts.
