@@ -54,9 +54,9 @@ class EquilibriumPath {
   /// Where the last settle() or slip() was a tie, no force but rounding preferring the equilibrium
   /// that it took: the coordinate in which that differs most from the other one.
   virtual std::optional<std::size_t> tied() const { return std::nullopt; }
-  /// From now on random forces decide where nothing stronger does. They displace a coordinate of
-  /// typical stiffness by about `size`, differently in each stream of random numbers; streams of
-  /// odd and of even number leave an unstable equilibrium to opposite sides wherever they decide.
+  /// Before settle(): steady random forces, which displace the first equilibrium by about `size`,
+  /// decide from then on where nothing stronger does. Those of streams 1 and 2, 3 and 4, ... are
+  /// opposite, so that an unstable equilibrium is left to opposite sides wherever they decide.
   virtual void disturb(double size, std::uint64_t seed, std::uint64_t stream) {
     (void)size, (void)seed, (void)stream;
   }

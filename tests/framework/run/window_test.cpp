@@ -11,12 +11,13 @@ namespace {
 
 /// Periods of 4, slips in each.
 TipScene tip(double from, double to, double stiffness = 1.0) {
-  return {.velocity = 0.25,
-          .stiffness = stiffness,
-          .damping = 4.0,
-          .position = 0.5,
-          .duration = to,
-          .more = "[measure]\nin = \"time\"\nfrom = " + digits(from) + "\nto = " + digits(to) + "\n"};
+  return {
+      .velocity = 0.25,
+      .stiffness = stiffness,
+      .damping = 4.0,
+      .position = 0.5,
+      .duration = to,
+      .more = "[measure]\nin = \"time\"\nfrom = " + digits(from) + "\nto = " + digits(to) + "\n"};
 }
 
 std::string warnings_of(const TipScene& scene) {
