@@ -45,7 +45,7 @@ A first run. Write this to pt.toml, the Prandtl-Tomlinson model:
 
   [[body]]
   type = "point"
-  position = [0.0]
+  position = [0.5]                 # in a well: x = 0 is a maximum of the substrate
   particle_mass = 1.0
 
   [[force]]

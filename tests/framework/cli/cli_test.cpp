@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <string>
@@ -50,6 +51,12 @@ TEST_F(Cli, TheSceneInTheHelpRuns) {
   const Ended ended = tomlin({"run", "pt.toml"});
   EXPECT_EQ(ended.status, 0) << ended.err;
   EXPECT_TRUE(exists("pt.out/observables.csv"));
+  // From a well the first maximum is the barrier, which the drag comes on top of; from a barrier it
+  // would be the drag alone.
+  const Json driver = summary("pt.out")["drivers"]["driving_spring"];
+  const double barrier = 2.0 * std::acos(-1.0) * 0.1;
+  EXPECT_GT(driver["static_force"], barrier);
+  EXPECT_GT(driver["static_force"], driver["mean_force"][0]);
 }
 
 TEST_F(Cli, VersionIsANumber) {
