@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -63,16 +64,31 @@ void add_built(Explanation& explanation, Model& model) {
   }
 }
 
+/// Which drivers there are, and what does work besides them.
+Explanation::Part driver_part(const Model& model) {
+  const bool driven = !model.drivers().empty();
+  std::string timed;
+  for (const Model::Force& force : model.forces()) {
+    if (!force.traits.depends_on_time || force.traits.does_work) continue;
+    timed += (timed.empty() ? "" : ", ") + force.name;
+  }
+  std::string note = driven ? "the force and the power of every driver" : "no driver";
+  if (timed.empty()) {
+    if (!driven) note = "nothing does work";
+  } else {
+    note += fmt::format("; {} changes with time and does work, which the energy ledger has", timed);
+  }
+  return {"driver integrals", driven, std::move(note)};
+}
+
 void add_parts(Explanation& explanation, const Model& model) {
   const Scene& scene = *explanation.scene;
   auto& parts = explanation.parts;
   bool random = false;
-  const bool works = !model.drivers().empty();
   for (const Model::Force& force : model.forces()) {
     random = random || force.traits.stochastic;
   }
-  parts.push_back({"driver integrals", works,
-                   works ? "the force and the power of every driver" : "nothing does work"});
+  parts.push_back(driver_part(model));
   std::string cells;
   for (int axis = 0; axis < model.dimension(); ++axis) {
     const double unit = model.origin().unit[axis];

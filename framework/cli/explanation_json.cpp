@@ -79,7 +79,8 @@ Json scales_json(const Scales& scales, const Scene& scene) {
                                   {"frequency", force.frequency},
                                   {"period", inverse(kTau, force.frequency)},
                                   {"damping_rate", force.damping_rate},
-                                  {"internal", force.internal}});
+                                  {"internal", force.internal},
+                                  {"between", force.between}});
   }
   const Damping& damping = scales.damping;
   const bool oscillates = damping.regime != Regime::no_oscillation;
@@ -100,6 +101,9 @@ Json sliding_json(const Scales& scales) {
              {"axis", axis_name(sliding.axis)},
              {"period", sliding.period},
              {"stiffness", sliding.stiffness},
+             {"driver_stiffness", sliding.driver_stiffness},
+             {"bond", sliding.bond.empty() ? Json() : Json(sliding.bond)},
+             {"bond_stiffness", sliding.bond.empty() ? Json() : Json(sliding.bond_stiffness)},
              {"curvature", sliding.curvature},
              {"stick_slip", sliding.stick_slip()},
              {"stick_slip_is_upper_bound", sliding.particles > 1},
@@ -109,6 +113,18 @@ Json sliding_json(const Scales& scales) {
              {"circumference_in_periods", sliding.rolling_radius > 0.0
                                               ? Json(kTau * sliding.rolling_radius / sliding.period)
                                               : Json()}});
+  }
+  return list;
+}
+
+Json transmissions_json(const Scales& scales) {
+  Json list = Json::array();
+  for (const Transmission& one : scales.transmissions) {
+    list.push_back(Json{{"body", one.body},
+                        {"driver", one.driver},
+                        {"substrate", one.substrate},
+                        {"sliding_body", one.sliding_body},
+                        {"axis", axis_name(one.axis)}});
   }
   return list;
 }
@@ -166,6 +182,7 @@ std::string explanation_json(const Explanation& e) {
   json["parts"] = parts_json(e);
   json["scales"] = scales_json(e.scales, *e.scene);
   json["sliding"] = sliding_json(e.scales);
+  json["transmissions"] = transmissions_json(e.scales);
   json["misfits"] = misfits_json(e.scales);
   json["integrator"] = step_json(e.step);
   json["cost"] = cost_json(e.cost);

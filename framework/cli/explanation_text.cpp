@@ -74,8 +74,10 @@ void add_frequencies(Sections& sections, const Scales& scales) {
   sections.section("natural angular frequencies, omega = sqrt(stiffness or curvature / mass)");
   for (const ForceScale& force : scales.forces) {
     if (!(force.frequency > 0.0)) continue;
-    sections.row(force.force,
-                 oscillation(force.frequency) + (force.internal ? ", within the body" : ""));
+    std::string where = force.internal ? ", within the body" : "";
+    if (!force.between.empty())
+      where = fmt::format(", between {}", fmt::join(force.between, " and "));
+    sections.row(force.force, oscillation(force.frequency) + where);
   }
   if (scales.frequency > 0.0) {
     sections.row("fastest of all", oscillation(scales.frequency) + ", a bound on all together");
@@ -112,11 +114,16 @@ void add_sliding(Sections& sections, const Explanation& e) {
     const bool alone = sliding.particles == 1;
     sections.section(fmt::format("{}: {} pulls over {} along {}", sliding.body, sliding.driver,
                                  sliding.substrate, axis_name(sliding.axis)));
-    sections.row(
-        "stick-slip parameter",
-        fmt::format("s {} {} = substrate curvature {} / driver stiffness {}; {}",
-                    alone ? "=" : "<=", text_of(sliding.stick_slip()), text_of(sliding.curvature),
-                    text_of(sliding.stiffness), verdict(sliding.stick_slip())));
+    sections.row("stick-slip parameter",
+                 fmt::format("s {} {} = substrate curvature {} / {} stiffness {}; {}",
+                             alone ? "=" : "<=", text_of(sliding.stick_slip()),
+                             text_of(sliding.curvature), sliding.bond.empty() ? "driver" : "series",
+                             text_of(sliding.stiffness), verdict(sliding.stick_slip())));
+    if (!sliding.bond.empty()) {
+      sections.row("", fmt::format("the series of {}, {}, and {}, {}", sliding.driver,
+                                   text_of(sliding.driver_stiffness), sliding.bond,
+                                   text_of(sliding.bond_stiffness)));
+    }
     if (!alone) {
       sections.row("", "an upper bound: all particles in phase");
       const double s = nothing_but_rounding(sliding) ? 0.0 : sliding.stick_slip_as_placed();
@@ -134,6 +141,17 @@ void add_sliding(Sections& sections, const Explanation& e) {
                    fmt::format("2 pi R/a = {} periods to a turn when rolling",
                                text_of(kTau * sliding.rolling_radius / sliding.period)));
     }
+  }
+}
+
+void add_transmissions(Sections& sections, const Scales& scales) {
+  for (const Transmission& one : scales.transmissions) {
+    sections.section(
+        fmt::format("{}: {} pulls along {}", one.body, one.driver, axis_name(one.axis)));
+    sections.row("stick-slip parameter",
+                 fmt::format("not known: {} acts on {}, and between {} and {} there is more than "
+                             "one linear spring",
+                             one.substrate, one.sliding_body, one.driver, one.sliding_body));
   }
 }
 
@@ -221,6 +239,7 @@ std::string explanation_text(const Explanation& e) {
   add_built(sections, e);
   add_frequencies(sections, e.scales);
   add_sliding(sections, e);
+  add_transmissions(sections, e.scales);
   add_misfits(sections, e.scales);
   add_step(sections, e);
   add_cost(sections, e);
