@@ -199,6 +199,7 @@ Shows, without running the scene:
   time step      against the stable step of the integrator. A step that is too long is shown, and
                  refused by run.
   cost           steps, force evaluations and time, from a trial of a tenth of a second
+  output         rows and bytes of what a run would write at most, and the room that there is
 
 Examples:
 

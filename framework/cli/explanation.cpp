@@ -141,6 +141,19 @@ std::optional<Explanation::Cost> cost_of(const Scene& scene, const Explanation::
   return cost;
 }
 
+/// What run refuses.
+void add_warning_of_room(Explanation& explanation) {
+  try {
+    require_room(*explanation.scene, explanation.output.size, explanation.output.room);
+  } catch (const InputError& error) {
+    for (const Fault& fault : error.faults()) {
+      explanation.warnings.push_back(
+          {"output.every",
+           fmt::format("the run is refused: {}; admissible: {}", fault.why, fault.admissible)});
+    }
+  }
+}
+
 }  // namespace
 
 Explanation explain(const std::shared_ptr<const Scene>& scene, double trial_seconds) {
@@ -153,14 +166,17 @@ Explanation explain(const std::shared_ptr<const Scene>& scene, double trial_seco
   const Trial trial = try_out(scene, trial_seconds);
   explanation.step = step_of(*scene, trial);
   explanation.cost = cost_of(*scene, explanation.step, trial);
+  explanation.output = {output_size(*scene, trial.layout), trial.layout.events, room_in(".")};
+  add_warning_of_room(explanation);
   if (!explanation.step.stable) {
-    explanation.warnings.push_back(fmt::format("dt = {:g} is beyond the stable step {:.4g}: {}",
-                                               explanation.step.dt, explanation.step.stable_step,
-                                               scene->run.allow_unstable
-                                                   ? "the run will probably fail"
-                                                   : "the run is refused; take a smaller dt"));
+    explanation.warnings.push_back(
+        {"step", fmt::format("dt = {:g} is beyond the stable step {:.4g}: {}", explanation.step.dt,
+                             explanation.step.stable_step,
+                             scene->run.allow_unstable ? "the run will probably fail"
+                                                       : "the run is refused; take a smaller dt")});
   }
-  if (trial.failed) explanation.warnings.emplace_back("a step of the trial failed: run says why");
+  if (trial.failed)
+    explanation.warnings.push_back({"step", "a step of the trial failed: run says why"});
   return explanation;
 }
 

@@ -164,6 +164,18 @@ Json cost_json(const std::optional<Explanation::Cost>& cost) {
               {"tried_part", cost->part}, {"instruction_set", cost->instruction_set}};
 }
 
+Json output_json(const Explanation::Output& output) {
+  const OutputSize& size = output.size;
+  return Json{{"rows", size.rows},
+              {"table_bytes", size.table},
+              {"trajectory_bytes", size.trajectory},
+              {"journal_bytes", size.journal},
+              {"checkpoint_bytes", size.checkpoint},
+              {"store_bytes", size.store},
+              {"most_events", output.events ? kMostEvents : 0},
+              {"room_bytes", number(output.room)}};
+}
+
 }  // namespace
 
 std::string explanation_json(const Explanation& e) {
@@ -186,7 +198,9 @@ std::string explanation_json(const Explanation& e) {
   json["misfits"] = misfits_json(e.scales);
   json["integrator"] = step_json(e.step);
   json["cost"] = cost_json(e.cost);
-  json["warnings"] = e.warnings;
+  json["output"] = output_json(e.output);
+  json["warnings"] = Json::array();
+  for (const Explanation::Warning& warning : e.warnings) json["warnings"].push_back(warning.text);
   // Names may hold anything, broken UTF-8 included.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

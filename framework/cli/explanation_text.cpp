@@ -6,6 +6,7 @@
 #include "framework/cli/component_text.hpp"
 #include "framework/cli/explanation.hpp"
 #include "framework/cli/sections.hpp"
+#include "framework/output/run_folder.hpp"
 #include "framework/scene/natural_units.hpp"
 #include "framework/scene/title.hpp"
 
@@ -230,6 +231,32 @@ void add_cost(Sections& sections, const Explanation& e) {
   if (e.scene->output.every) sections.row("", "samples come on top of it");
 }
 
+void add_output(Sections& sections, const Explanation& e) {
+  const OutputSettings& asked = e.scene->output;
+  const OutputSize& size = e.output.size;
+  sections.section("output, at most");
+  if (asked.every) {
+    sections.row(kTableFile,
+                 fmt::format("{} rows, {}", count_text(size.rows), bytes_text(size.table)));
+  }
+  if (asked.every && asked.trajectory) {
+    sections.row(asked.trajectory_format == "xyz" ? kXyzFile : kH5mdFile,
+                 fmt::format("{} frames, {}", count_text(size.rows), bytes_text(size.trajectory)));
+  }
+  if (e.output.events) {
+    sections.row(kEventsFile, fmt::format("a row for each of the first {} events", kMostEvents));
+  }
+  std::string journal;
+  std::string store;
+  if (size.store > 0.0) store = fmt::format(", {} {} likewise", kStoreFile, bytes_text(size.store));
+  if (size.journal > 0.0) journal = fmt::format("{} {}, ", kJournalFile, bytes_text(size.journal));
+  sections.row("on the way", fmt::format("{}{} {} and the next beside it{}", journal,
+                                         kCheckpointFile, bytes_text(size.checkpoint), store));
+  sections.row("room", std::isfinite(e.output.room)
+                           ? bytes_text(e.output.room) + " in the current folder"
+                           : std::string("not known"));
+}
+
 }  // namespace
 
 std::string explanation_text(const Explanation& e) {
@@ -243,8 +270,9 @@ std::string explanation_text(const Explanation& e) {
   add_misfits(sections, e.scales);
   add_step(sections, e);
   add_cost(sections, e);
+  add_output(sections, e);
   sections.section("warnings");
-  for (const std::string& warning : e.warnings) sections.row("step", warning);
+  for (const Explanation::Warning& warning : e.warnings) sections.row(warning.of, warning.text);
   return fmt::format("{}: {} dimension{}, {} dynamics, {} numbers, {} units\n\n", title,
                      scene.dimension, scene.dimension == 1 ? "" : "s", scene.run.dynamics,
                      scene.run.number_type, scene.units) +

@@ -32,6 +32,8 @@ class Engine {
   RunState& state() { return state_; }
   Integrator<double>& integrator() { return *integrator_; }
   double stable_step() const { return stable_step_; }
+  /// What a sink that wants samples gets.
+  RunLayout layout() const;
   /// What the code of a plugin has thrown, if it has.
   const std::optional<PluginError>& thrown() const { return thrown_; }
 

@@ -120,6 +120,31 @@ TEST_F(Explain, TellsSpacingAgainstPeriod) {
   EXPECT_TRUE(golden["misfits"][0]["fraction"].is_null());
 }
 
+TEST_F(Explain, ShowsWhatARunWouldWrite) {
+  const Json output = explained({"tip.toml"})["output"];
+  EXPECT_EQ(output["rows"], 429.0);
+  ASSERT_EQ(tomlin({"run", "tip.toml"}).status, 0);
+  const auto table = static_cast<double>(file("tip.out/observables.csv").size());
+  EXPECT_GE(output["table_bytes"], table);
+  // Numbers of 17 digits with an exponent and a sign are seldom.
+  EXPECT_LE(output["table_bytes"], 1.5 * table);
+  EXPECT_EQ(output["trajectory_bytes"], 0.0);
+  EXPECT_GT(output["checkpoint_bytes"], 0.0);
+  EXPECT_GT(output["room_bytes"], 0.0);
+  EXPECT_EQ(output["most_events"], 1000000);
+
+  const std::vector<std::string> with_trajectory = {"explain", "tip.toml", "--set",
+                                                    "output.trajectory=true"};
+  const std::string text = tomlin(with_trajectory).out;
+  for (const char* part : {"\noutput, at most\n", "429 rows, ", "trajectory.h5", "429 frames, ",
+                           "run.journal ", "room  "}) {
+    EXPECT_TRUE(contains(text, part)) << part << "\n" << text;
+  }
+  const std::string beyond = tomlin({"explain", "tip.toml", "--set", "output.every=1e-9"}).out;
+  EXPECT_TRUE(contains(beyond, "output.every  ")) << beyond;
+  EXPECT_TRUE(contains(beyond, "the run is refused: the run would write 3e+11 rows")) << beyond;
+}
+
 /// The note of a part.
 std::string note(const Json& explained, const std::string& part) {
   for (const Json& one : explained["parts"]) {

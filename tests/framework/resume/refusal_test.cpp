@@ -23,7 +23,7 @@ class Resume : public Cli {
 
   static std::string text_of_long_run() {
     std::string text = kShortRun;
-    text.replace(text.find("duration = 1.5"), 14, "duration = 1e7");
+    text.replace(text.find("duration = 1.5"), 14, "duration = 1e6");
     return text;
   }
 
