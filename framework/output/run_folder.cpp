@@ -71,8 +71,8 @@ RunFolder::RunFolder(const fs::path& folder, Occupied occupied, std::span<const 
 
 RunFolder::~RunFolder() {
   struct stat status = {};
-  if (!written_ && lock_.open() && ::fstat(lock_.number(), &status) == 0 && status.st_size == 0 &&
-      in_place()) {
+  if ((study_ || !written_) && lock_.open() && ::fstat(lock_.number(), &status) == 0 &&
+      status.st_size == 0 && in_place()) {
     // What was found before the run began is of no use without it.
     for (const char* name : {kStoreFile, kJournalFile}) ::unlink(file(name).c_str());
   }
@@ -182,6 +182,7 @@ void RunFolder::own(Descriptor& journal) {
 void RunFolder::own() {
   Descriptor journal;
   own(journal);
+  study_ = true;
 }
 
 /// Another program may have come and gone before this one had the folder.

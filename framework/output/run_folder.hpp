@@ -88,6 +88,7 @@ class RunFolder {
   Occupied occupied_;
   std::vector<std::string> names_;           ///< of files that are to be written
   std::vector<std::filesystem::path> made_;  ///< outermost first
+  bool study_ = false;                       ///< has the journal to lock it, and nothing more
   mutable bool written_ = false;  ///< a file of the run's own, which it says something of
   Descriptor lock_;               ///< the journal's, which is locked as long as this is
 };
