@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include "framework/core/fault.hpp"
 #include "framework/output/extended_xyz.hpp"
@@ -20,6 +21,10 @@ namespace tomlin {
 namespace fs = std::filesystem;
 namespace {
 
+/// Of stat(), whatever the file system's are.
+constexpr double kBlock = 512.0;
+/// Of the room: the rest is for folders and blocks that are not full.
+constexpr double kFillable = 0.99;
 /// What stands around the state in a checkpoint: version, fingerprint, libraries.
 constexpr double kAroundState = 4096.0;
 
@@ -95,8 +100,9 @@ double room_in(const fs::path& folder) {
   if (error || space.capacity == 0) return std::numeric_limits<double>::infinity();
   auto room = static_cast<double>(space.available);
   for (const char* name : kFilesOfARun) {
-    const auto size = fs::file_size(folder / name, error);
-    if (!error) room += static_cast<double>(size);
+    struct stat status = {};
+    if (::lstat((folder / name).c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
+    room += kBlock * static_cast<double>(status.st_blocks);
   }
   return room;
 }
@@ -104,7 +110,7 @@ double room_in(const fs::path& folder) {
 double shortest_every(const Scene& scene, const OutputSize& size, double room) {
   if (!(size.per_row > 0.0)) return 0.0;
   const double besides = size.together() - size.rows * size.per_row;
-  const double rows = std::min(kMostRows, std::floor((room - besides) / size.per_row));
+  const double rows = std::min(kMostRows, std::floor((kFillable * room - besides) / size.per_row));
   // The start is a row, too.
   return rows < 2.0 ? 0.0 : rounded_up(scene.run.duration / (rows - 1.0));
 }
