@@ -59,7 +59,7 @@ TEST_F(Cli, TheSceneInTheHelpRuns) {
   EXPECT_GT(driver["static_force"], driver["mean_force"][0]);
 }
 
-/// Refused before anything is made or begun: the pilot of an accuracy would show what it does.
+/// Refused before anything is made or begun.
 TEST_F(Cli, SamplesThatFillADiskAreRefused) {
   write(folder_ / "chain.toml", R"([[body]]
 type = "chain"
@@ -98,7 +98,8 @@ trajectory = true
             0U)
       << frames;
   EXPECT_TRUE(contains(frames, " TB of trajectory.h5 and ")) << frames;
-  refused({"run", "tip.toml", "--set", "output.every=1e-9", "--set", "run.accuracy=1e-6"});
+  // With an accuracy in place of an integrator, too.
+  refused({"run", "chain.toml", "--set", "run.accuracy=1e-6"});
   refused({"run", "tip.toml", "--set", "output.every=1e-9", "--resume"});
 }
 
