@@ -45,7 +45,7 @@ A first run. Write this to pt.toml, the Prandtl-Tomlinson model:
 
   [[body]]
   type = "point"
-  position = [0.0]
+  position = [0.5]                 # in a well: x = 0 is a maximum of the substrate
   particle_mass = 1.0
 
   [[force]]
@@ -199,6 +199,7 @@ Shows, without running the scene:
   time step      against the stable step of the integrator. A step that is too long is shown, and
                  refused by run.
   cost           steps, force evaluations and time, from a trial of a tenth of a second
+  output         rows and bytes of what a run would write at most, and the room that there is
 
 Examples:
 

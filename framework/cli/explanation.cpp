@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -63,16 +64,31 @@ void add_built(Explanation& explanation, Model& model) {
   }
 }
 
+/// Which drivers there are, and what does work besides them.
+Explanation::Part driver_part(const Model& model) {
+  const bool driven = !model.drivers().empty();
+  std::string timed;
+  for (const Model::Force& force : model.forces()) {
+    if (!force.traits.depends_on_time || force.traits.does_work) continue;
+    timed += (timed.empty() ? "" : ", ") + force.name;
+  }
+  std::string note = driven ? "the force and the power of every driver" : "no driver";
+  if (timed.empty()) {
+    if (!driven) note = "nothing does work";
+  } else {
+    note += fmt::format("; {} changes with time and does work, which the energy ledger has", timed);
+  }
+  return {"driver integrals", driven, std::move(note)};
+}
+
 void add_parts(Explanation& explanation, const Model& model) {
   const Scene& scene = *explanation.scene;
   auto& parts = explanation.parts;
   bool random = false;
-  const bool works = !model.drivers().empty();
   for (const Model::Force& force : model.forces()) {
     random = random || force.traits.stochastic;
   }
-  parts.push_back({"driver integrals", works,
-                   works ? "the force and the power of every driver" : "nothing does work"});
+  parts.push_back(driver_part(model));
   std::string cells;
   for (int axis = 0; axis < model.dimension(); ++axis) {
     const double unit = model.origin().unit[axis];
@@ -125,6 +141,19 @@ std::optional<Explanation::Cost> cost_of(const Scene& scene, const Explanation::
   return cost;
 }
 
+/// What run refuses.
+void add_warning_of_room(Explanation& explanation) {
+  try {
+    require_room(*explanation.scene, explanation.output.size, explanation.output.room);
+  } catch (const InputError& error) {
+    for (const Fault& fault : error.faults()) {
+      explanation.warnings.push_back(
+          {"output.every",
+           fmt::format("the run is refused: {}; admissible: {}", fault.why, fault.admissible)});
+    }
+  }
+}
+
 }  // namespace
 
 Explanation explain(const std::shared_ptr<const Scene>& scene, double trial_seconds) {
@@ -137,14 +166,17 @@ Explanation explain(const std::shared_ptr<const Scene>& scene, double trial_seco
   const Trial trial = try_out(scene, trial_seconds);
   explanation.step = step_of(*scene, trial);
   explanation.cost = cost_of(*scene, explanation.step, trial);
+  explanation.output = {output_size(*scene, trial.layout), trial.layout.events, room_in(".")};
+  add_warning_of_room(explanation);
   if (!explanation.step.stable) {
-    explanation.warnings.push_back(fmt::format("dt = {:g} is beyond the stable step {:.4g}: {}",
-                                               explanation.step.dt, explanation.step.stable_step,
-                                               scene->run.allow_unstable
-                                                   ? "the run will probably fail"
-                                                   : "the run is refused; take a smaller dt"));
+    explanation.warnings.push_back(
+        {"step", fmt::format("dt = {:g} is beyond the stable step {:.4g}: {}", explanation.step.dt,
+                             explanation.step.stable_step,
+                             scene->run.allow_unstable ? "the run will probably fail"
+                                                       : "the run is refused; take a smaller dt")});
   }
-  if (trial.failed) explanation.warnings.emplace_back("a step of the trial failed: run says why");
+  if (trial.failed)
+    explanation.warnings.push_back({"step", "a step of the trial failed: run says why"});
   return explanation;
 }
 

@@ -9,6 +9,7 @@
 
 #include "framework/core/traits.hpp"
 #include "framework/model/scales.hpp"
+#include "framework/output/output_size.hpp"
 #include "framework/scene/scene.hpp"
 
 namespace tomlin {
@@ -57,6 +58,16 @@ struct Explanation {
     std::string instruction_set;
   };
 
+  struct Warning {
+    std::string of;  ///< "step", "room"
+    std::string text;
+  };
+  struct Output {
+    OutputSize size;
+    bool events = false;  ///< whether any can happen
+    double room = 0.0;    ///< in the current folder; infinite where it is not known
+  };
+
   std::shared_ptr<const Scene> scene;
   std::vector<Body> bodies;
   std::vector<Force> forces;
@@ -65,7 +76,8 @@ struct Explanation {
   Scales scales;
   Step step;
   std::optional<Cost> cost;  ///< nothing when no step could be tried
-  std::vector<std::string> warnings;
+  Output output;
+  std::vector<Warning> warnings;
 };
 
 /// Binds the scene and tries a few steps for up to `trial_seconds`. Throws InputError for

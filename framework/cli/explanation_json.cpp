@@ -79,7 +79,8 @@ Json scales_json(const Scales& scales, const Scene& scene) {
                                   {"frequency", force.frequency},
                                   {"period", inverse(kTau, force.frequency)},
                                   {"damping_rate", force.damping_rate},
-                                  {"internal", force.internal}});
+                                  {"internal", force.internal},
+                                  {"between", force.between}});
   }
   const Damping& damping = scales.damping;
   const bool oscillates = damping.regime != Regime::no_oscillation;
@@ -100,6 +101,9 @@ Json sliding_json(const Scales& scales) {
              {"axis", axis_name(sliding.axis)},
              {"period", sliding.period},
              {"stiffness", sliding.stiffness},
+             {"driver_stiffness", sliding.driver_stiffness},
+             {"bond", sliding.bond.empty() ? Json() : Json(sliding.bond)},
+             {"bond_stiffness", sliding.bond.empty() ? Json() : Json(sliding.bond_stiffness)},
              {"curvature", sliding.curvature},
              {"stick_slip", sliding.stick_slip()},
              {"stick_slip_is_upper_bound", sliding.particles > 1},
@@ -109,6 +113,18 @@ Json sliding_json(const Scales& scales) {
              {"circumference_in_periods", sliding.rolling_radius > 0.0
                                               ? Json(kTau * sliding.rolling_radius / sliding.period)
                                               : Json()}});
+  }
+  return list;
+}
+
+Json transmissions_json(const Scales& scales) {
+  Json list = Json::array();
+  for (const Transmission& one : scales.transmissions) {
+    list.push_back(Json{{"body", one.body},
+                        {"driver", one.driver},
+                        {"substrate", one.substrate},
+                        {"sliding_body", one.sliding_body},
+                        {"axis", axis_name(one.axis)}});
   }
   return list;
 }
@@ -148,6 +164,18 @@ Json cost_json(const std::optional<Explanation::Cost>& cost) {
               {"tried_part", cost->part}, {"instruction_set", cost->instruction_set}};
 }
 
+Json output_json(const Explanation::Output& output) {
+  const OutputSize& size = output.size;
+  return Json{{"rows", size.rows},
+              {"table_bytes", size.table},
+              {"trajectory_bytes", size.trajectory},
+              {"journal_bytes", size.journal},
+              {"checkpoint_bytes", size.checkpoint},
+              {"store_bytes", size.store},
+              {"most_events", output.events ? kMostEvents : 0},
+              {"room_bytes", number(output.room)}};
+}
+
 }  // namespace
 
 std::string explanation_json(const Explanation& e) {
@@ -166,10 +194,13 @@ std::string explanation_json(const Explanation& e) {
   json["parts"] = parts_json(e);
   json["scales"] = scales_json(e.scales, *e.scene);
   json["sliding"] = sliding_json(e.scales);
+  json["transmissions"] = transmissions_json(e.scales);
   json["misfits"] = misfits_json(e.scales);
   json["integrator"] = step_json(e.step);
   json["cost"] = cost_json(e.cost);
-  json["warnings"] = e.warnings;
+  json["output"] = output_json(e.output);
+  json["warnings"] = Json::array();
+  for (const Explanation::Warning& warning : e.warnings) json["warnings"].push_back(warning.text);
   // Names may hold anything, broken UTF-8 included.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -6,6 +6,7 @@
 #include "framework/cli/component_text.hpp"
 #include "framework/cli/explanation.hpp"
 #include "framework/cli/sections.hpp"
+#include "framework/output/run_folder.hpp"
 #include "framework/scene/natural_units.hpp"
 #include "framework/scene/title.hpp"
 
@@ -74,8 +75,10 @@ void add_frequencies(Sections& sections, const Scales& scales) {
   sections.section("natural angular frequencies, omega = sqrt(stiffness or curvature / mass)");
   for (const ForceScale& force : scales.forces) {
     if (!(force.frequency > 0.0)) continue;
-    sections.row(force.force,
-                 oscillation(force.frequency) + (force.internal ? ", within the body" : ""));
+    std::string where = force.internal ? ", within the body" : "";
+    if (!force.between.empty())
+      where = fmt::format(", between {}", fmt::join(force.between, " and "));
+    sections.row(force.force, oscillation(force.frequency) + where);
   }
   if (scales.frequency > 0.0) {
     sections.row("fastest of all", oscillation(scales.frequency) + ", a bound on all together");
@@ -112,11 +115,16 @@ void add_sliding(Sections& sections, const Explanation& e) {
     const bool alone = sliding.particles == 1;
     sections.section(fmt::format("{}: {} pulls over {} along {}", sliding.body, sliding.driver,
                                  sliding.substrate, axis_name(sliding.axis)));
-    sections.row(
-        "stick-slip parameter",
-        fmt::format("s {} {} = substrate curvature {} / driver stiffness {}; {}",
-                    alone ? "=" : "<=", text_of(sliding.stick_slip()), text_of(sliding.curvature),
-                    text_of(sliding.stiffness), verdict(sliding.stick_slip())));
+    sections.row("stick-slip parameter",
+                 fmt::format("s {} {} = substrate curvature {} / {} stiffness {}; {}",
+                             alone ? "=" : "<=", text_of(sliding.stick_slip()),
+                             text_of(sliding.curvature), sliding.bond.empty() ? "driver" : "series",
+                             text_of(sliding.stiffness), verdict(sliding.stick_slip())));
+    if (!sliding.bond.empty()) {
+      sections.row("", fmt::format("the series of {}, {}, and {}, {}", sliding.driver,
+                                   text_of(sliding.driver_stiffness), sliding.bond,
+                                   text_of(sliding.bond_stiffness)));
+    }
     if (!alone) {
       sections.row("", "an upper bound: all particles in phase");
       const double s = nothing_but_rounding(sliding) ? 0.0 : sliding.stick_slip_as_placed();
@@ -134,6 +142,17 @@ void add_sliding(Sections& sections, const Explanation& e) {
                    fmt::format("2 pi R/a = {} periods to a turn when rolling",
                                text_of(kTau * sliding.rolling_radius / sliding.period)));
     }
+  }
+}
+
+void add_transmissions(Sections& sections, const Scales& scales) {
+  for (const Transmission& one : scales.transmissions) {
+    sections.section(
+        fmt::format("{}: {} pulls along {}", one.body, one.driver, axis_name(one.axis)));
+    sections.row("stick-slip parameter",
+                 fmt::format("not known: {} acts on {}, and between {} and {} there is more than "
+                             "one linear spring",
+                             one.substrate, one.sliding_body, one.driver, one.sliding_body));
   }
 }
 
@@ -212,6 +231,32 @@ void add_cost(Sections& sections, const Explanation& e) {
   if (e.scene->output.every) sections.row("", "samples come on top of it");
 }
 
+void add_output(Sections& sections, const Explanation& e) {
+  const OutputSettings& asked = e.scene->output;
+  const OutputSize& size = e.output.size;
+  sections.section("output, at most");
+  if (asked.every) {
+    sections.row(kTableFile,
+                 fmt::format("{} rows, {}", count_text(size.rows), bytes_text(size.table)));
+  }
+  if (asked.every && asked.trajectory) {
+    sections.row(asked.trajectory_format == "xyz" ? kXyzFile : kH5mdFile,
+                 fmt::format("{} frames, {}", count_text(size.rows), bytes_text(size.trajectory)));
+  }
+  if (e.output.events) {
+    sections.row(kEventsFile, fmt::format("a row for each of the first {} events", kMostEvents));
+  }
+  std::string journal;
+  std::string store;
+  if (size.store > 0.0) store = fmt::format(", {} {} likewise", kStoreFile, bytes_text(size.store));
+  if (size.journal > 0.0) journal = fmt::format("{} {}, ", kJournalFile, bytes_text(size.journal));
+  sections.row("on the way", fmt::format("{}{} {} and the next beside it{}", journal,
+                                         kCheckpointFile, bytes_text(size.checkpoint), store));
+  sections.row("room", std::isfinite(e.output.room)
+                           ? bytes_text(e.output.room) + " in the current folder"
+                           : std::string("not known"));
+}
+
 }  // namespace
 
 std::string explanation_text(const Explanation& e) {
@@ -221,11 +266,13 @@ std::string explanation_text(const Explanation& e) {
   add_built(sections, e);
   add_frequencies(sections, e.scales);
   add_sliding(sections, e);
+  add_transmissions(sections, e.scales);
   add_misfits(sections, e.scales);
   add_step(sections, e);
   add_cost(sections, e);
+  add_output(sections, e);
   sections.section("warnings");
-  for (const std::string& warning : e.warnings) sections.row("step", warning);
+  for (const Explanation::Warning& warning : e.warnings) sections.row(warning.of, warning.text);
   return fmt::format("{}: {} dimension{}, {} dynamics, {} numbers, {} units\n\n", title,
                      scene.dimension, scene.dimension == 1 ? "" : "s", scene.run.dynamics,
                      scene.run.number_type, scene.units) +

@@ -16,12 +16,14 @@
 #include "framework/cli/result_text.hpp"
 #include "framework/cli/stop_signals.hpp"
 #include "framework/core/fault.hpp"
+#include "framework/output/output_size.hpp"
 #include "framework/output/resumption.hpp"
 #include "framework/output/run_folder.hpp"
 #include "framework/output/run_recorder.hpp"
 #include "framework/output/store_file.hpp"
 #include "framework/run/failure_fault.hpp"
 #include "framework/run/run.hpp"
+#include "framework/run/trial.hpp"
 #include "framework/standard_registry.hpp"
 #include "framework/study/accuracy.hpp"
 
@@ -107,6 +109,13 @@ int run_command(const RunArguments& arguments) {
   folder.own(found.journal);
   StoreFile store(folder, *scene, TOMLIN_VERSION,
                   arguments.resume ? StoreFile::Before::read : StoreFile::Before::ignore);
+
+  // The recorder looks at it when the run begins, which is after the pilot.
+  if (scene->run.accuracy) {
+    if (const auto layout = layout_of(scene)) {
+      require_room(*scene, output_size(*scene, *layout), room_in(folder.path()));
+    }
+  }
 
   // A full disk or a reader that went away is an error that is reported, not the end.
   std::signal(SIGXFSZ, SIG_IGN);

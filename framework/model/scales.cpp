@@ -6,82 +6,17 @@
 
 #include "framework/core/force.hpp"
 #include "framework/model/force_alone.hpp"
+#include "framework/model/sliding.hpp"
 
 namespace tomlin {
 namespace {
 
-constexpr double kTau = 6.283185307179586476925286766559;
-/// Places of a rigid shift over one period, and the difference that slopes are taken by: a
-/// sinusoid's largest slope is met to 1e-4 and taken to 1e-5.
-constexpr int kShifts = 200;
-constexpr double kDifference = 1e-3;  // of the period
 /// Numbers that are equal but for rounding.
 constexpr double kEqual = 1e-9;
 constexpr std::int64_t kLargestDenominator = 1000;
 
 double period_of(const SceneForce& force, int axis) {
   return force.record->period(force.description.get(), axis);
-}
-
-bool acts_on(const Model::Force& force, std::size_t body) {
-  return std::find(force.bodies.begin(), force.bodies.end(), body) != force.bodies.end();
-}
-
-/// Largest slope of the force on a body as it is moved along an axis over a period, its shape kept.
-double largest_slope(ForceAlone& alone, std::size_t body, int axis, double period) {
-  std::vector<std::pair<ForceAlone::Variable, double>> moved;
-  for (const ForceAlone::Variable& variable : alone.variables()) {
-    if (variable.body == body && variable.axis == axis) {
-      moved.emplace_back(variable, alone.position(variable));
-    }
-  }
-  const auto force_at = [&](double shift) {
-    for (const auto& [variable, start] : moved) alone.position(variable) = start + shift;
-    alone.forces(0.0);
-    return alone.wrench(body).force[axis];
-  };
-  const double h = kDifference * period;
-  double largest = 0.0;
-  for (int k = 0; k < kShifts; ++k) {
-    const double shift = period * k / kShifts;
-    largest = std::max(largest, std::abs(force_at(shift + h) - force_at(shift - h)) / (2.0 * h));
-  }
-  alone.restart();
-  return largest;
-}
-
-/// One substrate under one body, for each axis that a driver pulls it along.
-void add_sliding(Scales& scales, Model& model, std::size_t substrate_in_scene,
-                 const Model::Force& substrate) {
-  const SceneForce& from = model.scene().forces[substrate_in_scene];
-  for (const Model::Force& driver : model.forces()) {
-    const Drive* drive = driver.bound->drive();
-    if (drive == nullptr || !(drive->stiffness > 0.0)) continue;
-    for (const std::size_t b : substrate.bodies) {
-      if (!acts_on(driver, b)) continue;
-      for (int axis = 0; axis < model.dimension(); ++axis) {
-        const double period = period_of(from, axis);
-        const double bound = substrate.bound->curvature_bound_along(axis);
-        const double velocity = drive->velocity.empty() ? 0.0 : drive->velocity[axis];
-        if (!(period > 0.0) || bound < 0.0 || velocity == 0.0) continue;
-        const Model::Body& body = model.bodies()[b];
-        Sliding sliding;
-        sliding.body = body.bound.name;
-        sliding.driver = driver.name;
-        sliding.substrate = substrate.name;
-        sliding.axis = axis;
-        sliding.particles = body.bound.slot.count;
-        sliding.period = period;
-        sliding.stiffness = drive->stiffness;
-        sliding.curvature = bound * static_cast<double>(body.bound.slot.count);
-        ForceAlone alone(model.scene(), substrate_in_scene);
-        sliding.curvature_as_placed = largest_slope(alone, b, axis, period);
-        sliding.washboard_frequency = kTau * std::abs(velocity) / period;
-        sliding.rolling_radius = body.rolling_radius;
-        scales.sliding.push_back(std::move(sliding));
-      }
-    }
-  }
 }
 
 /// The spacing of a body whose particles stand in equal steps along one axis; 0 for any other.
@@ -205,8 +140,15 @@ Scales scales_of(const std::shared_ptr<const Scene>& scene) {
     ForceAlone alone(*scene, k);
     if (!alone.built()) continue;
     const Model::Stiffness own = alone.model().stiffness();
-    scales.forces.push_back(
-        {alone.force().name, own.frequency, own.damping_rate, scene->forces[k].traits().internal});
+    ForceScale scale{alone.force().name, own.frequency, own.damping_rate, false, {}};
+    if (scene->forces[k].traits().internal) {
+      for (const std::size_t b : alone.force().bodies) {
+        scale.between.push_back(scene->bodies[b].name);
+      }
+      scale.internal = scale.between.size() == 1;
+      if (scale.internal) scale.between.clear();
+    }
+    scales.forces.push_back(std::move(scale));
     for (const Model::Force& force : model.forces()) {
       if (force.name != scene->forces[k].name) continue;
       add_sliding(scales, model, k, force);

@@ -18,7 +18,8 @@ struct ForceScale {
   std::string force;
   double frequency = 0.0;     ///< angular, sqrt(k/m): bound of its fastest motion; 0: no spring
   double damping_rate = 0.0;  ///< coefficient/mass, 1/time; 0: does not damp
-  bool internal = false;      ///< acts within bodies: the centre of mass does not feel it
+  bool internal = false;      ///< acts within one body, whose centre of mass does not feel it
+  std::vector<std::string> between;  ///< the bodies that it binds to each other; empty: it does not
 };
 
 enum class Regime {
@@ -42,7 +43,8 @@ struct Damping {
   std::string oscillator;  ///< the force behind it
 };
 
-/// A driver that pulls a body over a periodic force, along one axis.
+/// A driver that pulls a body over a periodic force, along one axis: by its own spring, or by
+/// another body that is bonded to it.
 struct Sliding {
   std::string body;
   std::string driver;
@@ -50,7 +52,10 @@ struct Sliding {
   int axis = 0;
   std::size_t particles = 0;
   double period = 0.0;
-  double stiffness = 0.0;  ///< of the driver, all its springs together
+  double stiffness = 0.0;  ///< of the driver, all its springs together; with a bond, in series
+  std::string bond;  ///< the force by which the driven body pulls this one; empty: it is driven
+  double driver_stiffness = 0.0;
+  double bond_stiffness = 0.0;  ///< 0 without a bond
   /// Largest curvature of the substrate's energy for the body as a whole if all its particles were
   /// in phase, mass/time^2.
   double curvature = 0.0;
@@ -63,6 +68,16 @@ struct Sliding {
   /// Smooth sliding below 1, stick-slip possible above.
   double stick_slip() const { return curvature / stiffness; }
   double stick_slip_as_placed() const { return curvature_as_placed / stiffness; }
+};
+
+/// A driver whose body has no periodic force of its own, but is bonded to another that has one, in
+/// another way than by one linear spring along the axis: there is no stiffness in series.
+struct Transmission {
+  std::string driver;
+  std::string body;          ///< that the driver pulls
+  std::string substrate;     ///< and the periodic force
+  std::string sliding_body;  ///< on this one
+  int axis = 0;
 };
 
 /// p/q.
@@ -99,6 +114,7 @@ struct Scales {
   std::vector<ForceScale> forces;  ///< those built, in the scene's order
   Damping damping;
   std::vector<Sliding> sliding;
+  std::vector<Transmission> transmissions;
   std::vector<Misfit> misfits;
 };
 

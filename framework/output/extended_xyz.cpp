@@ -35,29 +35,46 @@ std::string lattice_of(const TrajectoryBox& box) {
   return (box.any() ? "Lattice=\"" + cells + "\" " : "") + "pbc=\"" + periodic + "\"";
 }
 
+/// Of each frame, as far as it is always the same.
+std::string head_of(const RunLayout& layout, const TrajectoryFacts& facts) {
+  std::string bodies;
+  for (const TrajectoryBody& body : layout.bodies) {
+    bodies += (bodies.empty() ? "" : " ") + body.name;
+  }
+  std::string head = fmt::format(
+      "{}\nProperties=species:S:1:pos:R:3:body:I:1 {} bodies={} units={} ", layout.particles(),
+      lattice_of(TrajectoryBox(layout)), in_quotes(bodies), facts.units);
+  if (!facts.name.empty()) head += "scene=" + in_quotes(facts.name) + " ";
+  return head + "time=";
+}
+
+/// Behind the places of a particle.
+std::string end_of_line(std::size_t body) { return fmt::format(" {}\n", body); }
+
 }  // namespace
+
+std::size_t xyz_bytes_per_frame(const RunLayout& layout, const TrajectoryFacts& facts) {
+  const auto axes = static_cast<std::size_t>(layout.dimension);
+  // "X", a blank and a number for each axis, a blank and a zero for each that is missing.
+  const std::size_t places = 1 + axes * (1 + kLongestNumber) + (kTrajectoryAxes - axes) * 2;
+  std::size_t bytes = head_of(layout, facts).size() + kLongestNumber + 1;
+  for (std::size_t b = 0; b < layout.bodies.size(); ++b) {
+    bytes += layout.bodies[b].mass.size() * (places + end_of_line(b).size());
+  }
+  return bytes;
+}
 
 ExtendedXyzWriter::ExtendedXyzWriter(const std::filesystem::path& file, const RunLayout& layout,
                                      const TrajectoryFacts& facts)
-    : TrajectoryWriter(file, layout), output_(file) {
-  std::string bodies;
-  for (const TrajectoryBody& body : layout_.bodies) {
-    bodies += (bodies.empty() ? "" : " ") + body.name;
-  }
-  head_ = fmt::format("{}\nProperties=species:S:1:pos:R:3:body:I:1 {} bodies={} units={} ",
-                      layout_.particles(), lattice_of(TrajectoryBox(layout_)), in_quotes(bodies),
-                      facts.units);
-  if (!facts.name.empty()) head_ += "scene=" + in_quotes(facts.name) + " ";
-}
+    : TrajectoryWriter(file, layout), output_(file), head_(head_of(layout, facts)) {}
 
 void ExtendedXyzWriter::write(double time, std::span<const double> positions) {
   buffer_ += head_;
-  buffer_ += "time=";
   append_number(buffer_, time);
   buffer_ += '\n';
   const double* place = positions.data();
   for (std::size_t b = 0; b < layout_.bodies.size(); ++b) {
-    const std::string body = fmt::format(" {}\n", b);
+    const std::string body = end_of_line(b);
     for (std::size_t i = 0; i < layout_.bodies[b].mass.size(); ++i) {
       buffer_ += 'X';
       for (std::size_t d = 0; d < kTrajectoryAxes; ++d) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -8,6 +9,9 @@
 #include "framework/output/trajectory.hpp"
 
 namespace tomlin {
+
+/// Bytes of the longest frame.
+std::size_t xyz_bytes_per_frame(const RunLayout& layout, const TrajectoryFacts& facts);
 
 /// A trajectory as text, in extended XYZ (as ASE and OVITO read it): for each frame the number of
 /// particles, a line of facts, and a line per particle with 17 digits, which read back as the same

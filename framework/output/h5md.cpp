@@ -208,6 +208,26 @@ template class Hdf5Series<std::int64_t>;
 
 // ---- the trajectory
 
+double h5md_bytes_per_frame(const RunLayout& layout) {
+  const std::size_t edges = TrajectoryBox(layout).any() ? kTrajectoryAxes : 0;
+  const std::size_t places = layout.particles() * kTrajectoryAxes;
+  return static_cast<double>((places + edges + 1) * sizeof(double) + sizeof(std::int64_t));
+}
+
+double h5md_bytes_besides(const RunLayout& layout, const TrajectoryFacts& facts) {
+  // Groups, attributes and indices of chunks; each of the four series may end in a chunk that is
+  // all but empty.
+  constexpr double kStructure = 65536.0;
+  constexpr double kSeries = 4.0;
+  double bytes = kStructure + static_cast<double>(facts.scene.size() + facts.source.size());
+  for (const TrajectoryBody& body : layout.bodies) {
+    // Mass, species and number of each particle.
+    bytes += static_cast<double>(body.mass.size() * 3 * sizeof(double) + body.name.size());
+  }
+  const double full = layout.most_samples * h5md_bytes_per_frame(layout);
+  return bytes + std::min(full, kSeries * static_cast<double>(kChunkBytes));
+}
+
 H5mdWriter::H5mdWriter(const std::filesystem::path& file, const RunLayout& layout,
                        const TrajectoryFacts& facts)
     : TrajectoryWriter(file, layout),

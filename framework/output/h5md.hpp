@@ -45,6 +45,10 @@ class Hdf5Series {
 extern template class Hdf5Series<double>;
 extern template class Hdf5Series<std::int64_t>;
 
+/// Bytes of a file at most: one frame each, and what a file has besides.
+double h5md_bytes_per_frame(const RunLayout& layout);
+double h5md_bytes_besides(const RunLayout& layout, const TrajectoryFacts& facts);
+
 /// A trajectory in H5MD 1.1 (nongnu.org/h5md; P. de Buyl, P. H. Colberg, F. Hoefling, Comput. Phys.
 /// Commun. 185 (2014) 1546, doi:10.1016/j.cpc.2014.01.018), in double precision:
 ///

@@ -92,6 +92,13 @@ JournalHeader header_in(RecordReader record) {
 
 }  // namespace
 
+double journal_bytes_per_row(const RunLayout& layout) {
+  constexpr std::size_t kAround = kRecordHead + kRecordChecksum + sizeof(std::uint64_t);
+  const std::size_t row = std::max<std::size_t>(1, row_bytes(layout));
+  const std::size_t rows = std::max<std::size_t>(1, (kBlock - sizeof(std::uint64_t)) / row);
+  return static_cast<double>(row) + static_cast<double>(kAround) / static_cast<double>(rows);
+}
+
 Descriptor own_journal(const fs::path& file, Absent absent) {
   const int flags = O_RDWR | O_NOFOLLOW | O_CLOEXEC | (absent == Absent::make_it ? O_CREAT : 0);
   Descriptor journal(::open(file.c_str(), flags, 0666));

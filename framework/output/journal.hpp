@@ -37,6 +37,9 @@ struct JournalMark {
   friend bool operator==(const JournalMark&, const JournalMark&) = default;
 };
 
+/// Bytes that a row takes in a journal, with its part of the record that it stands in.
+double journal_bytes_per_row(const RunLayout& layout);
+
 /// Another program writes this journal.
 class JournalInUse : public OutputError {
  public:
@@ -62,6 +65,8 @@ class JournalWriter {
   /// RunLayout::row() numbers. Costs a copy; a block of rows is written when it is full.
   void row(std::span<const double> row);
   void event(const Event& event);
+  /// All that have come so far.
+  std::uint64_t events() const { return events_; }
   /// Writes out what has come so far and says how far that is.
   JournalMark flush();
   /// What was flushed outlives a power cut.

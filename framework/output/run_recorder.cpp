@@ -44,12 +44,14 @@ class ToAll : public RunSink {
 }  // namespace
 
 RunRecorder::RunRecorder(RunFolder& folder, const Scene& scene, std::string program_version,
-                         Resumption resumption, std::function<void()> on_trouble)
+                         Resumption resumption, std::function<void()> on_trouble,
+                         std::uint64_t most_events)
     : folder_(folder),
       scene_(scene),
       version_(std::move(program_version)),
       resumption_(std::move(resumption)),
-      on_trouble_(std::move(on_trouble)) {}
+      on_trouble_(std::move(on_trouble)),
+      most_events_(most_events) {}
 
 template <class Action>
 void RunRecorder::attempt(Action action) {
@@ -67,6 +69,7 @@ void RunRecorder::begin(const RunLayout& layout) {
     refuse(folder_, "this program keeps other numbers of this scene than the one that was stopped",
            "the program that began the run, or --force, which starts again");
   }
+  require_room(scene_, output_size(scene_, layout), room_in(folder_.path()));
   attempt([&] { resumption_.kind == Resumption::Kind::go_on ? go_on(layout) : start(layout); });
 }
 
@@ -112,7 +115,9 @@ void RunRecorder::sample(const std::vector<double>& row) {
 }
 
 void RunRecorder::event(const Event& event) {
-  attempt([&] { journal_->event(event); });
+  attempt([&] {
+    if (journal_->events() < most_events_) journal_->event(event);
+  });
 }
 
 void RunRecorder::checkpoint(const RunState& state) {
@@ -156,7 +161,22 @@ void RunRecorder::write_results() {
   }
 }
 
+/// The counts of the summary are of all.
+void RunRecorder::tell_of_dropped_events(RunResult& result) const {
+  if (!journal_ || journal_->events() < most_events_) return;
+  const EventCounts& counts = result.events;
+  std::uint64_t all = 0;
+  for (const auto& count : {counts.slips, counts.hops, counts.turns, counts.reversals,
+                            counts.driver_reversals, counts.ties}) {
+    all += count.value_or(0);
+  }
+  if (all <= most_events_) return;
+  result.warnings.push_back(fmt::format("{} has the first {} of {} events; all are counted",
+                                        kEventsFile, most_events_, all));
+}
+
 std::optional<std::string> RunRecorder::finish(RunResult& result) {
+  tell_of_dropped_events(result);
   const bool ended = result.status != RunStatus::interrupted;
   attempt([&] { write_results(); });
   if (trouble_ && !result.failure) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include "framework/output/checkpoint.hpp"
 #include "framework/output/journal.hpp"
+#include "framework/output/output_size.hpp"
 #include "framework/output/resumption.hpp"
 #include "framework/output/run_folder.hpp"
 #include "framework/run/run.hpp"
@@ -25,10 +27,11 @@ class RunRecorder : public RunSink {
   /// Of an owned folder. Nothing is touched before begin(). `on_trouble` is called when something
   /// cannot be written.
   RunRecorder(RunFolder& folder, const Scene& scene, std::string program_version,
-              Resumption resumption, std::function<void()> on_trouble);
+              Resumption resumption, std::function<void()> on_trouble,
+              std::uint64_t most_events = kMostEvents);
 
   /// Throws InputError, and has touched nothing, when the run was begun by a program that keeps
-  /// other numbers in its checkpoints than this one.
+  /// other numbers in its checkpoints than this one, or there is no room for what it would write.
   void begin(const RunLayout& layout) override;
   void sample(const std::vector<double>& row) override;
   void event(const Event& event) override;
@@ -42,6 +45,7 @@ class RunRecorder : public RunSink {
   void start(const RunLayout& layout);
   void go_on(const RunLayout& layout);
   void write_results();
+  void tell_of_dropped_events(RunResult& result) const;
   bool holds_scene() const;
   void check_in_place() const;
   template <class Action>
@@ -52,6 +56,7 @@ class RunRecorder : public RunSink {
   std::string version_;
   Resumption resumption_;
   std::function<void()> on_trouble_;
+  std::uint64_t most_events_;  ///< that are kept
   std::optional<JournalWriter> journal_;
   bool cleared_ = false;    ///< results of an earlier run are gone
   bool kept_once_ = false;  ///< a checkpoint

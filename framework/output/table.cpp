@@ -12,9 +12,12 @@ namespace tomlin {
 namespace {
 
 constexpr std::size_t kBuffer = std::size_t{1} << 16;  // bytes that are written at once
-constexpr std::size_t kLongestNumber = 25;             // "-1.2345678901234567e-308" and a comma
 
 }  // namespace
+
+std::size_t table_bytes_per_row(const RunLayout& layout) {
+  return (kLongestNumber + 1) * layout.columns.size();
+}
 
 TableWriter::TableWriter(std::filesystem::path file) : file_(std::move(file)) {}
 
@@ -23,7 +26,7 @@ void TableWriter::begin(const RunLayout& layout) {
   output_.emplace(file_);
   row_ = layout.row();
   // Room for the longest row behind a buffer that is just not full: no sample allocates.
-  buffer_.reserve(kBuffer + kLongestNumber * layout.columns.size());
+  buffer_.reserve(kBuffer + table_bytes_per_row(layout));
   for (const SampleColumn& column : layout.columns) {
     if (!names_.empty()) buffer_ += ',';
     fmt::format_to(std::back_inserter(buffer_), "{} [{}]", column.name, column.unit);

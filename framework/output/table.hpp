@@ -11,6 +11,9 @@
 
 namespace tomlin {
 
+/// Bytes of the longest row, a comma or the end of the line behind each number.
+std::size_t table_bytes_per_row(const RunLayout& layout);
+
 /// Writes samples as comma-separated values: a header `time [time],driver.force.x [force],...`,
 /// then one row per sample with 17 significant digits, which read back as the same bits. A number
 /// that is not finite is never written. Throws OutputError.

@@ -39,6 +39,8 @@ class Engine {
   std::optional<SampledWork> sampled_work() const {
     return balance_ ? balance_->found() : std::nullopt;
   }
+  /// What a sink that wants samples gets.
+  RunLayout layout() const;
   /// What the code of a plugin has thrown, if it has.
   const std::optional<PluginError>& thrown() const { return thrown_; }
 

@@ -77,9 +77,7 @@ void Engine::list_signals() {
 }
 
 /// Columns of the table, and whose positions come with them.
-void Engine::begin_sink() {
-  sink_has_begun_ = true;
-  if (options_.sink == nullptr && !sampling_) return;
+RunLayout Engine::layout() const {
   RunLayout layout;
   layout.dimension = model_.dimension();
   layout.box = scene_->box.lengths;
@@ -87,7 +85,12 @@ void Engine::begin_sink() {
   layout.events =
       path_ != nullptr || !driver_watches_.empty() || !body_watches_.empty() || !triggers_.empty();
   layout.state = fields_of(state_.layout());
-  if (sampling_) {
+  layout.state_bytes = state_.to_bytes().size();
+  if (scene_->output.every) {
+    // The last may miss the end of the run by rounding, and comes nevertheless.
+    constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+    const double intervals = duration_ / *scene_->output.every;
+    layout.most_samples = std::floor(intervals * (1.0 + kRounding) + kNoStep) + 1.0;
     static const char* const axes[] = {"x", "y", "z"};
     std::vector<SampleColumn>& columns = layout.columns;
     const auto per_axis = [&](const std::string& name, const char* unit) {
@@ -110,8 +113,20 @@ void Engine::begin_sink() {
       }
     }
   }
-  sample_values_.assign(layout.row(), 0.0);
-  if (options_.sink != nullptr) options_.sink->begin(layout);
+  return layout;
+}
+
+void Engine::begin_sink() {
+  sink_has_begun_ = true;
+  if (options_.sink == nullptr && !sampling_) return;
+  RunLayout given = layout();
+  if (!sampling_) {
+    given.columns.clear();
+    given.bodies.clear();
+    given.most_samples = 0.0;
+  }
+  sample_values_.assign(given.row(), 0.0);
+  if (options_.sink != nullptr) options_.sink->begin(given);
 }
 
 void Engine::observe_start() {

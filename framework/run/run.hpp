@@ -195,6 +195,9 @@ struct RunLayout {
   std::vector<bool> periodic;  ///< by axis, with a box
   bool events = false;         ///< whether any can happen
   std::string state = {};      ///< names and sizes of what stands in a checkpoint's numbers
+  // How much that is: nothing that a resumed run has to agree with.
+  double most_samples = 0.0;    ///< of the whole run; fewer when it ends early
+  std::size_t state_bytes = 0;  ///< of a checkpoint's numbers
 
   std::size_t particles() const;
   /// Numbers of one sample: the columns, then positions [particle][axis].

@@ -26,6 +26,7 @@ Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds, Instruc
   if (engine.thrown()) throw *engine.thrown();
 
   Trial trial;
+  trial.layout = engine.layout();
   trial.stable_step = dt > 0.0 ? engine.stable_step() : std::numeric_limits<double>::infinity();
   trial.step_is_stable = std::min(dt, run.duration) <= trial.stable_step * (1.0 + kSlack);
   if (!trial.step_is_stable) return trial;
@@ -47,6 +48,12 @@ Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds, Instruc
   trial.evaluations = engine.model().system().evaluations;
   trial.steps = engine.steps();
   return trial;
+}
+
+std::optional<RunLayout> layout_of(const std::shared_ptr<const Scene>& scene) {
+  const Engine engine(scene, RunOptions());
+  if (engine.thrown() || engine.failed()) return std::nullopt;
+  return engine.layout();
 }
 
 }  // namespace tomlin

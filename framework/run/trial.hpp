@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "framework/core/instruction_set.hpp"
+#include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
 
 namespace tomlin {
@@ -18,11 +20,16 @@ struct Trial {
   std::uint64_t evaluations = 0;  ///< of all forces
   double time = 0.0;              ///< of the scene, reached
   double seconds = 0.0;           ///< of this machine
+  RunLayout layout;               ///< what a run would send to its sink
 };
 
 /// Binds the scene and steps it for about so many seconds; leaves nothing behind. Throws InputError
 /// for everything that a run would refuse, PluginError where the code of a plugin throws.
 Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds,
               InstructionSet set = chosen_instruction_set());
+
+/// What a run of the scene would send to its sink; nothing where it would fail before its start.
+/// Throws InputError for everything that a run would refuse.
+std::optional<RunLayout> layout_of(const std::shared_ptr<const Scene>& scene);
 
 }  // namespace tomlin

@@ -120,6 +120,139 @@ TEST_F(Explain, TellsSpacingAgainstPeriod) {
   EXPECT_TRUE(golden["misfits"][0]["fraction"].is_null());
 }
 
+TEST_F(Explain, ShowsWhatARunWouldWrite) {
+  const Json output = explained({"tip.toml"})["output"];
+  EXPECT_EQ(output["rows"], 429.0);
+  ASSERT_EQ(tomlin({"run", "tip.toml"}).status, 0);
+  const auto table = static_cast<double>(file("tip.out/observables.csv").size());
+  EXPECT_GE(output["table_bytes"], table);
+  // Numbers of 17 digits with an exponent and a sign are seldom.
+  EXPECT_LE(output["table_bytes"], 1.5 * table);
+  EXPECT_EQ(output["trajectory_bytes"], 0.0);
+  EXPECT_GT(output["checkpoint_bytes"], 0.0);
+  EXPECT_GT(output["room_bytes"], 0.0);
+  EXPECT_EQ(output["most_events"], 1000000);
+
+  const std::vector<std::string> with_trajectory = {"explain", "tip.toml", "--set",
+                                                    "output.trajectory=true"};
+  const std::string text = tomlin(with_trajectory).out;
+  for (const char* part : {"\noutput, at most\n", "429 rows, ", "trajectory.h5", "429 frames, ",
+                           "run.journal ", "room  "}) {
+    EXPECT_TRUE(contains(text, part)) << part << "\n" << text;
+  }
+  const std::string beyond = tomlin({"explain", "tip.toml", "--set", "output.every=1e-9"}).out;
+  EXPECT_TRUE(contains(beyond, "output.every  ")) << beyond;
+  EXPECT_TRUE(contains(beyond, "the run is refused: the run would write 3e+11 rows")) << beyond;
+}
+
+/// The note of a part.
+std::string note(const Json& explained, const std::string& part) {
+  for (const Json& one : explained["parts"]) {
+    if (one["name"] == part) return one["note"];
+  }
+  return "";
+}
+
+constexpr const char* kShaken = R"toml([[body]]
+type = "point"
+position = [0.1]
+particle_mass = 1.0
+
+[[force]]
+name = "shaker"
+type = "expression"
+energy = "x^2 * (1 + 0.1 * cos(t))"
+
+[run]
+duration = 1.0
+integrator = { type = "rk4", dt = 1e-2 }
+)toml";
+
+TEST_F(Explain, AFormulaInTimeDoesWork) {
+  write(folder_ / "shaken.toml", kShaken);
+  const std::string said = "shaker changes with time and does work, which the energy ledger has";
+  EXPECT_EQ(note(explained({"shaken.toml"}), "driver integrals"), "no driver; " + said);
+  EXPECT_EQ(
+      note(explained({"shaken.toml", "--set", "force.shaker.energy=x^2"}), "driver integrals"),
+      "nothing does work");
+  write(folder_ / "driven.toml",
+        std::string(kShaken) +
+            "[[force]]\ntype = \"driving_spring\"\nstiffness = 1.0\nvelocity = [0.1]\n");
+  EXPECT_EQ(note(explained({"driven.toml"}), "driver integrals"),
+            "the force and the power of every driver; " + said);
+}
+
+constexpr const char* kLever = R"([[body]]
+name = "support"
+type = "point"
+position = [-1.5]
+particle_mass = 1.0
+
+[[body]]
+name = "tip"
+type = "point"
+position = [0.5]
+particle_mass = 1.0
+
+[[force]]
+name = "driver"
+type = "driving_spring"
+body = "support"
+stiffness = 2.0
+velocity = [0.1]
+
+[[force]]
+name = "lever"
+type = "harmonic_bonds"
+bodies = ["support", "tip"]
+pairs = "all"
+stiffness = 6.0
+
+[[force]]
+type = "sinusoidal_substrate"
+body = "tip"
+amplitude = 0.1
+period = 1.0
+
+[run]
+duration = 1.0
+integrator = { type = "rk4", dt = 1e-2 }
+)";
+
+TEST_F(Explain, ABondBetweenTwoBodiesActsBetweenThem) {
+  write(folder_ / "lever.toml", kLever);
+  const std::string text = tomlin({"explain", "lever.toml"}).out;
+  EXPECT_TRUE(contains(text, ", between support and tip\n")) << text;
+  EXPECT_FALSE(contains(text, "within the body")) << text;
+  const Json force = explained({"lever.toml"})["scales"]["forces"][1];
+  EXPECT_EQ(force["internal"], false);
+  EXPECT_EQ(force["between"], (Json{"support", "tip"}));
+}
+
+TEST_F(Explain, ADriverPullsThroughABond) {
+  write(folder_ / "lever.toml", kLever);
+  const std::string text = tomlin({"explain", "lever.toml"}).out;
+  for (const char* part :
+       {"\ntip: driver pulls over sinusoidal_substrate along x\n",
+        "s = 2.632 = substrate curvature 3.948 / series stiffness 1.5; s > 1: stick-slip possible",
+        "the series of driver, 2, and lever, 6"}) {
+    EXPECT_TRUE(contains(text, part)) << part << "\n" << text;
+  }
+  const Json found = explained({"lever.toml"});
+  EXPECT_EQ(found["sliding"][0]["bond"], "lever");
+  EXPECT_EQ(found["sliding"][0]["driver_stiffness"], 2.0);
+  EXPECT_EQ(found["transmissions"].size(), 0U);
+
+  write(folder_ / "held.toml", std::string(kLever) +
+                                   "[[force]]\nname = \"other\"\ntype = \"driving_spring\"\n"
+                                   "body = \"tip\"\nstiffness = 1.0\nvelocity = [0.0]\n");
+  EXPECT_TRUE(contains(tomlin({"explain", "held.toml"}).out,
+                       "\nsupport: driver pulls along x\n"
+                       "  stick-slip parameter  not known: sinusoidal_substrate acts on tip, and "
+                       "between driver and tip there is more than one linear spring\n"));
+  EXPECT_EQ(explained({"held.toml"})["transmissions"][0]["sliding_body"], "tip");
+}
+
 TEST_F(Explain, ABadSceneIsBadInput) {
   expect_refused({"explain", "missing.toml"}, tomlin({"run", "missing.toml"}).err);
   expect_refused({"explain", "tip.toml", "--set", "force.driver.stiffness=-1", "--json"},

@@ -16,6 +16,8 @@ const double kTau = 2.0 * std::acos(-1.0);
 constexpr double kRounding = 1e-12;  // of a few operations on numbers of order one
 // A scan of 200 places meets the largest slope of a sinusoid to (pi/200)^2/2.
 constexpr double kScan = 2e-4;
+// Slopes of a linear spring by differences over a thousandth of a period, some lengths away.
+constexpr double kDifferences = 1e-11;
 
 Scales scales(const std::string& text) { return scales_of(scene_of(text)); }
 
@@ -114,6 +116,111 @@ TEST(Scales, AChainInStepMeetsTheBoundAndOneOutOfStepCancels) {
 
 TEST(Scales, ADriverAtRestPullsOverNothing) {
   EXPECT_TRUE(scales(driven_chain("2.0", 8, "0.0")).sliding.empty());
+}
+
+// ---- a driver on one body, the substrate under another
+
+constexpr double kSpring = 2.0;
+constexpr double kBond = 3.0;
+
+struct Pulled {
+  double amplitude = 0.1;
+  std::string support = "position = [-1.5]";  ///< of what the driver pulls
+  std::string bond =
+      "type = \"harmonic_bonds\"\npairs = \"all\"\nstiffness = 3.0\nrest_lengths = 2.0";
+  std::string more = {};
+  std::string run = "duration = 1.0\nintegrator = { type = \"rk4\", dt = 1e-3 }";
+
+  std::string text() const {
+    return "[[body]]\nname = \"support\"\ntype = \"point\"\nparticle_mass = 1.0\n" + support +
+           "\n[[body]]\nname = \"tip\"\ntype = \"point\"\nposition = [0.5]\nparticle_mass = 1.0\n"
+           "[[force]]\ntype = \"driving_spring\"\nname = \"driver\"\nbody = \"support\"\n"
+           "stiffness = 2.0\nvelocity = [0.1]\n"
+           "[[force]]\nname = \"lever\"\nbodies = [\"support\", \"tip\"]\n" +
+           bond +
+           "\n[[force]]\ntype = \"sinusoidal_substrate\"\nname = \"substrate\"\nbody = \"tip\"\n"
+           "amplitude = " +
+           digits(amplitude) + "\nperiod = 1.0\n" + more + "[run]\n" + run + "\n";
+  }
+};
+
+TEST(Scales, ABondBetweenTwoBodiesIsNotWithinOne) {
+  const Scales found = scales(Pulled{}.text());
+  EXPECT_FALSE(of(found, "lever").internal);
+  EXPECT_EQ(of(found, "lever").between, (std::vector<std::string>{"support", "tip"}));
+  EXPECT_TRUE(of(found, "driver").between.empty());
+  // It is the fastest that the bodies' places feel: two masses of one on a spring of three.
+  EXPECT_EQ(scales(Pulled{.amplitude = 1e-3}.text()).damping.oscillator, "lever");
+}
+
+TEST(Scales, ADriverAndABondAreSpringsInSeries) {
+  const double curvature = 0.1 * kTau * kTau;
+  const double series = kSpring * kBond / (kSpring + kBond);
+  for (const char* more :
+       {"",
+        "[[force]]\ntype = \"viscous_damping\"\nname = \"drag\"\nbody = \"support\"\n"
+        "coefficient = 1.0\n[[force]]\ntype = \"constant_force\"\nbody = \"tip\"\n"
+        "force = [0.2]\n"}) {
+    const Scales found = scales(Pulled{.more = more}.text());
+    ASSERT_EQ(found.sliding.size(), 1u);
+    EXPECT_TRUE(found.transmissions.empty());
+    const Sliding& sliding = found.sliding.front();
+    EXPECT_EQ(sliding.body, "tip");
+    EXPECT_EQ(sliding.driver, "driver");
+    EXPECT_EQ(sliding.bond, "lever");
+    EXPECT_NEAR(sliding.bond_stiffness, kBond, kBond * kDifferences);
+    EXPECT_NEAR(sliding.stick_slip(), curvature / series, curvature / series * kDifferences);
+    EXPECT_NEAR(sliding.washboard_frequency, kTau * 0.1, kRounding);
+  }
+}
+
+/// What the number says: below one it slides, above it slips.
+TEST(Scales, TheSeriesStiffnessIsWhatStickSlipBeginsAt) {
+  const auto slips = [](double s) {
+    const double series = kSpring * kBond / (kSpring + kBond);
+    Pulled pulled{.amplitude = s * series / (kTau * kTau)};
+    pulled.run = "dynamics = \"quasistatic\"\nduration = 30.0";
+    EXPECT_NEAR(scales(pulled.text()).sliding.at(0).stick_slip(), s, s * kDifferences);
+    return run_text(pulled.text()).events.slips.value();
+  };
+  EXPECT_EQ(slips(0.99), 0u);
+  EXPECT_GE(slips(1.01), 2u);
+}
+
+/// A second spring, a bond that is not linear, a body between, a spring askew: no number is right.
+TEST(Scales, NoSeriesStiffnessWhereThereIsMoreThanOneLinearSpring) {
+  const std::string spring =
+      "[[force]]\ntype = \"driving_spring\"\nname = \"other\"\nvelocity = [0.0]\nstiffness = 1.0\n";
+  const auto expect_none = [](const Pulled& pulled) {
+    const Scales found = scales(pulled.text());
+    EXPECT_TRUE(found.sliding.empty()) << pulled.text();
+    ASSERT_EQ(found.transmissions.size(), 1u) << pulled.text();
+    EXPECT_EQ(found.transmissions.front().driver, "driver");
+    EXPECT_EQ(found.transmissions.front().body, "support");
+    EXPECT_EQ(found.transmissions.front().sliding_body, "tip");
+    EXPECT_EQ(found.transmissions.front().substrate, "substrate");
+  };
+  expect_none({.more = spring + "body = \"support\"\n"});
+  expect_none({.more = spring + "body = \"tip\"\n"});
+  expect_none({.bond = "type = \"morse_bonds\"\npairs = \"all\"\ndepth = 1.0\ninverse_width = 1.0\n"
+                       "rest_lengths = 2.0"});
+  expect_none({.bond = "type = \"expression\"\nenergy = \"(1 + t) * r^2\""});
+  expect_none({.support = "position = [0.4]"});
+  expect_none({.more = "[[force]]\ntype = \"expression\"\nname = \"beside\"\n"
+                       "bodies = [\"support\", \"tip\"]\nenergy = \"r^2\"\n"});
+}
+
+TEST(Scales, ADriverIsNotOverTheSubstrateOfABodyThatItDoesNotPull) {
+  const std::string wall = "position = [-1.5]\ncoordinates = \"fixed\"";
+  EXPECT_TRUE(scales(Pulled{.support = wall}.text()).transmissions.empty());
+  EXPECT_TRUE(scales(Pulled{.support = wall}.text()).sliding.empty());
+  const Scales own = scales(Pulled{.more = "[[force]]\ntype = \"sinusoidal_substrate\"\n"
+                                           "name = \"other\"\nbody = \"support\"\n"
+                                           "amplitude = 0.3\nperiod = 1.0\n"}
+                                .text());
+  ASSERT_EQ(own.sliding.size(), 1u) << "its own substrate is what it is pulled over";
+  EXPECT_EQ(own.sliding.front().body, "support");
+  EXPECT_TRUE(own.transmissions.empty());
 }
 
 TEST(Scales, SpacingAgainstPeriod) {

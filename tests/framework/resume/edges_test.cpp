@@ -49,7 +49,7 @@ std::string perturbed() {
 
 std::string long_run() {
   std::string text = kShortRun;
-  return text.replace(text.find("duration = 1.5"), 14, "duration = 1e7");
+  return text.replace(text.find("duration = 1.5"), 14, "duration = 1e6");
 }
 
 class Edges : public Cli {

@@ -23,7 +23,7 @@ class Resume : public Cli {
 
   static std::string text_of_long_run() {
     std::string text = kShortRun;
-    text.replace(text.find("duration = 1.5"), 14, "duration = 1e7");
+    text.replace(text.find("duration = 1.5"), 14, "duration = 1e6");
     return text;
   }
 
@@ -78,7 +78,7 @@ TEST_F(Resume, ARunThatHasFinishedStaysAsItIs) {
   EXPECT_EQ(ended.status, 0) << ended.err;
   EXPECT_TRUE(contains(ended.out, "finished already")) << ended.out;
   EXPECT_EQ(files_of(folder_ / "out"), before);
-  expect_refused_for({"another scene", "duration = 1.5", "duration = 10000000"});
+  expect_refused_for({"another scene", "duration = 1.5", "duration = 1000000.0"});
 }
 
 TEST_F(Resume, ARunThatFailedWouldFailAgain) {
@@ -234,12 +234,12 @@ TEST_F(Resume, AFullDiskKeepsTheLastCheckpoint) {
   EXPECT_EQ(differing(folder_ / "whole", folder_ / "out"), "");
 }
 
-/// A file system of 64 kB in memory, while this lives; none where mounting is not allowed.
+/// A small file system in memory, while this lives; none where mounting is not allowed.
 class SmallDisk {
  public:
-  explicit SmallDisk(const fs::path& at) : at_(at) {
+  SmallDisk(const fs::path& at, const std::string& size) : at_(at) {
     fs::create_directory(at_);
-    mounted_ = ::mount("tmpfs", at_.c_str(), "tmpfs", 0, "size=64k") == 0;
+    mounted_ = ::mount("tmpfs", at_.c_str(), "tmpfs", 0, ("size=" + size).c_str()) == 0;
   }
   ~SmallDisk() {
     if (mounted_) ::umount(at_.c_str());
@@ -255,18 +255,23 @@ class SmallDisk {
 };
 
 TEST_F(Resume, AFullFileSystemKeepsTheLastCheckpointToo) {
-  const SmallDisk disk(folder_ / "disk");
+  // Room for the run when it begins, which another program fills.
+  const SmallDisk disk(folder_ / "disk", "8m");
   if (!disk.mounted()) GTEST_SKIP() << "mounting a file system is not allowed here";
   const std::vector<std::string> settings = {"--set", "run.duration=600", "--set",
                                              "output.every=0.05"};
-  const auto run = [&](const std::string& out, const std::vector<std::string>& more) {
+  const auto run = [&](const std::string& out, const std::vector<std::string>& more,
+                       const Conditions& conditions = {}) {
     std::vector<std::string> words = {"run", "scene.toml", "-o", out};
     words.insert(words.end(), settings.begin(), settings.end());
     words.insert(words.end(), more.begin(), more.end());
-    return tomlin(words);
+    return tomlin(words, conditions);
   };
   ASSERT_EQ(run("whole", {}).status, 0);
-  const Ended full = run("disk/out", {});
+  const Ended full = run("disk/out", {}, {.then = [&](pid_t) {
+                           EXPECT_TRUE(appears(folder_ / "disk/out/run.checkpoint"));
+                           std::ofstream(folder_ / "disk/other") << std::string(8 << 20, 'x');
+                         }});
   EXPECT_EQ(full.status, 1);
   EXPECT_TRUE(contains(full.err, "No space left on device")) << full.err;
   EXPECT_FALSE(exists("disk/out/observables.csv"));
@@ -274,6 +279,41 @@ TEST_F(Resume, AFullFileSystemKeepsTheLastCheckpointToo) {
   const Ended ended = run("disk/out", {"--resume"});
   EXPECT_EQ(ended.status, 0) << ended.err;
   EXPECT_EQ(differing(folder_ / "whole", folder_ / "disk/out"), "");
+}
+
+/// Known before it begins, and with what would fit; the rest of a run is all that one that goes on
+/// needs room for.
+TEST_F(Resume, ARunThatDoesNotFitIsRefusedBeforeItBegins) {
+  const SmallDisk disk(folder_ / "disk", "1m");
+  if (!disk.mounted()) GTEST_SKIP() << "mounting a file system is not allowed here";
+  const auto run = [&](const std::string& every, const std::vector<std::string>& more = {},
+                       const Conditions& conditions = {}) {
+    std::vector<std::string> words = {
+        "run",   "scene.toml",       "-o",    "disk/out",
+        "--set", "run.duration=600", "--set", "output.every=" + every};
+    words.insert(words.end(), more.begin(), more.end());
+    return tomlin(words, conditions);
+  };
+  const Ended refused = run("0.05");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_TRUE(contains(refused.err, "the run would write 12001 rows, up to ")) << refused.err;
+  EXPECT_TRUE(contains(refused.err, "there is room for 1.05 MB")) << refused.err;
+  EXPECT_FALSE(exists("disk/out"));
+
+  const std::string admissible = "admissible: >= ";
+  const auto at = refused.err.find(admissible);
+  ASSERT_NE(at, std::string::npos) << refused.err;
+  const std::string rest = refused.err.substr(at + admissible.size());
+  const std::string every = rest.substr(0, rest.find(','));
+  const Ended stopped = run(every, {}, {.then = [&](pid_t child) {
+                              EXPECT_TRUE(appears(folder_ / "disk/out/run.checkpoint"));
+                              ::kill(child, SIGINT);
+                            }});
+  EXPECT_EQ(stopped.status, 128 + SIGINT) << stopped.err;
+  // What the run has written is no longer free, and is its own.
+  const Ended ended = run(every, {"--resume"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_TRUE(exists("disk/out/observables.csv"));
 }
 
 /// No file of the run takes the number of a stream that is closed.

@@ -1,0 +1,217 @@
+#include "framework/output/output_size.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "framework/core/fault.hpp"
+#include "framework/output/event_table.hpp"
+#include "framework/output/run_recorder.hpp"
+#include "framework/output/table.hpp"
+#include "tests/framework/output/journal_fixture.hpp"
+#include "tests/framework/output/temporary_folder.hpp"
+#include "tests/framework/output/trajectory_fixture.hpp"
+
+namespace tomlin::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// As long as numbers get: every byte of a table is known.
+constexpr double kLongest = -1.2345678901234567e-308;
+
+Scene scene_with(const std::string& format) {
+  Scene scene;
+  scene.name = "a \"test\"";
+  scene.effective_toml = "[run]\nduration = 1.0\n";
+  scene.run.duration = 100.0;
+  scene.output.every = 1.0;
+  scene.output.trajectory = !format.empty();
+  scene.output.trajectory_format = format;
+  scene.output.places["every"] = {"scene.toml", 7, 9};
+  return scene;
+}
+
+RunLayout with_samples(RunLayout layout, std::size_t samples) {
+  layout.most_samples = static_cast<double>(samples);
+  return layout;
+}
+
+double size_of(const fs::path& file) { return static_cast<double>(fs::file_size(file)); }
+
+TEST(OutputSize, ATableIsAsLongAsItsLongestNumbers) {
+  const TemporaryFolder folder;
+  const RunLayout layout = with_samples(two_bodies(), 1000);
+  TableWriter table(folder / kTableFile);
+  table.begin(layout);
+  for (int k = 0; k < 1000; ++k) table.sample(std::vector<double>(layout.row(), kLongest));
+  table.finish();
+  const double most = output_size(scene_with(""), layout).table;
+  EXPECT_LE(size_of(folder / kTableFile), most);
+  // But for the line of names.
+  EXPECT_GE(size_of(folder / kTableFile), 0.999 * most);
+}
+
+/// Frames of a few bytes and of more than a chunk, few and many.
+TEST(OutputSize, ATrajectoryIsNotLarger) {
+  for (const char* format : {"xyz", "h5md"}) {
+    const Scene scene = scene_with(format);
+    for (const auto& [bodies, frames] :
+         {std::pair(two_bodies(), 1), std::pair(two_bodies(), 20'000), std::pair(line_of(3), 7),
+          std::pair(line_of(60'000), 3), std::pair(line_of(1000), 300)}) {
+      const TemporaryFolder folder;
+      const RunLayout layout = with_samples(bodies, static_cast<std::size_t>(frames));
+      const auto writer =
+          trajectory_writer(format, folder / "t", layout, trajectory_facts(scene, ""));
+      std::vector<double> row(layout.row(), kLongest);
+      for (int k = 0; k < frames; ++k) writer->frame(row);
+      writer->finish();
+      const double most = output_size(scene, layout).trajectory;
+      const double found = size_of(folder / "t");
+      EXPECT_LE(found, most) << format << " " << layout.particles() << " " << frames;
+      // Each of the four series of HDF5 may end in a chunk of a megabyte that is nearly empty; its
+      // structure is some kilobytes.
+      const double slack = std::string(format) == "xyz" ? 0.0 : 4.3e6;
+      EXPECT_GE(found, most - slack) << format << " " << layout.particles() << " " << frames;
+    }
+  }
+}
+
+TEST(OutputSize, AJournalIsNotLarger) {
+  for (const RunLayout& bodies : {two_bodies(), line_of(20'000)}) {
+    const TemporaryFolder folder;
+    const RunLayout layout = with_samples(bodies, 400);
+    JournalHeader header{"1.2.3", "a scene", layout};
+    JournalWriter journal(folder / kJournalFile,
+                          own_journal(folder / kJournalFile, Absent::make_it), header);
+    const auto empty = static_cast<double>(journal.flush().bytes);
+    for (int k = 0; k < 400; ++k) journal.row(std::vector<double>(layout.row(), kLongest));
+    const double found = static_cast<double>(journal.flush().bytes) - empty;
+    const double most = output_size(scene_with("h5md"), layout).journal;
+    EXPECT_LE(found, most + 32.0) << "the last record is not full";
+    EXPECT_GE(found, 0.99 * most);
+  }
+}
+
+std::string refusal(const Scene& scene, const OutputSize& size, double room) {
+  try {
+    require_room(scene, size, room);
+    return "";
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+OutputSize size_at(Scene& scene, double every) {
+  scene.output.every = every;
+  RunLayout layout = two_bodies();
+  layout.most_samples = std::floor(scene.run.duration / every + 1e-9) + 1.0;
+  layout.state_bytes = 1000;
+  return output_size(scene, layout);
+}
+
+TEST(OutputSize, WhatDoesNotFitIsRefusedWithWhatWould) {
+  Scene scene = scene_with("xyz");
+  const OutputSize size = size_at(scene, 1e-3);
+  EXPECT_EQ(refusal(scene, size, size.together()), "");
+  const std::string why = refusal(scene, size, 1e6);
+  for (const char* part :
+       {"scene.toml:7:9: error: output.every = 0.001: the run would write 100001 rows, up to ",
+        "5 MB of observables.csv, ", "of trajectory.xyz and ", " of run.journal on the way; ",
+        "there is room for 1 MB", "admissible: >= "}) {
+    EXPECT_NE(why.find(part), std::string::npos) << part << "\n" << why;
+  }
+  for (const double room : {1e5, 1e6, 1.234e7, 5e7}) {
+    scene.output.every = 1e-3;
+    const double every = shortest_every(scene, size, room);
+    EXPECT_LE(size_at(scene, every).together(), room) << every;
+    // Rounded to three digits, and a hundredth left.
+    EXPECT_GT(size_at(scene, 0.975 * every).together(), room) << every;
+  }
+  EXPECT_NE(refusal(scene, size, 10.0).find("a folder with more room"), std::string::npos);
+}
+
+TEST(OutputSize, MoreRowsThanAnyoneReadsAreRefusedHoweverMuchRoomThereIs) {
+  Scene scene = scene_with("");
+  const double infinite = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(refusal(scene, size_at(scene, 1.1e-7), infinite), "");
+  const std::string why = refusal(scene, size_at(scene, 0.9e-7), infinite);
+  EXPECT_NE(why.find("admissible: >= 1.01e-07"), std::string::npos) << why;
+  EXPECT_NE(why.find("at most 1e+09 rows"), std::string::npos) << why;
+}
+
+TEST(OutputSize, CheckpointsAloneNeedRoomToo) {
+  Scene scene = scene_with("");
+  scene.output = OutputSettings();
+  scene.run.place = {"scene.toml", 3, 1};
+  RunLayout layout;
+  layout.state_bytes = 1'000'000;
+  const OutputSize size = output_size(scene, layout);
+  EXPECT_EQ(refusal(scene, size, 3e6), "");
+  EXPECT_NE(refusal(scene, size, 1.5e6).find("scene.toml:3:1: error: run: its checkpoints take"),
+            std::string::npos);
+  // Those of perturbed starts stay until the run has ended.
+  scene.run.perturb.emplace();
+  scene.run.perturb->repeats = 9;
+  EXPECT_NEAR(output_size(scene, layout).together(), 10.0 * size.together(), 1.0);
+  EXPECT_NE(refusal(scene, output_size(scene, layout), 15e6), "");
+}
+
+/// A run that goes on, or that replaces another, has what stands there already.
+TEST(OutputSize, WhatTheRunHasWrittenIsRoomForIt) {
+  constexpr std::size_t kWritten = 50'000'000;
+  // What other programs write meanwhile.
+  constexpr double kOthers = 20e6;
+  const TemporaryFolder folder;
+  EXPECT_NEAR(room_in(folder / "not" / "there"), room_in(folder.path()), kOthers);
+  write(folder / kJournalFile, std::string(kWritten, 'x'));
+  write(folder / "other", std::string(1000, 'x'));
+  const auto free = static_cast<double>(fs::space(folder.path()).available);
+  EXPECT_NEAR(room_in(folder.path()), free + static_cast<double>(kWritten), kOthers);
+}
+
+// ---- events
+
+/// A run of so many events, of which three are kept.
+nlohmann::json summary_of(const TemporaryFolder& temporary, std::uint64_t events) {
+  Scene scene;
+  scene.effective_toml = small_header().scene;
+  RunFolder folder(temporary.path(), Occupied::replace_results);
+  Resumption resumption = start_again(folder);
+  folder.own(resumption.journal);
+  RunRecorder recorder(
+      folder, scene, "1.2.3", std::move(resumption), [] {}, 3);
+  recorder.begin(small_layout());
+  for (std::uint64_t k = 0; k < events; ++k) recorder.event(small_event(k));
+  RunResult result;
+  result.events.slips = events - 1;
+  result.events.turns = 1;
+  EXPECT_EQ(recorder.finish(result), std::nullopt);
+  return nlohmann::json::parse(content(temporary / kSummaryFile));
+}
+
+TEST(OutputSize, EventsBeyondTheLimitAreCountedAndNotKept) {
+  const TemporaryFolder folder;
+  const auto rows = [&] {
+    const std::string text = content(folder / kEventsFile);
+    return std::count(text.begin(), text.end(), '\n') - 1;
+  };
+  EXPECT_EQ(summary_of(folder, 3)["warnings"].size(), 0U);
+  EXPECT_EQ(rows(), 3);
+  const auto summary = summary_of(folder, 5);
+  EXPECT_EQ(rows(), 3);
+  EXPECT_EQ(summary["events"]["slips"], 4);
+  ASSERT_EQ(summary["warnings"].size(), 1U);
+  EXPECT_EQ(summary["warnings"][0], "events.csv has the first 3 of 5 events; all are counted");
+}
+
+}  // namespace
+}  // namespace tomlin::test
