@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <utility>
 
 #include <fmt/format.h>
@@ -32,6 +33,8 @@ constexpr double kNotSmall = 0.05;
 constexpr double kSurely = 4.0;
 /// Without work and heat: parts of the kinetic energy that are rounding.
 constexpr double kNoWork = 1e-9;
+/// Of the energy itself, that its changes are rounding.
+constexpr double kRounding = 1e-11;
 /// Blocks for a standard error.
 constexpr std::int64_t kFewest = 8;
 
@@ -59,7 +62,8 @@ std::optional<std::string> doubt_of_balance(const SampledWork& found, bool sampl
   const bool driven = exchanged > kNoWork * found.kinetic;
   const double scale = driven ? exchanged : found.kinetic;
   const double numerical = std::abs(found.numerical);
-  if (!(numerical > kNotSmall * scale && numerical > kSurely * found.uncertainty)) return {};
+  const double chance = std::max(kSurely * found.uncertainty, kRounding * found.stored);
+  if (!(numerical > kNotSmall * scale && numerical > chance)) return {};
   const std::string beside =
       driven ? fmt::format("a work of {:.2g} and a heat of {:.2g}", found.work, found.heat)
              : fmt::format("a kinetic energy of {:.2g}", found.kinetic);
@@ -99,6 +103,8 @@ void EnergyBalance::prepare() {
     if (twin_->failed()) twin_ = nullptr;
   } catch (const InputError&) {
     twin_ = nullptr;  // a force that no ledger can be kept of under this scheme
+  } catch (const std::bad_alloc&) {
+    twin_ = nullptr;  // of a scene that fills the memory
   }
 }
 
@@ -165,6 +171,7 @@ void EnergyBalance::open(Engine& run) {
   sums_[kWork] += weight * terms.work;
   sums_[kHeat] += weight * terms.heat;
   sums_[kKinetic] += stands_for * twin_->kinetic_energy_now();
+  sums_[kStored] += stands_for * std::abs(sums_[kBlockEnergy]);
   sums_[kBlockEnd] = end;
   sums_[kBlockLength] = length;
   sums_[kBlockWeight] = weight;
@@ -198,6 +205,7 @@ std::optional<SampledWork> EnergyBalance::found() const {
   found.work = whole * sums_[kWork];
   found.heat = whole * sums_[kHeat];
   found.kinetic = sums_[kKinetic] / time;
+  found.stored = sums_[kStored] / time;
   found.numerical = whole * sums_[kNumerical];
   if (sums_[kWeights] > 0.0) {
     if (place_[kBlocks] < kFewest) return {};

@@ -31,6 +31,7 @@ struct SampledWork {
   double work = 0.0;
   double heat = 0.0;
   double kinetic = 0.0;  ///< mean over the window
+  double stored = 0.0;   ///< mean size of kinetic and potential energy, which round
   double numerical = 0.0;
   double uncertainty = 0.0;  ///< standard error of `numerical`; 0: all steps were looked at
 };
@@ -76,6 +77,7 @@ class EnergyBalance {
     kWork,         ///< sums over blocks, by weight
     kHeat,
     kKinetic,
+    kStored,
     kNumerical,
     kSquares,  ///< for the standard error: of w^2 r^2, w^2 r and w^2, where w is the time that a
                ///< block

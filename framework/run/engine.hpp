@@ -150,6 +150,7 @@ class Engine {
   void include_cubics(double from, double to);
   void signals_within(double theta);
   double refined(std::size_t signal, double theta, double value, bool maximum);
+  void note_slipping();
   void include_pull(std::size_t driver, double theta, double value);
   void see_pull(std::size_t driver, double pull);
   void settle();
@@ -273,12 +274,13 @@ class Engine {
   std::size_t signal_count_ = 0;
   std::vector<double> signals_;
   std::vector<double> pulls_;
-  std::vector<double> between_[4];  ///< signals at thirds of a step, or of a part of it
-  double between_from_ = 0.0;       ///< the time that they begin at
-  double between_length_ = 0.0;     ///< 0: of a path, which has no dense output
-  std::vector<double> direction_;   ///< [driver * dimension + axis], velocities at the start
-  std::vector<double> speed_;       ///< of each driver
-  std::vector<double> along_;       ///< pull times this is the force along the present velocity
+  std::unique_ptr<bool[]> before_slip_;  ///< by driver: its pull counts for its static force
+  std::vector<double> between_[4];       ///< signals at thirds of a step, or of a part of it
+  double between_from_ = 0.0;            ///< the time that they begin at
+  double between_length_ = 0.0;          ///< 0: of a path, which has no dense output
+  std::vector<double> direction_;        ///< [driver * dimension + axis], velocities at the start
+  std::vector<double> speed_;            ///< of each driver
+  std::vector<double> along_;  ///< pull times this is the force along the present velocity
   Extremes extremes_;
   StaticForces static_forces_;
 

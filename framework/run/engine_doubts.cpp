@@ -314,7 +314,7 @@ void Engine::warn_of_short_window() {
   }
   for (std::size_t k = 0; k < drivers_.size(); ++k) {
     const auto [seen, unique] = window_of(k);
-    if (!unique) continue;
+    if (!unique && seen.steady) continue;
     for (std::string& doubt : doubts_before(seen)) warnings_.push_back(std::move(doubt));
   }
 }
@@ -328,7 +328,7 @@ std::pair<DriverWindow, bool> Engine::window_of(std::size_t driver) const {
   window.to = to_.time;
   bool unique = true;
   const Drive& drive = *drivers_[driver].drive;
-  if (!drags_[driver] || turns_round(driver)) return {window, unique};
+  window.steady = drags_[driver] && !turns_round(driver);
   for (int d = 0; d < model_.dimension(); ++d) {
     if (drive.velocity[d] == 0.0) continue;
     for (const SceneForce& force : scene_->forces) {
@@ -357,7 +357,7 @@ void Engine::warn_of_window() {
     const std::size_t k = watch.driver();
     const DriverWindow window = window_of(k).first;
     const auto body = body_pulled_by(k);
-    if (!(window.period > 0.0) || !body) continue;
+    if (!(window.period > 0.0) || !window.steady || !body) continue;
     double moved = 0.0;
     for (std::size_t d = 0; d < axes; ++d) {
       const DoubleDouble way = to_.place(*body * axes + d) - from_.place(*body * axes + d);

@@ -320,10 +320,14 @@ void Engine::watch(double at, const double* signals, const std::vector<Reading>&
 /// The end is one more moment. What is going on then counts as far as it got.
 void Engine::finish_events() {
   const SystemView<double>& view = model_.system().view;
+  note_slipping();
   seen_ = now();  // a run that resumes at its end has taken no step
   signals_from_rates(final_rates_.data());
   read_bodies(view.position, nullptr, readings_);
   watch(time(), signals_.data(), readings_);
+  for (std::size_t k = 0; k < drivers_.size(); ++k) {
+    if (before_slip_[k]) static_forces_.include(k, pull_of(k, signals_.data()));
+  }
   for (DriverWatch& watch : driver_watches_) {
     event_name_ = drivers_[watch.driver()].name;
     watch.finish(time(), emit_);

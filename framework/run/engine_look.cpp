@@ -74,6 +74,7 @@ void Engine::list_signals() {
   signals_.assign(signal_count_, 0.0);
   for (std::vector<double>& signals : between_) signals.assign(signal_count_, 0.0);
   pulls_.assign(drivers_.size(), 0.0);
+  before_slip_ = std::make_unique<bool[]>(drivers_.size());
 }
 
 /// Columns of the table, and whose positions come with them.
@@ -164,6 +165,7 @@ bool Engine::look_between(double from, double to) {
   if (!body_watches_.empty()) {
     read_bodies(model_.system().view.position, model_.system().view.velocity, end_readings_);
   }
+  note_slipping();
   for (int k = 0; k < 3; ++k) {
     interpolate_readings(k / 3.0, to - from);
     watch(from + (to - from) * k / 3.0, between_[k].data(), between_readings_);
@@ -199,9 +201,18 @@ double Engine::refined(std::size_t signal, double theta, double value, bool maxi
   });
 }
 
+/// What a driver holds while what it pulls slips is no static force; of a step in which a slip
+/// begins the maximum before it counts.
+void Engine::note_slipping() {
+  std::fill_n(before_slip_.get(), drivers_.size(), true);
+  for (const DriverWatch& watch : driver_watches_) {
+    before_slip_[watch.driver()] = !watch.slipping();
+  }
+}
+
 /// A maximum of the pull that a cubic has, for the static force; refined as extremes are.
 void Engine::include_pull(std::size_t driver, double theta, double value) {
-  if (!static_forces_.open(driver)) return;
+  if (!static_forces_.open(driver) || !before_slip_[driver]) return;
   double low = kInfinity;
   double high = -kInfinity;
   for (const std::vector<double>& signals : between_) {
@@ -240,7 +251,9 @@ void Engine::include_cubics(double from, double to) {
   }
   if (!static_forces_.any_open() && path_ == nullptr) return;
   for (std::size_t k = 0; k < drivers_.size(); ++k) {
-    for (const int end : {0, 3}) static_forces_.include(k, pull_of(k, between_[end].data()));
+    if (before_slip_[k]) {
+      for (const int end : {0, 3}) static_forces_.include(k, pull_of(k, between_[end].data()));
+    }
     const CubicExtremes found =
         cubic_extremes(pull_of(k, between_[0].data()), pull_of(k, between_[1].data()),
                        pull_of(k, between_[2].data()), pull_of(k, between_[3].data()));
@@ -253,11 +266,12 @@ void Engine::include_cubics(double from, double to) {
 
 /// Extremes see the values at the start of a step.
 void Engine::look(double at) {
+  if (static_forces_.any_open()) note_slipping();
   watch(at, signals_.data(), readings_);
   extremes_.add(at, signals_.data(), at >= from_.time && at <= to_.time);
   if (!static_forces_.any_open()) return;
   for (std::size_t k = 0; k < drivers_.size(); ++k) pulls_[k] = pull_of(k, signals_.data());
-  static_forces_.add(at, pulls_.data());
+  static_forces_.add(at, pulls_.data(), before_slip_.get());
 }
 
 /// Driver forces.

@@ -38,6 +38,7 @@ void Engine::see_pull(std::size_t driver, double pull) {
 /// Steps are long, and forces fall steeply where an equilibrium is about to end: looks are at
 /// equal distances along the path, and cubics go through four of them.
 void Engine::look_along_path(double from, double to) {
+  note_slipping();
   const auto at = [&](double part) { return from + (to - from) * part; };
   for (std::size_t first = 0; first + 3 < EquilibriumPath::kMoments; first += 3) {
     double part[4];

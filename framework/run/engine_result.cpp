@@ -117,7 +117,11 @@ void Engine::warn_of_energy() {
   if (ledger_) {
     if (*from_.reached == 0 || *to_.reached == 0) return;
     const EnergyResult whole = energy(true);
-    found = SampledWork{*whole.work_in, *whole.heat_out, whole.kinetic, *whole.numerical_work, 0.0};
+    found = SampledWork{.work = *whole.work_in,
+                        .heat = *whole.heat_out,
+                        .kinetic = whole.kinetic,
+                        .stored = std::abs(whole.kinetic) + std::abs(whole.potential),
+                        .numerical = *whole.numerical_work};
   } else if (balance_) {
     found = balance_->found();
   }

@@ -84,6 +84,7 @@ class DriverWatch {
   bool watches_slips() const { return period_ > 0.0; }
   double stiffness() const { return stiffness_; }
   double period() const { return period_; }
+  bool slipping() const { return busy_[kSlipping] != 0; }
   void attach(double* reals, std::int64_t* integers);
   void start();
   /// Its driver has turned round: what was going on is over, and wells are not counted any more.

@@ -147,11 +147,11 @@ bool StaticForces::any(std::size_t signal) const {
   return height_[signal] > -std::numeric_limits<double>::max();
 }
 
-void StaticForces::add(double time, const double* values) {
+void StaticForces::add(double time, const double* values, const bool* counted) {
   for (std::size_t k = 0; k < signals_; ++k) {
     const double y = values[k];
-    include(k, y);
-    if (*seen_ >= 2 && last_[k] > previous_[k] && last_[k] >= y) {
+    if (counted[k]) include(k, y);
+    if (counted[k] && *seen_ >= 2 && last_[k] > previous_[k] && last_[k] >= y) {
       include(k, parabola_vertex(times_[1], previous_[k], times_[0], last_[k], time, y));
     }
     previous_[k] = last_[k];

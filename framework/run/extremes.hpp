@@ -45,8 +45,9 @@ class StaticForces {
   void declare(StateLayout& layout, std::size_t signals);
   void attach(RunState& state);
   void start();
-  /// A point of each signal; a maximum between points is that of the parabola through three.
-  void add(double time, const double* values);
+  /// A point of each signal, and which of them count; a maximum between points is that of the
+  /// parabola through three.
+  void add(double time, const double* values, const bool* counted);
   /// One more value of a signal.
   void include(std::size_t signal, double value) {
     if (settled_[signal] == 0 && value > height_[signal]) height_[signal] = value;

@@ -33,6 +33,7 @@ std::vector<std::string> doubts_before(const DriverWindow& w) {
         "sliding",
         w.driver, periods)};
   }
+  if (!w.steady) return {};
   const double whole = std::floor(periods * (1.0 + kPartOfPeriod));
   if (std::abs(periods - std::nearbyint(periods)) <= kPartOfPeriod * periods) return {};
   const std::string would_do = whole > 0.0

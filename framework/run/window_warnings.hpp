@@ -8,13 +8,14 @@
 /// Windows whose means say little of sliding.
 namespace tomlin {
 
-/// A driver of steady speed, and what it and the body that it pulls do within the window.
+/// A driver, and what it and the body that it pulls do within the window.
 struct DriverWindow {
   std::string driver;
   double from = 0.0;  ///< times
   double to = 0.0;
   double speed = 0.0;
   double period = 0.0;  ///< of the forces along its way, a length; 0: there is none
+  bool steady = true;   ///< its velocity is the same within the window
 };
 
 /// Before the run: the driver hardly moves within it, or it is no whole number of periods.

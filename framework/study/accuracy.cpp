@@ -21,6 +21,12 @@ namespace {
 /// Nothing is known better than to the last digits of a double.
 constexpr double kRounding = 1e-15;
 
+/// Differences to two companions may both be small by chance, where errors change their sign
+/// between their steps: no error is stated that is below this part of the typical one of a run,
+/// relative to the result, but for what is exact.
+constexpr double kOfTypical = 0.1;
+constexpr double kExact = 10.0 * kRounding;
+
 /// What has an error: what drivers, bodies and the ledger show. Counts and clocks have none.
 bool has_error(const std::string& path) {
   return path.starts_with("drivers.") || path.starts_with("bodies.") || path.starts_with("energy.");
@@ -31,6 +37,24 @@ struct Beside {
   RunResult result;
   double share = 1.0;
 };
+
+void lift_small_errors(RunResult& result) {
+  const auto relative = [&](const ErrorEstimate& estimate) {
+    const double value = std::abs(observable(result, estimate.path).value_or(0.0));
+    return estimate.error && value > 0.0 ? *estimate.error / value : 0.0;
+  };
+  std::vector<double> typical;
+  for (const ErrorEstimate& estimate : result.errors) {
+    if (const double error = relative(estimate); error > kExact) typical.push_back(error);
+  }
+  if (typical.empty()) return;
+  const auto middle = typical.begin() + static_cast<std::ptrdiff_t>(typical.size() / 2);
+  std::nth_element(typical.begin(), middle, typical.end());
+  for (ErrorEstimate& estimate : result.errors) {
+    const double error = relative(estimate);
+    if (error > kExact) *estimate.error *= std::max(1.0, kOfTypical * *middle / error);
+  }
+}
 
 void add_errors(RunResult& result, const std::vector<Beside>& companions) {
   for (const Observable& one : observables(result)) {
@@ -45,6 +69,7 @@ void add_errors(RunResult& result, const std::vector<Beside>& companions) {
     }
     result.errors.push_back(std::move(estimate));
   }
+  lift_small_errors(result);
 }
 
 void warn_of_large_errors(RunResult& result, const std::vector<Beside>& companions,

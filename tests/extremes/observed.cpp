@@ -18,6 +18,14 @@
 namespace tomlin::test {
 namespace {
 
+/// Runs of these scenes are no longer than their right numbers need: of no interest here.
+bool is_of_a_short_window(const std::string& warning) {
+  for (const char* part : {"no whole number", "begin within the window", "that is still being"}) {
+    if (warning.find(part) != std::string::npos) return true;
+  }
+  return false;
+}
+
 namespace fs = std::filesystem;
 
 constexpr const char* kTextFiles[] = {kSummaryFile, kTableFile, kEventsFile, kXyzFile};
@@ -73,7 +81,9 @@ void run_into(const fs::path& path, const std::shared_ptr<const Scene>& scene,
     observed.outcome = Outcome::failed;
     observed.message = to_string(*result.failure);
   }
-  for (const std::string& warning : result.warnings) observed.warnings += warning + "\n";
+  for (const std::string& warning : result.warnings) {
+    if (!is_of_a_short_window(warning)) observed.warnings += warning + "\n";
+  }
   for (const Value& value : extreme.values) {
     observed.values.push_back(
         observable(result, value.path).value_or(std::numeric_limits<double>::quiet_NaN()));

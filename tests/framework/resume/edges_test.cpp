@@ -266,7 +266,7 @@ TEST_F(Edges, WhateverAsksForAnEndStopsTheRun) {
 TEST_F(Edges, ASignalThatIsIgnoredStaysIgnored) {
   for (const int signal : {SIGINT, SIGHUP}) {
     const Ended ended = run(
-        "scene.toml", "out" + std::to_string(signal), {"--set", "run.duration=3e4"},
+        "scene.toml", "out" + std::to_string(signal), {"--set", "run.duration=3e3"},
         {.then =
              [&](pid_t child) {
                EXPECT_TRUE(appears(folder_ / ("out" + std::to_string(signal)) / "run.checkpoint"));

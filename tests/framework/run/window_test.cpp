@@ -9,10 +9,10 @@
 namespace tomlin::test {
 namespace {
 
-/// Periods of 4, slips in each.
+/// Periods of 10, a slip in each.
 TipScene tip(double from, double to, double stiffness = 1.0) {
   return {
-      .velocity = 0.25,
+      .velocity = 0.1,
       .stiffness = stiffness,
       .damping = 4.0,
       .position = 0.5,
@@ -26,22 +26,22 @@ std::string warnings_of(const TipScene& scene) {
   return all;
 }
 
-TEST(Window, OfWholePeriodsIsNotWarnedOf) { EXPECT_EQ(warnings_of(tip(8.0, 32.0)), ""); }
+TEST(Window, OfWholePeriodsIsNotWarnedOf) { EXPECT_EQ(warnings_of(tip(20.0, 80.0)), ""); }
 
 TEST(Window, OfPartsOfPeriodsSaysWhichWouldDo) {
-  const std::string found = warnings_of(tip(8.0, 30.0));
+  const std::string found = warnings_of(tip(20.0, 75.0));
   EXPECT_NE(found.find("5.5 periods of driver"), std::string::npos) << found;
-  EXPECT_NE(found.find("from 8 to 28 it would be 5"), std::string::npos) << found;
+  EXPECT_NE(found.find("from 20 to 70 it would be 5"), std::string::npos) << found;
 }
 
 /// A spring so soft that it is still loaded: its force is not that of sliding.
 TEST(Window, InWhichTheBodyHasNotFollowedIsWarnedOf) {
-  const std::string found = warnings_of(tip(0.0, 16.0, 0.02));
+  const std::string found = warnings_of(tip(0.0, 40.0, 0.02));
   EXPECT_NE(found.find("still being loaded"), std::string::npos) << found;
 }
 
 TEST(Window, OfFewSlipsIsWarnedOf) {
-  const std::string found = warnings_of(tip(8.0, 16.0));
+  const std::string found = warnings_of(tip(20.0, 40.0));
   EXPECT_NE(found.find("2 slips of driver begin within the window"), std::string::npos) << found;
 }
 
