@@ -25,14 +25,14 @@ constexpr double kShort = 2.0 * engine_parts::kHousekeepingEvery;
 constexpr std::uint64_t kWhole = engine_parts::kHousekeepingEvery;
 constexpr std::uint64_t kFixedSteps = kWhole / 2;
 constexpr std::uint64_t kAdaptiveSteps = 4;
-/// Numerical work beside the larger one of work and heat, or beside the kinetic energy where there
-/// is neither: a few per cent are what a coarse but sensible step costs.
+/// Numerical work beside the larger one of work and heat, or beside the energy where there is no
+/// heat: a few per cent are what a coarse but sensible step costs.
 constexpr double kNotSmall = 0.05;
 /// Standard errors that a sampled numerical work has to be away from zero: slips are rare and
 /// large, so that a few blocks decide.
 constexpr double kSurely = 4.0;
-/// Without work and heat: parts of the kinetic energy that are rounding.
-constexpr double kNoWork = 1e-9;
+/// Heat, in parts of the energy, that is none: nothing damps, or friction has had no time to.
+constexpr double kNoHeat = 1e-12;
 /// Of the energy itself, that its changes are rounding.
 constexpr double kRounding = 1e-11;
 /// Blocks for a standard error.
@@ -58,15 +58,16 @@ std::shared_ptr<const Scene> with_ledger(const Scene& scene) {
 }  // namespace
 
 std::optional<std::string> doubt_of_balance(const SampledWork& found, bool sampled) {
-  const double exchanged = std::max(std::abs(found.work), std::abs(found.heat));
-  const bool driven = exchanged > kNoWork * found.kinetic;
-  const double scale = driven ? exchanged : found.kinetic;
+  const double work = std::abs(found.work);
+  const bool damped = std::abs(found.heat) > kNoHeat * found.stored;
+  const double scale =
+      std::max(work, damped ? std::abs(found.heat) : std::max(found.kinetic, found.stored));
   const double numerical = std::abs(found.numerical);
   const double chance = std::max(kSurely * found.uncertainty, kRounding * found.stored);
   if (!(numerical > kNotSmall * scale && numerical > chance)) return {};
   const std::string beside =
-      driven ? fmt::format("a work of {:.2g} and a heat of {:.2g}", found.work, found.heat)
-             : fmt::format("a kinetic energy of {:.2g}", found.kinetic);
+      damped ? fmt::format("a work of {:.2g} and a heat of {:.2g}", found.work, found.heat)
+             : fmt::format("an energy of {:.2g}", found.stored);
   return fmt::format(
       "the energy balance does not close: the numerical work, which the integrator adds by itself, "
       "is {}{:.2g} beside {}: take shorter steps or finer tolerances{}",
@@ -158,6 +159,13 @@ void EnergyBalance::open(Engine& run) {
   sums_[kBlockEnergy] = twin_->stored_energy();
   terms.stored = sums_[kBlockEnergy] - stored;
 
+  // In parts of what the first block has, and times in parts of the window: squares stay numbers.
+  if (sums_[kUnit] == 0.0) {
+    const double size = std::max({std::abs(terms.work), std::abs(terms.heat),
+                                  std::abs(terms.stored), std::abs(sums_[kBlockEnergy])});
+    sums_[kUnit] = size > 0.0 ? std::ldexp(1.0, std::ilogb(size)) : 1.0;
+  }
+
   // The block stands for its stratum, and for those that it reaches over.
   const std::int64_t first = place_[kStratum];
   std::int64_t& next = place_[kStratum];
@@ -185,11 +193,11 @@ void EnergyBalance::open(Engine& run) {
 
 void EnergyBalance::close(double numerical) {
   const double weight = sums_[kBlockWeight];
-  const double stands_for = weight * sums_[kBlockLength];
-  const double rate = numerical / sums_[kBlockLength];
+  const double part = weight * sums_[kBlockLength] / (to_ - from_);
+  const double rate = numerical / sums_[kUnit] * ((to_ - from_) / sums_[kBlockLength]);
   sums_[kNumerical] += weight * numerical;
   // The part of the stratum that was looked at has no uncertainty.
-  const double unseen = stands_for * stands_for * (1.0 - 1.0 / weight);
+  const double unseen = part * part * (1.0 - 1.0 / weight);
   sums_[kSquares] += unseen * rate * rate;
   sums_[kCross] += unseen * rate;
   sums_[kWeights] += unseen;
@@ -209,11 +217,12 @@ std::optional<SampledWork> EnergyBalance::found() const {
   found.numerical = whole * sums_[kNumerical];
   if (sums_[kWeights] > 0.0) {
     if (place_[kBlocks] < kFewest) return {};
-    const double mean = sums_[kNumerical] / time;
+    const double mean = whole * sums_[kNumerical] / sums_[kUnit];
     const auto blocks = static_cast<double>(place_[kBlocks]);
     const double variance =
         sums_[kSquares] - 2.0 * mean * sums_[kCross] + mean * mean * sums_[kWeights];
-    found.uncertainty = whole * std::sqrt(std::max(0.0, variance) * blocks / (blocks - 1.0));
+    found.uncertainty =
+        whole * sums_[kUnit] * std::sqrt(std::max(0.0, variance) * blocks / (blocks - 1.0));
   }
   return found;
 }

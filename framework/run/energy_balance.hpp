@@ -37,7 +37,7 @@ struct SampledWork {
 };
 
 /// A warning where the numerical work is neither small beside work and heat nor the chance of a
-/// sample. Without work and heat it is held against the kinetic energy.
+/// sample. Without heat it is held against the energy itself, too.
 std::optional<std::string> doubt_of_balance(const SampledWork& found, bool sampled);
 
 /// The balance of a run without a ledger, from short blocks of steps at random times, one in each
@@ -79,10 +79,10 @@ class EnergyBalance {
     kKinetic,
     kStored,
     kNumerical,
-    kSquares,  ///< for the standard error: of w^2 r^2, w^2 r and w^2, where w is the time that a
-               ///< block
-    kCross,    ///< stands for and r its numerical work by time
-    kWeights,
+    kUnit,     ///< of energies in the following ones; 0: not yet known
+    kSquares,  ///< for the standard error: of w^2 r^2; w is the part of the window that a block
+    kCross,    ///< stands for, r its numerical work in a window's time; of w^2 r
+    kWeights,  ///< of w^2
     kReals
   };
   enum { kStratum, kOpen, kBlocks, kIntegers };

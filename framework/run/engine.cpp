@@ -22,6 +22,8 @@ namespace {
 
 constexpr std::uint64_t kBatch = 64 * kHousekeepingEvery;
 constexpr std::chrono::milliseconds kReportEvery{200};
+/// Coordinates: a second engine, which samples the energy balance, takes as much memory again.
+constexpr std::size_t kMostForASecondEngine = 100'000;
 
 }  // namespace
 
@@ -51,7 +53,8 @@ Engine::Engine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
   bind_observers();
   resolve_window();
 
-  if (options_.watches_energy && !ledger_ && path_ == nullptr) {
+  if (options_.watches_energy && !ledger_ && path_ == nullptr &&
+      model_.system().view.dofs <= kMostForASecondEngine) {
     balance_ = std::make_unique<EnergyBalance>(scene_, options_);
     balance_->start(period_ > 0.0 ? 0.0 : from_.time, period_ > 0.0 ? duration_ : to_.time, dt_);
   }

@@ -312,9 +312,12 @@ void Engine::warn_of_short_window() {
                     "right to some {:.1g} of themselves",
                     window / to_.time, rounding));
   }
+  // Of several drivers of different speeds one decides.
+  bool whole = false;
+  for (std::size_t k = 0; k < drivers_.size(); ++k) whole = whole || is_whole(window_of(k).first);
   for (std::size_t k = 0; k < drivers_.size(); ++k) {
-    const auto [seen, unique] = window_of(k);
-    if (!unique && seen.steady) continue;
+    auto [seen, unique] = window_of(k);
+    seen.steady = seen.steady && unique && !whole;
     for (std::string& doubt : doubts_before(seen)) warnings_.push_back(std::move(doubt));
   }
 }

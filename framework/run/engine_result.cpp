@@ -117,11 +117,13 @@ void Engine::warn_of_energy() {
   if (ledger_) {
     if (*from_.reached == 0 || *to_.reached == 0) return;
     const EnergyResult whole = energy(true);
-    found = SampledWork{.work = *whole.work_in,
-                        .heat = *whole.heat_out,
-                        .kinetic = whole.kinetic,
-                        .stored = std::abs(whole.kinetic) + std::abs(whole.potential),
-                        .numerical = *whole.numerical_work};
+    const double at_end = whole.kinetic + whole.potential;
+    found =
+        SampledWork{.work = *whole.work_in,
+                    .heat = *whole.heat_out,
+                    .kinetic = whole.kinetic,
+                    .stored = std::max(std::abs(at_end), std::abs(at_end - *whole.stored_change)),
+                    .numerical = *whole.numerical_work};
   } else if (balance_) {
     found = balance_->found();
   }

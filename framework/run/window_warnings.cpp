@@ -24,6 +24,11 @@ std::string digits(double time) { return fmt::format("{:.6g}", time); }
 
 }  // namespace
 
+bool is_whole(const DriverWindow& w) {
+  const double periods = w.speed * (w.to - w.from) / w.period;
+  return w.steady && std::abs(periods - std::nearbyint(periods)) <= kPartOfPeriod * periods;
+}
+
 std::vector<std::string> doubts_before(const DriverWindow& w) {
   const double periods = w.speed * (w.to - w.from) / w.period;
   if (!(w.period > 0.0 && periods > 0.0)) return {};
@@ -33,9 +38,8 @@ std::vector<std::string> doubts_before(const DriverWindow& w) {
         "sliding",
         w.driver, periods)};
   }
-  if (!w.steady) return {};
+  if (!w.steady || is_whole(w)) return {};
   const double whole = std::floor(periods * (1.0 + kPartOfPeriod));
-  if (std::abs(periods - std::nearbyint(periods)) <= kPartOfPeriod * periods) return {};
   const std::string would_do = whole > 0.0
                                    ? fmt::format("from {} to {} it would be {:g}", digits(w.from),
                                                  digits(w.from + whole * w.period / w.speed), whole)

@@ -18,6 +18,9 @@ struct DriverWindow {
   bool steady = true;   ///< its velocity is the same within the window
 };
 
+/// Whether it is a whole number of the driver's periods.
+bool is_whole(const DriverWindow& window);
+
 /// Before the run: the driver hardly moves within it, or it is no whole number of periods.
 std::vector<std::string> doubts_before(const DriverWindow& window);
 

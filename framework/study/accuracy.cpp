@@ -24,7 +24,7 @@ constexpr double kRounding = 1e-15;
 /// Differences to two companions may both be small by chance, where errors change their sign
 /// between their steps: no error is stated that is below this part of the typical one of a run,
 /// relative to the result, but for what is exact.
-constexpr double kOfTypical = 0.1;
+constexpr double kOfTypical = 0.3;
 constexpr double kExact = 10.0 * kRounding;
 
 /// What has an error: what drivers, bodies and the ledger show. Counts and clocks have none.

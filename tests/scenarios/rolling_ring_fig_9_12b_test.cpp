@@ -171,18 +171,20 @@ TEST(RollingRingFig12b, FirstPeakIsNoStaticFriction) {
   // proportional to v as drag is, and far below what the same spring holds later.
   Trace trace;
   Trace fast_trace;
-  const auto slow = run_shipped(kFig12b, {}, &trace);
-  run_shipped(kFig12b, {{"v", "0.005"}}, &fast_trace);
+  const auto slow = run_shipped(kFig12b, {{"output.every", "1e-4 * a / v"}}, &trace);
+  run_shipped(kFig12b, {{"v", "0.005"}, {"output.every", "1e-4 * a / v"}}, &fast_trace);
   const auto first_peak = [](const std::vector<double>& force) {
-    std::size_t k = 1;
-    while (k + 1 < force.size() && !(force[k] > force[k - 1] && force[k] >= force[k + 1])) ++k;
-    return force[k];
+    double peak = 0.0;
+    for (std::size_t k = 1; k < force.size() && force[k] >= 0.0; ++k) {
+      peak = std::max(peak, force[k]);
+    }
+    return peak;
   };
   const double peak = first_peak(trace["driver.force.x"]);
   EXPECT_NEAR(first_peak(fast_trace["driver.force.x"]) / peak, 5.0, 0.05);
   EXPECT_LT(peak, 0.1 * slow.drivers.at(0).max_force.at(0));
   const auto& force = trace["driver.force.x"];
-  EXPECT_LT(*std::min_element(force.begin(), force.begin() + 20), -0.05);  // within 0.1 a
+  EXPECT_LT(*std::min_element(force.begin(), force.begin() + 1000), -0.05);  // within 0.1 a
 }
 
 }  // namespace
