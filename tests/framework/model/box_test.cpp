@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -248,6 +249,15 @@ std::unique_ptr<BoundForce<Real>> by_nearest_images(const void* description,
 const ForceFactories kByNearestImages = {&by_nearest_images<double>, &by_nearest_images<float>,
                                          &by_nearest_images<Quad>};
 
+/// Of the force called pull. (Atoms that pass through each other have forces that jump, so that the
+/// energy balance is warned of as well.)
+std::size_t warnings_of_long_bonds(const RunResult& result) {
+  return static_cast<std::size_t>(
+      std::count_if(result.warnings.begin(), result.warnings.end(), [](const std::string& warning) {
+        return warning.find("pull: a bond became as long as half the box") != std::string::npos;
+      }));
+}
+
 /// The most that a force reaches is reached in every period of the way.
 TEST(Box, PotentialsOfPluginsTakeTheNearestImages) {
   const SpoiltRegistry plugin("morse_bonds", kByNearestImages);
@@ -260,14 +270,11 @@ TEST(Box, PotentialsOfPluginsTakeTheNearestImages) {
   EXPECT_NEAR(found.mean_force[0], due.mean_force[0], kSame);
   EXPECT_NEAR(*found.work, *due.work, kSame);
   EXPECT_NEAR(found.final_force[0], due.final_force[0], kSame);
-  EXPECT_TRUE(potential.warnings.empty());
+  EXPECT_EQ(warnings_of_long_bonds(potential), 0u);
   // Bonds are left behind, and that is said.
   const RunResult bonds = run_text(drawn_over(kWell));
   EXPECT_GT(std::abs(driver_of(bonds, "slider").final_force[0] - due.final_force[0]), 1e-3);
-  ASSERT_EQ(bonds.warnings.size(), 1u);
-  EXPECT_NE(bonds.warnings[0].find("pull: a bond became as long as half the box"),
-            std::string::npos)
-      << bonds.warnings[0];
+  EXPECT_EQ(warnings_of_long_bonds(bonds), 1u);
 }
 
 /// Energies and second derivatives are of the same images as forces.
