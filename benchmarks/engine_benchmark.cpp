@@ -196,6 +196,27 @@ void BM_golden_chain_100000(benchmark::State& state) {
 }
 BENCHMARK(BM_golden_chain_100000)->Name("golden_chain_100000/tomlin");
 
+// ---- what it costs to watch the energy balance: whole runs of 1e5 steps with and without
+
+void BM_watched(benchmark::State& state, const std::string& scene, bool watches_energy) {
+  const auto whole = parse_scene(scene, "benchmark", registry(), {{"run.duration", "1e5 * 1e-2"}});
+  RunOptions options;
+  options.watches_energy = watches_energy;
+  for (auto _ : state) benchmark::DoNotOptimize(run_as_bound(whole, options));
+}
+BENCHMARK_CAPTURE(BM_watched, , kPt, true)
+    ->Name("pt 1e5 steps/watched")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_watched, , kPt, false)
+    ->Name("pt 1e5 steps/blind")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_watched, , ring("rigid", "1e-2"), true)
+    ->Name("rigid_ring_8 1e5 steps/watched")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_watched, , ring("rigid", "1e-2"), false)
+    ->Name("rigid_ring_8 1e5 steps/blind")
+    ->Unit(benchmark::kMillisecond);
+
 // ---- what an accuracy costs: a whole run with the integrator that is picked for 1e-4, the same
 // with its companion, and with the pilot before it
 
