@@ -214,8 +214,7 @@ bool DriverWatch::in_well(double& well) const {
 void DriverWatch::look_for_passage(const Emit& emit, const Heat& heat) {
   if (busy_[kSlipping] != 0) return;
   const double now = force_.time(0);
-  const double rise = force_.value(0) - force_.value(1);
-  if (rise < (1.0 - kAtRest) * stiffness_ * speed_ * (now - force_.time(1))) return;
+  if (force_.slope_at(now) < (1.0 - kAtRest) * stiffness_ * speed_) return;
   double well = 0.0;
   if (!in_well(well)) return;
   if (busy_[kHasWell] != 0 && well > numbers_[kWell] && busy_[kHasPeak] != 0) {
