@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kTau = 6.283185307179586476925286766559;
 
+/// Of a body in the plane.
 double farthest_arm(const Model::Body& body) {
   double farthest = 0.0;
   for (const std::vector<double>& arm : body.arms) {
@@ -73,7 +74,7 @@ void ForceAlone::list_variables() {
     const auto& slot = body.bound.slot;
     if (slot.rigid) {
       for (int d = 0; d < model_.dimension(); ++d) add(slot.centre + d, b, d, 1.0);
-      const double reach = farthest_arm(body);
+      const double reach = body.rotates() ? farthest_arm(body) : 0.0;
       if (reach > 0.0) add(slot.centre + model_.dimension(), b, -1, 1.0 / (kTau * reach));
     } else if (!slot.mapped) {
       for (int d = 0; d < model_.dimension(); ++d) {

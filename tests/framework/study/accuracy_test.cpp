@@ -283,7 +283,7 @@ TEST(AccuracyOf, ADamagedChoiceIsNone) {
   };
   const std::atomic<bool> stop = true;
   for (const std::string& text :
-       {std::string("x"), std::string("{ type = \"nothing\" }\0\0", 24), std::string(100, '\0')}) {
+       {std::string("x"), std::string("{ type = \"nothing\" }\0\0", 22), std::string(100, '\0')}) {
     store.all["integrator"] = bytes(text);
     EXPECT_TRUE(
         choose_integrator(scene, test::standard(), &stop, kMostPilotWork, &store).interrupted);
