@@ -775,16 +775,17 @@ void Assembly<Real>::order_operations() {
   system_.view.operation_count = operations_.size();
 }
 
-/// All that kernels which set have to set: groups with their padding, no gaps between axes.
+/// All that kernels which set have to set, filled with NaN before evaluations in builds with
+/// assertions. Padding stays zero: a kernel that takes particles one by one never writes it.
 template <class Real>
 void Assembly<Real>::list_written(std::size_t body, bool centre) {
   const BodySlot<Real>& slot = bodies_[body].bound.slot;
   if (centre) {
-    written_.push_back({false, slot.centre, kGroup});
+    written_.push_back({false, slot.centre, dimension() == 1 ? 1U : 3U});
     return;
   }
   for (int d = 0; d < dimension(); ++d) {
-    written_.push_back({slot.mapped, slot.offset + d * slot.stride, padded(slot.count)});
+    written_.push_back({slot.mapped, slot.offset + d * slot.stride, slot.count});
   }
 }
 

@@ -363,7 +363,8 @@ TEST_F(Cli, ASummaryHasTheIntegratorThatWasTaken) {
   const auto type = results["integrator"]["type"].get<std::string>();
   EXPECT_TRUE(contains(results["accuracy"]["integrator"].get<std::string>(), '"' + type + '"'));
   // Every key has its value, those that were left alone too.
-  for (const Json& row : Json::parse(tomlin({"describe", type, "--json"}).out)["parameters"]) {
+  const Json described = Json::parse(tomlin({"describe", type, "--json"}).out);
+  for (const Json& row : described["parameters"]) {
     EXPECT_TRUE(results["integrator"].contains(row["key"].get<std::string>())) << row;
   }
 }
