@@ -58,7 +58,7 @@ Slopes slopes_of(ForceAlone& alone, std::size_t body, int axis, double period) {
   const double h = kDifference * period;
   Slopes slopes;
   for (int k = 0; k < kShifts; ++k) {
-    const double shift = period * (k - kShifts / 2) / kShifts;
+    const double shift = period * (static_cast<double>(k) / kShifts - 0.5);
     const auto ahead = force_at(shift + h);
     const auto behind = force_at(shift - h);
     for (int d = 0; d < 3; ++d) {

@@ -40,7 +40,7 @@ void Steadiness::halve() {
     *low(k) = std::min(*low(2 * k), *low(2 * k + 1));
     *high(k) = std::max(*high(2 * k), *high(2 * k + 1));
   }
-  numbers_[kBlocksFilled] = static_cast<double>(kBlocks / 2);
+  numbers_[kBlocksFilled] = 0.5 * static_cast<double>(kBlocks);
   numbers_[kBlockLength] *= 2.0;
 }
 

@@ -171,7 +171,8 @@ double resolving_step(const TimeDependence& of, double part, double duration) {
       missed.add(values.data() + of.numbers * k, of.numbers, parts, of.numbers);
     }
     if (missed.part() > part) {
-      return duration * static_cast<double>(parts / 2) / static_cast<double>(times);
+      const auto half = parts / 2;
+      return duration * static_cast<double>(half) / static_cast<double>(times);
     }
   }
   return std::numeric_limits<double>::infinity();

@@ -191,8 +191,8 @@ class Syntax {
 
   int line_of(std::size_t at) const { return place_of(at).line; }
 
-  Fault fault(std::size_t at, std::string_view key, std::string_view value, std::string why,
-              std::string admissible = "") const {
+  Fault fault(std::size_t at, std::string_view key, std::string_view value, std::string_view why,
+              std::string_view admissible = "") const {
     Fault found;
     found.place = place_of(at);
     found.key = shortened(key, kLongestShownValue);
