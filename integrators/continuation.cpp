@@ -289,9 +289,9 @@ class Continuation : public Integrator<double>, public EquilibriumPath {
 
   // ---- disturbances
 
-  /// Something turns that nothing holds: along its neutral direction, which is straight, forces
-  /// appear where it is followed. A steady force, which does not turn with it, would hold or upset
-  /// it.
+  /// Whether there is a free rotation among the neutral directions: a displacement along it, which
+  /// is straight, has restoring forces of higher order. A steady force does not rotate with the
+  /// body and would orient it.
   bool turns_freely() {
     constexpr double kAway = 0.1;  // in natural units
     constexpr double kNoForce = 1e-6;

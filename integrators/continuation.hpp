@@ -35,8 +35,8 @@
 /// A disturbed run follows the equilibrium under a small steady force besides, which is random but
 /// the same in all of the run: F(q, t) + f = 0. It would displace the run's first equilibrium by
 /// about the disturbance, and leaves a symmetric instability, or a nearly symmetric one, to the
-/// side that it prefers. Rates and energies are those without it. Where something turns that
-/// nothing holds there is none, and only exact ties are left to both sides.
+/// side that it prefers. Rates and energies are those without it. Scenes with
+/// free rotations have no such force, so that only exact ties are resolved to both sides there.
 ///
 /// Directions that nothing holds (curvature below 1e-12 of a typical one) stay as they are: the
 /// scene does not move along them.

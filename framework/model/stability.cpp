@@ -291,46 +291,83 @@ struct OwnModes {
   double square = 0.0;
 };
 
-/// Measured at the start, one change of all own variables and one of all velocities: kernels know
-/// their slopes, and variables of different particles do not see each other.
+/// How forces' own variables answer, at the start, to one change of all of them or of all
+/// velocities: kernels know their slopes, and variables of different particles do not see each
+/// other.
+class OwnResponse {
+ public:
+  explicit OwnResponse(Model& model)
+      : change(kPart * unit_of_velocity(model)),
+        own(model.system().view.integrals,
+            model.system().view.integrals + model.system().view.rates),
+        model_(model),
+        velocity_(model.system().view.velocity,
+                  model.system().view.velocity + model.system().view.dofs) {
+    own.resize(own.size() + 2 * kGroup, 0.0);
+    velocity_.resize(velocity_.size() + 2 * kGroup, 0.0);
+    before.assign(own.size(), 0.0);
+    after = before;
+    evaluate(before);
+    force.assign(model.system().view.force, model.system().view.force + model.system().view.dofs);
+  }
+
+  void move_own(double by) {
+    for (std::size_t k = 0; k < model_.system().view.own_count; ++k) own[k] += by;
+  }
+  void move_velocities(double by) {
+    const SystemView<double>& view = model_.system().view;
+    for (std::size_t i = 0; i < view.dofs; ++i) {
+      if (view.inverse_mass[i] > 0.0) velocity_[i] += by;
+    }
+  }
+  /// Rates in `after`, forces in the system.
+  void evaluate() { evaluate(after); }
+
+  const double change;           ///< a velocity, small beside the scene's own
+  AlignedVector<double> own;     ///< the variables
+  AlignedVector<double> before;  ///< rates at the start
+  AlignedVector<double> after;
+  std::vector<double> force;  ///< at the start
+
+ private:
+  static constexpr double kPart = 1e-6;
+  static double unit_of_velocity(const Model& model) {
+    const ToleranceScales<double> scales = tolerance_scales(model.system().view);
+    return scales.length / scales.time;
+  }
+  void evaluate(AlignedVector<double>& rates) {
+    model_.evaluate_at(DoubleDouble(0.0), model_.system().view.position, velocity_.data(),
+                       own.data(), rates.data());
+  }
+
+  Model& model_;
+  AlignedVector<double> velocity_;
+};
+
 OwnModes own_modes(Model& model) {
   const SystemView<double>& view = model.system().view;
   OwnModes modes;
   if (view.own_count == 0) return modes;
-  const ToleranceScales<double> scales = tolerance_scales(view);
-  const double change = 1e-6 * (scales.length / scales.time);
-  AlignedVector<double> own(view.integrals, view.integrals + view.rates);
-  AlignedVector<double> velocity(view.velocity, view.velocity + view.dofs);
-  own.resize(own.size() + 2 * kGroup, 0.0);
-  velocity.resize(velocity.size() + 2 * kGroup, 0.0);
-  AlignedVector<double> before(view.rates + 2 * kGroup, 0.0);
-  AlignedVector<double> after = before;
-  const auto evaluate = [&](AlignedVector<double>& rates) {
-    model.evaluate_at(DoubleDouble(0.0), view.position, velocity.data(), own.data(), rates.data());
-  };
+  OwnResponse response(model);
   const auto largest_change = [&] {
     double most = 0.0;
     for (std::size_t k = 0; k < view.own_count; ++k) {
-      most = std::max(most, std::abs(after[k] - before[k]) / change);
+      most = std::max(most, std::abs(response.after[k] - response.before[k]) / response.change);
     }
     return most;
   };
-  evaluate(before);
-  const std::vector<double> force(view.force, view.force + view.dofs);
-  for (std::size_t k = 0; k < view.own_count; ++k) own[k] += change;
-  evaluate(after);
+  response.move_own(response.change);
+  response.evaluate();
   modes.rate = largest_change();
-  double response = 0.0;  // of accelerations
+  double acceleration = 0.0;
   for (std::size_t i = 0; i < view.dofs; ++i) {
-    response =
-        std::max(response, std::abs(view.force[i] - force[i]) / change * view.inverse_mass[i]);
+    acceleration = std::max(acceleration, std::abs(view.force[i] - response.force[i]) /
+                                              response.change * view.inverse_mass[i]);
   }
-  for (std::size_t k = 0; k < view.own_count; ++k) own[k] -= change;
-  for (std::size_t i = 0; i < view.dofs; ++i) {
-    if (view.inverse_mass[i] > 0.0) velocity[i] += change;
-  }
-  evaluate(after);
-  modes.square = response * largest_change();
+  response.move_own(-response.change);
+  response.move_velocities(response.change);
+  response.evaluate();
+  modes.square = acceleration * largest_change();
   return modes;
 }
 
@@ -340,44 +377,30 @@ struct OwnDecay {
   double friction = 0.0;  ///< the largest, 1/time; with inertia
 };
 
-/// Measured as in own_modes().
 OwnDecay own_decay(Model& model) {
   const SystemView<double>& view = model.system().view;
   OwnDecay decay;
   if (view.own_count == 0) return decay;
-  constexpr double kChange = 1e-6;
-  AlignedVector<double> own(view.integrals, view.integrals + view.rates);
-  AlignedVector<double> velocity(view.velocity, view.velocity + view.dofs);
-  own.resize(own.size() + 2 * kGroup, 0.0);
-  velocity.resize(velocity.size() + 2 * kGroup, 0.0);
-  AlignedVector<double> before(view.rates + 2 * kGroup, 0.0);
-  AlignedVector<double> after = before;
-  const auto evaluate = [&](AlignedVector<double>& rates) {
-    model.evaluate_at(DoubleDouble(0.0), view.position, velocity.data(), own.data(), rates.data());
-  };
-  evaluate(before);
-  const std::vector<double> force(view.force, view.force + view.dofs);
-  for (std::size_t k = 0; k < view.own_count; ++k) own[k] += kChange;
-  evaluate(after);
+  OwnResponse response(model);
+  response.move_own(response.change);
+  response.evaluate();
   std::vector<double> rate(view.own_count);
   for (std::size_t k = 0; k < view.own_count; ++k) {
-    rate[k] = (before[k] - after[k]) / kChange;
+    rate[k] = (response.before[k] - response.after[k]) / response.change;
     if (rate[k] > 0.0) decay.slowest = std::max(decay.slowest, 1.0 / rate[k]);
-    own[k] -= kChange;
   }
+  response.move_own(-response.change);
   if (!view.inertial) return decay;
-  for (std::size_t i = 0; i < view.dofs; ++i) {
-    if (view.inverse_mass[i] > 0.0) velocity[i] += kChange;
-  }
-  evaluate(after);
+  response.move_velocities(response.change);
+  response.evaluate();
   const std::vector<double> driven(view.force, view.force + view.dofs);
   // To where they come to rest at that velocity.
   for (std::size_t k = 0; k < view.own_count; ++k) {
-    if (rate[k] > 0.0) own[k] += (after[k] - before[k]) / rate[k];
+    if (rate[k] > 0.0) response.own[k] += (response.after[k] - response.before[k]) / rate[k];
   }
-  evaluate(after);
+  response.evaluate();
   for (std::size_t i = 0; i < view.dofs; ++i) {
-    const double slowed = (driven[i] - view.force[i]) / kChange * view.inverse_mass[i];
+    const double slowed = (driven[i] - view.force[i]) / response.change * view.inverse_mass[i];
     decay.friction = std::max(decay.friction, slowed);
   }
   return decay;

@@ -34,8 +34,8 @@ std::vector<std::string> doubts_before(const DriverWindow& w) {
   if (!(w.period > 0.0 && periods > 0.0)) return {};
   if (periods < kShortestSlide) {
     return {fmt::format(
-        "{} moves by {:.2g} of a period within the window: its means tell of the start, not of "
-        "sliding",
+        "{} moves by {:.2g} of a period within the window, much less than one: its means are "
+        "those of the start, not of sliding",
         w.driver, periods)};
   }
   if (!w.steady || is_whole(w)) return {};

@@ -178,7 +178,8 @@ TEST(Ties, FoldsAreDetermined) {
   EXPECT_GT(digits_of(tip, "1e-6"), kDigitsLeft);
 }
 
-/// Steady forces would turn a pair that nothing holds, and upset it where they press it together.
+/// A freely rotating pair has no steady force on it: it would rotate the pair, or make it unstable
+/// under compression.
 TEST(Ties, WhatTurnsFreelyIsNotPushed) {
   for (const char* seed : {"1", "2", "3"}) {
     const RunResult result = run_text(

@@ -565,7 +565,7 @@ TEST_F(Cli, AFaultIsTheSameUnderAnAccuracy) {
   }
 }
 
-/// A pilot of seconds is no silence; on no terminal it is told in plain lines.
+/// Progress is reported while a pilot runs too, in plain lines where standard error is no terminal.
 TEST_F(Cli, APilotShowsThatItGoesOn) {
   ASSERT_EQ(tomlin({"new", "fk"}).status, 0);
   const Ended ended = tomlin({"run", "fk.toml", "--set", "N=20000", "--set", "run.accuracy=1e-8"},

@@ -92,7 +92,7 @@ TEST(Planned, NamesAreFree) {
   }
 }
 
-/// Keys that stand elsewhere are told where.
+/// A key of another table is refused with the name of that table.
 TEST(Planned, KeysOfOtherTables) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"every", "[output]"},
