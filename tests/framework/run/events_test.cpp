@@ -172,6 +172,28 @@ TEST(Slips, AreCountedFromWellToWellAtAnySpeed) {
   }
 }
 
+/// At the washboard resonance the tip of a stick-slip parameter of 0.8 stops in every period, and
+/// yet there is one well only. Its static force is then its largest, found between steps as that
+/// is.
+TEST(Slips, ResonantSlidingWithoutWellsHasNone) {
+  constexpr double kRounding = 1e-13;
+  for (const std::string& integrator : {fixed_step(0.1), adaptive(1e-7)}) {
+    TipScene tip = slipping(0.1);
+    tip.velocity = 1.0 / (2.0 * kPi);
+    tip.amplitude = 0.02;
+    tip.duration = 100.0 / tip.velocity;
+    tip.integrator = integrator;
+    const Watched run(tip.text());
+    const auto speeds = run.column("tip.velocity.x");
+    EXPECT_LT(*std::min_element(speeds.begin(), speeds.end()), 0.5 * tip.velocity);
+    EXPECT_EQ(run.result.events.slips, 0u) << integrator;
+    const DriverResult& driver = run.result.drivers[0];
+    EXPECT_NEAR(*driver.static_force, driver.max_force[0], kRounding) << integrator;
+    const auto forces = run.column("driver.force.x");
+    EXPECT_GT(*driver.static_force, *std::max_element(forces.begin(), forces.end()) - kRounding);
+  }
+}
+
 /// It only rolls to where it can stick: the static force is what the substrate can hold.
 TEST(Slips, AStartOnTopOfABarrierIsNone) {
   TipScene tip = slipping(1.5);
