@@ -194,6 +194,43 @@ TEST(Slips, ResonantSlidingWithoutWellsHasNone) {
   }
 }
 
+/// A point that comes to a halt on a barrier, for eight times the calm between two slips, and then
+/// goes on to the next well: one slip, but two where wells are not known.
+TEST(Slips, DoNotEndOnABarrier) {
+  constexpr double kSpeed = 0.01;
+  const auto place = [](double t) {
+    if (t < 50.0) return 0.002 * t;
+    if (t < 52.0) return 0.1 + 0.2 * (t - 50.0);
+    if (t < 68.0) return 0.5 + 0.001 * (t - 52.0);
+    if (t < 70.0) return 0.516 + 0.242 * (t - 68.0);
+    return 1.0 + 0.002 * (t - 70.0);
+  };
+  Drive drive;
+  drive.velocity = {kSpeed};
+  drive.stiffness = 1.0;
+  for (const bool wells : {true, false}) {
+    DriverWatch watch(0, drive, 1.0, 1e-16, DriverWatch::Slips::looked_for);
+    std::vector<double> reals(DriverWatch::kReals);
+    std::vector<std::int64_t> integers(DriverWatch::kIntegers);
+    watch.attach(reals.data(), integers.data());
+    watch.start();
+    if (wells) watch.set_wells(0.0);
+    std::vector<Event> slips;
+    for (int k = 0; k < 1000; ++k) {
+      const double t = 0.1 * k;
+      watch.add(
+          t, kSpeed * t - place(t),
+          [&](const Event& event) {
+            if (event.kind == EventKind::slip) slips.push_back(event);
+          },
+          [] { return 0.0; });
+    }
+    ASSERT_EQ(slips.size(), wells ? 1u : 2u);
+    constexpr double kOfAStep = 0.05;  // at most: corners of the way lie between two points
+    EXPECT_NEAR(slips[0].size, wells ? 0.9 : 0.4, kOfAStep);
+  }
+}
+
 /// It only rolls to where it can stick: the static force is what the substrate can hold.
 TEST(Slips, AStartOnTopOfABarrierIsNone) {
   TipScene tip = slipping(1.5);
