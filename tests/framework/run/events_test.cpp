@@ -243,6 +243,21 @@ TEST(Slips, AStartOnTopOfABarrierIsNone) {
   EXPECT_LE(*result.events.slips, 6u);
 }
 
+/// Thrown back over some barriers at the start, the tip stretches its spring by far more than the
+/// substrate holds: that is no static force.
+TEST(Slips, WhatStretchesTheSpringInFlightIsNoStaticForce) {
+  for (const std::string& integrator : {fixed_step(0.02), adaptive(1e-9)}) {
+    TipScene tip = slipping(0.5);
+    tip.start_velocity = -3.0;
+    tip.integrator = integrator;
+    const RunResult result = run_text(tip.text());
+    const double strongest = 2.0 * kPi * tip.amplitude / tip.period;
+    EXPECT_GT(result.drivers[0].max_force[0], 1.5 * strongest);
+    EXPECT_GT(*result.drivers[0].static_force, strongest);
+    EXPECT_LT(*result.drivers[0].static_force, 1.05 * strongest);
+  }
+}
+
 TEST(Slips, LoseTheEnergyThatTheDamperTakes) {
   const TipScene tip = slipping(1.5);
   const Watched run(tip.text());
