@@ -166,6 +166,13 @@ void BM_pt(benchmark::State& state) {
 }
 BENCHMARK(BM_pt)->Name("pt/tomlin");
 
+/// Nothing slips, so that the static force is looked for in every step.
+void BM_pt_smooth(benchmark::State& state) {
+  static Engine& engine = engine_for(kPt, {{"force.sinusoidal_substrate.amplitude", "0.02"}});
+  run(state, engine, 64);
+}
+BENCHMARK(BM_pt_smooth)->Name("pt/smooth");
+
 void BM_flexible_ring(benchmark::State& state) {
   static Engine& engine = engine_for(ring("particles", "1e-4"));
   run(state, engine, 16);
