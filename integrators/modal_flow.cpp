@@ -194,7 +194,7 @@ void ModalBody::list_springs() {
       spring.first = i;
       spring.second = j;
       double size = 0.0;
-      for (int a = 0; a < 2; ++a) {
+      for (std::size_t a = 0; a < 2; ++a) {
         for (int b = 0; b < 2; ++b) {
           double value = 0.0;
           for (std::size_t mode = 0; mode < n_; ++mode) {
@@ -237,7 +237,7 @@ bool ModalBody::keeps_shape(double& other) {
     const double pull =
         length > 0.0 ? fma(spring.along, length - spring.length, spring.force) / length : 0.0;
     const double before = spring.length > 0.0 ? spring.force / spring.length : 0.0;
-    for (int a = 0; a < 2; ++a) {
+    for (std::size_t a = 0; a < 2; ++a) {
       const double linear =
           before * spring.apart[a] + spring.block[2 * a] * u[0] + spring.block[2 * a + 1] * u[1];
       const double beyond = pull * s[a] - linear;
