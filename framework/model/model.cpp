@@ -9,6 +9,7 @@
 
 #include "framework/core/kernel_tables.hpp"
 #include "framework/model/plugin_code.hpp"
+#include "framework/model/scheme_checks.hpp"
 
 TOMLIN_DECLARE_DOUBLE_TABLES(ObserveKernels, ObserveTable)
 
@@ -69,90 +70,6 @@ AssemblyPlan Model::plan_for(const Scene& scene, InstructionSet set) {
   return plan;
 }
 
-namespace {
-
-/// What an integrator cannot do right is refused, with the reason.
-void check_scheme(const Assembly<double>& assembly) {
-  const Scene& scene = assembly.scene();
-  const IntegratorRecord& scheme = *scene.run.integrator.record;
-  std::vector<Fault> faults;
-  const auto refuse = [&](const std::string& key, const Place& place, const std::string& why,
-                          const std::string& admissible) {
-    faults.push_back({place, key, "\"" + scheme.name + "\"", why, admissible, ""});
-  };
-  const Place& place = scene.run.integrator.place;
-  if (scene.run.dynamics == "overdamped" && !scheme.without_inertia) {
-    refuse("run.integrator.type", place, "takes no dynamics without inertia",
-           "rk4, midpoint, dopri5, dop853, radau9");
-  }
-  if (scheme.splits_friction) {
-    for (const auto& force : assembly.forces()) {
-      if (force.traits.depends_on_velocity && !force.bound->is_friction()) {
-        refuse("run.integrator.type", place,
-               "falls to first order with the force \"" + force.name +
-                   "\", which depends on velocity and is not linear friction",
-               "rk4, midpoint, dopri5, dop853");
-      }
-      if (force.bound->own_count() > 0) {
-        refuse("run.integrator.type", place,
-               "does not advance the variables of the force \"" + force.name + "\"",
-               "rk4, midpoint, dopri5, dop853");
-      }
-    }
-  }
-  if ((scheme.splits_friction || scheme.conservative_only) && scene.run.ledger) {
-    for (const auto& force : assembly.forces()) {
-      const Traits& traits = force.traits;
-      const bool keeps_account = traits.conservative || traits.does_work ||
-                                 traits.depends_on_velocity || force.bound->is_friction();
-      if (keeps_account || force.bound->own_count() > 0) continue;
-      // A kick's forces are the rates of the ledger, at a velocity of half a step before.
-      refuse("run.integrator.type", place,
-             "falls to first order in the power of the force \"" + force.name +
-                 "\", which is no gradient, and the ledger would not close",
-             "rk4, midpoint, dopri5, dop853, or ledger = false");
-    }
-  }
-  if (scheme.conservative_only) {
-    for (const auto& force : assembly.forces()) {
-      const Traits& traits = force.traits;
-      if (traits.depends_on_velocity || traits.stochastic || force.bound->is_friction()) {
-        refuse("run.integrator.type", place,
-               "is for scenes without loss; the force \"" + force.name + "\" depends on velocity",
-               "rk4, dopri5, dop853, radau9, velocity_verlet");
-      }
-      if (force.bound->own_count() > 0) {
-        refuse("run.integrator.type", place,
-               "does not advance the variables of the force \"" + force.name + "\"",
-               "rk4, midpoint, dopri5, dop853");
-      }
-    }
-    for (const auto& steered : assembly.steered()) {
-      if (std::all_of(steered.own, steered.own + 4, [](auto at) { return at < 0; })) continue;
-      const std::string& body = assembly.bodies()[steered.body].bound.name;
-      refuse("run.integrator.type", place,
-             "does not advance the prescribed motion of the body \"" + body +
-                 "\", whose velocity changes with time",
-             "rk4, midpoint, dopri5, dop853");
-    }
-  }
-  if (scene.run.dynamics != "inertial") {
-    for (const auto& force : assembly.forces()) {
-      if (force.traits.depends_on_velocity && !force.bound->is_friction()) {
-        const auto found = scene.run.places.find("dynamics");
-        faults.push_back(
-            {found == scene.run.places.end() ? scene.run.place : found->second, "run.dynamics",
-             "\"" + scene.run.dynamics + "\"",
-             "the force \"" + force.name + "\" depends on velocity and is not linear friction",
-             "\"inertial\"", ""});
-      }
-    }
-  }
-  if (!faults.empty()) throw InputError(std::move(faults));
-}
-
-}  // namespace
-
 Model::Model(std::shared_ptr<const Scene> scene, InstructionSet set)
     : scene_(std::move(scene)),
       plan_(plan_for(*scene_, set)),
@@ -175,9 +92,9 @@ void Model::lay_elastic() {
   std::string fault;
   elastic_ = elastic_bodies(assembly_, fault);
   if (!fault.empty()) {
-    throw InputError(
-        {{scheme.place, "run.integrator.type", "\"" + scheme.record->name + "\"",
-          "splits bonds and friction off, but " + fault, "velocity_verlet, rk4, dopri5", ""}});
+    throw InputError({{scheme.place, "run.integrator.type", "\"" + scheme.record->name + "\"",
+                       "splits bonds and friction off, but " + fault,
+                       integrators_with_bonds_as_forces(*scene_), ""}});
   }
   system().elastic = &elastic_;
 }
@@ -192,7 +109,7 @@ void Model::lay_tangent() {
   if (!tangent_->unknown().empty()) {
     throw InputError({{scheme.place, "run.integrator.type", "\"" + scheme.record->name + "\"",
                        "solves equations with the forces' derivatives, but " + tangent_->unknown(),
-                       "an explicit scheme: rk4, dopri5", ""}});
+                       integrators_for_any_scene(*scene_), ""}});
   }
   system().tangent = tangent_.get();
 }

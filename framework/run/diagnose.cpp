@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "framework/model/scheme_checks.hpp"
+
 namespace tomlin {
 namespace {
 
@@ -183,8 +185,8 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
         failure.what = "the body has left the shape that " + scheme.name + " takes its bonds at";
         failure.cause = fmt::format(
             "its bonds are soft, loose or too far from rest for a step of {:g}: take a "
-            "much smaller dt, or another scheme: velocity_verlet, dopri5",
-            h);
+            "much smaller dt, or another scheme: {}",
+            h, integrators_with_bonds_as_forces(model.scene()));
         return failure;
       }
       failure.what = "no stable equilibrium was found from here on";

@@ -1,0 +1,135 @@
+#include "framework/model/scheme_checks.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace tomlin {
+namespace {
+
+using Force = Assembly<double>::Force;
+
+bool is_linear_friction(const Force& force) { return force.bound->is_friction(); }
+
+bool depends_on_velocity_otherwise(const Force& force) {
+  return force.traits.depends_on_velocity && !is_linear_friction(force);
+}
+
+/// One check per flag of the record; each adds a fault for every force that the scheme cannot take.
+class SchemeChecks {
+ public:
+  explicit SchemeChecks(const Assembly<double>& assembly)
+      : assembly_(assembly),
+        scene_(assembly.scene()),
+        scheme_(*scene_.run.integrator.record),
+        any_scene_(integrators_for_any_scene(scene_)) {}
+
+  std::vector<Fault> faults() {
+    if (scene_.run.dynamics == "overdamped" && !scheme_.without_inertia) {
+      refuse("takes no dynamics without inertia",
+             integrators_that(scene_, [](const IntegratorRecord& other) {
+               return other.without_inertia && !other.follows_equilibria;
+             }));
+    }
+    if (scheme_.splits_friction) check_split_friction();
+    if ((scheme_.splits_friction || scheme_.conservative_only) && scene_.run.ledger) check_ledger();
+    if (scheme_.conservative_only) check_loss();
+    if (scene_.run.dynamics != "inertial") check_dynamics();
+    return std::move(faults_);
+  }
+
+ private:
+  void refuse(const std::string& why, const std::string& admissible) {
+    faults_.push_back({scene_.run.integrator.place, "run.integrator.type",
+                       "\"" + scheme_.name + "\"", why, admissible, ""});
+  }
+
+  void refuse_internal_variables(const Force& force) {
+    if (force.bound->own_count() == 0) return;
+    refuse("does not advance the variables of the force \"" + force.name + "\"", any_scene_);
+  }
+
+  void check_split_friction() {
+    for (const Force& force : assembly_.forces()) {
+      if (depends_on_velocity_otherwise(force)) {
+        refuse("falls to first order with the force \"" + force.name +
+                   "\", which depends on velocity and is not linear friction",
+               any_scene_);
+      }
+      refuse_internal_variables(force);
+    }
+  }
+
+  /// A kick's forces are the rates of the ledger, at a velocity of half a step before.
+  void check_ledger() {
+    for (const Force& force : assembly_.forces()) {
+      const Traits& traits = force.traits;
+      const bool has_power = traits.conservative || traits.does_work ||
+                             traits.depends_on_velocity || is_linear_friction(force);
+      if (has_power || force.bound->own_count() > 0) continue;
+      refuse("falls to first order in the power of the force \"" + force.name +
+                 "\", which is no gradient, and the ledger would not close",
+             any_scene_ + ", or ledger = false");
+    }
+  }
+
+  void check_loss() {
+    for (const Force& force : assembly_.forces()) {
+      const Traits& traits = force.traits;
+      if (traits.depends_on_velocity || traits.stochastic || is_linear_friction(force)) {
+        refuse("is for scenes without loss; the force \"" + force.name + "\" depends on velocity",
+               integrators_that(scene_, [&](const IntegratorRecord& other) {
+                 return !other.conservative_only && !other.follows_equilibria &&
+                        (!other.splits_friction || is_linear_friction(force));
+               }));
+      }
+      refuse_internal_variables(force);
+    }
+    for (const auto& steered : assembly_.steered()) {
+      if (std::all_of(steered.own, steered.own + 4, [](auto at) { return at < 0; })) continue;
+      const std::string& body = assembly_.bodies()[steered.body].bound.name;
+      refuse("does not advance the prescribed motion of the body \"" + body +
+                 "\", whose velocity changes with time",
+             any_scene_);
+    }
+  }
+
+  void check_dynamics() {
+    const auto found = scene_.run.places.find("dynamics");
+    const Place& place = found == scene_.run.places.end() ? scene_.run.place : found->second;
+    for (const Force& force : assembly_.forces()) {
+      if (!depends_on_velocity_otherwise(force)) continue;
+      faults_.push_back(
+          {place, "run.dynamics", "\"" + scene_.run.dynamics + "\"",
+           "the force \"" + force.name + "\" depends on velocity and is not linear friction",
+           "\"inertial\"", ""});
+    }
+  }
+
+  const Assembly<double>& assembly_;
+  const Scene& scene_;
+  const IntegratorRecord& scheme_;
+  const std::string any_scene_;
+  std::vector<Fault> faults_;
+};
+
+}  // namespace
+
+std::string integrators_for_any_scene(const Scene& scene) {
+  return integrators_that(scene,
+                          [](const IntegratorRecord& record) { return record.takes_any_scene(); });
+}
+
+std::string integrators_with_bonds_as_forces(const Scene& scene) {
+  return integrators_that(scene, [](const IntegratorRecord& record) {
+    return !record.splits_bonds && !record.conservative_only && !record.follows_equilibria;
+  });
+}
+
+void check_scheme(const Assembly<double>& assembly) {
+  std::vector<Fault> faults = SchemeChecks(assembly).faults();
+  if (!faults.empty()) throw InputError(std::move(faults));
+}
+
+}  // namespace tomlin
