@@ -125,16 +125,16 @@ std::uint64_t EnergyBalance::look(Engine& run) {
   if (place_[kOpen] != 0) {
     // Where an event has split a step there are more of them.
     const double left = sums_[kBlockEnd] - now;
-    if (left > engine_parts::kNoStep * run.dt_ && !run.done()) {
-      return static_cast<std::uint64_t>(std::max(1.0, std::nearbyint(left / run.dt_)));
+    if (left > engine_parts::kNoStep * run.plan_.dt && !run.done()) {
+      return static_cast<std::uint64_t>(std::max(1.0, std::nearbyint(left / run.plan_.dt)));
     }
-    const bool there = std::abs(left) <= engine_parts::kNoStep * run.dt_ && !run.failed();
+    const bool there = std::abs(left) <= engine_parts::kNoStep * run.plan_.dt && !run.failed();
     const double energy = there ? run.stored_energy() : sums_[kBlockEnergy];
     close(sums_[kOpenWork] + (energy - sums_[kBlockEnergy]));
   }
   if (known_ != place_[kStratum]) next_ = time_of(known_ = place_[kStratum]);
   if (now < (whole_ ? from_ : next_) || now >= to_ || run.done()) return kAnyNumber;
-  if (run.dt_ == 0.0) {
+  if (run.plan_.dt == 0.0) {
     open(run);
   } else if (run.housekeeping_due()) {
     open(run);
@@ -184,7 +184,7 @@ void EnergyBalance::open(Engine& run) {
   sums_[kBlockLength] = length;
   sums_[kBlockWeight] = weight;
   sums_[kOpenWork] = terms.numerical();
-  if (run.dt_ > 0.0) {
+  if (run.plan_.dt > 0.0) {
     place_[kOpen] = 1;
   } else {
     close(terms.numerical());

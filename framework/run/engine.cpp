@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "framework/run/disturbance.hpp"
 #include "framework/run/engine_parts.hpp"
 #include "framework/run/number_type.hpp"
+#include "framework/run/start_checks.hpp"
 #include "framework/run/watched_integrals.hpp"
 
 namespace tomlin {
@@ -32,11 +34,9 @@ Engine::Engine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
       options_(options),
       model_(scene_, options.instruction_set),
       scheme_(*scene_->run.integrator.record),
-      observe_(model_.observe()),
-      duration_(scene_->run.duration) {
+      observe_(model_.observe()) {
   const void* description = scene_->run.integrator.description.get();
   const SceneIntegrator& from = scene_->run.integrator;
-  dt_ = bound_by(from, "integrator", [&] { return scheme_.step(description); });
   ledger_ = scene_->run.ledger;
   integrator_ = bound_by(from, "integrator", [&] {
     return integrator_in(scene_->run.number_type, model_, description, scheme_);
@@ -51,12 +51,15 @@ Engine::Engine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
   list_watches();
   list_triggers();
   bind_observers();
-  resolve_window();
+  plan_ = plan_run(model_);
+  from_.time = plan_.window_from;
+  to_.time = plan_.window_to;
 
   if (options_.watches_energy && !ledger_ && path_ == nullptr &&
       model_.system().view.dofs <= kMostForASecondEngine) {
     balance_ = std::make_unique<EnergyBalance>(scene_, options_);
-    balance_->start(period_ > 0.0 ? 0.0 : from_.time, period_ > 0.0 ? duration_ : to_.time, dt_);
+    balance_->start(plan_.period > 0.0 ? 0.0 : from_.time,
+                    plan_.period > 0.0 ? plan_.duration : to_.time, plan_.dt);
   }
 
   StateLayout layout;
@@ -74,16 +77,6 @@ Engine::Engine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
   if (integrator_->has_point_block()) {
     block_rates_.assign(kHousekeepingEvery * view.rates, 0.0);
     block_velocities_.assign(kHousekeepingEvery, 0.0);
-  }
-  refuse_endless();
-  if (dt_ > 0.0) {
-    full_steps_ = static_cast<std::int64_t>(duration_ / dt_);
-    const auto remains = [&](std::int64_t steps) {
-      return static_cast<double>(DoubleDouble(duration_) -
-                                 two_prod(static_cast<double>(steps), dt_));
-    };
-    while (remains(full_steps_) < -kNoStep * dt_) --full_steps_;
-    while (remains(full_steps_ + 1) >= -kNoStep * dt_) ++full_steps_;
   }
   const bool wanted = options_.sink != nullptr && options_.sink->wants_samples();
   sampling_ = (wanted || !watchers_.empty()) && scene_->output.every.has_value();
@@ -115,16 +108,15 @@ void Engine::begin() {
   } else {
     model_.start();
   }
-  warn_of_idle_velocities();
-  warn_of_fine_tolerance();
-  warn_of_unused_integrator();
-  bound_unwatched_steps();
-  check_step();
-  look_for_doubts();
+  StartFindings findings = check_start(model_, plan_);
+  stable_step_ = findings.stable_step;
+  longest_unwatched_ = findings.longest_step;
+  failure_ = std::move(findings.failure);
+  std::move(findings.warnings.begin(), findings.warnings.end(), std::back_inserter(warnings_));
   model_.anchor(DoubleDouble(0.0));
   if (path_ != nullptr) settle();
   start_triggers();
-  if (period_ > 0.0) start_until();
+  if (plan_.period > 0.0) start_until();
   begin_sink();
   if (failure_) return;
   find_wells();
@@ -167,7 +159,7 @@ void Engine::declare(StateLayout& layout) {
   layout.add_reals("events.bodies", body_watches_.size() * BodyWatch::kReals);
   layout.add_integers("events.bodies", body_watches_.size() * BodyWatch::kIntegers);
   layout.add_integers("events.beyond", 2 * triggers_.size());
-  if (period_ > 0.0) layout.add_reals("until", Steadiness::kNumbers);
+  if (plan_.period > 0.0) layout.add_reals("until", Steadiness::kNumbers);
   if (has_images(model_)) layout.add_integers("long_bonds", model_.forces().size());
   if (options_.perturbation) layout.add_reals("disturbed", 1);
   if (balance_) {
@@ -208,7 +200,7 @@ void Engine::attach() {
   attach_watches("events.bodies", body_watches_);
   std::int64_t* beyond = state_.integers("events.beyond");
   for (Trigger& trigger : triggers_) trigger.beyond = std::exchange(beyond, beyond + 2);
-  if (period_ > 0.0) steadiness_.attach(state_.reals("until"));
+  if (plan_.period > 0.0) steadiness_.attach(state_.reals("until"));
   if (has_images(model_)) long_bonds_ = state_.integers("long_bonds");
   if (options_.perturbation) disturbed_ = state_.reals("disturbed");
   if (balance_) {
@@ -240,12 +232,12 @@ void Engine::resume(const std::vector<std::byte>& numbers) {
   steps_before_ = steps();
   anchor_here();
   set_directions();
-  if (period_ > 0.0) {
+  if (plan_.period > 0.0) {
     // After the run's last period its window stays.
-    const double last = std::nearbyint(duration_ / period_) - 1.0;
+    const double last = std::nearbyint(plan_.duration / plan_.period) - 1.0;
     const double before = std::min(steadiness_.periods(), last);
-    from_.time = before * period_;
-    to_.time = (before + 1.0) * period_;
+    from_.time = before * plan_.period;
+    to_.time = (before + 1.0) * plan_.period;
   }
 }
 
@@ -283,11 +275,11 @@ void Engine::take_up(RunState& other) {
 
 /// Forces count their time from where a run at this point does, whatever came before.
 void Engine::anchor_here() {
-  if (dt_ == 0.0) {
+  if (plan_.dt == 0.0) {
     model_.anchor(now());
   } else {
     const std::int64_t anchor = counts_[kGridSteps] / kHousekeepingEvery * kHousekeepingEvery;
-    model_.anchor(two_prod(static_cast<double>(anchor), dt_));
+    model_.anchor(two_prod(static_cast<double>(anchor), plan_.dt));
   }
 }
 
@@ -342,7 +334,7 @@ void Engine::keep_checkpoint() {
 void Engine::keep_end() {
   const bool more_follow = scene_->run.perturb || scene_->run.accuracy;
   if (options_.sink == nullptr || !more_follow || failed() || interrupted_) return;
-  if (path_ != nullptr || period_ > 0.0) return;
+  if (path_ != nullptr || plan_.period > 0.0) return;
   counts_[kEvaluations] = static_cast<std::int64_t>(model_.system().evaluations);
   counts_[kColumns] = static_cast<std::int64_t>(model_.system().columns);
   options_.sink->checkpoint(state_);
@@ -355,10 +347,10 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid,
   const bool waits = watched && waiting();
   const double due = next_dense();
   // What falls on the end of a fixed step needs no interpolation.
-  const bool dense = dt_ == 0.0 || waits || due < static_cast<double>(end);
+  const bool dense = plan_.dt == 0.0 || waits || due < static_cast<double>(end);
   if (waits) before_.copy_numbers(state_);
-  read_bodies(model_.system().view.position, dt_ == 0.0 ? model_.system().view.velocity : nullptr,
-              readings_);
+  read_bodies(model_.system().view.position,
+              plan_.dt == 0.0 ? model_.system().view.velocity : nullptr, readings_);
   signals_from_velocity(model_.system().view.velocity, static_cast<double>(begin));
   const StepReport report = step_from(since, h, dense);
   if (report.fault != StepFault::none) {
@@ -369,9 +361,9 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid,
     fail(StepFault::not_finite_or_too_far, h);
     return false;
   }
-  const DoubleDouble arrived = dt_ == 0.0 && report.taken < h ? begin + report.taken : end;
+  const DoubleDouble arrived = plan_.dt == 0.0 && report.taken < h ? begin + report.taken : end;
   if (waits) {
-    const double length = dt_ == 0.0 ? report.taken : h;
+    const double length = plan_.dt == 0.0 ? report.taken : h;
     if (const auto passed = first_passed(begin, length, since)) {
       return take_to(*passed, begin, length, since, arrived, to_grid);
     }
@@ -380,7 +372,8 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid,
   signals_from_rates(integrator_->first_rates());
   if (path_ != nullptr) {
     look_along_path(static_cast<double>(begin), static_cast<double>(arrived));
-  } else if (dt_ > 0.0 || !look_between(static_cast<double>(begin), static_cast<double>(arrived))) {
+  } else if (plan_.dt > 0.0 ||
+             !look_between(static_cast<double>(begin), static_cast<double>(arrived))) {
     look(static_cast<double>(begin));
   }
 
@@ -392,7 +385,7 @@ bool Engine::take(double since, double h, const DoubleDouble& end, bool to_grid,
   if (to_grid) ++counts_[kGridSteps];
   // Anchored afresh before any evaluation that belongs to the next step.
   double next_since = 0.0;
-  if (dt_ == 0.0) {
+  if (plan_.dt == 0.0) {
     model_.anchor(arrived);
   } else {
     next_since = since_anchor();
@@ -436,45 +429,47 @@ bool Engine::own_variables_are_finite() const {
 
 /// How far a step of the grid has been taken when an event has split it; 0 on the grid.
 DoubleDouble Engine::into_step() const {
-  return now() - two_prod(static_cast<double>(counts_[kGridSteps]), dt_);
+  return now() - two_prod(static_cast<double>(counts_[kGridSteps]), plan_.dt);
 }
 
 /// How far the next grid step starts after the anchor, which is set every few steps of the grid.
 double Engine::since_anchor() {
   const std::int64_t since = counts_[kGridSteps] % kHousekeepingEvery;
-  if (since == 0) model_.anchor(two_prod(static_cast<double>(counts_[kGridSteps]), dt_));
-  return static_cast<double>(since) * dt_;
+  if (since == 0) model_.anchor(two_prod(static_cast<double>(counts_[kGridSteps]), plan_.dt));
+  return static_cast<double>(since) * plan_.dt;
 }
 
 /// Of the grid: how many steps end before the next sample or edge of the window is due.
 std::int64_t Engine::plain_steps() const {
   const double due = next_dense();
-  std::int64_t plain = full_steps_ - counts_[kGridSteps];
-  if (!(due < duration_)) return plain - 1;  // the last may end on a sample
-  auto before = static_cast<std::int64_t>(due / dt_) - counts_[kGridSteps];
+  std::int64_t plain = plan_.whole_steps - counts_[kGridSteps];
+  if (!(due < plan_.duration)) return plain - 1;  // the last may end on a sample
+  auto before = static_cast<std::int64_t>(due / plan_.dt) - counts_[kGridSteps];
   // Rounding of the quotient: the step that ends at or past the time is the one that is not plain.
-  while (before > 0 && due <= static_cast<double>(counts_[kGridSteps] + before) * dt_) --before;
+  while (before > 0 && due <= static_cast<double>(counts_[kGridSteps] + before) * plan_.dt)
+    --before;
   return std::min(plain - 1, before);
 }
 
 /// Times on the grid are products, not sums: step n ends at (n + 1) dt however many there were.
 void Engine::step_fixed(std::uint64_t most) {
-  if (counts_[kGridSteps] == full_steps_) {
+  if (counts_[kGridSteps] == plan_.whole_steps) {
     // What remains is shorter than a step, or nothing.
-    const double rest = static_cast<double>(DoubleDouble(duration_) - now());
-    if (rest <= kNoStep * dt_ && (counts_[kSteps] > 0 || rest <= 0.0)) {
+    const double rest = static_cast<double>(DoubleDouble(plan_.duration) - now());
+    if (rest <= kNoStep * plan_.dt && (counts_[kSteps] > 0 || rest <= 0.0)) {
       ended_ = true;
     } else {
-      take(since_anchor() + static_cast<double>(into_step()), rest, DoubleDouble(duration_), false);
+      take(since_anchor() + static_cast<double>(into_step()), rest, DoubleDouble(plan_.duration),
+           false);
     }
     return;
   }
   const DoubleDouble into = into_step();
   if (static_cast<double>(into) != 0.0) {
     // An event has split this step of the grid: the rest of it.
-    const DoubleDouble grid = two_prod(static_cast<double>(counts_[kGridSteps] + 1), dt_);
-    const bool at_end = std::abs(static_cast<double>(grid - duration_)) <= kNoStep * dt_;
-    const DoubleDouble end = at_end ? DoubleDouble(duration_) : grid;
+    const DoubleDouble grid = two_prod(static_cast<double>(counts_[kGridSteps] + 1), plan_.dt);
+    const bool at_end = std::abs(static_cast<double>(grid - plan_.duration)) <= kNoStep * plan_.dt;
+    const DoubleDouble end = at_end ? DoubleDouble(plan_.duration) : grid;
     take(since_anchor() + static_cast<double>(into), static_cast<double>(end - now()), end, true);
     return;
   }
@@ -484,9 +479,9 @@ void Engine::step_fixed(std::uint64_t most) {
     plain_left_ = std::max<std::int64_t>(0, plain_steps());
   }
   if (plain_left_ == 0 || counts_[kRotationEvery] == 1) {
-    const DoubleDouble grid = two_prod(static_cast<double>(counts_[kGridSteps] + 1), dt_);
-    const bool at_end = std::abs(static_cast<double>(grid - duration_)) <= kNoStep * dt_;
-    take(since_anchor(), dt_, at_end ? DoubleDouble(duration_) : grid, true);
+    const DoubleDouble grid = two_prod(static_cast<double>(counts_[kGridSteps] + 1), plan_.dt);
+    const bool at_end = std::abs(static_cast<double>(grid - plan_.duration)) <= kNoStep * plan_.dt;
+    take(since_anchor(), plan_.dt, at_end ? DoubleDouble(plan_.duration) : grid, true);
     if (plain_left_ > 0) --plain_left_;
     return;
   }
@@ -502,31 +497,31 @@ void Engine::plain_block(std::int64_t most) {
   StepFault fault = StepFault::none;
   if (integrator_->has_point_block()) {
     taken = static_cast<std::int64_t>(integrator_->point_block(
-        static_cast<std::size_t>(first), dt_, static_cast<std::size_t>(most), block_rates_.data(),
-        block_velocities_.data()));
+        static_cast<std::size_t>(first), plan_.dt, static_cast<std::size_t>(most),
+        block_rates_.data(), block_velocities_.data()));
     if (taken < most) fault = StepFault::not_finite_or_too_far;
     const std::size_t rates = model_.system().view.rates;
-    seen_ = two_prod(static_cast<double>(counts_[kGridSteps] + taken), dt_);
+    seen_ = two_prod(static_cast<double>(counts_[kGridSteps] + taken), plan_.dt);
     for (std::int64_t k = 0; k < taken; ++k) {
       signals_[drivers_.size()] = std::abs(block_velocities_[k]);
       signals_from_rates(block_rates_.data() + k * rates);
-      look(static_cast<double>(counts_[kGridSteps] + k) * dt_);
+      look(static_cast<double>(counts_[kGridSteps] + k) * plan_.dt);
     }
   } else {
     double after = since;
     for (; taken < most; ++taken) {
       signals_from_velocity(model_.system().view.velocity,
-                            static_cast<double>(counts_[kGridSteps] + taken) * dt_);
+                            static_cast<double>(counts_[kGridSteps] + taken) * plan_.dt);
       read_bodies(model_.system().view.position, nullptr, readings_);
-      fault = step_from(after, dt_, false).fault;
+      fault = step_from(after, plan_.dt, false).fault;
       if (fault == StepFault::none && !own_variables_are_finite()) {
         fault = StepFault::not_finite_or_too_far;
       }
       if (fault != StepFault::none) break;
-      seen_ = two_prod(static_cast<double>(counts_[kGridSteps] + taken + 1), dt_);
+      seen_ = two_prod(static_cast<double>(counts_[kGridSteps] + taken + 1), plan_.dt);
       signals_from_rates(integrator_->first_rates());
-      look(static_cast<double>(counts_[kGridSteps] + taken) * dt_);
-      after = static_cast<double>(first + taken + 1) * dt_;
+      look(static_cast<double>(counts_[kGridSteps] + taken) * plan_.dt);
+      after = static_cast<double>(first + taken + 1) * plan_.dt;
     }
   }
   counts_[kGridSteps] += taken;
@@ -534,11 +529,11 @@ void Engine::plain_block(std::int64_t most) {
   counts_[kEvaluations] = static_cast<std::int64_t>(model_.system().evaluations);
   counts_[kColumns] = static_cast<std::int64_t>(model_.system().columns);
   plain_left_ -= taken;
-  const DoubleDouble time = two_prod(static_cast<double>(counts_[kGridSteps]), dt_);
+  const DoubleDouble time = two_prod(static_cast<double>(counts_[kGridSteps]), plan_.dt);
   clock_[0] = time.hi;
   clock_[1] = time.lo;
   if (fault != StepFault::none) {
-    fail(fault, dt_);
+    fail(fault, plan_.dt);
     return;
   }
   if (!housekeeping_due()) return;
@@ -556,7 +551,7 @@ bool Engine::foresees_too_many_steps() {
   if (scheme_.most_steps == nullptr || taken == 0 || taken % kEvery != 0) return false;
   const auto most =
       static_cast<double>(scheme_.most_steps(scene_->run.integrator.description.get()));
-  const double foreseen = static_cast<double>(taken) * (duration_ / time());
+  const double foreseen = static_cast<double>(taken) * (plan_.duration / time());
   if (foreseen <= kSurely * most) return false;
   fail(StepFault::too_many_steps, 0.0);
   failure_->what = fmt::format(
@@ -567,7 +562,7 @@ bool Engine::foresees_too_many_steps() {
 }
 
 void Engine::step_adaptive() {
-  const double rest = static_cast<double>(DoubleDouble(duration_) - now());
+  const double rest = static_cast<double>(DoubleDouble(plan_.duration) - now());
   if (rest <= 0.0) {
     ended_ = true;
     return;
@@ -577,7 +572,7 @@ void Engine::step_adaptive() {
     take(0.0, longest_unwatched_, now() + longest_unwatched_, false);
     return;
   }
-  take(0.0, rest, DoubleDouble(duration_), false);
+  take(0.0, rest, DoubleDouble(plan_.duration), false);
 }
 
 bool Engine::too_dear() const {
@@ -590,7 +585,7 @@ void Engine::advance(std::uint64_t steps) {
   while (!done() && static_cast<std::uint64_t>(counts_[kSteps]) < target) {
     std::uint64_t most = target - static_cast<std::uint64_t>(counts_[kSteps]);
     if (balance_) most = std::min(most, balance_->look(*this));
-    if (dt_ > 0.0) {
+    if (plan_.dt > 0.0) {
       step_fixed(most);
     } else {
       step_adaptive();
@@ -602,7 +597,7 @@ void Engine::advance(std::uint64_t steps) {
 
 /// Every few steps; of the grid where there is one, so that an event does not shift them.
 bool Engine::housekeeping_due() const {
-  if (dt_ == 0.0) return counts_[kSteps] % kHousekeepingEvery == 0;
+  if (plan_.dt == 0.0) return counts_[kSteps] % kHousekeepingEvery == 0;
   return counts_[kGridSteps] % kHousekeepingEvery == 0 && static_cast<double>(into_step()) == 0.0;
 }
 
@@ -622,7 +617,7 @@ void Engine::housekeeping() {
     last_report_ = moment;
     const std::chrono::duration<double> elapsed = moment - started_;
     options_.on_progress(
-        {time(), duration_, steps(), elapsed.count(), time_before_, steps_before_});
+        {time(), plan_.duration, steps(), elapsed.count(), time_before_, steps_before_});
   }
   const std::chrono::duration<double> since = moment - last_checkpoint_;
   if (since.count() >= scene_->run.checkpoint_every) {

@@ -17,9 +17,9 @@
 #include "framework/run/events.hpp"
 #include "framework/run/extremes.hpp"
 #include "framework/run/instant.hpp"
+#include "framework/run/plan.hpp"
 #include "framework/run/run.hpp"
 #include "framework/run/steadiness.hpp"
-#include "framework/run/window_warnings.hpp"
 
 namespace tomlin {
 
@@ -91,31 +91,12 @@ class Engine {
 
   void declare(StateLayout& layout);
   void attach();
-  void resolve_window();
   void list_signals();
-  void check_step();
-  void warn_of_idle_velocities();
-  void warn_of_fine_tolerance();
-  void warn_of_unused_integrator();
-  void bound_unwatched_steps();
-  void look_for_doubts();
-  void fail_at_start(const std::string& body, std::string what, std::string cause);
-  void check_inertia();
-  void check_places();
-  void check_ways();
-  void check_drag();
-  void check_pace();
-  void warn_of_coarse_tolerance();
-  void warn_of_stiff_drivers();
-  void warn_of_short_window();
-  std::pair<DriverWindow, bool> window_of(std::size_t driver) const;
-  bool turns_round(std::size_t driver) const;
   void warn_of_window();
   bool foresees_too_many_steps();
   bool take_to(const Passed& passed, const DoubleDouble& begin, double length, double since,
                const DoubleDouble& arrived, bool to_grid);
   bool own_variables_are_finite() const;
-  void refuse_endless() const;
   bool take(double since, double h, const DoubleDouble& end, bool to_grid, bool watched = true);
   double since_anchor();
   void anchor_here();
@@ -247,11 +228,9 @@ class Engine {
   RunState state_;
   const ObserveTable& observe_;
 
-  double duration_;
-  double dt_ = 0.0;  ///< 0: adaptive
+  RunPlan plan_;
   double stable_step_ = 0.0;
   double longest_unwatched_ = std::numeric_limits<double>::infinity();  ///< of an adaptive scheme
-  std::int64_t full_steps_ = 0;     ///< whole steps of the grid that the run has room for
   double time_before_ = 0.0;        ///< where a resumed run went on from
   std::uint64_t steps_before_ = 0;  ///< taken before that
   std::int64_t plain_left_ = 0;     ///< steps known to have nothing to serve
@@ -270,7 +249,6 @@ class Engine {
 
   // Drivers and bodies among the signals that extremes are taken of.
   std::vector<Model::Driver> drivers_;
-  std::vector<bool> drags_;  ///< drivers with a velocity
   std::size_t signal_count_ = 0;
   std::vector<double> signals_;
   std::vector<double> pulls_;
@@ -317,7 +295,6 @@ class Engine {
   std::int64_t* observed_count_ = nullptr;  ///< of them
 
   // Until it is steady.
-  double period_ = 0.0;        ///< of the driver, as a time; 0: runs for its duration
   double slowest_time_ = 0.0;  ///< of the scene, as far as it is known
   Steadiness steadiness_;
   bool period_over_ = false;

@@ -38,7 +38,7 @@ void Engine::list_watches() {
   const double precision = precision_of(scene_->run.number_type);
   for (std::size_t k = 0; k < drivers_.size(); ++k) {
     const Drive& drive = *drivers_[k].drive;
-    if (!drags_[k] || !(drive.stiffness > 0.0)) continue;
+    if (!drags(*drivers_[k].drive) || !(drive.stiffness > 0.0)) continue;
     double period = 0.0;
     for (int d = 0; d < model_.dimension(); ++d) {
       if (drive.velocity[d] != 0.0) period = std::max(period, model_.origin().unit[d]);
@@ -74,7 +74,7 @@ void Engine::find_wells() {
     const auto body = body_pulled_by(watch.driver());
     if (!body) continue;
     const auto way =
-        way_to_well(model_, *body, drivers_[watch.driver()], watch.period(), duration_);
+        way_to_well(model_, *body, drivers_[watch.driver()], watch.period(), plan_.duration);
     if (way) watch.set_wells(*way);
   }
 }
@@ -382,8 +382,8 @@ void Engine::end_period() {
   const UntilSettings& until = *scene_->run.until;
   const double value = observable(result(), until.steady).value_or(0.0);
   steadiness_.add(value);
-  const double ahead = duration_ / period_ - steadiness_.periods();
-  if (const auto distance = steadiness_.distance(slowest_time_ / period_, ahead)) {
+  const double ahead = plan_.duration / plan_.period - steadiness_.periods();
+  if (const auto distance = steadiness_.distance(slowest_time_ / plan_.period, ahead)) {
     steadiness_.kept_distance() = value != 0.0 ? *distance / std::abs(value) : *distance;
     if (steadiness_.kept_distance() <= until.tolerance) {
       steadiness_.reach();
@@ -391,8 +391,8 @@ void Engine::end_period() {
       return;
     }
   }
-  const double next = (steadiness_.periods() + 1.0) * period_;
-  if (next > duration_ * (1.0 + 1e-9)) return;  // the last period of the run
+  const double next = (steadiness_.periods() + 1.0) * plan_.period;
+  if (next > plan_.duration * (1.0 + 1e-9)) return;  // the last period of the run
   from_.time = to_.time;
   to_.time = next;
   *to_.reached = 0;
@@ -404,9 +404,9 @@ void Engine::end_period() {
 }
 
 void Engine::warn_of_unsteadiness() {
-  if (period_ == 0.0 || steadiness_.reached()) return;
+  if (plan_.period == 0.0 || steadiness_.reached()) return;
   const UntilSettings& until = *scene_->run.until;
-  const double least = Steadiness::least_periods(slowest_time_ / period_);
+  const double least = Steadiness::least_periods(slowest_time_ / plan_.period);
   std::string why =
       fmt::format("it still changes by a part of {:.2g}", steadiness_.kept_distance());
   if (steadiness_.periods() < least) {
@@ -416,7 +416,7 @@ void Engine::warn_of_unsteadiness() {
     }
   }
   warnings_.push_back(fmt::format("{} is not steady to {:g} by time {:g}: {}", until.steady,
-                                  until.tolerance, duration_, why));
+                                  until.tolerance, plan_.duration, why));
 }
 
 SteadyResult Engine::steady() const {
@@ -424,7 +424,7 @@ SteadyResult Engine::steady() const {
   result.path = scene_->run.until->steady;
   result.reached = steadiness_.reached();
   result.periods = static_cast<std::uint64_t>(steadiness_.periods());
-  if (steadiness_.periods() >= Steadiness::least_periods(slowest_time_ / period_)) {
+  if (steadiness_.periods() >= Steadiness::least_periods(slowest_time_ / plan_.period)) {
     result.change = steadiness_.kept_distance();
   }
   return result;

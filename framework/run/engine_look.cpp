@@ -65,7 +65,6 @@ void Engine::list_signals() {
   for (const Model::Driver& driver : model_.drivers()) {
     drivers_.push_back(driver);
     const Drive* drive = driver.drive;
-    drags_.push_back(drive != nullptr && drive->steady && norm(drive->velocity) > 0.0);
     direction_.insert(direction_.end(), drive->velocity.begin(), drive->velocity.end());
     speed_.push_back(norm(drive->velocity));
     along_.push_back(1.0 / speed_.back());
@@ -90,7 +89,7 @@ RunLayout Engine::layout() const {
   if (scene_->output.every) {
     // The last may miss the end of the run by rounding, and comes nevertheless.
     constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
-    const double intervals = duration_ / *scene_->output.every;
+    const double intervals = plan_.duration / *scene_->output.every;
     layout.most_samples = std::floor(intervals * (1.0 + kRounding) + kNoStep) + 1.0;
     static const char* const axes[] = {"x", "y", "z"};
     std::vector<SampleColumn>& columns = layout.columns;
@@ -146,7 +145,7 @@ double Engine::next_dense() const {
   if (sampling_) {
     const double at = static_cast<double>(counts_[kNextSample]) * *scene_->output.every;
     // The last sample may miss the end of the run by rounding.
-    next = std::abs(at - duration_) <= kNoStep * *scene_->output.every ? duration_ : at;
+    next = std::abs(at - plan_.duration) <= kNoStep * *scene_->output.every ? plan_.duration : at;
   }
   if (*from_.reached == 0) return std::min(next, from_.time);
   return *to_.reached != 0 ? next : std::min(next, to_.time);
@@ -317,7 +316,7 @@ void Engine::serve_dense(double due, const DoubleDouble& from, const DoubleDoubl
       within_step_ = true;
       return;
     }
-    if (dt_ > 0.0 && at == static_cast<double>(to)) {
+    if (plan_.dt > 0.0 && at == static_cast<double>(to)) {
       const SystemView<double>& view = model_.system().view;
       serve_point(at, view.position, view.velocity, view.integrals);
       continue;
@@ -334,7 +333,7 @@ void Engine::serve_point(double at, const double* x, const double* v, const doub
   if (*from_.reached == 0 && at >= from_.time) keep_moment(from_, at, x, v, z);
   if (*from_.reached != 0 && *to_.reached == 0 && at >= to_.time) {
     keep_moment(to_, at, x, v, z);
-    period_over_ = period_ > 0.0;
+    period_over_ = plan_.period > 0.0;
   }
   if (sampling_ &&
       static_cast<double>(counts_[kNextSample]) * *scene_->output.every <= at * (1.0 + kNoStep)) {

@@ -136,7 +136,7 @@ void Engine::keep_means(double at, const double* numbers) {
 
 std::vector<ObserverResult> Engine::observer_results() const {
   std::vector<ObserverResult> results;
-  const bool any = *observed_count_ > 0 && period_ == 0.0;
+  const bool any = *observed_count_ > 0 && plan_.period == 0.0;
   std::size_t k = 0;
   for (const Watcher& watcher : watchers_) {
     ObserverResult result;

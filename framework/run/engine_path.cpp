@@ -22,7 +22,7 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 /// The start of a run is an equilibrium.
 void Engine::settle() {
   forget_pulls();
-  const StepFault fault = path_->settle(duration_);
+  const StepFault fault = path_->settle(plan_.duration);
   if (fault != StepFault::none) fail(fault, 0.0);
 }
 
@@ -32,7 +32,8 @@ void Engine::forget_pulls() {
 
 /// The largest force along a driver's way since the last slip.
 void Engine::see_pull(std::size_t driver, double pull) {
-  if (drags_[driver]) peaks_[driver] = std::max(peaks_[driver], pull * along_[driver]);
+  if (drags(*drivers_[driver].drive))
+    peaks_[driver] = std::max(peaks_[driver], pull * along_[driver]);
 }
 
 /// Steps are long, and forces fall steeply where an equilibrium is about to end: looks are at
@@ -64,7 +65,8 @@ bool Engine::slip() {
   const SystemView<double>& view = model_.system().view;
   const double before =
       model_.potential_energy(now(), view.position, view.velocity, view.integrals);
-  const StepFault fault = path_->slip(0.0, static_cast<double>(DoubleDouble(duration_) - now()));
+  const StepFault fault =
+      path_->slip(0.0, static_cast<double>(DoubleDouble(plan_.duration) - now()));
   counts_[kEvaluations] = static_cast<std::int64_t>(model_.system().evaluations);
   counts_[kColumns] = static_cast<std::int64_t>(model_.system().columns);
   if (fault != StepFault::none) {

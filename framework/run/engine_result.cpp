@@ -9,6 +9,7 @@
 #include "framework/run/engine_parts.hpp"
 #include "framework/run/prescribed_inertia.hpp"
 #include "framework/run/watched_integrals.hpp"
+#include "framework/run/window_warnings.hpp"
 
 /// What is known at the end of a run.
 namespace tomlin {
@@ -58,6 +59,32 @@ void Engine::read_end() {
         model_.potential_energy(now(), view.position, view.velocity, view.integrals);
   }
   if (!failure_ && !interrupted_) warn_of_energy();
+}
+
+/// At the end: what springs pull has followed them, and slips enough have been seen.
+void Engine::warn_of_window() {
+  if (plan_.period > 0.0 || *from_.reached == 0 || *to_.reached == 0) return;
+  const auto axes = static_cast<std::size_t>(model_.dimension());
+  for (const DriverWatch& watch : driver_watches_) {
+    const std::size_t k = watch.driver();
+    const DriverWindow window = driver_window(model_, k, from_.time, to_.time);
+    const auto body = body_pulled_by(k);
+    if (!(window.period > 0.0) || !window.steady || !body) continue;
+    double moved = 0.0;
+    for (std::size_t d = 0; d < axes; ++d) {
+      const DoubleDouble way = to_.place(*body * axes + d) - from_.place(*body * axes + d);
+      moved += static_cast<double>(way) * direction_[k * axes + d] / speed_[k];
+    }
+    std::optional<std::uint64_t> slips;
+    if (watch.watches_slips() && driver_watches_.size() == 1) {
+      slips = static_cast<std::uint64_t>(*slips_within_);
+    }
+    const auto all =
+        static_cast<std::uint64_t>(event_counts_[static_cast<std::size_t>(EventKind::slip)]);
+    for (std::string& doubt : doubts_after(window, moved, slips, all)) {
+      warnings_.push_back(std::move(doubt));
+    }
+  }
 }
 
 /// Over the window, each term from its own integral; what does not balance is the integrator's.
@@ -145,7 +172,7 @@ RunResult Engine::result() {
   result.jacobian_columns = model_.system().columns;
   result.events = event_counts();
   result.equilibrium = equilibrium_;
-  if (period_ > 0.0) result.steady = steady();
+  if (plan_.period > 0.0) result.steady = steady();
   result.window_from = from_.time;
   result.window_to = to_.time;
   result.warnings = warnings_;
@@ -184,7 +211,8 @@ RunResult Engine::result() {
       driver.min_force.push_back(extremes_.low(k * axes + d));
     }
     const double speed = norm(from.drive->velocity);
-    if (drags_[k] && static_forces_.any(k)) driver.static_force = static_forces_.value(k) / speed;
+    if (drags(*drivers_[k].drive) && static_forces_.any(k))
+      driver.static_force = static_forces_.value(k) / speed;
     if (window) {
       const std::size_t power = from.first_rate + axes;
       driver.work = to_.integrals[power] - from_.integrals[power] + lacking[axes];

@@ -1,8 +1,11 @@
 #include "framework/run/window_warnings.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
+
+#include "framework/run/plan.hpp"
 
 namespace tomlin {
 namespace {
@@ -23,6 +26,32 @@ constexpr std::uint64_t kFewSlips = 3;
 std::string digits(double time) { return fmt::format("{:.6g}", time); }
 
 }  // namespace
+
+DriverWindow driver_window(const Model& model, std::size_t driver, double from, double to) {
+  const std::string& name = model.drivers()[driver].name;
+  const Drive& drive = *model.drivers()[driver].drive;
+  const bool reverses =
+      std::any_of(model.forces().begin(), model.forces().end(), [&](const Model::Force& force) {
+        return force.name == name && force.bound->waits_for() != nullptr;
+      });
+  DriverWindow window;
+  window.driver = name;
+  window.from = from;
+  window.to = to;
+  window.steady = drags(drive) && !reverses;
+  for (int d = 0; d < model.dimension(); ++d) {
+    if (drive.velocity[d] == 0.0) continue;
+    for (const SceneForce& force : model.scene().forces) {
+      const double period = force.record->period(force.description.get(), d);
+      if (!(period > 0.0)) continue;
+      window.one_period = window.one_period && (window.period == 0.0 || window.period == period);
+      if (period < window.period) continue;
+      window.period = period;
+      window.speed = std::abs(drive.velocity[d]);
+    }
+  }
+  return window;
+}
 
 bool is_whole(const DriverWindow& w) {
   const double periods = w.speed * (w.to - w.from) / w.period;

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "framework/model/model.hpp"
 
 /// Windows whose means say little of sliding.
 namespace tomlin {
@@ -14,9 +17,13 @@ struct DriverWindow {
   double from = 0.0;  ///< times
   double to = 0.0;
   double speed = 0.0;
-  double period = 0.0;  ///< of the forces along its way, a length; 0: there is none
-  bool steady = true;   ///< its velocity is the same within the window
+  double period = 0.0;     ///< of the forces along its way, a length; 0: there is none
+  bool steady = true;      ///< its velocity is the same within the window
+  bool one_period = true;  ///< no two forces have different periods along its way
 };
+
+/// The window as a driver of the scene sees it.
+DriverWindow driver_window(const Model& model, std::size_t driver, double from, double to);
 
 /// Whether it is a whole number of the driver's periods.
 bool is_whole(const DriverWindow& window);

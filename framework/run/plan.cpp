@@ -1,0 +1,169 @@
+#include "framework/run/plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "framework/model/plugin_code.hpp"
+#include "framework/run/engine_parts.hpp"
+
+namespace tomlin {
+
+using namespace engine_parts;  // NOLINT: its own parts
+
+namespace {
+
+/// How far past the end of the run a window may reach through rounding alone.
+constexpr double kWindowSlack = 1e-9;
+
+/// Weeks of the simplest scene.
+constexpr double kMostSteps = 1e14;
+/// Of them the fastest scene takes so many a second.
+constexpr double kFastestSteps = 1e8;
+constexpr double kSecondsOfADay = 86400.0;
+/// A table of a hundred terabytes.
+constexpr double kMostSamples = 1e12;
+
+/// A run must end, its counts stay exact, and a signal must get through between samples.
+void refuse_endless(const Scene& scene, const RunPlan& plan) {
+  const auto place = [](const std::map<std::string, Place>& places, const char* key,
+                        const Place& table) {
+    const auto found = places.find(key);
+    return found == places.end() ? table : found->second;
+  };
+  if (plan.dt > 0.0 && !(plan.duration / plan.dt <= kMostSteps)) {
+    throw InputError({{place(scene.run.integrator.places, "dt", scene.run.place),
+                       "run.integrator.dt", fmt::format("{}", plan.dt),
+                       fmt::format("the run would take {:.3g} steps, {:.2g} days at the very least",
+                                   plan.duration / plan.dt,
+                                   plan.duration / plan.dt / kFastestSteps / kSecondsOfADay),
+                       fmt::format("at most {:g} steps", kMostSteps), ""}});
+  }
+  if (scene.output.every && !(plan.duration / *scene.output.every <= kMostSamples)) {
+    throw InputError(
+        {{place(scene.output.places, "every", scene.output.place), "output.every",
+          fmt::format("{}", *scene.output.every),
+          fmt::format("the run would leave {:.3g} samples", plan.duration / *scene.output.every),
+          fmt::format("at most {:g} samples", kMostSamples), ""}});
+  }
+}
+
+/// Of the grid: as many as end within the run, but for rounding.
+std::int64_t whole_steps(double dt, double duration) {
+  auto steps = static_cast<std::int64_t>(duration / dt);
+  const auto remains = [&](std::int64_t count) {
+    return static_cast<double>(DoubleDouble(duration) - two_prod(static_cast<double>(count), dt));
+  };
+  while (remains(steps) < -kNoStep * dt) --steps;
+  while (remains(steps + 1) >= -kNoStep * dt) ++steps;
+  return steps;
+}
+
+[[noreturn]] void refuse_window(const MeasureSettings& measure, const std::string& key,
+                                const std::string& why, const std::string& admissible) {
+  const auto found = measure.places.find(key);
+  throw InputError({{found == measure.places.end() ? measure.place : found->second,
+                     "measure." + key, "", why, admissible, ""}});
+}
+
+/// The driver whose periods the window is counted in.
+const Drive& counted_driver(const Model& model) {
+  const MeasureSettings& measure = model.scene().measure;
+  std::vector<const Drive*> candidates;
+  for (const Model::Driver& driver : model.drivers()) {
+    if (!drags(*driver.drive)) continue;
+    if (measure.driver.empty() || driver.name == measure.driver) candidates.push_back(driver.drive);
+  }
+  if (candidates.empty()) {
+    refuse_window(measure, measure.driver.empty() ? "in" : "driver",
+                  "there is no moving driver to count periods of",
+                  "\"time\", or the name of a driver with a velocity");
+  }
+  if (candidates.size() > 1) {
+    refuse_window(measure, "in", "several drivers move: say whose periods are meant",
+                  "driver = NAME");
+  }
+  return *candidates.front();
+}
+
+/// The time in which that driver passes a period of the forces along its way.
+double period_of_driver(const Model& model) {
+  const Scene& scene = model.scene();
+  const std::vector<double>& velocity = counted_driver(model).velocity;
+  if (scene.measure.period) return *scene.measure.period / norm(velocity);
+  double period = 0.0;
+  double speed = 0.0;
+  for (int d = 0; d < model.dimension(); ++d) {
+    if (velocity[d] == 0.0) continue;
+    for (const SceneForce& force : scene.forces) {
+      const double declared = force.record->period(force.description.get(), d);
+      if (declared <= 0.0) continue;
+      if (period > 0.0 && declared != period) {
+        refuse_window(scene.measure, "in", "the forces declare several periods: say which is meant",
+                      "period = a length");
+      }
+      period = declared;
+      speed = std::abs(velocity[d]);
+    }
+  }
+  if (!(period > 0.0)) {
+    refuse_window(scene.measure, "in", "no force declares a period along the driver's way",
+                  "period = a length");
+  }
+  return period / speed;
+}
+
+/// The first period, and as many whole ones as the run has room for.
+void plan_periods(const UntilSettings& until, RunPlan& plan) {
+  const double whole = std::floor(plan.duration / plan.period * (1.0 + kWindowSlack));
+  if (whole < 1.0) {
+    throw InputError({{until.place, "run.until", "",
+                       fmt::format("the run ends at time {:g}, before the first period of the "
+                                   "driver is over at {:g}",
+                                   plan.duration, plan.period),
+                       "a later max, or a longer duration", ""}});
+  }
+  plan.duration = whole * plan.period;
+  plan.window_to = plan.period;
+}
+
+void plan_window(const MeasureSettings& measure, double unit, RunPlan& plan) {
+  plan.window_from = measure.from * unit;
+  plan.window_to = measure.to ? *measure.to * unit : plan.duration;
+  const bool late = plan.window_to > plan.duration * (1.0 + kWindowSlack);
+  if (late || plan.window_from >= plan.duration) {
+    refuse_window(measure, plan.window_to > plan.duration ? "to" : "from",
+                  fmt::format("the window reaches to time {:g}, past the end of the run at {:g}",
+                              std::max(plan.window_to, plan.window_from), plan.duration),
+                  "a window within the run, or a longer run.duration");
+  }
+  plan.window_to = std::min(plan.window_to, plan.duration);
+}
+
+}  // namespace
+
+bool drags(const Drive& drive) { return drive.steady && norm(drive.velocity) > 0.0; }
+
+RunPlan plan_run(const Model& model) {
+  const Scene& scene = model.scene();
+  const SceneIntegrator& from = scene.run.integrator;
+  RunPlan plan;
+  plan.dt = bound_by(from, "integrator", [&] { return from.record->step(from.description.get()); });
+  plan.duration = scene.run.duration;
+  if (scene.run.until) {
+    plan.period = period_of_driver(model);
+    plan_periods(*scene.run.until, plan);
+  } else {
+    const bool in_periods = scene.measure.unit == MeasureSettings::Unit::driver_periods;
+    plan_window(scene.measure, in_periods ? period_of_driver(model) : 1.0, plan);
+  }
+  refuse_endless(scene, plan);
+  if (plan.dt > 0.0) plan.whole_steps = whole_steps(plan.dt, plan.duration);
+  return plan;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+
+#include "framework/model/model.hpp"
+
+/// What a run is going to do, in times: resolved from the scene before the first step.
+namespace tomlin {
+
+struct RunPlan {
+  double dt = 0.0;        ///< step of the grid; 0: the scheme chooses its own
+  double duration = 0.0;  ///< whole periods with `[run] until`
+  double window_from = 0.0;
+  double window_to = 0.0;        ///< with `[run] until` those of the first period
+  double period = 0.0;           ///< with `[run] until`: of the driver, as a time; else 0
+  std::int64_t whole_steps = 0;  ///< of the grid, that the run has room for
+};
+
+/// Throws InputError for a window outside of the run or without a driver to count periods of, and
+/// for a run of more steps or samples than could ever be taken.
+RunPlan plan_run(const Model& model);
+
+/// Whether it is a driver of steady velocity that is not zero.
+bool drags(const Drive& drive);
+
+}  // namespace tomlin

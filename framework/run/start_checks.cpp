@@ -1,0 +1,435 @@
+#include "framework/run/start_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/core/tolerance.hpp"
+#include "framework/run/diagnose.hpp"
+#include "framework/run/engine_parts.hpp"
+#include "framework/run/time_scale.hpp"
+#include "framework/run/window_warnings.hpp"
+#include "framework/scene/natural_units.hpp"
+
+namespace tomlin {
+
+using namespace engine_parts;  // NOLINT: its own parts
+
+namespace {
+
+/// What the checks look at, and what they have found.
+struct Check {
+  Model& model;
+  const RunPlan& plan;
+  const Scene& scene = model.scene();
+  const IntegratorRecord& scheme = *scene.run.integrator.record;
+  StartFindings found = {};
+};
+
+/// A run that fails before its first step; the first reason is the one that is reported.
+void fail(Check& check, const std::string& body, std::string what, std::string cause) {
+  if (check.found.failure) return;
+  RunFailure& failure = check.found.failure.emplace();
+  failure.body = body;
+  failure.what = std::move(what);
+  failure.cause = std::move(cause);
+}
+
+/// Parts of a length that has to be seen: what is coarser is warned of, or refused.
+constexpr double kCoarsePlaces = 1e-9;
+constexpr double kFewPlaces = 100.0;  // of a short number type
+// The same in the scene's length (natural_units.hpp), where no period or bond is along an axis.
+constexpr double kCoarseUnits = 1e-6;
+constexpr double kFewUnits = 1000.0;
+constexpr double kNoLength = 1e300;
+constexpr double kUselessPlaces = 1e-3;
+/// Tolerance of an adaptive scheme, as a part of a period or of half the shortest bond. Half a
+/// period is the way from a well to the next barrier: a step may end in any well.
+constexpr double kCoarseTolerance = 1e-2;
+constexpr double kUselessTolerance = 0.5;
+/// Of a driver's force by that of places, as a part of what substrate and drag have at most.
+constexpr double kCoarseForce = 1e-2;
+/// Relative error of the drag, and so of a mean force, by the scheme alone.
+constexpr double kCoarseDrag = 1e-2;
+constexpr double kUselessDrag = 1e-1;
+/// Relative error of a mean by the rounding of the integral that it is a difference of.
+constexpr double kCoarseMean = 1e-6;
+/// Of what changes with time by itself, by steps that do not see it.
+constexpr double kMissedChange = 1e-2;
+/// Steps that a scheme takes in seconds.
+constexpr double kSoonTaken = 1e6;
+
+/// The friction coefficient of a body's particles together.
+class TotalFriction : public FrictionSink {
+ public:
+  explicit TotalFriction(std::size_t body) : body_(body) {}
+  void site(std::size_t body, std::size_t, double coefficient) override {
+    if (body == body_) total += coefficient;
+  }
+  double total = 0.0;
+
+ private:
+  std::size_t body_;
+};
+
+/// The longest period of a force on a body; 0 where it has none there.
+double period_of(const Model::Force& force, std::size_t body, const Scene& scene) {
+  if (std::find(force.bodies.begin(), force.bodies.end(), body) == force.bodies.end()) return 0.0;
+  double longest = 0.0;
+  for (const SceneForce& from : scene.forces) {
+    if (from.name != force.name) continue;
+    for (int d = 0; d < scene.dimension; ++d) {
+      longest = std::max(longest, from.record->period(from.description.get(), d));
+    }
+  }
+  return longest;
+}
+
+/// Whether a longest step stands beside the tolerances.
+bool holds_steps(const RunSettings& run) {
+  for (const Parameter& row : run.integrator.record->parameters) {
+    if (row.key != "largest_step") continue;
+    const ParameterValue value = row.read(run.integrator.description.get());
+    const auto* step = std::get_if<double>(&value);
+    return step != nullptr && *step < run.duration;
+  }
+  return false;
+}
+
+double last_place_of(const std::string& number_type) {
+  if (number_type == "float") return 0x1p-23;
+  return number_type == "quadruple" ? 0x1p-112 : 0x1p-52;
+}
+
+/// Tolerances that floats can keep: ten units in the last place.
+constexpr double kFinestOfFloat = 1e-6;
+
+/// Without inertia velocities follow from forces, whatever the scene says of them at the start.
+void warn_of_idle_velocities(Check& check) {
+  if (check.model.system().view.inertial && !check.scheme.follows_equilibria) return;
+  for (const SceneBody& body : check.scene.bodies) {
+    const PerParticleVector& given = body.record->common(body.description.get()).velocity;
+    const bool any = std::any_of(given.values.begin(), given.values.end(), [](const auto& vector) {
+      return std::any_of(vector.components.begin(), vector.components.end(),
+                         [](double v) { return v != 0.0; });
+    });
+    if (!any) continue;
+    check.found.warnings.push_back(
+        fmt::format("body.{}.velocity means nothing without inertia: velocities follow from {}",
+                    body.name, check.scheme.follows_equilibria ? "the drivers'" : "forces"));
+  }
+}
+
+/// An adaptive scheme that is asked for more digits than its numbers have.
+void warn_of_fine_tolerance(Check& check) {
+  if (check.scheme.tolerance == nullptr || check.scene.run.number_type != "float") return;
+  const double asked =
+      *tolerance_of(check.scene.run.integrator, tolerance_scales(check.model.system().view).length);
+  if (asked >= kFinestOfFloat) return;
+  check.found.warnings.push_back(fmt::format(
+      "floats carry no tolerance of {:g} of a length: below about {:g} steps follow their rounding "
+      "and get very short",
+      asked, kFinestOfFloat));
+}
+
+/// Quasistatic dynamics have a scheme of their own.
+void warn_of_unused_integrator(Check& check) {
+  const SceneIntegrator& integrator = check.scene.run.integrator;
+  if (integrator.not_used.empty()) return;
+  check.found.warnings.push_back(
+      fmt::format("run.integrator = {} is not used: quasistatic dynamics follow equilibria by {}",
+                  integrator.not_used, integrator.name));
+}
+
+/// Where nothing is free there is no error for an adaptive scheme to control, yet forces on what is
+/// prescribed change along its way: parts of a period, or of the run where there is none. Schemes
+/// that follow equilibria do not look at the errors of prescribed ways either.
+void bound_unwatched_steps(Check& check) {
+  const SystemView<double>& view = check.model.system().view;
+  const bool watched =
+      view.coordinates > 0 && (!check.scheme.follows_equilibria || view.own_count == 0);
+  if (check.plan.dt > 0.0 || watched) return;
+  constexpr double kPartOfPeriod = 0.02;
+  constexpr double kPartOfRun = 1e-3;
+  check.found.longest_step = kPartOfRun * check.plan.duration;
+  double period = std::numeric_limits<double>::infinity();
+  for (int d = 0; d < check.model.dimension(); ++d) {
+    if (check.model.origin().unit[d] > 0.0) period = std::min(period, check.model.origin().unit[d]);
+  }
+  for (const Model::Body& body : check.model.bodies()) {
+    if (!body.prescribed()) continue;
+    const double speed = fastest_of(body, check.plan.duration);
+    if (!(speed > 0.0)) continue;
+    const double scale =
+        std::isfinite(period) ? period : std::max(reach_of(body), speed * check.plan.duration);
+    check.found.longest_step = std::min(check.found.longest_step, kPartOfPeriod * scale / speed);
+  }
+}
+
+/// A step beyond the stability limit is refused before it is taken.
+void check_step(Check& check) {
+  if (check.plan.dt == 0.0) return;
+  check.found.stable_step = check.model.stable_step(check.scheme);
+  const double longest = std::min(check.plan.dt, check.plan.duration);
+  if (longest <= check.found.stable_step * (1.0 + kNoStep)) return;
+  if (check.scene.run.allow_unstable) {
+    check.found.warnings.push_back(
+        fmt::format("dt = {:g} is beyond the stability limit of {}, about {:.4g}", check.plan.dt,
+                    check.scheme.name, check.found.stable_step));
+    return;
+  }
+  RunFailure failure = diagnose(check.model, check.scheme, StepFault::not_finite_or_too_far, 0,
+                                DoubleDouble(0.0), check.plan.dt, check.found.stable_step);
+  failure.what = fmt::format("dt = {:g} is beyond the stability limit of {}, about {:.4g}",
+                             check.plan.dt, check.scheme.name, check.found.stable_step);
+  failure.force = check.model.stiffest_force();
+  failure.cause =
+      "the stiffest force allows no longer step; take a smaller dt, or insist with "
+      "run.allow_unstable = true";
+  if (!check.found.failure) check.found.failure = std::move(failure);
+}
+
+/// A moment of inertia that underflows or overflows would freeze the rotation without a word.
+void check_inertia(Check& check) {
+  for (const Model::Body& body : check.model.bodies()) {
+    if (!body.bound.slot.rigid || !body.rotates() || body.rotation_held) continue;
+    if (reach_of(body) == 0.0 || std::isnormal(body.inertia)) continue;
+    fail(check, body.bound.name, "its moment of inertia is beyond the range of numbers",
+         "lengths or masses too small or too large; take other units");
+  }
+}
+
+/// Places are whole periods and an offset, or plain numbers along an axis without a period. There
+/// they get coarser with the distance from zero, however short the ways that matter are.
+void check_places(Check& check) {
+  const double last_place = last_place_of(check.scene.run.number_type);
+  const SystemView<double>& view = check.model.system().view;
+  for (const Model::Body& body : check.model.bodies()) {
+    const BodySlot<double>& slot = body.bound.slot;
+    if (slot.mapped && !slot.rigid) continue;
+    const double reach = reach_of(body);
+    double worst = 0.0;
+    double farthest_without_length = 0.0;
+    int axis = 0;
+    int axis_without_length = 0;
+    for (int d = 0; d < check.model.dimension(); ++d) {
+      const std::size_t first = slot.rigid ? slot.centre + d : slot.offset + d * slot.stride;
+      const std::size_t count = slot.rigid ? 1 : slot.count;
+      for (std::size_t i = first; i < first + count; ++i) {
+        const double farthest = std::abs(view.position[i]) + (slot.rigid ? reach : 0.0);
+        double shortest = view.largest_move[i];
+        if (slot.rigid && reach > 0.0) shortest = std::min(shortest, reach);
+        if (!(shortest < kNoLength)) {
+          if (farthest <= farthest_without_length || !(farthest < kNoLength)) continue;
+          farthest_without_length = farthest;
+          axis_without_length = d;
+          continue;
+        }
+        const double coarse = last_place * farthest / shortest;
+        if (coarse <= worst) continue;
+        worst = coarse;
+        axis = d;
+      }
+    }
+    const double coarse = last_place * farthest_without_length / tolerance_scales(view).length;
+    if (coarse > std::max(kCoarseUnits, kFewUnits * last_place)) {
+      check.found.warnings.push_back(fmt::format(
+          "{}: places along {} are far from zero, and no force declares a period there: {} tells "
+          "them apart to {:.2g}, and shorter ways are lost",
+          body.bound.name, "xyz"[axis_without_length], check.scene.run.number_type,
+          last_place * farthest_without_length));
+    }
+    if (worst <= std::max(kCoarsePlaces, kFewPlaces * last_place)) continue;
+    const std::string what = fmt::format(
+        "places along {} are too far from zero: {} tells them apart to {:.2g} of the "
+        "shortest length there (a period, half a bond, a radius)",
+        "xyz"[axis], check.scene.run.number_type, worst);
+    if (worst <= kUselessPlaces) {
+      check.found.warnings.push_back(body.bound.name + ": " + what);
+    } else {
+      fail(check, body.bound.name, what, "start nearer to zero, or in a finer number_type");
+    }
+  }
+}
+
+/// What changes with time by itself has a time scale: a fixed step that does not resolve it is
+/// warned of, and that of an adaptive scheme, whose error estimate may step over a pulse, bounded
+/// by it. What moves as prescribed may no more jump over a period in a step than what is free.
+void check_ways(Check& check) {
+  for (const TimeDependence& change : time_dependences(check.model)) {
+    const double longest = resolving_step(change, kMissedChange, check.plan.duration);
+    if (check.plan.dt == 0.0) {
+      check.found.longest_step = std::min(check.found.longest_step, longest);
+    } else if (longest < check.plan.dt ||
+               missed_by_steps(change, check.plan.dt, check.plan.duration) > kMissedChange) {
+      check.found.warnings.push_back(fmt::format("{} changes faster than steps of {:g} can follow",
+                                                 change.what, check.plan.dt));
+    }
+  }
+  check.model.anchor(DoubleDouble(0.0));
+  if (check.plan.dt == 0.0) return;
+  double period = std::numeric_limits<double>::infinity();
+  for (int d = 0; d < check.model.dimension(); ++d) {
+    if (check.model.origin().unit[d] > 0.0) period = std::min(period, check.model.origin().unit[d]);
+  }
+  for (const Model::Body& body : check.model.bodies()) {
+    if (!body.prescribed()) continue;
+    const double way = fastest_of(body, check.plan.duration) * check.plan.dt;
+    if (!(way > period)) continue;
+    fail(check, body.bound.name,
+         fmt::format("its prescribed motion is {:.3g} periods long in a step", way / period),
+         fmt::format("dt = {:g} is too long for it", check.plan.dt));
+  }
+}
+
+/// Schemes that take friction apart from forces are stable where friction rules, and wrong.
+void check_drag(Check& check) {
+  if (check.plan.dt == 0.0 || check.scheme.drag_error == nullptr ||
+      !check.model.system().view.inertial)
+    return;
+  const double rate = check.model.stiffness().damping_rate;
+  const double error = check.scheme.drag_error(std::min(check.plan.dt, check.plan.duration) * rate);
+  if (!(error > kCoarseDrag)) return;
+  const std::string what = fmt::format(
+      "dt = {:g} is {:.3g} times the time 1/{:g} in which friction stops a motion: "
+      "{} drags too easily by {:.2g} of the force",
+      check.plan.dt, check.plan.dt * rate, rate, check.scheme.name, error);
+  if (error <= kUselessDrag || check.scene.run.allow_unstable) {
+    check.found.warnings.push_back(what);
+    return;
+  }
+  fail(check, "", what,
+       "take a smaller dt, dynamics = \"overdamped\", or insist with run.allow_unstable = "
+       "true");
+}
+
+/// Friction and bonds do not let an explicit scheme take longer steps, however smooth the motion.
+void check_pace(Check& check) {
+  if (check.scheme.most_steps == nullptr) return;
+  const auto most =
+      static_cast<double>(check.scheme.most_steps(check.scene.run.integrator.description.get()));
+  const double longest =
+      std::min(check.model.longest_lasting_step(check.scheme), check.found.longest_step);
+  // A few steps are soon used up; and forces without bound fail for what they are.
+  if (!(longest > 0.0) || check.plan.duration / longest <= std::max(most, kSoonTaken)) return;
+  fail(check, "",
+       fmt::format("the run would take at least {:.2g} steps: {} keeps no step beyond "
+                   "about {:.2g} here",
+                   check.plan.duration / longest, check.scheme.name, longest),
+       fmt::format("most_steps allows {:g}; take a shorter run, a scheme for stiff "
+                   "scenes, or dynamics without inertia",
+                   most));
+}
+
+/// A tolerance that does not see the lattice. Where nothing else keeps steps short, the result
+/// means nothing.
+void warn_of_coarse_tolerance(Check& check) {
+  const SystemView<double>& view = check.model.system().view;
+  const ToleranceScales<double> scales = tolerance_scales(view);
+  const auto asked = tolerance_of(check.scene.run.integrator, scales.length);
+  if (!asked) return;
+  double shortest = std::numeric_limits<double>::infinity();  // in the scene's length, or rad
+  for (std::size_t i = 0; i < view.dofs; ++i) {
+    if (view.inverse_mass[i] <= 0.0) continue;
+    shortest = std::min(shortest, view.largest_move[i] * scales.position[i]);
+  }
+  if (!(*asked > kCoarseTolerance * shortest)) return;
+  const std::string what = fmt::format(
+      "a tolerance of {:g} does not resolve the scene's shortest length, {:g} (a period, or half a "
+      "bond)",
+      *asked * scales.length, shortest * scales.length);
+  if (*asked <= kUselessTolerance * shortest || holds_steps(check.scene.run) ||
+      check.scene.run.allow_unstable) {
+    check.found.warnings.push_back(what + ": results follow the steps");
+    return;
+  }
+  fail(check, "", what + ": the result would mean nothing",
+       fmt::format("take finer tolerances, absolute ones well below {:.2g}; without "
+                   "absolute_tolerance it is 1e-9 of the scene's length, {:g}",
+                   kCoarseTolerance * shortest * scales.length, scales.length));
+}
+
+/// A place is known to the tolerance or to its last digit, and a driver's force to its stiffness
+/// times that, which may be more than all that substrate and drag have.
+void warn_of_stiff_drivers(Check& check) {
+  const double last_place = last_place_of(check.scene.run.number_type);
+  for (const Model::Force& driver : check.model.forces()) {
+    const Drive* drive = driver.bound->drive();
+    if (drive == nullptr || drive->stiffness <= 0.0) continue;
+    double largest = 0.0;
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const Model::Force& force : check.model.forces()) {
+      const double period = period_of(force, driver.bodies.front(), check.scene);
+      const double curvature = force.bound->curvature_bound();
+      if (period <= 0.0 || curvature <= 0.0) continue;
+      const auto particles = check.model.bodies()[driver.bodies.front()].bound.slot.count;
+      largest += curvature * period / kTau * static_cast<double>(particles);
+      shortest = std::min(shortest, period);
+    }
+    if (largest <= 0.0) continue;
+    TotalFriction friction(driver.bodies.front());
+    for (const Model::Force& force : check.model.forces()) force.bound->friction(friction);
+    double square = 0.0;
+    for (const double part : drive->velocity) square += part * part;
+    largest = std::max(largest, friction.total * std::sqrt(square));
+    const double length = tolerance_scales(check.model.system().view).length;
+    const double asked = tolerance_of(check.scene.run.integrator, length).value_or(0.0) * length;
+    const double known = std::max(asked, last_place * shortest);
+    if (!(drive->stiffness * known > kCoarseForce * largest)) continue;
+    check.found.warnings.push_back(fmt::format(
+        "{}: places are known to {:.2g}, and so its force to {:.2g} only, where substrate and "
+        "drag have {:.2g} at most: take a finer tolerance, or a softer spring",
+        driver.name, known, drive->stiffness * known, largest));
+  }
+}
+
+/// Means are differences of integrals, which have rounded since the start of the run; and those of
+/// a window that is no number of periods depend on where it begins.
+void warn_of_short_window(Check& check) {
+  if (check.plan.period > 0.0) return;
+  const double window = check.plan.window_to - check.plan.window_from;
+  const double rounding = last_place_of("double") * check.plan.window_to / window;
+  if (rounding > kCoarseMean) {
+    check.found.warnings.push_back(
+        fmt::format("the window is {:.2g} of the time before its end: rounding leaves its means "
+                    "right to some {:.1g} of themselves",
+                    window / check.plan.window_to, rounding));
+  }
+  // Of several drivers of different speeds one decides.
+  std::vector<DriverWindow> windows;
+  bool whole = false;
+  for (std::size_t k = 0; k < check.model.drivers().size(); ++k) {
+    windows.push_back(driver_window(check.model, k, check.plan.window_from, check.plan.window_to));
+    whole = whole || is_whole(windows.back());
+  }
+  for (DriverWindow& seen : windows) {
+    seen.steady = seen.steady && seen.one_period && !whole;
+    for (std::string& doubt : doubts_before(seen)) {
+      check.found.warnings.push_back(std::move(doubt));
+    }
+  }
+}
+
+}  // namespace
+
+StartFindings check_start(Model& model, const RunPlan& plan) {
+  Check check = {model, plan};
+  warn_of_idle_velocities(check);
+  warn_of_fine_tolerance(check);
+  warn_of_unused_integrator(check);
+  bound_unwatched_steps(check);
+  check_step(check);
+  check_inertia(check);
+  check_places(check);
+  check_ways(check);
+  check_drag(check);
+  check_pace(check);
+  warn_of_coarse_tolerance(check);
+  warn_of_stiff_drivers(check);
+  warn_of_short_window(check);
+  return std::move(check.found);
+}
+
+}  // namespace tomlin

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/run/plan.hpp"
+#include "framework/run/run.hpp"
+
+/// Scenes that run to their end and still give no number to trust are refused, or warned of, before
+/// the first step.
+namespace tomlin {
+
+struct StartFindings {
+  std::vector<std::string> warnings;
+  std::optional<RunFailure> failure;  ///< the first reason to take no step
+  double stable_step = 0.0;           ///< of a fixed step: the stability limit
+  /// Of an adaptive scheme: the longest step whose error it does not estimate itself.
+  double longest_step = std::numeric_limits<double>::infinity();
+};
+
+/// At the scene's start, with the model anchored at time 0. Moves the model's clock: anchor it
+/// anew.
+StartFindings check_start(Model& model, const RunPlan& plan);
+
+}  // namespace tomlin
