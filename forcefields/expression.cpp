@@ -36,6 +36,71 @@ double period_along(const void* description, int axis) {
   return periods(described(description))[static_cast<std::size_t>(axis)];
 }
 
+/// Where a formula departs from a quadratic one at a length L: its third difference there, beside
+/// rounding; 0 where it is no number, as functions of large arguments may be none.
+double departs(const FormulaLaw& law, std::size_t component, std::uint32_t variable, double time,
+               double length) {
+  // Away from zero, where formulas often are symmetric.
+  constexpr double kFrom = 0.37;
+  constexpr double kWeights[] = {-1.0, 3.0, -3.0, 1.0};
+  constexpr double kRounding = 1e-13;
+  double difference = 0.0;
+  double largest = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    FormulaLaw::Values at{};
+    at[variable] = (kFrom + k) * length;
+    at[formula_variable::time] = time;
+    const auto value = law.evaluate(component, at);
+    const double* number = std::get_if<double>(&value);
+    if (number == nullptr || !std::isfinite(*number)) {
+      return 0.0;
+    }
+    difference += kWeights[k] * *number;
+    largest = std::max(largest, std::abs(*number));
+  }
+  return std::abs(difference) > kRounding * largest ? std::abs(difference) : 0.0;
+}
+
+/// The length at which what is periodic, or confined to a place, departs from a quadratic formula
+/// by an eighth of the most that it ever does; 0 for what departs ever more.
+double length_along(const FormulaLaw& law, std::size_t component, std::uint32_t variable,
+                    double time) {
+  constexpr int kOctaves = 120;
+  constexpr int kLast = 2 * kOctaves - 3;  // beyond it what grows has grown by more than kGrowth
+  constexpr double kGrowth = 4.0;
+  constexpr double kPart = 1.0 / 8.0;
+  std::array<double, 2 * kOctaves + 1> found{};
+  double most = 0.0;
+  double before = 0.0;
+  for (int k = 0; k <= 2 * kOctaves; ++k) {
+    found[k] = departs(law, component, variable, time, std::ldexp(1.0, k - kOctaves));
+    most = std::max(most, found[k]);
+    if (k == kLast) before = most;
+  }
+  if (!(before > 0.0) || !(most <= kGrowth * before)) return 0.0;
+  int k = 0;
+  while (found[k] < kPart * most) ++k;
+  return k == 0 ? 0.0 : std::ldexp(1.0, k - kOctaves);
+}
+
+double length_of_law(const void* description) {
+  const FormulaLaw law = law_of(described(description));
+  double shortest = std::numeric_limits<double>::infinity();
+  for (std::size_t component = 0; component < law.components(); ++component) {
+    for (const std::uint32_t first : {formula_variable::position, formula_variable::centre}) {
+      for (std::uint32_t variable = first; variable < first + 3; ++variable) {
+        if (!law.uses(variable)) continue;
+        double length = length_along(law, component, variable, 0.0);
+        if (length == 0.0 && law.depends_on_time()) {
+          length = length_along(law, component, variable, 1.0);  // nothing acts at the start
+        }
+        if (length > 0.0) shortest = std::min(shortest, length);
+      }
+    }
+  }
+  return std::isfinite(shortest) ? shortest : 0.0;
+}
+
 Element element_of_law(const void* description) {
   switch (law_of(described(description)).element()) {
     case FormulaElement::particle:
@@ -327,6 +392,7 @@ ForceRecord expression_record() {
   record.complaints = &complaints;
   record.pairs = &pairs;
   record.period = &period_along;
+  record.length = &length_of_law;
   record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
   record.example =
       R"toml(# The substrate of a rolling ring as a formula: a particle swings about the minimum.

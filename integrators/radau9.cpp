@@ -61,6 +61,9 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kIntegralsExponent = 0.6;
 constexpr double kDenseExponent = 0.85;  ///< within a step, of order h^7
 constexpr double kOfIntegrals = 10.0;    ///< times the tolerance: theirs, of what is dissipated
+/// A step shorter than this part of a period may err by as much as one of that length: where a
+/// force jumps, the error is in proportion to the step, and so is what the step dissipates.
+constexpr double kPartOfPeriod = 1e-4;
 constexpr double kLeftOverOfIntegrals = 0.1;  ///< of their tolerance, when iterations end
 constexpr int kMoreIterations = 10;           ///< for them, where coordinates need no more
 /// Roundings of a coordinate, and of a rate.
@@ -273,7 +276,14 @@ class Radau9 : public Integrator<double> {
         if (!(std::abs(z[k]) <= s.largest_move[at_[k]])) return {.within_moves = false};
       }
     }
-    const double of_integrals = error_of_integrals(h);
+    double of_integrals = error_of_integrals(h);
+    if (of_integrals > 1.0 || within_step_ > 1.0) {
+      // Rates at the start are those of the last step's last iteration, which is within the
+      // tolerance of that step's dissipation: too far off where this one dissipates much less.
+      evaluate_at(s.position, s.velocity, s.integrals, first_rates_, since, slope_[0].data());
+      system_.evaluations += 1;
+      of_integrals = error_of_integrals(h);
+    }
     Trial trial;
     trial.error = estimate(first_slope_, h);
     if (trial.error > 1.0 && (refused || !(control_[kOldStep] > 0.0))) {
@@ -553,7 +563,10 @@ class Radau9 : public Integrator<double> {
   double error_of_integrals(double h) {
     within_step_ = 0.0;
     if (unwatched()) return 0.0;
-    const double allowed = tolerance_ * scale_;
+    const double steps = steps_in_period(h);
+    // Without a period the scene's time stands for it.
+    const double steps_of_all = std::isfinite(steps) ? steps : scales_.time / h;
+    const double allowed = tolerance_ * scale_ * std::max(1.0, kPartOfPeriod * steps_of_all);
     const double ulps = h * kUlpsOfDifferences * kEpsilon * farthest();
     const double rounding = ulps * stiffness() * fastest();
     double most = 0.0;
@@ -562,7 +575,7 @@ class Radau9 : public Integrator<double> {
       const double error = error_of_quadrature(h, values, within);
       if (within > noise) {
         within_step_ =
-            std::max(within_step_, within / std::max(allowed * steps_in_period(h), noise));
+            std::max(within_step_, within / std::max(tolerance_ * scale_ * steps, noise));
       }
       if (error > noise) most = std::max(most, error / std::max(allowed, noise));
     };

@@ -262,6 +262,7 @@ Examples:
   tomlin describe sinusoidal_substrate     equation, source, parameters, an example that runs
   tomlin describe force                    the forces, and the keys that each of them takes
   tomlin describe run                      the keys of a table of the scene
+  tomlin describe results                  what summary.json has, with dimensions and meanings
   tomlin describe rk4 --json               the same for programs
   tomlin describe rk4 --markdown           the same for a page
   tomlin describe --markdown -o DIR        all of it as pages, DIR/forcefields/REFERENCE.md ...)";
@@ -547,11 +548,13 @@ class CommandLine {
   }
 
   void set_up_schema() {
-    schema_ = app_.add_subcommand("schema", "a JSON Schema of scenes, for editors");
+    schema_ = app_.add_subcommand("schema", "a JSON Schema of scenes or of summaries");
     schema_->footer(kSchemaFooter);
     take_plugins(*schema_);
     schema_->add_option("-o,--output", outlined_.file, "the file; standard output by default")
         ->type_name("FILE");
+    schema_->add_flag("--summary", outlined_.of_summary,
+                      "of summary.json, for programs that read results");
     schema_->add_flag("--force", outlined_.force, "replace a file that is there");
   }
 

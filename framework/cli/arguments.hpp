@@ -86,6 +86,7 @@ struct DescribeArguments {
 struct SchemaArguments {
   std::optional<std::string> file;  ///< standard output without it
   std::vector<std::string> plugins;
+  bool of_summary = false;
   bool force = false;
 };
 

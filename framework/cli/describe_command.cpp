@@ -30,6 +30,7 @@
 #include "framework/core/nearest_name.hpp"
 #include "framework/core/observer.hpp"
 #include "framework/output/output_file.hpp"
+#include "framework/run/results.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/language.hpp"
@@ -410,6 +411,27 @@ Json kind_json(const KindNames& kind, const std::vector<Described>& all) {
   return entry;
 }
 
+Json results_json() {
+  Json list = Json::array();
+  for (const ResultFamily& family : result_families()) {
+    Json entry = {{"family", family.family},
+                  {"of", family.of},
+                  {"when", family.when},
+                  {"quantities", Json::array()}};
+    for (const ResultQuantity& quantity : family.quantities) {
+      const char* const scopes[] = {"window", "end", "run"};
+      const char* const shapes[] = {"number", "vector", "count"};
+      entry["quantities"].push_back(Json{{"key", quantity.key},
+                                         {"unit", unit_of(quantity)},
+                                         {"shape", shapes[static_cast<int>(quantity.shape)]},
+                                         {"scope", scopes[static_cast<int>(quantity.scope)]},
+                                         {"doc", quantity.meaning}});
+    }
+    list.push_back(std::move(entry));
+  }
+  return Json{{"name", "results"}, {"kind", "results"}, {"families", std::move(list)}};
+}
+
 // ---- Markdown
 
 std::string all_pages(const Registry& registry) {
@@ -475,6 +497,9 @@ int describe_command(const DescribeArguments& arguments) {
   if (const SceneTable* table = find(tables, name)) {
     if (arguments.markdown) return print_result(table_section(*table));
     return print_result(arguments.json ? text_of(table_json(*table)) + "\n" : table_text(*table));
+  }
+  if (name == "results") {
+    return print_result(arguments.json ? text_of(results_json()) + "\n" : results_section());
   }
   refuse(name, all, tables);
 }

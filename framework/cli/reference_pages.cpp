@@ -8,6 +8,7 @@
 
 #include "framework/core/citation.hpp"
 #include "framework/core/formula/expression.hpp"
+#include "framework/run/results.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/natural_units.hpp"
 #include "framework/scene/value_reader.hpp"
@@ -157,7 +158,67 @@ std::string page_of_scenes() {
   return text;
 }
 
+const char* scope_text(const ResultQuantity& quantity) {
+  switch (quantity.scope) {
+    case Scope::window:
+      return "window";
+    case Scope::end:
+      return "end";
+    case Scope::run:
+      break;
+  }
+  return "run";
+}
+
+const char* shape_text(const ResultQuantity& quantity) {
+  switch (quantity.shape) {
+    case Shape::vector:
+      return "number per axis";
+    case Shape::count:
+      return "count";
+    case Shape::number:
+      break;
+  }
+  return "number";
+}
+
+std::string page_of_results() {
+  return std::string("# Results\n\n") + kMadeBy +
+         "The quantities of `summary.json`. With dots between them the names are observables, for "
+         "`--observable`,\n`until` and `perturb`: `drivers.NAME.mean_force.x`, or "
+         "`NAME.mean_force.x`, and `events.slips`.\n[Results](../../README.md#results) in the "
+         "README "
+         "says how they are to be read.\n\n" +
+         results_section();
+}
+
 }  // namespace
+
+std::string results_section() {
+  std::string text =
+      "A quantity is taken over the window of `[measure]`, at the end of the run, or over the "
+      "whole "
+      "run. What is\nundefined is null, as all of the window is when the run does not reach its "
+      "end.\n\n";
+  for (const ResultFamily& family : result_families()) {
+    fmt::format_to(std::back_inserter(text), "## {}\n\n", family.family);
+    const std::string about = std::string(family.of) +
+                              (family.of.empty() || family.when.empty() ? "" : ", ") +
+                              std::string(family.when);
+    if (!about.empty()) text += sentence(about) + "\n\n";
+    text += "| key | what it is | value | dimension | taken over |\n|---|---|---|---|---|\n";
+    for (const ResultQuantity& quantity : family.quantities) {
+      fmt::format_to(std::back_inserter(text), "| {} | {} | {} | {} | {} |\n", code(quantity.key),
+                     cell(quantity.meaning), shape_text(quantity), unit_of(quantity),
+                     scope_text(quantity));
+    }
+    text += "\n";
+  }
+  text +=
+      "## observers\n\nEach observer: the numbers that its plugin declares, at the end, and with "
+      "`mean_` in front the mean over\nits samples in the window.\n";
+  return text;
+}
 
 std::string component_section(const Described& component) {
   const ComponentRecord& record = *component.record;
@@ -192,9 +253,10 @@ std::string table_section(const SceneTable& table) {
 std::vector<ReferencePage> reference_pages(const Registry& registry) {
   const auto all = all_components(registry);
   std::vector<ReferencePage> pages;
-  pages.reserve(kPages.size() + 1);
+  pages.reserve(kPages.size() + 2);
   for (const Kind& kind : kPages) pages.push_back({kind.file, page_of(kind, all)});
   pages.push_back({"framework/scene/REFERENCE.md", page_of_scenes()});
+  pages.push_back({"framework/run/REFERENCE.md", page_of_results()});
   return pages;
 }
 

@@ -14,11 +14,14 @@ struct ReferencePage {
   std::string text;
 };
 
-/// One page for each kind of component, one for the tables of a scene.
+/// One page for each kind of component, one for the tables of a scene, one for results.
 std::vector<ReferencePage> reference_pages(const Registry& registry);
 
 /// One component: a section of its page.
 std::string component_section(const Described& component);
+
+/// All quantities that a run may report.
+std::string results_section();
 
 /// One table of a scene that is no component, likewise.
 std::string table_section(const SceneTable& table);

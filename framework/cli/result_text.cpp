@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
-#include <optional>
+#include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,49 +20,45 @@ constexpr std::size_t kMostShown = 6;  // drivers, bodies, warnings: the summary
 
 std::string text_of(double x) { return fmt::format("{:.9g}", x); }
 
-std::string text_of(const std::vector<double>& components) {
-  if (components.size() == 1) return text_of(components[0]);
+std::string text_of(const ResultValue& value) {
+  if (value.size() == 1) return text_of(value[0]);
   std::string text;
-  for (const double x : components) text += (text.empty() ? "" : ", ") + text_of(x);
+  for (const double x : value) text += (text.empty() ? "" : ", ") + text_of(x);
   return "(" + text + ")";
 }
 
-/// "mean force 0.1, static force 0.2": what is defined, by name.
-class Numbers {
- public:
-  Numbers& add(const char* name, const std::vector<double>& components) {
-    if (!components.empty()) append(name, text_of(components));
-    return *this;
-  }
-  Numbers& add(const char* name, const std::optional<double>& x) {
-    if (x) append(name, text_of(*x));
-    return *this;
-  }
-  const std::string& text() const { return text_; }
-
- private:
-  void append(const char* name, const std::string& number) {
-    if (!text_.empty()) text_ += ", ";
-    text_ += std::string(name) + " " + number;
-  }
-
-  std::string text_;
+/// The quantities of each family that are printed, and what they are called.
+struct Printed {
+  std::string_view family;
+  std::vector<std::pair<std::string_view, std::string_view>> names;
 };
 
-std::string about(const DriverResult& driver) {
-  return Numbers()
-      .add("mean force", driver.mean_force)
-      .add("work/distance", driver.work_per_distance)
-      .add("static force", driver.static_force)
-      .text();
+const Printed& printed_of(std::string_view family) {
+  static const Printed all[] = {
+      {"drivers",
+       {{"mean_force", "mean force"},
+        {"work_per_distance", "work/distance"},
+        {"static_force", "static force"}}},
+      {"bodies", {{"mean_velocity", "mean velocity"}, {"turns", "turns"}, {"rolling", "rolling"}}},
+      {"energy",
+       {{"work_in", "work in"},
+        {"heat_out", "heat out"},
+        {"stored_change", "stored"},
+        {"numerical_work", "numerical work"}}}};
+  return *std::find_if(std::begin(all), std::end(all),
+                       [family](const Printed& one) { return one.family == family; });
 }
 
-std::string about(const BodyResult& body) {
-  return Numbers()
-      .add("mean velocity", body.mean_velocity)
-      .add("turns", body.turns)
-      .add("rolling", body.rolling)
-      .text();
+/// "mean force 0.1, static force 0.2": what is defined, by name.
+std::string about(const ResultGroup& group) {
+  std::string text;
+  for (const auto& [key, name] : printed_of(group.family).names) {
+    const ResultValue* value = group.find(key);
+    if (value == nullptr || !value->has_value()) continue;
+    if (!text.empty()) text += ", ";
+    text += std::string(name) + " " + text_of(*value);
+  }
+  return text;
 }
 
 std::string about(const AccuracyResult& accuracy) {
@@ -88,8 +85,7 @@ void row(std::vector<Line>& lines, std::string label, std::string content) {
   lines.push_back({std::move(label), std::move(content)});
 }
 
-template <class Results>
-void add_lines(std::vector<Line>& lines, const Results& results) {
+void add_lines(std::vector<Line>& lines, std::span<const ResultGroup> results) {
   const std::size_t shown = std::min(results.size(), kMostShown);
   for (std::size_t k = 0; k < shown; ++k) {
     std::string text = about(results[k]);
@@ -113,17 +109,10 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
       fmt::format("{:.3g} s, {:.3g} steps/s, {}", result.wall_seconds, result.steps_per_second,
                   to_string(result.instruction_set)));
   row(lines, "window", fmt::format("time {:.9g} to {:.9g}", result.window_from, result.window_to));
-  add_lines(lines, result.drivers);
-  add_lines(lines, result.bodies);
-  if (result.energy && result.energy->work_in) {
-    row(lines, "energy",
-        Numbers()
-            .add("work in", result.energy->work_in)
-            .add("heat out", result.energy->heat_out)
-            .add("stored", result.energy->stored_change)
-            .add("numerical work", result.energy->numerical_work)
-            .text());
-  }
+  add_lines(lines, result.family("drivers"));
+  add_lines(lines, result.family("bodies"));
+  const ResultGroup* energy = result.find("energy");
+  if (energy != nullptr && (*energy)["work_in"]) row(lines, "energy", about(*energy));
   if (result.accuracy) row(lines, "accuracy", about(*result.accuracy));
   for (std::size_t k = 0; k < std::min(shown_errors(result).size(), kMostShown); ++k) {
     row(lines, "error", shown_errors(result)[k]);

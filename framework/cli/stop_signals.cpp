@@ -29,6 +29,8 @@ extern "C" void stop_the_run(int signal) {
   g_signal = signal;
   g_stop = true;
   act_on_all(SIG_DFL);
+  // The kernel repeats this one every second of processor time; the run is ending already.
+  if (signal == SIGXCPU) std::signal(SIGXCPU, SIG_IGN);
 }
 
 }  // namespace

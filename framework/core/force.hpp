@@ -78,6 +78,7 @@ inline std::uint64_t no_pairs(const void*, const SceneOutline&) { return 0; }
 
 /// For forces that declare no period.
 inline double no_period(const void*, int) { return 0.0; }
+inline double no_length(const void*) { return 0.0; }
 
 struct ForceRecord : ComponentRecord {
   Element element = Element::site;
@@ -96,6 +97,9 @@ struct ForceRecord : ComponentRecord {
   /// Period of the force along an axis; 0 when it declares none. The longest period declared on
   /// an axis becomes the unit in which the scene's origin moves.
   double (*period)(const void* description, int axis) = &no_period;
+  /// Over which the force changes by all that it changes, where no parameter is such a length; 0
+  /// where there is none. Scales exactly with the unit of length, where that is a power of two.
+  double (*length)(const void* description) = &no_length;
 
   ForceFactories bind;
 };

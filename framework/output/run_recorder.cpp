@@ -164,14 +164,10 @@ void RunRecorder::write_results() {
 /// The counts of the summary are of all.
 void RunRecorder::tell_of_dropped_events(RunResult& result) const {
   if (!journal_ || journal_->events() < most_events_) return;
-  const EventCounts& counts = result.events;
-  std::uint64_t all = 0;
-  for (const auto& count : {counts.slips, counts.hops, counts.turns, counts.reversals,
-                            counts.driver_reversals, counts.ties}) {
-    all += count.value_or(0);
-  }
-  if (all <= most_events_) return;
-  result.warnings.push_back(fmt::format("{} has the first {} of {} events; all are counted",
+  double all = 0.0;
+  for (const ResultValue& count : result.group("events").values) all += count.value_or(0.0);
+  if (all <= static_cast<double>(most_events_)) return;
+  result.warnings.push_back(fmt::format("{} has the first {} of {:.0f} events; all are counted",
                                         kEventsFile, most_events_, all));
 }
 

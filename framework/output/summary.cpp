@@ -15,6 +15,7 @@
 #include "framework/output/checksum.hpp"
 #include "framework/output/machine.hpp"
 #include "framework/output/references.hpp"
+#include "framework/run/results.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
 
@@ -28,13 +29,26 @@ Json number(double x) { return std::isfinite(x) ? Json(x) : Json(); }
 
 Json number(const std::optional<double>& x) { return x ? number(*x) : Json(); }
 
-Json count(const std::optional<std::uint64_t>& n) { return n ? Json(*n) : Json(); }
+/// A vector at the end of the run is always a list, whatever its numbers; one of a window that the
+/// run has not reached is null.
+Json value_entry(const ResultValue& value) {
+  const ResultQuantity& quantity = value.quantity();
+  if (quantity.shape == Shape::vector && value.has_value()) {
+    Json list = Json::array();
+    for (std::size_t k = 0; k < value.count(); ++k) list.push_back(number(value.finite(k)));
+    return list;
+  }
+  const std::optional<double> x = value.finite(0);
+  if (!x) return {};
+  return quantity.shape == Shape::count ? Json(static_cast<std::uint64_t>(*x)) : Json(*x);
+}
 
-Json by_axis(const std::vector<double>& components) {
-  if (components.empty()) return {};
-  Json list = Json::array();
-  for (const double x : components) list.push_back(number(x));
-  return list;
+Json group_entry(const ResultGroup& group) {
+  Json entry = Json::object();
+  for (const ResultValue& value : group.values) {
+    entry[value.quantity().key] = value_entry(value);
+  }
+  return entry;
 }
 
 Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
@@ -52,55 +66,12 @@ Json failure_entry(const RunFailure& failure) {
   return entry;
 }
 
-Json driver_entry(const DriverResult& driver) {
-  Json entry;
-  entry["mean_force"] = by_axis(driver.mean_force);
-  entry["final_force"] = by_axis(driver.final_force);
-  entry["max_force"] = by_axis(driver.max_force);
-  entry["min_force"] = by_axis(driver.min_force);
-  entry["static_force"] = number(driver.static_force);
-  entry["work"] = number(driver.work);
-  entry["work_per_distance"] = number(driver.work_per_distance);
-  entry["distance"] = number(driver.distance);
-  return entry;
-}
-
-Json energy_entry(const EnergyResult& energy) {
-  return {{"kinetic", number(energy.kinetic)},
-          {"potential", number(energy.potential)},
-          {"work_in", number(energy.work_in)},
-          {"heat_out", number(energy.heat_out)},
-          {"stored_change", number(energy.stored_change)},
-          {"numerical_work", number(energy.numerical_work)}};
-}
-
-Json equilibrium_entry(const EquilibriumResult& equilibrium) {
-  return {{"energy", number(equilibrium.energy)},
-          {"neutral_directions", equilibrium.neutral_directions},
-          {"smallest_curvature", number(equilibrium.smallest_curvature)},
-          {"log_determinant", number(equilibrium.log_determinant)}};
-}
-
 Json determined_entry(const DeterminedResult& found) {
   return {{"value", number(found.value)},
           {"spread", number(found.spread)},
           {"digits", number(found.digits)},
           {"min", number(found.min)},
           {"max", number(found.max)}};
-}
-
-Json body_entry(const BodyResult& body, bool planar) {
-  Json entry;
-  entry["centre_of_mass"] = by_axis(body.centre_of_mass);
-  entry["velocity"] = by_axis(body.velocity);
-  if (planar) {
-    entry["rotation"] = number(body.rotation);
-    entry["turns"] = number(body.turns);
-    entry["rolling"] = number(body.rolling);
-  }
-  entry["mean_velocity"] = by_axis(body.mean_velocity);
-  entry["max_speed"] = number(body.max_speed);
-  return entry;
 }
 
 /// Of the layout of a summary: another one when a key goes or means something else.
@@ -152,12 +123,15 @@ Json integrator_entry(const Scene& scene, const RunResult& result) {
 /// All that may differ between two runs of a scene to the same results.
 Json performance_entry(const Scene& scene, const RunResult& result) {
   const Machine machine = this_machine();
-  return {{"wall_seconds", number(result.wall_seconds)},
-          {"steps_per_second", number(result.steps_per_second)},
-          {"scene_file", scene.file},
-          {"instruction_set", std::string(to_string(result.instruction_set))},
-          {"processor", text_or_null(machine.processor)},
-          {"system", text_or_null(machine.system)}};
+  Json entry;
+  for (const ResultGroup& group : groups_of_run(result)) {
+    if (group.family == "performance") entry = group_entry(group);
+  }
+  entry["scene_file"] = scene.file;
+  entry["instruction_set"] = std::string(to_string(result.instruction_set));
+  entry["processor"] = text_or_null(machine.processor);
+  entry["system"] = text_or_null(machine.system);
+  return entry;
 }
 
 Json references_entry(const Scene& scene, const RunResult& result) {
@@ -166,15 +140,6 @@ Json references_entry(const Scene& scene, const RunResult& result) {
     list.push_back({{"source", one.work}, {"for", one.used_for}});
   }
   return list;
-}
-
-Json observer_entry(const ObserverResult& observer) {
-  Json entry = Json::object();
-  for (const ObserverResult::Number& one : observer.numbers) {
-    entry[one.name] = number(one.value);
-    entry["mean_" + one.name] = number(one.mean);
-  }
-  return entry;
 }
 
 }  // namespace
@@ -190,35 +155,14 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
   summary["parameters"] = Json::object();
   for (const auto& [name, value] : scene.parameters) summary["parameters"][name] = number(value);
 
-  summary["time"] = {{"end", number(result.end_time)},
-                     {"steps", result.steps},
-                     {"force_evaluations", result.force_evaluations},
-                     {"jacobian_columns", result.jacobian_columns},
-                     {"refused_steps", result.refused_steps}};
-  summary["window"] = {{"from", number(result.window_from)}, {"to", number(result.window_to)}};
-
-  summary["drivers"] = Json::object();
-  for (const DriverResult& driver : result.drivers) {
-    summary["drivers"][driver.name] = driver_entry(driver);
+  for (const ResultGroup& group : groups_of_run(result)) {
+    if (group.family != "performance") summary[group.family] = group_entry(group);
   }
-  summary["bodies"] = Json::object();
-  for (const BodyResult& body : result.bodies) {
-    summary["bodies"][body.name] = body_entry(body, scene.dimension == 2);
+  for (const char* family : {"drivers", "bodies"}) summary[family] = Json::object();
+  for (const ResultGroup& group : result.groups) {
+    Json& family = summary[group.family];
+    (group.name.empty() ? family : family[group.name]) = group_entry(group);
   }
-
-  if (!result.observers.empty()) {
-    summary["observers"] = Json::object();
-    for (const ObserverResult& observer : result.observers) {
-      summary["observers"][observer.name] = observer_entry(observer);
-    }
-  }
-
-  summary["events"] = {{"slips", count(result.events.slips)},
-                       {"hops", count(result.events.hops)},
-                       {"turns", count(result.events.turns)},
-                       {"reversals", count(result.events.reversals)},
-                       {"driver_reversals", count(result.events.driver_reversals)},
-                       {"ties", count(result.events.ties)}};
   if (result.steady) {
     summary["until"] = {{"steady", result.steady->path},
                         {"reached", result.steady->reached},
@@ -226,8 +170,6 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
                         {"change", number(result.steady->change)}};
   }
 
-  if (result.equilibrium) summary["equilibrium"] = equilibrium_entry(*result.equilibrium);
-  if (result.energy) summary["energy"] = energy_entry(*result.energy);
   if (!result.determined.empty()) {
     summary["determined"] = Json::object();
     for (const DeterminedResult& found : result.determined) {

@@ -34,9 +34,9 @@ struct Followed {
 std::vector<Followed> mean_forces(const RunResult& result) {
   static constexpr const char* kAxes[] = {"x", "y", "z"};
   std::vector<Followed> all;
-  for (const DriverResult& driver : result.drivers) {
+  for (const ResultGroup& driver : result.family("drivers")) {
     std::vector<std::string> components;
-    for (std::size_t d = 0; d < driver.final_force.size(); ++d) {
+    for (std::size_t d = 0; d < driver["mean_force"].count(); ++d) {
       components.push_back("drivers." + driver.name + ".mean_force." + kAxes[d]);
     }
     for (const std::string& path : components) all.push_back({path, components, {}});

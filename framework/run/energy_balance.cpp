@@ -120,7 +120,7 @@ double EnergyBalance::time_of(std::int64_t stratum) const {
 
 std::uint64_t EnergyBalance::look(Engine& run) {
   constexpr auto kAnyNumber = std::numeric_limits<std::uint64_t>::max();
-  if (!twin_) return kAnyNumber;
+  if (!twin_ || place_[kDropped] != 0) return kAnyNumber;
   const double now = run.time();
   if (place_[kOpen] != 0) {
     // Where an event has split a step there are more of them.
@@ -152,7 +152,7 @@ void EnergyBalance::open(Engine& run) {
   twin_->advance(steps_);
   const double end = twin_->time();
   if (twin_->failed() || !(end > begin)) {
-    twin_ = nullptr;  // the run itself will say why
+    place_[kDropped] = 1;  // the run itself will say why
     return;
   }
   EnergyTerms terms = twin_->terms_between(integrals_.data(), view.integrals, begin, end);

@@ -85,7 +85,8 @@ class EnergyBalance {
     kWeights,  ///< of w^2
     kReals
   };
-  enum { kStratum, kOpen, kBlocks, kIntegers };
+  /// kDropped: the second engine has failed; nothing more is looked at.
+  enum { kStratum, kOpen, kBlocks, kDropped, kIntegers };
 
   double time_of(std::int64_t stratum) const;
   void open(Engine& run);

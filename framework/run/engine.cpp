@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/quad.hpp"
 #include "framework/run/bond_watch.hpp"
 #include "framework/run/diagnose.hpp"
 #include "framework/run/disturbance.hpp"
@@ -242,28 +243,43 @@ void Engine::resume(const std::vector<std::byte>& numbers) {
 }
 
 /// Go on from where another engine is, of the same scene but for what is observed and kept of it.
+/// Of running integrals, which it has others of, forces' own variables come first; the rest counts
+/// from here on.
 void Engine::take_up(RunState& other) {
-  const auto is_in = [](const std::vector<StateLayout::Field>& fields,
-                        const StateLayout::Field& field) {
-    return std::any_of(fields.begin(), fields.end(), [&](const StateLayout::Field& one) {
-      return one.name == field.name && one.count == field.count;
-    });
+  const auto copy = [](const auto& fields, const auto& from, auto numbers_of, auto own_part) {
+    for (const StateLayout::Field& field : fields) {
+      const auto same = std::find_if(from.begin(), from.end(), [&](const StateLayout::Field& one) {
+        return one.name == field.name;
+      });
+      if (same == from.end()) continue;
+      const auto [source, target] = numbers_of(field.name);
+      if (field.name.find("integrals") == std::string::npos) {
+        if (same->count == field.count) std::copy_n(source, field.count, target);
+      } else if (!field.name.starts_with("window.")) {
+        std::fill_n(target, field.count, std::decay_t<decltype(*target)>{});
+        std::copy_n(source, own_part, target);
+      }
+    }
   };
-  for (const StateLayout::Field& field : state_.layout().reals()) {
-    if (!is_in(other.layout().reals(), field)) continue;
-    std::copy_n(other.reals(field.name), field.count, state_.reals(field.name));
-  }
-  for (const StateLayout::Field& field : state_.layout().integers()) {
-    if (!is_in(other.layout().integers(), field)) continue;
-    std::copy_n(other.integers(field.name), field.count, state_.integers(field.name));
-  }
-  for (const StateLayout::Field& field : state_.layout().raw()) {
-    if (!is_in(other.layout().raw(), field)) continue;
-    std::copy_n(other.numbers<std::byte>(field.name), field.count,
-                state_.numbers<std::byte>(field.name));
-  }
-  // Forces' own variables come first among the integrals.
-  std::copy_n(other.reals("integrals"), model_.system().view.own_count, state_.reals("integrals"));
+  const std::size_t own = model_.system().view.own_count;
+  const StateLayout& layout = state_.layout();
+  copy(
+      layout.reals(), other.layout().reals(),
+      [&](const std::string& name) { return std::pair(other.reals(name), state_.reals(name)); },
+      own);
+  copy(
+      layout.integers(), other.layout().integers(),
+      [&](const std::string& name) {
+        return std::pair(other.integers(name), state_.integers(name));
+      },
+      own);
+  const std::size_t number = scene_->run.number_type == "float" ? sizeof(float) : sizeof(Quad);
+  copy(
+      layout.raw(), other.layout().raw(),
+      [&](const std::string& name) {
+        return std::pair(other.numbers<std::byte>(name), state_.numbers<std::byte>(name));
+      },
+      own * number);
   model_.attach(state_);
   integrator_->rebased();
   integrator_->forces_changed();

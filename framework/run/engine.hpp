@@ -23,6 +23,27 @@
 
 namespace tomlin {
 
+/// The energy ledger. Kinetic and potential energy are those at the end of the run; the rest is
+/// over the window, each term integrated on its own with the scheme's order.
+struct EnergyResult {
+  double kinetic = 0.0;
+  double potential = 0.0;
+  /// By all drivers, at their pulled ends, and by energies that change with time.
+  std::optional<double> work_in;
+  std::optional<double> heat_out;       ///< to all dampers
+  std::optional<double> stored_change;  ///< of kinetic and potential energy
+  /// stored_change + heat_out - work_in: what the integrator itself added.
+  std::optional<double> numerical_work;
+};
+
+/// The equilibrium that a quasistatic run ends in.
+struct EquilibriumResult {
+  double energy = 0.0;                       ///< potential; but for what the choice of zero holds
+  std::uint64_t neutral_directions = 0;      ///< that nothing holds
+  std::optional<double> smallest_curvature;  ///< of the energy, along what is not neutral
+  std::optional<double> log_determinant;     ///< ln |det| of the energy's second derivatives
+};
+
 /// One run: the loop over steps and what is observed along the way. Kept apart from run() so that
 /// tests and benchmarks can take single steps.
 class Engine {
@@ -206,7 +227,7 @@ class Engine {
   void list_observed(std::vector<SampleColumn>& columns) const;
   bool are_finite(const double* numbers);
   void keep_means(double at, const double* numbers);
-  std::vector<ObserverResult> observer_results() const;
+  void observer_results(std::vector<ResultGroup>& groups) const;
   RunResult result();
   EnergyResult energy(bool window) const;
   EnergyTerms terms_between(const double* from_integrals, const double* to_integrals, double from,
@@ -215,7 +236,11 @@ class Engine {
   double stored_energy();
   void take_up(RunState& other);
   void warn_of_energy();
-  EventCounts event_counts() const;
+  ResultGroup driver_results(std::size_t driver, bool has_window) const;
+  ResultGroup body_results(std::size_t body, bool has_window) const;
+  ResultGroup event_results() const;
+  ResultGroup equilibrium_results() const;
+  ResultGroup energy_results(bool has_window) const;
   SteadyResult steady() const;
   DoubleDouble now() const { return {clock_[0], clock_[1]}; }
 
@@ -285,6 +310,8 @@ class Engine {
     const SceneObserver* scene = nullptr;
     std::vector<ObservedNumber> columns;
     std::vector<std::size_t> bodies;
+    /// Of each number, at the end and as a mean.
+    std::vector<std::shared_ptr<const ResultQuantity>> quantities;
   };
   std::vector<Watcher> watchers_;
   std::vector<std::vector<double>> seen_places_;      ///< of each body's particles

@@ -8,6 +8,7 @@
 
 #include "framework/run/engine.hpp"
 #include "framework/run/observables.hpp"
+#include "framework/run/time_scale.hpp"
 #include "framework/run/wells.hpp"
 #include "framework/scene/motion_slope.hpp"
 
@@ -219,8 +220,15 @@ void Engine::record(Event event) {
     ++*slips_within_;
   }
   if (event.kind == EventKind::slip && static_forces_.any_open()) {
-    for (std::size_t k = 0; k < drivers_.size(); ++k) {
-      if (drivers_[k].name == event.name) static_forces_.settle(k);
+    for (const DriverWatch& watch : driver_watches_) {
+      const std::size_t k = watch.driver();
+      if (drivers_[k].name != event.name) continue;
+      // Once a driver has turned back its force is along another direction.
+      if (path_ == nullptr && along_[k] > 0.0) {
+        static_forces_.settle(k, watch.highest_peak() / along_[k]);
+      } else {
+        static_forces_.settle(k);
+      }
     }
   }
   if (options_.sink) options_.sink->event(event);
@@ -339,27 +347,6 @@ void Engine::finish_events() {
   }
 }
 
-EventCounts Engine::event_counts() const {
-  const auto count = [this](EventKind kind) {
-    return static_cast<std::uint64_t>(event_counts_[static_cast<std::size_t>(kind)]);
-  };
-  EventCounts counts;
-  for (const DriverWatch& watch : driver_watches_) {
-    counts.reversals = count(EventKind::reversal);
-    if (watch.watches_slips()) counts.slips = count(EventKind::slip);
-  }
-  if (path_ != nullptr) {
-    counts.slips = count(EventKind::slip);
-    counts.ties = count(EventKind::tie);
-  }
-  for (const BodyWatch& watch : body_watches_) {
-    counts.turns = count(EventKind::turn);
-    if (watch.watches_hops()) counts.hops = count(EventKind::hop);
-  }
-  if (!triggers_.empty()) counts.driver_reversals = count(EventKind::driver_reversal);
-  return counts;
-}
-
 /// The observable must be one of the scene's.
 void Engine::start_until() {
   const UntilSettings& until = *scene_->run.until;
@@ -367,6 +354,10 @@ void Engine::start_until() {
   observable(result(), until.steady, place == until.places.end() ? until.place : place->second);
   const auto slowest = model_.slowest_time();
   slowest_time_ = slowest.value_or(0.0);
+  for (const TimeDependence& change : time_dependences(model_)) {
+    slowest_time_ = std::max(slowest_time_, slowest_cycle(change, plan_.duration));
+  }
+  model_.anchor(DoubleDouble(0.0));
   if (slowest) return;
   warnings_.push_back(
       fmt::format("run.until: the slowest internal time of so many coordinates is not known, only "

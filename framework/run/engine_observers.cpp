@@ -46,6 +46,13 @@ void Engine::bind_observers() {
     watcher.scene = &from;
     watcher.bodies = from.bodies;
     watcher.columns = bound_by(from, "observer", [&] { return columns_of(from, outline); });
+    for (const ObservedNumber& number : watcher.columns) {
+      watcher.quantities.push_back(std::make_shared<const ResultQuantity>(ResultQuantity{
+          number.name, dimension::none, Shape::number, Scope::end, "at the end", number.unit}));
+      watcher.quantities.push_back(std::make_shared<const ResultQuantity>(
+          ResultQuantity{"mean_" + number.name, dimension::none, Shape::number, Scope::window,
+                         "mean over the samples in the window", number.unit}));
+    }
     watchers_.push_back(std::move(watcher));
   }
   if (watchers_.empty()) return;
@@ -134,26 +141,25 @@ void Engine::keep_means(double at, const double* numbers) {
   }
 }
 
-std::vector<ObserverResult> Engine::observer_results() const {
-  std::vector<ObserverResult> results;
+/// Means of samples of equal weight; none without `[output] every`, and in a run until it is
+/// steady.
+void Engine::observer_results(std::vector<ResultGroup>& groups) const {
   const bool any = *observed_count_ > 0 && plan_.period == 0.0;
+  const auto finite = [](double number) -> std::optional<double> {
+    if (!std::isfinite(number)) return {};
+    return number;
+  };
   std::size_t k = 0;
   for (const Watcher& watcher : watchers_) {
-    ObserverResult result;
-    result.name = watcher.scene->name;
-    for (const ObservedNumber& column : watcher.columns) {
-      ObserverResult::Number number;
-      number.name = column.name;
-      if (std::isfinite(observed_[k])) number.value = observed_[k];
-      const double mean = any ? observed_sums_[2 * k] / static_cast<double>(*observed_count_)
-                              : std::numeric_limits<double>::quiet_NaN();
-      if (std::isfinite(mean)) number.mean = mean;
-      result.numbers.push_back(std::move(number));
-      ++k;
+    ResultGroup& group = groups.emplace_back(ResultGroup{"observers", watcher.scene->name, {}});
+    for (const auto& quantity : watcher.quantities) group.add_row(quantity);
+    for (std::size_t n = 0; n < watcher.columns.size(); ++n, ++k) {
+      if (const auto value = finite(observed_[k])) group.values[2 * n].set({&*value, 1});
+      if (!any) continue;
+      const auto mean = finite(observed_sums_[2 * k] / static_cast<double>(*observed_count_));
+      if (mean) group.values[2 * n + 1].set({&*mean, 1});
     }
-    results.push_back(std::move(result));
   }
-  return results;
 }
 
 }  // namespace tomlin

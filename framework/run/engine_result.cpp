@@ -70,18 +70,17 @@ void Engine::warn_of_window() {
     const DriverWindow window = driver_window(model_, k, from_.time, to_.time);
     const auto body = body_pulled_by(k);
     if (!(window.period > 0.0) || !window.steady || !body) continue;
-    double moved = 0.0;
-    for (std::size_t d = 0; d < axes; ++d) {
-      const DoubleDouble way = to_.place(*body * axes + d) - from_.place(*body * axes + d);
-      moved += static_cast<double>(way) * direction_[k * axes + d] / speed_[k];
-    }
+    const auto axis = static_cast<std::size_t>(window.axis);
+    const auto way =
+        static_cast<double>(to_.place(*body * axes + axis) - from_.place(*body * axes + axis));
+    const double moved = direction_[k * axes + axis] < 0.0 ? -way : way;
     std::optional<std::uint64_t> slips;
     if (watch.watches_slips() && driver_watches_.size() == 1) {
       slips = static_cast<std::uint64_t>(*slips_within_);
     }
     const auto all =
         static_cast<std::uint64_t>(event_counts_[static_cast<std::size_t>(EventKind::slip)]);
-    for (std::string& doubt : doubts_after(window, moved, slips, all)) {
+    for (std::string& doubt : doubts_after(window, moved, slips, all, to_.time >= plan_.duration)) {
       warnings_.push_back(std::move(doubt));
     }
   }
@@ -170,8 +169,6 @@ RunResult Engine::result() {
   result.steps = static_cast<std::uint64_t>(counts_[kSteps]);
   result.force_evaluations = model_.system().evaluations;
   result.jacobian_columns = model_.system().columns;
-  result.events = event_counts();
-  result.equilibrium = equilibrium_;
   if (plan_.period > 0.0) result.steady = steady();
   result.window_from = from_.time;
   result.window_to = to_.time;
@@ -190,69 +187,17 @@ RunResult Engine::result() {
   }
   result.instruction_set = options_.instruction_set;
 
-  const int axes = model_.dimension();
   const bool window = *from_.reached != 0 && *to_.reached != 0;
-  const double length = to_.time - from_.time;
   for (std::size_t k = 0; k < drivers_.size(); ++k) {
-    const Model::Driver& from = drivers_[k];
-    std::vector<double> lacking(axes + 1, 0.0);
-    if (window) {
-      lacking = inertia_lacking(model_, from, from_.integrals, to_.integrals, from_.time, to_.time);
-    }
-    DriverResult driver;
-    driver.name = from.name;
-    for (int d = 0; d < axes; ++d) {
-      const std::size_t rate = from.first_rate + d;
-      driver.final_force.push_back(final_rates_[rate]);
-      if (!window) continue;
-      driver.mean_force.push_back((to_.integrals[rate] - from_.integrals[rate] + lacking[d]) /
-                                  length);
-      driver.max_force.push_back(extremes_.high(k * axes + d));
-      driver.min_force.push_back(extremes_.low(k * axes + d));
-    }
-    const double speed = norm(from.drive->velocity);
-    if (drags(*drivers_[k].drive) && static_forces_.any(k))
-      driver.static_force = static_forces_.value(k) / speed;
-    if (window) {
-      const std::size_t power = from.first_rate + axes;
-      driver.work = to_.integrals[power] - from_.integrals[power] + lacking[axes];
-      if (from.drive->steady) driver.distance = speed * length;
-      if (from.drive->steady && speed > 0.0)
-        driver.work_per_distance = *driver.work / *driver.distance;
-    }
-    result.drivers.push_back(std::move(driver));
+    result.groups.push_back(driver_results(k, window));
   }
-  if (!watchers_.empty()) result.observers = observer_results();
-  if (ledger_) result.energy = energy(window);
   for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
-    const Model::Body& from = model_.bodies()[b];
-    const SystemView<double>& view = model_.system().view;
-    BodyResult body;
-    body.name = from.bound.name;
-    double numbers[3];
-    model_.centre(b, view.position, numbers);
-    for (int d = 0; d < axes; ++d) {
-      body.centre_of_mass.push_back(static_cast<double>(model_.placed(d, numbers[d])));
-    }
-    model_.centre_velocity(b, view.velocity, numbers);
-    body.velocity.assign(numbers, numbers + axes);
-    if (from.rotates()) body.rotation = kTau * turns_of(b, view.position);
-    if (window) {
-      for (int d = 0; d < axes; ++d) {
-        const DoubleDouble moved = to_.place(b * axes + d) - from_.place(b * axes + d);
-        body.mean_velocity.push_back(static_cast<double>(moved) / length);
-      }
-      body.max_speed = extremes_.high(drivers_.size() * axes + b);
-      if (from.rotates()) {
-        body.turns = to_.turns[b] - from_.turns[b];
-        const double moved = static_cast<double>(to_.place(b * axes) - from_.place(b * axes));
-        if (from.rolling_radius > 0.0 && moved != 0.0) {
-          body.rolling = from.rolling_radius * kTau * (0.0 - *body.turns) / moved;
-        }
-      }
-    }
-    result.bodies.push_back(std::move(body));
+    result.groups.push_back(body_results(b, window));
   }
+  if (!watchers_.empty()) observer_results(result.groups);
+  result.groups.push_back(event_results());
+  if (equilibrium_) result.groups.push_back(equilibrium_results());
+  if (ledger_) result.groups.push_back(energy_results(window));
   return result;
 }
 

@@ -12,6 +12,9 @@ constexpr double kFastFactor = 10.0;
 /// Between two slips the driver moves at least this part of a period: the swings after a slip
 /// belong to it.
 constexpr double kCalmPart = 0.02;
+/// Of a period, that a driver moves before it can have pulled anything over a barrier: a spring
+/// softer than the wells (s > 1) holds until s / 2 pi, from an equilibrium.
+constexpr double kLoadedPart = 0.1;
 /// Of a period, from the bottom of a well: there the point is in it. A sinusoid turns concave at a
 /// quarter; a spring holds the point a little beyond.
 constexpr double kInner = 0.3;
@@ -163,6 +166,7 @@ void DriverWatch::look_for_slip(const Emit& emit, const Heat& heat) {
     numbers_[kPeakTime] = force_.when_slope_is(0.0, force_.time(2), now);
     numbers_[kPeakForce] = force_.at(numbers_[kPeakTime]);
     numbers_[kPeakHeat] = heat();
+    numbers_[kHighest] = std::max(numbers_[kHighest], numbers_[kPeakForce]);
     busy_[kHasPeak] = 1;
   }
   const double pulled = stiffness_ * speed_ * (now - force_.time(1));
@@ -195,10 +199,16 @@ void DriverWatch::look_for_slip(const Emit& emit, const Heat& heat) {
   if (busy_[kWells] != 0 && !in_well(well)) return;  // on a barrier
   // What only swings in its well has not slipped, nor has what came to its first one.
   const bool stayed = busy_[kHasWell] == 0 || well == numbers_[kWell];
-  if (busy_[kWells] == 0 || !stayed) emit_slip(emit);
+  if (busy_[kWells] == 0 ? !is_relaxation() : !stayed) emit_slip(emit);
   numbers_[kWell] = well;
   busy_[kHasWell] = busy_[kWells];
   busy_[kSlipping] = busy_[kHasPeak] = 0;
+}
+
+/// What begins before the driver has loaded its spring is the way from the start to an equilibrium,
+/// and the swings about it: no driver has pulled it there.
+bool DriverWatch::is_relaxation() const {
+  return (numbers_[kPeakTime] - numbers_[kFirstTime]) * speed_ < kLoadedPart * period_;
 }
 
 /// The well that the point is in, by its number from the start.
@@ -261,7 +271,7 @@ void DriverWatch::look_for_reversal(const Emit& emit) {
 }
 
 void DriverWatch::finish(double time, const Emit& emit) {
-  if (busy_[kSlipping] != 0) {
+  if (busy_[kSlipping] != 0 && !is_relaxation()) {
     if (busy_[kFast] != 0) {
       numbers_[kLastFast] = force_.time(0);
       numbers_[kEndForce] = force_.value(0);

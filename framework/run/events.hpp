@@ -63,7 +63,8 @@ class LastPoints {
 ///   slip      from the maximum of F before the point runs faster than ten times v to the last
 ///             moment at which it does, when it has been slower for a fiftieth of a period. Where
 ///             wells are known it ends in one, another than it began in; and from well to well at
-///             any speed, when the point has come to less than half of v
+///             any speed, when the point has come to less than half of v. What begins before the
+///             driver has moved a tenth of a period relaxes from the start and is no slip
 ///   reversal  from where its velocity along the pull turns negative to where it turns back
 class DriverWatch {
  public:
@@ -72,7 +73,7 @@ class DriverWatch {
   enum class Slips { looked_for, told };
   DriverWatch(std::size_t driver, const Drive& drive, double period, double precision, Slips slips);
 
-  static constexpr std::size_t kReals = LastPoints::kReals + 11;
+  static constexpr std::size_t kReals = LastPoints::kReals + 12;
   static constexpr std::size_t kIntegers = LastPoints::kIntegers + 7;
   /// The point has wells, a period apart, this far from where it is at the start, along the pull;
   /// they hold it against the spring.
@@ -85,6 +86,8 @@ class DriverWatch {
   double stiffness() const { return stiffness_; }
   double period() const { return period_; }
   bool slipping() const { return busy_[kSlipping] != 0; }
+  /// When a slip is reported: the largest force of the peaks up to its own.
+  double highest_peak() const { return numbers_[kHighest]; }
   void attach(double* reals, std::int64_t* integers);
   void start();
   /// Its driver has turned round: what was going on is over, and wells are not counted any more.
@@ -101,7 +104,7 @@ class DriverWatch {
     const double pulled = known ? stiffness_ * speed_ * (time - force_.time(0)) : 0.0;
     if (force_.count() == 0) {
       numbers_[kFirstTime] = time;
-      numbers_[kFirstForce] = force;
+      numbers_[kFirstForce] = numbers_[kHighest] = force;
       busy_[kMoved] = busy_[kWells];
     }
     force_.add(time, force);
@@ -125,7 +128,8 @@ class DriverWatch {
     kBackForce,
     kFirstTime,  ///< of the first point since the start, from which wells are counted
     kFirstForce,
-    kWell  ///< the one that the point was in last
+    kWell,    ///< the one that the point was in last
+    kHighest  ///< force of the peaks so far, the first point included
   };
   /// kMoved: the force has fallen since the point was seen at rest in a well.
   enum { kSlipping, kBack, kFast, kHasPeak, kMoved, kHasWell, kWells };
@@ -133,6 +137,7 @@ class DriverWatch {
   void look(const Emit& emit, const Heat& heat);
   void look_for_slip(const Emit& emit, const Heat& heat);
   void look_for_reversal(const Emit& emit);
+  bool is_relaxation() const;
   bool in_well(double& well) const;
   void look_for_passage(const Emit& emit, const Heat& heat);
   void emit_slip(const Emit& emit) const;

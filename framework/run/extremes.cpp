@@ -143,6 +143,11 @@ void StaticForces::settle(std::size_t signal) {
   if (std::exchange(settled_[signal], 1) == 0) --*open_;
 }
 
+void StaticForces::settle(std::size_t signal, double value) {
+  if (open(signal)) height_[signal] = value;
+  settle(signal);
+}
+
 bool StaticForces::any(std::size_t signal) const {
   return height_[signal] > -std::numeric_limits<double>::max();
 }

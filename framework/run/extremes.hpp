@@ -54,6 +54,8 @@ class StaticForces {
   }
   /// The signal has slipped.
   void settle(std::size_t signal);
+  /// Likewise, and this was its largest value before: what came later, until it was known, is none.
+  void settle(std::size_t signal, double value);
   bool any_open() const { return *open_ > 0; }
   bool open(std::size_t signal) const { return settled_[signal] == 0; }
   bool any(std::size_t signal) const;

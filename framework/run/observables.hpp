@@ -15,6 +15,8 @@ namespace tomlin {
 struct Observable {
   std::string path;             ///< in full: "drivers.driver.mean_force.x", "bodies.ring.turns"
   std::optional<double> value;  ///< nothing where undefined: null in summary.json
+  /// Its row; good as long as the result.
+  const ResultQuantity* quantity = nullptr;
 };
 
 /// Every number of a result: of drivers, of bodies, then of the run as a whole. The paths depend on

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -43,6 +44,35 @@ const char* to_string(EventKind kind) {
       return "tie";
   }
   return "";
+}
+
+std::span<const ResultGroup> RunResult::family(std::string_view name) const {
+  const auto is_in = [name](const ResultGroup& group) { return group.family == name; };
+  const auto first = std::find_if(groups.begin(), groups.end(), is_in);
+  return {first, std::find_if_not(first, groups.end(), is_in)};
+}
+
+const ResultGroup& RunResult::member(std::string_view family_name, std::size_t k) const {
+  const std::span<const ResultGroup> all = family(family_name);
+  if (k >= all.size()) {
+    throw std::out_of_range(fmt::format("there are {} {}", all.size(), family_name));
+  }
+  return all[k];
+}
+
+const ResultGroup* RunResult::find(std::string_view family_name, std::string_view name) const {
+  for (const ResultGroup& group : family(family_name)) {
+    if (group.name == name) return &group;
+  }
+  return nullptr;
+}
+
+const ResultGroup& RunResult::group(std::string_view family_name, std::string_view name) const {
+  const ResultGroup* found = find(family_name, name);
+  if (found == nullptr) {
+    throw std::out_of_range(fmt::format("there are no results {} {}", family_name, name));
+  }
+  return *found;
 }
 
 std::size_t RunLayout::particles() const {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "framework/core/instruction_set.hpp"
 #include "framework/core/state_layout.hpp"
 #include "framework/model/assembly.hpp"
+#include "framework/run/result_group.hpp"
 #include "framework/scene/scene.hpp"
 
 /// Runs a scene from start to end and reports what happened.
@@ -39,76 +41,6 @@ struct RunFailure {
 
 /// One sentence with everything in it.
 std::string to_string(const RunFailure& failure);
-
-/// Means, work and extremes are over the window, final_force is at the end of the run.
-struct DriverResult {
-  std::string name;
-  std::vector<double> mean_force;  ///< [dimension]; empty when the window was not reached
-  std::vector<double> final_force;
-  std::vector<double> max_force;
-  std::vector<double> min_force;
-  /// Largest along the pull before the first slip, else in the whole run.
-  std::optional<double> static_force;
-  std::optional<double> work;
-  std::optional<double> work_per_distance;
-  std::optional<double> distance;
-};
-
-struct BodyResult {
-  std::string name;
-  std::vector<double> centre_of_mass;  ///< at the end
-  std::vector<double> velocity;        ///< at the end
-  std::optional<double> rotation;      ///< rad, unwrapped, counter-clockwise positive, at the end
-  std::optional<double> turns;         ///< over the window
-  std::optional<double> rolling;       ///< -R dphi/dx over the window
-  std::vector<double> mean_velocity;   ///< over the window
-  /// Of the centre, over the window; infinite where it slips in no time.
-  std::optional<double> max_speed;
-};
-
-/// What an observer gives.
-struct ObserverResult {
-  struct Number {
-    std::string name;
-    std::optional<double> value;  ///< at the end
-    /// Of its samples in the window, of equal weight; nothing without `[output] every`, and in a
-    /// run until it is steady.
-    std::optional<double> mean;
-  };
-  std::string name;
-  std::vector<Number> numbers;
-};
-
-/// The energy ledger. Kinetic and potential energy are those at the end of the run; the rest is
-/// over the window, each term integrated on its own with the scheme's order.
-struct EnergyResult {
-  double kinetic = 0.0;
-  double potential = 0.0;
-  /// By all drivers, at their pulled ends, and by energies that change with time.
-  std::optional<double> work_in;
-  std::optional<double> heat_out;       ///< to all dampers
-  std::optional<double> stored_change;  ///< of kinetic and potential energy
-  /// stored_change + heat_out - work_in: what the integrator itself added.
-  std::optional<double> numerical_work;
-};
-
-/// The equilibrium that a quasistatic run ends in.
-struct EquilibriumResult {
-  double energy = 0.0;                       ///< potential; but for what the choice of zero holds
-  std::uint64_t neutral_directions = 0;      ///< that nothing holds
-  std::optional<double> smallest_curvature;  ///< of the energy, along what is not neutral
-  std::optional<double> log_determinant;     ///< ln |det| of the energy's second derivatives
-};
-
-/// What happened in the whole run. What cannot happen in a scene is not counted.
-struct EventCounts {
-  std::optional<std::uint64_t> slips;      ///< of all drivers of steady speed
-  std::optional<std::uint64_t> hops;       ///< of round bodies in the plane
-  std::optional<std::uint64_t> turns;      ///< whole ones, of bodies in the plane
-  std::optional<std::uint64_t> reversals;  ///< of bodies against their drivers
-  std::optional<std::uint64_t> driver_reversals;
-  std::optional<std::uint64_t> ties;  ///< of quasistatic runs
-};
 
 /// How a run until it is steady came out.
 struct SteadyResult {
@@ -157,21 +89,31 @@ struct RunResult {
   std::uint64_t jacobian_columns = 0;  ///< each worth an evaluation of all forces
   double window_from = 0.0;
   double window_to = 0.0;
-  std::vector<DriverResult> drivers;
-  std::vector<BodyResult> bodies;
-  std::vector<ObserverResult> observers;
-  EventCounts events;
-  std::optional<SteadyResult> steady;            ///< with `[run] until`
-  std::optional<EnergyResult> energy;            ///< with `[run] ledger`
-  std::optional<EquilibriumResult> equilibrium;  ///< of quasistatic dynamics
-  std::vector<DeterminedResult> determined;      ///< with `[run] perturb`
-  std::optional<AccuracyResult> accuracy;        ///< with `[run] accuracy`
-  std::vector<ErrorEstimate> errors;             ///< likewise
+  /// What was measured: of each driver, each body, each observer, of events and, where the scene
+  /// asks for them, of the energy and the equilibrium that a quasistatic run ends in.
+  std::vector<ResultGroup> groups;
+  std::optional<SteadyResult> steady;        ///< with `[run] until`
+  std::vector<DeterminedResult> determined;  ///< with `[run] perturb`
+  std::optional<AccuracyResult> accuracy;    ///< with `[run] accuracy`
+  std::vector<ErrorEstimate> errors;         ///< likewise
   std::vector<std::string> warnings;
   std::vector<std::pair<std::string, std::string>> left_out;  ///< force and why it was not built
   double wall_seconds = 0.0;
   double steps_per_second = 0.0;
   InstructionSet instruction_set = InstructionSet::baseline;
+
+  /// All groups of a family: "drivers", "bodies", "observers".
+  std::span<const ResultGroup> family(std::string_view name) const;
+  /// In the order of the scene. Throw std::out_of_range.
+  const ResultGroup& driver(std::size_t k) const { return member("drivers", k); }
+  const ResultGroup& body(std::size_t k) const { return member("bodies", k); }
+  /// Null where there is none of that name; families of the run as a whole have an empty name.
+  const ResultGroup* find(std::string_view family, std::string_view name = "") const;
+  /// Throws std::out_of_range in its place.
+  const ResultGroup& group(std::string_view family, std::string_view name = "") const;
+
+ private:
+  const ResultGroup& member(std::string_view family, std::size_t k) const;
 };
 
 /// A column of observables.csv: "driver.force.x" and "force".
@@ -287,6 +229,13 @@ struct RunOptions {
   RunStore* store = nullptr;   ///< for what is done besides the run proper
   bool watches_energy = true;  ///< warn where the energy balance does not close
 };
+
+/// For an engine that is bound and not run: no second one beside it.
+inline RunOptions options_to_bind() {
+  RunOptions options;
+  options.watches_energy = false;
+  return options;
+}
 
 /// One run with the integrator that the scene is bound with, whatever accuracy it asks for; run()
 /// in framework/study/accuracy.hpp does all that a scene says. Throws InputError for what only

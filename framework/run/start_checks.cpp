@@ -420,6 +420,10 @@ StartFindings check_start(Model& model, const RunPlan& plan) {
   warn_of_fine_tolerance(check);
   warn_of_unused_integrator(check);
   bound_unwatched_steps(check);
+  // What a run until it is steady waits for is looked at once a period.
+  if (plan.period > 0.0) {
+    check.found.longest_step = std::min(check.found.longest_step, plan.period);
+  }
   check_step(check);
   check_inertia(check);
   check_places(check);

@@ -7,6 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/tolerance.hpp"
+#include "framework/run/watched_integrals.hpp"
+
 namespace tomlin {
 namespace {
 
@@ -21,6 +24,12 @@ constexpr std::size_t kMostTimes = 1 << 14;
 /// half a bond): formulas are often zero where a scene starts.
 constexpr double kAside = 0.23;
 constexpr double kNoLength = 1e300;
+/// Of a value, that it changes by through rounding.
+constexpr double kNoChange = 1e-12;
+/// A value that comes back through its middle as often swings; else it goes from one to another,
+/// and has arrived within this part of its range.
+constexpr std::size_t kFewestCrossings = 3;
+constexpr double kNearItsEnd = 0.05;
 
 /// One force at two states near the start: on all particles, in their own coordinates.
 class TimedForce {
@@ -40,14 +49,21 @@ class TimedForce {
       state.position.assign(view.position, view.position + view.dofs);
       state.position.resize(view.dofs + 2 * kGroup, 0.0);
     }
+    const ToleranceScales<double> scales = tolerance_scales(view);
+    const std::vector<double> along = along_with_drivers(model);
+    velocity_.assign(view.velocity, view.velocity + view.dofs);
+    velocity_.resize(view.dofs + 2 * kGroup, 0.0);
     for (std::size_t i = 0; i < view.dofs; ++i) {
+      if (view.inverse_mass[i] <= 0.0) continue;
       double& x = states_[1].position[i];
       const double length = view.largest_move[i];
-      if (view.inverse_mass[i] > 0.0) x += kAside * (length < kNoLength ? length : std::abs(x) + 1);
+      x += kAside * (length < kNoLength ? length : std::abs(x) + 1.0 / scales.position[i]);
+      // Forces in proportion to a velocity need one.
+      velocity_[i] += along[i] != 0.0 ? along[i] : kAside / scales.velocity[i];
     }
     for (State& state : states_) {
       // Bodies that move as one place their particles in an evaluation.
-      model.evaluate_at(DoubleDouble(0.0), state.position.data(), view.velocity, view.integrals,
+      model.evaluate_at(DoubleDouble(0.0), state.position.data(), velocity_.data(), view.integrals,
                         rates_.data());
       state.mapped.assign(view.mapped_position, view.mapped_position + mapped_);
       state.mapped.resize(mapped_ + 2 * kGroup, 0.0);
@@ -64,7 +80,7 @@ class TimedForce {
       std::fill(mapped_force_.begin(), mapped_force_.end(), 0.0);
       Stage<double> stage =
           stage_of(view, static_cast<const double*>(state.position.data()),
-                   static_cast<const double*>(view.velocity),
+                   static_cast<const double*>(velocity_.data()),
                    static_cast<const double*>(view.integrals), rates_.data(), 0.0);
       stage.force = force_on_.data();
       stage.mapped_position = state.mapped.data();
@@ -86,7 +102,7 @@ class TimedForce {
   std::vector<Pass<double>> passes_;
   std::size_t mapped_ = 0;
   State states_[2];
-  AlignedVector<double> force_on_, mapped_force_, rates_;
+  AlignedVector<double> velocity_, force_on_, mapped_force_, rates_;
 };
 
 /// What Simpson's rule on a step's two ends and middle gives beside that on all its parts.
@@ -139,6 +155,43 @@ std::vector<TimeDependence> time_dependences(Model& model) {
                    [timed](double t, double* value) { timed->at(t, value); }});
   }
   return all;
+}
+
+double slowest_cycle(const TimeDependence& of, double duration) {
+  std::size_t times = kMostTimes;
+  while (times > kFewestTimes && times * of.effort > kMostEffort) times /= 2;
+  const double apart = duration / static_cast<double>(times);
+  std::vector<double> values(of.numbers * (times + 1));
+  for (std::size_t k = 0; k <= times; ++k) {
+    of.at(apart * static_cast<double>(k), values.data() + of.numbers * k);
+  }
+  double slowest = 0.0;
+  for (std::size_t n = 0; n < of.numbers; ++n) {
+    const auto value = [&](std::size_t k) { return values[of.numbers * k + n]; };
+    double low = value(0);
+    double high = low;
+    for (std::size_t k = 1; k <= times; ++k) {
+      low = std::min(low, value(k));
+      high = std::max(high, value(k));
+    }
+    if (!(high - low > kNoChange * std::max(std::abs(low), std::abs(high)))) continue;
+    const double middle = 0.5 * (low + high);
+    std::size_t crossings = 0;
+    std::size_t first = 0;
+    std::size_t last = 0;
+    std::size_t differs = 0;  // from its last value
+    for (std::size_t k = 1; k <= times; ++k) {
+      if (std::abs(value(k) - value(times)) > kNearItsEnd * (high - low)) differs = k;
+      if ((value(k) > middle) == (value(k - 1) > middle)) continue;
+      if (++crossings == 1) first = k;
+      last = k;
+    }
+    const double steps = crossings < kFewestCrossings ? static_cast<double>(differs)
+                                                      : 2.0 * static_cast<double>(last - first) /
+                                                            static_cast<double>(crossings - 1);
+    slowest = std::max(slowest, steps * apart);
+  }
+  return slowest;
 }
 
 double missed_by_steps(const TimeDependence& of, double h, double duration) {

@@ -24,6 +24,9 @@ struct TimeDependence {
 /// afterwards.
 std::vector<TimeDependence> time_dependences(Model& model);
 
+/// The mean time of its cycles in a run, or the time at which it has settled where it has none.
+double slowest_cycle(const TimeDependence& of, double duration);
+
 /// How much of its integral a step of h misses at most, as a part of the most that a step has:
 /// Simpson's rule, which a step amounts to, against the same on parts of it, all over the run.
 double missed_by_steps(const TimeDependence& of, double h, double duration);

@@ -51,7 +51,7 @@ Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds, Instruc
 }
 
 std::optional<RunLayout> layout_of(const std::shared_ptr<const Scene>& scene) {
-  const Engine engine(scene, RunOptions());
+  const Engine engine(scene, options_to_bind());
   if (engine.thrown() || engine.failed()) return std::nullopt;
   return engine.layout();
 }

@@ -66,6 +66,7 @@ std::vector<double> along_with_drivers(const Model& model) {
 }
 
 std::optional<std::string> doubt_of_rounding(double rounding, double work, double tolerance) {
+  if (work == 0.0) return std::nullopt;
   const double part = rounding / std::abs(work);
   if (!(part > std::max(kWell, tolerance))) return std::nullopt;
   return fmt::format(

@@ -47,6 +47,7 @@ DriverWindow driver_window(const Model& model, std::size_t driver, double from, 
       window.one_period = window.one_period && (window.period == 0.0 || window.period == period);
       if (period < window.period) continue;
       window.period = period;
+      window.axis = d;
       window.speed = std::abs(drive.velocity[d]);
     }
   }
@@ -80,26 +81,28 @@ std::vector<std::string> doubts_before(const DriverWindow& w) {
 }
 
 std::vector<std::string> doubts_after(const DriverWindow& w, double moved,
-                                      std::optional<std::uint64_t> slips, std::uint64_t whole_run) {
+                                      std::optional<std::uint64_t> slips, std::uint64_t whole_run,
+                                      bool at_end) {
   const double distance = w.speed * (w.to - w.from);
   if (!(w.period > 0.0) || distance < kShortestSlide * w.period) return {};
   const double lag = distance - moved;
   if (std::abs(lag) > kLag * distance && std::abs(lag) > kLagInPeriods * w.period) {
-    return {
-        fmt::format("{} moves by {:.3g} within the window and what it pulls by {:.3g}: its means "
-                    "are those of a "
-                    "spring that is still being {}; begin the window later, at {} or after",
-                    w.driver, distance, moved, lag > 0.0 ? "loaded" : "unloaded", digits(w.to))};
+    return {fmt::format(
+        "{} moves by {:.3g} within the window and what it pulls by {:.3g}: its means are those of "
+        "a spring that is still being {}; {}begin the window at {} or after",
+        w.driver, distance, moved, lag > 0.0 ? "loaded" : "unloaded",
+        at_end ? "let the run last longer and " : "", digits(w.to))};
   }
   if (slips && whole_run > 0 && *slips < kFewSlips) {
     const double each = *slips > 0 ? (w.to - w.from) / static_cast<double>(*slips)
                                    : std::max(w.to - w.from, w.period / w.speed);
     return {fmt::format(
-        "{} of {} begin within the window, too few for a mean: a window of {} would have {}",
-        *slips == 0   ? std::string("no slips")
+        "{} of {} {} within the window, too few for a mean: a window of {} would have {}",
+        *slips == 0   ? std::string("no slip")
         : *slips == 1 ? std::string("one slip")
                       : fmt::format("{} slips", *slips),
-        w.driver, digits(static_cast<double>(kFewSlips) * each), kFewSlips)};
+        w.driver, *slips < 2 ? "begins" : "begin", digits(static_cast<double>(kFewSlips) * each),
+        kFewSlips)};
   }
   return {};
 }

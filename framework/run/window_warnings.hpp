@@ -16,7 +16,8 @@ struct DriverWindow {
   std::string driver;
   double from = 0.0;  ///< times
   double to = 0.0;
-  double speed = 0.0;
+  int axis = 0;            ///< of its period
+  double speed = 0.0;      ///< along that axis
   double period = 0.0;     ///< of the forces along its way, a length; 0: there is none
   bool steady = true;      ///< its velocity is the same within the window
   bool one_period = true;  ///< no two forces have different periods along its way
@@ -33,7 +34,9 @@ std::vector<std::string> doubts_before(const DriverWindow& window);
 
 /// After the run, in which the pulled body has `moved` along the driver's way within the window and
 /// so many slips have begun there; nothing where slips are not looked for. `whole_run` of them.
+/// `at_end`: the window ends where the run does.
 std::vector<std::string> doubts_after(const DriverWindow& window, double moved,
-                                      std::optional<std::uint64_t> slips, std::uint64_t whole_run);
+                                      std::optional<std::uint64_t> slips, std::uint64_t whole_run,
+                                      bool at_end);
 
 }  // namespace tomlin

@@ -123,9 +123,18 @@ class Search {
     if (shortest < kNone) {
       return take_length(shortest, "the shortest bond or distance of neighbours");
     }
+    bool unknown = false;
     for (const SceneForce& force : scene_.forces) {
-      if (says_nothing(force)) take_length(1.0, "the unit, since a formula says no length");
+      if (!says_nothing(force)) continue;
+      const double length = force.record->length(force.description.get());
+      if (length > 0.0) {
+        shortest = std::min(shortest, length);
+      } else {
+        unknown = true;
+      }
     }
+    if (shortest < kNone) return take_length(shortest, "the length of a formula");
+    if (unknown) take_length(1.0, "the unit, since a formula says no length");
   }
 
   /// No number of it has a dimension: its scales stand in a formula.

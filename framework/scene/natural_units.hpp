@@ -23,8 +23,10 @@ struct NaturalUnits {
 };
 
 /// length  the shortest period that a force declares; else the shortest of its other lengths, rest
-///         lengths and distances of neighbours in a body; else the way that the fastest driver or
-///         body goes in the unit of time; else the distance of what is farthest from zero; else 1
+///         lengths and distances of neighbours in a body; else the length in which a formula of
+///         positions changes; else, with a formula that has none, 1; else the way that the fastest
+///         driver or body goes in the unit of time; else the distance of what is farthest from
+///         zero; else 1
 /// time    the least 1/sqrt(k/m), without inertia c/k, of forces with a period; else of others from
 ///         outside, else of those within bodies, each only where it is within the run; else m/c of
 ///         the friction; else the length by the largest speed; else the run's duration.

@@ -139,7 +139,7 @@ std::vector<Companion> companions_of(const std::shared_ptr<const Scene>& scene) 
     }
     return companions;
   }
-  const double stable = kNearlyStable * Engine(scene, {}).stable_step();
+  const double stable = kNearlyStable * Engine(scene, options_to_bind()).stable_step();
   double factor = 1.0;
   for (const double share : shares_of_steps(scheme.order)) {
     factor *= 2.0;
@@ -181,7 +181,9 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
     limits.stop = options.stop;
     limits.store = options.store;
     limits.name = finished.empty() ? "companion" : "second_companion";
-    limits.cost = static_cast<std::uint64_t>(kMostForCompanions * cost) - taken.companion_cost;
+    // A run may end a little above its limit.
+    const auto most = static_cast<std::uint64_t>(kMostForCompanions * cost);
+    limits.cost = most - std::min(most, taken.companion_cost);
     TrialRun trial = try_run(with_first_step(companion.scene, mean_step), limits);
     taken.companion_cost += trial.cost();
     if (trial.end == TrialRun::End::interrupted) {

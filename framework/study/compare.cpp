@@ -103,8 +103,8 @@ std::string path_in(const RunResult& result, const std::string& path) {
     }
     return std::nullopt;
   };
-  if (const auto driver = replaced("driver", result.drivers)) return *driver;
-  if (const auto body = replaced("body", result.bodies)) return *body;
+  if (const auto driver = replaced("driver", result.family("drivers"))) return *driver;
+  if (const auto body = replaced("body", result.family("bodies"))) return *body;
   return path;
 }
 

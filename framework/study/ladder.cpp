@@ -103,7 +103,7 @@ void try_to_bind(const Variants& variants, Rung& rung) {
   try {
     const auto scene =
         variants.with(rung.at(fixed ? variants.scene().run.duration : kAnyTolerance));
-    const Engine engine(scene, {});
+    const Engine engine(scene, options_to_bind());
     if (fixed && engine.stable_step() > 0.0) rung.stable_step = engine.stable_step();
   } catch (const InputError& error) {
     rung.refused = condensed(error);

@@ -62,16 +62,19 @@ struct Headline {
 /// their largest speeds.
 std::vector<Headline> headlines(const RunResult& result, double length) {
   std::vector<Headline> all;
-  for (const DriverResult& driver : result.drivers) {
+  const auto components = [](const ResultValue& value) {
+    return std::vector<double>(value.begin(), value.end());
+  };
+  for (const ResultGroup& driver : result.family("drivers")) {
     double largest = 0.0;
-    for (const auto* extremes : {&driver.max_force, &driver.min_force}) {
-      for (const double force : *extremes) largest = std::max(largest, std::abs(force));
+    for (const char* extreme : {"max_force", "min_force"}) {
+      for (const double force : driver[extreme]) largest = std::max(largest, std::abs(force));
     }
-    all.push_back({driver.mean_force, largest});
+    all.push_back({components(driver["mean_force"]), largest});
   }
   if (!all.empty()) return all;
-  for (const BodyResult& body : result.bodies) {
-    all.push_back({body.mean_velocity, body.max_speed.value_or(0.0) / kFloor,
+  for (const ResultGroup& body : result.family("bodies")) {
+    all.push_back({components(body["mean_velocity"]), body["max_speed"].value_or(0.0) / kFloor,
                    kUnmoved * length / (result.window_to - result.window_from)});
   }
   return all;
@@ -166,7 +169,7 @@ class Pilot {
     if (!rungs_.empty()) length_ = rungs_.front().absolute_share;
     if (rungs_.empty()) {
       // Mostly the scene's own fault, which is reported once, at its own place.
-      (void)Engine(scene_, {});
+      (void)Engine(scene_, options_to_bind());
       throw InputError({{scene_->run.place, "run.accuracy", "",
                          "no integrator takes this scene: " + refusals_, "an integrator", ""}});
     }

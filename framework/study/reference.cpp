@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "framework/core/fault.hpp"
+#include "framework/run/results.hpp"
 #include "framework/scene/natural_units.hpp"
 
 namespace tomlin {
@@ -36,23 +37,8 @@ constexpr double kRounding = 1e-14;
 
 /// The dimension of what stands at a path of the summary; counts and angles have none.
 Dimension dimension_of(std::string_view path) {
-  constexpr std::pair<std::string_view, Dimension> kWords[] = {
-      {"_force", dimension::force},
-      {"work_per_distance", dimension::force},
-      {".work", dimension::energy},
-      {"energy.", dimension::energy},
-      {"equilibrium.energy", dimension::energy},
-      {"smallest_curvature", dimension::stiffness},
-      {"velocity", dimension::velocity},
-      {"max_speed", dimension::velocity},
-      {"distance", dimension::length},
-      {"centre_of_mass", dimension::length},
-      {"time.end", dimension::time},
-      {"window.", dimension::time}};
-  for (const auto& [word, dimension] : kWords) {
-    if (path.find(word) != std::string_view::npos) return dimension;
-  }
-  return dimension::none;
+  const ResultQuantity* quantity = quantity_at(path);
+  return quantity == nullptr ? dimension::none : quantity->dimension;
 }
 
 bool may_be_reference(const Rung& rung) {

@@ -20,7 +20,8 @@ namespace {
 
 /// Runs of these scenes are no longer than their right numbers need: of no interest here.
 bool is_of_a_short_window(const std::string& warning) {
-  for (const char* part : {"no whole number", "begin within the window", "that is still being"}) {
+  for (const char* part :
+       {"no whole number", "within the window, too few", "that is still being"}) {
     if (warning.find(part) != std::string::npos) return true;
   }
   return false;

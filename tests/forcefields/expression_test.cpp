@@ -179,10 +179,11 @@ TEST(Expression, SubstrateMovesARingAsTheBuiltInOneDoes) {
       const RunResult expected = run_text(ring(kBuiltIn, coordinates, centre));
       const RunResult found = run_text(ring(kFormula, coordinates, centre));
       ASSERT_EQ(found.status, RunStatus::finished);
-      EXPECT_NEAR(found.drivers[0].mean_force[0], expected.drivers[0].mean_force[0], kSameLaw);
-      EXPECT_NEAR(found.bodies[0].velocity[0], expected.bodies[0].velocity[0], kSameLaw);
-      EXPECT_NEAR(*found.bodies[0].rotation, *expected.bodies[0].rotation, kSameLaw);
-      EXPECT_NEAR(found.energy->potential, expected.energy->potential, kSameLaw);
+      EXPECT_NEAR(found.driver(0)["mean_force"][0], expected.driver(0)["mean_force"][0], kSameLaw);
+      EXPECT_NEAR(found.body(0)["velocity"][0], expected.body(0)["velocity"][0], kSameLaw);
+      EXPECT_NEAR(*found.body(0)["rotation"], *expected.body(0)["rotation"], kSameLaw);
+      EXPECT_NEAR(found.group("energy")["potential"].value(),
+                  expected.group("energy")["potential"].value(), kSameLaw);
       EXPECT_EQ(found.force_evaluations, expected.force_evaluations);
     }
   }
@@ -194,7 +195,8 @@ TEST(Expression, WithoutAPeriodDigitsAreLostFarOut) {
   scene.erase(scene.find("period = \"a\""), 12);
   const RunResult expected = run_text(ring(kBuiltIn, "rigid", "[1e9, 1.0]"));
   const RunResult found = run_text(scene);
-  const double off = std::abs(found.drivers[0].mean_force[0] - expected.drivers[0].mean_force[0]);
+  const double off =
+      std::abs(found.driver(0)["mean_force"][0] - expected.driver(0)["mean_force"][0]);
   EXPECT_GT(off, 1e-10);
   EXPECT_LT(off, 1e-6);
 }
@@ -215,8 +217,9 @@ TEST(Expression, BondsAsAFormulaMoveARingAsTheBuiltInOnesDo) {
                    digits(side) + "\n");
   const RunResult expected = run_text(twin);
   const RunResult found = run_text(scene);
-  EXPECT_NEAR(found.drivers[0].mean_force[0], expected.drivers[0].mean_force[0], kSameLaw);
-  EXPECT_NEAR(found.energy->potential, expected.energy->potential, kSameLaw);
+  EXPECT_NEAR(found.driver(0)["mean_force"][0], expected.driver(0)["mean_force"][0], kSameLaw);
+  EXPECT_NEAR(found.group("energy")["potential"].value(),
+              expected.group("energy")["potential"].value(), kSameLaw);
 }
 
 std::string point(const std::string& force, const std::string& more = "",
@@ -235,22 +238,22 @@ TEST(Expression, AForceWithFrictionFollowsItsClosedForm) {
   const double x =
       std::exp(-rate * t) * (std::cos(frequency * t) + rate / frequency * std::sin(frequency * t));
   const double v = -4.0 / frequency * std::exp(-rate * t) * std::sin(frequency * t);
-  EXPECT_NEAR(found.bodies[0].centre_of_mass[0], x, kExact);
-  EXPECT_NEAR(found.bodies[0].velocity[0], v, kExact);
+  EXPECT_NEAR(found.body(0)["centre_of_mass"][0], x, kExact);
+  EXPECT_NEAR(found.body(0)["velocity"][0], v, kExact);
   // No energy is known of it: what it does is heat, all of it.
-  EXPECT_NEAR(*found.energy->heat_out, -0.5 * v * v, kExact);
-  EXPECT_NEAR(*found.energy->numerical_work, 0.0, kExact);
+  EXPECT_NEAR(*found.group("energy")["heat_out"], -0.5 * v * v, kExact);
+  EXPECT_NEAR(*found.group("energy")["numerical_work"], 0.0, kExact);
 }
 
 /// V = -x cos(t): x = 1 + 1 - cos(t). What its change in time puts in is the integral of
 /// dV/dt = x sin(t).
 TEST(Expression, AnEnergyThatChangesWithTimeClosesTheLedger) {
   const RunResult found = run_text(point("energy = \"-x*cos(t)\"", "ledger = true\n"));
-  EXPECT_NEAR(found.bodies[0].centre_of_mass[0], 2.0 - std::cos(3.0), kExact);
+  EXPECT_NEAR(found.body(0)["centre_of_mass"][0], 2.0 - std::cos(3.0), kExact);
   const double put_in = 2.0 * (1.0 - std::cos(3.0)) - 0.5 * std::pow(std::sin(3.0), 2);
-  EXPECT_NEAR(*found.energy->work_in, put_in, kExact);
-  EXPECT_NEAR(*found.energy->heat_out, 0.0, kExact);
-  EXPECT_NEAR(*found.energy->numerical_work, 0.0, kExact);
+  EXPECT_NEAR(*found.group("energy")["work_in"], put_in, kExact);
+  EXPECT_NEAR(*found.group("energy")["heat_out"], 0.0, kExact);
+  EXPECT_NEAR(*found.group("energy")["numerical_work"], 0.0, kExact);
 }
 
 TEST(Expression, TheCentreOfMassMovesAsAPointOfTheWholeMass) {
@@ -263,9 +266,9 @@ TEST(Expression, TheCentreOfMassMovesAsAPointOfTheWholeMass) {
         "\"\n[[force]]\ntype = \"expression\"\nenergy = \"2*xc^2 + 0.5*(yc - 1)^2\"\n[run]\n"
         "duration = 3.0\nintegrator = " +
         adaptive(1e-12, "dop853") + "\n");
-    EXPECT_NEAR(found.bodies[0].centre_of_mass[0], std::cos(std::sqrt(2.0) * 3.0), kExact);
-    EXPECT_NEAR(found.bodies[0].centre_of_mass[1], 1.0 + std::cos(std::sqrt(0.5) * 3.0), kExact);
-    EXPECT_NEAR(*found.bodies[0].rotation, 0.0, kExact);
+    EXPECT_NEAR(found.body(0)["centre_of_mass"][0], std::cos(std::sqrt(2.0) * 3.0), kExact);
+    EXPECT_NEAR(found.body(0)["centre_of_mass"][1], 1.0 + std::cos(std::sqrt(0.5) * 3.0), kExact);
+    EXPECT_NEAR(*found.body(0)["rotation"], 0.0, kExact);
   }
 }
 
@@ -296,8 +299,11 @@ duration = )--" + digits(end) +
     ASSERT_EQ(found.status, RunStatus::finished);
     const double angle = 6.0 * kSmall * std::cos(std::sqrt(6.0 * kBend) * end);
     const double whole = 0.5 * kBend * 36.0 * kSmall * kSmall;
-    EXPECT_NEAR(found.energy->potential, 0.5 * kBend * angle * angle, kAnharmonic * whole);
-    EXPECT_NEAR(found.energy->kinetic + found.energy->potential, whole, kAnharmonic * whole);
+    EXPECT_NEAR(found.group("energy")["potential"].value(), 0.5 * kBend * angle * angle,
+                kAnharmonic * whole);
+    EXPECT_NEAR(
+        found.group("energy")["kinetic"].value() + found.group("energy")["potential"].value(),
+        whole, kAnharmonic * whole);
   }
 }
 
@@ -464,11 +470,11 @@ integrator = {{ type = "dop853", absolute_tolerance = 1e-12, relative_tolerance 
   };
   // 0.5 v^2 and 0.2 exp(-4), against 0.2.
   const RunResult bounced = ending(0.5);
-  EXPECT_LT(bounced.bodies[0].centre_of_mass[0], 5.0);
-  EXPECT_GT(bounced.bodies[0].centre_of_mass[0], 0.0);
+  EXPECT_LT(bounced.body(0)["centre_of_mass"][0], 5.0);
+  EXPECT_GT(bounced.body(0)["centre_of_mass"][0], 0.0);
   const RunResult passed = ending(0.7);
-  EXPECT_GT(passed.bodies[0].centre_of_mass[0], 10.0);
-  EXPECT_NEAR(*passed.energy->numerical_work, 0.0, kExact);
+  EXPECT_GT(passed.body(0)["centre_of_mass"][0], 10.0);
+  EXPECT_NEAR(*passed.group("energy")["numerical_work"], 0.0, kExact);
 }
 
 /// Without inertia the heat of a force is that of the velocities which the forces give; what a drag
@@ -484,20 +490,21 @@ TEST(Expression, TheLedgerOfAForceClosesWithoutInertiaAndOnRigidBodies) {
       run_text("[[body]]\ntype = \"point\"\nposition = [0.0]\nparticle_mass = 1.0\n" + drag +
                "[[force]]\ntype = \"expression\"\nforce = [\"0.3 + 0.2*sin(x)\"]\n" + end +
                adaptive(1e-12, "dop853") + "\ndynamics = \"overdamped\"\n");
-  EXPECT_NEAR(*point_alone.energy->heat_out, 0.0, kExact);
-  EXPECT_NEAR(*point_alone.energy->numerical_work, 0.0, kExact);
+  EXPECT_NEAR(*point_alone.group("energy")["heat_out"], 0.0, kExact);
+  EXPECT_NEAR(*point_alone.group("energy")["numerical_work"], 0.0, kExact);
   const RunResult rolling = run_text(
       ring + drag + "[[force]]\ntype = \"expression\"\nforce = [\"0.3*sin(x) - y\", \"0.1*x\"]\n" +
       end + adaptive(1e-12, "dop853") + "\ndynamics = \"overdamped\"\n");
-  EXPECT_NEAR(*rolling.energy->heat_out, 0.0, kExact);
-  EXPECT_NEAR(*rolling.energy->numerical_work, 0.0, kExact);
+  EXPECT_NEAR(*rolling.group("energy")["heat_out"], 0.0, kExact);
+  EXPECT_NEAR(*rolling.group("energy")["numerical_work"], 0.0, kExact);
   const RunResult pushed = run_text(
       ring + "[[force]]\ntype = \"driving_spring\"\nstiffness = 1.0\nvelocity = [0.1, 0.0]\n" +
       "[[force]]\ntype = \"expression\"\nforce = [\"0.1\", \"0.2\"]\n" + end +
       adaptive(1e-12, "dop853") + "\n");
-  const auto& centre = pushed.bodies[0].centre_of_mass;
-  EXPECT_NEAR(*pushed.energy->heat_out, -5.0 * (0.1 * centre[0] + 0.2 * (centre[1] - 1.0)), kExact);
-  EXPECT_NEAR(*pushed.energy->numerical_work, 0.0, kExact);
+  const auto& centre = pushed.body(0)["centre_of_mass"];
+  EXPECT_NEAR(*pushed.group("energy")["heat_out"],
+              -5.0 * (0.1 * centre[0] + 0.2 * (centre[1] - 1.0)), kExact);
+  EXPECT_NEAR(*pushed.group("energy")["numerical_work"], 0.0, kExact);
 }
 
 /// A period is also tried where the particles are: here the formula is all but level elsewhere.
@@ -571,7 +578,7 @@ TEST(Expression, RunsInEveryNumberTypeWithTheSameLaw) {
     const RunResult result =
         run_text(ring(kFormula, "particles"),
                  {{"run.number_type", "\"" + std::string(type) + "\""}, {"run.duration", "2.0"}});
-    return result.drivers[0].mean_force[0];
+    return result.driver(0)["mean_force"][0];
   };
   const double in_double = mean("double");
   constexpr double kFloat = 1e-5;  // 400 steps in 24 bits, state kept to more
@@ -589,7 +596,7 @@ TEST(Expression, SecondDerivativesServeTheImplicitScheme) {
   };
   const RunResult expected = with(kBuiltIn);
   const RunResult found = with(kFormula);
-  EXPECT_NEAR(found.drivers[0].mean_force[0], expected.drivers[0].mean_force[0], kSameLaw);
+  EXPECT_NEAR(found.driver(0)["mean_force"][0], expected.driver(0)["mean_force"][0], kSameLaw);
   // Errors of velocities are held to the scene's length by its time, which a formula does not say.
   EXPECT_NEAR(static_cast<double>(found.steps), static_cast<double>(expected.steps), 2.0);
 }

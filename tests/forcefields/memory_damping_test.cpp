@@ -173,9 +173,9 @@ TEST(MemoryDamping, TheLedgerBalancesToTheOrderOfTheScheme) {
     const RunResult result = run_text(particle(0.6, 0.9) + kTrapForce + memory_force(memory) +
                                       run_of(6.4, fixed_step(h), "ledger = true\n"));
     ASSERT_EQ(result.status, RunStatus::finished);
-    EXPECT_GT(result.energy->heat_out.value(), 0.3);
+    EXPECT_GT(result.group("energy")["heat_out"].value(), 0.3);
     steps.push_back(h);
-    errors.push_back(std::abs(result.energy->numerical_work.value()));
+    errors.push_back(std::abs(result.group("energy")["numerical_work"].value()));
   }
   const double order = fitted_order(steps, errors, 1e-14);
   EXPECT_GT(order, 3.8);
@@ -184,7 +184,7 @@ TEST(MemoryDamping, TheLedgerBalancesToTheOrderOfTheScheme) {
   // Everything that it had ends up as heat.
   const RunResult rested = run_text(particle(0.0, 0.9) + memory_force(memory) +
                                     run_of(200.0, adaptive(1e-12), "ledger = true\n"));
-  EXPECT_NEAR(rested.energy->heat_out.value(), 0.5 * kMass * 0.9 * 0.9, kToTolerance);
+  EXPECT_NEAR(rested.group("energy")["heat_out"].value(), 0.5 * kMass * 0.9 * 0.9, kToTolerance);
 }
 
 /// exp(-c t/m), to first order in the memory.

@@ -107,9 +107,9 @@ TEST(BlanesMoanOrder, OfARingAndOfItsWork) {
     ASSERT_EQ(result.status, RunStatus::finished);
     steps.push_back(h);
     place.push_back(
-        std::abs(result.bodies[0].centre_of_mass[0] - exact.bodies[0].centre_of_mass[0]));
-    work.push_back(std::abs(*result.drivers[0].work - *exact.drivers[0].work));
-    force.push_back(std::abs(result.drivers[0].mean_force[0] - exact.drivers[0].mean_force[0]));
+        std::abs(result.body(0)["centre_of_mass"][0] - exact.body(0)["centre_of_mass"][0]));
+    work.push_back(std::abs(*result.driver(0)["work"] - *exact.driver(0)["work"]));
+    force.push_back(std::abs(result.driver(0)["mean_force"][0] - exact.driver(0)["mean_force"][0]));
   }
   for (const auto& errors : {place, work, force}) {
     const double order = fitted_order(steps, errors, 1e-14);

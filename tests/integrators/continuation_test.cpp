@@ -88,14 +88,14 @@ TEST(QuasistaticTip, SlipsByTheClosedForms) {
     KeptSamples sink;
     const RunResult result = run_with(tip.scene(), sink);
     ASSERT_EQ(result.status, RunStatus::finished) << V0;
-    const DriverResult& driver = result.drivers[0];
+    const ResultGroup& driver = result.driver(0);
     const double scale = tip.critical();
-    EXPECT_NEAR(*driver.static_force, tip.critical(), kPeakError * scale) << V0;
-    EXPECT_NEAR(driver.max_force[0], tip.critical(), kPeakError * scale) << V0;
-    EXPECT_NEAR(driver.mean_force[0], tip.lost(), kForceError) << V0;
+    EXPECT_NEAR(*driver["static_force"], tip.critical(), kPeakError * scale) << V0;
+    EXPECT_NEAR(driver["max_force"][0], tip.critical(), kPeakError * scale) << V0;
+    EXPECT_NEAR(driver["mean_force"][0], tip.lost(), kForceError) << V0;
 
     const std::vector<Event> slips = sink.of(EventKind::slip);
-    ASSERT_EQ(slips.size(), *result.events.slips);
+    ASSERT_EQ(slips.size(), *result.group("events")["slips"]);
     ASSERT_GE(slips.size(), 3u) << V0;
     for (std::size_t n = 0; n < slips.size(); ++n) {
       EXPECT_NEAR(slips[n].time, tip.fold() + static_cast<double>(n), kSlipError) << V0;
@@ -113,17 +113,17 @@ TEST(QuasistaticTip, SlipsByTheClosedForms) {
 
 TEST(QuasistaticTip, KeepsItsLedger) {
   const RunResult result = run_text(Tip{}.scene());
-  const EnergyResult& energy = *result.energy;
-  EXPECT_EQ(energy.kinetic, 0.0);
-  EXPECT_NEAR(*energy.heat_out, Tip{}.lost(), kSlipError);
-  EXPECT_NEAR(*energy.work_in, *energy.heat_out, 1e-9);
-  EXPECT_NEAR(*energy.numerical_work, 0.0, 1e-9);
-  ASSERT_TRUE(result.equilibrium.has_value());
-  EXPECT_EQ(result.equilibrium->neutral_directions, 0u);
-  EXPECT_EQ(result.equilibrium->energy, energy.potential);
+  const ResultGroup& energy = result.group("energy");
+  EXPECT_EQ(energy["kinetic"].value(), 0.0);
+  EXPECT_NEAR(*energy["heat_out"], Tip{}.lost(), kSlipError);
+  EXPECT_NEAR(*energy["work_in"], *energy["heat_out"], 1e-9);
+  EXPECT_NEAR(*energy["numerical_work"], 0.0, 1e-9);
+  ASSERT_NE(result.find("equilibrium"), nullptr);
+  EXPECT_EQ(result.group("equilibrium")["neutral_directions"].value(), 0u);
+  EXPECT_EQ(result.group("equilibrium")["energy"].value(), energy["potential"].value());
   // One coordinate: its curvature is the determinant.
-  EXPECT_NEAR(std::log(*result.equilibrium->smallest_curvature),
-              *result.equilibrium->log_determinant, 1e-12);
+  EXPECT_NEAR(std::log(*result.group("equilibrium")["smallest_curvature"]),
+              *result.group("equilibrium")["log_determinant"], 1e-12);
 }
 
 /// Up to s = 1 no slips and no friction, however close; beyond, slips whose energy is tiny.
@@ -132,15 +132,15 @@ TEST(QuasistaticTip, SlidesSmoothlyBelowItsThreshold) {
     const Tip tip{.V0 = s / (kTau * kTau), .periods = 5};
     const RunResult result = run_text(tip.scene());
     ASSERT_EQ(result.status, RunStatus::finished) << s;
-    EXPECT_EQ(*result.events.slips, 0u) << s;
-    EXPECT_NEAR(result.drivers[0].mean_force[0], 0.0, kForceError) << s;
-    EXPECT_NEAR(result.drivers[0].max_force[0], tip.critical(), kPeakError * tip.critical()) << s;
-    EXPECT_GT(*result.bodies[0].max_speed, tip.v) << s;
+    EXPECT_EQ(*result.group("events")["slips"], 0u) << s;
+    EXPECT_NEAR(result.driver(0)["mean_force"][0], 0.0, kForceError) << s;
+    EXPECT_NEAR(result.driver(0)["max_force"][0], tip.critical(), kPeakError * tip.critical()) << s;
+    EXPECT_GT(*result.body(0)["max_speed"], tip.v) << s;
   }
   const Tip tip{.V0 = 1.001 / (kTau * kTau), .periods = 5};
   const RunResult result = run_text(tip.scene());
-  EXPECT_GE(*result.events.slips, 4u) << "just above";
-  EXPECT_NEAR(result.drivers[0].mean_force[0], tip.lost(), kForceError);
+  EXPECT_GE(*result.group("events")["slips"], 4u) << "just above";
+  EXPECT_NEAR(result.driver(0)["mean_force"][0], tip.lost(), kForceError);
 }
 
 /// The error follows the tolerance, and is within it.
@@ -150,7 +150,7 @@ TEST(QuasistaticTip, KeepsItsTolerance) {
     Tip tip;
     tip.more = "integrator = { type = \"continuation\", tolerance = " + digits(tolerance) + " }";
     const RunResult result = run_text(tip.scene());
-    EXPECT_NEAR(result.drivers[0].mean_force[0], tip.lost(), tolerance) << tolerance;
+    EXPECT_NEAR(result.driver(0)["mean_force"][0], tip.lost(), tolerance) << tolerance;
     cost = result.force_evaluations + result.jacobian_columns;
   }
   constexpr std::uint64_t kMostPerPeriod = 500;  // at 1e-12; measured 370
@@ -162,14 +162,14 @@ TEST(QuasistaticTip, DependsNeitherOnSpeedNorOnFriction) {
   const RunResult as_it_is = run_text(Tip{}.scene());
   for (const double v : {1e-12, 1e-3, 1e3}) {
     const RunResult other = run_text(Tip{.v = v}.scene());
-    EXPECT_NEAR(other.drivers[0].mean_force[0], as_it_is.drivers[0].mean_force[0], 1e-11) << v;
-    EXPECT_EQ(*other.events.slips, *as_it_is.events.slips) << v;
+    EXPECT_NEAR(other.driver(0)["mean_force"][0], as_it_is.driver(0)["mean_force"][0], 1e-11) << v;
+    EXPECT_EQ(*other.group("events")["slips"], *as_it_is.group("events")["slips"]) << v;
   }
   const RunResult backwards = run_text(Tip{.v = -1.0}.scene());
-  EXPECT_NEAR(backwards.drivers[0].mean_force[0], -as_it_is.drivers[0].mean_force[0], 1e-11);
-  EXPECT_NEAR(*backwards.drivers[0].static_force, Tip{}.critical(), kPeakError);
+  EXPECT_NEAR(backwards.driver(0)["mean_force"][0], -as_it_is.driver(0)["mean_force"][0], 1e-11);
+  EXPECT_NEAR(*backwards.driver(0)["static_force"], Tip{}.critical(), kPeakError);
   const RunResult damped = run_text(Tip{.xi = 3.0}.scene());
-  EXPECT_NEAR(damped.drivers[0].mean_force[0], as_it_is.drivers[0].mean_force[0], 1e-11);
+  EXPECT_NEAR(damped.driver(0)["mean_force"][0], as_it_is.driver(0)["mean_force"][0], 1e-11);
 }
 
 /// In stick-slip the mean force of an overdamped tip exceeds its limit by const * v^(2/3).
@@ -181,7 +181,7 @@ TEST(QuasistaticTip, IsTheLimitOfSlowDriving) {
     const RunResult slow = run_text(
         tip.scene(), {{"run.dynamics", "\"overdamped\""}, {"run.integrator", adaptive(1e-8)}});
     ASSERT_EQ(slow.status, RunStatus::finished);
-    excess[n] = slow.drivers[0].mean_force[0] - run_text(tip.scene()).drivers[0].mean_force[0];
+    excess[n] = slow.driver(0)["mean_force"][0] - run_text(tip.scene()).driver(0)["mean_force"][0];
   }
   ASSERT_GT(excess[1], 0.0);
   const double power = std::log(excess[0] / excess[1]) / std::log(speeds[0] / speeds[1]);
@@ -251,7 +251,7 @@ TEST(QuasistaticTip, EndsWhenItIsSteady) {
   // The path's own error makes means differ by some 1e-9 from period to period: until no more than
   // 1e-8 can come of that in the periods left, nothing is known.
   EXPECT_LE(result.steady->periods, 15u);
-  EXPECT_NEAR(result.drivers[0].mean_force[0], tip.lost(), kForceError);
+  EXPECT_NEAR(result.driver(0)["mean_force"][0], tip.lost(), kForceError);
 }
 
 /// The same bits after a resume, wherever it was stopped.
@@ -269,9 +269,11 @@ TEST(QuasistaticTip, GoesOnFromItsNumbers) {
     EXPECT_TRUE(motion == Motion(second)) << steps;
     EXPECT_EQ(result.force_evaluations, expected.force_evaluations) << steps;
     EXPECT_EQ(result.jacobian_columns, expected.jacobian_columns) << steps;
-    EXPECT_EQ(*result.events.slips, *expected.events.slips) << steps;
-    EXPECT_TRUE(same_bits(result.drivers[0].max_force, expected.drivers[0].max_force)) << steps;
-    EXPECT_TRUE(same_bits(*result.energy->heat_out, *expected.energy->heat_out)) << steps;
+    EXPECT_EQ(*result.group("events")["slips"], *expected.group("events")["slips"]) << steps;
+    EXPECT_TRUE(same_bits(result.driver(0)["max_force"], expected.driver(0)["max_force"])) << steps;
+    EXPECT_TRUE(
+        same_bits(*result.group("energy")["heat_out"], *expected.group("energy")["heat_out"]))
+        << steps;
   }
 }
 
@@ -301,9 +303,9 @@ TEST(Quasistatic, TellsWhatNothingHolds) {
   const RunResult result =
       run_text(held_by("[[force]]\ntype = \"constant_force\"\nforce = [0.0]\n"));
   ASSERT_EQ(result.status, RunStatus::finished);
-  EXPECT_EQ(result.equilibrium->neutral_directions, 1u);
-  EXPECT_FALSE(result.equilibrium->smallest_curvature.has_value());
-  EXPECT_FALSE(result.equilibrium->log_determinant.has_value());
+  EXPECT_EQ(result.group("equilibrium")["neutral_directions"].value(), 1u);
+  EXPECT_FALSE(result.group("equilibrium")["smallest_curvature"].has_value());
+  EXPECT_FALSE(result.group("equilibrium")["log_determinant"].has_value());
   ASSERT_EQ(result.warnings.size(), 1u);
   EXPECT_NE(result.warnings[0].find("nothing holds"), std::string::npos) << result.warnings[0];
 }
@@ -315,7 +317,7 @@ TEST(Quasistatic, TakesTheSchemeThatFollowsEquilibria) {
   const RunResult result = run_text(text, other);
   ASSERT_FALSE(result.warnings.empty());
   EXPECT_NE(result.warnings[0].find("rk4 is not used"), std::string::npos);
-  EXPECT_TRUE(same_bits(result.drivers[0].mean_force, run_text(text).drivers[0].mean_force));
+  EXPECT_TRUE(same_bits(result.driver(0)["mean_force"], run_text(text).driver(0)["mean_force"]));
 
   std::string inertial = text;
   const std::string word = "\"quasistatic\"";
@@ -371,16 +373,16 @@ in = "driver_periods"
 /// Nothing holds the rotation of so small a ring.
 TEST(QuasistaticRing, SlidesSmoothlyAboveItsThreshold) {
   const RunResult below = run_text(ring("rigid"), {{"k", "56.0"}});
-  EXPECT_GE(*below.events.slips, 7u);
-  EXPECT_NEAR(*below.energy->numerical_work, 0.0, 1e-8);
-  EXPECT_GT(*below.energy->heat_out, 1e-6);
+  EXPECT_GE(*below.group("events")["slips"], 7u);
+  EXPECT_NEAR(*below.group("energy")["numerical_work"], 0.0, 1e-8);
+  EXPECT_GT(*below.group("energy")["heat_out"], 1e-6);
   const RunResult above = run_text(ring("rigid"), {{"k", "56.2"}});
-  EXPECT_EQ(*above.events.slips, 0u);
-  EXPECT_NEAR(above.drivers[0].mean_force[0], 0.0, 1e-8);
-  EXPECT_EQ(above.equilibrium->neutral_directions, 1u);
+  EXPECT_EQ(*above.group("events")["slips"], 0u);
+  EXPECT_NEAR(above.driver(0)["mean_force"][0], 0.0, 1e-8);
+  EXPECT_EQ(above.group("equilibrium")["neutral_directions"].value(), 1u);
   ASSERT_EQ(above.warnings.size(), 1u);
   EXPECT_NE(above.warnings[0].find("rotation"), std::string::npos) << above.warnings[0];
-  EXPECT_NEAR(*above.bodies[0].rotation, 0.0, 1e-9) << "it does not turn";
+  EXPECT_NEAR(*above.body(0)["rotation"], 0.0, 1e-9) << "it does not turn";
 }
 
 /// A large ring turns by a gear: an eighth of a turn in a period. Its particles do as the rigid
@@ -391,12 +393,12 @@ TEST(QuasistaticRing, RollsAsAGear) {
   const RunResult flexible = run_text(ring("particles"), large);
   for (const RunResult* result : {&rigid, &flexible}) {
     ASSERT_EQ(result->status, RunStatus::finished);
-    EXPECT_EQ(result->equilibrium->neutral_directions, 0u);
-    EXPECT_NEAR(*result->bodies[0].turns, -0.25, 1e-7);
-    EXPECT_NEAR(result->drivers[0].mean_force[0], 0.0, 1e-8);
+    EXPECT_EQ(result->group("equilibrium")["neutral_directions"], 0u);
+    EXPECT_NEAR(*result->body(0)["turns"], -0.25, 1e-7);
+    EXPECT_NEAR(result->driver(0)["mean_force"][0], 0.0, 1e-8);
   }
-  EXPECT_NEAR(flexible.drivers[0].mean_force[1], rigid.drivers[0].mean_force[1], 1e-5);
-  EXPECT_NE(flexible.drivers[0].mean_force[1], rigid.drivers[0].mean_force[1]);
+  EXPECT_NEAR(flexible.driver(0)["mean_force"][1], rigid.driver(0)["mean_force"][1], 1e-5);
+  EXPECT_NE(flexible.driver(0)["mean_force"][1], rigid.driver(0)["mean_force"][1]);
 }
 
 /// Without decay the ring's orientation is symmetric and loses its stability in a pitchfork, not a
@@ -405,8 +407,8 @@ TEST(QuasistaticRing, BranchesOffWhereASymmetryBreaks) {
   const RunResult result =
       run_text(ring("rigid"), {{"R", "1.0"}, {"k", "2.0"}, {"V0", "0.1"}, {"lambda", "0.0"}});
   ASSERT_EQ(result.status, RunStatus::finished);
-  EXPECT_NEAR(*result.energy->numerical_work, 0.0, 1e-8);
-  EXPECT_GT(*result.events.slips, 0u);
+  EXPECT_NEAR(*result.group("energy")["numerical_work"], 0.0, 1e-8);
+  EXPECT_GT(*result.group("events")["slips"], 0u);
 }
 
 /// Wherever a run ends, it ends in a stable equilibrium: also where stability is lost within its
@@ -417,7 +419,7 @@ TEST(QuasistaticRing, EndsStable) {
         ring("rigid"),
         {{"R", "1.0"}, {"k", "2.0"}, {"V0", "0.2"}, {"lambda", "0.0"}, {"run.duration", end}});
     ASSERT_EQ(result.status, RunStatus::finished);
-    EXPECT_GT(result.equilibrium->smallest_curvature, 0.0) << end;
+    EXPECT_GT(*result.group("equilibrium")["smallest_curvature"], 0.0) << end;
   }
 }
 
@@ -456,8 +458,8 @@ duration = 0.1
 )";
   };
   constexpr double kHeld = 2.965e-5;  // 2.9653e-5 by a finer scan
-  EXPECT_NEAR(run_text(text(1.05)).drivers[0].max_force[0] / 55.0, kHeld, 5e-9);
-  EXPECT_LT(run_text(text(0.9)).drivers[0].max_force[0] / 55.0, 1e-3 * kHeld);
+  EXPECT_NEAR(run_text(text(1.05)).driver(0)["max_force"][0] / 55.0, kHeld, 5e-9);
+  EXPECT_LT(run_text(text(0.9)).driver(0)["max_force"][0] / 55.0, 1e-3 * kHeld);
 }
 
 /// ln det of the energy's second derivatives against the trace of the standard map's tangent along
@@ -499,9 +501,9 @@ duration = 1.0
     }
   }
   const double residue = 0.25 * (2.0 - map[0][0] - map[1][1]);
-  EXPECT_NEAR(-0.25 * std::exp(*result.equilibrium->log_determinant), residue, 1e-9);
+  EXPECT_NEAR(-0.25 * std::exp(*result.group("equilibrium")["log_determinant"]), residue, 1e-9);
   EXPECT_NEAR(residue, -0.25542, 0.003) << "near its value at the transition";
-  EXPECT_EQ(result.equilibrium->neutral_directions, 0u);
+  EXPECT_EQ(result.group("equilibrium")["neutral_directions"].value(), 0u);
 }
 
 // ---- prescribed bodies
@@ -530,8 +532,8 @@ ledger = true
   const RunResult result = run_text(text);
   ASSERT_EQ(result.status, RunStatus::finished);
   const double x = 0.75 + 0.5 / kTau * std::sin(kTau * 0.75);
-  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], x, 1e-9);
-  EXPECT_NEAR(*result.drivers[0].work, 0.1 * (std::cos(kTau * x) - 1.0), 1e-9) << "no drag";
+  EXPECT_NEAR(result.body(0)["centre_of_mass"][0], x, 1e-9);
+  EXPECT_NEAR(*result.driver(0)["work"], 0.1 * (std::cos(kTau * x) - 1.0), 1e-9) << "no drag";
 }
 
 }  // namespace

@@ -67,8 +67,8 @@ integrator = )";
   p.start = {0.1, 0.0, 0.0};
   p.seen = [](const std::vector<double>& y) { return std::vector{y[0], y[1], y[2] / 20.0}; };
   p.found = [](const RunResult& r) {
-    return std::vector{r.bodies[0].centre_of_mass[0], r.bodies[0].velocity[0],
-                       r.drivers[0].mean_force[0]};
+    return std::vector{r.body(0)["centre_of_mass"][0], r.body(0)["velocity"][0],
+                       r.driver(0)["mean_force"][0]};
   };
   return p;
 }
@@ -136,9 +136,9 @@ integrator = )";
     return std::vector{y[0], y[1], y[2], y[3], y[4], y[6] / 12.0};
   };
   p.found = [](const RunResult& r) {
-    return std::vector{r.bodies[0].centre_of_mass[0], r.bodies[0].centre_of_mass[1],
-                       *r.bodies[0].rotation,         r.bodies[0].velocity[0],
-                       r.bodies[0].velocity[1],       r.drivers[0].mean_force[0]};
+    return std::vector{r.body(0)["centre_of_mass"][0], r.body(0)["centre_of_mass"][1],
+                       *r.body(0)["rotation"],         r.body(0)["velocity"][0],
+                       r.body(0)["velocity"][1],       r.driver(0)["mean_force"][0]};
   };
   return p;
 }
@@ -200,8 +200,8 @@ integrator = )";
     return std::vector{centre, speed, y[2 * kCount] / 20.0};
   };
   p.found = [](const RunResult& r) {
-    return std::vector{r.bodies[0].centre_of_mass[0], r.bodies[0].velocity[0],
-                       r.drivers[0].mean_force[0]};
+    return std::vector{r.body(0)["centre_of_mass"][0], r.body(0)["velocity"][0],
+                       r.driver(0)["mean_force"][0]};
   };
   return p;
 }

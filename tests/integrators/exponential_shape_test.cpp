@@ -151,9 +151,10 @@ Tally compare(Shape shape, int scenes) {
     SCOPED_TRACE(text);
     const auto near = [](double a, double b, double scale) { EXPECT_NEAR(a, b, kAllowed * scale); };
     const double force = 1.1 * 0.1 + 0.2;  // friction's and the substrate's, about
-    near(found.drivers[0].mean_force[0], exact.drivers[0].mean_force[0], force);
-    near(found.bodies[0].centre_of_mass[0], exact.bodies[0].centre_of_mass[0], 0.3);
-    near(*found.energy->heat_out, *exact.energy->heat_out, 0.1 + *exact.energy->heat_out);
+    near(found.driver(0)["mean_force"][0], exact.driver(0)["mean_force"][0], force);
+    near(found.body(0)["centre_of_mass"][0], exact.body(0)["centre_of_mass"][0], 0.3);
+    near(*found.group("energy")["heat_out"], *exact.group("energy")["heat_out"],
+         0.1 + *exact.group("energy")["heat_out"]);
   }
   return tally;
 }

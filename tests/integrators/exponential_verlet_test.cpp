@@ -124,7 +124,8 @@ TEST(ExponentialChain, BondsAndFrictionAloneAreExact) {
 TEST(ExponentialChain, HeatOfBondsAndFrictionAloneIsExact) {
   constexpr double kRounding = 1e-10;
   const auto heat = [](const std::string& integrator) {
-    return *run_text(bonds_alone(30.0, integrator), {{"run.ledger", "true"}}).energy->heat_out;
+    return *run_text(bonds_alone(30.0, integrator), {{"run.ledger", "true"}})
+                .group("energy")["heat_out"];
   };
   const double exact = heat(adaptive(1e-13, "dop853"));
   EXPECT_GT(exact, 0.1);
@@ -140,9 +141,9 @@ TEST(ExponentialChain, StrongFrictionDragsAtTheTerminalSpeed) {
   const RunResult found = run_text(chain(10.0, scheme(0.05), 1.0), strong);
   constexpr double kStepError = 2e-3;  // of first order in step * stiffness / friction
   const auto near = [&](double a, double b) { EXPECT_NEAR(a, b, kStepError * std::abs(b)); };
-  near(found.bodies[0].velocity[0], exact.bodies[0].velocity[0]);
-  near(found.drivers[0].mean_force[0], exact.drivers[0].mean_force[0]);
-  near(*found.energy->heat_out, *exact.energy->heat_out);
+  near(found.body(0)["velocity"][0], exact.body(0)["velocity"][0]);
+  near(found.driver(0)["mean_force"][0], exact.driver(0)["mean_force"][0]);
+  near(*found.group("energy")["heat_out"], *exact.group("energy")["heat_out"]);
 }
 
 /// Between the ends of a step in which friction has stopped a motion: no cubic follows that.
@@ -175,8 +176,8 @@ TEST(ExponentialChain, IsOfSecondOrder) {
     const RunResult result = run_text(chain(10.0, scheme(h)));
     steps.push_back(h);
     errors.push_back(
-        std::abs(result.bodies[0].centre_of_mass[0] - exact.bodies[0].centre_of_mass[0]));
-    means.push_back(std::abs(result.drivers[0].mean_force[0] - exact.drivers[0].mean_force[0]));
+        std::abs(result.body(0)["centre_of_mass"][0] - exact.body(0)["centre_of_mass"][0]));
+    means.push_back(std::abs(result.driver(0)["mean_force"][0] - exact.driver(0)["mean_force"][0]));
   }
   EXPECT_TRUE(kSecond.holds(fitted_order(steps, errors))) << fitted_order(steps, errors);
   EXPECT_TRUE(kSecond.holds(fitted_order(steps, means))) << fitted_order(steps, means);
@@ -188,7 +189,7 @@ TEST(ExponentialChain, StiffBondsLimitNoStep) {
   for (const double stiffness : {1e6, 1e8, 1e10}) {
     const RunResult result = run_text(chain(stiffness, scheme(0.01), 1.0));
     ASSERT_EQ(result.status, RunStatus::finished);
-    ends.push_back(result.bodies[0].centre_of_mass[0]);
+    ends.push_back(result.body(0)["centre_of_mass"][0]);
   }
   EXPECT_NEAR(ends[1], ends[2], 1e-7);
   EXPECT_NE(refusal(chain(1e10, verlet(0.01))) +
@@ -208,9 +209,9 @@ RingScene ring(double bonds, const std::string& integrator) {
 }
 
 std::vector<double> numbers_of(const RunResult& result) {
-  const BodyResult& body = result.bodies[0];
-  return {body.centre_of_mass[0], body.centre_of_mass[1], *body.rotation, body.velocity[0],
-          result.drivers[0].mean_force[0]};
+  const ResultGroup& body = result.body(0);
+  return {body["centre_of_mass"][0], body["centre_of_mass"][1], *body["rotation"],
+          body["velocity"][0], result.driver(0)["mean_force"][0]};
 }
 
 TEST(ExponentialRing, IsOfSecondOrder) {

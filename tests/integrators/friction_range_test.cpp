@@ -56,11 +56,11 @@ Outcome outcome(const Oscillator& o, const IntegratorRecord& scheme) {
   const auto add = [&](double found, double expected, double scale) {
     outcome.error = std::max(outcome.error, std::abs(found - expected) / scale);
   };
-  add(result.bodies[0].centre_of_mass[0], exact.x, length);
-  add(result.bodies[0].velocity[0], exact.v, speed);
-  add(*result.energy->heat_out, heat, heat);
+  add(result.body(0)["centre_of_mass"][0], exact.x, length);
+  add(result.body(0)["velocity"][0], exact.v, speed);
+  add(*result.group("energy")["heat_out"], heat, heat);
   if (o.pull > 0.0) {
-    add(*result.drivers[0].work, o.pull * o.mean_force() * o.duration,
+    add(*result.driver(0)["work"], o.pull * o.mean_force() * o.duration,
         o.pull * o.mean_force() * o.duration);
   }
   return outcome;

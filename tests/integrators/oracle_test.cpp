@@ -142,8 +142,8 @@ integrator = )";
   constexpr double kStep = 0.005;
   for (int n = 0; n < 100'000; ++n)
     stepper.do_step(force, std::make_pair(std::ref(x), std::ref(v)), n * kStep, kStep);
-  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], x[0], kAllowed);
-  EXPECT_NEAR(result.bodies[0].velocity[0], v[0], kAllowed);
+  EXPECT_NEAR(result.body(0)["centre_of_mass"][0], x[0], kAllowed);
+  EXPECT_NEAR(result.body(0)["velocity"][0], v[0], kAllowed);
 }
 
 }  // namespace

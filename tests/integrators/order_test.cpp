@@ -123,7 +123,7 @@ TEST(Order, OfTheRunningIntegral) {
     std::vector<double> errors;
     for (const double h : scheme.steps()) {
       const RunResult result = run_text(o.scene(scheme.held_to(h)));
-      errors.push_back(std::abs(result.drivers[0].mean_force[0] - o.mean_force()));
+      errors.push_back(std::abs(result.driver(0)["mean_force"][0] - o.mean_force()));
     }
     const double order = fitted_order(scheme.steps(), errors, 0.1 * kRoundingFloor);
     EXPECT_TRUE(scheme.order.holds(order)) << scheme.name << ": " << order;
@@ -144,7 +144,7 @@ TEST(Order, OfAMeanBetweenStepEnds) {
     std::vector<double> errors;
     for (const double h : scheme.steps()) {
       const RunResult result = run_text(o.scene(scheme.held_to(h), window));
-      errors.push_back(std::abs(result.drivers[0].mean_force[0] - exact));
+      errors.push_back(std::abs(result.driver(0)["mean_force"][0] - exact));
     }
     const double order = fitted_order(scheme.steps(), errors, 0.1 * kRoundingFloor);
     // Where in a step the edge falls changes with the step, so the fit scatters more.
@@ -183,7 +183,7 @@ void check_order_on_a_corrugation(const Scheme& scheme, const std::string& numbe
                                   double floor) {
   const std::string tip = scheme.takes_friction ? kTip : tip_with("");
   const RunResult reference = run_text(tip + fixed_step(6.4 / 40960));
-  const State end{reference.bodies[0].centre_of_mass[0], reference.bodies[0].velocity[0]};
+  const State end{reference.body(0)["centre_of_mass"][0], reference.body(0)["velocity"][0]};
   const std::vector<double> steps = halved(scheme.longest / 4.0);
   std::vector<double> errors;
   std::vector<double> mean_errors;
@@ -192,7 +192,7 @@ void check_order_on_a_corrugation(const Scheme& scheme, const std::string& numbe
         run_text(tip + scheme.held_to(h), {{"run.number_type", "\"" + number_type + "\""}});
     errors.push_back(error_at_end(result, end));
     mean_errors.push_back(
-        std::abs(result.drivers[0].mean_force[0] - reference.drivers[0].mean_force[0]));
+        std::abs(result.driver(0)["mean_force"][0] - reference.driver(0)["mean_force"][0]));
   }
   const double order = fitted_order(steps, errors, floor);
   const double mean_order = fitted_order(steps, mean_errors, floor);
@@ -268,7 +268,7 @@ TEST(DenseOutput, HasTheOrderItClaims) {
 TEST(StepControl, ErrorIsProportionalToTolerance) {
   constexpr Window kProportional{0.75, 1.25};
   const RunResult reference = run_text(kTip + fixed_step(6.4 / 40960));
-  const State end{reference.bodies[0].centre_of_mass[0], reference.bodies[0].velocity[0]};
+  const State end{reference.body(0)["centre_of_mass"][0], reference.body(0)["velocity"][0]};
   std::vector<double> tolerances, errors;
   for (double tolerance = 1e-5; tolerance > 2e-11; tolerance *= 0.1) {
     tolerances.push_back(tolerance);
@@ -521,7 +521,7 @@ TEST(Growth, IsWhatAStepDoes) {
         const std::string integrator = held_to(record->name, h);
         const RunResult result = run_text(o.scene(integrator), {{"run.allow_unstable", "true"}});
         ASSERT_EQ(result.steps, 1u);
-        const State end{result.bodies[0].centre_of_mass[0], result.bodies[0].velocity[0]};
+        const State end{result.body(0)["centre_of_mass"][0], result.body(0)["velocity"][0]};
         EXPECT_NEAR(mode.amplitude(end), record->growth(h * mode.lambda),
                     kTolerance * largest_coefficient(record->name) * (1 + z * z))
             << record->name << ", z = " << z << ", lambda = " << mode.lambda;

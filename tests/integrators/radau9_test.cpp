@@ -177,10 +177,10 @@ TEST(Radau9, KeepsItsToleranceOnACorrugation) {
     tip.integrator = implicit(tolerance);
     const RunResult result = run_text(tip.text());
     const double error =
-        std::abs(result.drivers[0].mean_force[0] - reference.drivers[0].mean_force[0]);
+        std::abs(result.driver(0)["mean_force"][0] - reference.driver(0)["mean_force"][0]);
     EXPECT_LT(error, 3.0 * tolerance);
-    EXPECT_LT(error_at_end(
-                  result, {reference.bodies[0].centre_of_mass[0], reference.bodies[0].velocity[0]}),
+    EXPECT_LT(error_at_end(result, {reference.body(0)["centre_of_mass"][0],
+                                    reference.body(0)["velocity"][0]}),
               30.0 * tolerance);
     steps.push_back(1.0 / static_cast<double>(result.steps));
     errors.push_back(error);
@@ -201,8 +201,8 @@ TEST(Radau9, WithoutInertiaToo) {
   const RunResult reference = run_text(overdamped());
   tip.integrator = implicit(1e-9);
   const RunResult result = run_text(overdamped());
-  EXPECT_NEAR(result.drivers[0].mean_force[0], reference.drivers[0].mean_force[0], 1e-9);
-  EXPECT_NEAR(result.bodies[0].velocity[0], reference.bodies[0].velocity[0], 1e-7);
+  EXPECT_NEAR(result.driver(0)["mean_force"][0], reference.driver(0)["mean_force"][0], 1e-9);
+  EXPECT_NEAR(result.body(0)["velocity"][0], reference.body(0)["velocity"][0], 1e-7);
   EXPECT_LT(cost(result), cost(reference));
 }
 
@@ -224,8 +224,8 @@ TEST(Radau9, FallsOffTheTop) {
         };
         const RunResult reference = with(adaptive(1e-11));
         const RunResult result = with(implicit(tolerance));
-        const double size = std::abs(reference.drivers[0].mean_force[0]);
-        EXPECT_NEAR(result.drivers[0].mean_force[0], reference.drivers[0].mean_force[0],
+        const double size = std::abs(reference.driver(0)["mean_force"][0]);
+        EXPECT_NEAR(result.driver(0)["mean_force"][0], reference.driver(0)["mean_force"][0],
                     1e-3 * size)
             << amplitude << " " << velocity << " " << tolerance;
       }
@@ -264,8 +264,8 @@ TEST(Radau9, StepsOverFastModes) {
   const double b = (o.pull - o.v0 - slow * (o.x0 + lag)) / (fast - slow);
   const double a = o.x0 + lag - b;
   const double rest = a * std::exp(-slow * o.duration);
-  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], o.pull * o.duration - lag + rest, 1e-8);
-  EXPECT_NEAR(result.bodies[0].velocity[0], o.pull - slow * rest, 1e-10);
+  EXPECT_NEAR(result.body(0)["centre_of_mass"][0], o.pull * o.duration - lag + rest, 1e-8);
+  EXPECT_NEAR(result.body(0)["velocity"][0], o.pull - slow * rest, 1e-10);
   EXPECT_LT(Engine(scene_of(o.scene(fixed_step(1e-6))), {}).stable_step(), 1e-5)
       << "nothing stiff about it";
 }
@@ -309,10 +309,10 @@ TEST(Radau9, RollsTheRingOfTableOneForLess) {
         Row{1.0, 4.628633704e-3, 2e-7, 15.0}, Row{0.1, 9.434048101e-3, 1e-6, 4.0},
         Row{0.01, 2.878089991e-2, 1e-6, 4.0}, Row{0.001, 3.803893595e-2, 1e-6, 4.0}}) {
     const RunResult result = run_text(table_1(row.lambda, "rigid", implicit(row.tolerance)));
-    EXPECT_NEAR(result.drivers[0].mean_force[0] / row.mean_force, 1.0, kAccuracy) << row.lambda;
+    EXPECT_NEAR(result.driver(0)["mean_force"][0] / row.mean_force, 1.0, kAccuracy) << row.lambda;
     // Wide tolerances cost dopri5 no less: its steps are as long as they are stable.
     const RunResult widest = run_text(table_1(row.lambda, "rigid", adaptive(1e-4)));
-    EXPECT_NEAR(widest.drivers[0].mean_force[0] / row.mean_force, 1.0, kAccuracy) << row.lambda;
+    EXPECT_NEAR(widest.driver(0)["mean_force"][0] / row.mean_force, 1.0, kAccuracy) << row.lambda;
     EXPECT_GT(static_cast<double>(cost(widest)),
               row.times_fewer * static_cast<double>(cost(result)))
         << row.lambda;
@@ -325,7 +325,7 @@ TEST(Radau9, TakesStiffBondsInItsStride) {
   const RunResult flexible = run_text(table_1(1.0, "particles", implicit(1e-6), kPeriods));
   const RunResult rigid = run_text(table_1(1.0, "rigid", implicit(1e-7), kPeriods));
   // The bonds give way by about amplitude/(bonds R^2), 1e-6.
-  EXPECT_NEAR(flexible.drivers[0].mean_force[0] / rigid.drivers[0].mean_force[0], 1.0, 2e-5);
+  EXPECT_NEAR(flexible.driver(0)["mean_force"][0] / rigid.driver(0)["mean_force"][0], 1.0, 2e-5);
   const double stable =
       Engine(scene_of(table_1(1.0, "particles", fixed_step(1e-4), kPeriods)), {}).stable_step();
   const double explicit_cost = 4.0 * kPeriods * 1e3 / stable;
@@ -346,8 +346,8 @@ TEST(Radau9, AdvancesALongChain) {
   };
   const RunResult reference = run_text(chain(adaptive(1e-11)));
   const RunResult result = run_text(chain(implicit(1e-8)));
-  EXPECT_NEAR(result.drivers[0].mean_force[0], reference.drivers[0].mean_force[0], 1e-8);
-  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], reference.bodies[0].centre_of_mass[0], 1e-7);
+  EXPECT_NEAR(result.driver(0)["mean_force"][0], reference.driver(0)["mean_force"][0], 1e-8);
+  EXPECT_NEAR(result.body(0)["centre_of_mass"][0], reference.body(0)["centre_of_mass"][0], 1e-7);
 }
 
 /// A body that is moved along, by a law of time: variables of its own.
@@ -363,9 +363,9 @@ TEST(Radau9, FollowsPrescribedMotion) {
   };
   const RunResult reference = run_text(scene(adaptive(1e-12)));
   const RunResult result = run_text(scene(implicit(1e-9)));
-  EXPECT_NEAR(body_of(result, "tip").centre_of_mass[0], body_of(reference, "tip").centre_of_mass[0],
-              1e-8);
-  EXPECT_NEAR(*driver_of(result, "pusher").work, *driver_of(reference, "pusher").work, 1e-8);
+  EXPECT_NEAR(body_of(result, "tip")["centre_of_mass"][0],
+              body_of(reference, "tip")["centre_of_mass"][0], 1e-8);
+  EXPECT_NEAR(*driver_of(result, "pusher")["work"], *driver_of(reference, "pusher")["work"], 1e-8);
 }
 
 // ---- accounts and refusals

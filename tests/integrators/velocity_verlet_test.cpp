@@ -36,7 +36,7 @@ TEST(Friction, FreeFlightKeepsTheExactVelocity) {
     const Oscillator o{.m = 1.3, .k = 0.0, .c = 1.3 * rate, .v0 = 0.7, .duration = kSteps * kDt};
     EXPECT_EQ(run_text(o.scene(verlet(kDt))).status == RunStatus::failed, rate > 30.0) << rate;
     const double v =
-        run_text(o.scene(verlet(kDt)), {{"run.allow_unstable", "true"}}).bodies[0].velocity[0];
+        run_text(o.scene(verlet(kDt)), {{"run.allow_unstable", "true"}}).body(0)["velocity"][0];
     const double exact = o.at(o.duration).v;
     // Each half step rounds exponent and product; the exponent's error grows with its size.
     const double rounding = 2.0 * kSteps * (2.0 + 0.5 * rate * kDt) * 1.2e-16;
@@ -61,7 +61,7 @@ TEST(Friction, StableHoweverStrong) {
       const RunResult result =
           run_text(o.scene(verlet(h_omega / omega)), {{"run.allow_unstable", "true"}});
       ASSERT_EQ(result.status, RunStatus::finished) << rate;
-      EXPECT_LE(std::abs(result.bodies[0].centre_of_mass[0]), 1.0) << rate << ", " << h_omega;
+      EXPECT_LE(std::abs(result.body(0)["centre_of_mass"][0]), 1.0) << rate << ", " << h_omega;
     }
     EXPECT_EQ(run_text(o.scene(verlet(2.1 / omega))).status, RunStatus::failed)
         << "the stability limit is refused";
@@ -81,7 +81,7 @@ TEST(Friction, DragIsOffByWhatTheRecordSays) {
         verlet(damped) + "\n[measure]\nfrom = 5e3\nto = 1e4\nin = \"time\"\n";
     const RunResult result = run_text(text);
     ASSERT_EQ(result.status, RunStatus::finished) << damped;
-    const double speed = result.bodies[0].mean_velocity[0];
+    const double speed = result.body(0)["mean_velocity"][0];
     EXPECT_NEAR(speed, 1.0 + drag_error(damped), kRounding * speed) << damped;
     EXPECT_EQ(result.warnings.empty(), damped < 0.5) << damped;
   }
@@ -220,14 +220,14 @@ std::vector<System> systems() {
 
 std::vector<double> numbers_of(const RunResult& result) {
   std::vector<double> all;
-  for (const BodyResult& body : result.bodies) {
-    all.insert(all.end(), body.centre_of_mass.begin(), body.centre_of_mass.end());
-    all.insert(all.end(), body.velocity.begin(), body.velocity.end());
-    if (body.rotation) all.push_back(*body.rotation);
+  for (const ResultGroup& body : result.family("bodies")) {
+    all.insert(all.end(), body["centre_of_mass"].begin(), body["centre_of_mass"].end());
+    all.insert(all.end(), body["velocity"].begin(), body["velocity"].end());
+    if (body["rotation"]) all.push_back(*body["rotation"]);
   }
-  for (const DriverResult& driver : result.drivers) {
-    all.insert(all.end(), driver.mean_force.begin(), driver.mean_force.end());
-    all.push_back(*driver.work);
+  for (const ResultGroup& driver : result.family("drivers")) {
+    all.insert(all.end(), driver["mean_force"].begin(), driver["mean_force"].end());
+    all.push_back(*driver["work"]);
   }
   return all;
 }
@@ -346,10 +346,10 @@ TEST(VerletEnergy, ARunCanBeRetraced) {
   };
   const RunResult there = run_text(at_rest(scene(0.3, 0.2)));
   const RunResult back =
-      run_text(at_rest(scene(there.bodies[0].centre_of_mass[0], -there.bodies[0].velocity[0])));
+      run_text(at_rest(scene(there.body(0)["centre_of_mass"][0], -there.body(0)["velocity"][0])));
   constexpr double kRounding = 1e-10;  // of places, over the window  // 1600 steps
-  EXPECT_NEAR(back.bodies[0].centre_of_mass[0], 0.3, kRounding);
-  EXPECT_NEAR(back.bodies[0].velocity[0], -0.2, kRounding);
+  EXPECT_NEAR(back.body(0)["centre_of_mass"][0], 0.3, kRounding);
+  EXPECT_NEAR(back.body(0)["velocity"][0], -0.2, kRounding);
 }
 
 // ---- refusals

@@ -23,7 +23,7 @@ std::vector<Setting> with(std::vector<Setting> settings, const Setting& more) {
   return settings;
 }
 
-double static_force(const RunResult& result) { return result.drivers.at(0).static_force.value(); }
+double static_force(const RunResult& result) { return result.driver(0)["static_force"].value(); }
 
 // ---- the balance of forces ----------------------------------------------------------------------
 
@@ -228,9 +228,9 @@ TEST(MovingSubstrate, SofterAtomsCostMoreAndTheLedgerCloses) {
     EXPECT_GT(mean_force(result), before);
     EXPECT_NEAR(mean_force(result), told[k], 1e-5);
     before = mean_force(result);
-    const EnergyResult& energy = result.energy.value();
-    EXPECT_GT(energy.heat_out.value(), 1.0);
-    EXPECT_LT(std::abs(energy.numerical_work.value()), kSameModel * energy.work_in.value());
+    const ResultGroup& energy = result.group("energy");
+    EXPECT_GT(energy["heat_out"].value(), 1.0);
+    EXPECT_LT(std::abs(energy["numerical_work"].value()), kSameModel * energy["work_in"].value());
   }
 }
 
@@ -239,7 +239,7 @@ TEST(MovingSubstrate, ARingTurnsAsACogwheel) {
     const RunResult result = run_shipped(kRing, {{"N", text_of(teeth)}});
     const double rolling = 2.0 * kPi / teeth;
     // What is left of the start after four periods, exp(-xi t / (2 m)), is far below this.
-    EXPECT_NEAR(result.bodies.at(0).rolling.value(), rolling, 1e-7);
+    EXPECT_NEAR(result.body(0)["rolling"].value(), rolling, 1e-7);
     const double steady = 2.0 * std::sqrt(2.0) * 1e-2 * (1.0 + rolling * rolling);
     EXPECT_GT(mean_force(result), steady);  // motion that is not quite steady costs more
     EXPECT_LT(mean_force(result), 1.01 * steady);

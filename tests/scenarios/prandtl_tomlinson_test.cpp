@@ -86,7 +86,7 @@ TEST(PrandtlTomlinson, StaticForceIsTheSteepestSlopeAndDrag) {
   for (const double v : {1e-4, 2e-4}) {
     const auto result = run_shipped(
         kStickSlip, {{"v", text_of(v)}, {"run.duration", "4 * a / v"}, {"measure.to", "4"}});
-    const double beyond = *result.drivers.at(0).static_force - kLargestForce;
+    const double beyond = *result.driver(0)["static_force"] - kLargestForce;
     // First order in v; the next is v * sqrt(v) and falls short by some per cent here.
     EXPECT_NEAR(beyond / (xi * v), 1.0, 0.05) << "v = " << v;
     EXPECT_GT(std::abs(beyond), 1e-4 * kLargestForce);  // the drag is really seen
@@ -162,11 +162,12 @@ TEST(PrandtlTomlinson, WithoutInertiaAConstantForceGivesTheKnownSpeed) {
     const auto result = run_shipped(kOverdamped, {{"F", text_of(force)}});
     const double speed = std::sqrt(force * force - kLargestForce * kLargestForce);  // xi = 1
     // 1e-11 per step, a thousand steps; close to F_c an error in force counts 30 times.
-    EXPECT_NEAR(result.bodies.at(0).mean_velocity.at(0) / speed, 1.0, 1e-7) << "F = " << force;
+    EXPECT_NEAR(result.body(0)["mean_velocity"].at(0) / speed, 1.0, 1e-7) << "F = " << force;
   }
   const auto held = run_shipped(kOverdamped, {{"F", "0.6"}, {"run.duration", "100"}});
   const double rest = 0.5 + std::asin(0.6 / kLargestForce) / (2.0 * kPi);
-  EXPECT_NEAR(held.bodies.at(0).centre_of_mass.at(0), rest, 1e-9);  // decays at 1.2 per time
+  EXPECT_NEAR(held.body(0)["centre_of_mass"].at(0), rest,
+              1e-9);  // decays at 1.2 per time
 }
 
 /// The stick-slip scene without inertia.
@@ -180,7 +181,7 @@ TEST(PrandtlTomlinson, WithoutInertiaTheLargestForceIsTheSteepestSlopeAndDrag) {
   std::vector<double> short_by;
   for (const double v : speeds) {
     const auto result = run_without_inertia(v);
-    short_by.push_back(kLargestForce + xi * v - result.drivers.at(0).max_force.at(0));
+    short_by.push_back(kLargestForce + xi * v - result.driver(0)["max_force"].at(0));
     EXPECT_LT(std::abs(short_by.back()), 0.05 * xi * v) << "v = " << v;
   }
   EXPECT_NEAR(fitted_power(speeds, short_by), 2.0, 0.2);  // drag is there to first order
@@ -277,7 +278,7 @@ TEST(PrandtlTomlinson, RunsDownTheWashboardAtTheKnownSpeed) {
       // Ten periods of the massless tip.
       const auto result = run_text(
           kWashboard, {{"m", text_of(mass)}, {"F", text_of(force)}, {"T", text_of(1.0 / speed)}});
-      return result.bodies.at(0).mean_velocity.at(0);
+      return result.body(0)["mean_velocity"].at(0);
     };
     // The closed form has no mass. To first order in m the mass changes the drag by m F'(x)/xi,
     // which cancels over a period; what remains is of second order, and two masses remove it.

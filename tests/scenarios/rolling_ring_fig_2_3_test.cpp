@@ -89,7 +89,7 @@ struct Hysteresis {
 
   explicit Hysteresis(const char* scene, const std::vector<Setting>& settings = {}) {
     Trace trace;
-    work = *run_shipped(scene, settings, &trace).drivers.at(0).work;
+    work = *run_shipped(scene, settings, &trace).driver(0)["work"];
     place = trace["driver.position.x"];
     force = trace["driver.force.x"];
   }
@@ -140,8 +140,8 @@ TEST(RollingRingFig3, IsTheRingThatIsMovedByHand) {
   const auto places = ring.trace(kSamples, 0.01 / ring.velocity, kSteps);
   ASSERT_EQ(trace["time"].size(), places.size());
   EXPECT_LT(difference_to(places, trace), kSameTrace);
-  EXPECT_NEAR(*result.drivers.at(0).work / places.back().work, 1.0, 1e-8);
-  EXPECT_EQ(result.events.driver_reversals, 1u);
+  EXPECT_NEAR(*result.driver(0)["work"] / places.back().work, 1.0, 1e-8);
+  EXPECT_EQ(result.group("events")["driver_reversals"], 1u);
   // A driver that turns round a little later leaves another trace.
   ring.reverse_above += 0.01;
   EXPECT_GT(difference_to(ring, trace, kSteps), 10.0 * kSameTrace);

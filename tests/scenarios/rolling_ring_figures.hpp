@@ -22,8 +22,8 @@ inline constexpr double kDamping = 2.8284271247461903;  // 2 sqrt(2)
 /// Keeps a ring from turning.
 inline const Setting kHeld = {"body.ring.hold", "[\"rotation\"]"};
 
-inline double turns(const RunResult& result) { return *result.bodies.at(0).turns; }
-inline double max_speed(const RunResult& result) { return *result.bodies.at(0).max_speed; }
+inline double turns(const RunResult& result) { return *result.body(0)["turns"]; }
+inline double max_speed(const RunResult& result) { return *result.body(0)["max_speed"]; }
 
 /// Sum over the ring of exp(-b y^2) exp(i 2 pi x/a), per particle: the share of the corrugation
 /// that a ring feels at rest at its height, not turned. Mass and lattice period are 1.

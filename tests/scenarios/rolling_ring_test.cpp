@@ -73,10 +73,10 @@ TEST(RollingRing, IsAGear) {
   constexpr double kGearTolerance = 1e-8;
   for (const Row& expected : kTable) {
     const auto result = row(expected.lambda);
-    const BodyResult& ring = result.bodies.at(0);
-    EXPECT_NEAR(*ring.turns / kPeriods, -1.0 / kParticles, kGearTolerance)
+    const ResultGroup& ring = result.body(0);
+    EXPECT_NEAR(*ring["turns"] / kPeriods, -1.0 / kParticles, kGearTolerance)
         << "lambda = " << expected.lambda;
-    EXPECT_NEAR(*ring.rolling, 2.0 * kPi / kParticles, 1e-6) << "lambda = " << expected.lambda;
+    EXPECT_NEAR(*ring["rolling"], 2.0 * kPi / kParticles, 1e-6) << "lambda = " << expected.lambda;
   }
 }
 
@@ -138,7 +138,7 @@ TEST(RollingRing, FlexibleSceneRunsAsShippedForAWhile) {
   EXPECT_EQ(flexible.steps, 200000U);
   // A part in k_wh; the mean is over the fall from the maximum, where all is steep.
   EXPECT_NEAR(mean_force(flexible) / mean_force(rigid), 1.0, 1e-6);
-  EXPECT_NEAR(*flexible.bodies.at(0).turns, *rigid.bodies.at(0).turns, 1e-6);
+  EXPECT_NEAR(*flexible.body(0)["turns"], *rigid.body(0)["turns"], 1e-6);
 }
 
 /// |(1/N) sum exp(i 2 pi (R/a) cos theta_i)|: how much of the corrugation a ring feels that keeps

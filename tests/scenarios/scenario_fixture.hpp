@@ -61,7 +61,7 @@ inline double parameter_of(const std::string& scene, const std::string& name,
   throw std::logic_error(scene + " has no parameter " + name);
 }
 
-inline double mean_force(const RunResult& result) { return result.drivers.at(0).mean_force.at(0); }
+inline double mean_force(const RunResult& result) { return result.driver(0)["mean_force"].at(0); }
 
 /// Slope of log |y| over log x by least squares.
 inline double fitted_power(const std::vector<double>& x, const std::vector<double>& y) {

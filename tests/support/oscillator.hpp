@@ -63,8 +63,8 @@ struct Oscillator {
 };
 
 inline double error_at_end(const RunResult& result, const State& exact) {
-  return std::hypot(result.bodies[0].centre_of_mass[0] - exact.x,
-                    result.bodies[0].velocity[0] - exact.v);
+  return std::hypot(result.body(0)["centre_of_mass"][0] - exact.x,
+                    result.body(0)["velocity"][0] - exact.v);
 }
 
 }  // namespace tomlin::test

@@ -65,15 +65,15 @@ inline std::string held_to(const std::string& type, double h) {
   return "{ type = \"" + type + "\", dt = " + digits(h) + " }";
 }
 
-inline const DriverResult& driver_of(const RunResult& result, const std::string& name) {
-  for (const DriverResult& driver : result.drivers) {
+inline const ResultGroup& driver_of(const RunResult& result, const std::string& name) {
+  for (const ResultGroup& driver : result.family("drivers")) {
     if (driver.name == name) return driver;
   }
   throw std::logic_error("no driver " + name);
 }
 
-inline const BodyResult& body_of(const RunResult& result, const std::string& name) {
-  for (const BodyResult& body : result.bodies) {
+inline const ResultGroup& body_of(const RunResult& result, const std::string& name) {
+  for (const ResultGroup& body : result.family("bodies")) {
     if (body.name == name) return body;
   }
   throw std::logic_error("no body " + name);
@@ -123,6 +123,10 @@ class KeptSamples : public RunSink {
 };
 
 inline bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+inline bool same_bits(const ResultValue& a, const ResultValue& b) {
+  return a.size() == b.size() && std::memcmp(a.begin(), b.begin(), a.size() * sizeof(double)) == 0;
+}
 
 inline bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
   return a.size() == b.size() &&

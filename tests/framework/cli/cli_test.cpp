@@ -288,8 +288,9 @@ TEST_F(Cli, ThePagesAreWrittenIntoAFolder) {
   const Ended ended = tomlin({"describe", "--markdown", "-o", "pages/new"});
   ASSERT_EQ(ended.status, 0) << ended.err;
   std::string all;
-  for (const char* page : {"framework/bodies/REFERENCE.md", "forcefields/REFERENCE.md",
-                           "integrators/REFERENCE.md", "framework/scene/REFERENCE.md"}) {
+  for (const char* page :
+       {"framework/bodies/REFERENCE.md", "forcefields/REFERENCE.md", "integrators/REFERENCE.md",
+        "framework/scene/REFERENCE.md", "framework/run/REFERENCE.md"}) {
     EXPECT_TRUE(contains(ended.out, page));
     all += (all.empty() ? "" : "\n") + file(std::string("pages/new/") + page);
   }

@@ -442,6 +442,62 @@ class Schema(unittest.TestCase):
             self.assertEqual(ask("schema", "-o", "s.json", "--force", folder=name).returncode, 0)
 
 
+class Summaries(unittest.TestCase):
+    """`tomlin schema --summary` against what runs leave."""
+
+    SCENES = [
+        ("scenarios/rolling_ring/table_1_rigid.toml", ["--set", "run.ledger=true"]),
+        ("scenarios/prandtl_tomlinson/stick_slip.toml", ["--set", "run.accuracy=1e-3"]),
+        ("scenarios/prandtl_tomlinson/stick_slip.toml",
+         ["--set", "run.dynamics=quasistatic", "--set",
+          "run.perturb={size=1e-9,repeats=2}"]),
+        ("scenarios/prandtl_tomlinson/stick_slip.toml",
+         ["--set", "run.integrator={type=\"rk4\",dt=100.0}"]),  # fails
+    ]
+
+    @classmethod
+    def setUpClass(cls):
+        printed = subprocess.run([PROGRAM, "schema", "--summary"], capture_output=True, check=True)
+        cls.schema = json.loads(printed.stdout)
+        jsonschema.Draft7Validator.check_schema(cls.schema)
+        cls.validator = jsonschema.Draft7Validator(cls.schema)
+        cls.summaries = []
+        with tempfile.TemporaryDirectory() as folder:
+            for number, (scene, options) in enumerate(cls.SCENES):
+                out = pathlib.Path(folder, str(number))
+                subprocess.run([PROGRAM, "run", SOURCE / scene, *options, "-o", out],
+                               capture_output=True, timeout=300)
+                cls.summaries.append(json.loads((out / "summary.json").read_text()))
+
+    def test_summaries_validate(self):
+        for summary, (scene, options) in zip(self.summaries, self.SCENES):
+            faults = [fault.message for fault in self.validator.iter_errors(summary)]
+            self.assertEqual(faults, [], f"{scene} {options}")
+
+    def test_every_quantity_is_there(self):
+        self.assertIn("numerical_work", self.summaries[0]["energy"])
+        self.assertIn("equilibrium", self.summaries[2])
+        self.assertEqual(self.summaries[3]["status"], "failed")
+
+    def test_planted_faults_are_seen(self):
+        def lose(summary):
+            del next(iter(summary["drivers"].values()))["mean_force"]
+
+        def misspell(summary):
+            next(iter(summary["bodies"].values()))["velocty"] = [0.0]
+
+        def write(summary):
+            summary["events"]["slips"] = "many"
+
+        def halve(summary):
+            summary["time"]["steps"] = 0.5
+
+        for plant in (lose, misspell, write, halve):
+            planted = copy.deepcopy(self.summaries[0])
+            plant(planted)
+            self.assertFalse(self.validator.is_valid(planted), plant.__name__)
+
+
 if __name__ == "__main__":
     if len(sys.argv) < 3:
         print(__doc__, file=sys.stderr)

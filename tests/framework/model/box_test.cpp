@@ -179,8 +179,8 @@ TEST(Box, LeavesARingAlone) {
   const RunResult alone = run_text(ring.text());
   const RunResult boxed = run_text(box + ring.text());
   for (int d = 0; d < 2; ++d) {
-    EXPECT_NEAR(boxed.bodies[0].centre_of_mass[d], alone.bodies[0].centre_of_mass[d], 1e-12);
-    EXPECT_NEAR(boxed.drivers[0].mean_force[d], alone.drivers[0].mean_force[d], 1e-12);
+    EXPECT_NEAR(boxed.body(0)["centre_of_mass"][d], alone.body(0)["centre_of_mass"][d], 1e-12);
+    EXPECT_NEAR(boxed.driver(0)["mean_force"][d], alone.driver(0)["mean_force"][d], 1e-12);
   }
 }
 
@@ -195,7 +195,7 @@ TEST(Box, ClosesNoBodyButAChain) {
                  "pairs = \"neighbours\"\nstiffness = 2.0\nrest_lengths = 0.0\n"
                  "[run]\nduration = 1e-6\nledger = true\nintegrator = " +
                  fixed_step(1e-6) + "\n");
-    return result.energy->potential;
+    return result.group("energy")["potential"].value();
   };
   EXPECT_NEAR(energy_of("type = \"particles\"\npositions = [0.5, 1.5]\n"), 1.0, 1e-9);
   EXPECT_NEAR(energy_of("type = \"chain\"\ncount = 2\nspacing = 1.0\norigin = [0.5]\n"), 1.0 + 25.0,
@@ -264,16 +264,16 @@ TEST(Box, PotentialsOfPluginsTakeTheNearestImages) {
   const RunResult formula = run_text(drawn_over(kWellAsFormula));
   const RunResult potential =
       run(parse_scene(drawn_over(kWell), "test.toml", plugin.registry()), {});
-  const DriverResult& due = driver_of(formula, "slider");
-  const DriverResult& found = driver_of(potential, "slider");
+  const ResultGroup& due = driver_of(formula, "slider");
+  const ResultGroup& found = driver_of(potential, "slider");
   constexpr double kSame = 1e-10;  // of rounding, over 2000 steps
-  EXPECT_NEAR(found.mean_force[0], due.mean_force[0], kSame);
-  EXPECT_NEAR(*found.work, *due.work, kSame);
-  EXPECT_NEAR(found.final_force[0], due.final_force[0], kSame);
+  EXPECT_NEAR(found["mean_force"][0], due["mean_force"][0], kSame);
+  EXPECT_NEAR(*found["work"], *due["work"], kSame);
+  EXPECT_NEAR(found["final_force"][0], due["final_force"][0], kSame);
   EXPECT_EQ(warnings_of_long_bonds(potential), 0u);
   // Bonds are left behind, and that is said.
   const RunResult bonds = run_text(drawn_over(kWell));
-  EXPECT_GT(std::abs(driver_of(bonds, "slider").final_force[0] - due.final_force[0]), 1e-3);
+  EXPECT_GT(std::abs(driver_of(bonds, "slider")["final_force"][0] - due["final_force"][0]), 1e-3);
   EXPECT_EQ(warnings_of_long_bonds(bonds), 1u);
 }
 
@@ -323,7 +323,7 @@ TEST(Origin, IsAddedBackToEnergiesWithoutAPeriod) {
                            : "") +
         "[run]\nduration = " + digits(duration) +
         "\nledger = true\nintegrator = " + fixed_step(duration / 64.0) + "\n");
-    return result.energy->potential;
+    return result.group("energy")["potential"].value();
   };
   for (const bool period : {false, true}) {
     EXPECT_NEAR(energy_of(1e-9, period), -0.5 * 2.3, 1e-8);

@@ -81,10 +81,10 @@ TEST(Built, WhatIsFixedFeelsNothing) {
   ring.duration = 2.0;
   const RunResult result = run_text(ring.text());
   EXPECT_EQ(result.status, RunStatus::finished);
-  EXPECT_EQ(result.bodies[0].centre_of_mass[0], 0.0);
+  EXPECT_EQ(result.body(0)["centre_of_mass"][0], 0.0);
   // Stiffness 2, pulled 0.25 * 2 along.
-  EXPECT_NEAR(result.drivers[0].final_force[0], 1.0, 1e-12);
-  EXPECT_NEAR(result.drivers[0].mean_force[0], 0.5, 1e-12);
+  EXPECT_NEAR(result.driver(0)["final_force"][0], 1.0, 1e-12);
+  EXPECT_NEAR(result.driver(0)["mean_force"][0], 0.5, 1e-12);
 }
 
 TEST(Built, EvaluationsPerStep) {
@@ -183,9 +183,9 @@ TEST(VirtualWork, DampingOfARigidRing) {
       "\n[run]\nduration = " + digits(duration) + "\nintegrator = " + fixed_step(0.01) + "\n");
   constexpr double kScheme = 1e-10;  // (c/m h)^4
   const double gone = -std::expm1(-c / 0.5 * duration) / (c / 0.5);
-  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], 0.4 * gone, kScheme);
-  EXPECT_NEAR(result.bodies[0].centre_of_mass[1], -0.2 * gone, kScheme);
-  EXPECT_NEAR(*result.bodies[0].rotation, omega * gone, kScheme);
+  EXPECT_NEAR(result.body(0)["centre_of_mass"][0], 0.4 * gone, kScheme);
+  EXPECT_NEAR(result.body(0)["centre_of_mass"][1], -0.2 * gone, kScheme);
+  EXPECT_NEAR(*result.body(0)["rotation"], omega * gone, kScheme);
 }
 
 }  // namespace

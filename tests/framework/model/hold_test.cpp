@@ -52,9 +52,9 @@ TEST(Hold, ARingThatCannotTurnIsATip) {
                               .integrator = integrator,
                               .more = keys};
         const RunResult tip = run_text(as_tip.text());
-        EXPECT_NEAR(ring.drivers[0].mean_force[0], tip.drivers[0].mean_force[0], 1e-9);
-        EXPECT_NEAR(ring.bodies[0].centre_of_mass[0], tip.bodies[0].centre_of_mass[0], 1e-9);
-        EXPECT_EQ(*ring.bodies[0].rotation, 0.0);
+        EXPECT_NEAR(ring.driver(0)["mean_force"][0], tip.driver(0)["mean_force"][0], 1e-9);
+        EXPECT_NEAR(ring.body(0)["centre_of_mass"][0], tip.body(0)["centre_of_mass"][0], 1e-9);
+        EXPECT_EQ(*ring.body(0)["rotation"], 0.0);
       }
     }
   }
@@ -71,8 +71,8 @@ TEST(Hold, EachAxisStaysWhereItStarts) {
         text.insert(text.find(key), held == 0 ? "hold = [\"x\"]\n" : "hold = [\"y\"]\n");
         const RunResult result = run_text(text);
         ASSERT_EQ(result.status, RunStatus::finished);
-        const auto& place = result.bodies[0].centre_of_mass;
-        EXPECT_EQ(result.bodies[0].velocity[held], 0.0);
+        const auto& place = result.body(0)["centre_of_mass"];
+        EXPECT_EQ(result.body(0)["velocity"][held], 0.0);
         // A flexible ring's centre is a mean of places that have not moved.
         EXPECT_NEAR(place[held], held == 0 ? 0.0 : 1.0, 1e-15);
         EXPECT_GT(std::abs(place[1 - held] - (held == 0 ? 1.0 : 0.0)), 1e-4) << "the other moves";

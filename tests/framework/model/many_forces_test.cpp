@@ -390,8 +390,8 @@ TEST(CentreFormula, LoadsARigidRingAsAConstantForceDoes) {
   const RunResult plain =
       run_text(scene("[[force]]\ntype = \"constant_force\"\nforce = [0.0, -0.02]\n"));
   constexpr double kSame = 1e-12;  // rounding over 300 steps
-  EXPECT_NEAR(*body_of(formula, "ring").rotation, *body_of(plain, "ring").rotation, kSame);
-  EXPECT_NEAR(*driver_of(formula, "driver").work, *driver_of(plain, "driver").work, kSame);
+  EXPECT_NEAR(*body_of(formula, "ring")["rotation"], *body_of(plain, "ring")["rotation"], kSame);
+  EXPECT_NEAR(*driver_of(formula, "driver")["work"], *driver_of(plain, "driver")["work"], kSame);
 }
 
 }  // namespace

@@ -47,11 +47,10 @@ TEST(Overdamped, AParticleDepinsAsItShould) {
     const std::string window = "[measure]\nin = \"time\"\nfrom = " + digits(0.3 * period) +
                                "\nto = " + digits(3.3 * period) + "\n";
     const double fixed = run_text(tilted(force, 4.0 * period, fixed_step(period / 5000.0), window))
-                             .bodies[0]
-                             .mean_velocity[0];
+                             .body(0)["mean_velocity"][0];
     EXPECT_NEAR(fixed / exact, 1.0, 1e-9) << over;
     const double controlled =
-        run_text(tilted(force, 4.0 * period, adaptive(1e-12), window)).bodies[0].mean_velocity[0];
+        run_text(tilted(force, 4.0 * period, adaptive(1e-12), window)).body(0)["mean_velocity"][0];
     EXPECT_NEAR(controlled / exact, 1.0, 1e-9) << over;
   }
 }
@@ -61,15 +60,15 @@ TEST(Overdamped, BelowDepinningItStaysPinned) {
   const RunResult result = run_text(tilted(force, 200.0, fixed_step(0.01)));
   // 2 pi V0/a sin(2 pi x/a) + F = 0 with a restoring slope: between the half and the whole period.
   const double phase = 0.5 + std::asin(force / kDepinning) / kTau;
-  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], phase * kPeriod, 1e-9);
-  EXPECT_NEAR(result.bodies[0].velocity[0], 0.0, 1e-12);
+  EXPECT_NEAR(result.body(0)["centre_of_mass"][0], phase * kPeriod, 1e-9);
+  EXPECT_NEAR(result.body(0)["velocity"][0], 0.0, 1e-12);
 }
 
 /// The largest error at a few ends: at a single one leading terms may cancel.
 TEST(Overdamped, ConvergesWithFourthOrder) {
   const double force = 1.3 * kDepinning;
   const auto end = [&](double duration, const std::string& integrator) {
-    return run_text(tilted(force, duration, integrator)).bodies[0].centre_of_mass[0];
+    return run_text(tilted(force, duration, integrator)).body(0)["centre_of_mass"][0];
   };
   std::vector<double> steps;
   std::vector<double> errors;
@@ -108,10 +107,10 @@ double worst_velocity(double force, const std::string& integrator) {
 TEST(Overdamped, TheVelocityIsForceOverFriction) {
   const double force = 1.3 * kDepinning;
   for (const std::string& integrator : {fixed_step(0.01), adaptive(1e-9)}) {
-    const BodyResult tip = run_text(tilted(force, 3.0, integrator)).bodies[0];
-    EXPECT_NEAR(tip.velocity[0], velocity_at(force, tip.centre_of_mass[0]), 1e-14);
+    const ResultGroup tip = run_text(tilted(force, 3.0, integrator)).body(0);
+    EXPECT_NEAR(tip["velocity"][0], velocity_at(force, tip["centre_of_mass"][0]), 1e-14);
     // The tip has passed where the substrate pushes most.
-    EXPECT_NEAR(*tip.max_speed, (force + kDepinning) / kFriction, 2e-3);
+    EXPECT_NEAR(*tip["max_speed"], (force + kDepinning) / kFriction, 2e-3);
   }
   // Between step ends it is the slope of the dense output, of third order.
   const double longer = worst_velocity(force, fixed_step(0.005));
@@ -137,11 +136,11 @@ TEST(Overdamped, RelaxesExponentially) {
   const double k = 2.3, c = 0.9, x0 = 0.6, duration = 2.0;
   const double exact = x0 * std::exp(-k * duration / c);
   EXPECT_NEAR(
-      run_text(spring(k, c, x0, 0.0, duration, fixed_step(1e-3))).bodies[0].centre_of_mass[0],
+      run_text(spring(k, c, x0, 0.0, duration, fixed_step(1e-3))).body(0)["centre_of_mass"][0],
       exact, 1e-13);
   EXPECT_NEAR(
-      run_text(spring(k, c, x0, 0.0, duration, adaptive(1e-12))).bodies[0].centre_of_mass[0], exact,
-      1e-11);
+      run_text(spring(k, c, x0, 0.0, duration, adaptive(1e-12))).body(0)["centre_of_mass"][0],
+      exact, 1e-11);
 }
 
 /// x = V t - c V / k (1 - exp(-k t / c)): the force settles at c V.
@@ -149,10 +148,10 @@ TEST(Overdamped, FollowsADriver) {
   const double k = 2.3, c = 0.9, pull = 0.4, duration = 2.0;
   const double lag = c * pull / k * -std::expm1(-k * duration / c);
   const RunResult result = run_text(spring(k, c, 0.0, pull, duration, fixed_step(1e-3)));
-  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], pull * duration - lag, 1e-13);
-  EXPECT_NEAR(result.drivers[0].final_force[0], k * lag, 1e-12);
+  EXPECT_NEAR(result.body(0)["centre_of_mass"][0], pull * duration - lag, 1e-13);
+  EXPECT_NEAR(result.driver(0)["final_force"][0], k * lag, 1e-12);
   // From c x' = F, integrated over the run.
-  EXPECT_NEAR(result.drivers[0].mean_force[0], c * (pull * duration - lag) / duration, 1e-12);
+  EXPECT_NEAR(result.driver(0)["mean_force"][0], c * (pull * duration - lag) / duration, 1e-12);
 }
 
 /// The fastest relaxation is k/c; rk4 takes it up to h k/c = 2.785293563.
@@ -192,8 +191,9 @@ struct Lopsided {
 };
 
 std::vector<double> place_of(const RunResult& result) {
-  std::vector<double> all = result.bodies[0].centre_of_mass;
-  all.push_back(result.bodies[0].rotation.value_or(0.0));
+  const ResultGroup& body = result.body(0);
+  std::vector<double> all(body["centre_of_mass"].begin(), body["centre_of_mass"].end());
+  all.push_back(body["rotation"].value_or(0.0));
   return all;
 }
 
@@ -237,10 +237,10 @@ TEST(OverdampedRigid, MovesAlikeWhateverTheMassesAre) {
   Lopsided uneven{.masses = "[1.0, 7.0, 3.0, 2.0, 4.0]"};
   const RunResult a = run_text(even.text(adaptive(1e-12)));
   const RunResult b = run_text(uneven.text(adaptive(1e-12)));
-  EXPECT_NEAR(*a.bodies[0].rotation, *b.bodies[0].rotation, 1e-9);
-  EXPECT_NEAR(a.drivers[0].final_force[0], b.drivers[0].final_force[0], 1e-9);
-  EXPECT_NEAR(a.drivers[0].final_force[1], b.drivers[0].final_force[1], 1e-9);
-  EXPECT_GT(std::abs(a.bodies[0].centre_of_mass[0] - b.bodies[0].centre_of_mass[0]), 1e-3);
+  EXPECT_NEAR(*a.body(0)["rotation"], *b.body(0)["rotation"], 1e-9);
+  EXPECT_NEAR(a.driver(0)["final_force"][0], b.driver(0)["final_force"][0], 1e-9);
+  EXPECT_NEAR(a.driver(0)["final_force"][1], b.driver(0)["final_force"][1], 1e-9);
+  EXPECT_GT(std::abs(a.body(0)["centre_of_mass"][0] - b.body(0)["centre_of_mass"][0]), 1e-3);
 }
 
 TEST(OverdampedRigid, ConvergesWithTheOrderOfTheScheme) {
@@ -285,9 +285,9 @@ TEST(OverdampedRigid, TheStableStepKnowsOfFrictionBesideTheCentre) {
 TEST(Overdamped, WhatIsHeldNeedsNoFrictionAndStays) {
   const RunResult result =
       run_text(Lopsided{.hold = "[\"y\", \"rotation\"]"}.text(fixed_step(0.01)));
-  EXPECT_EQ(result.bodies[0].centre_of_mass[1], 0.8);
-  EXPECT_EQ(*result.bodies[0].rotation, 0.0);
-  EXPECT_GT(result.bodies[0].centre_of_mass[0], 0.11);
+  EXPECT_EQ(result.body(0)["centre_of_mass"][1], 0.8);
+  EXPECT_EQ(*result.body(0)["rotation"], 0.0);
+  EXPECT_GT(result.body(0)["centre_of_mass"][0], 0.11);
 }
 
 std::string without_friction(const std::string& coordinates, const std::string& coefficient) {

@@ -42,13 +42,13 @@ TEST(Prescribed, IsWhereItsMotionPutsItAfterAMillionSteps) {
     const Wheel wheel{.angular_velocity = "0.7", .centre = centre, .duration = 1000.0};
     const RunResult result = run_text(wheel.text(fixed_step(1e-3)));
     EXPECT_EQ(result.steps, 1'000'000u);
-    const BodyResult& body = result.bodies[0];
-    EXPECT_NEAR(body.centre_of_mass[0], centre + 300.0, 1.2e-16 * (centre + 600.0));
-    EXPECT_NEAR(body.centre_of_mass[1], 0.5, 1e-16);
-    EXPECT_NEAR(*body.rotation, 700.0, 2e-13);
-    EXPECT_EQ(body.velocity[0], 0.3);
-    EXPECT_NEAR(body.mean_velocity[0], 0.3, 1e-15);
-    EXPECT_NEAR(*body.turns, 700.0 / kTau, 1e-13);
+    const ResultGroup& body = result.body(0);
+    EXPECT_NEAR(body["centre_of_mass"][0], centre + 300.0, 1.2e-16 * (centre + 600.0));
+    EXPECT_NEAR(body["centre_of_mass"][1], 0.5, 1e-16);
+    EXPECT_NEAR(*body["rotation"], 700.0, 2e-13);
+    EXPECT_EQ(body["velocity"][0], 0.3);
+    EXPECT_NEAR(body["mean_velocity"][0], 0.3, 1e-15);
+    EXPECT_NEAR(*body["turns"], 700.0 / kTau, 1e-13);
   }
 }
 
@@ -59,14 +59,14 @@ TEST(Prescribed, IsADriverOfItsOwn) {
     Wheel wheel{.angular_velocity = "0.7", .duration = 10.0, .more = "ledger = true\n"};
     const RunResult result = run_text(wheel.text(integrator));
     ASSERT_EQ(result.status, RunStatus::finished);
-    const DriverResult& driver = driver_of(result, "wheel");
+    const ResultGroup& driver = driver_of(result, "wheel");
     const double drag = 4.0 * 0.25 * 0.3;
-    EXPECT_NEAR(*driver.distance, 3.0, 1e-12);
+    EXPECT_NEAR(*driver["distance"], 3.0, 1e-12);
     const double spin = 4.0 * 0.25 * std::pow(0.7 * 0.5, 2);
-    const EnergyResult& e = *result.energy;
-    EXPECT_NEAR(*e.heat_out, (drag * 0.3 + spin) * 10.0, 1e-10) << integrator;
-    EXPECT_EQ(*e.work_in, *driver.work);
-    EXPECT_NEAR(*driver.work, *e.heat_out + *e.stored_change,
+    const ResultGroup& e = result.group("energy");
+    EXPECT_NEAR(*e["heat_out"], (drag * 0.3 + spin) * 10.0, 1e-10) << integrator;
+    EXPECT_EQ(*e["work_in"], *driver["work"]);
+    EXPECT_NEAR(*driver["work"], *e["heat_out"] + *e["stored_change"],
                 integrator == verlet(0.01) ? 1e-4 : 1e-8);
   }
 }
@@ -82,16 +82,16 @@ TEST(Prescribed, PowerIsForceTimesVelocity) {
       "[run]\nduration = 2.0\nledger = true\nintegrator = ";
   for (const std::string& integrator : {fixed_step(0.01), adaptive_held_to(0.01)}) {
     const RunResult result = run_text(scene + integrator + "\n");
-    const DriverResult& driver = driver_of(result, "ball");
+    const ResultGroup& driver = driver_of(result, "ball");
     const double end = 0.4 * std::cos(4.0);
-    EXPECT_NEAR(driver.final_force[0], 1.5 * end - mass * 0.8 * std::sin(4.0), 1e-12);
-    EXPECT_NEAR(driver.mean_force[0],
+    EXPECT_NEAR(driver["final_force"][0], 1.5 * end - mass * 0.8 * std::sin(4.0), 1e-12);
+    EXPECT_NEAR(driver["mean_force"][0],
                 1.5 * 0.4 * std::sin(4.0) / 2.0 / 2.0 + mass * (end - 0.4) / 2.0, 1e-9);
     const double heat = 1.5 * 0.16 * (1.0 + std::sin(8.0) / 8.0);
-    EXPECT_NEAR(*driver.work, heat + 0.5 * mass * (end * end - 0.16), 1e-9);
-    EXPECT_NEAR(*result.energy->heat_out, heat, 1e-9);
-    EXPECT_NEAR(result.energy->kinetic, 0.5 * mass * end * end, 1e-12);
-    EXPECT_NEAR(*result.energy->numerical_work, 0.0, 1e-12);
+    EXPECT_NEAR(*driver["work"], heat + 0.5 * mass * (end * end - 0.16), 1e-9);
+    EXPECT_NEAR(*result.group("energy")["heat_out"], heat, 1e-9);
+    EXPECT_NEAR(result.group("energy")["kinetic"].value(), 0.5 * mass * end * end, 1e-12);
+    EXPECT_NEAR(*result.group("energy")["numerical_work"], 0.0, 1e-12);
   }
 }
 
@@ -121,20 +121,20 @@ TEST(Prescribed, InertiaIsInForceWorkAndKineticEnergy) {
       return 4.0 * (std::pow(square_wave(t), 2) + std::pow(0.3 * t * t, 2)) +
              0.5 * 8.0 * 0.25 * spin * spin;
     };
-    EXPECT_NEAR(result.energy->kinetic, kinetic(3.0), 1e-9);
-    EXPECT_NEAR(*result.energy->stored_change, kinetic(to) - kinetic(from), 1e-9);
-    EXPECT_NEAR(*result.energy->numerical_work, 0.0, 1e-9);
-    const DriverResult& wheel = driver_of(result, "wheel");
-    EXPECT_EQ(*wheel.work, *result.energy->work_in);
+    EXPECT_NEAR(result.group("energy")["kinetic"].value(), kinetic(3.0), 1e-9);
+    EXPECT_NEAR(*result.group("energy")["stored_change"], kinetic(to) - kinetic(from), 1e-9);
+    EXPECT_NEAR(*result.group("energy")["numerical_work"], 0.0, 1e-9);
+    const ResultGroup& wheel = driver_of(result, "wheel");
+    EXPECT_EQ(*wheel["work"], *result.group("energy")["work_in"]);
     const double momentum[2] = {8.0 * (square_wave(to) - square_wave(from)),
                                 8.0 * 0.3 * (to * to - from * from)};
     const double drag = 0.4 * 0.1 * (to * to * to - from * from * from);
-    EXPECT_NEAR(wheel.mean_force[1] * (to - from), momentum[1] + drag, 1e-5);
-    EXPECT_NEAR(wheel.mean_force[0] * (to - from), momentum[0] + 0.4, 0.02) << "jumps in steps";
+    EXPECT_NEAR(wheel["mean_force"][1] * (to - from), momentum[1] + drag, 1e-5);
+    EXPECT_NEAR(wheel["mean_force"][0] * (to - from), momentum[0] + 0.4, 0.02) << "jumps in steps";
     // At the end: 8 times an acceleration of 0.6 t, and drag.
-    EXPECT_NEAR(wheel.final_force[1], 8.0 * 1.8 + 0.4 * 2.7, 1e-9);
-    EXPECT_NEAR(*result.energy->work_in, *result.energy->heat_out + kinetic(to) - kinetic(from),
-                1e-9);
+    EXPECT_NEAR(wheel["final_force"][1], 8.0 * 1.8 + 0.4 * 2.7, 1e-9);
+    EXPECT_NEAR(*result.group("energy")["work_in"],
+                *result.group("energy")["heat_out"] + kinetic(to) - kinetic(from), 1e-9);
   }
 }
 
@@ -145,9 +145,9 @@ TEST(Prescribed, WithoutInertiaThereIsNone) {
       "[[force]]\ntype = \"viscous_damping\"\ncoefficient = 1.5\n"
       "[run]\nduration = 2.0\nledger = true\ndynamics = \"overdamped\"\nintegrator = ";
   const RunResult result = run_text(body + fixed_step(0.01) + "\n");
-  EXPECT_NEAR(driver_of(result, "ball").final_force[0], 1.5 * 0.4 * std::cos(4.0), 1e-12);
-  EXPECT_EQ(result.energy->kinetic, 0.0);
-  EXPECT_NEAR(*result.energy->numerical_work, 0.0, 1e-12);
+  EXPECT_NEAR(driver_of(result, "ball")["final_force"][0], 1.5 * 0.4 * std::cos(4.0), 1e-12);
+  EXPECT_EQ(result.group("energy")["kinetic"].value(), 0.0);
+  EXPECT_NEAR(*result.group("energy")["numerical_work"], 0.0, 1e-12);
 }
 
 /// A run that goes on from its middle knows as much.
@@ -164,9 +164,9 @@ TEST(Prescribed, InertiaSurvivesAResume) {
   Engine second(scene, {});
   second.resume(first.state().to_bytes());
   const RunResult found = second.run();
-  EXPECT_EQ(*found.drivers[0].work, *expected.drivers[0].work);
-  EXPECT_EQ(found.drivers[0].mean_force, expected.drivers[0].mean_force);
-  EXPECT_EQ(*found.energy->numerical_work, *expected.energy->numerical_work);
+  EXPECT_EQ(*found.driver(0)["work"], *expected.driver(0)["work"]);
+  EXPECT_EQ(found.driver(0)["mean_force"], expected.driver(0)["mean_force"]);
+  EXPECT_EQ(*found.group("energy")["numerical_work"], *expected.group("energy")["numerical_work"]);
 }
 
 /// The place follows from the velocity's integral, with the order of the scheme.
@@ -180,9 +180,9 @@ TEST(Prescribed, AnOscillatingMotionIsIntegratedToTheSchemesOrder) {
   const auto order_of = [&](auto integrator) {
     std::vector<double> steps, errors;
     for (double h = 0.2; h > 0.02; h *= 0.5) {
-      const BodyResult body = run_text(wheel.text(integrator(h))).bodies[0];
+      const ResultGroup body = run_text(wheel.text(integrator(h))).body(0);
       steps.push_back(h);
-      errors.push_back(std::hypot(body.centre_of_mass[0] - x, *body.rotation - angle));
+      errors.push_back(std::hypot(body["centre_of_mass"][0] - x, *body["rotation"] - angle));
     }
     return fitted_order(steps, errors, 1e-14);
   };
@@ -214,12 +214,13 @@ TEST(Prescribed, PullsLikeADrivingSpring) {
   for (const std::string& integrator : {fixed_step(0.01), verlet(0.01)}) {
     const RunResult a = run_text(tip + puller + rest(integrator));
     const RunResult b = run_text(tip + spring + rest(integrator));
-    const DriverResult& pulled = driver_of(a, "puller");
-    const DriverResult& driven = driver_of(b, "driver");
-    EXPECT_NEAR(body_of(a, "tip").centre_of_mass[0], body_of(b, "tip").centre_of_mass[0], 1e-11);
-    EXPECT_NEAR(pulled.mean_force[0], driven.mean_force[0], 1e-11);
-    EXPECT_NEAR(*pulled.work, *driven.work, 1e-11);
-    EXPECT_NEAR(*pulled.distance, 3.0, 1e-12);
+    const ResultGroup& pulled = driver_of(a, "puller");
+    const ResultGroup& driven = driver_of(b, "driver");
+    EXPECT_NEAR(body_of(a, "tip")["centre_of_mass"][0], body_of(b, "tip")["centre_of_mass"][0],
+                1e-11);
+    EXPECT_NEAR(pulled["mean_force"][0], driven["mean_force"][0], 1e-11);
+    EXPECT_NEAR(*pulled["work"], *driven["work"], 1e-11);
+    EXPECT_NEAR(*pulled["distance"], 3.0, 1e-12);
   }
 }
 
@@ -229,15 +230,15 @@ TEST(Prescribed, InEveryNumberType) {
         .velocity = "[\"0.3 * cos(2 * t)\", 0.1]", .angular_velocity = "0.7", .duration = 3.0};
     Wheel other = wheel;
     other.more = "number_type = \"" + type + "\"\n";
-    const BodyResult a = run_text(wheel.text(fixed_step(0.01))).bodies[0];
-    const BodyResult b = run_text(other.text(fixed_step(0.01))).bodies[0];
+    const ResultGroup a = run_text(wheel.text(fixed_step(0.01))).body(0);
+    const ResultGroup b = run_text(other.text(fixed_step(0.01))).body(0);
     const double tolerance = type == "float" ? 1e-6 : 1e-13;
     for (int d = 0; d < 2; ++d) {
-      EXPECT_NEAR(b.centre_of_mass[d], a.centre_of_mass[d], tolerance) << type;
-      EXPECT_NEAR(b.velocity[d], a.velocity[d], tolerance) << type;
+      EXPECT_NEAR(b["centre_of_mass"][d], a["centre_of_mass"][d], tolerance) << type;
+      EXPECT_NEAR(b["velocity"][d], a["velocity"][d], tolerance) << type;
     }
-    EXPECT_NEAR(*b.rotation, *a.rotation, tolerance) << type;
-    EXPECT_NEAR(*b.max_speed, *a.max_speed, tolerance) << type;
+    EXPECT_NEAR(*b["rotation"], *a["rotation"], tolerance) << type;
+    EXPECT_NEAR(*b["max_speed"], *a["max_speed"], tolerance) << type;
   }
 }
 

@@ -41,9 +41,9 @@ TEST(RigidLine, AChainIsATip) {
                             .more = "dynamics = \"" + dynamics + "\"\n"};
       const RunResult tip = run_text(as_tip.text());
       ASSERT_EQ(chain.status, RunStatus::finished);
-      EXPECT_NEAR(chain.bodies[0].centre_of_mass[0], tip.bodies[0].centre_of_mass[0], 1e-9);
-      EXPECT_NEAR(chain.drivers[0].mean_force[0], tip.drivers[0].mean_force[0], 1e-9);
-      EXPECT_FALSE(chain.bodies[0].rotation) << "no rotation on a line";
+      EXPECT_NEAR(chain.body(0)["centre_of_mass"][0], tip.body(0)["centre_of_mass"][0], 1e-9);
+      EXPECT_NEAR(chain.driver(0)["mean_force"][0], tip.driver(0)["mean_force"][0], 1e-9);
+      EXPECT_EQ(chain.body(0).find("rotation"), nullptr) << "no rotation on a line";
     }
   }
 }
@@ -84,7 +84,7 @@ TEST(RigidSpace, ItsCentreFollowsTheDriver) {
           force = k * (rest + std::exp(-gamma * t) *
                                   (-rest * std::cos(omega * t) + b * std::sin(omega * t)));
         }
-        EXPECT_NEAR(result.drivers[0].final_force[d], force,
+        EXPECT_NEAR(result.driver(0)["final_force"][d], force,
                     integrator == verlet(0.01) ? 2e-5 : 2e-8)
             << dynamics << ", " << integrator << ", axis " << d;
       }

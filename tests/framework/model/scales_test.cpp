@@ -181,7 +181,7 @@ TEST(Scales, TheSeriesStiffnessIsWhatStickSlipBeginsAt) {
     Pulled pulled{.amplitude = s * series / (kTau * kTau)};
     pulled.run = "dynamics = \"quasistatic\"\nduration = 30.0";
     EXPECT_NEAR(scales(pulled.text()).sliding.at(0).stick_slip(), s, s * kDifferences);
-    return run_text(pulled.text()).events.slips.value();
+    return run_text(pulled.text()).group("events")["slips"].value();
   };
   EXPECT_EQ(slips(0.99), 0u);
   EXPECT_GE(slips(1.01), 2u);

@@ -105,7 +105,7 @@ TEST(StableStep, JustBelowRunsAndJustAboveIsRefused) {
   const double limit = limit_of(oscillator(18.0, 0.0, 1e-3, 1));
   const RunResult below = run_text(oscillator(18.0, 0.0, 0.99 * limit, 20000));
   EXPECT_EQ(below.status, RunStatus::finished);
-  EXPECT_LE(std::abs(below.bodies[0].centre_of_mass[0]), 1.0);
+  EXPECT_LE(std::abs(below.body(0)["centre_of_mass"][0]), 1.0);
 
   const RunResult above = run_text(oscillator(18.0, 0.0, 1.01 * limit, 20000));
   EXPECT_EQ(above.status, RunStatus::failed);
@@ -155,7 +155,7 @@ TEST(StableStep, AdaptiveSchemesAreNotHeldToIt) {
   tip.integrator = adaptive(1e-4);
   const RunResult result = run_text(tip.text());
   EXPECT_EQ(result.status, RunStatus::finished);
-  EXPECT_LT(std::abs(result.bodies[0].centre_of_mass[0] - 0.1), 0.01);
+  EXPECT_LT(std::abs(result.body(0)["centre_of_mass"][0] - 0.1), 0.01);
 }
 
 // ---- failures
@@ -175,7 +175,7 @@ TEST(Failure, ASpeedThatRunsAwayIsNoticedAtAPeriodAStep) {
   EXPECT_EQ(result.failure->particle, 0);
   EXPECT_EQ(result.failure->force, "tilt");
   EXPECT_NE(result.failure->cause.find("runs away"), std::string::npos);
-  EXPECT_LT(std::abs(result.bodies[0].velocity[0]), 15.0) << "the state is that before the step";
+  EXPECT_LT(std::abs(result.body(0)["velocity"][0]), 15.0) << "the state is that before the step";
 }
 
 /// Two particles of a plane that meet head-on: their bond has no direction there.
@@ -200,10 +200,10 @@ TEST(Failure, AResultIsCompleteHoweverTheRunEnded) {
   tip.integrator = "{ type = \"dopri5\", most_steps = 10 }";
   const RunResult result = run_text(tip.text());
   EXPECT_EQ(result.status, RunStatus::failed);
-  ASSERT_EQ(result.drivers.size(), 1u);
-  EXPECT_TRUE(result.drivers[0].mean_force.empty()) << "the window was not reached";
-  EXPECT_EQ(result.drivers[0].final_force.size(), 1u);
-  EXPECT_EQ(result.bodies[0].centre_of_mass.size(), 1u);
+  ASSERT_EQ(result.family("drivers").size(), 1u);
+  EXPECT_TRUE(result.driver(0)["mean_force"].empty()) << "the window was not reached";
+  EXPECT_EQ(result.driver(0)["final_force"].size(), 1u);
+  EXPECT_EQ(result.body(0)["centre_of_mass"].size(), 1u);
   EXPECT_GT(result.end_time, 0.0);
   EXPECT_EQ(result.end_time, result.failure->time);
 }

@@ -77,10 +77,10 @@ TEST(PairsInOnePlace, TieATipToItsSupportInEveryNumberType) {
                                                "number_type = \"" + std::string(number.type) +
                                                    "\"\nintegrator = " + fixed_step(1e-2) + "\n"));
         ASSERT_EQ(result.status, RunStatus::finished) << number.type << dimension << tie;
-        EXPECT_NEAR(body_of(result, "tip").centre_of_mass[0] - 0.25, swing(), number.right)
+        EXPECT_NEAR(body_of(result, "tip")["centre_of_mass"][0] - 0.25, swing(), number.right)
             << number.type << dimension << tie;
         for (int d = 1; d < dimension; ++d) {
-          EXPECT_EQ(body_of(result, "tip").centre_of_mass[static_cast<std::size_t>(d)], 0.5);
+          EXPECT_EQ(body_of(result, "tip")["centre_of_mass"][static_cast<std::size_t>(d)], 0.5);
         }
       }
     }
@@ -97,7 +97,7 @@ TEST(PairsInOnePlace, HaveACurvatureThere) {
             std::string("{ type = \"exponential_verlet\", dt = 1e-4 }")}) {
         const RunResult result = run_text(tied(dimension, tie, "integrator = " + scheme + "\n"));
         ASSERT_EQ(result.status, RunStatus::finished) << dimension << tie << scheme;
-        EXPECT_NEAR(body_of(result, "tip").centre_of_mass[0] - 0.25, swing(), kRight)
+        EXPECT_NEAR(body_of(result, "tip")["centre_of_mass"][0] - 0.25, swing(), kRight)
             << dimension << tie << scheme;
       }
     }

@@ -40,11 +40,11 @@ TEST(TwoBodies, SwingWithTheReducedMass) {
         run_text(point("a", 0.0, m1, "velocity = [" + digits(speed) + "]\n") +
                  point("b", 2.0 + stretch, m2, "velocity = [" + digits(speed) + "]\n") +
                  bond("a", "b", k, 2.0) + timed(t, adaptive(1e-12)));
-    const double a = result.bodies[0].centre_of_mass[0];
-    const double b = result.bodies[1].centre_of_mass[0];
+    const double a = result.body(0)["centre_of_mass"][0];
+    const double b = result.body(1)["centre_of_mass"][0];
     EXPECT_NEAR(b - a, 2.0 + stretch * std::cos(omega * t), 1e-9);
     EXPECT_NEAR((m1 * a + m2 * b) / (m1 + m2), m2 * (2.0 + stretch) / (m1 + m2) + speed * t, 1e-12);
-    const double momentum = m1 * result.bodies[0].velocity[0] + m2 * result.bodies[1].velocity[0];
+    const double momentum = m1 * result.body(0)["velocity"][0] + m2 * result.body(1)["velocity"][0];
     EXPECT_NEAR(momentum, (m1 + m2) * speed, 1e-14);
   }
 }
@@ -55,8 +55,8 @@ TEST(TwoBodies, OnePartnerMayBeFixed) {
   const RunResult result =
       run_text(point("wall", 0.0, 1.0, "coordinates = \"fixed\"\n") + point("b", 2.0 + stretch, m) +
                bond("wall", "b", k, 2.0) + timed(t, adaptive(1e-12)));
-  EXPECT_EQ(result.bodies[0].centre_of_mass[0], 0.0);
-  EXPECT_NEAR(result.bodies[1].centre_of_mass[0], 2.0 + stretch * std::cos(std::sqrt(k / m) * t),
+  EXPECT_EQ(result.body(0)["centre_of_mass"][0], 0.0);
+  EXPECT_NEAR(result.body(1)["centre_of_mass"][0], 2.0 + stretch * std::cos(std::sqrt(k / m) * t),
               1e-9);
 }
 
@@ -193,8 +193,8 @@ TEST(Molecule, InSpaceKeepsWhatItHas) {
       EXPECT_NEAR(after.angular[d], before.angular[d], tolerance < 1e-6 ? 1e-10 : 1e-12)
           << integrator;
     }
-    EXPECT_LT(std::abs(*result.energy->numerical_work), tolerance) << integrator;
-    EXPECT_GT(result.energy->potential, 1e-3) << "it should swing";
+    EXPECT_LT(std::abs(*result.group("energy")["numerical_work"]), tolerance) << integrator;
+    EXPECT_GT(result.group("energy")["potential"].value(), 1e-3) << "it should swing";
   }
 }
 

@@ -19,6 +19,7 @@
 #include "tests/framework/output/journal_fixture.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
 #include "tests/framework/output/trajectory_fixture.hpp"
+#include "tests/support/results.hpp"
 
 namespace tomlin::test {
 namespace {
@@ -192,8 +193,8 @@ nlohmann::json summary_of(const TemporaryFolder& temporary, std::uint64_t events
   recorder.begin(small_layout());
   for (std::uint64_t k = 0; k < events; ++k) recorder.event(small_event(k));
   RunResult result;
-  result.events.slips = events - 1;
-  result.events.turns = 1;
+  result.groups = {
+      group_of("events", "", 1, {{"slips", {static_cast<double>(events - 1)}}, {"turns", {1.0}}})};
   EXPECT_EQ(recorder.finish(result), std::nullopt);
   return nlohmann::json::parse(content(temporary / kSummaryFile));
 }

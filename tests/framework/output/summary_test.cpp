@@ -12,6 +12,7 @@
 
 #include "framework/run/observables.hpp"
 #include "framework/scene/language.hpp"
+#include "tests/support/results.hpp"
 
 namespace tomlin::test {
 namespace {
@@ -30,36 +31,35 @@ Scene planar_scene() {
 RunResult planar_result() {
   RunResult result;
   result.end_time = 1e4;
-  result.steps = 12345678901234567ULL;
+  result.steps = 123456789012345ULL;
   result.force_evaluations = 7;
   result.refused_steps = 2;
   result.window_from = 0.1;
   result.window_to = 1.0 / 3.0;
-  result.events.slips = 12;
-  result.events.hops = result.events.turns = result.events.driver_reversals = result.events.ties =
-      0;
-  result.events.reversals = 3;
-  DriverResult driver;
-  driver.name = "driver";
-  driver.mean_force = {4.628633704e-3, -1e-17};
-  driver.final_force = {1.0, 2.0};
-  driver.max_force = {3.0, 4.0};
-  driver.min_force = {-3.0, -4.0};
-  driver.static_force = 0.25;
-  driver.work = 5.0;
-  driver.work_per_distance = 0.5;
-  driver.distance = 10.0;
-  result.drivers = {driver};
-  BodyResult body;
-  body.name = "ring";
-  body.centre_of_mass = {9.0, 1.0};
-  body.velocity = {0.0, -0.0};
-  body.rotation = -0.785;
-  body.turns = -1.125;
-  body.rolling = 0.7853981633974483;
-  body.mean_velocity = {1e-3, 0.0};
-  body.max_speed = 0.1;
-  result.bodies = {body};
+  result.groups = {group_of("drivers", "driver", 2,
+                            {{"mean_force", {4.628633704e-3, -1e-17}},
+                             {"final_force", {1.0, 2.0}},
+                             {"max_force", {3.0, 4.0}},
+                             {"min_force", {-3.0, -4.0}},
+                             {"static_force", {0.25}},
+                             {"work", {5.0}},
+                             {"work_per_distance", {0.5}},
+                             {"distance", {10.0}}}),
+                   group_of("bodies", "ring", 2,
+                            {{"centre_of_mass", {9.0, 1.0}},
+                             {"velocity", {0.0, -0.0}},
+                             {"rotation", {-0.785}},
+                             {"turns", {-1.125}},
+                             {"rolling", {0.7853981633974483}},
+                             {"mean_velocity", {1e-3, 0.0}},
+                             {"max_speed", {0.1}}}),
+                   group_of("events", "", 2,
+                            {{"slips", {12.0}},
+                             {"hops", {0.0}},
+                             {"turns", {0.0}},
+                             {"reversals", {3.0}},
+                             {"driver_reversals", {0.0}},
+                             {"ties", {0.0}}})};
   result.warnings = {"a warning with \"quotes\""};
   result.left_out = {{"springs", "inside a rigid body"}};
   result.wall_seconds = 0.5;
@@ -84,7 +84,7 @@ TEST(Summary, HasEveryKeyOfAFinishedRun) {
   EXPECT_EQ(keys(summary["parameters"]), (Names{"xi", "N"}));
   EXPECT_EQ(keys(summary["time"]),
             (Names{"end", "steps", "force_evaluations", "jacobian_columns", "refused_steps"}));
-  EXPECT_EQ(summary["time"]["steps"], 12345678901234567ULL);
+  EXPECT_EQ(summary["time"]["steps"], 123456789012345ULL);
   EXPECT_EQ(keys(summary["window"]), (Names{"from", "to"}));
   EXPECT_EQ(keys(summary["drivers"]["driver"]),
             (Names{"mean_force", "final_force", "max_force", "min_force", "static_force", "work",
@@ -131,10 +131,11 @@ TEST(Summary, ItsKeysAreNoNamesOfBodies) {
   scene.libraries = {Library{}};
   RunResult result = planar_result();
   result.failure = RunFailure{};
-  result.observers = {ObserverResult{}};
   result.steady = SteadyResult{};
-  result.equilibrium = EquilibriumResult{};
-  result.energy = EnergyResult{};
+  result.groups.push_back({"observers", "own", {}});
+  for (const char* family : {"equilibrium", "energy"}) {
+    result.groups.push_back(group_of(family, "", 2, {}));
+  }
   result.determined = {DeterminedResult{}};
   result.accuracy = AccuracyResult{};
   result.errors = {ErrorEstimate{}};
@@ -211,11 +212,8 @@ TEST(Summary, NumbersAreAsShortAsTheyCanBe) {
 TEST(Summary, WhatIsUndefinedIsNull) {
   Scene scene = planar_scene();
   RunResult result;
-  result.drivers.resize(1);
-  result.drivers[0].name = "driver";
-  result.drivers[0].final_force = {std::nan(""), kInfinity};
-  result.bodies.resize(1);
-  result.bodies[0].name = "ring";
+  result.groups = {group_of("drivers", "driver", 2, {{"final_force", {std::nan(""), kInfinity}}}),
+                   group_of("bodies", "ring", 2, {})};
   result.end_time = -kInfinity;
   const Json summary = Json::parse(summary_json(scene, result));
   const Json& driver = summary["drivers"]["driver"];
@@ -234,7 +232,9 @@ TEST(Summary, WhatIsUndefinedIsNull) {
 TEST(Summary, OnlyPlanarBodiesRotate) {
   Scene scene = planar_scene();
   scene.dimension = 1;
-  const Json summary = Json::parse(summary_json(scene, planar_result()));
+  RunResult result;
+  result.groups = {group_of("bodies", "ring", 1, {})};
+  const Json summary = Json::parse(summary_json(scene, result));
   EXPECT_EQ(keys(summary["bodies"]["ring"]),
             (Names{"centre_of_mass", "velocity", "mean_velocity", "max_speed"}));
 }

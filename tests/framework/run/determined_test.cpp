@@ -62,7 +62,7 @@ TEST(Determined, ARollingRingIs) {
   EXPECT_GE(force.digits, 8.0);
   EXPECT_GT(force.spread, 0.0) << "the starts do differ";
   EXPECT_TRUE(result.warnings.empty());
-  EXPECT_EQ(*force.value, result.drivers[0].mean_force[0]);
+  EXPECT_EQ(*force.value, result.driver(0)["mean_force"][0]);
   EXPECT_GE(*force.value, force.min);
   EXPECT_LE(*force.value, force.max);
   EXPECT_EQ(force.spread, force.max - force.min);
@@ -71,7 +71,7 @@ TEST(Determined, ARollingRingIs) {
 TEST(Determined, TheRunItselfIsTheUnperturbedOne) {
   const RunResult with = run_text(ring(1.0, perturb()).text());
   const RunResult without = run_text(ring(1.0, "").text());
-  EXPECT_TRUE(same_bits(with.drivers[0].mean_force, without.drivers[0].mean_force));
+  EXPECT_TRUE(same_bits(with.driver(0)["mean_force"], without.driver(0)["mean_force"]));
   EXPECT_TRUE(without.determined.empty());
 }
 
@@ -110,7 +110,7 @@ TEST(Determined, APerturbedStartDiffersByTheSize) {
 TEST(Determined, OtherObservablesOnRequest) {
   const RunResult result = run_text(ring(1.0, perturb(", observables = [\"ring.turns\"]")).text());
   ASSERT_EQ(result.determined.size(), 1u);
-  EXPECT_EQ(*result.determined[0].value, *result.bodies[0].turns);
+  EXPECT_EQ(*result.determined[0].value, *result.body(0)["turns"]);
   EXPECT_THROW(run_text(ring(1.0, perturb(", observables = [\"ring.turnips\"]")).text()),
                InputError);
 }
@@ -170,9 +170,9 @@ TEST(Interrupted, IsAStatusAndNoWindow) {
   const RunResult result = run_text(ring(1.0, perturb()).text(), {}, options);
   EXPECT_EQ(result.status, RunStatus::interrupted);
   EXPECT_LT(result.end_time, 500.0);
-  EXPECT_TRUE(result.drivers[0].mean_force.empty());
+  EXPECT_TRUE(result.driver(0)["mean_force"].empty());
   EXPECT_TRUE(result.determined.empty());
-  EXPECT_FALSE(result.drivers[0].final_force.empty());
+  EXPECT_FALSE(result.driver(0)["final_force"].empty());
 }
 
 /// Stopped while it repeats: the run itself is complete, what was asked on top is not.
@@ -196,7 +196,7 @@ TEST(Interrupted, WhileItRepeatsRuns) {
   const RunResult result =
       run_text(ring(1.0, perturb()).text() + "[output]\nevery = 100.0\n", {}, options);
   EXPECT_EQ(result.status, RunStatus::interrupted);
-  EXPECT_FALSE(result.drivers[0].mean_force.empty());
+  EXPECT_FALSE(result.driver(0)["mean_force"].empty());
   ASSERT_FALSE(result.warnings.empty());
   EXPECT_NE(result.warnings.back().find("perturbed"), std::string::npos);
 }

@@ -23,7 +23,7 @@ double mean_force(double period, double position, const std::string& number_type
                              "\"\n[measure]\nin = \"driver_periods\"\nfrom = 1\n"};
   const RunResult result = run_text(tip.text());
   EXPECT_EQ(result.status, RunStatus::finished);
-  return result.drivers[0].mean_force[0];
+  return result.driver(0)["mean_force"][0];
 }
 
 TEST(FarOutTypes, ATipsMeanForceIsThatAtTheOrigin) {
@@ -55,10 +55,10 @@ TEST(FarOutTypes, TheRingOfTableI) {
     return run_text(ring.text());
   };
   const RunResult here = of(0.0, "double");
-  const double force = here.drivers[0].mean_force[0];
-  EXPECT_NEAR(of(1e9, "double").drivers[0].mean_force[0], force, 1e-9 * force);
-  EXPECT_NEAR(of(1e9, "float").drivers[0].mean_force[0], force, 1e-4 * force);
-  EXPECT_GT(std::abs(*here.bodies[0].turns), 1.0) << "it should have rolled";
+  const double force = here.driver(0)["mean_force"][0];
+  EXPECT_NEAR(of(1e9, "double").driver(0)["mean_force"][0], force, 1e-9 * force);
+  EXPECT_NEAR(of(1e9, "float").driver(0)["mean_force"][0], force, 1e-4 * force);
+  EXPECT_GT(std::abs(*here.body(0)["turns"]), 1.0) << "it should have rolled";
 }
 
 // ---- many small steps in float
@@ -77,7 +77,7 @@ Windows windows_of(const std::string& type, int periods, double dt) {
                        .more = "number_type = \"" + type +
                                "\"\n[measure]\nin = \"driver_periods\"\nfrom = " +
                                std::to_string(from) + "\nto = " + std::to_string(from + 1) + "\n"};
-    return run_text(tip.text()).drivers[0].mean_force[0];
+    return run_text(tip.text()).driver(0)["mean_force"][0];
   };
   return {mean(1), mean(periods - 1)};
 }

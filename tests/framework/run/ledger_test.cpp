@@ -72,7 +72,7 @@ TEST(Ledger, WhatTheSchemeAddsFallsWithItsOrder) {
       for (const double duration : {4.8, 5.6, 6.4}) {
         TipScene scene = tip(scheme.held_to(h), keep_ledger(scheme.dynamics));
         scene.duration = duration;
-        most = std::max(most, std::abs(*run_text(scene.text()).energy->numerical_work));
+        most = std::max(most, std::abs(*run_text(scene.text()).group("energy")["numerical_work"]));
       }
       steps.push_back(h);
       added.push_back(most);
@@ -93,25 +93,25 @@ TEST(Ledger, EachTermIsRight) {
     const TipScene fine = tip(adaptive(1e-13), keep_ledger(scheme.dynamics));
     const RunResult result = run_text(coarse.text());
     const RunResult exact = run_text(fine.text());
-    const EnergyResult& e = *result.energy;
-    const EnergyResult& f = *exact.energy;
+    const ResultGroup& e = result.group("energy");
+    const ResultGroup& f = exact.group("energy");
     const double tolerance = scheme.order.high < 3.0 ? 2e-3 : 5e-6;
-    EXPECT_NEAR(*e.work_in, *f.work_in, tolerance);
-    EXPECT_NEAR(*e.heat_out, *f.heat_out, tolerance);
-    EXPECT_NEAR(*e.stored_change, *f.stored_change, tolerance);
-    EXPECT_LT(std::abs(*f.numerical_work), 1e-11);
-    EXPECT_GT(*e.heat_out, 0.05);
-    EXPECT_NE(*e.numerical_work, 0.0);
+    EXPECT_NEAR(*e["work_in"], *f["work_in"], tolerance);
+    EXPECT_NEAR(*e["heat_out"], *f["heat_out"], tolerance);
+    EXPECT_NEAR(*e["stored_change"], *f["stored_change"], tolerance);
+    EXPECT_LT(std::abs(*f["numerical_work"]), 1e-11);
+    EXPECT_GT(*e["heat_out"], 0.05);
+    EXPECT_NE(*e["numerical_work"], 0.0);
 
-    EXPECT_EQ(*e.work_in, *result.drivers[0].work);
-    const double x = result.bodies[0].centre_of_mass[0];
-    const double v = result.bodies[0].velocity[0];
+    EXPECT_EQ(*e["work_in"], *result.driver(0)["work"]);
+    const double x = result.body(0)["centre_of_mass"][0];
+    const double v = result.body(0)["velocity"][0];
     const double change =
         energy_by_hand(coarse, coarse.duration, x, v, inertial) -
         energy_by_hand(coarse, 0.0, coarse.position, coarse.start_velocity, inertial);
-    EXPECT_NEAR(*e.stored_change, change, 1e-14);
-    EXPECT_NEAR(e.kinetic, inertial ? 0.5 * v * v : 0.0, 1e-15);
-    EXPECT_NEAR(*e.numerical_work, change + *e.heat_out - *e.work_in, 1e-14);
+    EXPECT_NEAR(*e["stored_change"], change, 1e-14);
+    EXPECT_NEAR(e["kinetic"].value(), inertial ? 0.5 * v * v : 0.0, 1e-15);
+    EXPECT_NEAR(*e["numerical_work"], change + *e["heat_out"] - *e["work_in"], 1e-14);
   }
 }
 
@@ -127,10 +127,10 @@ TEST(Ledger, OfASteadySlideIsKnown) {
         "]\n[[force]]\ntype = \"viscous_damping\"\ncoefficient = " + digits(c) +
         "\n[run]\nduration = " + digits(duration) + "\nintegrator = " + scheme.held_to(0.05) +
         "\n" + keep_ledger(scheme.dynamics);
-    const EnergyResult e = *run_text(scene).energy;
+    const ResultGroup e = run_text(scene).group("energy");
     const bool splits = scheme.name == "velocity_verlet";  // slides steadily to its order only
-    EXPECT_NEAR(*e.heat_out, c * v * v * duration, splits ? 1e-3 : 1e-13) << scheme.name;
-    EXPECT_NEAR(*e.work_in, c * v * v * duration, splits ? 1e-3 : 1e-13) << scheme.name;
+    EXPECT_NEAR(*e["heat_out"], c * v * v * duration, splits ? 1e-3 : 1e-13) << scheme.name;
+    EXPECT_NEAR(*e["work_in"], c * v * v * duration, splits ? 1e-3 : 1e-13) << scheme.name;
   }
 }
 
@@ -151,13 +151,14 @@ duration = 20.0
 ledger = true
 integrator = )";
   for (const std::string& integrator : {fixed_step(0.1), verlet(0.1), adaptive(1e-5)}) {
-    const EnergyResult e = *run_text(scene + integrator + "\n").energy;
-    EXPECT_EQ(*e.work_in, 0.0);
-    EXPECT_EQ(*e.heat_out, 0.0);
-    EXPECT_EQ(*e.numerical_work, *e.stored_change);
+    const ResultGroup e = run_text(scene + integrator + "\n").group("energy");
+    EXPECT_EQ(*e["work_in"], 0.0);
+    EXPECT_EQ(*e["heat_out"], 0.0);
+    EXPECT_EQ(*e["numerical_work"], *e["stored_change"]);
     // Two bonds stretched by 0.1 at the start.
-    EXPECT_NEAR(e.kinetic + e.potential - *e.stored_change, 2.0 * 0.5 * 4.0 * 0.01, 1e-14);
-    EXPECT_NE(*e.numerical_work, 0.0);
+    EXPECT_NEAR(e["kinetic"].value() + e["potential"].value() - *e["stored_change"],
+                2.0 * 0.5 * 4.0 * 0.01, 1e-14);
+    EXPECT_NE(*e["numerical_work"], 0.0);
   }
 }
 
@@ -176,9 +177,9 @@ TEST(Ledger, BalancesForRings) {
                              .duration = 4.0,
                              .integrator = scheme.held_to(h),
                              .more = keep_ledger(scheme.dynamics)};
-        const EnergyResult e = *run_text(ring.text()).energy;
-        EXPECT_GT(*e.heat_out, 0.1);
-        return std::abs(*e.numerical_work);
+        const ResultGroup e = run_text(ring.text()).group("energy");
+        EXPECT_GT(*e["heat_out"], 0.1);
+        return std::abs(*e["numerical_work"]);
       };
       const double h = 0.02;
       const double order = std::log2(numerical_work(h) / numerical_work(0.5 * h));
@@ -190,27 +191,28 @@ TEST(Ledger, BalancesForRings) {
 
 TEST(Ledger, IsThatOfTheWindow) {
   const auto work = [](double from, double to) {
-    return *run_text(tip(adaptive(1e-12), keep_ledger() + "[measure]\nin = \"time\"\nfrom = " +
-                                              digits(from) + "\nto = " + digits(to) + "\n")
-                         .text())
-                .energy;
+    return run_text(tip(adaptive(1e-12), keep_ledger() + "[measure]\nin = \"time\"\nfrom = " +
+                                             digits(from) + "\nto = " + digits(to) + "\n")
+                        .text())
+        .group("energy");
   };
-  const EnergyResult first = work(0.0, 2.345);
-  const EnergyResult second = work(2.345, 6.4);
-  const EnergyResult whole = work(0.0, 6.4);
+  const ResultGroup first = work(0.0, 2.345);
+  const ResultGroup second = work(2.345, 6.4);
+  const ResultGroup whole = work(0.0, 6.4);
   constexpr double kDenseOutput = 1e-8;
-  EXPECT_NEAR(*first.work_in + *second.work_in, *whole.work_in, kDenseOutput);
-  EXPECT_NEAR(*first.heat_out + *second.heat_out, *whole.heat_out, kDenseOutput);
-  EXPECT_NEAR(*first.stored_change + *second.stored_change, *whole.stored_change, kDenseOutput);
-  EXPECT_LT(std::abs(*first.numerical_work), kDenseOutput);
-  EXPECT_LT(std::abs(*second.numerical_work), kDenseOutput);
+  EXPECT_NEAR(*first["work_in"] + *second["work_in"], *whole["work_in"], kDenseOutput);
+  EXPECT_NEAR(*first["heat_out"] + *second["heat_out"], *whole["heat_out"], kDenseOutput);
+  EXPECT_NEAR(*first["stored_change"] + *second["stored_change"], *whole["stored_change"],
+              kDenseOutput);
+  EXPECT_LT(std::abs(*first["numerical_work"]), kDenseOutput);
+  EXPECT_LT(std::abs(*second["numerical_work"]), kDenseOutput);
 }
 
 // ---- only what is asked for
 
 TEST(Ledger, IsOffUnlessAskedFor) {
   const TipScene plain = tip(fixed_step(0.01), "");
-  EXPECT_FALSE(run_text(plain.text()).energy);
+  EXPECT_EQ(run_text(plain.text()).find("energy"), nullptr);
   const TipScene kept = tip(fixed_step(0.01), keep_ledger());
   Model without(scene_of(plain.text()));
   Model with(scene_of(kept.text()));
@@ -225,8 +227,8 @@ TEST(Ledger, DoesNotTouchTheMotion) {
     const auto end = [&](const std::string& keys) {
       const RunResult result = run_text(
           tip(scheme.held_to(0.02), keys + "dynamics = \"" + scheme.dynamics + "\"\n").text());
-      return std::vector<double>{result.bodies[0].centre_of_mass[0], result.bodies[0].velocity[0],
-                                 *result.drivers[0].work};
+      return std::vector<double>{result.body(0)["centre_of_mass"][0], result.body(0)["velocity"][0],
+                                 *result.driver(0)["work"]};
     };
     EXPECT_TRUE(same_bits(end("ledger = true\n"), end("ledger = false\n")))
         << scheme.name << ", " << scheme.dynamics;
@@ -286,7 +288,7 @@ double balance_with_false_heat() {
   const Registry registry = with_false_heat<percent>();
   const auto scene =
       parse_scene(tip(fixed_step(0.01), keep_ledger()).text(), "test.toml", registry);
-  return std::abs(*run(scene).energy->numerical_work);
+  return std::abs(*run(scene).group("energy")["numerical_work"]);
 }
 
 TEST(PlantedFaults, AWrongHeatIsSeen) {

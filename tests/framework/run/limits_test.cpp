@@ -55,8 +55,8 @@ TEST(PrescribedMotion, AloneIsFollowedInStepsThatSeeTheSubstrate) {
   constexpr double kBalance = 1e-6;
   const RunResult result = run_text(pushed("0.7", kSchemes.back()));
   ASSERT_EQ(result.status, RunStatus::finished);
-  EXPECT_NEAR(*result.energy->heat_out, 0.5 * 0.7 * 0.7 * 5.0, kBalance);
-  EXPECT_NEAR(*result.energy->numerical_work, 0.0, kBalance);
+  EXPECT_NEAR(*result.group("energy")["heat_out"], 0.5 * 0.7 * 0.7 * 5.0, kBalance);
+  EXPECT_NEAR(*result.group("energy")["numerical_work"], 0.0, kBalance);
 }
 
 /// The way from its velocity, and the work from the energy at its end, whatever the scheme.
@@ -76,15 +76,15 @@ TEST(PrescribedMotion, OfAnyVelocityIsFollowedToTheTolerance) {
     const RunResult result = run_text(scene);
     ASSERT_EQ(result.status, RunStatus::finished);
     const double way = 0.3 * end + 0.2 * std::sin(end);
-    EXPECT_NEAR(result.bodies[0].centre_of_mass[0], way, kWay);
+    EXPECT_NEAR(result.body(0)["centre_of_mass"][0], way, kWay);
     // Of 0.5 v^2: the mean of (0.3 + 0.2 cos t)^2.
     const double heat =
         0.5 * (0.09 * end + 0.12 * std::sin(end) + 0.04 * (0.5 * end + 0.25 * std::sin(2.0 * end)));
     const double last = 0.3 + 0.2 * std::cos(end);
     const double stored =
         0.1 * (std::cos(2.0 * std::acos(-1.0) * way) - 1.0) + 0.5 * (last * last - 0.5 * 0.5);
-    EXPECT_NEAR(*result.energy->heat_out, heat, kWork);
-    EXPECT_NEAR(*result.energy->work_in - heat, stored, kWork + kWay);
+    EXPECT_NEAR(*result.group("energy")["heat_out"], heat, kWork);
+    EXPECT_NEAR(*result.group("energy")["work_in"] - heat, stored, kWork + kWay);
   }
 }
 
@@ -102,7 +102,7 @@ TEST(PrescribedMotion, BesideAFreeBodyIsFollowedToTheTolerance) {
       "integrator = { type = \"radau9\", absolute_tolerance = 1e-10, relative_tolerance = 1e-10 "
       "}\n");
   ASSERT_EQ(result.status, RunStatus::finished);
-  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], std::sin(60.0) / 3.0, kWay);
+  EXPECT_NEAR(result.body(0)["centre_of_mass"][0], std::sin(60.0) / 3.0, kWay);
 }
 
 TEST(PrescribedMotion, HasItsOwnLargestSpeedInEveryNumberType) {
@@ -111,7 +111,7 @@ TEST(PrescribedMotion, HasItsOwnLargestSpeedInEveryNumberType) {
       const RunResult result =
           run_text(pushed("\"0.2 * cos(t)\"", scheme + "number_type = \"" + type + "\"\n"));
       // At the start: the vertex of a parabola through the first steps would exceed it.
-      EXPECT_NEAR(*result.bodies[0].max_speed, 0.2, 1e-6) << scheme << type;
+      EXPECT_NEAR(*result.body(0)["max_speed"], 0.2, 1e-6) << scheme << type;
     }
   }
 }
@@ -159,7 +159,7 @@ TEST(SplitFriction, OfSlowDecayIsNotBiased) {
       "[[body]]\ntype = \"point\"\nposition = [0.0]\nvelocity = [1.0]\nparticle_mass = 1.0\n"
       "[[force]]\ntype = \"viscous_damping\"\ncoefficient = 0.01\n"
       "[run]\nduration = 100.0\nintegrator = { type = \"velocity_verlet\", dt = 1e-3 }\n");
-  EXPECT_NEAR(result.bodies[0].velocity[0], std::exp(-1.0), kWalk);
+  EXPECT_NEAR(result.body(0)["velocity"][0], std::exp(-1.0), kWalk);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ TipScene tip(const std::string& type, double dt) {
   return {.velocity = 0.25, .duration = 0.8, .integrator = fixed_step(dt), .more = in(type)};
 }
 
-double end_of(const RunResult& result) { return result.bodies[0].centre_of_mass[0]; }
+double end_of(const RunResult& result) { return result.body(0)["centre_of_mass"][0]; }
 
 TEST(NumberTypes, AgreeToTheirDigits) {
   const std::vector<std::string> integrators = {fixed_step(0.01), verlet(0.01), adaptive(1e-5)};
@@ -34,15 +34,15 @@ TEST(NumberTypes, AgreeToTheirDigits) {
       };
       const RunResult exact = result("quadruple");
       const double x = end_of(exact);
-      const double force = exact.drivers[0].mean_force[0];
+      const double force = exact.driver(0)["mean_force"][0];
       const RunResult in_double = result("double");
       const RunResult in_float = result("float");
       EXPECT_NEAR(end_of(in_double), x, 2e-13);
-      EXPECT_NEAR(in_double.drivers[0].mean_force[0], force, 2e-13);
+      EXPECT_NEAR(in_double.driver(0)["mean_force"][0], force, 2e-13);
       // An adaptive float takes other steps, too: the tolerance's difference comes on top.
       const double float_error = integrator == integrators[2] ? 1e-4 : 5e-6;
       EXPECT_NEAR(end_of(in_float), x, float_error);
-      EXPECT_NEAR(in_float.drivers[0].mean_force[0], force, float_error);
+      EXPECT_NEAR(in_float.driver(0)["mean_force"][0], force, float_error);
       EXPECT_GT(std::abs(end_of(in_float) - x), 1e-10) << "that is a double";
     }
   }
@@ -63,10 +63,10 @@ TEST(NumberTypes, OfRings) {
     for (const auto& [type, low, high] :
          {std::tuple("double", 0.0, 1e-12), std::tuple("float", 1e-10, 2e-5)}) {
       const RunResult other = result(type);
-      double error = std::abs(*other.bodies[0].rotation - *exact.bodies[0].rotation);
+      double error = std::abs(*other.body(0)["rotation"] - *exact.body(0)["rotation"]);
       for (int d = 0; d < 2; ++d) {
-        error = std::max(
-            error, std::abs(other.bodies[0].centre_of_mass[d] - exact.bodies[0].centre_of_mass[d]));
+        error = std::max(error, std::abs(other.body(0)["centre_of_mass"][d] -
+                                         exact.body(0)["centre_of_mass"][d]));
       }
       EXPECT_GE(error, low) << coordinates << ", " << type;
       EXPECT_LT(error, high) << coordinates << ", " << type;
@@ -86,8 +86,8 @@ TEST(NumberTypes, AFloatsFrictionDoesNotDependOnTheStep) {
             "velocity = [[1.0, 0.2], [0.7, 0.1], [0.9, -0.3]]\ncoordinates = \"" +
             coordinates + "\"\n[[force]]\ntype = \"viscous_damping\"\ncoefficient = 0.7\n" +
             "[run]\nduration = 2.0\nintegrator = " + verlet(dt) + "\n" + in(type);
-        const BodyResult raft = run_text(scene).bodies[0];
-        return std::hypot(raft.velocity[0], raft.velocity[1]) + *raft.rotation;
+        const ResultGroup raft = run_text(scene).body(0);
+        return std::hypot(raft["velocity"][0], raft["velocity"][1]) + *raft["rotation"];
       };
       EXPECT_NEAR(velocity("float"), velocity("double"), 1e-6) << coordinates << ", dt " << dt;
     }

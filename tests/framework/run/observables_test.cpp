@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/core/fault.hpp"
+#include "tests/support/results.hpp"
 #include "tests/support/scenes.hpp"
 
 // The numbers of a result by dotted path.
@@ -19,22 +20,12 @@ RunResult planar_result() {
   RunResult result;
   result.end_time = 20.0;
   result.steps = 7;
-  DriverResult driver;
-  driver.name = "driver";
-  driver.mean_force = {1.0, 2.0};
-  driver.final_force = {3.0, 4.0};
-  driver.work = 5.0;
-  BodyResult ring;
-  ring.name = "ring";
-  ring.centre_of_mass = {6.0, 7.0};
-  ring.velocity = {8.0, 9.0};
-  ring.turns = -1.5;
-  BodyResult tip;
-  tip.name = "tip";
-  tip.centre_of_mass = {10.0, 11.0};
-  tip.velocity = {12.0, 13.0};
-  result.drivers = {driver};
-  result.bodies = {ring, tip};
+  result.groups = {
+      group_of("drivers", "driver", 2,
+               {{"mean_force", {1.0, 2.0}}, {"final_force", {3.0, 4.0}}, {"work", {5.0}}}),
+      group_of("bodies", "ring", 2,
+               {{"centre_of_mass", {6.0, 7.0}}, {"velocity", {8.0, 9.0}}, {"turns", {-1.5}}}),
+      group_of("bodies", "tip", 2, {{"centre_of_mass", {10.0, 11.0}}, {"velocity", {12.0, 13.0}}})};
   return result;
 }
 
@@ -68,8 +59,9 @@ TEST(Observables, WhatIsUndefinedIsNothing) {
   EXPECT_EQ(observable(result, "driver.static_force"), std::nullopt);
   EXPECT_EQ(observable(result, "driver.max_force.y"), std::nullopt);  // no window: an empty list
   EXPECT_EQ(observable(result, "ring.rolling"), std::nullopt);
-  result.drivers[0].work = std::nan("");
-  result.drivers[0].final_force[0] = std::numeric_limits<double>::infinity();
+  const double infinity = std::numeric_limits<double>::infinity();
+  result.groups.front() = group_of("drivers", "driver", 2,
+                                   {{"work", {std::nan("")}}, {"final_force", {infinity, 4.0}}});
   EXPECT_EQ(observable(result, "driver.work"), std::nullopt);
   EXPECT_EQ(observable(result, "driver.final_force.x"), std::nullopt);
 }
@@ -83,9 +75,8 @@ TEST(Observables, PathsDoNotDependOnHowFarTheRunGot) {
     return all;
   };
   RunResult early = planar_result();
-  early.drivers[0].mean_force.clear();
-  early.drivers[0].work.reset();
-  early.bodies[0].turns.reset();
+  early.groups[0] = group_of("drivers", "driver", 2, {});
+  early.groups[1] = group_of("bodies", "ring", 2, {});
   EXPECT_EQ(paths(early), paths(planar_result()));
 }
 
@@ -116,9 +107,8 @@ TEST(Observables, AnErrorSaysWhereThePathWasWritten) {
 }
 
 TEST(Observables, RotateInThePlaneOnly) {
-  RunResult result = planar_result();
-  result.drivers.clear();
-  for (BodyResult& body : result.bodies) body.centre_of_mass = {1.0};
+  RunResult result;
+  result.groups = {group_of("bodies", "ring", 1, {}), group_of("bodies", "tip", 1, {})};
   EXPECT_EQ(fault_of(result, "ring.turns").key, "ring.turns");
   EXPECT_EQ(fault_of(result, "ring.velocity.y").nearest, "ring.velocity.x");
 }

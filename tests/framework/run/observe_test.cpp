@@ -70,10 +70,10 @@ TEST(Extremes, AreThoseOfTheCurveNotOfTheSteps) {
     coarse.integrator = setting.integrator;
     coarse.more = "[measure]\nin = \"time\"\nfrom = 8.0\nto = 18.0\n";
     const RunResult result = run_text(coarse.text());
-    EXPECT_NEAR(result.drivers[0].max_force[0], reference.high, setting.tolerance);
-    EXPECT_NEAR(result.drivers[0].min_force[0], reference.low, setting.tolerance);
-    EXPECT_NEAR(*result.bodies[0].max_speed, reference.speed, setting.tolerance);
-    EXPECT_NEAR(*result.drivers[0].static_force, reference.held, setting.tolerance);
+    EXPECT_NEAR(result.driver(0)["max_force"][0], reference.high, setting.tolerance);
+    EXPECT_NEAR(result.driver(0)["min_force"][0], reference.low, setting.tolerance);
+    EXPECT_NEAR(*result.body(0)["max_speed"], reference.speed, setting.tolerance);
+    EXPECT_NEAR(*result.driver(0)["static_force"], reference.held, setting.tolerance);
   }
 }
 
@@ -85,9 +85,9 @@ TEST(Extremes, AreOfTheWindow) {
   tip.more = "[measure]\nin = \"time\"\nfrom = 1.0\nto = 1.5\n";
   const RunResult result = run_text(tip.text());
   constexpr double kDense = 1e-8;  // Hermite at steps of 0.01, and the reference's own samples
-  EXPECT_NEAR(result.drivers[0].max_force[0], reference.high, kDense);
-  EXPECT_NEAR(result.drivers[0].min_force[0], reference.low, kDense);
-  EXPECT_LT(result.drivers[0].max_force[0], *result.drivers[0].static_force);
+  EXPECT_NEAR(result.driver(0)["max_force"][0], reference.high, kDense);
+  EXPECT_NEAR(result.driver(0)["min_force"][0], reference.low, kDense);
+  EXPECT_LT(result.driver(0)["max_force"][0], *result.driver(0)["static_force"]);
 }
 
 /// Adaptive steps do not end at the window's edges: a peak within counts, one outside does not.
@@ -104,9 +104,9 @@ TEST(Extremes, PeaksBesideTheWindowsEdges) {
     long_steps.more =
         "[measure]\nin = \"time\"\nfrom = " + digits(from) + "\nto = " + digits(to) + "\n";
     const RunResult result = run_text(long_steps.text());
-    EXPECT_NEAR(result.drivers[0].max_force[0], reference.high, kDense);
-    EXPECT_NEAR(result.drivers[0].min_force[0], reference.low, kDense);
-    EXPECT_NEAR(*result.bodies[0].max_speed, reference.speed, kDense);
+    EXPECT_NEAR(result.driver(0)["max_force"][0], reference.high, kDense);
+    EXPECT_NEAR(result.driver(0)["min_force"][0], reference.low, kDense);
+    EXPECT_NEAR(*result.body(0)["max_speed"], reference.speed, kDense);
   }
 }
 
@@ -134,7 +134,7 @@ TEST(Extremes, AParabolaIsMeasuredExactly) {
 /// Nothing is pulled: there is no static force, rather than a zero.
 TEST(Extremes, NoStaticForceWithoutAPull) {
   const TipScene tip{.velocity = 0.0, .duration = 5.0};
-  EXPECT_FALSE(run_text(tip.text()).drivers[0].static_force);
+  EXPECT_FALSE(run_text(tip.text()).driver(0)["static_force"]);
 }
 
 // ---- rotation
@@ -161,8 +161,8 @@ TEST(Rotation, OfARigidRingIsUnwrapped) {
   constexpr double kRounding = 1e-11;  // 250 turns in 10 000 steps
   for (const double omega : {2.0, -80.0}) {
     const RunResult result = run_text(spinning("rigid", omega, 20.0, 0.002));
-    EXPECT_NEAR(*result.bodies[0].rotation, omega * 20.0, kRounding * std::abs(omega * 20.0));
-    EXPECT_NEAR(*result.bodies[0].turns, omega * 20.0 / (2.0 * std::acos(-1.0)), 1e-9);
+    EXPECT_NEAR(*result.body(0)["rotation"], omega * 20.0, kRounding * std::abs(omega * 20.0));
+    EXPECT_NEAR(*result.body(0)["turns"], omega * 20.0 / (2.0 * std::acos(-1.0)), 1e-9);
   }
 }
 
@@ -174,9 +174,10 @@ TEST(Rotation, OfAFlexibleRingIsUnwrapped) {
     const RunResult result = run_text(spinning("particles", omega, duration, 2e-4));
     ASSERT_EQ(result.status, RunStatus::finished);
     const double stretch = 0.125 * omega * omega / (8 * 1e4);
-    const double turned = *result.bodies[0].rotation / (omega * duration);
+    const double turned = *result.body(0)["rotation"] / (omega * duration);
     EXPECT_NEAR(turned, 1.0 - 2.0 * stretch, 0.1 * stretch + 1e-6) << omega;
-    EXPECT_NEAR(2.0 * std::acos(-1.0) * *result.bodies[0].turns, *result.bodies[0].rotation, 1e-9);
+    EXPECT_NEAR(2.0 * std::acos(-1.0) * *result.body(0)["turns"], *result.body(0)["rotation"],
+                1e-9);
   }
 }
 
@@ -188,8 +189,8 @@ TEST(Rotation, OfAFlexibleRingThatTurnsFast) {
   const double duration = 1.0;
   const RunResult result = run_text(spinning("particles", kOmega, duration, kDt, 15625.0));
   ASSERT_EQ(result.status, RunStatus::finished);
-  EXPECT_NEAR(*result.bodies[0].rotation / (kOmega * duration), 1.0, 0.06);
-  EXPECT_GT(std::abs(*result.bodies[0].turns), 18.0);
+  EXPECT_NEAR(*result.body(0)["rotation"] / (kOmega * duration), 1.0, 0.06);
+  EXPECT_GT(std::abs(*result.body(0)["turns"]), 18.0);
 }
 
 }  // namespace

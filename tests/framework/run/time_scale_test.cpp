@@ -101,7 +101,7 @@ TEST(TimeScale, AdaptiveSchemesSeePulses) {
         run_text(tip(formula("-exp(-((t - 3.0) / 0.002)^2)*x"), adaptive(1e-8, scheme->name)));
     // Its momentum, and friction since.
     const double expected = std::sqrt(3.14159265358979) * width * std::exp(-0.3 * 2.0);
-    EXPECT_NEAR(result.bodies[0].velocity[0], expected, 1e-4 * expected);
+    EXPECT_NEAR(result.body(0)["velocity"][0], expected, 1e-4 * expected);
   }
 }
 
@@ -127,6 +127,71 @@ TEST(TimeScale, PathsOfEquilibriaDoNotStepOverPulses) {
     EXPECT_NEAR(most, 0.5, 1e-3);
   }
   EXPECT_GT(finished, 0);
+}
+
+/// A force in proportion to a velocity is none where nothing moves.
+TEST(TimeScale, ForcesOfAVelocityAreHeldAgainstSteps) {
+  const auto warned = [](double dt) {
+    return is_warned(run_text(
+        tip("[[force]]\ntype = \"driving_spring\"\nstiffness = 2.0\nvelocity = [0.1]\n"
+            "[[force]]\ntype = \"expression\"\nforce = [\"-vx*(1 + sin(628.3185307*t + 1.57))\"]\n",
+            fixed_step(dt))));
+  };
+  EXPECT_TRUE(warned(0.01));
+  EXPECT_FALSE(warned(2e-4));
+}
+
+/// Where no force declares a length the formula has one, in any units.
+TEST(TimeScale, OfAFormulaInSiUnitsIsSeen) {
+  const auto text = [](double length, double time) {
+    return "body = [{ name = \"tip\", type = \"point\", position = [0.0], particle_mass = 1.0 }]\n"
+           "force = [{ type = \"viscous_damping\", coefficient = " +
+           digits(0.3 / time) +
+           " },\n"
+           "{ type = \"expression\", energy = \"" +
+           digits(length * length / time / time) + "*exp(-(x/" + digits(length) +
+           ")^2)*sin(300*t/" + digits(time) +
+           ")\" }]\n"
+           "run = { duration = " +
+           digits(5.0 * time) + ", integrator = " + fixed_step(0.1 * time) + " }\n";
+  };
+  EXPECT_TRUE(is_warned(run_text(text(1.0, 1.0))));
+  EXPECT_TRUE(is_warned(run_text(text(1e-9, 1e-12))));
+}
+
+/// A run is not steady at a turning point of what changes with time.
+TEST(TimeScale, AModulatedForceIsNotSteady) {
+  for (const char* energy : {"0.1*sin(0.05*t)*x", "0.1*sin(0.01*t)*x", "0.1*sin(0.001*t)*x",
+                             "0.05*sin(0.02*t)*cos(2*pi*x)"}) {
+    SCOPED_TRACE(energy);
+    const RunResult found = run_text(
+        "body = [{ name = \"tip\", type = \"point\", position = [0.0], particle_mass = 1.0 }]\n"
+        "force = [{ name = \"driver\", type = \"driving_spring\", stiffness = 1.0, velocity = "
+        "[0.3] "
+        "},\n{ type = \"viscous_damping\", coefficient = 1.0 },\n"
+        "{ type = \"sinusoidal_substrate\", amplitude = 0.02, period = 1.0 },\n"
+        "{ type = \"expression\", energy = \"" +
+        std::string(energy) +
+        "\" }]\n"
+        "run = { integrator = { type = \"dop853\" }, until = { steady = \"driver.mean_force.x\", "
+        "tolerance = 1e-2, max = 2000.0 } }\nmeasure = { in = \"driver_periods\", period = 1.0 "
+        "}\n");
+    ASSERT_TRUE(found.steady.has_value());
+    EXPECT_FALSE(found.steady->reached);
+  }
+}
+
+/// A step that is longer than a period does not end several of them.
+TEST(TimeScale, StepsOfARunUntilItIsSteadyEndWithinAPeriod) {
+  const RunResult found = run_text(
+      "body = [{ name = \"tip\", type = \"point\", position = [0.0], particle_mass = 1.0 }]\n"
+      "force = [{ name = \"driver\", type = \"driving_spring\", stiffness = 1.0, velocity = [1.0] "
+      "},\n{ type = \"viscous_damping\", coefficient = 2.0 }]\n"
+      "run = { integrator = { type = \"radau9\", largest_step = 7.3 }, until = { steady = "
+      "\"driver.mean_force.x\", tolerance = 1e-3, max = 2000.0 } }\n"
+      "measure = { in = \"driver_periods\", period = 1.0 }\n");
+  EXPECT_TRUE(found.steady->reached);
+  EXPECT_NEAR(found.driver(0)["mean_force"][0], 2.0, 2e-3);
 }
 
 }  // namespace

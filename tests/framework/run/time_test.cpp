@@ -42,7 +42,7 @@ TEST(Time, TheLastStepIsShortened) {
   const RunResult result = run_text(flight(1.05, 0.1));
   EXPECT_EQ(result.steps, 11u);
   EXPECT_EQ(result.end_time, 1.05);
-  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], 1.05, kRounding);
+  EXPECT_NEAR(result.body(0)["centre_of_mass"][0], 1.05, kRounding);
 }
 
 TEST(Time, ARemainderOfRoundingIsNoStep) {
@@ -62,7 +62,7 @@ TEST(Time, ARunShorterThanAStep) {
   const RunResult result = run_text(flight(0.03, 0.1));
   EXPECT_EQ(result.steps, 1u);
   EXPECT_EQ(result.end_time, 0.03);
-  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], 0.03, 1e-16);
+  EXPECT_NEAR(result.body(0)["centre_of_mass"][0], 0.03, 1e-16);
 }
 
 TEST(Time, AnAdaptiveRunEndsExactly) {
@@ -192,10 +192,10 @@ TEST(FarOut, TheMeanForceOfARing) {
       ring.centre = cells * period;
       const RunResult far = run_text(ring.text());
       ASSERT_EQ(far.status, RunStatus::finished);
-      const double expected = here.drivers[0].mean_force[0];
-      EXPECT_NEAR(far.drivers[0].mean_force[0], expected, kFarOut * expected) << cells;
-      EXPECT_NEAR(*far.bodies[0].turns, *here.bodies[0].turns, kFarOut);
-      EXPECT_GT(std::abs(*here.bodies[0].turns), 0.03) << "it should have rolled";
+      const double expected = here.driver(0)["mean_force"][0];
+      EXPECT_NEAR(far.driver(0)["mean_force"][0], expected, kFarOut * expected) << cells;
+      EXPECT_NEAR(*far.body(0)["turns"], *here.body(0)["turns"], kFarOut);
+      EXPECT_GT(std::abs(*here.body(0)["turns"]), 0.03) << "it should have rolled";
     }
   }
 }
@@ -206,8 +206,8 @@ TEST(FarOut, TheMeanForceOfATip) {
   for (const double cells : {1e9, 1e12}) {
     tip.position = cells + 0.25;
     const RunResult far = run_text(tip.text());
-    EXPECT_NEAR(far.drivers[0].mean_force[0], here.drivers[0].mean_force[0],
-                kFarOut * here.drivers[0].mean_force[0]);
+    EXPECT_NEAR(far.driver(0)["mean_force"][0], here.driver(0)["mean_force"][0],
+                kFarOut * here.driver(0)["mean_force"][0]);
   }
 }
 
@@ -217,8 +217,8 @@ TEST(FarOut, TheMeanForceOfAFlexibleRing) {
   const RunResult here = run_text(ring.text());
   ring.centre = 1e9;
   const RunResult far = run_text(ring.text());
-  EXPECT_NEAR(far.drivers[0].mean_force[0], here.drivers[0].mean_force[0],
-              kFarOut * here.drivers[0].mean_force[0]);
+  EXPECT_NEAR(far.driver(0)["mean_force"][0], here.driver(0)["mean_force"][0],
+              kFarOut * here.driver(0)["mean_force"][0]);
 }
 
 // ---- many cells
@@ -241,9 +241,9 @@ TEST(ManyCells, SteadySlidingIsExact) {
   Engine engine(scene_of(tip.text()), {});
   const RunResult result = engine.run();
   ASSERT_EQ(result.status, RunStatus::finished);
-  EXPECT_NEAR(result.drivers[0].final_force[0], kVelocity, kRounding * kVelocity);
-  EXPECT_NEAR(result.bodies[0].velocity[0], kVelocity, kRounding * kVelocity);
-  EXPECT_NEAR(result.bodies[0].centre_of_mass[0], kVelocity * 15625.0 - 20.0, 2e-10);
+  EXPECT_NEAR(result.driver(0)["final_force"][0], kVelocity, kRounding * kVelocity);
+  EXPECT_NEAR(result.body(0)["velocity"][0], kVelocity, kRounding * kVelocity);
+  EXPECT_NEAR(result.body(0)["centre_of_mass"][0], kVelocity * 15625.0 - 20.0, 2e-10);
   EXPECT_GT(integers_of(engine, "origin_cells")[0], 624'000);
 }
 
@@ -276,10 +276,10 @@ TEST(ManyCells, AgreesWithAReferenceWithoutCells) {
     v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
   }
   const RunResult result = run_text(tip.text());
-  EXPECT_NEAR(result.bodies[0].velocity[0], static_cast<double>(v), kRounding);
+  EXPECT_NEAR(result.body(0)["velocity"][0], static_cast<double>(v), kRounding);
   const double force = static_cast<double>(
       Real(tip.stiffness) * (Real(tip.position) + Real(tip.velocity) * h * kSteps - x));
-  EXPECT_NEAR(result.drivers[0].final_force[0], force, kRounding);
+  EXPECT_NEAR(result.driver(0)["final_force"][0], force, kRounding);
 }
 
 TEST(ManyCells, BackwardsIsTheMirrorImage) {
@@ -289,9 +289,9 @@ TEST(ManyCells, BackwardsIsTheMirrorImage) {
   backward.start_velocity = -0.5;
   const RunResult a = run_text(forward.text());
   const RunResult b = run_text(backward.text());
-  EXPECT_TRUE(same_bits(a.bodies[0].centre_of_mass[0], -b.bodies[0].centre_of_mass[0]));
-  EXPECT_TRUE(same_bits(a.drivers[0].mean_force[0], -b.drivers[0].mean_force[0]));
-  EXPECT_GT(a.bodies[0].centre_of_mass[0], 30.0);
+  EXPECT_TRUE(same_bits(a.body(0)["centre_of_mass"][0], -b.body(0)["centre_of_mass"][0]));
+  EXPECT_TRUE(same_bits(a.driver(0)["mean_force"][0], -b.driver(0)["mean_force"][0]));
+  EXPECT_GT(a.body(0)["centre_of_mass"][0], 30.0);
 }
 
 }  // namespace

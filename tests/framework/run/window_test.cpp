@@ -45,5 +45,24 @@ TEST(Window, OfFewSlipsIsWarnedOf) {
   EXPECT_NE(found.find("2 slips of driver begin within the window"), std::string::npos) << found;
 }
 
+/// A pull along no axis: a period of the substrate is passed along x.
+TEST(Window, OfAnObliquePullIsNotWarnedOf) {
+  for (const char* velocity : {"[0.02, 0.02]", "[0.02, -0.02]", "[-0.0008, 0.02]"}) {
+    SCOPED_TRACE(velocity);
+    const RunResult found = run_text(R"(
+body = [{ name = "tip", type = "point", position = [0.5, 0.0], particle_mass = 1.0 }]
+force = [
+  { name = "driver", type = "driving_spring", stiffness = 0.8, velocity = )" +
+                                     std::string(velocity) + R"( },
+  { type = "viscous_damping", coefficient = 1.0 },
+  { type = "sinusoidal_substrate", amplitude = 0.001, period = 1.0, decay = 0.0 },
+]
+run = { duration = 1350.0, integrator = { type = "dopri5" } }
+measure = { from = 100.0, to = 1350.0 }
+)");
+    EXPECT_TRUE(found.warnings.empty()) << found.warnings.front();
+  }
+}
+
 }  // namespace
 }  // namespace tomlin::test

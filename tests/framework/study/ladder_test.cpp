@@ -95,7 +95,7 @@ TEST(TrialRun, IsTheRun) {
   const TrialRun trial = try_run(scene_of(text));
   ASSERT_TRUE(trial.finished());
   const RunResult result = run_text(text);
-  EXPECT_TRUE(same_bits(trial.result.drivers[0].mean_force, result.drivers[0].mean_force));
+  EXPECT_TRUE(same_bits(trial.result.driver(0)["mean_force"], result.driver(0)["mean_force"]));
   EXPECT_EQ(trial.cost(), result.force_evaluations + result.jacobian_columns);
   EXPECT_EQ(trial.part(), 1.0);
 }

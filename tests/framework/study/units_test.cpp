@@ -331,13 +331,14 @@ TEST(Units, DefaultTolerancesSeeTheLatticeOfATipInMetres) {
   const RunResult result = run_text(kSiTip, {{"run.duration", "1.12e-4"}, {"measure.to", "4"}});
   ASSERT_EQ(result.status, RunStatus::finished);
   EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
-  EXPECT_LT(std::abs(*result.energy->numerical_work), 1e-6 * *result.energy->work_in);
+  EXPECT_LT(std::abs(*result.group("energy")["numerical_work"]),
+            1e-6 * *result.group("energy")["work_in"]);
   const RunResult finer = run_text(
       kSiTip,
       {{"run.integrator",
         "{ type = \"dop853\", absolute_tolerance = 2.5e-22, relative_tolerance = 1e-12 }"}});
-  const double exact = finer.drivers[0].mean_force[0];
-  EXPECT_NEAR(result.drivers[0].mean_force[0], exact, 1e-6 * std::abs(exact));
+  const double exact = finer.driver(0)["mean_force"][0];
+  EXPECT_NEAR(result.driver(0)["mean_force"][0], exact, 1e-6 * std::abs(exact));
 }
 
 TEST(Units, TheTradeOfATipInMetresIsRelative) {
@@ -375,7 +376,7 @@ TEST(Units, TheDefaultStandsResolvedInTheEffectiveScene) {
   const RunResult one = run(scene);
   const RunResult other = run(again);
   EXPECT_EQ(one.steps, other.steps);
-  EXPECT_EQ(one.drivers[0].mean_force, other.drivers[0].mean_force);
+  EXPECT_EQ(one.driver(0)["mean_force"], other.driver(0)["mean_force"]);
 }
 
 TEST(NaturalUnits, AreTheShortestPeriodAndTheSwingInItsWells) {
@@ -418,6 +419,34 @@ integrator = { type = "dopri5" }
   const NaturalUnits driven =
       natural_units(*scene_of(oscillator, {{"force.driving_spring.velocity", "[0.25]"}}));
   EXPECT_EQ(driven.length, 0.125);
+}
+
+/// No parameter says the length of a formula: the formula does.
+TEST(NaturalUnits, OfAFormulaAreItsOwn) {
+  const auto length = [](const std::string& energy) {
+    return natural_units(
+               *scene_of("body = [{ name = \"tip\", type = \"point\", position = [0.0], "
+                         "particle_mass = 1.0 }]\nforce = [{ type = \"expression\", energy = \"" +
+                         energy +
+                         "\" }]\nrun = { duration = 1.0, integrator = { type = "
+                         "\"rk4\", dt = 0.01 } }\n"))
+        .length;
+  };
+  for (const char* period : {"1", "3e-10", "7e5"}) {
+    SCOPED_TRACE(period);
+    const double expected = std::stod(period);
+    for (const char* law : {"cos(2*pi*x/A)", "3e-21*cos(2*pi*x/A)", "5*x^2 + cos(2*pi*x/A)",
+                            "exp(-(x/A)^2)", "sin(0.3*t)*cos(2*pi*x/A)"}) {
+      std::string energy = law;
+      energy.replace(energy.find('A'), 1, period);
+      const double found = length(energy);
+      EXPECT_GT(found, 0.05 * expected) << energy;
+      EXPECT_LT(found, 2.0 * expected) << energy;
+    }
+  }
+  EXPECT_EQ(length("cos(x)") * 1024.0, length("cos(x/1024)"));
+  EXPECT_EQ(length("0.5*x^2"), 1.0);
+  EXPECT_EQ(length("x^4 - x^2"), 1.0);
 }
 
 }  // namespace

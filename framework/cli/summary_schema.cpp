@@ -1,0 +1,95 @@
+#include "framework/cli/summary_schema.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "framework/run/results.hpp"
+
+namespace tomlin {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kMostDimensions = 3;
+
+Json number_or_null() { return {{"type", {"number", "null"}}}; }
+
+Json value_schema(const ResultQuantity& quantity) {
+  Json schema;
+  switch (quantity.shape) {
+    case Shape::number:
+      schema = number_or_null();
+      break;
+    case Shape::count:
+      schema = {{"type", {"integer", "null"}}, {"minimum", 0}};
+      break;
+    case Shape::vector:
+      schema = {{"type", {"array", "null"}},
+                {"items", number_or_null()},
+                {"minItems", 1},
+                {"maxItems", kMostDimensions}};
+      break;
+  }
+  schema["description"] = fmt::format("{} [{}]", quantity.meaning, unit_of(quantity));
+  return schema;
+}
+
+/// Bodies have a rotation in the plane only.
+bool is_always_there(const ResultFamily& family, const ResultQuantity& quantity) {
+  return family.family != "bodies" ||
+         !(quantity.key == "rotation" || quantity.key == "turns" || quantity.key == "rolling");
+}
+
+Json family_schema(const ResultFamily& family) {
+  Json schema = {{"type", "object"}, {"properties", Json::object()}, {"required", Json::array()}};
+  for (const ResultQuantity& quantity : family.quantities) {
+    schema["properties"][quantity.key] = value_schema(quantity);
+    if (is_always_there(family, quantity)) schema["required"].push_back(quantity.key);
+  }
+  // Machine and file of a run stand beside its performance.
+  if (family.family != "performance") schema["additionalProperties"] = false;
+  if (family.of.empty()) return schema;
+  return {{"type", "object"}, {"additionalProperties", std::move(schema)}};
+}
+
+Json object() { return {{"type", "object"}}; }
+
+Json map_of(Json schema) {
+  return {{"type", "object"}, {"additionalProperties", std::move(schema)}};
+}
+
+}  // namespace
+
+std::string summary_schema() {
+  Json schema = {
+      {"$schema", "http://json-schema.org/draft-07/schema#"},
+      {"title", "summary.json of tomlin"},
+      {"type", "object"},
+      {"properties", Json::object()},
+      {"required",
+       {"status", "program", "scene", "integrator", "parameters", "time", "window", "drivers",
+        "bodies", "events", "warnings", "left_out", "references", "performance"}},
+      {"additionalProperties", false}};
+  Json& properties = schema["properties"];
+  properties["status"] = {{"enum", {"finished", "interrupted", "failed"}}};
+  for (const char* key : {"failure", "program", "scene", "until", "accuracy"}) {
+    properties[key] = object();
+  }
+  properties["integrator"] = {{"type", {"object", "null"}}};
+  properties["parameters"] = map_of(number_or_null());
+  for (const ResultFamily& family : result_families()) {
+    properties[std::string(family.family)] = family_schema(family);
+  }
+  properties["observers"] = map_of(map_of(number_or_null()));
+  properties["determined"] = map_of(object());
+  properties["error"] = map_of(number_or_null());
+  properties["warnings"] = {{"type", "array"}, {"items", {{"type", "string"}}}};
+  for (const char* key : {"left_out", "references", "plugins"}) {
+    properties[key] = {{"type", "array"}, {"items", object()}};
+  }
+  return schema.dump(2) + "\n";
+}
+
+}  // namespace tomlin

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <string>
+
+namespace tomlin {
+
+/// A JSON Schema (draft 7) of summary.json, made of the rows of all results.
+std::string summary_schema();
+
+}  // namespace tomlin

@@ -1,0 +1,81 @@
+#!/usr/bin/env python3
+"""Every part includes only what the README says that it stands on, directly or in turn.
+
+usage: includes_test.py SOURCE_DIR
+
+Exit status: 0 it does, 1 an include leads elsewhere, 2 bad arguments.
+"""
+import pathlib
+import re
+import sys
+
+INCLUDE = re.compile(r'^#include "((?:framework|forcefields|integrators)/[^"]+)"', re.MULTILINE)
+ROW = re.compile(r"^\| ((?:`\w+`(?:, )?)+) \| ((?:`\w+`(?:, )?)*) *\|$", re.MULTILINE)
+TABLE = "| part | stands on |"
+
+
+def part_of(path):
+    """framework/run/run.hpp: run; framework/tomlin.hpp: tomlin; integrators/rk4.cpp: integrators."""
+    parts = path.split("/")
+    if parts[0] != "framework":
+        return parts[0]
+    return parts[1] if len(parts) > 2 else "tomlin"
+
+
+def allowed(readme):
+    """By part: all that it stands on, from the table in the README."""
+    table = readme[readme.index(TABLE):].split("\n\n", 1)[0]
+    below = {}
+    for parts, others in ROW.findall(table):
+        for part in re.findall(r"\w+", parts):
+            below[part] = set(re.findall(r"\w+", others))
+    changed = True
+    while changed:
+        changed = False
+        for part, others in below.items():
+            wider = others.union(*(below.get(other, set()) for other in others))
+            changed = changed or wider != others
+            below[part] = wider
+    return below
+
+
+def includes(source):
+    """Path and text of each source file."""
+    for folder in ("framework", "forcefields", "integrators"):
+        for path in sorted((source / folder).rglob("*.[ch]pp")):
+            yield path.relative_to(source).as_posix(), path.read_text(encoding="utf-8")
+
+
+def faults(files, below):
+    found = []
+    for name, text in files:
+        part = part_of(name)
+        for target in INCLUDE.findall(text):
+            other = part_of(target)
+            if other != part and other not in below.get(part, set()):
+                found.append(f"{name} includes {target}: {part} does not stand on {other}")
+    return found
+
+
+def main():
+    if len(sys.argv) != 2:
+        print(__doc__, file=sys.stderr)
+        return 2
+    source = pathlib.Path(sys.argv[1])
+    below = allowed((source / "README.md").read_text(encoding="utf-8"))
+    files = list(includes(source))
+    found = faults(files, below)
+    for fault in found:
+        print(fault)
+    # Planted: an arrow that leads upwards, and one to the side.
+    planted = [("framework/core/planted.hpp", '#include "framework/scene/scene.hpp"\n'),
+               ("integrators/planted.cpp", '#include "forcefields/register.hpp"\n')]
+    if len(faults(planted, below)) != len(planted):
+        print("a planted fault was not seen")
+        return 1
+    print(f"{len(files)} files, {len(below)} parts, {len(found)} wrong includes")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
