@@ -39,7 +39,7 @@ struct EnergyResult {
 /// The equilibrium that a quasistatic run ends in.
 struct EquilibriumResult {
   double energy = 0.0;                       ///< potential; but for what the choice of zero holds
-  std::uint64_t neutral_directions = 0;      ///< that nothing holds
+  std::uint64_t neutral_directions = 0;      ///< zero modes
   std::optional<double> smallest_curvature;  ///< of the energy, along what is not neutral
   std::optional<double> log_determinant;     ///< ln |det| of the energy's second derivatives
 };

@@ -68,8 +68,7 @@ const ResultQuantity kEventRows[] = {
 enum EquilibriumRow { kEnergyRow, kNeutralRow, kCurvatureRow, kDeterminantRow };
 const ResultQuantity kEquilibriumRows[] = {
     {"energy", dimension::energy, number, end, "potential energy, but for a constant"},
-    {"neutral_directions", dimension::none, count, end,
-     "zero modes: directions that nothing holds"},
+    {"neutral_directions", dimension::none, count, end, "zero modes: unconstrained directions"},
     {"smallest_curvature", dimension::stiffness, number, end,
      "smallest second derivative of the energy along a direction that is held"},
     {"log_determinant", dimension::none, number, end,

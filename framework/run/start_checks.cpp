@@ -145,7 +145,7 @@ void warn_of_unused_integrator(Check& check) {
 
 /// Where nothing is free there is no error for an adaptive scheme to control, yet forces on what is
 /// prescribed change along its way: parts of a period, or of the run where there is none. Schemes
-/// that follow equilibria do not look at the errors of prescribed ways either.
+/// that follow equilibria do not look at the errors of prescribed motions either.
 void bound_unwatched_steps(Check& check) {
   const SystemView<double>& view = check.model.system().view;
   const bool watched =

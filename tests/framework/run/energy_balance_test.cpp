@@ -144,8 +144,8 @@ TEST(EnergyBalance, OfWhatIsLeftAlone) {
   EXPECT_TRUE(warned(run_text(left_alone(fixed_step(0.2)))));
 }
 
-/// In any number type: the second engine takes over variables of forces and prescribed ways as
-/// well.
+/// In any number type: the second engine copies internal variables of forces and prescribed motions
+/// as well.
 TEST(EnergyBalance, OfPrescribedWaysInEveryNumberTypeIsKept) {
   for (const char* type : {"double", "float", "quadruple"}) {
     SCOPED_TRACE(type);
