@@ -61,8 +61,9 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kIntegralsExponent = 0.6;
 constexpr double kDenseExponent = 0.85;  ///< within a step, of order h^7
 constexpr double kOfIntegrals = 10.0;    ///< times the tolerance: theirs, of what is dissipated
-/// A step shorter than this part of a period may err by as much as one of that length: where a
-/// force jumps, the error is in proportion to the step, and so is what the step dissipates.
+/// A step shorter than this part of a period may err by as much as one of that length: where rates
+/// jump, by a force or by what the last step's iterations left over, the error is in proportion to
+/// the step, and so is what the step dissipates.
 constexpr double kPartOfPeriod = 1e-4;
 constexpr double kLeftOverOfIntegrals = 0.1;  ///< of their tolerance, when iterations end
 constexpr int kMoreIterations = 10;           ///< for them, where coordinates need no more
@@ -276,14 +277,7 @@ class Radau9 : public Integrator<double> {
         if (!(std::abs(z[k]) <= s.largest_move[at_[k]])) return {.within_moves = false};
       }
     }
-    double of_integrals = error_of_integrals(h);
-    if (of_integrals > 1.0 || within_step_ > 1.0) {
-      // Rates at the start are those of the last step's last iteration, which is within the
-      // tolerance of that step's dissipation: too far off where this one dissipates much less.
-      evaluate_at(s.position, s.velocity, s.integrals, first_rates_, since, slope_[0].data());
-      system_.evaluations += 1;
-      of_integrals = error_of_integrals(h);
-    }
+    const double of_integrals = error_of_integrals(h);
     Trial trial;
     trial.error = estimate(first_slope_, h);
     if (trial.error > 1.0 && (refused || !(control_[kOldStep] > 0.0))) {

@@ -147,6 +147,7 @@ TEST(SlowMotion, StickSlipGetsThroughAtCoarseTolerances) {
   constexpr double kMany = 10.0;  // tolerances: errors of all steps of a run
   const auto text = [](double start, const std::string& integrator) {
     return TipScene{.velocity = 0.1,
+                    .stiffness = 1.0,
                     .damping = 0.5,
                     .amplitude = 1.0,
                     .position = start,
