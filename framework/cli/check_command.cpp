@@ -219,8 +219,9 @@ std::string dumped(const Json& json) {
 
 int check_command(const CheckArguments& arguments) {
   try {
-    const Registry registry = registry_with_plugins(arguments.plugins, {arguments.scene});
-    const auto scene = read_scene(arguments.scene, registry, arguments.settings);
+    const SceneDocument document(arguments.scene);
+    const Registry registry = registry_with_plugins(arguments.plugins, {&document, 1});
+    const auto scene = document.read(registry, arguments.settings);
     const Report report = report_on(scene, arguments.seed);
     const int status = print_result(arguments.json ? dumped(json_of(report))
                                                    : text_of(*scene, report, arguments.verbose));

@@ -26,13 +26,14 @@ constexpr const char* kFigureFile = "compare.svg";
 constexpr std::array kFiles = {kCsvFile, kJsonFile, kFigureFile};
 
 /// The faults of all scenes together.
-std::vector<std::shared_ptr<const Scene>> read_scenes(const CompareArguments& arguments,
-                                                      const Registry& registry) {
+std::vector<std::shared_ptr<const Scene>> read_scenes(const std::vector<SceneDocument>& documents,
+                                                      const Registry& registry,
+                                                      const std::vector<Setting>& settings) {
   std::vector<std::shared_ptr<const Scene>> scenes;
   std::vector<Fault> faults;
-  for (const std::string& file : arguments.scenes) {
+  for (const SceneDocument& document : documents) {
     try {
-      scenes.push_back(read_scene(file, registry, arguments.settings));
+      scenes.push_back(document.read(registry, settings));
     } catch (const InputError& error) {
       faults.insert(faults.end(), error.faults().begin(), error.faults().end());
     }
@@ -44,8 +45,9 @@ std::vector<std::shared_ptr<const Scene>> read_scenes(const CompareArguments& ar
 }  // namespace
 
 int compare_command(const CompareArguments& arguments) {
-  const Registry registry = registry_with_plugins(arguments.plugins, arguments.scenes);
-  const auto scenes = read_scenes(arguments, registry);
+  const std::vector<SceneDocument> documents(arguments.scenes.begin(), arguments.scenes.end());
+  const Registry registry = registry_with_plugins(arguments.plugins, documents);
+  const auto scenes = read_scenes(documents, registry, arguments.settings);
   RunFolder folder(arguments.folder.value_or(kDefaultFolder),
                    arguments.force ? Occupied::replace_results : Occupied::refuse, kFiles);
   for (const auto& scene : scenes) refuse_to_lose_inputs(folder, *scene, kFiles);

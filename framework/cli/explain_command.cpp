@@ -5,9 +5,9 @@
 namespace tomlin {
 
 int explain_command(const ExplainArguments& arguments) {
-  const Registry registry = registry_with_plugins(arguments.plugins, {arguments.scene});
-  const Explanation explanation =
-      explain(read_scene(arguments.scene, registry, arguments.settings));
+  const SceneDocument document(arguments.scene);
+  const Registry registry = registry_with_plugins(arguments.plugins, {&document, 1});
+  const Explanation explanation = explain(document.read(registry, arguments.settings));
   return print_result(arguments.json ? explanation_json(explanation)
                                      : explanation_text(explanation));
 }

@@ -3,7 +3,6 @@
 #include <filesystem>
 
 #include "framework/cli/crash_note.hpp"
-#include "framework/scene/libraries.hpp"
 #include "framework/standard_registry.hpp"
 
 namespace tomlin {
@@ -22,12 +21,12 @@ PluginRequest request_of(const std::string& given) {
 }  // namespace
 
 std::vector<PluginRequest> requested_plugins(const std::vector<std::string>& given,
-                                             const std::vector<std::string>& scenes) {
+                                             std::span<const SceneDocument> scenes) {
   std::vector<PluginRequest> requests;
   requests.reserve(given.size());
   for (const std::string& name : given) requests.push_back(request_of(name));
-  for (const std::string& scene : scenes) {
-    for (NamedLibrary& library : libraries_of_scene(scene)) {
+  for (const SceneDocument& scene : scenes) {
+    for (const NamedLibrary& library : scene.libraries()) {
       requests.push_back({library.given, library.path, library.place, false});
     }
   }
@@ -35,7 +34,7 @@ std::vector<PluginRequest> requested_plugins(const std::vector<std::string>& giv
 }
 
 Registry registry_with_plugins(const std::vector<std::string>& given,
-                               const std::vector<std::string>& scenes) {
+                               std::span<const SceneDocument> scenes) {
   Registry registry = standard_registry();
   load_plugins(requested_plugins(given, scenes), registry);
   tell_of_plugins_in_a_crash(loaded_plugins());

@@ -1,6 +1,7 @@
 #include <csignal>
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -94,12 +95,14 @@ int already_over(RunFolder& folder, const Scene& scene, const Resumption& found,
 
 int run_command(const RunArguments& arguments) {
   // The scene, then the place for its results; only then is anything made.
-  const auto plugins = requested_plugins(arguments.plugins, {arguments.scene});
+  std::optional<SceneDocument> document(arguments.scene);
+  const auto plugins = requested_plugins(arguments.plugins, {&*document, 1});
   if (arguments.resume) require_plugins_of_run(arguments, plugins);
   Registry registry = standard_registry();
   load_plugins(plugins, registry);
   tell_of_plugins_in_a_crash(loaded_plugins());
-  const auto scene = read_scene(arguments.scene, registry, arguments.settings);
+  const auto scene = document->read(registry, arguments.settings);
+  document.reset();  // may be large, and the run long
   RunFolder folder(arguments.folder.value_or(default_folder(arguments.scene)), occupied(arguments));
   refuse_to_lose_inputs(folder, *scene, kFilesOfARun);
   Resumption found = resumption(arguments, folder, *scene);

@@ -83,8 +83,9 @@ Tradeoff measured(const std::shared_ptr<const Scene>& scene, const Registry& reg
 }  // namespace
 
 int tradeoff_command(const TradeoffArguments& arguments) {
-  const Registry registry = registry_with_plugins(arguments.plugins, {arguments.scene});
-  const auto scene = read_scene(arguments.scene, registry, arguments.settings);
+  const SceneDocument document(arguments.scene);
+  const Registry registry = registry_with_plugins(arguments.plugins, {&document, 1});
+  const auto scene = document.read(registry, arguments.settings);
   RunFolder folder(arguments.folder.value_or(default_folder(arguments.scene)),
                    arguments.force ? Occupied::replace_results : Occupied::refuse, kFiles);
   refuse_to_lose_inputs(folder, *scene, kFiles);
@@ -105,7 +106,7 @@ int tradeoff_command(const TradeoffArguments& arguments) {
   folder.write_file(kJsonFile, tradeoff_json(*scene, tradeoff));
   std::string trouble;
   if (arguments.write && tradeoff.recommendation) {
-    trouble = write_scene(arguments, registry, *tradeoff.recommendation);
+    trouble = write_scene(arguments, document, registry, *tradeoff.recommendation);
     if (trouble.empty()) where += "; " + *arguments.write;
   }
   const int status = print_result(tradeoff_text(*scene, tradeoff, where));

@@ -7,9 +7,7 @@
 
 #include "framework/cli/new_file.hpp"
 #include "framework/core/fault.hpp"
-#include "framework/core/text_file.hpp"
 #include "framework/output/output_file.hpp"
-#include "framework/scene/document.hpp"
 #include "framework/scene/edit.hpp"
 
 namespace tomlin {
@@ -39,16 +37,13 @@ void check_new_scene(const TradeoffArguments& arguments) {
   refuse_unwritable(*arguments.write, "--write");
 }
 
-std::string write_scene(const TradeoffArguments& arguments, const Registry& registry,
-                        const Recommendation& recommendation) {
+std::string write_scene(const TradeoffArguments& arguments, const SceneDocument& document,
+                        const Registry& registry, const Recommendation& recommendation) {
   std::vector<Setting> settings = arguments.settings;
   settings.insert(settings.end(), recommendation.settings.begin(), recommendation.settings.end());
-  const TextFile source = read_text_file(arguments.scene, kLargestSceneFile);
-  if (source.too_large) return "the scene is too large";
-  if (!source.why.empty()) return source.why;
   try {
-    const std::string text = edited(source.text, arguments.scene, settings);
-    const auto meant = parse_scene(source.text, arguments.scene, registry, settings);
+    const std::string text = edited(document.text(), arguments.scene, settings);
+    const auto meant = document.read(registry, settings);
     const auto read = parse_scene(text, *arguments.write, registry);
     if (read->effective_toml != meant->effective_toml) return "the text would mean another scene";
     OutputFile file(*arguments.write);

@@ -44,8 +44,7 @@ struct Shape {
 Shape shape_of(const StoredRun& run, const std::string& name, const Registry& registry,
                std::vector<std::string>& notes) {
   const std::string file = file_of(run, kSceneFile);
-  const std::shared_ptr<const Scene> scene = read_scene(file, registry);
-  const Model model(scene);
+  const Model model(run.scene->read(registry));
   const auto& bodies = model.bodies();
   const auto found = std::find_if(bodies.begin(), bodies.end(),
                                   [&](const auto& body) { return body.bound.name == name; });
@@ -61,7 +60,7 @@ Shape shape_of(const StoredRun& run, const std::string& name, const Registry& re
 }
 
 /// Where a body and what pulls it are at one moment.
-struct Moment {
+struct Snapshot {
   double value = 0.0;  ///< of the clock
   Point centre;
   double rotation = 0.0;
@@ -105,7 +104,7 @@ class Course {
   }
 
   /// Where the clock first shows this value.
-  Moment at(double value) const {
+  Snapshot at(double value) const {
     const std::size_t upper = first_row_beyond(value);
     const std::size_t lower = upper == 0 ? 0 : upper - 1;
     const double step = clock_[upper] - clock_[lower];
@@ -114,7 +113,7 @@ class Course {
       const std::vector<double>& values = numbers_[parts_ + column];
       return values[lower] + share * (values[upper] - values[lower]);
     };
-    Moment moment{value, {between(0), between(1)}, between(2), {}};
+    Snapshot moment{value, {between(0), between(1)}, between(2), {}};
     for (std::size_t column = 3; parts_ + column < numbers_.size(); column += 2) {
       moment.drivers.push_back({between(column), between(column + 1)});
     }
@@ -141,7 +140,7 @@ class Course {
   std::vector<double> clock_;
 };
 
-std::vector<Point> particles_at(const Shape& shape, const Moment& moment) {
+std::vector<Point> particles_at(const Shape& shape, const Snapshot& moment) {
   double sine = 0.0;
   double cosine = 1.0;
   sincos_turns(moment.rotation / kTau, sine, cosine);
@@ -163,7 +162,7 @@ Curve marks(Mark mark, int colour, Polyline points) {
   return curve;
 }
 
-void add_moment(Panel& panel, const Shape& shape, const Moment& moment, const std::string& clock,
+void add_moment(Panel& panel, const Shape& shape, const Snapshot& moment, const std::string& clock,
                 int colour) {
   Polyline particles = particles_at(shape, moment);
   Curve body = marks(Mark::small_disc, colour, particles);
@@ -264,7 +263,7 @@ Figure body_figure(const std::vector<StoredRun>& runs, const std::vector<std::st
     int colour = 0;
     bool driven = false;
     for (const double value : request.at.empty() ? course.even_moments() : request.at) {
-      const Moment moment = course.at(value);
+      const Snapshot moment = course.at(value);
       add_moment(panel, shape, moment, short_name(clock), colour++);
       driven = driven || !moment.drivers.empty();
     }

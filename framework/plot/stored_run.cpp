@@ -46,18 +46,14 @@ std::string written(const Node& node) {
 }
 
 /// Nothing where there is no such scene: figures can do without.
-std::map<std::string, std::string> written_parameters(const std::string& file) try {
+std::map<std::string, std::string> written_parameters(const SceneDocument& scene) {
   std::map<std::string, std::string> result;
-  const TextFile scene = read_text_file(file, kLargestSceneFile);
-  if (!scene.why.empty() || scene.too_large) return result;
-  const Table document = parse_document(scene.text, file);
-  const Node* parameters = document.find("parameters");
+  const Table* document = scene.contents();
+  const Node* parameters = document == nullptr ? nullptr : document->find("parameters");
   const Table* table = parameters == nullptr ? nullptr : parameters->as<Table>();
   if (table == nullptr) return result;
   for (const Entry& entry : table->entries) result[entry.key] = written(entry.value);
   return result;
-} catch (const InputError&) {
-  return {};
 }
 
 }  // namespace
@@ -90,7 +86,8 @@ StoredRun read_stored_run(const std::string& folder) {
       if (value.is_number()) run.parameters.emplace_back(name, value.get<double>());
     }
   }
-  run.written = written_parameters(file_of(run, kSceneFile));
+  run.scene = std::make_shared<SceneDocument>(file_of(run, kSceneFile));
+  run.written = written_parameters(*run.scene);
   return run;
 }
 

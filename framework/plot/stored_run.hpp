@@ -1,9 +1,12 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "framework/scene/scene_document.hpp"
 
 namespace tomlin {
 
@@ -15,6 +18,7 @@ struct StoredRun {
   std::vector<std::pair<std::string, double>> parameters;  ///< resolved, in the scene's order
   /// As scene.toml has them, expressions included; empty where it cannot be read.
   std::map<std::string, std::string> written;
+  std::shared_ptr<const SceneDocument> scene;  ///< scene.toml
 };
 
 /// Is this the folder of a run that has ended: is there a summary?

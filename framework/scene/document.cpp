@@ -1,6 +1,7 @@
 #include "framework/scene/document.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 // In toml++ 3.3 an assertion fails for "[=" before the error that the parser has for it; without
@@ -97,42 +98,50 @@ class Outline {
       } else if (c == '#') {
         while (!cursor_.at_end() && cursor_.peek() != '\n') cursor_.advance();
       } else {
-        refuse_other_alphabets(c);
-        refuse_deep_nesting(c);
-        refuse_many_values(c);
+        look_at(c);
         cursor_.advance();
       }
     }
   }
 
  private:
-  // Strict TOML knows them in strings and comments only; on some, version 3.3 of the library ends
-  // in undefined behaviour.
-  void refuse_other_alphabets(char c) {
-    if (static_cast<unsigned char>(c) < 0x80U) return;
-    throw InputError({explain_character(cursor_.rest(), file_, cursor_.mark())});
-  }
-
-  // The library and all that follows walk nested values and tables by recursion; a file must not
-  // exhaust the stack.
-  void refuse_deep_nesting(char c) {
-    if (c == '[' || c == '{') ++brackets_;
-    if (c == ']' || c == '}') brackets_ = std::max(0, brackets_ - 1);
-    // Dots of one key, which ends at any of these.
-    if (c == '.') ++dots_;
-    if (std::string_view("[]{}=,\n").find(c) != std::string_view::npos) dots_ = 0;
+  void look_at(char c) {
+    // Strict TOML knows other alphabets in strings and comments only; on some, version 3.3 of the
+    // library ends in undefined behaviour.
+    if (static_cast<unsigned char>(c) >= 0x80U) {
+      throw InputError({explain_character(cursor_.rest(), file_, cursor_.mark())});
+    }
+    bool begins_value = true;
+    switch (c) {
+      case '[':
+      case '{':
+        ++brackets_;
+        break;
+      case '=':
+      case ',':
+        break;
+      case ']':
+      case '}':
+        brackets_ = std::max(0, brackets_ - 1);
+        [[fallthrough]];
+      case '\n':
+      case '.':
+        begins_value = false;
+        break;
+      default:
+        return;
+    }
+    // The library and all that follows walk nested values and tables by recursion; a file must not
+    // exhaust the stack. Dots are those of one key.
+    dots_ = c == '.' ? dots_ + 1 : 0;
     if (brackets_ > kDeepestNesting || dots_ >= kDeepestNesting) {
       stop(file_, cursor_.mark(), "nested too deeply",
            "at most " + std::to_string(kDeepestNesting) + " levels");
     }
-  }
-
-  // Each begins behind one of these, so that there are not more.
-  void refuse_many_values(char c) {
-    if (std::string_view("[{=,").find(c) == std::string_view::npos) return;
-    if (++values_ <= kMostValues) return;
-    stop(file_, cursor_.mark(), "too many values",
-         "at most " + std::to_string(kMostValues) + " values, lists and tables in a scene");
+    if (begins_value && ++values_ > kMostValues) {
+      stop(file_, cursor_.mark(), "too many values",
+           "at most " + std::to_string(kMostValues) + " values, lists and tables in a scene");
+    }
   }
 
   Cursor cursor_;
@@ -234,7 +243,11 @@ void refuse_too_large(const std::string& file) {
        "at most " + std::to_string(kLargestSceneFile >> 20) + " MiB");
 }
 
-Table parse_document(std::string_view text, const std::string& file) {
+namespace {
+
+std::atomic<std::size_t> parsed = 0;
+
+Table parse_text(std::string_view text, const std::string& file) {
   if (text.size() > kLargestSceneFile) refuse_too_large(file);
   refuse_other_encodings(text, file);
   text = without_byte_order_mark(text);
@@ -248,6 +261,15 @@ Table parse_document(std::string_view text, const std::string& file) {
     throw InputError({explain_syntax(text, file, {begin.line, begin.column}, error.description())});
   }
 }
+
+}  // namespace
+
+Table parse_document(std::string_view text, const std::string& file) {
+  ++parsed;
+  return parse_text(text, file);
+}
+
+std::size_t parsed_documents() { return parsed; }
 
 Node parse_setting(std::string_view text, std::uint32_t setting) {
   Node plain_text;
@@ -274,7 +296,7 @@ std::optional<Fault> explain_setting(std::string_view text) {
   if (std::string_view("[{\"'").find(text[begin]) == std::string_view::npos) return std::nullopt;
   const std::string document = "value = " + std::string(text);
   try {
-    (void)parse_document(document, "");
+    (void)parse_text(document, "");
   } catch (const InputError& error) {
     return error.faults().front();
   }

@@ -83,6 +83,10 @@ void check_outline(std::string_view text, const std::string& file);
 /// The text of a scene; throws InputError with the one fault that stops the reading.
 Table parse_document(std::string_view text, const std::string& file);
 
+/// How often parse_document() was called in this process, which takes most of the time in which a
+/// scene is read.
+std::size_t parsed_documents();
+
 /// The value of the n-th `--set`: a TOML value, or else text. Never fails.
 Node parse_setting(std::string_view text, std::uint32_t setting);
 

@@ -1,27 +1,9 @@
 #include "framework/scene/libraries.hpp"
 
-#include <optional>
 #include <utility>
-
-#include "framework/core/text_file.hpp"
 
 namespace tomlin {
 namespace fs = std::filesystem;
-
-std::vector<NamedLibrary> libraries_of_scene(const std::string& file) {
-  const TextFile contents = read_text_file(file, kLargestSceneFile);
-  if (!contents.why.empty() || contents.too_large) return {};
-  std::optional<Table> document;
-  try {
-    document = parse_document(contents.text, file);
-  } catch (const InputError&) {
-    return {};
-  }
-  const std::vector<Setting> none;
-  const Source source(file, contents.text, none);
-  FaultList faults(source);
-  return named_libraries(*document, file, source, faults);
-}
 
 std::vector<NamedLibrary> named_libraries(const Table& document, const std::string& file,
                                           const Source& source, FaultList& faults) {

@@ -19,10 +19,7 @@ struct NamedLibrary {
   Place place;
 };
 
-/// Those of a scene file. What is wrong with the file is left to read_scene().
-std::vector<NamedLibrary> libraries_of_scene(const std::string& file);
-
-/// The same of a document; what is no name of a file is reported.
+/// Those of a document; what is no name of a file is reported.
 std::vector<NamedLibrary> named_libraries(const Table& document, const std::string& file,
                                           const Source& source, FaultList& faults);
 

@@ -64,11 +64,9 @@ class Reader {
 };
 
 /// The scene as it was asked for, with nothing but the integrator replaced.
-std::shared_ptr<const Scene> with_integrator(const std::shared_ptr<const Scene>& scene,
-                                             const Registry& registry, const std::string& line) {
-  auto result = std::make_shared<Scene>(*scene);
-  result->run.integrator =
-      Variants(scene, registry).with({{"run.integrator", line}})->run.integrator;
+std::shared_ptr<const Scene> with_integrator(const Variants& variants, const std::string& line) {
+  auto result = std::make_shared<Scene>(variants.scene());
+  result->run.integrator = variants.with({{"run.integrator", line}})->run.integrator;
   return result;
 }
 
@@ -109,10 +107,9 @@ std::optional<ChosenIntegrator> kept_choice(const RunStore& store,
   while (reader.more()) reader.text(chosen.warnings.emplace_back());
   if (!reader.whole()) return std::nullopt;
   try {
-    chosen.scene = with_integrator(scene, registry, chosen.text);
-    for (Companion& one : chosen.companions) {
-      one.scene = with_integrator(scene, registry, one.text);
-    }
+    const Variants variants(scene, registry);
+    chosen.scene = with_integrator(variants, chosen.text);
+    for (Companion& one : chosen.companions) one.scene = with_integrator(variants, one.text);
   } catch (const InputError&) {
     return std::nullopt;  // it is looked for again, and says itself what is wrong
   }

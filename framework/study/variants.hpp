@@ -6,26 +6,30 @@
 
 #include "framework/core/registry.hpp"
 #include "framework/scene/scene.hpp"
+#include "framework/scene/scene_document.hpp"
 
 namespace tomlin {
 
-/// A scene that is read again and again with a few of its values replaced.
+/// A scene that is read again and again with a few of its values replaced; its text is parsed once.
 class Variants {
  public:
   /// The registry must outlive this.
   Variants(std::shared_ptr<const Scene> scene, const Registry& registry)
-      : scene_(std::move(scene)), registry_(registry) {}
+      : scene_(std::move(scene)),
+        document_(scene_->effective_toml, scene_->file),
+        registry_(registry) {}
 
   const Scene& scene() const { return *scene_; }
   const Registry& registry() const { return registry_; }
 
   /// The scene with these settings, as `--set` has them. Throws InputError.
   std::shared_ptr<const Scene> with(const std::vector<Setting>& settings) const {
-    return parse_scene(scene_->effective_toml, scene_->file, registry_, settings);
+    return document_.read(registry_, settings);
   }
 
  private:
   std::shared_ptr<const Scene> scene_;
+  SceneDocument document_;
   const Registry& registry_;
 };
 

@@ -1,0 +1,258 @@
+// Bodies, forces and observers: their types and names, and which bodies each acts on.
+
+#include <cstdint>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/core/nearest_name.hpp"
+#include "framework/scene/motion_reader.hpp"
+#include "framework/scene/scene_draft.hpp"
+#include "framework/scene/text.hpp"
+
+namespace tomlin {
+namespace {
+
+const std::string* text_at(const Section& given, const char* key) {
+  const Node* node = given.table->find(key);
+  return node ? node->as<std::string>() : nullptr;
+}
+
+/// The name given, or the type's; empty when unfit, and reported.
+std::string read_name(SceneDraft& draft, const Section& given,
+                      const std::map<std::string, std::size_t>& types, const std::string& path) {
+  const std::string key = path + ".name";
+  const Node* node = given.table->find("name");
+  if (node == nullptr) {
+    const auto* type = text_at(given, "type");
+    if (type == nullptr) return "";  // the missing type is reported
+    const std::size_t same_type = types.at(*type);
+    if (same_type == 1) return *type;
+    draft.faults.of_key(given.where,
+                        {key, fmt::format("missing: {} share the type {}", same_type,
+                                          quoted_text(shortened(*type, kLongestShownValue)))});
+    return "";
+  }
+  const auto* name = node->as<std::string>();
+  if (name == nullptr) {
+    draft.faults.of_value(*node, {key, "found " + kind_of(*node), "text"});
+  } else if (!is_component_name(*name)) {
+    draft.faults.of_value(*node,
+                          {key, "not a name", "letters, digits, _ and -, the first a letter or _"});
+  } else if (is_word_of_summary(*name)) {
+    draft.faults.of_value(*node, {key, "a word of the summary; choose another name"});
+  } else {
+    return *name;
+  }
+  return "";
+}
+
+/// Every component of a kind: name, type and rows, and then what `read_rest` reads of each.
+template <class Component, class Record, class Rest>
+void read_all(SceneDraft& draft, const std::string& kind, std::vector<Component>& components,
+              const std::vector<std::unique_ptr<Record>>& records,
+              TableLayout (*layout_of)(const Record&), const Rest& read_rest) {
+  const auto sections = draft.sections(kind);
+  std::map<std::string, std::size_t> types;  // how many components have each
+  for (const Section& given : sections) {
+    if (const auto* type = text_at(given, "type")) ++types[*type];
+  }
+  for (const Section& given : sections) {
+    const auto* written = text_at(given, "name");
+    const auto* type = text_at(given, "type");
+    const std::string label = written ? *written : type ? *type : "";
+    const std::string path = label.empty()
+                                 ? fmt::format("{}[{}]", kind, components.size())
+                                 : kind + "." + key_text(shortened(label, kLongestShownValue));
+    Component component;
+    component.reading.path = path;
+    component.reading.where = given.where;
+    component.reading.given = given.table;
+    component.record = read_record(draft, kind, given, path, records);
+    component.name = read_name(draft, given, types, path);
+    if (component.record != nullptr) {
+      component.description = component.record->make_description();
+      component.reading =
+          draft.read(given, layout_of(*component.record), path, component.description.get());
+      component.sound = component.reading.sound;
+    }
+    read_rest(component, given);
+    components.push_back(std::move(component));
+  }
+}
+
+/// `hold` and `motion`.
+void read_freedom(SceneDraft& draft, BodyDraft& body, const Section& given) {
+  if (const Node* node = given.table->find("hold")) {
+    const auto held = draft.values.read(hold_row(), *node, body.reading.path + ".hold");
+    if (held) body.hold = std::get<WordList>(*held).words;
+    body.sound = body.sound && held;
+  }
+  if (const Node* node = given.table->find("motion")) {
+    body.motion = read_motion(*node, body.reading.path + ".motion", draft.parameters, draft.faults);
+    body.sound = body.sound && body.motion;
+  }
+}
+
+/// A body whose own name is unfit is still the one that is meant by it; the first of several is.
+void note_name(SceneDraft& draft, const BodyDraft& body, const Section& given) {
+  const auto* written = text_at(given, "name");
+  const std::string& name = written ? *written : body.name;
+  if (!name.empty() || written) draft.body_indices.try_emplace(name, draft.bodies.size());
+}
+
+/// The body of that name; nothing when there is none, and reported.
+std::optional<std::size_t> body_named(SceneDraft& draft, const Node& node, const std::string& key) {
+  const auto* name = node.as<std::string>();
+  if (name == nullptr) {
+    draft.faults.of_value(node, {key, "found " + kind_of(node), "the name of a body"});
+    return std::nullopt;
+  }
+  const auto found = draft.body_indices.find(*name);
+  if (found != draft.body_indices.end()) return found->second;
+  const auto names = names_of(draft.bodies);
+  draft.faults.of_value(
+      node, {key, "there is no such body", listed(names), nearest_name(*name, names).value_or("")});
+  return std::nullopt;
+}
+
+/// `body = NAME`, which may be left out where there is one body only, or `bodies = [..]`. How many
+/// it may be is the record's to say, as what the component does to them is the `verb`'s.
+template <class Component>
+void read_bodies_of(SceneDraft& draft, Component& component, const Section& given,
+                    const char* verb) {
+  if (draft.bodies.empty()) return;
+  const std::string& path = component.reading.path;
+  const Node* one = given.table->find("body");
+  const Node* several = given.table->find("bodies");
+  if (one && several) {
+    draft.faults.of_key(given.table->find_entry("bodies")->where,
+                        {path + ".bodies", "body is given too", "one of the two"});
+    return;
+  }
+  const std::string key = path + (several ? ".bodies" : ".body");
+  if (several) {
+    component.bodies = bodies_in(draft, *several, key);
+  } else if (one) {
+    if (const auto index = body_named(draft, *one, key)) component.bodies = {*index};
+  } else if (draft.bodies.size() == 1) {
+    component.bodies = {0};
+  } else {
+    draft.faults.of_key(given.where,
+                        {key, "missing: there are several bodies", listed(names_of(draft.bodies))});
+  }
+  if (component.record == nullptr || component.bodies.empty()) return;
+  const auto count = static_cast<int>(component.bodies.size());
+  const int fewest = component.record->fewest_bodies;
+  const int most = component.record->most_bodies;
+  if (count >= fewest && count <= most) return;
+  const std::string due =
+      fewest == most ? fmt::format("{}", most) : fmt::format("{} to {}", fewest, most);
+  const Wrong wrong{key, fmt::format("found {} bod{}, but {} {} {}", count,
+                                     count == 1 ? "y" : "ies", component.record->name, verb, due)};
+  if (const Node* node = several ? several : one) {
+    draft.faults.of_value(*node, wrong);
+  } else {
+    draft.faults.of_key(given.where, wrong);
+  }
+  component.bodies.clear();
+}
+
+/// Bodies and forces share their names: an observable says "ring.turns", whatever "ring" is.
+class NameCheck {
+ public:
+  explicit NameCheck(SceneDraft& draft) : draft_(draft) {}
+
+  template <class Component>
+  void operator()(const std::vector<Component>& components) {
+    for (const Component& component : components) {
+      if (component.name.empty()) continue;
+      const auto [first, is_new] = taken_.emplace(component.name, &component.reading);
+      if (is_new) continue;
+      const Place place = draft_.source.place(first->second->where);
+      component.reading.complain(
+          draft_.faults, "name",
+          {"", fmt::format("the name {} is taken by {} in line {}", quoted_text(component.name),
+                           first->second->path, place.line)});
+    }
+  }
+
+ private:
+  SceneDraft& draft_;
+  std::map<std::string, const TableReading*> taken_;
+};
+
+}  // namespace
+
+void read_components(SceneDraft& draft) {
+  const Node* bodies = draft.document.find("body");
+  if (bodies == nullptr || (bodies->as<List>() && bodies->as<List>()->empty())) {
+    draft.faults.of_key(kTopOfFile, {"body", "missing: a scene needs at least one [[body]]"});
+  }
+  const Registry& registry = draft.registry;
+  read_all(draft, "body", draft.bodies, registry.bodies(), body_layout,
+           [&](BodyDraft& body, const Section& given) {
+             read_freedom(draft, body, given);
+             note_name(draft, body, given);
+           });
+  read_all(draft, "force", draft.forces, registry.forces(), force_layout,
+           [&](ForceDraft& force, const Section& given) {
+             read_bodies_of(draft, force, given, "acts on");
+           });
+  read_all(draft, "observer", draft.observers, registry.observers(), observer_layout,
+           [&](ObserverDraft& observer, const Section& given) {
+             read_bodies_of(draft, observer, given, "looks at");
+           });
+  NameCheck check(draft);
+  check(draft.bodies);
+  check(draft.forces);
+  check(draft.observers);
+}
+
+std::optional<std::size_t> read_type(SceneDraft& draft, const std::string& kind,
+                                     const Section& given, const std::string& path,
+                                     const std::vector<std::string>& names) {
+  const std::string key = path + ".type";
+  const Node* node = given.table->find("type");
+  if (node == nullptr) {
+    draft.faults.of_key(given.where, {key, "missing", listed(in_quotes(names))});
+    return std::nullopt;
+  }
+  const auto* type = node->as<std::string>();
+  if (type == nullptr) {
+    draft.faults.of_value(*node, {key, "found " + kind_of(*node), listed(in_quotes(names))});
+    return std::nullopt;
+  }
+  const auto found = std::find(names.begin(), names.end(), *type);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  const ReservedKey* planned = planned_word(*type);
+  draft.faults.of_value(
+      *node, {key, planned ? not_in_this_version(*planned) : "there is no such " + kind,
+              listed(in_quotes(names)), planned ? "" : nearest_name(*type, names).value_or("")});
+  return std::nullopt;
+}
+
+std::vector<std::size_t> bodies_in(SceneDraft& draft, const Node& node, const std::string& key) {
+  const auto* list = node.as<List>();
+  if (list == nullptr || list->empty()) {
+    draft.faults.of_value(node, {key, list ? "the list is empty" : "found " + kind_of(node),
+                                 "a list of names of bodies"});
+    return {};
+  }
+  std::vector<std::size_t> result;
+  std::set<std::size_t> seen;
+  bool sound = true;
+  for (const Node& element : *list) {
+    const auto index = body_named(draft, element, key);
+    if (index && !seen.insert(*index).second) {
+      draft.faults.of_value(element, {key, "the body is named twice", "different bodies"});
+      sound = false;
+    }
+    if (index) result.push_back(*index);
+    sound = sound && index;
+  }
+  return sound ? result : std::vector<std::size_t>();
+}
+
+}  // namespace tomlin

@@ -1,0 +1,84 @@
+// What a run is to give: `[measure]`, the window over which means are taken, and `[output]`.
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "framework/core/nearest_name.hpp"
+#include "framework/scene/scene_draft.hpp"
+#include "framework/scene/text.hpp"
+
+namespace tomlin {
+namespace {
+
+// How far a driver gets is known to the model only; see there for windows in its periods.
+void check_window(SceneDraft& draft, const TableReading& reading) {
+  const MeasureSettings& measure = draft.scene->measure;
+  const double duration = draft.scene->run.duration;
+  if (!reading.has("from") || (reading.given->find("to") && !reading.has("to"))) return;
+  if (measure.to && *measure.to <= measure.from) {
+    reading.complain(draft.faults, "to",
+                     {"", "the window ends before it begins",
+                      fmt::format("> {}, the value of from", measure.from)});
+    return;
+  }
+  const bool in_time = reading.has("in") && measure.unit == MeasureSettings::Unit::time;
+  if (!in_time || !draft.duration_is_known) return;
+  if (measure.to && *measure.to > duration) {
+    reading.complain(
+        draft.faults, "to",
+        {"", "past the end of the run", fmt::format("<= {}, the run's duration", duration)});
+  } else if (!measure.to && measure.from >= duration) {
+    reading.complain(
+        draft.faults, "from",
+        {"", "past the end of the run", fmt::format("< {}, the run's duration", duration)});
+  }
+}
+
+void check_periods(SceneDraft& draft, const TableReading& reading) {
+  const MeasureSettings& measure = draft.scene->measure;
+  for (const char* key : {"driver", "period"}) {
+    if (measure.unit == MeasureSettings::Unit::time && reading.has(key)) {
+      reading.complain(draft.faults, key, {"", "only counts where in = \"driver_periods\""});
+      return;
+    }
+  }
+  if (!reading.has("driver")) return;
+  const auto names = names_of(draft.forces);
+  if (std::find(names.begin(), names.end(), measure.driver) == names.end()) {
+    reading.complain(draft.faults, "driver",
+                     {"", "there is no such force", listed(names),
+                      nearest_name(measure.driver, names).value_or("")});
+  }
+}
+
+}  // namespace
+
+void read_measure(SceneDraft& draft) {
+  const auto given = draft.section("measure");
+  if (!given) return;
+  MeasureSettings& measure = draft.scene->measure;
+  const TableReading reading = draft.read(*given, measure_layout(), "measure", &measure);
+  measure.place = draft.source.place(given->where);
+  measure.places = reading.places;
+  if (!draft.scene->run.until) check_window(draft, reading);
+  if (reading.sound) check_periods(draft, reading);
+  draft.effective.set("measure", {reading.effective, {}});
+}
+
+void read_output(SceneDraft& draft) {
+  const Table nothing;
+  const auto given = draft.section("output").value_or(Section{&nothing, kTopOfFile});
+  OutputSettings& output = draft.scene->output;
+  const TableReading reading = draft.read(given, output_layout(), "output", &output);
+  output.place = draft.source.place(given.where);
+  output.places = reading.places;
+  if (output.trajectory && given.table->find("every") == nullptr) {
+    reading.complain(draft.faults, "trajectory",
+                     {"", "positions come with samples, and there are none",
+                      "with every, the sampling interval"});
+  }
+  draft.effective.set("output", {reading.effective, {}});
+}
+
+}  // namespace tomlin

@@ -1,0 +1,92 @@
+// `[run]` with what stands in it: noise on the start, and when a run ends.
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "framework/scene/scene_draft.hpp"
+
+namespace tomlin {
+namespace {
+
+/// The effective table of `perturb`; nothing when it is absent or unfit.
+std::optional<Node> read_perturb(SceneDraft& draft, const Section& run) {
+  const std::string path = "run.perturb";
+  const Node* node = run.table->find("perturb");
+  if (node == nullptr) return std::nullopt;
+  const auto given = draft.inside(*node, path, "{ size = ..., ... }");
+  if (!given) return std::nullopt;
+  PerturbSettings& perturb = draft.scene->run.perturb.emplace();
+  const auto reading = draft.read(*given, perturb_layout(), path, &perturb);
+  perturb.place = draft.source.place(node->where);
+  perturb.places = reading.places;
+  if (const Node* bodies = given->table->find("bodies")) {
+    perturb.bodies = bodies_in(draft, *bodies, path + ".bodies");
+  } else {
+    perturb.bodies.resize(draft.bodies.size());
+    std::iota(perturb.bodies.begin(), perturb.bodies.end(), std::size_t{0});
+  }
+  Table effective;
+  effective.set("bodies", names_of_bodies(draft, perturb.bodies));
+  append(effective, reading.effective);
+  return Node{std::move(effective), {}};
+}
+
+/// The effective table of `until`, which is there; nothing when it is unfit.
+std::optional<Node> read_until(SceneDraft& draft, const Section& run) {
+  const std::string path = "run.until";
+  const Node& node = *run.table->find("until");
+  const auto given = draft.inside(node, path, "{ steady = ..., ... }");
+  if (!given) return std::nullopt;
+  UntilSettings& until = draft.scene->run.until.emplace();
+  const auto reading = draft.read(*given, until_layout(), path, &until);
+  until.place = draft.source.place(node.where);
+  until.places = reading.places;
+  if (until.max) {
+    double& duration = draft.scene->run.duration;
+    duration = draft.duration_is_known ? std::min(duration, *until.max) : *until.max;
+    draft.duration_is_known = true;
+  } else if (run.table->find("duration") == nullptr) {
+    draft.faults.of_key(run.where, {"run.duration", "missing", "a duration, or max in run.until"});
+  }
+  return Node{reading.effective, {}};
+}
+
+}  // namespace
+
+void read_run(SceneDraft& draft) {
+  const auto given = draft.section("run");
+  if (!given) {
+    if (draft.document.find("run") == nullptr) {
+      draft.faults.of_key(kTopOfFile, {"run", "missing: a scene needs [run]",
+                                       "a table with duration and integrator"});
+    }
+    return;
+  }
+  RunSettings& run = draft.scene->run;
+  const bool until = given->table->find("until") != nullptr;
+  TableLayout layout = run_layout(until);
+  // An integrator's keys beside it, instead of in its table.
+  for (const auto& record : draft.registry.integrators()) {
+    for (const Parameter& row : record->parameters) {
+      layout.elsewhere.push_back({row.key, "integrator = { type = ..., ... }"});
+    }
+  }
+  const TableReading reading = draft.read(*given, layout, "run", &run);
+  run.place = draft.source.place(given->where);
+  run.places = reading.places;
+  draft.duration_is_known = reading.has("duration");
+
+  Table effective;
+  if (auto integrator = read_integrator(draft, *given)) {
+    effective.set("integrator", *std::move(integrator));
+  }
+  append(effective, reading.effective);
+  if (auto perturb = read_perturb(draft, *given)) effective.set("perturb", *std::move(perturb));
+  if (until) {
+    if (auto table = read_until(draft, *given)) effective.set("until", *std::move(table));
+  }
+  draft.effective.set("run", {std::move(effective), {}});
+}
+
+}  // namespace tomlin

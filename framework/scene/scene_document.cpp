@@ -1,0 +1,80 @@
+#include "framework/scene/scene_document.hpp"
+
+#include <utility>
+
+#include "framework/core/text_file.hpp"
+#include "framework/scene/fault_list.hpp"
+#include "framework/scene/reader.hpp"
+#include "framework/scene/settings.hpp"
+#include "framework/scene/size_checks.hpp"
+
+namespace tomlin {
+
+namespace {
+
+std::string contents_of(const std::string& file) {
+  TextFile contents = read_text_file(file, kLargestSceneFile);
+  if (contents.too_large) refuse_too_large(file);
+  if (contents.why.empty()) return std::move(contents.text);
+  Fault fault;
+  fault.place = {file, 1, 1};
+  fault.why = std::move(contents.why);
+  throw InputError({std::move(fault)});
+}
+
+}  // namespace
+
+SceneDocument::SceneDocument(const std::string& file) : file_(file) {
+  try {
+    text_ = contents_of(file_);
+    contents_ = parse_document(text_, file_);
+  } catch (const InputError& error) {
+    fault_ = error;
+  }
+}
+
+SceneDocument::SceneDocument(std::string text, std::string file)
+    : file_(std::move(file)), text_(std::move(text)) {
+  try {
+    contents_ = parse_document(text_, file_);
+  } catch (const InputError& error) {
+    fault_ = error;
+  }
+}
+
+std::vector<NamedLibrary> SceneDocument::libraries() const {
+  if (!contents_) return {};
+  const std::vector<Setting> none;
+  const Source source(file_, text_, none);
+  FaultList faults(source);
+  return named_libraries(*contents_, file_, source, faults);
+}
+
+std::shared_ptr<const Scene> SceneDocument::read(const Registry& registry,
+                                                 const std::vector<Setting>& settings) const {
+  if (fault_) throw InputError(*fault_);
+  const Source source(file_, text_, settings);
+  FaultList faults(source);
+  Table changed;
+  if (!settings.empty()) {
+    changed = *contents_;
+    apply_settings(settings, changed, faults);
+  }
+  const Table& document = settings.empty() ? *contents_ : changed;
+  // What comes next evaluates them.
+  if (!check_expressions(document, faults)) faults.throw_if_any();
+  return read_document(document, file_, source, registry, faults);
+}
+
+std::shared_ptr<const Scene> read_scene(const std::string& file, const Registry& registry,
+                                        const std::vector<Setting>& settings) {
+  return SceneDocument(file).read(registry, settings);
+}
+
+std::shared_ptr<const Scene> parse_scene(std::string_view text, const std::string& file,
+                                         const Registry& registry,
+                                         const std::vector<Setting>& settings) {
+  return SceneDocument(std::string(text), file).read(registry, settings);
+}
+
+}  // namespace tomlin
