@@ -224,7 +224,7 @@ bool Model::rebase_if_due() {
       if (slot.rigid) {
         all = moved(view.position[slot.centre + d] - body.bound.start_centre[d]);
       } else if (body.prescribed()) {
-        all = moved(assembly_.travel_of(body, d));
+        all = moved(assembly_.prescribed().travel_of(body, d, view.integrals));
       } else {
         const double* x =
             (slot.mapped ? view.mapped_position : view.position) + slot.offset + d * slot.stride;

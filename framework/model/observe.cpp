@@ -58,7 +58,7 @@ void Model::centre_velocity(std::size_t b, const double* velocity, double* resul
   if (slot.rigid) {
     std::copy(velocity + slot.centre, velocity + slot.centre + dimension(), result);
   } else if (body.prescribed()) {
-    for (int d = 0; d < dimension(); ++d) result[d] = assembly_.speed_of(body, d);
+    for (int d = 0; d < dimension(); ++d) result[d] = assembly_.prescribed().speed_of(body, d);
   } else if (slot.mapped) {
     std::fill(result, result + dimension(), 0.0);
   } else {
@@ -83,7 +83,7 @@ double* Model::place_particles(std::size_t b, const double* position, double* re
 double Model::rotation(std::size_t b, const double* position) const {
   const Body& body = bodies()[b];
   const BodySlot<double>& slot = body.bound.slot;
-  if (body.prescribed()) return assembly_.turns_of(body);
+  if (body.prescribed()) return assembly_.prescribed().turns_of(body);
   if (slot.rigid && dimension() == 2) {
     return static_cast<double>(whole_turns_[b]) + position[slot.centre + kRotation];
   }

@@ -1,0 +1,190 @@
+#include "framework/model/assembled_bodies.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "framework/core/sum.hpp"
+
+namespace tomlin {
+namespace {
+
+/// Distance from one axis of a body's particles to the next, kept off multiples of a page so that
+/// the axes do not compete for the same cache lines.
+std::size_t stride_for(std::size_t count) {
+  const std::size_t length = padded(count);
+  return length % 512 == 0 ? length + 3 * kGroup : length;
+}
+
+/// Places so far away that they cannot be counted in periods come out as no numbers.
+bool placed_finitely(const std::vector<std::vector<double>>& start) {
+  for (const auto& particle : start) {
+    for (const double x : particle) {
+      if (!std::isfinite(x)) return false;
+    }
+  }
+  return true;
+}
+
+double per_particle(const PerParticle& given, std::size_t i) {
+  return given.values.size() == 1 ? given.values.front() : given.values[i];
+}
+
+bool names(const std::vector<std::string>& words, const char* word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+/// All but its place in the arrays.
+template <class Real>
+AssembledBody<Real> described(const SceneBody& from, std::size_t index, const AssemblyPlan& plan) {
+  const BodyDescription& common = from.record->common(from.description.get());
+  const BodyGeometry& geometry = plan.geometry[index];
+  const std::size_t count = geometry.relative.size();
+  AssembledBody<Real> body;
+  body.rolling_radius = geometry.rolling_radius;
+  body.bound.name = from.name;
+  body.bound.index = index;
+  body.bound.coordinates = common.coordinates;
+  const BodyEnds ends = from.record->ends(from.description.get(), plan.dimension());
+  body.bound.closed = ends.closed;
+  body.bound.open_along = ends.open_along;
+  if (from.motion) body.motion = &*from.motion;
+  for (int d = 0; d < plan.dimension(); ++d) body.held[d] = names(from.hold, kAxisNames[d]);
+  body.rotation_held = names(from.hold, "rotation");
+
+  // Positions relative to the origin, to the last digit however far away the body is.
+  body.bound.start.assign(count, std::vector<double>(plan.dimension(), 0.0));
+  for (int d = 0; d < plan.dimension(); ++d) {
+    const double anchor = relative_to(plan.origin, d, geometry.anchor[d]);
+    for (std::size_t i = 0; i < count; ++i) {
+      body.bound.start[i][d] = anchor + geometry.relative[i][d];
+    }
+  }
+  InterleavedSum<double> mass;
+  for (std::size_t i = 0; i < count; ++i) {
+    body.bound.mass.push_back(per_particle(common.particle_mass, i));
+    mass.add(i, body.bound.mass[i]);
+  }
+  body.total_mass = mass.total();
+  return body;
+}
+
+template <class Real>
+void check(const AssembledBody<Real>& body, const SceneBody& from, int dimension,
+           std::vector<Fault>& faults) {
+  const BodySlot<Real>& slot = body.bound.slot;
+  if (slot.rigid && dimension == 3 && !body.rotation_held && slot.count > 1) {
+    faults.push_back({from.place_of("coordinates"), "body." + from.name + ".coordinates",
+                      "\"rigid\"", "rotations in space are not in this version",
+                      "hold = [\"rotation\"] beside it, or \"particles\"", ""});
+  }
+  if (!std::isfinite(body.total_mass)) {
+    faults.push_back({from.place_of("particle_mass"), "body." + from.name + ".particle_mass", "",
+                      "the body's total mass overflows", "smaller masses", ""});
+  }
+  if (!placed_finitely(body.bound.start)) {
+    faults.push_back({from.place, "body." + from.name, "",
+                      "further from the origin than can be counted in periods",
+                      "a place nearer the origin", ""});
+  }
+}
+
+}  // namespace
+
+/// First the sizes, since views point into arrays that must not move afterwards.
+template <class Real>
+AssembledBodies<Real>::AssembledBodies(const AssemblyPlan& plan) {
+  const int dimension = plan.dimension();
+  std::vector<Fault> faults;
+  for (const SceneBody& from : plan.scene->bodies) {
+    all.push_back(described<Real>(from, all.size(), plan));
+    give_slot(all.back(), from, dimension);
+    check(all.back(), from, dimension, faults);
+  }
+  if (!faults.empty()) throw InputError(std::move(faults));
+  for (AssembledBody<Real>& body : all) {
+    place(body, plan);
+    if (body.bound.slot.rigid || body.prescribed()) keep_shape(body, dimension);
+  }
+}
+
+template <class Real>
+void AssembledBodies<Real>::give_slot(AssembledBody<Real>& body, const SceneBody& from,
+                                      int dimension) {
+  const std::string& coordinates = from.record->common(from.description.get()).coordinates;
+  BodySlot<Real>& slot = body.bound.slot;
+  slot.count = body.bound.start.size();
+  slot.stride = stride_for(slot.count);
+  slot.mapped = coordinates != "particles";
+  slot.rigid = coordinates == "rigid";
+  const std::size_t block = slot.stride * dimension;
+  if (slot.mapped) {
+    slot.offset = mapped_size;
+    mapped_size += block + 2 * kGroup;
+  } else {
+    slot.offset = dofs;
+    dofs += padded(block);
+  }
+  if (slot.rigid) {
+    slot.centre = dofs;
+    dofs += kGroup;
+  }
+}
+
+/// The centre of mass, and the particles about it.
+template <class Real>
+void AssembledBodies<Real>::place(AssembledBody<Real>& body, const AssemblyPlan& plan) {
+  const int dimension = plan.dimension();
+  const std::size_t count = body.bound.slot.count;
+  const BodyGeometry& geometry = plan.geometry[body.bound.index];
+  std::vector<double> share(count);
+  for (std::size_t i = 0; i < count; ++i) share[i] = body.bound.mass[i] / body.total_mass;
+  share_.emplace_back(padded(count), Real(0.0));
+  for (std::size_t i = 0; i < count; ++i) {
+    share_.back()[i] = Real(body.bound.mass[i]) / Real(body.total_mass);
+  }
+  body.bound.slot.share = share_.back().data();
+
+  std::vector<double> middle(dimension);
+  for (int d = 0; d < dimension; ++d) {
+    InterleavedSum<double> mean;
+    for (std::size_t i = 0; i < count; ++i) mean.add(i, share[i] * geometry.relative[i][d]);
+    middle[d] = mean.total();
+    body.bound.start_centre.push_back(relative_to(plan.origin, d, geometry.anchor[d]) + middle[d]);
+  }
+  InterleavedSum<double> inertia;
+  body.arms.assign(count, std::vector<double>(dimension));
+  for (std::size_t i = 0; i < count; ++i) {
+    double square = 0.0;
+    for (int d = 0; d < dimension; ++d) {
+      body.arms[i][d] = geometry.relative[i][d] - middle[d];
+      square = std::fma(body.arms[i][d], body.arms[i][d], square);
+    }
+    inertia.add(i, body.bound.mass[i] * square);
+  }
+  body.inertia = inertia.total();
+}
+
+template <class Real>
+void AssembledBodies<Real>::keep_shape(const AssembledBody<Real>& body, int dimension) {
+  const BodySlot<Real>& slot = body.bound.slot;
+  arms_.emplace_back(dimension * slot.stride, Real(0.0));
+  reference.emplace_back(dimension * slot.stride, Real(0.0));
+  for (std::size_t i = 0; i < slot.count; ++i) {
+    for (int d = 0; d < dimension; ++d) {
+      reference.back()[d * slot.stride + i] = Real(body.arms[i][d]);
+    }
+  }
+  RigidArguments<Real>& arguments = rigid.emplace_back();
+  arguments.body = slot;
+  arguments.reference = reference.back().data();
+  arguments.arm = arms_.back().data();
+  rigid_body.push_back(body.bound.index);
+}
+
+template class AssembledBodies<double>;
+template class AssembledBodies<float>;
+template class AssembledBodies<Quad>;
+
+}  // namespace tomlin

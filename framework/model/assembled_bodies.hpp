@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <deque>
+#include <vector>
+
+#include "framework/core/aligned.hpp"
+#include "framework/core/bound_force.hpp"
+#include "framework/model/assembly_plan.hpp"
+#include "framework/model/rigid_kernels.hpp"
+
+namespace tomlin {
+
+/// A body of a bound scene.
+template <class Real>
+struct AssembledBody {
+  BoundBody<Real> bound;
+  double rolling_radius = 0.0;
+  double total_mass = 0.0;
+  double inertia = 0.0;                   ///< about the centre, planar bodies
+  std::vector<std::vector<double>> arms;  ///< [count][dimension] at the start, about the centre
+  std::array<bool, 3> held{};             ///< axes along which nothing moves
+  bool rotation_held = false;
+  // Of a rigid body: its inverse mass and inertia, or without inertia its inverse friction; zero
+  // where held.
+  std::array<double, 3> response{};
+  double response_of_rotation = 0.0;
+  /// From the centre to the point about which these responses are independent of each other: the
+  /// centre of friction without inertia.
+  std::array<double, 2> pivot{};
+  const Motion* motion = nullptr;  ///< of a prescribed body
+  std::size_t steering = 0;        ///< which of the prescribed bodies it is
+
+  bool rotates() const { return arms.size() > 1 && arms.front().size() == 2; }
+  bool moves_as_one() const { return bound.slot.rigid; }
+  bool prescribed() const { return motion != nullptr; }
+};
+
+/// The bodies of a scene: which part of the arrays is whose, masses, shapes, and the arguments with
+/// which kernels place the particles of those that move as one. Kernels hold pointers into it.
+template <class Real>
+class AssembledBodies {
+ public:
+  /// Throws InputError for what cannot be placed, weighed or turned.
+  explicit AssembledBodies(const AssemblyPlan& plan);
+
+  std::vector<AssembledBody<Real>> all;
+  std::size_t dofs = 0;         ///< length of the arrays of coordinates
+  std::size_t mapped_size = 0;  ///< length of the arrays of places that follow from coordinates
+
+  std::deque<RigidArguments<Real>> rigid;  ///< of rigid and prescribed bodies
+  std::vector<std::size_t> rigid_body;     ///< whose each of them is
+  std::deque<AlignedVector<Real>> reference;
+
+ private:
+  void give_slot(AssembledBody<Real>& body, const SceneBody& from, int dimension);
+  void place(AssembledBody<Real>& body, const AssemblyPlan& plan);
+  void keep_shape(const AssembledBody<Real>& body, int dimension);
+
+  std::deque<AlignedVector<Real>> share_;  ///< mass fractions, one array a body
+  std::deque<AlignedVector<Real>> arms_;
+};
+
+}  // namespace tomlin

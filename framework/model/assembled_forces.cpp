@@ -1,0 +1,145 @@
+#include "framework/model/assembled_forces.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "framework/model/plugin_code.hpp"
+
+namespace tomlin {
+namespace {
+
+/// A complaint about a force of the scene, at the key that it is about.
+Fault fault_of(const SceneForce& force, const Complaint& complaint) {
+  Fault fault;
+  fault.place = force.place_of(complaint.key);
+  if (complaint.column && fault.place.line > 0 && force.places.contains(complaint.key)) {
+    fault.place.column += static_cast<int>(*complaint.column) + 1;  // behind the quotation mark
+  }
+  fault.key = "force." + force.name + "." + complaint.key;
+  fault.why = complaint.why;
+  fault.admissible = complaint.admissible;
+  fault.nearest = complaint.nearest;
+  return fault;
+}
+
+Fault not_in_this_number_type(const RunSettings& run, const SceneForce& force) {
+  const auto place = run.places.find("number_type");
+  return {place == run.places.end() ? run.place : place->second,
+          "run.number_type",
+          "\"" + run.number_type + "\"",
+          "not available with the force \"" + force.name + "\", of type " + force.record->name,
+          "\"double\"",
+          ""};
+}
+
+/// Why nothing of the scene would change without a force; empty where something would.
+template <class Real>
+std::string why_left_out(const SceneForce& from, const Traits& traits,
+                         const std::vector<AssembledBody<Real>>& bodies) {
+  const auto all_of = [&](auto&& holds) {
+    return std::all_of(from.bodies.begin(), from.bodies.end(),
+                       [&](std::size_t b) { return holds(bodies[b]); });
+  };
+  if (traits.internal && from.bodies.size() == 1 &&
+      all_of([](const auto& body) { return body.bound.slot.rigid || body.prescribed(); })) {
+    return "internal to a rigid body, where it does nothing";
+  }
+  const bool nothing_moves =
+      all_of([](const auto& body) { return body.bound.coordinates == "fixed"; });
+  return nothing_moves && !traits.does_work ? "acts only on what is fixed" : "";
+}
+
+/// Friction of bodies that move by forces; what is prescribed or fixed is dragged along as ever.
+template <class Real>
+bool taken_as_operator(const AssembledForce<Real>& force, const AssemblyPlan& plan,
+                       const std::vector<AssembledBody<Real>>& bodies) {
+  if (plan.quasistatic) return force.bound->is_friction();
+  if (plan.inertial && !plan.splits_friction) return false;
+  if (!force.bound->is_friction()) return false;
+  return std::none_of(force.bodies.begin(), force.bodies.end(), [&](std::size_t b) {
+    return bodies[b].bound.slot.mapped && !bodies[b].bound.slot.rigid;
+  });
+}
+
+}  // namespace
+
+template <class Real>
+AssembledForces<Real>::AssembledForces(const AssemblyPlan& plan,
+                                       const std::vector<AssembledBody<Real>>& bodies) {
+  std::vector<Fault> faults;
+  for (const SceneForce& from : plan.scene->forces) {
+    const Traits traits = bound_by(from, "force", [&] { return from.traits(); });
+    if (std::string why = why_left_out(from, traits, bodies); !why.empty()) {
+      left_out.push_back({from.name, std::move(why)});
+      continue;
+    }
+    Binding<Real> binding;
+    binding.dimension = plan.dimension();
+    binding.set = plan.set;
+    binding.origin = plan.origin;
+    binding.box = plan.box;
+    for (const std::size_t b : from.bodies) binding.bodies.push_back(&bodies[b].bound);
+    const auto factory = from.record->bind.template in<Real>();
+    if (factory == nullptr) {
+      faults.push_back(not_in_this_number_type(plan.scene->run, from));
+      continue;
+    }
+    AssembledForce<Real> force;
+    force.name = from.name;
+    force.record = from.record;
+    force.traits = traits;
+    force.bodies = from.bodies;
+    try {
+      force.bound = bound_by(from, "force",
+                             [&] { return something(factory(from.description.get(), binding)); });
+    } catch (const BindError& error) {
+      faults.push_back(fault_of(from, error.complaint));
+      continue;
+    }
+    const std::string& library = from.record->library;
+    if (!library.empty()) {
+      force.bound = guarded(std::move(force.bound), "force " + from.name, library);
+    }
+    force.is_operator = taken_as_operator(force, plan, bodies);
+    if (force.bound->depends_on_time()) timed_.push_back(force.bound.get());
+    all.push_back(std::move(force));
+  }
+  if (!faults.empty()) throw InputError(std::move(faults));
+}
+
+template <class Real>
+void AssembledForces<Real>::begin_step(const DoubleDouble& time) {
+  for (BoundForce<Real>* force : timed_) force->begin_step(time);
+}
+
+template <class Real>
+void AssembledForces<Real>::rebase(const Origin& origin) {
+  for (AssembledForce<Real>& force : all) force.bound->rebase(origin);
+}
+
+template <class Real>
+void AssembledForces<Real>::declare_controls(StateLayout& layout) const {
+  for (const AssembledForce<Real>& force : all) {
+    const std::size_t count = force.bound->control_count();
+    if (count > 0) layout.add_reals("control." + force.name, count);
+  }
+}
+
+template <class Real>
+void AssembledForces<Real>::attach_controls(RunState& state) {
+  for (const AssembledForce<Real>& force : all) {
+    if (force.bound->control_count() == 0) continue;
+    force.bound->attach_control(state.reals("control." + force.name));
+  }
+}
+
+template <class Real>
+void AssembledForces<Real>::start_controls() {
+  for (const AssembledForce<Real>& force : all) force.bound->start_control();
+}
+
+template class AssembledForces<double>;
+template class AssembledForces<float>;
+template class AssembledForces<Quad>;
+
+}  // namespace tomlin

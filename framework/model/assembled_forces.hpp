@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "framework/core/bound_force.hpp"
+#include "framework/core/force.hpp"
+#include "framework/core/state_layout.hpp"
+#include "framework/model/assembled_bodies.hpp"
+
+namespace tomlin {
+
+/// A force of a bound scene.
+template <class Real>
+struct AssembledForce {
+  std::string name;
+  const ForceRecord* record = nullptr;
+  Traits traits;  ///< its claims, as the scene describes it
+  std::unique_ptr<BoundForce<Real>> bound;
+  std::vector<std::size_t> bodies;
+  std::ptrdiff_t first_rate = kNoRate;  ///< where its force and power stand among the rates
+  std::ptrdiff_t heat_rate = kNoRate;   ///< where its heat stands, with the ledger
+  bool is_operator = false;             ///< friction that is not evaluated as a force
+};
+
+/// A force of the scene that was not built, and why.
+struct ForceLeftOut {
+  std::string force;
+  std::string why;
+};
+
+/// The forces of a scene, bound to its bodies.
+template <class Real>
+class AssembledForces {
+ public:
+  /// Throws InputError for forces that do not fit the bodies or the number type.
+  AssembledForces(const AssemblyPlan& plan, const std::vector<AssembledBody<Real>>& bodies);
+
+  void begin_step(const DoubleDouble& time);
+  void rebase(const Origin& origin);
+
+  // What events change of the forces stands in the run's state.
+
+  void declare_controls(StateLayout& layout) const;
+  void attach_controls(RunState& state);
+  void start_controls();
+
+  std::vector<AssembledForce<Real>> all;
+  std::vector<ForceLeftOut> left_out;
+
+ private:
+  std::vector<BoundForce<Real>*> timed_;
+};
+
+}  // namespace tomlin

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "framework/core/body.hpp"
+#include "framework/core/bound_force.hpp"
+#include "framework/core/instruction_set.hpp"
+#include "framework/scene/scene.hpp"
+
+namespace tomlin {
+
+/// Noise on the start, for seeing whether a result is determined.
+struct Perturbation {
+  std::vector<std::size_t> bodies;
+  double size = 0.0;
+  std::uint64_t seed = 0;
+  std::uint64_t stream = 0;
+};
+
+/// What the model decides for a scene before it is bound.
+struct AssemblyPlan {
+  int dimension() const { return scene->dimension; }
+
+  const Scene* scene = nullptr;
+  std::vector<BodyGeometry> geometry;
+  Origin origin;                ///< at time 0
+  std::array<double, 3> box{};  ///< length of each periodic axis, else 0
+  InstructionSet set = InstructionSet::baseline;
+  bool inertial = true;
+  bool splits_friction = false;
+  bool quasistatic = false;  ///< no friction acts, on nothing
+  bool ledger = false;
+  bool backwards = false;  ///< kernels in the opposite order: another sums the same, to rounding
+};
+
+/// Index of the rotation among a planar body's coordinates.
+inline constexpr std::size_t kRotation = 2;
+
+inline constexpr const char* kAxisNames[] = {"x", "y", "z"};
+
+}  // namespace tomlin

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <vector>
+
+#include "framework/core/aligned.hpp"
+#include "framework/core/system.hpp"
+#include "framework/model/assembled_forces.hpp"
+#include "framework/model/friction_matrix.hpp"
+#include "framework/model/prescribed_bodies.hpp"
+
+namespace tomlin {
+
+/// The kernel calls of one evaluation of all forces, in order: bodies that move as one place their
+/// particles; forces on rigid centres; forces on particles, cheap ones first; rigid bodies gather;
+/// the ledger. The first force on each region sets, the rest add.
+template <class Real>
+class Evaluation {
+ public:
+  Evaluation(const AssemblyPlan& plan, AssembledBodies<Real>& bodies,
+             const PrescribedBodies<Real>& prescribed,
+             const std::vector<AssembledForce<Real>>& forces, FrictionMatrix<Real>& friction,
+             SystemView<Real>& view);
+  Evaluation(const Evaluation&) = delete;
+  Evaluation& operator=(const Evaluation&) = delete;
+
+  /// Writes no numbers where the next evaluation has to write forces, so that a kernel that adds to
+  /// what it should set shows.
+  void spoil(const Stage<Real>& stage) const { spoil(&written_, stage); }
+
+ private:
+  /// Numbers in one of the arrays of forces.
+  struct Range {
+    bool mapped = false;
+    std::size_t offset = 0;
+    std::size_t length = 0;
+  };
+  /// Heats of forces in a scene without inertia.
+  struct Drifted {
+    std::vector<Operation<Real>> places;  ///< of bodies that move as one
+    std::vector<Operation<Real>> heats;
+    mutable AlignedVector<Real> velocity;
+    const Real* mobility = nullptr;
+    std::size_t dofs = 0;
+  };
+  /// Which arrays of forces have been written so far, by body.
+  struct Regions {
+    std::vector<bool> particles;
+    std::vector<bool> centre;
+
+    std::vector<bool>::reference of(const Region& region) {
+      return region.centre ? centre[region.body] : particles[region.body];
+    }
+  };
+
+  void add_zeros(const BodySlot<Real>& slot, int dimension, bool centre);
+  void add_pass(const Pass<Real>& pass, const AssembledBodies<Real>& bodies, int dimension,
+                Regions& set);
+  void gather(const AssemblyPlan& plan, const AssembledBodies<Real>& bodies,
+              const PrescribedBodies<Real>& prescribed, Regions& set);
+  void add_heats(const AssemblyPlan& plan, const AssembledBodies<Real>& bodies,
+                 const std::vector<AssembledForce<Real>>& forces, FrictionMatrix<Real>& friction,
+                 const SystemView<Real>& view);
+  void add_point_forces(const std::vector<Pass<Real>>& passes,
+                        const std::vector<AssembledForce<Real>>& forces, SystemView<Real>& view);
+  static void write_zeros(const void* range, const Stage<Real>& stage);
+  static void spoil(const void* ranges, const Stage<Real>& stage);
+  static void heat_of_drift(const void* drifted, const Stage<Real>& stage);
+
+  std::vector<Operation<Real>> operations_;
+  std::deque<Range> zeros_;     ///< where no force acts
+  std::vector<Range> written_;  ///< all that kernels which set have to set
+  Drifted drifted_;
+  std::vector<PointForce<Real>> point_forces_;
+};
+
+}  // namespace tomlin

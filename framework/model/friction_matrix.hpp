@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "framework/core/aligned.hpp"
+#include "framework/core/system.hpp"
+#include "framework/model/assembled_forces.hpp"
+#include "framework/model/friction_kernels.hpp"
+
+namespace tomlin {
+
+/// Friction as a matrix: what dynamics without inertia divides forces by, and what splitting
+/// schemes take as an operator. Kernels hold pointers into it.
+template <class Real>
+class FrictionMatrix {
+ public:
+  FrictionMatrix() = default;
+  FrictionMatrix(const FrictionMatrix&) = delete;
+  FrictionMatrix& operator=(const FrictionMatrix&) = delete;
+
+  /// Without inertia the inverse masses become inverse friction, and the bodies respond by it.
+  /// Throws InputError where the matrix is then not positive definite.
+  void lay(const AssemblyPlan& plan, std::vector<AssembledBody<Real>>& bodies,
+           const std::vector<AssembledForce<Real>>& forces, AlignedVector<Real>& inverse_mass,
+           SystemView<Real>& view);
+  /// Without inertia: the kernels that divide the forces on rigid bodies, and with the ledger the
+  /// one that writes the heat.
+  void add_mobility(const AssemblyPlan& plan, std::vector<Operation<Real>>& operations);
+
+  std::ptrdiff_t rate = kNoRate;  ///< where all operators' heat stands among the rates
+
+ private:
+  void lay_rigid(const AssemblyPlan& plan, AssembledBody<Real>& body, Real* inverse_mass,
+                 FrictionArguments<Real>& arguments);
+  void lay_particles(const AssemblyPlan& plan, const AssembledBody<Real>& body, Real* inverse_mass,
+                     FrictionArguments<Real>& arguments);
+  AlignedVector<Real>& new_array(std::size_t length, Real value);
+  /// A coordinate that moves without friction.
+  void miss(const AssemblyPlan& plan, const AssembledBody<Real>& body,
+            const std::string& coordinate);
+
+  std::vector<std::vector<double>> coefficients_;  ///< of each body's particles
+  std::vector<Fault> faults_;
+  std::deque<FrictionArguments<Real>> friction_;
+  std::deque<AlignedVector<Real>> arrays_;
+  std::vector<FrictionOperator<Real>> operators_;
+  DriftHeatArguments<Real> drift_heat_;
+  AlignedVector<Real> heat_of_bodies_;
+  AlignedVector<Real> mobility_;
+};
+
+}  // namespace tomlin
