@@ -8,33 +8,13 @@
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/language.hpp"
+#include "framework/scene/settings.hpp"
 #include "framework/scene/text.hpp"
 
 namespace tomlin {
 namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-
-std::vector<std::string> parts_of(std::string_view path) {
-  std::vector<std::string> parts(1);
-  for (const char c : path) {
-    if (c == '.') {
-      parts.emplace_back();
-    } else {
-      parts.back() += c;
-    }
-  }
-  return parts;
-}
-
-/// A component's name in the file, or its type's.
-std::string name_of(const Table& component) {
-  for (const char* key : {"name", "type"}) {
-    const Node* node = component.find(key);
-    if (node && node->as<std::string>()) return *node->as<std::string>();
-  }
-  return "";
-}
 
 /// One setting on its way into the text.
 class Edit {

@@ -95,7 +95,8 @@ void read_parameters(SceneDraft& draft) {
 void read_heading(SceneDraft& draft) {
   const Table nothing;
   const auto given = draft.section("scene").value_or(Section{&nothing, kTopOfFile});
-  auto reading = draft.read(given, scene_layout(), "scene", draft.scene.get());
+  static const TableLayout layout = scene_layout();
+  auto reading = draft.read(given, layout, "scene", draft.scene.get());
   draft.effective.set("scene", {std::move(reading.effective), {}});
 }
 

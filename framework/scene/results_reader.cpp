@@ -58,7 +58,8 @@ void read_measure(SceneDraft& draft) {
   const auto given = draft.section("measure");
   if (!given) return;
   MeasureSettings& measure = draft.scene->measure;
-  const TableReading reading = draft.read(*given, measure_layout(), "measure", &measure);
+  static const TableLayout layout = measure_layout();
+  const TableReading reading = draft.read(*given, layout, "measure", &measure);
   measure.place = draft.source.place(given->where);
   measure.places = reading.places;
   if (!draft.scene->run.until) check_window(draft, reading);
@@ -70,7 +71,8 @@ void read_output(SceneDraft& draft) {
   const Table nothing;
   const auto given = draft.section("output").value_or(Section{&nothing, kTopOfFile});
   OutputSettings& output = draft.scene->output;
-  const TableReading reading = draft.read(given, output_layout(), "output", &output);
+  static const TableLayout layout = output_layout();
+  const TableReading reading = draft.read(given, layout, "output", &output);
   output.place = draft.source.place(given.where);
   output.places = reading.places;
   if (output.trajectory && given.table->find("every") == nullptr) {

@@ -52,6 +52,22 @@ std::optional<Node> read_until(SceneDraft& draft, const Section& run) {
   return Node{reading.effective, {}};
 }
 
+/// An integrator's keys beside it, instead of in its table, are looked for where one is unknown.
+TableLayout layout_with_integrators(const Section& run, bool until, const Registry& registry) {
+  static const TableLayout layouts[] = {run_layout(false), run_layout(true)};
+  TableLayout layout = layouts[until ? 1 : 0];
+  for (const Entry& entry : run.table->entries) {
+    if (layout.row(entry.key) != nullptr || layout.is_own_key(entry.key)) continue;
+    for (const auto& record : registry.integrators()) {
+      for (const Parameter& row : record->parameters) {
+        layout.elsewhere.push_back({row.key, "integrator = { type = ..., ... }"});
+      }
+    }
+    break;
+  }
+  return layout;
+}
+
 }  // namespace
 
 void read_run(SceneDraft& draft) {
@@ -65,13 +81,7 @@ void read_run(SceneDraft& draft) {
   }
   RunSettings& run = draft.scene->run;
   const bool until = given->table->find("until") != nullptr;
-  TableLayout layout = run_layout(until);
-  // An integrator's keys beside it, instead of in its table.
-  for (const auto& record : draft.registry.integrators()) {
-    for (const Parameter& row : record->parameters) {
-      layout.elsewhere.push_back({row.key, "integrator = { type = ..., ... }"});
-    }
-  }
+  const TableLayout layout = layout_with_integrators(*given, until, draft.registry);
   const TableReading reading = draft.read(*given, layout, "run", &run);
   run.place = draft.source.place(given->where);
   run.places = reading.places;

@@ -23,18 +23,6 @@ constexpr const char* kAdmissiblePaths =
 /// Not a table, and read before settings are.
 constexpr const char* kPlugins = "plugins";
 
-std::vector<std::string> parts_of(std::string_view path) {
-  std::vector<std::string> parts(1);
-  for (const char c : path) {
-    if (c == '.') {
-      parts.emplace_back();
-    } else {
-      parts.back() += c;
-    }
-  }
-  return parts;
-}
-
 bool holds(const std::vector<std::string>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -49,15 +37,6 @@ std::vector<std::string> parameter_names(const Table& document) {
   const Node* parameters = document.find("parameters");
   const Table* table = parameters ? parameters->as<Table>() : nullptr;
   return table ? keys_of(*table) : std::vector<std::string>();
-}
-
-/// A component's name in the file, or its type's.
-std::string name_of(const Table& component) {
-  for (const char* key : {"name", "type"}) {
-    const Node* node = component.find(key);
-    if (node && node->as<std::string>()) return *node->as<std::string>();
-  }
-  return "";
 }
 
 /// One setting on its way into the document.
@@ -165,13 +144,16 @@ class Application {
   }
 
   void put(Table& table, const std::string& key) {
-    if (const auto fault = explain_setting(setting_.value)) {
+    Node value = parse_setting(setting_.value, where_.setting);
+    const auto* text = value.as<std::string>();
+    const bool plain = text != nullptr && *text == setting_.value;
+    if (const auto fault = plain ? explain_setting(setting_.value) : std::nullopt) {
       // The usual reason: quotes inside of the option that the shell has taken for its own.
       const std::string whole = "the whole option in single quotes";
       return refuse(fault->why,
                     fault->admissible.empty() ? whole : fault->admissible + "; " + whole);
     }
-    table.set(key, parse_setting(setting_.value, where_.setting));
+    table.set(key, std::move(value));
   }
 
   const Setting& setting_;
@@ -181,6 +163,26 @@ class Application {
 };
 
 }  // namespace
+
+std::vector<std::string> parts_of(std::string_view path) {
+  std::vector<std::string> parts(1);
+  for (const char c : path) {
+    if (c == '.') {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  return parts;
+}
+
+std::string name_of(const Table& component) {
+  for (const char* key : {"name", "type"}) {
+    const Node* node = component.find(key);
+    if (node && node->as<std::string>()) return *node->as<std::string>();
+  }
+  return "";
+}
 
 void apply_settings(const std::vector<Setting>& settings, Table& document, FaultList& faults) {
   if (settings.size() > kMostSettings) {

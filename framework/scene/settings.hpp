@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "framework/scene/document.hpp"
@@ -8,6 +10,12 @@
 #include "framework/scene/scene.hpp"
 
 namespace tomlin {
+
+/// A dotted path at its dots.
+std::vector<std::string> parts_of(std::string_view path);
+
+/// A component's name in the file, or its type's.
+std::string name_of(const Table& component);
 
 inline constexpr std::size_t kMostSettings = 1000;
 
