@@ -9,6 +9,99 @@
 
 namespace tomlin {
 
+namespace {
+
+/// Writes where bodies start and how fast, one after the other.
+template <class Real>
+class BodyStart {
+ public:
+  BodyStart(const AssemblyPlan& plan, const Perturbation* noise, Real* position, Real* velocity)
+      : plan_(plan), noise_(noise), position_(position), velocity_(velocity) {}
+
+  /// What is written from here on is of this body.
+  void take(const AssembledBody<Real>& body) {
+    body_ = &body;
+    const SceneBody& from = plan_.scene->bodies[body.bound.index];
+    given_ = &from.record->common(from.description.get()).velocity;
+    perturbed_ = noise_ != nullptr &&
+                 std::count(noise_->bodies.begin(), noise_->bodies.end(), body.bound.index) > 0;
+  }
+
+  /// A rigid body's shape is disturbed too: noise on its coordinates alone dies out wherever it is
+  /// stable for a while, and an unstable symmetry later on would see none of it.
+  void write_shape(AlignedVector<Real>& reference) const {
+    const BodySlot<Real>& slot = body_->bound.slot;
+    for (std::size_t i = 0; i < slot.count; ++i) {
+      for (int d = 0; d < plan_.dimension(); ++d) {
+        Real& arm = reference[d * slot.stride + i];
+        arm = Real(body_->arms[i][d]);
+        if (perturbed_ && slot.rigid) arm = arm + jitter(kShape, i * plan_.dimension() + d);
+      }
+    }
+  }
+
+  /// The velocity field's momentum and angular momentum, which is all that a rigid body keeps.
+  void write_rigid(bool turns) const {
+    const BodySlot<Real>& slot = body_->bound.slot;
+    for (int d = 0; d < plan_.dimension(); ++d) {
+      InterleavedSum<Real> mean;
+      for (std::size_t i = 0; i < slot.count; ++i) mean.add(i, slot.share[i] * Real(speed(i, d)));
+      const std::size_t at = slot.centre + d;
+      position_[at] = Real(body_->bound.start_centre[d]);
+      velocity_[at] = mean.total();
+      if (perturbed_ && !body_->held[d]) position_[at] = position_[at] + jitter(kCoordinate, d);
+    }
+    if (plan_.dimension() != 2) return;
+    InterleavedSum<double> spin;
+    for (std::size_t i = 0; i < slot.count; ++i) {
+      const std::vector<double>& arm = body_->arms[i];
+      spin.add(i, body_->bound.mass[i] * (arm[0] * speed(i, 1) - arm[1] * speed(i, 0)));
+    }
+    const std::size_t at = slot.centre + kRotation;
+    const bool spins = body_->inertia > 0.0 && !body_->rotation_held;
+    position_[at] = perturbed_ && turns ? jitter(kCoordinate, kRotation) / tau<Real>() : Real(0.0);
+    velocity_[at] = spins ? Real(spin.total()) / (tau<Real>() * Real(body_->inertia)) : Real(0.0);
+  }
+
+  void write_particles() const {
+    const BodySlot<Real>& slot = body_->bound.slot;
+    for (std::size_t i = 0; i < slot.count; ++i) {
+      for (int d = 0; d < plan_.dimension(); ++d) {
+        const std::size_t at = slot.offset + d * slot.stride + i;
+        position_[at] = Real(body_->bound.start[i][d]);
+        velocity_[at] = Real(speed(i, d));
+        if (perturbed_ && !body_->held[d]) {
+          position_[at] = position_[at] + jitter(kCoordinate, i * plan_.dimension() + d);
+        }
+      }
+    }
+  }
+
+ private:
+  enum Kind : std::uint64_t { kCoordinate, kShape };
+
+  Real jitter(Kind kind, std::uint64_t k) const {
+    return Real(noise_->size * uniform_symmetric({noise_->seed, noise_->stream},
+                                                 {body_->bound.index, kind, k, 0}));
+  }
+
+  double speed(std::size_t i, int d) const {
+    const auto& values = given_->values;
+    if (values.empty() || body_->held[d]) return 0.0;
+    return values[values.size() == 1 ? 0 : i].components[d];
+  }
+
+  const AssemblyPlan& plan_;
+  const Perturbation* noise_;
+  Real* position_;
+  Real* velocity_;
+  const AssembledBody<Real>* body_ = nullptr;
+  const PerParticleVector* given_ = nullptr;
+  bool perturbed_ = false;
+};
+
+}  // namespace
+
 template <class Real>
 Assembly<Real>::Assembly(const AssemblyPlan& plan)
     : plan_(plan),
@@ -67,76 +160,16 @@ void Assembly<Real>::lay_rates() {
 template <class Real>
 void Assembly<Real>::start(Real* position, Real* velocity, Real* integrals,
                            const Perturbation* noise) {
-  const auto is_perturbed = [&](std::size_t b) {
-    return noise != nullptr &&
-           std::find(noise->bodies.begin(), noise->bodies.end(), b) != noise->bodies.end();
-  };
-  const auto jitter = [&](std::size_t b, std::uint64_t kind, std::uint64_t k) {
-    return Real(noise->size * uniform_symmetric({noise->seed, noise->stream}, {b, kind, k, 0}));
-  };
-  enum : std::uint64_t { kCoordinate, kShape };
-  std::size_t next_rigid = 0;
+  BodyStart<Real> start(plan_, noise, position, velocity);
+  auto reference = bodies_.reference.begin();
   for (const Body& body : bodies()) {
     const BodySlot<Real>& slot = body.bound.slot;
-    const std::size_t b = body.bound.index;
-    const bool perturbed = is_perturbed(b);
-    const SceneBody& from = scene().bodies[b];
-    const PerParticleVector& given = from.record->common(from.description.get()).velocity;
-    const auto speed = [&](std::size_t i, int d) {
-      if (given.values.empty() || body.held[d]) return 0.0;
-      return given.values[given.values.size() == 1 ? 0 : i].components[d];
-    };
-    if (slot.rigid || body.prescribed()) {
-      // A rigid body's shape is disturbed too: noise on its coordinates alone dies out wherever it
-      // is stable for a while, and an unstable symmetry later on would see none of it.
-      AlignedVector<Real>& reference = bodies_.reference[next_rigid++];
-      for (std::size_t i = 0; i < slot.count; ++i) {
-        for (int d = 0; d < dimension(); ++d) {
-          Real& arm = reference[d * slot.stride + i];
-          arm = Real(body.arms[i][d]);
-          if (perturbed && slot.rigid) arm = arm + jitter(b, kShape, i * dimension() + d);
-        }
-      }
-    }
+    start.take(body);
+    if (slot.rigid || body.prescribed()) start.write_shape(*reference++);
     if (slot.rigid) {
-      // The velocity field's momentum and angular momentum, which is all that a rigid body keeps.
-      for (int d = 0; d < dimension(); ++d) {
-        InterleavedSum<Real> mean;
-        for (std::size_t i = 0; i < slot.count; ++i) {
-          mean.add(i, slot.share[i] * Real(speed(i, d)));
-        }
-        position[slot.centre + d] = Real(body.bound.start_centre[d]);
-        velocity[slot.centre + d] = mean.total();
-        if (perturbed && !body.held[d]) {
-          position[slot.centre + d] = position[slot.centre + d] + jitter(b, kCoordinate, d);
-        }
-      }
-      if (dimension() != 2) continue;
-      const bool turns = coordinates_.inverse_mass[slot.centre + kRotation] != Real(0.0);
-      InterleavedSum<double> spin;
-      for (std::size_t i = 0; i < slot.count; ++i) {
-        spin.add(i, body.bound.mass[i] *
-                        (body.arms[i][0] * speed(i, 1) - body.arms[i][1] * speed(i, 0)));
-      }
-      position[slot.centre + kRotation] = Real(0.0);
-      velocity[slot.centre + kRotation] =
-          body.inertia > 0.0 && !body.rotation_held
-              ? Real(spin.total()) / (tau<Real>() * Real(body.inertia))
-              : Real(0.0);
-      if (perturbed && turns) {
-        position[slot.centre + kRotation] = jitter(b, kCoordinate, kRotation) / tau<Real>();
-      }
+      start.write_rigid(coordinates_.inverse_mass[slot.centre + kRotation] != Real(0.0));
     } else if (!slot.mapped) {
-      for (std::size_t i = 0; i < slot.count; ++i) {
-        for (int d = 0; d < dimension(); ++d) {
-          const std::size_t at = slot.offset + d * slot.stride + i;
-          position[at] = Real(body.bound.start[i][d]);
-          velocity[at] = Real(speed(i, d));
-          if (perturbed && !body.held[d]) {
-            position[at] = position[at] + jitter(b, kCoordinate, i * dimension() + d);
-          }
-        }
-      }
+      start.write_particles();
     }
   }
   for (std::size_t k = 0; k < system_.view.rates; ++k) integrals[k] = Real(0.0);

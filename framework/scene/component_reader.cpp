@@ -14,13 +14,13 @@
 namespace tomlin {
 namespace {
 
-const std::string* text_at(const Section& given, const char* key) {
+const std::string* text_at(const SceneSection& given, const char* key) {
   const Node* node = given.table->find(key);
   return node ? node->as<std::string>() : nullptr;
 }
 
 /// The name given, or the type's; empty when unfit, and reported.
-std::string read_name(SceneDraft& draft, const Section& given,
+std::string read_name(SceneDraft& draft, const SceneSection& given,
                       const std::map<std::string, std::size_t>& types, const std::string& path) {
   const std::string key = path + ".name";
   const Node* node = given.table->find("name");
@@ -55,10 +55,10 @@ void read_all(SceneDraft& draft, const std::string& kind, std::vector<Component>
               TableLayout (*layout_of)(const Record&), const Rest& read_rest) {
   const auto sections = draft.sections(kind);
   std::map<std::string, std::size_t> types;  // how many components have each
-  for (const Section& given : sections) {
+  for (const SceneSection& given : sections) {
     if (const auto* type = text_at(given, "type")) ++types[*type];
   }
-  for (const Section& given : sections) {
+  for (const SceneSection& given : sections) {
     const auto* written = text_at(given, "name");
     const auto* type = text_at(given, "type");
     const std::string label = written ? *written : type ? *type : "";
@@ -83,7 +83,7 @@ void read_all(SceneDraft& draft, const std::string& kind, std::vector<Component>
 }
 
 /// `hold` and `motion`.
-void read_freedom(SceneDraft& draft, BodyDraft& body, const Section& given) {
+void read_freedom(SceneDraft& draft, BodyDraft& body, const SceneSection& given) {
   if (const Node* node = given.table->find("hold")) {
     const auto held = draft.values.read(hold_row(), *node, body.reading.path + ".hold");
     if (held) body.hold = std::get<WordList>(*held).words;
@@ -96,7 +96,7 @@ void read_freedom(SceneDraft& draft, BodyDraft& body, const Section& given) {
 }
 
 /// A body whose own name is unfit is still the one that is meant by it; the first of several is.
-void note_name(SceneDraft& draft, const BodyDraft& body, const Section& given) {
+void note_name(SceneDraft& draft, const BodyDraft& body, const SceneSection& given) {
   const auto* written = text_at(given, "name");
   const std::string& name = written ? *written : body.name;
   if (!name.empty() || written) draft.body_indices.try_emplace(name, draft.bodies.size());
@@ -120,7 +120,7 @@ std::optional<std::size_t> body_named(SceneDraft& draft, const Node& node, const
 /// `body = NAME`, which may be left out where there is one body only, or `bodies = [..]`. How many
 /// it may be is the record's to say, as what the component does to them is the `verb`'s.
 template <class Component>
-void read_bodies_of(SceneDraft& draft, Component& component, const Section& given,
+void read_bodies_of(SceneDraft& draft, Component& component, const SceneSection& given,
                     const char* verb) {
   if (draft.bodies.empty()) return;
   const std::string& path = component.reading.path;
@@ -192,16 +192,16 @@ void read_components(SceneDraft& draft) {
   }
   const Registry& registry = draft.registry;
   read_all(draft, "body", draft.bodies, registry.bodies(), body_layout,
-           [&](BodyDraft& body, const Section& given) {
+           [&](BodyDraft& body, const SceneSection& given) {
              read_freedom(draft, body, given);
              note_name(draft, body, given);
            });
   read_all(draft, "force", draft.forces, registry.forces(), force_layout,
-           [&](ForceDraft& force, const Section& given) {
+           [&](ForceDraft& force, const SceneSection& given) {
              read_bodies_of(draft, force, given, "acts on");
            });
   read_all(draft, "observer", draft.observers, registry.observers(), observer_layout,
-           [&](ObserverDraft& observer, const Section& given) {
+           [&](ObserverDraft& observer, const SceneSection& given) {
              read_bodies_of(draft, observer, given, "looks at");
            });
   NameCheck check(draft);
@@ -211,7 +211,7 @@ void read_components(SceneDraft& draft) {
 }
 
 std::optional<std::size_t> read_type(SceneDraft& draft, const std::string& kind,
-                                     const Section& given, const std::string& path,
+                                     const SceneSection& given, const std::string& path,
                                      const std::vector<std::string>& names) {
   const std::string key = path + ".type";
   const Node* node = given.table->find("type");

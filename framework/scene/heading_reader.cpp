@@ -94,7 +94,7 @@ void read_parameters(SceneDraft& draft) {
 
 void read_heading(SceneDraft& draft) {
   const Table nothing;
-  const auto given = draft.section("scene").value_or(Section{&nothing, kTopOfFile});
+  const auto given = draft.section("scene").value_or(SceneSection{&nothing, kTopOfFile});
   static const TableLayout layout = scene_layout();
   auto reading = draft.read(given, layout, "scene", draft.scene.get());
   draft.effective.set("scene", {std::move(reading.effective), {}});

@@ -38,7 +38,7 @@ void take(SceneDraft& draft, const IntegratorRecord& record) {
 
 /// The first adaptive one that takes any force, or follows equilibria where that is asked for,
 /// with its defaults: what a scene that asks for an accuracy can be bound with.
-void take_any_integrator(SceneDraft& draft, const Section& run, bool quasistatic) {
+void take_any_integrator(SceneDraft& draft, const SceneSection& run, bool quasistatic) {
   for (const auto& record : draft.registry.integrators()) {
     if (!(quasistatic ? record->follows_equilibria : record->takes_any_scene())) continue;
     if (!record->adaptive) continue;
@@ -79,7 +79,7 @@ void fit_to_dynamics(SceneDraft& draft, const TableReading& reading,
 
 }  // namespace
 
-std::optional<Node> read_integrator(SceneDraft& draft, const Section& run) {
+std::optional<Node> read_integrator(SceneDraft& draft, const SceneSection& run) {
   const std::string path = "run.integrator";
   const std::string due = "{ type = ..., ... }";
   const bool quasistatic = draft.scene->run.dynamics == "quasistatic";

@@ -69,7 +69,7 @@ void read_measure(SceneDraft& draft) {
 
 void read_output(SceneDraft& draft) {
   const Table nothing;
-  const auto given = draft.section("output").value_or(Section{&nothing, kTopOfFile});
+  const auto given = draft.section("output").value_or(SceneSection{&nothing, kTopOfFile});
   OutputSettings& output = draft.scene->output;
   static const TableLayout layout = output_layout();
   const TableReading reading = draft.read(given, layout, "output", &output);

@@ -10,7 +10,7 @@ namespace tomlin {
 namespace {
 
 /// The effective table of `perturb`; nothing when it is absent or unfit.
-std::optional<Node> read_perturb(SceneDraft& draft, const Section& run) {
+std::optional<Node> read_perturb(SceneDraft& draft, const SceneSection& run) {
   const std::string path = "run.perturb";
   const Node* node = run.table->find("perturb");
   if (node == nullptr) return std::nullopt;
@@ -33,7 +33,7 @@ std::optional<Node> read_perturb(SceneDraft& draft, const Section& run) {
 }
 
 /// The effective table of `until`, which is there; nothing when it is unfit.
-std::optional<Node> read_until(SceneDraft& draft, const Section& run) {
+std::optional<Node> read_until(SceneDraft& draft, const SceneSection& run) {
   const std::string path = "run.until";
   const Node& node = *run.table->find("until");
   const auto given = draft.inside(node, path, "{ steady = ..., ... }");
@@ -53,7 +53,7 @@ std::optional<Node> read_until(SceneDraft& draft, const Section& run) {
 }
 
 /// An integrator's keys beside it, instead of in its table, are looked for where one is unknown.
-TableLayout layout_with_integrators(const Section& run, bool until, const Registry& registry) {
+TableLayout layout_with_integrators(const SceneSection& run, bool until, const Registry& registry) {
   static const TableLayout layouts[] = {run_layout(false), run_layout(true)};
   TableLayout layout = layouts[until ? 1 : 0];
   for (const Entry& entry : run.table->entries) {

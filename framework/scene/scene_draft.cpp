@@ -8,15 +8,15 @@
 
 namespace tomlin {
 
-std::optional<Section> SceneDraft::section(const std::string& key) {
+std::optional<SceneSection> SceneDraft::section(const std::string& key) {
   const Node* node = document.find(key);
   if (node == nullptr) return std::nullopt;
-  if (const auto* table = node->as<Table>()) return Section{table, node->where};
+  if (const auto* table = node->as<Table>()) return SceneSection{table, node->where};
   faults.of_key(node->where, {key, "found " + kind_of(*node), "a table, [" + key + "]"});
   return std::nullopt;
 }
 
-std::vector<Section> SceneDraft::sections(const std::string& key) {
+std::vector<SceneSection> SceneDraft::sections(const std::string& key) {
   const Node* node = document.find(key);
   if (node == nullptr) return {};
   const std::string due = "a list of tables, [[" + key + "]]";
@@ -30,22 +30,22 @@ std::vector<Section> SceneDraft::sections(const std::string& key) {
                                 fmt::format("at most {}", kMostComponents)});
     return {};
   }
-  std::vector<Section> result;
+  std::vector<SceneSection> result;
   for (const Node& element : *list) {
     if (const auto table = inside(element, key, due)) result.push_back(*table);
   }
   return result;
 }
 
-std::optional<Section> SceneDraft::inside(const Node& node, const std::string& path,
-                                          const std::string& due) {
-  if (const auto* table = node.as<Table>()) return Section{table, node.where};
+std::optional<SceneSection> SceneDraft::inside(const Node& node, const std::string& path,
+                                               const std::string& due) {
+  if (const auto* table = node.as<Table>()) return SceneSection{table, node.where};
   faults.of_value(node, {path, "found " + kind_of(node), due});
   return std::nullopt;
 }
 
-TableReading SceneDraft::read(const Section& given, const TableLayout& layout, std::string path,
-                              void* description) {
+TableReading SceneDraft::read(const SceneSection& given, const TableLayout& layout,
+                              std::string path, void* description) {
   return read_table(*given.table, given.where, layout, std::move(path), description, values, source,
                     faults);
 }

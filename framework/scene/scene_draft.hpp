@@ -23,7 +23,7 @@ namespace tomlin {
 inline constexpr Extent kTopOfFile{{1, 1}, {1, 1}, 0};
 
 /// A table of the document with where it stands.
-struct Section {
+struct SceneSection {
   const Table* table = nullptr;
   Extent where;
 };
@@ -42,13 +42,14 @@ struct SceneDraft {
   SceneDraft& operator=(const SceneDraft&) = delete;
 
   /// `[key]`; nothing when it is absent, or no table and reported.
-  std::optional<Section> section(const std::string& key);
+  std::optional<SceneSection> section(const std::string& key);
   /// Every `[[key]]`.
-  std::vector<Section> sections(const std::string& key);
+  std::vector<SceneSection> sections(const std::string& key);
   /// A table inside of another, `key = { ... }`; nothing when it is no table, and reported.
-  std::optional<Section> inside(const Node& node, const std::string& path, const std::string& due);
+  std::optional<SceneSection> inside(const Node& node, const std::string& path,
+                                     const std::string& due);
   /// Assigns the rows of a table to the description and reports what is unfit.
-  TableReading read(const Section& given, const TableLayout& layout, std::string path,
+  TableReading read(const SceneSection& given, const TableLayout& layout, std::string path,
                     void* description);
 
   const Table& document;
@@ -80,13 +81,13 @@ void read_components(SceneDraft& draft);
 /// `[run]`, after the components: what it leaves out may follow from them.
 void read_run(SceneDraft& draft);
 /// `integrator` of `[run]`: its effective table; nothing when it is absent or unfit.
-std::optional<Node> read_integrator(SceneDraft& draft, const Section& run);
+std::optional<Node> read_integrator(SceneDraft& draft, const SceneSection& run);
 void read_measure(SceneDraft& draft);
 void read_output(SceneDraft& draft);
 
 /// Which of these names `type` is; nothing when it is none of them, and reported.
 std::optional<std::size_t> read_type(SceneDraft& draft, const std::string& kind,
-                                     const Section& given, const std::string& path,
+                                     const SceneSection& given, const std::string& path,
                                      const std::vector<std::string>& names);
 /// A list of different bodies by their names; empty when one is unfit, and reported.
 std::vector<std::size_t> bodies_in(SceneDraft& draft, const Node& node, const std::string& key);
@@ -98,7 +99,7 @@ void write_effective_scene(SceneDraft& draft);
 
 /// The record that `type` names; nullptr when there is none, and reported.
 template <class Record>
-const Record* read_record(SceneDraft& draft, const std::string& kind, const Section& given,
+const Record* read_record(SceneDraft& draft, const std::string& kind, const SceneSection& given,
                           const std::string& path,
                           const std::vector<std::unique_ptr<Record>>& records) {
   std::vector<std::string> names;
