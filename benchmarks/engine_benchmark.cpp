@@ -11,6 +11,7 @@
 #include "framework/model/force_alone.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/scene/scene.hpp"
+#include "framework/scene/scene_document.hpp"
 #include "framework/standard_registry.hpp"
 #include "framework/study/accuracy.hpp"
 
@@ -257,6 +258,25 @@ void BM_asked(benchmark::State& state) {
 BENCHMARK(BM_asked)
     ->Name("rigid_ring_8 to 1e-4/pilot, run and errors")
     ->Unit(benchmark::kMicrosecond);
+
+// ---- a scene described once more with another value, as a sweep does: from a document that has been
+// parsed, and from its text
+
+const std::vector<Setting> kOneValue = {{"force.sinusoidal_substrate.amplitude", "0.2"}};
+
+void BM_read_document(benchmark::State& state) {
+  const SceneDocument document(ring("rigid", "1e-2"), "benchmark.toml");
+  for (auto _ : state) benchmark::DoNotOptimize(document.read(registry(), kOneValue));
+}
+BENCHMARK(BM_read_document)->Name("scene/from a document")->Unit(benchmark::kMicrosecond);
+
+void BM_read_text(benchmark::State& state) {
+  const std::string text = ring("rigid", "1e-2");
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(parse_scene(text, "benchmark.toml", registry(), kOneValue));
+  }
+}
+BENCHMARK(BM_read_text)->Name("scene/from its text")->Unit(benchmark::kMicrosecond);
 
 // ---- what features cost: the same scene with one thing changed, over the scene as it is
 

@@ -38,7 +38,6 @@ class Assembly {
   const std::vector<Driver>& drivers() const { return drivers_; }
   const std::vector<LeftOut>& left_out() const { return forces_.left_out; }
   const PrescribedBodies<Real>& prescribed() const { return prescribed_; }
-  const auto& steered() const { return prescribed_.steered(); }
   System<Real>& system() { return system_; }
   const System<Real>& system() const { return system_; }
   /// Where all friction operators' heat stands among the rates, with the ledger.

@@ -244,7 +244,7 @@ bool Model::rebase_if_due() {
         for (std::size_t i = 0; i < slot.count; ++i) x[i] -= shift;
       }
     }
-    for (const auto& steered : assembly_.steered()) {
+    for (const auto& steered : assembly_.prescribed().steered()) {
       if (steered.own[d] >= 0) view.integrals[steered.own[d]] -= shift;
     }
     cells_[d] += static_cast<std::int64_t>(cells);

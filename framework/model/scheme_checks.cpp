@@ -86,7 +86,7 @@ class SchemeChecks {
       }
       refuse_internal_variables(force);
     }
-    for (const auto& steered : assembly_.steered()) {
+    for (const auto& steered : assembly_.prescribed().steered()) {
       if (std::all_of(steered.own, steered.own + 4, [](auto at) { return at < 0; })) continue;
       const std::string& body = assembly_.bodies()[steered.body].bound.name;
       refuse("does not advance the prescribed motion of the body \"" + body +

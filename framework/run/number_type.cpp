@@ -114,7 +114,7 @@ class MirroredIntegrator : public Integrator<double>, public ModelFollower {
               static_cast<std::int64_t>(std::nearbyint(ahead)), 1.0);
       }
     }
-    for (const auto& steered : assembly_.steered()) {
+    for (const auto& steered : assembly_.prescribed().steered()) {
       for (int d = 0; d < model_.dimension(); ++d) {
         if (steered.own[d] < 0) continue;
         shift(view.integrals, view.integrals_rest, static_cast<std::size_t>(steered.own[d]),

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/run/observables.hpp"
+#include "framework/scene/document.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // The trade of a scene, held against runs that the study has no part in.
@@ -67,6 +68,16 @@ void expect_sound(const std::string& text) {
     EXPECT_EQ(point.error, std::abs(point.value - found.reference->value));
     EXPECT_GT(point.cost(), 0U);
   }
+}
+
+/// Its hundreds of variants are read from one document.
+TEST(Tradeoff, ParsesTheSceneOnce) {
+  const auto scene = scene_of(smooth().text());
+  const std::size_t before = parsed_documents();
+  const Tradeoff tradeoff = measure_tradeoff(
+      scene, standard(), {.observable = kForce, .tolerance = kTolerance, .budget = 5.0});
+  EXPECT_TRUE(tradeoff.recommendation.has_value());
+  EXPECT_EQ(parsed_documents(), before + 1);
 }
 
 TEST(Tradeoff, SmoothSliding) { expect_sound(smooth().text()); }
