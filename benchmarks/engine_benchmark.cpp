@@ -259,8 +259,8 @@ BENCHMARK(BM_asked)
     ->Name("rigid_ring_8 to 1e-4/pilot, run and errors")
     ->Unit(benchmark::kMicrosecond);
 
-// ---- a scene described once more with another value, as a sweep does: from a document that has been
-// parsed, and from its text
+// ---- a scene described once more with another value, as a sweep does: from a document that has
+// been parsed, and from its text
 
 const std::vector<Setting> kOneValue = {{"force.sinusoidal_substrate.amplitude", "0.2"}};
 
