@@ -9,8 +9,9 @@
 #include <fmt/format.h>
 
 #include "framework/core/random.hpp"
+#include "framework/run/context.hpp"
+#include "framework/run/energy_terms.hpp"
 #include "framework/run/engine.hpp"
-#include "framework/run/engine_parts.hpp"
 
 namespace tomlin {
 namespace {
@@ -21,8 +22,8 @@ constexpr std::int64_t kFixedStrata = 128;
 constexpr std::int64_t kAdaptiveStrata = 32;
 /// Steps in a block. Blocks of fixed steps begin where the run looks at its origin; short runs, of
 /// so many strata of so many steps, are looked at from there to the next time, and so as a whole.
-constexpr double kShort = 2.0 * engine_parts::kHousekeepingEvery;
-constexpr std::uint64_t kWhole = engine_parts::kHousekeepingEvery;
+constexpr double kShort = 2.0 * kBlock;
+constexpr std::uint64_t kWhole = kBlock;
 constexpr std::uint64_t kFixedSteps = kWhole / 2;
 constexpr std::uint64_t kAdaptiveSteps = 4;
 /// Numerical work beside the larger one of work and heat, or beside the energy where there is no
@@ -99,7 +100,7 @@ void EnergyBalance::start(double from, double to, double dt) {
 void EnergyBalance::prepare() {
   try {
     twin_ = std::make_unique<Engine>(with_ledger(*scene_), options_);
-    integrals_.assign(twin_->model_.system().view.rates, 0.0);
+    integrals_.assign(twin_->model().system().view.rates, 0.0);
     twin_->advance(1);  // what is allocated at the first step is
     if (twin_->failed()) twin_ = nullptr;
   } catch (const InputError&) {
@@ -118,45 +119,45 @@ double EnergyBalance::time_of(std::int64_t stratum) const {
          (to_ - from_) * (static_cast<double>(stratum) + part) / static_cast<double>(strata_);
 }
 
-std::uint64_t EnergyBalance::look(Engine& run) {
+std::uint64_t EnergyBalance::look(RunContext& run) {
   constexpr auto kAnyNumber = std::numeric_limits<std::uint64_t>::max();
   if (!twin_ || place_[kDropped] != 0) return kAnyNumber;
-  const double now = run.time();
+  const double now = run.clock.time();
   if (place_[kOpen] != 0) {
     // Where an event has split a step there are more of them.
     const double left = sums_[kBlockEnd] - now;
-    if (left > engine_parts::kNoStep * run.plan_.dt && !run.done()) {
-      return static_cast<std::uint64_t>(std::max(1.0, std::nearbyint(left / run.plan_.dt)));
+    if (left > kNoStep * run.plan.dt && !run.outcome.done()) {
+      return static_cast<std::uint64_t>(std::max(1.0, std::nearbyint(left / run.plan.dt)));
     }
-    const bool there = std::abs(left) <= engine_parts::kNoStep * run.plan_.dt && !run.failed();
-    const double energy = there ? run.stored_energy() : sums_[kBlockEnergy];
+    const bool there = std::abs(left) <= kNoStep * run.plan.dt && !run.outcome.failure;
+    const double energy = there ? stored_energy(run) : sums_[kBlockEnergy];
     close(sums_[kOpenWork] + (energy - sums_[kBlockEnergy]));
   }
   if (known_ != place_[kStratum]) next_ = time_of(known_ = place_[kStratum]);
-  if (now < (whole_ ? from_ : next_) || now >= to_ || run.done()) return kAnyNumber;
-  if (run.plan_.dt == 0.0) {
+  if (now < (whole_ ? from_ : next_) || now >= to_ || run.outcome.done()) return kAnyNumber;
+  if (run.plan.dt == 0.0) {
     open(run);
-  } else if (run.housekeeping_due()) {
+  } else if (run.block_ends()) {
     open(run);
     if (place_[kOpen] != 0) return steps_;
   }
   return kAnyNumber;
 }
 
-void EnergyBalance::open(Engine& run) {
-  twin_->take_up(run.state_);
-  const SystemView<double>& view = twin_->model_.system().view;
+void EnergyBalance::open(RunContext& run) {
+  twin_->take_up(run.state);
+  const SystemView<double>& view = twin_->model().system().view;
   std::copy_n(view.integrals, view.rates, integrals_.data());
   const double begin = twin_->time();
-  const double stored = twin_->stored_energy();
+  const double stored = stored_energy(twin_->context());
   twin_->advance(steps_);
   const double end = twin_->time();
   if (twin_->failed() || !(end > begin)) {
     place_[kDropped] = 1;  // the run itself will say why
     return;
   }
-  EnergyTerms terms = twin_->terms_between(integrals_.data(), view.integrals, begin, end);
-  sums_[kBlockEnergy] = twin_->stored_energy();
+  EnergyTerms terms = energy_terms(twin_->model(), integrals_.data(), view.integrals, begin, end);
+  sums_[kBlockEnergy] = stored_energy(twin_->context());
   terms.stored = sums_[kBlockEnergy] - stored;
 
   // In parts of what the first block has, and times in parts of the window: squares stay numbers.
@@ -178,13 +179,13 @@ void EnergyBalance::open(Engine& run) {
   sums_[kTime] += stands_for;
   sums_[kWork] += weight * terms.work;
   sums_[kHeat] += weight * terms.heat;
-  sums_[kKinetic] += stands_for * twin_->kinetic_energy_now();
+  sums_[kKinetic] += stands_for * kinetic_energy(twin_->model(), view.velocity, end);
   sums_[kStored] += stands_for * std::abs(sums_[kBlockEnergy]);
   sums_[kBlockEnd] = end;
   sums_[kBlockLength] = length;
   sums_[kBlockWeight] = weight;
   sums_[kOpenWork] = terms.numerical();
-  if (run.plan_.dt > 0.0) {
+  if (run.plan.dt > 0.0) {
     place_[kOpen] = 1;
   } else {
     close(terms.numerical());

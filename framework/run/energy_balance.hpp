@@ -16,15 +16,7 @@
 namespace tomlin {
 
 class Engine;
-
-/// What a few steps do to the energy.
-struct EnergyTerms {
-  double work = 0.0;    ///< by drivers, and by energies that change with time
-  double heat = 0.0;    ///< to all dampers
-  double stored = 0.0;  ///< change of kinetic and potential energy
-
-  double numerical() const { return stored + heat - work; }
-};
+struct RunContext;
 
 /// A sum over a window, known from some of its steps.
 struct SampledWork {
@@ -62,7 +54,7 @@ class EnergyBalance {
   void prepare();
 
   /// Before every step of the run, or as many as it said last; and at its end.
-  std::uint64_t look(Engine& run);
+  std::uint64_t look(RunContext& run);
   /// At the end of the run. Nothing where too few steps were looked at.
   std::optional<SampledWork> found() const;
 
@@ -89,7 +81,7 @@ class EnergyBalance {
   enum { kStratum, kOpen, kBlocks, kDropped, kIntegers };
 
   double time_of(std::int64_t stratum) const;
-  void open(Engine& run);
+  void open(RunContext& run);
   void close(double numerical);
 
   std::shared_ptr<const Scene> scene_;

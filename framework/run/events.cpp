@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "framework/run/event_log.hpp"
+#include "framework/run/plan.hpp"
+
 namespace tomlin {
 namespace {
 
@@ -29,22 +32,8 @@ constexpr int kHalvings = 60;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-double speed_of(const Drive& drive) {
-  double square = 0.0;
-  for (const double v : drive.velocity) square = std::fma(v, v, square);
-  return std::sqrt(square);
-}
-
-/// An event with nothing known of it.
-Event of_kind(EventKind kind) {
-  Event event;
-  event.kind = kind;
-  event.time = event.duration = event.size = event.energy_lost = event.peak_force = kNone;
-  return event;
-}
-
 Event between(EventKind kind, double from, double to, double size) {
-  Event event = of_kind(kind);
+  Event event = event_of_kind(kind);
   event.time = from;
   event.duration = to - from;
   event.size = size;
@@ -146,6 +135,23 @@ void DriverWatch::start() {
 /// Of the pulled point, along the pull.
 double DriverWatch::way(double from, double force_from, double to, double force_to) const {
   return speed_ * (to - from) - (force_to - force_from) / stiffness_;
+}
+
+/// Takes in the points from the first of a block on in which the point sticks; returns how many.
+std::size_t DriverWatch::sticking(const double* times, const double* forces, std::size_t count) {
+  if (force_.count() < 2 || busy_[kSlipping] + busy_[kBack] + busy_[kMoved] != 0) return 0;
+  const double slope = stiffness_ * speed_;
+  double time = force_.time(0);
+  double force = force_.value(0);
+  std::size_t n = 0;
+  for (; n < count; ++n) {
+    const double rise = forces[n] - force;
+    if (!(rise > 0.0 && rise < slope * (times[n] - time))) break;
+    time = times[n];
+    force = forces[n];
+  }
+  force_.add(times, forces, n);
+  return n;
 }
 
 void DriverWatch::look(const Emit& emit, const Heat& heat) {
@@ -332,7 +338,7 @@ void BodyWatch::look_for_turn(double time, double turns, const Emit& emit) {
     const double sign = turns > numbers_[kWhole] ? 1.0 : -1.0;
     numbers_[kWhole] += sign;
     const double before = turns_.count() > 1 ? turns_.time(1) : time;
-    Event turn = of_kind(EventKind::turn);
+    Event turn = event_of_kind(EventKind::turn);
     turn.time = turns_.when_value_is(numbers_[kWhole], before, time);
     turn.size = sign;
     emit(turn);

@@ -31,6 +31,11 @@ class LastPoints {
     times_[at] = time;
     values_[at] = value;
   }
+  void add(const double* times, const double* values, std::size_t count) {
+    const std::size_t last = count > kRing ? count - kRing : 0;
+    *added_ += static_cast<std::int64_t>(last);
+    for (std::size_t n = last; n < count; ++n) add(times[n], values[n]);
+  }
   std::size_t count() const {
     return *added_ < static_cast<std::int64_t>(kMost) ? static_cast<std::size_t>(*added_) : kMost;
   }
@@ -113,10 +118,18 @@ class DriverWatch {
     }
     if (known) look(emit, heat);
   }
+  /// The same for a block of points.
+  void add_block(const double* times, const double* forces, std::size_t count, const Emit& emit,
+                 const Heat& heat) {
+    for (std::size_t n = sticking(times, forces, count); n < count; ++n) {
+      add(times[n], forces[n], emit, heat);
+    }
+  }
   /// The run is over: what is going on is reported as far as it got.
   void finish(double time, const Emit& emit);
 
  private:
+  std::size_t sticking(const double* times, const double* forces, std::size_t count);
   enum {
     kPeakTime,
     kPeakForce,

@@ -47,7 +47,6 @@ CubicExtremes cubic_extremes(double y0, double y1, double y2, double y3) {
 }
 
 void Extremes::declare(StateLayout& layout, std::size_t signals) {
-  signals_ = signals;
   layout.add_reals("extremes.high", signals);
   layout.add_reals("extremes.low", signals);
   layout.add_reals("extremes.last", signals);
@@ -56,7 +55,8 @@ void Extremes::declare(StateLayout& layout, std::size_t signals) {
   layout.add_integers("extremes.flags", 2);
 }
 
-void Extremes::attach(RunState& state) {
+void Extremes::attach(RunState& state, std::size_t signals) {
+  signals_ = signals;
   high_ = state.reals("extremes.high");
   low_ = state.reals("extremes.low");
   last_ = state.reals("extremes.last");
@@ -102,6 +102,40 @@ void Extremes::add(double time, const double* values, bool inside) {
   flags_[kLastInside] = inside ? 1 : 0;
 }
 
+/// A parabola through three neighbours at equal distances rises above the largest of them by no
+/// more than an eighth of what they differ by: mostly none of a block's comes near the extremes.
+void Extremes::add_block(const double* times, const double* values, std::size_t count,
+                         bool inside) {
+  constexpr double kRise = 0.25;  // an eighth, and room for rounding
+  constexpr std::size_t kBefore = 2;
+  if (count <= kBefore || !inside) {
+    for (std::size_t n = 0; n < count; ++n) add(times[n], values + n * signals_, inside);
+    return;
+  }
+  for (std::size_t n = 0; n < kBefore; ++n) add(times[n], values + n * signals_, inside);
+  bool near = false;
+  for (std::size_t k = 0; k < signals_; ++k) {
+    double high = values[k];
+    double low = values[k];
+    for (std::size_t n = 1; n < count; ++n) {
+      high = std::max(high, values[n * signals_ + k]);
+      low = std::min(low, values[n * signals_ + k]);
+    }
+    const double rise = kRise * (high - low);
+    near = near || !(high + rise < high_[k] && low - rise > low_[k]);
+  }
+  if (near) {
+    for (std::size_t n = kBefore; n < count; ++n) add(times[n], values + n * signals_, inside);
+    return;
+  }
+  for (std::size_t n = count - kBefore; n < count; ++n) {
+    std::copy_n(last_, signals_, previous_);
+    std::copy_n(values + n * signals_, signals_, last_);
+    times_[1] = times_[0];
+    times_[0] = times[n];
+  }
+}
+
 void Extremes::include(const double* values) {
   for (std::size_t k = 0; k < signals_; ++k) {
     if (values[k] > high_[k]) high_[k] = values[k];
@@ -115,7 +149,6 @@ void Extremes::include(std::size_t k, double value) {
 }
 
 void StaticForces::declare(StateLayout& layout, std::size_t signals) {
-  signals_ = signals;
   layout.add_reals("static_force.height", signals);
   layout.add_reals("static_force.last", signals);
   layout.add_reals("static_force.previous", signals);
@@ -124,7 +157,8 @@ void StaticForces::declare(StateLayout& layout, std::size_t signals) {
   layout.add_integers("static_force.counts", 2);
 }
 
-void StaticForces::attach(RunState& state) {
+void StaticForces::attach(RunState& state, std::size_t signals) {
+  signals_ = signals;
   height_ = state.reals("static_force.height");
   last_ = state.reals("static_force.last");
   previous_ = state.reals("static_force.previous");

@@ -11,12 +11,15 @@ namespace tomlin {
 /// on where steps happen to end (error of third order in the step).
 class Extremes {
  public:
-  void declare(StateLayout& layout, std::size_t signals);
-  void attach(RunState& state);
+  static void declare(StateLayout& layout, std::size_t signals);
+  void attach(RunState& state, std::size_t signals);
   void start();
 
   /// Values at a time; those outside [from, to] only serve as neighbours.
   void add(double time, const double* values, bool inside);
+  /// The same for a block of `count` points at equal distances, [point][signal]; the window begins
+  /// and ends outside of it.
+  void add_block(const double* times, const double* values, std::size_t count, bool inside);
   /// Values that no step ends on: at the window's edges, at peaks within a step.
   void include(const double* values);
   void include(std::size_t signal, double value);
@@ -42,8 +45,8 @@ class Extremes {
 /// the whole run.
 class StaticForces {
  public:
-  void declare(StateLayout& layout, std::size_t signals);
-  void attach(RunState& state);
+  static void declare(StateLayout& layout, std::size_t signals);
+  void attach(RunState& state, std::size_t signals);
   void start();
   /// A point of each signal, and which of them count; a maximum between points is that of the
   /// parabola through three.

@@ -9,11 +9,8 @@
 #include <fmt/format.h>
 
 #include "framework/model/plugin_code.hpp"
-#include "framework/run/engine_parts.hpp"
 
 namespace tomlin {
-
-using namespace engine_parts;  // NOLINT: its own parts
 
 namespace {
 
@@ -93,8 +90,9 @@ const Drive& counted_driver(const Model& model) {
 /// The time in which that driver passes a period of the forces along its way.
 double period_of_driver(const Model& model) {
   const Scene& scene = model.scene();
-  const std::vector<double>& velocity = counted_driver(model).velocity;
-  if (scene.measure.period) return *scene.measure.period / norm(velocity);
+  const Drive& driver = counted_driver(model);
+  const std::vector<double>& velocity = driver.velocity;
+  if (scene.measure.period) return *scene.measure.period / speed_of(driver);
   double period = 0.0;
   double speed = 0.0;
   for (int d = 0; d < model.dimension(); ++d) {
@@ -146,7 +144,22 @@ void plan_window(const MeasureSettings& measure, double unit, RunPlan& plan) {
 
 }  // namespace
 
-bool drags(const Drive& drive) { return drive.steady && norm(drive.velocity) > 0.0; }
+double speed_of(const Drive& drive) {
+  double squares = 0.0;
+  for (const double v : drive.velocity) squares = std::fma(v, v, squares);
+  return std::sqrt(squares);
+}
+
+bool drags(const Drive& drive) { return drive.steady && speed_of(drive) > 0.0; }
+
+bool pulls(const Drive& drive) { return drags(drive) && drive.stiffness > 0.0; }
+
+std::optional<std::size_t> body_pulled_by(const Model& model, const Model::Driver& driver) {
+  for (const Model::Force& force : model.forces()) {
+    if (force.name == driver.name) return force.bodies.front();
+  }
+  return {};
+}
 
 RunPlan plan_run(const Model& model) {
   const Scene& scene = model.scene();

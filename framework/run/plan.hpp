@@ -1,11 +1,19 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "framework/model/model.hpp"
 
 /// What a run is going to do, in times: resolved from the scene before the first step.
 namespace tomlin {
+
+/// Steps in a block, after which the origin, rotations and signals are looked at. A particle moves
+/// less than a period in a step, so that the origin is never left far behind.
+inline constexpr std::int64_t kBlock = 16;
+/// A remainder of the run below this part of a step is no step.
+inline constexpr double kNoStep = 1e-9;
 
 struct RunPlan {
   double dt = 0.0;        ///< step of the grid; 0: the scheme chooses its own
@@ -20,7 +28,13 @@ struct RunPlan {
 /// for a run of more steps or samples than could ever be taken.
 RunPlan plan_run(const Model& model);
 
+/// Of the pulled end.
+double speed_of(const Drive& drive);
 /// Whether it is a driver of steady velocity that is not zero.
 bool drags(const Drive& drive);
+/// Whether it also is a spring, whose force tells where what it pulls is.
+bool pulls(const Drive& drive);
+/// What a spring pulls; nothing for a prescribed body.
+std::optional<std::size_t> body_pulled_by(const Model& model, const Model::Driver& driver);
 
 }  // namespace tomlin

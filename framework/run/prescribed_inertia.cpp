@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/run/window.hpp"
 #include "framework/scene/motion_slope.hpp"
 
 namespace tomlin {
@@ -64,6 +65,13 @@ std::vector<double> inertia_lacking(const Model& model, const Model::Driver& dri
     }
   }
   return lacking;
+}
+
+std::vector<double> inertia_lacking_in(const Model& model, const Model::Driver& driver,
+                                       const MeasureWindow& window) {
+  const MeasureWindow::Edge& from = window.from();
+  const MeasureWindow::Edge& to = window.to();
+  return inertia_lacking(model, driver, from.integrals, to.integrals, from.time, to.time);
 }
 
 }  // namespace tomlin

@@ -8,6 +8,8 @@
 /// work. Without inertia, and in quasistatic dynamics, there is none of it.
 namespace tomlin {
 
+class MeasureWindow;
+
 /// m v^2/2 and I omega^2/2 of all prescribed bodies.
 double prescribed_kinetic_energy(const Model& model, double time);
 
@@ -21,5 +23,9 @@ bool is_accelerated(const Model& model, const Model::Driver& driver);
 std::vector<double> inertia_lacking(const Model& model, const Model::Driver& driver,
                                     const double* from_integrals, const double* to_integrals,
                                     double from, double to);
+
+/// The same over the window.
+std::vector<double> inertia_lacking_in(const Model& model, const Model::Driver& driver,
+                                       const MeasureWindow& window);
 
 }  // namespace tomlin

@@ -113,7 +113,7 @@ struct ResultFamily {
   std::string_view family;
   std::string_view of;    ///< "each driver"; empty where the run has one
   std::string_view when;  ///< "with run.ledger = true"; empty: always
-  std::span<const ResultQuantity> quantities;
+  std::vector<ResultQuantity> quantities;
 };
 
 }  // namespace tomlin

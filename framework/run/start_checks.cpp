@@ -8,16 +8,15 @@
 
 #include "framework/core/tolerance.hpp"
 #include "framework/run/diagnose.hpp"
-#include "framework/run/engine_parts.hpp"
 #include "framework/run/time_scale.hpp"
 #include "framework/run/window_warnings.hpp"
 #include "framework/scene/natural_units.hpp"
 
 namespace tomlin {
 
-using namespace engine_parts;  // NOLINT: its own parts
-
 namespace {
+
+constexpr double kTau = 6.283185307179586476925286766559;
 
 /// What the checks look at, and what they have found.
 struct Check {
@@ -27,6 +26,31 @@ struct Check {
   const IntegratorRecord& scheme = *scene.run.integrator.record;
   StartFindings found = {};
 };
+
+/// Of a body's particles, from its centre.
+double reach_of(const Model::Body& body) {
+  double reach = 0.0;
+  for (const std::vector<double>& arm : body.arms) {
+    double squares = 0.0;
+    for (const double x : arm) squares = std::fma(x, x, squares);
+    reach = std::max(reach, std::sqrt(squares));
+  }
+  return reach;
+}
+
+/// The fastest that any particle of a prescribed body is along its way, looked at now and then.
+double fastest_of(const Model::Body& body, double duration) {
+  constexpr int kLooks = 1000;
+  const double reach = reach_of(body);
+  double fastest = 0.0;
+  for (int k = 0; k <= kLooks; ++k) {
+    const double time = duration * k / kLooks;
+    double speed = reach * std::abs(body.motion->angular_velocity(time));
+    for (const TimeFunction& function : body.motion->velocity) speed += std::abs(function(time));
+    if (std::isfinite(speed)) fastest = std::max(fastest, speed);
+  }
+  return fastest;
+}
 
 /// A run that fails before its first step; the first reason is the one that is reported.
 void fail(Check& check, const std::string& body, std::string what, std::string cause) {

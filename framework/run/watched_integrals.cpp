@@ -5,16 +5,16 @@
 
 #include <fmt/format.h>
 
+#include "framework/run/plan.hpp"
+
 namespace tomlin {
 namespace {
 
 /// Works that are known to a part of this are said to be known well.
 constexpr double kWell = 1e-4;
 
-double speed_of(const Model::Driver& driver) {
-  double square = 0.0;
-  for (const double v : driver.drive->velocity) square = std::fma(v, v, square);
-  return driver.drive->steady ? std::sqrt(square) : 0.0;
+double steady_speed_of(const Model::Driver& driver) {
+  return driver.drive->steady ? speed_of(*driver.drive) : 0.0;
 }
 
 }  // namespace
@@ -25,11 +25,11 @@ std::vector<WatchedIntegral> watched_integrals(const Model& model) {
   const auto axes = static_cast<std::size_t>(model.dimension());
   double fastest = 0.0;
   for (const Model::Driver& driver : model.drivers()) {
-    fastest = std::max(fastest, speed_of(driver));
+    fastest = std::max(fastest, steady_speed_of(driver));
   }
   for (const Model::Driver& driver : model.drivers()) {
     const auto first = static_cast<std::size_t>(driver.first_rate);
-    const double speed = speed_of(driver);
+    const double speed = steady_speed_of(driver);
     for (std::size_t d = 0; d < axes && fastest > 0.0; ++d) {
       all.push_back({first + d, speed > 0.0 ? speed : fastest, driver.drive->stiffness});
     }
@@ -46,7 +46,8 @@ std::vector<double> along_with_drivers(const Model& model) {
   std::vector<double> along(model.system().view.dofs, 0.0);
   const Model::Driver* fastest = nullptr;
   for (const Model::Driver& driver : model.drivers()) {
-    if (speed_of(driver) > (fastest != nullptr ? speed_of(*fastest) : 0.0)) fastest = &driver;
+    if (steady_speed_of(driver) > (fastest != nullptr ? steady_speed_of(*fastest) : 0.0))
+      fastest = &driver;
   }
   if (fastest == nullptr) return along;
   for (const Model::Body& body : model.bodies()) {

@@ -1,0 +1,131 @@
+#include "framework/run/context.hpp"
+
+#include <atomic>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/run/diagnose.hpp"
+#include "framework/run/number_type.hpp"
+#include "framework/run/watched_integrals.hpp"
+
+namespace tomlin {
+
+void RunClock::declare(StateLayout& layout) {
+  layout.add_reals("clock", 2);
+  layout.add_integers("counts", kCounts);
+}
+
+void RunClock::attach(RunState& state) {
+  time_ = state.reals("clock");
+  counts_ = state.integers("counts");
+}
+
+void RunClock::set(const DoubleDouble& time) {
+  time_[0] = time.hi;
+  time_[1] = time.lo;
+}
+
+void RunClock::add(std::int64_t steps, std::int64_t grid_steps) {
+  counts_[kSteps] += steps;
+  counts_[kGridSteps] += grid_steps;
+}
+
+void RunClock::keep_cost(const System<double>& system, std::uint64_t ahead) {
+  counts_[kEvaluations] = static_cast<std::int64_t>(system.evaluations - ahead);
+  counts_[kColumns] = static_cast<std::int64_t>(system.columns);
+}
+
+RunContext::RunContext(const std::shared_ptr<const Scene>& scene_of_run,
+                       const RunOptions& options_of_run)
+    : scene(scene_of_run),
+      options(options_of_run),
+      model(scene, options.instruction_set),
+      scheme(*scene->run.integrator.record) {
+  const SceneIntegrator& from = scene->run.integrator;
+  integrator = bound_by(from, "integrator", [&] {
+    return integrator_in(scene->run.number_type, model, from.description.get(), scheme);
+  });
+  if (!scheme.library.empty()) {
+    integrator =
+        guarded(std::move(integrator), model.system(), "integrator " + scheme.name, scheme.library);
+  }
+  path = integrator->path();
+  integrator->watch(watched_integrals(model), along_with_drivers(model));
+}
+
+void RunContext::anchor_here() {
+  if (plan.dt == 0.0) {
+    model.anchor(clock.now());
+  } else {
+    const std::int64_t anchor = clock.grid_steps() / kBlock * kBlock;
+    model.anchor(two_prod(static_cast<double>(anchor), plan.dt));
+  }
+}
+
+double RunContext::since_anchor() {
+  const std::int64_t since = clock.grid_steps() % kBlock;
+  if (since == 0) model.anchor(two_prod(static_cast<double>(clock.grid_steps()), plan.dt));
+  return static_cast<double>(since) * plan.dt;
+}
+
+DoubleDouble RunContext::into_step() const {
+  return clock.now() - two_prod(static_cast<double>(clock.grid_steps()), plan.dt);
+}
+
+/// Of the grid where there is one, so that an event does not shift blocks.
+bool RunContext::block_ends() const {
+  if (plan.dt == 0.0) return clock.steps() % kBlock == 0;
+  return clock.grid_steps() % kBlock == 0 && static_cast<double>(into_step()) == 0.0;
+}
+
+bool RunContext::too_dear() const {
+  const System<double>& system = model.system();
+  return system.evaluations + system.columns > options.most_cost;
+}
+
+bool RunContext::stopped() const {
+  if (too_dear()) return true;
+  return options.stop != nullptr && options.stop->load(std::memory_order_relaxed);
+}
+
+double RunContext::tolerance() const {
+  return scheme.tolerance ? scheme.tolerance(scene->run.integrator.description.get()) : 0.0;
+}
+
+StepReport RunContext::step_from(double since, double h, bool dense) {
+  StepReport report{0.0, StepFault::not_finite_or_too_far};
+  attempt([&] { report = integrator->step_from(since, h, dense); });
+  return report;
+}
+
+void RunContext::fail(StepFault fault, double h) {
+  if (outcome.failure) return;  // the cause is known
+  outcome.failure = diagnose(model, scheme, fault, static_cast<std::uint64_t>(clock.steps()),
+                             clock.now(), h, stable_step);
+}
+
+/// At the start of a step, or near it where a plugin throws between steps.
+void RunContext::fail(const PluginError& error) {
+  if (!outcome.thrown) outcome.thrown = error;
+  if (outcome.failure) return;
+  RunFailure failure;
+  failure.step = static_cast<std::uint64_t>(clock.steps());
+  failure.time = clock.time();
+  constexpr std::string_view kForce = "force ";
+  if (error.component().starts_with(kForce)) {
+    failure.force = error.component().substr(kForce.size());
+  }
+  failure.what = error.what();
+  failure.cause = "the code of the plugin";
+  outcome.failure = std::move(failure);
+}
+
+/// What the functions of a plugin's records throw is not told apart by record.
+void RunContext::fail_by_record(const std::string& said) {
+  std::vector<std::string> paths;
+  for (const Library& library : scene->libraries) paths.push_back(library.path);
+  fail(PluginError("a function of a record", fmt::format("{}", fmt::join(paths, " or ")), said));
+}
+
+}  // namespace tomlin

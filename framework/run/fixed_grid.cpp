@@ -1,0 +1,136 @@
+#include "framework/run/fixed_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tomlin {
+
+FixedGrid::FixedGrid(StepParts parts) : Stepping(std::move(parts)) {
+  if (!run_.integrator->has_point_block()) return;
+  point_rates_.assign(kBlock * run_.model.system().view.rates, 0.0);
+  point_velocities_.assign(kBlock, 0.0);
+}
+
+/// Times on the grid are products, not sums: step n ends at (n + 1) dt however many there were.
+void FixedGrid::advance(std::uint64_t most) {
+  const RunPlan& plan = run_.plan;
+  const DoubleDouble into = into_step();
+  if (run_.clock.grid_steps() == plan.whole_steps) {
+    // What remains is shorter than a step, or nothing.
+    const double rest = static_cast<double>(DoubleDouble(plan.duration) - run_.clock.now());
+    if (rest <= kNoStep * plan.dt && (run_.clock.steps() > 0 || rest <= 0.0)) {
+      run_.outcome.ended = true;
+    } else {
+      take_one(
+          {run_.since_anchor() + static_cast<double>(into), rest, DoubleDouble(plan.duration)});
+    }
+    return;
+  }
+  if (static_cast<double>(into) != 0.0) {
+    // An event has split this step of the grid: the rest of it.
+    const DoubleDouble end = end_of_step();
+    const double rest = static_cast<double>(end - run_.clock.now());
+    take_one({run_.since_anchor() + static_cast<double>(into), rest, end, true});
+    return;
+  }
+  if (parts_.triggers.waiting()) {
+    plain_left_ = 0;
+  } else if (plain_left_ == 0) {
+    plain_left_ = std::max<std::int64_t>(0, plain_steps());
+  }
+  if (plain_left_ == 0 || parts_.observation.rotations().is_due_at_every_step()) {
+    take_one({run_.since_anchor(), plan.dt, end_of_step(), true});
+    if (plain_left_ > 0) --plain_left_;
+    return;
+  }
+  const std::int64_t to_anchor = kBlock - run_.clock.grid_steps() % kBlock;
+  take_block(std::min({to_anchor, plain_left_, static_cast<std::int64_t>(most)}));
+}
+
+/// How far the run is into a step of the grid; after blocks that is nothing.
+DoubleDouble FixedGrid::into_step() {
+  if (on_grid_) return DoubleDouble(0.0);
+  const DoubleDouble into = run_.into_step();
+  on_grid_ = static_cast<double>(into) == 0.0;
+  return into;
+}
+
+void FixedGrid::take_one(const Step& step) {
+  on_grid_ = false;
+  take(step);
+}
+
+/// Of the step of the grid that the run is in or before; the last one ends with the run.
+DoubleDouble FixedGrid::end_of_step() const {
+  const RunPlan& plan = run_.plan;
+  const DoubleDouble end = two_prod(static_cast<double>(run_.clock.grid_steps() + 1), plan.dt);
+  const bool at_end = std::abs(static_cast<double>(end - plan.duration)) <= kNoStep * plan.dt;
+  return at_end ? DoubleDouble(plan.duration) : end;
+}
+
+/// How many steps end before the next sample or edge of the window is due.
+std::int64_t FixedGrid::plain_steps() const {
+  const RunPlan& plan = run_.plan;
+  const std::int64_t taken = run_.clock.grid_steps();
+  const double due = parts_.observation.next_due();
+  const std::int64_t left = plan.whole_steps - taken;
+  if (!(due < plan.duration)) return left - 1;  // the last may end on a sample
+  auto before = static_cast<std::int64_t>(due / plan.dt) - taken;
+  // Rounding of the quotient: the step that ends at or past the time is the one that is not plain.
+  while (before > 0 && due <= static_cast<double>(taken + before) * plan.dt) --before;
+  return std::min(left - 1, before);
+}
+
+/// Steps with nothing to serve between them, up to the next time that forces are anchored at.
+void FixedGrid::take_block(std::int64_t most) {
+  StepFault fault = StepFault::none;
+  const std::int64_t taken =
+      run_.integrator->has_point_block() ? point_block(most, fault) : plain_block(most, fault);
+  run_.clock.add(taken, taken);
+  run_.clock.keep_cost(run_.model.system());
+  run_.clock.set(two_prod(static_cast<double>(run_.clock.grid_steps()), run_.plan.dt));
+  plain_left_ -= taken;
+  if (fault != StepFault::none) {
+    run_.fail(fault, run_.plan.dt);
+    return;
+  }
+  if (run_.clock.grid_steps() % kBlock != 0) return;
+  // How far drivers have come counts for the origin: they are looked at where `take` leaves them.
+  run_.since_anchor();
+  parts_.housekeeping.after_block();
+}
+
+/// Of a single point, which stays in registers.
+std::int64_t FixedGrid::point_block(std::int64_t most, StepFault& fault) {
+  run_.since_anchor();
+  const std::int64_t grid = run_.clock.grid_steps();
+  const auto taken = static_cast<std::int64_t>(run_.integrator->point_block(
+      static_cast<std::size_t>(grid % kBlock), run_.plan.dt, static_cast<std::size_t>(most),
+      point_rates_.data(), point_velocities_.data()));
+  if (taken < most) fault = StepFault::not_finite_or_too_far;
+  run_.seen = two_prod(static_cast<double>(grid + taken), run_.plan.dt);
+  parts_.observation.point_block(grid, static_cast<std::size_t>(taken), point_rates_.data(),
+                                 point_velocities_.data());
+  return taken;
+}
+
+std::int64_t FixedGrid::plain_block(std::int64_t most, StepFault& fault) {
+  const double dt = run_.plan.dt;
+  const std::int64_t grid = run_.clock.grid_steps();
+  const std::int64_t first = grid % kBlock;
+  double since = run_.since_anchor();
+  std::int64_t taken = 0;
+  while (taken < most) {
+    parts_.observation.begin_step(static_cast<double>(grid + taken) * dt);
+    fault = step_scheme(since, dt, false).fault;
+    if (fault != StepFault::none) break;
+    ++taken;
+    run_.seen = two_prod(static_cast<double>(grid + taken), dt);
+    parts_.observation.end_step();
+    since = static_cast<double>(first + taken) * dt;
+  }
+  parts_.observation.end_block();
+  return taken;
+}
+
+}  // namespace tomlin

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+
+#include "framework/core/aligned.hpp"
+#include "framework/run/stepping.hpp"
+
+namespace tomlin {
+
+/// Steps of equal length. Most have nothing to be served between them: they are taken in blocks.
+class FixedGrid : public Stepping {
+ public:
+  explicit FixedGrid(StepParts parts);
+  void advance(std::uint64_t most) override;
+  void state_changed() override {
+    plain_left_ = 0;
+    on_grid_ = false;
+  }
+
+ protected:
+  void look(const DoubleDouble&, const DoubleDouble&) override {
+    parts_.observation.end_step();
+    parts_.observation.end_block();
+  }
+  double anchor_next() override { return run_.since_anchor(); }
+
+ private:
+  DoubleDouble into_step();
+  void take_one(const Step& step);
+  DoubleDouble end_of_step() const;
+  std::int64_t plain_steps() const;
+  void take_block(std::int64_t most);
+  std::int64_t point_block(std::int64_t most, StepFault& fault);
+  std::int64_t plain_block(std::int64_t most, StepFault& fault);
+
+  bool on_grid_ = false;         ///< known to be between two steps of the grid
+  std::int64_t plain_left_ = 0;  ///< steps known to have nothing to serve
+  AlignedVector<double> point_rates_;
+  AlignedVector<double> point_velocities_;
+};
+
+}  // namespace tomlin

@@ -1,0 +1,308 @@
+#include "framework/run/observation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "framework/run/energy_terms.hpp"
+#include "framework/run/observers/kinds.hpp"
+#include "framework/run/observers/scene_observers.hpp"
+
+namespace tomlin {
+namespace {
+
+/// Of one very long step, before a signal is heard.
+constexpr std::uint64_t kSamplesBetweenLooks = 100'000;
+
+/// Families of results, in the order of a summary.
+constexpr std::string_view kFamilies[] = {"drivers", "bodies",      "observers",
+                                          "events",  "equilibrium", "energy"};
+
+}  // namespace
+
+/// Rows of a family, and warnings, come in this order.
+std::span<const ObserverKind> observer_kinds() {
+  using namespace observers;
+  static const ObserverKind kinds[] = {
+      force_means(), end_of_run(),    body_motion(), extremes(),     equilibrium(),   pull_events(),
+      body_events(), window_doubts(), work(),        event_counts(), energy_ledger(), long_bonds(),
+  };
+  return kinds;
+}
+
+ResultGroup& ResultTable::group(std::string_view family, std::string_view name) {
+  for (ResultGroup& group : groups_) {
+    if (group.family == family && group.name == name) return group;
+  }
+  return groups_.emplace_back(ResultGroup{std::string(family), std::string(name), {}});
+}
+
+std::vector<ResultGroup> ResultTable::take() {
+  const auto place = [](const ResultGroup& group) {
+    return std::find(std::begin(kFamilies), std::end(kFamilies), group.family) -
+           std::begin(kFamilies);
+  };
+  std::stable_sort(groups_.begin(), groups_.end(),
+                   [&](const ResultGroup& a, const ResultGroup& b) { return place(a) < place(b); });
+  return std::move(groups_);
+}
+
+Observation::Observation(RunContext& run)
+    : run_(run),
+      signals_(run.model),
+      window_(run.model),
+      rotations_(run.model),
+      events_(run.options.sink, window_),
+      samples_({run, signals_, window_, rotations_, events_}),
+      span_(run.model, signals_, *run.integrator) {
+  const ObserverParts parts{run_, signals_, window_, rotations_, events_};
+  for (const ObserverKind& kind : observer_kinds()) {
+    if (auto observer = kind.make(parts)) observers_.push_back(std::move(observer));
+  }
+  if (!run.scene->observers.empty()) {
+    auto of_scene = std::make_unique<observers::SceneObservers>(parts);
+    samples_.show(*of_scene);
+    observers_.push_back(std::move(of_scene));
+  }
+  for (const auto& observer : observers_) {
+    const ObserverNeeds needs = observer->needs();
+    if (needs.signals) (needs.each_step ? at_steps_ : at_blocks_).push_back(observer.get());
+    if (needs.readings) readers_.push_back(observer.get());
+  }
+  block_.width = signals_.count();
+  block_times_.assign(kBlock, 0.0);
+  block_signals_.assign(kBlock * signals_.count(), 0.0);
+  block_.times = block_times_.data();
+  block_.signals = block_signals_.data();
+  const SystemView<double>& view = run.model.system().view;
+  within_.position.assign(view.dofs + 2 * kGroup, 0.0);
+  within_.velocity.assign(view.dofs + 2 * kGroup, 0.0);
+  within_.integrals.assign(view.rates + 2 * kGroup, 0.0);
+  within_.rates.assign(view.rates + 2 * kGroup, 0.0);
+  within_.signals.assign(signals_.count(), 0.0);
+}
+
+void Observation::declare(StateLayout& layout) const {
+  rotations_.declare(layout);
+  window_.declare(layout);
+  events_.declare(layout);
+  samples_.declare(layout);
+  for (const auto& observer : observers_) observer->declare(layout);
+}
+
+void Observation::attach(RunState& state) {
+  rotations_.attach(state);
+  window_.attach(state);
+  events_.attach(state);
+  samples_.attach(state);
+  for (const auto& observer : observers_) observer->attach(state);
+}
+
+void Observation::start() {
+  rotations_.start();
+  for (const auto& observer : observers_) observer->start();
+}
+
+void Observation::placed() {
+  for (const auto& observer : observers_) observer->placed();
+}
+
+void Observation::look_at_start() {
+  const SystemView<double>& view = run_.model.system().view;
+  if (samples_.are_wanted()) take_point(0.0, view.position, view.velocity, view.integrals);
+  if (window_.next_edge() == 0.0) reach_edge(0.0, view.position, view.velocity, view.integrals);
+  at_equilibrium();
+}
+
+void Observation::begin_step(double time) {
+  const SystemView<double>& view = run_.model.system().view;
+  const double* velocity = run_.plan.dt == 0.0 ? view.velocity : nullptr;
+  for (RunObserver* observer : readers_) observer->read(0, view.position, velocity);
+  block_times_[block_.count] = time;
+  signals_.write_speeds(view.velocity, time, row());
+}
+
+void Observation::end_step() {
+  signals_.write_forces(run_.integrator->first_rates(), row());
+  const SignalBlock step = block_.step(block_.count++);
+  for (RunObserver* observer : at_steps_) observer->steps(step);
+}
+
+void Observation::end_block() {
+  for (RunObserver* observer : at_blocks_) observer->steps(block_);
+  block_.count = 0;
+}
+
+void Observation::point_block(std::int64_t first_step, std::size_t count, const double* rates,
+                              const double* velocities) {
+  const std::size_t width = run_.model.system().view.rates;
+  for (block_.count = 0; block_.count < count; ++block_.count) {
+    const std::size_t k = block_.count;
+    block_times_[k] = static_cast<double>(first_step + static_cast<std::int64_t>(k)) * run_.plan.dt;
+    row()[signals_.speed_of(0)] = std::abs(velocities[k]);
+    signals_.write_forces(rates + k * width, row());
+  }
+  for (RunObserver* observer : at_steps_) observer->steps(block_);
+  end_block();
+}
+
+/// Long steps hide extremes: those of the cubic through the dense output at thirds of the step are
+/// as good as the dense output.
+void Observation::look_between(double from, double to) {
+  const SystemView<double>& view = run_.model.system().view;
+  span_.from = from;
+  span_.to = to;
+  span_.is_dense = true;
+  span_.times[0] = from;
+  signals_.write_forces(run_.integrator->first_rates(), row());
+  std::copy_n(row(), signals_.count(), span_.at[0].data());
+  for (int k = 1; k <= 3; ++k) {
+    span_.times[k] = from + (to - from) * k / 3.0;
+    if (span_.read_dense(k / 3.0, span_.times[k], span_.at[k])) continue;
+    // As a step of the grid.
+    end_step();
+    end_block();
+    return;
+  }
+  for (RunObserver* observer : readers_) observer->read(3, view.position, view.velocity);
+  for (RunObserver* observer : at_steps_) observer->span(span_);
+  for (RunObserver* observer : at_blocks_) observer->span(span_);
+}
+
+/// Steps are long, and forces fall steeply where an equilibrium is about to end: looks are at
+/// equal distances along the path, and cubics go through four of them.
+void Observation::look_along_path(double from, double to) {
+  span_.is_dense = false;
+  for (std::size_t first = 0; first + 3 < EquilibriumPath::kMoments; first += 3) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      const double part = run_.path->moment(first + k, within_.position.data(),
+                                            within_.velocity.data(), within_.rates.data());
+      span_.times[k] = from + (to - from) * part;
+      signals_.write_forces(within_.rates.data(), span_.at[k].data());
+      signals_.write_speeds(within_.velocity.data(), span_.times[k], span_.at[k].data());
+      if (k == 3) break;
+      for (RunObserver* observer : readers_) observer->read(k, within_.position.data(), nullptr);
+    }
+    span_.from = span_.times[0];
+    span_.to = span_.times[3];
+    for (RunObserver* observer : at_steps_) observer->span(span_);
+    for (RunObserver* observer : at_blocks_) observer->span(span_);
+  }
+}
+
+void Observation::at_equilibrium() {
+  for (const auto& observer : observers_) observer->at_equilibrium();
+}
+
+/// The signals before it are those at the end of the step; speeds after it are of no meaning.
+void Observation::path_slip(double energy_lost) {
+  const SystemView<double>& view = run_.model.system().view;
+  run_.model.evaluate_at(run_.clock.now(), view.position, view.velocity, view.integrals,
+                         within_.rates.data());
+  signals_.write_forces(within_.rates.data(), within_.signals.data());
+  const PathSlip slip{energy_lost, span_.at[3].data(), within_.signals.data()};
+  for (const auto& observer : observers_) observer->path_slip(slip);
+}
+
+void Observation::force_changed(const std::string& force) {
+  signals_.set_directions();
+  for (const auto& observer : observers_) observer->force_changed(force);
+  Event event = event_of_kind(EventKind::driver_reversal);
+  event.time = run_.clock.time();
+  events_.record(event, force);
+}
+
+void Observation::look_at_rotations() {
+  rotations_.look([this](std::size_t body, double turns) {
+    for (const auto& observer : observers_) observer->turned(body, turns);
+  });
+}
+
+void Observation::look_now_and_then() {
+  for (const auto& observer : observers_) observer->look_now_and_then();
+}
+
+bool Observation::serve(double due, const DoubleDouble& from, const DoubleDouble& to,
+                        double next_since) {
+  // The end of the step itself needs no interpolation, and so no evaluation.
+  if (due < static_cast<double>(to)) run_.integrator->finish_dense_from(next_since);
+  const double length = static_cast<double>(to - from);
+  std::uint64_t served = 0;
+  for (double time = due; time <= static_cast<double>(to); time = next_due()) {
+    // The step is then left unfinished.
+    if (++served % kSamplesBetweenLooks == 0 && run_.stopped()) return false;
+    const SystemView<double>& view = run_.model.system().view;
+    const double* position = view.position;
+    const double* velocity = view.velocity;
+    const double* integrals = view.integrals;
+    if (run_.plan.dt == 0.0 || time != static_cast<double>(to)) {
+      const double theta =
+          std::clamp(static_cast<double>(DoubleDouble(time) - from) / length, 0.0, 1.0);
+      position = within_.position.data();
+      velocity = within_.velocity.data();
+      integrals = within_.integrals.data();
+      run_.integrator->interpolate(theta, within_.position.data(), within_.velocity.data(),
+                                   within_.integrals.data());
+    }
+    if (!window_.is_open() && time >= window_.next_edge()) {
+      reach_edge(time, position, velocity, integrals);
+    }
+    if (window_.is_open() && time >= window_.next_edge()) {
+      reach_edge(time, position, velocity, integrals);
+      window_has_ended_ = true;
+    }
+    if (samples_.is_due(time)) take_point(time, position, velocity, integrals);
+  }
+  return true;
+}
+
+void Observation::take_point(double time, const double* position, const double* velocity,
+                             const double* integrals) {
+  run_.model.evaluate_at(DoubleDouble(time), position, velocity, integrals, within_.rates.data());
+  samples_.take(time, position, velocity, within_.rates.data());
+}
+
+void Observation::reach_edge(double time, const double* position, const double* velocity,
+                             const double* integrals) {
+  Model& model = run_.model;
+  model.evaluate_at(DoubleDouble(time), position, velocity, integrals, within_.rates.data());
+  double stored = 0.0;
+  if (run_.scene->run.ledger) {
+    stored = stored_energy(model, DoubleDouble(time), position, velocity, integrals);
+  }
+  window_.reach(position, integrals, rotations_, stored);
+  signals_.write_forces(within_.rates.data(), within_.signals.data());
+  signals_.write_speeds(velocity, time, within_.signals.data());
+  const RunMoment moment{
+      time, position, velocity, integrals, within_.rates.data(), within_.signals.data()};
+  for (const auto& observer : observers_) observer->edge(moment);
+}
+
+void Observation::next_window() {
+  for (const auto& observer : observers_) observer->next_window();
+}
+
+void Observation::close_window() {
+  const SystemView<double>& view = run_.model.system().view;
+  if (window_.is_open()) {
+    reach_edge(window_.to().time, view.position, view.velocity, view.integrals);
+  }
+}
+
+void Observation::stopped(const double* rates) {
+  const RunEnd end{rates, nullptr};
+  for (const auto& observer : observers_) observer->stopped(end);
+}
+
+void Observation::finish(const double* rates) {
+  signals_.write_forces(rates, within_.signals.data());
+  const RunEnd end{rates, within_.signals.data()};
+  for (const auto& observer : observers_) observer->finish(end);
+}
+
+std::vector<ResultGroup> Observation::results(const double* rates) const {
+  ResultTable table;
+  for (const auto& observer : observers_) observer->results(table, rates);
+  return table.take();
+}
+
+}  // namespace tomlin

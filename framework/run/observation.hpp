@@ -1,0 +1,104 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "framework/core/aligned.hpp"
+#include "framework/run/observer.hpp"
+#include "framework/run/observers/samples.hpp"
+
+namespace tomlin {
+
+/// All that looks on in one run: tells observers of steps, blocks of steps, edges of the window and
+/// the end, and serves what falls within a step.
+class Observation {
+ public:
+  /// Throws InputError for an observer of the scene that cannot be bound.
+  explicit Observation(RunContext& run);
+  void declare(StateLayout& layout) const;
+  void attach(RunState& state);
+  /// Numbers of a run that begins.
+  void start();
+  /// The model is placed, and the sink has begun.
+  void placed();
+  /// Samples, the window's edge and the equilibrium at the start of a run.
+  void look_at_start();
+
+  /// Before a step that begins at a time; steps of the grid go without velocities.
+  void begin_step(double time);
+  /// A step of the grid has been taken. What is looked at in blocks is looked at in end_block(), at
+  /// most kBlock steps later.
+  void end_step();
+  void end_block();
+  /// Steps of the grid of a single point, from their rates and velocities at their starts.
+  void point_block(std::int64_t first_step, std::size_t count, const double* rates,
+                   const double* velocities);
+  /// A long step has been taken.
+  void look_between(double from, double to);
+  void look_along_path(double from, double to);
+  void at_equilibrium();
+  void path_slip(double energy_lost);
+  void force_changed(const std::string& force);
+  void look_at_rotations();
+  void look_now_and_then();
+
+  /// The next sample or edge of the window.
+  double next_due() const { return std::min(samples_.next_time(), window_.next_edge()); }
+  /// Serves what is due within a step that has been taken; `next_since`: its end, after the anchor.
+  /// False when a signal has come through between the samples of a very long step.
+  bool serve(double due, const DoubleDouble& from, const DoubleDouble& to, double next_since);
+  /// The window has ended since this was asked last.
+  bool window_has_ended() { return std::exchange(window_has_ended_, false); }
+  void next_window();
+
+  /// The end of a run, which may close the window, and with the rates there.
+  void close_window();
+  void stopped(const double* rates);
+  void finish(const double* rates);
+  std::vector<ResultGroup> results(const double* rates) const;
+
+  MeasureWindow& window() { return window_; }
+  Rotations& rotations() { return rotations_; }
+  Signals& signals() { return signals_; }
+  EventLog& events() { return events_; }
+  observers::Samples& samples() { return samples_; }
+  const observers::Samples& samples() const { return samples_; }
+
+ private:
+  /// A state within a step, and what is read off it.
+  struct Within {
+    AlignedVector<double> position;  // aligned: kernels read them
+    AlignedVector<double> velocity;
+    AlignedVector<double> integrals;
+    AlignedVector<double> rates;
+    std::vector<double> signals;
+  };
+  void take_point(double time, const double* position, const double* velocity,
+                  const double* integrals);
+  void reach_edge(double time, const double* position, const double* velocity,
+                  const double* integrals);
+  double* row() { return block_signals_.data() + block_.count * block_.width; }
+
+  RunContext& run_;
+  Signals signals_;
+  MeasureWindow window_;
+  Rotations rotations_;
+  EventLog events_;
+  std::vector<std::unique_ptr<RunObserver>> observers_;
+  observers::Samples samples_;
+  std::vector<RunObserver*> at_steps_;   ///< of them, that look at signals after every step
+  std::vector<RunObserver*> at_blocks_;  ///< and after blocks
+  std::vector<RunObserver*> readers_;
+  SignalBlock block_;
+  std::vector<double> block_times_;
+  std::vector<double> block_signals_;
+  SignalSpan span_;
+  Within within_;
+  bool window_has_ended_ = false;
+};
+
+}  // namespace tomlin

@@ -1,0 +1,148 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "framework/core/state_layout.hpp"
+#include "framework/run/context.hpp"
+#include "framework/run/event_log.hpp"
+#include "framework/run/result_group.hpp"
+#include "framework/run/rotations.hpp"
+#include "framework/run/signals.hpp"
+#include "framework/run/window.hpp"
+
+/// What looks on while a run goes along, and fills the rows of its results.
+namespace tomlin {
+
+/// What observers share.
+struct ObserverParts {
+  RunContext& run;
+  const Signals& signals;
+  const MeasureWindow& window;
+  const Rotations& rotations;
+  EventLog& events;
+
+  std::size_t axes() const { return static_cast<std::size_t>(run.model.dimension()); }
+};
+
+/// The end of a quasistatic equilibrium: a slip in no time, with the signals before and after.
+struct PathSlip {
+  double energy_lost = 0.0;
+  const double* before = nullptr;
+  const double* after = nullptr;
+};
+
+/// The end of a run, evaluated.
+struct RunEnd {
+  const double* rates = nullptr;
+  const double* signals = nullptr;  ///< forces alone
+};
+
+/// The groups of results while observers fill them.
+class ResultTable {
+ public:
+  /// Made at its first use.
+  ResultGroup& group(std::string_view family, std::string_view name = "");
+  ResultGroup& driver(const Model::Driver& driver) { return group("drivers", driver.name); }
+  ResultGroup& body(const Model::Body& body) { return group("bodies", body.bound.name); }
+  /// Ordered by family: drivers, bodies, observers of the scene, then those of the whole run.
+  std::vector<ResultGroup> take();
+
+ private:
+  std::vector<ResultGroup> groups_;
+};
+
+/// A moment of a run at which its model has just been evaluated.
+struct RunMoment {
+  double time = 0.0;
+  const double* position = nullptr;
+  const double* velocity = nullptr;
+  const double* integrals = nullptr;
+  double* rates = nullptr;
+  const double* signals = nullptr;
+};
+
+/// What an observer looks at between the edges of the window.
+struct ObserverNeeds {
+  bool signals = false;    ///< steps() and span()
+  bool each_step = false;  ///< steps() after every step, not after a block of them
+  bool readings = false;   ///< read()
+};
+
+/// Hooks are called in the order below; none need be overridden. What has to survive a checkpoint
+/// stands in the run's state.
+class RunObserver {
+ public:
+  virtual ~RunObserver() = default;
+
+  virtual ObserverNeeds needs() const { return {}; }
+  virtual void declare(StateLayout& layout) const { (void)layout; }
+  virtual void attach(RunState& state) { (void)state; }
+  /// Numbers of a run that begins; the model is not yet placed.
+  virtual void start() {}
+  /// The model is placed, and the sink has begun; also of a run that is resumed.
+  virtual void placed() {}
+
+  /// The state at one of the four places of the step that is looked at next, the first being its
+  /// start. Velocities are null where steps are short.
+  virtual void read(std::size_t place, const double* position, const double* velocity) {
+    (void)place, (void)position, (void)velocity;
+  }
+  /// Signals at the starts of steps of the grid.
+  virtual void steps(const SignalBlock& block) { (void)block; }
+  /// Signals along a long step.
+  virtual void span(const SignalSpan& span) { (void)span; }
+  /// An edge of the window.
+  virtual void edge(const RunMoment& moment) { (void)moment; }
+  virtual void next_window() {}
+  /// A flexible body was looked at.
+  virtual void turned(std::size_t body, double turns) { (void)body, (void)turns; }
+  /// A quasistatic run has come to an equilibrium: at its start, and after one has ended.
+  virtual void at_equilibrium() {}
+  virtual void path_slip(const PathSlip& slip) { (void)slip; }
+  /// A force has changed at an event.
+  virtual void force_changed(std::string_view force) { (void)force; }
+  /// Every thousand steps; the same ones in a run that is resumed.
+  virtual void look_now_and_then() {}
+
+  /// Where the run stops, also when it has failed or was interrupted.
+  virtual void stopped(const RunEnd& end) { (void)end; }
+  /// The run has come to its end.
+  virtual void finish(const RunEnd& end) { (void)end; }
+  /// Now, with these rates.
+  virtual void results(ResultTable& table, const double* rates) const { (void)table, (void)rates; }
+
+ protected:
+  RunObserver() = default;
+};
+
+/// Rows of one family.
+struct ObserverRows {
+  std::string_view family;
+  std::vector<const ResultQuantity*> quantities;
+};
+
+/// A kind of observer.
+struct ObserverKind {
+  std::vector<ObserverRows> rows;
+  /// Null where the scene has nothing for it.
+  std::unique_ptr<RunObserver> (*make)(const ObserverParts& parts) = nullptr;
+};
+
+/// Of a kind that every scene has something for.
+template <class Observer>
+ObserverKind kind_of(std::vector<ObserverRows> rows) {
+  return {std::move(rows), [](const ObserverParts& parts) -> std::unique_ptr<RunObserver> {
+            return std::make_unique<Observer>(parts);
+          }};
+}
+
+/// All kinds; rows of a family come in this order.
+std::span<const ObserverKind> observer_kinds();
+
+}  // namespace tomlin

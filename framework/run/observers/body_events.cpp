@@ -1,0 +1,159 @@
+#include <functional>
+
+#include "framework/run/events.hpp"
+#include "framework/run/observers/kinds.hpp"
+
+/// Hops of round bodies in the plane, and whole turns of all that turn freely.
+namespace tomlin::observers {
+namespace {
+
+/// Where a body is, and how fast: height, and rotation in turns.
+struct BodyReading {
+  double height = 0.0;
+  double rise = 0.0;
+  double turns = 0.0;
+  double spin = 0.0;
+};
+
+/// Of a step's length h, from values and slopes at its ends.
+double hermite(double theta, double h, double y0, double slope0, double y1, double slope1) {
+  const double rest = 1.0 - theta;
+  const double change = y1 - y0;
+  const double bend = rest * (h * slope0 - change) - theta * (h * slope1 - change);
+  return y0 + theta * (change + rest * bend);
+}
+
+class BodyEvents : public RunObserver {
+ public:
+  explicit BodyEvents(const ObserverParts& parts) : parts_(parts), model_(parts.run.model) {
+    for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
+      const Model::Body& body = model_.bodies()[b];
+      const BodySlot<double>& slot = body.bound.slot;
+      if (!body.rotates() || (slot.mapped && !slot.rigid) || body.prescribed()) continue;
+      watches_.emplace_back(b, body.rolling_radius);
+      parts.events.expect(EventKind::turn);
+      if (watches_.back().watches_hops()) parts.events.expect(EventKind::hop);
+    }
+    for (std::vector<BodyReading>& readings : readings_) readings.resize(watches_.size());
+    emit_ = [this](const Event& event) { parts_.events.record(event, name_); };
+  }
+  bool any() const { return !watches_.empty(); }
+  ObserverNeeds needs() const override {
+    return {.signals = true, .each_step = true, .readings = true};
+  }
+
+  void declare(StateLayout& layout) const override {
+    layout.add_reals("events.bodies", watches_.size() * BodyWatch::kReals);
+    layout.add_integers("events.bodies", watches_.size() * BodyWatch::kIntegers);
+  }
+  void attach(RunState& state) override {
+    double* reals = state.reals("events.bodies");
+    std::int64_t* integers = state.integers("events.bodies");
+    for (BodyWatch& watch : watches_) {
+      watch.attach(reals, integers);
+      reals += BodyWatch::kReals;
+      integers += BodyWatch::kIntegers;
+    }
+  }
+  void start() override {
+    for (BodyWatch& watch : watches_) watch.start();
+  }
+
+  /// Without velocities heights and turns alone.
+  void read(std::size_t place, const double* position, const double* velocity) override {
+    for (std::size_t k = 0; k < watches_.size(); ++k) {
+      const std::size_t b = watches_[k].body();
+      const BodySlot<double>& slot = model_.bodies()[b].bound.slot;
+      BodyReading& reading = readings_[place][k];
+      if (slot.rigid) {
+        reading.height = height_of(position[slot.centre + 1]);
+        reading.turns = model_.rotation(b, position);
+        if (velocity == nullptr) continue;
+        reading.rise = velocity[slot.centre + 1];
+        reading.spin = velocity[slot.centre + kRotation];
+      } else if (watches_[k].watches_hops()) {
+        double mean[3];
+        model_.observe().mean(slot, position, 2, mean);
+        reading.height = height_of(mean[1]);
+        if (velocity == nullptr) continue;
+        model_.observe().mean(slot, velocity, 2, mean);
+        reading.rise = mean[1];
+      }
+    }
+  }
+
+  void steps(const SignalBlock& block) override { look(block.times[0], readings_[0]); }
+
+  void span(const SignalSpan& span) override {
+    const double h = span.to - span.from;
+    for (std::size_t place = 0; place < 3; ++place) {
+      if (span.is_dense && place > 0) {
+        // Between the ends, whose velocities are known.
+        for (std::size_t k = 0; k < watches_.size(); ++k) {
+          const BodyReading& a = readings_[0][k];
+          const BodyReading& b = readings_[3][k];
+          const double theta = static_cast<double>(place) / 3.0;
+          readings_[place][k].height = hermite(theta, h, a.height, a.rise, b.height, b.rise);
+          readings_[place][k].turns = hermite(theta, h, a.turns, a.spin, b.turns, b.spin);
+        }
+      }
+      look(span.times[place], readings_[place]);
+    }
+  }
+
+  void turned(std::size_t body, double turns) override {
+    for (BodyWatch& watch : watches_) {
+      if (watch.body() != body) continue;
+      name_ = model_.bodies()[body].bound.name;
+      watch.add_turns(parts_.run.clock.time(), turns, emit_);
+    }
+  }
+
+  /// The end is one more moment. What is going on then counts as far as it got.
+  void finish(const RunEnd&) override {
+    const double* position = model_.system().view.position;
+    const double time = parts_.run.clock.time();
+    read(0, position, nullptr);
+    look(time, readings_[0]);
+    for (BodyWatch& watch : watches_) {
+      name_ = model_.bodies()[watch.body()].bound.name;
+      watch.add_turns(time, parts_.rotations.turns_of(watch.body(), position), emit_);
+      watch.finish(time, emit_);
+    }
+  }
+
+ private:
+  /// Hardly ever is there a cell along y.
+  double height_of(double y) const {
+    return model_.origin().cells[1] == 0 ? y : static_cast<double>(model_.placed(1, y));
+  }
+
+  void look(double time, const std::vector<BodyReading>& readings) {
+    for (std::size_t k = 0; k < watches_.size(); ++k) {
+      BodyWatch& watch = watches_[k];
+      const Model::Body& body = model_.bodies()[watch.body()];
+      name_ = body.bound.name;
+      if (watch.watches_hops()) watch.add_height(time, readings[k].height, emit_);
+      if (body.bound.slot.rigid) watch.add_turns(time, readings[k].turns, emit_);
+    }
+  }
+
+  ObserverParts parts_;
+  const Model& model_;
+  std::vector<BodyWatch> watches_;
+  std::array<std::vector<BodyReading>, 4> readings_;  ///< at four places of a step
+  std::string_view name_;                             ///< of the body whose event is looked for
+  BodyWatch::Emit emit_;
+};
+
+std::unique_ptr<RunObserver> make(const ObserverParts& parts) {
+  auto events = std::make_unique<BodyEvents>(parts);
+  if (!events->any()) return nullptr;
+  return events;
+}
+
+}  // namespace
+
+ObserverKind body_events() { return {{}, make}; }
+
+}  // namespace tomlin::observers

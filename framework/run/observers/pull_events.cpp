@@ -1,0 +1,251 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "framework/run/energy_terms.hpp"
+#include "framework/run/events.hpp"
+#include "framework/run/observers/kinds.hpp"
+#include "framework/run/observers/static_force.hpp"
+#include "framework/run/plan.hpp"
+#include "framework/run/wells.hpp"
+
+/// What the force of a driver tells of the point that it pulls: slips, reversals and the static
+/// force.
+namespace tomlin::observers {
+namespace {
+
+const ResultQuantity kStaticForce{
+    "static_force", dimension::force, Shape::number, Scope::run,
+    "largest force along the pull before the first slip; of the whole run where nothing slips"};
+
+/// Unit roundoff of forces in each number type.
+double precision_of(const std::string& number_type) {
+  return number_type == "float" ? 1.2e-7 : 2.3e-16;
+}
+
+class PullEvents : public RunObserver {
+ public:
+  explicit PullEvents(const ObserverParts& parts);
+
+  /// Heat is that of the whole scene, at the end of a step.
+  ObserverNeeds needs() const override {
+    return {.signals = !drivers_.empty(), .each_step = !watches_.empty()};
+  }
+  void declare(StateLayout& layout) const override;
+  void attach(RunState& state) override;
+  void start() override;
+  void placed() override;
+  void steps(const SignalBlock& block) override;
+  void span(const SignalSpan& span) override;
+  void path_slip(const PathSlip& slip) override;
+  void force_changed(std::string_view force) override;
+  void finish(const RunEnd& end) override;
+  void results(ResultTable& table, const double* rates) const override;
+
+ private:
+  bool follows_path() const { return parts_.run.path != nullptr; }
+  /// The force along the pull, whichever way the driver now goes.
+  double force_along(std::size_t driver, const double* signals) const {
+    return parts_.signals.power(driver, signals) * parts_.signals.along(driver);
+  }
+  void watch(double time, const double* signals);
+  void watch_block(const SignalBlock& block);
+  void slipped();
+  void see_peaks(const SignalSpan& span);
+  void forget_peaks();
+
+  ObserverParts parts_;
+  const std::vector<Model::Driver>& drivers_;
+  std::vector<DriverWatch> watches_;
+  StaticForce static_force_;
+  double* peaks_ = nullptr;  ///< quasistatic: of forces along the pulls since the last slip
+  std::string_view name_;    ///< of the driver whose event is looked for
+  DriverWatch::Emit emit_;
+  DriverWatch::Heat heat_;
+};
+
+PullEvents::PullEvents(const ObserverParts& parts)
+    : parts_(parts), drivers_(parts.signals.drivers()), static_force_(parts, watches_) {
+  const double precision = precision_of(parts_.run.scene->run.number_type);
+  const Model& model = parts_.run.model;
+  if (follows_path()) parts_.events.expect(EventKind::slip);
+  for (std::size_t k = 0; k < drivers_.size(); ++k) {
+    const Drive& drive = *drivers_[k].drive;
+    if (!pulls(drive)) continue;
+    double period = 0.0;
+    for (int d = 0; d < model.dimension(); ++d) {
+      if (drive.velocity[d] != 0.0) period = std::max(period, model.origin().unit[d]);
+    }
+    watches_.emplace_back(
+        k, drive, period, precision,
+        follows_path() ? DriverWatch::Slips::told : DriverWatch::Slips::looked_for);
+    parts_.events.expect(EventKind::reversal);
+    if (watches_.back().watches_slips()) parts_.events.expect(EventKind::slip);
+  }
+  emit_ = [this](const Event& event) {
+    if (event.kind == EventKind::slip) slipped();
+    parts_.events.record(event, name_);
+  };
+  heat_ = [this] { return heat_so_far(parts_.run); };
+}
+
+void PullEvents::declare(StateLayout& layout) const {
+  static_force_.declare(layout);
+  if (follows_path()) layout.add_reals("events.peaks", drivers_.size());
+  layout.add_reals("events.drivers", watches_.size() * DriverWatch::kReals);
+  layout.add_integers("events.drivers", watches_.size() * DriverWatch::kIntegers);
+}
+
+void PullEvents::attach(RunState& state) {
+  static_force_.attach(state);
+  if (follows_path()) peaks_ = state.reals("events.peaks");
+  double* reals = state.reals("events.drivers");
+  std::int64_t* integers = state.integers("events.drivers");
+  for (DriverWatch& watch : watches_) {
+    watch.attach(reals, integers);
+    reals += DriverWatch::kReals;
+    integers += DriverWatch::kIntegers;
+  }
+}
+
+void PullEvents::start() {
+  static_force_.start();
+  for (DriverWatch& watch : watches_) watch.start();
+  forget_peaks();
+}
+
+void PullEvents::placed() {
+  if (follows_path()) return;
+  RunContext& run = parts_.run;
+  for (DriverWatch& watch : watches_) {
+    if (!watch.watches_slips()) continue;
+    const Model::Driver& driver = drivers_[watch.driver()];
+    const auto body = body_pulled_by(run.model, driver);
+    if (!body) continue;
+    const auto way = way_to_well(run.model, *body, driver, watch.period(), run.plan.duration);
+    if (way) watch.set_wells(*way);
+  }
+}
+
+void PullEvents::watch(double time, const double* signals) {
+  for (DriverWatch& watch : watches_) {
+    name_ = drivers_[watch.driver()].name;
+    watch.add(time, force_along(watch.driver(), signals), emit_, heat_);
+  }
+}
+
+void PullEvents::watch_block(const SignalBlock& block) {
+  std::array<double, kBlock> forces;
+  DriverWatch& watch = watches_.front();
+  name_ = drivers_[watch.driver()].name;
+  for (std::size_t n = 0; n < block.count; ++n) {
+    forces[n] = force_along(watch.driver(), block.at(n));
+  }
+  watch.add_block(block.times, forces.data(), block.count, emit_, heat_);
+}
+
+void PullEvents::steps(const SignalBlock& block) {
+  // Of one driver alone, so that events come in the order of time.
+  if (watches_.size() == 1 && !static_force_.any_open()) {
+    watch_block(block);
+    return;
+  }
+  for (std::size_t n = 0; n < block.count; ++n) {
+    if (static_force_.any_open()) static_force_.note_slipping();
+    watch(block.times[n], block.at(n));
+    if (static_force_.any_open()) static_force_.add(block.times[n], block.at(n));
+  }
+}
+
+void PullEvents::span(const SignalSpan& span) {
+  static_force_.note_slipping();
+  for (std::size_t place = 0; place < 3; ++place) {
+    watch(span.times[place], span.at[place].data());
+  }
+  static_force_.add(span);
+  if (follows_path()) see_peaks(span);
+}
+
+/// Before it is counted.
+void PullEvents::slipped() {
+  for (const DriverWatch& watch : watches_) {
+    if (drivers_[watch.driver()].name == name_) static_force_.slipped(watch, !follows_path());
+  }
+}
+
+/// The largest force along a driver's pull since the last slip.
+void PullEvents::see_peaks(const SignalSpan& span) {
+  for (std::size_t k = 0; k < drivers_.size(); ++k) {
+    if (!drags(*drivers_[k].drive)) continue;
+    double powers[4];
+    for (std::size_t n = 0; n < 4; ++n) powers[n] = parts_.signals.power(k, span.at[n].data());
+    const CubicExtremes found = cubic_extremes(powers[0], powers[1], powers[2], powers[3]);
+    const auto see = [&](double power) {
+      peaks_[k] = std::max(peaks_[k], power * parts_.signals.along(k));
+    };
+    for (const double power : powers) see(power);
+    for (int e = 0; e < found.count; ++e) see(found.value[e]);
+  }
+}
+
+void PullEvents::forget_peaks() {
+  if (follows_path()) {
+    std::fill_n(peaks_, drivers_.size(), -std::numeric_limits<double>::infinity());
+  }
+}
+
+/// It is the slip of the driver whose spring's end gets furthest ahead.
+void PullEvents::path_slip(const PathSlip& slip) {
+  Event event = event_of_kind(EventKind::slip);
+  event.time = parts_.run.clock.time();
+  event.duration = 0.0;
+  event.energy_lost = slip.energy_lost;
+  name_ = drivers_.empty() ? parts_.run.model.bodies().front().bound.name : drivers_.front().name;
+  for (DriverWatch& watch : watches_) {
+    const std::size_t k = watch.driver();
+    const double ahead =
+        (force_along(k, slip.before) - force_along(k, slip.after)) / watch.stiffness();
+    if (std::isnan(event.size) || std::abs(ahead) > std::abs(event.size)) {
+      event.size = ahead;
+      event.peak_force = peaks_[k];
+      name_ = drivers_[k].name;
+    }
+    if (ahead > 0.0) static_force_.slipped(k, parts_.signals.power(k, slip.before));
+    watch.turned();
+  }
+  forget_peaks();
+  emit_(event);
+}
+
+void PullEvents::force_changed(std::string_view force) {
+  forget_peaks();
+  for (DriverWatch& watch : watches_) {
+    if (drivers_[watch.driver()].name == force) watch.turned();
+  }
+}
+
+/// The end is one more moment. What is going on then counts as far as it got.
+void PullEvents::finish(const RunEnd& end) {
+  static_force_.note_slipping();
+  parts_.run.seen = parts_.run.clock.now();  // a run that resumes at its end has taken no step
+  const double time = parts_.run.clock.time();
+  watch(time, end.signals);
+  static_force_.add_end(end.signals);
+  for (DriverWatch& watch : watches_) {
+    name_ = drivers_[watch.driver()].name;
+    watch.finish(time, emit_);
+  }
+}
+
+void PullEvents::results(ResultTable& table, const double*) const {
+  for (std::size_t k = 0; k < drivers_.size(); ++k) {
+    table.driver(drivers_[k]).add(kStaticForce, static_force_.of(k));
+  }
+}
+
+}  // namespace
+
+ObserverKind pull_events() { return kind_of<PullEvents>({{"drivers", {&kStaticForce}}}); }
+
+}  // namespace tomlin::observers

@@ -1,0 +1,64 @@
+#include "framework/run/observers/kinds.hpp"
+#include "framework/run/plan.hpp"
+#include "framework/run/prescribed_inertia.hpp"
+#include "framework/run/watched_integrals.hpp"
+
+/// Work of drivers over the window.
+namespace tomlin::observers {
+namespace {
+
+const ResultQuantity kWork{"work", dimension::energy, Shape::number, Scope::window,
+                           "work of the driver on the scene"};
+const ResultQuantity kWorkPerDistance{"work_per_distance", dimension::force, Shape::number,
+                                      Scope::window, "work by distance"};
+const ResultQuantity kDistance{"distance", dimension::length, Shape::number, Scope::window,
+                               "displacement of the pulled end, at steady velocity"};
+
+class Work : public RunObserver {
+ public:
+  explicit Work(const ObserverParts& parts) : parts_(parts) {}
+
+  void finish(const RunEnd&) override {
+    RunContext& run = parts_.run;
+    double work = 0.0;
+    for (const Model::Driver& driver : parts_.signals.drivers()) {
+      work += parts_.window.gained(driver.first_rate + static_cast<std::ptrdiff_t>(parts_.axes()));
+    }
+    const double rounding = run.integrator->rounding_of_works();
+    if (auto doubt = doubt_of_rounding(rounding, work, run.tolerance())) {
+      run.outcome.warnings.push_back(*std::move(doubt));
+    }
+  }
+
+  void results(ResultTable& table, const double*) const override {
+    const MeasureWindow& window = parts_.window;
+    for (const Model::Driver& driver : parts_.signals.drivers()) {
+      std::optional<double> work;
+      std::optional<double> work_per_distance;
+      std::optional<double> distance;
+      if (window.is_over()) {
+        const auto axes = static_cast<std::ptrdiff_t>(parts_.axes());
+        const double speed = speed_of(*driver.drive);
+        work = window.gained(driver.first_rate + axes) +
+               inertia_lacking_in(parts_.run.model, driver, window).back();
+        if (driver.drive->steady) distance = speed * window.length();
+        if (driver.drive->steady && speed > 0.0) work_per_distance = *work / *distance;
+      }
+      ResultGroup& group = table.driver(driver);
+      group.add(kWork, work);
+      group.add(kWorkPerDistance, work_per_distance);
+      group.add(kDistance, distance);
+    }
+  }
+
+ private:
+  ObserverParts parts_;
+};
+
+}  // namespace
+
+ObserverKind work() {
+  return kind_of<Work>({{"drivers", {&kWork, &kWorkPerDistance, &kDistance}}});
+}
+
+}  // namespace tomlin::observers

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "framework/model/model.hpp"
+
+namespace tomlin {
+
+/// Rotations of bodies from their start. Flexible ones have no coordinate of rotation: their whole
+/// turns are counted by looking often enough.
+class Rotations {
+ public:
+  explicit Rotations(const Model& model) : model_(model) {}
+  void declare(StateLayout& layout) const;
+  void attach(RunState& state);
+  /// Of a run that begins.
+  void start() { *steps_between_looks_ = 1; }
+
+  /// In turns, unwrapped.
+  double turns_of(std::size_t body, const double* position) const;
+  /// A flexible body turns fast: look() is due after every step.
+  bool is_due_at_every_step() const { return *steps_between_looks_ == 1; }
+  /// Counts whole turns; `turned(body, turns)` for each flexible body.
+  template <class Turned>
+  void look(Turned turned);
+
+ private:
+  bool counts_turns_of(const Model::Body& body) const {
+    return !body.bound.slot.mapped && body.rotates();
+  }
+  double look_at(std::size_t body);
+
+  const Model& model_;
+  double* last_ = nullptr;         ///< [body], when last looked at
+  std::int64_t* wraps_ = nullptr;  ///< [body]
+  std::int64_t* steps_between_looks_ = nullptr;
+};
+
+template <class Turned>
+void Rotations::look(Turned turned) {
+  /// A flexible body that would turn more than this between looks is looked at after every step.
+  constexpr double kMuchTurning = 0.05;
+  constexpr std::int64_t kSteps = 16;  // the blocks of the run
+  const std::int64_t looked = *steps_between_looks_;
+  *steps_between_looks_ = kSteps;
+  for (std::size_t b = 0; b < model_.bodies().size(); ++b) {
+    if (!counts_turns_of(model_.bodies()[b])) continue;
+    const double change = look_at(b);
+    turned(b, last_[b]);
+    const double a_step = std::abs(change) / static_cast<double>(looked);
+    if (a_step * kSteps > kMuchTurning) *steps_between_looks_ = 1;
+  }
+}
+
+}  // namespace tomlin

@@ -1,0 +1,102 @@
+#include "framework/run/stepping.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "framework/run/adaptive_steps.hpp"
+#include "framework/run/fixed_grid.hpp"
+
+namespace tomlin {
+
+StepReport Stepping::step_scheme(double since, double h, bool dense) {
+  StepReport report = run_.step_from(since, h, dense);
+  // Schemes watch the coordinates; forces' own variables and prescribed ways are watched here.
+  const SystemView<double>& view = run_.model.system().view;
+  if (report.fault == StepFault::none &&
+      !std::all_of(view.integrals, view.integrals + view.own_count,
+                   [](double x) { return std::isfinite(x); })) {
+    report.fault = StepFault::not_finite_or_too_far;
+  }
+  return report;
+}
+
+bool Stepping::take(const Step& step) {
+  Observation& observation = parts_.observation;
+  const bool adaptive = run_.plan.dt == 0.0;
+  const DoubleDouble begin = run_.clock.now();
+  const bool waits = step.may_split && parts_.triggers.waiting();
+  const double due = observation.next_due();
+  // What falls on the end of a fixed step needs no interpolation.
+  const bool dense = adaptive || waits || due < static_cast<double>(step.end);
+  if (waits) parts_.triggers.keep_state();
+  observation.begin_step(static_cast<double>(begin));
+  const StepReport report = step_scheme(step.since, step.h, dense);
+  if (report.fault != StepFault::none) {
+    run_.fail(report.fault, step.h);
+    return false;
+  }
+  const bool shorter = adaptive && report.taken < step.h;
+  const DoubleDouble arrived = shorter ? begin + report.taken : step.end;
+  if (waits) {
+    const double length = adaptive ? report.taken : step.h;
+    if (const auto passed = parts_.triggers.first_passed(begin, length, step.since)) {
+      return take_to_event(*passed, step, begin, length, arrived);
+    }
+  }
+  run_.seen = arrived;
+  look(begin, arrived);
+  run_.clock.set(arrived);
+  run_.clock.keep_cost(run_.model.system());
+  run_.clock.add(1, step.to_grid ? 1 : 0);
+  const double next_since = anchor_next();
+  bool whole = true;
+  if (due <= static_cast<double>(arrived)) {
+    whole = observation.serve(due, begin, arrived, next_since);
+  }
+  if (!end_step()) return false;
+  if (observation.window_has_ended()) parts_.window_ended();
+  if (whole) {
+    parts_.housekeeping.after_step();
+  } else {
+    parts_.housekeeping.stop_within_step();
+  }
+  return true;
+}
+
+/// Back to the start of the step, and to the event alone: what is left of a step of the grid is a
+/// step of its own. An event at either end of a step splits nothing.
+bool Stepping::take_to_event(const Triggers::Passed& passed, const Step& step,
+                             const DoubleDouble& begin, double length,
+                             const DoubleDouble& arrived) {
+  parts_.triggers.go_back();
+  if (passed.theta <= kNoStep) {
+    fire(passed);
+    return true;
+  }
+  const bool split = passed.theta < 1.0 - kNoStep;
+  Step part = step;
+  part.may_split = false;
+  part.end = split ? begin + passed.theta * length : arrived;
+  part.h = split ? passed.theta * length : length;
+  part.to_grid = step.to_grid && !split;
+  if (!take(part)) return false;
+  // An adaptive scheme may have stopped before.
+  if (static_cast<double>(run_.clock.now() - part.end) == 0.0) fire(passed);
+  return true;
+}
+
+void Stepping::fire(const Triggers::Passed& passed) {
+  const std::string& force = parts_.triggers.fire(passed);
+  run_.anchor_here();
+  parts_.observation.force_changed(force);
+  run_.integrator->forces_changed();
+}
+
+std::unique_ptr<Stepping> stepping_of(StepParts parts) {
+  if (parts.run.plan.dt > 0.0) return std::make_unique<FixedGrid>(std::move(parts));
+  if (parts.run.path != nullptr) return std::make_unique<EquilibriumSteps>(std::move(parts));
+  return std::make_unique<AdaptiveSteps>(std::move(parts));
+}
+
+}  // namespace tomlin

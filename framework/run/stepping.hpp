@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "framework/run/context.hpp"
+#include "framework/run/housekeeping.hpp"
+#include "framework/run/observation.hpp"
+#include "framework/run/triggers.hpp"
+
+/// How a run is cut into steps: on a fixed grid, as an adaptive scheme has them, or along a path of
+/// equilibria.
+namespace tomlin {
+
+/// What the steps of a run share.
+struct StepParts {
+  RunContext& run;
+  Observation& observation;
+  Triggers& triggers;
+  Housekeeping& housekeeping;
+  std::function<void()> window_ended;
+};
+
+class Stepping {
+ public:
+  virtual ~Stepping() = default;
+  /// One step of the run; on a grid up to `most` of them, where nothing falls between.
+  virtual void advance(std::uint64_t most) = 0;
+  /// The run goes on from other numbers.
+  virtual void state_changed() {}
+
+ protected:
+  /// A step that may be taken.
+  struct Step {
+    double since = 0.0;  ///< its start, after the anchor
+    double h = 0.0;
+    DoubleDouble end;
+    bool to_grid = false;   ///< it ends where a step of the grid does
+    bool may_split = true;  ///< by an event
+  };
+
+  explicit Stepping(StepParts parts) : parts_(std::move(parts)), run_(parts_.run) {}
+
+  /// One step with everything that may go with it: samples, edges of the window, events that change
+  /// forces. False where the run has failed.
+  bool take(const Step& step);
+  /// One step of the scheme.
+  StepReport step_scheme(double since, double h, bool dense);
+
+  /// Looks at the step that has been taken.
+  virtual void look(const DoubleDouble& from, const DoubleDouble& to) = 0;
+  /// Anchors forces afresh before any evaluation that belongs to the next step; returns how far it
+  /// starts after the anchor.
+  virtual double anchor_next() = 0;
+  /// At the end of a step, after samples.
+  virtual bool end_step() { return true; }
+
+  StepParts parts_;
+  RunContext& run_;
+
+ private:
+  bool take_to_event(const Triggers::Passed& passed, const Step& step, const DoubleDouble& begin,
+                     double length, const DoubleDouble& arrived);
+  void fire(const Triggers::Passed& passed);
+};
+
+/// For the scheme of the run.
+std::unique_ptr<Stepping> stepping_of(StepParts parts);
+
+}  // namespace tomlin

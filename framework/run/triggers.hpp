@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "framework/core/aligned.hpp"
+#include "framework/run/context.hpp"
+#include "framework/run/instant.hpp"
+#include "framework/run/rotations.hpp"
+
+namespace tomlin {
+
+/// Forces that change when an observable passes a value: the step in which it does is taken again
+/// up to that moment, which is found on its dense output.
+class Triggers {
+ public:
+  Triggers(RunContext& run, const Rotations& rotations);
+  void declare(StateLayout& layout) const;
+  void attach(RunState& state);
+  /// What is beyond its value from the start has to come back before it can pass it.
+  void start();
+
+  bool any() const { return !triggers_.empty(); }
+  bool waiting() const;
+  /// The state at the start of a step that may be split, and back to it.
+  void keep_state() { before_.copy_numbers(run_.state); }
+  void go_back();
+
+  struct Passed {
+    std::size_t trigger = 0;
+    double theta = 1.0;  ///< part of the step
+  };
+  /// The first event within the step that has just been taken.
+  std::optional<Passed> first_passed(const DoubleDouble& begin, double h, double since);
+  /// The force changes here and now; the step that has come this far was taken with the old one.
+  /// Returns its name.
+  const std::string& fire(const Passed& passed);
+
+ private:
+  struct Trigger {
+    std::size_t force = 0;
+    Instant instant;
+    std::int64_t* beyond = nullptr;  ///< above the upper value, below the lower one
+  };
+  const Model::Force& force_of(const Trigger& trigger) const {
+    return run_.model.forces()[trigger.force];
+  }
+  void read(const DoubleDouble& time, const double* position, const double* velocity,
+            const double* integrals);
+  double beyond(const Trigger& trigger, int side) const;
+  double place_of(const Trigger& trigger, int side, const DoubleDouble& begin, double h);
+
+  RunContext& run_;
+  const Rotations& rotations_;
+  std::vector<Trigger> triggers_;
+  AlignedVector<double> rates_;  // aligned: kernels read them
+  std::vector<double> turns_;
+  Instant::State instant_;
+  AlignedVector<double> position_;
+  AlignedVector<double> velocity_;
+  AlignedVector<double> integrals_;
+  RunState before_;
+};
+
+}  // namespace tomlin
