@@ -2,8 +2,8 @@
 
 #include "framework/core/registry.hpp"
 
-/// The velocity Verlet scheme, of second order, with friction and all that forces hand
-/// out as operators (framework/core/flow.hpp).
+/// The velocity Verlet scheme, of second order, with friction and all that forces hand out as
+/// operators (framework/core/flow.hpp).
 ///
 /// One step of h, with forces F that do not depend on velocities and friction G:
 ///   v <- exp(-h/2 G/m) v            the exact flow of friction alone
@@ -14,8 +14,8 @@
 /// The composition is symmetric, hence of second order with friction too; without friction it is
 /// symplectic, and the energy error stays bounded. One evaluation per step; stable up to h omega =
 /// 2 at any friction. (A kick with the friction of the old velocity, the common shortcut, is of
-/// first order.) Running integrals: trapezoidal rule; the
-/// operators' heat is theirs, exact. Dense output: cubic Hermite.
+/// first order.) Running integrals: trapezoidal rule; the operators' heat is theirs, exact. Dense
+/// output: cubic Hermite.
 ///
 /// Friction far stronger than inertia, c h/m >> 1, is stable but not accurate: between kicks the
 /// velocity has died out. Overdamped dynamics, or a smaller h, is for that.
