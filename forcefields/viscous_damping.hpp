@@ -9,7 +9,8 @@
 ///
 ///   c  coefficient  mass/time, per particle (not the rate c/m)
 ///
-/// Offers a force, its exact flow v -> v exp(-c h/m), and its friction matrix c on the diagonal.
+/// Offers a force, and its friction matrix, c on the diagonal, of which schemes that take operators
+/// make the exact flow v -> v exp(-c h/m) (framework/model/friction_kernels.hpp).
 /// Source: Sircar and Patra, eq. (7) with the sign of eq. (10), which dissipates.
 namespace tomlin {
 
@@ -43,12 +44,6 @@ struct ViscousDamping {
   template <class T, int D>
   static T friction(const Parameters<T, D>& p) {
     return p.coefficient;
-  }
-
-  /// Factor on the velocity after a time h, given h/m.
-  template <class T, int D>
-  static T decay_factor(const Parameters<T, D>& p, const T& h_over_mass) {
-    return exp(-p.coefficient * h_over_mass);
   }
 };
 

@@ -35,7 +35,7 @@ class Composition : public Integrator<Real> {
         hermite_(system.view.dofs, system.view.rates) {
     const std::size_t n = system.view.dofs;
     const std::size_t m = system.view.rates;
-    memory_.assign(5 * (n + kGap) + 5 * (m + kGap), Real(0.0));
+    memory_.assign(5 * (n + kGap) + 7 * (m + kGap), Real(0.0));
     Real* next = memory_.data();
     const auto take = [&next](std::size_t count) {
       return std::exchange(next, next + count + kGap);
@@ -51,18 +51,22 @@ class Composition : public Integrator<Real> {
     arrays_.inner_rates = take(m);
     arrays_.own = take(m);
     start_rates_ = take(m);
+    arrays_.own_after = take(m);
+    slopes_ = take(m);
   }
 
   void declare(StateLayout& layout) override {
     layout.add_numbers<Real>(name_ + ".force", system_.view.dofs);
     layout.add_numbers<Real>(name_ + ".rates", system_.view.rates);
     layout.add_integers(name_ + ".started", 1);
+    layout.add_integers(name_ + ".step", 1);
   }
 
   void attach(RunState& state) override {
     arrays_.force = state.numbers<Real>(name_ + ".force");
     arrays_.rates = state.numbers<Real>(name_ + ".rates");
     started_ = state.integers(name_ + ".started");
+    step_ = state.integers(name_ + ".step");
   }
 
   StepReport step_from(double since, double h, bool dense) override {
@@ -73,16 +77,18 @@ class Composition : public Integrator<Real> {
     }
     std::copy(arrays_.rates, arrays_.rates + system_.view.rates, start_rates_);
     if (dense) {
-      kernels_.accelerations(system_.view, arrays_, acceleration_);
+      kernels_.slopes(system_.view, arrays_, acceleration_, slopes_);
       hermite_.keep_start(system_.view);
-      hermite_.keep_first(acceleration_, start_rates_);
+      hermite_.keep_first(acceleration_, slopes_);
     }
     last_ = h;
+    arrays_.step = static_cast<std::uint64_t>(*step_);
     system_.evaluations += drifts_;
     if (!kernels_.step(system_.view, arrays_, since, h)) {
       return {0.0, StepFault::not_finite_or_too_far};
     }
     std::copy(arrays_.end_rates, arrays_.end_rates + system_.view.rates, arrays_.rates);
+    ++*step_;
     return {h, StepFault::none};
   }
 
@@ -90,13 +96,13 @@ class Composition : public Integrator<Real> {
   void forces_changed() override { *started_ = 0; }
 
   void finish_dense_from(double) override {
-    kernels_.accelerations(system_.view, arrays_, acceleration_);
+    kernels_.slopes(system_.view, arrays_, acceleration_, slopes_);
   }
 
   void interpolate(double theta, double* position, double* velocity,
                    double* integrals) const override {
-    hermite_.interpolate(theta, last_, system_.view, acceleration_, arrays_.rates, position,
-                         velocity, integrals);
+    hermite_.interpolate(theta, last_, system_.view, acceleration_, slopes_, position, velocity,
+                         integrals);
   }
 
  private:
@@ -112,7 +118,9 @@ class Composition : public Integrator<Real> {
   CompositionArrays<Real> arrays_;
   Real* acceleration_ = nullptr;
   Real* start_rates_ = nullptr;
+  Real* slopes_ = nullptr;  ///< rates for dense output, the operators' among them
   std::int64_t* started_ = nullptr;
+  std::int64_t* step_ = nullptr;  ///< so many have been taken
   double last_ = 0.0;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "framework/core/compensated.hpp"
 #include "framework/core/evaluate.hpp"
@@ -12,7 +13,7 @@ namespace tomlin {
 /// Scratch of one step, and what is known of its start.
 template <class Real>
 struct CompositionArrays {
-  Real* force = nullptr;  ///< at the start of a step, afterwards at its end; friction left out
+  Real* force = nullptr;  ///< at the start of a step, afterwards at its end; operators left out
   Real* rates = nullptr;  ///< the same
   Real* end_rates = nullptr;
   Real* stage_rates = nullptr;  ///< of a kick in between
@@ -21,7 +22,9 @@ struct CompositionArrays {
   Real* position = nullptr;     ///< after it
   Real* velocity = nullptr;
   Real* velocity_rest = nullptr;  ///< null unless compensated
-  Real* own = nullptr;
+  Real* own = nullptr;            ///< own variables at a stage
+  Real* own_after = nullptr;      ///< those that operators change, after the last of their flows
+  std::uint64_t step = 0;         ///< number of the step
 };
 
 template <class Real>
@@ -31,18 +34,19 @@ struct CompositionTable {
   /// Returns whether every coordinate stayed finite and within its largest move.
   bool (*step)(const SystemView<Real>& system, const CompositionArrays<Real>& arrays, double since,
                double h) = nullptr;
-  /// Accelerations at the present state, friction included, into `acceleration`.
-  void (*accelerations)(const SystemView<Real>& system, const CompositionArrays<Real>& arrays,
-                        Real* acceleration) = nullptr;
+  /// Accelerations and rates at the present state, operators included.
+  void (*slopes)(const SystemView<Real>& system, const CompositionArrays<Real>& arrays,
+                 Real* acceleration, Real* rates) = nullptr;
 };
 
 inline namespace TOMLIN_TARGET {
 
 /// A symmetric composition of kicks and drifts,
 ///   kick[0] h, drift[0] h, kick[1] h, ..., drift[n-1] h, kick[n] h,
-/// between two halves of friction's flow. A kick's forces are also the rates of running integrals,
-/// with the kick's weight: an integral of g(x, t) is the momentum of one more coordinate that the
-/// energy -y g(x, t) belongs to, taken at y = 0, so that it has the order of the scheme.
+/// between two halves of the operators' flow, the second back to front. A kick's forces are also
+/// the rates of running integrals, with the kick's weight: an integral of g(x, t) is the momentum
+/// of one more coordinate that the energy -y g(x, t) belongs to, taken at y = 0, so that it has the
+/// order of the scheme.
 template <class Scheme>
 struct CompositionKernels {
   /// v <- v + h a.
@@ -56,25 +60,21 @@ struct CompositionKernels {
     }
   }
 
+  /// The operators' half of a step, part 0 or 1. Returns their heat.
   template <class Real>
-  TOMLIN_INLINE static void damp(const SystemView<Real>& s, const Real* position, Real h, Real* v,
-                                 Real* v_rest) {
-    for (std::size_t k = 0; k < s.friction_count; ++k) {
-      s.friction[k].flow(s.friction[k].arguments, position, v, v_rest, h);
-    }
-  }
-
-  /// The heat at a state, among the rates.
-  template <class Real>
-  TOMLIN_INLINE static void add_heat(const SystemView<Real>& s, const Real* position,
-                                     const Real* velocity, Real* rates) {
-    if (s.friction_rate == kNoRate) return;
-    Real heat(0.0);
-    for (std::size_t k = 0; k < s.friction_count; ++k) {
-      // The force array is free between evaluations.
-      heat = heat + s.friction[k].drag(s.friction[k].arguments, position, velocity, s.force);
-    }
-    rates[s.friction_rate] = heat;
+  TOMLIN_INLINE static Real half_flow(const SystemView<Real>& s, const CompositionArrays<Real>& w,
+                                      std::uint64_t part, Real half) {
+    if (s.flow_count == 0) return Real(0.0);
+    FlowStage<Real> stage;
+    stage.position = s.position;
+    stage.inverse_mass = s.inverse_mass;
+    stage.velocity = w.velocity;
+    stage.velocity_rest = w.velocity_rest;
+    stage.own = w.own_after;
+    stage.step = w.step;
+    stage.part = part;
+    stage.heat = s.friction_rate != kNoRate;
+    return apply_flows(s, stage, half, part == 1);
   }
 
   template <class Real>
@@ -90,7 +90,6 @@ struct CompositionKernels {
              stage_of(s, static_cast<const Real*>(s.position), static_cast<const Real*>(s.velocity),
                       static_cast<const Real*>(s.integrals), w.rates, Real(since)));
     copy<Real>(s.force, s.dofs, w.force);
-    add_heat<Real>(s, s.position, s.velocity, w.rates);
   }
 
   /// The stage that the next kick belongs to. False when something moved too far.
@@ -107,10 +106,11 @@ struct CompositionKernels {
       move.store(w.move + i);
       (Group::load(s.position + i) + move).store(w.position + i);
     }
-    // Own variables here follow from the time alone: their rates are known at both ends.
+    // Own variables are operators', or follow from the time alone: those rates are known at both
+    // ends.
     for (std::size_t i = 0; i < s.own; i += kGroup) {
       fma(Group(h * Scheme::template time<Real>[k]), Group::load(w.rates + i),
-          Group::load(s.integrals + i))
+          Group::load(w.own_after + i))
           .store(w.own + i);
     }
     return all(sound);
@@ -176,7 +176,8 @@ struct CompositionKernels {
 
     copy<Real>(s.velocity, s.dofs, w.velocity);
     if (kCompensated<Real>) copy<Real>(s.velocity_rest, s.dofs, w.velocity_rest);
-    damp<Real>(s, s.position, half, w.velocity, w.velocity_rest);
+    copy<Real>(s.integrals, s.own, w.own_after);
+    Real heat = half_flow<Real>(s, w, 0, half);
     kick<Real>(s, w.force, outer, w.velocity, w.velocity_rest);
     for (int k = 0; k < last; ++k) {
       if (!drift(s, w, k, h)) return false;
@@ -193,22 +194,25 @@ struct CompositionKernels {
     }
     copy<Real>(s.force, s.dofs, w.force);
     kick<Real>(s, w.force, outer, w.velocity, w.velocity_rest);
-    damp<Real>(s, s.position, half, w.velocity, w.velocity_rest);
+    heat = heat + half_flow<Real>(s, w, 1, half);
     copy<Real>(w.velocity, s.dofs, s.velocity);
     if (kCompensated<Real>) copy<Real>(w.velocity_rest, s.dofs, s.velocity_rest);
-    add_heat<Real>(s, s.position, s.velocity, w.end_rates);
+    copy<Real>(w.own_after, s.own, s.integrals);
     add_integrals(s, w, h);
+    if (s.friction_rate != kNoRate) add_one(s.integrals, s.integrals_rest, s.friction_rate, heat);
     return true;
   }
 
   template <class Real>
-  TOMLIN_FLATTEN static void accelerations(const SystemView<Real>& s,
-                                           const CompositionArrays<Real>& w, Real* acceleration) {
+  TOMLIN_FLATTEN static void slopes(const SystemView<Real>& s, const CompositionArrays<Real>& w,
+                                    Real* acceleration, Real* rates) {
     using Group = Packed<Real>;
     copy<Real>(w.force, s.dofs, s.force);
-    for (std::size_t k = 0; k < s.friction_count; ++k) {
-      s.friction[k].drag(s.friction[k].arguments, s.position, s.velocity, s.force);
-    }
+    copy<Real>(w.rates, s.rates, rates);
+    const Real power = add_drags(
+        s, stage_of(s, static_cast<const Real*>(s.position), static_cast<const Real*>(s.velocity),
+                    static_cast<const Real*>(s.integrals), rates, Real(0.0)));
+    if (s.friction_rate != kNoRate) rates[s.friction_rate] = power;
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       (Group::load(s.force + i) * Group::load(s.inverse_mass + i)).store(acceleration + i);
     }
@@ -216,7 +220,7 @@ struct CompositionKernels {
 
   template <class Real>
   static constexpr CompositionTable<Real> kernels() {
-    return {&first<Real>, &step<Real>, &accelerations<Real>};
+    return {&first<Real>, &step<Real>, &slopes<Real>};
   }
 };
 

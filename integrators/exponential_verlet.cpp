@@ -30,7 +30,9 @@ class ExponentialVerlet : public Integrator<double> {
     for (Numbers* numbers : {&move_, &position_, &velocity_, &acceleration_}) {
       numbers->assign(n + kGap, 0.0);
     }
-    for (Numbers* numbers : {&own_, &end_rates_, &start_rates_}) numbers->assign(m + kGap, 0.0);
+    for (Numbers* numbers : {&own_, &end_rates_, &start_rates_, &slopes_}) {
+      numbers->assign(m + kGap, 0.0);
+    }
   }
 
   void declare(StateLayout& layout) override {
@@ -55,10 +57,9 @@ class ExponentialVerlet : public Integrator<double> {
     }
     std::copy(rates_, rates_ + s.rates, start_rates_.begin());
     if (dense) {
-      find_accelerations();
+      find_slopes();
       hermite_.keep_start(s);
-      hermite_.keep_first(acceleration_.data(), start_rates_.data());
-      if (s.friction_rate != kNoRate) start_heat_ = s.integrals[s.friction_rate];
+      hermite_.keep_first(acceleration_.data(), slopes_.data());
     }
     last_ = h;
     const StepFault fault = step_within(since, h);
@@ -70,12 +71,12 @@ class ExponentialVerlet : public Integrator<double> {
 
   const double* first_rates() const override { return start_rates_.data(); }
   void forces_changed() override { *started_ = 0; }
-  void finish_dense_from(double) override { find_accelerations(); }
+  void finish_dense_from(double) override { find_slopes(); }
 
   void interpolate(double theta, double* position, double* velocity,
                    double* integrals) const override {
     const SystemView<double>& s = system_.view;
-    hermite_.interpolate(theta, last_, s, acceleration_.data(), rates_, position, velocity,
+    hermite_.interpolate(theta, last_, s, acceleration_.data(), slopes_.data(), position, velocity,
                          integrals);
     if (theta == 1.0) return;
     const double* const start[2] = {hermite_.start_position(), hermite_.start_velocity()};
@@ -84,24 +85,12 @@ class ExponentialVerlet : public Integrator<double> {
       if (!body.is_stopped_within(last_)) continue;
       body.interpolate(theta, last_, start, end, position, velocity);
     }
-    if (s.friction_rate != kNoRate) integrals[s.friction_rate] = heat_at(theta);
   }
 
  private:
   using Numbers = AlignedVector<double>;
   static constexpr std::size_t kGap = 2 * kGroup;
   static constexpr std::int64_t kLookEvery = 8;
-
-  /// Cubic between the rates at both ends, which rises all along.
-  double heat_at(double theta) const {
-    const std::ptrdiff_t rate = system_.view.friction_rate;
-    const double gained = system_.view.integrals[rate] - start_heat_;
-    const double first = std::min(last_ * start_rates_[rate], 3.0 * gained);
-    const double last = std::min(last_ * rates_[rate], 3.0 * gained);
-    const double rest = 1.0 - theta;
-    const double bend = rest * (first - gained) - theta * (last - gained);
-    return start_heat_ + theta * (gained + rest * bend);
-  }
 
   /// With a fault the state is as it was.
   StepFault step_within(double since, double h) {
@@ -134,7 +123,6 @@ class ExponentialVerlet : public Integrator<double> {
               s.position);
     std::copy(velocity_.begin(), velocity_.begin() + static_cast<std::ptrdiff_t>(s.dofs),
               s.velocity);
-    add_heat(end_rates_.data());
     for (std::size_t i = 0; i < s.rates; ++i) {
       const bool is_heat = static_cast<std::ptrdiff_t>(i) == s.friction_rate;
       s.integrals[i] += is_heat ? heat : 0.5 * h * (rates_[i] + end_rates_[i]);
@@ -149,40 +137,29 @@ class ExponentialVerlet : public Integrator<double> {
     evaluate(s, stage_of(s, position, velocity, own, rates, elapsed));
     system_.evaluations += 1;
     std::copy(s.force, s.force + s.dofs, force_);
-    add_heat(rates);
   }
 
-  /// Friction at the present state: its drag on the forces, which stand in the scratch of an
-  /// evaluation; returns the heat.
-  double drag() {
-    const SystemView<double>& s = system_.view;
-    double heat = 0.0;
-    for (std::size_t k = 0; k < s.friction_count; ++k) {
-      heat += s.friction[k].drag(s.friction[k].arguments, s.position, s.velocity, s.force);
-    }
-    return heat;
-  }
-
-  void add_heat(double* rates) {
-    if (system_.view.friction_rate != kNoRate) rates[system_.view.friction_rate] = drag();
-  }
-
-  void find_accelerations() {
+  /// Accelerations and rates at the present state, friction included.
+  void find_slopes() {
     const SystemView<double>& s = system_.view;
     std::copy(force_, force_ + s.dofs, s.force);
-    drag();
+    std::copy(rates_, rates_ + s.rates, slopes_.begin());
+    const double power =
+        add_drags(s, stage_of(s, static_cast<const double*>(s.position),
+                              static_cast<const double*>(s.velocity),
+                              static_cast<const double*>(s.integrals), slopes_.data(), 0.0));
+    if (s.friction_rate != kNoRate) slopes_[s.friction_rate] = power;
     for (std::size_t i = 0; i < s.dofs; ++i) acceleration_[i] = s.force[i] * s.inverse_mass[i];
   }
 
   HermiteOutput<double> hermite_;
   std::vector<ModalBody> bodies_;
-  Numbers move_, position_, velocity_, acceleration_, own_, end_rates_, start_rates_;
+  Numbers move_, position_, velocity_, acceleration_, own_, end_rates_, start_rates_, slopes_;
   double* force_ = nullptr;
   double* rates_ = nullptr;
   double* largest_ = nullptr;        ///< force on each body but its bonds', so far
   std::int64_t* started_ = nullptr;  ///< 0: no; else which of the steps between looks this is
   double last_ = 0.0;
-  double start_heat_ = 0.0;
 };
 
 /// Of the forces that are left to kicks. Bonds and friction limit nothing.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -55,6 +56,11 @@ class HermiteOutput {
             velocity);
     }
     cubic(theta, h, integrals_, rates_, end.integrals, end.integrals_rest, end_rates, integrals);
+    if (end.friction_rate == kNoRate || theta == 1.0) return;
+    const auto heat = static_cast<std::size_t>(end.friction_rate);
+    integrals[heat] =
+        heat_at(theta, integrals_[heat], observed(end.integrals, end.integrals_rest, heat),
+                h * rates_[heat], h * static_cast<double>(end_rates[heat]));
   }
 
  private:
@@ -89,6 +95,16 @@ class HermiteOutput {
                            theta * (last - mean) * (2.0 - 3.0 * theta);
       y[i] = theta == 1.0 ? last : mean + along;
     }
+  }
+
+  /// The operators' heat, which a step adds as a whole: the cubic with slopes that let it rise all
+  /// along, also where friction stops a flight within the step.
+  static double heat_at(double theta, double start, double end, double first, double last) {
+    const double gained = end - start;
+    const double rest = 1.0 - theta;
+    const double bend = rest * (std::min(first, 3.0 * gained) - gained) -
+                        theta * (std::min(last, 3.0 * gained) - gained);
+    return start + theta * (gained + rest * bend);
   }
 
   Numbers position_;

@@ -8,6 +8,7 @@
 
 #include "framework/core/aligned.hpp"
 #include "framework/core/double_double.hpp"
+#include "framework/core/flow.hpp"
 #include "framework/core/instruction_set.hpp"
 #include "framework/core/kernel_arguments.hpp"
 #include "framework/core/parameter.hpp"
@@ -186,17 +187,18 @@ class BoundForce {
     return false;
   }
 
-  // The operator contract: the exact flow of this force alone over a time h.
+  // The operator contract: the exact flow of this force alone over a time, see flow.hpp.
 
-  virtual bool has_flow() const { return false; }
-  virtual void flow(const Stage<Real>& at, const Real* inverse_mass, Real* velocity, Real h) const {
-    (void)at;
-    (void)inverse_mass;
-    (void)velocity;
-    (void)h;
+  /// The flow, the same whenever it is asked for, for schemes that take operators; then none of its
+  /// kernels is called, nor is a rate integrated. Its arguments live as long as this object. False:
+  /// there is none, as on rigid bodies, whose velocities are not their particles'.
+  virtual bool flow(Flow<Real>& flow) {
+    (void)flow;
+    return false;
   }
   /// True when this force is linear friction and nothing else, with the coefficients that
-  /// friction() gives: dynamics without inertia and splitting schemes then take it as a matrix.
+  /// friction() gives: dynamics without inertia take it as a matrix, and schemes that take
+  /// operators by the flow of all such friction on a body, unless it hands out one of its own.
   virtual bool is_friction() const { return false; }
   virtual void friction(FrictionSink& sink) const { (void)sink; }
 

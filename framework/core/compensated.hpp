@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "framework/core/number_types.hpp"
+#include "framework/core/stage.hpp"
 
 /// Adding many small steps to a number of few digits. A float carries what each sum rounds away in
 /// a second number, its rest, so that a run does not lose digits with its length (W. Kahan, Commun.
@@ -41,6 +42,14 @@ TOMLIN_INLINE void add_move(Real* x, Real* rest, std::size_t i, const Packed<Rea
   } else {
     (Group::load(x + i) + move).store(x + i);
   }
+}
+
+/// The same of a single number.
+template <class Real>
+TOMLIN_INLINE void add_one(Real* x, Real* rest, std::size_t i, Real move) {
+  alignas(64) Real lanes[kGroup];
+  for (std::size_t k = 0; k < kGroup; ++k) lanes[k] = k == i % kGroup ? move : Real(0.0);
+  add_move(x, rest, i - i % kGroup, Packed<Real>::load(lanes));
 }
 
 }  // namespace TOMLIN_TARGET

@@ -53,8 +53,8 @@ struct IntegratorRecord : ComponentRecord {
   bool adaptive = false;  ///< chooses its own steps
   int evaluations_per_step = 0;  ///< of all forces, per accepted step
   bool without_inertia = true;   ///< takes overdamped scenes too
-  /// Takes friction as an operator, its exact flow over a step's halves, in place of a force. Other
-  /// forces that depend on velocity, and forces with variables of their own, are then refused.
+  /// Takes operators (flow.hpp): friction, and whatever forces hand out, in place of the forces.
+  /// Other forces that depend on velocity or have variables of their own are then refused.
   bool splits_friction = false;
   /// Takes bonds within bodies as an operator too, whose stiffness then limits no step.
   bool splits_bonds = false;

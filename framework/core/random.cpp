@@ -4,6 +4,14 @@
 
 namespace tomlin {
 
+std::uint64_t stream_of(std::string_view name) {
+  constexpr std::uint64_t kStart = 0xcbf29ce484222325;
+  constexpr std::uint64_t kPrime = 0x100000001b3;
+  std::uint64_t stream = kStart;
+  for (const char letter : name) stream = (stream ^ static_cast<unsigned char>(letter)) * kPrime;
+  return stream;
+}
+
 double uniform_symmetric(const RandomKey& key, const RandomPlace& place) {
   r123::Philox4x64 generator;
   const r123::Philox4x64::ctr_type counter = {{place.a, place.b, place.c, place.d}};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 /// Random numbers that depend on nothing but their key and their place: the counter-based generator
 /// Philox 4x64-10 (Salmon, Moraes, Dror, Shaw, SC '11, doi:10.1145/2063384.2063405; Random123).
@@ -18,6 +19,9 @@ struct RandomPlace {
   std::uint64_t c = 0;
   std::uint64_t d = 0;
 };
+
+/// The stream of what has this name, wherever it stands (FNV-1a, 64 bits; Fowler, Noll and Vo).
+std::uint64_t stream_of(std::string_view name);
 
 /// Uniform in (-1, 1), symmetric about zero.
 double uniform_symmetric(const RandomKey& key, const RandomPlace& place);

@@ -75,15 +75,11 @@ class ForceOnSites : public BoundForce<Real> {
     return curvature_bound();
   }
 
-  /// Of free particles: a rigid body's velocities are not its particles'.
-  bool has_flow() const override { return kHasFlow && !body_.slot.mapped; }
-
  protected:
   static constexpr bool kDoesWork =
       requires(const Parameters& p, const Site<Real, D>& site, const Vec<Real, D>& force) {
     E::power(p, site, force);
   };
-  static constexpr bool kHasFlow = requires(const Parameters& p) { E::decay_factor(p, Real(1.0)); };
   static constexpr bool kHasFriction = requires(const Parameters& p) { E::friction(p); };
 
   typename E::Description description_;
@@ -168,17 +164,6 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
     if constexpr (Base::kHasFriction) {
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
         sink.site(this->body_.index, i, static_cast<double>(E::friction(this->parameters_)));
-      }
-    }
-  }
-
-  void flow(const Stage<Real>&, const Real* inverse_mass, Real* velocity, Real h) const override {
-    if constexpr (Base::kHasFlow) {
-      for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
-        for (int d = 0; d < D; ++d) {
-          const std::size_t at = this->body_.slot.offset + d * this->body_.slot.stride + i;
-          velocity[at] *= E::decay_factor(this->parameters_, h * inverse_mass[at]);
-        }
       }
     }
   }

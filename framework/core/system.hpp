@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "framework/core/flow.hpp"
 #include "framework/core/instruction_set.hpp"
 #include "framework/core/kernel_arguments.hpp"
 #include "framework/core/stage.hpp"
@@ -11,18 +12,6 @@
 
 /// A bound scene as integrators and kernels see it: plain arrays and a list of kernel calls.
 namespace tomlin {
-
-/// Friction of one body as a matrix that acts on its generalised velocities.
-template <class Real>
-struct FrictionOperator {
-  /// velocity <- exp(-h inverse_mass friction) velocity; `rest` is null unless compensated.
-  void (*flow)(const void* arguments, const Real* position, Real* velocity, Real* rest,
-               Real h) = nullptr;
-  /// Force <- force - friction velocity; returns the heat, velocity.friction.velocity.
-  Real (*drag)(const void* arguments, const Real* position, const Real* velocity,
-               Real* force) = nullptr;
-  const void* arguments = nullptr;
-};
 
 template <class Real>
 struct SystemView {
@@ -53,10 +42,11 @@ struct SystemView {
   const Operation<Real>* operations = nullptr;  ///< one evaluation of all forces
   std::size_t operation_count = 0;
 
-  /// Friction taken as an operator (empty unless the scheme splits it off).
-  const FrictionOperator<Real>* friction = nullptr;
-  std::size_t friction_count = 0;
-  std::ptrdiff_t friction_rate = kNoRate;  ///< where its heat stands among the rates, if kept
+  /// Operators: of all linear friction on a body together, and what forces hand out. None unless
+  /// the scheme takes them.
+  const Flow<Real>* flows = nullptr;
+  std::size_t flow_count = 0;
+  std::ptrdiff_t friction_rate = kNoRate;  ///< where their heat stands among the integrals, if kept
 
   /// The forces of a scene that is a single particle on a line; none otherwise.
   const PointForce<Real>* point_forces = nullptr;

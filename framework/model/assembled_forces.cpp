@@ -49,13 +49,15 @@ std::string why_left_out(const SceneForce& from, const Traits& traits,
   return nothing_moves && !traits.does_work ? "acts only on what is fixed" : "";
 }
 
-/// Friction of bodies that move by forces; what is prescribed or fixed is dragged along as ever.
+/// On bodies that move by forces; what is prescribed or fixed is dragged along as ever.
 template <class Real>
 bool taken_as_operator(const AssembledForce<Real>& force, const AssemblyPlan& plan,
                        const std::vector<AssembledBody<Real>>& bodies) {
   if (plan.quasistatic) return force.bound->is_friction();
   if (plan.inertial && !plan.splits_friction) return false;
-  if (!force.bound->is_friction()) return false;
+  Flow<Real> unused;
+  const bool flows = plan.inertial && force.bound->flow(unused);
+  if (!flows && !force.bound->is_friction()) return false;
   return std::none_of(force.bodies.begin(), force.bodies.end(), [&](std::size_t b) {
     return bodies[b].bound.slot.mapped && !bodies[b].bound.slot.rigid;
   });

@@ -22,7 +22,7 @@ struct AssembledForce {
   std::vector<std::size_t> bodies;
   std::ptrdiff_t first_rate = kNoRate;  ///< where its force and power stand among the rates
   std::ptrdiff_t heat_rate = kNoRate;   ///< where its heat stands, with the ledger
-  bool is_operator = false;             ///< friction that is not evaluated as a force
+  bool is_operator = false;             ///< taken by its flow, not evaluated as a force
 };
 
 /// A force of the scene that was not built, and why.

@@ -40,7 +40,7 @@ class Assembly {
   const PrescribedBodies<Real>& prescribed() const { return prescribed_; }
   System<Real>& system() { return system_; }
   const System<Real>& system() const { return system_; }
-  /// Where all friction operators' heat stands among the rates, with the ledger.
+  /// Where all operators' heat stands among the integrals, with the ledger.
   std::ptrdiff_t friction_rate() const { return friction_.rate; }
 
   /// Fill these with the scene's start; cells of the origin stay as they are.

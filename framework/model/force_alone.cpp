@@ -26,6 +26,7 @@ IntegratorRecord without_demands(IntegratorRecord scheme) {
   scheme.without_inertia = true;
   scheme.splits_friction = scheme.splits_bonds = false;
   scheme.needs_tangent = scheme.conservative_only = scheme.follows_equilibria = false;
+  scheme.bind = {};  // it takes no steps
   return scheme;
 }
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "framework/core/compensated.hpp"
+#include "framework/core/flow.hpp"
 #include "framework/core/kernel_arguments.hpp"
 #include "framework/core/math.hpp"
 #include "framework/core/number_types.hpp"
@@ -55,14 +56,11 @@ struct DriftHeatArguments {
 
 template <class Real>
 struct FrictionTable {
-  void (*flow_of_particles)(const void* arguments, const Real* position, Real* velocity, Real* rest,
-                            Real h) = nullptr;
-  void (*flow_of_body)(const void* arguments, const Real* position, Real* velocity, Real* rest,
-                       Real h) = nullptr;
-  Real (*drag_of_particles)(const void* arguments, const Real* position, const Real* velocity,
-                            Real* force) = nullptr;
-  Real (*drag_of_body)(const void* arguments, const Real* position, const Real* velocity,
-                       Real* force) = nullptr;
+  // As operators, see flow.hpp.
+  Real (*flow_of_particles)(const void* arguments, const FlowStage<Real>& stage, Real h) = nullptr;
+  Real (*flow_of_body)(const void* arguments, const FlowStage<Real>& stage, Real h) = nullptr;
+  Real (*drag_of_particles)(const void* arguments, const Stage<Real>& stage) = nullptr;
+  Real (*drag_of_body)(const void* arguments, const Stage<Real>& stage) = nullptr;
   /// Without inertia: generalised forces -> velocities of a body that moves as one, in place.
   Kernel<Real> mobility = nullptr;
   Kernel<Real> drift_heat = nullptr;
@@ -82,42 +80,34 @@ struct FrictionKernels {
     y = s * a.moment[0] + c * a.moment[1];
   }
 
-  /// Solves (diagonal + scale G) u = f for the free coordinates, others get zero.
-  template <class Real>
-  TOMLIN_INLINE static void solve(const FrictionArguments<Real>& a, Real turns,
-                                  const Real* diagonal, Real diagonal_of_rotation, Real scale,
-                                  const Real* f, Real* u) {
-    Real sx(0.0);
-    Real sy(0.0);
-    if (a.axes == 2 && a.rotates) turned_moment(a, turns, sx, sy);
-    const Real coupling[3] = {-(tau<Real>() * sy) * scale, tau<Real>() * sx * scale, Real(0.0)};
-    Real w(0.0);
-    if (a.axes == 2 && a.rotates) {
-      // Eliminate the centre first.
-      Real pivot = fma(scale, a.second, diagonal_of_rotation);
-      Real due = f[2];
-      for (int d = 0; d < 2; ++d) {
-        if (!a.free[d]) continue;
-        const Real share = coupling[d] / fma(scale, a.total, diagonal[d]);
-        pivot = fnma(share, coupling[d], pivot);
-        due = fnma(share, f[d], due);
-      }
-      w = due / pivot;
-    }
-    for (int d = 0; d < a.axes; ++d) {
-      u[d] = a.free[d] ? fnma(coupling[d], w, f[d]) / fma(scale, a.total, diagonal[d]) : Real(0.0);
-    }
-    if (a.axes == 2) u[2] = w;
-  }
-
+  /// Solves G u = f for the free coordinates, others get zero.
   template <class Real>
   TOMLIN_FLATTEN static void mobility(const void* arguments, const Stage<Real>& stage) {
     const FrictionArguments<Real> a = *static_cast<const FrictionArguments<Real>*>(arguments);
     Real* f = stage.force + a.body.centre;
-    const Real none[3] = {Real(0.0), Real(0.0), Real(0.0)};
     Real u[3] = {Real(0.0), Real(0.0), Real(0.0)};
-    solve(a, a.axes == 2 ? stage.position[a.body.centre + 2] : Real(0.0), none, Real(0.0),
-          Real(1.0), f, u);
+    Real coupling[3] = {Real(0.0), Real(0.0), Real(0.0)};
+    if (a.axes == 2 && a.rotates) {
+      Real sx;
+      Real sy;
+      turned_moment(a, stage.position[a.body.centre + 2], sx, sy);
+      coupling[0] = -(tau<Real>() * sy);
+      coupling[1] = tau<Real>() * sx;
+      // Eliminate the centre first.
+      Real pivot = a.second;
+      Real due = f[2];
+      for (int d = 0; d < 2; ++d) {
+        if (!a.free[d]) continue;
+        const Real share = coupling[d] / a.total;
+        pivot = fnma(share, coupling[d], pivot);
+        due = fnma(share, f[d], due);
+      }
+      u[2] = due / pivot;
+    }
+    const Real w = u[2];
+    for (int d = 0; d < a.axes; ++d) {
+      if (a.free[d]) u[d] = fnma(coupling[d], w, f[d]) / a.total;
+    }
     Real heat(0.0);
     for (int k = 0; k < 3; ++k) heat = fma(f[k], u[k], heat);
     if (a.heat_of_body) *a.heat_of_body = heat;
@@ -158,6 +148,9 @@ struct FrictionKernels {
       for (int n = kTerms; n >= 2; --n) sum = fnma(x / Real(n), sum, Real(1.0));
       loss = -(x * sum);
     }
+
+    /// exp(-h rate) - 1.
+    TOMLIN_INLINE Real change() const { return fma(loss, keep, keep - Real(1.0)); }
   };
 
   /// v <- (keep + loss keep) v, of a group.
@@ -170,14 +163,23 @@ struct FrictionKernels {
     add_scaled(v, rest, i, loss, Group::load(v + i));
   }
 
-  /// Exact: v <- v exp(-h c/m).
+  /// Kinetic energy that coordinates have lost, of the numbers as they were and are.
+  template <class T>
+  TOMLIN_INLINE static T lost(const T& mass, const T& before, const T& rest_before, const T& after,
+                              const T& rest_after) {
+    const T change = (before - after) + (rest_before - rest_after);
+    return T(Scalar<T>(0.5)) * mass * change * (before + after);
+  }
+
+  /// v <- v exp(-h c/m).
   template <class Real>
-  TOMLIN_FLATTEN static void flow_of_particles(const void* arguments, const Real*, Real* velocity,
-                                               Real* velocity_rest, Real h) {
+  TOMLIN_FLATTEN static Real flow_of_particles(const void* arguments, const FlowStage<Real>& stage,
+                                               Real h) {
     using Group = Packed<Real>;
     const FrictionArguments<Real> a = *static_cast<const FrictionArguments<Real>*>(arguments);
-    Real* v = velocity + a.body.offset;
-    Real* rest = velocity_rest == nullptr ? nullptr : velocity_rest + a.body.offset;
+    Real* v = stage.velocity + a.body.offset;
+    Real* rest = stage.velocity_rest == nullptr ? nullptr : stage.velocity_rest + a.body.offset;
+    const bool heats = stage.heat;
     if (!(*a.known_h == h)) {
       for (std::size_t i = 0; i < a.length; ++i) {
         const Decay<Real> decay(a.coefficient[i] * a.inverse_mass[i], h);
@@ -186,34 +188,87 @@ struct FrictionKernels {
       }
       *a.known_h = h;
     }
+    const Group none(Real(0.0));
+    Group heat = none;
     for (std::size_t i = 0; i < a.length; i += kGroup) {
+      const Group before = Group::load(v + i);
+      const Group rest_before = rest == nullptr ? none : Group::load(rest + i);
       decay(v, rest, i, Group::load(a.keep + i), Group::load(a.loss + i));
+      if (!heats) continue;
+      // What is held has no inverse mass, and loses nothing.
+      const Group inverse = Group::load(a.inverse_mass + i);
+      const Group mass = Group(Real(1.0)) / select(none < inverse, inverse, Group(Real(1.0)));
+      heat += lost(mass, before, rest_before, Group::load(v + i),
+                   rest == nullptr ? none : Group::load(rest + i));
     }
+    return heats ? sum(heat) : Real(0.0);
   }
 
-  /// Exact where friction is centred on the mass (S = 0); otherwise by the implicit midpoint rule,
-  /// which is of second order, as the schemes are that split.
+  /// As it moves freely but for friction, its rotation at rest. With S = 0 each axis decays alone.
+  /// Else, along the free part q of the coupling between centre and rotation, in coordinates
+  /// sqrt(M) u_q and sqrt(I) w, friction is a symmetric matrix (a b, b d) with two modes.
   template <class Real>
-  TOMLIN_FLATTEN static void flow_of_body(const void* arguments, const Real* position,
-                                          Real* velocity, Real* velocity_rest, Real h) {
+  TOMLIN_FLATTEN static Real flow_of_body(const void* arguments, const FlowStage<Real>& stage,
+                                          Real h) {
     const FrictionArguments<Real> a = *static_cast<const FrictionArguments<Real>*>(arguments);
-    Real* v = velocity + a.body.centre;
-    Real* rest = velocity_rest == nullptr ? nullptr : velocity_rest + a.body.centre;
-    if (a.rotates && (a.moment[0] != Real(0.0) || a.moment[1] != Real(0.0))) {
-      Real drag[3] = {Real(0.0), Real(0.0), Real(0.0)};
-      Real change[3] = {Real(0.0), Real(0.0), Real(0.0)};
-      add_drag(a, position, v, drag);
-      for (Real& part : drag) part = part * h;
-      const Real masses[3] = {a.mass, a.mass, a.mass};
-      solve(a, position[a.body.centre + 2], masses, a.inertia, Real(0.5) * h, drag, change);
-      add_move(v, rest, 0, three_lanes(change[0], change[1], change[2]));
-      return;
+    Real* v = stage.velocity + a.body.centre;
+    Real* rest = stage.velocity_rest == nullptr ? nullptr : stage.velocity_rest + a.body.centre;
+    Real before[3];
+    Real rest_before[3];
+    for (int k = 0; k < 3; ++k) {
+      before[k] = v[k];
+      rest_before[k] = rest == nullptr ? Real(0.0) : rest[k];
     }
-    const Decay<Real> centre(a.total / a.mass, h);
-    const Decay<Real> turning(a.rotates ? a.second / a.inertia : Real(0.0), h);
     const bool planar = a.axes == 2;
-    decay(v, rest, 0, three_lanes(centre.keep, centre.keep, planar ? turning.keep : centre.keep),
-          three_lanes(centre.loss, centre.loss, planar ? turning.loss : centre.loss));
+    const Decay<Real> centre(a.total / a.mass, h);
+    Real q[2] = {Real(0.0), Real(0.0)};
+    if (a.rotates && (a.moment[0] != Real(0.0) || a.moment[1] != Real(0.0))) {
+      Real sx;
+      Real sy;
+      turned_moment(a, stage.position[a.body.centre + 2], sx, sy);
+      if (a.free[0]) q[0] = -(tau<Real>() * sy);
+      if (a.free[1]) q[1] = tau<Real>() * sx;
+    }
+    const Real coupling = sqrt(fma(q[0], q[0], q[1] * q[1]));
+    if (coupling > Real(0.0)) {
+      for (Real& part : q) part = part / coupling;
+      const Real along_centre = a.total / a.mass;
+      const Real along_rotation = a.second / a.inertia;
+      const Real b = coupling / sqrt(a.mass * a.inertia);
+      const Real half = Real(0.5) * (along_centre - along_rotation);
+      const Real radius = sqrt(fma(half, half, b * b));
+      // Directions of the modes, by that part which does not cancel.
+      const Real large = sqrt(Real(0.5) * (Real(1.0) + abs(half) / radius));
+      const Real small = b / (Real(2.0) * radius * large);
+      const Real cosine = half < Real(0.0) ? small : large;
+      const Real sine = half < Real(0.0) ? large : small;
+      const Real fast = Real(0.5) * (along_centre + along_rotation) + radius;
+      const Real slow = fnma(b, b, along_centre * along_rotation) / fast;
+      const Real to_centre = sqrt(a.inertia / a.mass);
+      const Real u = fma(q[0], v[0], q[1] * v[1]);
+      const Real w = to_centre * v[2];
+      const Real fast_change = Decay<Real>(fast, h).change() * fma(cosine, u, sine * w);
+      const Real slow_change =
+          Decay<Real>(max(slow, Real(0.0)), h).change() * fnma(sine, u, cosine * w);
+      const Real along = fnma(sine, slow_change, cosine * fast_change);
+      Real change[3];
+      for (int d = 0; d < 2; ++d) {
+        change[d] = fma(q[d], along, centre.change() * fnma(q[d], u, v[d]));
+      }
+      change[2] = fma(sine, fast_change, cosine * slow_change) / to_centre;
+      add_move(v, rest, 0, three_lanes(change[0], change[1], change[2]));
+    } else {
+      const Decay<Real> turning(a.rotates ? a.second / a.inertia : Real(0.0), h);
+      decay(v, rest, 0, three_lanes(centre.keep, centre.keep, planar ? turning.keep : centre.keep),
+            three_lanes(centre.loss, centre.loss, planar ? turning.loss : centre.loss));
+    }
+    Real heat(0.0);
+    if (!stage.heat) return heat;
+    for (int k = 0; k < 3; ++k) {
+      heat += lost(planar && k == 2 ? a.inertia : a.mass, before[k], rest_before[k], v[k],
+                   rest == nullptr ? Real(0.0) : rest[k]);
+    }
+    return heat;
   }
 
   /// force -= G v; returns v.G v.
@@ -242,19 +297,17 @@ struct FrictionKernels {
   }
 
   template <class Real>
-  TOMLIN_FLATTEN static Real drag_of_body(const void* arguments, const Real* position,
-                                          const Real* velocity, Real* force) {
+  TOMLIN_FLATTEN static Real drag_of_body(const void* arguments, const Stage<Real>& stage) {
     const FrictionArguments<Real> a = *static_cast<const FrictionArguments<Real>*>(arguments);
-    return add_drag(a, position, velocity + a.body.centre, force + a.body.centre);
+    return add_drag(a, stage.position, stage.velocity + a.body.centre, stage.force + a.body.centre);
   }
 
   template <class Real>
-  TOMLIN_FLATTEN static Real drag_of_particles(const void* arguments, const Real*,
-                                               const Real* velocity, Real* force) {
+  TOMLIN_FLATTEN static Real drag_of_particles(const void* arguments, const Stage<Real>& stage) {
     using Group = Packed<Real>;
     const FrictionArguments<Real> a = *static_cast<const FrictionArguments<Real>*>(arguments);
-    const Real* v = velocity + a.body.offset;
-    Real* f = force + a.body.offset;
+    const Real* v = stage.velocity + a.body.offset;
+    Real* f = stage.force + a.body.offset;
     Group heat(Real(0.0));
     for (std::size_t i = 0; i < a.length; i += kGroup) {
       const Group here = Group::load(v + i);

@@ -1,11 +1,13 @@
 #include "framework/model/friction_matrix.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "framework/core/kernel_tables.hpp"
+#include "framework/core/random.hpp"
 #include "framework/core/sum.hpp"
 
 TOMLIN_DECLARE_TABLES(FrictionKernels, FrictionTable)
@@ -37,10 +39,7 @@ void FrictionMatrix<Real>::lay(const AssemblyPlan& plan, std::vector<AssembledBo
                                const std::vector<AssembledForce<Real>>& forces,
                                AlignedVector<Real>& inverse_mass, SystemView<Real>& view) {
   for (const auto& body : bodies) coefficients_.emplace_back(body.bound.slot.count, 0.0);
-  CoefficientSink sink(coefficients_);
-  for (const AssembledForce<Real>& force : forces) {
-    if (force.is_operator) force.bound->friction(sink);
-  }
+  collect(plan, forces);
   mobility_.assign(view.dofs, Real(0.0));
   heat_of_bodies_.assign(bodies.size(), Real(0.0));
   for (AssembledBody<Real>& body : bodies) {
@@ -62,12 +61,30 @@ void FrictionMatrix<Real>::lay(const AssemblyPlan& plan, std::vector<AssembledBo
   const auto& table = kernels::FrictionKernels.on<Real>(plan.set);
   for (const FrictionArguments<Real>& arguments : friction_) {
     const bool one = arguments.body.rigid;
-    operators_.push_back({one ? table.flow_of_body : table.flow_of_particles,
-                          one ? table.drag_of_body : table.drag_of_particles, &arguments});
+    flows_.push_back({one ? table.flow_of_body : table.flow_of_particles,
+                      one ? table.drag_of_body : table.drag_of_particles,
+                      &arguments,
+                      {}});
   }
-  view.friction = operators_.data();
-  view.friction_count = operators_.size();
+  view.flows = flows_.data();
+  view.flow_count = flows_.size();
   view.friction_rate = rate;
+}
+
+template <class Real>
+void FrictionMatrix<Real>::collect(const AssemblyPlan& plan,
+                                   const std::vector<AssembledForce<Real>>& forces) {
+  CoefficientSink sink(coefficients_);
+  for (const AssembledForce<Real>& force : forces) {
+    if (!force.is_operator) continue;
+    Flow<Real> flow;
+    if (plan.inertial && force.bound->flow(flow)) {
+      flow.key = {static_cast<std::uint64_t>(plan.scene->run.seed), stream_of(force.name)};
+      flows_.push_back(flow);
+    } else {
+      force.bound->friction(sink);
+    }
+  }
 }
 
 template <class Real>

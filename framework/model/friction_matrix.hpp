@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "framework/core/aligned.hpp"
+#include "framework/core/flow.hpp"
 #include "framework/core/system.hpp"
 #include "framework/model/assembled_forces.hpp"
 #include "framework/model/friction_kernels.hpp"
@@ -13,7 +14,7 @@
 namespace tomlin {
 
 /// Friction as a matrix: what dynamics without inertia divides forces by, and what splitting
-/// schemes take as an operator. Kernels hold pointers into it.
+/// schemes take as operators, behind those that forces hand out. Kernels hold pointers into it.
 template <class Real>
 class FrictionMatrix {
  public:
@@ -30,9 +31,11 @@ class FrictionMatrix {
   /// one that writes the heat.
   void add_mobility(const AssemblyPlan& plan, std::vector<Operation<Real>>& operations);
 
-  std::ptrdiff_t rate = kNoRate;  ///< where all operators' heat stands among the rates
+  std::ptrdiff_t rate = kNoRate;  ///< where all operators' heat stands among the integrals
 
  private:
+  /// Of forces that are operators: the flows that they hand out, else their coefficients.
+  void collect(const AssemblyPlan& plan, const std::vector<AssembledForce<Real>>& forces);
   void lay_rigid(const AssemblyPlan& plan, AssembledBody<Real>& body, Real* inverse_mass,
                  FrictionArguments<Real>& arguments);
   void lay_particles(const AssemblyPlan& plan, const AssembledBody<Real>& body, Real* inverse_mass,
@@ -46,7 +49,7 @@ class FrictionMatrix {
   std::vector<Fault> faults_;
   std::deque<FrictionArguments<Real>> friction_;
   std::deque<AlignedVector<Real>> arrays_;
-  std::vector<FrictionOperator<Real>> operators_;
+  std::vector<Flow<Real>> flows_;
   DriftHeatArguments<Real> drift_heat_;
   AlignedVector<Real> heat_of_bodies_;
   AlignedVector<Real> mobility_;

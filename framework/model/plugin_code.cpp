@@ -61,6 +61,26 @@ PointResult<Real> call_point(const void* guarded_point, Real position, Real velo
                    [&] { return point.run(point.parameters, position, velocity, start, elapsed); });
 }
 
+template <class Real>
+struct GuardedFlow {
+  const Owner* owner = nullptr;
+  Flow<Real> flow;
+};
+
+template <class Real>
+Real call_flow(const void* guarded_flow, const FlowStage<Real>& stage, Real h) {
+  const auto& own = *static_cast<const GuardedFlow<Real>*>(guarded_flow);
+  return in_plugin(own.owner->component, own.owner->library,
+                   [&] { return own.flow.run(own.flow.arguments, stage, h); });
+}
+
+template <class Real>
+Real call_drag(const void* guarded_flow, const Stage<Real>& stage) {
+  const auto& own = *static_cast<const GuardedFlow<Real>*>(guarded_flow);
+  return in_plugin(own.owner->component, own.owner->library,
+                   [&] { return own.flow.drag(own.flow.arguments, stage); });
+}
+
 /// Every function of BoundForce is passed on.
 template <class Real>
 class GuardedForce final : public BoundForce<Real> {
@@ -133,12 +153,11 @@ class GuardedForce final : public BoundForce<Real> {
   std::string why_not_finite(const Stage<Real>& stage) const override {
     return guard([&] { return force_->why_not_finite(stage); });
   }
-  bool has_flow() const override {
-    return guard([&] { return force_->has_flow(); });
-  }
-  void flow(const Stage<Real>& at, const Real* inverse_mass, Real* velocity,
-            Real h) const override {
-    guard([&] { force_->flow(at, inverse_mass, velocity, h); });
+  bool flow(Flow<Real>& flow) override {
+    if (!guard([&] { return force_->flow(flow); })) return false;
+    flow_ = {&owner_, flow};
+    flow = {&call_flow<Real>, flow.drag == nullptr ? nullptr : &call_drag<Real>, &flow_, {}};
+    return true;
   }
   bool is_friction() const override {
     return guard([&] { return force_->is_friction(); });
@@ -195,6 +214,7 @@ class GuardedForce final : public BoundForce<Real> {
   Owner owner_;
   std::deque<GuardedPass<Real>> passes_;  // kernels hold pointers into it
   mutable GuardedPoint<Real> point_;
+  GuardedFlow<Real> flow_;
 };
 
 /// Every function of EquilibriumPath is passed on.

@@ -12,6 +12,12 @@ using Force = Assembly<double>::Force;
 
 bool is_linear_friction(const Force& force) { return force.bound->is_friction(); }
 
+/// An operator of its own.
+bool has_flow(const Force& force) {
+  Flow<double> flow;
+  return force.bound->flow(flow);
+}
+
 bool depends_on_velocity_otherwise(const Force& force) {
   return force.traits.depends_on_velocity && !is_linear_friction(force);
 }
@@ -33,6 +39,7 @@ class SchemeChecks {
              }));
     }
     if (scheme_.splits_friction) check_split_friction();
+    check_operators();
     if ((scheme_.splits_friction || scheme_.conservative_only) && scene_.run.ledger) check_ledger();
     if (scheme_.conservative_only) check_loss();
     if (scene_.run.dynamics != "inertial") check_dynamics();
@@ -52,6 +59,7 @@ class SchemeChecks {
 
   void check_split_friction() {
     for (const Force& force : assembly_.forces()) {
+      if (force.is_operator && has_flow(force)) continue;
       if (depends_on_velocity_otherwise(force)) {
         refuse("falls to first order with the force \"" + force.name +
                    "\", which depends on velocity and is not linear friction",
@@ -61,13 +69,27 @@ class SchemeChecks {
     }
   }
 
+  /// The flow of bonds knows no others; and where a force is nothing but an operator, a scheme that
+  /// takes none would leave it out.
+  void check_operators() {
+    const bool takes_no_steps = scheme_.bind.in_double == nullptr;
+    for (const Force& force : assembly_.forces()) {
+      const bool left_out = !force.is_operator && !takes_no_steps && force.bound->passes().empty();
+      if (!(scheme_.splits_bonds || left_out) || !has_flow(force)) continue;
+      refuse("does not take the operator of the force \"" + force.name + "\"",
+             integrators_that(scene_, [](const IntegratorRecord& other) {
+               return other.splits_friction && !other.splits_bonds;
+             }));
+    }
+  }
+
   /// A kick's forces are the rates of the ledger, at a velocity of half a step before.
   void check_ledger() {
     for (const Force& force : assembly_.forces()) {
       const Traits& traits = force.traits;
       const bool has_power = traits.conservative || traits.does_work ||
                              traits.depends_on_velocity || is_linear_friction(force);
-      if (has_power || force.bound->own_count() > 0) continue;
+      if (has_power || force.is_operator || force.bound->own_count() > 0) continue;
       refuse("falls to first order in the power of the force \"" + force.name +
                  "\", which is no gradient, and the ledger would not close",
              any_scene_ + ", or ledger = false");

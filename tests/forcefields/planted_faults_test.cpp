@@ -60,12 +60,9 @@ TEST(PlantedFaults, ReactionOnTheWrongParticle) {
 TEST(PlantedFaults, DampingThatDrives) {
   EXPECT_CAUGHT("dissipative", "viscous_damping", planted<AntiDissipative>);
   EXPECT_CAUGHT("friction", "viscous_damping", planted<AntiDissipative>);
-  EXPECT_CAUGHT("flow", "viscous_damping", planted<AntiDissipative>);
 }
 
-TEST(PlantedFaults, WrongFlowOrFriction) {
-  EXPECT_CAUGHT("flow", "viscous_damping", (wrapped<FlowWithoutMass, ViscousDamping>));
-  EXPECT_CAUGHT("flow", "viscous_damping", planted<FlowToFirstOrder>);
+TEST(PlantedFaults, WrongFriction) {
   EXPECT_CAUGHT("friction", "viscous_damping", planted<TwiceTheFriction>);
 }
 

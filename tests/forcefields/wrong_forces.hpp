@@ -103,29 +103,6 @@ struct AntiDissipative : ViscousDamping {
   }
 };
 
-/// exp(-c h) instead of exp(-c h/m).
-template <class E, class Real, int D>
-class FlowWithoutMass : public ParticleForce<E, Real, D> {
- public:
-  using ParticleForce<E, Real, D>::ParticleForce;
-  void flow(const Stage<double>&, const double*, double* velocity, double h) const override {
-    const BodySlot<double>& slot = this->body_.slot;
-    for (int d = 0; d < D; ++d) {
-      for (std::size_t i = 0; i < slot.count; ++i) {
-        velocity[slot.offset + d * slot.stride + i] *= E::decay_factor(this->parameters_, h);
-      }
-    }
-  }
-};
-
-/// First-order in h: 1 - c h/m.
-struct FlowToFirstOrder : ViscousDamping {
-  template <class T, int D>
-  static T decay_factor(const Parameters<T, D>& p, const T& h_over_mass) {
-    return T(1.0) - p.coefficient * h_over_mass;
-  }
-};
-
 struct TwiceTheFriction : ViscousDamping {
   template <class T, int D>
   static T friction(const Parameters<T, D>& p) {

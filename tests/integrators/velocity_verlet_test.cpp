@@ -26,21 +26,24 @@ constexpr Window kOrder{1.9, 2.1};
 
 // ---- friction
 
-/// Free flight with friction is the flow itself: velocities are exact at any c dt / m, however many
-/// steps. Positions and heat are not where friction stops the flight within a step, and so it is
-/// refused there unless insisted on.
+/// Free flight with friction is the flow itself: velocities and heat are exact at any c dt / m,
+/// however many steps. Positions are not where friction stops the flight within a step, and so it
+/// is refused there unless insisted on.
 TEST(Friction, FreeFlightKeepsTheExactVelocity) {
   constexpr double kDt = 0.5;
   constexpr int kSteps = 12;
   for (const double rate : {1e-6, 0.1, 2.0, 40.0}) {
     const Oscillator o{.m = 1.3, .k = 0.0, .c = 1.3 * rate, .v0 = 0.7, .duration = kSteps * kDt};
     EXPECT_EQ(run_text(o.scene(verlet(kDt))).status == RunStatus::failed, rate > 30.0) << rate;
-    const double v =
-        run_text(o.scene(verlet(kDt)), {{"run.allow_unstable", "true"}}).body(0)["velocity"][0];
+    const RunResult result =
+        run_text(o.scene(verlet(kDt)), {{"run.allow_unstable", "true"}, {"run.ledger", "true"}});
+    const double v = result.body(0)["velocity"][0];
     const double exact = o.at(o.duration).v;
     // Each half step rounds exponent and product; the exponent's error grows with its size.
     const double rounding = 2.0 * kSteps * (2.0 + 0.5 * rate * kDt) * 1.2e-16;
     EXPECT_NEAR(v, exact, rounding * std::abs(exact)) << rate;
+    const double lost = 0.5 * o.m * (o.v0 * o.v0 - v * v);
+    EXPECT_NEAR(*result.group("energy")["heat_out"], lost, 1e-15) << rate;
   }
 }
 

@@ -12,6 +12,7 @@
 
 #include "framework/core/bound_force.hpp"
 #include "framework/core/force.hpp"
+#include "tests/support/flow_check.hpp"
 #include "tests/support/force_bench.hpp"
 #include "tests/support/number_types.hpp"
 #include "tests/support/order.hpp"
@@ -30,8 +31,6 @@ inline constexpr Window kSecondOrder{1.75, 2.25};   // h^4 terms are a few perce
 inline constexpr double kRounding = 64.0 * std::numeric_limits<double>::epsilon();
 // A shift by whole periods rounds positions; a phase of some turns keeps about 14 digits.
 inline constexpr double kShiftRounding = 1e-12;
-// The flow is compared with a rk4 march of the force: global order 4.
-inline constexpr Window kFourthOrder{3.7, 4.3};
 // A bound that is never half reached is no estimate.
 inline constexpr double kTightness = 0.5;
 
@@ -144,6 +143,7 @@ class ClaimCheck {
     look_at_origin(description, arrangement, seed, time);
     look_at_curvature(bench, random);
     if (!arrangement.mapped()) look_at_friction(bench, random);
+    if (!arrangement.mapped()) look_at_flow(bench, random);
     if (record_.traits.conservative && record_.traits.depends_on_time &&
         !record_.traits.does_work) {
       look_at_changing_energy(bench, random, time);
@@ -500,7 +500,7 @@ class ClaimCheck {
     }
   }
 
-  /// Friction coefficients are what the force does to velocities; the flow is what becomes of them.
+  /// Friction coefficients are what the force does to velocities.
   void look_at_friction(ForceBench<double>& bench, Random& random) {
     FrictionOfParticles friction(bench);
     bench.force().friction(friction);
@@ -521,64 +521,26 @@ class ClaimCheck {
         }
       }
     }
-    if (!bench.force().has_flow()) return;
+  }
 
-    const auto set_velocities = [&](const std::vector<double>& v) {
-      for (std::size_t k = 0; k < n; ++k) bench.v(k) = v[k];
+  /// An operator of its own, held against what it stands for: the force, and its own variables.
+  void look_at_flow(ForceBench<double>& bench, Random& random) {
+    Flow<double> flow;
+    if (!bench.force().flow(flow)) return;
+    bench.disturb(random);
+    if (bench.variables() > 1) bench.hold(below(random, bench.variables()));
+    const auto slopes = [&] {
+      bench.evaluate();
+      const Stage<double> stage = bench.stage();
+      const FlowStage<double> at = bench.flow_stage();
+      std::vector<double> all(bench.dofs());
+      for (std::size_t i = 0; i < all.size(); ++i) all[i] = stage.force[i] * at.inverse_mass[i];
+      for (const double rate : bench.own_rates()) all.push_back(rate);
+      return all;
     };
-    const auto flowed = [&](const std::vector<double>& v, double h) {
-      set_velocities(v);
-      bench.force().flow(bench.stage(), bench.inverse_mass(), bench.velocities(), h);
-      std::vector<double> result(n);
-      for (std::size_t k = 0; k < n; ++k) result[k] = bench.v(k);
-      return result;
-    };
-    const auto differ = [&](const std::vector<double>& a, const std::vector<double>& b) {
-      double most = 0.0;
-      for (std::size_t k = 0; k < n; ++k) most = std::max(most, std::abs(a[k] - b[k]));
-      return most;
-    };
-    constexpr double kTime = 1.0;
-    const std::vector<double> whole = flowed(v0, kTime);
-    if (flowed(v0, 0.0) != v0) fault("flow");
-    if (differ(flowed(flowed(v0, 0.3 * kTime), 0.7 * kTime), whole) > kRounding) fault("flow");
-    if (friction.given) {
-      for (std::size_t k = 0; k < n; ++k) {
-        const double rate = friction.coefficient[k / bench.axes()] / bench.mass(k);
-        if (std::abs(whole[k] - v0[k] * std::exp(-rate * kTime)) > kRounding) fault("flow");
-      }
-    }
-    // The force itself, marched by rk4: the error must fall as its order says.
-    const auto acceleration = [&](const std::vector<double>& v) {
-      set_velocities(v);
-      std::vector<double> a = bench.evaluate();
-      for (std::size_t k = 0; k < n; ++k) a[k] = (a[k] - still[k]) / bench.mass(k);
-      return a;
-    };
-    const auto plus = [&](const std::vector<double>& a, double s, const std::vector<double>& b) {
-      std::vector<double> sum(n);
-      for (std::size_t k = 0; k < n; ++k) sum[k] = a[k] + s * b[k];
-      return sum;
-    };
-    std::vector<double> step, error;
-    for (const int steps : {20, 40, 80}) {
-      const double h = kTime / steps;
-      std::vector<double> v = v0;
-      for (int s = 0; s < steps; ++s) {
-        const auto k1 = acceleration(v);
-        const auto k2 = acceleration(plus(v, 0.5 * h, k1));
-        const auto k3 = acceleration(plus(v, 0.5 * h, k2));
-        const auto k4 = acceleration(plus(v, h, k3));
-        v = plus(v, h / 6.0, plus(plus(k1, 2.0, k2), 1.0, plus(k4, 2.0, k3)));
-      }
-      step.push_back(h);
-      error.push_back(differ(v, whole));
-    }
-    constexpr double kAccumulated = 100.0 * kRounding;
-    if (*std::max_element(error.begin(), error.end()) <= kAccumulated) return;
-    const double order = fitted_order(step, error, kAccumulated);
-    if (!std::isnan(order) && !kFourthOrder.holds(order)) fault("flow");
-    if (std::isnan(order) && error.back() > 100.0 * kAccumulated) fault("flow");
+    FlowCheck check(flow, bench.flow_stage(), bench.dofs(), bench.own_count(), slopes,
+                    [&] { return bench.energy(); });
+    for (const std::string& claim : check.broken(record_.traits.stochastic)) broken_.insert(claim);
   }
 
   /// What the ledger counts as lost is the power that the force takes out, -F.v, less what goes

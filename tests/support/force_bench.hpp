@@ -216,8 +216,21 @@ class ForceBench {
 
   Real energy() { return force_->energy(stage()); }
   Real rate(std::size_t k) const { return rates_[first_rate_ + k]; }
-  const Real* inverse_mass() const { return inverse_mass_.data(); }
-  Real* velocities() { return velocity_.data(); }
+  /// What a flow acts on; rests and a key there are none.
+  FlowStage<Real> flow_stage() {
+    FlowStage<Real> at;
+    at.position = position_.data();
+    at.inverse_mass = inverse_mass_.data();
+    at.velocity = velocity_.data();
+    at.own = own_.data();
+    return at;
+  }
+  std::size_t dofs() const { return velocity_.size(); }
+  /// A variable of a free particle does not move from now on.
+  void hold(std::size_t variable) {
+    v(variable) = Real(0.0);
+    inverse_mass_[static_cast<std::size_t>(&v(variable) - velocity_.data())] = Real(0.0);
+  }
 
   /// The power that the force takes out of the particles, by its own kernel; none without one.
   std::optional<Real> heat() {
