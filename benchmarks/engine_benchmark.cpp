@@ -433,7 +433,16 @@ std::vector<Variant> sampled(const std::string& dt) {
   return {{"sample every step", every}, {"trajectory every step", all}};
 }
 
+/// Of one quantity, for which nothing is looked at after steps.
+std::vector<Variant> asked_for_one() {
+  return {{"mean force only", {{"measure.observables", "[\"driver.mean_force.x\"]"}}}};
+}
+
 [[maybe_unused]] const bool registered = [] {
+  register_variants("pt", kPt, asked_for_one());
+  register_variants("rigid_ring_8", ring("rigid", "1e-2"), asked_for_one());
+  register_variants("flexible_ring_8", ring("particles", "1e-4"), asked_for_one());
+  register_variants("chain_1000", chain("1000", "1.0"), asked_for_one());
   register_variants("pt", kPt, common_variants());
   register_variants("pt", without_friction(kPt), symplectic_variants());
   register_variants("rigid_ring_8", without_friction(ring("rigid", "1e-2")), symplectic_variants());

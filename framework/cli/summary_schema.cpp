@@ -36,42 +36,42 @@ Json value_schema(const ResultQuantity& quantity) {
   return schema;
 }
 
-/// Bodies have a rotation in the plane only.
-bool is_always_there(const ResultFamily& family, const ResultQuantity& quantity) {
-  return family.family != "bodies" ||
-         !(quantity.key == "rotation" || quantity.key == "turns" || quantity.key == "rolling");
-}
-
-Json family_schema(const ResultFamily& family) {
-  Json schema = {{"type", "object"}, {"properties", Json::object()}, {"required", Json::array()}};
-  for (const ResultQuantity& quantity : family.quantities) {
-    schema["properties"][quantity.key] = value_schema(quantity);
-    if (is_always_there(family, quantity)) schema["required"].push_back(quantity.key);
-  }
-  // Machine and file of a run stand beside its performance.
-  if (family.family != "performance") schema["additionalProperties"] = false;
-  if (family.of.empty()) return schema;
-  return {{"type", "object"}, {"additionalProperties", std::move(schema)}};
-}
-
 Json object() { return {{"type", "object"}}; }
 
 Json map_of(Json schema) {
   return {{"type", "object"}, {"additionalProperties", std::move(schema)}};
 }
 
+/// What was not asked for is left out, but for what the run itself was.
+bool is_always_there(const ResultFamily& family) {
+  return family.family == "time" || family.family == "window" || family.family == "performance";
+}
+
+Json family_schema(const ResultFamily& family) {
+  Json schema = {{"type", "object"}, {"properties", Json::object()}, {"required", Json::array()}};
+  for (const ResultQuantity& quantity : family.quantities) {
+    schema["properties"][quantity.key] = value_schema(quantity);
+    if (is_always_there(family)) schema["required"].push_back(quantity.key);
+  }
+  // Machine and file of a run stand beside its performance.
+  if (family.family != "performance") schema["additionalProperties"] = false;
+  if (family.of.empty()) return schema;
+  if (family.family == "forces")
+    schema = map_of({{"type", "object"}, {"properties", {{"on", map_of(std::move(schema))}}}});
+  return {{"type", "object"}, {"additionalProperties", std::move(schema)}};
+}
+
 }  // namespace
 
 std::string summary_schema() {
-  Json schema = {
-      {"$schema", "http://json-schema.org/draft-07/schema#"},
-      {"title", "summary.json of tomlin"},
-      {"type", "object"},
-      {"properties", Json::object()},
-      {"required",
-       {"status", "program", "scene", "integrator", "parameters", "time", "window", "drivers",
-        "bodies", "events", "warnings", "left_out", "references", "performance"}},
-      {"additionalProperties", false}};
+  Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"},
+                 {"title", "summary.json of tomlin"},
+                 {"type", "object"},
+                 {"properties", Json::object()},
+                 {"required",
+                  {"status", "program", "scene", "integrator", "parameters", "time", "window",
+                   "drivers", "bodies", "warnings", "left_out", "references", "performance"}},
+                 {"additionalProperties", false}};
   Json& properties = schema["properties"];
   properties["status"] = {{"enum", {"finished", "interrupted", "failed"}}};
   for (const char* key : {"failure", "program", "scene", "until", "accuracy"}) {

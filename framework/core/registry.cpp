@@ -122,7 +122,16 @@ void Registry::add(IntegratorRecord record) {
 
 void Registry::add(ObserverRecord record) {
   refuse_if_unfit(record);
-  require(record.complaints && record.columns && record.observe, record, "function");
+  // Each list of numbers comes with the function that writes them.
+  const auto comes_with = [](auto* list, auto* writes) {
+    return (list != nullptr) == (writes != nullptr);
+  };
+  const bool sound = record.complaints != nullptr && comes_with(record.columns, record.observe) &&
+                     comes_with(record.integrals, record.integrands) &&
+                     comes_with(record.results, record.conclude);
+  const bool any = record.columns || record.integrals || record.step;
+  require(sound && any && (record.step || !(record.events || record.own_count)), record,
+          "function");
   observers_.push_back(std::make_unique<ObserverRecord>(std::move(record)));
 }
 

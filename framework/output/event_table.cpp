@@ -34,8 +34,8 @@ void EventTable::begin(const RunLayout& layout) {
 
 void EventTable::event(const Event& event) {
   if (!output_) return;
-  fmt::format_to(std::back_inserter(buffer_), "{:.17g},{},{}", event.time, to_string(event.kind),
-                 cell(event.name));
+  fmt::format_to(std::back_inserter(buffer_), "{:.17g},{},{}", event.time,
+                 event.label.empty() ? to_string(event.kind) : event.label, cell(event.name));
   for (const double x : {event.duration, event.size, event.energy_lost, event.peak_force}) {
     buffer_ += ',';
     if (std::isfinite(x)) fmt::format_to(std::back_inserter(buffer_), "{:.17g}", x);

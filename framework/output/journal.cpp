@@ -147,12 +147,14 @@ void JournalWriter::row(std::span<const double> row) {
 }
 
 void JournalWriter::event(const Event& event) {
-  if (event_block_.size() > 0 && event_block_.size() + kEventBytes + event.name.size() > kBlock) {
+  if (event_block_.size() > 0 &&
+      event_block_.size() + kEventBytes + event.name.size() + event.label.size() > kBlock) {
     write_events();
   }
   if (event_block_.size() == 0) event_block_.number(events_);
   event_block_.number(static_cast<std::uint32_t>(event.kind));
   event_block_.text(event.name);
+  if (event.kind == EventKind::observed) event_block_.text(event.label);
   for (const double x :
        {event.time, event.duration, event.size, event.energy_lost, event.peak_force}) {
     event_block_.number(x);
@@ -269,6 +271,7 @@ void JournalReader::play_events(std::span<const std::byte> content, RunSink& sin
     if (kind >= kEventKinds) refuse("an event of a kind that this program does not know");
     event.kind = static_cast<EventKind>(kind);
     event.name = *names_.insert(record.text()).first;
+    if (event.kind == EventKind::observed) event.label = *names_.insert(record.text()).first;
     for (double* x :
          {&event.time, &event.duration, &event.size, &event.energy_lost, &event.peak_force}) {
       *x = record.number<double>();

@@ -1,10 +1,13 @@
 #include "framework/output/summary.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -49,6 +52,17 @@ Json group_entry(const ResultGroup& group) {
     entry[value.quantity().key] = value_entry(value);
   }
   return entry;
+}
+
+/// "force", "on" and "body" of "force.on.body"; none of a group of the whole run.
+std::vector<std::string> parts_of(std::string_view name) {
+  std::vector<std::string> parts;
+  while (!name.empty()) {
+    const std::size_t dot = std::min(name.find('.'), name.size());
+    parts.emplace_back(name.substr(0, dot));
+    name.remove_prefix(std::min(dot + 1, name.size()));
+  }
+  return parts;
 }
 
 Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
@@ -160,8 +174,9 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
   }
   for (const char* family : {"drivers", "bodies"}) summary[family] = Json::object();
   for (const ResultGroup& group : result.groups) {
-    Json& family = summary[group.family];
-    (group.name.empty() ? family : family[group.name]) = group_entry(group);
+    Json* entry = &summary[group.family];
+    for (const std::string& part : parts_of(group.name)) entry = &(*entry)[part];
+    *entry = group_entry(group);
   }
   if (result.steady) {
     summary["until"] = {{"steady", result.steady->path},

@@ -44,12 +44,16 @@ std::vector<Followed> mean_forces(const RunResult& result) {
   return all;
 }
 
-std::vector<Followed> asked_for(const PerturbSettings& settings, const RunResult& result) {
-  if (settings.observables.empty()) return mean_forces(result);
+/// `measured`: the only observables of the run, if it has been asked for some.
+std::vector<Followed> asked_for(const PerturbSettings& settings,
+                                const std::vector<std::string>& measured, const RunResult& result) {
+  const std::vector<std::string>& paths =
+      settings.observables.empty() ? measured : settings.observables;
+  if (paths.empty()) return mean_forces(result);
   const auto found = settings.places.find("observables");
   const Place& place = found == settings.places.end() ? settings.place : found->second;
   std::vector<Followed> all;
-  for (const std::string& path : settings.observables) {
+  for (const std::string& path : paths) {
     observable(result, path, place);
     if (path.starts_with("performance.")) {
       throw InputError(
@@ -103,7 +107,7 @@ void determine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
                RunResult& result) {
   if (result.status != RunStatus::finished) return;
   const PerturbSettings& settings = *scene->run.perturb;
-  std::vector<Followed> all = asked_for(settings, result);
+  std::vector<Followed> all = asked_for(settings, scene->measure.observables, result);
   std::vector<double> sizes;
   for (Followed& followed : all) {
     sizes.push_back(size_of(result, followed));

@@ -8,6 +8,7 @@
 #include "framework/core/quad.hpp"
 #include "framework/run/context.hpp"
 #include "framework/run/housekeeping.hpp"
+#include "framework/run/observables.hpp"
 #include "framework/run/observation.hpp"
 #include "framework/run/start_checks.hpp"
 #include "framework/run/stepping.hpp"
@@ -31,6 +32,7 @@ struct Engine::Parts {
   void declare_state();
   void attach();
   void begin();
+  void check_observables();
   void resume(const std::vector<std::byte>& numbers);
   void take_up(RunState& other);
   void go_on();
@@ -72,9 +74,10 @@ Engine::Parts::Parts(const std::shared_ptr<const Scene>& scene, const RunOptions
   attach();
   rates.assign(view.rates + 2 * kGroup, 0.0);
   stepping = stepping_of({run, observation, triggers, housekeeping, [this] {
-                            if (until && until->end_period([this] { return measured(); })) {
-                              observation.next_window();
-                            }
+                            const bool more =
+                                until && until->end_period([this] { return measured(); });
+                            if (more) observation.next_window();
+                            return more;
                           }});
   observation.start();
   // Whoever keeps what the run leaves hears of a failure, too.
@@ -107,6 +110,7 @@ void Engine::Parts::begin() {
   }
   triggers.start();
   if (until) until->start([this] { return result(); });
+  check_observables();
   observation.samples().begin_sink();
   if (run.outcome.failure) return;
   observation.placed();
@@ -116,6 +120,26 @@ void Engine::Parts::begin() {
   } else {
     observation.look_at_start();
     housekeeping.keep_checkpoint();
+  }
+}
+
+/// What the scene asks for is there; whoever asks for something else has looked.
+void Engine::Parts::check_observables() {
+  const MeasureSettings& measure = run.scene->measure;
+  if (measure.observables.empty() || !run.options.observables.empty()) return;
+  const auto found = measure.places.find("observables");
+  const Place& place = found == measure.places.end() ? measure.place : found->second;
+  const auto check = [&](const RunResult& result) {
+    for (const std::string& path : measure.observables) observable(result, path, place);
+  };
+  try {
+    check(result());
+  } catch (const InputError&) {
+    // The nearest name is one of all.
+    auto without = std::make_shared<Scene>(*run.scene);
+    without->measure.observables.clear();
+    check(Parts(without, options_to_bind()).result());
+    throw;
   }
 }
 

@@ -33,7 +33,7 @@ void FixedGrid::advance(std::uint64_t most) {
     take_one({run_.since_anchor() + static_cast<double>(into), rest, end, true});
     return;
   }
-  if (parts_.triggers.waiting()) {
+  if (parts_.triggers.waiting() || parts_.observation.looks_within_steps()) {
     plain_left_ = 0;
   } else if (plain_left_ == 0) {
     plain_left_ = std::max<std::int64_t>(0, plain_steps());

@@ -13,7 +13,7 @@ namespace tomlin {
 namespace {
 
 constexpr const char* kAxes[] = {"x", "y", "z"};
-constexpr std::string_view kFamilies[] = {"drivers.", "bodies.", "observers."};
+constexpr std::string_view kFamilies[] = {"drivers.", "bodies.", "forces.", "observers."};
 
 /// "driver.work" of "drivers.driver.work".
 std::string_view without_family(std::string_view path) {

@@ -5,6 +5,7 @@
 
 #include "framework/run/energy_terms.hpp"
 #include "framework/run/observers/kinds.hpp"
+#include "framework/run/observers/observed_integrals.hpp"
 #include "framework/run/observers/scene_observers.hpp"
 
 namespace tomlin {
@@ -14,7 +15,7 @@ namespace {
 constexpr std::uint64_t kSamplesBetweenLooks = 100'000;
 
 /// Families of results, in the order of a summary.
-constexpr std::string_view kFamilies[] = {"drivers", "bodies",      "observers",
+constexpr std::string_view kFamilies[] = {"drivers", "bodies",      "forces", "observers",
                                           "events",  "equilibrium", "energy"};
 
 }  // namespace
@@ -23,11 +24,40 @@ constexpr std::string_view kFamilies[] = {"drivers", "bodies",      "observers",
 std::span<const ObserverKind> observer_kinds() {
   using namespace observers;
   static const ObserverKind kinds[] = {
-      force_means(), end_of_run(),    body_motion(), extremes(),     equilibrium(),   pull_events(),
-      body_events(), window_doubts(), work(),        event_counts(), energy_ledger(), long_bonds(),
+      force_means(),   end_of_run(),  body_motion(),      extremes(), equilibrium(),
+      pull_events(),   body_events(), window_doubts(),    work(),     event_counts(),
+      energy_ledger(), long_bonds(),  forces_on_bodies(),
   };
   return kinds;
 }
+
+namespace {
+
+/// What the run is asked for, by whoever runs it or by the scene, and what it needs itself.
+Selection selection_of(const RunContext& run) {
+  const Scene& scene = *run.scene;
+  std::vector<std::string> paths =
+      run.options.observables.empty() ? scene.measure.observables : run.options.observables;
+  if (paths.empty()) return {};
+  if (scene.run.until) paths.push_back(scene.run.until->steady);
+  if (scene.run.perturb) {
+    const std::vector<std::string>& more = scene.run.perturb->observables;
+    paths.insert(paths.end(), more.begin(), more.end());
+  }
+  return Selection(std::move(paths));
+}
+
+bool is_wanted(const ObserverKind& kind, const Selection& selection) {
+  if (!kind.watches) return true;
+  const auto wants = [&](std::string_view key) { return selection.wants(key); };
+  return std::any_of(kind.events.begin(), kind.events.end(), wants) ||
+         std::any_of(kind.rows.begin(), kind.rows.end(), [&](const ObserverRows& rows) {
+           return std::any_of(rows.quantities.begin(), rows.quantities.end(),
+                              [&](const ResultQuantity* row) { return wants(row->key); });
+         });
+}
+
+}  // namespace
 
 ResultGroup& ResultTable::group(std::string_view family, std::string_view name) {
   for (ResultGroup& group : groups_) {
@@ -36,7 +66,17 @@ ResultGroup& ResultTable::group(std::string_view family, std::string_view name) 
   return groups_.emplace_back(ResultGroup{std::string(family), std::string(name), {}});
 }
 
-std::vector<ResultGroup> ResultTable::take() {
+std::vector<ResultGroup> ResultTable::take(const Selection& selection) {
+  if (!selection.is_all()) {
+    for (ResultGroup& group : groups_) {
+      // The scene's own observers were asked for by name.
+      if (group.family == "observers") continue;
+      std::erase_if(group.values, [&](const ResultValue& value) {
+        return !selection.wants(group.family, group.name, value.quantity().key);
+      });
+    }
+    std::erase_if(groups_, [](const ResultGroup& group) { return group.values.empty(); });
+  }
   const auto place = [](const ResultGroup& group) {
     return std::find(std::begin(kFamilies), std::end(kFamilies), group.family) -
            std::begin(kFamilies);
@@ -48,25 +88,32 @@ std::vector<ResultGroup> ResultTable::take() {
 
 Observation::Observation(RunContext& run)
     : run_(run),
+      selection_(selection_of(run)),
       signals_(run.model),
       window_(run.model),
       rotations_(run.model),
       events_(run.options.sink, window_),
-      samples_({run, signals_, window_, rotations_, events_}),
+      samples_({run, signals_, window_, rotations_, events_, selection_}),
       span_(run.model, signals_, *run.integrator) {
-  const ObserverParts parts{run_, signals_, window_, rotations_, events_};
+  const ObserverParts parts{run_, signals_, window_, rotations_, events_, selection_};
   for (const ObserverKind& kind : observer_kinds()) {
+    if (!is_wanted(kind, selection_)) continue;
     if (auto observer = kind.make(parts)) observers_.push_back(std::move(observer));
   }
   if (!run.scene->observers.empty()) {
     auto of_scene = std::make_unique<observers::SceneObservers>(parts);
-    samples_.show(*of_scene);
+    if (of_scene->any()) samples_.show(*of_scene);
     observers_.push_back(std::move(of_scene));
+    if (auto gathers = observers::observed_integrals(parts)) {
+      observers_.push_back(std::move(gathers));
+    }
   }
   for (const auto& observer : observers_) {
     const ObserverNeeds needs = observer->needs();
     if (needs.signals) (needs.each_step ? at_steps_ : at_blocks_).push_back(observer.get());
     if (needs.readings) readers_.push_back(observer.get());
+    if (needs.nodes) at_nodes_.push_back(observer.get());
+    if (needs.ends) at_ends_.push_back(observer.get());
   }
   block_.width = signals_.count();
   block_times_.assign(kBlock, 0.0);
@@ -111,9 +158,12 @@ void Observation::look_at_start() {
   if (samples_.are_wanted()) take_point(0.0, view.position, view.velocity, view.integrals);
   if (window_.next_edge() == 0.0) reach_edge(0.0, view.position, view.velocity, view.integrals);
   at_equilibrium();
+  look_at_end_of_step();
 }
 
 void Observation::begin_step(double time) {
+  dense_is_complete_ = false;
+  if (!watches()) return;
   const SystemView<double>& view = run_.model.system().view;
   const double* velocity = run_.plan.dt == 0.0 ? view.velocity : nullptr;
   for (RunObserver* observer : readers_) observer->read(0, view.position, velocity);
@@ -122,6 +172,7 @@ void Observation::begin_step(double time) {
 }
 
 void Observation::end_step() {
+  if (!watches()) return;
   signals_.write_forces(run_.integrator->first_rates(), row());
   const SignalBlock step = block_.step(block_.count++);
   for (RunObserver* observer : at_steps_) observer->steps(step);
@@ -134,6 +185,7 @@ void Observation::end_block() {
 
 void Observation::point_block(std::int64_t first_step, std::size_t count, const double* rates,
                               const double* velocities) {
+  if (!watches()) return;
   const std::size_t width = run_.model.system().view.rates;
   for (block_.count = 0; block_.count < count; ++block_.count) {
     const std::size_t k = block_.count;
@@ -148,6 +200,7 @@ void Observation::point_block(std::int64_t first_step, std::size_t count, const 
 /// Long steps hide extremes: those of the cubic through the dense output at thirds of the step are
 /// as good as the dense output.
 void Observation::look_between(double from, double to) {
+  if (!watches()) return;
   const SystemView<double>& view = run_.model.system().view;
   span_.from = from;
   span_.to = to;
@@ -171,6 +224,7 @@ void Observation::look_between(double from, double to) {
 /// Steps are long, and forces fall steeply where an equilibrium is about to end: looks are at
 /// equal distances along the path, and cubics go through four of them.
 void Observation::look_along_path(double from, double to) {
+  if (!watches()) return;
   span_.is_dense = false;
   for (std::size_t first = 0; first + 3 < EquilibriumPath::kMoments; first += 3) {
     for (std::size_t k = 0; k < 4; ++k) {
@@ -224,7 +278,7 @@ void Observation::look_now_and_then() {
 bool Observation::serve(double due, const DoubleDouble& from, const DoubleDouble& to,
                         double next_since) {
   // The end of the step itself needs no interpolation, and so no evaluation.
-  if (due < static_cast<double>(to)) run_.integrator->finish_dense_from(next_since);
+  if (due < static_cast<double>(to)) complete_dense(next_since);
   const double length = static_cast<double>(to - from);
   std::uint64_t served = 0;
   for (double time = due; time <= static_cast<double>(to); time = next_due()) {
@@ -255,25 +309,73 @@ bool Observation::serve(double due, const DoubleDouble& from, const DoubleDouble
   return true;
 }
 
+/// Once a step.
+void Observation::complete_dense(double next_since) {
+  if (!std::exchange(dense_is_complete_, true)) run_.integrator->finish_dense_from(next_since);
+}
+
+/// By Gauss and Legendre with four nodes (order 8), which is more than dense output has.
+void Observation::integrate(const DoubleDouble& from, const DoubleDouble& to, double next_since) {
+  static constexpr double kNodes[] = {0.0694318442029737124, 0.330009478207571868,
+                                      0.669990521792428132, 0.930568155797026288};
+  static constexpr double kWeights[] = {0.173927422568726929, 0.326072577431273071,
+                                        0.326072577431273071, 0.173927422568726929};
+  if (at_nodes_.empty()) return;
+  const double length = static_cast<double>(to - from);
+  const auto part_at = [&](double time) {
+    return std::clamp(static_cast<double>(DoubleDouble(time) - from) / length, 0.0, 1.0);
+  };
+  const double begin = part_at(window_.from().time);
+  const double part = part_at(window_.to().time) - begin;
+  if (!(part > 0.0)) return;
+  complete_dense(next_since);
+  for (int k = 0; k < 4; ++k) {
+    const double theta = begin + part * kNodes[k];
+    run_.integrator->interpolate(theta, within_.position.data(), within_.velocity.data(),
+                                 within_.integrals.data());
+    const DoubleDouble time = from + theta * length;
+    const RunMoment moment =
+        moment_at(time, within_.position.data(), within_.velocity.data(), within_.integrals.data());
+    for (RunObserver* observer : at_nodes_) observer->node(moment, part * kWeights[k] * length);
+  }
+}
+
+void Observation::look_at_end_of_step() {
+  if (at_ends_.empty()) return;
+  const SystemView<double>& view = run_.model.system().view;
+  const RunMoment moment =
+      moment_at(run_.clock.now(), view.position, view.velocity, view.integrals);
+  for (RunObserver* observer : at_ends_) observer->stepped(moment);
+}
+
+RunMoment Observation::moment_at(const DoubleDouble& time, const double* position,
+                                 const double* velocity, const double* integrals) {
+  run_.model.evaluate_at(time, position, velocity, integrals, within_.rates.data());
+  return {.time = static_cast<double>(time),
+          .elapsed = static_cast<double>(time - run_.model.anchor_time()),
+          .position = position,
+          .velocity = velocity,
+          .integrals = integrals,
+          .rates = within_.rates.data(),
+          .signals = nullptr};
+}
+
 void Observation::take_point(double time, const double* position, const double* velocity,
                              const double* integrals) {
-  run_.model.evaluate_at(DoubleDouble(time), position, velocity, integrals, within_.rates.data());
-  samples_.take(time, position, velocity, within_.rates.data());
+  samples_.take(moment_at(DoubleDouble(time), position, velocity, integrals));
 }
 
 void Observation::reach_edge(double time, const double* position, const double* velocity,
                              const double* integrals) {
-  Model& model = run_.model;
-  model.evaluate_at(DoubleDouble(time), position, velocity, integrals, within_.rates.data());
+  RunMoment moment = moment_at(DoubleDouble(time), position, velocity, integrals);
   double stored = 0.0;
   if (run_.scene->run.ledger) {
-    stored = stored_energy(model, DoubleDouble(time), position, velocity, integrals);
+    stored = stored_energy(run_.model, DoubleDouble(time), position, velocity, integrals);
   }
   window_.reach(position, integrals, rotations_, stored);
   signals_.write_forces(within_.rates.data(), within_.signals.data());
   signals_.write_speeds(velocity, time, within_.signals.data());
-  const RunMoment moment{
-      time, position, velocity, integrals, within_.rates.data(), within_.signals.data()};
+  moment.signals = within_.signals.data();
   for (const auto& observer : observers_) observer->edge(moment);
 }
 
@@ -288,21 +390,33 @@ void Observation::close_window() {
   }
 }
 
-void Observation::stopped(const double* rates) {
-  const RunEnd end{rates, nullptr};
+RunMoment Observation::end_of_run(double* rates) {
+  const SystemView<double>& view = run_.model.system().view;
+  signals_.write_forces(rates, within_.signals.data());
+  return {.time = run_.clock.time(),
+          .elapsed = static_cast<double>(run_.clock.now() - run_.model.anchor_time()),
+          .position = view.position,
+          .velocity = view.velocity,
+          .integrals = view.integrals,
+          .rates = rates,
+          .signals = within_.signals.data()};
+}
+
+void Observation::stopped(double* rates) {
+  const RunMoment end = end_of_run(rates);
   for (const auto& observer : observers_) observer->stopped(end);
 }
 
-void Observation::finish(const double* rates) {
-  signals_.write_forces(rates, within_.signals.data());
-  const RunEnd end{rates, within_.signals.data()};
+void Observation::finish(double* rates) {
+  const RunMoment end = end_of_run(rates);
+  for (const auto& observer : observers_) observer->look_at_end(end);
   for (const auto& observer : observers_) observer->finish(end);
 }
 
 std::vector<ResultGroup> Observation::results(const double* rates) const {
   ResultTable table;
   for (const auto& observer : observers_) observer->results(table, rates);
-  return table.take();
+  return table.take(selection_);
 }
 
 }  // namespace tomlin

@@ -51,14 +51,20 @@ class Observation {
   /// Serves what is due within a step that has been taken; `next_since`: its end, after the anchor.
   /// False when a signal has come through between the samples of a very long step.
   bool serve(double due, const DoubleDouble& from, const DoubleDouble& to, double next_since);
+  /// Every step is looked into.
+  bool looks_within_steps() const { return !at_nodes_.empty() || !at_ends_.empty(); }
+  /// Integrates over the part of a step that lies in the window.
+  void integrate(const DoubleDouble& from, const DoubleDouble& to, double next_since);
+  /// At the start, and at the end of each step of the run.
+  void look_at_end_of_step();
   /// The window has ended since this was asked last.
   bool window_has_ended() { return std::exchange(window_has_ended_, false); }
   void next_window();
 
   /// The end of a run, which may close the window, and with the rates there.
   void close_window();
-  void stopped(const double* rates);
-  void finish(const double* rates);
+  void stopped(double* rates);
+  void finish(double* rates);
   std::vector<ResultGroup> results(const double* rates) const;
 
   MeasureWindow& window() { return window_; }
@@ -77,13 +83,20 @@ class Observation {
     AlignedVector<double> rates;
     std::vector<double> signals;
   };
+  /// Evaluates the model at a state.
+  RunMoment moment_at(const DoubleDouble& time, const double* position, const double* velocity,
+                      const double* integrals);
+  void complete_dense(double next_since);
+  RunMoment end_of_run(double* rates);
   void take_point(double time, const double* position, const double* velocity,
                   const double* integrals);
   void reach_edge(double time, const double* position, const double* velocity,
                   const double* integrals);
+  bool watches() const { return !at_steps_.empty() || !at_blocks_.empty(); }
   double* row() { return block_signals_.data() + block_.count * block_.width; }
 
   RunContext& run_;
+  Selection selection_;
   Signals signals_;
   MeasureWindow window_;
   Rotations rotations_;
@@ -93,11 +106,14 @@ class Observation {
   std::vector<RunObserver*> at_steps_;   ///< of them, that look at signals after every step
   std::vector<RunObserver*> at_blocks_;  ///< and after blocks
   std::vector<RunObserver*> readers_;
+  std::vector<RunObserver*> at_nodes_;
+  std::vector<RunObserver*> at_ends_;
   SignalBlock block_;
   std::vector<double> block_times_;
   std::vector<double> block_signals_;
   SignalSpan span_;
   Within within_;
+  bool dense_is_complete_ = false;  ///< of the last step
   bool window_has_ended_ = false;
 };
 

@@ -13,6 +13,7 @@
 #include "framework/run/event_log.hpp"
 #include "framework/run/result_group.hpp"
 #include "framework/run/rotations.hpp"
+#include "framework/run/selection.hpp"
 #include "framework/run/signals.hpp"
 #include "framework/run/window.hpp"
 
@@ -26,6 +27,7 @@ struct ObserverParts {
   const MeasureWindow& window;
   const Rotations& rotations;
   EventLog& events;
+  const Selection& selection;
 
   std::size_t axes() const { return static_cast<std::size_t>(run.model.dimension()); }
 };
@@ -37,12 +39,6 @@ struct PathSlip {
   const double* after = nullptr;
 };
 
-/// The end of a run, evaluated.
-struct RunEnd {
-  const double* rates = nullptr;
-  const double* signals = nullptr;  ///< forces alone
-};
-
 /// The groups of results while observers fill them.
 class ResultTable {
  public:
@@ -51,7 +47,7 @@ class ResultTable {
   ResultGroup& driver(const Model::Driver& driver) { return group("drivers", driver.name); }
   ResultGroup& body(const Model::Body& body) { return group("bodies", body.bound.name); }
   /// Ordered by family: drivers, bodies, observers of the scene, then those of the whole run.
-  std::vector<ResultGroup> take();
+  std::vector<ResultGroup> take(const Selection& selection);
 
  private:
   std::vector<ResultGroup> groups_;
@@ -60,11 +56,12 @@ class ResultTable {
 /// A moment of a run at which its model has just been evaluated.
 struct RunMoment {
   double time = 0.0;
+  double elapsed = 0.0;  ///< since the time that forces are anchored at
   const double* position = nullptr;
   const double* velocity = nullptr;
   const double* integrals = nullptr;
   double* rates = nullptr;
-  const double* signals = nullptr;
+  const double* signals = nullptr;  ///< null at nodes
 };
 
 /// What an observer looks at between the edges of the window.
@@ -72,6 +69,8 @@ struct ObserverNeeds {
   bool signals = false;    ///< steps() and span()
   bool each_step = false;  ///< steps() after every step, not after a block of them
   bool readings = false;   ///< read()
+  bool nodes = false;      ///< node(): states within every step
+  bool ends = false;       ///< stepped(): the states after every step
 };
 
 /// Hooks are called in the order below; none need be overridden. What has to survive a checkpoint
@@ -97,6 +96,11 @@ class RunObserver {
   virtual void steps(const SignalBlock& block) { (void)block; }
   /// Signals along a long step.
   virtual void span(const SignalSpan& span) { (void)span; }
+  /// A node of the quadrature over the part of a step that lies in the window; weights are times
+  /// and add up to the window's length.
+  virtual void node(const RunMoment& moment, double weight) { (void)moment, (void)weight; }
+  /// The start of the run, and the end of each step.
+  virtual void stepped(const RunMoment& moment) { (void)moment; }
   /// An edge of the window.
   virtual void edge(const RunMoment& moment) { (void)moment; }
   virtual void next_window() {}
@@ -111,9 +115,11 @@ class RunObserver {
   virtual void look_now_and_then() {}
 
   /// Where the run stops, also when it has failed or was interrupted.
-  virtual void stopped(const RunEnd& end) { (void)end; }
-  /// The run has come to its end.
-  virtual void finish(const RunEnd& end) { (void)end; }
+  virtual void stopped(const RunMoment& end) { (void)end; }
+  /// The run has come to its end: one more moment, and then what is going on there counts as far as
+  /// it got.
+  virtual void look_at_end(const RunMoment& end) { (void)end; }
+  virtual void finish(const RunMoment& end) { (void)end; }
   /// Now, with these rates.
   virtual void results(ResultTable& table, const double* rates) const { (void)table, (void)rates; }
 
@@ -130,6 +136,10 @@ struct ObserverRows {
 /// A kind of observer.
 struct ObserverKind {
   std::vector<ObserverRows> rows;
+  /// It looks at steps, for these rows and others, of `events`: where none of them is wanted it is
+  /// left out.
+  bool watches = false;
+  std::vector<std::string_view> events = {};
   /// Null where the scene has nothing for it.
   std::unique_ptr<RunObserver> (*make)(const ObserverParts& parts) = nullptr;
 };
@@ -137,7 +147,8 @@ struct ObserverKind {
 /// Of a kind that every scene has something for.
 template <class Observer>
 ObserverKind kind_of(std::vector<ObserverRows> rows) {
-  return {std::move(rows), [](const ObserverParts& parts) -> std::unique_ptr<RunObserver> {
+  return {.rows = std::move(rows),
+          .make = [](const ObserverParts& parts) -> std::unique_ptr<RunObserver> {
             return std::make_unique<Observer>(parts);
           }};
 }

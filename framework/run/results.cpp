@@ -54,6 +54,8 @@ std::vector<ResultFamily> list_families() {
       of_run("window", kWindowRows),
       family_of_observers("drivers", "each driver", ""),
       family_of_observers("bodies", "each body", ""),
+      family_of_observers("forces", "each force on each body",
+                          "where [measure] observables asks for it"),
       family_of_observers("events", "", ""),
       family_of_observers("equilibrium", "", "with dynamics = \"quasistatic\""),
       family_of_observers("energy", "", "with ledger = true"),

@@ -42,6 +42,8 @@ const char* to_string(EventKind kind) {
       return "driver_reversal";
     case EventKind::tie:
       return "tie";
+    case EventKind::observed:
+      return "observed";
   }
   return "";
 }

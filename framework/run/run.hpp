@@ -153,21 +153,23 @@ enum class EventKind {
   reversal,         ///< a body moves against its driver
   driver_reversal,  ///< a driver turns round
   tie,              ///< nothing but rounding decides where a quasistatic scene goes
+  observed,         ///< what an observer of the scene tells of
 };
-inline constexpr std::size_t kEventKinds = 6;
+inline constexpr std::size_t kEventKinds = 7;
 
-/// "slip", "hop", "turn", "reversal", "driver_reversal", "tie".
+/// "slip", "hop", "turn", "reversal", "driver_reversal", "tie", "observed".
 const char* to_string(EventKind kind);
 
 /// Something that happened. What a kind has no number for is not a number.
 struct Event {
   EventKind kind = EventKind::slip;
-  std::string_view name;  ///< of the driver or the body; good as long as the run lasts
+  std::string_view name;  ///< of the driver, body or observer; good as long as the run lasts
   double time = 0.0;      ///< when it began
   double duration = 0.0;
   double size = 0.0;         ///< length of a slip, height of a hop, turns, way back of a reversal
   double energy_lost = 0.0;  ///< of a slip: heat of the whole scene meanwhile
   double peak_force = 0.0;   ///< of a slip: of the driver, along its way, when it began
+  std::string_view label = {};  ///< of an observed one: its observer's name for the kind
 };
 
 /// Receives what a run leaves while it goes on: samples and events, each in the order of time, and
@@ -222,6 +224,8 @@ struct RunOptions {
   /// End as interrupted, a few steps later, when evaluations and columns come to more than this.
   std::uint64_t most_cost = std::numeric_limits<std::uint64_t>::max();
   InstructionSet instruction_set = chosen_instruction_set();
+  /// Paths of the only observables that are wanted; empty: those of the scene's [measure].
+  std::vector<std::string> observables = {};
   std::optional<Perturbation> perturbation;  ///< noise on the start; see also `[run] perturb`
   /// The bytes of a checkpoint of the same scene: go on from there. Throws std::invalid_argument
   /// when they are not.

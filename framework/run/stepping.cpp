@@ -28,7 +28,8 @@ bool Stepping::take(const Step& step) {
   const bool waits = step.may_split && parts_.triggers.waiting();
   const double due = observation.next_due();
   // What falls on the end of a fixed step needs no interpolation.
-  const bool dense = adaptive || waits || due < static_cast<double>(step.end);
+  const bool dense =
+      adaptive || waits || due < static_cast<double>(step.end) || observation.looks_within_steps();
   if (waits) parts_.triggers.keep_state();
   observation.begin_step(static_cast<double>(begin));
   const StepReport report = step_scheme(step.since, step.h, dense);
@@ -50,12 +51,16 @@ bool Stepping::take(const Step& step) {
   run_.clock.keep_cost(run_.model.system());
   run_.clock.add(1, step.to_grid ? 1 : 0);
   const double next_since = anchor_next();
+  observation.integrate(begin, arrived, next_since);
   bool whole = true;
   if (due <= static_cast<double>(arrived)) {
     whole = observation.serve(due, begin, arrived, next_since);
   }
   if (!end_step()) return false;
-  if (observation.window_has_ended()) parts_.window_ended();
+  observation.look_at_end_of_step();
+  if (observation.window_has_ended() && parts_.window_ended()) {
+    observation.integrate(begin, arrived, next_since);
+  }
   if (whole) {
     parts_.housekeeping.after_step();
   } else {

@@ -19,7 +19,8 @@ struct StepParts {
   Observation& observation;
   Triggers& triggers;
   Housekeeping& housekeeping;
-  std::function<void()> window_ended;
+  /// True: another window begins where the last one has ended.
+  std::function<bool()> window_ended;
 };
 
 class Stepping {

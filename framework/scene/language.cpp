@@ -226,6 +226,9 @@ TableLayout measure_layout() {
       optional_number("period", &MeasureSettings::period, dimension::length,
                       "the period that is counted, where there are several")
           .in(positive),
+      plain_list("observables", &MeasureSettings::observables, &WordList::words, dimension::none,
+                 "the only quantities that are looked at and reported; all of them without it")
+          .or_absent(),
   };
   return layout;
 }

@@ -99,9 +99,10 @@ struct MeasureSettings {
   /// whole_run: there is no [measure].
   enum class Unit { whole_run, time, driver_periods } unit = Unit::whole_run;
   double from = 0.0;
-  std::optional<double> to;      ///< the end of the run when absent
-  std::string driver;            ///< whose periods are counted; empty: the only one
-  std::optional<double> period;  ///< a length, when given
+  std::optional<double> to;              ///< the end of the run when absent
+  std::string driver;                    ///< whose periods are counted; empty: the only one
+  std::optional<double> period;          ///< a length, when given
+  std::vector<std::string> observables;  ///< empty: all that there are
   Place place;
   std::map<std::string, Place> places;
 };

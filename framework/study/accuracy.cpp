@@ -180,6 +180,7 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
     TrialLimits limits;
     limits.stop = options.stop;
     limits.store = options.store;
+    limits.observables = options.observables;
     limits.name = finished.empty() ? "companion" : "second_companion";
     // A run may end a little above its limit.
     const auto most = static_cast<std::uint64_t>(kMostForCompanions * cost);
@@ -230,6 +231,7 @@ RunResult run_with_errors(const std::shared_ptr<const Scene>& scene, const RunOp
   if (result.status != RunStatus::finished) return result;
   TrialLimits limits;
   limits.stop = options.stop;
+  limits.observables = options.observables;
   const double mean_step = mean_step_of(result);
   std::vector<Beside> finished;
   for (const Companion& companion : companions_of(scene)) {

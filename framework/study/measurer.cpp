@@ -50,8 +50,10 @@ double Measurer::used() const {
 Measurement Measurer::with(const std::vector<Setting>& settings, double most_seconds,
                            const std::optional<Perturbation>& perturbation) const {
   try {
-    const TrialLimits limits{
-        .seconds = std::min(most_seconds, left()), .stop = stop_, .perturbation = perturbation};
+    const TrialLimits limits{.seconds = std::min(most_seconds, left()),
+                             .stop = stop_,
+                             .perturbation = perturbation,
+                             .observables = {observable_}};
     return measurement_of(try_run(variants_.with(settings), limits), observable_);
   } catch (const InputError& error) {
     Measurement refused;

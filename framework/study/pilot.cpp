@@ -51,6 +51,11 @@ constexpr double kFloor = 1e-3;
 /// A body that moves by less of the scene's length does not move.
 constexpr double kUnmoved = 1e-9;
 
+/// What headlines are made of.
+constexpr const char* kHeadlines[] = {"drivers.mean_force", "drivers.max_force",
+                                      "drivers.min_force", "bodies.mean_velocity",
+                                      "bodies.max_speed"};
+
 /// A vector of the pilot's results, and a size that its error is never held below.
 struct Headline {
   std::vector<double> components;
@@ -305,6 +310,7 @@ class Pilot {
     TrialLimits limits;
     limits.stop = stop_;
     limits.cost = static_cast<std::uint64_t>(std::min(most_cost, most_cost_));
+    limits.observables = {std::begin(kHeadlines), std::end(kHeadlines)};
     TrialRun trial = try_run(shortened(*scene, piece_), limits);
     cost_ += trial.cost();
     return trial;

@@ -109,16 +109,16 @@ class BodyEvents : public RunObserver {
     }
   }
 
-  /// The end is one more moment. What is going on then counts as far as it got.
-  void finish(const RunEnd&) override {
-    const double* position = model_.system().view.position;
-    const double time = parts_.run.clock.time();
-    read(0, position, nullptr);
-    look(time, readings_[0]);
+  void look_at_end(const RunMoment& end) override {
+    read(0, end.position, nullptr);
+    look(end.time, readings_[0]);
+  }
+
+  void finish(const RunMoment& end) override {
     for (BodyWatch& watch : watches_) {
       name_ = model_.bodies()[watch.body()].bound.name;
-      watch.add_turns(time, parts_.rotations.turns_of(watch.body(), position), emit_);
-      watch.finish(time, emit_);
+      watch.add_turns(end.time, parts_.rotations.turns_of(watch.body(), end.position), emit_);
+      watch.finish(end.time, emit_);
     }
   }
 
@@ -154,6 +154,8 @@ std::unique_ptr<RunObserver> make(const ObserverParts& parts) {
 
 }  // namespace
 
-ObserverKind body_events() { return {{}, make}; }
+ObserverKind body_events() {
+  return {.rows = {}, .watches = true, .events = {"hops", "turns"}, .make = make};
+}
 
 }  // namespace tomlin::observers

@@ -30,7 +30,7 @@ class EnergyLedger : public RunObserver {
  public:
   explicit EnergyLedger(const ObserverParts& parts) : parts_(parts) {}
 
-  void stopped(const RunEnd&) override {
+  void stopped(const RunMoment&) override {
     RunContext& run = parts_.run;
     const SystemView<double>& view = run.model.system().view;
     kinetic_ = kinetic_energy(run.model, view.velocity, run.clock.time());
@@ -38,7 +38,7 @@ class EnergyLedger : public RunObserver {
         run.model.potential_energy(run.clock.now(), view.position, view.velocity, view.integrals);
   }
 
-  void finish(const RunEnd&) override {
+  void finish(const RunMoment&) override {
     RunContext& run = parts_.run;
     if (!run.options.watches_energy || run.path != nullptr || !parts_.window.is_over()) return;
     const EnergyTerms terms = ledger_of(run.model, parts_.window);
@@ -86,8 +86,9 @@ std::unique_ptr<RunObserver> make(const ObserverParts& parts) {
 
 ObserverKind energy_ledger() {
   return {
-      {{"energy", {&kKinetic, &kPotential, &kWorkIn, &kHeatOut, &kStoredChange, &kNumericalWork}}},
-      make};
+      .rows = {{"energy",
+                {&kKinetic, &kPotential, &kWorkIn, &kHeatOut, &kStoredChange, &kNumericalWork}}},
+      .make = make};
 }
 
 }  // namespace tomlin::observers

@@ -35,8 +35,8 @@ class Equilibrium : public RunObserver {
   void declare(StateLayout& layout) const override { layout.add_reals("events.tie", 2); }
   void attach(RunState& state) override { first_tie_ = state.reals("events.tie"); }
   void at_equilibrium() override;
-  void stopped(const RunEnd& end) override;
-  void finish(const RunEnd& end) override;
+  void stopped(const RunMoment& end) override;
+  void finish(const RunMoment& end) override;
   void results(ResultTable& table, const double* rates) const override;
 
  private:
@@ -71,7 +71,7 @@ void Equilibrium::at_equilibrium() {
 }
 
 /// What the run ends in. Looking at it is no part of the run's cost.
-void Equilibrium::stopped(const RunEnd&) {
+void Equilibrium::stopped(const RunMoment&) {
   RunContext& run = parts_.run;
   if (run.outcome.failure) return;
   System<double>& system = run.model.system();
@@ -96,7 +96,7 @@ void Equilibrium::stopped(const RunEnd&) {
   }
 }
 
-void Equilibrium::finish(const RunEnd&) {
+void Equilibrium::finish(const RunMoment&) {
   const std::int64_t ties = parts_.events.count(EventKind::tie);
   if (ties == 0) return;
   RunContext& run = parts_.run;
@@ -120,8 +120,9 @@ void Equilibrium::results(ResultTable& table, const double*) const {
 }  // namespace
 
 ObserverKind equilibrium() {
-  return {{{"equilibrium", {&kEnergy, &kNeutralDirections, &kSmallestCurvature, &kLogDeterminant}}},
-          [](const ObserverParts& parts) -> std::unique_ptr<RunObserver> {
+  return {.rows = {{"equilibrium",
+                    {&kEnergy, &kNeutralDirections, &kSmallestCurvature, &kLogDeterminant}}},
+          .make = [](const ObserverParts& parts) -> std::unique_ptr<RunObserver> {
             if (parts.run.path == nullptr) return nullptr;
             return std::make_unique<Equilibrium>(parts);
           }};

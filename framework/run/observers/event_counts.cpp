@@ -1,3 +1,5 @@
+#include <iterator>
+
 #include "framework/run/observers/kinds.hpp"
 
 /// How many events of each kind there have been; null where a scene has none to look for.
@@ -8,8 +10,8 @@ ResultQuantity events(const char* key, const char* meaning) {
   return {key, dimension::none, Shape::count, Scope::run, meaning};
 }
 
-/// By EventKind.
-const ResultQuantity kCounts[kEventKinds] = {
+/// By EventKind; those that observers of the scene tell of are theirs to count.
+const ResultQuantity kCounts[] = {
     events("slips", "slips of what drivers of steady velocity pull"),
     events("hops", "hops of round bodies in the plane"),
     events("turns", "whole revolutions of bodies in the plane"),
@@ -24,7 +26,7 @@ class EventCounts : public RunObserver {
 
   void results(ResultTable& table, const double*) const override {
     ResultGroup& group = table.group("events");
-    for (std::size_t k = 0; k < kEventKinds; ++k) {
+    for (std::size_t k = 0; k < std::size(kCounts); ++k) {
       const auto kind = static_cast<EventKind>(k);
       std::optional<double> count;
       if (events_.expects(kind)) count = static_cast<double>(events_.count(kind));

@@ -113,7 +113,10 @@ class SignalExtremes : public RunObserver {
 }  // namespace
 
 ObserverKind extremes() {
-  return kind_of<SignalExtremes>({{"drivers", {&kMaxForce, &kMinForce}}, {"bodies", {&kMaxSpeed}}});
+  ObserverKind kind =
+      kind_of<SignalExtremes>({{"drivers", {&kMaxForce, &kMinForce}}, {"bodies", {&kMaxSpeed}}});
+  kind.watches = true;
+  return kind;
 }
 
 }  // namespace tomlin::observers

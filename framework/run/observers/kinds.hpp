@@ -7,17 +7,18 @@
 /// The kinds of observers, each in a file of its name.
 namespace tomlin::observers {
 
-ObserverKind force_means();    ///< mean_force
-ObserverKind end_of_run();     ///< final_force; centre_of_mass, velocity, rotation of bodies
-ObserverKind body_motion();    ///< turns, rolling, mean_velocity
-ObserverKind extremes();       ///< max_force, min_force, max_speed
-ObserverKind equilibrium();    ///< equilibrium; ties
-ObserverKind pull_events();    ///< static_force; slips and reversals
-ObserverKind window_doubts();  ///< warnings of windows that say little of sliding
-ObserverKind work();           ///< work, work_per_distance, distance
-ObserverKind body_events();    ///< hops and turns
-ObserverKind event_counts();   ///< events
-ObserverKind energy_ledger();  ///< energy
-ObserverKind long_bonds();     ///< a warning of bonds as long as half the box
+ObserverKind force_means();       ///< mean_force
+ObserverKind end_of_run();        ///< final_force; centre_of_mass, velocity, rotation of bodies
+ObserverKind body_motion();       ///< turns, rolling, mean_velocity
+ObserverKind extremes();          ///< max_force, min_force, max_speed
+ObserverKind equilibrium();       ///< equilibrium; ties
+ObserverKind pull_events();       ///< static_force; slips and reversals
+ObserverKind window_doubts();     ///< warnings of windows that say little of sliding
+ObserverKind work();              ///< work, work_per_distance, distance
+ObserverKind body_events();       ///< hops and turns
+ObserverKind event_counts();      ///< events
+ObserverKind energy_ledger();     ///< energy
+ObserverKind forces_on_bodies();  ///< forces, where they are asked for
+ObserverKind long_bonds();        ///< a warning of bonds as long as half the box
 
 }  // namespace tomlin::observers

@@ -19,7 +19,7 @@ class LongBonds : public RunObserver {
 
   void edge(const RunMoment& moment) override {
     look(stage_of(parts_.run.model.system().view, moment.position, moment.velocity,
-                  moment.integrals, moment.rates, 0.0));
+                  moment.integrals, moment.rates, moment.elapsed));
   }
 
   /// Particles of rigid bodies are placed first.
@@ -33,7 +33,7 @@ class LongBonds : public RunObserver {
     look(stage_of(view, position, velocity, integrals, rates_.data(), 0.0));
   }
 
-  void stopped(const RunEnd&) override {
+  void stopped(const RunMoment&) override {
     const std::vector<Model::Force>& forces = parts_.run.model.forces();
     for (std::size_t k = 0; k < forces.size(); ++k) {
       if (long_[k] == 0) continue;
@@ -70,6 +70,6 @@ std::unique_ptr<RunObserver> make(const ObserverParts& parts) {
 
 }  // namespace
 
-ObserverKind long_bonds() { return {{}, make}; }
+ObserverKind long_bonds() { return {.rows = {}, .make = make}; }
 
 }  // namespace tomlin::observers

@@ -40,7 +40,8 @@ class PullEvents : public RunObserver {
   void span(const SignalSpan& span) override;
   void path_slip(const PathSlip& slip) override;
   void force_changed(std::string_view force) override;
-  void finish(const RunEnd& end) override;
+  void look_at_end(const RunMoment& end) override;
+  void finish(const RunMoment& end) override;
   void results(ResultTable& table, const double* rates) const override;
 
  private:
@@ -147,7 +148,7 @@ void PullEvents::watch_block(const SignalBlock& block) {
 
 void PullEvents::steps(const SignalBlock& block) {
   // Of one driver alone, so that events come in the order of time.
-  if (watches_.size() == 1 && !static_force_.any_open()) {
+  if (block.count > 1 && watches_.size() == 1 && !static_force_.any_open()) {
     watch_block(block);
     return;
   }
@@ -225,16 +226,17 @@ void PullEvents::force_changed(std::string_view force) {
   }
 }
 
-/// The end is one more moment. What is going on then counts as far as it got.
-void PullEvents::finish(const RunEnd& end) {
+void PullEvents::look_at_end(const RunMoment& end) {
   static_force_.note_slipping();
   parts_.run.seen = parts_.run.clock.now();  // a run that resumes at its end has taken no step
-  const double time = parts_.run.clock.time();
-  watch(time, end.signals);
+  watch(end.time, end.signals);
   static_force_.add_end(end.signals);
+}
+
+void PullEvents::finish(const RunMoment& end) {
   for (DriverWatch& watch : watches_) {
     name_ = drivers_[watch.driver()].name;
-    watch.finish(time, emit_);
+    watch.finish(end.time, emit_);
   }
 }
 
@@ -246,6 +248,11 @@ void PullEvents::results(ResultTable& table, const double*) const {
 
 }  // namespace
 
-ObserverKind pull_events() { return kind_of<PullEvents>({{"drivers", {&kStaticForce}}}); }
+ObserverKind pull_events() {
+  ObserverKind kind = kind_of<PullEvents>({{"drivers", {&kStaticForce}}});
+  kind.watches = true;
+  kind.events = {"slips", "reversals"};
+  return kind;
+}
 
 }  // namespace tomlin::observers

@@ -101,39 +101,38 @@ bool Samples::is_due(double time) const {
          static_cast<double>(*next_) * *parts_.run.scene->output.every <= time * (1.0 + kNoStep);
 }
 
-void Samples::take(double time, const double* position, const double* velocity,
-                   const double* rates) {
+void Samples::take(const RunMoment& moment) {
   ++*next_;
   const Model& model = parts_.run.model;
   const int axes = model.dimension();
   double* next = row_.data();
-  *next++ = time;
+  *next++ = moment.time;
   for (const Model::Driver& driver : model.drivers()) {
-    for (int d = 0; d < axes; ++d) *next++ = rates[driver.first_rate + d];
+    for (int d = 0; d < axes; ++d) *next++ = moment.rates[driver.first_rate + d];
   }
   for (std::size_t k = 0; k < model.drivers().size(); ++k) {
     if (!model.drivers()[k].drive->steady) continue;
     for (int d = 0; d < axes; ++d) {
-      *next++ = static_cast<double>(model.pulled_end(k, DoubleDouble(time), d));
+      *next++ = static_cast<double>(model.pulled_end(k, DoubleDouble(moment.time), d));
     }
   }
   for (std::size_t b = 0; b < model.bodies().size(); ++b) {
     double numbers[3];
-    model.centre(b, position, numbers);
+    model.centre(b, moment.position, numbers);
     for (int d = 0; d < axes; ++d) {
       *next++ = static_cast<double>(model.placed(d, numbers[d]));
     }
-    model.centre_velocity(b, velocity, numbers);
+    model.centre_velocity(b, moment.velocity, numbers);
     for (int d = 0; d < axes; ++d) *next++ = numbers[d];
-    if (model.bodies()[b].rotates()) *next++ = kTau * parts_.rotations.turns_of(b, position);
+    if (model.bodies()[b].rotates()) *next++ = kTau * parts_.rotations.turns_of(b, moment.position);
   }
   if (scene_ != nullptr) {
-    next = scene_->sample(time, position, velocity, next);
+    next = scene_->sample(moment, next);
     if (next == nullptr) return;
   }
   if (parts_.run.scene->output.trajectory) {
     for (std::size_t b = 0; b < model.bodies().size(); ++b) {
-      next = model.place_particles(b, position, next);
+      next = model.place_particles(b, moment.position, next);
     }
   }
   if (parts_.run.options.sink != nullptr) parts_.run.options.sink->sample(row_);

@@ -25,8 +25,7 @@ class Samples {
   /// The time of the next sample; infinite where none is wanted.
   double next_time() const;
   bool is_due(double time) const;
-  /// At a state with its rates; the model has been evaluated there.
-  void take(double time, const double* position, const double* velocity, const double* rates);
+  void take(const RunMoment& moment);
 
  private:
   ObserverParts parts_;

@@ -3,33 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
-#include <stdexcept>
-
-#include "framework/scene/text.hpp"
 
 namespace tomlin::observers {
 namespace {
-
-/// In the code of a plugin, or of the program.
-template <class Action>
-auto in_observer(const SceneObserver& observer, Action action) {
-  if (observer.record->library.empty()) return action();
-  return in_plugin("observer " + observer.name, observer.record->library, action);
-}
-
-std::vector<ObservedNumber> columns_of(const SceneObserver& from, const SceneOutline& outline) {
-  std::vector<ObservedNumber> columns = from.record->columns(from.description.get(), outline);
-  std::set<std::string> names;
-  for (const ObservedNumber& column : columns) {
-    if (!is_component_name(column.name) || !names.insert(column.name).second) {
-      throw std::invalid_argument("\"" + column.name +
-                                  "\" is no name of a number, or not the only");
-    }
-  }
-  if (columns.empty()) throw std::invalid_argument("it gives no numbers");
-  return columns;
-}
 
 std::shared_ptr<const ResultQuantity> quantity(const std::string& key, const ObservedNumber& number,
                                                Scope scope, const char* meaning) {
@@ -39,21 +15,16 @@ std::shared_ptr<const ResultQuantity> quantity(const std::string& key, const Obs
 
 }  // namespace
 
-SceneObservers::SceneObservers(const ObserverParts& parts) : parts_(parts) {
+SceneObservers::SceneObservers(const ObserverParts& parts) : parts_(parts), shown_(parts) {
   const Model& model = parts_.run.model;
   std::size_t numbers = 0;
   for (const SceneObserver& from : parts_.run.scene->observers) {
-    SceneOutline outline;
-    outline.dimension = model.dimension();
-    for (const std::size_t b : from.bodies) {
-      const BoundBody<double>& body = model.bodies()[b].bound;
-      outline.bodies.push_back(
-          {body.name, static_cast<std::int64_t>(body.slot.count), body.closed});
-    }
+    if (from.record->columns == nullptr) continue;
     Watcher watcher;
     watcher.scene = &from;
-    watcher.bodies = from.bodies;
-    watcher.columns = bound_by(from, "observer", [&] { return columns_of(from, outline); });
+    watcher.columns = bound_by(from, "observer", [&] {
+      return listed(from, outline_of(from, model), from.record->columns);
+    });
     for (const ObservedNumber& number : watcher.columns) {
       watcher.quantities.push_back(quantity(number.name, number, Scope::end, "at the end"));
       watcher.quantities.push_back(quantity("mean_" + number.name, number, Scope::window,
@@ -62,12 +33,7 @@ SceneObservers::SceneObservers(const ObserverParts& parts) : parts_(parts) {
     numbers += watcher.columns.size();
     watchers_.push_back(std::move(watcher));
   }
-  if (watchers_.empty()) return;
   last_.assign(numbers, std::numeric_limits<double>::quiet_NaN());
-  for (const Model::Body& body : model.bodies()) {
-    places_.emplace_back(body.bound.slot.count * parts_.axes());
-    velocities_.emplace_back(body.bound.slot.count * parts_.axes());
-  }
 }
 
 void SceneObservers::declare(StateLayout& layout) const {
@@ -88,62 +54,28 @@ void SceneObservers::list_columns(std::vector<SampleColumn>& columns) const {
   }
 }
 
-void SceneObservers::observe(double time, const double* position, const double* velocity,
-                             double* numbers) {
-  const Model& model = parts_.run.model;
-  const std::size_t axes = parts_.axes();
-  const SystemView<double>& view = model.system().view;
-  for (std::size_t b = 0; b < model.bodies().size(); ++b) {
-    const BodySlot<double>& slot = model.bodies()[b].bound.slot;
-    model.place_particles(b, position, places_[b].data());
-    const double* from = (slot.mapped ? view.mapped_velocity : velocity) + slot.offset;
-    for (std::size_t i = 0; i < slot.count; ++i) {
-      for (std::size_t d = 0; d < axes; ++d) {
-        velocities_[b][i * axes + d] = from[d * slot.stride + i];
-      }
-    }
-  }
+void SceneObservers::observe(const RunMoment& moment, double* numbers) {
+  shown_.look(moment);
   for (const Watcher& watcher : watchers_) {
-    shown_.clear();
-    for (const std::size_t b : watcher.bodies) {
-      const BoundBody<double>& body = model.bodies()[b].bound;
-      shown_.push_back({body.name, body.mass, places_[b], velocities_[b]});
-    }
     const std::span<double> own(numbers, watcher.columns.size());
     std::fill(own.begin(), own.end(), std::numeric_limits<double>::quiet_NaN());
     in_observer(*watcher.scene, [&] {
-      watcher.scene->record->observe(watcher.scene->description.get(),
-                                     {time, model.dimension(), shown_}, own);
+      watcher.scene->record->observe(watcher.scene->description.get(), shown_.to(*watcher.scene),
+                                     own);
     });
     numbers += watcher.columns.size();
   }
 }
 
-double* SceneObservers::sample(double time, const double* position, const double* velocity,
-                               double* numbers) {
-  observe(time, position, velocity, numbers);
-  if (!are_finite(numbers)) return nullptr;
-  keep_means(time, numbers);
-  return numbers + last_.size();
-}
-
-/// A table has no room for what is no number: the run ends there.
-bool SceneObservers::are_finite(const double* numbers) {
-  RunContext& run = parts_.run;
+double* SceneObservers::sample(const RunMoment& moment, double* numbers) {
+  observe(moment, numbers);
+  const double* next = numbers;
   for (const Watcher& watcher : watchers_) {
-    for (const ObservedNumber& column : watcher.columns) {
-      if (std::isfinite(*numbers++)) continue;
-      RunFailure failure;
-      failure.step = static_cast<std::uint64_t>(run.clock.steps());
-      failure.time = run.clock.time();
-      failure.what = "the observer " + watcher.scene->name + " gives " + column.name +
-                     ", which is not a finite number";
-      failure.cause = "what it looks at, or its code";
-      if (!run.outcome.failure) run.outcome.failure = std::move(failure);
-      return false;
-    }
+    if (!are_finite(parts_.run, *watcher.scene, watcher.columns, next)) return nullptr;
+    next += watcher.columns.size();
   }
-  return true;
+  keep_means(moment.time, numbers);
+  return numbers + last_.size();
 }
 
 /// Sums of what lies in the window, high and low parts.
@@ -157,10 +89,9 @@ void SceneObservers::keep_means(double time, const double* numbers) {
   }
 }
 
-void SceneObservers::stopped(const RunEnd&) {
-  const SystemView<double>& view = parts_.run.model.system().view;
+void SceneObservers::stopped(const RunMoment& end) {
   std::vector<double> numbers(last_.size());
-  observe(parts_.run.clock.time(), view.position, view.velocity, numbers.data());
+  observe(end, numbers.data());
   last_ = numbers;
 }
 

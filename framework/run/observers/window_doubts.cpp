@@ -14,7 +14,7 @@ class WindowDoubts : public RunObserver {
     }
   }
 
-  void finish(const RunEnd&) override {
+  void finish(const RunMoment&) override {
     if (parts_.run.plan.period > 0.0 || !parts_.window.is_over()) return;
     for (std::size_t k = 0; k < parts_.signals.drivers().size(); ++k) {
       if (pulls(*parts_.signals.drivers()[k].drive)) look_at(k);

@@ -18,7 +18,7 @@ class Work : public RunObserver {
  public:
   explicit Work(const ObserverParts& parts) : parts_(parts) {}
 
-  void finish(const RunEnd&) override {
+  void finish(const RunMoment&) override {
     RunContext& run = parts_.run;
     double work = 0.0;
     for (const Model::Driver& driver : parts_.signals.drivers()) {

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -238,6 +239,86 @@ ObserverRecord distance_record() {
   return record;
 }
 
+// ---- an observer that gathers along the run: swings of the way between the first two particles
+
+struct SwingDescription {
+  double middle = 0.0;
+};
+
+double length_at(const ObservedMoment& moment) {
+  const ObservedBody& body = moment.bodies.front();
+  const auto axes = static_cast<std::size_t>(moment.dimension);
+  double square = 0.0;
+  for (std::size_t axis = 0; axis < axes; ++axis) {
+    const double way = body.position[axes + axis] - body.position[axis];
+    square += way * way;
+  }
+  return std::sqrt(square);
+}
+
+std::vector<ObservedNumber> swing_integrals(const void*, const SceneOutline&) {
+  return {{"square", "length^2*time"}};
+}
+
+void swing_integrands(const void* description, const ObservedMoment& moment,
+                      std::span<double> values) {
+  fail_if_asked("integrand");
+  const double away = length_at(moment) - static_cast<const SwingDescription*>(description)->middle;
+  values[0] = away * away;
+}
+
+/// Own numbers: looks, ways through the middle upwards, and where it was last.
+enum SwingOwn : std::size_t { kLooks, kPassages, kLastAway, kLastTime, kSwingOwn };
+
+std::size_t swing_own(const void*, const SceneOutline&) { return kSwingOwn; }
+
+std::vector<std::string> swing_events(const void*) { return {"passage"}; }
+
+void swing_step(const void* description, const ObservedMoment& moment, std::span<double> own,
+                ObservedEvents& events) {
+  const double away = length_at(moment) - static_cast<const SwingDescription*>(description)->middle;
+  if (own[kLooks] > 0.0 && own[kLastAway] < 0.0 && away >= 0.0) {
+    const double part = own[kLastAway] / (own[kLastAway] - away);
+    ++own[kPassages];
+    events.tell(0, own[kLastTime] + part * (moment.time - own[kLastTime]),
+                std::numeric_limits<double>::quiet_NaN(), own[kPassages]);
+  }
+  ++own[kLooks];
+  own[kLastAway] = away;
+  own[kLastTime] = moment.time;
+}
+
+std::vector<ObservedNumber> swing_results(const void*, const SceneOutline&) {
+  return {{"mean_square", "length^2"}, {"looks", "1"}, {"passages", "1"}};
+}
+
+void swing_conclude(const void*, const ObservedWindow& window, std::span<double> numbers) {
+  numbers[0] = window.integrals[0] / (window.to - window.from);
+  numbers[1] = window.own[kLooks];
+  numbers[2] = window.own[kPassages];
+}
+
+ObserverRecord swing_record() {
+  ObserverRecord record;
+  record.name = "particle_swings";
+  record.summary = "how the distance of a body's first two particles swings";
+  record.equation = "mean_square = mean of (|x_1 - x_0| - middle)^2";
+  record.source = "geometry";
+  record.make_description = &make_description<SwingDescription>;
+  record.parameters = {
+      parameter("middle", &SwingDescription::middle, dimension::length, "about which it swings")
+          .in(positive)};
+  record.integrals = &swing_integrals;
+  record.integrands = &swing_integrands;
+  record.own_count = &swing_own;
+  record.events = &swing_events;
+  record.step = &swing_step;
+  record.results = &swing_results;
+  record.conclude = &swing_conclude;
+  record.example = "see the tests";
+  return record;
+}
+
 }  // namespace
 }  // namespace tomlin
 
@@ -245,4 +326,5 @@ TOMLIN_PLUGIN(registry) {
   registry.add(tomlin::dumbbell_record());
   registry.add(tomlin::euler_record());
   registry.add(tomlin::distance_record());
+  registry.add(tomlin::swing_record());
 }

@@ -67,6 +67,13 @@ from = 1.0
 every = 0.5
 )";
 
+constexpr const char* kSwings = R"(
+[[observer]]
+name = "swings"
+type = "particle_swings"
+middle = 2.0
+)";
+
 constexpr const char* kFaulty = R"(
 [[body]]
 type = "point"
@@ -118,6 +125,7 @@ class PluginCli : public Cli {
     }
     write(folder_ / "bonded.toml", named("libmorse.so", kBonded));
     write(folder_ / "parts.toml", named("libparts.so", kParts));
+    write(folder_ / "swings.toml", named("libparts.so", kParts) + kSwings);
     write(folder_ / "faulty.toml", named("libfaulty.so", kFaulty));
   }
   std::string path(const std::string& name) { return (folder_ / name).string(); }
@@ -236,6 +244,37 @@ TEST_F(PluginCli, BodiesIntegratorsAndObservers) {
                       "run.perturb={ size = 1e-9, observables = [\"bond.length\"] }"})
                   .status == 0);
   EXPECT_TRUE(summary("perturbed")["determined"].contains("bond.length"));
+}
+
+/// The bond is 2 + sin t long.
+TEST_F(PluginCli, ObserversGatherAlongTheRun) {
+  const std::vector<std::string> schemes = {
+      "{ type = \"rk4\", dt = 1e-2 }",
+      "{ type = \"dopri5\", absolute_tolerance = 1e-10, relative_tolerance = 1e-10 }"};
+  for (const std::string& scheme : schemes) {
+    const Ended ended =
+        tomlin({"run", "swings.toml", "-o", "out", "--force", "--set", "run.integrator=" + scheme,
+                "--set", "run.duration=20", "--set", "measure.to=15.003"});
+    ASSERT_EQ(ended.status, 0) << ended.err;
+    const Json swings = summary("out")["observers"]["swings"];
+    // Of order 4 in steps of 0.01, of a function of size 1 that is tens of radians long.
+    constexpr double kTolerance = 1e-8;
+    const auto whole = [](double t) { return 0.5 * t - 0.25 * std::sin(2.0 * t); };
+    EXPECT_NEAR(swings["mean_square"].get<double>(), (whole(15.003) - whole(1.0)) / 14.003,
+                kTolerance);
+    // Upwards through the middle at 2 pi, 4 pi and 6 pi.
+    EXPECT_EQ(swings["passages"].get<double>(), 3.0);
+    EXPECT_EQ(swings["looks"].get<double>(), summary("out")["time"]["steps"].get<double>() + 1.0);
+    EXPECT_FALSE(swings.contains("square"));
+    const std::string events = file("out/events.csv");
+    EXPECT_TRUE(contains(events, ",passage,swings,,1,,\n")) << events;
+    const auto first = events.find("\n") + 1;
+    // Between two steps it is taken for straight: the chord of a tenth.
+    EXPECT_NEAR(std::stod(events.substr(first)), 2.0 * 3.141592653589793, 1e-2);
+  }
+  const Ended failed = tomlin({"run", "swings.toml"}, with({"FAULT=integrand"}));
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_TRUE(contains(failed.err, "observer swings")) << failed.err;
 }
 
 /// Particles of a rigid body have velocities, too: it turns as a whole, so its length stays.
@@ -502,6 +541,20 @@ TEST_F(PluginResume, GoesOnWithTheSameLibrary) {
   one.erase("performance");
   other.erase("performance");
   EXPECT_EQ(one, other);
+}
+
+TEST_F(PluginResume, WhatObserversHaveGatheredGoesOn) {
+  const auto run = [](const std::string& out) {
+    return std::vector<std::string>{"run", "swings.toml", "--set", "run.duration=200", "-o", out};
+  };
+  ASSERT_EQ(tomlin(run("whole")).status, 0);
+  interrupt(run("out"), "out");
+  auto on = run("out");
+  on.emplace_back("--resume");
+  ASSERT_EQ(tomlin(on).status, 0);
+  EXPECT_EQ(file("out/events.csv"), file("whole/events.csv"));
+  EXPECT_EQ(summary("out")["observers"], summary("whole")["observers"]);
+  EXPECT_GT(summary("out")["observers"]["swings"]["passages"].get<double>(), 30.0);
 }
 
 TEST_F(PluginResume, AnotherOrAMissingLibraryIsRefused) {
