@@ -13,6 +13,8 @@ const ResultQuantity kMaxForce{"max_force", dimension::force, Shape::vector, Sco
                                "largest component along the axis"};
 const ResultQuantity kMinForce{"min_force", dimension::force, Shape::vector, Scope::window,
                                "smallest component along the axis"};
+const ResultQuantity kPeakToPeakForce{"peak_to_peak_force", dimension::force, Shape::vector,
+                                      Scope::window, "max_force less min_force"};
 const ResultQuantity kMaxSpeed{"max_speed", dimension::velocity, Shape::number, Scope::window,
                                "largest speed of the centre; null where it slips in no time"};
 
@@ -73,13 +75,16 @@ class SignalExtremes : public RunObserver {
     for (std::size_t k = 0; k < drivers.size(); ++k) {
       std::vector<double> max;
       std::vector<double> min;
+      std::vector<double> peak_to_peak;
       for (std::size_t d = 0; over && d < axes; ++d) {
         max.push_back(extremes_.high(parts_.signals.force_of(k, d)));
         min.push_back(extremes_.low(parts_.signals.force_of(k, d)));
+        peak_to_peak.push_back(max[d] - min[d]);
       }
       ResultGroup& group = table.driver(drivers[k]);
       group.add(kMaxForce, axes, max);
       group.add(kMinForce, axes, min);
+      group.add(kPeakToPeakForce, axes, peak_to_peak);
     }
     const std::vector<Model::Body>& bodies = parts_.run.model.bodies();
     for (std::size_t b = 0; b < bodies.size(); ++b) {
@@ -113,8 +118,8 @@ class SignalExtremes : public RunObserver {
 }  // namespace
 
 ObserverKind extremes() {
-  ObserverKind kind =
-      kind_of<SignalExtremes>({{"drivers", {&kMaxForce, &kMinForce}}, {"bodies", {&kMaxSpeed}}});
+  ObserverKind kind = kind_of<SignalExtremes>(
+      {{"drivers", {&kMaxForce, &kMinForce, &kPeakToPeakForce}}, {"bodies", {&kMaxSpeed}}});
   kind.watches = true;
   return kind;
 }

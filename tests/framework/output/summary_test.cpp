@@ -87,8 +87,8 @@ TEST(Summary, HasEveryKeyOfAFinishedRun) {
   EXPECT_EQ(summary["time"]["steps"], 123456789012345ULL);
   EXPECT_EQ(keys(summary["window"]), (Names{"from", "to"}));
   EXPECT_EQ(keys(summary["drivers"]["driver"]),
-            (Names{"mean_force", "final_force", "max_force", "min_force", "static_force", "work",
-                   "work_per_distance", "distance"}));
+            (Names{"mean_force", "final_force", "max_force", "min_force", "peak_to_peak_force",
+                   "static_force", "work", "work_per_distance", "distance"}));
   EXPECT_EQ(keys(summary["bodies"]["ring"]),
             (Names{"centre_of_mass", "velocity", "rotation", "turns", "rolling", "mean_velocity",
                    "max_speed"}));
