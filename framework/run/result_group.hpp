@@ -37,6 +37,8 @@ struct ResultQuantity {
   Scope scope = Scope::window;
   std::string meaning;    ///< one line
   std::string unit = {};  ///< in place of the dimension's: "rad", "s"
+  /// Quantities of the same group of which it is a sum or a difference: so is its error.
+  std::vector<std::string> made_of = {};
 };
 
 /// "force", "length/time", "rad", "1".

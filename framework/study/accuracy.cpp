@@ -56,6 +56,29 @@ void lift_small_errors(RunResult& result) {
   }
 }
 
+/// Errors of what is made of other quantities: two of them may well differ by the same in a run and
+/// its companion, and hide it.
+void add_up_errors(RunResult& result) {
+  const std::vector<Observable> all = observables(result);
+  const auto error_of = [&](const std::string& path) {
+    const auto found = std::find_if(result.errors.begin(), result.errors.end(),
+                                    [&](const ErrorEstimate& one) { return one.path == path; });
+    return found == result.errors.end() ? std::nullopt : found->error;
+  };
+  for (ErrorEstimate& estimate : result.errors) {
+    const auto of = std::find_if(all.begin(), all.end(),
+                                 [&](const Observable& one) { return one.path == estimate.path; });
+    if (of == all.end() || !estimate.error) continue;
+    double sum = 0.0;
+    for (const std::string& part : of->quantity->made_of) {
+      std::string path = estimate.path;
+      path.replace(path.find("." + of->quantity->key) + 1, of->quantity->key.size(), part);
+      sum += error_of(path).value_or(0.0);
+    }
+    estimate.error = std::max(*estimate.error, sum);
+  }
+}
+
 void add_errors(RunResult& result, const std::vector<Beside>& companions) {
   for (const Observable& one : observables(result)) {
     if (!has_error(one.path)) continue;
@@ -70,6 +93,7 @@ void add_errors(RunResult& result, const std::vector<Beside>& companions) {
     result.errors.push_back(std::move(estimate));
   }
   lift_small_errors(result);
+  add_up_errors(result);
 }
 
 void warn_of_large_errors(RunResult& result, const std::vector<Beside>& companions,

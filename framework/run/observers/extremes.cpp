@@ -13,8 +13,13 @@ const ResultQuantity kMaxForce{"max_force", dimension::force, Shape::vector, Sco
                                "largest component along the axis"};
 const ResultQuantity kMinForce{"min_force", dimension::force, Shape::vector, Scope::window,
                                "smallest component along the axis"};
-const ResultQuantity kPeakToPeakForce{"peak_to_peak_force", dimension::force, Shape::vector,
-                                      Scope::window, "max_force less min_force"};
+const ResultQuantity kPeakToPeakForce{"peak_to_peak_force",
+                                      dimension::force,
+                                      Shape::vector,
+                                      Scope::window,
+                                      "max_force less min_force",
+                                      "",
+                                      {"max_force", "min_force"}};
 const ResultQuantity kMaxSpeed{"max_speed", dimension::velocity, Shape::number, Scope::window,
                                "largest speed of the centre; null where it slips in no time"};
 

@@ -41,6 +41,7 @@ RunResult planar_result() {
                              {"final_force", {1.0, 2.0}},
                              {"max_force", {3.0, 4.0}},
                              {"min_force", {-3.0, -4.0}},
+                             {"peak_to_peak_force", {6.0, 8.0}},
                              {"static_force", {0.25}},
                              {"work", {5.0}},
                              {"work_per_distance", {0.5}},

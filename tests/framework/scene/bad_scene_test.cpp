@@ -81,7 +81,8 @@ TEST(BadScene, UnknownKeys) {
       {kRing,
        R"(in = "time")",
        R"(unit = "time")",
-       {"32:1: measure.unit: unknown key; admissible: from, to, in, driver, period"}},
+       {"32:1: measure.unit: unknown key; admissible: from, to, in, driver, period, "
+        "observables"}},
       {kRing,
        "every = 1.0",
        "each = 1.0",
