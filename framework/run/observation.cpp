@@ -217,6 +217,14 @@ void Observation::look_between(double from, double to) {
     return;
   }
   for (RunObserver* observer : readers_) observer->read(3, view.position, view.velocity);
+  show_span();
+}
+
+void Observation::show_span() {
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (RunObserver* observer : at_steps_) observer->place(span_, k);
+    for (RunObserver* observer : at_blocks_) observer->place(span_, k);
+  }
   for (RunObserver* observer : at_steps_) observer->span(span_);
   for (RunObserver* observer : at_blocks_) observer->span(span_);
 }
@@ -238,8 +246,7 @@ void Observation::look_along_path(double from, double to) {
     }
     span_.from = span_.times[0];
     span_.to = span_.times[3];
-    for (RunObserver* observer : at_steps_) observer->span(span_);
-    for (RunObserver* observer : at_blocks_) observer->span(span_);
+    show_span();
   }
 }
 

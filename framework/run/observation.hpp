@@ -86,6 +86,7 @@ class Observation {
   /// Evaluates the model at a state.
   RunMoment moment_at(const DoubleDouble& time, const double* position, const double* velocity,
                       const double* integrals);
+  void show_span();
   void complete_dense(double next_since);
   RunMoment end_of_run(double* rates);
   void take_point(double time, const double* position, const double* velocity,

@@ -94,7 +94,10 @@ class RunObserver {
   }
   /// Signals at the starts of steps of the grid.
   virtual void steps(const SignalBlock& block) { (void)block; }
-  /// Signals along a long step.
+  /// One of the first three places of a long step: all observers see it before the next one, so
+  /// that events come in the order of time.
+  virtual void place(const SignalSpan& span, std::size_t k) { (void)span, (void)k; }
+  /// Signals along a long step, after its places.
   virtual void span(const SignalSpan& span) { (void)span; }
   /// A node of the quadrature over the part of a step that lies in the window; weights are times
   /// and add up to the window's length.

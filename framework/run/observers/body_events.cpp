@@ -84,21 +84,19 @@ class BodyEvents : public RunObserver {
 
   void steps(const SignalBlock& block) override { look(block.times[0], readings_[0]); }
 
-  void span(const SignalSpan& span) override {
-    const double h = span.to - span.from;
-    for (std::size_t place = 0; place < 3; ++place) {
-      if (span.is_dense && place > 0) {
-        // Between the ends, whose velocities are known.
-        for (std::size_t k = 0; k < watches_.size(); ++k) {
-          const BodyReading& a = readings_[0][k];
-          const BodyReading& b = readings_[3][k];
-          const double theta = static_cast<double>(place) / 3.0;
-          readings_[place][k].height = hermite(theta, h, a.height, a.rise, b.height, b.rise);
-          readings_[place][k].turns = hermite(theta, h, a.turns, a.spin, b.turns, b.spin);
-        }
+  void place(const SignalSpan& span, std::size_t place) override {
+    if (span.is_dense && place > 0) {
+      // Between the ends, whose velocities are known.
+      const double h = span.to - span.from;
+      const double theta = static_cast<double>(place) / 3.0;
+      for (std::size_t k = 0; k < watches_.size(); ++k) {
+        const BodyReading& a = readings_[0][k];
+        const BodyReading& b = readings_[3][k];
+        readings_[place][k].height = hermite(theta, h, a.height, a.rise, b.height, b.rise);
+        readings_[place][k].turns = hermite(theta, h, a.turns, a.spin, b.turns, b.spin);
       }
-      look(span.times[place], readings_[place]);
     }
+    look(span.times[place], readings_[place]);
   }
 
   void turned(std::size_t body, double turns) override {

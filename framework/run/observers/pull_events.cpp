@@ -37,6 +37,7 @@ class PullEvents : public RunObserver {
   void start() override;
   void placed() override;
   void steps(const SignalBlock& block) override;
+  void place(const SignalSpan& span, std::size_t k) override;
   void span(const SignalSpan& span) override;
   void path_slip(const PathSlip& slip) override;
   void force_changed(std::string_view force) override;
@@ -159,11 +160,12 @@ void PullEvents::steps(const SignalBlock& block) {
   }
 }
 
+void PullEvents::place(const SignalSpan& span, std::size_t k) {
+  if (k == 0) static_force_.note_slipping();
+  watch(span.times[k], span.at[k].data());
+}
+
 void PullEvents::span(const SignalSpan& span) {
-  static_force_.note_slipping();
-  for (std::size_t place = 0; place < 3; ++place) {
-    watch(span.times[place], span.at[place].data());
-  }
   static_force_.add(span);
   if (follows_path()) see_peaks(span);
 }

@@ -555,5 +555,50 @@ run = { duration = 1500.0, integrator = { type = "dopri5" } }
   EXPECT_GT(*found.driver(0)["static_force"], 0.5 * found.driver(0)["max_force"][0]);
 }
 
+/// A ring that hops along y while what its driver pulls along x moves back and forth.
+std::string hopping_ring(const std::string& stiffness, const std::string& run) {
+  return R"(
+[[body]]
+type = "ring"
+count = 3
+radius = 1.0
+centre = [0.0, 1.4]
+particle_mass = 1.0
+coordinates = "rigid"
+velocity = [0.4, 0.0]
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 6.0
+velocity = [0.1, 0.0]
+start = [0.0, 1.0]
+[[force]]
+type = "expression"
+energy = ")" +
+         stiffness + " * (yc - 1)^2\"\n[run]\n" + run + "\n";
+}
+
+/// Also where a step of an adaptive scheme holds several of them, and at the end of a run.
+TEST(Events, ComeInTheOrderInWhichTheyEnd) {
+  const std::vector<std::string> scenes = {
+      hopping_ring("0.7",
+                   "duration = 30.0\nintegrator = { type = \"dop853\", absolute_tolerance = "
+                   "1e-4, relative_tolerance = 1e-4 }"),
+      hopping_ring("0.5", "duration = 29.48\nintegrator = " + fixed_step(1e-2))};
+  for (const std::string& scene : scenes) {
+    KeptSamples kept;
+    RunOptions options;
+    options.sink = &kept;
+    run(scene_of(scene), options);
+    ASSERT_GE(kept.of(EventKind::hop).size(), 4u);
+    ASSERT_GE(kept.of(EventKind::reversal).size(), 4u);
+    double last = 0.0;
+    for (const Event& event : kept.events) {
+      EXPECT_GE(event.time + event.duration, last) << to_string(event.kind) << " " << event.time;
+      last = event.time + event.duration;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tomlin::test
