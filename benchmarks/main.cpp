@@ -8,7 +8,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "framework/core/instruction_set.hpp"
+#include "framework/core/system/instruction_set.hpp"
 
 namespace {
 

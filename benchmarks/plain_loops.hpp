@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "framework/core/math.hpp"
+#include "framework/core/numbers/math.hpp"
 
 namespace tomlin::plain {
 

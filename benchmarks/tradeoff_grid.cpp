@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/standard_registry.hpp"
 #include "framework/study/measurer.hpp"

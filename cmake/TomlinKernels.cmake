@@ -1,5 +1,5 @@
 # Numeric kernels are compiled once per instruction set, each copy in a namespace of its own, and
-# chosen when the program starts (framework/core/instruction_set.hpp).
+# chosen when the program starts (framework/core/system/instruction_set.hpp).
 
 set(TOMLIN_KERNEL_TEMPLATE ${CMAKE_CURRENT_LIST_DIR}/kernels.cpp.in)
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "framework/core/bound_force.hpp"
-#include "framework/core/element.hpp"
-#include "framework/core/registry.hpp"
+#include "framework/core/elements/element.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// The same force on every particle, for ever.
 ///

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/force.hpp"
-#include "framework/core/site_force.hpp"
+#include "framework/core/elements/site_force.hpp"
+#include "framework/core/records/force.hpp"
 
 TOMLIN_DECLARE_KERNELS(DrivingSpring)
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "framework/core/element.hpp"
-#include "framework/core/parameter.hpp"
-#include "framework/core/registry.hpp"
+#include "framework/core/elements/element.hpp"
+#include "framework/core/records/parameter.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// A spring whose far end is pulled at constant velocity.
 ///

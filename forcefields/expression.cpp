@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/bonds.hpp"
-#include "framework/core/force.hpp"
+#include "framework/core/elements/bonds.hpp"
 #include "framework/core/formula/formula.hpp"
 #include "framework/core/formula/formula_force.hpp"
+#include "framework/core/records/force.hpp"
 
 namespace tomlin {
 namespace {

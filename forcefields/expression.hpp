@@ -1,7 +1,7 @@
 #pragma once
 
-#include "framework/core/parameter.hpp"
-#include "framework/core/registry.hpp"
+#include "framework/core/records/parameter.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// A force given as a formula in the scene.
 ///

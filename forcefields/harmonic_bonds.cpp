@@ -1,6 +1,6 @@
 #include "forcefields/harmonic_bonds.hpp"
 
-#include "framework/core/bonds.hpp"
+#include "framework/core/elements/bonds.hpp"
 
 TOMLIN_DECLARE_KERNELS(HarmonicBonds)
 

@@ -1,7 +1,7 @@
 #include "forcefields/memory_damping.hpp"
 
-#include "framework/core/force.hpp"
-#include "framework/core/own_state_force.hpp"
+#include "framework/core/elements/own_state_force.hpp"
+#include "framework/core/records/force.hpp"
 
 TOMLIN_DECLARE_KERNELS(MemoryDamping)
 

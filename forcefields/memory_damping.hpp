@@ -1,7 +1,7 @@
 #pragma once
 
-#include "framework/core/own_state.hpp"
-#include "framework/core/registry.hpp"
+#include "framework/core/elements/own_state.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// Drag that remembers: generalised Langevin friction without its noise.
 ///

@@ -8,7 +8,7 @@
 #include "forcefields/morse_bonds.hpp"
 #include "forcefields/sinusoidal_substrate.hpp"
 #include "forcefields/viscous_damping.hpp"
-#include "framework/core/force.hpp"
+#include "framework/core/records/force.hpp"
 
 namespace tomlin {
 

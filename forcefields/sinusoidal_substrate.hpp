@@ -1,10 +1,10 @@
 #pragma once
 
-#include "framework/core/bound_force.hpp"
-#include "framework/core/double_double.hpp"
-#include "framework/core/element.hpp"
-#include "framework/core/number_types.hpp"
-#include "framework/core/registry.hpp"
+#include "framework/core/elements/element.hpp"
+#include "framework/core/numbers/double_double.hpp"
+#include "framework/core/numbers/number_types.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// Corrugated substrate, felt by each particle on its own.
 ///

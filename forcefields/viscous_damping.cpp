@@ -1,7 +1,7 @@
 #include "forcefields/viscous_damping.hpp"
 
-#include "framework/core/force.hpp"
-#include "framework/core/site_force.hpp"
+#include "framework/core/elements/site_force.hpp"
+#include "framework/core/records/force.hpp"
 
 TOMLIN_DECLARE_KERNELS(ViscousDamping)
 

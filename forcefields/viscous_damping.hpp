@@ -1,7 +1,7 @@
 #pragma once
 
-#include "framework/core/element.hpp"
-#include "framework/core/registry.hpp"
+#include "framework/core/elements/element.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// Linear drag on each particle.
 ///

@@ -9,7 +9,7 @@
 /// throws InputError with every fault found; a run that fails numerically throws nothing, but has
 /// the status failed.
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/run/observables.hpp"
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "framework/core/integrator.hpp"
+#include "framework/core/records/integrator.hpp"
 
 /// What a scene says to the schemes that choose their steps.
 namespace tomlin {

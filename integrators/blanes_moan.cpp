@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "framework/core/integrator.hpp"
-#include "framework/core/kernel_tables.hpp"
+#include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/records/integrator.hpp"
 #include "integrators/blanes_moan_kernels.hpp"
 #include "integrators/composition.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// The symplectic scheme of fourth order SRKN^b_6 of Blanes and Moan, for scenes without friction.
 ///

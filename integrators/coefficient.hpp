@@ -1,6 +1,6 @@
 #pragma once
 
-#include "framework/core/quad.hpp"
+#include "framework/core/numbers/quad.hpp"
 
 /// Coefficients of schemes, each to all digits of every number type.
 namespace tomlin {

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "framework/core/scheme.hpp"
+#include "framework/core/system/scheme.hpp"
 #include "integrators/composition_kernels.hpp"
 #include "integrators/hermite.hpp"
 

@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/math.hpp"
-#include "framework/core/random.hpp"
-#include "framework/core/scheme.hpp"
-#include "framework/core/tolerance.hpp"
+#include "framework/core/numbers/math.hpp"
+#include "framework/core/numbers/random.hpp"
+#include "framework/core/system/scheme.hpp"
+#include "framework/core/system/tolerance.hpp"
 #include "integrators/equilibrium.hpp"
 #include "integrators/path_step.hpp"
 

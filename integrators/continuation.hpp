@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "framework/core/integrator.hpp"
+#include "framework/core/records/integrator.hpp"
 
 /// Follows the equilibrium of a scene as its drivers move: dynamics without inertia and without
 /// friction, the limit of slow driving.

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <memory>
 
-#include "framework/core/kernel_tables.hpp"
+#include "framework/core/elements/kernel_tables.hpp"
 #include "integrators/dop853_kernels.hpp"
 #include "integrators/embedded.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// The embedded Runge-Kutta pair 8(5,3) of Dormand and Prince, as Hairer, Norsett and Wanner have
 /// it: for tight tolerances.

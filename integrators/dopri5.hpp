@@ -1,6 +1,6 @@
 #pragma once
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// The embedded Runge-Kutta pair 5(4) of Dormand and Prince, with step control and dense output.
 ///

@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/integrator.hpp"
-#include "framework/core/math.hpp"
-#include "framework/core/scheme.hpp"
-#include "framework/core/tolerance.hpp"
+#include "framework/core/numbers/math.hpp"
+#include "framework/core/records/integrator.hpp"
+#include "framework/core/system/scheme.hpp"
+#include "framework/core/system/tolerance.hpp"
 #include "integrators/adaptive.hpp"
 #include "integrators/embedded_kernels.hpp"
 

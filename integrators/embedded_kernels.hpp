@@ -2,11 +2,11 @@
 
 #include <cstddef>
 
-#include "framework/core/compensated.hpp"
-#include "framework/core/evaluate.hpp"
-#include "framework/core/number_types.hpp"
-#include "framework/core/system.hpp"
-#include "framework/core/tolerance.hpp"
+#include "framework/core/numbers/number_types.hpp"
+#include "framework/core/system/compensated.hpp"
+#include "framework/core/system/evaluate.hpp"
+#include "framework/core/system/system.hpp"
+#include "framework/core/system/tolerance.hpp"
 
 /// The kernels of embedded explicit Runge-Kutta pairs, made from a tableau.
 namespace tomlin {

@@ -5,9 +5,9 @@
 #include <limits>
 #include <utility>
 
-#include "framework/core/math.hpp"
-#include "framework/core/random.hpp"
-#include "framework/core/tolerance.hpp"
+#include "framework/core/numbers/math.hpp"
+#include "framework/core/numbers/random.hpp"
+#include "framework/core/system/tolerance.hpp"
 
 namespace tomlin {
 namespace {

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "framework/core/aligned.hpp"
-#include "framework/core/system.hpp"
+#include "framework/core/system/aligned.hpp"
+#include "framework/core/system/system.hpp"
 
 namespace tomlin {
 

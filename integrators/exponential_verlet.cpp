@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/evaluate.hpp"
-#include "framework/core/integrator.hpp"
-#include "framework/core/scheme.hpp"
+#include "framework/core/records/integrator.hpp"
+#include "framework/core/system/evaluate.hpp"
+#include "framework/core/system/scheme.hpp"
 #include "integrators/hermite.hpp"
 #include "integrators/modal_flow.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// A splitting of second order that takes stiff bonds and friction exactly: neither limits the
 /// step.

@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "framework/core/integrator.hpp"
-#include "framework/core/scheme.hpp"
+#include "framework/core/records/integrator.hpp"
+#include "framework/core/system/scheme.hpp"
 #include "integrators/fixed_step_kernels.hpp"
 #include "integrators/hermite.hpp"
 

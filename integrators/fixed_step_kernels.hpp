@@ -3,10 +3,10 @@
 #include <cstddef>
 #include <type_traits>
 
-#include "framework/core/compensated.hpp"
-#include "framework/core/evaluate.hpp"
-#include "framework/core/number_types.hpp"
-#include "framework/core/system.hpp"
+#include "framework/core/numbers/number_types.hpp"
+#include "framework/core/system/compensated.hpp"
+#include "framework/core/system/evaluate.hpp"
+#include "framework/core/system/system.hpp"
 
 /// What the kernels of explicit Runge-Kutta schemes with a fixed step share: their scratch, their
 /// table, the passes between evaluations, and the forces of a particle alone.

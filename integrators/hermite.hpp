@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include "framework/core/aligned.hpp"
-#include "framework/core/system.hpp"
+#include "framework/core/system/aligned.hpp"
+#include "framework/core/system/system.hpp"
 
 namespace tomlin {
 

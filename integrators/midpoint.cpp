@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "framework/core/kernel_tables.hpp"
+#include "framework/core/elements/kernel_tables.hpp"
 #include "integrators/fixed_step.hpp"
 #include "integrators/midpoint_kernels.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// The explicit midpoint scheme of second order, fixed step: the baseline of the explicit schemes.
 ///

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/core/math.hpp"
-#include "framework/core/power_of_two.hpp"
+#include "framework/core/numbers/math.hpp"
+#include "framework/core/numbers/power_of_two.hpp"
 
 namespace tomlin {
 namespace {

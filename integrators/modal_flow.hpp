@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "framework/core/elastic.hpp"
+#include "framework/core/system/elastic.hpp"
 
 /// The motion of one body under its bonds and its friction alone, in normal coordinates.
 namespace tomlin {

@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/aligned.hpp"
-#include "framework/core/evaluate.hpp"
-#include "framework/core/integrator.hpp"
-#include "framework/core/math.hpp"
-#include "framework/core/scheme.hpp"
-#include "framework/core/tolerance.hpp"
+#include "framework/core/numbers/math.hpp"
+#include "framework/core/records/integrator.hpp"
+#include "framework/core/system/aligned.hpp"
+#include "framework/core/system/evaluate.hpp"
+#include "framework/core/system/scheme.hpp"
+#include "framework/core/system/tolerance.hpp"
 #include "integrators/adaptive.hpp"
 #include "integrators/radau9_tableau.hpp"
 

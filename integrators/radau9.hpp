@@ -1,6 +1,6 @@
 #pragma once
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// The five-stage Radau IIA scheme of order 9, implicit and L-stable, with step control and dense
 /// output: for motion that is slow beside its own relaxation, where an explicit scheme steps as far
@@ -13,10 +13,10 @@
 /// Solved by simplified Newton iterations. The matrix of all stages falls apart into the modes of
 /// a^-1, one real and two pairs of complex ones mu; eliminating the velocities leaves
 ///   (mu/h)^2 M + (mu/h) G + K
-/// for each, K and G being the stiffness and friction of the forces (framework/core/tangent.hpp),
-/// exact and taken anew for each attempt at three quarters of the step, where the last step's
-/// polynomial leads. That polynomial is the first guess, too. Iterations end when what is left,
-/// by their rate of convergence, is below 1 % of the tolerance.
+/// for each, K and G being the stiffness and friction of the forces
+/// (framework/core/system/tangent.hpp), exact and taken anew for each attempt at three quarters of
+/// the step, where the last step's polynomial leads. That polynomial is the first guess, too.
+/// Iterations end when what is left, by their rate of convergence, is below 1 % of the tolerance.
 ///
 /// A step is accepted when
 ///   err = sqrt(mean_i (e_i / (absolute_tolerance + relative_tolerance * max(|y0_i|, |y1_i|)))^2)

@@ -1,6 +1,6 @@
 #include "integrators/register.hpp"
 
-#include "framework/core/integrator.hpp"
+#include "framework/core/records/integrator.hpp"
 #include "integrators/blanes_moan.hpp"
 #include "integrators/continuation.hpp"
 #include "integrators/dop853.hpp"

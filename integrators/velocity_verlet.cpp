@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "framework/core/integrator.hpp"
-#include "framework/core/kernel_tables.hpp"
+#include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/records/integrator.hpp"
 #include "integrators/composition.hpp"
 #include "integrators/velocity_verlet_kernels.hpp"
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// The velocity Verlet scheme, of second order, with friction and all that forces hand out as
-/// operators (framework/core/flow.hpp).
+/// operators (framework/core/system/flow.hpp).
 ///
 /// One step of h, with forces F that do not depend on velocities and friction G:
 ///   v <- exp(-h/2 G/m) v            the exact flow of friction alone

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "framework/core/body.hpp"
+#include "framework/core/records/body.hpp"
 
 /// Equally spaced particles on a straight line: the chain of Frenkel and Kontorova.
 namespace tomlin {

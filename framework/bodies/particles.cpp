@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "framework/bodies/position_file.hpp"
-#include "framework/core/text_file.hpp"
+#include "framework/core/text/text_file.hpp"
 
 namespace tomlin {
 namespace {

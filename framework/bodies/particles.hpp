@@ -1,6 +1,6 @@
 #pragma once
 
-#include "framework/core/body.hpp"
+#include "framework/core/records/body.hpp"
 
 /// Particles anywhere: listed in the scene, or in a file of coordinates.
 namespace tomlin {

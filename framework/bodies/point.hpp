@@ -1,6 +1,6 @@
 #pragma once
 
-#include "framework/core/body.hpp"
+#include "framework/core/records/body.hpp"
 
 /// One particle: the tip of Prandtl and Tomlinson.
 namespace tomlin {

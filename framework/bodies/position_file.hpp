@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/core/parameter.hpp"
+#include "framework/core/records/parameter.hpp"
 
 namespace tomlin {
 

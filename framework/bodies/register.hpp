@@ -1,6 +1,6 @@
 #pragma once
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 
 namespace tomlin {
 

@@ -1,6 +1,6 @@
 #include "framework/bodies/ring.hpp"
 
-#include "framework/core/math.hpp"
+#include "framework/core/numbers/math.hpp"
 
 namespace tomlin {
 namespace {

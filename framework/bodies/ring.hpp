@@ -1,6 +1,6 @@
 #pragma once
 
-#include "framework/core/body.hpp"
+#include "framework/core/records/body.hpp"
 
 /// Particles on a circle in the x-y plane: the ring of Sircar and Patra.
 namespace tomlin {

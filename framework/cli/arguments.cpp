@@ -16,8 +16,8 @@
 #include <fmt/format.h>
 
 #include "framework/cli/plot_text.hpp"
-#include "framework/core/fault.hpp"
-#include "framework/core/nearest_name.hpp"
+#include "framework/core/text/fault.hpp"
+#include "framework/core/text/nearest_name.hpp"
 
 namespace tomlin {
 namespace {

@@ -13,7 +13,7 @@
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/plugins.hpp"
 #include "framework/cli/sections.hpp"
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/model/claims.hpp"
 #include "framework/model/model.hpp"
 #include "framework/run/trial.hpp"

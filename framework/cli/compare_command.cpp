@@ -12,7 +12,7 @@
 #include "framework/cli/plugins.hpp"
 #include "framework/cli/stop_signals.hpp"
 #include "framework/cli/study_figure.hpp"
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/output/run_folder.hpp"
 #include "framework/study/compare.hpp"
 

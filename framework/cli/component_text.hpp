@@ -1,6 +1,6 @@
 #pragma once
 
-#include "framework/core/traits.hpp"
+#include "framework/core/records/traits.hpp"
 
 namespace tomlin {
 

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "framework/cli/component_text.hpp"
-#include "framework/core/body.hpp"
-#include "framework/core/observer.hpp"
+#include "framework/core/records/body.hpp"
+#include "framework/core/records/observer.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/natural_units.hpp"
 

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/force.hpp"
-#include "framework/core/integrator.hpp"
-#include "framework/core/registry.hpp"
+#include "framework/core/records/force.hpp"
+#include "framework/core/records/integrator.hpp"
+#include "framework/core/records/registry.hpp"
 #include "framework/scene/language.hpp"
 
 /// What there is to describe, for text, JSON and the reference pages.

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "framework/cli/component_text.hpp"
-#include "framework/core/force.hpp"
-#include "framework/core/instruction_set.hpp"
+#include "framework/core/records/force.hpp"
+#include "framework/core/system/instruction_set.hpp"
 #include "framework/model/model.hpp"
 #include "framework/run/trial.hpp"
 

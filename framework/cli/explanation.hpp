@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/traits.hpp"
+#include "framework/core/records/traits.hpp"
 #include "framework/model/scales.hpp"
 #include "framework/output/output_size.hpp"
 #include "framework/scene/scene.hpp"

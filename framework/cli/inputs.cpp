@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/fault.hpp"
-#include "framework/core/text_file.hpp"
+#include "framework/core/text/fault.hpp"
+#include "framework/core/text/text_file.hpp"
 #include "framework/output/output_file.hpp"
 
 namespace tomlin {

@@ -10,8 +10,8 @@
 #include "framework/cli/new_file.hpp"
 #include "framework/cli/new_plugin.hpp"
 #include "framework/cli/templates.hpp"
-#include "framework/core/fault.hpp"
-#include "framework/core/nearest_name.hpp"
+#include "framework/core/text/fault.hpp"
+#include "framework/core/text/nearest_name.hpp"
 #include "framework/output/output_file.hpp"
 
 namespace tomlin {

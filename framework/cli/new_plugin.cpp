@@ -12,7 +12,7 @@
 
 #include "framework/cli/commands.hpp"
 #include "framework/cli/templates.hpp"
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/output/output_file.hpp"
 #include "framework/standard_registry.hpp"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 #include "framework/plugin/load.hpp"
 #include "framework/scene/scene_document.hpp"
 

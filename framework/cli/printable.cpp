@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/utf8.hpp"
+#include "framework/core/text/utf8.hpp"
 
 namespace tomlin {
 namespace {

@@ -14,8 +14,8 @@
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/printable.hpp"
 #include "framework/cli/standard_streams.hpp"
-#include "framework/core/fault.hpp"
-#include "framework/core/instruction_set.hpp"
+#include "framework/core/system/instruction_set.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/model/plugin_code.hpp"
 #include "framework/plugin/load.hpp"
 

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/citation.hpp"
 #include "framework/core/formula/expression.hpp"
+#include "framework/core/text/citation.hpp"
 #include "framework/run/results.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/natural_units.hpp"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "framework/cli/described.hpp"
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// The reference in Markdown, made of what components and the scene language say of themselves.
 namespace tomlin {

@@ -16,7 +16,7 @@
 #include "framework/cli/progress.hpp"
 #include "framework/cli/result_text.hpp"
 #include "framework/cli/stop_signals.hpp"
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/output/output_size.hpp"
 #include "framework/output/resumption.hpp"
 #include "framework/output/run_folder.hpp"

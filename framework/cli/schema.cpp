@@ -15,10 +15,10 @@
 
 #include "framework/cli/described.hpp"
 #include "framework/cli/node_json.hpp"
-#include "framework/core/body.hpp"
-#include "framework/core/force.hpp"
 #include "framework/core/formula/expression.hpp"
-#include "framework/core/integrator.hpp"
+#include "framework/core/records/body.hpp"
+#include "framework/core/records/force.hpp"
+#include "framework/core/records/integrator.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/language.hpp"
 #include "framework/scene/natural_units.hpp"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 
 namespace tomlin {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "framework/cli/printable.hpp"
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/plot/gnuplot.hpp"
 #include "framework/plot/gnuplot_script.hpp"
 

@@ -21,7 +21,7 @@
 #include "framework/cli/tradeoff_figure.hpp"
 #include "framework/cli/tradeoff_scene.hpp"
 #include "framework/cli/tradeoff_text.hpp"
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/output/run_folder.hpp"
 #include "framework/study/tradeoff.hpp"
 

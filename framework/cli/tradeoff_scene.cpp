@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "framework/cli/new_file.hpp"
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/output/output_file.hpp"
 #include "framework/scene/edit.hpp"
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "framework/cli/arguments.hpp"
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 #include "framework/scene/scene_document.hpp"
 #include "framework/study/tradeoff.hpp"
 

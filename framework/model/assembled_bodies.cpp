@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "framework/core/sum.hpp"
+#include "framework/core/numbers/sum.hpp"
 
 namespace tomlin {
 namespace {

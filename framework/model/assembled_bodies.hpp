@@ -5,8 +5,8 @@
 #include <deque>
 #include <vector>
 
-#include "framework/core/aligned.hpp"
-#include "framework/core/bound_force.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/system/aligned.hpp"
 #include "framework/model/assembly_plan.hpp"
 #include "framework/model/rigid_kernels.hpp"
 

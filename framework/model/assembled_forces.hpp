@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/bound_force.hpp"
-#include "framework/core/force.hpp"
-#include "framework/core/state_layout.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/records/force.hpp"
+#include "framework/core/system/state_layout.hpp"
 #include "framework/model/assembled_bodies.hpp"
 
 namespace tomlin {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "framework/core/random.hpp"
-#include "framework/core/sum.hpp"
+#include "framework/core/numbers/random.hpp"
+#include "framework/core/numbers/sum.hpp"
 
 namespace tomlin {
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "framework/core/state_layout.hpp"
-#include "framework/core/system.hpp"
+#include "framework/core/system/state_layout.hpp"
+#include "framework/core/system/system.hpp"
 #include "framework/model/assembled_bodies.hpp"
 #include "framework/model/assembled_forces.hpp"
 #include "framework/model/assembly_plan.hpp"

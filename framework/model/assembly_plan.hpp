@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "framework/core/body.hpp"
-#include "framework/core/bound_force.hpp"
-#include "framework/core/instruction_set.hpp"
+#include "framework/core/records/body.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/system/instruction_set.hpp"
 #include "framework/scene/scene.hpp"
 
 namespace tomlin {

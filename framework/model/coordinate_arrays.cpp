@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "framework/core/math.hpp"
-#include "framework/core/tolerance.hpp"
+#include "framework/core/numbers/math.hpp"
+#include "framework/core/system/tolerance.hpp"
 #include "framework/scene/natural_units.hpp"
 
 namespace tomlin {

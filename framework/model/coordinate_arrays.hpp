@@ -3,8 +3,8 @@
 #include <deque>
 #include <vector>
 
-#include "framework/core/aligned.hpp"
-#include "framework/core/system.hpp"
+#include "framework/core/system/aligned.hpp"
+#include "framework/core/system/system.hpp"
 #include "framework/model/assembled_forces.hpp"
 #include "framework/model/prescribed_bodies.hpp"
 
@@ -24,7 +24,8 @@ class CoordinateArrays {
   /// A bond may not turn over in one step: half the shortest bond of a body bounds its particles.
   void bound_moves(const std::vector<AssembledForce<Real>>& forces,
                    const std::vector<AssembledBody<Real>>& bodies, int dimension);
-  /// Errors are held against the scene's own length and time: see framework/core/tolerance.hpp.
+  /// Errors are held against the scene's own length and time: see
+  /// framework/core/system/tolerance.hpp.
   void scale_tolerances(const Scene& scene, const std::vector<AssembledBody<Real>>& bodies,
                         const PrescribedBodies<Real>& prescribed, SystemView<Real>& view);
   /// Places what never moves, relative to an origin.

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/elastic.hpp"
+#include "framework/core/system/elastic.hpp"
 #include "framework/model/assembly.hpp"
 
 namespace tomlin {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "framework/core/kernel_tables.hpp"
+#include "framework/core/elements/kernel_tables.hpp"
 
 TOMLIN_DECLARE_TABLES(RigidKernels, RigidTable)
 

@@ -4,8 +4,8 @@
 #include <deque>
 #include <vector>
 
-#include "framework/core/aligned.hpp"
-#include "framework/core/system.hpp"
+#include "framework/core/system/aligned.hpp"
+#include "framework/core/system/system.hpp"
 #include "framework/model/assembled_forces.hpp"
 #include "framework/model/friction_matrix.hpp"
 #include "framework/model/prescribed_bodies.hpp"

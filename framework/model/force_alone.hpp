@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "framework/core/aligned.hpp"
-#include "framework/core/state_layout.hpp"
+#include "framework/core/system/aligned.hpp"
+#include "framework/core/system/state_layout.hpp"
 #include "framework/model/model.hpp"
 #include "framework/scene/scene.hpp"
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "framework/core/aligned.hpp"
-#include "framework/core/math.hpp"
-#include "framework/core/state_layout.hpp"
+#include "framework/core/numbers/math.hpp"
+#include "framework/core/system/aligned.hpp"
+#include "framework/core/system/state_layout.hpp"
 #include "framework/model/assembly.hpp"
 
 namespace tomlin {

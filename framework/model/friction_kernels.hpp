@@ -2,12 +2,12 @@
 
 #include <cstddef>
 
-#include "framework/core/compensated.hpp"
-#include "framework/core/flow.hpp"
-#include "framework/core/kernel_arguments.hpp"
-#include "framework/core/math.hpp"
-#include "framework/core/number_types.hpp"
-#include "framework/core/stage.hpp"
+#include "framework/core/numbers/math.hpp"
+#include "framework/core/numbers/number_types.hpp"
+#include "framework/core/system/compensated.hpp"
+#include "framework/core/system/flow.hpp"
+#include "framework/core/system/kernel_arguments.hpp"
+#include "framework/core/system/stage.hpp"
 
 /// Friction as a matrix G on a body's generalised velocities u: the drag is -G u, the heat u.G u.
 ///

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/kernel_tables.hpp"
-#include "framework/core/random.hpp"
-#include "framework/core/sum.hpp"
+#include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/numbers/random.hpp"
+#include "framework/core/numbers/sum.hpp"
 
 TOMLIN_DECLARE_TABLES(FrictionKernels, FrictionTable)
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/aligned.hpp"
-#include "framework/core/flow.hpp"
-#include "framework/core/system.hpp"
+#include "framework/core/system/aligned.hpp"
+#include "framework/core/system/flow.hpp"
+#include "framework/core/system/system.hpp"
 #include "framework/model/assembled_forces.hpp"
 #include "framework/model/friction_kernels.hpp"
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/kernel_tables.hpp"
+#include "framework/core/elements/kernel_tables.hpp"
 #include "framework/model/plugin_code.hpp"
 #include "framework/model/scheme_checks.hpp"
 

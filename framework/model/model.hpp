@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/bound_force.hpp"
-#include "framework/core/integrator.hpp"
-#include "framework/core/state_layout.hpp"
-#include "framework/core/system.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/records/integrator.hpp"
+#include "framework/core/system/state_layout.hpp"
+#include "framework/core/system/system.hpp"
 #include "framework/model/assembly.hpp"
 #include "framework/model/elastic.hpp"
 #include "framework/model/observe_kernels.hpp"

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/core/sum.hpp"
+#include "framework/core/numbers/sum.hpp"
 #include "framework/model/model.hpp"
 
 /// What can be read off a bound model at a given state.

@@ -2,9 +2,9 @@
 
 #include <cstddef>
 
-#include "framework/core/angle.hpp"
-#include "framework/core/pack.hpp"
-#include "framework/core/stage.hpp"
+#include "framework/core/numbers/angle.hpp"
+#include "framework/core/numbers/pack.hpp"
+#include "framework/core/system/stage.hpp"
 
 namespace tomlin {
 

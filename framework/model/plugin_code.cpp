@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/quad.hpp"
+#include "framework/core/numbers/quad.hpp"
 
 namespace tomlin {
 

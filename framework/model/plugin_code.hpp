@@ -5,9 +5,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "framework/core/bound_force.hpp"
-#include "framework/core/fault.hpp"
-#include "framework/core/scheme.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/system/scheme.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/model/own_arithmetic.hpp"
 #include "framework/scene/scene.hpp"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "framework/core/math.hpp"
+#include "framework/core/numbers/math.hpp"
 #include "framework/scene/motion_slope.hpp"
 
 namespace tomlin {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/bound_force.hpp"
+#include "framework/core/records/bound_force.hpp"
 #include "framework/model/assembled_bodies.hpp"
 
 namespace tomlin {

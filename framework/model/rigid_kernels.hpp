@@ -2,10 +2,10 @@
 
 #include <cstddef>
 
-#include "framework/core/kernel_arguments.hpp"
-#include "framework/core/math.hpp"
-#include "framework/core/number_types.hpp"
-#include "framework/core/stage.hpp"
+#include "framework/core/numbers/math.hpp"
+#include "framework/core/numbers/number_types.hpp"
+#include "framework/core/system/kernel_arguments.hpp"
+#include "framework/core/system/stage.hpp"
 
 namespace tomlin {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "framework/core/force.hpp"
+#include "framework/core/records/force.hpp"
 #include "framework/model/force_alone.hpp"
 #include "framework/model/sliding.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "framework/core/integrator.hpp"
+#include "framework/core/records/integrator.hpp"
 #include "framework/model/assembly.hpp"
 
 /// What an integrator cannot do right is refused before a run, with the integrators that can.

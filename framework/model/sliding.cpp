@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/force.hpp"
+#include "framework/core/records/force.hpp"
 #include "framework/model/force_alone.hpp"
 
 namespace tomlin {

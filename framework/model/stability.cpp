@@ -6,7 +6,7 @@
 
 #include <Eigen/Dense>
 
-#include "framework/core/tolerance.hpp"
+#include "framework/core/system/tolerance.hpp"
 #include "framework/model/model.hpp"
 
 /// The largest stable step, from bounds on curvature and damping before the first step.

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/force.hpp"
-#include "framework/core/math.hpp"
+#include "framework/core/numbers/math.hpp"
+#include "framework/core/records/force.hpp"
 #include "framework/model/coupling.hpp"
 
 namespace tomlin {

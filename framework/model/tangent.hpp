@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/aligned.hpp"
-#include "framework/core/band_matrix.hpp"
-#include "framework/core/bordered_factors.hpp"
-#include "framework/core/bound_force.hpp"
-#include "framework/core/tangent.hpp"
+#include "framework/core/numbers/band_matrix.hpp"
+#include "framework/core/numbers/bordered_factors.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/system/aligned.hpp"
+#include "framework/core/system/tangent.hpp"
 #include "framework/model/assembly.hpp"
 #include "framework/model/coupling.hpp"
 

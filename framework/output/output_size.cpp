@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/output/extended_xyz.hpp"
 #include "framework/output/h5md.hpp"
 #include "framework/output/journal.hpp"

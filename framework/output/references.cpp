@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <map>
 
-#include "framework/core/citation.hpp"
+#include "framework/core/text/citation.hpp"
 
 namespace tomlin {
 namespace {

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "framework/core/text_file.hpp"
+#include "framework/core/text/text_file.hpp"
 #include "framework/output/checkpoint.hpp"
 
 namespace tomlin {

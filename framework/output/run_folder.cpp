@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/output/journal.hpp"
 
 namespace tomlin {

@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "framework/core/integrator.hpp"
+#include "framework/core/records/integrator.hpp"
 #include "framework/output/checksum.hpp"
 #include "framework/output/machine.hpp"
 #include "framework/output/references.hpp"

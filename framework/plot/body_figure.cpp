@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/fault.hpp"
-#include "framework/core/math.hpp"
+#include "framework/core/numbers/math.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/model/model.hpp"
 #include "framework/output/run_folder.hpp"
 #include "framework/plot/sample_table.hpp"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 #include "framework/plot/figure.hpp"
 #include "framework/plot/quantities.hpp"
 #include "framework/plot/stored_run.hpp"

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/output/run_folder.hpp"
 #include "framework/plot/sample_table.hpp"
 

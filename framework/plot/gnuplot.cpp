@@ -15,7 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/scene/text.hpp"
 
 extern char** environ;

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/fault.hpp"
-#include "framework/core/nearest_name.hpp"
+#include "framework/core/text/fault.hpp"
+#include "framework/core/text/nearest_name.hpp"
 #include "framework/scene/text.hpp"
 
 namespace tomlin {

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/fault.hpp"
-#include "framework/core/text_file.hpp"
+#include "framework/core/text/fault.hpp"
+#include "framework/core/text/text_file.hpp"
 #include "framework/scene/text.hpp"
 
 namespace tomlin {

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "framework/core/fault.hpp"
-#include "framework/core/text_file.hpp"
+#include "framework/core/text/fault.hpp"
+#include "framework/core/text/text_file.hpp"
 #include "framework/output/run_folder.hpp"
 #include "framework/scene/document.hpp"
 

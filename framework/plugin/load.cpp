@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/force.hpp"
-#include "framework/core/integrator.hpp"
-#include "framework/core/observer.hpp"
-#include "framework/core/text_file.hpp"
+#include "framework/core/records/force.hpp"
+#include "framework/core/records/integrator.hpp"
+#include "framework/core/records/observer.hpp"
+#include "framework/core/text/text_file.hpp"
 #include "framework/plugin/content_hash.hpp"
 #include "framework/plugin/elf_note.hpp"
 #include "framework/plugin/note.hpp"

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/fault.hpp"
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
+#include "framework/core/text/fault.hpp"
 
 /// Shared libraries with components of one's own: what the program does with those that a scene or
 /// the command line names. See plugin.hpp for what one looks like, entry.hpp for how it is linked.

@@ -4,11 +4,11 @@
 #include <cstdio>
 #include <exception>
 
-#include "framework/core/body.hpp"
-#include "framework/core/force.hpp"
-#include "framework/core/integrator.hpp"
-#include "framework/core/observer.hpp"
-#include "framework/core/registry.hpp"
+#include "framework/core/records/body.hpp"
+#include "framework/core/records/force.hpp"
+#include "framework/core/records/integrator.hpp"
+#include "framework/core/records/observer.hpp"
+#include "framework/core/records/registry.hpp"
 #include "framework/plugin/entry.hpp"
 
 /// What the source file of a plugin includes. Once in the library:

@@ -18,9 +18,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "framework/core/force.hpp"
-#include "framework/core/integrator.hpp"
-#include "framework/core/observer.hpp"
+#include "framework/core/records/force.hpp"
+#include "framework/core/records/integrator.hpp"
+#include "framework/core/records/observer.hpp"
 #include "framework/plugin/entry.hpp"
 
 namespace tomlin {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 
 namespace tomlin {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/scheme.hpp"
+#include "framework/core/system/scheme.hpp"
 #include "framework/model/model.hpp"
 #include "framework/model/plugin_code.hpp"
 #include "framework/run/plan.hpp"

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/math.hpp"
+#include "framework/core/numbers/math.hpp"
 #include "framework/run/observables.hpp"
 #include "framework/run/side_run.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "framework/core/integrator.hpp"
-#include "framework/core/scheme.hpp"
+#include "framework/core/records/integrator.hpp"
+#include "framework/core/system/scheme.hpp"
 #include "framework/model/model.hpp"
 #include "framework/run/run.hpp"
 

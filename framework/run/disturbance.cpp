@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "framework/core/random.hpp"
-#include "framework/core/tolerance.hpp"
+#include "framework/core/numbers/random.hpp"
+#include "framework/core/system/tolerance.hpp"
 
 namespace tomlin {
 namespace {

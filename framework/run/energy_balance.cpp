@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/random.hpp"
+#include "framework/core/numbers/random.hpp"
 #include "framework/run/context.hpp"
 #include "framework/run/energy_terms.hpp"
 #include "framework/run/engine.hpp"

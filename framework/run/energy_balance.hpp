@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "framework/core/aligned.hpp"
-#include "framework/core/state_layout.hpp"
+#include "framework/core/system/aligned.hpp"
+#include "framework/core/system/state_layout.hpp"
 #include "framework/run/run.hpp"
 
 /// Whether the energy balance of a run closes: stored change + heat - work, the numerical work, is

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "framework/core/quad.hpp"
+#include "framework/core/numbers/quad.hpp"
 #include "framework/run/context.hpp"
 #include "framework/run/housekeeping.hpp"
 #include "framework/run/observables.hpp"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "framework/core/scheme.hpp"
+#include "framework/core/system/scheme.hpp"
 #include "framework/model/model.hpp"
 #include "framework/model/plugin_code.hpp"
 #include "framework/run/energy_balance.hpp"

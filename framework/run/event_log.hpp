@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "framework/core/state_layout.hpp"
+#include "framework/core/system/state_layout.hpp"
 #include "framework/run/run.hpp"
 #include "framework/run/window.hpp"
 

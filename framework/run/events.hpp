@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "framework/core/state_layout.hpp"
+#include "framework/core/system/state_layout.hpp"
 #include "framework/model/model.hpp"
 #include "framework/run/run.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "framework/core/state_layout.hpp"
+#include "framework/core/system/state_layout.hpp"
 
 namespace tomlin {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "framework/core/integrator.hpp"
+#include "framework/core/records/integrator.hpp"
 
 namespace tomlin {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "framework/core/aligned.hpp"
+#include "framework/core/system/aligned.hpp"
 #include "framework/run/stepping.hpp"
 
 namespace tomlin {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/nearest_name.hpp"
+#include "framework/core/text/nearest_name.hpp"
 
 namespace tomlin {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string_view>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/model/model.hpp"
 
 namespace tomlin {

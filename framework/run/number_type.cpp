@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "framework/core/compensated.hpp"
-#include "framework/core/fault.hpp"
+#include "framework/core/system/compensated.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/model/plugin_code.hpp"
 
 namespace tomlin {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "framework/core/scheme.hpp"
+#include "framework/core/system/scheme.hpp"
 #include "framework/model/model.hpp"
 
 /// `[run] number_type`: the numbers that the state is held in. Whoever looks on sees doubles.

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "framework/core/nearest_name.hpp"
+#include "framework/core/text/nearest_name.hpp"
 #include "framework/run/results.hpp"
 
 namespace tomlin {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/run/run.hpp"
 
 /// The numbers of a result by name: the dotted paths of summary.json, components by letter.

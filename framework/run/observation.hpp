@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/aligned.hpp"
+#include "framework/core/system/aligned.hpp"
 #include "framework/run/observer.hpp"
 #include "framework/run/observers/samples.hpp"
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/state_layout.hpp"
+#include "framework/core/system/state_layout.hpp"
 #include "framework/run/context.hpp"
 #include "framework/run/event_log.hpp"
 #include "framework/run/result_group.hpp"

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/core/parameter.hpp"
+#include "framework/core/records/parameter.hpp"
 
 /// What a run reports, declared once: a quantity is a row, and summary.json, dotted observables,
 /// the reference page of results and the summary's JSON Schema walk the rows.

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/kernel_tables.hpp"
-#include "framework/core/scheme.hpp"
+#include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/system/scheme.hpp"
 #include "framework/model/model.hpp"
 #include "framework/run/determined.hpp"
 #include "framework/run/engine.hpp"

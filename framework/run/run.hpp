@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/instruction_set.hpp"
-#include "framework/core/state_layout.hpp"
+#include "framework/core/system/instruction_set.hpp"
+#include "framework/core/system/state_layout.hpp"
 #include "framework/model/assembly.hpp"
 #include "framework/run/result_group.hpp"
 #include "framework/scene/scene.hpp"

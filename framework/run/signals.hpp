@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "framework/core/aligned.hpp"
-#include "framework/core/scheme.hpp"
+#include "framework/core/system/aligned.hpp"
+#include "framework/core/system/scheme.hpp"
 #include "framework/model/model.hpp"
 
 /// The signals of a run that observers look at after every step: the force of each driver along

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/tolerance.hpp"
+#include "framework/core/system/tolerance.hpp"
 #include "framework/run/diagnose.hpp"
 #include "framework/run/time_scale.hpp"
 #include "framework/run/window_warnings.hpp"

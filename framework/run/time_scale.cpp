@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/tolerance.hpp"
+#include "framework/core/system/tolerance.hpp"
 #include "framework/run/watched_integrals.hpp"
 
 namespace tomlin {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "framework/core/instruction_set.hpp"
+#include "framework/core/system/instruction_set.hpp"
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "framework/core/aligned.hpp"
+#include "framework/core/system/aligned.hpp"
 #include "framework/run/context.hpp"
 #include "framework/run/instant.hpp"
 #include "framework/run/rotations.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/scheme.hpp"
+#include "framework/core/system/scheme.hpp"
 #include "framework/model/model.hpp"
 
 namespace tomlin {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/body.hpp"
-#include "framework/core/force.hpp"
-#include "framework/core/observer.hpp"
+#include "framework/core/records/body.hpp"
+#include "framework/core/records/force.hpp"
+#include "framework/core/records/observer.hpp"
 #include "framework/scene/fault_list.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/scene/table_reader.hpp"

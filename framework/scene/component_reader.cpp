@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/nearest_name.hpp"
+#include "framework/core/text/nearest_name.hpp"
 #include "framework/scene/motion_reader.hpp"
 #include "framework/scene/scene_draft.hpp"
 #include "framework/scene/text.hpp"

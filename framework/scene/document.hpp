@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/scene/scene.hpp"
 
 /// A TOML document as a plain tree in file order, each key and value with its place. The TOML

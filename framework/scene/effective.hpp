@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "framework/core/parameter.hpp"
+#include "framework/core/records/parameter.hpp"
 #include "framework/scene/document.hpp"
 
 /// The effective scene: what was read with every default filled in, as TOML.

@@ -5,10 +5,10 @@
 #include <optional>
 #include <utility>
 
-#include "framework/core/body.hpp"
-#include "framework/core/force.hpp"
-#include "framework/core/integrator.hpp"
-#include "framework/core/observer.hpp"
+#include "framework/core/records/body.hpp"
+#include "framework/core/records/force.hpp"
+#include "framework/core/records/integrator.hpp"
+#include "framework/core/records/observer.hpp"
 #include "framework/scene/scene.hpp"
 
 namespace tomlin {

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/core/parameter.hpp"
-#include "framework/core/registry.hpp"
+#include "framework/core/records/parameter.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// The scene language as tables: which keys each table of a scene takes, and what the language
 /// names but this version does not have yet. To switch a feature on, move its line.

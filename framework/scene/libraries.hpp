@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/fault_list.hpp"
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "framework/core/parameter.hpp"
+#include "framework/core/records/parameter.hpp"
 #include "framework/scene/scene.hpp"
 
 /// The units that a scene brings along, from what its records declare: periods, rest lengths,

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <tuple>
 
-#include "framework/core/nearest_name.hpp"
+#include "framework/core/text/nearest_name.hpp"
 #include "framework/scene/units.hpp"
 
 namespace tomlin {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/fault_list.hpp"
 #include "framework/scene/scene.hpp"

@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/body.hpp"
-#include "framework/core/fault.hpp"
-#include "framework/core/force.hpp"
-#include "framework/core/integrator.hpp"
-#include "framework/core/observer.hpp"
-#include "framework/core/registry.hpp"
+#include "framework/core/records/body.hpp"
+#include "framework/core/records/force.hpp"
+#include "framework/core/records/integrator.hpp"
+#include "framework/core/records/observer.hpp"
+#include "framework/core/records/registry.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/scene/motion.hpp"
 
 /// A scene: what a TOML file says, checked and immutable. Nothing is bound yet; see

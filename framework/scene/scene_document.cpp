@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "framework/core/text_file.hpp"
+#include "framework/core/text/text_file.hpp"
 #include "framework/scene/fault_list.hpp"
 #include "framework/scene/reader.hpp"
 #include "framework/scene/settings.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/libraries.hpp"
 #include "framework/scene/scene.hpp"

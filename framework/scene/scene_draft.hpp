@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 #include "framework/scene/checks.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/fault_list.hpp"

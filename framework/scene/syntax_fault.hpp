@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/scene/document.hpp"
 
 namespace tomlin {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "framework/core/nearest_name.hpp"
+#include "framework/core/text/nearest_name.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/text.hpp"
 

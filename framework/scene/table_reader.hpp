@@ -3,8 +3,8 @@
 #include <map>
 #include <string>
 
-#include "framework/core/fault.hpp"
-#include "framework/core/parameter.hpp"
+#include "framework/core/records/parameter.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/fault_list.hpp"
 #include "framework/scene/language.hpp"

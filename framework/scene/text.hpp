@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/core/utf8.hpp"
+#include "framework/core/text/utf8.hpp"
 
 /// Text for messages.
 namespace tomlin {

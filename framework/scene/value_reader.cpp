@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/nearest_name.hpp"
+#include "framework/core/text/nearest_name.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/language.hpp"
 #include "framework/scene/text.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/parameter.hpp"
+#include "framework/core/records/parameter.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/fault_list.hpp"
 #include "framework/scene/parameter_table.hpp"

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/study/variants.hpp"
 
 namespace tomlin {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/study/pilot.hpp"

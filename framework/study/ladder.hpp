@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/integrator.hpp"
+#include "framework/core/records/integrator.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/study/variants.hpp"
 

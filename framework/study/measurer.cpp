@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/run/observables.hpp"
 
 namespace tomlin {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
 

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/run/results.hpp"
 #include "framework/scene/natural_units.hpp"
 

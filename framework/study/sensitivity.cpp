@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/math.hpp"
+#include "framework/core/numbers/math.hpp"
 
 namespace tomlin {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/run/observables.hpp"
 #include "framework/study/measurer.hpp"

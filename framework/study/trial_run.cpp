@@ -7,7 +7,7 @@
 #include <thread>
 #include <utility>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/run/side_run.hpp"
 #include "framework/study/ladder.hpp"
 

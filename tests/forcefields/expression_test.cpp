@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/run/engine.hpp"
 #include "tests/support/conformance.hpp"
 #include "tests/support/scenes.hpp"

@@ -16,8 +16,8 @@
 #include "tests/support/order.hpp"
 #include "tests/support/scenes.hpp"
 
-// Operators (framework/core/flow.hpp): the model's own, of linear friction, and those that forces
-// hand out; each alone, and in runs of velocity_verlet.
+// Operators (framework/core/system/flow.hpp): the model's own, of linear friction, and those that
+// forces hand out; each alone, and in runs of velocity_verlet.
 
 namespace tomlin::test {
 namespace {

@@ -9,11 +9,11 @@
 
 #include "forcefields/memory_damping.hpp"
 #include "forcefields/viscous_damping.hpp"
-#include "framework/core/own_state_force.hpp"
-#include "framework/core/random.hpp"
+#include "framework/core/elements/own_state_force.hpp"
+#include "framework/core/numbers/random.hpp"
 #include "tests/forcefields/planted.hpp"
 
-/// Forces with an operator of their own (framework/core/flow.hpp), right and wrong.
+/// Forces with an operator of their own (framework/core/system/flow.hpp), right and wrong.
 namespace tomlin::test {
 
 /// One coordinate of one flow.

@@ -11,7 +11,7 @@
 
 #include "forcefields/sinusoidal_substrate.hpp"
 #include "forcefields/viscous_damping.hpp"
-#include "framework/core/parameter.hpp"
+#include "framework/core/records/parameter.hpp"
 #include "tests/forcefields/planted.hpp"
 
 // Every force in float, double and quadruple numbers: one force, each to its own rounding.

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "framework/core/bound_force.hpp"
-#include "framework/core/element.hpp"
+#include "framework/core/elements/element.hpp"
+#include "framework/core/records/bound_force.hpp"
 
 namespace tomlin::test {
 

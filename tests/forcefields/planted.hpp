@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/kernels.hpp"
-#include "framework/core/site_force.hpp"
+#include "framework/core/elements/kernels.hpp"
+#include "framework/core/elements/site_force.hpp"
 #include "tests/support/conformance.hpp"
 #include "tests/support/scenes.hpp"
 

@@ -11,9 +11,9 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/citation.hpp"
-#include "framework/core/fault.hpp"
-#include "framework/core/force.hpp"
+#include "framework/core/records/force.hpp"
+#include "framework/core/text/citation.hpp"
+#include "framework/core/text/fault.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"
 

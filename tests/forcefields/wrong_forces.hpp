@@ -11,7 +11,7 @@
 #include "forcefields/memory_damping.hpp"
 #include "forcefields/sinusoidal_substrate.hpp"
 #include "forcefields/viscous_damping.hpp"
-#include "framework/core/own_state_force.hpp"
+#include "framework/core/elements/own_state_force.hpp"
 #include "tests/forcefields/planted.hpp"
 
 /// Evaluators and bound forces that are wrong on purpose, each in one way.

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "forcefields/harmonic_bonds.hpp"
-#include "framework/core/bound_force.hpp"
-#include "framework/core/element.hpp"
-#include "framework/core/force.hpp"
+#include "framework/core/elements/element.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/records/force.hpp"
 #include "tests/forcefields/planted.hpp"
 
 /// Bonds between neighbours in a plain loop, by a law that may be wrong:

@@ -15,10 +15,15 @@ TABLE = "| part | stands on |"
 
 
 def part_of(path):
-    """framework/run/run.hpp: run; framework/tomlin.hpp: tomlin; integrators/rk4.cpp: integrators."""
+    """framework/run/run.hpp: run; framework/tomlin.hpp: tomlin; integrators/rk4.cpp: integrators.
+
+    The folders of core are parts of their own: framework/core/text/utf8.hpp: text.
+    """
     parts = path.split("/")
     if parts[0] != "framework":
         return parts[0]
+    if parts[1] == "core":
+        return parts[2]
     return parts[1] if len(parts) > 2 else "tomlin"
 
 
@@ -67,8 +72,10 @@ def main():
     found = faults(files, below)
     for fault in found:
         print(fault)
-    # Planted: an arrow that leads upwards, and one to the side.
-    planted = [("framework/core/planted.hpp", '#include "framework/scene/scene.hpp"\n'),
+    # Planted: arrows that lead upwards, and one to the side.
+    planted = [("framework/core/system/planted.hpp", '#include "framework/scene/scene.hpp"\n'),
+               ("framework/core/numbers/planted.hpp",
+                '#include "framework/core/system/system.hpp"\n'),
                ("integrators/planted.cpp", '#include "forcefields/register.hpp"\n')]
     if len(faults(planted, below)) != len(planted):
         print("a planted fault was not seen")

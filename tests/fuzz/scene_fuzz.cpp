@@ -8,7 +8,7 @@
 
 #include "forcefields/register.hpp"
 #include "framework/bodies/register.hpp"
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/scene/scene.hpp"
 #include "integrators/register.hpp"
 

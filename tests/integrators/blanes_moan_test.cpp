@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/integrator.hpp"
+#include "framework/core/records/integrator.hpp"
 #include "tests/support/order.hpp"
 #include "tests/support/ring_scenes.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/integrator.hpp"
+#include "framework/core/records/integrator.hpp"
 #include "tests/support/scenes.hpp"
 
 // SUNDIALS' CVODE, Adams and BDF, on the equations of three models written out by hand, against

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/random.hpp"
+#include "framework/core/numbers/random.hpp"
 #include "tests/support/scenes.hpp"
 
 // Bonds as modes of a shape hold while the shape does: over random bodies, exponential_verlet is

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/integrator.hpp"
+#include "framework/core/records/integrator.hpp"
 #include "tests/support/oscillator.hpp"
 
 // Friction from a thousandth of what stops a motion within a step to a thousand times that, under

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/integrator.hpp"
+#include "framework/core/records/integrator.hpp"
 #include "integrators/dopri5_kernels.hpp"
 #include "tests/support/oscillator.hpp"
 #include "tests/support/scenes.hpp"

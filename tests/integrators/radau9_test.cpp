@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/integrator.hpp"
+#include "framework/core/records/integrator.hpp"
 #include "integrators/radau9_tableau.hpp"
 #include "tests/support/order.hpp"
 #include "tests/support/oscillator.hpp"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/integrator.hpp"
+#include "framework/core/records/integrator.hpp"
 #include "tests/support/oscillator.hpp"
 #include "tests/support/scenes.hpp"
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "framework/core/registry.hpp"
+#include "framework/core/records/registry.hpp"
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/standard_registry.hpp"

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/bound_force.hpp"
-#include "framework/core/force.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/records/force.hpp"
 #include "tests/support/flow_check.hpp"
 #include "tests/support/force_bench.hpp"
 #include "tests/support/number_types.hpp"

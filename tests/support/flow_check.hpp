@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/flow.hpp"
+#include "framework/core/system/flow.hpp"
 #include "tests/support/order.hpp"
 
 namespace tomlin::test {
 
-/// Holds the flow of an operator against its contract (framework/core/flow.hpp).
+/// Holds the flow of an operator against its contract (framework/core/system/flow.hpp).
 class FlowCheck {
  public:
   using Numbers = std::vector<double>;

@@ -10,9 +10,9 @@
 #include <random>
 #include <vector>
 
-#include "framework/core/bound_force.hpp"
-#include "framework/core/force.hpp"
-#include "framework/core/number_types.hpp"
+#include "framework/core/numbers/number_types.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/records/force.hpp"
 
 /// A force bound to bodies of the test's own, in any number type, with arrays that can be poked.
 namespace tomlin::test {

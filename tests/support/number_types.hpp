@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/force.hpp"
-#include "framework/core/quad.hpp"
+#include "framework/core/numbers/quad.hpp"
+#include "framework/core/records/force.hpp"
 #include "tests/support/force_bench.hpp"
 #include "tests/support/random_description.hpp"
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/parameter.hpp"
+#include "framework/core/records/parameter.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/scene.hpp"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/bound_force.hpp"
-#include "framework/core/force.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/records/force.hpp"
 #include "framework/standard_registry.hpp"
 
 namespace tomlin::test {

@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "framework/core/force.hpp"
+#include "framework/core/records/force.hpp"
 #include "tests/support/force_bench.hpp"
 
 /// Descriptions of a force drawn at random from the rows of its own record.

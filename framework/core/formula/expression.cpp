@@ -13,7 +13,7 @@
 #include <boost/container/small_vector.hpp>
 
 #include "framework/core/formula/rounded_functions.hpp"
-#include "framework/core/nearest_name.hpp"
+#include "framework/core/text/nearest_name.hpp"
 
 namespace tomlin {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "framework/core/formula/expression.hpp"
 #include "framework/core/formula/program.hpp"
-#include "framework/core/parameter.hpp"
+#include "framework/core/records/parameter.hpp"
 
 /// What the formulas of a force mean: over which elements they are, and the code for the energy,
 /// the force and the second derivatives of one element.

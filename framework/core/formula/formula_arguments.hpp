@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "framework/core/formula/program.hpp"
-#include "framework/core/kernel_arguments.hpp"
+#include "framework/core/system/kernel_arguments.hpp"
 
 /// What the kernels of formulas work on, and their table. Plain data only, see stage.hpp.
 namespace tomlin {

@@ -14,17 +14,17 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/bound_force.hpp"
-#include "framework/core/dual.hpp"
-#include "framework/core/force.hpp"
+#include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/elements/nearest_image.hpp"
+#include "framework/core/elements/pairs.hpp"
 #include "framework/core/formula/formula.hpp"
 #include "framework/core/formula/formula_arguments.hpp"
-#include "framework/core/inverse_trigonometry.hpp"
-#include "framework/core/kernel_tables.hpp"
-#include "framework/core/nearest_image.hpp"
-#include "framework/core/number_types.hpp"
-#include "framework/core/pairs.hpp"
-#include "framework/core/sum.hpp"
+#include "framework/core/numbers/dual.hpp"
+#include "framework/core/numbers/inverse_trigonometry.hpp"
+#include "framework/core/numbers/number_types.hpp"
+#include "framework/core/numbers/sum.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/records/force.hpp"
 
 TOMLIN_DECLARE_TABLES(FormulaKernels, FormulaKernelTable)
 

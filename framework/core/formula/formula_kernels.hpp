@@ -3,10 +3,10 @@
 #include <cstddef>
 #include <type_traits>
 
+#include "framework/core/elements/kernels.hpp"
+#include "framework/core/elements/nearest_image.hpp"
 #include "framework/core/formula/formula_arguments.hpp"
 #include "framework/core/formula/interpreter.hpp"
-#include "framework/core/kernels.hpp"
-#include "framework/core/nearest_image.hpp"
 
 /// The loops over elements for formulas of a scene: particles, centres of mass, pairs and angles.
 /// One set of kernels for all formulas and dimensions; the formula comes with the arguments.

@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "framework/core/inverse_trigonometry.hpp"
-#include "framework/core/number_types.hpp"
+#include "framework/core/numbers/inverse_trigonometry.hpp"
+#include "framework/core/numbers/number_types.hpp"
 
 namespace tomlin {
 namespace {

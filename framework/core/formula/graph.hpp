@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "framework/core/formula/expression.hpp"
-#include "framework/core/quad.hpp"
+#include "framework/core/numbers/quad.hpp"
 
 /// Formulas as a graph in which equal parts are one node, and their exact derivatives.
 ///

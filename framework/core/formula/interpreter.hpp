@@ -3,9 +3,9 @@
 #include <cstddef>
 
 #include "framework/core/formula/formula_arguments.hpp"
-#include "framework/core/inverse_trigonometry.hpp"
-#include "framework/core/math.hpp"
-#include "framework/core/number_types.hpp"
+#include "framework/core/numbers/inverse_trigonometry.hpp"
+#include "framework/core/numbers/math.hpp"
+#include "framework/core/numbers/number_types.hpp"
 
 /// Runs the code of a formula on blocks of elements.
 ///

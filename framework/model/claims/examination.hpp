@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/core/force.hpp"
+#include "framework/core/records/force.hpp"
 #include "framework/model/claims.hpp"
 #include "framework/model/force_alone.hpp"
 #include "framework/model/force_twin.hpp"

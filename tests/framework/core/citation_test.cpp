@@ -1,4 +1,4 @@
-#include "framework/core/citation.hpp"
+#include "framework/core/text/citation.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "framework/core/double_double.hpp"
+#include "framework/core/numbers/double_double.hpp"
 
 #include <cmath>
 

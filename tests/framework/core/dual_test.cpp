@@ -1,4 +1,4 @@
-#include "framework/core/dual.hpp"
+#include "framework/core/numbers/dual.hpp"
 
 #include <cmath>
 

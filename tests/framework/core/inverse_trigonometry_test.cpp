@@ -1,4 +1,4 @@
-#include "framework/core/inverse_trigonometry.hpp"
+#include "framework/core/numbers/inverse_trigonometry.hpp"
 
 #include <algorithm>
 #include <cmath>

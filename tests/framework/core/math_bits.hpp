@@ -6,8 +6,8 @@
 #include <limits>
 #include <type_traits>
 
-#include "framework/core/math.hpp"
-#include "framework/core/number_types.hpp"
+#include "framework/core/numbers/math.hpp"
+#include "framework/core/numbers/number_types.hpp"
 #include "tests/framework/core/target_test.hpp"
 
 namespace tomlin {

@@ -1,4 +1,4 @@
-#include "framework/core/math.hpp"
+#include "framework/core/numbers/math.hpp"
 
 #include <cmath>
 

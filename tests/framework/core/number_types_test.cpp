@@ -1,11 +1,11 @@
 // What every number type has to offer, asked of double, float and Quad and of their packs alike.
-#include "framework/core/number_types.hpp"
+#include "framework/core/numbers/number_types.hpp"
 
 #include <algorithm>
 #include <cstdint>
 
-#include "framework/core/dual.hpp"
-#include "framework/core/inverse_trigonometry.hpp"
+#include "framework/core/numbers/dual.hpp"
+#include "framework/core/numbers/inverse_trigonometry.hpp"
 #include "tests/framework/core/target_test.hpp"
 
 namespace tomlin {

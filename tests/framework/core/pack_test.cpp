@@ -1,6 +1,6 @@
-#include "framework/core/pack.hpp"
+#include "framework/core/numbers/pack.hpp"
 
-#include "framework/core/vec.hpp"
+#include "framework/core/numbers/vec.hpp"
 #include "tests/framework/core/target_test.hpp"
 
 namespace tomlin {

@@ -1,4 +1,4 @@
-#include "framework/core/quad.hpp"
+#include "framework/core/numbers/quad.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -6,8 +6,8 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <gtest/gtest.h>
 
-#include "framework/core/inverse_trigonometry.hpp"
-#include "framework/core/number_types.hpp"
+#include "framework/core/numbers/inverse_trigonometry.hpp"
+#include "framework/core/numbers/number_types.hpp"
 #include "tests/framework/core/target_test.hpp"
 
 namespace tomlin {

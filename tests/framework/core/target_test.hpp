@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/target.hpp"
+#include "framework/core/numbers/target.hpp"
 
 // TARGET_TEST(Suite, Name) is TEST(Suite_avx2, Name) in the avx2 copy, and so on. It skips itself
 // on a processor that cannot run the copy.

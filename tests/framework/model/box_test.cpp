@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "forcefields/morse_bonds.hpp"
-#include "framework/core/bonds.hpp"
-#include "framework/core/kernel_tables.hpp"
-#include "framework/core/pair_force.hpp"
+#include "framework/core/elements/bonds.hpp"
+#include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/elements/pair_force.hpp"
 #include "tests/support/ring_scenes.hpp"
 #include "tests/support/spoilt_registry.hpp"
 

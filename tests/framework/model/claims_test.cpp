@@ -12,7 +12,7 @@
 #include "forcefields/harmonic_bonds.hpp"
 #include "forcefields/sinusoidal_substrate.hpp"
 #include "forcefields/viscous_damping.hpp"
-#include "framework/core/bound_force.hpp"
+#include "framework/core/records/bound_force.hpp"
 #include "tests/support/ring_scenes.hpp"
 #include "tests/support/spoilt_registry.hpp"
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/bound_force.hpp"
-#include "framework/core/force.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/records/force.hpp"
 #include "tests/support/order.hpp"
 #include "tests/support/ring_scenes.hpp"
 

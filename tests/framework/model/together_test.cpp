@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/state_layout.hpp"
+#include "framework/core/system/state_layout.hpp"
 #include "framework/model/claims.hpp"
 #include "framework/model/model.hpp"
 #include "tests/support/ring_scenes.hpp"

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/output/event_table.hpp"
 #include "framework/output/run_recorder.hpp"
 #include "framework/output/table.hpp"

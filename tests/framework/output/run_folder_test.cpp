@@ -6,7 +6,7 @@
 #include <sys/types.h>
 #include <unistd.h>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "tests/framework/output/disk_limit.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
 

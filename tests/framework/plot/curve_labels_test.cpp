@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "framework/plot/stored_run.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
 

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
 
 namespace tomlin {

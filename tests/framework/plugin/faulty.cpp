@@ -1,8 +1,8 @@
 #include <stdexcept>
 
-#include "framework/core/bound_force.hpp"
-#include "framework/core/element.hpp"
-#include "framework/core/registry.hpp"
+#include "framework/core/elements/element.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/records/registry.hpp"
 
 // A force whose library goes wrong in the way that the environment variable FAULT says. All in one
 // file: the kernels are made from it as well.
@@ -56,7 +56,7 @@ struct Faulty {
 
 #include <unistd.h>
 
-#include "framework/core/site_force.hpp"
+#include "framework/core/elements/site_force.hpp"
 #include "framework/plugin/plugin.hpp"
 
 TOMLIN_DECLARE_KERNELS(Faulty)

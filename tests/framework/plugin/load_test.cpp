@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include "framework/core/force.hpp"
-#include "framework/core/integrator.hpp"
-#include "framework/core/observer.hpp"
+#include "framework/core/records/force.hpp"
+#include "framework/core/records/integrator.hpp"
+#include "framework/core/records/observer.hpp"
 #include "framework/plugin/registration.hpp"
 #include "framework/standard_registry.hpp"
 #include "tests/framework/plugin/plugin_files.hpp"
@@ -192,11 +192,11 @@ void expect_whole(const std::string& header, const std::string& contract, const 
 
 /// What a force or an integrator of a plugin is asked, its guard passes on.
 TEST(Plugins, TheGuardOfForcesIsWhole) {
-  expect_whole("core/bound_force.hpp", "BoundForce", "force_->", 20);
+  expect_whole("core/records/bound_force.hpp", "BoundForce", "force_->", 20);
 }
 TEST(Plugins, TheGuardOfIntegratorsIsWhole) {
-  expect_whole("core/scheme.hpp", "Integrator", "integrator_->", 14);
-  expect_whole("core/scheme.hpp", "EquilibriumPath", "path_.", 6);
+  expect_whole("core/system/scheme.hpp", "Integrator", "integrator_->", 14);
+  expect_whole("core/system/scheme.hpp", "EquilibriumPath", "path_.", 6);
 }
 
 /// Beside one that is refused the others are loaded, and all refusals are told.

@@ -1,6 +1,6 @@
 #include "morse.hpp"
 
-#include "framework/core/pair_force.hpp"
+#include "framework/core/elements/pair_force.hpp"
 #include "framework/plugin/plugin.hpp"
 
 TOMLIN_DECLARE_KERNELS(Morse)

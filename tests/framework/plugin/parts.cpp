@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "framework/core/aligned.hpp"
-#include "framework/core/scheme.hpp"
+#include "framework/core/system/aligned.hpp"
+#include "framework/core/system/scheme.hpp"
 #include "framework/plugin/plugin.hpp"
 
 // What is no force: a body, an integrator and an observer of one's own.

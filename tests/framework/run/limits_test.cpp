@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "tests/support/scenes.hpp"
 
 // What a run says where a scene asks for more than it can have.

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/quad.hpp"
+#include "framework/core/numbers/quad.hpp"
 #include "tests/support/order.hpp"
 #include "tests/support/ring_scenes.hpp"
 

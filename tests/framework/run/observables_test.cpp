@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "tests/support/results.hpp"
 #include "tests/support/scenes.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/state_layout.hpp"
+#include "framework/core/system/state_layout.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // Everything that changes during a run is in one declared layout: it can be taken apart by replica,

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 
 // Settings written into a scene's text: what a person has written besides stays.
 

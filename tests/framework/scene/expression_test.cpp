@@ -18,7 +18,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/nearest_name.hpp"
+#include "framework/core/text/nearest_name.hpp"
 #include "framework/scene/parameter_table.hpp"
 
 namespace tomlin {

@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "framework/core/body.hpp"
-#include "framework/core/force.hpp"
-#include "framework/core/integrator.hpp"
-#include "framework/core/registry.hpp"
+#include "framework/core/records/body.hpp"
+#include "framework/core/records/force.hpp"
+#include "framework/core/records/integrator.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// A private registry for the tests of the scene layer: nothing in it can be bound.
 namespace tomlin::test {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/core/fault.hpp"
+#include "framework/core/text/fault.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace tomlin {

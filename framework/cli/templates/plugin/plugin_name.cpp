@@ -1,6 +1,6 @@
 #include "plugin_name.hpp"
 
-#include "framework/core/site_force.hpp"
+#include "framework/core/elements/site_force.hpp"
 #include "framework/plugin/plugin.hpp"
 
 TOMLIN_DECLARE_KERNELS(PluginName)

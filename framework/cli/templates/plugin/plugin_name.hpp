@@ -1,8 +1,8 @@
 #pragma once
 
-#include "framework/core/bound_force.hpp"
-#include "framework/core/element.hpp"
-#include "framework/core/registry.hpp"
+#include "framework/core/elements/element.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/records/registry.hpp"
 
 /// What the force is: a harmonic trap about the scene's zero. Put your own in its place.
 ///
@@ -23,7 +23,8 @@ ForceRecord plugin_name_record();
 inline namespace TOMLIN_TARGET {
 
 /// The evaluator: one particle in D dimensions, whatever the number type T. No loop over particles,
-/// no branch on a number, no std:: mathematics (framework/core/math.hpp has exp, sin_turns, ...).
+/// no branch on a number, no std:: mathematics (framework/core/numbers/math.hpp has exp, sin_turns,
+/// ...).
 struct PluginName {
   using Description = PluginNameDescription;
   static constexpr Reads reads{};  // positions only; {.velocity = true} for more

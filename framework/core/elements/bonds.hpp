@@ -1,0 +1,118 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "framework/core/elements/pair_force.hpp"
+#include "framework/core/records/force.hpp"
+
+/// What bonds of any form share: chosen pairs, each with a rest length, kept as the pair's datum.
+/// A description of bonds has members `pairs` and `rest_lengths`.
+namespace tomlin {
+
+/// How many pairs a selection means on the bodies of a scene.
+inline std::uint64_t count_of(const PairSelection& selection, const SceneOutline& scene) {
+  const auto n = static_cast<std::uint64_t>(scene.bodies.front().count);
+  switch (selection.kind) {
+    case PairSelection::Kind::all:
+      return scene.bodies.size() == 2 ? n * static_cast<std::uint64_t>(scene.bodies.back().count)
+                                      : n * (n - 1) / 2;
+    case PairSelection::Kind::neighbours:
+      return n - 1 + (scene.bodies.front().closed && n > 2 ? 1 : 0);
+    case PairSelection::Kind::list:
+      return selection.list.size();
+  }
+  return 0;
+}
+
+/// For ForceRecord::pairs.
+template <class Description>
+std::uint64_t bond_count(const void* description, const SceneOutline& scene) {
+  return count_of(static_cast<const Description*>(description)->pairs, scene);
+}
+
+/// For ForceRecord::complaints.
+template <class Description>
+std::vector<Complaint> bond_complaints(const void* description, const SceneOutline& scene) {
+  const auto& d = *static_cast<const Description*>(description);
+  std::vector<Complaint> found;
+  const std::size_t given = d.rest_lengths.numbers.size();
+  const std::uint64_t due = count_of(d.pairs, scene);
+  if (given > 1 && given != due) {
+    found.push_back({"rest_lengths", fmt::format("{} lengths for {} pairs", given, due),
+                     "\"initial\", one length for all pairs, or one each"});
+  }
+  for (const double length : d.rest_lengths.numbers) {
+    if (length < 0.0) {
+      found.push_back({"rest_lengths", "a length is negative", ">= 0"});
+      break;
+    }
+  }
+  return found;
+}
+
+/// The rows of `pairs`, and of `rest_lengths`.
+template <class Description>
+Parameter bonded_pairs() {
+  return parameter(
+      "pairs", &Description::pairs, dimension::none,
+      "which pairs are bonded: \"all\", \"neighbours\" (each particle with the next; the last with "
+      "the first in a ring, and in a chain along a periodic axis) or a list of index pairs; "
+      "between two bodies \"all\" is each particle of the first with each of the "
+      "second, and the first index of a pair is in the first body; in a periodic box a "
+      "bond keeps the images with which it starts, and is warned of where it becomes as long as "
+      "half "
+      "the box");
+}
+template <class Description>
+Parameter bond_rest_lengths() {
+  return parameter("rest_lengths", &Description::rest_lengths, dimension::length,
+                   "\"initial\", one length for all pairs, or one each")
+      .one_of({"initial"})
+      .by_default(WordOrNumbers{.word = "initial", .numbers = {}});
+}
+
+/// Rest lengths in the pairs' order. The distances at the start are taken as the kernels take
+/// them, so that no bond starts with a force of rounding.
+template <class Real, int D>
+void set_rest_lengths(const WordOrNumbers& rest, const Binding<Real>& binding,
+                      std::vector<BoundPair<Real>>& pairs) {
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (rest.numbers.empty()) {
+      pairs[k].datum = distance(separation_at_start<Real, D>(binding, pairs[k]));
+    } else {
+      pairs[k].datum = Real(rest.numbers[rest.numbers.size() == 1 ? 0 : k]);
+      // On a line the kernels take either side for granted. In one place there is none: no number,
+      // so that the first step fails.
+      const bool coincide =
+          D == 1 && separation_at_start<Real, D>(binding, pairs[k])[0] == Real(0.0);
+      if (coincide && pairs[k].datum != Real(0.0)) pairs[k].datum = Real(__builtin_nan(""));
+    }
+  }
+}
+
+/// The whole binding of bonds, in every number type:
+/// `record.bind = on_bonds<Evaluator, kernels::Evaluator>()`.
+template <class E, const KernelTables& tables, int rank, class Real>
+std::unique_ptr<BoundForce<Real>> bind_on_bonds(const void* description,
+                                                const Binding<Real>& binding) {
+  const auto& d = *static_cast<const typename E::Description*>(description);
+  BoundPairs<Real> bound = pairs_of(d.pairs, binding, PairImages::kept);
+  return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
+    set_rest_lengths<Real, D>(d.rest_lengths, binding, bound.pairs);
+    return std::make_unique<PairForce<E, Real, D>>(d, binding, tables, std::move(bound), rank);
+  });
+}
+
+template <class E, const KernelTables& tables, int rank>
+ForceFactories on_bonds() {
+  return {&bind_on_bonds<E, tables, rank, double>, &bind_on_bonds<E, tables, rank, float>,
+          &bind_on_bonds<E, tables, rank, Quad>};
+}
+
+}  // namespace tomlin

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <type_traits>
+
+#include "framework/core/numbers/quad.hpp"
+#include "framework/core/system/instruction_set.hpp"
+#include "framework/core/system/kernel_arguments.hpp"
+
+namespace tomlin {
+
+/// The same kernels on each instruction set. Null: not compiled in this build.
+template <class Table>
+struct TablesBySet {
+  const Table* baseline = nullptr;
+  const Table* avx2 = nullptr;
+  const Table* avx512 = nullptr;
+
+  const Table& on(InstructionSet set) const {
+    if (set == InstructionSet::avx512 && avx512) return *avx512;
+    if (set == InstructionSet::avx2 && avx2) return *avx2;
+    return *baseline;
+  }
+};
+
+/// The same kernels in each number type. Quadruple numbers have no vector instructions, and so one
+/// table only.
+template <template <class Real> class Table>
+struct TablesByType {
+  TablesBySet<Table<double>> in_double;
+  TablesBySet<Table<float>> in_float;
+  TablesBySet<Table<Quad>> in_quadruple;
+
+  template <class Real>
+  const Table<Real>& on(InstructionSet set) const {
+    if constexpr (std::is_same_v<Real, double>) {
+      return in_double.on(set);
+    } else if constexpr (std::is_same_v<Real, float>) {
+      return in_float.on(set);
+    } else {
+      return in_quadruple.on(set);
+    }
+  }
+};
+
+using KernelTables = TablesByType<KernelTable>;
+
+}  // namespace tomlin
+
+// A set that the build leaves out (TOMLIN_INSTRUCTION_SETS in cmake/TomlinKernels.cmake) has no
+// tables.
+#if defined(TOMLIN_KERNELS_AVX2)
+#define TOMLIN_TABLE_AVX2(table) &table
+#else
+#define TOMLIN_TABLE_AVX2(table) nullptr
+#endif
+#if defined(TOMLIN_KERNELS_AVX512)
+#define TOMLIN_TABLE_AVX512(table) &table
+#else
+#define TOMLIN_TABLE_AVX512(table) nullptr
+#endif
+// Number types that a plugin leaves out (cmake/TomlinPlugin.cmake): it is not run in them.
+#if defined(TOMLIN_WITHOUT_FLOAT)
+#define TOMLIN_TABLES_FLOAT(baseline, avx2, avx512) \
+  {}
+#else
+#define TOMLIN_TABLES_FLOAT(baseline, avx2, avx512) \
+  { &baseline, TOMLIN_TABLE_AVX2(avx2), TOMLIN_TABLE_AVX512(avx512) }
+#endif
+#if defined(TOMLIN_WITHOUT_QUAD)
+#define TOMLIN_TABLES_QUAD(baseline) \
+  {}
+#else
+#define TOMLIN_TABLES_QUAD(baseline) \
+  { &baseline, nullptr, nullptr }
+#endif
+
+/// In a component's .cpp: the tables that its kernel files define
+/// (framework/core/elements/kernels.hpp), as tomlin::kernels::NAME. Macros, because names are
+/// pasted.
+#define TOMLIN_DECLARE_DOUBLE_TABLES(Name, Table)                                         \
+  namespace tomlin::kernels {                                                             \
+  extern const Table Name##_double_baseline;                                              \
+  extern const Table Name##_double_avx2;                                                  \
+  extern const Table Name##_double_avx512;                                                \
+  inline constexpr TablesBySet<Table> Name = {&Name##_double_baseline,                    \
+                                              TOMLIN_TABLE_AVX2(Name##_double_avx2),      \
+                                              TOMLIN_TABLE_AVX512(Name##_double_avx512)}; \
+  }
+#define TOMLIN_DECLARE_TABLES(Name, Table)                                                \
+  namespace tomlin::kernels {                                                             \
+  extern const Table<double> Name##_double_baseline;                                      \
+  extern const Table<double> Name##_double_avx2;                                          \
+  extern const Table<double> Name##_double_avx512;                                        \
+  extern const Table<float> Name##_float_baseline;                                        \
+  extern const Table<float> Name##_float_avx2;                                            \
+  extern const Table<float> Name##_float_avx512;                                          \
+  extern const Table<Quad> Name##_Quad_baseline;                                          \
+  inline constexpr TablesByType<Table> Name = {                                           \
+      {&Name##_double_baseline, TOMLIN_TABLE_AVX2(Name##_double_avx2),                    \
+       TOMLIN_TABLE_AVX512(Name##_double_avx512)},                                        \
+      TOMLIN_TABLES_FLOAT(Name##_float_baseline, Name##_float_avx2, Name##_float_avx512), \
+      TOMLIN_TABLES_QUAD(Name##_Quad_baseline)};                                          \
+  }
+#define TOMLIN_DECLARE_KERNELS(Evaluator) TOMLIN_DECLARE_TABLES(Evaluator, KernelTable)

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/elements/own_state.hpp"
+#include "framework/core/elements/site_force.hpp"
+#include "framework/core/numbers/sum.hpp"
+
+/// Bound forces with a vector of their own for each particle, made from an evaluator.
+namespace tomlin {
+
+template <class E, class Real, int D>
+class OwnStateForce : public BoundForce<Real> {
+ public:
+  OwnStateForce(const typename E::Description& description, const Binding<Real>& binding,
+                const KernelTables& tables, int rank)
+      : parameters_(E::template parameters<Real, D>(description)),
+        table_(tables.on<Real>(binding.set)),
+        body_(*binding.bodies.front()),
+        rank_(rank) {
+    arguments_.body = body_.slot;
+    arguments_.parameters = &parameters_;
+  }
+
+  std::vector<Pass<Real>> passes() override {
+    return {{table_.site.set[D - 1],
+             table_.site.add[D - 1],
+             &arguments_,
+             {{body_.index, false}},
+             rank_}};
+  }
+
+  std::size_t own_count() const override { return D * body_.slot.count; }
+  void place_own(std::size_t first) override { arguments_.own = first; }
+  /// At rest, with nothing behind it.
+  void start_own(Real* own) const override {
+    std::fill_n(own + arguments_.own, own_count(), Real(0.0));
+  }
+
+  Real energy(const Stage<Real>& stage) const override {
+    InterleavedSum<Real> total;
+    for (std::size_t i = 0; i < body_.slot.count; ++i) {
+      total.add(i, E::energy(parameters_, site(stage, i)));
+    }
+    return total.total();
+  }
+
+  bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
+    heat_ = arguments_;
+    heat_.heat_rate = rate;
+    operation = {table_.heat[D - 1], &heat_};
+    return true;
+  }
+
+ private:
+  OwnSite<Real, D> site(const Stage<Real>& stage, std::size_t i) const {
+    OwnSite<Real, D> site;
+    site.position = vector_at<D>(body_.slot, stage.position, stage.mapped_position, i);
+    site.velocity = vector_at<D>(body_.slot, stage.velocity, stage.mapped_velocity, i);
+    for (int d = 0; d < D; ++d) site.own[d] = stage.own[arguments_.own + d * body_.slot.count + i];
+    return site;
+  }
+
+  typename E::template Parameters<Real, D> parameters_;
+  const KernelTable<Real>& table_;
+  BoundBody<Real> body_;
+  int rank_;
+  OwnStateArguments<Real> arguments_;
+  OwnStateArguments<Real> heat_;
+};
+
+/// The whole binding, in every number type:
+/// `record.bind = on_particles_with_state<Evaluator, kernels::Evaluator, kRankCheap>()`.
+template <class E, const KernelTables& tables, int rank, class Real>
+std::unique_ptr<BoundForce<Real>> bind_with_state(const void* description,
+                                                  const Binding<Real>& binding) {
+  const auto& d = *static_cast<const typename E::Description*>(description);
+  return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
+    return std::make_unique<OwnStateForce<E, Real, D>>(d, binding, tables, rank);
+  });
+}
+
+template <class E, const KernelTables& tables, int rank>
+ForceFactories on_particles_with_state() {
+  return {&bind_with_state<E, tables, rank, double>, &bind_with_state<E, tables, rank, float>,
+          &bind_with_state<E, tables, rank, Quad>};
+}
+
+}  // namespace tomlin

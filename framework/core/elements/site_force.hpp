@@ -1,0 +1,326 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "framework/core/elements/element.hpp"
+#include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/numbers/sum.hpp"
+#include "framework/core/records/bound_force.hpp"
+#include "framework/core/records/force.hpp"
+
+/// Bound forces on sites, made from an evaluator: on every particle of a body, or on one attached
+/// point of it. The hot loops come from the kernel tables; what runs rarely is written here.
+namespace tomlin {
+
+/// In place of a particle's index.
+inline constexpr std::ptrdiff_t kCentreOfMass = -1;
+
+/// Numbers of one particle of a body.
+template <int D, class Real>
+Vec<Real, D> vector_at(const BodySlot<Real>& slot, const Real* plain, const Real* mapped,
+                       std::size_t particle) {
+  const Real* from = (slot.mapped ? mapped : plain) + slot.offset + particle;
+  Vec<Real, D> x;
+  for (int d = 0; d < D; ++d) x[d] = from[d * slot.stride];
+  return x;
+}
+
+/// d2V/dx_a dx_b of a site, from the derivative of the force.
+template <class E, class Real, int D, class Use>
+void for_curvature(const typename E::template Parameters<Real, D>& p, const Site<Real, D>& site,
+                   Use&& use) {
+  const auto force =
+      force_on<E, Dual<Real, D>, D>(in_type<E, Dual<Real, D>, Real, D>(p), differentiable(site));
+  for (int a = 0; a < D; ++a) {
+    for (int b = 0; b < D; ++b) use(a, b, static_cast<double>(-force[a].derivative[b]));
+  }
+}
+
+/// What sites of either kind share: parameters, rates, bounds.
+template <class E, class Real, int D>
+class ForceOnSites : public BoundForce<Real> {
+ public:
+  using Parameters = typename E::template Parameters<Real, D>;
+
+  ForceOnSites(const typename E::Description& description, const Binding<Real>& binding)
+      : description_(description),
+        parameters_(E::template parameters<Real, D>(description)),
+        body_(*binding.bodies.front()),
+        first_origin_(binding.origin) {
+    rebase(binding.origin);
+  }
+
+  std::size_t rate_count() const override { return kDoesWork ? D + 1 : 0; }
+
+  void rebase(const Origin& origin) override {
+    if constexpr (requires { E::template rebase<Real, D>(parameters_, description_, origin); }) {
+      E::template rebase<Real, D>(parameters_, description_, origin);
+    }
+  }
+
+  double curvature_bound() const override {
+    if constexpr (requires { E::template curvature_bound<D>(description_); }) {
+      return E::template curvature_bound<D>(description_);
+    }
+    return -1.0;
+  }
+
+  double curvature_bound_along(int axis) const override {
+    if constexpr (requires { E::template curvature_bound_along<D>(description_, axis); }) {
+      return E::template curvature_bound_along<D>(description_, axis);
+    }
+    return curvature_bound();
+  }
+
+ protected:
+  static constexpr bool kDoesWork =
+      requires(const Parameters& p, const Site<Real, D>& site, const Vec<Real, D>& force) {
+    E::power(p, site, force);
+  };
+  static constexpr bool kHasFriction = requires(const Parameters& p) { E::friction(p); };
+
+  typename E::Description description_;
+  Parameters parameters_;
+  BoundBody<Real> body_;
+  Origin first_origin_;
+};
+
+/// The evaluator on every particle of a body. `start`, in the scene's coordinates, is where
+/// drivers' ends are at time 0; empty: each at its own particle.
+template <class E, class Real, int D>
+class ParticleForce : public ForceOnSites<E, Real, D> {
+  using Base = ForceOnSites<E, Real, D>;
+
+ public:
+  ParticleForce(const typename E::Description& description, const Binding<Real>& binding,
+                const KernelTables& tables, int rank, const std::vector<double>& start = {})
+      : Base(description, binding),
+        kernels_(tables.on<Real>(binding.set).site),
+        point_(tables.on<Real>(binding.set).point),
+        heat_kernel_(tables.on<Real>(binding.set).heat[D - 1]),
+        rank_(rank) {
+    arguments_.body = this->body_.slot;
+    arguments_.parameters = &this->parameters_;
+    if constexpr (E::reads.start) {
+      start_.assign(D * this->body_.slot.stride, Real(0.0));
+      for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
+        for (int d = 0; d < D; ++d)
+          start_[d * this->body_.slot.stride + i] = Real(
+              start.empty() ? this->body_.start[i][d] : relative_to(binding.origin, d, start[d]));
+      }
+      arguments_.start = start_.data();
+    }
+  }
+
+  std::vector<Pass<Real>> passes() override {
+    return {{kernels_.set[D - 1],
+             kernels_.add[D - 1],
+             &arguments_,
+             {{this->body_.index, false}},
+             rank_}};
+  }
+
+  void place_rates(std::ptrdiff_t first) override { arguments_.rate = first; }
+
+  bool point(PointForce<Real>& force) const override {
+    if (D != 1 || this->body_.slot.count != 1 || !point_) return false;
+    force = {point_, &this->parameters_, start_.empty() ? Real(0.0) : start_[0], arguments_.rate};
+    return true;
+  }
+
+  Real energy(const Stage<Real>& stage) const override {
+    InterleavedSum<Real> total;
+    if constexpr (HasEnergy<E, D, Site>) {
+      for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
+        total.add(i, E::energy(this->parameters_, site(stage, i)));
+      }
+    }
+    return total.total();
+  }
+
+  bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
+    if (!heat_kernel_) return false;
+    heat_ = {this->body_.slot, &this->parameters_, rate};
+    operation = {heat_kernel_, &heat_};
+    return true;
+  }
+
+  bool is_friction() const override { return Base::kHasFriction; }
+
+  void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
+    if constexpr (HasEnergy<E, D, Site>) {
+      for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
+        for_curvature<E, Real, D>(
+            this->parameters_, site(stage, i),
+            [&](int a, int b, double value) { sink.site(this->body_.index, i, a, b, value); });
+      }
+    }
+  }
+
+  void friction(FrictionSink& sink) const override {
+    if constexpr (Base::kHasFriction) {
+      for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
+        sink.site(this->body_.index, i, static_cast<double>(E::friction(this->parameters_)));
+      }
+    }
+  }
+
+ private:
+  Site<Real, D> site(const Stage<Real>& stage, std::size_t i) const {
+    const BodySlot<Real>& slot = this->body_.slot;
+    Site<Real, D> site{};
+    site.position = vector_at<D>(slot, stage.position, stage.mapped_position, i);
+    if constexpr (E::reads.velocity) {
+      site.velocity = vector_at<D>(slot, stage.velocity, stage.mapped_velocity, i);
+    }
+    if constexpr (E::reads.start) {
+      for (int d = 0; d < D; ++d) site.start[d] = start_[d * slot.stride + i];
+    }
+    site.elapsed = stage.elapsed;
+    return site;
+  }
+
+  const KernelPair<Real>& kernels_;
+  PointKernel<Real> point_;
+  Kernel<Real> heat_kernel_;
+  int rank_;
+  SiteArguments<Real> arguments_;
+  HeatArguments<Real> heat_;
+  AlignedVector<Real> start_;
+};
+
+/// The evaluator on one attached point: a body's centre of mass, or one particle of it.
+template <class E, class Real, int D>
+class AttachedForce : public ForceOnSites<E, Real, D> {
+  using Base = ForceOnSites<E, Real, D>;
+
+ public:
+  /// `particle` may be kCentreOfMass; `start` in the scene's coordinates, empty: the attached
+  /// point.
+  AttachedForce(const typename E::Description& description, const Binding<Real>& binding,
+                const KernelTables& tables, int rank, std::ptrdiff_t particle = kCentreOfMass,
+                const std::vector<double>& start = {})
+      : Base(description, binding),
+        kernels_(tables.on<Real>(binding.set).centre),
+        point_(tables.on<Real>(binding.set).point),
+        rank_(rank) {
+    const BoundBody<Real>& body = this->body_;
+    arguments_.body = body.slot;
+    arguments_.parameters = &this->parameters_;
+    weight_.assign(padded(body.slot.count), Real(0.0));
+    arguments_.on_coordinates = body.slot.rigid && particle < 0;
+    if (particle < 0) {
+      for (std::size_t i = 0; i < weight_.size(); ++i) weight_[i] = body.slot.share[i];
+      arguments_.last = weight_.size();
+      arguments_.single = body.slot.count == 1;
+    } else {
+      const auto at = static_cast<std::size_t>(particle);
+      weight_[at] = Real(1.0);
+      arguments_.first = at / kGroup * kGroup;
+      arguments_.last = arguments_.first + kGroup;
+      arguments_.single = true;
+      arguments_.particle = at;
+    }
+    arguments_.weight = weight_.data();
+    for (const Real& weight : weight_) weight_in_double_.push_back(static_cast<double>(weight));
+    const auto& attached = particle < 0 ? body.start_centre : body.start[particle];
+    for (int d = 0; d < D; ++d) {
+      arguments_.start[d] =
+          Real(start.empty() ? attached[d] : relative_to(binding.origin, d, start[d]));
+    }
+  }
+
+  std::vector<Pass<Real>> passes() override {
+    return {{kernels_.set[D - 1],
+             kernels_.add[D - 1],
+             &arguments_,
+             {{this->body_.index, arguments_.on_coordinates}},
+             rank_}};
+  }
+
+  void place_rates(std::ptrdiff_t first) override { arguments_.rate = first; }
+
+  bool point(PointForce<Real>& force) const override {
+    if (D != 1 || this->body_.slot.count != 1 || !point_) return false;
+    force = {point_, &this->parameters_, arguments_.start[0], arguments_.rate};
+    return true;
+  }
+
+  Real energy(const Stage<Real>& stage) const override {
+    if constexpr (HasEnergy<E, D, Site>) return E::energy(this->parameters_, site(stage));
+    return Real(0.0);
+  }
+
+  void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
+    if constexpr (HasEnergy<E, D, Site>) {
+      for_curvature<E, Real, D>(this->parameters_, site(stage), [&](int a, int b, double value) {
+        sink.centre(this->body_.index, weight_in_double_.data(), a, b, value);
+      });
+    }
+  }
+
+ private:
+  Site<Real, D> site(const Stage<Real>& stage) const {
+    Site<Real, D> site{};
+    const BodySlot<Real>& slot = this->body_.slot;
+    for (int d = 0; d < D; ++d) {
+      if (arguments_.on_coordinates) {
+        site.position[d] = stage.position[slot.centre + d];
+        continue;
+      }
+      InterleavedSum<Real> total;
+      const Real* x = (slot.mapped ? stage.mapped_position : stage.position) + slot.offset;
+      for (std::size_t i = 0; i < slot.count; ++i)
+        total.add(i, weight_[i] * x[d * slot.stride + i]);
+      site.position[d] = total.total();
+    }
+    for (int d = 0; d < D; ++d) site.start[d] = arguments_.start[d];
+    site.elapsed = stage.elapsed;
+    return site;
+  }
+
+ protected:
+  CentreArguments<Real> arguments_;
+
+ private:
+  const KernelPair<Real>& kernels_;
+  PointKernel<Real> point_;
+  int rank_;
+  AlignedVector<Real> weight_;
+  std::vector<double> weight_in_double_;
+};
+
+/// Calls `make` with the scene's dimension as a constant.
+template <class Real, class Make>
+std::unique_ptr<BoundForce<Real>> for_dimension(int dimension, Make&& make) {
+  switch (dimension) {
+    case 1:
+      return make.template operator()<1>();
+    case 2:
+      return make.template operator()<2>();
+    default:
+      return make.template operator()<3>();
+  }
+}
+
+/// The whole binding of a force on particles, in every number type:
+/// `record.bind = on_particles<Evaluator, kernels::Evaluator, kRankCheap>()`.
+template <class E, const KernelTables& tables, int rank, class Real>
+std::unique_ptr<BoundForce<Real>> bind_on_particles(const void* description,
+                                                    const Binding<Real>& binding) {
+  const auto& d = *static_cast<const typename E::Description*>(description);
+  return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
+    return std::make_unique<ParticleForce<E, Real, D>>(d, binding, tables, rank);
+  });
+}
+
+template <class E, const KernelTables& tables, int rank>
+ForceFactories on_particles() {
+  return {&bind_on_particles<E, tables, rank, double>, &bind_on_particles<E, tables, rank, float>,
+          &bind_on_particles<E, tables, rank, Quad>};
+}
+
+}  // namespace tomlin

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/core/records/registry.hpp"
+
+/// Bodies: where particles start. Pure geometry; nothing here moves.
+namespace tomlin {
+
+/// Keys that every body takes; a body's description derives from this.
+struct BodyDescription {
+  PerParticle particle_mass;
+  PerParticleVector velocity;
+  std::string coordinates;
+  std::filesystem::path read_from;  ///< the file that `prepare` has fetched a part from; or empty
+};
+
+/// The rows for BodyDescription, for a description D derived from it.
+template <class D>
+std::vector<Parameter> with_body_parameters(std::vector<Parameter> own) {
+  own.push_back(parameter_of<D>("particle_mass", &BodyDescription::particle_mass, dimension::mass,
+                                "mass of each particle: one number for all, or one each")
+                    .in(positive));
+  own.push_back(parameter_of<D>("velocity", &BodyDescription::velocity, dimension::velocity,
+                                "starting velocity: one vector for all particles, or one each; "
+                                "at rest by default")
+                    .or_absent());
+  own.push_back(
+      parameter_of<D>("coordinates", &BodyDescription::coordinates, dimension::none,
+                      "what may move: every particle, the body as a whole, nothing, or the body "
+                      "as a whole by its motion")
+          .one_of({"particles", "rigid", "fixed", "prescribed"})
+          .by_default("particles"));
+  return own;
+}
+
+/// Where the particles of a body start: particle i at anchor + relative[i]. The two stay apart so
+/// that a body far from the origin keeps its shape to the last digit.
+struct BodyGeometry {
+  std::vector<double> anchor;                 ///< [dimension]
+  std::vector<std::vector<double>> relative;  ///< [count][dimension]
+  double rolling_radius = 0.0;                ///< 0 when the body does not roll
+};
+
+/// Whether "neighbours" joins the last particle to the first.
+struct BodyEnds {
+  bool closed = false;  ///< always
+  int open_along = -1;  ///< axis along which a periodic box closes it; -1: none
+};
+
+/// For bodies that nothing closes.
+inline BodyEnds open_ends(const void*, int) { return {}; }
+
+/// A fault that only shows when several keys are held against each other.
+struct Complaint {
+  std::string key;
+  std::string why;
+  std::string admissible = {};
+  std::string nearest = {};
+  std::optional<std::size_t> column = {};  ///< 0-based, within a formula
+  std::size_t index = 0;                   ///< of the formula in a list of them
+};
+
+struct BodyRecord : ComponentRecord {
+  /// The part that every body's description has.
+  const BodyDescription& (*common)(const void* description) = nullptr;
+  /// Fetch what the description refers to, by paths relative to the scene's folder; null where
+  /// there is no such thing. Afterwards the description holds it by value, so that the effective
+  /// scene runs anywhere. Called once, before all below.
+  std::vector<Complaint> (*prepare)(void* description,
+                                    const std::filesystem::path& folder) = nullptr;
+  /// Length of the body's vectors as given; 0 when the description has none.
+  int (*dimension)(const void* description) = nullptr;
+  /// Number of particles.
+  std::int64_t (*count)(const void* description) = nullptr;
+  /// Faults across keys for a scene of this dimension; empty when sound.
+  std::vector<Complaint> (*complaints)(const void* description, int dimension) = nullptr;
+  BodyEnds (*ends)(const void* description, int dimension) = &open_ends;
+  /// Called for a sound description only.
+  BodyGeometry (*build)(const void* description, int dimension) = nullptr;
+};
+
+template <class D>
+const BodyDescription& body_part(const void* description) {
+  return *static_cast<const D*>(description);
+}
+
+}  // namespace tomlin

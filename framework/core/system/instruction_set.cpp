@@ -1,0 +1,89 @@
+#include "framework/core/system/instruction_set.hpp"
+
+#include <cstdlib>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "framework/core/text/fault.hpp"
+#include "framework/core/text/nearest_name.hpp"
+
+namespace tomlin {
+namespace {
+
+bool machine_has_avx2() {
+#if defined(__x86_64__)
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+         __builtin_cpu_supports("bmi2");
+#else
+  return false;
+#endif
+}
+
+bool machine_has_avx512() {
+#if defined(__x86_64__)
+  return machine_has_avx2() && __builtin_cpu_supports("avx512f") &&
+         __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
+         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd");
+#else
+  return false;
+#endif
+}
+
+constexpr const char* kVariable = "TOMLIN_INSTRUCTION_SET";
+
+InstructionSet named(const std::string& wish) {
+  std::vector<std::string> names;
+  for (const InstructionSet set :
+       {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
+    if (to_string(set) == wish) return set;
+    names.emplace_back(to_string(set));
+  }
+  Fault fault;
+  fault.place.file = "tomlin";
+  fault.key = kVariable;
+  fault.value = wish;
+  fault.why = "no instruction set that there are kernels for";
+  fault.admissible = names[0] + ", " + names[1] + ", " + names[2];
+  fault.nearest = nearest_name(wish, names).value_or("");
+  throw InputError({std::move(fault)});
+}
+
+}  // namespace
+
+bool is_supported(InstructionSet set) {
+  switch (set) {
+    case InstructionSet::baseline:
+      return true;
+    case InstructionSet::avx2:
+      return kCompiledForAvx2 && machine_has_avx2();
+    case InstructionSet::avx512:
+      return kCompiledForAvx512 && machine_has_avx512();
+  }
+  return false;
+}
+
+InstructionSet chosen_instruction_set() {
+  const char* wish = std::getenv(kVariable);
+  if (wish != nullptr && *wish != '\0') {
+    const InstructionSet set = named(wish);
+    if (is_supported(set)) return set;
+  }
+  if (is_supported(InstructionSet::avx512)) return InstructionSet::avx512;
+  if (is_supported(InstructionSet::avx2)) return InstructionSet::avx2;
+  return InstructionSet::baseline;
+}
+
+std::string_view to_string(InstructionSet set) {
+  switch (set) {
+    case InstructionSet::baseline:
+      return "baseline";
+    case InstructionSet::avx2:
+      return "avx2";
+    case InstructionSet::avx512:
+      return "avx512";
+  }
+  return "";
+}
+
+}  // namespace tomlin

@@ -1,0 +1,176 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "framework/core/numbers/double_double.hpp"
+#include "framework/core/system/state_layout.hpp"
+#include "framework/core/system/system.hpp"
+
+/// The contract of integrators.
+namespace tomlin {
+
+/// How a step ended. Failures are values: the run loop adds place and cause.
+enum class StepFault {
+  none,
+  not_finite_or_too_far,  ///< a coordinate left the finite numbers or moved too far in one step
+  step_too_small,         ///< an adaptive scheme would need less than its smallest step
+  too_many_steps,         ///< an adaptive scheme has used up its steps
+  no_equilibrium,         ///< no stable equilibrium was found: nothing holds the scene
+};
+
+struct StepReport {
+  double taken = 0.0;  ///< length of the step; 0 when it failed
+  StepFault fault = StepFault::none;
+};
+
+/// The equilibrium that a scene is in. Second derivatives of the potential energy are with respect
+/// to the free coordinates, angles in rad.
+struct EquilibriumState {
+  std::size_t neutral = 0;       ///< directions that nothing holds
+  double softest = 0.0;          ///< smallest along a direction of unit length that is not neutral
+  double log_determinant = 0.0;  ///< ln |det|; not a number where a direction is neutral
+  std::vector<std::size_t> neutral_at;  ///< the coordinate that moves most, of each direction
+};
+
+/// What schemes that follow equilibria offer beside steps. A step ends at the latest where the
+/// equilibrium loses its stability; the scene then slips to the next one, in no time.
+class EquilibriumPath {
+ public:
+  virtual ~EquilibriumPath() = default;
+
+  /// From the scene's start to an equilibrium, at the start of a run that is `ahead`.
+  virtual StepFault settle(double ahead) = 0;
+  /// The last step has ended where the equilibrium does.
+  virtual bool ends() const = 0;
+  /// To the next equilibrium, at the end of the last step, which is `since` after the anchor, with
+  /// `ahead` to go.
+  virtual StepFault slip(double since, double ahead) = 0;
+  /// It was a jump. Else the scene has only branched off: the next equilibrium begins where the
+  /// last one has ended.
+  virtual bool jumped() const = 0;
+  /// Where the last settle() or slip() was a tie, no force but rounding preferring the equilibrium
+  /// that it took: the coordinate in which that differs most from the other one.
+  virtual std::optional<std::size_t> tied() const { return std::nullopt; }
+  /// Before settle(): steady random forces, which displace the first equilibrium by about `size`,
+  /// decide from then on where nothing stronger does. Those of streams 1 and 2, 3 and 4, ... are
+  /// opposite, so that an unstable equilibrium is left to opposite sides wherever they decide.
+  virtual void disturb(double size, std::uint64_t seed, std::uint64_t stream) {
+    (void)size, (void)seed, (void)stream;
+  }
+
+  /// Moments of the last step, close enough that cubics through each four show all that it does;
+  /// the first is its start and the last its end.
+  static constexpr std::size_t kMoments = 49;
+  /// The state there; returns the part of the step's time that has passed.
+  virtual double moment(std::size_t k, double* position, double* velocity, double* rates) const = 0;
+
+  /// Of the present state.
+  virtual EquilibriumState state(double since) = 0;
+
+ protected:
+  EquilibriumPath() = default;
+};
+
+/// A running integral that results are made of, and what its rate must be multiplied by to be a
+/// power: 1, or for a force the speed of what it pulls.
+struct WatchedIntegral {
+  std::size_t rate = 0;  ///< where it stands among the rates
+  double speed = 1.0;
+  double stiffness = 0.0;  ///< by how much the rate changes where a coordinate does
+};
+
+/// Advances position, velocity and integrals of a system. All three are known at the same time at
+/// the end of every step.
+template <class Real>
+class Integrator {
+ public:
+  virtual ~Integrator() = default;
+
+  /// Numbers of its own that a resumed run needs.
+  virtual void declare(StateLayout& layout) { (void)layout; }
+  /// The state it works on from now on; outlives the integrator's use of it.
+  virtual void attach(RunState& state) { (void)state; }
+
+  /// One step from `since` after the time that forces are anchored at. A fixed scheme takes exactly
+  /// `h`; an adaptive one takes at most `h`. With `dense`, interpolate() will be asked for. A
+  /// failed step leaves the state as it was.
+  virtual StepReport step_from(double since, double h, bool dense) = 0;
+
+  /// The same from a time of its own.
+  StepReport step(const DoubleDouble& time, double h, bool dense) {
+    anchor(time);
+    return step_from(0.0, h, dense);
+  }
+
+  /// Up to `most` plain steps in one go for scenes with `point_forces`, the first `first` steps of
+  /// `h` after the anchor: returns how many were taken before one failed (all, when none did).
+  /// Row k of `rates` and `velocities` holds the start of step k.
+  virtual bool has_point_block() const { return false; }
+  virtual std::size_t point_block(std::size_t first, double h, std::size_t most, Real* rates,
+                                  Real* velocities) {
+    (void)first, (void)h, (void)most, (void)rates, (void)velocities;
+    return 0;
+  }
+
+  /// Rates at the start of the last step.
+  virtual const Real* first_rates() const = 0;
+
+  /// Complete the last step (made with `dense`) for interpolation. Where that takes an evaluation
+  /// at its end, `since` after the anchor, it is the next step's first: steps do not depend on
+  /// samples.
+  virtual void finish_dense_from(double since) = 0;
+  void finish_dense(const DoubleDouble& end) {
+    anchor(end);
+    finish_dense_from(0.0);
+  }
+  /// The state at a fraction theta in [0, 1] of the last step, as doubles: whoever looks on needs
+  /// no more.
+  virtual void interpolate(double theta, double* position, double* velocity,
+                           double* integrals) const = 0;
+
+  /// Velocities and rates at a fraction theta of the last step, to the order of the dense output
+  /// and without an evaluation. False for a scheme that cannot.
+  virtual bool between(double theta, double* velocity, double* rates) const {
+    (void)theta, (void)velocity, (void)rates;
+    return false;
+  }
+
+  /// The origin has moved: drop what was computed ahead, so that it is computed as it would have
+  /// been without samples.
+  virtual void rebased() {}
+
+  /// Forces have changed at this moment, at an event: what is known of the next step's start is
+  /// computed anew.
+  virtual void forces_changed() { rebased(); }
+
+  /// Evaluations that are counted already and belong to the next step. They are lost with the
+  /// state's bytes, and made again.
+  virtual std::uint64_t evaluations_ahead() const { return 0; }
+
+  /// For a scheme that follows equilibria; null for all others.
+  virtual EquilibriumPath* path() { return nullptr; }
+
+  /// Before the first step: integrals whose error a scheme may hold against what is dissipated,
+  /// which is no less on average than at the velocities `along`, [dofs]: all move with the drivers.
+  virtual void watch(const std::vector<WatchedIntegral>& integrals,
+                     const std::vector<double>& along) {
+    (void)integrals, (void)along;
+  }
+  /// Error of the works among them that rounding has made so far, where that is more than the
+  /// tolerance allows; an energy.
+  virtual double rounding_of_works() const { return 0.0; }
+
+  /// Accepted and refused attempts of an adaptive scheme.
+  virtual std::uint64_t refused_steps() const { return 0; }
+
+ protected:
+  explicit Integrator(System<Real>& system) : system_(system) {}
+  void anchor(const DoubleDouble& time) { system_.begin_step(system_.model, time.hi, time.lo); }
+
+  System<Real>& system_;
+};
+
+}  // namespace tomlin

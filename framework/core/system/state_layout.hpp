@@ -1,0 +1,108 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "framework/core/system/aligned.hpp"
+
+/// Everything that changes during a run, in one declared layout for W >= 1 replicas: positions,
+/// clocks, controllers, running integrals, observers. What is not declared here is scratch and can
+/// be lost at any step boundary.
+namespace tomlin {
+
+/// Names and sizes; filled by the engine, the integrator and the observers before the run starts.
+class StateLayout {
+ public:
+  struct Field {
+    std::string name;
+    std::size_t first = 0;  ///< in units of one replica's numbers
+    std::size_t count = 0;
+  };
+
+  /// Fields start on a group boundary, so that kernels may load them whole.
+  std::size_t add_reals(std::string name, std::size_t count);
+  std::size_t add_integers(std::string name, std::size_t count);
+  /// Numbers of the run's number type: reals for double, bytes of their own otherwise.
+  template <class Real>
+  void add_numbers(std::string name, std::size_t count) {
+    if constexpr (std::is_same_v<Real, double>) {
+      add_reals(std::move(name), count);
+    } else {
+      add_raw(std::move(name), (padded(count) + 2 * kGroup) * sizeof(Real));
+    }
+  }
+
+  const std::vector<Field>& reals() const { return reals_; }
+  const std::vector<Field>& integers() const { return integers_; }
+  std::size_t real_count() const { return real_count_; }
+  const std::vector<Field>& raw() const { return raw_; }
+  std::size_t integer_count() const { return integer_count_; }
+  std::size_t raw_count() const { return raw_count_; }
+
+  friend bool operator==(const StateLayout& a, const StateLayout& b);
+
+ private:
+  void add_raw(std::string name, std::size_t bytes);
+
+  std::vector<Field> reals_;
+  std::vector<Field> integers_;
+  std::vector<Field> raw_;  ///< in bytes
+  std::size_t real_count_ = 0;
+  std::size_t integer_count_ = 0;
+  std::size_t raw_count_ = 0;
+};
+
+/// The numbers. Number k of replica w stands at [k * replicas + w]: the lanes of a batch are
+/// contiguous, and with one replica an array is an array.
+class RunState {
+ public:
+  RunState() = default;
+  RunState(const StateLayout& layout, std::size_t replicas);
+
+  std::size_t replicas() const { return replicas_; }
+  const StateLayout& layout() const { return layout_; }
+
+  double* reals(std::string_view field);
+  const double* reals(std::string_view field) const;
+  std::int64_t* integers(std::string_view field);
+  const std::int64_t* integers(std::string_view field) const;
+
+  /// A field of add_numbers<Real>(); Real other than double: of a single replica only.
+  template <class Real>
+  Real* numbers(std::string_view field) {
+    if constexpr (std::is_same_v<Real, double>) {
+      return reals(field);
+    } else {
+      return reinterpret_cast<Real*>(raw(field));
+    }
+  }
+
+  /// One replica as a state of its own, and back. Throws std::invalid_argument when the layouts
+  /// differ or there is no such replica. Only doubles have more replicas than one.
+  RunState extract(std::size_t replica) const;
+  void insert(std::size_t replica, const RunState& single);
+
+  /// All numbers of another state of the same layout, where they stand: pointers to them stay good.
+  void copy_numbers(const RunState& from);
+
+  /// All numbers as bytes, and back; the layout is not in the bytes. Throws std::invalid_argument
+  /// when the size does not fit.
+  std::vector<std::byte> to_bytes() const;
+  void from_bytes(const std::vector<std::byte>& bytes);
+
+ private:
+  std::byte* raw(std::string_view field);
+
+  StateLayout layout_;
+  std::size_t replicas_ = 0;
+  AlignedVector<double> reals_;
+  std::vector<std::int64_t> integers_;
+  AlignedVector<std::byte> raw_;
+};
+
+}  // namespace tomlin
