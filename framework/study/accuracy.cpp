@@ -65,17 +65,20 @@ void add_up_errors(RunResult& result) {
                                     [&](const ErrorEstimate& one) { return one.path == path; });
     return found == result.errors.end() ? std::nullopt : found->error;
   };
-  for (ErrorEstimate& estimate : result.errors) {
-    const auto of = std::find_if(all.begin(), all.end(),
-                                 [&](const Observable& one) { return one.path == estimate.path; });
-    if (of == all.end() || !estimate.error) continue;
-    double sum = 0.0;
-    for (const std::string& part : of->quantity->made_of) {
-      std::string path = estimate.path;
-      path.replace(path.find("." + of->quantity->key) + 1, of->quantity->key.size(), part);
-      sum += error_of(path).value_or(0.0);
+  for (const Observable& one : all) {
+    const std::vector<std::string>& parts = one.quantity->made_of;
+    const auto estimate =
+        std::find_if(result.errors.begin(), result.errors.end(),
+                     [&](const ErrorEstimate& it) { return it.path == one.path; });
+    if (parts.empty() || estimate == result.errors.end()) continue;
+    std::optional<double> sum = 0.0;
+    for (const std::string& part : parts) {
+      std::string path = one.path;
+      path.replace(path.find("." + one.quantity->key) + 1, one.quantity->key.size(), part);
+      const std::optional<double> error = error_of(path);
+      sum = sum && error ? std::optional(*sum + *error) : std::nullopt;
     }
-    estimate.error = std::max(*estimate.error, sum);
+    estimate->error = sum;
   }
 }
 
@@ -84,6 +87,7 @@ void add_errors(RunResult& result, const std::vector<Beside>& companions) {
     if (!has_error(one.path)) continue;
     ErrorEstimate estimate{one.path, std::nullopt};
     for (const Beside& companion : companions) {
+      if (!one.quantity->made_of.empty()) break;  // from its parts' below
       const auto other = observable(companion.result, one.path);
       if (!one.value || !other) continue;
       const double error = std::max(companion.share * std::abs(*one.value - *other),
