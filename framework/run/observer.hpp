@@ -149,9 +149,8 @@ struct ObserverKind {
 
 /// Of a kind that every scene has something for.
 template <class Observer>
-ObserverKind kind_of(std::vector<ObserverRows> rows) {
-  return {.rows = std::move(rows),
-          .make = [](const ObserverParts& parts) -> std::unique_ptr<RunObserver> {
+ObserverKind kind_of(const std::vector<ObserverRows>& rows) {
+  return {.rows = rows, .make = [](const ObserverParts& parts) -> std::unique_ptr<RunObserver> {
             return std::make_unique<Observer>(parts);
           }};
 }

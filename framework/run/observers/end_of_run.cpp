@@ -38,6 +38,7 @@ class EndOfRun : public RunObserver {
       ResultGroup& group = table.body(body);
       double numbers[3];
       std::vector<double> centre;
+      centre.reserve(axes);
       model.centre(b, view.position, numbers);
       for (int d = 0; d < model.dimension(); ++d) {
         centre.push_back(static_cast<double>(model.placed(d, numbers[d])));

@@ -24,6 +24,14 @@ std::string where(const Model& model, std::size_t coordinate) {
   return fmt::format("{}{}, {}", name.body, particle, name.axis);
 }
 
+/// The equilibrium that a run ends in.
+struct FoundEquilibrium {
+  double energy = 0.0;                       ///< potential; but for what the choice of zero holds
+  double neutral_directions = 0.0;           ///< zero modes
+  std::optional<double> smallest_curvature;  ///< of the energy, along what is not neutral
+  std::optional<double> log_determinant;     ///< ln |det| of the energy's second derivatives
+};
+
 /// The equilibria of a quasistatic run: ties, where nothing but rounding decides which one follows,
 /// and the equilibrium that it ends in.
 class Equilibrium : public RunObserver {
@@ -40,16 +48,9 @@ class Equilibrium : public RunObserver {
   void results(ResultTable& table, const double* rates) const override;
 
  private:
-  struct Found {
-    double energy = 0.0;                       ///< potential; but for what the choice of zero holds
-    double neutral_directions = 0.0;           ///< zero modes
-    std::optional<double> smallest_curvature;  ///< of the energy, along what is not neutral
-    std::optional<double> log_determinant;     ///< ln |det| of the energy's second derivatives
-  };
-
   ObserverParts parts_;
   double* first_tie_ = nullptr;  ///< time and coordinate
-  std::optional<Found> found_;
+  std::optional<FoundEquilibrium> found_;
 };
 
 /// Whether it was a tie.
@@ -81,7 +82,7 @@ void Equilibrium::stopped(const RunMoment&) {
   const EquilibriumState state = run.path->state(0.0);
   system.evaluations = evaluations;
   system.columns = columns;
-  Found& found = found_.emplace();
+  FoundEquilibrium& found = found_.emplace(FoundEquilibrium{});
   const SystemView<double>& view = system.view;
   found.energy =
       run.model.potential_energy(run.clock.now(), view.position, view.velocity, view.integrals);
