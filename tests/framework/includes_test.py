@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Every part includes only what the README says that it stands on, directly or in turn.
+No part stands on itself in turn.
 
 usage: includes_test.py SOURCE_DIR
 
@@ -44,6 +45,11 @@ def allowed(readme):
     return below
 
 
+def circles(below):
+    """Parts that stand on themselves in turn: of those the table forbids nothing."""
+    return sorted(part for part, others in below.items() if part in others)
+
+
 def includes(source):
     """Path and text of each source file."""
     for folder in ("framework", "forcefields", "integrators"):
@@ -70,6 +76,7 @@ def main():
     below = allowed((source / "README.md").read_text(encoding="utf-8"))
     files = list(includes(source))
     found = faults(files, below)
+    found += [f"README.md: {part} stands on itself" for part in circles(below)]
     for fault in found:
         print(fault)
     # Planted: arrows that lead upwards, and one to the side.
@@ -79,6 +86,10 @@ def main():
                ("integrators/planted.cpp", '#include "forcefields/register.hpp"\n')]
     if len(faults(planted, below)) != len(planted):
         print("a planted fault was not seen")
+        return 1
+    circle = allowed(f"{TABLE}\n|---|---|\n| `a` | `b` |\n| `b`, `c` | `a` |\n")
+    if circles(circle) != ["a", "b"]:
+        print("a planted circle was not seen")
         return 1
     print(f"{len(files)} files, {len(below)} parts, {len(found)} wrong includes")
     return 1 if found else 0

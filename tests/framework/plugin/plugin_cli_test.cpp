@@ -664,6 +664,10 @@ TEST_F(PluginCli, NewPluginWritesAFolder) {
                                                 "name: my_" +
                                                 name + "\n");
   }
+  // Types of formulas are not in what a plugin includes: their names are free.
+  for (const char* name : {"numbers", "pair_block", "formula_law"}) {
+    EXPECT_EQ(tomlin({"new", "plugin", name}).status, 0) << name;
+  }
   for (const std::string name : {"test", "all", "install", "clean", "help", "package"}) {
     expect_refused({"new", "plugin", name},
                    "tomlin: error: NAME: \"" + name +
