@@ -441,6 +441,10 @@ std::vector<Variant> asked_for_one() {
 [[maybe_unused]] const bool registered = [] {
   register_variants("pt", kPt, asked_for_one());
   register_variants("rigid_ring_8", ring("rigid", "1e-2"), asked_for_one());
+  register_variants(
+      "rigid_ring_8", ring("rigid", "1e-2"),
+      {{"mean force on the ring",
+        {{"measure.observables", "[\"sinusoidal_substrate.on.ring.mean_force.x\"]"}}}});
   register_variants("flexible_ring_8", ring("particles", "1e-4"), asked_for_one());
   register_variants("chain_1000", chain("1000", "1.0"), asked_for_one());
   register_variants("pt", kPt, common_variants());

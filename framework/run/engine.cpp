@@ -38,6 +38,7 @@ struct Engine::Parts {
   void go_on();
   void advance(std::uint64_t steps);
   RunResult run_all();
+  void read_rates();
   RunResult measured();
   void finish();
   void read_end();
@@ -51,7 +52,7 @@ struct Engine::Parts {
   std::optional<UntilSteady> until;
   std::unique_ptr<Stepping> stepping;
   std::unique_ptr<EnergyBalance> balance;  ///< null where nothing is sampled
-  AlignedVector<double> rates;             ///< at the end
+  AlignedVector<double> rates;             ///< when last read: at the end
 };
 
 Engine::Parts::Parts(const std::shared_ptr<const Scene>& scene, const RunOptions& options) try
@@ -260,6 +261,12 @@ RunResult Engine::Parts::run_all() {
   return result();
 }
 
+void Engine::Parts::read_rates() {
+  const SystemView<double>& view = run.model.system().view;
+  run.model.evaluate_at(run.clock.now(), view.position, view.velocity, view.integrals,
+                        rates.data());
+}
+
 /// What is known at the end: the window may close there, and the final forces are read off. Where a
 /// plugin throws once more, nothing is.
 void Engine::Parts::finish() {
@@ -271,9 +278,7 @@ void Engine::Parts::finish() {
 void Engine::Parts::read_end() {
   const bool complete = run.outcome.complete();
   if (complete) observation.close_window();
-  const SystemView<double>& view = run.model.system().view;
-  run.model.evaluate_at(run.clock.now(), view.position, view.velocity, view.integrals,
-                        rates.data());
+  read_rates();
   observation.stopped(rates.data());
   if (!complete) return;
   if (until) until->finish();
@@ -288,9 +293,7 @@ void Engine::Parts::read_end() {
 
 /// In the window that has just ended.
 RunResult Engine::Parts::measured() {
-  const SystemView<double>& view = run.model.system().view;
-  run.model.evaluate_at(run.clock.now(), view.position, view.velocity, view.integrals,
-                        rates.data());
+  read_rates();
   return result();
 }
 

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "framework/core/system/state_layout.hpp"
@@ -211,5 +213,22 @@ class BodyWatch {
   double* numbers_ = nullptr;
   std::int64_t* busy_ = nullptr;
 };
+
+/// What a list of watches keeps in the run's state, in fields of this name.
+template <class Watch>
+void declare_watches(StateLayout& layout, const std::string& name,
+                     const std::vector<Watch>& watches) {
+  layout.add_reals(name, watches.size() * Watch::kReals);
+  layout.add_integers(name, watches.size() * Watch::kIntegers);
+}
+template <class Watch>
+void attach_watches(RunState& state, const std::string& name, std::vector<Watch>& watches) {
+  double* reals = state.reals(name);
+  std::int64_t* integers = state.integers(name);
+  for (Watch& watch : watches) {
+    watch.attach(std::exchange(reals, reals + Watch::kReals),
+                 std::exchange(integers, integers + Watch::kIntegers));
+  }
+}
 
 }  // namespace tomlin

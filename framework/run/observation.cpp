@@ -25,27 +25,13 @@ std::span<const ObserverKind> observer_kinds() {
   using namespace observers;
   static const ObserverKind kinds[] = {
       force_means(),   end_of_run(),  body_motion(),      extremes(), equilibrium(),
-      pull_events(),   body_events(), window_doubts(),    work(),     event_counts(),
+      pull_events(),   body_events(), window_check(),     work(),     event_counts(),
       energy_ledger(), long_bonds(),  forces_on_bodies(),
   };
   return kinds;
 }
 
 namespace {
-
-/// What the run is asked for, by whoever runs it or by the scene, and what it needs itself.
-Selection selection_of(const RunContext& run) {
-  const Scene& scene = *run.scene;
-  std::vector<std::string> paths =
-      run.options.observables.empty() ? scene.measure.observables : run.options.observables;
-  if (paths.empty()) return {};
-  if (scene.run.until) paths.push_back(scene.run.until->steady);
-  if (scene.run.perturb) {
-    const std::vector<std::string>& more = scene.run.perturb->observables;
-    paths.insert(paths.end(), more.begin(), more.end());
-  }
-  return Selection(std::move(paths));
-}
 
 bool is_wanted(const ObserverKind& kind, const Selection& selection) {
   if (!kind.watches) return true;
@@ -67,16 +53,7 @@ ResultGroup& ResultTable::group(std::string_view family, std::string_view name) 
 }
 
 std::vector<ResultGroup> ResultTable::take(const Selection& selection) {
-  if (!selection.is_all()) {
-    for (ResultGroup& group : groups_) {
-      // The scene's own observers were asked for by name.
-      if (group.family == "observers") continue;
-      std::erase_if(group.values, [&](const ResultValue& value) {
-        return !selection.wants(group.family, group.name, value.quantity().key);
-      });
-    }
-    std::erase_if(groups_, [](const ResultGroup& group) { return group.values.empty(); });
-  }
+  selection.keep_rows(groups_);
   const auto place = [](const ResultGroup& group) {
     return std::find(std::begin(kFamilies), std::end(kFamilies), group.family) -
            std::begin(kFamilies);
@@ -88,7 +65,7 @@ std::vector<ResultGroup> ResultTable::take(const Selection& selection) {
 
 Observation::Observation(RunContext& run)
     : run_(run),
-      selection_(selection_of(run)),
+      selection_(selection_of(*run.scene, run.options)),
       signals_(run.model),
       window_(run.model),
       rotations_(run.model),
@@ -97,7 +74,7 @@ Observation::Observation(RunContext& run)
       span_(run.model, signals_, *run.integrator) {
   const ObserverParts parts{run_, signals_, window_, rotations_, events_, selection_};
   for (const ObserverKind& kind : observer_kinds()) {
-    if (!is_wanted(kind, selection_)) continue;
+    if (!run.options.all_observables && !is_wanted(kind, selection_)) continue;
     if (auto observer = kind.make(parts)) observers_.push_back(std::move(observer));
   }
   if (!run.scene->observers.empty()) {
@@ -423,7 +400,7 @@ void Observation::finish(double* rates) {
 std::vector<ResultGroup> Observation::results(const double* rates) const {
   ResultTable table;
   for (const auto& observer : observers_) observer->results(table, rates);
-  return table.take(selection_);
+  return table.take(run_.options.all_observables ? Selection() : selection_);
 }
 
 }  // namespace tomlin

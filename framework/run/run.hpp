@@ -226,6 +226,7 @@ struct RunOptions {
   InstructionSet instruction_set = chosen_instruction_set();
   /// Paths of the only observables that are wanted; empty: those of the scene's [measure].
   std::vector<std::string> observables = {};
+  bool all_observables = false;              ///< whatever was asked for
   std::optional<Perturbation> perturbation;  ///< noise on the start; see also `[run] perturb`
   /// The bytes of a checkpoint of the same scene: go on from there. Throws std::invalid_argument
   /// when they are not.

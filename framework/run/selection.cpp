@@ -34,4 +34,28 @@ bool Selection::wants(std::string_view family, std::string_view name, std::strin
   });
 }
 
+void Selection::keep_rows(std::vector<ResultGroup>& groups) const {
+  if (is_all()) return;
+  for (ResultGroup& group : groups) {
+    // The scene's own observers were asked for by their tables.
+    if (group.family == "observers") continue;
+    std::erase_if(group.values, [&](const ResultValue& value) {
+      return !wants(group.family, group.name, value.quantity().key);
+    });
+  }
+  std::erase_if(groups, [](const ResultGroup& group) { return group.values.empty(); });
+}
+
+Selection selection_of(const Scene& scene, const RunOptions& options) {
+  std::vector<std::string> paths =
+      options.observables.empty() ? scene.measure.observables : options.observables;
+  if (paths.empty()) return {};
+  if (scene.run.until) paths.push_back(scene.run.until->steady);
+  if (scene.run.perturb) {
+    const std::vector<std::string>& more = scene.run.perturb->observables;
+    paths.insert(paths.end(), more.begin(), more.end());
+  }
+  return Selection(std::move(paths));
+}
+
 }  // namespace tomlin

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "framework/run/run.hpp"
+
 namespace tomlin {
 
 /// The quantities that a run is asked for; all of them where nothing is said. A path is that of an
@@ -20,9 +22,14 @@ class Selection {
   bool wants(std::string_view key) const;
   /// A row of this one, whose name is empty where it is that of the whole run.
   bool wants(std::string_view family, std::string_view name, std::string_view key) const;
+  /// Leaves those rows alone; what the scene's own observers give stays.
+  void keep_rows(std::vector<ResultGroup>& groups) const;
 
  private:
   std::vector<std::string> paths_;
 };
+
+/// What a run is asked for, by whoever runs it or by the scene, and what it needs itself.
+Selection selection_of(const Scene& scene, const RunOptions& options);
 
 }  // namespace tomlin

@@ -42,7 +42,6 @@ class Signals {
   }
   /// Its force along its present velocity: along(driver) power(driver, signals).
   double along(std::size_t driver) const { return along_[driver]; }
-  double speed(std::size_t driver) const { return speed_[driver]; }
   double start_velocity(std::size_t driver, std::size_t axis) const {
     return start_velocity_[driver * axes_ + axis];
   }

@@ -13,6 +13,7 @@
 
 #include "framework/run/engine.hpp"
 #include "framework/run/observables.hpp"
+#include "framework/run/selection.hpp"
 #include "framework/study/trial_run.hpp"
 
 namespace tomlin {
@@ -27,9 +28,11 @@ constexpr double kRounding = 1e-15;
 constexpr double kOfTypical = 0.3;
 constexpr double kExact = 10.0 * kRounding;
 
-/// What has an error: what drivers, bodies and the ledger show. Counts and clocks have none.
+/// What has an error: what drivers, bodies, forces and the ledger show. Counts and clocks have
+/// none.
 bool has_error(const std::string& path) {
-  return path.starts_with("drivers.") || path.starts_with("bodies.") || path.starts_with("energy.");
+  return path.starts_with("drivers.") || path.starts_with("bodies.") ||
+         path.starts_with("forces.") || path.starts_with("energy.");
 }
 
 /// A companion that has run, and the share of the difference to it that is the error.
@@ -208,7 +211,7 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
     TrialLimits limits;
     limits.stop = options.stop;
     limits.store = options.store;
-    limits.observables = options.observables;
+    limits.all_observables = true;
     limits.name = finished.empty() ? "companion" : "second_companion";
     // A run may end a little above its limit.
     const auto most = static_cast<std::uint64_t>(kMostForCompanions * cost);
@@ -239,6 +242,23 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
   warn_of_large_errors(result, finished, chosen);
 }
 
+/// Errors are held against the typical one of all observables: all are looked at, and those that
+/// nobody has asked for are left out in the end.
+RunOptions looking_at_all(RunOptions options) {
+  options.all_observables = true;
+  return options;
+}
+
+void keep_what_is_asked_for(const Scene& scene, const RunOptions& options, RunResult& result) {
+  if (options.all_observables) return;
+  selection_of(scene, options).keep_rows(result.groups);
+  const std::vector<Observable> left = observables(result);
+  std::erase_if(result.errors, [&](const ErrorEstimate& error) {
+    return std::none_of(left.begin(), left.end(),
+                        [&](const Observable& one) { return one.path == error.path; });
+  });
+}
+
 RunResult run(const std::shared_ptr<const Scene>& scene, const RunOptions& options) {
   if (!scene->run.accuracy) return run_as_bound(scene, options);
   const ChosenIntegrator chosen =
@@ -248,18 +268,19 @@ RunResult run(const std::shared_ptr<const Scene>& scene, const RunOptions& optio
     result.status = RunStatus::interrupted;
     return result;
   }
-  RunResult result = run_as_bound(chosen.scene, options);
+  RunResult result = run_as_bound(chosen.scene, looking_at_all(options));
   estimate_errors(chosen, options, result);
+  keep_what_is_asked_for(*scene, options, result);
   return result;
 }
 
 RunResult run_with_errors(const std::shared_ptr<const Scene>& scene, const RunOptions& options) {
   if (scene->run.accuracy) return run(scene, options);
-  RunResult result = run_as_bound(scene, options);
+  RunResult result = run_as_bound(scene, looking_at_all(options));
   if (result.status != RunStatus::finished) return result;
   TrialLimits limits;
   limits.stop = options.stop;
-  limits.observables = options.observables;
+  limits.all_observables = true;
   const double mean_step = mean_step_of(result);
   std::vector<Beside> finished;
   for (const Companion& companion : companions_of(scene)) {
@@ -268,6 +289,7 @@ RunResult run_with_errors(const std::shared_ptr<const Scene>& scene, const RunOp
     if (other.finished()) finished.push_back({std::move(other.result), companion.share});
   }
   if (!finished.empty()) add_errors(result, finished);
+  keep_what_is_asked_for(*scene, options, result);
   return result;
 }
 

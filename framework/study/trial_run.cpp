@@ -89,6 +89,7 @@ TrialRun try_run(const std::shared_ptr<const Scene>& scene, const TrialLimits& l
     options.most_cost = limits.cost;
     options.perturbation = limits.perturbation;
     options.observables = limits.observables;
+    options.all_observables = limits.all_observables;
     options.store = limits.store;
     trial.result = side_run(scene, std::move(options), limits.name);
     trial.seconds = trial.result.wall_seconds;

@@ -74,6 +74,13 @@ constexpr DoubleDouble& operator-=(DoubleDouble& a, double b) { return a = a - b
 constexpr DoubleDouble& operator-=(DoubleDouble& a, DoubleDouble b) { return a = a - b; }
 TOMLIN_INLINE DoubleDouble& operator*=(DoubleDouble& a, double b) { return a = a * b; }
 
+/// Adds to a sum whose high and low parts stand in an array.
+inline void add_to(double* parts, double x) {
+  const DoubleDouble sum = DoubleDouble(parts[0], parts[1]) + x;
+  parts[0] = sum.hi;
+  parts[1] = sum.lo;
+}
+
 // Pairs are normalised, so the high halves decide unless they are equal.
 constexpr bool operator==(DoubleDouble a, DoubleDouble b) { return a.hi == b.hi && a.lo == b.lo; }
 constexpr bool operator<(DoubleDouble a, DoubleDouble b) {

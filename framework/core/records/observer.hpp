@@ -10,16 +10,17 @@
 #include "framework/core/records/force.hpp"
 #include "framework/core/records/registry.hpp"
 
-/// Observers: numbers of one's own that are read off bodies and drivers. They look on and change
-/// nothing. A record may give any of:
+/// Observers measure further quantities of bodies and drivers during a run, and never change it. A
+/// record may give any of:
 ///
-///   columns    numbers read off a state, at every sample of [output] every and at the end
-///   integrals  over the window of [measure], of numbers read off states within each step: by Gauss
-///              and Legendre with four nodes a step (order 8 on the scheme's dense output)
-///   events     found at the ends of steps, with numbers of its own in between
-///   results    computed at the end from the integrals and its own numbers
+///   columns    functions of the instantaneous state, at every sample of [output] every and at the
+///              end
+///   integrals  time integrals over the window of [measure], by Gauss-Legendre quadrature with four
+///              nodes a step (order 8, on the scheme's dense output)
+///   events     detected at the ends of steps, from an internal state of the observer's own
+///   results    computed at the end from the integrals and the internal state
 ///
-/// Sums and own numbers stand in the run's state: a run that was killed goes on with them.
+/// Integrals and internal states are part of checkpoints.
 namespace tomlin {
 
 /// A body at one moment.
@@ -48,7 +49,7 @@ struct ObservedWindow {
   double from = 0.0;  ///< times
   double to = 0.0;
   std::span<const double> integrals;  ///< in the order of ObserverRecord::integrals
-  std::span<const double> own;        ///< its own numbers, at the end of the run
+  std::span<const double> state;      ///< its internal state, at the end of the run
 };
 
 /// One of the numbers that an observer gives.
@@ -57,12 +58,12 @@ struct ObservedNumber {
   std::string unit;  ///< "length", "mass/time^2", "rad", "1"
 };
 
-/// Where an observer tells of events.
+/// Records the events that an observer detects.
 class ObservedEvents {
  public:
-  /// `kind` counts in ObserverRecord::events; the size is what the event has one of, else not a
-  /// number.
-  virtual void tell(std::size_t kind, double time, double duration, double size) = 0;
+  /// `kind` is an index into ObserverRecord::events. Duration and size are in units of the
+  /// observer's choice; NaN where an event has none.
+  virtual void record(std::size_t kind, double time, double duration, double size) = 0;
 
  protected:
   ObservedEvents() = default;
@@ -92,15 +93,15 @@ struct ObserverRecord : ComponentRecord {
   void (*integrands)(const void* description, const ObservedMoment& moment,
                      std::span<double> values) = nullptr;
 
-  /// How many numbers of its own it keeps; they are 0 at the start.
-  std::size_t (*own_count)(const void* description, const SceneOutline& scene) = nullptr;
-  /// Names of the kinds of events that it tells of, in events.csv.
+  /// The length of its internal state, which is 0 at the start of a run.
+  std::size_t (*state_size)(const void* description, const SceneOutline& scene) = nullptr;
+  /// Names of the kinds of events that it detects, as in events.csv.
   std::vector<std::string> (*events)(const void* description) = nullptr;
-  /// At the start and after every step of the run; may change its own numbers.
-  void (*step)(const void* description, const ObservedMoment& moment, std::span<double> own,
+  /// At the start and after every step of the run; may change its internal state.
+  void (*step)(const void* description, const ObservedMoment& moment, std::span<double> state,
                ObservedEvents& events) = nullptr;
 
-  /// Numbers that follow from all this, in the summary.
+  /// Quantities computed from integrals and state, for the summary.
   std::vector<ObservedNumber> (*results)(const void* description,
                                          const SceneOutline& scene) = nullptr;
   /// Writes them once the window is over; null in the summary where they are not finite.

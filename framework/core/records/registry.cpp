@@ -130,7 +130,7 @@ void Registry::add(ObserverRecord record) {
                      comes_with(record.integrals, record.integrands) &&
                      comes_with(record.results, record.conclude);
   const bool any = record.columns || record.integrals || record.step;
-  require(sound && any && (record.step || !(record.events || record.own_count)), record,
+  require(sound && any && (record.step || !(record.events || record.state_size)), record,
           "function");
   observers_.push_back(std::make_unique<ObserverRecord>(std::move(record)));
 }

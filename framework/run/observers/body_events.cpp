@@ -43,18 +43,9 @@ class BodyEvents : public RunObserver {
   }
 
   void declare(StateLayout& layout) const override {
-    layout.add_reals("events.bodies", watches_.size() * BodyWatch::kReals);
-    layout.add_integers("events.bodies", watches_.size() * BodyWatch::kIntegers);
+    declare_watches(layout, "events.bodies", watches_);
   }
-  void attach(RunState& state) override {
-    double* reals = state.reals("events.bodies");
-    std::int64_t* integers = state.integers("events.bodies");
-    for (BodyWatch& watch : watches_) {
-      watch.attach(reals, integers);
-      reals += BodyWatch::kReals;
-      integers += BodyWatch::kIntegers;
-    }
-  }
+  void attach(RunState& state) override { attach_watches(state, "events.bodies", watches_); }
   void start() override {
     for (BodyWatch& watch : watches_) watch.start();
   }

@@ -54,9 +54,7 @@ class ForcesOnBodies : public RunObserver {
         last = pair.force;
       }
       for (std::size_t d = 0; d < parts_.axes(); ++d, sum += 2) {
-        const DoubleDouble total = DoubleDouble(sum[0], sum[1]) + weight * total_on(pair.body, d);
-        sum[0] = total.hi;
-        sum[1] = total.lo;
+        add_to(sum, weight * total_on(pair.body, d));
       }
     }
   }

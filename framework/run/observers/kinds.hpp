@@ -13,7 +13,7 @@ ObserverKind body_motion();       ///< turns, rolling, mean_velocity
 ObserverKind extremes();          ///< max_force, min_force, max_speed
 ObserverKind equilibrium();       ///< equilibrium; ties
 ObserverKind pull_events();       ///< static_force; slips and reversals
-ObserverKind window_doubts();     ///< warnings of windows that say little of sliding
+ObserverKind window_check();      ///< warnings of windows that say little of sliding
 ObserverKind work();              ///< work, work_per_distance, distance
 ObserverKind body_events();       ///< hops and turns
 ObserverKind event_counts();      ///< events

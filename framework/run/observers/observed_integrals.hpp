@@ -6,8 +6,8 @@
 
 namespace tomlin::observers {
 
-/// What [[observer]] tables gather along the run: integrals over the window, events, numbers of
-/// their own, and what follows from them at the end. Null where none of the scene's does.
+/// Time integrals, internal states and events of [[observer]] tables, and the results computed from
+/// them at the end. Null where no observer of the scene has any.
 std::unique_ptr<RunObserver> observed_integrals(const ObserverParts& parts);
 
 }  // namespace tomlin::observers

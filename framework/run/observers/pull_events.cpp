@@ -95,20 +95,13 @@ PullEvents::PullEvents(const ObserverParts& parts)
 void PullEvents::declare(StateLayout& layout) const {
   static_force_.declare(layout);
   if (follows_path()) layout.add_reals("events.peaks", drivers_.size());
-  layout.add_reals("events.drivers", watches_.size() * DriverWatch::kReals);
-  layout.add_integers("events.drivers", watches_.size() * DriverWatch::kIntegers);
+  declare_watches(layout, "events.drivers", watches_);
 }
 
 void PullEvents::attach(RunState& state) {
   static_force_.attach(state);
   if (follows_path()) peaks_ = state.reals("events.peaks");
-  double* reals = state.reals("events.drivers");
-  std::int64_t* integers = state.integers("events.drivers");
-  for (DriverWatch& watch : watches_) {
-    watch.attach(reals, integers);
-    reals += DriverWatch::kReals;
-    integers += DriverWatch::kIntegers;
-  }
+  attach_watches(state, "events.drivers", watches_);
 }
 
 void PullEvents::start() {

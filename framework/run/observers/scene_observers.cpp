@@ -82,11 +82,7 @@ double* SceneObservers::sample(const RunMoment& moment, double* numbers) {
 void SceneObservers::keep_means(double time, const double* numbers) {
   if (!parts_.window.contains(time)) return;
   ++*samples_;
-  for (std::size_t k = 0; k < last_.size(); ++k) {
-    const DoubleDouble sum = DoubleDouble(sums_[2 * k], sums_[2 * k + 1]) + numbers[k];
-    sums_[2 * k] = sum.hi;
-    sums_[2 * k + 1] = sum.lo;
-  }
+  for (std::size_t k = 0; k < last_.size(); ++k) add_to(sums_ + 2 * k, numbers[k]);
 }
 
 void SceneObservers::stopped(const RunMoment& end) {

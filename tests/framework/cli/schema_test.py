@@ -453,6 +453,8 @@ class Summaries(unittest.TestCase):
           "run.perturb={size=1e-9,repeats=2}"]),
         ("scenarios/prandtl_tomlinson/stick_slip.toml",
          ["--set", "run.integrator={type=\"rk4\",dt=100.0}"]),  # fails
+        ("scenarios/rolling_ring/table_1_rigid.toml",
+         ["--set", 'measure.observables=["forces.driver.on.ring.mean_force.x", "ring.turns"]']),
     ]
 
     @classmethod
@@ -478,6 +480,8 @@ class Summaries(unittest.TestCase):
         self.assertIn("numerical_work", self.summaries[0]["energy"])
         self.assertIn("equilibrium", self.summaries[2])
         self.assertEqual(self.summaries[3]["status"], "failed")
+        self.assertIn("mean_force", self.summaries[4]["forces"]["driver"]["on"]["ring"])
+        self.assertEqual(list(self.summaries[4]["bodies"]["ring"]), ["turns"])
 
     def test_planted_faults_are_seen(self):
         def lose(summary):

@@ -239,7 +239,8 @@ ObserverRecord distance_record() {
   return record;
 }
 
-// ---- an observer that gathers along the run: swings of the way between the first two particles
+// ---- an observer that integrates and detects events: swings of the way between the first two
+// particles
 
 struct SwingDescription {
   double middle = 0.0;
@@ -256,6 +257,15 @@ double length_at(const ObservedMoment& moment) {
   return std::sqrt(square);
 }
 
+std::vector<ObservedNumber> swing_columns(const void*, const SceneOutline&) {
+  return {{"away", "length"}};
+}
+
+void observe_swing(const void* description, const ObservedMoment& moment,
+                   std::span<double> numbers) {
+  numbers[0] = length_at(moment) - static_cast<const SwingDescription*>(description)->middle;
+}
+
 std::vector<ObservedNumber> swing_integrals(const void*, const SceneOutline&) {
   return {{"square", "length^2*time"}};
 }
@@ -263,39 +273,44 @@ std::vector<ObservedNumber> swing_integrals(const void*, const SceneOutline&) {
 void swing_integrands(const void* description, const ObservedMoment& moment,
                       std::span<double> values) {
   fail_if_asked("integrand");
+  if (asked_for("infinite_integrand") && moment.time > 1.5) {
+    values[0] = std::numeric_limits<double>::infinity();
+    return;
+  }
   const double away = length_at(moment) - static_cast<const SwingDescription*>(description)->middle;
   values[0] = away * away;
 }
 
-/// Own numbers: looks, ways through the middle upwards, and where it was last.
-enum SwingOwn : std::size_t { kLooks, kPassages, kLastAway, kLastTime, kSwingOwn };
+/// Internal state: looks, passages through the middle upwards, and where it was last.
+enum SwingState : std::size_t { kLooks, kPassages, kLastAway, kLastTime, kSwingState };
 
-std::size_t swing_own(const void*, const SceneOutline&) { return kSwingOwn; }
+std::size_t swing_state(const void*, const SceneOutline&) { return kSwingState; }
 
 std::vector<std::string> swing_events(const void*) { return {"passage"}; }
 
-void swing_step(const void* description, const ObservedMoment& moment, std::span<double> own,
+void swing_step(const void* description, const ObservedMoment& moment, std::span<double> state,
                 ObservedEvents& events) {
   const double away = length_at(moment) - static_cast<const SwingDescription*>(description)->middle;
-  if (own[kLooks] > 0.0 && own[kLastAway] < 0.0 && away >= 0.0) {
-    const double part = own[kLastAway] / (own[kLastAway] - away);
-    ++own[kPassages];
-    events.tell(0, own[kLastTime] + part * (moment.time - own[kLastTime]),
-                std::numeric_limits<double>::quiet_NaN(), own[kPassages]);
+  if (state[kLooks] > 0.0 && state[kLastAway] < 0.0 && away >= 0.0) {
+    const double part = state[kLastAway] / (state[kLastAway] - away);
+    ++state[kPassages];
+    events.record(0, state[kLastTime] + part * (moment.time - state[kLastTime]),
+                  std::numeric_limits<double>::quiet_NaN(), state[kPassages]);
   }
-  ++own[kLooks];
-  own[kLastAway] = away;
-  own[kLastTime] = moment.time;
+  ++state[kLooks];
+  state[kLastAway] = away;
+  state[kLastTime] = moment.time;
 }
 
 std::vector<ObservedNumber> swing_results(const void*, const SceneOutline&) {
+  if (asked_for("clash")) return {{"mean_square", "length^2"}, {"looks", "1"}, {"mean_away", "1"}};
   return {{"mean_square", "length^2"}, {"looks", "1"}, {"passages", "1"}};
 }
 
 void swing_conclude(const void*, const ObservedWindow& window, std::span<double> numbers) {
   numbers[0] = window.integrals[0] / (window.to - window.from);
-  numbers[1] = window.own[kLooks];
-  numbers[2] = window.own[kPassages];
+  numbers[1] = window.state[kLooks];
+  numbers[2] = window.state[kPassages];
 }
 
 ObserverRecord swing_record() {
@@ -308,9 +323,11 @@ ObserverRecord swing_record() {
   record.parameters = {
       parameter("middle", &SwingDescription::middle, dimension::length, "about which it swings")
           .in(positive)};
+  record.columns = &swing_columns;
+  record.observe = &observe_swing;
   record.integrals = &swing_integrals;
   record.integrands = &swing_integrands;
-  record.own_count = &swing_own;
+  record.state_size = &swing_state;
   record.events = &swing_events;
   record.step = &swing_step;
   record.results = &swing_results;

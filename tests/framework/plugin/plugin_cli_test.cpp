@@ -275,6 +275,14 @@ TEST_F(PluginCli, ObserversGatherAlongTheRun) {
   const Ended failed = tomlin({"run", "swings.toml"}, with({"FAULT=integrand"}));
   EXPECT_EQ(failed.status, 1);
   EXPECT_TRUE(contains(failed.err, "observer swings")) << failed.err;
+  const Ended infinite =
+      tomlin({"run", "swings.toml", "-o", "inf"}, with({"FAULT=infinite_integrand"}));
+  EXPECT_EQ(infinite.status, 1);
+  EXPECT_TRUE(contains(infinite.err, "gives square, which is not a finite number")) << infinite.err;
+  EXPECT_TRUE(summary("inf")["observers"]["swings"]["mean_square"].is_null());
+  const Ended clash = tomlin({"run", "swings.toml", "-o", "none"}, with({"FAULT=clash"}));
+  EXPECT_EQ(clash.status, 2);
+  EXPECT_TRUE(contains(clash.err, "\"mean_away\" is reported twice")) << clash.err;
 }
 
 /// Particles of a rigid body have velocities, too: it turns as a whole, so its length stays.

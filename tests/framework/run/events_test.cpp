@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/core/numbers/random.hpp"
 #include "tests/support/order.hpp"
 #include "tests/support/ring_scenes.hpp"
 
@@ -41,6 +42,63 @@ TEST(LastPoints, ArePassedThroughByTheirPolynomial) {
   EXPECT_NEAR(all.points.when_slope_is(slope(0.85), 0.7, 1.0), 0.85, kRounding);
   // Where it does not pass the level, the nearer end.
   EXPECT_EQ(all.points.when_value_is(1e3, 0.7, 1.0), 0.7);
+}
+
+/// A block of points leaves the same bits, and the same events, as the points one by one.
+TEST(DriverWatch, OfBlocksIsThatOfTheirPoints) {
+  Drive drive;
+  drive.velocity = {0.1};
+  drive.stiffness = 2.0;
+  constexpr double kStep = 0.01;
+  struct One {
+    explicit One(const Drive& drive)
+        : watch(0, drive, 1.0, 2.3e-16, DriverWatch::Slips::looked_for) {
+      watch.attach(reals.data(), integers.data());
+      watch.start();
+    }
+    std::vector<double> reals = std::vector<double>(DriverWatch::kReals);
+    std::vector<std::int64_t> integers = std::vector<std::int64_t>(DriverWatch::kIntegers);
+    DriverWatch watch;
+    std::vector<double> events;
+  };
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    One blocks(drive);
+    One points(drive);
+    const DriverWatch::Heat heat = [] { return 1.0; };
+    const auto keep = [](One& one) {
+      return [&one](const Event& event) {
+        one.events.insert(one.events.end(), {event.time, event.duration, event.size});
+      };
+    };
+    double force = 0.0;
+    std::size_t step = 0;
+    for (std::uint64_t block = 0; block < 2000; ++block) {
+      const auto random = [&](std::uint64_t k) {
+        return uniform_symmetric({seed, 1}, {block, k, 0, 0});
+      };
+      const auto count = static_cast<std::size_t>(8.5 + 8.4 * random(0));
+      std::vector<double> times;
+      std::vector<double> forces;
+      for (std::size_t n = 0; n < count; ++n, ++step) {
+        // It sticks, and now and then slips or is pushed back.
+        const double rare = random(n + 1);
+        force += drive.stiffness * drive.velocity[0] * kStep *
+                 (rare > 0.995   ? -400.0
+                  : rare < -0.99 ? 1.5
+                                 : 0.9);
+        times.push_back(kStep * static_cast<double>(step));
+        forces.push_back(force);
+      }
+      blocks.watch.add_block(times.data(), forces.data(), count, keep(blocks), heat);
+      for (std::size_t n = 0; n < count; ++n) {
+        points.watch.add(times[n], forces[n], keep(points), heat);
+      }
+      ASSERT_EQ(blocks.reals, points.reals) << "block " << block;
+      ASSERT_EQ(blocks.integers, points.integers) << "block " << block;
+    }
+    EXPECT_EQ(blocks.events, points.events);
+    EXPECT_GT(blocks.events.size(), 30u);
+  }
 }
 
 TEST(LastPoints, FindMomentsToTheFourthOrder) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/core/numbers/random.hpp"
 #include "framework/run/extremes.hpp"
 #include "tests/support/ring_scenes.hpp"
 
@@ -107,6 +108,43 @@ TEST(Extremes, PeaksBesideTheWindowsEdges) {
     EXPECT_NEAR(result.driver(0)["max_force"][0], reference.high, kDense);
     EXPECT_NEAR(result.driver(0)["min_force"][0], reference.low, kDense);
     EXPECT_NEAR(*result.body(0)["max_speed"], reference.speed, kDense);
+  }
+}
+
+/// Blocks of any length leave the same bits as point by point, in and out of the window.
+TEST(Extremes, OfBlocksAreThoseOfTheirPoints) {
+  constexpr std::size_t kSignals = 3;
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    StateLayout layout;
+    Extremes::declare(layout, kSignals);
+    RunState states[] = {RunState(layout, 1), RunState(layout, 1)};
+    Extremes both[2];
+    for (int k = 0; k < 2; ++k) {
+      both[k].attach(states[k], kSignals);
+      both[k].start();
+    }
+    std::size_t step = 0;
+    for (std::uint64_t block = 0; block < 400; ++block) {
+      const auto random = [&](std::uint64_t k) {
+        return uniform_symmetric({seed, 0}, {block, k, 0, 0});
+      };
+      const auto count = static_cast<std::size_t>(8.5 + 8.4 * random(0));
+      const bool inside = random(1) > -0.8;
+      std::vector<double> times;
+      std::vector<double> values;
+      for (std::size_t n = 0; n < count; ++n, ++step) {
+        times.push_back(0.01 * static_cast<double>(step));
+        // Slow, near its extremes in most blocks; quick; and with jumps.
+        values.push_back(std::sin(times.back()));
+        values.push_back(std::sin(70.0 * times.back()) + 1e-3 * static_cast<double>(step));
+        values.push_back(random(n + 2));
+      }
+      both[0].add_block(times.data(), values.data(), count, inside);
+      for (std::size_t n = 0; n < count; ++n) {
+        both[1].add(times[n], values.data() + n * kSignals, inside);
+      }
+      ASSERT_EQ(states[0].to_bytes(), states[1].to_bytes()) << "block " << block;
+    }
   }
 }
 

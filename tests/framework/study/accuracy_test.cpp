@@ -175,6 +175,34 @@ TEST(AccuracyOf, MoreAccuracyCostsMore) {
   }
 }
 
+/// Whatever else is asked for, an observable and its error are the same; those of a difference are
+/// the sum of its parts'.
+TEST(AccuracyOf, WhatIsNotAskedForIsLeftOutInTheEnd) {
+  const auto all = run(parse_scene(kTip, "tip.toml", test::standard()));
+  for (const std::string path : {"driver.work", "forces.driver.on.tip.mean_force.x"}) {
+    const std::string text = std::string(kTip) + "observables = [\"" + path + "\"]\n";
+    const auto one = run(parse_scene(text, "tip.toml", test::standard()));
+    ASSERT_EQ(one.groups.size(), 1u);
+    const std::string full = full_path(one, path);
+    const auto errors_of = [](const RunResult& result, const std::string& of) {
+      std::vector<std::optional<double>> errors;
+      for (const ErrorEstimate& error : result.errors) {
+        if (error.path == of) errors.push_back(error.error);
+      }
+      return errors;
+    };
+    ASSERT_EQ(errors_of(one, full).size(), 1u) << full;
+    if (path != "driver.work") continue;
+    EXPECT_EQ(observable(one, path), observable(all, path));
+    EXPECT_EQ(errors_of(one, full), errors_of(all, full));
+    EXPECT_EQ(one.errors.size(), 1u);
+    const auto error = [&](const char* key) {
+      return *errors_of(all, std::string("drivers.driver.") + key + ".x").at(0);
+    };
+    EXPECT_EQ(error("peak_to_peak_force"), error("max_force") + error("min_force"));
+  }
+}
+
 TEST(AccuracyOf, AnIntegratorAndAnAccuracyAreOneTooMany) {
   const std::string text = std::string(kTip) + "\n";
   std::string both = text;

@@ -6,9 +6,9 @@
 namespace tomlin::observers {
 namespace {
 
-class WindowDoubts : public RunObserver {
+class WindowCheck : public RunObserver {
  public:
-  explicit WindowDoubts(const ObserverParts& parts) : parts_(parts) {
+  explicit WindowCheck(const ObserverParts& parts) : parts_(parts) {
     for (const Model::Driver& driver : parts.signals.drivers()) {
       springs_ += pulls(*driver.drive) ? 1 : 0;
     }
@@ -51,6 +51,6 @@ class WindowDoubts : public RunObserver {
 
 }  // namespace
 
-ObserverKind window_doubts() { return kind_of<WindowDoubts>({}); }
+ObserverKind window_check() { return kind_of<WindowCheck>({}); }
 
 }  // namespace tomlin::observers
