@@ -10,14 +10,14 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/text/ascii.hpp"
+#include "framework/core/text/utf8.hpp"
+
 namespace tomlin {
 namespace {
 
 constexpr std::size_t kMostColumns = 3;
 constexpr std::size_t kMostFaults = 10;  // of a file; nobody reads more
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-
-bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 /// The columns of one line.
 struct Row {

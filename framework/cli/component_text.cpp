@@ -1,5 +1,7 @@
 #include "framework/cli/component_text.hpp"
 
+#include "framework/core/text/axis_names.hpp"
+
 namespace tomlin {
 
 const char* to_string(Element element) {
@@ -16,9 +18,6 @@ const char* to_string(Element element) {
   return "";
 }
 
-const char* axis_name(int axis) {
-  static const char* const names[] = {"x", "y", "z"};
-  return names[axis];
-}
+const char* axis_name(int axis) { return kAxisNames[axis]; }
 
 }  // namespace tomlin

@@ -4,14 +4,13 @@
 
 #include "framework/cli/component_text.hpp"
 #include "framework/cli/explanation.hpp"
+#include "framework/core/numbers/constants.hpp"
 #include "framework/scene/natural_units.hpp"
 
 namespace tomlin {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kTau = 6.283185307179586;
 
 /// JSON has no infinity.
 Json number(double x) { return std::isfinite(x) ? Json(x) : Json(); }

@@ -6,14 +6,13 @@
 #include "framework/cli/component_text.hpp"
 #include "framework/cli/explanation.hpp"
 #include "framework/cli/sections.hpp"
+#include "framework/core/numbers/constants.hpp"
 #include "framework/output/run_folder.hpp"
 #include "framework/scene/natural_units.hpp"
 #include "framework/scene/title.hpp"
 
 namespace tomlin {
 namespace {
-
-constexpr double kTau = 6.283185307179586;
 
 std::string text_of(double x) { return fmt::format("{:.4g}", x); }
 

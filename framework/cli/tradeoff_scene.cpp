@@ -12,27 +12,17 @@
 
 namespace tomlin {
 namespace fs = std::filesystem;
-namespace {
-
-[[noreturn]] void refuse_file(const std::string& file, std::string why, std::string admissible) {
-  Fault fault;
-  fault.place.file = "--write";
-  fault.key = file;
-  fault.why = std::move(why);
-  fault.admissible = std::move(admissible);
-  throw InputError({std::move(fault)});
-}
-
-}  // namespace
+namespace {}  // namespace
 
 void check_new_scene(const TradeoffArguments& arguments) {
   if (!arguments.write) return;
   std::error_code error;
   if (fs::equivalent(*arguments.write, arguments.scene, error)) {
-    refuse_file(*arguments.write, "this is the scene itself", "another file");
+    refuse_input("--write", *arguments.write, "this is the scene itself", "another file");
   }
   if (fs::exists(fs::symlink_status(*arguments.write, error)) && !arguments.force) {
-    refuse_file(*arguments.write, "there is something of this name", "a new file, or --force");
+    refuse_input("--write", *arguments.write, "there is something of this name",
+                 "a new file, or --force");
   }
   refuse_unwritable(*arguments.write, "--write");
 }

@@ -8,6 +8,7 @@
 #include "framework/core/records/body.hpp"
 #include "framework/core/records/bound_force.hpp"
 #include "framework/core/system/instruction_set.hpp"
+#include "framework/core/text/axis_names.hpp"
 #include "framework/scene/scene.hpp"
 
 namespace tomlin {
@@ -38,7 +39,5 @@ struct AssemblyPlan {
 
 /// Index of the rotation among a planar body's coordinates.
 inline constexpr std::size_t kRotation = 2;
-
-inline constexpr const char* kAxisNames[] = {"x", "y", "z"};
 
 }  // namespace tomlin

@@ -4,12 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include "framework/core/numbers/constants.hpp"
 #include "framework/model/force_twin.hpp"
 
 namespace tomlin {
 namespace {
-
-constexpr double kTau = 6.283185307179586476925286766559;
 
 /// Of a body in the plane.
 double farthest_arm(const Model::Body& body) {

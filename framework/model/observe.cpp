@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "framework/core/numbers/sum.hpp"
+#include "framework/core/text/axis_names.hpp"
 #include "framework/model/model.hpp"
 
 /// What can be read off a bound model at a given state.
@@ -125,18 +126,17 @@ DoubleDouble Model::pulled_end(std::size_t driver, const DoubleDouble& time, int
 }
 
 Model::CoordinateName Model::name_of(std::size_t coordinate) const {
-  static const char* const axes[] = {"x", "y", "z"};
   for (const Body& body : bodies()) {
     const BodySlot<double>& slot = body.bound.slot;
     if (slot.rigid && coordinate >= slot.centre && coordinate < slot.centre + kGroup) {
       const std::size_t d = coordinate - slot.centre;
-      return {body.bound.name, -1, d == 2 && dimension() == 2 ? "rotation" : axes[d]};
+      return {body.bound.name, -1, d == 2 && dimension() == 2 ? "rotation" : kAxisNames[d]};
     }
     if (!slot.mapped && coordinate >= slot.offset &&
         coordinate < slot.offset + slot.stride * dimension()) {
       const std::size_t within = coordinate - slot.offset;
       return {body.bound.name, static_cast<std::ptrdiff_t>(within % slot.stride),
-              axes[within / slot.stride]};
+              kAxisNames[within / slot.stride]};
     }
   }
   return {};

@@ -8,13 +8,23 @@
 
 namespace tomlin {
 
-/// Rounding and flushing to zero as they are now, whatever a call of somebody else's code makes of
-/// them: put back at the end. Costs a few cycles where nothing was changed.
+/// Keeps the modes of rounding and of flushing to zero through a call of a plugin's code: modes
+/// that the call has changed are restored at the end of the scope.
 class OwnArithmetic {
  public:
-  OwnArithmetic() : now_(control()) {}
+#if defined(__SSE2__)
+  using Mode = unsigned;
+#else
+  using Mode = int;
+#endif
+
+  static Mode mode();
+
+  /// `before`: the mode at the start. To read it takes as long as a small force; where it is known
+  /// already, the mode is read only once, after the call.
+  explicit OwnArithmetic(Mode before = mode()) : before_(before) {}
   ~OwnArithmetic() {
-    if (control() != now_) restore();
+    if (mode() != before_) restore();
   }
   OwnArithmetic(const OwnArithmetic&) = delete;
   OwnArithmetic& operator=(const OwnArithmetic&) = delete;
@@ -23,22 +33,27 @@ class OwnArithmetic {
 #if defined(__SSE2__)
   static constexpr unsigned kFlags = 0x3FU;  // of exceptions that have been met
   static constexpr unsigned kRounding = 0x6000U;
-  static unsigned control() { return _mm_getcsr() & ~kFlags; }
   void restore() const {
     // The other unit has a mode of its own, which the library sets with this one.
-    const unsigned rounding = now_ & kRounding;
+    const unsigned rounding = before_ & kRounding;
     std::fesetround(rounding == 0U        ? FE_TONEAREST
                     : rounding == 0x2000U ? FE_DOWNWARD
                     : rounding == 0x4000U ? FE_UPWARD
                                           : FE_TOWARDZERO);
-    _mm_setcsr(now_ | (_mm_getcsr() & kFlags));
+    _mm_setcsr(before_ | (_mm_getcsr() & kFlags));
   }
-  unsigned now_;
 #else
-  static int control() { return std::fegetround(); }
-  void restore() const { std::fesetround(now_); }
-  int now_;
+  void restore() const { std::fesetround(before_); }
 #endif
+  Mode before_;
 };
+
+inline OwnArithmetic::Mode OwnArithmetic::mode() {
+#if defined(__SSE2__)
+  return _mm_getcsr() & ~kFlags;
+#else
+  return std::fegetround();
+#endif
+}
 
 }  // namespace tomlin

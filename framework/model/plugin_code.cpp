@@ -23,10 +23,11 @@ namespace {
 struct Owner {
   std::string component;
   std::string library;
+  OwnArithmetic::Mode mode = OwnArithmetic::mode();  ///< when the scene is bound
 
   template <class Action>
   auto guard(Action action) const {
-    return in_plugin(component, library, action);
+    return in_plugin(component, library, action, mode);
   }
 };
 
@@ -42,8 +43,7 @@ struct GuardedPass {
 template <class Real, Kernel<Real> GuardedPass<Real>::*kernel>
 void call(const void* guarded_pass, const Stage<Real>& stage) {
   const auto& pass = *static_cast<const GuardedPass<Real>*>(guarded_pass);
-  in_plugin(pass.owner->component, pass.owner->library,
-            [&] { (pass.*kernel)(pass.arguments, stage); });
+  pass.owner->guard([&] { (pass.*kernel)(pass.arguments, stage); });
 }
 
 template <class Real>
@@ -57,8 +57,8 @@ template <class Real>
 PointResult<Real> call_point(const void* guarded_point, Real position, Real velocity, Real start,
                              Real elapsed) {
   const auto& point = *static_cast<const GuardedPoint<Real>*>(guarded_point);
-  return in_plugin(point.owner->component, point.owner->library,
-                   [&] { return point.run(point.parameters, position, velocity, start, elapsed); });
+  return point.owner->guard(
+      [&] { return point.run(point.parameters, position, velocity, start, elapsed); });
 }
 
 template <class Real>
@@ -70,15 +70,13 @@ struct GuardedFlow {
 template <class Real>
 Real call_flow(const void* guarded_flow, const FlowStage<Real>& stage, Real h) {
   const auto& own = *static_cast<const GuardedFlow<Real>*>(guarded_flow);
-  return in_plugin(own.owner->component, own.owner->library,
-                   [&] { return own.flow.run(own.flow.arguments, stage, h); });
+  return own.owner->guard([&] { return own.flow.run(own.flow.arguments, stage, h); });
 }
 
 template <class Real>
 Real call_drag(const void* guarded_flow, const Stage<Real>& stage) {
   const auto& own = *static_cast<const GuardedFlow<Real>*>(guarded_flow);
-  return in_plugin(own.owner->component, own.owner->library,
-                   [&] { return own.flow.drag(own.flow.arguments, stage); });
+  return own.owner->guard([&] { return own.flow.drag(own.flow.arguments, stage); });
 }
 
 /// Every function of BoundForce is passed on.

@@ -31,10 +31,11 @@ class PluginError : public std::runtime_error {
 };
 
 /// What `action` returns; whatever it throws comes out as a PluginError, and the arithmetic is as
-/// it was before.
+/// it was `before`.
 template <class Action>
-auto in_plugin(const std::string& component, const std::string& library, Action action) {
-  const OwnArithmetic own;
+auto in_plugin(const std::string& component, const std::string& library, Action action,
+               OwnArithmetic::Mode before = OwnArithmetic::mode()) {
+  const OwnArithmetic own(before);
   try {
     return action();
   } catch (const PluginError&) {

@@ -15,10 +15,6 @@ namespace {
 constexpr double kEqual = 1e-9;
 constexpr std::int64_t kLargestDenominator = 1000;
 
-double period_of(const SceneForce& force, int axis) {
-  return force.record->period(force.description.get(), axis);
-}
-
 /// The spacing of a body whose particles stand in equal steps along one axis; 0 for any other.
 double spacing_along(const Model::Body& body, int axis) {
   const auto& start = body.bound.start;
@@ -39,7 +35,7 @@ void add_misfits(Scales& scales, const Model& model, const SceneForce& from,
                  const Model::Force& substrate) {
   for (const std::size_t b : substrate.bodies) {
     for (int axis = 0; axis < model.dimension(); ++axis) {
-      const double period = period_of(from, axis);
+      const double period = from.period(axis);
       const double spacing = spacing_along(model.bodies()[b], axis);
       if (!(period > 0.0) || !(spacing > 0.0)) continue;
       scales.misfits.push_back(

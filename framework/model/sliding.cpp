@@ -7,13 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include "framework/core/numbers/constants.hpp"
 #include "framework/core/records/force.hpp"
 #include "framework/model/force_alone.hpp"
 
 namespace tomlin {
 namespace {
 
-constexpr double kTau = 6.283185307179586476925286766559;
 /// Places of a rigid shift over one period, and the difference that slopes are taken by: a
 /// sinusoid's largest slope is met to 1e-4 and taken to 1e-5.
 constexpr int kShifts = 200;
@@ -21,10 +21,6 @@ constexpr double kDifference = 1e-3;  // of the period
 /// Part of a spring's stiffness that slopes may differ by, or a force may add, where the spring
 /// counts as linear and alone: rounding of differences is far less, and s has four digits.
 constexpr double kSameSlope = 1e-6;
-
-double period_of(const SceneForce& force, int axis) {
-  return force.record->period(force.description.get(), axis);
-}
 
 bool acts_on(const Model::Force& force, std::size_t body) {
   return std::find(force.bodies.begin(), force.bodies.end(), body) != force.bodies.end();
@@ -114,7 +110,7 @@ class Pull {
   /// By one driver, of the bodies under the substrate, along one axis.
   void add(const Model::Force& driver, int axis) {
     const Drive& drive = *driver.bound->drive();
-    const double period = period_of(model_.scene().forces[place_], axis);
+    const double period = model_.scene().forces[place_].period(axis);
     const double bound = substrate_.bound->curvature_bound_along(axis);
     const double velocity = drive.velocity.empty() ? 0.0 : drive.velocity[axis];
     if (!(period > 0.0) || bound < 0.0 || velocity == 0.0) return;
@@ -160,7 +156,7 @@ class Pull {
     for (const Model::Force& force : model_.forces()) {
       if (!acts_on(force, body)) continue;
       for (const SceneForce& from : model_.scene().forces) {
-        if (from.name == force.name && period_of(from, axis) > 0.0) return true;
+        if (from.name == force.name && from.period(axis) > 0.0) return true;
       }
     }
     return false;

@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "framework/core/numbers/constants.hpp"
 #include "framework/core/system/tolerance.hpp"
 #include "framework/model/model.hpp"
 
@@ -409,7 +410,6 @@ OwnDecay own_decay(Model& model) {
 /// Of an oscillator of this square frequency, whose friction over mass lies between two bounds; 0
 /// where it has neither stiffness nor friction.
 double slowest_time_of_mode(double square, double least_friction, double most_friction) {
-  constexpr double kTau = 6.283185307179586476925286766559;
   if (!(square > 0.0)) return least_friction > 0.0 ? 1.0 / least_friction : 0.0;
   double slowest = kTau / std::sqrt(square);
   if (least_friction > 0.0) slowest = std::max(slowest, 2.0 / least_friction);

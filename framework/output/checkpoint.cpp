@@ -9,7 +9,7 @@
 namespace tomlin {
 namespace {
 
-constexpr std::uint32_t kFormat = 1;
+constexpr std::uint32_t kCheckpointFormat = 1;
 
 }  // namespace
 
@@ -29,7 +29,7 @@ std::uint64_t scene_fingerprint(std::string_view effective_toml) {
 void write_checkpoint(const std::filesystem::path& file, const Checkpoint& checkpoint,
                       OutputFile::Lasting lasting) {
   RecordWriter record(RecordKind::checkpoint);
-  record.number(kFormat);
+  record.number(kCheckpointFormat);
   record.text(checkpoint.program_version);
   record.number(checkpoint.scene);
   record.number(checkpoint.journal.bytes);
@@ -60,8 +60,8 @@ Checkpoint parse_checkpoint(const std::string& file, std::span<const std::byte> 
     record.refuse("not a checkpoint");
   }
   const auto format = record.number<std::uint32_t>();
-  if (format != kFormat) {
-    record.refuse(fmt::format("its format is {}, this program's is {}", format, kFormat));
+  if (format != kCheckpointFormat) {
+    record.refuse(fmt::format("its format is {}, this program's is {}", format, kCheckpointFormat));
   }
   Checkpoint checkpoint;
   checkpoint.program_version = record.text();

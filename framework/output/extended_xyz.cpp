@@ -9,7 +9,7 @@
 namespace tomlin {
 namespace {
 
-constexpr std::size_t kBuffer = std::size_t{1} << 18;  // bytes that are written at once
+constexpr std::size_t kFrameBuffer = std::size_t{1} << 18;  // bytes that are written at once
 
 /// Between quotation marks, on one line.
 std::string in_quotes(std::string_view text) {
@@ -82,7 +82,7 @@ void ExtendedXyzWriter::write(double time, std::span<const double> positions) {
         append_number(buffer_, d < static_cast<std::size_t>(layout_.dimension) ? *place++ : 0.0);
       }
       buffer_ += body;
-      if (buffer_.size() >= kBuffer) flush();
+      if (buffer_.size() >= kFrameBuffer) flush();
     }
   }
 }

@@ -15,7 +15,7 @@ namespace tomlin {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint32_t kFormat = 1;
+constexpr std::uint32_t kJournalFormat = 1;
 constexpr std::size_t kBlock = std::size_t{1} << 16;  // bytes of samples or events in a record
 /// An event without its name.
 constexpr std::size_t kEventBytes =
@@ -30,7 +30,7 @@ std::size_t row_block(const RunLayout& layout) {
 
 RecordWriter header_record(const JournalHeader& header) {
   RecordWriter record(RecordKind::journal);
-  record.number(kFormat);
+  record.number(kJournalFormat);
   record.text(header.program_version);
   record.text(header.scene);
   const RunLayout& layout = header.layout;
@@ -58,8 +58,8 @@ RecordWriter header_record(const JournalHeader& header) {
 JournalHeader header_in(RecordReader record) {
   JournalHeader header;
   const auto format = record.number<std::uint32_t>();
-  if (format != kFormat) {
-    record.refuse(fmt::format("its format is {}, this program's is {}", format, kFormat));
+  if (format != kJournalFormat) {
+    record.refuse(fmt::format("its format is {}, this program's is {}", format, kJournalFormat));
   }
   header.program_version = record.text();
   header.scene = record.text();

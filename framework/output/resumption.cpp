@@ -28,16 +28,6 @@ constexpr const char* kStartAgain = "--force, which starts again from the beginn
   throw InputError({fault});
 }
 
-/// Whether it is resumed or not.
-[[noreturn]] void refuse_folder(const RunFolder& folder, std::string why, std::string admissible) {
-  Fault fault;
-  fault.place.file = "-o";
-  fault.key = folder.path().string();
-  fault.why = std::move(why);
-  fault.admissible = std::move(admissible);
-  throw InputError({fault});
-}
-
 /// Where a file is damaged: its message names it already.
 [[noreturn]] void refuse(const DamagedFile& damage) {
   Fault fault;
@@ -283,9 +273,9 @@ Descriptor own_existing(const RunFolder& folder) {
   try {
     return own_journal(folder.file(kJournalFile), Absent::leave_it);
   } catch (const JournalInUse&) {
-    refuse_folder(folder, "another run is writing here", "another folder");
+    refuse_input("-o", folder.path().string(), "another run is writing here", "another folder");
   } catch (const OutputError& error) {
-    refuse_folder(folder, error.what(), kStartAgain);
+    refuse_input("-o", folder.path().string(), error.what(), kStartAgain);
   }
 }
 

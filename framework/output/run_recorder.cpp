@@ -32,15 +32,6 @@ class ToAll : public RunSink {
   std::vector<std::unique_ptr<ResultFile>>& files_;
 };
 
-[[noreturn]] void refuse(const RunFolder& folder, std::string why, std::string admissible) {
-  Fault fault;
-  fault.place.file = "-o";
-  fault.key = folder.path().string();
-  fault.why = std::move(why);
-  fault.admissible = std::move(admissible);
-  throw InputError({fault});
-}
-
 }  // namespace
 
 RunRecorder::RunRecorder(RunFolder& folder, const Scene& scene, std::string program_version,
@@ -66,8 +57,9 @@ void RunRecorder::attempt(Action action) {
 
 void RunRecorder::begin(const RunLayout& layout) {
   if (resumption_.kind == Resumption::Kind::go_on && layout.state != resumption_.layout.state) {
-    refuse(folder_, "this program keeps other numbers of this scene than the one that was stopped",
-           "the program that began the run, or --force, which starts again");
+    refuse_input("-o", folder_.path().string(),
+                 "this program keeps other numbers of this scene than the one that was stopped",
+                 "the program that began the run, or --force, which starts again");
   }
   require_room(scene_, output_size(scene_, layout), room_in(folder_.path()));
   attempt([&] { resumption_.kind == Resumption::Kind::go_on ? go_on(layout) : start(layout); });

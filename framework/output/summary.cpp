@@ -89,10 +89,10 @@ Json determined_entry(const DeterminedResult& found) {
 }
 
 /// Of the layout of a summary: another one when a key goes or means something else.
-constexpr int kFormat = 1;
+constexpr int kSummaryFormat = 1;
 
 Json program_entry() {
-  return {{"name", "tomlin"}, {"version", TOMLIN_VERSION}, {"format", kFormat}};
+  return {{"name", "tomlin"}, {"version", TOMLIN_VERSION}, {"format", kSummaryFormat}};
 }
 
 /// The hash is that of `scene.toml`, however the scene got its values.

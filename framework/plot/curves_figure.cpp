@@ -17,17 +17,7 @@ namespace {
 
 constexpr double kHeightAlone = 330.0;  // of a panel, in points of the screen
 constexpr double kHeightOfSeveral = 170.0;
-constexpr double kMargin = 0.04;  // above and below, as a share of what is between
-
-[[noreturn]] void refuse(std::string file, std::string key, std::string why,
-                         std::string admissible) {
-  Fault fault;
-  fault.place.file = std::move(file);
-  fault.key = std::move(key);
-  fault.why = std::move(why);
-  fault.admissible = std::move(admissible);
-  throw InputError({fault});
-}
+constexpr double kCurveMargin = 0.04;  // above and below, as a share of what is between
 
 struct Range {
   double from = std::numeric_limits<double>::infinity();
@@ -107,9 +97,9 @@ RunCurves read_curves(const StoredRun& run, const CurvesRequest& request) {
 void check_unit(const StoredRun& run, const std::string& option, const Series& first,
                 const Series& other) {
   if (first.unit == other.unit) return;
-  refuse(file_of(run, kTableFile), option + " " + other.name,
-         fmt::format("[{}], on one axis with {} [{}]", other.unit, first.name, first.unit),
-         "one unit to an axis; another --y makes another panel");
+  refuse_input(file_of(run, kTableFile), option + " " + other.name,
+               fmt::format("[{}], on one axis with {} [{}]", other.unit, first.name, first.unit),
+               "one unit to an axis; another --y makes another panel");
 }
 
 void check_units(const std::vector<StoredRun>& runs, const std::vector<RunCurves>& all) {
@@ -149,9 +139,9 @@ Range shown_range(const std::vector<RunCurves>& all, const CurvesRequest& reques
                              [&](double x) { return shown.holds(x); });
   }
   if (!any) {
-    refuse(request.from ? "--from" : "--to", "",
-           fmt::format("there is no sample from {:g} to {:g}", shown.from, shown.to),
-           fmt::format("{} from {:g} to {:g}", request.x, whole.from, whole.to));
+    refuse_input(request.from ? "--from" : "--to", "",
+                 fmt::format("there is no sample from {:g} to {:g}", shown.from, shown.to),
+                 fmt::format("{} from {:g} to {:g}", request.x, whole.from, whole.to));
   }
   return shown;
 }
@@ -188,8 +178,8 @@ Window window_of(const std::vector<std::vector<Polyline>>& curves, const Range& 
 /// Room above and below the curves, also where they are level.
 double margin_of(const Window& window) {
   const double extent = window.y_to - window.y_from;
-  if (extent > 0.0) return kMargin * extent;
-  return window.y_to == 0.0 ? 1.0 : kMargin * std::abs(window.y_to);
+  if (extent > 0.0) return kCurveMargin * extent;
+  return window.y_to == 0.0 ? 1.0 : kCurveMargin * std::abs(window.y_to);
 }
 
 /// Where the spring is not stretched: x_c = v t.

@@ -48,17 +48,6 @@ constexpr std::array kFigureKinds = {
 
 constexpr std::array kAxes = {".x", ".y", ".z"};
 
-[[noreturn]] void refuse(std::string file, const std::string& key, std::string why,
-                         std::string admissible, std::string nearest = "") {
-  Fault fault;
-  fault.place.file = std::move(file);
-  fault.key = shortened(key, kLongestShownValue);
-  fault.why = std::move(why);
-  fault.admissible = std::move(admissible);
-  fault.nearest = std::move(nearest);
-  throw InputError({fault});
-}
-
 template <class Named>
 const Named* find_named(std::span<const Named> all, std::string_view name) {
   const auto found =
@@ -123,19 +112,19 @@ std::string chosen_owner(const SampleTable& table, Owner owner, std::string_view
   const std::string& wanted = driver ? owners.driver : owners.body;
   const std::vector<std::string> candidates = owners_of(table, column);
   if (candidates.empty()) {
-    refuse(table.file(), "", fmt::format("there is no column *.{}", column),
-           listed(table.names()) + "; --x and --y take any of them");
+    refuse_input(table.file(), "", fmt::format("there is no column *.{}", column),
+                 listed(table.names()) + "; --x and --y take any of them");
   }
   const char* option = driver ? "--driver" : "--body";
   if (wanted.empty() && candidates.size() == 1) return candidates.front();
   if (wanted.empty()) {
-    refuse(table.file(), "", fmt::format("there are several columns *.{}", column),
-           fmt::format("{} {}", option, fmt::join(candidates, fmt::format(", {} ", option))));
+    refuse_input(table.file(), "", fmt::format("there are several columns *.{}", column),
+                 fmt::format("{} {}", option, fmt::join(candidates, fmt::format(", {} ", option))));
   }
   if (std::find(candidates.begin(), candidates.end(), wanted) != candidates.end()) return wanted;
-  refuse(table.file(), std::string(option) + " " + wanted,
-         fmt::format("there is no column {}.{}", wanted, column), listed(candidates),
-         nearest_name(wanted, candidates).value_or(""));
+  refuse_input(table.file(), shortened(std::string(option) + " " + wanted, kLongestShownValue),
+               fmt::format("there is no column {}.{}", wanted, column), listed(candidates),
+               nearest_name(wanted, candidates).value_or(""));
 }
 
 Series find_series(const SampleTable& table, const std::string& name, const Owners& owners,
@@ -149,8 +138,9 @@ Series find_series(const SampleTable& table, const std::string& name, const Owne
   for (const Quantity& quantity : quantities()) {
     if (!table.find(quantity.name)) known.emplace_back(quantity.name);
   }
-  refuse(table.file(), option + " " + name, "there is no such column or quantity", listed(known),
-         nearest_name(name, known).value_or(""));
+  refuse_input(table.file(), shortened(option + " " + name, kLongestShownValue),
+               "there is no such column or quantity", listed(known),
+               nearest_name(name, known).value_or(""));
 }
 
 double value_of(Measure measure, std::span<const double> components) {

@@ -21,13 +21,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kLargestSummary = std::size_t{8} << 20;  // bytes
 
-[[noreturn]] void refuse(const std::string& file, std::string why) {
-  Fault fault;
-  fault.place.file = file;
-  fault.why = std::move(why);
-  throw InputError({fault});
-}
-
 /// Of "a/b/" too; "." by what it is called.
 std::string name_of(const fs::path& folder) {
   std::error_code error;
@@ -73,12 +66,13 @@ StoredRun read_stored_run(const std::string& folder) {
   run.name = name_of(folder);
   const std::string file = file_of(run, kSummaryFile);
   const TextFile summary = read_text_file(file, kLargestSummary);
-  if (summary.too_large) refuse(file, "this is too large for the summary of a run");
-  if (!summary.why.empty()) refuse(file, summary.why);
+  if (summary.too_large) refuse_input(file, "", "this is too large for the summary of a run");
+  if (!summary.why.empty()) refuse_input(file, "", summary.why);
   const Json json = Json::parse(summary.text, nullptr, false);
-  if (!json.is_object()) refuse(file, "this is not the summary of a run");
+  if (!json.is_object()) refuse_input(file, "", "this is not the summary of a run");
   const auto status = json.find("status");
-  if (status == json.end() || !status->is_string()) refuse(file, "there is no status in it");
+  if (status == json.end() || !status->is_string())
+    refuse_input(file, "", "there is no status in it");
   run.status = status->get<std::string>();
   const auto parameters = json.find("parameters");
   if (parameters != json.end() && parameters->is_object()) {

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "framework/core/numbers/math.hpp"
+#include "framework/core/text/axis_names.hpp"
 #include "framework/run/observables.hpp"
 #include "framework/run/side_run.hpp"
 
@@ -32,12 +33,11 @@ struct Followed {
 };
 
 std::vector<Followed> mean_forces(const RunResult& result) {
-  static constexpr const char* kAxes[] = {"x", "y", "z"};
   std::vector<Followed> all;
   for (const ResultGroup& driver : result.family("drivers")) {
     std::vector<std::string> components;
     for (std::size_t d = 0; d < driver["mean_force"].count(); ++d) {
-      components.push_back("drivers." + driver.name + ".mean_force." + kAxes[d]);
+      components.push_back("drivers." + driver.name + ".mean_force." + kAxisNames[d]);
     }
     for (const std::string& path : components) all.push_back({path, components, {}});
   }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/numbers/constants.hpp"
 #include "framework/model/scheme_checks.hpp"
 
 namespace tomlin {
@@ -23,7 +24,8 @@ std::size_t worst_coordinate(Model& model, double h) {
     const double move = s.inertial ? h * std::abs(s.velocity[i]) + 0.5 * h * h * std::abs(response)
                                    : h * std::abs(response);
     if (!std::isfinite(move)) return i;
-    const double limit = s.largest_move[i] < 1e300 ? s.largest_move[i] : 1.0 / s.tolerance_scale[i];
+    const double limit =
+        s.largest_move[i] < kNoBound ? s.largest_move[i] : 1.0 / s.tolerance_scale[i];
     if (move / limit > furthest) {
       furthest = move / limit;
       worst = i;

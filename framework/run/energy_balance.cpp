@@ -23,8 +23,8 @@ constexpr std::int64_t kAdaptiveStrata = 32;
 /// Steps in a block. Blocks of fixed steps begin where the run looks at its origin; short runs, of
 /// so many strata of so many steps, are looked at from there to the next time, and so as a whole.
 constexpr double kShort = 2.0 * kBlock;
-constexpr std::uint64_t kWhole = kBlock;
-constexpr std::uint64_t kFixedSteps = kWhole / 2;
+constexpr std::uint64_t kFullBlock = kBlock;
+constexpr std::uint64_t kFixedSteps = kFullBlock / 2;
 constexpr std::uint64_t kAdaptiveSteps = 4;
 /// Numerical work beside the larger one of work and heat, or beside the energy where there is no
 /// heat: a few per cent are what a coarse but sensible step costs.
@@ -95,7 +95,7 @@ void EnergyBalance::start(double from, double to, double dt) {
   to_ = to;
   strata_ = dt > 0.0 ? kFixedStrata : kAdaptiveStrata;
   whole_ = dt > 0.0 && (to - from) / dt < kShort * kFixedStrata;
-  steps_ = whole_ ? kWhole : dt > 0.0 ? kFixedSteps : kAdaptiveSteps;
+  steps_ = whole_ ? kFullBlock : dt > 0.0 ? kFixedSteps : kAdaptiveSteps;
 }
 
 void EnergyBalance::prepare() {

@@ -3,13 +3,13 @@
 #include <string>
 #include <vector>
 
+#include "framework/core/text/axis_names.hpp"
 #include "framework/core/text/nearest_name.hpp"
 
 namespace tomlin {
 namespace {
 
 constexpr double kTau = 6.283185307179586476925286766559;
-constexpr const char* kAxes[] = {"x", "y", "z"};
 
 }  // namespace
 
@@ -24,7 +24,7 @@ Instant::Instant(const Model& model, std::string_view path, const std::string& k
   std::vector<Candidate> all;
   const auto per_axis = [&](const std::string& name, Kind kind, std::size_t index) {
     for (int d = 0; d < model.dimension(); ++d) {
-      all.push_back({name + "." + kAxes[d], kind, index, d});
+      all.push_back({name + "." + kAxisNames[d], kind, index, d});
     }
   };
   for (std::size_t b = 0; b < model.bodies().size(); ++b) {

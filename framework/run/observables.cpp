@@ -6,18 +6,18 @@
 #include <cstdint>
 #include <utility>
 
+#include "framework/core/text/axis_names.hpp"
 #include "framework/core/text/nearest_name.hpp"
 #include "framework/run/results.hpp"
 
 namespace tomlin {
 namespace {
 
-constexpr const char* kAxes[] = {"x", "y", "z"};
-constexpr std::string_view kFamilies[] = {"drivers.", "bodies.", "forces.", "observers."};
+constexpr std::string_view kFamilyPrefixes[] = {"drivers.", "bodies.", "forces.", "observers."};
 
 /// "driver.work" of "drivers.driver.work".
 std::string_view without_family(std::string_view path) {
-  for (const std::string_view family : kFamilies) {
+  for (const std::string_view family : kFamilyPrefixes) {
     if (path.starts_with(family)) return path.substr(family.size());
   }
   return path;
@@ -54,7 +54,7 @@ std::vector<Observable> observables(const RunResult& result) {
       const ResultQuantity& quantity = value.quantity();
       for (std::size_t k = 0; k < value.count(); ++k) {
         std::string path = heading + quantity.key;
-        if (quantity.shape == Shape::vector) path += std::string(".") + kAxes[k];
+        if (quantity.shape == Shape::vector) path += std::string(".") + kAxisNames[k];
         all.push_back({std::move(path), value.finite(k), &quantity});
       }
     }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/numbers/constants.hpp"
 #include "framework/core/system/tolerance.hpp"
 #include "framework/run/diagnose.hpp"
 #include "framework/run/time_scale.hpp"
@@ -67,7 +68,6 @@ constexpr double kFewPlaces = 100.0;  // of a short number type
 // The same in the scene's length (natural_units.hpp), where no period or bond is along an axis.
 constexpr double kCoarseUnits = 1e-6;
 constexpr double kFewUnits = 1000.0;
-constexpr double kNoLength = 1e300;
 constexpr double kUselessPlaces = 1e-3;
 /// Tolerance of an adaptive scheme, as a part of a period or of half the shortest bond. Half a
 /// period is the way from a well to the next barrier: a step may end in any well.
@@ -245,8 +245,8 @@ void check_places(Check& check) {
         const double farthest = std::abs(view.position[i]) + (slot.rigid ? reach : 0.0);
         double shortest = view.largest_move[i];
         if (slot.rigid && reach > 0.0) shortest = std::min(shortest, reach);
-        if (!(shortest < kNoLength)) {
-          if (farthest <= farthest_without_length || !(farthest < kNoLength)) continue;
+        if (!(shortest < kNoBound)) {
+          if (farthest <= farthest_without_length || !(farthest < kNoBound)) continue;
           farthest_without_length = farthest;
           axis_without_length = d;
           continue;

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/numbers/constants.hpp"
 #include "framework/core/system/tolerance.hpp"
 #include "framework/run/watched_integrals.hpp"
 
@@ -23,7 +24,6 @@ constexpr std::size_t kMostTimes = 1 << 14;
 /// From the start of a scene to where forces are looked at once more, in largest moves (a period,
 /// half a bond): formulas are often zero where a scene starts.
 constexpr double kAside = 0.23;
-constexpr double kNoLength = 1e300;
 /// Of a value, that it changes by through rounding.
 constexpr double kNoChange = 1e-12;
 /// A value that comes back through its middle as often swings; else it goes from one to another,
@@ -57,7 +57,7 @@ class TimedForce {
       if (view.inverse_mass[i] <= 0.0) continue;
       double& x = states_[1].position[i];
       const double length = view.largest_move[i];
-      x += kAside * (length < kNoLength ? length : std::abs(x) + 1.0 / scales.position[i]);
+      x += kAside * (length < kNoBound ? length : std::abs(x) + 1.0 / scales.position[i]);
       // Forces in proportion to a velocity need one.
       velocity_[i] += along[i] != 0.0 ? along[i] : kAside / scales.velocity[i];
     }

@@ -10,13 +10,12 @@
 #define TOML_ASSERT(expression) static_cast<void>(0)
 #include <toml++/toml.h>
 
+#include "framework/core/text/utf8.hpp"
 #include "framework/scene/syntax_fault.hpp"
 #include "framework/scene/text.hpp"
 
 namespace tomlin {
 namespace {
-
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 // As the TOML library does; its columns do not count the mark.
 std::string_view without_byte_order_mark(std::string_view text) {

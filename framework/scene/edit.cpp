@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "framework/core/text/utf8.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/language.hpp"
@@ -13,8 +14,6 @@
 
 namespace tomlin {
 namespace {
-
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 /// One setting on its way into the text.
 class Edit {

@@ -7,7 +7,7 @@
 namespace tomlin {
 namespace {
 
-bool comes_before(const FoundFault& a, const FoundFault& b) {
+bool found_before(const FoundFault& a, const FoundFault& b) {
   const auto order = [](const FoundFault& found) {
     const Place& place = found.fault.place;
     return std::tuple(found.setting, place.line, place.column);
@@ -37,7 +37,7 @@ void FaultList::throw_if_any() const {
 
 std::vector<Fault> FaultList::in_order() const {
   std::vector<FoundFault> found = faults_;
-  std::stable_sort(found.begin(), found.end(), comes_before);
+  std::stable_sort(found.begin(), found.end(), found_before);
   std::vector<Fault> faults;
   faults.reserve(found.size());
   for (FoundFault& one : found) faults.push_back(std::move(one.fault));

@@ -8,12 +8,12 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/text/axis_names.hpp"
 #include "framework/scene/text.hpp"
 
 namespace tomlin {
 namespace {
 
-constexpr const char* kAxes[] = {"x", "y", "z"};
 constexpr const char* kRotation = "rotation";
 
 class FreedomCheck {
@@ -56,8 +56,8 @@ class FreedomCheck {
       complain("hold", "only a rigid body has a rotation", "coordinates = \"rigid\"");
       return;
     }
-    const auto* axis = std::find(std::begin(kAxes), std::end(kAxes), name);
-    const auto index = static_cast<std::size_t>(axis - std::begin(kAxes));
+    const auto* axis = std::find(std::begin(kAxisNames), std::end(kAxisNames), name);
+    const auto index = static_cast<std::size_t>(axis - std::begin(kAxisNames));
     if (dimension_ && index >= static_cast<std::size_t>(*dimension_)) {
       complain("hold", fmt::format("{} is no axis of a scene of {} dimension{}", quoted_text(name),
                                    *dimension_, *dimension_ == 1 ? "" : "s"));

@@ -14,6 +14,18 @@
 namespace tomlin {
 namespace {
 
+/// Those that the build has kernels for (TOMLIN_NUMBER_TYPES in cmake/TomlinKernels.cmake).
+std::vector<std::string> compiled_number_types() {
+  std::vector<std::string> types = {"double"};
+#if !defined(TOMLIN_WITHOUT_FLOAT)
+  types.emplace_back("float");
+#endif
+#if !defined(TOMLIN_WITHOUT_QUAD)
+  types.emplace_back("quadruple");
+#endif
+  return types;
+}
+
 /// A row for a number that may be absent.
 template <class D>
 Parameter optional_number(std::string key, std::optional<double> D::*member, Dimension dimension,
@@ -156,7 +168,7 @@ TableLayout run_layout(bool until) {
       std::move(duration),
       parameter("number_type", &RunSettings::number_type, dimension::none,
                 "the numbers that the state is held in")
-          .one_of({"double", "float", "quadruple"})
+          .one_of(compiled_number_types())
           .by_default("double"),
       parameter("ledger", &RunSettings::ledger, dimension::none, "keep the energy ledger")
           .by_default(false),

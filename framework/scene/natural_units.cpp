@@ -8,17 +8,16 @@
 #include <variant>
 #include <vector>
 
+#include "framework/core/numbers/constants.hpp"
+
 namespace tomlin {
 namespace {
 
-constexpr double kTau = 6.283185307179586476925286766559;
-constexpr double kNone = std::numeric_limits<double>::infinity();
-/// A default of this size is no bound at all, in any units.
-constexpr double kNoBound = 1e300;
+constexpr double kNoLength = std::numeric_limits<double>::infinity();
 
 /// A length, or the root or inverse of a number that is a power of one; infinite for all else.
 double as_length(const Dimension& dimension, double value) {
-  if (dimension.mass != 0 || dimension.time != 0 || !(value > 0.0)) return kNone;
+  if (dimension.mass != 0 || dimension.time != 0 || !(value > 0.0)) return kNoLength;
   switch (dimension.length) {
     case 1:
       return value;
@@ -29,7 +28,7 @@ double as_length(const Dimension& dimension, double value) {
     case -2:
       return 1.0 / std::sqrt(value);
     default:
-      return kNone;
+      return kNoLength;
   }
 }
 
@@ -68,14 +67,14 @@ class Search {
 
  private:
   struct Body {
-    double particle = kNone;  ///< mass of the lightest
+    double particle = kNoLength;  ///< mass of the lightest
     double total = 0.0;
-    double friction = kNone;  ///< the smallest coefficient of a particle
-    bool moves = true;        ///< by forces
+    double friction = kNoLength;  ///< the smallest coefficient of a particle
+    bool moves = true;            ///< by forces
   };
 
   double period_of(const SceneForce& force) const {
-    double shortest = kNone;
+    double shortest = kNoLength;
     for (int d = 0; d < scene_.dimension; ++d) {
       const double period = force.record->period(force.description.get(), d);
       if (period > 0.0) shortest = std::min(shortest, period);
@@ -85,7 +84,7 @@ class Search {
 
   /// The smallest distance between particles that follow each other.
   double spacing_of(const SceneBody& body) const {
-    double shortest = kNone;
+    double shortest = kNoLength;
     try {
       const BodyGeometry geometry = body.record->build(body.description.get(), scene_.dimension);
       const auto& place = geometry.relative;
@@ -98,7 +97,7 @@ class Search {
         if (square > 0.0) shortest = std::min(shortest, std::sqrt(square));
       }
     } catch (const std::exception&) {
-      return kNone;  // binding says what is wrong with it
+      return kNoLength;  // binding says what is wrong with it
     }
     return shortest;
   }
@@ -111,16 +110,16 @@ class Search {
 
   void find_length() {
     found_.length = 0.0;
-    double shortest = kNone;
+    double shortest = kNoLength;
     for (const SceneForce& force : scene_.forces) shortest = std::min(shortest, period_of(force));
-    if (shortest < kNone) return take_length(shortest, "the shortest period");
+    if (shortest < kNoLength) return take_length(shortest, "the shortest period");
     for (const SceneForce& force : scene_.forces) shortest = std::min(shortest, length_of(force));
     for (const SceneBody& body : scene_.bodies) {
       if (body.record->count(body.description.get()) > 1) {
         shortest = std::min(shortest, spacing_of(body));
       }
     }
-    if (shortest < kNone) {
+    if (shortest < kNoLength) {
       return take_length(shortest, "the shortest bond or distance of neighbours");
     }
     bool unknown = false;
@@ -133,7 +132,7 @@ class Search {
         unknown = true;
       }
     }
-    if (shortest < kNone) return take_length(shortest, "the length of a formula");
+    if (shortest < kNoLength) return take_length(shortest, "the length of a formula");
     if (unknown) take_length(1.0, "the unit, since a formula says no length");
   }
 
@@ -151,7 +150,7 @@ class Search {
   }
 
   double length_of(const SceneForce& force) const {
-    double shortest = kNone;
+    double shortest = kNoLength;
     for (const Parameter& row : force.record->parameters) {
       for (const double x : numbers_of(row, force.description.get())) {
         shortest = std::min(shortest, as_length(row.dimension, x));
@@ -214,7 +213,7 @@ class Search {
       all.push_back(body);
     }
     for (const SceneForce& force : scene_.forces) {
-      double coefficient = kNone;
+      double coefficient = kNoLength;
       for (const Parameter& row : force.record->parameters) {
         if (row.dimension != dimension::friction) continue;
         for (const double x : numbers_of(row, force.description.get())) {
@@ -237,7 +236,7 @@ class Search {
   Stiffness stiffness_of(const SceneForce& force) const {
     const void* description = force.description.get();
     double length = period_of(force) / kTau;
-    if (!(length < kNone)) length = length_of(force);
+    if (!(length < kNoLength)) length = length_of(force);
     Stiffness found;
     for (const Parameter& row : force.record->parameters) {
       const ParameterValue value = row.read(description);
@@ -246,7 +245,7 @@ class Search {
       }
       for (const double x : numbers_of(row, description)) {
         if (row.dimension == dimension::stiffness) found.value = std::max(found.value, x);
-        if (row.dimension == dimension::energy && length < kNone) {
+        if (row.dimension == dimension::energy && length < kNoLength) {
           found.value = std::max(found.value, std::abs(x) / length / length);
         }
       }
@@ -266,13 +265,13 @@ class Search {
 
   Kind kind_of(const SceneForce& force) const {
     if (force.bodies.size() == 1 && force.traits().internal) return Kind::internal;
-    return period_of(force) < kNone ? Kind::periodic : Kind::outer;
+    return period_of(force) < kNoLength ? Kind::periodic : Kind::outer;
   }
 
   /// The fastest swing (without inertia, decay) by forces of one kind, unless it is slower than the
   /// run. A driver that hardly gives way says nothing of how fast a scene moves over a corrugation.
   void find_swing(const std::vector<Body>& bodies, Kind kind) {
-    double fastest = kNone;
+    double fastest = kNoLength;
     double stiffness = 0.0;
     const bool inertial = scene_.run.dynamics == "inertial";
     for (const SceneForce& force : scene_.forces) {
@@ -296,12 +295,12 @@ class Search {
 
   void find_time() {
     const std::vector<Body> all = bodies();
-    double lightest = kNone;
+    double lightest = kNoLength;
     double damping = 0.0;
     for (const Body& body : all) {
-      if (!(body.particle < kNone)) continue;
+      if (!(body.particle < kNoLength)) continue;
       lightest = std::min(lightest, body.total);
-      if (body.moves && body.friction < kNone) {
+      if (body.moves && body.friction < kNoLength) {
         damping = std::max(damping, body.friction / body.particle);
       }
     }

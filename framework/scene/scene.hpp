@@ -43,6 +43,8 @@ struct SceneBody : SceneComponent<BodyRecord> {
 
 struct SceneForce : SceneComponent<ForceRecord> {
   Traits traits() const { return traits_of(*record, description.get()); }
+  /// Along an axis; 0 where it declares none.
+  double period(int axis) const { return record->period(description.get(), axis); }
 
   std::vector<std::size_t> bodies;  ///< indices into Scene::bodies, in the order named
 };

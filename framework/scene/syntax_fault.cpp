@@ -9,16 +9,14 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/text/ascii.hpp"
 #include "framework/scene/text.hpp"
 #include "framework/scene/units.hpp"
 
 namespace tomlin {
 namespace {
 
-bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-bool is_key_character(char c) { return is_letter(c) || is_digit(c) || c == '-'; }
+bool is_key_character(char c) { return is_letter_or_underscore(c) || is_digit(c) || c == '-'; }
 bool is_quote(char c) { return c == '"' || c == '\''; }
 
 std::string_view trimmed(std::string_view text) {
@@ -127,7 +125,7 @@ std::optional<NumberLike> number_like(std::string_view text) {
     const bool is_signed = rest.size() > 1 && (rest[1] == '-' || rest[1] == '+');
     const std::size_t before = is_signed ? 2 : 1;
     const std::string_view digits = digits_of(rest.substr(before));
-    if (!digits.empty() || rest.size() == before || !is_letter(rest[before])) {
+    if (!digits.empty() || rest.size() == before || !is_letter_or_underscore(rest[before])) {
       found.exponent = rest.substr(0, before + digits.size());
       rest.remove_prefix(found.exponent.size());
     }
@@ -410,7 +408,7 @@ class Syntax {
                               : "a list is written in brackets, [ and ]",
                    expression ? quoted(given) : fmt::format("[{}]", inner));
     }
-    if (is_letter(given.front()) || given.front() == '-' || given.front() == '+' ||
+    if (is_letter_or_underscore(given.front()) || given.front() == '-' || given.front() == '+' ||
         given.front() == '$' || given.front() == '/' || given.front() == '.') {
       return bare(begin, key, given);
     }
@@ -470,7 +468,7 @@ class Syntax {
     const std::string_view behind = within ? trimmed(number->rest) : std::string_view();
     const bool another = !behind.empty() && (is_quote(behind.front()) || is_digit(behind.front()));
     if ((within && !another) ||
-        (!given.empty() && is_letter(given.front()) && offset_in_text(given) < at_ &&
+        (!given.empty() && is_letter_or_underscore(given.front()) && offset_in_text(given) < at_ &&
          given.find('=') == std::string_view::npos)) {
       return std::nullopt;  // something is wrong with a value
     }

@@ -6,12 +6,11 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/text/ascii.hpp"
+
 namespace tomlin {
 namespace {
 
-// Not std::isalpha, which depends on the locale.
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_ascii(char c) { return static_cast<unsigned char>(c) < 0x80U; }
 bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20U || c == 0x7F; }
 

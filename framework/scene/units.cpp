@@ -6,6 +6,8 @@
 #include <string>
 #include <system_error>
 
+#include "framework/core/text/ascii.hpp"
+
 namespace tomlin {
 namespace {
 
@@ -18,11 +20,9 @@ constexpr std::array<std::string_view, 38> kUnits = {
     "Da",  "Ha",  "Ry", "min", "h",        "au",           "angstrom", "Ang", "Bohr", "bohr",
     "dyn", "erg", "L",  "psi", "\xC3\x85", "\xE2\x84\xAB", "\xC2\xB0", "%"};
 
-bool is_space(char c) { return c == ' ' || c == '\t'; }
-
 /// Between the words of a compound unit.
 bool is_joint(char c) {
-  return is_space(c) || std::string_view("/*^()-+.").find(c) != std::string_view::npos ||
+  return is_blank(c) || std::string_view("/*^()-+.").find(c) != std::string_view::npos ||
          (c >= '0' && c <= '9');
 }
 
@@ -37,7 +37,7 @@ bool is_unit(std::string_view word) {
 
 std::optional<NumberWithUnit> unit_in(std::string_view text) {
   std::size_t begin = 0;
-  while (begin < text.size() && is_space(text[begin])) ++begin;
+  while (begin < text.size() && is_blank(text[begin])) ++begin;
   const std::size_t sign =
       begin < text.size() && (text[begin] == '-' || text[begin] == '+') ? 1 : 0;
   double value = 0.0;
@@ -47,7 +47,7 @@ std::optional<NumberWithUnit> unit_in(std::string_view text) {
   NumberWithUnit found;
   found.column = static_cast<std::size_t>(stop - text.data());
   found.number = text.substr(begin, found.column - begin);
-  while (found.column < text.size() && is_space(text[found.column])) ++found.column;
+  while (found.column < text.size() && is_blank(text[found.column])) ++found.column;
   found.unit = text.substr(found.column);
   // "2 * m" and "2 / s" are expressions over parameters.
   if (found.unit.empty() || (is_joint(found.unit.front()) && found.unit.front() != '(')) {

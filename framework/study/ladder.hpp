@@ -11,6 +11,9 @@
 /// The ladder: all ways to compute what a scene asks for. Each rung is a few lines in the scene.
 namespace tomlin {
 
+/// The finest tolerance of an adaptive scheme that doubles can keep.
+inline constexpr double kFinestTolerance = 1e-13;
+
 /// What a rung is turned finer by.
 enum class Knob { step, tolerance };
 

@@ -31,7 +31,6 @@ constexpr double kShareOfCompanion = 0.1;
 constexpr double kMostStated = 0.5;
 /// The pilot's reference is so much finer than what is asked for.
 constexpr double kReferenceShare = 1e-4;
-constexpr double kFinestTolerance = 1e-13;
 constexpr int kOrderOfReference = 8;
 /// Nothing is tried that costs so many times more than the reference.
 constexpr double kDearest = 4.0;

@@ -11,15 +11,15 @@
 #include "framework/core/text/fault.hpp"
 #include "framework/run/results.hpp"
 #include "framework/scene/natural_units.hpp"
+#include "framework/study/ladder.hpp"
 
 namespace tomlin {
 namespace {
 
 /// The reference is to be better than the tolerance by this factor.
 constexpr double kFiner = 1e-3;
-/// Tolerances of adaptive schemes: a first look, and the finest that doubles can keep.
+/// Tolerance of adaptive schemes at a first look.
 constexpr double kPilotTolerance = 1e-6;
-constexpr double kFinestTolerance = 1e-13;
 /// What the second scheme and the runs in quadruple may use of the budget.
 constexpr double kShareOfMain = 0.3;
 constexpr double kShareOfPilot = 0.05;
@@ -33,7 +33,7 @@ constexpr double kSlownessOfQuadruple = 500.0;
 constexpr double kErrorsFromZero = 10.0;
 constexpr double kZero = 1e-12;
 /// Moves below this part of the value are rounding.
-constexpr double kRounding = 1e-14;
+constexpr double kReferenceRounding = 1e-14;
 
 /// The dimension of what stands at a path of the summary; counts and angles have none.
 Dimension dimension_of(std::string_view path) {
@@ -52,7 +52,7 @@ double predicted_cost(const Rung& rung, const Measurement& pilot, double at) {
 }
 
 /// A scheme with its step or tolerance.
-struct Setup {
+struct ReferenceSetup {
   const Rung* rung = nullptr;
   double knob = 0.0;
 };
@@ -69,7 +69,7 @@ class ReferenceSearch {
   }
 
   std::optional<Reference> find(std::string& why) {
-    const Setup start = choose();
+    const ReferenceSetup start = choose();
     if (start.rung == nullptr) {
       why = why_none_;
       return std::nullopt;
@@ -85,12 +85,12 @@ class ReferenceSearch {
 
   /// To begin with, the scheme that promises the finest tolerance at least cost: a first look at
   /// each adaptive one, coarser where none gets through; then at fixed steps.
-  Setup choose() {
+  ReferenceSetup choose() {
     for (const double tolerance : {kPilotTolerance, 1e-4, 1e-2}) {
-      const Setup best = cheapest(tolerance);
+      const ReferenceSetup best = cheapest(tolerance);
       if (best.rung != nullptr) return best;
     }
-    Setup best;
+    ReferenceSetup best;
     for (const Rung* rung : candidates_) {
       if (rung->knob != Knob::step) continue;
       const double dt = first_step(*rung);
@@ -102,8 +102,8 @@ class ReferenceSearch {
     return best;
   }
 
-  Setup cheapest(double tolerance) {
-    Setup best;
+  ReferenceSetup cheapest(double tolerance) {
+    ReferenceSetup best;
     double least = std::numeric_limits<double>::infinity();
     for (const Rung* rung : candidates_) {
       if (rung->knob != Knob::tolerance) continue;
@@ -165,7 +165,7 @@ class ReferenceSearch {
     found_.seconds = at.seconds;
   }
 
-  void tighten(const Setup& start) {
+  void tighten(const ReferenceSetup& start) {
     const Rung& rung = *start.rung;
     const double until = measurer_.used() + share(kShareOfMain);
     double knob = start.knob;
@@ -185,7 +185,7 @@ class ReferenceSearch {
       }
       const double move = std::abs(*next.value - found_.value);
       keep(rung, knob, next);
-      found_.move = found_.error = std::max(move, kRounding * std::abs(found_.value));
+      found_.move = found_.error = std::max(move, kReferenceRounding * std::abs(found_.value));
       small_moves = found_.error <= goal() ? small_moves + 1 : 0;
     }
     found_.settled = small_moves > 0;
@@ -234,7 +234,7 @@ class ReferenceSearch {
   }
 
   /// The same for a part of the run, window included.
-  std::vector<Setting> shortened(const Setup& scheme, double part) const {
+  std::vector<Setting> shortened(const ReferenceSetup& scheme, double part) const {
     const Scene& scene = variants_.scene();
     std::vector<Setting> settings = scheme.rung->at(scheme.knob);
     settings.push_back({"run.duration", fmt::format("{}", part * scene.run.duration)});
@@ -249,14 +249,14 @@ class ReferenceSearch {
 
   /// The scheme itself where it is available in quadruple, or else the second one, which shows what
   /// rounding does to this scene.
-  Setup in_quadruple(const Rung& main) const {
+  ReferenceSetup in_quadruple(const Rung& main) const {
     if (main.integrator->bind.in_quadruple != nullptr) return {&main, found_.knob_value};
     const bool other = second_.rung != nullptr && second_.rung->integrator->bind.in_quadruple;
-    return other ? second_ : Setup{};
+    return other ? second_ : ReferenceSetup{};
   }
 
   void check_in_quadruple(const Rung& main) {
-    const Setup scheme = in_quadruple(main);
+    const ReferenceSetup scheme = in_quadruple(main);
     if (scheme.rung == nullptr) {
       found_.unchecked = main.name + " is not available in it";
     } else if (variants_.scene().run.until) {
@@ -289,7 +289,7 @@ class ReferenceSearch {
   double tolerance_;
   std::vector<const Rung*> candidates_;
   std::string why_none_;
-  Setup second_;  ///< with the finest knob that it got to
+  ReferenceSetup second_;  ///< with the finest knob that it got to
   Reference found_;
 };
 

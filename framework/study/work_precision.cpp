@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "framework/study/ladder.hpp"
+
 namespace tomlin {
 namespace {
 
@@ -20,7 +22,6 @@ constexpr double kBelowStable = 0.98;
 /// Part of the run to begin with where nothing is known to limit the step.
 constexpr double kFirstPart = 0.1;
 constexpr double kCoarsestTolerance = 1.0;
-constexpr double kFinestTolerance = 1e-13;
 constexpr int kMostPoints = 40;
 /// So many points in a row that are no better than those before: rounding, or chaos.
 constexpr int kPatience = 7;

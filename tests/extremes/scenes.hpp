@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/numbers/constants.hpp"
 #include "tests/extremes/extreme_case.hpp"
 #include "tests/extremes/observed.hpp"
 #include "tests/support/scenes.hpp"
@@ -288,7 +289,5 @@ inline Setting dopri5(double tolerance) {
   return {"run.integrator", "{ type = \"dopri5\", absolute_tolerance = " + to +
                                 ", relative_tolerance = " + to + " }"};
 }
-
-inline constexpr double kTau = 6.283185307179586476925286766559;
 
 }  // namespace tomlin::test

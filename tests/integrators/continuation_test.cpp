@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/core/numbers/constants.hpp"
 #include "tests/support/scenes.hpp"
 
 // Quasistatic dynamics against closed forms of the Prandtl-Tomlinson tip, thresholds found
@@ -14,8 +15,6 @@
 
 namespace tomlin::test {
 namespace {
-
-constexpr double kTau = 6.283185307179586476925286766559;
 
 /// Errors of forces at the default tolerance of 1e-9 of a period per step, a stiffness of 1.
 constexpr double kForceError = 5e-9;

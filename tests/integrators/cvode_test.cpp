@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/core/numbers/constants.hpp"
 #include "framework/core/records/integrator.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -17,7 +18,6 @@ namespace {
 
 #ifdef TOMLIN_HAS_CVODE
 
-constexpr double kTau = 6.283185307179586;
 // Asked of the schemes, and of CVODE, whose errors pile up over many more steps.
 constexpr double kTolerance = 1e-9;
 constexpr double kCvodeTolerance = 1e-12;

@@ -8,6 +8,7 @@
 #include <boost/numeric/odeint.hpp>
 #include <gtest/gtest.h>
 
+#include "framework/core/numbers/constants.hpp"
 #include "tests/support/scenes.hpp"
 
 // Someone else's integrators on someone else's sine: Boost.Odeint on the Prandtl-Tomlinson
@@ -18,8 +19,6 @@ namespace {
 
 namespace odeint = boost::numeric::odeint;
 using State = std::array<double, 2>;
-
-constexpr double kTau = 6.283185307179586;
 
 /// m = 1, k = 2, V = 0.25, c = 1, amplitude 0.1, period 1.
 void tip(const State& s, State& derivative, double t) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/core/numbers/constants.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // Smooth sliding that is far slower than the scene relaxes: the mean force of the driver is what is
@@ -11,8 +12,6 @@
 
 namespace tomlin::test {
 namespace {
-
-constexpr double kTau = 6.283185307179586476925286766559;
 
 /// Relative error of a mean force under default tolerances of 1e-7, which hold for each step.
 constexpr double kMeanError = 1e-6;

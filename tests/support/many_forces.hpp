@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/core/numbers/constants.hpp"
 #include "tests/support/scenes.hpp"
 
 /// Random scenes of several bodies and many forces, and what these forces are: written down a
@@ -91,7 +92,6 @@ class ManyForces {
 
  private:
   using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
-  static constexpr double kTau = 6.283185307179586476925286766559;
 
   std::size_t axes() const { return static_cast<std::size_t>(dimension); }
 

@@ -13,6 +13,7 @@
 #include <boost/container/small_vector.hpp>
 
 #include "framework/core/formula/rounded_functions.hpp"
+#include "framework/core/text/ascii.hpp"
 #include "framework/core/text/nearest_name.hpp"
 
 namespace tomlin {
@@ -20,28 +21,28 @@ namespace {
 
 // ---- Names ----------------------------------------------------------------------------------
 
-using Id = ExpressionFunction::Id;
+using FunctionId = ExpressionFunction::Id;
 
 constexpr std::size_t kAnyNumber = Expression::kMaxLength;
 
 constexpr std::size_t kUsualDepth = 32;  // of the stack that an evaluation needs
 
-// In the order of Id.
+// In the order of FunctionId.
 constexpr std::array<ExpressionFunction, 14> kFunctions{{
-    {Id::sqrt, "sqrt", 1, 1, "square root"},
-    {Id::exp, "exp", 1, 1, "exponential"},
-    {Id::log, "log", 1, 1, "natural logarithm"},
-    {Id::sin, "sin", 1, 1, "sine, of radians"},
-    {Id::cos, "cos", 1, 1, "cosine, of radians"},
-    {Id::tan, "tan", 1, 1, "tangent, of radians"},
-    {Id::asin, "asin", 1, 1, "arc sine, -pi/2 to pi/2"},
-    {Id::acos, "acos", 1, 1, "arc cosine, 0 to pi"},
-    {Id::atan, "atan", 1, 1, "arc tangent, -pi/2 to pi/2"},
-    {Id::atan2, "atan2", 2, 2, "atan2(y, x): angle of the point (x, y), -pi to pi"},
-    {Id::abs, "abs", 1, 1, "absolute value"},
-    {Id::min, "min", 2, kAnyNumber, "smallest of two or more"},
-    {Id::max, "max", 2, kAnyNumber, "largest of two or more"},
-    {Id::floor, "floor", 1, 1, "largest integer that is not larger"},
+    {FunctionId::sqrt, "sqrt", 1, 1, "square root"},
+    {FunctionId::exp, "exp", 1, 1, "exponential"},
+    {FunctionId::log, "log", 1, 1, "natural logarithm"},
+    {FunctionId::sin, "sin", 1, 1, "sine, of radians"},
+    {FunctionId::cos, "cos", 1, 1, "cosine, of radians"},
+    {FunctionId::tan, "tan", 1, 1, "tangent, of radians"},
+    {FunctionId::asin, "asin", 1, 1, "arc sine, -pi/2 to pi/2"},
+    {FunctionId::acos, "acos", 1, 1, "arc cosine, 0 to pi"},
+    {FunctionId::atan, "atan", 1, 1, "arc tangent, -pi/2 to pi/2"},
+    {FunctionId::atan2, "atan2", 2, 2, "atan2(y, x): angle of the point (x, y), -pi to pi"},
+    {FunctionId::abs, "abs", 1, 1, "absolute value"},
+    {FunctionId::min, "min", 2, kAnyNumber, "smallest of two or more"},
+    {FunctionId::max, "max", 2, kAnyNumber, "largest of two or more"},
+    {FunctionId::floor, "floor", 1, 1, "largest integer that is not larger"},
 }};
 
 constexpr std::array<std::string_view, 12> kVariables{"x",  "y",  "z",  "vx", "vy",    "vz",
@@ -61,8 +62,6 @@ bool is_variable(std::string_view name) {
 }
 
 // Not <cctype>, which depends on the locale.
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t longest = 60;
@@ -88,8 +87,9 @@ std::span<const ExpressionFunction> expression_functions() { return kFunctions; 
 std::span<const std::string_view> expression_variables() { return kVariables; }
 
 bool is_identifier(std::string_view name) {
-  if (name.empty() || !is_letter(name[0])) return false;
-  return std::all_of(name.begin(), name.end(), [](char c) { return is_letter(c) || is_digit(c); });
+  if (name.empty() || !is_letter_or_underscore(name[0])) return false;
+  return std::all_of(name.begin(), name.end(),
+                     [](char c) { return is_letter_or_underscore(c) || is_digit(c); });
 }
 
 bool is_reserved_name(std::string_view name) {
@@ -170,7 +170,7 @@ class ExpressionParser {
   bool primary() {
     const char c = peek();
     if (is_digit(c) || c == '.') return number();
-    if (is_letter(c)) return name_or_call();
+    if (is_letter_or_underscore(c)) return name_or_call();
     if (c == '(') {
       const std::size_t column = take();
       if (!enter(column) || !sum() || !close(column)) return false;
@@ -194,12 +194,13 @@ class ExpressionParser {
     const auto [stop, status] = std::from_chars(begin, end, value);
     // What a reader would take for one word has to be one number.
     const char* word_end = status == std::errc::invalid_argument ? begin : stop;
-    while (word_end != end && (is_digit(*word_end) || is_letter(*word_end) || *word_end == '.')) {
+    while (word_end != end &&
+           (is_digit(*word_end) || is_letter_or_underscore(*word_end) || *word_end == '.')) {
       ++word_end;
     }
     const std::string_view word(begin, static_cast<std::size_t>(word_end - begin));
     if (status == std::errc::invalid_argument || stop != word_end) {
-      const bool product = status != std::errc::invalid_argument && is_letter(*stop);
+      const bool product = status != std::errc::invalid_argument && is_letter_or_underscore(*stop);
       return fail(column, in_quotes(word) + " is not a number" +
                               (product ? "; a product is written with '*'" : ""));
     }
@@ -215,7 +216,8 @@ class ExpressionParser {
   bool name_or_call() {
     const std::size_t column = position_;
     std::size_t end = position_;
-    while (end < text_.size() && (is_letter(text_[end]) || is_digit(text_[end]))) ++end;
+    while (end < text_.size() && (is_letter_or_underscore(text_[end]) || is_digit(text_[end])))
+      ++end;
     const std::string_view name = text_.substr(column, end - column);
     position_ = end;
     skip_space();
@@ -289,7 +291,7 @@ class ExpressionParser {
       return fail(position_,
                   "',' only separates the arguments of a function; decimals follow a point");
     }
-    if (is_digit(c) || is_letter(c) || c == '(' || c == '.') {
+    if (is_digit(c) || is_letter_or_underscore(c) || c == '(' || c == '.') {
       return fail(position_, "an operator is missing before " + in_quotes({&c, 1}) +
                                  "; a product is written with '*'");
     }
@@ -419,46 +421,47 @@ Outcome call_function(const ExpressionFunction& function, std::span<const double
     return std::string(function.name) + '(' + written(x) + ')' + why;
   };
   if (std::fabs(x) >= kLargestAngle &&
-      (function.id == Id::sin || function.id == Id::cos || function.id == Id::tan)) {
+      (function.id == FunctionId::sin || function.id == FunctionId::cos ||
+       function.id == FunctionId::tan)) {
     return refuse(": beyond 2^50 turns a double holds no phase any more");
   }
-  if (std::fabs(x) > 1.0 && (function.id == Id::asin || function.id == Id::acos)) {
+  if (std::fabs(x) > 1.0 && (function.id == FunctionId::asin || function.id == FunctionId::acos)) {
     return refuse(": the argument is outside [-1, 1]");
   }
   switch (function.id) {
-    case Id::sqrt:
+    case FunctionId::sqrt:
       if (x < 0.0) return refuse(": a negative number has no real square root");
       return std::sqrt(x);
-    case Id::exp: {
+    case FunctionId::exp: {
       const double result = rounded_exp(x);
       if (!std::isfinite(result)) return overflow(refuse(""));
       return result;
     }
-    case Id::log:
+    case FunctionId::log:
       if (x <= 0.0) return refuse(": only positive numbers have a logarithm");
       return rounded_log(x);
-    case Id::sin:
+    case FunctionId::sin:
       return rounded_sin(x);
-    case Id::cos:
+    case FunctionId::cos:
       return rounded_cos(x);
-    case Id::tan:
+    case FunctionId::tan:
       return rounded_tan(x);
-    case Id::asin:
+    case FunctionId::asin:
       return rounded_asin(x);
-    case Id::acos:
+    case FunctionId::acos:
       return rounded_acos(x);
-    case Id::atan:
+    case FunctionId::atan:
       return rounded_atan2(x, 1.0);
-    case Id::atan2:
+    case FunctionId::atan2:
       if (x == 0.0 && arguments[1] == 0.0) return "atan2(0, 0): the origin has no angle";
       return rounded_atan2(x, arguments[1]);
-    case Id::abs:
+    case FunctionId::abs:
       return std::fabs(x);
-    case Id::min:
+    case FunctionId::min:
       return *std::min_element(arguments.begin(), arguments.end());
-    case Id::max:
+    case FunctionId::max:
       return *std::max_element(arguments.begin(), arguments.end());
-    case Id::floor:
+    case FunctionId::floor:
       return std::floor(x);
   }
   return refuse(" is not implemented");

@@ -10,8 +10,6 @@ namespace tomlin {
 namespace {
 
 namespace variable = formula_variable;
-using Id = FormulaGraph::Id;
-
 std::string_view name_of(std::uint32_t index) { return expression_variables()[index]; }
 
 /// Formulas have been parsed when the scene was read.
@@ -93,7 +91,7 @@ FormulaGraph::Lookup FormulaLaw::lookup(FormulaGraph& graph, std::size_t compone
     }
   }
   for (std::uint32_t index = 0; index < variable::origin; ++index) {
-    Id node = graph.variable(index);
+    FormulaGraph::Id node = graph.variable(index);
     const bool is_place =
         index < variable::velocity || (index >= variable::centre && index < variable::distance);
     if (is_place && moves[index % 3]) {
@@ -111,13 +109,13 @@ FormulaCodes FormulaLaw::compiled(int dimension, const std::array<bool, 3>& move
   inputs.uniforms = {variable::time, variable::origin, variable::origin + 1, variable::origin + 2};
   FormulaCodes codes;
   codes.inputs = inputs.blocks;
-  const auto code_of = [&](const std::vector<Id>& nodes) {
+  const auto code_of = [&](const std::vector<FormulaGraph::Id>& nodes) {
     FormulaCode code = compile(graph, nodes, inputs);
     if (!code.fits()) throw std::length_error("the formula is too large");
     return code;
   };
 
-  std::vector<Id> parts;
+  std::vector<FormulaGraph::Id> parts;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     parts.push_back(graph.build(parts_[k], lookup(graph, k, moves)));
   }
@@ -129,11 +127,11 @@ FormulaCodes FormulaLaw::compiled(int dimension, const std::array<bool, 3>& move
   const FormulaElement over = element();
   const auto coordinates = coordinates_of(over, dimension);
   const bool scalar = over == FormulaElement::pair || over == FormulaElement::angle;
-  std::vector<Id> slopes;
+  std::vector<FormulaGraph::Id> slopes;
   slopes.reserve(coordinates.size());
   for (const std::uint32_t along : coordinates) slopes.push_back(graph.derivative(parts[0], along));
   graph.keep_domain(parts[0], slopes);
-  std::vector<Id> curvatures;
+  std::vector<FormulaGraph::Id> curvatures;
   if (scalar) curvatures.push_back(slopes[0]);
   for (std::size_t a = 0; a < slopes.size(); ++a) {
     for (std::size_t b = a; b < slopes.size(); ++b) {
@@ -141,7 +139,7 @@ FormulaCodes FormulaLaw::compiled(int dimension, const std::array<bool, 3>& move
     }
   }
   if (!scalar) {
-    for (Id& slope : slopes) slope = graph.negate(slope);
+    for (FormulaGraph::Id& slope : slopes) slope = graph.negate(slope);
   }
   codes.force = code_of(slopes);
   codes.energy = code_of(parts);
@@ -218,7 +216,7 @@ std::string FormulaLaw::why_no_period(const Values& about, std::uint32_t along, 
 std::optional<FormulaLaw::Trouble> FormulaLaw::trouble_of_slopes(std::size_t component,
                                                                  const Values& at) const {
   FormulaGraph graph;
-  std::vector<Id> steps;
+  std::vector<FormulaGraph::Id> steps;
   graph.build(parts_[component], lookup(graph, component, {}), &steps);
   std::vector<Quad> values(variable::count, Quad(0.0));
   for (std::size_t k = 0; k < at.size(); ++k) values[k] = Quad(at[k]);

@@ -8,8 +8,6 @@
 namespace tomlin {
 namespace {
 
-using Id = FormulaGraph::Id;
-
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 /// A number that the code computes, or is given: each once.
@@ -28,7 +26,7 @@ class Lowering {
   Lowering(const FormulaGraph& graph, const FormulaInputs& inputs)
       : graph_(graph), inputs_(inputs), lowered_(graph.size(), kNone) {}
 
-  std::size_t value_of(Id id) {
+  std::size_t value_of(FormulaGraph::Id id) {
     if (lowered_[id] == kNone) {
       const std::size_t value = lower(graph_[id]);
       lowered_[id] = value;
@@ -141,7 +139,7 @@ class Lowering {
     using enum FormulaGraph::Function;
     std::vector<std::size_t> x;
     x.reserve(node.arguments.size());
-    for (const Id id : node.arguments) x.push_back(value_of(id));
+    for (const FormulaGraph::Id id : node.arguments) x.push_back(value_of(id));
     const auto of = [&](FormulaOp op) { return operation(op, x[0], x.size() > 1 ? x[1] : kNone); };
     switch (static_cast<FormulaGraph::Function>(node.index)) {
       case sqrt:
@@ -324,12 +322,12 @@ class Placing {
 
 }  // namespace
 
-FormulaCode compile(const FormulaGraph& graph, std::span<const Id> nodes,
+FormulaCode compile(const FormulaGraph& graph, std::span<const FormulaGraph::Id> nodes,
                     const FormulaInputs& inputs) {
   Lowering lowering(graph, inputs);
   std::vector<std::size_t> outputs;
   outputs.reserve(nodes.size());
-  for (const Id node : nodes) outputs.push_back(lowering.value_of(node));
+  for (const FormulaGraph::Id node : nodes) outputs.push_back(lowering.value_of(node));
 
   join_factors(lowering.values, outputs);
 

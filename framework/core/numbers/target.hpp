@@ -29,8 +29,13 @@
 
 // Inlining is forced, not hoped for: a Pack passed through memory costs more than the arithmetic.
 #define TOMLIN_INLINE __attribute__((always_inline)) inline
-// A kernel takes everything that it calls into itself, evaluators of users included.
+// A kernel takes everything that it calls into itself, evaluators of users included. Not where only
+// old machines run it: it makes compilation five times as long.
+#if TOMLIN_TARGET_IS_BASELINE
+#define TOMLIN_FLATTEN
+#else
 #define TOMLIN_FLATTEN __attribute__((flatten))
+#endif
 #define TOMLIN_INLINE_LAMBDA __attribute__((always_inline))
 
 #if TOMLIN_TARGET_IS_AVX2 && TOMLIN_TARGET_IS_AVX512

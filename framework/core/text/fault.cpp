@@ -36,4 +36,14 @@ std::string to_string(const Fault& fault) {
 InputError::InputError(std::vector<Fault> faults)
     : std::runtime_error(joined(faults)), faults_(std::move(faults)) {}
 
+void refuse_input(std::string file, std::string key, std::string why, std::string admissible,
+                  std::string nearest) {
+  throw InputError({{.place = {.file = std::move(file)},
+                     .key = std::move(key),
+                     .value = "",
+                     .why = std::move(why),
+                     .admissible = std::move(admissible),
+                     .nearest = std::move(nearest)}});
+}
+
 }  // namespace tomlin

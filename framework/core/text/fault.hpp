@@ -36,4 +36,8 @@ class InputError : public std::runtime_error {
   std::vector<Fault> faults_;
 };
 
+/// Throws the one fault of a file or of an option of the command line.
+[[noreturn]] void refuse_input(std::string file, std::string key, std::string why,
+                               std::string admissible = "", std::string nearest = "");
+
 }  // namespace tomlin

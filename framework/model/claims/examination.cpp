@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/numbers/constants.hpp"
+
 namespace tomlin {
 
 std::string ClaimPoint::text() const {
@@ -277,7 +279,6 @@ double Examination::reach(const State& state) const {
     if (variable(i).axis >= 0) {
       reach = std::max(reach, std::abs(state.x[i]));
     } else {
-      constexpr double kTau = 6.283185307179586476925286766559;
       reach = std::max(reach, 1.0 / (kTau * variable(i).unit));
     }
   }

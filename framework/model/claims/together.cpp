@@ -9,13 +9,14 @@
 #include <utility>
 #include <vector>
 
+#include "framework/core/numbers/constants.hpp"
+#include "framework/core/text/axis_names.hpp"
 #include "framework/model/claims/examination.hpp"
 
 /// All forces of a scene at once: kernels that are right alone may still tread on each other.
 namespace tomlin::claims {
 namespace {
 
-constexpr double kTau = 6.283185307179586476925286766559;
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 /// Of a rotation, in turns.
 constexpr double kTurned = 0.05;
@@ -98,8 +99,6 @@ struct Number {
   std::size_t index = 0;  ///< of the body, or among the driver's rates
 };
 
-const char* const kAxes[] = {"x", "y", "z"};
-
 /// Sizes of what a rigid or prescribed body's particles contribute.
 struct Shares {
   std::array<double, 3> force{};
@@ -173,10 +172,10 @@ class Together {
         numbers_.push_back({Number::Of::coordinate, at, body.name, particle, name, b});
       };
       for (int d = 0; d < axes; ++d) {
-        if (slot.rigid) add(slot.centre + static_cast<std::size_t>(d), -1, kAxes[d]);
+        if (slot.rigid) add(slot.centre + static_cast<std::size_t>(d), -1, kAxisNames[d]);
         for (std::size_t i = 0; !slot.mapped && i < slot.count; ++i) {
           add(slot.offset + static_cast<std::size_t>(d) * slot.stride + i,
-              static_cast<std::ptrdiff_t>(i), kAxes[d]);
+              static_cast<std::ptrdiff_t>(i), kAxisNames[d]);
         }
       }
       if (slot.rigid && axes == 2) add(slot.centre + kRotation, -1, "rotation");
@@ -189,8 +188,8 @@ class Together {
     steered_ = steered;
     for (const auto& driver : all_.assembly().drivers()) {
       for (int d = 0; d <= axes; ++d) {
-        numbers_.push_back({Number::Of::rate, 0, driver.name, -1, d == axes ? "power" : kAxes[d],
-                            static_cast<std::size_t>(d)});
+        numbers_.push_back({Number::Of::rate, 0, driver.name, -1,
+                            d == axes ? "power" : kAxisNames[d], static_cast<std::size_t>(d)});
       }
     }
   }

@@ -135,7 +135,7 @@ class BodyEvents : public RunObserver {
   BodyWatch::Emit emit_;
 };
 
-std::unique_ptr<RunObserver> make(const ObserverParts& parts) {
+std::unique_ptr<RunObserver> make_body_events(const ObserverParts& parts) {
   auto events = std::make_unique<BodyEvents>(parts);
   if (!events->any()) return nullptr;
   return events;
@@ -144,7 +144,7 @@ std::unique_ptr<RunObserver> make(const ObserverParts& parts) {
 }  // namespace
 
 ObserverKind body_events() {
-  return {.rows = {}, .watches = true, .events = {"hops", "turns"}, .make = make};
+  return {.rows = {}, .watches = true, .events = {"hops", "turns"}, .make = make_body_events};
 }
 
 }  // namespace tomlin::observers

@@ -77,7 +77,7 @@ class EnergyLedger : public RunObserver {
   double potential_ = std::numeric_limits<double>::quiet_NaN();
 };
 
-std::unique_ptr<RunObserver> make(const ObserverParts& parts) {
+std::unique_ptr<RunObserver> make_energy_ledger(const ObserverParts& parts) {
   if (!parts.run.scene->run.ledger) return nullptr;
   return std::make_unique<EnergyLedger>(parts);
 }
@@ -88,7 +88,7 @@ ObserverKind energy_ledger() {
   return {
       .rows = {{"energy",
                 {&kKinetic, &kPotential, &kWorkIn, &kHeatOut, &kStoredChange, &kNumericalWork}}},
-      .make = make};
+      .make = make_energy_ledger};
 }
 
 }  // namespace tomlin::observers

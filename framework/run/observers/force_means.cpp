@@ -5,8 +5,8 @@
 namespace tomlin::observers {
 namespace {
 
-const ResultQuantity kMeanForce{"mean_force", dimension::force, Shape::vector, Scope::window,
-                                "integral of the force over the window, by its length"};
+const ResultQuantity kDriverMeanForce{"mean_force", dimension::force, Shape::vector, Scope::window,
+                                      "integral of the force over the window, by its length"};
 
 class ForceMeans : public RunObserver {
  public:
@@ -14,7 +14,7 @@ class ForceMeans : public RunObserver {
 
   void results(ResultTable& table, const double*) const override {
     for (const Model::Driver& driver : parts_.signals.drivers()) {
-      table.driver(driver).add(kMeanForce, parts_.axes(), mean_force(driver));
+      table.driver(driver).add(kDriverMeanForce, parts_.axes(), mean_force(driver));
     }
   }
 
@@ -36,6 +36,6 @@ class ForceMeans : public RunObserver {
 
 }  // namespace
 
-ObserverKind force_means() { return kind_of<ForceMeans>({{"drivers", {&kMeanForce}}}); }
+ObserverKind force_means() { return kind_of<ForceMeans>({{"drivers", {&kDriverMeanForce}}}); }
 
 }  // namespace tomlin::observers

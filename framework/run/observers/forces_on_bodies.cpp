@@ -111,7 +111,7 @@ class ForcesOnBodies : public RunObserver {
   double* sums_ = nullptr;  ///< [pair][axis]: high and low part
 };
 
-std::unique_ptr<RunObserver> make(const ObserverParts& parts) {
+std::unique_ptr<RunObserver> make_forces_on_bodies(const ObserverParts& parts) {
   if (parts.selection.is_all()) return nullptr;
   auto forces = std::make_unique<ForcesOnBodies>(parts);
   if (!forces->any()) return nullptr;
@@ -120,6 +120,8 @@ std::unique_ptr<RunObserver> make(const ObserverParts& parts) {
 
 }  // namespace
 
-ObserverKind forces_on_bodies() { return {.rows = {{"forces", {&kMeanForce}}}, .make = make}; }
+ObserverKind forces_on_bodies() {
+  return {.rows = {{"forces", {&kMeanForce}}}, .make = make_forces_on_bodies};
+}
 
 }  // namespace tomlin::observers

@@ -60,7 +60,7 @@ class LongBonds : public RunObserver {
 };
 
 /// Only a scene with a periodic side has images.
-std::unique_ptr<RunObserver> make(const ObserverParts& parts) {
+std::unique_ptr<RunObserver> make_long_bonds(const ObserverParts& parts) {
   const auto& box = parts.run.model.plan().box;
   if (std::none_of(box.begin(), box.end(), [](double length) { return length > 0.0; })) {
     return nullptr;
@@ -70,6 +70,6 @@ std::unique_ptr<RunObserver> make(const ObserverParts& parts) {
 
 }  // namespace
 
-ObserverKind long_bonds() { return {.rows = {}, .make = make}; }
+ObserverKind long_bonds() { return {.rows = {}, .make = make_long_bonds}; }
 
 }  // namespace tomlin::observers

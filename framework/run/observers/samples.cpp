@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/text/axis_names.hpp"
+
 namespace tomlin::observers {
 namespace {
 
@@ -49,10 +51,10 @@ RunLayout Samples::layout() const {
   constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
   const double intervals = run.plan.duration / *run.scene->output.every;
   layout.most_samples = std::floor(intervals * (1.0 + kRounding) + kNoStep) + 1.0;
-  static const char* const axes[] = {"x", "y", "z"};
   std::vector<SampleColumn>& columns = layout.columns;
   const auto per_axis = [&](const std::string& name, const char* unit) {
-    for (int d = 0; d < model.dimension(); ++d) columns.push_back({name + "." + axes[d], unit});
+    for (int d = 0; d < model.dimension(); ++d)
+      columns.push_back({name + "." + kAxisNames[d], unit});
   };
   columns.push_back({"time", "time"});
   for (const Model::Driver& driver : model.drivers()) per_axis(driver.name + ".force", "force");

@@ -13,6 +13,7 @@
 #include "framework/core/elements/bonds.hpp"
 #include "framework/core/elements/kernel_tables.hpp"
 #include "framework/core/elements/pair_force.hpp"
+#include "framework/core/numbers/constants.hpp"
 #include "tests/support/ring_scenes.hpp"
 #include "tests/support/spoilt_registry.hpp"
 
@@ -22,8 +23,6 @@ TOMLIN_DECLARE_KERNELS(MorseBonds)
 
 namespace tomlin::test {
 namespace {
-
-constexpr double kTau = 6.283185307179586476925286766559;
 
 constexpr double kSpacing = 1.25;
 constexpr double kStiffness = 3.0;

@@ -4,14 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/core/numbers/constants.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // Frozen coordinates.
 
 namespace tomlin::test {
 namespace {
-
-constexpr double kTau = 6.283185307179586476925286766559;
 
 constexpr int kCount = 8;
 constexpr double kPeriod = 1.0;

@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/core/numbers/constants.hpp"
 #include "framework/core/system/state_layout.hpp"
 #include "framework/model/claims.hpp"
 #include "framework/model/model.hpp"
@@ -24,7 +25,6 @@
 namespace tomlin::test {
 namespace {
 
-constexpr double kTau = 6.283185307179586476925286766559;
 /// Sums of some hundred terms, each with some roundings, over the size of these terms.
 constexpr double kRounding = 1e-12;
 constexpr std::uint64_t kFirstSeeds[] = {1, 20000, 424242};

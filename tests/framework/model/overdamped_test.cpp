@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/core/numbers/constants.hpp"
 #include "tests/support/order.hpp"
 #include "tests/support/ring_scenes.hpp"
 
@@ -12,8 +13,6 @@
 
 namespace tomlin::test {
 namespace {
-
-constexpr double kTau = 6.283185307179586476925286766559;
 
 // ---- a particle on a corrugation under a constant force
 

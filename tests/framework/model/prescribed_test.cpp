@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/core/numbers/constants.hpp"
 #include "tests/support/order.hpp"
 #include "tests/support/ring_scenes.hpp"
 
@@ -12,8 +13,6 @@
 
 namespace tomlin::test {
 namespace {
-
-constexpr double kTau = 6.283185307179586476925286766559;
 
 struct Wheel {
   std::string velocity = "[0.3, 0.0]";

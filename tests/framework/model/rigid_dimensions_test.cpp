@@ -3,14 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/core/numbers/constants.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // Rigid bodies on a line, and in space with their rotation held: a centre and nothing else.
 
 namespace tomlin::test {
 namespace {
-
-constexpr double kTau = 6.283185307179586476925286766559;
 
 std::string run_keys(const std::string& integrator, const std::string& dynamics) {
   return "[run]\nduration = 12.0\ndynamics = \"" + dynamics + "\"\nintegrator = " + integrator +

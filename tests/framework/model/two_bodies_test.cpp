@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/core/numbers/constants.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // Bonds between two bodies, and molecules in space: momentum, angular momentum, energy,
@@ -12,8 +13,6 @@
 
 namespace tomlin::test {
 namespace {
-
-constexpr double kTau = 6.283185307179586476925286766559;
 
 std::string point(const std::string& name, double x, double mass, const std::string& more = "") {
   return "[[body]]\nname = \"" + name + "\"\ntype = \"point\"\nposition = [" + digits(x) +

@@ -10,12 +10,13 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/core/numbers/constants.hpp"
+
 namespace tomlin {
 namespace {
 
 constexpr std::size_t kMany = 100000;
 constexpr std::size_t kColumns = 540;
-constexpr double kTau = 6.283185307179586;
 
 Window window_of(const Polyline& curve) {
   const auto by_x = [](const Point& a, const Point& b) { return a.x < b.x; };

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "forcefields/viscous_damping.hpp"
+#include "framework/core/numbers/constants.hpp"
 #include "framework/core/records/bound_force.hpp"
 #include "framework/core/records/force.hpp"
 #include "tests/support/order.hpp"
@@ -17,8 +18,6 @@
 
 namespace tomlin::test {
 namespace {
-
-constexpr double kTau = 6.283185307179586476925286766559;
 
 std::string keep_ledger(const std::string& dynamics = "inertial") {
   return "ledger = true\ndynamics = \"" + dynamics + "\"\n";

@@ -253,14 +253,14 @@ TEST(Expression, PowersAtTheEdges) {
   EXPECT_EQ(value("1e-300^1000"), 0.0);
 }
 
-struct Wrong {
+struct WrongExpression {
   std::string text;
   std::size_t column;
   std::string part;  // of the message
 };
 
 TEST(Expression, SyntaxErrorsSayWhereAndWhy) {
-  const std::vector<Wrong> table{
+  const std::vector<WrongExpression> table{
       {"", 0, "empty"},
       {"   ", 0, "empty"},
       {"1 +", 3, "missing at the end"},
@@ -312,7 +312,7 @@ TEST(Expression, SyntaxErrorsSayWhereAndWhy) {
 }
 
 TEST(Expression, ValuesAreNeverNanOrInf) {
-  const std::vector<Wrong> table{
+  const std::vector<WrongExpression> table{
       {"1 + a * 2", 4, "unknown name 'a'"},
       {"1 / 0", 2, "1 / 0 is a division by zero"},
       {"0 / 0", 2, "division by zero"},

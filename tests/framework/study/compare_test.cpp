@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/core/numbers/constants.hpp"
 #include "framework/core/text/fault.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -57,7 +58,6 @@ constexpr double kRadius = 0.3;
 constexpr double kAmplitude = 0.1;
 
 double amplitude_of_ring() {
-  constexpr double kTau = 6.283185307179586;
   double real = 0.0;
   double imaginary = 0.0;
   for (int i = 0; i < kCount; ++i) {
