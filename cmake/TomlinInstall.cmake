@@ -52,10 +52,11 @@ foreach(file TomlinHdf5.cmake TomlinKernels.cmake TomlinPlugin.cmake kernels.cpp
 endforeach()
 
 # The pages, laid out as they link to each other, with the scenes that they run.
-install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES forcefields/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/forcefields)
-foreach(folder forcefields integrators framework/bodies framework/scene)
-  install(FILES ${folder}/REFERENCE.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder})
+install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+foreach(folder framework framework/bodies framework/plugin framework/run framework/scene
+               forcefields integrators tests)
+  file(GLOB pages CONFIGURE_DEPENDS ${folder}/*.md)
+  install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder})
 endforeach()
 install(DIRECTORY scenarios DESTINATION ${CMAKE_INSTALL_DOCDIR}
         FILES_MATCHING PATTERN "*.md" PATTERN "*.toml" PATTERN "*.svg")

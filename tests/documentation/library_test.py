@@ -37,10 +37,9 @@ POWER = (0.5 * math.pi**2 * J_1_OF_0_8 / math.pi) ** 2 * 3000.0 / 4.0
 
 PAGES = [
     # Steady drag, coefficient * velocity; what is left of the start is exp(-30), and the window's
-    # integral is as good as the standard tolerance of dopri5. (The plugin of the page ends with
-    # a text.)
+    # integral is as good as the standard tolerance of dopri5.
     # The second program prints what its mean force is off by, at an accuracy of 1e-4.
-    Page("README.md", [(3.0 * 0.5, 1e-8), (0.0, 3.0 * 0.5 * 1e-4)]),
+    Page("framework/LIBRARY.md", [(3.0 * 0.5, 1e-8), (0.0, 3.0 * 0.5 * 1e-4)]),
     Page("forcefields/README.md", [
         # Energy of the quartic trap: v = -A^2 sqrt(s / (2 m)); tolerance 1e-12 a step, some dozens.
         (-1.0 * math.sqrt(2.0 / (2.0 * 1.0)), 1e-10),
@@ -49,7 +48,7 @@ PAGES = [
         (0.0, 1e-12),
     ]),
     # (k a J_1(s) / pi)^2 T / 4 with s = 0.8, k = pi^2 / 2, T = 3000; the driver is slow, not
-    # infinitely slow.
+    # infinitely slow. (The plugin of the page's first part ends with a text.)
     Page("framework/plugin/README.md", [(POWER, 1e-3 * POWER)]),
 ]
 END_OF_BLOCK = "--- end of a block ---"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every part includes only what the README says that it stands on, directly or in turn.
+"""Every part includes only what ARCHITECTURE.md says that it stands on, directly or in turn.
 No part stands on itself in turn.
 
 usage: includes_test.py SOURCE_DIR
@@ -12,6 +12,7 @@ import sys
 
 INCLUDE = re.compile(r'^#include "((?:framework|forcefields|integrators)/[^"]+)"', re.MULTILINE)
 ROW = re.compile(r"^\| ((?:`\w+`(?:, )?)+) \| ((?:`\w+`(?:, )?)*) *\|$", re.MULTILINE)
+PAGE = "framework/ARCHITECTURE.md"
 TABLE = "| part | stands on |"
 
 
@@ -28,9 +29,9 @@ def part_of(path):
     return parts[1] if len(parts) > 2 else "tomlin"
 
 
-def allowed(readme):
-    """By part: all that it stands on, from the table in the README."""
-    table = readme[readme.index(TABLE):].split("\n\n", 1)[0]
+def allowed(page):
+    """By part: all that it stands on, from the table in a page."""
+    table = page[page.index(TABLE):].split("\n\n", 1)[0]
     below = {}
     for parts, others in ROW.findall(table):
         for part in re.findall(r"\w+", parts):
@@ -73,10 +74,10 @@ def main():
         print(__doc__, file=sys.stderr)
         return 2
     source = pathlib.Path(sys.argv[1])
-    below = allowed((source / "README.md").read_text(encoding="utf-8"))
+    below = allowed((source / PAGE).read_text(encoding="utf-8"))
     files = list(includes(source))
     found = faults(files, below)
-    found += [f"README.md: {part} stands on itself" for part in circles(below)]
+    found += [f"{PAGE}: {part} stands on itself" for part in circles(below)]
     for fault in found:
         print(fault)
     # Planted: arrows that lead upwards, and one to the side.
