@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Every part includes only what ARCHITECTURE.md says that it stands on, directly or in turn.
-No part stands on itself in turn.
+"""Every part includes only what it depends on by ARCHITECTURE.md, directly or in turn.
+No part depends on itself in turn.
 
 usage: includes_test.py SOURCE_DIR
 
@@ -13,7 +13,7 @@ import sys
 INCLUDE = re.compile(r'^#include "((?:framework|forcefields|integrators)/[^"]+)"', re.MULTILINE)
 ROW = re.compile(r"^\| ((?:`\w+`(?:, )?)+) \| ((?:`\w+`(?:, )?)*) *\|$", re.MULTILINE)
 PAGE = "framework/ARCHITECTURE.md"
-TABLE = "| part | stands on |"
+TABLE = "| part | depends on |"
 
 
 def part_of(path):
@@ -30,7 +30,7 @@ def part_of(path):
 
 
 def allowed(page):
-    """By part: all that it stands on, from the table in a page."""
+    """By part: all that it depends on, from the table in a page."""
     table = page[page.index(TABLE):].split("\n\n", 1)[0]
     below = {}
     for parts, others in ROW.findall(table):
@@ -47,7 +47,7 @@ def allowed(page):
 
 
 def circles(below):
-    """Parts that stand on themselves in turn: of those the table forbids nothing."""
+    """Parts that depend on themselves in turn: of those the table forbids nothing."""
     return sorted(part for part, others in below.items() if part in others)
 
 
@@ -65,7 +65,7 @@ def faults(files, below):
         for target in INCLUDE.findall(text):
             other = part_of(target)
             if other != part and other not in below.get(part, set()):
-                found.append(f"{name} includes {target}: {part} does not stand on {other}")
+                found.append(f"{name} includes {target}: {part} does not depend on {other}")
     return found
 
 
@@ -77,7 +77,7 @@ def main():
     below = allowed((source / PAGE).read_text(encoding="utf-8"))
     files = list(includes(source))
     found = faults(files, below)
-    found += [f"{PAGE}: {part} stands on itself" for part in circles(below)]
+    found += [f"{PAGE}: {part} depends on itself" for part in circles(below)]
     for fault in found:
         print(fault)
     # Planted: arrows that lead upwards, and one to the side.
