@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Relative links of all pages lead to files that exist, and to headings that exist.
+"""Relative links of all pages lead to files that exist, and to headings that exist; the README is short.
 
     python3 tests/documentation/links_test.py SOURCE_DIR
 
-Exit status: 0 they do, 1 one is broken, 2 bad arguments.
+Exit status: 0 all is well, 1 a link is broken or the README too long, 2 bad arguments.
 """
 
 import pathlib
@@ -12,6 +12,8 @@ import sys
 import tempfile
 
 from pages import pages_of
+
+MOST_LINES_OF_README = 200
 
 LINK = re.compile(r"\]\(<?([^)\s>]+)>?(?: \"[^\"]*\")?\)")
 ELSEWHERE = re.compile(r"^[a-z]+:")
@@ -85,7 +87,10 @@ def main():
         return 1
     source = pathlib.Path(sys.argv[1]).resolve()
     count, complaints = broken(source)
-    print(f"{len(pages_of(source))} pages, {count} links, {len(complaints)} broken")
+    lines = len((source / "README.md").read_text(encoding="utf-8").splitlines())
+    if lines > MOST_LINES_OF_README:
+        complaints.append(f"README.md has {lines} lines, more than {MOST_LINES_OF_README}")
+    print(f"{len(pages_of(source))} pages, {count} links, {len(complaints)} complaints")
     if complaints:
         print("\n".join(complaints))
     return 1 if complaints or count == 0 else 0
