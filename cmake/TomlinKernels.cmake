@@ -37,13 +37,12 @@ set(TOMLIN_FLAGS_avx2 -march=x86-64-v3 -maes -mpclmul -DTOMLIN_TARGET=avx2 -DTOM
 set(TOMLIN_FLAGS_avx512 -march=x86-64-v4 -maes -mpclmul -DTOMLIN_TARGET=avx512
                         -DTOMLIN_TARGET_AVX512=1)
 
-# Under sanitizers kernels are optimised a little, since that is where the tests' time goes, and keep
-# the address sanitizer and of the other what concerns numbers: all of it takes five times as long to
-# compile.
+# Under sanitizers kernels keep the address sanitizer and of the other what concerns numbers: all of
+# it takes five times as long to compile.
 set(TOMLIN_KERNEL_SANITIZERS "")
 if(TOMLIN_FUZZ)
-  set(TOMLIN_KERNEL_SANITIZERS -O1 -fno-sanitize=fuzzer-no-link,undefined
-                        -fsanitize=signed-integer-overflow,shift,float-cast-overflow,bounds)
+  set(TOMLIN_KERNEL_SANITIZERS -fno-sanitize=fuzzer-no-link,undefined
+                               -fsanitize=signed-integer-overflow,shift,float-cast-overflow,bounds)
 endif()
 
 # tomlin_kernels(TARGET HEADER CLASS [TYPE...]): compile the kernels of CLASS, defined in HEADER (as
