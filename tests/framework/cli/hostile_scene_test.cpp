@@ -17,7 +17,12 @@ constexpr long kMemory = 1L << 30;
 // Most take hundredths; reading 16 MB of keys takes one. The unit is a whole second.
 constexpr long kSeconds = 3;
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(__has_feature)
+#define TOMLIN_HAS_FEATURE(feature) __has_feature(feature)
+#else
+#define TOMLIN_HAS_FEATURE(feature) 0
+#endif
+#if defined(__SANITIZE_ADDRESS__) || TOMLIN_HAS_FEATURE(address_sanitizer)
 constexpr bool kCanBeLimited = false;  // it maps terabytes of addresses
 #else
 constexpr bool kCanBeLimited = true;
