@@ -435,7 +435,7 @@ std::vector<Variant> sampled(const std::string& dt) {
 
 /// Of one quantity, for which nothing is looked at after steps.
 std::vector<Variant> asked_for_one() {
-  return {{"mean force only", {{"measure.observables", "[\"driver.mean_force.x\"]"}}}};
+  return {{"mean force only", {{"measure.observables", "[\"driving_spring.mean_force.x\"]"}}}};
 }
 
 [[maybe_unused]] const bool registered = [] {
