@@ -130,15 +130,16 @@ std::string page_of(const Kind& kind, const std::vector<Described>& all) {
 }
 
 std::string page_of_scenes() {
-  std::string text = std::string("# Scenes\n\n") + kMadeBy +
-                     "The tables of a scene. Where a number is due, a text is an expression over "
-                     "`[parameters]`.\nComponents have pages of their own: "
-                     "[bodies](../bodies/REFERENCE.md),\n"
-                     "[forces](../../forcefields/REFERENCE.md),\n"
-                     "[integrators](../../integrators/REFERENCE.md).\n"
-                     "More of them come with [plugins](../../README.md#plugins), which a scene "
-                     "names above its first table,\n`plugins = [\"libNAME.so\"]`; observers, "
-                     "`[[observer]]` with a `type` and a `body`, all do.\n\n";
+  std::string text =
+      std::string("# Scenes\n\n") + kMadeBy +
+      "The tables of a scene. Where a number is expected, a text is an expression over "
+      "`[parameters]`.\nThe components are on separate pages: "
+      "[bodies](../bodies/REFERENCE.md),\n"
+      "[forces](../../forcefields/REFERENCE.md),\n"
+      "[integrators](../../integrators/REFERENCE.md).\n"
+      "[Plugins](../plugin/README.md) add further components. A scene names them "
+      "above its first table,\n`plugins = [\"libNAME.so\"]`. Observers, "
+      "`[[observer]]` with a `type` and a `body`, come from plugins only.\n\n";
   std::vector<std::string> functions;
   for (const ExpressionFunction& function : expression_functions()) {
     functions.push_back(code(std::string(function.name)));
@@ -186,9 +187,8 @@ std::string page_of_results() {
   return std::string("# Results\n\n") + kMadeBy +
          "The quantities of `summary.json`. With dots between them the names are observables, for "
          "`--observable`,\n`until` and `perturb`: `drivers.NAME.mean_force.x`, or "
-         "`NAME.mean_force.x`, and `events.slips`.\n[Results](../../README.md#results) in the "
-         "README "
-         "says how they are to be read.\n\n" +
+         "`NAME.mean_force.x`, and `events.slips`.\n[Results](../USER_GUIDE.md#results) in the "
+         "user guide explains how to read them.\n\n" +
          results_section();
 }
 

@@ -336,6 +336,19 @@ std::unique_ptr<BoundForce<Real>> guarded(std::unique_ptr<BoundForce<Real>> forc
                                               Owner{std::move(component), std::move(library)});
 }
 
+template <class Real>
+PointForce<Real> without_guard(PointForce<Real> point) {
+  if (point.run != &call_point<Real>) return point;
+  const auto& own = *static_cast<const GuardedPoint<Real>*>(point.parameters);
+  point.run = own.run;
+  point.parameters = own.parameters;
+  return point;
+}
+
+template PointForce<double> without_guard(PointForce<double>);
+template PointForce<float> without_guard(PointForce<float>);
+template PointForce<Quad> without_guard(PointForce<Quad>);
+
 template std::unique_ptr<BoundForce<double>> guarded(std::unique_ptr<BoundForce<double>>,
                                                      std::string, std::string);
 template std::unique_ptr<BoundForce<float>> guarded(std::unique_ptr<BoundForce<float>>, std::string,

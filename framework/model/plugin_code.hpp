@@ -91,6 +91,10 @@ template <class Real>
 std::unique_ptr<BoundForce<Real>> guarded(std::unique_ptr<BoundForce<Real>> force,
                                           std::string component, std::string library);
 
+/// The point form of a force; that of a guarded force as the plugin made it, without the guard.
+template <class Real>
+PointForce<Real> without_guard(PointForce<Real> point);
+
 /// The same of the integrator of a plugin, which steps `system`, and of the path that it follows.
 std::unique_ptr<Integrator<double>> guarded(std::unique_ptr<Integrator<double>> integrator,
                                             System<double>& system, std::string component,

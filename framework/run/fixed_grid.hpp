@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "framework/core/system/aligned.hpp"
 #include "framework/run/stepping.hpp"
@@ -31,12 +33,15 @@ class FixedGrid : public Stepping {
   std::int64_t plain_steps() const;
   void take_block(std::int64_t most);
   std::int64_t point_block(std::int64_t most, StepFault& fault);
+  std::size_t take_point_steps(std::size_t first, std::size_t most);
+  std::optional<std::size_t> take_without_guard(std::size_t first, std::size_t most);
   std::int64_t plain_block(std::int64_t most, StepFault& fault);
 
   bool on_grid_ = false;         ///< known to be between two steps of the grid
   std::int64_t plain_left_ = 0;  ///< steps known to have nothing to serve
   AlignedVector<double> point_rates_;
   AlignedVector<double> point_velocities_;
+  bool without_guard_ = false;  ///< plugins' point forces are called directly
 };
 
 }  // namespace tomlin
