@@ -110,8 +110,14 @@ void FixedGrid::take_block(std::int64_t most) {
 std::int64_t FixedGrid::point_block(std::int64_t most, StepFault& fault) {
   run_.since_anchor();
   const std::int64_t grid = run_.clock.grid_steps();
-  const auto taken = static_cast<std::int64_t>(
-      take_point_steps(static_cast<std::size_t>(grid % kBlock), static_cast<std::size_t>(most)));
+  const auto first = static_cast<std::size_t>(grid % kBlock);
+  const auto wanted = static_cast<std::size_t>(most);
+  std::optional<std::size_t> steps = take_without_guard(first, wanted);
+  if (!steps) {
+    steps = run_.integrator->point_block(first, run_.plan.dt, wanted, point_rates_.data(),
+                                         point_velocities_.data());
+  }
+  const auto taken = static_cast<std::int64_t>(*steps);
   if (taken < most) fault = StepFault::not_finite_or_too_far;
   run_.seen = two_prod(static_cast<double>(grid + taken), run_.plan.dt);
   parts_.observation.point_block(grid, static_cast<std::size_t>(taken), point_rates_.data(),
@@ -119,12 +125,8 @@ std::int64_t FixedGrid::point_block(std::int64_t most, StepFault& fault) {
   return taken;
 }
 
-std::size_t FixedGrid::take_point_steps(std::size_t first, std::size_t most) {
-  if (const auto taken = take_without_guard(first, most)) return *taken;
-  return run_.integrator->point_block(first, run_.plan.dt, most, point_rates_.data(),
-                                      point_velocities_.data());
-}
-
+/// Nothing where no plugin's code is called, or where it has to be called with guards.
+///
 /// A guard around each call of a plugin's code costs as much as a small force. The block is taken
 /// without guards; when the code has thrown or changed the arithmetic, the state is restored,
 /// nothing is returned, and this and all later blocks are taken with guards.

@@ -33,7 +33,6 @@ class FixedGrid : public Stepping {
   std::int64_t plain_steps() const;
   void take_block(std::int64_t most);
   std::int64_t point_block(std::int64_t most, StepFault& fault);
-  std::size_t take_point_steps(std::size_t first, std::size_t most);
   std::optional<std::size_t> take_without_guard(std::size_t first, std::size_t most);
   std::int64_t plain_block(std::int64_t most, StepFault& fault);
 

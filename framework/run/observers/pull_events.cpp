@@ -1,12 +1,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
+#include <limits>
 
 #include "framework/run/energy_terms.hpp"
 #include "framework/run/events.hpp"
 #include "framework/run/observers/kinds.hpp"
-#include "framework/run/observers/path_peaks.hpp"
 #include "framework/run/observers/static_force.hpp"
 #include "framework/run/plan.hpp"
 #include "framework/run/wells.hpp"
@@ -55,13 +54,15 @@ class PullEvents : public RunObserver {
   void watch(double time, const double* signals);
   void watch_block(const SignalBlock& block);
   void slipped();
+  void see_peaks(const SignalSpan& span);
+  void forget_peaks();
 
   ObserverParts parts_;
   const std::vector<Model::Driver>& drivers_;
   std::vector<DriverWatch> watches_;
   StaticForce static_force_;
-  std::optional<PathPeaks> peaks_;  ///< of a quasistatic run
-  std::string_view name_;           ///< of the driver whose event is looked for
+  double* peaks_ = nullptr;  ///< quasistatic: of forces along the pulls since the last slip
+  std::string_view name_;    ///< of the driver whose event is looked for
   DriverWatch::Emit emit_;
   DriverWatch::Heat heat_;
 };
@@ -70,10 +71,7 @@ PullEvents::PullEvents(const ObserverParts& parts)
     : parts_(parts), drivers_(parts.signals.drivers()), static_force_(parts, watches_) {
   const double precision = precision_of(parts_.run.scene->run.number_type);
   const Model& model = parts_.run.model;
-  if (follows_path()) {
-    peaks_.emplace(parts_.signals);
-    parts_.events.expect(EventKind::slip);
-  }
+  if (follows_path()) parts_.events.expect(EventKind::slip);
   for (std::size_t k = 0; k < drivers_.size(); ++k) {
     const Drive& drive = *drivers_[k].drive;
     if (!pulls(drive)) continue;
@@ -96,20 +94,20 @@ PullEvents::PullEvents(const ObserverParts& parts)
 
 void PullEvents::declare(StateLayout& layout) const {
   static_force_.declare(layout);
-  if (peaks_) peaks_->declare(layout);
+  if (follows_path()) layout.add_reals("events.peaks", drivers_.size());
   declare_watches(layout, "events.drivers", watches_);
 }
 
 void PullEvents::attach(RunState& state) {
   static_force_.attach(state);
-  if (peaks_) peaks_->attach(state);
+  if (follows_path()) peaks_ = state.reals("events.peaks");
   attach_watches(state, "events.drivers", watches_);
 }
 
 void PullEvents::start() {
   static_force_.start();
   for (DriverWatch& watch : watches_) watch.start();
-  if (peaks_) peaks_->clear();
+  forget_peaks();
 }
 
 void PullEvents::placed() {
@@ -162,13 +160,34 @@ void PullEvents::place(const SignalSpan& span, std::size_t k) {
 
 void PullEvents::span(const SignalSpan& span) {
   static_force_.add(span);
-  if (peaks_) peaks_->add(span);
+  if (follows_path()) see_peaks(span);
 }
 
 /// Before it is counted.
 void PullEvents::slipped() {
   for (const DriverWatch& watch : watches_) {
     if (drivers_[watch.driver()].name == name_) static_force_.slipped(watch, !follows_path());
+  }
+}
+
+/// The largest force along a driver's pull since the last slip.
+void PullEvents::see_peaks(const SignalSpan& span) {
+  for (std::size_t k = 0; k < drivers_.size(); ++k) {
+    if (!drags(*drivers_[k].drive)) continue;
+    double powers[4];
+    for (std::size_t n = 0; n < 4; ++n) powers[n] = parts_.signals.power(k, span.at[n].data());
+    const CubicExtremes found = cubic_extremes(powers[0], powers[1], powers[2], powers[3]);
+    const auto see = [&](double power) {
+      peaks_[k] = std::max(peaks_[k], power * parts_.signals.along(k));
+    };
+    for (const double power : powers) see(power);
+    for (int e = 0; e < found.count; ++e) see(found.value[e]);
+  }
+}
+
+void PullEvents::forget_peaks() {
+  if (follows_path()) {
+    std::fill_n(peaks_, drivers_.size(), -std::numeric_limits<double>::infinity());
   }
 }
 
@@ -185,18 +204,18 @@ void PullEvents::path_slip(const PathSlip& slip) {
         (force_along(k, slip.before) - force_along(k, slip.after)) / watch.stiffness();
     if (std::isnan(event.size) || std::abs(ahead) > std::abs(event.size)) {
       event.size = ahead;
-      event.peak_force = peaks_->of(k);
+      event.peak_force = peaks_[k];
       name_ = drivers_[k].name;
     }
     if (ahead > 0.0) static_force_.slipped(k, parts_.signals.power(k, slip.before));
     watch.turned();
   }
-  peaks_->clear();
+  forget_peaks();
   emit_(event);
 }
 
 void PullEvents::force_changed(std::string_view force) {
-  if (peaks_) peaks_->clear();
+  forget_peaks();
   for (DriverWatch& watch : watches_) {
     if (drivers_[watch.driver()].name == force) watch.turned();
   }
