@@ -82,19 +82,19 @@ class FixedStep : public FixedStepBase<Real> {
     return kernels_.point_block != nullptr && system_.view.point_force_count > 0;
   }
 
-  std::size_t point_block(std::size_t first, double h, std::size_t most, Real* rates,
-                          Real* velocities) override {
+  std::size_t point_block(std::size_t first, double h, std::size_t most,
+                          const PointStarts<Real>& starts) override {
     std::size_t taken = 0;
     if (arrays_.first_known && most > 0) {
       // After a sample the first evaluation is there already; either path has the same bits.
-      velocities[0] = system_.view.velocity[0];
-      std::copy(arrays_.rates[0], arrays_.rates[0] + system_.view.rates, rates);
+      starts.positions[0] = system_.view.position[0];
+      starts.velocities[0] = system_.view.velocity[0];
+      std::copy(arrays_.rates[0], arrays_.rates[0] + system_.view.rates, starts.rates);
       if (step_from(static_cast<double>(first) * h, h, false).fault != StepFault::none) return 0;
       taken = 1;
     }
-    const std::size_t more =
-        kernels_.point_block(system_.view, 0.0, first + taken, h, most - taken,
-                             rates + taken * system_.view.rates, velocities + taken);
+    const std::size_t more = kernels_.point_block(system_.view, 0.0, first + taken, h, most - taken,
+                                                  starts.from(taken, system_.view.rates));
     system_.evaluations += stages_ * more;
     return taken + more;
   }
@@ -123,9 +123,10 @@ class FixedStep : public FixedStepBase<Real> {
     if (dense || arrays_.first_known || !has_point_block()) {
       return kernels_.step(system_.view, arrays_, since, h);
     }
-    Real start_velocity;
-    return kernels_.point_block(system_.view, since, 0, h, 1, arrays_.rates[0], &start_velocity) ==
-           1;
+    Real position;
+    Real velocity;
+    return kernels_.point_block(system_.view, since, 0, h, 1,
+                                {arrays_.rates[0], &position, &velocity}) == 1;
   }
 
   using Base = FixedStepBase<Real>;

@@ -37,7 +37,7 @@ struct FixedStepTable {
   /// Step k starts at start + (first + k) h.
   /// Null where there is none.
   std::size_t (*point_block)(const SystemView<Real>& system, double start, std::size_t first,
-                             double h, std::size_t most, Real* rates, Real* velocities) = nullptr;
+                             double h, std::size_t most, const PointStarts<Real>& starts) = nullptr;
 };
 
 inline namespace TOMLIN_TARGET {

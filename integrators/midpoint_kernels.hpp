@@ -79,7 +79,7 @@ struct MidpointKernels : FixedStepPasses {
   /// the same order as `step`, so that the bits are the same too.
   TOMLIN_FLATTEN static std::size_t point_block(const SystemView<double>& system, double start,
                                                 std::size_t first, double h, std::size_t most,
-                                                double* rates, double* velocities) {
+                                                const PointStarts<double>& starts) {
     const SystemView<double> s = system;
     const PointParticle particle(s);
     const double largest_move = s.largest_move[0];
@@ -91,8 +91,9 @@ struct MidpointKernels : FixedStepPasses {
     std::size_t taken = 0;
     for (; taken < most; ++taken) {
       const double since = start + static_cast<double>(first + taken) * h;
-      velocities[taken] = v;
-      const double a1 = particle.acceleration(x, v, since, rates + taken * s.rates);
+      starts.positions[taken] = x;
+      starts.velocities[taken] = v;
+      const double a1 = particle.acceleration(x, v, since, starts.rates + taken * s.rates);
       const double v2 = fma(half, a1, v);
       const double a2 = particle.acceleration(fma(half, v, x), v2, since + half, middle_rates);
       const double move = h * v2;

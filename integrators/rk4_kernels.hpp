@@ -103,7 +103,7 @@ struct Rk4Kernels : FixedStepPasses {
   /// the same order as `step`, so that the bits are the same too.
   TOMLIN_FLATTEN static std::size_t point_block(const SystemView<double>& system, double start,
                                                 std::size_t first, double h, std::size_t most,
-                                                double* rates, double* velocities) {
+                                                const PointStarts<double>& starts) {
     const SystemView<double> s = system;
     const PointParticle particle(s);
     const double largest_move = s.largest_move[0];
@@ -117,8 +117,9 @@ struct Rk4Kernels : FixedStepPasses {
     std::size_t taken = 0;
     for (; taken < most; ++taken) {
       const double since = start + static_cast<double>(first + taken) * h;
-      double* first_rates = rates + taken * s.rates;
-      velocities[taken] = v;
+      double* first_rates = starts.rates + taken * s.rates;
+      starts.positions[taken] = x;
+      starts.velocities[taken] = v;
       const double a1 = particle.acceleration(x, v, since, first_rates);
       const double x2 = fma(half, v, x);
       const double v2 = fma(half, a1, v);

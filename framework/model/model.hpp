@@ -88,6 +88,9 @@ class Model {
   /// in `rates`.
   void evaluate_at(const DoubleDouble& time, const double* position, const double* velocity,
                    const double* integrals, double* rates);
+  /// The same for a particle alone on a line, without a loop over particles in each force,
+  /// `elapsed` after the time that forces are anchored at.
+  void evaluate_point(double position, double velocity, double elapsed, double* rates) const;
 
   /// Centre of mass of a body, relative to the origin, and its velocity; [dimension] numbers each.
   void centre(std::size_t body, const double* position, double* result) const;
@@ -154,7 +157,6 @@ class Model {
   static AssemblyPlan plan_for(const Scene& scene, InstructionSet set);
   void lay_tangent();
   static void begin_step(void* model, double time_high, double time_low);
-  void evaluate_point(double position, double velocity, double* rates) const;
   void lay_elastic();
   void keep_shapes();
   void place_origin();

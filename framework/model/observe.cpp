@@ -18,7 +18,7 @@ void Model::evaluate_at(const DoubleDouble& time, const double* position, const 
   anchor(time);
   const SystemView<double>& view = system().view;
   if (view.point_force_count > 0) {
-    evaluate_point(*position, *velocity, rates);
+    evaluate_point(*position, *velocity, 0.0, rates);
   } else {
     const Stage<double> here = stage(position, velocity, integrals, rates);
     for (std::size_t k = 0; k < view.operation_count; ++k) {
@@ -28,14 +28,13 @@ void Model::evaluate_at(const DoubleDouble& time, const double* position, const 
   anchor(anchored);
 }
 
-/// The same numbers for a particle alone, without a loop over particles in each force.
-void Model::evaluate_point(double position, double velocity, double* rates) const {
+void Model::evaluate_point(double position, double velocity, double elapsed, double* rates) const {
   const SystemView<double>& view = system().view;
   double total = 0.0;
   for (std::size_t k = 0; k < view.point_force_count; ++k) {
     const PointForce<double>& force = view.point_forces[k];
     const PointResult<double> part =
-        force.run(force.parameters, position, velocity, force.start, 0.0);
+        force.run(force.parameters, position, velocity, force.start, elapsed);
     total = k == 0 ? part.force : total + part.force;
     if (force.rate == kNoRate) continue;
     rates[force.rate] = part.force;

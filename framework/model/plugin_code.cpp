@@ -271,10 +271,9 @@ class GuardedIntegrator final : public Integrator<double> {
   bool has_point_block() const override {
     return owner_.guard([&] { return integrator_->has_point_block(); });
   }
-  std::size_t point_block(std::size_t first, double h, std::size_t most, double* rates,
-                          double* velocities) override {
-    return owner_.guard(
-        [&] { return integrator_->point_block(first, h, most, rates, velocities); });
+  std::size_t point_block(std::size_t first, double h, std::size_t most,
+                          const PointStarts<double>& starts) override {
+    return owner_.guard([&] { return integrator_->point_block(first, h, most, starts); });
   }
   const double* first_rates() const override {
     return owner_.guard([&] { return integrator_->first_rates(); });

@@ -11,7 +11,9 @@ namespace tomlin {
 FixedGrid::FixedGrid(StepParts parts) : Stepping(std::move(parts)) {
   if (!run_.integrator->has_point_block()) return;
   point_rates_.assign(kBlock * run_.model.system().view.rates, 0.0);
+  point_positions_.assign(kBlock, 0.0);
   point_velocities_.assign(kBlock, 0.0);
+  starts_ = {point_rates_.data(), point_positions_.data(), point_velocities_.data()};
   // The guard of a plugin's integrator would restore the arithmetic before it is compared.
   without_guard_ = run_.model.system().view.direct_point_forces != nullptr &&
                    run_.scene->run.integrator.record->library.empty();
@@ -74,11 +76,16 @@ DoubleDouble FixedGrid::end_of_step() const {
   return at_end ? DoubleDouble(plan.duration) : end;
 }
 
-/// How many steps end before the next sample or edge of the window is due.
-std::int64_t FixedGrid::plain_steps() const {
+/// How many steps end before the next sample or edge of the window is due; samples of a single
+/// point at every step are served within blocks.
+std::int64_t FixedGrid::plain_steps() {
   const RunPlan& plan = run_.plan;
   const std::int64_t taken = run_.clock.grid_steps();
-  const double due = parts_.observation.next_due();
+  samples_each_step_ =
+      run_.integrator->has_point_block() &&
+      parts_.observation.samples_each_step(plan.dt, static_cast<double>(taken + 1) * plan.dt);
+  const double due =
+      samples_each_step_ ? parts_.observation.next_edge() : parts_.observation.next_due();
   const std::int64_t left = plan.whole_steps - taken;
   if (!(due < plan.duration)) return left - 1;  // the last may end on a sample
   auto before = static_cast<std::int64_t>(due / plan.dt) - taken;
@@ -96,6 +103,7 @@ void FixedGrid::take_block(std::int64_t most) {
   run_.clock.keep_cost(run_.model.system());
   run_.clock.set(two_prod(static_cast<double>(run_.clock.grid_steps()), run_.plan.dt));
   plain_left_ -= taken;
+  if (samples_each_step_ && taken > 0) sample_end_of_block();
   if (fault != StepFault::none) {
     run_.fail(fault, run_.plan.dt);
     return;
@@ -113,16 +121,33 @@ std::int64_t FixedGrid::point_block(std::int64_t most, StepFault& fault) {
   const auto first = static_cast<std::size_t>(grid % kBlock);
   const auto wanted = static_cast<std::size_t>(most);
   std::optional<std::size_t> steps = take_without_guard(first, wanted);
-  if (!steps) {
-    steps = run_.integrator->point_block(first, run_.plan.dt, wanted, point_rates_.data(),
-                                         point_velocities_.data());
-  }
+  if (!steps) steps = run_.integrator->point_block(first, run_.plan.dt, wanted, starts_);
   const auto taken = static_cast<std::int64_t>(*steps);
   if (taken < most) fault = StepFault::not_finite_or_too_far;
   run_.seen = two_prod(static_cast<double>(grid + taken), run_.plan.dt);
-  parts_.observation.point_block(grid, static_cast<std::size_t>(taken), point_rates_.data(),
-                                 point_velocities_.data());
+  parts_.observation.point_block(grid, static_cast<std::size_t>(taken), starts_);
+  if (samples_each_step_) sample_within_block(grid, taken);
   return taken;
+}
+
+/// The end of a step is the start of the next one, at which the forces are known.
+void FixedGrid::sample_within_block(std::int64_t grid, std::int64_t taken) {
+  const std::size_t width = run_.model.system().view.rates;
+  for (std::int64_t step = 1; step < taken; ++step) {
+    const PointStarts<double> start = starts_.from(static_cast<std::size_t>(step), width);
+    parts_.observation.sample_point(static_cast<double>(grid + step) * run_.plan.dt,
+                                    *start.positions, *start.velocities, start.rates);
+  }
+}
+
+/// With the forces that the next step will begin with, so that rows do not depend on where blocks
+/// end.
+void FixedGrid::sample_end_of_block() {
+  const SystemView<double>& view = run_.model.system().view;
+  const double since = run_.since_anchor();
+  run_.model.evaluate_point(view.position[0], view.velocity[0], since, point_rates_.data());
+  parts_.observation.sample_point(run_.clock.time(), view.position[0], view.velocity[0],
+                                  point_rates_.data());
 }
 
 /// Nothing where no plugin's code is called, or where it has to be called with guards.
@@ -147,8 +172,7 @@ std::optional<std::size_t> FixedGrid::take_without_guard(std::size_t first, std:
     const OwnArithmetic own(mode);
     view.point_forces = view.direct_point_forces;
     try {
-      taken = run_.integrator->point_block(first, run_.plan.dt, most, point_rates_.data(),
-                                           point_velocities_.data());
+      taken = run_.integrator->point_block(first, run_.plan.dt, most, starts_);
       if (OwnArithmetic::mode() != mode) taken.reset();
     } catch (...) {
       // With guards the exception is attributed to its plugin, if it is thrown again.

@@ -30,16 +30,21 @@ class FixedGrid : public Stepping {
   DoubleDouble into_step();
   void take_one(const Step& step);
   DoubleDouble end_of_step() const;
-  std::int64_t plain_steps() const;
+  std::int64_t plain_steps();
   void take_block(std::int64_t most);
   std::int64_t point_block(std::int64_t most, StepFault& fault);
   std::optional<std::size_t> take_without_guard(std::size_t first, std::size_t most);
+  void sample_within_block(std::int64_t grid, std::int64_t taken);
+  void sample_end_of_block();
   std::int64_t plain_block(std::int64_t most, StepFault& fault);
 
-  bool on_grid_ = false;         ///< known to be between two steps of the grid
-  std::int64_t plain_left_ = 0;  ///< steps known to have nothing to serve
+  bool on_grid_ = false;            ///< known to be between two steps of the grid
+  std::int64_t plain_left_ = 0;     ///< steps known to have nothing to serve
+  bool samples_each_step_ = false;  ///< each of them ends on a sample
   AlignedVector<double> point_rates_;
+  AlignedVector<double> point_positions_;
   AlignedVector<double> point_velocities_;
+  PointStarts<double> starts_;  ///< these
   bool without_guard_ = false;  ///< plugins' point forces are called directly
 };
 

@@ -160,18 +160,28 @@ void Observation::end_block() {
   block_.count = 0;
 }
 
-void Observation::point_block(std::int64_t first_step, std::size_t count, const double* rates,
-                              const double* velocities) {
+void Observation::point_block(std::int64_t first_step, std::size_t count,
+                              const PointStarts<double>& starts) {
   if (!watches()) return;
   const std::size_t width = run_.model.system().view.rates;
   for (block_.count = 0; block_.count < count; ++block_.count) {
     const std::size_t k = block_.count;
     block_times_[k] = static_cast<double>(first_step + static_cast<std::int64_t>(k)) * run_.plan.dt;
-    row()[signals_.speed_of(0)] = std::abs(velocities[k]);
-    signals_.write_forces(rates + k * width, row());
+    row()[signals_.speed_of(0)] = std::abs(starts.velocities[k]);
+    signals_.write_forces(starts.rates + k * width, row());
   }
   for (RunObserver* observer : at_steps_) observer->steps(block_);
   end_block();
+}
+
+void Observation::sample_point(double time, double position, double velocity, double* rates) {
+  // Kernels read whole groups.
+  within_.position[0] = position;
+  within_.velocity[0] = velocity;
+  samples_.take({.time = time,
+                 .position = within_.position.data(),
+                 .velocity = within_.velocity.data(),
+                 .rates = rates});
 }
 
 /// Long steps hide extremes: those of the cubic through the dense output at thirds of the step are

@@ -34,9 +34,10 @@ class Observation {
   /// most kBlock steps later.
   void end_step();
   void end_block();
-  /// Steps of the grid of a single point, from their rates and velocities at their starts.
-  void point_block(std::int64_t first_step, std::size_t count, const double* rates,
-                   const double* velocities);
+  /// Steps of the grid of a single point, from their starts.
+  void point_block(std::int64_t first_step, std::size_t count, const PointStarts<double>& starts);
+  /// A sample of a single point at the end of a step of the grid.
+  void sample_point(double time, double position, double velocity, double* rates);
   /// A long step has been taken.
   void look_between(double from, double to);
   void look_along_path(double from, double to);
@@ -48,6 +49,11 @@ class Observation {
 
   /// The next sample or edge of the window.
   double next_due() const { return std::min(samples_.next_time(), window_.next_edge()); }
+  double next_edge() const { return window_.next_edge(); }
+  /// Every step of a grid ends on a sample, the next one at this time.
+  bool samples_each_step(double dt, double end_of_next) const {
+    return samples_.are_taken_every(dt) && samples_.next_time() == end_of_next;
+  }
   /// Serves what is due within a step that has been taken; `next_since`: its end, after the anchor.
   /// False when a signal has come through between the samples of a very long step.
   bool serve(double due, const DoubleDouble& from, const DoubleDouble& to, double next_since);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <numeric>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -152,6 +152,21 @@ struct Hopeful {
   double projected = 0.0;
 };
 
+/// Trials over budget, which go on where they were stopped when they get a larger one.
+class BegunRuns : public RunStore {
+ public:
+  std::vector<std::byte> kept(const std::string& name) const override {
+    const auto found = states_.find(name);
+    return found == states_.end() ? std::vector<std::byte>() : found->second;
+  }
+  void keep(const std::string& name, std::vector<std::byte> bytes) override {
+    states_.insert_or_assign(name, std::move(bytes));
+  }
+
+ private:
+  std::map<std::string, std::vector<std::byte>> states_;
+};
+
 class Pilot {
  public:
   Pilot(std::shared_ptr<const Scene> scene, const Registry& registry, const std::atomic<bool>* stop,
@@ -181,9 +196,8 @@ class Pilot {
 
   ChosenIntegrator choose() {
     find_reference();
-    const std::vector<std::size_t> order = climbing_order();
     const Wanted wanted{.error = kShareOfCompanion * accuracy_};
-    for (const std::size_t k : order) climb(k, wanted);
+    climb_all(wanted);
     const std::optional<Tried> companion = confirmed(wanted);
     const std::optional<Tried> main = companion ? main_beside(*companion) : most_accurate();
     ChosenIntegrator chosen;
@@ -245,14 +259,6 @@ class Pilot {
     return chosen;
   }
 
-  /// All rungs, that of the reference first: it is cheap, and what it takes limits the others.
-  std::vector<std::size_t> climbing_order() const {
-    std::vector<std::size_t> order(rungs_.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    if (reference_) std::swap(order.front(), order[tried_.front().rung]);
-    return order;
-  }
-
   /// The cheapest, whichever it is.
   void find_reference() {
     for (int pass = 0; pass < kMostShortenings && !interrupted(); ++pass) {
@@ -265,16 +271,16 @@ class Pilot {
 
   /// So much for each, then four times as much for those that may get through with it.
   bool look_for_reference() {
-    std::vector<Hopeful> hopefuls;
-    for (const std::size_t k : references()) hopefuls.push_back({k});
-    for (double allowed = kFirstCost; !hopefuls.empty(); allowed *= 4.0) {
-      for (Hopeful& one : hopefuls) {
+    hopefuls_.clear();
+    for (const std::size_t k : references()) hopefuls_.push_back({k});
+    for (double allowed = kFirstCost; !hopefuls_.empty(); allowed *= 4.0) {
+      for (Hopeful& one : hopefuls_) {
         if (interrupted()) return false;
         if (one.projected > kRoom * allowed) continue;
         if (is_reference(one, allowed)) return true;
       }
       if (allowed >= most_cost_) return false;
-      std::erase_if(hopefuls, [](const Hopeful& one) { return one.projected == kInfinity; });
+      std::erase_if(hopefuls_, [](const Hopeful& one) { return one.projected == kInfinity; });
     }
     return false;
   }
@@ -307,11 +313,13 @@ class Pilot {
   TrialRun attempt(std::size_t rung, double knob, double most_cost) {
     const auto scene = variants_.with(rungs_[rung].at(knob));
     TrialLimits limits;
+    limits.store = &begun_;
+    limits.name = fmt::format("{} {} {}", rungs_[rung].name, knob, piece_.duration);
     limits.stop = stop_;
     limits.cost = static_cast<std::uint64_t>(std::min(most_cost, most_cost_));
     limits.observables = {std::begin(kHeadlines), std::end(kHeadlines)};
     TrialRun trial = try_run(shortened(*scene, piece_), limits);
-    cost_ += trial.cost();
+    cost_ += trial.cost() - std::exchange(cost_of_[limits.name], trial.cost());
     return trial;
   }
 
@@ -330,11 +338,49 @@ class Pilot {
     return two_digits(longest / rung.unit) * rung.unit * std::ldexp(1.0, -level);
   }
 
+  /// The next setting of a rung, and what it may cost.
+  struct Next {
+    std::size_t rung = 0;
+    int level = 0;
+    double cost = 0.0;
+  };
+
+  /// Two coarser settings than the run's there are for tolerances, which cost little more.
+  int first_level(std::size_t k) const { return rungs_[k].knob == Knob::tolerance ? 1 : 0; }
+
+  /// All rungs from coarse to fine, cheap settings first: what they take limits the others.
+  void climb_all(const Wanted& wanted) {
+    std::vector<Next> left;
+    for (std::size_t k = 0; k < rungs_.size(); ++k) {
+      const double of_reference = reference_ ? tried_.front().cost : kInfinity;
+      left.push_back({k, first_level(k), cost_of_steps(k, first_level(k)).value_or(of_reference)});
+    }
+    for (const Hopeful& one : hopefuls_) {
+      if (one.projected > 0.0) left[one.rung].cost = std::min(left[one.rung].cost, one.projected);
+    }
+    while (!left.empty() && !interrupted()) {
+      const auto next = std::min_element(
+          left.begin(), left.end(), [](const Next& a, const Next& b) { return a.cost < b.cost; });
+      const auto best = cheapest_of(wanted);
+      const Tried tried = try_out(next->rung, next->level, best ? best->cost : dearest_);
+      if (wanted.met_by(tried) || tried.cost == kInfinity || ++next->level == kMostKnobs) {
+        left.erase(next);
+      } else {
+        next->cost = cost_of_steps(next->rung, next->level).value_or(tried.cost);
+      }
+    }
+  }
+
+  /// Fixed steps can be counted beforehand.
+  std::optional<double> cost_of_steps(std::size_t rung, int level) const {
+    const Rung& one = rungs_[rung];
+    if (one.knob != Knob::step) return std::nullopt;
+    return piece_.duration / knob(one, level) * one.integrator->evaluations_per_step;
+  }
+
   /// From coarse to fine until a setting is as wanted, or dearer than one that is.
   void climb(std::size_t k, const Wanted& wanted) {
-    // Two coarser settings than the run's there are for tolerances, which cost little more.
-    const int first = rungs_[k].knob == Knob::tolerance ? 1 : 0;
-    for (int level = first; level < kMostKnobs && !interrupted(); ++level) {
+    for (int level = first_level(k); level < kMostKnobs && !interrupted(); ++level) {
       const auto best = cheapest_of(wanted);
       const Tried tried = try_out(k, level, best ? best->cost : dearest_);
       if (wanted.met_by(tried) || tried.cost == kInfinity) return;
@@ -362,14 +408,9 @@ class Pilot {
     return nullptr;
   }
 
-  /// Fixed steps can be counted beforehand; or the same or a coarser setting has taken more
-  /// already.
+  /// As counted, or since the same or a coarser setting has taken more already.
   bool is_too_dear(std::size_t rung, int level, double allowed) const {
-    const Rung& one = rungs_[rung];
-    if (one.knob == Knob::step) {
-      const double steps = piece_.duration / knob(one, level);
-      if (steps * one.integrator->evaluations_per_step > allowed + 1.0) return true;
-    }
+    if (cost_of_steps(rung, level).value_or(0.0) > allowed + 1.0) return true;
     return std::any_of(too_dear_.begin(), too_dear_.end(), [=](const TooDear& before) {
       return before.rung == rung && before.level <= level && before.at_least >= allowed;
     });
@@ -490,6 +531,9 @@ class Pilot {
   double length_ = 1.0;
   std::vector<Tried> tried_;  ///< the reference is the first
   std::vector<TooDear> too_dear_;
+  std::vector<Hopeful> hopefuls_;  ///< that might have become the reference
+  BegunRuns begun_;
+  std::map<std::string, std::uint64_t> cost_of_;  ///< of trials, by name
   std::uint64_t cost_ = 0;
 };
 

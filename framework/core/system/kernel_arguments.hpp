@@ -125,6 +125,18 @@ struct PointForce {
   std::ptrdiff_t rate = kNoRate;
 };
 
+/// Where steps of such a particle began: row k is the start of step k.
+template <class Real>
+struct PointStarts {
+  Real* rates = nullptr;
+  Real* positions = nullptr;
+  Real* velocities = nullptr;
+
+  PointStarts from(std::size_t step, std::size_t width) const {
+    return {rates + step * width, positions + step, velocities + step};
+  }
+};
+
 template <class Real>
 struct KernelTable {
   KernelPair<Real> site;

@@ -107,11 +107,10 @@ class Integrator {
 
   /// Up to `most` plain steps in one go for scenes with `point_forces`, the first `first` steps of
   /// `h` after the anchor: returns how many were taken before one failed (all, when none did).
-  /// Row k of `rates` and `velocities` holds the start of step k.
   virtual bool has_point_block() const { return false; }
-  virtual std::size_t point_block(std::size_t first, double h, std::size_t most, Real* rates,
-                                  Real* velocities) {
-    (void)first, (void)h, (void)most, (void)rates, (void)velocities;
+  virtual std::size_t point_block(std::size_t first, double h, std::size_t most,
+                                  const PointStarts<Real>& starts) {
+    (void)first, (void)h, (void)most, (void)starts;
     return 0;
   }
 

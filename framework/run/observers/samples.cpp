@@ -103,6 +103,10 @@ bool Samples::is_due(double time) const {
          static_cast<double>(*next_) * *parts_.run.scene->output.every <= time * (1.0 + kNoStep);
 }
 
+bool Samples::are_taken_every(double time) const {
+  return wanted_ && scene_ == nullptr && *parts_.run.scene->output.every == time;
+}
+
 void Samples::take(const RunMoment& moment) {
   ++*next_;
   const Model& model = parts_.run.model;

@@ -25,6 +25,8 @@ class Samples {
   /// The time of the next sample; infinite where none is wanted.
   double next_time() const;
   bool is_due(double time) const;
+  /// At multiples of this time, for the sink alone: moments need no more than the state and rates.
+  bool are_taken_every(double time) const;
   void take(const RunMoment& moment);
 
  private:

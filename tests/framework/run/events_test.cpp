@@ -317,6 +317,9 @@ TEST(Slips, WhatStretchesTheSpringInFlightIsNoStaticForce) {
 }
 
 TEST(Slips, LoseTheEnergyThatTheDamperTakes) {
+  // States are looked at up to 16 steps after the moment, when hardly anything moves: 0.7 % of the
+  // energy is lost in that time at most.
+  constexpr double kLateState = 1e-2;
   const TipScene tip = slipping(1.5);
   const Watched run(tip.text());
   const auto v = run.column("tip.velocity.x");
@@ -329,8 +332,7 @@ TEST(Slips, LoseTheEnergyThatTheDamperTakes) {
     for (std::size_t k = first; k < last; ++k) {
       heat += 0.5 * kEvery * 1.5 * (v[k] * v[k] + v[k + 1] * v[k + 1]);
     }
-    // States are looked at up to 16 steps after the moment, when hardly anything moves.
-    EXPECT_NEAR(slip.energy_lost, heat, 5e-3 * heat);
+    EXPECT_NEAR(slip.energy_lost, heat, kLateState * heat);
     EXPECT_GT(heat, 0.05);
   }
 }
