@@ -18,7 +18,8 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/tomlin)
 
 # The program too, as tomlin::program, for the tests of others.
 set_target_properties(tomlin PROPERTIES EXPORT_NAME program)
-install(TARGETS tomlin EXPORT tomlin RUNTIME)
+install(TARGETS tomlin EXPORT tomlin RUNTIME COMPONENT program)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 install(TARGETS ${targets} EXPORT tomlin INCLUDES DESTINATION ${header_folder})
 install(EXPORT tomlin FILE tomlinTargets.cmake NAMESPACE tomlin:: DESTINATION ${package_folder})
 
@@ -52,6 +53,7 @@ foreach(file TomlinHdf5.cmake TomlinKernels.cmake TomlinPlugin.cmake kernels.cpp
 endforeach()
 
 # The pages, laid out as they link to each other, with the scenes that they run.
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
 install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 foreach(folder framework framework/bodies framework/plugin framework/run framework/scene
                forcefields integrators tests)
@@ -60,3 +62,5 @@ foreach(folder framework framework/bodies framework/plugin framework/run framewo
 endforeach()
 install(DIRECTORY scenarios DESTINATION ${CMAKE_INSTALL_DOCDIR}
         FILES_MATCHING PATTERN "*.md" PATTERN "*.toml" PATTERN "*.svg")
+
+include(TomlinPackage)

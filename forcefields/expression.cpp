@@ -11,6 +11,7 @@
 #include "framework/core/formula/formula.hpp"
 #include "framework/core/formula/formula_force.hpp"
 #include "framework/core/records/force.hpp"
+#include "framework/core/text/fault_code.hpp"
 
 namespace tomlin {
 namespace {
@@ -146,11 +147,11 @@ class Examiner {
 
   std::vector<Complaint> complaints() {
     if (d_.energy.text.empty() == d_.force.components.empty()) {
-      found_.push_back({"energy",
-                        d_.energy.text.empty()
-                            ? "there is neither an energy nor a force"
-                            : "there are an energy and a force, and one of them it is",
-                        "energy = \"...\", or force = [\"...\"] with a formula per dimension"});
+      const bool none = d_.energy.text.empty();
+      complain(none ? FaultCode::scene_missing_key : FaultCode::scene_conflict, "energy",
+               none ? "there is neither an energy nor a force"
+                    : "there are an energy and a force, and one of them it is",
+               "energy = \"...\", or force = [\"...\"] with a formula per dimension");
       return found_;
     }
     look_at_variables();
@@ -165,47 +166,64 @@ class Examiner {
  private:
   const char* key() const { return law_.has_energy() ? "energy" : "force"; }
 
-  void refuse(std::uint32_t index, const std::string& why, const char* admissible = "") {
+  Complaint& complain(FaultCode code, const char* at, const std::string& why,
+                      const char* admissible = "") {
+    Complaint& complaint = found_.emplace_back();
+    complaint.key = at;
+    complaint.why = why;
+    complaint.admissible = admissible;
+    complaint.code = code;
+    return complaint;
+  }
+
+  /// Of a variable, where the formula names it.
+  void refuse(FaultCode code, std::uint32_t index, const std::string& why,
+              const char* admissible = "") {
     const auto use = law_.place_of(index);
     if (!use) return;
-    Complaint complaint{key(), fmt::format("'{}' {}", expression_variables()[index], why),
-                        admissible};
+    Complaint& complaint = complain(
+        code, key(), fmt::format("'{}' {}", expression_variables()[index], why), admissible);
     complaint.column = use->column;
     complaint.index = use->component;
-    found_.push_back(std::move(complaint));
   }
 
   void look_at_variables() {
     const FormulaElement element = law_.element();
     for (std::uint32_t index = 0; index < variable::distance; ++index) {
       if (static_cast<int>(index % 3) < scene_.dimension) continue;
-      refuse(index, fmt::format("is no coordinate of a scene with {} dimension{}", scene_.dimension,
-                                scene_.dimension == 1 ? "" : "s"));
+      refuse(FaultCode::expression_unknown_name, index,
+             fmt::format("is no coordinate of a scene with {} dimension{}", scene_.dimension,
+                         scene_.dimension == 1 ? "" : "s"));
     }
     if (!law_.has_energy()) {
       if (law_.components() != static_cast<std::size_t>(scene_.dimension)) {
-        found_.push_back({"force",
-                          fmt::format("{} formula{} for {} dimension{}", law_.components(),
-                                      law_.components() == 1 ? "" : "s", scene_.dimension,
-                                      scene_.dimension == 1 ? "" : "s"),
-                          "one formula per dimension"});
+        complain(FaultCode::scene_wrong_count, "force",
+                 fmt::format("{} formula{} for {} dimension{}", law_.components(),
+                             law_.components() == 1 ? "" : "s", scene_.dimension,
+                             scene_.dimension == 1 ? "" : "s"),
+                 "one formula per dimension");
       }
       for (std::uint32_t index = variable::centre; index < variable::time; ++index) {
-        refuse(index, "is a variable of energies", "x, y, z, vx, vy, vz and t in a force");
+        refuse(FaultCode::expression_unknown_name, index, "is a variable of energies",
+               "x, y, z, vx, vy, vz and t in a force");
       }
       return;
     }
     for (std::uint32_t index = variable::velocity; index < variable::centre; ++index) {
-      refuse(index, "is a velocity, and an energy has none",
+      refuse(FaultCode::expression_unknown_name, index, "is a velocity, and an energy has none",
              "force = [\"...\"], which may name velocities");
     }
     bool any = false;
     for (std::uint32_t index = 0; index < variable::time; ++index) any = any || law_.uses(index);
-    if (!any) found_.push_back({"energy", "names no coordinate: there is no force in it"});
+    if (!any) {
+      complain(FaultCode::component_invalid, "energy",
+               "names no coordinate: there is no force in it");
+    }
     for (std::uint32_t index = 0; index < variable::time; ++index) {
       if (element_named_by(index) == element) continue;
       if (index >= variable::velocity && index < variable::centre) continue;
-      refuse(index, "does not go together with what else the energy is over",
+      refuse(FaultCode::component_invalid, index,
+             "does not go together with what else the energy is over",
              "an energy over particles (x, y, z), the centre of mass (xc, yc, zc), pairs (r) or "
              "angles (theta); a force for each");
     }
@@ -220,14 +238,15 @@ class Examiner {
   void look_at_bodies() {
     const FormulaElement element = law_.element();
     if (scene_.bodies.size() > 1 && element != FormulaElement::pair) {
-      found_.push_back(
-          {"bodies", "only a formula of r acts between two bodies", "body = \"...\", one of them"});
+      complain(FaultCode::component_unsuitable, "bodies",
+               "only a formula of r acts between two bodies", "body = \"...\", one of them");
     }
     if (element == FormulaElement::angle && scene_.dimension == 1) {
-      refuse(variable::angle, "is no variable of a scene on a line: there are no angles");
+      refuse(FaultCode::expression_unknown_name, variable::angle,
+             "is no variable of a scene on a line: there are no angles");
     }
     if (element == FormulaElement::angle && scene_.bodies.front().count < 3) {
-      found_.push_back({"energy", "an angle takes three particles"});
+      complain(FaultCode::component_unsuitable, "energy", "an angle takes three particles");
     }
   }
 
@@ -235,11 +254,12 @@ class Examiner {
   void look_at_selections() {
     const FormulaElement element = law_.element();
     if (element != FormulaElement::pair && d_.pairs != Description{}.pairs) {
-      found_.push_back({"pairs", "the formula is not over pairs", "pairs beside an energy of r"});
+      complain(FaultCode::scene_conflict, "pairs", "the formula is not over pairs",
+               "pairs beside an energy of r");
     }
     if (element != FormulaElement::angle && d_.angles != Description{}.angles) {
-      found_.push_back(
-          {"angles", "the formula is not over angles", "angles beside an energy of theta"});
+      complain(FaultCode::scene_conflict, "angles", "the formula is not over angles",
+               "angles beside an energy of theta");
     }
   }
 
@@ -248,10 +268,10 @@ class Examiner {
     if (numbers.empty()) return;
     const FormulaElement element = law_.element();
     if (element == FormulaElement::pair || element == FormulaElement::angle) {
-      found_.push_back({"period", "distances and angles have no period in space"});
+      complain(FaultCode::scene_conflict, "period", "distances and angles have no period in space");
     } else if (numbers.size() > static_cast<std::size_t>(scene_.dimension)) {
-      found_.push_back({"period", "more periods than the scene has dimensions",
-                        "along x, or one per dimension with 0 where there is none"});
+      complain(FaultCode::scene_wrong_count, "period", "more periods than the scene has dimensions",
+               "along x, or one per dimension with 0 where there is none");
     }
   }
 
@@ -259,8 +279,9 @@ class Examiner {
     try {
       law_.compiled(scene_.dimension, {true, true, true});
     } catch (const std::length_error&) {
-      found_.push_back({key(), "the formula becomes too large when it is differentiated",
-                        "a shorter one, or a force of one's own in C++"});
+      complain(FaultCode::scene_too_large, key(),
+               "the formula becomes too large when it is differentiated",
+               "a shorter one, or a force of one's own in C++");
     }
   }
 
@@ -300,12 +321,11 @@ class Examiner {
         largest_ = std::max({largest_, std::abs(one), std::abs(other)});
         if (std::abs(one - other) <= (far ? kFarRounding : kRounding) * largest_) continue;
         const std::string_view name = expression_variables()[first + axis];
-        found_.push_back(
-            {"period",
-             fmt::format("\"{}\" does not repeat: it is {:.9g} at {} = {:.6g}, and {:.9g} {}",
-                         law_.text(component), one, name, at[first + axis], other,
-                         far ? "a thousand periods further" : "a period further"),
-             "a length after which the formula is as it was, or no period"});
+        complain(FaultCode::component_invalid, "period",
+                 fmt::format("\"{}\" does not repeat: it is {:.9g} at {} = {:.6g}, and {:.9g} {}",
+                             law_.text(component), one, name, at[first + axis], other,
+                             far ? "a thousand periods further" : "a period further"),
+                 "a length after which the formula is as it was, or no period");
         return false;
       }
     }

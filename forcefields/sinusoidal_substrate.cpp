@@ -2,6 +2,7 @@
 
 #include "framework/core/elements/site_force.hpp"
 #include "framework/core/records/force.hpp"
+#include "framework/core/text/fault_code.hpp"
 
 TOMLIN_DECLARE_KERNELS(SinusoidalSubstrate)
 
@@ -13,7 +14,9 @@ using Description = SinusoidalSubstrateDescription;
 std::vector<Complaint> complaints(const void* description, const SceneOutline& scene) {
   const auto& d = *static_cast<const Description*>(description);
   if (scene.dimension == 1 && d.decay != 0.0) {
-    return {{"decay", "there is no y for it to act along in one dimension", "0"}};
+    Complaint complaint{"decay", "there is no y for it to act along in one dimension", "0"};
+    complaint.code = FaultCode::component_unsuitable;
+    return {complaint};
   }
   return {};
 }

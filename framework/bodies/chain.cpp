@@ -18,7 +18,10 @@ std::int64_t count(const void* description) {
 std::vector<Complaint> complaints(const void* description, int dimension) {
   const auto& d = *static_cast<const Description*>(description);
   if (axis_index(d) >= dimension) {
-    return {{"axis", "the scene has no such axis", dimension == 1 ? "\"x\"" : "\"x\" or \"y\""}};
+    return {{.key = "axis",
+             .why = "the scene has no such axis",
+             .admissible = dimension == 1 ? "\"x\"" : "\"x\" or \"y\"",
+             .code = FaultCode::scene_unknown_choice}};
   }
   return {};
 }

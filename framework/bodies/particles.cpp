@@ -24,19 +24,34 @@ std::int64_t count(const void* description) {
   return static_cast<std::int64_t>(static_cast<const Description*>(description)->positions.count());
 }
 
+Complaint complaint_of(FaultCode code, std::string key, std::string why,
+                       std::string admissible = "") {
+  return {.key = std::move(key),
+          .why = std::move(why),
+          .admissible = std::move(admissible),
+          .code = code};
+}
+
 /// Fills in the positions that the file holds.
 std::vector<Complaint> fetch(Description& d, const std::filesystem::path& folder) {
-  if (d.file.find('\0') != std::string::npos) return {{"file", "not the name of a file", ""}};
+  if (d.file.find('\0') != std::string::npos) {
+    return {complaint_of(FaultCode::file_cannot_read, "file", "not the name of a file")};
+  }
   const auto path = folder / d.file;
   const TextFile contents = read_text_file(path, kLargestFile);
-  if (!contents.why.empty()) return {{"file", path.string() + ": " + contents.why, ""}};
+  if (!contents.why.empty()) {
+    return {complaint_of(FaultCode::file_cannot_read, "file", path.string() + ": " + contents.why)};
+  }
   if (contents.too_large) {
-    return {{"file", path.string() + ": the file is too large",
-             fmt::format("at most {} MB", kLargestFile >> 20)}};
+    return {complaint_of(FaultCode::scene_too_large, "file",
+                         path.string() + ": the file is too large",
+                         fmt::format("at most {} MB", kLargestFile >> 20))};
   }
   PositionFile file = parse_positions(contents.text, path.string());
   std::vector<Complaint> complaints;
-  for (std::string& fault : file.faults) complaints.push_back({"file", std::move(fault), ""});
+  for (std::string& fault : file.faults) {
+    complaints.push_back(complaint_of(FaultCode::file_invalid, "file", std::move(fault)));
+  }
   d.positions = std::move(file.positions);
   d.read_from = path;
   d.file.clear();
@@ -47,9 +62,14 @@ std::vector<Complaint> prepare(void* description, const std::filesystem::path& f
   auto& d = *static_cast<Description*>(description);
   const bool listed = !d.positions.coordinates.empty();
   const bool in_file = !d.file.empty();
-  if (listed && in_file) return {{"file", "positions are given too", "one of the two"}};
-  if (!listed && !in_file)
-    return {{"positions", "missing", "positions = [[..], ..] or file = \"..\""}};
+  if (listed && in_file) {
+    return {complaint_of(FaultCode::scene_conflict, "file", "positions are given too",
+                         "one of the two")};
+  }
+  if (!listed && !in_file) {
+    return {complaint_of(FaultCode::scene_missing_key, "positions", "missing",
+                         "positions = [[..], ..] or file = \"..\"")};
+  }
   return in_file ? fetch(d, folder) : std::vector<Complaint>();
 }
 
@@ -66,15 +86,16 @@ std::vector<Complaint> complaints(const void* description, int dimension) {
   const auto& d = *static_cast<const Description*>(description);
   const std::string key = d.read_from.empty() ? "positions" : "file";
   if (d.positions.dimension != static_cast<std::size_t>(dimension)) {
-    return {{key,
-             fmt::format("mixed dimensions: points of {}, but the scene has {}, by its first body",
-                         d.positions.dimension, dimension),
-             ""}};
+    return {complaint_of(
+        FaultCode::scene_wrong_count, key,
+        fmt::format("mixed dimensions: points of {}, but the scene has {}, by its first body",
+                    d.positions.dimension, dimension))};
   }
   for (std::size_t i = 0; i < d.positions.count(); ++i) {
     for (const double distance : relative_to_first(d.positions, i)) {
       if (std::isfinite(distance)) continue;
-      return {{key, fmt::format("particle {} is infinitely far from the first", i), ""}};
+      return {complaint_of(FaultCode::scene_not_finite, key,
+                           fmt::format("particle {} is infinitely far from the first", i))};
     }
   }
   return {};

@@ -16,8 +16,11 @@ std::int64_t count(const void* description) {
 }
 
 std::vector<Complaint> complaints(const void*, int dimension) {
-  if (dimension < 2) return {{"centre", "a ring needs a plane to lie in", "two coordinates"}};
-  return {};
+  if (dimension >= 2) return {};
+  return {{.key = "centre",
+           .why = "a ring needs a plane to lie in",
+           .admissible = "two coordinates",
+           .code = FaultCode::scene_wrong_count}};
 }
 
 BodyEnds ends(const void*, int) { return {.closed = true}; }

@@ -263,6 +263,8 @@ Examples:
   tomlin describe force                    the forces, and the keys that each of them takes
   tomlin describe run                      the keys of a table of the scene
   tomlin describe results                  what summary.json has, with dimensions and meanings
+  tomlin describe diagnostics              the codes of error messages
+  tomlin describe scene.unknown_key        what one of them means, an example and a cure
   tomlin describe rk4 --json               the same for programs
   tomlin describe rk4 --markdown           the same for a page
   tomlin describe --markdown -o DIR        all of it as pages, DIR/forcefields/REFERENCE.md ...)";
@@ -282,13 +284,32 @@ Examples:
   tomlin schema -o tomlin.schema.json
   tomlin schema > tomlin.schema.json)";
 
-[[noreturn]] void refuse(std::string why, std::string nearest = "", std::string admissible = "") {
-  Fault fault;
+[[noreturn]] void refuse(FaultCode code, std::string why, std::string nearest = "",
+                         std::string admissible = "") {
+  Fault fault(code);
   fault.place.file = "tomlin";
   fault.why = std::move(why);
   fault.admissible = std::move(admissible);
   fault.nearest = std::move(nearest);
   throw InputError({fault});
+}
+
+/// CLI11 has one kind of error for too few values and for too many.
+FaultCode code_of(const CLI::ParseError& error) {
+  const std::string_view text = error.what();
+  switch (static_cast<CLI::ExitCodes>(error.get_exit_code())) {
+    case CLI::ExitCodes::RequiredError:
+    case CLI::ExitCodes::RequiresError:
+      return FaultCode::command_missing_argument;
+    case CLI::ExitCodes::ExcludesError:
+      return FaultCode::command_conflict;
+    case CLI::ExitCodes::ArgumentMismatch:
+      return text.ends_with("missing") || text.find("least") != std::string_view::npos
+                 ? FaultCode::command_missing_argument
+                 : FaultCode::command_invalid_value;
+    default:
+      return FaultCode::command_invalid_value;
+  }
 }
 
 bool is_option(std::string_view word) { return word.size() > 1 && word.front() == '-'; }
@@ -305,19 +326,21 @@ void check_command(std::string_view word) {
   std::vector<std::string> names(kCommands.begin(), kCommands.end());
   if (std::find(names.begin(), names.end(), word) != names.end()) return;
   for (const LaterCommand& later : kLaterCommands) {
-    if (word == later.name) refuse(fmt::format("\"{}\" is not in this version", word));
+    if (word == later.name) {
+      refuse(FaultCode::command_unknown, fmt::format("\"{}\" is not in this version", word));
+    }
     names.emplace_back(later.name);
   }
-  refuse(fmt::format("there is no command \"{}\"", word), nearest_name(word, names).value_or(""),
-         all_commands());
+  refuse(FaultCode::command_unknown, fmt::format("there is no command \"{}\"", word),
+         nearest_name(word, names).value_or(""), all_commands());
 }
 
 /// An option without a command: of the program itself.
 void check_option(std::string_view word) {
   static const std::vector<std::string> names = {"-h", "--help", "--version"};
   if (std::find(names.begin(), names.end(), word) != names.end()) return;
-  refuse(fmt::format("tomlin has no option {}", word), nearest_name(word, names).value_or(""),
-         "tomlin --help shows them");
+  refuse(FaultCode::command_unknown_option, fmt::format("tomlin has no option {}", word),
+         nearest_name(word, names).value_or(""), "tomlin --help shows them");
 }
 
 /// "PATH=VALUE" each.
@@ -327,7 +350,7 @@ std::vector<Setting> settings_of(const std::vector<std::string>& texts) {
   for (const std::string& text : texts) {
     const auto equals = text.find('=');
     if (equals == std::string::npos) {
-      Fault fault;
+      Fault fault(FaultCode::command_missing_argument);
       fault.place.file = "--set";
       fault.key = text.empty() ? "\"\"" : text;
       fault.why = "no value";
@@ -346,7 +369,10 @@ std::vector<std::string> parts_of(const std::string& list, const char* option) {
   std::vector<std::string> parts;
   for (std::size_t begin = 0; begin <= list.size();) {
     const std::size_t end = std::min(list.find(',', begin), list.size());
-    if (end == begin) refuse(fmt::format("{}: \"{}\" has an empty part", option, list));
+    if (end == begin) {
+      refuse(FaultCode::command_invalid_value,
+             fmt::format("{}: \"{}\" has an empty part", option, list));
+    }
     parts.push_back(list.substr(begin, end - begin));
     begin = end + 1;
   }
@@ -358,7 +384,8 @@ double finite_number(const std::string& text, const char* option) {
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, number);
   if (error != std::errc() || stop != end || !std::isfinite(number)) {
-    refuse(fmt::format("{}: \"{}\" is not a number", option, text));
+    refuse(FaultCode::command_invalid_value,
+           fmt::format("{}: \"{}\" is not a number", option, text));
   }
   return number;
 }
@@ -396,7 +423,8 @@ class CommandLine {
     } catch (const CLI::ExtrasError&) {
       refuse_extras();
     } catch (const CLI::ParseError& error) {
-      refuse(fmt::format("{} ({} --help tells more)", error.what(), name_of(chosen())));
+      refuse(code_of(error),
+             fmt::format("{} ({} --help tells more)", error.what(), name_of(chosen())));
     }
     refuse_empty_plugins();
     if (app_.got_subcommand(describe_)) return describe_arguments();
@@ -442,7 +470,10 @@ class CommandLine {
 
   void refuse_empty_plugins() const {
     for (const std::string& name : plugins_) {
-      if (name.empty()) refuse("--plugin is empty", "", "the file of a shared library");
+      if (name.empty()) {
+        refuse(FaultCode::command_invalid_value, "--plugin is empty", "",
+               "the file of a shared library");
+      }
     }
   }
 
@@ -600,24 +631,33 @@ class CommandLine {
     }
     for (const auto& [limit, option] :
          {std::pair{plotted_.from, "--from"}, std::pair{plotted_.to, "--to"}}) {
-      if (limit && !std::isfinite(*limit)) refuse(fmt::format("{} is not finite", option));
+      if (limit && !std::isfinite(*limit)) {
+        refuse(FaultCode::command_invalid_value, fmt::format("{} is not finite", option));
+      }
     }
     return plotted_;
   }
 
   NewArguments new_arguments() const {
-    if (begun_.name && begun_.name->empty()) refuse("NAME is empty");
-    if (begun_.file && begun_.file->empty()) refuse("-o is empty");
+    if (begun_.name && begun_.name->empty()) {
+      refuse(FaultCode::command_invalid_value, "NAME is empty");
+    }
+    if (begun_.file && begun_.file->empty()) {
+      refuse(FaultCode::command_invalid_value, "-o is empty");
+    }
     if (begun_.name && begun_.file && begun_.model != "plugin") {
-      refuse("NAME and -o both name the file", "", "one of them");
+      refuse(FaultCode::command_conflict, "NAME and -o both name the file", "", "one of them");
     }
     return begun_;
   }
 
   DescribeArguments describe_arguments() const {
-    if (described_.folder && described_.folder->empty()) refuse("-o is empty");
+    if (described_.folder && described_.folder->empty()) {
+      refuse(FaultCode::command_invalid_value, "-o is empty");
+    }
     if (described_.folder && !described_.name.empty()) {
-      refuse("pages in a folder are of all components", "", "-o without NAME");
+      refuse(FaultCode::command_conflict, "pages in a folder are of all components", "",
+             "-o without NAME");
     }
     DescribeArguments arguments = described_;
     arguments.plugins = plugins_;
@@ -625,7 +665,9 @@ class CommandLine {
   }
 
   SchemaArguments schema_arguments() const {
-    if (outlined_.file && outlined_.file->empty()) refuse("-o is empty");
+    if (outlined_.file && outlined_.file->empty()) {
+      refuse(FaultCode::command_invalid_value, "-o is empty");
+    }
     SchemaArguments arguments = outlined_;
     arguments.plugins = plugins_;
     return arguments;
@@ -635,19 +677,25 @@ class CommandLine {
     for (const auto& [number, option] :
          {std::pair{traded_.tolerance, "--tolerance"}, std::pair{traded_.budget, "--budget"}}) {
       if (!std::isfinite(number) || number <= 0.0) {
-        refuse(fmt::format("{} is {:g}", option, number), "", "> 0");
+        refuse(FaultCode::command_invalid_value, fmt::format("{} is {:g}", option, number), "",
+               "> 0");
       }
     }
-    if (traded_.write && traded_.write->empty()) refuse("--write is empty");
+    if (traded_.write && traded_.write->empty()) {
+      refuse(FaultCode::command_invalid_value, "--write is empty");
+    }
     traded_.settings = settings_of(settings_);
     traded_.plugins = plugins_;
     return traded_;
   }
 
   CompareArguments compare_arguments() {
-    if (compared_.scenes.size() < 2) refuse("there is one scene", "", "two or more");
+    if (compared_.scenes.size() < 2) {
+      refuse(FaultCode::command_missing_argument, "there is one scene", "", "two or more");
+    }
     if (!std::isfinite(compared_.tolerance) || compared_.tolerance <= 0.0) {
-      refuse(fmt::format("--tolerance is {:g}", compared_.tolerance), "", "> 0");
+      refuse(FaultCode::command_invalid_value,
+             fmt::format("--tolerance is {:g}", compared_.tolerance), "", "> 0");
     }
     compared_.settings = settings_of(settings_);
     compared_.plugins = plugins_;
@@ -656,7 +704,8 @@ class CommandLine {
 
   RunArguments run_arguments() {
     if (asked_.resume && asked_.force) {
-      refuse("--resume goes on with a run, --force starts it again", "", "one of them");
+      refuse(FaultCode::command_conflict, "--resume goes on with a run, --force starts it again",
+             "", "one of them");
     }
     asked_.settings = settings_of(settings_);
     asked_.plugins = plugins_;
@@ -679,10 +728,12 @@ class CommandLine {
     const std::string word = extras.empty() ? "" : extras.front();
     const bool takes_settings = app.get_option_no_throw("--set") != nullptr;
     if (takes_settings && !is_option(word) && word.find('=') != std::string::npos) {
-      refuse(fmt::format("\"{}\" stands by itself", word), "", "--set " + word);
+      refuse(FaultCode::command_unknown_option, fmt::format("\"{}\" stands by itself", word), "",
+             "--set " + word);
     }
     if (!is_option(word)) {
-      refuse(fmt::format("{} does not expect \"{}\" ({} --help tells more)", name_of(app), word,
+      refuse(FaultCode::command_unknown_option,
+             fmt::format("{} does not expect \"{}\" ({} --help tells more)", name_of(app), word,
                          name_of(app)));
     }
     std::vector<std::string> names;
@@ -692,7 +743,8 @@ class CommandLine {
     const std::string name = word.substr(0, word.find('='));
     std::string admissible = name_of(app) + " --help shows them";
     if (takes_settings) admissible += "; values of the scene are given by --set PATH=VALUE";
-    refuse(fmt::format("{} has no option {}", name_of(app), name),
+    refuse(FaultCode::command_unknown_option,
+           fmt::format("{} has no option {}", name_of(app), name),
            nearest_name(name, names).value_or(""), admissible);
   }
 
@@ -724,7 +776,7 @@ class CommandLine {
 }  // namespace
 
 Arguments parse_arguments(int argc, const char* const* argv) {
-  if (argc < 2) refuse("a command is due", "", all_commands());
+  if (argc < 2) refuse(FaultCode::command_missing_argument, "a command is due", "", all_commands());
   // `tomlin help run` is `tomlin run --help`.
   if (argv[1] == std::string_view("help")) {
     std::vector<const char*> words = {argv[0]};

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "framework/cli/commands.hpp"
+#include "framework/cli/diagnostics.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/plugins.hpp"
 #include "framework/cli/sections.hpp"
@@ -191,30 +192,6 @@ Json json_of(const Report& report) {
   return json;
 }
 
-Json json_of(const std::vector<Fault>& faults) {
-  const auto text = [](const std::string& given) { return given.empty() ? Json() : Json(given); };
-  const auto position = [](int given) { return given > 0 ? Json(given) : Json(); };
-  Json json;
-  json["valid"] = false;
-  json["faults"] = Json::array();
-  for (const Fault& fault : faults) {
-    json["faults"].push_back(Json{{"file", fault.place.file},
-                                  {"line", position(fault.place.line)},
-                                  {"column", position(fault.place.column)},
-                                  {"key", text(fault.key)},
-                                  {"value", text(fault.value)},
-                                  {"why", fault.why},
-                                  {"admissible", text(fault.admissible)},
-                                  {"did_you_mean", text(fault.nearest)}});
-  }
-  return json;
-}
-
-/// Values as written may hold anything, broken UTF-8 included.
-std::string dumped(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
 }  // namespace
 
 int check_command(const CheckArguments& arguments) {
@@ -223,12 +200,13 @@ int check_command(const CheckArguments& arguments) {
     const Registry registry = registry_with_plugins(arguments.plugins, {&document, 1});
     const auto scene = document.read(registry, arguments.settings);
     const Report report = report_on(scene, arguments.seed);
-    const int status = print_result(arguments.json ? dumped(json_of(report))
+    const int status = print_result(arguments.json ? json_text(json_of(report))
                                                    : text_of(*scene, report, arguments.verbose));
     return report.sound() ? status : kExitFailed;
   } catch (const InputError& error) {
     if (!arguments.json) throw;
-    const int status = print_result(dumped(json_of(error.faults())));
+    const int status =
+        print_result(json_text({{"valid", false}, {"faults", faults_json(error.faults())}}));
     return status == kExitDone ? kExitBadInput : status;
   }
 }

@@ -11,6 +11,7 @@
 
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/printable.hpp"
+#include "framework/core/text/fault_code.hpp"
 
 namespace tomlin {
 namespace {
@@ -55,10 +56,11 @@ extern "C" void refuse_to_exit() {
 void tell_of_plugins_in_a_crash(const std::vector<std::string>& paths) {
   if (paths.empty()) return;
   const std::string names = fmt::format("{}", fmt::join(paths, ", "));
-  g_crash.say("tomlin: error: a crash, which may come from the code of a plugin: " + names);
+  const std::string end = fmt::format("{} [{}]", names, id_of(FaultCode::plugin_error));
+  g_crash.say("tomlin: error: a crash, which may come from the code of a plugin: " + end);
   g_exit.say(
       "tomlin: error: the program was left by exit(), which only the code of a plugin calls: " +
-      names);
+      end);
   stack_t stack = {};
   stack.ss_sp = g_stack;
   stack.ss_size = sizeof g_stack;

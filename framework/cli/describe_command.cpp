@@ -18,6 +18,7 @@
 
 #include "framework/cli/commands.hpp"
 #include "framework/cli/described.hpp"
+#include "framework/cli/diagnostics.hpp"
 #include "framework/cli/new_file.hpp"
 #include "framework/cli/node_json.hpp"
 #include "framework/cli/plugins.hpp"
@@ -112,14 +113,19 @@ std::vector<std::string> takers_of(const std::string& key, const std::vector<Des
   for (const Described& component : all) names.push_back(component.record->name);
   for (const SceneTable& table : tables) names.push_back(table.name);
   for (const auto& [kind, kinds] : kKinds) names.emplace_back(kind);
+  names.insert(names.end(), {"results", "diagnostics"});
+  for (const FaultKind& kind : fault_kinds()) {
+    if (name.find('.') != std::string::npos) names.emplace_back(kind.id);
+  }
   const auto takers = takers_of(name, all, tables);
   const ReservedKey* planned = planned_word(name);
-  Fault fault;
+  Fault fault(FaultCode::scene_unknown_component);
   fault.place.file = "tomlin";
   if (!takers.empty()) {
     fault.why = fmt::format("\"{}\" is a key of {}", name, listed(takers));
     fault.admissible = "one of these names";
   } else if (planned != nullptr) {
+    fault.code = FaultCode::scene_not_in_this_version;
     fault.why = fmt::format("\"{}\" is {}", name, not_in_this_version(*planned));
   } else {
     fault.why = fmt::format("there is no component \"{}\"", name);
@@ -452,7 +458,7 @@ int write_pages(const fs::path& folder, const Registry& registry, bool force) {
     std::error_code error;
     fs::create_directories(file.parent_path(), error);
     if (error) {
-      Fault fault;
+      Fault fault(FaultCode::file_cannot_write);
       fault.place.file = "-o";
       fault.key = file.parent_path().string();
       fault.why = "cannot be made: " + error.message();
@@ -500,6 +506,15 @@ int describe_command(const DescribeArguments& arguments) {
   }
   if (name == "results") {
     return print_result(arguments.json ? text_of(results_json()) + "\n" : results_section());
+  }
+  if (name == "diagnostics") {
+    if (arguments.markdown) return print_result(diagnostics_section());
+    return print_result(arguments.json ? json_text(diagnostics_json()) : diagnostics_text());
+  }
+  if (const auto code = fault_code_of(name)) {
+    const FaultKind& kind = kind_of(*code);
+    if (arguments.markdown) return print_result(diagnostic_section(kind));
+    return print_result(arguments.json ? json_text(diagnostic_json(kind)) : diagnostic_text(kind));
   }
   refuse(name, all, tables);
 }

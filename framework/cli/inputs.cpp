@@ -48,7 +48,7 @@ void refuse_to_lose_inputs(const RunFolder& folder, const Scene& scene,
       for (const fs::path& file : {folder.file(name), unfinished(folder.file(name))}) {
         std::error_code error;
         if (!fs::equivalent(file, input.path, error) || stays_the_same(file, scene)) continue;
-        Fault fault;
+        Fault fault(FaultCode::file_exists);
         fault.place.file = "-o";
         fault.key = folder.path().string();
         fault.why = fmt::format("the results would replace {}: {}", input.what, file.string());

@@ -26,7 +26,7 @@ const SceneTemplate& template_of(const std::string& model) {
     if (known.name == model) return known;
     names.push_back(known.name);
   }
-  Fault fault;
+  Fault fault(FaultCode::command_invalid_value);
   fault.place.file = "tomlin";
   names.emplace_back("plugin");
   fault.why = fmt::format("there is no model \"{}\" to start from", model);

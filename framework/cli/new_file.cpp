@@ -16,10 +16,11 @@ namespace fs = std::filesystem;
 void refuse_to_replace(const fs::path& file, bool force) {
   std::error_code error;
   const auto status = fs::status(file, error);
-  Fault fault;
+  Fault fault(FaultCode::file_exists);
   fault.place.file = "-o";
   fault.key = file.string();
   if (fs::is_directory(status)) {
+    fault.code = FaultCode::file_invalid;
     fault.why = "this is a folder";
     fault.admissible = "a file";
   } else if (fs::exists(status) && !force) {
@@ -32,13 +33,14 @@ void refuse_to_replace(const fs::path& file, bool force) {
 }
 
 void refuse_unwritable(const fs::path& file, const char* option) {
-  Fault fault;
+  Fault fault(FaultCode::file_cannot_write);
   fault.place.file = option;
   fault.key = file.string();
   fault.admissible = "a file in a folder that is there and may be written to";
   const fs::path parent = file.parent_path().empty() ? fs::path(".") : file.parent_path();
   std::error_code error;
   if (fs::is_directory(file, error) || fs::is_directory(unfinished(file), error)) {
+    fault.code = FaultCode::file_invalid;
     fault.why = "this is a folder";
     fault.admissible = "a file";
   } else if (const auto status = fs::status(parent, error); !fs::exists(status)) {

@@ -63,25 +63,26 @@ void check_name(const std::string& name) {
                      name.find("__") == std::string::npos &&
                      std::all_of(name.begin(), name.end(), fits);
   if (!sound) {
-    refuse_input("tomlin", "NAME", fmt::format("\"{}\" is no name of a force", name),
+    refuse_input(FaultCode::command_invalid_value, "tomlin", "NAME",
+                 fmt::format("\"{}\" is no name of a force", name),
                  "small letters, digits and single _, the first a letter: my_force");
   }
   if (is_target_of_cmake(name)) {
     refuse_input(
-        "tomlin", "NAME",
+        FaultCode::command_invalid_value, "tomlin", "NAME",
         fmt::format("\"{}\" is a target of CMake's own, and the library could not be built", name),
         fmt::format("another name: {}_force", name));
   }
   if (const std::string type = own_type(name); !type.empty()) {
-    refuse_input("tomlin", "NAME",
+    refuse_input(FaultCode::command_invalid_value, "tomlin", "NAME",
                  fmt::format("of \"{}\" comes {}, a type of tomlin's own", name, type),
                  fmt::format("another name: my_{}", name));
   }
   const Registry registry = standard_registry();
   if (registry.body(name) || registry.force(name) || registry.integrator(name) ||
       registry.observer(name)) {
-    refuse_input("tomlin", "NAME", fmt::format("tomlin has a component \"{}\" of its own", name),
-                 "another name");
+    refuse_input(FaultCode::command_invalid_value, "tomlin", "NAME",
+                 fmt::format("tomlin has a component \"{}\" of its own", name), "another name");
   }
 }
 
@@ -101,22 +102,26 @@ std::string with_names(std::string text, const std::string& name) {
 void make_folder(const fs::path& folder, bool force) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
-    refuse_input("-o", folder.string(), "this is no folder", "another name");
+    refuse_input(FaultCode::file_invalid, "-o", folder.string(), "this is no folder",
+                 "another name");
   }
   if (fs::exists(folder, error) && !fs::is_empty(folder, error) && !force) {
-    refuse_input("-o", folder.string(), "the folder is not empty",
+    refuse_input(FaultCode::file_exists, "-o", folder.string(), "the folder is not empty",
                  "another name, or --force to replace the files of a plugin of this name");
   }
   fs::create_directories(folder, error);
-  if (error) refuse_input("-o", folder.string(), error.message(), "a folder that can be made");
+  if (error) {
+    refuse_input(FaultCode::file_cannot_write, "-o", folder.string(), error.message(),
+                 "a folder that can be made");
+  }
 }
 
 }  // namespace
 
 int new_plugin(const NewArguments& arguments) {
   if (!arguments.name) {
-    refuse_input("tomlin", "NAME", "missing: what the force is called",
-                 "tomlin new plugin my_force");
+    refuse_input(FaultCode::command_missing_argument, "tomlin", "NAME",
+                 "missing: what the force is called", "tomlin new plugin my_force");
   }
   const std::string& name = *arguments.name;
   check_name(name);

@@ -35,10 +35,10 @@ namespace {
 constexpr const char* kWhatByDefault = "force";
 constexpr int kMostNeighbours = 1000;  // folders looked at for a nearest name
 
-[[noreturn]] void refuse_option(const std::string& key, std::string why,
+[[noreturn]] void refuse_option(FaultCode code, const std::string& key, std::string why,
                                 std::string admissible = "", std::string nearest = "",
                                 std::string file = "tomlin") {
-  Fault fault;
+  Fault fault(code);
   fault.place.file = std::move(file);
   fault.key = shortened(key, kLongestShownValue);
   fault.why = std::move(why);
@@ -76,7 +76,7 @@ std::vector<std::string> neighbours_of(const std::string& word) {
 [[noreturn]] void refuse_word(const std::string& word) {
   std::error_code error;
   if (fs::is_directory(word, error)) {
-    refuse_option("",
+    refuse_option(FaultCode::file_invalid, "",
                   fmt::format("there is no {} in it: it is not the folder of a run that has ended",
                               kSummaryFile),
                   "", "", shortened(word, kLongestShownValue));
@@ -85,7 +85,7 @@ std::vector<std::string> neighbours_of(const std::string& word) {
   const std::vector<std::string> folders = neighbours_of(word);
   known.insert(known.end(), folders.begin(), folders.end());
   refuse_option(
-      word, "neither the folder of a run nor a figure",
+      FaultCode::file_invalid, word, "neither the folder of a run nor a figure",
       fmt::format("folders that tomlin run has left, and one of {}", fmt::join(all_whats(), ", ")),
       nearest_name(word, known).value_or(""));
 }
@@ -102,7 +102,8 @@ Words sorted(const std::vector<std::string>& words) {
   for (const std::string& word : words) {
     if (!result.folders.empty() && is_what(word)) {
       if (!result.what.empty()) {
-        refuse_option(word, "one figure at a time, and " + result.what + " is asked for already");
+        refuse_option(FaultCode::command_conflict, word,
+                      "one figure at a time, and " + result.what + " is asked for already");
       }
       result.what = word;
     } else if (holds_run(word)) {
@@ -123,7 +124,8 @@ PictureFormat format_of(const std::string& file) {
   for (const auto& [name, format] : kFormats) {
     if (suffix == name) return format;
   }
-  refuse_option(file, "the suffix does not say what kind of picture", ".svg, .png, .pdf", "", "-o");
+  refuse_option(FaultCode::command_invalid_value, file,
+                "the suffix does not say what kind of picture", ".svg, .png, .pdf", "", "-o");
 }
 
 std::vector<StoredRun> read_runs(const std::vector<std::string>& folders,
@@ -134,7 +136,7 @@ std::vector<StoredRun> read_runs(const std::vector<std::string>& folders,
     std::error_code error;
     if (!fs::exists(file_of(run, kTableFile), error)) {
       refuse_option(
-          "",
+          FaultCode::plot_no_data, "",
           fmt::format("there is no {}: a run leaves one when its scene has [output] every",
                       kTableFile),
           "", "", folder);
@@ -151,7 +153,8 @@ std::vector<std::string> labels_of(const std::vector<StoredRun>& runs,
                                    const PlotArguments& arguments) {
   if (arguments.labels.empty()) return curve_labels(runs);
   if (arguments.labels.size() != runs.size()) {
-    refuse_option("--label", fmt::format("{} for {} folders", arguments.labels.size(), runs.size()),
+    refuse_option(FaultCode::command_invalid_value, "--label",
+                  fmt::format("{} for {} folders", arguments.labels.size(), runs.size()),
                   "one for each");
   }
   return arguments.labels;
@@ -160,7 +163,8 @@ std::vector<std::string> labels_of(const std::vector<StoredRun>& runs,
 Figure drawn_body(const std::vector<StoredRun>& runs, const PlotArguments& arguments,
                   std::vector<std::string>& notes) {
   if (!arguments.y.empty() || arguments.from || arguments.to) {
-    refuse_option(kBodyFigure, "shows moments, and takes --at and no --y, --from, --to");
+    refuse_option(FaultCode::command_conflict, kBodyFigure,
+                  "shows moments, and takes --at and no --y, --from, --to");
   }
   BodyRequest request;
   if (!arguments.x.empty()) request.x = arguments.x;
@@ -172,13 +176,15 @@ Figure drawn_body(const std::vector<StoredRun>& runs, const PlotArguments& argum
 Figure drawn_curves(const std::vector<StoredRun>& runs, const std::string& what,
                     const PlotArguments& arguments) {
   if (!arguments.at.empty()) {
-    refuse_option("--at", fmt::format("for {} only", kBodyFigure), "--from and --to");
+    refuse_option(FaultCode::command_conflict, "--at", fmt::format("for {} only", kBodyFigure),
+                  "--from and --to");
   }
   if (!what.empty() && !arguments.y.empty()) {
-    refuse_option(what, "this says what to draw, and so does --y", "one of them");
+    refuse_option(FaultCode::command_conflict, what, "this says what to draw, and so does --y",
+                  "one of them");
   }
   if (arguments.from && arguments.to && !(*arguments.from < *arguments.to)) {
-    refuse_option("--from",
+    refuse_option(FaultCode::command_invalid_value, "--from",
                   fmt::format("{:g} is not below --to {:g}", *arguments.from, *arguments.to));
   }
   const FigureKind& kind = *find_figure_kind(what.empty() ? kWhatByDefault : what);

@@ -5,6 +5,7 @@
 #include "framework/cli/commands.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/printable.hpp"
+#include "framework/core/text/fault.hpp"
 
 namespace tomlin {
 
@@ -15,7 +16,10 @@ int print_result(const std::string& given) {
   // A reader that went away, as `head` does, has seen what it wanted.
   if (printed || errno == EPIPE) return kExitDone;
   const std::string reason = std::generic_category().message(errno);
-  print_error_line("tomlin: error: cannot write to standard output: " + reason);
+  Fault fault(FaultCode::file_cannot_write);
+  fault.place.file = "tomlin";
+  fault.why = "cannot write to standard output: " + reason;
+  print_error_line(to_string(fault));
   return kExitFailed;
 }
 

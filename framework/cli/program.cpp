@@ -17,6 +17,8 @@
 #include "framework/core/system/instruction_set.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/model/plugin_code.hpp"
+#include "framework/output/output_file.hpp"
+#include "framework/plot/gnuplot.hpp"
 #include "framework/plugin/load.hpp"
 
 namespace tomlin {
@@ -47,11 +49,22 @@ int end_with(int status, const std::string& message) {
   return status;
 }
 
+int end_with(int status, FaultCode code, const std::string& why) {
+  Fault fault(code);
+  fault.place.file = "tomlin";
+  fault.why = why;
+  return end_with(status, to_string(fault));
+}
+
 /// A plugin may have thrown what nobody else has said anything about.
 std::string or_a_plugin() {
   if (loaded_plugins().empty()) return "";
   return fmt::format("; it may come from the code of a plugin: {}",
                      fmt::join(loaded_plugins(), ", "));
+}
+
+FaultCode code_of_unexpected() {
+  return loaded_plugins().empty() ? FaultCode::program_internal_error : FaultCode::plugin_error;
 }
 
 int guarded_program(int argc, const char* const* argv) {
@@ -63,18 +76,22 @@ int guarded_program(int argc, const char* const* argv) {
   } catch (const InputError& error) {
     return end_with(kExitBadInput, error.what());
   } catch (const PluginError& error) {
-    return end_with(kExitFailed, std::string("tomlin: error: ") + error.what());
+    return end_with(kExitFailed, FaultCode::plugin_error, error.what());
+  } catch (const OutputError& error) {
+    return end_with(kExitFailed, FaultCode::file_cannot_write, error.what() + or_a_plugin());
+  } catch (const GnuplotError& error) {
+    return end_with(kExitFailed, FaultCode::plot_no_gnuplot, error.what() + or_a_plugin());
   } catch (const std::bad_alloc&) {
-    return end_with(kExitBadInput,
-                    "tomlin: error: this takes more memory than there is" + or_a_plugin());
+    return end_with(kExitBadInput, FaultCode::scene_too_large,
+                    "this takes more memory than there is" + or_a_plugin());
   } catch (const std::length_error&) {
-    return end_with(kExitBadInput,
-                    "tomlin: error: this takes more memory than there is" + or_a_plugin());
+    return end_with(kExitBadInput, FaultCode::scene_too_large,
+                    "this takes more memory than there is" + or_a_plugin());
   } catch (const std::exception& error) {
-    return end_with(kExitFailed, std::string("tomlin: error: ") + error.what() + or_a_plugin());
+    return end_with(kExitFailed, code_of_unexpected(), error.what() + or_a_plugin());
   } catch (...) {
-    return end_with(kExitFailed,
-                    "tomlin: error: an exception that is no std::exception" + or_a_plugin());
+    return end_with(kExitFailed, code_of_unexpected(),
+                    "an exception that is not a std::exception" + or_a_plugin());
   }
 }
 

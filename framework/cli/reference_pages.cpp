@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/cli/diagnostics.hpp"
 #include "framework/core/formula/expression.hpp"
 #include "framework/core/text/citation.hpp"
 #include "framework/run/results.hpp"
@@ -183,6 +184,17 @@ const char* shape_text(const ResultQuantity& quantity) {
   return "number";
 }
 
+std::string page_of_diagnostics() {
+  return std::string("# Diagnostics\n\n") + kMadeBy +
+         "An error message ends with its code in brackets, `[scene.unknown_key]`; `check --json` "
+         "and "
+         "`explain --json`\nhave it as `code`, and so has `failure` in `summary.json`. Codes are "
+         "stable, the wording of messages is not.\n`tomlin describe scene.unknown_key` shows one "
+         "of "
+         "these entries. `pt.toml` in the examples is the scene of\n`tomlin new pt`.\n\n" +
+         diagnostics_section();
+}
+
 std::string page_of_results() {
   return std::string("# Results\n\n") + kMadeBy +
          "The quantities of `summary.json`. With dots between them the names are observables, for "
@@ -253,10 +265,11 @@ std::string table_section(const SceneTable& table) {
 std::vector<ReferencePage> reference_pages(const Registry& registry) {
   const auto all = all_components(registry);
   std::vector<ReferencePage> pages;
-  pages.reserve(kPages.size() + 2);
+  pages.reserve(kPages.size() + 3);
   for (const Kind& kind : kPages) pages.push_back({kind.file, page_of(kind, all)});
   pages.push_back({"framework/scene/REFERENCE.md", page_of_scenes()});
   pages.push_back({"framework/run/REFERENCE.md", page_of_results()});
+  pages.push_back({"framework/DIAGNOSTICS.md", page_of_diagnostics()});
   return pages;
 }
 

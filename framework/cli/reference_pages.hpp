@@ -14,7 +14,8 @@ struct ReferencePage {
   std::string text;
 };
 
-/// One page for each kind of component, one for the tables of a scene, one for results.
+/// One page for each kind of component, one for the tables of a scene, one for results, one for
+/// diagnostics.
 std::vector<ReferencePage> reference_pages(const Registry& registry);
 
 /// One component: a section of its page.

@@ -36,8 +36,8 @@ std::string default_folder(const std::string& scene_file) {
   return fs::path(scene_file).stem().string() + ".out";
 }
 
-void print_error(const std::string& file, const std::string& why) {
-  Fault fault;
+void print_error(FaultCode code, const std::string& file, const std::string& why) {
+  Fault fault(code);
   fault.place.file = file;
   fault.why = why;
   print_error_line(to_string(fault));
@@ -79,8 +79,9 @@ void require_plugins_of_run(const RunArguments& arguments,
 /// no use for any more.
 int already_over(RunFolder& folder, const Scene& scene, const Resumption& found, bool quiet) {
   if (found.kind == Resumption::Kind::failed) {
-    print_error(scene.file, "the run in " + folder.path().string() +
-                                " has failed, and would again: " + found.failure);
+    print_error(
+        FaultCode::resume_impossible, scene.file,
+        "the run in " + folder.path().string() + " has failed, and would again: " + found.failure);
     return kExitFailed;
   }
   for (const char* name : {kStoreFile, kCheckpointFile, kJournalFile}) {
@@ -153,7 +154,7 @@ int run_command(const RunArguments& arguments) {
     status = print_result(result_text(*scene, result, where_results_are(folder)));
   }
   if (numerical) print_error_line(to_string(fault_of(*numerical, *chosen.scene)));
-  if (trouble) print_error("tomlin", *trouble);
+  if (trouble) print_error(FaultCode::file_cannot_write, "tomlin", *trouble);
   if (numerical || trouble) return kExitFailed;
   if (result.status == RunStatus::interrupted) return kExitSignal + signals.caught();
   return status;

@@ -18,11 +18,12 @@ void check_new_scene(const TradeoffArguments& arguments) {
   if (!arguments.write) return;
   std::error_code error;
   if (fs::equivalent(*arguments.write, arguments.scene, error)) {
-    refuse_input("--write", *arguments.write, "this is the scene itself", "another file");
+    refuse_input(FaultCode::file_exists, "--write", *arguments.write, "this is the scene itself",
+                 "another file");
   }
   if (fs::exists(fs::symlink_status(*arguments.write, error)) && !arguments.force) {
-    refuse_input("--write", *arguments.write, "there is something of this name",
-                 "a new file, or --force");
+    refuse_input(FaultCode::file_exists, "--write", *arguments.write,
+                 "there is something of this name", "a new file, or --force");
   }
   refuse_unwritable(*arguments.write, "--write");
 }

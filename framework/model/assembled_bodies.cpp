@@ -75,18 +75,20 @@ void check(const AssembledBody<Real>& body, const SceneBody& from, int dimension
            std::vector<Fault>& faults) {
   const BodySlot<Real>& slot = body.bound.slot;
   if (slot.rigid && dimension == 3 && !body.rotation_held && slot.count > 1) {
-    faults.push_back({from.place_of("coordinates"), "body." + from.name + ".coordinates",
-                      "\"rigid\"", "rotations in space are not in this version",
-                      "hold = [\"rotation\"] beside it, or \"particles\"", ""});
+    faults.emplace_back(FaultCode::scene_not_in_this_version, from.place_of("coordinates"),
+                        "body." + from.name + ".coordinates", "\"rigid\"",
+                        "rotations in space are not in this version",
+                        "hold = [\"rotation\"] beside it, or \"particles\"");
   }
   if (!std::isfinite(body.total_mass)) {
-    faults.push_back({from.place_of("particle_mass"), "body." + from.name + ".particle_mass", "",
-                      "the body's total mass overflows", "smaller masses", ""});
+    faults.emplace_back(FaultCode::scene_not_finite, from.place_of("particle_mass"),
+                        "body." + from.name + ".particle_mass", "",
+                        "the body's total mass overflows", "smaller masses");
   }
   if (!placed_finitely(body.bound.start)) {
-    faults.push_back({from.place, "body." + from.name, "",
-                      "further from the origin than can be counted in periods",
-                      "a place nearer the origin", ""});
+    faults.emplace_back(FaultCode::scene_out_of_range, from.place, "body." + from.name, "",
+                        "further from the origin than can be counted in periods",
+                        "a place nearer the origin");
   }
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 /// A complaint about a force of the scene, at the key that it is about.
 Fault fault_of(const SceneForce& force, const Complaint& complaint) {
-  Fault fault;
+  Fault fault(complaint.code);
   fault.place = force.place_of(complaint.key);
   if (complaint.column && fault.place.line > 0 && force.places.contains(complaint.key)) {
     fault.place.column += static_cast<int>(*complaint.column) + 1;  // behind the quotation mark
@@ -24,12 +24,11 @@ Fault fault_of(const SceneForce& force, const Complaint& complaint) {
 
 Fault not_in_this_number_type(const RunSettings& run, const SceneForce& force) {
   const auto place = run.places.find("number_type");
-  return {place == run.places.end() ? run.place : place->second,
-          "run.number_type",
-          "\"" + run.number_type + "\"",
-          "not available with the force \"" + force.name + "\", of type " + force.record->name,
-          "\"double\"",
-          ""};
+  return Fault(FaultCode::number_type_unsuitable,
+               place == run.places.end() ? run.place : place->second, "run.number_type",
+               "\"" + run.number_type + "\"",
+               "not available with the force \"" + force.name + "\", of type " + force.record->name,
+               "\"double\"");
 }
 
 /// Why nothing of the scene would change without a force; empty where something would.

@@ -185,12 +185,13 @@ void FrictionMatrix<Real>::miss(const AssemblyPlan& plan, const AssembledBody<Re
                                 const std::string& coordinate) {
   const RunSettings& run = plan.scene->run;
   const auto place = run.places.find("dynamics");
-  faults_.push_back({place == run.places.end() ? run.place : place->second, "run.dynamics",
-                     "\"overdamped\"",
-                     fmt::format("no friction on {} of body \"{}\": the friction matrix is not "
-                                 "positive definite",
-                                 coordinate, body.bound.name),
-                     "a damper with a positive coefficient on every coordinate that moves", ""});
+  faults_.emplace_back(FaultCode::matrix_singular,
+                       place == run.places.end() ? run.place : place->second, "run.dynamics",
+                       "\"overdamped\"",
+                       fmt::format("no friction on {} of body \"{}\": the friction matrix is not "
+                                   "positive definite",
+                                   coordinate, body.bound.name),
+                       "a damper with a positive coefficient on every coordinate that moves");
 }
 
 template <class Real>

@@ -92,9 +92,10 @@ void Model::lay_elastic() {
   std::string fault;
   elastic_ = elastic_bodies(assembly_, fault);
   if (!fault.empty()) {
-    throw InputError({{scheme.place, "run.integrator.type", "\"" + scheme.record->name + "\"",
-                       "splits bonds and friction off, but " + fault,
-                       integrators_with_bonds_as_forces(*scene_), ""}});
+    throw InputError(
+        {Fault(FaultCode::integrator_unsuitable, scheme.place, "run.integrator.type",
+               "\"" + scheme.record->name + "\"", "splits bonds and friction off, but " + fault,
+               integrators_with_bonds_as_forces(*scene_))});
   }
   system().elastic = &elastic_;
 }
@@ -107,9 +108,11 @@ void Model::lay_tangent() {
   if (!scheme.record->needs_tangent && !scheme.record->follows_equilibria) return;
   tangent_ = std::make_unique<ForceTangent>(assembly_);
   if (!tangent_->unknown().empty()) {
-    throw InputError({{scheme.place, "run.integrator.type", "\"" + scheme.record->name + "\"",
-                       "solves equations with the forces' derivatives, but " + tangent_->unknown(),
-                       integrators_for_any_scene(*scene_), ""}});
+    throw InputError(
+        {Fault(FaultCode::integrator_unsuitable, scheme.place, "run.integrator.type",
+               "\"" + scheme.record->name + "\"",
+               "solves equations with the forces' derivatives, but " + tangent_->unknown(),
+               integrators_for_any_scene(*scene_))});
   }
   system().tangent = tangent_.get();
 }

@@ -82,8 +82,9 @@ auto bound_by(const Component& component, const char* kind, Action action) {
   } catch (...) {
     // As it says.
   }
-  throw InputError({{component.place, std::string(kind) + "." + component.name, "",
-                     "the plugin " + component.record->library + did, "", ""}});
+  throw InputError(
+      {Fault(FaultCode::plugin_error, component.place, std::string(kind) + "." + component.name, "",
+             "the plugin " + component.record->library + did)});
 }
 
 /// The force of a plugin, with each of its functions and kernels called as by in_plugin().

@@ -33,7 +33,7 @@ class SchemeChecks {
 
   std::vector<Fault> faults() {
     if (scene_.run.dynamics == "overdamped" && !scheme_.without_inertia) {
-      refuse("takes no dynamics without inertia",
+      refuse(FaultCode::integrator_unsuitable, "takes no dynamics without inertia",
              integrators_that(scene_, [](const IntegratorRecord& other) {
                return other.without_inertia && !other.follows_equilibria;
              }));
@@ -47,21 +47,23 @@ class SchemeChecks {
   }
 
  private:
-  void refuse(const std::string& why, const std::string& admissible) {
-    faults_.push_back({scene_.run.integrator.place, "run.integrator.type",
-                       "\"" + scheme_.name + "\"", why, admissible, ""});
+  void refuse(FaultCode code, const std::string& why, const std::string& admissible) {
+    faults_.emplace_back(code, scene_.run.integrator.place, "run.integrator.type",
+                         "\"" + scheme_.name + "\"", why, admissible);
   }
 
   void refuse_internal_variables(const Force& force) {
     if (force.bound->own_count() == 0) return;
-    refuse("does not advance the variables of the force \"" + force.name + "\"", any_scene_);
+    refuse(FaultCode::integrator_unsuitable,
+           "does not advance the variables of the force \"" + force.name + "\"", any_scene_);
   }
 
   void check_split_friction() {
     for (const Force& force : assembly_.forces()) {
       if (force.is_operator && has_flow(force)) continue;
       if (depends_on_velocity_otherwise(force)) {
-        refuse("falls to first order with the force \"" + force.name +
+        refuse(FaultCode::integrator_order_reduction,
+               "falls to first order with the force \"" + force.name +
                    "\", which depends on velocity and is not linear friction",
                any_scene_);
       }
@@ -76,7 +78,8 @@ class SchemeChecks {
     for (const Force& force : assembly_.forces()) {
       const bool left_out = !force.is_operator && !takes_no_steps && force.bound->passes().empty();
       if (!(scheme_.splits_bonds || left_out) || !has_flow(force)) continue;
-      refuse("does not take the operator of the force \"" + force.name + "\"",
+      refuse(FaultCode::integrator_unsuitable,
+             "does not take the operator of the force \"" + force.name + "\"",
              integrators_that(scene_, [](const IntegratorRecord& other) {
                return other.splits_friction && !other.splits_bonds;
              }));
@@ -90,7 +93,8 @@ class SchemeChecks {
       const bool has_power = traits.conservative || traits.does_work ||
                              traits.depends_on_velocity || is_linear_friction(force);
       if (has_power || force.is_operator || force.bound->own_count() > 0) continue;
-      refuse("falls to first order in the power of the force \"" + force.name +
+      refuse(FaultCode::integrator_order_reduction,
+             "falls to first order in the power of the force \"" + force.name +
                  "\", which is no gradient, and the ledger would not close",
              any_scene_ + ", or ledger = false");
     }
@@ -100,7 +104,8 @@ class SchemeChecks {
     for (const Force& force : assembly_.forces()) {
       const Traits& traits = force.traits;
       if (traits.depends_on_velocity || traits.stochastic || is_linear_friction(force)) {
-        refuse("is for scenes without loss; the force \"" + force.name + "\" depends on velocity",
+        refuse(FaultCode::integrator_unsuitable,
+               "is for scenes without loss; the force \"" + force.name + "\" depends on velocity",
                integrators_that(scene_, [&](const IntegratorRecord& other) {
                  return !other.conservative_only && !other.follows_equilibria &&
                         (!other.splits_friction || is_linear_friction(force));
@@ -111,7 +116,8 @@ class SchemeChecks {
     for (const auto& steered : assembly_.prescribed().steered()) {
       if (std::all_of(steered.own, steered.own + 4, [](auto at) { return at < 0; })) continue;
       const std::string& body = assembly_.bodies()[steered.body].bound.name;
-      refuse("does not advance the prescribed motion of the body \"" + body +
+      refuse(FaultCode::integrator_unsuitable,
+             "does not advance the prescribed motion of the body \"" + body +
                  "\", whose velocity changes with time",
              any_scene_);
     }
@@ -122,10 +128,10 @@ class SchemeChecks {
     const Place& place = found == scene_.run.places.end() ? scene_.run.place : found->second;
     for (const Force& force : assembly_.forces()) {
       if (!depends_on_velocity_otherwise(force)) continue;
-      faults_.push_back(
-          {place, "run.dynamics", "\"" + scene_.run.dynamics + "\"",
-           "the force \"" + force.name + "\" depends on velocity and is not linear friction",
-           "\"inertial\"", ""});
+      faults_.emplace_back(
+          FaultCode::component_unsuitable, place, "run.dynamics", "\"" + scene_.run.dynamics + "\"",
+          "the force \"" + force.name + "\" depends on velocity and is not linear friction",
+          "\"inertial\"");
     }
   }
 

@@ -117,7 +117,7 @@ double shortest_every(const Scene& scene, const OutputSize& size, double room) {
 
 void require_room(const Scene& scene, const OutputSize& size, double room) {
   if (size.rows <= kMostRows && size.together() <= room) return;
-  Fault fault;
+  Fault fault(FaultCode::output_too_large);
   if (!scene.output.every) {
     fault.place = scene.run.place;
     fault.key = "run";

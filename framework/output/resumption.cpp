@@ -19,8 +19,9 @@ namespace {
 
 constexpr const char* kStartAgain = "--force, which starts again from the beginning";
 
-[[noreturn]] void refuse(const fs::path& what, std::string why, std::string admissible = "") {
-  Fault fault;
+[[noreturn]] void refuse(FaultCode code, const fs::path& what, std::string why,
+                         std::string admissible = "") {
+  Fault fault(code);
   fault.place.file = "--resume";
   fault.key = what.string();
   fault.why = std::move(why);
@@ -30,7 +31,7 @@ constexpr const char* kStartAgain = "--force, which starts again from the beginn
 
 /// Where a file is damaged: its message names it already.
 [[noreturn]] void refuse(const DamagedFile& damage) {
-  Fault fault;
+  Fault fault(FaultCode::file_damaged);
   fault.place.file = "--resume";
   fault.why = damage.what();
   fault.admissible = kStartAgain;
@@ -69,7 +70,8 @@ void require_same_scene(const fs::path& file, std::string_view before, const Sce
   const std::string was = without_plugin_paths(before);
   const std::string is = without_plugin_paths(scene.effective_toml);
   if (was == is) return;
-  refuse(file, "the run was of another scene: " + first_difference(was, is),
+  refuse(FaultCode::resume_other_scene, file,
+         "the run was of another scene: " + first_difference(was, is),
          "the scene as it was, another folder, or --force, which starts again from the beginning");
 }
 
@@ -79,7 +81,7 @@ std::string text_of(const fs::path& path) {
   const auto size = fs::file_size(path, error);
   TextFile file = read_text_file(path, error ? 0 : static_cast<std::size_t>(size));
   if (file.too_large) file.why = "the file is changing while it is read";
-  if (!file.why.empty()) refuse(path, file.why);
+  if (!file.why.empty()) refuse(FaultCode::file_cannot_read, path, file.why);
   return std::move(file.text);
 }
 
@@ -116,7 +118,7 @@ Ended read_summary(const fs::path& path) {
     }
     return ended;
   }
-  refuse(path, "not what a run leaves");
+  refuse(FaultCode::file_damaged, path, "not what a run leaves");
 }
 
 Ended read_summary(const RunFolder& folder) {
@@ -142,10 +144,11 @@ Resumption without_checkpoint(const RunFolder& folder, JournalReader& journal, D
   }
   const JournalMark& mark = journal.mark();
   if (ended.status == to_string(RunStatus::interrupted)) {
-    refuse(folder.file(kCheckpointFile), "there is none, though the run was stopped with one");
+    refuse(FaultCode::resume_impossible, folder.file(kCheckpointFile),
+           "there is none, though the run was stopped with one");
   }
   if (mark.rows > 1 || mark.events > 0) {
-    refuse(folder.file(kCheckpointFile),
+    refuse(FaultCode::resume_impossible, folder.file(kCheckpointFile),
            fmt::format("there is none, though the journal has {} samples and {} events", mark.rows,
                        mark.events));
   }
@@ -181,7 +184,7 @@ void require_same(const fs::path& file, const std::vector<Checkpoint::Plugin>& r
     return text.empty() ? "none" : text;
   };
   refuse(
-      file,
+      FaultCode::resume_other_version, file,
       fmt::format("the run was begun with other plugins: {}; now: {}", listed(before), listed(now)),
       "the plugins as they were, or --force, which starts again from the beginning");
 }
@@ -191,22 +194,25 @@ Resumption with_checkpoint(const RunFolder& folder, JournalReader& journal, Desc
   const fs::path path = folder.file(kCheckpointFile);
   Checkpoint checkpoint = read_checkpoint(path);
   if (checkpoint.program_version != program_version) {
-    refuse(path, fmt::format("written by version {} of tomlin; this is version {}",
-                             checkpoint.program_version, program_version));
+    refuse(FaultCode::resume_other_version, path,
+           fmt::format("written by version {} of tomlin; this is version {}",
+                       checkpoint.program_version, program_version));
   }
   if (checkpoint.scene != scene_fingerprint(scene.effective_toml)) {
-    refuse(path, "of another scene than the journal beside it");
+    refuse(FaultCode::resume_other_scene, path, "of another scene than the journal beside it");
   }
   require_same(path, checkpoint.plugins, scene.libraries);
   const fs::path journal_path = folder.file(kJournalFile);
   if (journal.size() < checkpoint.journal.bytes) {
-    refuse(journal_path, fmt::format("truncated: it has {} bytes, the checkpoint was kept after {}",
-                                     journal.size(), checkpoint.journal.bytes));
+    refuse(FaultCode::file_damaged, journal_path,
+           fmt::format("truncated: it has {} bytes, the checkpoint was kept after {}",
+                       journal.size(), checkpoint.journal.bytes));
   }
   Ignored ignored;
   journal.play(ignored, checkpoint.journal.bytes);
   if (journal.mark() != checkpoint.journal) {
-    refuse(journal_path, "not the journal that the checkpoint beside it belongs to");
+    refuse(FaultCode::resume_other_scene, journal_path,
+           "not the journal that the checkpoint beside it belongs to");
   }
   Resumption resumption;
   resumption.kind = Resumption::Kind::go_on;
@@ -234,7 +240,7 @@ Resumption from_journal(const RunFolder& folder, const Scene& scene,
   }
   const JournalHeader& header = journal->header();
   if (header.program_version != program_version) {
-    refuse(folder.file(kJournalFile),
+    refuse(FaultCode::resume_other_version, folder.file(kJournalFile),
            fmt::format("written by version {} of tomlin; this is version {}",
                        header.program_version, program_version),
            "that version, or --force, which starts again from the beginning");
@@ -249,7 +255,8 @@ Resumption from_journal(const RunFolder& folder, const Scene& scene,
 /// There is neither a journal nor a summary: only a start that was killed leaves such a folder.
 Resumption without_journal(const RunFolder& folder, const Scene& scene, const Ended& ended) {
   if (folder.holds(kCheckpointFile)) {
-    refuse(folder.file(kJournalFile), "there is none, though there is a checkpoint");
+    refuse(FaultCode::resume_impossible, folder.file(kJournalFile),
+           "there is none, though there is a checkpoint");
   }
   require_same_scene_file(folder, scene);
   Resumption resumption;
@@ -260,10 +267,13 @@ Resumption without_journal(const RunFolder& folder, const Scene& scene, const En
     return resumption;
   }
   if (!ended.status.empty()) {
-    refuse(folder.path(), "the run was stopped, and its journal and checkpoint are missing");
+    refuse(FaultCode::resume_impossible, folder.path(),
+           "the run was stopped, and its journal and checkpoint are missing");
   }
   for (const char* name : kResultFiles) {
-    if (folder.holds(name)) refuse(folder.file(name), "results without a summary");
+    if (folder.holds(name)) {
+      refuse(FaultCode::resume_impossible, folder.file(name), "results without a summary");
+    }
   }
   return resumption;
 }
@@ -273,9 +283,11 @@ Descriptor own_existing(const RunFolder& folder) {
   try {
     return own_journal(folder.file(kJournalFile), Absent::leave_it);
   } catch (const JournalInUse&) {
-    refuse_input("-o", folder.path().string(), "another run is writing here", "another folder");
+    refuse_input(FaultCode::folder_in_use, "-o", folder.path().string(),
+                 "another run is writing here", "another folder");
   } catch (const OutputError& error) {
-    refuse_input("-o", folder.path().string(), error.what(), kStartAgain);
+    refuse_input(FaultCode::file_cannot_write, "-o", folder.path().string(), error.what(),
+                 kStartAgain);
   }
 }
 
@@ -286,7 +298,9 @@ Resumption find_resumption(const RunFolder& folder, const Scene& scene,
   Descriptor owned = own_existing(folder);
   const Ended ended = read_summary(folder);
   if (ended.status == to_string(RunStatus::finished)) {
-    if (!folder.holds(kSceneFile)) refuse(folder.file(kSceneFile), "there is none");
+    if (!folder.holds(kSceneFile)) {
+      refuse(FaultCode::resume_impossible, folder.file(kSceneFile), "there is none");
+    }
     require_same_scene_file(folder, scene);
     require_same(folder.file(kSummaryFile), ended.plugins, scene.libraries);
     Resumption resumption;

@@ -21,9 +21,9 @@ namespace {
 constexpr const char* kUsableFolder = "a new or an empty folder";
 
 /// The folder's own fault, or that of what is in it.
-[[noreturn]] void refuse_folder(const fs::path& folder, std::string why,
+[[noreturn]] void refuse_folder(FaultCode code, const fs::path& folder, std::string why,
                                 std::string admissible = "") {
-  refuse_input("-o", folder.empty() ? "\"\"" : folder.string(), std::move(why),
+  refuse_input(code, "-o", folder.empty() ? "\"\"" : folder.string(), std::move(why),
                std::move(admissible));
 }
 
@@ -49,21 +49,25 @@ fs::path trimmed(const fs::path& path) {
 
 RunFolder::RunFolder(const fs::path& folder, Occupied occupied, std::span<const char* const> names)
     : folder_(trimmed(folder)), occupied_(occupied), names_(names.begin(), names.end()) {
-  if (folder_.empty()) refuse_folder(folder_, "no name for a folder", kUsableFolder);
+  if (folder_.empty()) {
+    refuse_folder(FaultCode::command_invalid_value, folder_, "no name for a folder", kUsableFolder);
+  }
   std::error_code error;
   const auto status = fs::status(folder_, error);
   if (fs::exists(status)) {
     if (!fs::is_directory(status)) {
-      refuse_folder(folder_, "there is something of this name that is not a folder", kUsableFolder);
+      refuse_folder(FaultCode::file_invalid, folder_,
+                    "there is something of this name that is not a folder", kUsableFolder);
     }
     check_folder();
   } else if (status.type() == fs::file_type::not_found) {
     if (fs::is_symlink(fs::symlink_status(folder_, error))) {
-      refuse_folder(folder_, "a link that leads nowhere", kUsableFolder);
+      refuse_folder(FaultCode::file_cannot_write, folder_, "a link that leads nowhere",
+                    kUsableFolder);
     }
     check_place_for_new();
   } else {
-    refuse_folder(folder_, error.message());
+    refuse_folder(FaultCode::file_cannot_write, folder_, error.message());
   }
 }
 
@@ -81,15 +85,18 @@ RunFolder::~RunFolder() {
 void RunFolder::check_folder() const {
   std::error_code error;
   const fs::directory_iterator content(folder_, error);
-  if (error) refuse_folder(folder_, "cannot be read: " + error.message());
+  if (error) {
+    refuse_folder(FaultCode::file_cannot_read, folder_, "cannot be read: " + error.message());
+  }
   if (content != fs::directory_iterator()) check_occupied();
   if (const int reason = reason_not_writable(folder_)) {
-    refuse_folder(folder_, "cannot be written to: " + message(reason));
+    refuse_folder(FaultCode::file_cannot_write, folder_,
+                  "cannot be written to: " + message(reason));
   }
   for (const std::string& name : names_) {
     for (const fs::path& path : {file(name), unfinished(file(name))}) {
       if (fs::is_directory(fs::symlink_status(path, error))) {
-        refuse_folder(path, "a folder where a file is to be written");
+        refuse_folder(FaultCode::file_cannot_write, path, "a folder where a file is to be written");
       }
     }
   }
@@ -110,10 +117,10 @@ void RunFolder::check_occupied() const {
   if (occupied_ == Occupied::go_on && holds_any_run()) return;
   if (holds(kJournalFile) || holds(kCheckpointFile)) {
     refuse_folder(
-        folder_, "a run was stopped here",
+        FaultCode::file_exists, folder_, "a run was stopped here",
         "--resume, which goes on with it, or --force, which starts again; or another folder");
   }
-  refuse_folder(folder_, "the folder is not empty",
+  refuse_folder(FaultCode::file_exists, folder_, "the folder is not empty",
                 "a new or an empty folder, or --force, which replaces what an earlier run left");
 }
 
@@ -134,15 +141,16 @@ void RunFolder::check_place_for_new() const {
   while (!fs::exists(fs::status(ancestor, error)) && ancestor != above(ancestor)) {
     if (error && error != std::errc::no_such_file_or_directory &&
         error != std::errc::not_a_directory) {
-      refuse_folder(folder_, error.message());
+      refuse_folder(FaultCode::file_cannot_write, folder_, error.message());
     }
     ancestor = above(ancestor);
   }
   if (!fs::is_directory(fs::status(ancestor, error))) {
-    refuse_folder(folder_, fmt::format("{} is not a folder", ancestor.string()));
+    refuse_folder(FaultCode::file_cannot_write, folder_,
+                  fmt::format("{} is not a folder", ancestor.string()));
   }
   if (const int reason = reason_not_writable(ancestor)) {
-    refuse_folder(folder_,
+    refuse_folder(FaultCode::file_cannot_write, folder_,
                   fmt::format("cannot be made in {}: {}", ancestor.string(), message(reason)));
   }
 }
@@ -157,8 +165,9 @@ void RunFolder::create() {
     }
     const int reason = errno;
     std::error_code error;
-    if (!fs::is_directory(path, error))
-      refuse_folder(folder_, "cannot be made: " + message(reason));
+    if (!fs::is_directory(path, error)) {
+      refuse_folder(FaultCode::file_cannot_write, folder_, "cannot be made: " + message(reason));
+    }
   }
 }
 
@@ -168,9 +177,10 @@ void RunFolder::own(Descriptor& journal) {
     try {
       journal = own_journal(file(kJournalFile), Absent::make_it);
     } catch (const JournalInUse&) {
-      refuse_folder(folder_, "another run is writing here", "another folder");
+      refuse_folder(FaultCode::folder_in_use, folder_, "another run is writing here",
+                    "another folder");
     } catch (const OutputError& error) {
-      refuse_folder(folder_, error.what());
+      refuse_folder(FaultCode::file_cannot_write, folder_, error.what());
     }
     lock_ = Descriptor(::fcntl(journal.number(), F_DUPFD_CLOEXEC, 0));
     look_again();
@@ -189,7 +199,8 @@ void RunFolder::own() {
 /// Another program may have come and gone before this one had the folder.
 void RunFolder::look_again() const {
   const auto refuse_new = [this] {
-    refuse_folder(folder_, "another program has written here meanwhile", kUsableFolder);
+    refuse_folder(FaultCode::file_exists, folder_, "another program has written here meanwhile",
+                  kUsableFolder);
   };
   if (occupied_ == Occupied::refuse && !is_unused()) refuse_new();
   if (occupied_ != Occupied::go_on) return;

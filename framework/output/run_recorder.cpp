@@ -57,7 +57,7 @@ void RunRecorder::attempt(Action action) {
 
 void RunRecorder::begin(const RunLayout& layout) {
   if (resumption_.kind == Resumption::Kind::go_on && layout.state != resumption_.layout.state) {
-    refuse_input("-o", folder_.path().string(),
+    refuse_input(FaultCode::resume_other_version, "-o", folder_.path().string(),
                  "this program keeps other numbers of this scene than the one that was stopped",
                  "the program that began the run, or --force, which starts again");
   }
@@ -173,6 +173,7 @@ std::optional<std::string> RunRecorder::finish(RunResult& result) {
     failure.time = result.end_time;
     failure.what = *trouble_;
     failure.cause = "the results could not be written";
+    failure.code = FaultCode::file_cannot_write;
     result.status = RunStatus::failed;
     result.failure = failure;
   }

@@ -69,6 +69,7 @@ Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json
 
 Json failure_entry(const RunFailure& failure) {
   Json entry;
+  entry["code"] = id_of(failure.code);
   entry["step"] = failure.step;
   entry["time"] = number(failure.time);
   entry["body"] = text_or_null(failure.body);

@@ -38,7 +38,9 @@ Shape shape_of(const StoredRun& run, const std::string& name, const Registry& re
   const auto& bodies = model.bodies();
   const auto found = std::find_if(bodies.begin(), bodies.end(),
                                   [&](const auto& body) { return body.bound.name == name; });
-  if (found == bodies.end()) refuse_input(file, "body." + name, "there is no such body");
+  if (found == bodies.end()) {
+    refuse_input(FaultCode::plot_no_data, file, "body." + name, "there is no such body");
+  }
   if (!found->moves_as_one() && !found->prescribed()) {
     notes.push_back(fmt::format("{}: {} is flexible, and is drawn in the shape it starts with",
                                 run.folder, name));
@@ -65,7 +67,7 @@ class Course {
     std::vector<std::size_t> columns = clock.columns;
     const auto add = [&](const std::string& name) {
       const auto column = table.find(name);
-      if (!column) refuse_input(file_, "", "there is no column " + name);
+      if (!column) refuse_input(FaultCode::plot_no_data, file_, "", "there is no column " + name);
       columns.push_back(*column);
     };
     for (const char* column : {".centre_of_mass.x", ".centre_of_mass.y", ".rotation"}) {
@@ -119,7 +121,8 @@ class Course {
     });
     if (found != clock_.end()) return static_cast<std::size_t>(found - clock_.begin());
     const auto [least, most] = std::minmax_element(clock_.begin(), clock_.end());
-    refuse_input("--at", fmt::format("{:g}", value), "outside the samples of " + file_,
+    refuse_input(FaultCode::plot_no_data, "--at", fmt::format("{:g}", value),
+                 "outside the samples of " + file_,
                  fmt::format("from {:g} to {:g}", *least, *most));
   }
 

@@ -97,7 +97,8 @@ RunCurves read_curves(const StoredRun& run, const CurvesRequest& request) {
 void check_unit(const StoredRun& run, const std::string& option, const Series& first,
                 const Series& other) {
   if (first.unit == other.unit) return;
-  refuse_input(file_of(run, kTableFile), option + " " + other.name,
+  refuse_input(FaultCode::command_invalid_value, file_of(run, kTableFile),
+               option + " " + other.name,
                fmt::format("[{}], on one axis with {} [{}]", other.unit, first.name, first.unit),
                "one unit to an axis; another --y makes another panel");
 }
@@ -139,7 +140,7 @@ Range shown_range(const std::vector<RunCurves>& all, const CurvesRequest& reques
                              [&](double x) { return shown.holds(x); });
   }
   if (!any) {
-    refuse_input(request.from ? "--from" : "--to", "",
+    refuse_input(FaultCode::plot_no_data, request.from ? "--from" : "--to", "",
                  fmt::format("there is no sample from {:g} to {:g}", shown.from, shown.to),
                  fmt::format("{} from {:g} to {:g}", request.x, whole.from, whole.to));
   }

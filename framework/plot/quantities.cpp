@@ -112,17 +112,20 @@ std::string chosen_owner(const SampleTable& table, Owner owner, std::string_view
   const std::string& wanted = driver ? owners.driver : owners.body;
   const std::vector<std::string> candidates = owners_of(table, column);
   if (candidates.empty()) {
-    refuse_input(table.file(), "", fmt::format("there is no column *.{}", column),
+    refuse_input(FaultCode::plot_no_data, table.file(), "",
+                 fmt::format("there is no column *.{}", column),
                  listed(table.names()) + "; --x and --y take any of them");
   }
   const char* option = driver ? "--driver" : "--body";
   if (wanted.empty() && candidates.size() == 1) return candidates.front();
   if (wanted.empty()) {
-    refuse_input(table.file(), "", fmt::format("there are several columns *.{}", column),
+    refuse_input(FaultCode::command_missing_argument, table.file(), "",
+                 fmt::format("there are several columns *.{}", column),
                  fmt::format("{} {}", option, fmt::join(candidates, fmt::format(", {} ", option))));
   }
   if (std::find(candidates.begin(), candidates.end(), wanted) != candidates.end()) return wanted;
-  refuse_input(table.file(), shortened(std::string(option) + " " + wanted, kLongestShownValue),
+  refuse_input(FaultCode::plot_no_data, table.file(),
+               shortened(std::string(option) + " " + wanted, kLongestShownValue),
                fmt::format("there is no column {}.{}", wanted, column), listed(candidates),
                nearest_name(wanted, candidates).value_or(""));
 }
@@ -138,9 +141,9 @@ Series find_series(const SampleTable& table, const std::string& name, const Owne
   for (const Quantity& quantity : quantities()) {
     if (!table.find(quantity.name)) known.emplace_back(quantity.name);
   }
-  refuse_input(table.file(), shortened(option + " " + name, kLongestShownValue),
-               "there is no such column or quantity", listed(known),
-               nearest_name(name, known).value_or(""));
+  refuse_input(
+      FaultCode::plot_no_data, table.file(), shortened(option + " " + name, kLongestShownValue),
+      "there is no such column or quantity", listed(known), nearest_name(name, known).value_or(""));
 }
 
 double value_of(Measure measure, std::span<const double> components) {

@@ -16,9 +16,9 @@
 namespace tomlin {
 namespace {
 
-[[noreturn]] void refuse(Place place, const std::string& value, std::string why,
+[[noreturn]] void refuse(FaultCode code, Place place, const std::string& value, std::string why,
                          std::string admissible = "") {
-  Fault fault;
+  Fault fault(code);
   fault.place = std::move(place);
   fault.key = shortened(value, kLongestShownValue);
   fault.why = std::move(why);
@@ -62,14 +62,16 @@ class Row {
     double value = 0.0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-      refuse(place(k), text.empty() ? "\"\"" : std::string(text), "not a finite number");
+      refuse(FaultCode::file_damaged, place(k), text.empty() ? "\"\"" : std::string(text),
+             "not a finite number");
     }
     return value;
   }
 
   void must_have(std::size_t fields) const {
     if (size() == fields) return;
-    refuse(place(0), "", fmt::format("{} fields in a table of {} columns", size(), fields));
+    refuse(FaultCode::file_damaged, place(0), "",
+           fmt::format("{} fields in a table of {} columns", size(), fields));
   }
 
  private:
@@ -83,7 +85,7 @@ class Row {
 
 std::ifstream opened(const std::string& file) {
   const TextFile start = read_text_file(file, 0);  // it knows what cannot be read, and why
-  if (!start.why.empty()) refuse({file}, "", start.why);
+  if (!start.why.empty()) refuse(FaultCode::file_cannot_read, {file}, "", start.why);
   return std::ifstream(file, std::ios::binary);
 }
 
@@ -97,7 +99,7 @@ SampleTable::SampleTable(std::string file) : file_(std::move(file)) {
   row.cut(header);
   for (std::size_t k = 0; k < row.size(); ++k) columns_.push_back(column_of(row.field(k)));
   if (columns_.front().name != "time") {
-    refuse({file_, 1, 1}, header, "this is not a table of observables",
+    refuse(FaultCode::file_invalid, {file_, 1, 1}, header, "this is not a table of observables",
            "a header that begins with \"time [time]\"");
   }
 }
@@ -126,8 +128,10 @@ std::vector<std::vector<double>> SampleTable::read(const std::vector<std::size_t
     row.must_have(columns_.size());
     for (std::size_t k = 0; k < columns.size(); ++k) result[k].push_back(row.number(columns[k]));
   }
-  if (stream.bad()) refuse({file_}, "", "the file cannot be read");
-  if (!result.empty() && result.front().empty()) refuse({file_}, "", "there are no samples in it");
+  if (stream.bad()) refuse(FaultCode::file_cannot_read, {file_}, "", "the file cannot be read");
+  if (!result.empty() && result.front().empty()) {
+    refuse(FaultCode::plot_no_data, {file_}, "", "there are no samples in it");
+  }
   return result;
 }
 

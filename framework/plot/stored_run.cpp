@@ -66,13 +66,18 @@ StoredRun read_stored_run(const std::string& folder) {
   run.name = name_of(folder);
   const std::string file = file_of(run, kSummaryFile);
   const TextFile summary = read_text_file(file, kLargestSummary);
-  if (summary.too_large) refuse_input(file, "", "this is too large for the summary of a run");
-  if (!summary.why.empty()) refuse_input(file, "", summary.why);
+  if (summary.too_large) {
+    refuse_input(FaultCode::file_invalid, file, "", "this is too large for the summary of a run");
+  }
+  if (!summary.why.empty()) refuse_input(FaultCode::file_cannot_read, file, "", summary.why);
   const Json json = Json::parse(summary.text, nullptr, false);
-  if (!json.is_object()) refuse_input(file, "", "this is not the summary of a run");
+  if (!json.is_object()) {
+    refuse_input(FaultCode::file_invalid, file, "", "this is not the summary of a run");
+  }
   const auto status = json.find("status");
-  if (status == json.end() || !status->is_string())
-    refuse_input(file, "", "there is no status in it");
+  if (status == json.end() || !status->is_string()) {
+    refuse_input(FaultCode::file_invalid, file, "", "there is no status in it");
+  }
   run.status = status->get<std::string>();
   const auto parameters = json.find("parameters");
   if (parameters != json.end() && parameters->is_object()) {

@@ -67,9 +67,7 @@ std::vector<std::string>& loaded() {
 }
 
 /// Empty when the library's components are in the registry now.
-std::string load(const PluginRequest& request, Registry& registry) {
-  const PluginFile file = examine_plugin(request.path);
-  if (!file.why.empty()) return file.why;
+std::string load(const PluginRequest& request, const PluginFile& file, Registry& registry) {
   if (std::string why = probe_registration(request.path); !why.empty()) return why;
   // On its own first, so that of a library that fails nothing is left.
   loaded().push_back(request.path.string());
@@ -128,6 +126,7 @@ PluginFile examine_plugin(const fs::path& path) {
   file.instruction_sets = note->instruction_sets;
   file.why = mismatch(*note, own_note());
   if (file.why.empty() && !holds(file.number_types, "double")) file.why = "it has no doubles";
+  if (!file.why.empty()) file.code = FaultCode::plugin_mismatch;
   return file;
 }
 
@@ -135,14 +134,11 @@ void load_plugins(const std::vector<PluginRequest>& requests, Registry& registry
   std::vector<Fault> faults;
   for (const PluginRequest& request : requests) {
     if (registry.library(request.path.string()) != nullptr) continue;
-    const std::string why = load(request, registry);
+    const PluginFile file = examine_plugin(request.path);
+    const std::string why = file.why.empty() ? load(request, file, registry) : file.why;
     if (why.empty()) continue;
-    Fault fault;
-    fault.place = request.place;
-    fault.key = "plugins";
-    fault.value = fmt::format("\"{}\"", request.given);
-    fault.why = fmt::format("the plugin {}: {}", request.path.string(), why);
-    faults.push_back(std::move(fault));
+    faults.emplace_back(file.code, request.place, "plugins", fmt::format("\"{}\"", request.given),
+                        fmt::format("the plugin {}: {}", request.path.string(), why));
   }
   if (!faults.empty()) throw InputError(std::move(faults));
 }

@@ -24,7 +24,8 @@ struct PluginFile {
   std::string hash;  ///< of its content, where it could be read
   std::vector<std::string> number_types;
   std::vector<std::string> instruction_sets;
-  std::string why;  ///< empty when it may be loaded
+  std::string why;                                 ///< empty when it may be loaded
+  FaultCode code = FaultCode::plugin_cannot_load;  ///< of `why`
 };
 PluginFile examine_plugin(const std::filesystem::path& path);
 

@@ -110,6 +110,7 @@ void RunContext::fail(const PluginError& error) {
   if (!outcome.thrown) outcome.thrown = error;
   if (outcome.failure) return;
   RunFailure failure;
+  failure.code = FaultCode::plugin_error;
   failure.step = static_cast<std::uint64_t>(clock.steps());
   failure.time = clock.time();
   constexpr std::string_view kForce = "force ";

@@ -57,8 +57,8 @@ std::vector<Followed> asked_for(const PerturbSettings& settings,
     observable(result, path, place);
     if (path.starts_with("performance.")) {
       throw InputError(
-          {{place, "run.perturb.observables", path, "how fast a run was is not a result of it",
-            "an observable of the scene", ""}});
+          {Fault(FaultCode::observable_unknown, place, "run.perturb.observables", path,
+                 "how fast a run was is not a result of it", "an observable of the scene")});
     }
     all.push_back({path, {path}, {}});
   }

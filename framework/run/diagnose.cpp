@@ -140,6 +140,21 @@ bool particles_meet(const Model& model, const SystemView<double>& s, const std::
   return false;
 }
 
+FaultCode code_of(StepFault fault) {
+  switch (fault) {
+    case StepFault::too_many_steps:
+      return FaultCode::run_step_limit;
+    case StepFault::no_equilibrium:
+      return FaultCode::run_no_equilibrium;
+    case StepFault::step_too_small:
+      return FaultCode::run_step_too_small;
+    case StepFault::none:
+    case StepFault::not_finite_or_too_far:
+      break;
+  }
+  return FaultCode::run_step_unstable;
+}
+
 }  // namespace
 
 RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault fault,
@@ -148,8 +163,10 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
   RunFailure failure;
   failure.step = step;
   failure.time = static_cast<double>(time);
+  failure.code = code_of(fault);
   AlignedVector<double> rates(s.rates + 2 * kGroup, 0.0);
   if (const auto body = model.body_without_velocity(failure.time, failure.time + h)) {
+    failure.code = FaultCode::expression_not_finite;
     failure.body = *body;
     failure.what = "its prescribed motion has no finite value";
     failure.cause =
@@ -184,6 +201,7 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
       return failure;
     case StepFault::no_equilibrium:
       if (scheme.splits_bonds) {
+        failure.code = FaultCode::integrator_unsuitable;
         failure.what = "the body has left the shape that " + scheme.name + " takes its bonds at";
         failure.cause = fmt::format(
             "its bonds are soft, loose or too far from rest for a step of {:g}: take a "

@@ -26,7 +26,7 @@ bool names(std::string_view text, std::string_view key) {
 }  // namespace
 
 Fault fault_of(const RunFailure& failure, const Scene& scene) {
-  Fault fault;
+  Fault fault(failure.code);
   fault.place.file = scene.file;
   fault.why = to_string(failure);
   const SceneIntegrator& integrator = scene.run.integrator;

@@ -50,11 +50,12 @@ Instant::Instant(const Model& model, std::string_view path, const std::string& k
     names.push_back(one.path);
     names.push_back(brief);
   }
-  throw InputError({{place, key, "\"" + std::string(path) + "\"",
-                     "there is no observable of that name that has a value at each moment",
-                     "bodies.NAME.centre_of_mass.x, .velocity.x, .rotation, drivers.NAME.force.x, "
-                     ".position.x, or another axis",
-                     nearest_name(std::string(path), names).value_or("")}});
+  throw InputError(
+      {Fault(FaultCode::observable_unknown, place, key, "\"" + std::string(path) + "\"",
+             "there is no observable of that name that has a value at each moment",
+             "bodies.NAME.centre_of_mass.x, .velocity.x, .rotation, drivers.NAME.force.x, "
+             ".position.x, or another axis",
+             nearest_name(std::string(path), names).value_or(""))});
 }
 
 double Instant::above(const Model& model, const State& state, double value) const {

@@ -174,9 +174,10 @@ std::unique_ptr<Integrator<double>> mirrored(Model& model, const void* descripti
   if (factory == nullptr) {
     const Scene& scene = model.scene();
     const auto place = scene.run.places.find("number_type");
-    throw InputError({{place == scene.run.places.end() ? scene.run.place : place->second,
-                       "run.number_type", "\"" + scene.run.number_type + "\"",
-                       "not available with the integrator " + scheme.name, "\"double\"", ""}});
+    throw InputError({Fault(FaultCode::number_type_unsuitable,
+                            place == scene.run.places.end() ? scene.run.place : place->second,
+                            "run.number_type", "\"" + scene.run.number_type + "\"",
+                            "not available with the integrator " + scheme.name, "\"double\"")});
   }
   return std::make_unique<MirroredIntegrator<Real>>(model, description, factory);
 }

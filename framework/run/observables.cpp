@@ -29,7 +29,7 @@ Fault unknown(const std::vector<Observable>& all, std::string_view path, const P
     names.emplace_back(without_family(one.path));
     names.push_back(one.path);
   }
-  Fault fault;
+  Fault fault(FaultCode::observable_unknown);
   fault.place = place;
   fault.key = path;
   fault.why = "there is no observable of that name";

@@ -33,19 +33,20 @@ void refuse_endless(const Scene& scene, const RunPlan& plan) {
     return found == places.end() ? table : found->second;
   };
   if (plan.dt > 0.0 && !(plan.duration / plan.dt <= kMostSteps)) {
-    throw InputError({{place(scene.run.integrator.places, "dt", scene.run.place),
-                       "run.integrator.dt", fmt::format("{}", plan.dt),
-                       fmt::format("the run would take {:.3g} steps, {:.2g} days at the very least",
-                                   plan.duration / plan.dt,
-                                   plan.duration / plan.dt / kFastestSteps / kSecondsOfADay),
-                       fmt::format("at most {:g} steps", kMostSteps), ""}});
+    throw InputError(
+        {Fault(FaultCode::run_endless, place(scene.run.integrator.places, "dt", scene.run.place),
+               "run.integrator.dt", fmt::format("{}", plan.dt),
+               fmt::format("the run would take {:.3g} steps, {:.2g} days at the very least",
+                           plan.duration / plan.dt,
+                           plan.duration / plan.dt / kFastestSteps / kSecondsOfADay),
+               fmt::format("at most {:g} steps", kMostSteps))});
   }
   if (scene.output.every && !(plan.duration / *scene.output.every <= kMostSamples)) {
-    throw InputError(
-        {{place(scene.output.places, "every", scene.output.place), "output.every",
-          fmt::format("{}", *scene.output.every),
-          fmt::format("the run would leave {:.3g} samples", plan.duration / *scene.output.every),
-          fmt::format("at most {:g} samples", kMostSamples), ""}});
+    throw InputError({Fault(
+        FaultCode::output_too_large, place(scene.output.places, "every", scene.output.place),
+        "output.every", fmt::format("{}", *scene.output.every),
+        fmt::format("the run would leave {:.3g} samples", plan.duration / *scene.output.every),
+        fmt::format("at most {:g} samples", kMostSamples))});
   }
 }
 
@@ -60,28 +61,35 @@ std::int64_t whole_steps(double dt, double duration) {
   return steps;
 }
 
-[[noreturn]] void refuse_window(const MeasureSettings& measure, const std::string& key,
-                                const std::string& why, const std::string& admissible) {
+[[noreturn]] void refuse_window(FaultCode code, const MeasureSettings& measure,
+                                const std::string& key, const std::string& why,
+                                const std::string& admissible) {
   const auto found = measure.places.find(key);
-  throw InputError({{found == measure.places.end() ? measure.place : found->second,
-                     "measure." + key, "", why, admissible, ""}});
+  throw InputError({Fault(code, found == measure.places.end() ? measure.place : found->second,
+                          "measure." + key, "", why, admissible)});
+}
+
+/// Periods are counted for the window, or for a run until it is steady.
+FaultCode code_without_period(const Scene& scene) {
+  return scene.run.until ? FaultCode::run_until_never : FaultCode::run_invalid_window;
 }
 
 /// The driver whose periods the window is counted in.
 const Drive& counted_driver(const Model& model) {
   const MeasureSettings& measure = model.scene().measure;
+  const FaultCode code = code_without_period(model.scene());
   std::vector<const Drive*> candidates;
   for (const Model::Driver& driver : model.drivers()) {
     if (!drags(*driver.drive)) continue;
     if (measure.driver.empty() || driver.name == measure.driver) candidates.push_back(driver.drive);
   }
   if (candidates.empty()) {
-    refuse_window(measure, measure.driver.empty() ? "in" : "driver",
+    refuse_window(code, measure, measure.driver.empty() ? "in" : "driver",
                   "there is no moving driver to count periods of",
                   "\"time\", or the name of a driver with a velocity");
   }
   if (candidates.size() > 1) {
-    refuse_window(measure, "in", "several drivers move: say whose periods are meant",
+    refuse_window(code, measure, "in", "several drivers move: say whose periods are meant",
                   "driver = NAME");
   }
   return *candidates.front();
@@ -101,7 +109,8 @@ double period_of_driver(const Model& model) {
       const double declared = force.record->period(force.description.get(), d);
       if (declared <= 0.0) continue;
       if (period > 0.0 && declared != period) {
-        refuse_window(scene.measure, "in", "the forces declare several periods: say which is meant",
+        refuse_window(code_without_period(scene), scene.measure, "in",
+                      "the forces declare several periods: say which is meant",
                       "period = a length");
       }
       period = declared;
@@ -109,8 +118,8 @@ double period_of_driver(const Model& model) {
     }
   }
   if (!(period > 0.0)) {
-    refuse_window(scene.measure, "in", "no force declares a period along the driver's way",
-                  "period = a length");
+    refuse_window(code_without_period(scene), scene.measure, "in",
+                  "no force declares a period along the driver's way", "period = a length");
   }
   return period / speed;
 }
@@ -119,11 +128,11 @@ double period_of_driver(const Model& model) {
 void plan_periods(const UntilSettings& until, RunPlan& plan) {
   const double whole = std::floor(plan.duration / plan.period * (1.0 + kWindowSlack));
   if (whole < 1.0) {
-    throw InputError({{until.place, "run.until", "",
-                       fmt::format("the run ends at time {:g}, before the first period of the "
-                                   "driver is over at {:g}",
-                                   plan.duration, plan.period),
-                       "a later max, or a longer duration", ""}});
+    throw InputError({Fault(FaultCode::run_until_never, until.place, "run.until", "",
+                            fmt::format("the run ends at time {:g}, before the first period of the "
+                                        "driver is over at {:g}",
+                                        plan.duration, plan.period),
+                            "a later max, or a longer duration")});
   }
   plan.duration = whole * plan.period;
   plan.window_to = plan.period;
@@ -134,7 +143,8 @@ void plan_window(const MeasureSettings& measure, double unit, RunPlan& plan) {
   plan.window_to = measure.to ? *measure.to * unit : plan.duration;
   const bool late = plan.window_to > plan.duration * (1.0 + kWindowSlack);
   if (late || plan.window_from >= plan.duration) {
-    refuse_window(measure, plan.window_to > plan.duration ? "to" : "from",
+    refuse_window(FaultCode::run_invalid_window, measure,
+                  plan.window_to > plan.duration ? "to" : "from",
                   fmt::format("the window reaches to time {:g}, past the end of the run at {:g}",
                               std::max(plan.window_to, plan.window_from), plan.duration),
                   "a window within the run, or a longer run.duration");

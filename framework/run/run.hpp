@@ -15,6 +15,7 @@
 
 #include "framework/core/system/instruction_set.hpp"
 #include "framework/core/system/state_layout.hpp"
+#include "framework/core/text/fault_code.hpp"
 #include "framework/model/assembly.hpp"
 #include "framework/run/result_group.hpp"
 #include "framework/scene/scene.hpp"
@@ -37,6 +38,7 @@ struct RunFailure {
   std::string force;  ///< the force that acts most strongly there
   std::string what;   ///< what was noticed
   std::string cause;  ///< the likely cause
+  FaultCode code = FaultCode::run_step_unstable;
 };
 
 /// One sentence with everything in it.

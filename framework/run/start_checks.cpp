@@ -54,9 +54,11 @@ double fastest_of(const Model::Body& body, double duration) {
 }
 
 /// A run that fails before its first step; the first reason is the one that is reported.
-void fail(Check& check, const std::string& body, std::string what, std::string cause) {
+void fail(FaultCode code, Check& check, const std::string& body, std::string what,
+          std::string cause) {
   if (check.found.failure) return;
   RunFailure& failure = check.found.failure.emplace();
+  failure.code = code;
   failure.body = body;
   failure.what = std::move(what);
   failure.cause = std::move(cause);
@@ -206,6 +208,7 @@ void check_step(Check& check) {
   }
   RunFailure failure = diagnose(check.model, check.scheme, StepFault::not_finite_or_too_far, 0,
                                 DoubleDouble(0.0), check.plan.dt, check.found.stable_step);
+  failure.code = FaultCode::run_step_unstable;
   failure.what = fmt::format("dt = {:g} is beyond the stability limit of {}, about {:.4g}",
                              check.plan.dt, check.scheme.name, check.found.stable_step);
   failure.force = check.model.stiffest_force();
@@ -220,7 +223,8 @@ void check_inertia(Check& check) {
   for (const Model::Body& body : check.model.bodies()) {
     if (!body.bound.slot.rigid || !body.rotates() || body.rotation_held) continue;
     if (reach_of(body) == 0.0 || std::isnormal(body.inertia)) continue;
-    fail(check, body.bound.name, "its moment of inertia is beyond the range of numbers",
+    fail(FaultCode::matrix_singular, check, body.bound.name,
+         "its moment of inertia is beyond the range of numbers",
          "lengths or masses too small or too large; take other units");
   }
 }
@@ -273,7 +277,8 @@ void check_places(Check& check) {
     if (worst <= kUselessPlaces) {
       check.found.warnings.push_back(body.bound.name + ": " + what);
     } else {
-      fail(check, body.bound.name, what, "start nearer to zero, or in a finer number_type");
+      fail(FaultCode::number_type_unsuitable, check, body.bound.name, what,
+           "start nearer to zero, or in a finer number_type");
     }
   }
 }
@@ -302,7 +307,7 @@ void check_ways(Check& check) {
     if (!body.prescribed()) continue;
     const double way = fastest_of(body, check.plan.duration) * check.plan.dt;
     if (!(way > period)) continue;
-    fail(check, body.bound.name,
+    fail(FaultCode::run_step_unstable, check, body.bound.name,
          fmt::format("its prescribed motion is {:.3g} periods long in a step", way / period),
          fmt::format("dt = {:g} is too long for it", check.plan.dt));
   }
@@ -324,7 +329,7 @@ void check_drag(Check& check) {
     check.found.warnings.push_back(what);
     return;
   }
-  fail(check, "", what,
+  fail(FaultCode::run_step_unstable, check, "", what,
        "take a smaller dt, dynamics = \"overdamped\", or insist with run.allow_unstable = "
        "true");
 }
@@ -338,7 +343,7 @@ void check_pace(Check& check) {
       std::min(check.model.longest_lasting_step(check.scheme), check.found.longest_step);
   // A few steps are soon used up; and forces without bound fail for what they are.
   if (!(longest > 0.0) || check.plan.duration / longest <= std::max(most, kSoonTaken)) return;
-  fail(check, "",
+  fail(FaultCode::run_step_limit, check, "",
        fmt::format("the run would take at least {:.2g} steps: {} keeps no step beyond "
                    "about {:.2g} here",
                    check.plan.duration / longest, check.scheme.name, longest),
@@ -369,7 +374,7 @@ void warn_of_coarse_tolerance(Check& check) {
     check.found.warnings.push_back(what + ": results follow the steps");
     return;
   }
-  fail(check, "", what + ": the result would mean nothing",
+  fail(FaultCode::scene_out_of_range, check, "", what + ": the result would mean nothing",
        fmt::format("take finer tolerances, absolute ones well below {:.2g}; without "
                    "absolute_tolerance it is 1e-9 of the scene's length, {:g}",
                    kCoarseTolerance * shortest * scales.length, scales.length));

@@ -16,11 +16,11 @@ bool has_size(const TableReading& reading, const char* key, std::size_t given, i
               FaultList& faults) {
   if (!reading.has(key)) return false;
   if (given == static_cast<std::size_t>(dimension)) return true;
-  reading.complain(
-      faults, key,
-      {"", fmt::format("mixed dimensions: {} given, but the scene has {}, by its first "
-                       "body",
-                       given, dimension)});
+  reading.complain(faults, key,
+                   {FaultCode::scene_wrong_count, "",
+                    fmt::format("mixed dimensions: {} given, but the scene has {}, by its first "
+                                "body",
+                                given, dimension)});
   return false;
 }
 
@@ -40,7 +40,7 @@ void check_period(const ForceDraft& force, int axis, double length, const TableR
   const double period = force.record->period(force.description.get(), axis);
   if (period <= 0.0 || divides(period, length)) return;
   reading.complain(faults, "lengths",
-                   {"",
+                   {FaultCode::box_invalid, "",
                     fmt::format("along {} the period {} of {} does not divide the length {}",
                                 "xyz"[axis], period, quoted_text(force.name), length),
                     nearest_lengths(period, length)});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <type_traits>
@@ -69,8 +70,14 @@ std::size_t length_of(const ParameterValue& value) {
   return vectors.empty() ? 0 : vectors.front().components.size();
 }
 
-/// Empty when every vector of the value has that many components.
-std::string wrong_dimension(const ParameterValue& value, int dimension) {
+/// What does not fit the scene's dimension or the bodies.
+struct WrongValue {
+  FaultCode code;
+  std::string why;
+};
+
+/// Nothing when every vector of the value has that many components.
+std::optional<WrongValue> wrong_dimension(const ParameterValue& value, int dimension) {
   std::vector<SpaceVector> vectors;
   if (const auto* vector = std::get_if<SpaceVector>(&value)) vectors = {*vector};
   if (const auto* list = std::get_if<PerParticleVector>(&value)) vectors = list->values;
@@ -78,104 +85,118 @@ std::string wrong_dimension(const ParameterValue& value, int dimension) {
     const std::size_t length = vectors[i].components.size();
     if (length == 0 || length == static_cast<std::size_t>(dimension)) continue;
     const std::string which = vectors.size() > 1 ? fmt::format("vector {} has ", i) : "";
-    return fmt::format(
-        "mixed dimensions: {}{} component{}, but the scene has {}, by its first body", which,
-        length, length == 1 ? "" : "s", dimension);
+    return WrongValue{
+        FaultCode::scene_wrong_count,
+        fmt::format("mixed dimensions: {}{} component{}, but the scene has {}, by its first body",
+                    which, length, length == 1 ? "" : "s", dimension)};
   }
-  return "";
+  return std::nullopt;
 }
 
-std::string wrong_index(const std::string& pair, std::int64_t index, const BodyDraft& body) {
-  if (index >= 0 && index < *body.count) return "";
-  return fmt::format("{}: indices of {} are 0 to {}", pair, quoted_text(body.name),
-                     *body.count - 1);
+std::optional<WrongValue> wrong_index(const std::string& pair, std::int64_t index,
+                                      const BodyDraft& body) {
+  if (index >= 0 && index < *body.count) return std::nullopt;
+  return WrongValue{
+      FaultCode::scene_out_of_range,
+      fmt::format("{}: indices of {} are 0 to {}", pair, quoted_text(body.name), *body.count - 1)};
 }
 
 /// Pairs within a body; either order is the same pair.
-std::string wrong_pairs(const PairSelection& pairs, const BodyDraft& body) {
+std::optional<WrongValue> wrong_pairs(const PairSelection& pairs, const BodyDraft& body) {
   std::set<std::array<std::int64_t, 2>> seen;
   for (const auto& [first, second] : pairs.list) {
     const std::string pair = fmt::format("pair [{}, {}]", first, second);
     if (std::min(first, second) < 0 || std::max(first, second) >= *body.count) {
-      return fmt::format("{}: indices are 0 to {}", pair, *body.count - 1);
+      return WrongValue{FaultCode::scene_out_of_range,
+                        fmt::format("{}: indices are 0 to {}", pair, *body.count - 1)};
     }
-    if (first == second) return pair + ": a particle and itself";
+    if (first == second) {
+      return WrongValue{FaultCode::component_invalid, pair + ": a particle and itself"};
+    }
     if (!seen.insert({std::min(first, second), std::max(first, second)}).second) {
-      return pair + " is given twice";
+      return WrongValue{FaultCode::scene_duplicate_key, pair + " is given twice"};
     }
   }
-  return "";
+  return std::nullopt;
 }
 
 /// Pairs of a particle of the first body with one of the second.
-std::string wrong_pairs(const PairSelection& pairs, const BodyDraft& one, const BodyDraft& other) {
+std::optional<WrongValue> wrong_pairs(const PairSelection& pairs, const BodyDraft& one,
+                                      const BodyDraft& other) {
   if (pairs.kind == PairSelection::Kind::neighbours) {
-    return "particles of two bodies are no neighbours; give \"all\" or a list of index pairs";
+    return WrongValue{
+        FaultCode::component_unsuitable,
+        "particles of two bodies are no neighbours; give \"all\" or a list of index pairs"};
   }
   std::set<std::array<std::int64_t, 2>> seen;
   for (const auto& [first, second] : pairs.list) {
     const std::string pair = fmt::format("pair [{}, {}]", first, second);
-    std::string why = wrong_index(pair, first, one);
-    if (why.empty()) why = wrong_index(pair, second, other);
-    if (!why.empty()) return why;
-    if (!seen.insert({first, second}).second) return pair + " is given twice";
+    if (auto found = wrong_index(pair, first, one)) return found;
+    if (auto found = wrong_index(pair, second, other)) return found;
+    if (!seen.insert({first, second}).second) {
+      return WrongValue{FaultCode::scene_duplicate_key, pair + " is given twice"};
+    }
   }
-  return "";
+  return std::nullopt;
 }
 
 /// Triples of different particles of a body; either direction is the same angle.
-std::string wrong_angles(const AngleSelection& angles, const BodyDraft& body) {
+std::optional<WrongValue> wrong_angles(const AngleSelection& angles, const BodyDraft& body) {
   std::set<std::array<std::int64_t, 3>> seen;
   for (const auto& [first, middle, last] : angles.list) {
     const std::string angle = fmt::format("angle [{}, {}, {}]", first, middle, last);
     if (std::min({first, middle, last}) < 0 || std::max({first, middle, last}) >= *body.count) {
-      return fmt::format("{}: indices are 0 to {}", angle, *body.count - 1);
+      return WrongValue{FaultCode::scene_out_of_range,
+                        fmt::format("{}: indices are 0 to {}", angle, *body.count - 1)};
     }
     if (first == middle || middle == last || first == last) {
-      return angle + ": an angle has three different particles";
+      return WrongValue{FaultCode::component_invalid,
+                        angle + ": an angle has three different particles"};
     }
     if (!seen.insert({std::min(first, last), middle, std::max(first, last)}).second) {
-      return angle + " is given twice";
+      return WrongValue{FaultCode::scene_duplicate_key, angle + " is given twice"};
     }
   }
-  return "";
+  return std::nullopt;
 }
 
-/// Empty when lists have one entry or one per particle, and indices name particles.
-std::string wrong_for_body(const ParameterValue& value, const BodyDraft& body) {
+/// Nothing when lists have one entry or one per particle, and indices name particles.
+std::optional<WrongValue> wrong_for_body(const ParameterValue& value, const BodyDraft& body) {
   const std::int64_t count = *body.count;
   return std::visit(
-      [&](const auto& given) -> std::string {
+      [&](const auto& given) -> std::optional<WrongValue> {
         using Kind = std::decay_t<decltype(given)>;
         if constexpr (std::is_same_v<Kind, PerParticle> ||
                       std::is_same_v<Kind, PerParticleVector>) {
           const std::size_t length = given.values.size();
-          if (length <= 1 || length == static_cast<std::size_t>(count)) return "";
-          return fmt::format("{} entries, but the body has {} particle{}", length, count,
-                             count == 1 ? "" : "s");
+          if (length <= 1 || length == static_cast<std::size_t>(count)) return std::nullopt;
+          return WrongValue{FaultCode::scene_wrong_count,
+                            fmt::format("{} entries, but the body has {} particle{}", length, count,
+                                        count == 1 ? "" : "s")};
         } else if constexpr (std::is_same_v<Kind, PairSelection>) {
           return wrong_pairs(given, body);
         } else if constexpr (std::is_same_v<Kind, AngleSelection>) {
           return wrong_angles(given, body);
         } else if constexpr (std::is_same_v<Kind, Attachment>) {
-          if (given.kind != Attachment::Kind::particle) return "";
-          if (given.particle >= 0 && given.particle < count) return "";
-          return fmt::format("there is no particle {}: indices are 0 to {}", given.particle,
-                             count - 1);
+          if (given.kind != Attachment::Kind::particle) return std::nullopt;
+          if (given.particle >= 0 && given.particle < count) return std::nullopt;
+          return WrongValue{FaultCode::scene_out_of_range,
+                            fmt::format("there is no particle {}: indices are 0 to {}",
+                                        given.particle, count - 1)};
         } else {
-          return "";
+          return std::nullopt;
         }
       },
       value);
 }
 
 /// The same for a component of several bodies; what a list would be one each of is not known.
-std::string wrong_for_bodies(const ParameterValue& value,
-                             const std::vector<const BodyDraft*>& bodies) {
+std::optional<WrongValue> wrong_for_bodies(const ParameterValue& value,
+                                           const std::vector<const BodyDraft*>& bodies) {
   if (bodies.size() == 1) return wrong_for_body(value, *bodies.front());
   const auto* pairs = std::get_if<PairSelection>(&value);
   if (bodies.size() == 2 && pairs) return wrong_pairs(*pairs, *bodies[0], *bodies[1]);
-  return "";
+  return std::nullopt;
 }
 
 /// Each sound key on its own; true when nothing is wrong. No bodies: not all counts are known.
@@ -183,11 +204,11 @@ bool check_values(const TableReading& reading, std::optional<int> dimension,
                   const std::vector<const BodyDraft*>& bodies, FaultList& faults) {
   bool sound = true;
   for (const auto& [key, value] : reading.values) {
-    std::string why;
-    if (dimension) why = wrong_dimension(value, *dimension);
-    if (why.empty()) why = wrong_for_bodies(value, bodies);
-    if (why.empty()) continue;
-    reading.complain(faults, key, {"", why});
+    std::optional<WrongValue> found;
+    if (dimension) found = wrong_dimension(value, *dimension);
+    if (!found) found = wrong_for_bodies(value, bodies);
+    if (!found) continue;
+    reading.complain(faults, key, {found->code, "", found->why});
     sound = false;
   }
   return sound;
@@ -339,7 +360,7 @@ void check_observers(std::vector<ObserverDraft>& observers, const std::vector<Bo
 void report(const std::vector<Complaint>& complaints, const TableReading& reading,
             FaultList& faults) {
   for (const Complaint& complaint : complaints) {
-    const Wrong wrong{"", complaint.why, complaint.admissible, complaint.nearest};
+    const Wrong wrong{complaint.code, "", complaint.why, complaint.admissible, complaint.nearest};
     if (complaint.column) {
       reading.complain_inside(faults, complaint.key, complaint.index, *complaint.column, wrong);
     } else {

@@ -65,8 +65,10 @@ template <class Look>
 std::vector<Complaint> complaints_of(const ComponentRecord& record, Look look) {
   if (record.library.empty()) return look();
   const auto thrown = [&](const std::string& said) -> std::vector<Complaint> {
-    return {{"type", "the plugin " + record.library +
-                         " has thrown an exception while looking at the scene: " + said}};
+    return {{.key = "type",
+             .why = "the plugin " + record.library +
+                    " has thrown an exception while looking at the scene: " + said,
+             .code = FaultCode::plugin_error}};
   };
   try {
     return look();

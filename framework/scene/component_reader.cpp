@@ -30,18 +30,21 @@ std::string read_name(SceneDraft& draft, const SceneSection& given,
     const std::size_t same_type = types.at(*type);
     if (same_type == 1) return *type;
     draft.faults.of_key(given.where,
-                        {key, fmt::format("missing: {} share the type {}", same_type,
-                                          quoted_text(shortened(*type, kLongestShownValue)))});
+                        {FaultCode::scene_missing_key, key,
+                         fmt::format("missing: {} share the type {}", same_type,
+                                     quoted_text(shortened(*type, kLongestShownValue)))});
     return "";
   }
   const auto* name = node->as<std::string>();
   if (name == nullptr) {
-    draft.faults.of_value(*node, {key, "found " + kind_of(*node), "text"});
-  } else if (!is_component_name(*name)) {
     draft.faults.of_value(*node,
-                          {key, "not a name", "letters, digits, _ and -, the first a letter or _"});
+                          {FaultCode::scene_wrong_type, key, "found " + kind_of(*node), "text"});
+  } else if (!is_component_name(*name)) {
+    draft.faults.of_value(*node, {FaultCode::scene_invalid_name, key, "not a name",
+                                  "letters, digits, _ and -, the first a letter or _"});
   } else if (is_word_of_summary(*name)) {
-    draft.faults.of_value(*node, {key, "a word of the summary; choose another name"});
+    draft.faults.of_value(
+        *node, {FaultCode::scene_invalid_name, key, "a word of the summary; choose another name"});
   } else {
     return *name;
   }
@@ -106,14 +109,15 @@ void note_name(SceneDraft& draft, const BodyDraft& body, const SceneSection& giv
 std::optional<std::size_t> body_named(SceneDraft& draft, const Node& node, const std::string& key) {
   const auto* name = node.as<std::string>();
   if (name == nullptr) {
-    draft.faults.of_value(node, {key, "found " + kind_of(node), "the name of a body"});
+    draft.faults.of_value(
+        node, {FaultCode::scene_wrong_type, key, "found " + kind_of(node), "the name of a body"});
     return std::nullopt;
   }
   const auto found = draft.body_indices.find(*name);
   if (found != draft.body_indices.end()) return found->second;
   const auto names = names_of(draft.bodies);
-  draft.faults.of_value(
-      node, {key, "there is no such body", listed(names), nearest_name(*name, names).value_or("")});
+  draft.faults.of_value(node, {FaultCode::scene_unknown_name, key, "there is no such body",
+                               listed(names), nearest_name(*name, names).value_or("")});
   return std::nullopt;
 }
 
@@ -127,8 +131,9 @@ void read_bodies_of(SceneDraft& draft, Component& component, const SceneSection&
   const Node* one = given.table->find("body");
   const Node* several = given.table->find("bodies");
   if (one && several) {
-    draft.faults.of_key(given.table->find_entry("bodies")->where,
-                        {path + ".bodies", "body is given too", "one of the two"});
+    draft.faults.of_key(
+        given.table->find_entry("bodies")->where,
+        {FaultCode::scene_conflict, path + ".bodies", "body is given too", "one of the two"});
     return;
   }
   const std::string key = path + (several ? ".bodies" : ".body");
@@ -140,7 +145,8 @@ void read_bodies_of(SceneDraft& draft, Component& component, const SceneSection&
     component.bodies = {0};
   } else {
     draft.faults.of_key(given.where,
-                        {key, "missing: there are several bodies", listed(names_of(draft.bodies))});
+                        {FaultCode::scene_missing_key, key, "missing: there are several bodies",
+                         listed(names_of(draft.bodies))});
   }
   if (component.record == nullptr || component.bodies.empty()) return;
   const auto count = static_cast<int>(component.bodies.size());
@@ -149,8 +155,9 @@ void read_bodies_of(SceneDraft& draft, Component& component, const SceneSection&
   if (count >= fewest && count <= most) return;
   const std::string due =
       fewest == most ? fmt::format("{}", most) : fmt::format("{} to {}", fewest, most);
-  const Wrong wrong{key, fmt::format("found {} bod{}, but {} {} {}", count,
-                                     count == 1 ? "y" : "ies", component.record->name, verb, due)};
+  const Wrong wrong{FaultCode::scene_wrong_count, key,
+                    fmt::format("found {} bod{}, but {} {} {}", count, count == 1 ? "y" : "ies",
+                                component.record->name, verb, due)};
   if (const Node* node = several ? several : one) {
     draft.faults.of_value(*node, wrong);
   } else {
@@ -173,8 +180,9 @@ class NameCheck {
       const Place place = draft_.source.place(first->second->where);
       component.reading.complain(
           draft_.faults, "name",
-          {"", fmt::format("the name {} is taken by {} in line {}", quoted_text(component.name),
-                           first->second->path, place.line)});
+          {FaultCode::scene_duplicate_name, "",
+           fmt::format("the name {} is taken by {} in line {}", quoted_text(component.name),
+                       first->second->path, place.line)});
     }
   }
 
@@ -188,7 +196,8 @@ class NameCheck {
 void read_components(SceneDraft& draft) {
   const Node* bodies = draft.document.find("body");
   if (bodies == nullptr || (bodies->as<List>() && bodies->as<List>()->empty())) {
-    draft.faults.of_key(kTopOfFile, {"body", "missing: a scene needs at least one [[body]]"});
+    draft.faults.of_key(kTopOfFile, {FaultCode::scene_missing_key, "body",
+                                     "missing: a scene needs at least one [[body]]"});
   }
   const Registry& registry = draft.registry;
   read_all(draft, "body", draft.bodies, registry.bodies(), body_layout,
@@ -216,19 +225,22 @@ std::optional<std::size_t> read_type(SceneDraft& draft, const std::string& kind,
   const std::string key = path + ".type";
   const Node* node = given.table->find("type");
   if (node == nullptr) {
-    draft.faults.of_key(given.where, {key, "missing", listed(in_quotes(names))});
+    draft.faults.of_key(given.where,
+                        {FaultCode::scene_missing_key, key, "missing", listed(in_quotes(names))});
     return std::nullopt;
   }
   const auto* type = node->as<std::string>();
   if (type == nullptr) {
-    draft.faults.of_value(*node, {key, "found " + kind_of(*node), listed(in_quotes(names))});
+    draft.faults.of_value(*node, {FaultCode::scene_wrong_type, key, "found " + kind_of(*node),
+                                  listed(in_quotes(names))});
     return std::nullopt;
   }
   const auto found = std::find(names.begin(), names.end(), *type);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
   const ReservedKey* planned = planned_word(*type);
   draft.faults.of_value(
-      *node, {key, planned ? not_in_this_version(*planned) : "there is no such " + kind,
+      *node, {planned ? FaultCode::scene_not_in_this_version : FaultCode::scene_unknown_component,
+              key, planned ? not_in_this_version(*planned) : "there is no such " + kind,
               listed(in_quotes(names)), planned ? "" : nearest_name(*type, names).value_or("")});
   return std::nullopt;
 }
@@ -236,8 +248,9 @@ std::optional<std::size_t> read_type(SceneDraft& draft, const std::string& kind,
 std::vector<std::size_t> bodies_in(SceneDraft& draft, const Node& node, const std::string& key) {
   const auto* list = node.as<List>();
   if (list == nullptr || list->empty()) {
-    draft.faults.of_value(node, {key, list ? "the list is empty" : "found " + kind_of(node),
-                                 "a list of names of bodies"});
+    draft.faults.of_value(
+        node, {list ? FaultCode::scene_wrong_count : FaultCode::scene_wrong_type, key,
+               list ? "the list is empty" : "found " + kind_of(node), "a list of names of bodies"});
     return {};
   }
   std::vector<std::size_t> result;
@@ -246,7 +259,8 @@ std::vector<std::size_t> bodies_in(SceneDraft& draft, const Node& node, const st
   for (const Node& element : *list) {
     const auto index = body_named(draft, element, key);
     if (index && !seen.insert(*index).second) {
-      draft.faults.of_value(element, {key, "the body is named twice", "different bodies"});
+      draft.faults.of_value(element, {FaultCode::scene_duplicate_key, key,
+                                      "the body is named twice", "different bodies"});
       sound = false;
     }
     if (index) result.push_back(*index);

@@ -93,15 +93,17 @@ void write_effective_scene(SceneDraft& draft) {
   // With the contents of files written out it may have become more than can be read again.
   std::optional<Wrong> wrong;
   if (text.size() > kLargestSceneFile) {
-    wrong = {"body",
-             fmt::format("with all positions written out the scene takes {} MB", text.size() >> 20),
-             fmt::format("at most {} MB", kLargestSceneFile >> 20)};
+    wrong.emplace(
+        FaultCode::scene_too_large, "body",
+        fmt::format("with all positions written out the scene takes {} MB", text.size() >> 20),
+        fmt::format("at most {} MB", kLargestSceneFile >> 20));
   } else {
     try {
       check_outline(text, draft.scene->file);
     } catch (const InputError& error) {
       const Fault& fault = error.faults().front();
-      wrong = {"body", "with all positions written out: " + fault.why, fault.admissible};
+      wrong.emplace(fault.code, "body", "with all positions written out: " + fault.why,
+                    fault.admissible);
     }
   }
   if (!wrong) return;

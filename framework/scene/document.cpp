@@ -23,9 +23,9 @@ std::string_view without_byte_order_mark(std::string_view text) {
   return text;
 }
 
-[[noreturn]] void stop(const std::string& file, const TextPlace& mark, std::string why,
-                       std::string admissible = "") {
-  Fault fault;
+[[noreturn]] void stop(FaultCode code, const std::string& file, const TextPlace& mark,
+                       std::string why, std::string admissible = "") {
+  Fault fault(code);
   fault.place = {file, static_cast<int>(mark.line), static_cast<int>(mark.column)};
   fault.why = std::move(why);
   fault.admissible = std::move(admissible);
@@ -64,7 +64,7 @@ void refuse_other_encodings(std::string_view text, const std::string& file) {
   if (valid == text.size()) return;
   Cursor cursor(text);
   cursor.advance(valid);
-  stop(file, cursor.mark(), "the file is not UTF-8 text");
+  stop(FaultCode::scene_encoding, file, cursor.mark(), "the file is not UTF-8 text");
 }
 
 void skip_string(Cursor& cursor) {
@@ -134,11 +134,11 @@ class Outline {
     // exhaust the stack. Dots are those of one key.
     dots_ = c == '.' ? dots_ + 1 : 0;
     if (brackets_ > kDeepestNesting || dots_ >= kDeepestNesting) {
-      stop(file_, cursor_.mark(), "nested too deeply",
+      stop(FaultCode::scene_too_large, file_, cursor_.mark(), "nested too deeply",
            "at most " + std::to_string(kDeepestNesting) + " levels");
     }
     if (begins_value && ++values_ > kMostValues) {
-      stop(file_, cursor_.mark(), "too many values",
+      stop(FaultCode::scene_too_large, file_, cursor_.mark(), "too many values",
            "at most " + std::to_string(kMostValues) + " values, lists and tables in a scene");
     }
   }
@@ -238,7 +238,7 @@ std::string kind_of(const Node& node) {
 void check_outline(std::string_view text, const std::string& file) { Outline(text, file).check(); }
 
 void refuse_too_large(const std::string& file) {
-  stop(file, {1, 1}, "the file is too large",
+  stop(FaultCode::scene_too_large, file, {1, 1}, "the file is too large",
        "at most " + std::to_string(kLargestSceneFile >> 20) + " MiB");
 }
 
@@ -250,7 +250,9 @@ Table parse_text(std::string_view text, const std::string& file) {
   if (text.size() > kLargestSceneFile) refuse_too_large(file);
   refuse_other_encodings(text, file);
   text = without_byte_order_mark(text);
-  if (says_nothing(text)) stop(file, {1, 1}, "the file is empty: there is no scene in it");
+  if (says_nothing(text)) {
+    stop(FaultCode::file_invalid, file, {1, 1}, "the file is empty: there is no scene in it");
+  }
   check_outline(text, file);
   try {
     const toml::table document = toml::parse(text);

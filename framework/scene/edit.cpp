@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "framework/core/text/fault_code.hpp"
 #include "framework/core/text/utf8.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
@@ -29,8 +30,8 @@ class Edit {
   }
 
  private:
-  [[noreturn]] void refuse(std::string why) const {
-    Fault fault;
+  [[noreturn]] void refuse(FaultCode code, std::string why) const {
+    Fault fault(code);
     fault.place.file = file_;
     fault.key = setting_->path;
     fault.value = setting_->value;
@@ -78,7 +79,9 @@ class Edit {
     for (; next + 1 < parts.size(); ++next) {
       const Node* below = table->find(parts[next]);
       if (below == nullptr) return begin_table(parts, next, value);
-      if (below->as<Table>() == nullptr) refuse(parts[next] + " is no table");
+      if (below->as<Table>() == nullptr) {
+        refuse(FaultCode::scene_unknown_key, parts[next] + " is no table");
+      }
       node = below;
       table = below->as<Table>();
     }
@@ -101,7 +104,7 @@ class Edit {
         if (table != nullptr && name_of(*table) == parts[1]) return &one;
       }
     }
-    refuse("there is no " + parts[0] + " of that name");
+    refuse(FaultCode::scene_unknown_name, "there is no " + parts[0] + " of that name");
   }
 
   /// A table that is not there yet: at the end where it is one of the scene's own.
@@ -110,7 +113,7 @@ class Edit {
     const std::vector<std::string>& own = top_level_keys();
     const bool known = std::find(own.begin(), own.end(), parts[0]) != own.end();
     if (next != 0 || parts.size() != 2 || !known) {
-      refuse("there is no table " + parts[next] + " to put it in");
+      refuse(FaultCode::scene_unknown_key, "there is no table " + parts[next] + " to put it in");
     }
     start_of_next_line(text_.size());
     text_ += "\n[" + key_text(parts[0]) + "]\n" + key_text(parts[1]) + " = " + value + "\n";
@@ -119,7 +122,9 @@ class Edit {
   /// A new line below the last of the table's own.
   void insert(const Table& table, const Node& node, const std::string& key,
               const std::string& value) {
-    if (is_inline(node)) refuse("the table is written in one line");
+    if (is_inline(node)) {
+      refuse(FaultCode::command_invalid_value, "the table is written in one line");
+    }
     std::size_t last = span(node.where).first;
     std::size_t end = last;
     for (const Entry& entry : table.entries) {
@@ -139,7 +144,7 @@ class Edit {
   void replace_table(const std::vector<std::string>& parts, const std::string& value) {
     const Node replacement = parse_setting(value, 1);
     const Table* table = replacement.as<Table>();
-    if (table == nullptr) refuse(parts.back() + " is a table");
+    if (table == nullptr) refuse(FaultCode::scene_wrong_type, parts.back() + " is a table");
     for (const Entry& entry : table->entries) put_below(parts, entry);
     comment_out(parts, *table);
   }

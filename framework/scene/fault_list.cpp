@@ -47,13 +47,13 @@ std::vector<Fault> FaultList::in_order() const {
 void FaultList::add(std::uint32_t setting, Place place, std::string value, Wrong wrong) {
   if (faults_.size() == kMostFaults) {
     std::vector<Fault> faults = in_order();
-    Fault more;
+    Fault more(FaultCode::scene_too_many_faults);
     more.place = faults.back().place;
     more.why = "and more faults; these were the first that were found";
     faults.push_back(std::move(more));
     throw InputError(std::move(faults));
   }
-  Fault fault;
+  Fault fault(wrong.code);
   fault.place = std::move(place);
   fault.key = std::move(wrong.key);
   fault.value = std::move(value);

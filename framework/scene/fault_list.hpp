@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "framework/core/text/fault.hpp"
@@ -12,10 +13,19 @@ namespace tomlin {
 
 /// What is wrong with one place of a scene.
 struct Wrong {
+  Wrong(FaultCode code_of_fault, std::string path, std::string what_is_wrong,
+        std::string what_would_be_right = "", std::string nearest_name = "")
+      : code(code_of_fault),
+        key(std::move(path)),
+        why(std::move(what_is_wrong)),
+        admissible(std::move(what_would_be_right)),
+        nearest(std::move(nearest_name)) {}
+
+  FaultCode code;
   std::string key;  ///< dotted path
   std::string why;
-  std::string admissible = {};
-  std::string nearest = {};
+  std::string admissible;
+  std::string nearest;
 };
 
 /// A fault, and in the how manyeth `--set`; 0: in the file.

@@ -38,7 +38,8 @@ class FreedomCheck {
   void complain(const std::string& key, std::string why, std::string admissible = "") {
     const Entry* entry = body_.reading.given->find_entry(key);
     const Extent& where = entry ? entry->where : body_.reading.where;
-    faults_.of_key(where, {body_.reading.path + "." + key, std::move(why), std::move(admissible)});
+    faults_.of_key(where, {FaultCode::body_invalid_coordinates, body_.reading.path + "." + key,
+                           std::move(why), std::move(admissible)});
     body_.sound = false;
   }
 
@@ -98,17 +99,19 @@ class FreedomCheck {
     const std::size_t length = motion.velocity.size();
     if (length != dimension) {
       refuse(
-          given, "velocity",
+          FaultCode::scene_wrong_count, given, "velocity",
           fmt::format("mixed dimensions: {} component{}, but the scene has {}, by its first body",
                       length, length == 1 ? "" : "s", dimension));
     }
     if (dimension != 2 && given.find("angular_velocity") != nullptr) {
-      refuse(given, "angular_velocity", "only a planar body turns by one number");
+      refuse(FaultCode::body_invalid_coordinates, given, "angular_velocity",
+             "only a planar body turns by one number");
     }
   }
 
-  void refuse(const Table& motion, const std::string& key, std::string why) {
-    faults_.of_value(*motion.find(key), {body_.reading.path + ".motion." + key, std::move(why)});
+  void refuse(FaultCode code, const Table& motion, const std::string& key, std::string why) {
+    faults_.of_value(*motion.find(key),
+                     {code, body_.reading.path + ".motion." + key, std::move(why)});
     body_.sound = false;
   }
 

@@ -30,8 +30,8 @@ bool add_parameter(SceneDraft& draft, const Entry& entry) {
   } else {
     // Known but without a value, so that nothing that uses it is called unknown.
     draft.parameters.add(entry.key, std::numeric_limits<double>::quiet_NaN());
-    draft.faults.of_value(
-        node, {parameter_path(entry), "found " + kind_of(node), "a number or an expression"});
+    draft.faults.of_value(node, {FaultCode::scene_wrong_type, parameter_path(entry),
+                                 "found " + kind_of(node), "a number or an expression"});
     return false;
   }
   return true;
@@ -53,9 +53,10 @@ void read_libraries(SceneDraft& draft) {
       add(*library);
       continue;
     }
-    draft.faults.of_key(draft.document.find_entry("plugins")->where,
-                        {"plugins", named.path.string() + " has not been loaded",
-                         "a program that loads plugins before it reads the scene"});
+    draft.faults.of_key(
+        draft.document.find_entry("plugins")->where,
+        {FaultCode::plugin_cannot_load, "plugins", named.path.string() + " has not been loaded",
+         "a program that loads plugins before it reads the scene"});
   }
   for (const Library& library : draft.registry.libraries()) {
     if (library.everywhere) add(library);
@@ -71,7 +72,8 @@ void read_parameters(SceneDraft& draft) {
   if (!given) return;
   const auto& entries = given->table->entries;
   if (entries.size() > kMostParameters) {
-    draft.faults.of_key(given->where, {"parameters", fmt::format("there are {}", entries.size()),
+    draft.faults.of_key(given->where, {FaultCode::scene_too_large, "parameters",
+                                       fmt::format("there are {}", entries.size()),
                                        fmt::format("at most {}", kMostParameters)});
     return;
   }
@@ -81,7 +83,7 @@ void read_parameters(SceneDraft& draft) {
   for (const ParameterFault& fault : draft.parameters.faults()) {
     if (reported[fault.entry]) continue;
     const Entry& entry = entries[fault.entry];
-    const Wrong wrong{parameter_path(entry), fault.why, "", fault.nearest};
+    const Wrong wrong{fault.code, parameter_path(entry), fault.why, "", fault.nearest};
     if (fault.part == ParameterFault::Part::name) {
       draft.faults.of_key(entry.where, wrong);
     } else {

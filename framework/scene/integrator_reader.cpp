@@ -46,8 +46,8 @@ void take_any_integrator(SceneDraft& draft, const SceneSection& run, bool quasis
     draft.scene->run.integrator.place = draft.source.place(run.where);
     return;
   }
-  draft.faults.of_key(run.where,
-                      {"run.accuracy", "there is no adaptive integrator", "an integrator"});
+  draft.faults.of_key(run.where, {FaultCode::run_no_accuracy, "run.accuracy",
+                                  "there is no adaptive integrator", "an integrator"});
 }
 
 /// `{ type = ... }` of the scheme that follows equilibria.
@@ -65,7 +65,8 @@ void fit_to_dynamics(SceneDraft& draft, const TableReading& reading,
                      const IntegratorRecord& given) {
   if (given.follows_equilibria) {
     reading.complain(draft.faults, "type",
-                     {"", "follows equilibria: it is for dynamics = \"quasistatic\" alone",
+                     {FaultCode::integrator_unsuitable, "",
+                      "follows equilibria: it is for dynamics = \"quasistatic\" alone",
                       "another integrator, or run.dynamics = \"quasistatic\""});
     return;
   }
@@ -90,14 +91,15 @@ std::optional<Node> read_integrator(SceneDraft& draft, const SceneSection& run) 
       take_any_integrator(draft, run, quasistatic);
       return std::nullopt;
     }
-    draft.faults.of_key(
-        accuracy->where,
-        {"run.accuracy", "stands in place of an integrator, and there is one", "one of the two"});
+    draft.faults.of_key(accuracy->where,
+                        {FaultCode::scene_conflict, "run.accuracy",
+                         "stands in place of an integrator, and there is one", "one of the two"});
   }
   const Node by_default{following_scheme(draft.registry), run.where};
   if (node == nullptr && quasistatic) node = &by_default;
   if (node == nullptr) {
-    draft.faults.of_key(run.where, {path, "missing", due + ", or accuracy"});
+    draft.faults.of_key(run.where,
+                        {FaultCode::scene_missing_key, path, "missing", due + ", or accuracy"});
     return std::nullopt;
   }
   const auto given = draft.inside(*node, path, due);

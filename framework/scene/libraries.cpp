@@ -13,7 +13,8 @@ std::vector<NamedLibrary> named_libraries(const Table& document, const std::stri
   const std::string due = "a list of shared libraries, [\"libmorse.so\"]";
   const auto* list = node->as<List>();
   if (list == nullptr || list->size() > kMostLibraries) {
-    faults.of_value(*node, {"plugins", list ? "too many" : "found " + kind_of(*node), due});
+    faults.of_value(*node, {list ? FaultCode::scene_too_large : FaultCode::scene_wrong_type,
+                            "plugins", list ? "too many" : "found " + kind_of(*node), due});
     return {};
   }
   std::vector<NamedLibrary> libraries;
@@ -22,9 +23,11 @@ std::vector<NamedLibrary> named_libraries(const Table& document, const std::stri
   for (const Node& element : *list) {
     const auto* name = element.as<std::string>();
     if (name == nullptr) {
-      faults.of_value(element, {"plugins", "found " + kind_of(element), due});
+      faults.of_value(element,
+                      {FaultCode::scene_wrong_type, "plugins", "found " + kind_of(element), due});
     } else if (name->empty() || name->find('\0') != std::string::npos) {
-      faults.of_value(element, {"plugins", "not the name of a file", due});
+      faults.of_value(element,
+                      {FaultCode::plugin_cannot_load, "plugins", "not the name of a file", due});
     } else {
       libraries.push_back(
           {*name, (folder / *name).lexically_normal(), source.place(element.where)});

@@ -44,7 +44,8 @@ class MotionReader {
   std::optional<std::vector<TimeFunction>> vector(const Node& node, const std::string& key) {
     const auto* list = node.as<List>();
     if (list == nullptr) {
-      faults_.of_value(node, {key, "found " + kind_of(node), kVelocityDue});
+      faults_.of_value(node,
+                       {FaultCode::scene_wrong_type, key, "found " + kind_of(node), kVelocityDue});
       return std::nullopt;
     }
     std::vector<TimeFunction> result;
@@ -53,9 +54,10 @@ class MotionReader {
     }
     if (result.size() < list->size()) return std::nullopt;
     if (!result.empty() && result.size() <= kMostDimensions) return result;
-    faults_.of_value(
-        node, {key, result.empty() ? "the list is empty" : "space has at most three dimensions",
-               kVelocityDue});
+    faults_.of_value(node,
+                     {FaultCode::scene_wrong_count, key,
+                      result.empty() ? "the list is empty" : "space has at most three dimensions",
+                      kVelocityDue});
     return std::nullopt;
   }
 
@@ -68,8 +70,8 @@ class MotionReader {
     if (given != nullptr && std::isfinite(*given)) {
       return constant_function(*given, value_text(node));
     }
-    faults_.of_value(node,
-                     {key, given ? "not a finite number" : "found " + kind_of(node), kNumberDue});
+    faults_.of_value(node, {given ? FaultCode::scene_not_finite : FaultCode::scene_wrong_type, key,
+                            given ? "not a finite number" : "found " + kind_of(node), kNumberDue});
     return std::nullopt;
   }
 
@@ -103,7 +105,7 @@ class MotionReader {
 
   std::nullopt_t refuse(const Node& node, const std::string& key, const ExpressionError& error) {
     if (!error.consequence) {
-      faults_.inside(node, error.column, {key, error.why, "", error.nearest});
+      faults_.inside(node, error.column, {error.code, key, error.why, "", error.nearest});
     }
     return std::nullopt;
   }
@@ -118,8 +120,8 @@ std::optional<Motion> read_motion(const Node& node, const std::string& key,
                                   const ParameterTable& parameters, FaultList& faults) {
   const auto* table = node.as<Table>();
   if (table == nullptr) {
-    faults.of_value(node,
-                    {key, "found " + kind_of(node), "{ velocity = [..], angular_velocity = .. }"});
+    faults.of_value(node, {FaultCode::scene_wrong_type, key, "found " + kind_of(node),
+                           "{ velocity = [..], angular_velocity = .. }"});
     return std::nullopt;
   }
   MotionReader reader(parameters, faults);

@@ -89,12 +89,13 @@ std::optional<std::size_t> ParameterTable::find(std::string_view name) const {
 
 void ParameterTable::fault(std::size_t entry, ParameterFault::Part part, ExpressionError error) {
   faults_.push_back({entries_[entry].name, entry, part, error.column, std::move(error.why),
-                     std::move(error.nearest)});
+                     std::move(error.nearest), error.code});
 }
 
 void ParameterTable::check_names() {
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const std::string& name = entries_[i].name;
+    FaultCode code = FaultCode::scene_invalid_name;
     std::string why;
     if (!is_identifier(name)) {
       why = "a parameter's name is a letter or '_' followed by letters, digits and '_'";
@@ -105,19 +106,24 @@ void ParameterTable::check_names() {
     } else if (is_variable(name)) {
       why = in_quotes(name) + " is a variable of expressions; choose another name";
     } else if (by_name_.at(name) != i) {
+      code = FaultCode::scene_duplicate_key;
       why = "the parameter is given twice";
     }
-    if (!why.empty()) fault(i, ParameterFault::Part::name, {0, std::move(why)});
+    if (!why.empty()) fault(i, ParameterFault::Part::name, {.why = std::move(why), .code = code});
   }
 }
 
 ExpressionError ParameterTable::explain_unknown(std::string_view name, std::size_t column,
                                                 std::optional<std::size_t> user) const {
   if (is_variable(name)) {
-    return {column, in_quotes(name) + " is a variable; it has no value here"};
+    return {.column = column,
+            .why = in_quotes(name) + " is a variable; it has no value here",
+            .code = FaultCode::expression_unknown_name};
   }
-  const std::string why = "there is no parameter " + in_quotes(name);
-  if (faults_.size() >= kMostSuggestions) return {column, why};
+  ExpressionError error{.column = column,
+                        .why = "there is no parameter " + in_quotes(name),
+                        .code = FaultCode::expression_unknown_name};
+  if (faults_.size() >= kMostSuggestions) return error;
   std::vector<std::string> valid_names{std::string("pi")};
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const std::string& valid = entries_[i].name;
@@ -125,10 +131,10 @@ ExpressionError ParameterTable::explain_unknown(std::string_view name, std::size
   }
   const auto nearest = nearest_name(name, valid_names);
   if (!nearest && is_unit(name)) {
-    return {column,
-            why + ", and no units are known: give it a value in [parameters], or leave it out"};
+    error.why += ", and no units are known: give it a value in [parameters], or leave it out";
   }
-  return {column, why, nearest.value_or("")};
+  error.nearest = nearest.value_or("");
+  return error;
 }
 
 std::vector<std::vector<ParameterTable::Edge>> ParameterTable::find_references() {
@@ -165,7 +171,9 @@ void ParameterTable::report_cycle(std::vector<std::size_t> cycle,
       std::find_if(edges[cycle[0]].begin(), edges[cycle[0]].end(),
                    [next](const Edge& candidate) { return candidate.target == next; });
   fault(cycle[0], ParameterFault::Part::value,
-        {edge->column, "the parameter depends on itself: " + path});
+        {.column = edge->column,
+         .why = "the parameter depends on itself: " + path,
+         .code = FaultCode::expression_cycle});
 }
 
 void ParameterTable::compute(std::size_t index) {
@@ -174,7 +182,8 @@ void ParameterTable::compute(std::size_t index) {
     if (std::isfinite(*number)) {
       entry.value = *number;
     } else {
-      fault(index, ParameterFault::Part::value, {0, "the number is not finite"});
+      fault(index, ParameterFault::Part::value,
+            {.why = "the number is not finite", .code = FaultCode::scene_not_finite});
     }
   } else if (const auto* error = std::get_if<ExpressionError>(&entry.source)) {
     fault(index, ParameterFault::Part::value, *error);
@@ -298,8 +307,10 @@ std::variant<BoundExpression, ExpressionError> ParameterTable::bind(
     if (const auto known = value(used.name)) {
       bound.parameters.emplace_back(used.name, *known);
     } else if (!consequence) {
-      consequence = ExpressionError{
-          used.column, "parameter " + in_quotes(used.name) + " has no value", "", true};
+      consequence = ExpressionError{.column = used.column,
+                                    .why = "parameter " + in_quotes(used.name) + " has no value",
+                                    .consequence = true,
+                                    .code = FaultCode::expression_not_finite};
     }
   }
   if (consequence) return *consequence;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "framework/core/formula/expression.hpp"
+#include "framework/core/text/fault_code.hpp"
 
 /// `[parameters]` of a scene, and expressions over them.
 namespace tomlin {
@@ -24,6 +25,7 @@ struct ParameterFault {
   std::size_t column = 0;   ///< 0-based
   std::string why;
   std::string nearest = {};  ///< nearest valid name; empty when there is none
+  FaultCode code = FaultCode::expression_syntax;
 };
 
 /// An expression with the values of the parameters that it names.

@@ -18,20 +18,20 @@ void check_window(SceneDraft& draft, const TableReading& reading) {
   if (!reading.has("from") || (reading.given->find("to") && !reading.has("to"))) return;
   if (measure.to && *measure.to <= measure.from) {
     reading.complain(draft.faults, "to",
-                     {"", "the window ends before it begins",
+                     {FaultCode::run_invalid_window, "", "the window ends before it begins",
                       fmt::format("> {}, the value of from", measure.from)});
     return;
   }
   const bool in_time = reading.has("in") && measure.unit == MeasureSettings::Unit::time;
   if (!in_time || !draft.duration_is_known) return;
   if (measure.to && *measure.to > duration) {
-    reading.complain(
-        draft.faults, "to",
-        {"", "past the end of the run", fmt::format("<= {}, the run's duration", duration)});
+    reading.complain(draft.faults, "to",
+                     {FaultCode::run_invalid_window, "", "past the end of the run",
+                      fmt::format("<= {}, the run's duration", duration)});
   } else if (!measure.to && measure.from >= duration) {
-    reading.complain(
-        draft.faults, "from",
-        {"", "past the end of the run", fmt::format("< {}, the run's duration", duration)});
+    reading.complain(draft.faults, "from",
+                     {FaultCode::run_invalid_window, "", "past the end of the run",
+                      fmt::format("< {}, the run's duration", duration)});
   }
 }
 
@@ -39,7 +39,9 @@ void check_periods(SceneDraft& draft, const TableReading& reading) {
   const MeasureSettings& measure = draft.scene->measure;
   for (const char* key : {"driver", "period"}) {
     if (measure.unit == MeasureSettings::Unit::time && reading.has(key)) {
-      reading.complain(draft.faults, key, {"", "only counts where in = \"driver_periods\""});
+      reading.complain(
+          draft.faults, key,
+          {FaultCode::scene_conflict, "", "only counts where in = \"driver_periods\""});
       return;
     }
   }
@@ -47,7 +49,7 @@ void check_periods(SceneDraft& draft, const TableReading& reading) {
   const auto names = names_of(draft.forces);
   if (std::find(names.begin(), names.end(), measure.driver) == names.end()) {
     reading.complain(draft.faults, "driver",
-                     {"", "there is no such force", listed(names),
+                     {FaultCode::scene_unknown_name, "", "there is no such force", listed(names),
                       nearest_name(measure.driver, names).value_or("")});
   }
 }
@@ -76,9 +78,10 @@ void read_output(SceneDraft& draft) {
   output.place = draft.source.place(given.where);
   output.places = reading.places;
   if (output.trajectory && given.table->find("every") == nullptr) {
-    reading.complain(draft.faults, "trajectory",
-                     {"", "positions come with samples, and there are none",
-                      "with every, the sampling interval"});
+    reading.complain(
+        draft.faults, "trajectory",
+        {FaultCode::scene_conflict, "", "positions come with samples, and there are none",
+         "with every, the sampling interval"});
   }
   draft.effective.set("output", {reading.effective, {}});
 }

@@ -47,7 +47,8 @@ std::optional<Node> read_until(SceneDraft& draft, const SceneSection& run) {
     duration = draft.duration_is_known ? std::min(duration, *until.max) : *until.max;
     draft.duration_is_known = true;
   } else if (run.table->find("duration") == nullptr) {
-    draft.faults.of_key(run.where, {"run.duration", "missing", "a duration, or max in run.until"});
+    draft.faults.of_key(run.where, {FaultCode::scene_missing_key, "run.duration", "missing",
+                                    "a duration, or max in run.until"});
   }
   return Node{reading.effective, {}};
 }
@@ -74,8 +75,9 @@ void read_run(SceneDraft& draft) {
   const auto given = draft.section("run");
   if (!given) {
     if (draft.document.find("run") == nullptr) {
-      draft.faults.of_key(kTopOfFile, {"run", "missing: a scene needs [run]",
-                                       "a table with duration and integrator"});
+      draft.faults.of_key(kTopOfFile,
+                          {FaultCode::scene_missing_key, "run", "missing: a scene needs [run]",
+                           "a table with duration and integrator"});
     }
     return;
   }

@@ -16,7 +16,7 @@ std::string contents_of(const std::string& file) {
   TextFile contents = read_text_file(file, kLargestSceneFile);
   if (contents.too_large) refuse_too_large(file);
   if (contents.why.empty()) return std::move(contents.text);
-  Fault fault;
+  Fault fault(FaultCode::file_cannot_read);
   fault.place = {file, 1, 1};
   fault.why = std::move(contents.why);
   throw InputError({std::move(fault)});

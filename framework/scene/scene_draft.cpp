@@ -12,7 +12,8 @@ std::optional<SceneSection> SceneDraft::section(const std::string& key) {
   const Node* node = document.find(key);
   if (node == nullptr) return std::nullopt;
   if (const auto* table = node->as<Table>()) return SceneSection{table, node->where};
-  faults.of_key(node->where, {key, "found " + kind_of(*node), "a table, [" + key + "]"});
+  faults.of_key(node->where, {FaultCode::scene_wrong_type, key, "found " + kind_of(*node),
+                              "a table, [" + key + "]"});
   return std::nullopt;
 }
 
@@ -22,12 +23,13 @@ std::vector<SceneSection> SceneDraft::sections(const std::string& key) {
   const std::string due = "a list of tables, [[" + key + "]]";
   const auto* list = node->as<List>();
   if (list == nullptr) {
-    faults.of_key(node->where, {key, "found " + kind_of(*node), due});
+    faults.of_key(node->where, {FaultCode::scene_wrong_type, key, "found " + kind_of(*node), due});
     return {};
   }
   if (list->size() > kMostComponents) {
-    faults.of_key(node->where, {key, fmt::format("there are {}", list->size()),
-                                fmt::format("at most {}", kMostComponents)});
+    faults.of_key(node->where,
+                  {FaultCode::scene_too_large, key, fmt::format("there are {}", list->size()),
+                   fmt::format("at most {}", kMostComponents)});
     return {};
   }
   std::vector<SceneSection> result;
@@ -40,7 +42,7 @@ std::vector<SceneSection> SceneDraft::sections(const std::string& key) {
 std::optional<SceneSection> SceneDraft::inside(const Node& node, const std::string& path,
                                                const std::string& due) {
   if (const auto* table = node.as<Table>()) return SceneSection{table, node.where};
-  faults.of_value(node, {path, "found " + kind_of(node), due});
+  faults.of_value(node, {FaultCode::scene_wrong_type, path, "found " + kind_of(node), due});
   return std::nullopt;
 }
 

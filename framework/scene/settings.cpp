@@ -49,17 +49,23 @@ class Application {
 
   void run() {
     for (const std::string* text : {&setting_.path, &setting_.value}) {
-      if (valid_utf8_prefix(*text) < text->size()) return refuse("not UTF-8 text");
+      if (valid_utf8_prefix(*text) < text->size()) {
+        return refuse(FaultCode::scene_encoding, "not UTF-8 text");
+      }
     }
     const auto parts = parts_of(setting_.path);
-    if (holds(parts, "")) return refuse("not a path", kAdmissiblePaths);
+    if (holds(parts, "")) {
+      return refuse(FaultCode::command_invalid_value, "not a path", kAdmissiblePaths);
+    }
     if (parts.size() > static_cast<std::size_t>(kDeepestNesting)) {
-      return refuse("nested too deeply", fmt::format("at most {} levels", kDeepestNesting));
+      return refuse(FaultCode::scene_too_large, "nested too deeply",
+                    fmt::format("at most {} levels", kDeepestNesting));
     }
     if (parts.size() == 1) return set_parameter(parts[0]);
     if (parts[0] == "parameters") {
       if (parts.size() == 2) return set_parameter(parts[1]);
-      return refuse("a parameter has no keys of its own", kAdmissiblePaths);
+      return refuse(FaultCode::scene_unknown_key, "a parameter has no keys of its own",
+                    kAdmissiblePaths);
     }
     if (parts[0] == "body" || parts[0] == "force" || parts[0] == "observer") {
       return set_in_component(parts);
@@ -68,17 +74,20 @@ class Application {
   }
 
  private:
-  void refuse(std::string why, std::string admissible = "", std::string nearest = "") {
+  void refuse(FaultCode code, std::string why, std::string admissible = "",
+              std::string nearest = "") {
     // Neither path nor value need be fit to print as they are.
     Node value;
     value.where = where_;
-    faults_.of_value(value, {shortened(setting_.path, kLongestShownValue), std::move(why),
+    faults_.of_value(value, {code, shortened(setting_.path, kLongestShownValue), std::move(why),
                              std::move(admissible), std::move(nearest)});
   }
 
   bool refuse_planned(const std::string& name) {
     const ReservedKey* planned = planned_word(name);
-    if (planned != nullptr) refuse(not_in_this_version(*planned));
+    if (planned != nullptr) {
+      refuse(FaultCode::scene_not_in_this_version, not_in_this_version(*planned));
+    }
     return planned != nullptr;
   }
 
@@ -87,10 +96,15 @@ class Application {
     if (holds(names, name)) {
       return put(*document_.find("parameters")->as<Table>(), name);
     }
-    if (name == kPlugins) return refuse("not set here", "--plugin LIB, or the scene itself");
-    if (holds(top_level_keys(), name)) return refuse("a table, not a value", kAdmissiblePaths);
+    if (name == kPlugins) {
+      return refuse(FaultCode::command_invalid_value, "not set here",
+                    "--plugin LIB, or the scene itself");
+    }
+    if (holds(top_level_keys(), name)) {
+      return refuse(FaultCode::command_invalid_value, "a table, not a value", kAdmissiblePaths);
+    }
     if (refuse_planned(name)) return;
-    refuse("there is no such parameter",
+    refuse(FaultCode::scene_unknown_key, "there is no such parameter",
            names.empty() ? kAdmissiblePaths : listed(names) + "; or a dotted path",
            nearest_name(name, names).value_or(""));
   }
@@ -100,7 +114,7 @@ class Application {
     std::erase(tables, kPlugins);
     if (!holds(tables, parts[0])) {
       if (refuse_planned(parts[0])) return;
-      return refuse("there is no such table", listed(tables),
+      return refuse(FaultCode::scene_unknown_key, "there is no such table", listed(tables),
                     nearest_name(parts[0], tables).value_or(""));
     }
     set_below(document_, parts, 0);
@@ -117,7 +131,9 @@ class Application {
   }
 
   void set_in_component(const std::vector<std::string>& parts) {
-    if (parts.size() < 3) return refuse("not a path to a value", kAdmissiblePaths);
+    if (parts.size() < 3) {
+      return refuse(FaultCode::command_invalid_value, "not a path to a value", kAdmissiblePaths);
+    }
     std::vector<std::string> names;
     Node* components = document_.find(parts[0]);
     if (List* list = components ? components->as<List>() : nullptr) {
@@ -128,8 +144,8 @@ class Application {
         if (names.back() == parts[1]) return set_below(*table, parts, 2);
       }
     }
-    refuse("there is no " + parts[0] + " of that name", listed(names),
-           nearest_name(parts[1], names).value_or(""));
+    refuse(FaultCode::scene_unknown_name, "there is no " + parts[0] + " of that name",
+           listed(names), nearest_name(parts[1], names).value_or(""));
   }
 
   /// Walk down tables from parts[next] on; what is absent is made.
@@ -138,7 +154,8 @@ class Application {
     if (table.find(parts[next]) == nullptr) table.set(parts[next], Node{Table{}, where_});
     Node* node = table.find(parts[next]);
     if (node->as<Table>() == nullptr) {
-      return refuse(parts[next] + " is " + kind_of(*node) + ", which has no keys of its own");
+      return refuse(FaultCode::scene_unknown_key,
+                    parts[next] + " is " + kind_of(*node) + ", which has no keys of its own");
     }
     set_below(*node->as<Table>(), parts, next + 1);
   }
@@ -150,7 +167,7 @@ class Application {
     if (const auto fault = plain ? explain_setting(setting_.value) : std::nullopt) {
       // The usual reason: quotes inside of the option that the shell has taken for its own.
       const std::string whole = "the whole option in single quotes";
-      return refuse(fault->why,
+      return refuse(fault->code, fault->why,
                     fault->admissible.empty() ? whole : fault->admissible + "; " + whole);
     }
     table.set(key, std::move(value));
@@ -188,7 +205,8 @@ void apply_settings(const std::vector<Setting>& settings, Table& document, Fault
   if (settings.size() > kMostSettings) {
     Extent last;
     last.setting = static_cast<std::uint32_t>(settings.size());
-    faults.of_key(last, {"", fmt::format("there are {} of these", settings.size()),
+    faults.of_key(last, {FaultCode::scene_too_large, "",
+                         fmt::format("there are {} of these", settings.size()),
                          fmt::format("at most {}", kMostSettings)});
     faults.throw_if_any();
   }

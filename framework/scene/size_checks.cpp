@@ -67,7 +67,8 @@ bool check_expressions(const Table& document, FaultList& faults) {
     if (entry.key == "scene") continue;
     const Node* node = text.exceeded_at(entry.value);
     if (node == nullptr) continue;
-    faults.of_value(*node, {entry.key, "with this the expressions of the scene are too long",
+    faults.of_value(*node, {FaultCode::scene_too_large, entry.key,
+                            "with this the expressions of the scene are too long",
                             fmt::format("at most {} bytes in all", kMostExpressionText)});
     return false;
   }
@@ -82,11 +83,14 @@ void count_particles(std::vector<BodyDraft>& bodies, std::optional<int> dimensio
     const std::int64_t count = body.record->count(body.description.get());
     const bool too_many = count > kMostParticles - total;
     if (too_many) {
-      body.reading.complain(faults, count_key(body),
-                            {"", too_many_particles(count, total, dimension),
-                             fmt::format("at most {} particles in a scene", kMostParticles)});
+      body.reading.complain(
+          faults, count_key(body),
+          {FaultCode::scene_too_large, "", too_many_particles(count, total, dimension),
+           fmt::format("at most {} particles in a scene", kMostParticles)});
     } else if (count < 1) {
-      body.reading.complain(faults, count_key(body), {"", "a body has at least one particle"});
+      body.reading.complain(
+          faults, count_key(body),
+          {FaultCode::scene_out_of_range, "", "a body has at least one particle"});
     } else {
       body.count = count;
       total += count;
@@ -105,7 +109,8 @@ bool PairCount::add(ForceDraft& force, const SceneOutline& outline, FaultList& f
       total_ > 0 ? fmt::format(" and the {} of the forces before", total_) : "";
   const double bytes = (static_cast<double>(count) + static_cast<double>(total_)) * kBytesPerPair;
   force.reading.complain(faults, force.reading.has("pairs") ? "pairs" : "",
-                         {"", fmt::format("{} pairs{} would take {}", count, which, memory(bytes)),
+                         {FaultCode::scene_too_large, "",
+                          fmt::format("{} pairs{} would take {}", count, which, memory(bytes)),
                           fmt::format("at most {} pairs in a scene", kMostPairs)});
   return false;
 }

@@ -191,7 +191,12 @@ class Syntax {
 
   Fault fault(std::size_t at, std::string_view key, std::string_view value, std::string_view why,
               std::string_view admissible = "") const {
-    Fault found;
+    return fault_of(FaultCode::scene_syntax, at, key, value, why, admissible);
+  }
+
+  Fault fault_of(FaultCode code, std::size_t at, std::string_view key, std::string_view value,
+                 std::string_view why, std::string_view admissible = "") const {
+    Fault found(code);
     found.place = place_of(at);
     found.key = shortened(key, kLongestShownValue);
     found.value = found.key.empty() ? "" : shortened(value, kLongestShownValue);
@@ -200,15 +205,24 @@ class Syntax {
     return found;
   }
 
+  bool at_control_character() const {
+    if (at_ >= text_.size()) return false;
+    const char c = text_[at_];
+    const auto byte = static_cast<unsigned char>(c);
+    return byte == 0x7FU || (byte < 0x20U && c != '\n' && !is_space(c));
+  }
+
   /// In the library's words.
   Fault as_it_is() const {
     constexpr std::string_view kOpening = "Error while parsing ";
     std::string_view message = message_;
     const bool says_where = message.starts_with(kOpening);
     if (says_where) message.remove_prefix(kOpening.size());
-    return fault(at_, "", "",
-                 (says_where ? "TOML syntax error in " : "TOML syntax error: ") +
-                     shortened(message, kLongestShownMessage));
+    const FaultCode code =
+        at_control_character() ? FaultCode::scene_encoding : FaultCode::scene_syntax;
+    return fault_of(code, at_, "", "",
+                    (says_where ? "TOML syntax error in " : "TOML syntax error: ") +
+                        shortened(message, kLongestShownMessage));
   }
 
   static std::size_t indent(std::string_view line) {
@@ -252,6 +266,12 @@ class Syntax {
     return found;
   }
 
+  /// A key or a table that is there already.
+  Fault twice(std::size_t at, std::string_view name, std::string_view why,
+              std::string_view admissible) const {
+    return fault_of(FaultCode::scene_duplicate_key, at, name, "", why, admissible);
+  }
+
   Fault redefined() const {
     const std::string name(redefined_name());
     const std::string_view line = trimmed(text_.substr(line_begin_, line_end_ - line_begin_));
@@ -262,22 +282,22 @@ class Syntax {
     const std::size_t begin = line_begin_ + indent(text_.substr(line_begin_));
     const auto is = [&](const char* what) { return message_.find(what) != std::string_view::npos; };
     if (line.starts_with("[[")) {
-      return fault(
-          begin, name, "",
+      return twice(
+          begin, name,
           fmt::format("[[{0}]] begins one of several, but {0} stands for itself{1}", name, where),
           fmt::format("[[{}]] in all of these lines", name));
     }
     if (line.starts_with("[") && is("array")) {
-      return fault(
-          begin, name, "",
+      return twice(
+          begin, name,
           fmt::format("[{0}] is a single table, but [[{0}]] begins one of several{1}", name, where),
           fmt::format("[[{}]] in all of these lines", name));
     }
     if (line.starts_with("[")) {
-      return fault(begin, name, "", fmt::format("the table [{}] is given twice{}", name, where),
+      return twice(begin, name, fmt::format("the table [{}] is given twice{}", name, where),
                    "all of its keys below one header");
     }
-    return fault(begin, name, "", "is given twice" + where, "one of the two");
+    return twice(begin, name, "is given twice" + where, "one of the two");
   }
 
   Fault open_string() const {
@@ -297,8 +317,9 @@ class Syntax {
 
   Fault in_string() const {
     if (static_cast<unsigned char>(text_[at_]) >= 0x20U) return as_it_is();
-    return fault(at_, "", "", "a control character, which text in quotes cannot hold as it is",
-                 "an escape in double quotes, as \\u0000");
+    return fault_of(FaultCode::scene_encoding, at_, "", "",
+                    "a control character, which text in quotes cannot hold as it is",
+                    "an escape in double quotes, as \\u0000");
   }
 
   Fault header(std::string_view line) const {
@@ -559,8 +580,8 @@ class Syntax {
                                number.exponent));
     }
     if (message_.find("representable") != std::string_view::npos) {
-      return fault(begin, key, given, "too large for an integer",
-                   "a number with a point or an exponent, as 1e23");
+      return fault_of(FaultCode::scene_out_of_range, begin, key, given, "too large for an integer",
+                      "a number with a point or an exponent, as 1e23");
     }
     if (given.find('_') != std::string_view::npos) {
       return fault(begin, key, given, "an underscore stands between digits only");
@@ -637,7 +658,7 @@ Fault explain_character(std::string_view rest, const std::string& file, const Te
       Known{"\xC2\xA0", "a space that is none (U+00A0)", "a plain space"},
       Known{"\xE2\x80\xAF", "a space that is none (U+202F)", "a plain space"},
       Known{"\xE2\x80\x8B", "a space that is not seen (U+200B)", "to take it out"}};
-  Fault fault;
+  Fault fault(FaultCode::scene_syntax);
   fault.place = {file, static_cast<int>(at.line), static_cast<int>(at.column)};
   for (const Known& known : kKnown) {
     if (!rest.starts_with(known.character)) continue;

@@ -66,7 +66,7 @@ TableReading read_table(const Table& table, const Extent& where, const TableLayo
       value = row.standard;
       if (auto written = to_node(*value)) reading.effective.set(row.key, *std::move(written));
     } else if (row.required()) {
-      faults.of_key(where, {key, "missing", what_is_due(row)});
+      faults.of_key(where, {FaultCode::scene_missing_key, key, "missing", what_is_due(row)});
       reading.sound = false;
       continue;
     } else {
@@ -99,15 +99,16 @@ std::string table_of(const std::string& key, const TableLayout& layout) {
 
 void report_key(const Entry& entry, const std::string& path, const TableLayout& layout,
                 FaultList& faults) {
-  Wrong wrong;
-  wrong.key = (path.empty() ? "" : path + ".") + key_text(shortened(entry.key, kLongestShownValue));
+  Wrong wrong(FaultCode::scene_unknown_key,
+              (path.empty() ? "" : path + ".") + key_text(shortened(entry.key, kLongestShownValue)),
+              "unknown key");
   const ReservedKey* reserved = layout.reserved_key(entry.key);
   if (reserved == nullptr) reserved = planned_word(entry.key);
   if (reserved != nullptr) {
+    wrong.code = FaultCode::scene_not_in_this_version;
     wrong.why = not_in_this_version(*reserved);
   } else {
     const auto keys = layout.keys();
-    wrong.why = "unknown key";
     wrong.nearest = nearest_name(entry.key, keys).value_or("");
     // "every" is that of [output] rather than checkpoint_every.
     const std::string& near = wrong.nearest;

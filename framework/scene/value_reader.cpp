@@ -124,7 +124,8 @@ std::optional<ParameterValue> ValueReader::read(const Parameter& row, const Node
   auto value = read_kind({row, key}, node);
   if (value && row.only_standard && *value != row.standard) {
     const auto standard = to_node(*row.standard);
-    faults_.of_value(node, {key, kNotInThisVersion, standard ? value_text(*standard) : ""});
+    faults_.of_value(node, {FaultCode::scene_not_in_this_version, key, kNotInThisVersion,
+                            standard ? value_text(*standard) : ""});
     return std::nullopt;
   }
   return value;
@@ -194,19 +195,22 @@ std::optional<std::int64_t> ValueReader::index(const Subject& subject, const Nod
   const auto x = evaluated(subject, node);
   if (!x) return std::nullopt;
   const std::string is = node.as<std::string>() ? fmt::format("is {}; ", *x) : "";
-  if (!std::isfinite(*x)) return wrong(subject, node, "not a finite number");
+  if (!std::isfinite(*x)) {
+    return wrong(FaultCode::scene_not_finite, subject, node, "not a finite number");
+  }
   if (*x != std::floor(*x)) {
-    return wrong(subject, node, is + "an integer key needs an integral value");
+    return wrong(FaultCode::scene_out_of_range, subject, node,
+                 is + "an integer key needs an integral value");
   }
   if (*x < -kIntegersEnd || *x >= kIntegersEnd) {
-    return wrong(subject, node, is + "too large for an integer");
+    return wrong(FaultCode::scene_out_of_range, subject, node, is + "too large for an integer");
   }
   return static_cast<std::int64_t>(*x);
 }
 
 std::optional<std::vector<double>> ValueReader::numbers(const Subject& subject, const List& list,
                                                         const Node& whole) const {
-  if (list.empty()) return wrong(subject, whole, "the list is empty");
+  if (list.empty()) return wrong(FaultCode::scene_wrong_count, subject, whole, "the list is empty");
   std::vector<double> result;
   result.reserve(list.size());
   for (const Node& element : list) {
@@ -233,7 +237,7 @@ std::optional<SpaceVector> ValueReader::space_vector(const Subject& subject,
   auto components = numbers(subject, *list, node);
   if (!components) return std::nullopt;
   if (components->size() > kMostDimensions) {
-    return wrong(subject, node,
+    return wrong(FaultCode::scene_wrong_count, subject, node,
                  fmt::format("{} components, but space has at most {} dimensions",
                              components->size(), kMostDimensions));
   }
@@ -282,12 +286,13 @@ std::optional<PairSelection> ValueReader::pair_selection(const Subject& subject,
   }
   const auto* list = node.as<List>();
   if (list == nullptr) return wrong_kind(subject, node);
-  if (list->empty()) return wrong(subject, node, "the list is empty");
+  if (list->empty()) return wrong(FaultCode::scene_wrong_count, subject, node, "the list is empty");
   result.kind = PairSelection::Kind::list;
   for (const Node& element : *list) {
     const auto* pair = element.as<List>();
     if (pair == nullptr || pair->size() != 2) {
-      return wrong(subject, element, "not a pair of indices");
+      return wrong(pair == nullptr ? FaultCode::scene_wrong_type : FaultCode::scene_wrong_count,
+                   subject, element, "not a pair of indices");
     }
     const auto first = index(subject, pair->front());
     if (!first) return std::nullopt;
@@ -311,7 +316,8 @@ std::optional<Formula> ValueReader::formula(const Subject& subject, const Node& 
   auto bound = parameters_.bind(*text, expression_variables());
   if (const auto* error = std::get_if<ExpressionError>(&bound)) {
     if (!error->consequence) {
-      faults_.inside(node, error->column, {subject.key, error->why, "", error->nearest});
+      faults_.inside(node, error->column,
+                     {error->code, subject.key, error->why, "", error->nearest});
     }
     return std::nullopt;
   }
@@ -324,9 +330,9 @@ std::optional<FormulaList> ValueReader::formula_list(const Subject& subject,
                                                      const Node& node) const {
   const auto* list = node.as<List>();
   if (list == nullptr) return wrong_kind(subject, node);
-  if (list->empty()) return wrong(subject, node, "the list is empty");
+  if (list->empty()) return wrong(FaultCode::scene_wrong_count, subject, node, "the list is empty");
   if (list->size() > kMostDimensions) {
-    return wrong(subject, node, "space has at most three dimensions");
+    return wrong(FaultCode::scene_wrong_count, subject, node, "space has at most three dimensions");
   }
   FormulaList result;
   bool sound = true;
@@ -348,12 +354,13 @@ std::optional<AngleSelection> ValueReader::angle_selection(const Subject& subjec
   }
   const auto* list = node.as<List>();
   if (list == nullptr) return wrong_kind(subject, node);
-  if (list->empty()) return wrong(subject, node, "the list is empty");
+  if (list->empty()) return wrong(FaultCode::scene_wrong_count, subject, node, "the list is empty");
   result.neighbours = false;
   for (const Node& element : *list) {
     const auto* triple = element.as<List>();
     if (triple == nullptr || triple->size() != 3) {
-      return wrong(subject, element, "not a triple of indices");
+      return wrong(triple == nullptr ? FaultCode::scene_wrong_type : FaultCode::scene_wrong_count,
+                   subject, element, "not a triple of indices");
     }
     std::array<std::int64_t, 3> indices{};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -409,7 +416,9 @@ std::optional<Attachment> ValueReader::attachment(const Subject& subject, const 
   if (table == nullptr) return wrong_kind(subject, node);
   const Node* particle = table->find("particle");
   if (particle == nullptr || table->entries.size() != 1) {
-    return wrong(subject, node, "a table here has the key particle and no other");
+    return wrong(
+        table->entries.empty() ? FaultCode::scene_missing_key : FaultCode::scene_unknown_key,
+        subject, node, "a table here has the key particle and no other");
   }
   const auto given = index({subject.row, subject.key + ".particle"}, *particle);
   if (!given) return std::nullopt;
@@ -433,7 +442,7 @@ std::optional<PointList> ValueReader::point_list(const Subject& subject, const N
     const std::size_t dimension = point->components.size();
     if (result.dimension == 0) result.dimension = dimension;
     if (dimension != result.dimension) {
-      return wrong(subject, element,
+      return wrong(FaultCode::scene_wrong_count, subject, element,
                    fmt::format("point {} has {} coordinate{}, the first has {}", result.count(),
                                dimension, dimension == 1 ? "" : "s", result.dimension));
     }
@@ -451,7 +460,9 @@ std::optional<WordList> ValueReader::word_list(const Subject& subject, const Nod
   for (const Node& element : *list) {
     auto word = text(subject, element);
     if (!word) return std::nullopt;
-    if (!seen.insert(*word).second) return wrong(subject, element, "is given twice");
+    if (!seen.insert(*word).second) {
+      return wrong(FaultCode::scene_duplicate_key, subject, element, "is given twice");
+    }
     result.words.push_back(*std::move(word));
   }
   return result;
@@ -460,7 +471,7 @@ std::optional<WordList> ValueReader::word_list(const Subject& subject, const Nod
 std::optional<FlagList> ValueReader::flag_list(const Subject& subject, const Node& node) const {
   const auto* list = node.as<List>();
   if (list == nullptr) return wrong_kind(subject, node);
-  if (list->empty()) return wrong(subject, node, "the list is empty");
+  if (list->empty()) return wrong(FaultCode::scene_wrong_count, subject, node, "the list is empty");
   FlagList result;
   for (const Node& element : *list) {
     const bool* flag = element.as<bool>();
@@ -488,16 +499,23 @@ std::optional<Passing> ValueReader::passing(const Subject& subject, const Node& 
     } else if (entry.key == "times") {
       const auto times = index(inner, entry.value);
       if (!times) return std::nullopt;
-      if (*times < 1) return wrong(inner, entry.value, "out of range: at least 1");
+      if (*times < 1) {
+        return wrong(FaultCode::scene_out_of_range, inner, entry.value, "out of range: at least 1");
+      }
       result.times = *times;
     } else {
-      return wrong(subject, node, "unknown key " + shortened(entry.key, kLongestShownValue));
+      return wrong(FaultCode::scene_unknown_key, subject, node,
+                   "unknown key " + shortened(entry.key, kLongestShownValue));
     }
   }
-  if (result.when.empty()) return wrong(subject, node, "when is missing");
-  if (!result.above && !result.below) return wrong(subject, node, "neither above nor below");
+  if (result.when.empty()) {
+    return wrong(FaultCode::scene_missing_key, subject, node, "when is missing");
+  }
+  if (!result.above && !result.below) {
+    return wrong(FaultCode::scene_missing_key, subject, node, "neither above nor below");
+  }
   if (result.above && result.below && !(*result.below < *result.above)) {
-    return wrong(subject, node, "below is not less than above");
+    return wrong(FaultCode::scene_conflict, subject, node, "below is not less than above");
   }
   return result;
 }
@@ -511,7 +529,8 @@ std::optional<double> ValueReader::evaluated(const Subject& subject, const Node&
   auto result = parameters_.evaluate(*expression);
   if (const auto* error = std::get_if<ExpressionError>(&result)) {
     if (!error->consequence) {
-      faults_.inside(node, error->column, {subject.key, error->why, "", error->nearest});
+      faults_.inside(node, error->column,
+                     {error->code, subject.key, error->why, "", error->nearest});
     }
     return std::nullopt;
   }
@@ -520,9 +539,11 @@ std::optional<double> ValueReader::evaluated(const Subject& subject, const Node&
 
 bool ValueReader::in_range(const Subject& subject, const Node& node, double x) const {
   if (subject.row.interval.contains(x)) return true;
-  std::string why = std::isfinite(x) ? "out of range" : "not a finite number";
+  const bool finite = std::isfinite(x);
+  const FaultCode code = finite ? FaultCode::scene_out_of_range : FaultCode::scene_not_finite;
+  std::string why = finite ? "out of range" : "not a finite number";
   if (node.as<std::string>()) why = fmt::format("is {}, {}", x, why);
-  faults_.of_value(node, {subject.key, std::move(why), subject.row.interval.to_string()});
+  faults_.of_value(node, {code, subject.key, std::move(why), subject.row.interval.to_string()});
   return false;
 }
 
@@ -535,26 +556,30 @@ bool ValueReader::is_word(const Subject& subject, const Node& node, const std::s
       planned != nullptr || std::find(later.begin(), later.end(), word) != later.end();
   // Whoever names a system of units has numbers in it, and they are taken as they are.
   if (!not_yet && subject.key == "scene.units") {
-    faults_.of_value(node, {subject.key, "no such choice",
+    faults_.of_value(node, {FaultCode::scene_unknown_choice, subject.key, "no such choice",
                             "\"reduced\", for SI and any other "
                             "consistent units, too"});
     return false;
   }
+  const FaultCode code =
+      not_yet ? FaultCode::scene_not_in_this_version : FaultCode::scene_unknown_choice;
   const std::string why = planned   ? not_in_this_version(*planned)
                           : not_yet ? kNotInThisVersion
                                     : "no such choice";
-  faults_.of_value(node, {subject.key, why, what_is_due(subject.row),
+  faults_.of_value(node, {code, subject.key, why, what_is_due(subject.row),
                           not_yet ? "" : nearest_name(word, words).value_or("")});
   return false;
 }
 
 std::nullopt_t ValueReader::wrong_kind(const Subject& subject, const Node& node) const {
-  faults_.of_value(node, {subject.key, "found " + kind_of(node), what_is_due(subject.row)});
+  faults_.of_value(node, {FaultCode::scene_wrong_type, subject.key, "found " + kind_of(node),
+                          what_is_due(subject.row)});
   return std::nullopt;
 }
 
-std::nullopt_t ValueReader::wrong(const Subject& subject, const Node& node, std::string why) const {
-  faults_.of_value(node, {subject.key, std::move(why), what_is_due(subject.row)});
+std::nullopt_t ValueReader::wrong(FaultCode code, const Subject& subject, const Node& node,
+                                  std::string why) const {
+  faults_.of_value(node, {code, subject.key, std::move(why), what_is_due(subject.row)});
   return std::nullopt;
 }
 

@@ -67,7 +67,8 @@ class ValueReader {
 
   // Each reports and gives nothing.
   std::nullopt_t wrong_kind(const Subject& subject, const Node& node) const;
-  std::nullopt_t wrong(const Subject& subject, const Node& node, std::string why) const;
+  std::nullopt_t wrong(FaultCode code, const Subject& subject, const Node& node,
+                       std::string why) const;
 
   const ParameterTable& parameters_;
   FaultList& faults_;

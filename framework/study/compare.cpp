@@ -65,8 +65,8 @@ std::string listed(const std::vector<double>& numbers) {
 
 [[noreturn]] void refuse(const Scene& scene, const Scene& first, const std::string& what,
                          const std::vector<double>& found, const std::vector<double>& due) {
-  throw InputError({{scene.run.place, what, listed(found),
-                     fmt::format("not comparable with {}", first.file), listed(due), ""}});
+  throw InputError({Fault(FaultCode::compare_different_setups, scene.run.place, what, listed(found),
+                          fmt::format("not comparable with {}", first.file), listed(due))});
 }
 
 /// Throws unless all are driven alike over like substrates; notes what else differs.

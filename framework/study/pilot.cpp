@@ -189,8 +189,9 @@ class Pilot {
     if (rungs_.empty()) {
       // Mostly the scene's own fault, which is reported once, at its own place.
       (void)Engine(scene_, options_to_bind());
-      throw InputError({{scene_->run.place, "run.accuracy", "",
-                         "no integrator takes this scene: " + refusals_, "an integrator", ""}});
+      throw InputError(
+          {Fault(FaultCode::integrator_unsuitable, scene_->run.place, "run.accuracy", "",
+                 "no integrator takes this scene: " + refusals_, "an integrator")});
     }
   }
 

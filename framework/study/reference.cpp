@@ -120,7 +120,7 @@ class ReferenceSearch {
   const Measurement& look(const Rung& rung, double knob) {
     const Measurement& pilot = measurer_.at(rung, knob, share(kShareOfPilot));
     if (pilot.end == TrialRun::End::finished && !pilot.defined()) {
-      Fault fault;
+      Fault fault(FaultCode::observable_undefined);
       fault.place.file = "--observable";
       fault.key = measurer_.observable();
       fault.why = "undefined in this scene";

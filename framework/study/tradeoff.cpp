@@ -24,7 +24,8 @@ constexpr double kNoDigit = 0.1;
 constexpr const char* kNotDetermined = "the result is not determined: no digit of it has a meaning";
 
 [[noreturn]] void refuse(const std::string& path, const char* why) {
-  throw InputError({{{.file = "--observable"}, path, "", why, "an observable of the scene", ""}});
+  throw InputError({Fault(FaultCode::command_invalid_value, {.file = "--observable"}, path, "", why,
+                          "an observable of the scene")});
 }
 
 /// The path in full. Throws for what is no result of a scene.

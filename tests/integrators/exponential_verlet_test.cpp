@@ -248,14 +248,19 @@ TEST(ExponentialRing, GoesToTheRigidOne) {
 
 // ---- refusals
 
+const std::string kUnsuitable =
+    "run.integrator.type = \"exponential_verlet\" [integrator.unsuitable]";
+
 TEST(ExponentialRefuses, RigidBodiesAndFrictionOutOfProportion) {
   RingScene rigid = ring(1.0, scheme(0.01));
   rigid.coordinates = "rigid";
-  EXPECT_NE(refusal(rigid.text()).find("rigid"), std::string::npos);
+  EXPECT_EQ(brief_refusal(rigid.text()), "28:14 " + kUnsuitable);
+  EXPECT_NE(refusal(rigid.text()).find("\"ring\""), std::string::npos);
   std::string uneven = chain(10.0, scheme(0.01));
   const std::string mass = "particle_mass = 1.0";
   uneven.replace(uneven.find(mass), mass.size(), "particle_mass = [1.0, 2.0, 1.0, 1.0, 1.0, 1.0]");
-  EXPECT_NE(refusal(uneven).find("proportion"), std::string::npos) << refusal(uneven);
+  EXPECT_EQ(brief_refusal(uneven), "26:14 " + kUnsuitable);
+  EXPECT_NE(refusal(uneven).find("\"chain\""), std::string::npos) << refusal(uneven);
 }
 
 TEST(ExponentialRefuses, BodiesOfTooManyCoordinates) {
@@ -264,6 +269,7 @@ TEST(ExponentialRefuses, BodiesOfTooManyCoordinates) {
   large.replace(large.find(count), count.size(), "count = 257");
   const auto from = large.find("velocity = [[");
   large.erase(from, large.find('\n', from) + 1 - from);
+  EXPECT_EQ(brief_refusal(large), "25:14 " + kUnsuitable);
   EXPECT_NE(refusal(large).find("256"), std::string::npos) << refusal(large);
 }
 

@@ -358,18 +358,18 @@ TEST(VerletEnergy, ARunCanBeRetraced) {
 // ---- refusals
 
 TEST(VerletRefuses, ForcesThatDependOnVelocityOtherwise) {
-  const std::string why = refusal(with_drag("integrator = " + verlet(0.1)), drag_registry());
-  EXPECT_NE(why.find("\"wind\""), std::string::npos) << why;
-  EXPECT_NE(why.find("velocity"), std::string::npos) << why;
+  const std::string text = with_drag("integrator = " + verlet(0.1));
+  EXPECT_EQ(brief_refusal(text, drag_registry()),
+            "11:14 run.integrator.type = \"velocity_verlet\" [integrator.order_reduction]");
+  EXPECT_NE(refusal(text, drag_registry()).find("\"wind\""), std::string::npos);
   EXPECT_EQ(refusal(with_drag("integrator = " + fixed_step(0.1)), drag_registry()), "")
       << "rk4 takes it";
 }
 
 TEST(VerletRefuses, DynamicsWithoutInertia) {
-  const std::string why =
-      refusal(TipScene{.integrator = verlet(0.01), .more = "dynamics = \"overdamped\"\n"}.text());
-  EXPECT_NE(why.find("velocity_verlet"), std::string::npos) << why;
-  EXPECT_NE(why.find("inertia"), std::string::npos) << why;
+  const TipScene tip{.integrator = verlet(0.01), .more = "dynamics = \"overdamped\"\n"};
+  EXPECT_EQ(brief_refusal(tip.text()),
+            "21:14 run.integrator.type = \"velocity_verlet\" [integrator.unsuitable]");
 }
 
 }  // namespace

@@ -8,11 +8,14 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "framework/run/engine.hpp"
 #include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/standard_registry.hpp"
 #include "framework/study/accuracy.hpp"
+#include "tests/support/faults.hpp"
 
 /// Scenes for tests, with every component of this version or with a registry of the test's own.
 namespace tomlin::test {
@@ -87,6 +90,13 @@ inline std::string refusal(std::string_view text, const Registry& registry = sta
     return error.what();
   }
   return "";
+}
+
+/// The same without wording: a brief() for each fault, in lines.
+inline std::string brief_refusal(std::string_view text, const Registry& registry = standard()) {
+  const auto faults =
+      briefs_of([&] { Engine engine(parse_scene(text, "test.toml", registry), {}); });
+  return fmt::format("{}", fmt::join(faults, "\n"));
 }
 
 /// Keeps what an observables table would hold.

@@ -10,6 +10,7 @@
 
 #include "framework/core/elements/pair_force.hpp"
 #include "framework/core/records/force.hpp"
+#include "framework/core/text/fault_code.hpp"
 
 /// What bonds of any form share: chosen pairs, each with a rest length, kept as the pair's datum.
 /// A description of bonds has members `pairs` and `rest_lengths`.
@@ -44,12 +45,17 @@ std::vector<Complaint> bond_complaints(const void* description, const SceneOutli
   const std::size_t given = d.rest_lengths.numbers.size();
   const std::uint64_t due = count_of(d.pairs, scene);
   if (given > 1 && given != due) {
-    found.push_back({"rest_lengths", fmt::format("{} lengths for {} pairs", given, due),
-                     "\"initial\", one length for all pairs, or one each"});
+    found.push_back({.key = "rest_lengths",
+                     .why = fmt::format("{} lengths for {} pairs", given, due),
+                     .admissible = "\"initial\", one length for all pairs, or one each",
+                     .code = FaultCode::scene_wrong_count});
   }
   for (const double length : d.rest_lengths.numbers) {
     if (length < 0.0) {
-      found.push_back({"rest_lengths", "a length is negative", ">= 0"});
+      found.push_back({.key = "rest_lengths",
+                       .why = "a length is negative",
+                       .admissible = ">= 0",
+                       .code = FaultCode::scene_out_of_range});
       break;
     }
   }

@@ -105,9 +105,10 @@ class ExpressionParser {
 
   std::variant<Expression, ExpressionError> parse() {
     if (text_.size() > Expression::kMaxLength) {
-      return ExpressionError{Expression::kMaxLength, "the expression is longer than " +
-                                                         std::to_string(Expression::kMaxLength) +
-                                                         " characters"};
+      return ExpressionError{.column = Expression::kMaxLength,
+                             .why = "the expression is longer than " +
+                                    std::to_string(Expression::kMaxLength) + " characters",
+                             .code = FaultCode::scene_too_large};
     }
     skip_space();
     if (at_end()) return ExpressionError{0, "the expression is empty"};
@@ -205,7 +206,8 @@ class ExpressionParser {
                               (product ? "; a product is written with '*'" : ""));
     }
     if (status == std::errc::result_out_of_range || !std::isfinite(value)) {
-      return fail(column, in_quotes(word) + " is outside the range of double precision");
+      return fail(FaultCode::expression_not_finite, column,
+                  in_quotes(word) + " is outside the range of double precision");
     }
     position_ += word.size();
     skip_space();
@@ -278,7 +280,8 @@ class ExpressionParser {
     std::vector<std::string> functions;
     functions.reserve(kFunctions.size());
     for (const ExpressionFunction& function : kFunctions) functions.emplace_back(function.name);
-    fail(column, in_quotes(name) + " is not a function; a product is written with '*'");
+    fail(FaultCode::expression_unknown_name, column,
+         in_quotes(name) + " is not a function; a product is written with '*'");
     error_->nearest = nearest_name(name, functions).value_or("");
     return false;
   }
@@ -316,13 +319,18 @@ class ExpressionParser {
 
   bool enter(std::size_t column) {
     if (++depth_ <= Expression::kMaxDepth) return true;
-    return fail(column, "nested deeper than " + std::to_string(Expression::kMaxDepth) +
-                            " parentheses, signs and exponents");
+    return fail(FaultCode::scene_too_large, column,
+                "nested deeper than " + std::to_string(Expression::kMaxDepth) +
+                    " parentheses, signs and exponents");
   }
   void leave() { --depth_; }
 
   bool fail(std::size_t column, std::string why) {
-    error_ = ExpressionError{column, std::move(why)};
+    return fail(FaultCode::expression_syntax, column, std::move(why));
+  }
+
+  bool fail(FaultCode code, std::size_t column, std::string why) {
+    error_ = ExpressionError{.column = column, .why = std::move(why), .code = code};
     return false;
   }
 
@@ -474,6 +482,7 @@ std::variant<double, ExpressionError> Expression::evaluate(const Lookup& lookup)
   boost::container::small_vector<double, kUsualDepth> stack;
   for (const Node& node : nodes_) {
     Outcome outcome;
+    FaultCode code = FaultCode::expression_not_finite;
     switch (node.op) {
       case Op::number:
       case Op::pi:
@@ -483,6 +492,7 @@ std::variant<double, ExpressionError> Expression::evaluate(const Lookup& lookup)
         const std::string& name = names_[node.index].name;
         const std::optional<double> value = lookup(name);
         if (!value) {
+          code = FaultCode::expression_unknown_name;
           outcome = "unknown name " + in_quotes(name);
         } else if (!std::isfinite(*value)) {
           outcome = in_quotes(name) + " is not finite";
@@ -502,7 +512,7 @@ std::variant<double, ExpressionError> Expression::evaluate(const Lookup& lookup)
         outcome = combine(node.op, *(stack.end() - 2), stack.back());
     }
     if (const std::string* why = std::get_if<std::string>(&outcome)) {
-      return ExpressionError{node.column, *why};
+      return ExpressionError{.column = node.column, .why = *why, .code = code};
     }
     stack.erase(stack.end() - node.arguments, stack.end());
     stack.push_back(std::get<double>(outcome));

@@ -12,6 +12,8 @@
 #include <variant>
 #include <vector>
 
+#include "framework/core/text/fault_code.hpp"
+
 /// Expressions of a scene: a string where a number is due, e.g. `"2 * sqrt(k / m)"`.
 ///
 ///   sum     = product { ("+" | "-") product }
@@ -31,6 +33,7 @@ struct ExpressionError {
   std::string nearest = {};  ///< nearest valid name; empty when there is none
   /// Follows from a fault of a parameter that the table reports itself: no news to the user.
   bool consequence = false;
+  FaultCode code = FaultCode::expression_syntax;
   friend bool operator==(const ExpressionError&, const ExpressionError&) = default;
 };
 

@@ -25,6 +25,7 @@
 #include "framework/core/numbers/sum.hpp"
 #include "framework/core/records/bound_force.hpp"
 #include "framework/core/records/force.hpp"
+#include "framework/core/text/fault_code.hpp"
 
 TOMLIN_DECLARE_TABLES(FormulaKernels, FormulaKernelTable)
 
@@ -247,6 +248,7 @@ class FormulaForce : public BoundForce<Real> {
     }
     const auto found = law_.trouble_at(at);
     Complaint complaint;
+    complaint.code = FaultCode::expression_not_finite;
     complaint.key = law_.has_energy() ? "energy" : "force";
     complaint.index = found ? found->component : 0;
     if (found) complaint.column = found->column;
@@ -700,6 +702,7 @@ class PairFormula final : public FormulaForce<Real> {
       if (complaint) return complaint;
       if (r == Real(0.0) && this->evaluate(this->force_, {r}, elapsed)[0] != Real(0.0)) {
         Complaint together;
+        together.code = FaultCode::component_unsuitable;
         together.key = "energy";
         together.why = of + " are in one place, where the force between them has no direction";
         return together;
@@ -833,6 +836,7 @@ class AngleFormula final : public FormulaForce<Real> {
         const auto& way = bond[side];
         if (way[0] * way[0] + way[1] * way[1] + way[2] * way[2] > Real(0.0)) continue;
         Complaint together;
+        together.code = FaultCode::component_unsuitable;
         together.key = "energy";
         together.why = of + " enclose no angle: two of them are in one place";
         return together;
@@ -840,6 +844,7 @@ class AngleFormula final : public FormulaForce<Real> {
       const bool straight = cross_of(bond) == Real(0.0);
       if (straight && this->evaluate(this->force_, {angle_of(bond)}, elapsed)[0] != Real(0.0)) {
         Complaint line;
+        line.code = FaultCode::component_unsuitable;
         line.key = "energy";
         line.why = of + " are in line, where the energy is not level: they have no way to bend";
         return line;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "framework/core/records/registry.hpp"
+#include "framework/core/text/fault_code.hpp"
 
 /// Bodies: where particles start. Pure geometry; nothing here moves.
 namespace tomlin {
@@ -63,6 +64,7 @@ struct Complaint {
   std::string nearest = {};
   std::optional<std::size_t> column = {};  ///< 0-based, within a formula
   std::size_t index = 0;                   ///< of the formula in a list of them
+  FaultCode code = FaultCode::component_invalid;
 };
 
 struct BodyRecord : ComponentRecord {

@@ -39,7 +39,7 @@ InstructionSet named(const std::string& wish) {
     if (to_string(set) == wish) return set;
     names.emplace_back(to_string(set));
   }
-  Fault fault;
+  Fault fault(FaultCode::machine_instruction_set);
   fault.place.file = "tomlin";
   fault.key = kVariable;
   fault.value = wish;

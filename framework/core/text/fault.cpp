@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace tomlin {
 namespace {
 
@@ -30,20 +32,17 @@ std::string to_string(const Fault& fault) {
   text += fault.why;
   if (!fault.admissible.empty()) text += "; admissible: " + fault.admissible;
   if (!fault.nearest.empty()) text += "; did you mean \"" + fault.nearest + "\"?";
+  text += fmt::format(" [{}]", id_of(fault.code));
   return text;
 }
 
 InputError::InputError(std::vector<Fault> faults)
     : std::runtime_error(joined(faults)), faults_(std::move(faults)) {}
 
-void refuse_input(std::string file, std::string key, std::string why, std::string admissible,
-                  std::string nearest) {
-  throw InputError({{.place = {.file = std::move(file)},
-                     .key = std::move(key),
-                     .value = "",
-                     .why = std::move(why),
-                     .admissible = std::move(admissible),
-                     .nearest = std::move(nearest)}});
+void refuse_input(FaultCode code, std::string file, std::string key, std::string why,
+                  std::string admissible, std::string nearest) {
+  throw InputError({Fault(code, {.file = std::move(file)}, std::move(key), "", std::move(why),
+                          std::move(admissible), std::move(nearest))});
 }
 
 }  // namespace tomlin

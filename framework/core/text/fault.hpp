@@ -2,7 +2,10 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "framework/core/text/fault_code.hpp"
 
 namespace tomlin {
 
@@ -15,6 +18,19 @@ struct Place {
 
 /// One fault of the input. All faults of a well-formed scene are collected and shown together.
 struct Fault {
+  explicit Fault(FaultCode code_of_fault) : code(code_of_fault) {}
+  Fault(FaultCode code_of_fault, Place place_of_fault, std::string key_at_fault,
+        std::string value_there, std::string what_is_wrong, std::string what_would_be_right = "",
+        std::string nearest_name = "")
+      : code(code_of_fault),
+        place(std::move(place_of_fault)),
+        key(std::move(key_at_fault)),
+        value(std::move(value_there)),
+        why(std::move(what_is_wrong)),
+        admissible(std::move(what_would_be_right)),
+        nearest(std::move(nearest_name)) {}
+
+  FaultCode code;
   Place place;
   std::string key;         ///< dotted path of the key, e.g. "force.driver.stiffness"
   std::string value;       ///< the value as written; empty when there is none
@@ -23,7 +39,7 @@ struct Fault {
   std::string nearest;     ///< nearest valid name; empty when there is none
 };
 
-/// `FILE:LINE:COLUMN: error: KEY = VALUE: why; admissible: ...; did you mean "..."?`
+/// `FILE:LINE:COLUMN: error: KEY = VALUE: why; admissible: ...; did you mean "..."? [CODE]`
 std::string to_string(const Fault& fault);
 
 /// Bad input: thrown once by whatever reads input, with every fault found.
@@ -37,7 +53,7 @@ class InputError : public std::runtime_error {
 };
 
 /// Throws the one fault of a file or of an option of the command line.
-[[noreturn]] void refuse_input(std::string file, std::string key, std::string why,
+[[noreturn]] void refuse_input(FaultCode code, std::string file, std::string key, std::string why,
                                std::string admissible = "", std::string nearest = "");
 
 }  // namespace tomlin

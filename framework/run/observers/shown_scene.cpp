@@ -79,6 +79,7 @@ bool are_finite(RunContext& run, const SceneObserver& observer,
   for (const ObservedNumber& number : names) {
     if (std::isfinite(*numbers++)) continue;
     RunFailure failure;
+    failure.code = FaultCode::observable_undefined;
     failure.step = static_cast<std::uint64_t>(run.clock.steps());
     failure.time = run.clock.time();
     failure.what = "the observer " + observer.name + " gives " + number.name +

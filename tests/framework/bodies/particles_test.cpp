@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "framework/scene/scene.hpp"
 #include "integrators/register.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
+#include "tests/support/faults.hpp"
 
 namespace tomlin::test {
 namespace {
@@ -37,13 +39,10 @@ std::shared_ptr<const Scene> parsed(const std::string& text) {
   return parse_scene(text, "s.toml", registry);
 }
 
-std::string faults_of(const std::string& text) {
-  try {
-    (void)parsed(text);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+using Lines = std::vector<std::string>;
+
+Lines faults_of(const std::string& text) {
+  return briefs_of([&] { (void)parsed(text); });
 }
 
 const PointList& positions_of(const Scene& scene) {
@@ -95,44 +94,41 @@ TEST(Particles, KeepTheirShapeFarAway) {
 }
 
 TEST(Particles, ListFaultsHaveTheirPlace) {
-  const std::string missing =
-      "s.toml:1:1: error: body.particles.positions: missing; admissible: positions = [[..], ..] or "
-      "file = \"..\"";
+  const Lines missing = {"1:1 body.particles.positions [scene.missing_key]"};
   EXPECT_EQ(faults_of(scene_with("")), missing);
   EXPECT_EQ(faults_of(scene_with("file = \"\"")), missing);
   EXPECT_EQ(faults_of(scene_with("positions = []")),
-            "s.toml:3:13: error: body.particles.positions = []: the list is empty; admissible: a "
-            "list of points, each a list with a number per dimension");
+            Lines{"3:13 body.particles.positions = [] [scene.wrong_count]"});
   EXPECT_EQ(faults_of(scene_with("positions = [[0, 0], [1]]")),
-            "s.toml:3:22: error: body.particles.positions = [1]: point 1 has 1 coordinate, the "
-            "first has 2; admissible: a list of points, each a list with a number per dimension");
-  EXPECT_NE(faults_of(scene_with("positions = [[0, 0], 1]")), "");
-  EXPECT_NE(faults_of(scene_with("positions = [0, [1]]")), "");
-  EXPECT_NE(faults_of(scene_with("positions = [[0, nan]]")), "");
-  EXPECT_NE(faults_of(scene_with("positions = [[1, 2, 3, 4]]")), "");
-  EXPECT_NE(faults_of(scene_with("positions = 3")), "");
+            Lines{"3:22 body.particles.positions = [1] [scene.wrong_count]"});
+  for (const char* positions : {"[[0, 0], 1]", "[0, [1]]", "[[0, nan]]", "[[1, 2, 3, 4]]", "3"}) {
+    EXPECT_NE(faults_of(scene_with(std::string("positions = ") + positions)), Lines()) << positions;
+  }
   EXPECT_EQ(faults_of(scene_with("positions = [1e308, -1e308]")),
-            "s.toml:3:13: error: body.particles.positions = [1e308, -1e308]: particle 1 is "
-            "infinitely far from the first");
+            Lines{"3:13 body.particles.positions = [1e308, -1e308] [scene.not_finite]"});
   EXPECT_EQ(faults_of(scene_with("positions = [0, 1]\nvelocity = [[1], [2], [3]]")),
-            "s.toml:4:12: error: body.particles.velocity = [[1], [2], [3]]: 3 entries, but the "
-            "body has 2 particles");
+            Lines{"4:12 body.particles.velocity = [[1], [2], [3]] [scene.wrong_count]"});
   EXPECT_EQ(faults_of("[[body]]\ntype = \"point\"\nposition = [0]\nparticle_mass = 1\n" +
                       scene_with("positions = [[0, 1]]")),
-            "s.toml:7:13: error: body.particles.positions = [[0, 1]]: mixed dimensions: points of "
-            "2, but the scene has 1, by its first body");
+            Lines{"7:13 body.particles.positions = [[0, 1]] [scene.wrong_count]"});
 }
 
 // ---- in a file
 
 PointList read(const std::string& text) {
   PositionFile file = parse_positions(text, "f");
-  EXPECT_EQ(file.faults, std::vector<std::string>());
+  EXPECT_EQ(file.faults, Lines());
   return file.positions;
 }
 
-std::vector<std::string> refused(const std::string& text) {
-  return parse_positions(text, "f").faults;
+/// "LINE:COLUMN" of each fault; no column where the line as a whole is wrong.
+Lines refused(const std::string& text) {
+  static const std::regex form("f:([0-9]+): (?:column ([0-9]+) )?.*");
+  Lines places;
+  for (const std::string& fault : parse_positions(text, "f").faults) {
+    places.push_back(std::regex_replace(fault, form, "$1:$2"));
+  }
+  return places;
 }
 
 TEST(PositionFile, TakesColumnsCommentsAndBlankLines) {
@@ -150,27 +146,22 @@ TEST(PositionFile, KeepsEveryBit) {
             (std::vector<double>{0.1234567890123456789e-7, 5e-324}));
 }
 
-TEST(PositionFile, FaultsNameTheLine) {
-  using Faults = std::vector<std::string>;
-  EXPECT_EQ(refused(""), Faults{"f:1: there are no positions in it"});
-  EXPECT_EQ(refused("# nothing\n\n"), Faults{"f:1: there are no positions in it"});
-  EXPECT_EQ(refused("\n1 2\n3\n"), Faults{"f:3: 1 column, but line 2 has 2"});
-  EXPECT_EQ(refused("1 2 3 4"), Faults{"f:1: 4 columns, but space has at most 3 dimensions"});
-  EXPECT_EQ(refused("x y\n1 2\n"), Faults{"f:1: column 1 is not a number"});
-  EXPECT_EQ(refused("0x10"), Faults{"f:1: column 1 is not a number"});
-  EXPECT_EQ(refused("+-1"), Faults{"f:1: column 1 is not a number"});
-  EXPECT_EQ(refused("nan"), Faults{"f:1: column 1 is not a finite number"});
-  EXPECT_EQ(refused("-inf"), Faults{"f:1: column 1 is not a finite number"});
-  EXPECT_EQ(refused("1e999"), Faults{"f:1: column 1 is too large or too small for a double"});
-  EXPECT_EQ(refused("1,,2"), Faults{"f:1: column 2 is empty"});
-  EXPECT_EQ(refused(",1"), Faults{"f:1: column 1 is empty"});
-  EXPECT_EQ(refused("1,"), Faults{"f:1: column 2 is empty"});
-  EXPECT_EQ(refused("1;2"), Faults{"f:1: column 1 is not a number"});
-  EXPECT_EQ(refused(std::string("\0\x7F\xFF\n", 4)), Faults{"f:1: column 1 is not a number"});
-  EXPECT_EQ(refused("1 2 three"), Faults{"f:1: column 3 is not a number"});
-  EXPECT_EQ(refused("a\n1 2\n3\nnan\n"),
-            (Faults{"f:1: column 1 is not a number", "f:3: 1 column, but line 2 has 2",
-                    "f:4: column 1 is not a finite number"}));
+TEST(PositionFile, FaultsNameTheLineAndTheColumn) {
+  for (const std::string text : {"", "# nothing\n\n", "1 2 3 4"}) {
+    EXPECT_EQ(refused(text), Lines{"1:"}) << text;
+  }
+  for (const std::string& text :
+       {std::string("x y\n1 2\n"), std::string("0x10"), std::string("+-1"), std::string("nan"),
+        std::string("-inf"), std::string("1e999"), std::string(",1"), std::string("1;2"),
+        std::string("\0\x7F\xFF\n", 4)}) {
+    EXPECT_EQ(refused(text), Lines{"1:1"}) << text;
+  }
+  EXPECT_EQ(refused("1,,2"), Lines{"1:2"});
+  EXPECT_EQ(refused("1,"), Lines{"1:2"});
+  EXPECT_EQ(refused("1 2 three"), Lines{"1:3"});
+  EXPECT_EQ(refused("\n1 2\n3\n"), Lines{"3:"});
+  EXPECT_NE(parse_positions("\n1 2\n3\n", "f").faults[0].find("line 2"), std::string::npos);
+  EXPECT_EQ(refused("a\n1 2\n3\nnan\n"), (Lines{"1:1", "3:", "4:1"}));
   std::string junk;
   for (int i = 0; i < 1000; ++i) junk += "?\n";
   EXPECT_EQ(refused(junk).size(), 10U);
@@ -182,19 +173,30 @@ class ParticlesFile : public testing::Test {
     write(folder_ / "s.toml", scene_with(keys));
     return read_scene((folder_ / "s.toml").string(), all_components());
   }
-  std::string faults(const std::string& keys) const {
+  std::vector<Fault> faults(const std::string& keys) const {
     try {
       (void)scene_from(keys);
     } catch (const InputError& error) {
-      return error.what();
+      return error.faults();
     }
-    return "";
+    return {};
+  }
+  Fault fault(const std::string& keys) const {
+    const std::vector<Fault> found = faults(keys);
+    EXPECT_EQ(found.size(), 1U) << keys;
+    return found.empty() ? Fault(FaultCode::program_internal_error) : found.front();
   }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  /// The fault of `file = "NAME"` in line 3.
-  std::string fault(const std::string& name, const std::string& why) const {
-    return path("s.toml") + ":3:8: error: body.particles.file = \"" + name + "\": " + path(name) +
-           why;
+  /// A fault of `file = "NAME"` in line 3 of the scene, in that line of the file.
+  void expect_fault(const Fault& found, const std::string& name, const std::string& line,
+                    const std::string& code) const {
+    EXPECT_EQ(found.place.file, path("s.toml"));
+    EXPECT_EQ(brief(found), "3:8 body.particles.file = \"" + name + "\" [" + code + "]");
+    EXPECT_TRUE(found.why.starts_with(path(name) + ":" + line)) << found.why;
+  }
+  void expect_fault(const std::string& name, const std::string& line,
+                    const std::string& code) const {
+    expect_fault(fault("file = \"" + name + "\""), name, line, code);
   }
 
   TemporaryFolder folder_;
@@ -232,28 +234,26 @@ TEST_F(ParticlesFile, OfALineStandsInTheEffectiveScene) {
 }
 
 TEST_F(ParticlesFile, ThatCannotBeReadIsRefused) {
-  EXPECT_EQ(faults("file = \"none.dat\""), fault("none.dat", ": there is no such file"));
+  expect_fault("none.dat", "", "file.cannot_read");
   std::filesystem::create_directory(folder_ / "below");
-  EXPECT_EQ(faults("file = \"below\""), fault("below", ": a directory, where a file is expected"));
+  expect_fault("below", "", "file.cannot_read");
   write(folder_ / "empty.dat", "");
-  EXPECT_EQ(faults("file = \"empty.dat\""), fault("empty.dat", ":1: there are no positions in it"));
+  expect_fault("empty.dat", "1:", "file.invalid");
   write(folder_ / "odd.dat", "1 2\n3 4 5\n");
-  EXPECT_EQ(faults("file = \"odd.dat\""), fault("odd.dat", ":2: 3 columns, but line 1 has 2"));
+  expect_fault("odd.dat", "2:", "file.invalid");
   write(folder_ / "binary.dat", std::string("\x7F\x45LF\0\1", 6));
-  EXPECT_EQ(faults("file = \"binary.dat\""), fault("binary.dat", ":1: column 1 is not a number"));
+  expect_fault("binary.dat", "1:", "file.invalid");
   write(folder_ / "large.dat", std::string((std::size_t{16} << 20) + 1, '\n'));
-  EXPECT_EQ(faults("file = \"large.dat\""),
-            fault("large.dat", ": the file is too large; admissible: at most 16 MB"));
-  EXPECT_NE(faults("file = \"/dev/zero\"").find("a device or a socket, where a file is expected"),
-            std::string::npos);
-  EXPECT_NE(faults("file = \"a\\u0000b\"").find("not the name of a file"), std::string::npos);
-  EXPECT_NE(faults("file = \"" + std::string(100000, 'a') + "\"").find("cannot be read"),
-            std::string::npos);
+  expect_fault("large.dat", "", "scene.too_large");
+  EXPECT_NE(fault("file = \"large.dat\"").admissible.find("16 MB"), std::string::npos);
+  for (const std::string& name :
+       {std::string("/dev/zero"), std::string("a\\u0000b"), std::string(100000, 'a')}) {
+    EXPECT_EQ(fault("file = \"" + name + "\"").code, FaultCode::file_cannot_read);
+  }
   write(folder_ / "p.dat", "1\n");
-  EXPECT_EQ(faults("file = \"p.dat\"\npositions = [0]"),
-            path("s.toml") +
-                ":3:8: error: body.particles.file = \"p.dat\": positions are given too; "
-                "admissible: one of the two");
+  const Fault both = fault("file = \"p.dat\"\npositions = [0]");
+  EXPECT_EQ(both.place.file, path("s.toml"));
+  EXPECT_EQ(brief(both), "3:8 body.particles.file = \"p.dat\" [scene.conflict]");
 }
 
 // A scene of somebody else's may name any file: what stands in it is nobody's business.
@@ -261,20 +261,20 @@ TEST_F(ParticlesFile, ThatHoldsNoPositionsIsNotRepeated) {
   const std::string secret = "TOPSECRET_token_0123";
   for (const std::string& text : {secret, "1 " + secret, secret + ",", "1\n" + secret + " 2"}) {
     write(folder_ / "key", text);
-    const std::string found = faults("file = \"key\"");
-    EXPECT_NE(found.find("is not a number"), std::string::npos) << found;
-    EXPECT_EQ(found.find(secret), std::string::npos) << found;
+    const Fault found = fault("file = \"key\"");
+    EXPECT_EQ(found.code, FaultCode::file_invalid);
+    EXPECT_EQ(to_string(found).find(secret), std::string::npos) << to_string(found);
   }
 }
 
-// Nothing that only follows from the file is told beside its own faults.
+// Nothing that only follows from the file is reported beside its own faults.
 TEST_F(ParticlesFile, FaultsComeWithTheScenes) {
   write(folder_ / "p.dat", "1\nx\n2 3\n");
-  const std::string found = faults("file = \"p.dat\"\nvelocity = [[1], [2]]\nhold = [\"y\", 3]");
-  EXPECT_EQ(found, fault("p.dat", ":2: column 1 is not a number") + "\n" +
-                       fault("p.dat", ":3: 2 columns, but line 1 has 1") + "\n" + path("s.toml") +
-                       ":5:14: error: body.particles.hold = 3: found an integer; admissible: a "
-                       "list of \"x\", \"y\", \"z\" or \"rotation\"");
+  const auto found = faults("file = \"p.dat\"\nvelocity = [[1], [2]]\nhold = [\"y\", 3]");
+  ASSERT_EQ(found.size(), 3U);
+  expect_fault(found[0], "p.dat", "2:", "file.invalid");
+  expect_fault(found[1], "p.dat", "3:", "file.invalid");
+  EXPECT_EQ(brief(found[2]), "5:14 body.particles.hold = 3 [scene.wrong_type]");
 }
 
 // What the effective scene would say must be readable again.
@@ -283,10 +283,9 @@ TEST_F(ParticlesFile, IsRefusedWhereWrittenOutItWouldBeTooMuch) {
   std::string text;
   while (text.size() < kLargestSceneFile / 3) text += short_form;
   write(folder_ / "p.dat", text);
-  const std::string found = faults("file = \"p.dat\"");
-  EXPECT_NE(found.find("with all positions written out the scene takes "), std::string::npos)
-      << found;
-  EXPECT_NE(found.find("admissible: at most 16 MB"), std::string::npos) << found;
+  const Fault found = fault("file = \"p.dat\"");
+  EXPECT_EQ(brief(found), "1:1 body [scene.too_large]");
+  EXPECT_NE(found.admissible.find("16 MB"), std::string::npos) << to_string(found);
 }
 
 }  // namespace

@@ -119,6 +119,7 @@ TEST_F(Check, FaultsComeWithTheirPlaces) {
   EXPECT_EQ(mass["line"], 12);
   EXPECT_EQ(mass["key"], "body.tip.particle_mass");
   EXPECT_EQ(mass["value"], "0.0");
+  EXPECT_EQ(mass["code"], "scene.out_of_range");
   EXPECT_EQ(mass["admissible"], "> 0");
   EXPECT_TRUE(mass["did_you_mean"].is_null());
   bool meant = false;
@@ -130,9 +131,11 @@ TEST_F(Check, WhatShowsOnlyWhenBoundIsAFaultToo) {
   const Json json = checked({"tip.toml", "--set", "measure.to=50"}, 2);
   EXPECT_EQ(json["valid"], false);
   EXPECT_EQ(json["faults"][0]["key"], "measure.to");
+  EXPECT_EQ(json["faults"][0]["code"], "run.invalid_window");
   EXPECT_EQ(json["faults"][0]["file"], "--set measure.to=50");
   const Json missing = checked({"missing.toml"}, 2);
   EXPECT_EQ(missing["faults"][0]["file"], "missing.toml");
+  EXPECT_EQ(missing["faults"][0]["code"], "file.cannot_read");
 }
 
 /// Text that is no UTF-8 must not break the JSON.

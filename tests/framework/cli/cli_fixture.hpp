@@ -11,6 +11,7 @@
 
 #include "tests/framework/cli/program_runner.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
+#include "tests/support/faults.hpp"
 
 /// What tests of the program share: a folder with a scene in it.
 namespace tomlin::test {
@@ -59,6 +60,17 @@ in = "driver_periods"
 every = 0.7
 )";
 
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// Among the errors is this one, abridged, and they have the parts in them.
+inline void expect_error(const Ended& ended, const std::string& error,
+                         const std::vector<std::string>& parts = {}) {
+  EXPECT_TRUE(contains(abridged(ended.err), error)) << error << "\n" << ended.err;
+  for (const std::string& part : parts) EXPECT_TRUE(contains(ended.err, part)) << ended.err;
+}
+
 /// A folder with the tip's scene in it.
 class Cli : public testing::Test {
  protected:
@@ -71,12 +83,15 @@ class Cli : public testing::Test {
   Json summary(const std::string& folder) { return Json::parse(file(folder + "/summary.json")); }
   bool exists(const std::string& path) { return fs::exists(folder_.path() / path); }
 
-  /// Exit status 2, these lines on standard error, nothing on standard output, nothing made.
-  void expect_refused(const std::vector<std::string>& arguments, const std::string& errors) {
+  /// Exit status 2, on standard error just these lines, abridged, with the parts in them, nothing
+  /// on standard output, nothing made.
+  void expect_refused(const std::vector<std::string>& arguments, const std::string& errors,
+                      const std::vector<std::string>& parts = {}) {
     const auto before = all_files();
     const Ended ended = tomlin(arguments);
     EXPECT_EQ(ended.status, 2);
-    EXPECT_EQ(ended.err, errors);
+    EXPECT_EQ(abridged(ended.err), errors) << ended.err;
+    for (const std::string& part : parts) EXPECT_TRUE(contains(ended.err, part)) << ended.err;
     EXPECT_EQ(ended.out, "");
     EXPECT_EQ(all_files(), before);
   }
@@ -92,10 +107,6 @@ class Cli : public testing::Test {
 
   TemporaryFolder folder_;
 };
-
-inline bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 inline std::ptrdiff_t lines(const std::string& text) {
   return std::count(text.begin(), text.end(), '\n');

@@ -253,14 +253,16 @@ TEST_F(Explain, ADriverPullsThroughABond) {
   EXPECT_EQ(explained({"held.toml"})["transmissions"][0]["sliding_body"], "tip");
 }
 
-TEST_F(Explain, ABadSceneIsBadInput) {
-  expect_refused({"explain", "missing.toml"}, tomlin({"run", "missing.toml"}).err);
-  expect_refused({"explain", "tip.toml", "--set", "force.driver.stiffness=-1", "--json"},
-                 tomlin({"run", "tip.toml", "--set", "force.driver.stiffness=-1"}).err);
-  expect_refused({"explain", "tip.toml", "--set", "measure.to=50"},
-                 tomlin({"run", "tip.toml", "--set", "measure.to=50"}).err);
-  expect_refused({"explain"},
-                 "tomlin: error: SCENE is required (tomlin explain --help tells more)\n");
+TEST_F(Explain, ABadSceneIsBadInputAsOfARun) {
+  for (const char* command : {"run", "explain"}) {
+    expect_refused({command, "missing.toml"}, "missing.toml:1:1: [file.cannot_read]\n");
+    expect_refused({command, "tip.toml", "--set", "force.driver.stiffness=-1"},
+                   "--set force.driver.stiffness=-1: force.driver.stiffness = -1 "
+                   "[scene.out_of_range]\n");
+    expect_refused({command, "tip.toml", "--set", "measure.to=50"},
+                   "--set measure.to=50: measure.to [run.invalid_window]\n");
+    expect_refused({command}, "tomlin: [command.missing_argument]\n", {"SCENE"});
+  }
 }
 
 }  // namespace

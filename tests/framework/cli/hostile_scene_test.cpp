@@ -1,5 +1,6 @@
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -47,70 +48,68 @@ std::string repeated(const std::string& part, int times) {
 
 class HostileScene : public Cli {
  protected:
-  /// One line of error with both parts in it.
+  /// One short line of error that begins like this, abridged, and has the parts in it.
   void expect_refused_at_once(const std::string& scene, const std::string& start,
-                              const std::string& limit) {
+                              const std::vector<std::string>& parts) {
     write(folder_ / "scene.toml", scene);
-    expect_file_refused_at_once("scene.toml", start, limit);
+    expect_file_refused_at_once("scene.toml", start, parts);
   }
 
   void expect_file_refused_at_once(const std::string& path, const std::string& start,
-                                   const std::string& limit) {
+                                   const std::vector<std::string>& parts) {
     Conditions conditions;
     if (kCanBeLimited) conditions.most_memory = kMemory;
     if (kCanBeLimited) conditions.most_seconds = kSeconds;
     const Ended ended = tomlin({"run", path, "-o", "out"}, conditions);
     EXPECT_EQ(ended.status, 2) << ended.err.substr(0, 1000);
-    EXPECT_EQ(ended.err.substr(0, path.size() + start.size()), path + start);
-    EXPECT_TRUE(contains(ended.err, limit)) << ended.err.substr(0, 1000);
     EXPECT_EQ(lines(ended.err), 1);
-    EXPECT_LT(ended.err.size(), 1000U);
+    ASSERT_LT(ended.err.size(), 1000U);
+    EXPECT_EQ(abridged(ended.err).substr(0, path.size() + start.size()), path + start);
+    for (const std::string& part : parts) EXPECT_TRUE(contains(ended.err, part)) << ended.err;
     EXPECT_FALSE(exists("out"));
   }
 };
 
+constexpr const char* kTooLarge = " [scene.too_large]\n";
+
 TEST_F(HostileScene, Particles) {
-  const std::string limit = "; admissible: at most 10000000 particles in a scene";
+  const std::string limit = " 10000000 particles";
   expect_refused_at_once(chain("1e9") + kRun,
-                         ":4:9: error: body.chain.count = 1e9: 1000000000 particles would take "
-                         "about 420 GB",
-                         limit);
+                         std::string(":4:9: body.chain.count = 1e9") + kTooLarge,
+                         {" 1000000000 ", " 420 GB", limit});
   expect_refused_at_once(chain("9223372036854775807") + kRun,
-                         ":4:9: error: body.chain.count = 9223372036854775807: ", limit);
+                         std::string(":4:9: body.chain.count = 9223372036854775807") + kTooLarge,
+                         {limit});
   expect_refused_at_once(
       "[[body]]\ntype = \"ring\"\ncount = 1e9\nradius = 1\ncentre = [0, 0]\n"
       "particle_mass = 1\n" +
           std::string(kRun),
-      ":3:9: error: body.ring.count = 1e9: 1000000000 particles would take "
-      "about 580 GB",
-      limit);
+      std::string(":3:9: body.ring.count = 1e9") + kTooLarge, {" 1000000000 ", " 580 GB", limit});
 }
 
 TEST_F(HostileScene, Pairs) {
-  const std::string limit = "; admissible: at most 50000000 pairs in a scene";
+  const std::string limit = " 50000000 pairs";
+  const std::string all = std::string(".pairs = \"all\"") + kTooLarge;
   expect_refused_at_once(chain("1e7") + bonds("pairs = \"all\"") + kRun,
-                         ":10:9: error: force.harmonic_bonds.pairs = \"all\": 49999995000000 pairs "
-                         "would take about 4000000 GB",
-                         limit);
-  expect_refused_at_once(
-      chain("5e6", "a") + chain("5e6", "b") + bonds("bodies = [\"a\", \"b\"]\npairs = \"all\"") +
-          kRun,
-      ":17:9: error: force.harmonic_bonds.pairs = \"all\": 25000000000000 pairs would take", limit);
+                         ":10:9: force.harmonic_bonds" + all,
+                         {" 49999995000000 ", " 4000000 GB", limit});
+  expect_refused_at_once(chain("5e6", "a") + chain("5e6", "b") +
+                             bonds("bodies = [\"a\", \"b\"]\npairs = \"all\"") + kRun,
+                         ":17:9: force.harmonic_bonds" + all, {" 25000000000000 ", limit});
   // Each of these is admissible alone.
   expect_refused_at_once(chain("8000") + bonds("name = \"one\"\npairs = \"all\"") +
                              bonds("name = \"two\"\npairs = \"all\"") + kRun,
-                         ":16:9: error: force.two.pairs = \"all\": 31996000 pairs and the 31996000 "
-                         "of the forces before would take about 5.1 GB",
-                         limit);
+                         ":16:9: force.two" + all,
+                         {" 31996000 pairs", " the 31996000 ", " 5.1 GB", limit});
 }
 
 TEST_F(HostileScene, Components) {
-  expect_refused_at_once(kTip + repeated("[[body]]\n", 400'000), ":8:1: error: body: there are ",
-                         "at most 10000");
-  expect_refused_at_once(kTip + repeated("[[force]]\n", 400'000), ":14:1: error: force: there are ",
-                         "at most 10000");
+  expect_refused_at_once(kTip + repeated("[[body]]\n", 400'000),
+                         std::string(":8:1: body") + kTooLarge, {" 10000 "});
+  expect_refused_at_once(kTip + repeated("[[force]]\n", 400'000),
+                         std::string(":14:1: force") + kTooLarge, {" 10000 "});
   expect_refused_at_once(kTip + repeated("[[force]]\n", 1'000'000),
-                         ":500019:2: error: too many values", "at most 1000000 values");
+                         std::string(":500019:2:") + kTooLarge, {" 1000000 "});
 }
 
 TEST_F(HostileScene, Bombs) {
@@ -118,31 +117,35 @@ TEST_F(HostileScene, Bombs) {
   for (int i = 0; i < 9000; ++i) {
     costly += "p" + std::to_string(i) + " = \"" + repeated("1.1^", 190) + "1\"\n";
   }
-  expect_refused_at_once(costly + chain("1") + kRun, ":", "at most 1048576 bytes in all");
+  expect_refused_at_once(costly + chain("1") + kRun, ":", {" 1048576 bytes", kTooLarge});
   expect_refused_at_once("[[body]]\ntype = \"particles\"\nparticle_mass = 1\npositions = [" +
                              repeated("\"sin(exp(log(2^0.3)))\",", 200'000) + "]\n" + kRun,
-                         ":4:", "at most 1048576 bytes in all");
-  expect_refused_at_once("a = [" + repeated("1,", 8'000'000) + "]\n", ":1:2000003: error: too many",
-                         "at most 1000000 values");
+                         ":4:", {" 1048576 bytes", kTooLarge});
+  expect_refused_at_once("a = [" + repeated("1,", 8'000'000) + "]\n",
+                         std::string(":1:2000003:") + kTooLarge, {" 1000000 "});
 }
 
 TEST_F(HostileScene, Files) {
-  const std::string large = ":1:1: error: the file is too large; admissible: at most 16 MiB";
   const std::string sparse = (folder_ / "sparse.toml").string();
   std::ofstream(sparse).close();
   fs::resize_file(sparse, std::uintmax_t{100} << 30);
-  expect_file_refused_at_once("sparse.toml", large, "");
-  for (const char* device : {"/dev/zero", "/dev/null"}) {
-    expect_file_refused_at_once(device, ":1:1: error: a device or a socket, where a file", "");
-  }
   ASSERT_EQ(mkfifo((folder_ / "fifo").c_str(), 0600), 0);
-  expect_file_refused_at_once("fifo", ":1:1: error: a pipe, where a file is expected", "");
-  expect_file_refused_at_once(".", ":1:1: error: a directory, where a file is expected", "");
-  for (const std::string name : {"sparse.toml", "/dev/zero", "fifo", "."}) {
+  const std::string unreadable = " [file.cannot_read]\n";
+  struct Odd {
+    std::string name;
+    std::string code;
+    std::string part;
+  };
+  for (const auto& [name, code, part] : {Odd{"sparse.toml", kTooLarge, " 16 M"},
+                                         {"/dev/zero", unreadable, "device"},
+                                         {"fifo", unreadable, "pipe"},
+                                         {".", unreadable, "directory"}}) {
+    expect_file_refused_at_once(name, ":1:1:" + code, {part});
     expect_refused_at_once(
         "[[body]]\ntype = \"particles\"\nparticle_mass = 1\nfile = \"" + name + "\"\n" + kRun,
-        ":4:8: error: body.particles.file = ", "");
+        ":4:8: body.particles.file = \"" + name + "\"" + code, {part});
   }
+  expect_file_refused_at_once("/dev/null", ":1:1:" + unreadable, {"device"});
 }
 
 // What messages say a scene would take it does take, as far as an address space that is a third
@@ -159,7 +162,7 @@ class Memory : public HostileScene {
     conditions.most_memory = static_cast<long>(kProgram + kTooLittle * bytes);
     const Ended starved = tomlin({"run", "scene.toml", "-o", "out"}, conditions);
     EXPECT_EQ(starved.status, 2);
-    EXPECT_EQ(starved.err, "tomlin: error: this takes more memory than there is\n");
+    EXPECT_EQ(abridged(starved.err), "tomlin: [scene.too_large]\n");
     conditions.most_memory = static_cast<long>(kProgram + kEnough * bytes);
     const Ended fed = tomlin({"run", "scene.toml", "-o", "out", "--force"}, conditions);
     EXPECT_EQ(fed.status, 0) << fed.err;

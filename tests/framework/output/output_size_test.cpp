@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,13 +13,13 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "framework/core/text/fault.hpp"
 #include "framework/output/event_table.hpp"
 #include "framework/output/run_recorder.hpp"
 #include "framework/output/table.hpp"
 #include "tests/framework/output/journal_fixture.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
 #include "tests/framework/output/trajectory_fixture.hpp"
+#include "tests/support/faults.hpp"
 #include "tests/support/results.hpp"
 
 namespace tomlin::test {
@@ -102,12 +103,12 @@ TEST(OutputSize, AJournalIsNotLarger) {
   }
 }
 
-std::string refusal(const Scene& scene, const OutputSize& size, double room) {
+std::optional<Fault> refusal(const Scene& scene, const OutputSize& size, double room) {
   try {
     require_room(scene, size, room);
-    return "";
+    return std::nullopt;
   } catch (const InputError& error) {
-    return error.what();
+    return error.faults().at(0);
   }
 }
 
@@ -122,14 +123,16 @@ OutputSize size_at(Scene& scene, double every) {
 TEST(OutputSize, WhatDoesNotFitIsRefusedWithWhatWould) {
   Scene scene = scene_with("xyz");
   const OutputSize size = size_at(scene, 1e-3);
-  EXPECT_EQ(refusal(scene, size, size.together()), "");
-  const std::string why = refusal(scene, size, 1e6);
-  for (const char* part :
-       {"scene.toml:7:9: error: output.every = 0.001: the run would write 100001 rows, up to ",
-        "5 MB of observables.csv, ", "of trajectory.xyz and ", " of run.journal on the way; ",
-        "there is room for 1 MB", "admissible: >= "}) {
-    EXPECT_NE(why.find(part), std::string::npos) << part << "\n" << why;
+  EXPECT_FALSE(refusal(scene, size, size.together()));
+  const auto fault = refusal(scene, size, 1e6);
+  ASSERT_TRUE(fault);
+  EXPECT_EQ(fault->place.file, "scene.toml");
+  EXPECT_EQ(brief(*fault), "7:9 output.every = 0.001 [output.too_large]");
+  for (const char* part : {"100001", "5 MB of observables.csv", "MB of trajectory.xyz",
+                           "MB of run.journal", " 1 MB"}) {
+    EXPECT_NE(fault->why.find(part), std::string::npos) << part << "\n" << fault->why;
   }
+  EXPECT_TRUE(fault->admissible.starts_with(">= ")) << fault->admissible;
   for (const double room : {1e5, 1e6, 1.234e7, 5e7}) {
     scene.output.every = 1e-3;
     const double every = shortest_every(scene, size, room);
@@ -137,16 +140,18 @@ TEST(OutputSize, WhatDoesNotFitIsRefusedWithWhatWould) {
     // Rounded to three digits, and a hundredth left.
     EXPECT_GT(size_at(scene, 0.975 * every).together(), room) << every;
   }
-  EXPECT_NE(refusal(scene, size, 10.0).find("a folder with more room"), std::string::npos);
+  EXPECT_FALSE(refusal(scene, size, 10.0).value().admissible.starts_with(">= "));
 }
 
 TEST(OutputSize, MoreRowsThanAnyoneReadsAreRefusedHoweverMuchRoomThereIs) {
   Scene scene = scene_with("");
   const double infinite = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refusal(scene, size_at(scene, 1.1e-7), infinite), "");
-  const std::string why = refusal(scene, size_at(scene, 0.9e-7), infinite);
-  EXPECT_NE(why.find("admissible: >= 1.01e-07"), std::string::npos) << why;
-  EXPECT_NE(why.find("at most 1e+09 rows"), std::string::npos) << why;
+  EXPECT_FALSE(refusal(scene, size_at(scene, 1.1e-7), infinite));
+  const auto fault = refusal(scene, size_at(scene, 0.9e-7), infinite);
+  ASSERT_TRUE(fault);
+  EXPECT_EQ(brief(*fault), "7:9 output.every = 9e-08 [output.too_large]");
+  EXPECT_TRUE(fault->admissible.starts_with(">= 1.01e-07")) << fault->admissible;
+  EXPECT_NE(fault->admissible.find("1e+09"), std::string::npos) << fault->admissible;
 }
 
 TEST(OutputSize, CheckpointsAloneNeedRoomToo) {
@@ -156,14 +161,13 @@ TEST(OutputSize, CheckpointsAloneNeedRoomToo) {
   RunLayout layout;
   layout.state_bytes = 1'000'000;
   const OutputSize size = output_size(scene, layout);
-  EXPECT_EQ(refusal(scene, size, 3e6), "");
-  EXPECT_NE(refusal(scene, size, 1.5e6).find("scene.toml:3:1: error: run: its checkpoints take"),
-            std::string::npos);
+  EXPECT_FALSE(refusal(scene, size, 3e6));
+  EXPECT_EQ(brief(refusal(scene, size, 1.5e6).value()), "3:1 run [output.too_large]");
   // Those of perturbed starts stay until the run has ended.
   scene.run.perturb.emplace();
   scene.run.perturb->repeats = 9;
   EXPECT_NEAR(output_size(scene, layout).together(), 10.0 * size.together(), 1.0);
-  EXPECT_NE(refusal(scene, output_size(scene, layout), 15e6), "");
+  EXPECT_TRUE(refusal(scene, output_size(scene, layout), 15e6));
 }
 
 /// A run that goes on, or that replaces another, has what stands there already.

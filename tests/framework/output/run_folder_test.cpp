@@ -1,35 +1,43 @@
 #include "framework/output/run_folder.hpp"
 
+#include <optional>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <sys/types.h>
 #include <unistd.h>
 
-#include "framework/core/text/fault.hpp"
 #include "tests/framework/output/disk_limit.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
+#include "tests/support/faults.hpp"
 
 namespace tomlin::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Why the folder is refused; empty when it is not.
-std::string refusal(const fs::path& path, Occupied occupied = Occupied::refuse) {
+/// The fault of the folder, if it has one.
+std::optional<Fault> fault_of(const fs::path& path, Occupied occupied = Occupied::refuse) {
   try {
     RunFolder folder(path, occupied);
     folder.create();
   } catch (const InputError& error) {
     EXPECT_EQ(error.faults().size(), 1U);
     EXPECT_EQ(error.faults()[0].place.file, "-o");
-    return error.what();
+    return error.faults()[0];
   }
-  return "";
+  return std::nullopt;
 }
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
+/// In brief; empty when the folder is not refused.
+std::string refusal(const fs::path& path, Occupied occupied = Occupied::refuse) {
+  const auto fault = fault_of(path, occupied);
+  return fault ? brief(*fault) : "";
+}
+
+/// Whether the message has the option among what is admissible.
+bool suggests(const fs::path& path, const std::string& option) {
+  return fault_of(path).value().admissible.find(option) != std::string::npos;
 }
 
 TEST(RunFolder, IsMadeWithAllAboveIt) {
@@ -60,17 +68,17 @@ TEST(RunFolder, StaysWhenItWasThereBefore) {
 TEST(RunFolder, MustBeEmpty) {
   const TemporaryFolder temporary;
   write(temporary / ".hidden", "");
-  const std::string why = refusal(temporary.path());
-  EXPECT_TRUE(contains(why, "is not empty")) << why;
-  EXPECT_TRUE(contains(why, "--force")) << why;
-  EXPECT_FALSE(contains(why, "--resume")) << why;
+  EXPECT_EQ(refusal(temporary.path()), temporary.path().string() + " [file.exists]");
+  EXPECT_TRUE(suggests(temporary.path(), "--force"));
+  EXPECT_FALSE(suggests(temporary.path(), "--resume"));
 }
 
 TEST(RunFolder, OfARunThatWasStoppedSaysHowToGoOn) {
   for (const char* name : {"run.journal", "run.checkpoint"}) {
     const TemporaryFolder temporary;
     write(temporary / name, "x");
-    EXPECT_TRUE(contains(refusal(temporary.path()), "--resume")) << name;
+    EXPECT_EQ(refusal(temporary.path()), temporary.path().string() + " [file.exists]") << name;
+    EXPECT_TRUE(suggests(temporary.path(), "--resume")) << name;
   }
 }
 
@@ -78,7 +86,8 @@ TEST(RunFolder, ToGoOnInHoldsARunOrNothing) {
   const TemporaryFolder temporary;
   EXPECT_EQ(refusal(temporary.path(), Occupied::go_on), "");
   write(temporary / "notes.txt", "mine");
-  EXPECT_TRUE(contains(refusal(temporary.path(), Occupied::go_on), "is not empty"));
+  EXPECT_EQ(refusal(temporary.path(), Occupied::go_on),
+            temporary.path().string() + " [file.exists]");
   write(temporary / "scene.toml.part", "");
   EXPECT_EQ(refusal(temporary.path(), Occupied::go_on), "");
 }
@@ -122,18 +131,20 @@ TEST(RunFolder, RefusesWhatIsNoFolder) {
   write(temporary / "file", "");
   fs::create_symlink("nowhere", temporary / "link");
   fs::create_directories(temporary.path() / "run" / "summary.json");
-  EXPECT_TRUE(contains(refusal(""), "no name"));
-  EXPECT_TRUE(contains(refusal(temporary / "file"), "not a folder"));
-  EXPECT_TRUE(contains(refusal(temporary.path() / "file" / "run"), "not a folder"));
-  EXPECT_TRUE(contains(refusal(temporary / "link"), "leads nowhere"));
-  EXPECT_TRUE(contains(refusal(temporary / "run", Occupied::replace_results), "a folder where"));
-  EXPECT_TRUE(contains(refusal(temporary / std::string(300, 'x')), "name too long") ||
-              contains(refusal(temporary / std::string(300, 'x')), "File name too long"));
+  const std::string here = temporary.path().string() + "/";
+  EXPECT_EQ(refusal(""), "\"\" [command.invalid_value]");
+  EXPECT_EQ(refusal(here + "file"), here + "file [file.invalid]");
+  for (const std::string& name :
+       {std::string("file/run"), std::string("link"), std::string(300, 'x')}) {
+    EXPECT_EQ(refusal(here + name), here + name + " [file.cannot_write]");
+  }
+  EXPECT_EQ(refusal(here + "run", Occupied::replace_results),
+            here + "run/summary.json [file.cannot_write]");
 }
 
 TEST(RunFolder, RefusesWhereNothingCanBeMade) {
   if (!fs::is_directory("/proc/self")) GTEST_SKIP() << "there is no /proc here";
-  EXPECT_NE(refusal("/proc/tomlin.out"), "");
+  EXPECT_EQ(refusal("/proc/tomlin.out"), "/proc/tomlin.out [file.cannot_write]");
 }
 
 TEST(RunFolder, RefusesAFolderThatMayNotBeWritten) {
@@ -151,8 +162,8 @@ TEST(RunFolder, RefusesAFolderThatMayNotBeWritten) {
   if (root) {
     ASSERT_EQ(::seteuid(0), 0);
   }
-  EXPECT_TRUE(contains(inside, "Permission denied")) << inside;
-  EXPECT_TRUE(contains(below, "Permission denied")) << below;
+  EXPECT_EQ(inside, temporary.path().string() + " [file.cannot_write]");
+  EXPECT_EQ(below, (temporary / "run").string() + " [file.cannot_write]");
 }
 
 TEST(RunFolder, AFileAppearsWholeOrNotAtAll) {
@@ -171,17 +182,11 @@ TEST(RunFolder, HasOneOwner) {
   RunFolder second(temporary / "run", Occupied::refuse);
   first.own();
   EXPECT_TRUE(first.in_place());
-  const auto refused = [](RunFolder& folder) {
-    try {
-      folder.own();
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  EXPECT_TRUE(contains(refused(second), "another run is writing here")) << refused(second);
   RunFolder forced(temporary / "run", Occupied::replace_results);
-  EXPECT_TRUE(contains(refused(forced), "another run is writing here"));
+  for (RunFolder* other : {&second, &forced}) {
+    EXPECT_EQ(briefs_of([&] { other->own(); }),
+              std::vector<std::string>{(temporary / "run").string() + " [folder.in_use]"});
+  }
 }
 
 /// A run that came and went between the look at the folder and its being owned is not replaced.
@@ -213,7 +218,7 @@ TEST(RunFolder, AnEmptyJournalIsInNobodysWay) {
   write(temporary.path() / "run" / kJournalFile, "");
   EXPECT_EQ(refusal(temporary / "run"), "");
   write(temporary.path() / "run" / kJournalFile, "x");
-  EXPECT_TRUE(contains(refusal(temporary / "run"), "--resume"));
+  EXPECT_TRUE(suggests(temporary / "run", "--resume"));
 }
 
 TEST(RunFolder, NoticesThatItWasMovedAway) {

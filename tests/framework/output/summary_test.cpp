@@ -256,7 +256,8 @@ TEST(Summary, AFailureHasItsPlace) {
       41, 0.5, "ring", 3, "y", "harmonic_bonds", "the speed runs away", "the step is too long"};
   Json summary = Json::parse(summary_json(planar_scene(), result));
   EXPECT_EQ(summary["status"], "failed");
-  EXPECT_EQ(summary["failure"], Json::parse(R"({"step": 41, "time": 0.5, "body": "ring",
+  EXPECT_EQ(summary["failure"],
+            Json::parse(R"({"code": "run.step.unstable", "step": 41, "time": 0.5, "body": "ring",
       "particle": 3, "axis": "y", "force": "harmonic_bonds", "what": "the speed runs away",
       "cause": "the step is too long"})"));
 

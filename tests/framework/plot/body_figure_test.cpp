@@ -1,6 +1,7 @@
 #include "framework/plot/body_figure.hpp"
 
 #include <cmath>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "framework/core/text/fault.hpp"
 #include "framework/standard_registry.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
+#include "tests/support/faults.hpp"
 
 namespace tomlin {
 namespace {
@@ -55,13 +57,13 @@ class BodyFigure : public testing::Test {
     return body_figure(runs, {"label"}, request, standard_registry(), notes_);
   }
 
-  std::string complaint(const BodyRequest& request) {
+  Fault refusal(const BodyRequest& request) {
     try {
       drawn(request);
     } catch (const InputError& error) {
-      return error.what();
+      return error.faults().front();
     }
-    return "";
+    throw std::logic_error("it is drawn");
   }
 
   static const Polyline& points(const Figure& figure, std::size_t curve) {
@@ -147,12 +149,15 @@ TEST_F(BodyFigure, AFlexibleBodyIsDrawnAsRigidAndTheNoteSaysSo) {
 }
 
 TEST_F(BodyFigure, RefusesTimesOutsideTheRunAndBodiesThatAreNotThere) {
-  EXPECT_NE(complaint({"time", {10.5}, {}}).find("admissible: from 0 to 10"), std::string::npos);
-  EXPECT_NE(complaint({"time", {-1.0}, {}}), "");
-  EXPECT_NE(complaint({"time", {1.0}, {"", "rong"}}).find("did you mean \"ring\"?"),
-            std::string::npos);
+  const Fault late = refusal({"time", {10.5}, {}});
+  EXPECT_EQ(late.place.file, "--at");
+  EXPECT_EQ(test::brief(late), "10.5 [plot.no_data]");
+  EXPECT_NE(late.admissible.find("0 to 10"), std::string::npos) << late.admissible;
+  EXPECT_EQ(test::brief(refusal({"time", {-1.0}, {}})), "-1 [plot.no_data]");
+  EXPECT_EQ(test::brief(refusal({"time", {1.0}, {"", "rong"}})),
+            "--body rong [plot.no_data] did you mean ring");
   test::write(folder_ / "scene.toml", "");
-  EXPECT_NE(complaint({"time", {1.0}, {}}), "");
+  EXPECT_EQ(test::brief(refusal({"time", {1.0}, {}})), "1:1 [file.invalid]");
 }
 
 }  // namespace

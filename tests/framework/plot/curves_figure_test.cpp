@@ -1,5 +1,6 @@
 #include "framework/plot/curves_figure.hpp"
 
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,7 @@
 
 #include "framework/core/text/fault.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
+#include "tests/support/faults.hpp"
 
 namespace tomlin {
 namespace {
@@ -35,13 +37,13 @@ class CurvesFigure : public testing::Test {
     return curves_figure({first_, second_}, {"one", "two"}, request);
   }
 
-  std::string complaint(const CurvesRequest& request) {
+  Fault refusal(const CurvesRequest& request) {
     try {
       drawn(request);
     } catch (const InputError& error) {
-      return error.what();
+      return error.faults().front();
     }
-    return "";
+    throw std::logic_error("it is drawn");
   }
 
   test::TemporaryFolder first_folder_;
@@ -113,14 +115,17 @@ TEST_F(CurvesFigure, ALevelCurveHasRoom) {
 }
 
 TEST_F(CurvesFigure, RefusesTwoUnitsOnOneAxisAndAnEmptyRange) {
-  EXPECT_NE(complaint({"time", {{"force", "position"}}, {}, {}, {}})
-                .find("--y position: [length], on one axis with force [force]"),
-            std::string::npos);
-  EXPECT_EQ(complaint({"driver_position", {{"force"}}, {}, 7.0, {}}),
-            "--from: error: there is no sample from 7 to 4; admissible: driver_position from 0 to "
-            "4");
-  EXPECT_NE(complaint({"driver_position", {{"forse"}}, {}, {}, {}}).find("did you mean \"force\"?"),
-            std::string::npos);
+  const Fault mixed = refusal({"time", {{"force", "position"}}, {}, {}, {}});
+  EXPECT_EQ(test::brief(mixed), "--y position [command.invalid_value]");
+  for (const char* part : {"[length]", "force [force]"}) {
+    EXPECT_NE(mixed.why.find(part), std::string::npos) << mixed.why;
+  }
+  const Fault empty = refusal({"driver_position", {{"force"}}, {}, 7.0, {}});
+  EXPECT_EQ(empty.place.file, "--from");
+  EXPECT_EQ(test::brief(empty), "[plot.no_data]");
+  EXPECT_NE(empty.admissible.find("0 to 4"), std::string::npos) << empty.admissible;
+  EXPECT_EQ(test::brief(refusal({"driver_position", {{"forse"}}, {}, {}, {}})),
+            "--y forse [plot.no_data] did you mean force");
 }
 
 }  // namespace

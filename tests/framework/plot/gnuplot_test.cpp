@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -10,6 +11,7 @@
 #include "framework/plot/figure.hpp"
 #include "framework/plot/gnuplot_script.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
+#include "tests/support/faults.hpp"
 
 namespace tomlin {
 namespace {
@@ -198,8 +200,11 @@ TEST_F(Gnuplot, KnowsWhenItIsMissing) {
     run_gnuplot("");
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_TRUE(contains(error.what(), "apt-get install gnuplot-nox")) << error.what();
-    EXPECT_TRUE(contains(error.what(), "TOMLIN_GNUPLOT")) << error.what();
+    const std::string absent = (folder_ / "nothing").string();
+    EXPECT_EQ(test::briefs(error), std::vector<std::string>{absent + " [plot.no_gnuplot]"});
+    for (const char* part : {"gnuplot-nox", "TOMLIN_GNUPLOT"}) {
+      EXPECT_TRUE(contains(error.what(), part)) << error.what();
+    }
   }
 }
 

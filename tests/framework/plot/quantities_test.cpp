@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +11,7 @@
 
 #include "framework/core/text/fault.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
+#include "tests/support/faults.hpp"
 
 namespace tomlin {
 namespace {
@@ -27,14 +29,15 @@ class Quantities : public testing::Test {
     return SampleTable(file.string());
   }
 
-  static std::string complaint(const SampleTable& table, const std::string& name,
-                               const Owners& owners = {}) {
+  static Fault refusal(const SampleTable& table, const std::string& name,
+                       const Owners& owners = {}) {
     try {
       find_series(table, name, owners, "--y");
     } catch (const InputError& error) {
-      return std::string(error.what()).substr(table.file().size());
+      EXPECT_EQ(error.faults().front().place.file, table.file());
+      return error.faults().front();
     }
-    return "";
+    throw std::logic_error("it is found");
   }
 
   test::TemporaryFolder folder_;
@@ -71,24 +74,25 @@ TEST_F(Quantities, EveryOneIsFoundInTheTableOfARing) {
 TEST_F(Quantities, WhatIsNotThereIsAnsweredByWhatIs) {
   const SampleTable tip =
       table("time [time],driver.force.x [force],tip.velocity.x [length/time]\n");
-  EXPECT_EQ(complaint(tip, "height"),
-            ": error: there is no column *.centre_of_mass.y; admissible: time, driver.force.x, "
-            "tip.velocity.x; --x and --y take any of them");
-  EXPECT_EQ(complaint(tip, "driver.froce.x"),
-            ": error: --y driver.froce.x: there is no such column or quantity; admissible: time, "
-            "driver.force.x, tip.velocity.x, driver_position, force, force_size, position, height, "
-            "rotation, speed; did you mean \"driver.force.x\"?");
+  const Fault none = refusal(tip, "height");
+  EXPECT_EQ(test::brief(none), "[plot.no_data]");
+  EXPECT_TRUE(none.why.ends_with(" *.centre_of_mass.y")) << none.why;
+  EXPECT_TRUE(none.admissible.starts_with("time, driver.force.x, tip.velocity.x;"));
+  const Fault misspelt = refusal(tip, "driver.froce.x");
+  EXPECT_EQ(test::brief(misspelt), "--y driver.froce.x [plot.no_data] did you mean driver.force.x");
+  EXPECT_EQ(misspelt.admissible,
+            "time, driver.force.x, tip.velocity.x, driver_position, force, force_size, position, "
+            "height, rotation, speed");
 }
 
 TEST_F(Quantities, OneOfSeveralMustBeNamed) {
   const SampleTable two =
       table("time [time],left.force.x [force],right.force.x [force],b.rotation [rad]\n");
-  EXPECT_EQ(complaint(two, "force"),
-            ": error: there are several columns *.force.x; admissible: --driver left, --driver "
-            "right");
-  EXPECT_EQ(complaint(two, "force", {"rigth", ""}),
-            ": error: --driver rigth: there is no column rigth.force.x; admissible: left, right; "
-            "did you mean \"right\"?");
+  const Fault several = refusal(two, "force");
+  EXPECT_EQ(test::brief(several), "[command.missing_argument]");
+  EXPECT_EQ(several.admissible, "--driver left, --driver right");
+  EXPECT_EQ(test::brief(refusal(two, "force", {"rigth", ""})),
+            "--driver rigth [plot.no_data] did you mean right");
   EXPECT_EQ(find_series(two, "force", {"right", ""}, "--y").columns, std::vector<std::size_t>{2});
   EXPECT_EQ(find_series(two, "rotation", {"right", "b"}, "--y").columns,
             std::vector<std::size_t>{3});

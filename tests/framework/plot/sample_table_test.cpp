@@ -7,6 +7,7 @@
 
 #include "framework/core/text/fault.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
+#include "tests/support/faults.hpp"
 
 namespace tomlin {
 namespace {
@@ -24,15 +25,15 @@ class SampleTableTest : public testing::Test {
   }
   std::string file() const { return (folder_ / "observables.csv").string(); }
 
-  /// What reading all columns complains about, without the file's name.
-  std::string complaint(const std::string& text) {
+  /// The fault that reading all columns finds.
+  std::vector<std::string> faults(const std::string& text) {
     try {
-      const SampleTable read = table(text);
-      read.read({0, 1, 2});
+      table(text).read({0, 1, 2});
     } catch (const InputError& error) {
-      return std::string(error.what()).substr(file().size());
+      EXPECT_EQ(error.faults().front().place.file, file());
+      return test::briefs(error);
     }
-    return "";
+    return {};
   }
 
   test::TemporaryFolder folder_;
@@ -58,17 +59,16 @@ TEST_F(SampleTableTest, ReadsTheColumnsAskedForInTheirOrder) {
 
 TEST_F(SampleTableTest, SaysWhereATableIsDamaged) {
   const std::string header = "time [time],a [x],b [y]\n";
-  EXPECT_EQ(complaint(header + "0,1,2\n"), "");
-  EXPECT_EQ(complaint(header + "0,1,2\n0,1\n"), ":3:1: error: 2 fields in a table of 3 columns");
-  EXPECT_EQ(complaint(header + "0,1,2,3\n"), ":2:1: error: 4 fields in a table of 3 columns");
-  EXPECT_EQ(complaint(header + "0,1.5x,2\n"), ":2:3: error: 1.5x: not a finite number");
-  EXPECT_EQ(complaint(header + "0,,2\n"), ":2:3: error: \"\": not a finite number");
-  EXPECT_EQ(complaint(header + "0,1,nan\n"), ":2:5: error: nan: not a finite number");
-  EXPECT_EQ(complaint(header), ": error: there are no samples in it");
-  EXPECT_EQ(complaint("x [length],y [length]\n"),
-            ":1:1: error: x [length],y [length]: this is not a table of observables; admissible: "
-            "a header that begins with \"time [time]\"");
-  EXPECT_NE(complaint(""), "");
+  using Faults = std::vector<std::string>;
+  EXPECT_EQ(faults(header + "0,1,2\n"), Faults{});
+  EXPECT_EQ(faults(header + "0,1,2\n0,1\n"), Faults{"3:1 [file.damaged]"});
+  EXPECT_EQ(faults(header + "0,1,2,3\n"), Faults{"2:1 [file.damaged]"});
+  EXPECT_EQ(faults(header + "0,1.5x,2\n"), Faults{"2:3 1.5x [file.damaged]"});
+  EXPECT_EQ(faults(header + "0,,2\n"), Faults{"2:3 \"\" [file.damaged]"});
+  EXPECT_EQ(faults(header + "0,1,nan\n"), Faults{"2:5 nan [file.damaged]"});
+  EXPECT_EQ(faults(header), Faults{"[plot.no_data]"});
+  EXPECT_EQ(faults("x [length],y [length]\n"), Faults{"1:1 x [length],y [length] [file.invalid]"});
+  EXPECT_EQ(faults(""), Faults{"1:1 [file.invalid]"});
 }
 
 TEST_F(SampleTableTest, AFileThatIsNotThereIsReported) {

@@ -46,14 +46,16 @@ class Resume : public Cli {
     return tomlin(words);
   }
 
-  /// Refused with these words, and nothing in the folder has changed.
-  void expect_refused_for(const std::vector<std::string>& reasons,
+  /// Refused at this path with this code, with these names and numbers in the message, and nothing
+  /// in the folder has changed.
+  void expect_refused_for(const std::string& path_and_code,
+                          const std::vector<std::string>& named = {},
                           const std::vector<std::string>& more = {}) {
     const auto before = files_of(folder_ / "out");
     const Ended ended = resume(more);
     EXPECT_EQ(ended.status, 2);
-    EXPECT_EQ(lines(ended.err), 1) << ended.err;
-    for (const std::string& reason : reasons) EXPECT_TRUE(contains(ended.err, reason)) << ended.err;
+    EXPECT_EQ(abridged(ended.err), "--resume: " + path_and_code + "\n") << ended.err;
+    for (const std::string& name : named) EXPECT_TRUE(contains(ended.err, name)) << ended.err;
     EXPECT_EQ(files_of(folder_ / "out"), before);
   }
 
@@ -78,7 +80,8 @@ TEST_F(Resume, ARunThatHasFinishedStaysAsItIs) {
   EXPECT_EQ(ended.status, 0) << ended.err;
   EXPECT_TRUE(contains(ended.out, "finished already")) << ended.out;
   EXPECT_EQ(files_of(folder_ / "out"), before);
-  expect_refused_for({"another scene", "duration = 1.5", "duration = 1000000.0"});
+  expect_refused_for("out/scene.toml [resume.other_scene]",
+                     {"duration = 1.5", "duration = 1000000.0"});
 }
 
 TEST_F(Resume, ARunThatFailedWouldFailAgain) {
@@ -90,7 +93,8 @@ TEST_F(Resume, ARunThatFailedWouldFailAgain) {
   EXPECT_FALSE(exists("out/run.journal"));
   const Ended ended = tomlin(words);
   EXPECT_EQ(ended.status, 1);
-  EXPECT_TRUE(contains(ended.err, "would again: dt = 100")) << ended.err;
+  EXPECT_EQ(abridged(ended.err), "scene.toml: [resume.impossible]\n") << ended.err;
+  EXPECT_TRUE(contains(ended.err, "dt = 100")) << ended.err;
 }
 
 TEST_F(Resume, ARunThatWasStoppedSaysHowToGoOn) {
@@ -99,6 +103,7 @@ TEST_F(Resume, ARunThatWasStoppedSaysHowToGoOn) {
   EXPECT_TRUE(exists("out/observables.csv"));
   const Ended ended = tomlin({"run", "long.toml", "-o", "out"});
   EXPECT_EQ(ended.status, 2);
+  EXPECT_EQ(abridged(ended.err), "-o: out [file.exists]\n") << ended.err;
   EXPECT_TRUE(contains(ended.err, "--resume")) << ended.err;
   EXPECT_TRUE(exists("out/run.checkpoint"));
   // Not both at once.
@@ -107,9 +112,8 @@ TEST_F(Resume, ARunThatWasStoppedSaysHowToGoOn) {
 
 TEST_F(Resume, AnotherSceneIsRefusedWithItsFirstDifference) {
   stop_a_run(SIGTERM);
-  expect_refused_for(
-      {"run.journal", "another scene", "line ", "amplitude = 0.1", "amplitude = 0.2"},
-      {"--set", "force.sinusoidal_substrate.amplitude=0.2"});
+  expect_refused_for("out/run.journal [resume.other_scene]", {"amplitude = 0.1", "amplitude = 0.2"},
+                     {"--set", "force.sinusoidal_substrate.amplitude=0.2"});
 }
 
 /// What a scene reads from a file is part of it.
@@ -121,26 +125,26 @@ TEST_F(Resume, ChangedPositionsAreAnotherScene) {
   write(folder_ / "places.dat", "0.0\n");
   stop_a_run(SIGTERM);
   write(folder_ / "places.dat", "0.25\n");
-  expect_refused_for({"another scene", "0.25"});
+  expect_refused_for("out/run.journal [resume.other_scene]", {"0.25"});
 }
 
 TEST_F(Resume, AnEditedSceneFileIsNotLost) {
   stop_a_run(SIGKILL);
   write(folder_ / "out/scene.toml", "# mine\n" + file("out/scene.toml"));
-  expect_refused_for({"out/scene.toml", "another scene", "# mine"});
+  expect_refused_for("out/scene.toml [resume.other_scene]", {"# mine"});
 }
 
 TEST_F(Resume, MissingFilesAreRefused) {
   stop_a_run(SIGTERM);
   const std::string journal = file("out/run.journal");
   fs::remove(folder_ / "out/run.journal");
-  expect_refused_for({"run.journal", "there is none"});
+  expect_refused_for("out/run.journal [resume.impossible]");
   fs::rename(folder_ / "out/run.checkpoint", folder_ / "kept");
-  expect_refused_for({"journal and checkpoint are missing"});
+  expect_refused_for("out [resume.impossible]");
   write(folder_ / "out/run.journal", journal);
-  expect_refused_for({"run.checkpoint", "there is none"});
+  expect_refused_for("out/run.checkpoint [resume.impossible]");
   fs::remove(folder_ / "out/summary.json");
-  expect_refused_for({"run.checkpoint", "there is none", "samples"});
+  expect_refused_for("out/run.checkpoint [resume.impossible]");
   fs::rename(folder_ / "kept", folder_ / "out/run.checkpoint");
 }
 
@@ -150,13 +154,13 @@ TEST_F(Resume, DamagedFilesAreRefused) {
     const std::string good = file(name);
     for (const std::size_t at : {std::size_t{0}, std::size_t{20}, good.size() / 2}) {
       change_byte(name, at);
-      expect_refused_for({name, "corrupted"});
+      expect_refused_for(name + " [file.damaged]");
       write(folder_ / name, good);
     }
-    write(folder_ / name, good.substr(0, good.size() / 2));
-    expect_refused_for({name, "truncated"});
-    write(folder_ / name, "");
-    expect_refused_for({name, "truncated"});
+    for (const std::size_t length : {good.size() / 2, std::size_t{0}}) {
+      write(folder_ / name, good.substr(0, length));
+      expect_refused_for(name + " [file.damaged]");
+    }
     write(folder_ / name, good);
   }
 }
@@ -179,19 +183,19 @@ TEST_F(Resume, WhateverFollowsTheCheckpointIsDropped) {
 }
 
 TEST_F(Resume, TwoRunsNeverShareAFolder) {
-  const Ended first = tomlin(
-      {"run", "long.toml", "-o", "out"},
-      {.then =
-           [&](pid_t child) {
-             EXPECT_TRUE(appears(folder_ / "out/run.checkpoint"));
-             for (const std::string how : {"--resume", "--force"}) {
-               const Ended second = tomlin({"run", "long.toml", "-o", "out", how});
-               EXPECT_EQ(second.status, 2);
-               EXPECT_TRUE(contains(second.err, "another run is writing here")) << second.err;
-             }
-             ::kill(child, SIGTERM);
-           },
-       .environment = impatient()});
+  const Ended first =
+      tomlin({"run", "long.toml", "-o", "out"},
+             {.then =
+                  [&](pid_t child) {
+                    EXPECT_TRUE(appears(folder_ / "out/run.checkpoint"));
+                    for (const std::string how : {"--resume", "--force"}) {
+                      const Ended second = tomlin({"run", "long.toml", "-o", "out", how});
+                      EXPECT_EQ(second.status, 2);
+                      EXPECT_EQ(abridged(second.err), "-o: out [folder.in_use]\n") << second.err;
+                    }
+                    ::kill(child, SIGTERM);
+                  },
+              .environment = impatient()});
   EXPECT_EQ(first.status, 128 + SIGTERM) << first.err;
   EXPECT_EQ(summary("out")["status"], "interrupted");
 }
@@ -210,10 +214,7 @@ TEST_F(Resume, AFolderThatGoesAwayEndsTheRun) {
                                     },
                                 .environment = impatient()});
     EXPECT_EQ(ended.status, 1);
-    // It may go away between the look at it and the next file.
-    EXPECT_TRUE(contains(ended.err, "the folder was removed or replaced") ||
-                contains(ended.err, "out/run.checkpoint.part: No such file or directory"))
-        << ended.err;
+    EXPECT_TRUE(contains(ended.err, " [file.cannot_write]\n")) << ended.err;
     EXPECT_FALSE(exists("out/observables.csv"));
     EXPECT_FALSE(exists("out/run.checkpoint"));
   }
@@ -296,8 +297,11 @@ TEST_F(Resume, ARunThatDoesNotFitIsRefusedBeforeItBegins) {
   };
   const Ended refused = run("0.05");
   EXPECT_EQ(refused.status, 2);
-  EXPECT_TRUE(contains(refused.err, "the run would write 12001 rows, up to ")) << refused.err;
-  EXPECT_TRUE(contains(refused.err, "there is room for 1.05 MB")) << refused.err;
+  EXPECT_EQ(abridged(refused.err),
+            "--set output.every=0.05: output.every = 0.05 [output.too_large]\n")
+      << refused.err;
+  EXPECT_TRUE(contains(refused.err, "12001")) << refused.err;
+  EXPECT_TRUE(contains(refused.err, " 1.05 MB")) << refused.err;
   EXPECT_FALSE(exists("disk/out"));
 
   const std::string admissible = "admissible: >= ";
@@ -321,7 +325,7 @@ TEST_F(Resume, ClosedStandardStreamsHarmNothing) {
   ASSERT_EQ(tomlin({"run", "scene.toml", "-o", "whole"}).status, 0);
   const Ended no_output = tomlin({"run", "scene.toml", "-o", "out"}, {.closed = {1}});
   EXPECT_EQ(no_output.status, 1);
-  EXPECT_TRUE(contains(no_output.err, "cannot write to standard output")) << no_output.err;
+  EXPECT_EQ(abridged(no_output.err), "tomlin: [file.cannot_write]\n") << no_output.err;
   EXPECT_EQ(differing(folder_ / "whole", folder_ / "out"), "");
   fs::remove_all(folder_ / "out");
   EXPECT_EQ(tomlin({"run", "scene.toml", "-o", "out", "--quiet"}, {.closed = {0, 1, 2}}).status, 0);

@@ -29,14 +29,14 @@ RunResult planar_result() {
   return result;
 }
 
-Fault fault_of(const RunResult& result, const std::string& path) {
+Fault fault_of(const RunResult& result, const std::string& path, const Place& place = {}) {
   try {
-    (void)observable(result, path);
+    (void)observable(result, path, place);
   } catch (const InputError& error) {
     return error.faults().front();
   }
   ADD_FAILURE() << path << " is an observable";
-  return {};
+  return Fault(FaultCode::observable_unknown);
 }
 
 TEST(Observables, AreFoundByTheirFullPathAndWithoutTheFamily) {
@@ -95,15 +95,9 @@ TEST(Observables, UnknownNamesAreErrorsThatKnowTheNearest) {
 }
 
 TEST(Observables, AnErrorSaysWhereThePathWasWritten) {
-  try {
-    (void)observable(planar_result(), "drivr.work", {.file = "--observable"});
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(),
-                 "--observable: error: drivr.work: there is no observable of that name; "
-                 "admissible: a dotted path as in summary.json, components by letter, say "
-                 "\"driver.mean_force.x\"; did you mean \"driver.work\"?");
-  }
+  const Fault fault = fault_of(planar_result(), "drivr.work", {.file = "--observable"});
+  EXPECT_EQ(fault.place.file, "--observable");
+  EXPECT_EQ(brief(fault), "drivr.work [observable.unknown] did you mean driver.work");
 }
 
 TEST(Observables, RotateInThePlaneOnly) {

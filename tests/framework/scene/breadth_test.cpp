@@ -12,13 +12,11 @@
 namespace tomlin::test {
 namespace {
 
-/// What is wrong with a sound scene once `old_text` is `new_text`, without file and "error: ".
+/// What is wrong with a valid scene once `old_text` is `new_text`, without file and wording.
 std::string spoilt(const std::string& scene, const std::string& old_text,
                    const std::string& new_text) {
   if (const std::string before = faults_of(scene); !before.empty()) return "before: " + before;
-  return replaced_all(
-      replaced_all(faults_of(replaced(scene, old_text, new_text)), "ring.toml:", ""),
-      " error:", "");
+  return replaced_all(abridged(faults_of(replaced(scene, old_text, new_text))), "ring.toml:", "");
 }
 
 // ---- motion
@@ -83,48 +81,37 @@ TEST(Motion, FaultsHaveTheirPlace) {
     return spoilt(kSlider, old_text, new_text);
   };
   EXPECT_EQ(instead_of("\"k * cos(t)\"", "\"k * cos(x)\""),
-            "14:33: body.ring.motion.velocity = \"k * cos(x)\": 'x' is a variable; it has no value "
-            "here\n");
+            "14:33: body.ring.motion.velocity = \"k * cos(x)\" [expression.unknown_name]\n");
   EXPECT_EQ(instead_of("\"k * cos(t)\"", "\"kk * t\""),
-            "14:25: body.ring.motion.velocity = \"kk * t\": there is no parameter 'kk'\n");
+            "14:25: body.ring.motion.velocity = \"kk * t\" [expression.unknown_name]\n");
   EXPECT_EQ(instead_of("\"k * cos(t)\"", "\"1 / t\""),
-            "14:27: body.ring.motion.velocity = \"1 / t\": 1 / 0 is a division by zero\n");
+            "14:27: body.ring.motion.velocity = \"1 / t\" [expression.not_finite]\n");
   EXPECT_EQ(instead_of("\"k * cos(t)\"", "nan"),
-            "14:24: body.ring.motion.velocity = nan: not a finite number; admissible: a number or "
-            "an expression in t\n");
+            "14:24: body.ring.motion.velocity = nan [scene.not_finite]\n");
   EXPECT_EQ(instead_of("\"k * cos(t)\"", "true"),
-            "14:24: body.ring.motion.velocity = true: found a boolean; admissible: a number or "
-            "an expression in t\n");
+            "14:24: body.ring.motion.velocity = true [scene.wrong_type]\n");
   EXPECT_EQ(instead_of(", \"k / 4\"", ""),
-            "14:23: body.ring.motion.velocity = [\"k * cos(t)\"]: mixed dimensions: 1 component, "
-            "but the scene has 2, by its first body\n");
+            "14:23: body.ring.motion.velocity = [\"k * cos(t)\"] [scene.wrong_count]\n");
   EXPECT_EQ(instead_of("[\"k * cos(t)\", \"k / 4\"]", "[]"),
-            "14:23: body.ring.motion.velocity = []: the list is empty; admissible: a list with a "
-            "number or an expression in t per dimension\n");
+            "14:23: body.ring.motion.velocity = [] [scene.wrong_count]\n");
   EXPECT_EQ(instead_of("\"k / 4\"", "0, 0, 0"),
-            "14:23: body.ring.motion.velocity = [\"k * cos(t)\", 0, 0, 0]: space has at most three "
-            "dimensions; admissible: a list with a number or an expression in t per dimension\n");
+            "14:23: body.ring.motion.velocity = [\"k * cos(t)\", 0, 0, 0] [scene.wrong_count]\n");
   EXPECT_EQ(instead_of("[\"k * cos(t)\", \"k / 4\"]", "1"),
-            "14:23: body.ring.motion.velocity = 1: found an integer; admissible: a list with a "
-            "number or an expression in t per dimension\n");
-  EXPECT_EQ(instead_of("angular_velocity", "angular_veloc"),
-            "14:48: body.ring.motion.angular_veloc: unknown key; admissible: velocity, "
-            "angular_velocity; did you mean \"angular_velocity\"?\n");
+            "14:23: body.ring.motion.velocity = 1 [scene.wrong_type]\n");
+  EXPECT_EQ(
+      instead_of("angular_velocity", "angular_veloc"),
+      "14:48: body.ring.motion.angular_veloc [scene.unknown_key] did you mean angular_velocity\n");
   EXPECT_EQ(instead_of("motion = {", "motion = 3 # {"),
-            "14:10: body.ring.motion = 3: found an integer; admissible: { velocity = [..], "
-            "angular_velocity = .. }\n");
+            "14:10: body.ring.motion = 3 [scene.wrong_type]\n");
 }
 
 TEST(Motion, BelongsToPrescribedBodies) {
   EXPECT_EQ(spoilt(kSlider, "motion = {", "# {"),
-            "8:1: body.ring.motion: missing: a prescribed body needs one; admissible: { velocity = "
-            "[..], angular_velocity = .. }\n");
+            "8:1: body.ring.motion [body.invalid_coordinates]\n");
   EXPECT_EQ(spoilt(kSlider, "\"prescribed\"", "\"rigid\""),
-            "14:1: body.ring.motion: only a prescribed body has one; admissible: coordinates = "
-            "\"prescribed\"\n");
+            "14:1: body.ring.motion [body.invalid_coordinates]\n");
   EXPECT_EQ(spoilt(kSlider, "motion = {", "velocity = [1, 0]\nmotion = {"),
-            "14:1: body.ring.velocity: a prescribed body has the velocity of its motion; "
-            "admissible: motion = { velocity = [..] }\n");
+            "14:1: body.ring.velocity [body.invalid_coordinates]\n");
 }
 
 TEST(Motion, TellsTheDimensionWhereTheShapeHasNoVectors) {
@@ -141,9 +128,8 @@ TEST(Motion, OfAngleIsPlanar) {
   const std::string dot = replaced(kDots, "position = [0.0]",
                                    "position = [0.0]\ncoordinates = \"prescribed\"\n"
                                    "motion = { velocity = [1.0] }");
-  EXPECT_EQ(
-      spoilt(dot, "[1.0] }", "[1.0], angular_velocity = 0 }"),
-      "10:49: body.one.motion.angular_velocity = 0: only a planar body turns by one number\n");
+  EXPECT_EQ(spoilt(dot, "[1.0] }", "[1.0], angular_velocity = 0 }"),
+            "10:49: body.one.motion.angular_velocity = 0 [body.invalid_coordinates]\n");
 }
 
 // ---- hold
@@ -165,34 +151,24 @@ TEST(Hold, FaultsHaveTheirPlace) {
   const auto instead = [](const std::string& names) {
     return spoilt(held("[\"y\"]"), "[\"y\"]", names);
   };
-  EXPECT_EQ(instead("[\"z\"]"),
-            "14:1: body.ring.hold: \"z\" is no axis of a scene of 2 dimensions\n");
+  EXPECT_EQ(instead("[\"z\"]"), "14:1: body.ring.hold [body.invalid_coordinates]\n");
   EXPECT_EQ(instead("[\"rotatoin\"]"),
-            "14:9: body.ring.hold = \"rotatoin\": no such choice; admissible: a list of \"x\", "
-            "\"y\", \"z\" or \"rotation\"; did you mean \"rotation\"?\n");
-  EXPECT_EQ(instead("[\"y\", \"y\"]"),
-            "14:14: body.ring.hold = \"y\": is given twice; admissible: a list of \"x\", \"y\", "
-            "\"z\" or \"rotation\"\n");
-  EXPECT_EQ(instead("\"y\""),
-            "14:8: body.ring.hold = \"y\": found text; admissible: a list of \"x\", \"y\", \"z\" "
-            "or \"rotation\"\n");
+            "14:9: body.ring.hold = \"rotatoin\" [scene.unknown_choice] did you mean rotation\n");
+  EXPECT_EQ(instead("[\"y\", \"y\"]"), "14:14: body.ring.hold = \"y\" [scene.duplicate_key]\n");
+  EXPECT_EQ(instead("\"y\""), "14:8: body.ring.hold = \"y\" [scene.wrong_type]\n");
   EXPECT_EQ(instead("[\"y\"]\nvelocity = [1.0, 0.5]"),
-            "15:1: body.ring.velocity: a held coordinate does not move: y is held; admissible: 0 "
-            "along y\n");
+            "15:1: body.ring.velocity [body.invalid_coordinates]\n");
   EXPECT_EQ(instead("[\"y\"]\nvelocity = [1.0, 0.0]"), "");
 }
 
 TEST(Hold, FitsTheCoordinates) {
   const std::string rotation = held("[\"rotation\"]");
   EXPECT_EQ(spoilt(rotation, "\"rigid\"", "\"particles\""),
-            "14:1: body.ring.hold: only a rigid body has a rotation; admissible: coordinates = "
-            "\"rigid\"\n");
+            "14:1: body.ring.hold [body.invalid_coordinates]\n");
   EXPECT_EQ(spoilt(rotation, "\"rigid\"", "\"fixed\""),
-            "14:1: body.ring.hold: nothing of a fixed body is free; admissible: coordinates = "
-            "\"particles\" or \"rigid\"\n");
+            "14:1: body.ring.hold [body.invalid_coordinates]\n");
   EXPECT_EQ(spoilt(rotation, "\"rigid\"", "\"prescribed\"\nmotion = {}"),
-            "15:1: body.ring.hold: nothing of a prescribed body is free; admissible: coordinates = "
-            "\"particles\" or \"rigid\"\n");
+            "15:1: body.ring.hold [body.invalid_coordinates]\n");
 }
 
 TEST(Hold, RigidBodiesOfEveryDimensionAreLeftToTheModel) {
@@ -222,8 +198,7 @@ TEST(Box, IsRead) {
 // Three bonds join three particles on a circle, two on a line.
 TEST(Box, ClosesARowAlongAPeriodicAxisOnly) {
   EXPECT_EQ(spoilt(kCircle, "[true]", "[false]"),
-            "10:16: force.bonds.rest_lengths = [1, 2, 3]: not one for each bond; admissible: one "
-            "number, or 2\n");
+            "10:16: force.bonds.rest_lengths = [1, 2, 3] [component.invalid]\n");
   EXPECT_EQ(faults_of(replaced(replaced(kCircle, "[true]", "[false]"), "[1, 2, 3]", "[1, 2]")), "");
 }
 
@@ -249,13 +224,15 @@ TEST(Box, ForcesSeeItsPeriodicAxes) {
 }
 
 TEST(Box, PeriodsDivideItsLength) {
-  EXPECT_EQ(
-      spoilt(kCircle, "period = 1.5", "period = 2"),
-      "15:11: box.lengths = [3.0]: along x the period 2 of \"wave\" does not divide the length "
-      "3; admissible: 2 or 4\n");
+  EXPECT_EQ(spoilt(kCircle, "period = 1.5", "period = 2"),
+            "15:11: box.lengths = [3.0] [box.invalid]\n");
   EXPECT_EQ(spoilt(kCircle, "period = 1.5", "period = 4.5"),
-            "15:11: box.lengths = [3.0]: along x the period 4.5 of \"wave\" does not divide the "
-            "length 3; admissible: 4.5\n");
+            "15:11: box.lengths = [3.0] [box.invalid]\n");
+  // The lengths next to it, which are positive.
+  EXPECT_NE(faults_of(replaced(kCircle, "period = 1.5", "period = 2")).find("2 or 4"),
+            std::string::npos);
+  EXPECT_EQ(faults_of(replaced(kCircle, "period = 1.5", "period = 4.5")).find("or 4.5"),
+            std::string::npos);
   // On either side of the tolerance.
   EXPECT_EQ(faults_of(replaced(kCircle, "[3.0]", "[3.000000002]")), "");
   EXPECT_NE(faults_of(replaced(kCircle, "[3.0]", "[3.000000004]")), "");
@@ -270,28 +247,17 @@ TEST(Box, PeriodsDivideItsLength) {
 
 TEST(Box, FaultsHaveTheirPlace) {
   EXPECT_EQ(spoilt(kCircle, "[3.0]", "[3.0, 1]"),
-            "15:11: box.lengths = [3.0, 1]: mixed dimensions: 2 given, but the scene has 1, by its "
-            "first body\n");
-  EXPECT_EQ(
-      spoilt(kCircle, "[true]", "[true, true]"),
-      "16:12: box.periodic = [true, true]: mixed dimensions: 2 given, but the scene has 1, by "
-      "its first body\n");
-  EXPECT_EQ(spoilt(kCircle, "[3.0]", "[0]"),
-            "15:12: box.lengths = 0: out of range; admissible: > 0\n");
-  EXPECT_EQ(spoilt(kCircle, "[true]", "[1]"),
-            "16:13: box.periodic = 1: found an integer; admissible: a list with true or false per "
-            "dimension\n");
-  EXPECT_EQ(spoilt(kCircle, "[true]", "true"),
-            "16:12: box.periodic = true: found a boolean; admissible: a list with true or false "
-            "per dimension\n");
-  EXPECT_EQ(spoilt(kCircle, "periodic = [true]\n", ""),
-            "14:1: box.periodic: missing; admissible: a list with true or false per dimension\n");
+            "15:11: box.lengths = [3.0, 1] [scene.wrong_count]\n");
+  EXPECT_EQ(spoilt(kCircle, "[true]", "[true, true]"),
+            "16:12: box.periodic = [true, true] [scene.wrong_count]\n");
+  EXPECT_EQ(spoilt(kCircle, "[3.0]", "[0]"), "15:12: box.lengths = 0 [scene.out_of_range]\n");
+  EXPECT_EQ(spoilt(kCircle, "[true]", "[1]"), "16:13: box.periodic = 1 [scene.wrong_type]\n");
+  EXPECT_EQ(spoilt(kCircle, "[true]", "true"), "16:12: box.periodic = true [scene.wrong_type]\n");
+  EXPECT_EQ(spoilt(kCircle, "periodic = [true]\n", ""), "14:1: box.periodic [scene.missing_key]\n");
   EXPECT_EQ(spoilt(kCircle, "periodic", "period"),
-            "14:1: box.periodic: missing; admissible: a list with true or false per dimension\n"
-            "16:1: box.period: unknown key; admissible: lengths, periodic; did you mean "
-            "\"periodic\"?\n");
-  EXPECT_EQ(spoilt(kRow, "[run]", "box = 1\n[run]"),
-            "1:7: box: found an integer; admissible: a table, [box]\n");
+            "14:1: box.periodic [scene.missing_key]\n"
+            "16:1: box.period [scene.unknown_key] did you mean periodic\n");
+  EXPECT_EQ(spoilt(kRow, "[run]", "box = 1\n[run]"), "1:7: box [scene.wrong_type]\n");
 }
 
 // ---- perturb
@@ -320,28 +286,22 @@ TEST(Perturb, FaultsHaveTheirPlace) {
   const auto instead = [](const std::string& value) {
     return spoilt(perturbed("{ size = 1 }"), "{ size = 1 }", value);
   };
-  EXPECT_EQ(instead("{}"), "3:11: run.perturb.size: missing; admissible: a number > 0\n");
-  EXPECT_EQ(instead("{ size = 0 }"), "3:20: run.perturb.size = 0: out of range; admissible: > 0\n");
+  EXPECT_EQ(instead("{}"), "3:11: run.perturb.size [scene.missing_key]\n");
+  EXPECT_EQ(instead("{ size = 0 }"), "3:20: run.perturb.size = 0 [scene.out_of_range]\n");
   EXPECT_EQ(instead("{ size = 1, repeats = 0 }"),
-            "3:33: run.perturb.repeats = 0: out of range; admissible: >= 1 and <= 1000\n");
+            "3:33: run.perturb.repeats = 0 [scene.out_of_range]\n");
   EXPECT_EQ(instead("{ size = 1, repeats = 1001 }"),
-            "3:33: run.perturb.repeats = 1001: out of range; admissible: >= 1 and <= 1000\n");
+            "3:33: run.perturb.repeats = 1001 [scene.out_of_range]\n");
   EXPECT_EQ(instead("{ size = 1, bodies = [\"tow\"] }"),
-            "3:33: run.perturb.bodies = \"tow\": there is no such body; admissible: one, two; did "
-            "you mean \"two\"?\n");
+            "3:33: run.perturb.bodies = \"tow\" [scene.unknown_name] did you mean two\n");
   EXPECT_EQ(instead("{ size = 1, bodies = [\"two\", \"two\"] }"),
-            "3:40: run.perturb.bodies = \"two\": the body is named twice; admissible: different "
-            "bodies\n");
+            "3:40: run.perturb.bodies = \"two\" [scene.duplicate_key]\n");
   EXPECT_EQ(instead("{ size = 1, bodies = [] }"),
-            "3:32: run.perturb.bodies = []: the list is empty; admissible: a list of names of "
-            "bodies\n");
+            "3:32: run.perturb.bodies = [] [scene.wrong_count]\n");
   EXPECT_EQ(instead("{ size = 1, observables = [1] }"),
-            "3:38: run.perturb.observables = 1: found an integer; admissible: a list of names\n");
-  EXPECT_EQ(instead("{ size = 1, seeds = 3 }"),
-            "3:23: run.perturb.seeds: unknown key; admissible: bodies, size, repeats, "
-            "observables\n");
-  EXPECT_EQ(instead("1e-12"),
-            "3:11: run.perturb = 1e-12: found a number; admissible: { size = ..., ... }\n");
+            "3:38: run.perturb.observables = 1 [scene.wrong_type]\n");
+  EXPECT_EQ(instead("{ size = 1, seeds = 3 }"), "3:23: run.perturb.seeds [scene.unknown_key]\n");
+  EXPECT_EQ(instead("1e-12"), "3:11: run.perturb = 1e-12 [scene.wrong_type]\n");
 }
 
 // ---- [run]
@@ -381,17 +341,17 @@ TEST(TwoBodies, PairsJoinTheFirstToTheSecond) {
   const auto pairs = [](const std::string& value) { return spoilt(kPair, "\"all\"", value); };
   EXPECT_EQ(pairs("[[0, 0], [0, 1], [0, 2]]"), "");
   EXPECT_EQ(pairs("[[0, 0], [1, 2]]"),
-            "17:9: force.bonds.pairs = [[0, 0], [1, 2]]: pair [1, 2]: indices of \"one\" are 0 to "
-            "0\n");
-  EXPECT_EQ(pairs("[[0, 3]]"),
-            "17:9: force.bonds.pairs = [[0, 3]]: pair [0, 3]: indices of \"two\" are 0 to 2\n");
-  EXPECT_EQ(pairs("[[0, -1]]"),
-            "17:9: force.bonds.pairs = [[0, -1]]: pair [0, -1]: indices of \"two\" are 0 to 2\n");
+            "17:9: force.bonds.pairs = [[0, 0], [1, 2]] [scene.out_of_range]\n");
+  EXPECT_EQ(pairs("[[0, 3]]"), "17:9: force.bonds.pairs = [[0, 3]] [scene.out_of_range]\n");
+  // The body whose indices they are is named.
+  EXPECT_NE(faults_of(replaced(kPair, "\"all\"", "[[0, 0], [1, 2]]")).find("\"one\""),
+            std::string::npos);
+  EXPECT_NE(faults_of(replaced(kPair, "\"all\"", "[[0, 3]]")).find("\"two\""), std::string::npos);
+  EXPECT_EQ(pairs("[[0, -1]]"), "17:9: force.bonds.pairs = [[0, -1]] [scene.out_of_range]\n");
   EXPECT_EQ(pairs("[[0, 2], [0, 2]]"),
-            "17:9: force.bonds.pairs = [[0, 2], [0, 2]]: pair [0, 2] is given twice\n");
+            "17:9: force.bonds.pairs = [[0, 2], [0, 2]] [scene.duplicate_key]\n");
   EXPECT_EQ(pairs("\"neighbours\""),
-            "17:9: force.bonds.pairs = \"neighbours\": particles of two bodies are no neighbours; "
-            "give \"all\" or a list of index pairs\n");
+            "17:9: force.bonds.pairs = \"neighbours\" [component.unsuitable]\n");
 }
 
 TEST(TwoBodies, AreAsManyAsTheForceTakesAndDifferent) {
@@ -399,22 +359,16 @@ TEST(TwoBodies, AreAsManyAsTheForceTakesAndDifferent) {
     return spoilt(kPair, "bodies = [\"one\", \"two\"]", value);
   };
   EXPECT_EQ(bodies("bodies = [\"one\", \"one\"]"),
-            "16:18: force.bonds.bodies = \"one\": the body is named twice; admissible: different "
-            "bodies\n");
+            "16:18: force.bonds.bodies = \"one\" [scene.duplicate_key]\n");
   EXPECT_EQ(bodies("bodies = [\"one\", \"tow\"]"),
-            "16:18: force.bonds.bodies = \"tow\": there is no such body; admissible: one, two; did "
-            "you mean \"two\"?\n");
-  EXPECT_EQ(bodies("bodies = []"),
-            "16:10: force.bonds.bodies = []: the list is empty; admissible: a list of names of "
-            "bodies\n");
-  EXPECT_EQ(bodies("bodies = \"one\""),
-            "16:10: force.bonds.bodies = \"one\": found text; admissible: a list of names of "
-            "bodies\n");
+            "16:18: force.bonds.bodies = \"tow\" [scene.unknown_name] did you mean two\n");
+  EXPECT_EQ(bodies("bodies = []"), "16:10: force.bonds.bodies = [] [scene.wrong_count]\n");
+  EXPECT_EQ(bodies("bodies = \"one\""), "16:10: force.bonds.bodies = \"one\" [scene.wrong_type]\n");
   EXPECT_EQ(bodies("body = \"one\"\nbodies = [\"one\", \"two\"]"),
-            "17:1: force.bonds.bodies: body is given too; admissible: one of the two\n");
+            "17:1: force.bonds.bodies [scene.conflict]\n");
   EXPECT_EQ(spoilt(kPair, "type = \"bonds\"\nbodies = [\"one\", \"two\"]\npairs = \"all\"",
                    "type = \"wave\"\nperiod = 1\nbodies = [\"one\", \"two\"]"),
-            "17:10: force.wave.bodies = [\"one\", \"two\"]: found 2 bodies, but wave acts on 1\n");
+            "17:10: force.wave.bodies = [\"one\", \"two\"] [scene.wrong_count]\n");
 }
 
 TEST(TwoBodies, AreDueWhereAForceNeedsThem) {
@@ -424,21 +378,16 @@ TEST(TwoBodies, AreDueWhereAForceNeedsThem) {
   ForceRecord record = bonds();
   record.fewest_bodies = 2;
   registry.add(record);
-  const auto found = [&registry](const std::string& text) -> std::string {
-    try {
-      (void)parse_scene(text, "s", registry);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+  const auto found = [&registry](const std::string& text) {
+    const auto faults = briefs_of([&] { (void)parse_scene(text, "s", registry); });
+    return faults.size() == 1 ? faults[0] : "not one fault";
   };
   const std::string run =
       "[run]\nduration = 1\nintegrator = { type = \"euler\", dt = 0.1 }\n"
       "[[body]]\ntype = \"dot\"\nposition = [0]\nparticle_mass = 1\n"
       "[[force]]\ntype = \"bonds\"\n";
-  EXPECT_EQ(found(run), "s:8:1: error: force.bonds.body: found 1 body, but bonds acts on 2");
-  EXPECT_EQ(found(run + "body = \"dot\"\n"),
-            "s:10:8: error: force.bonds.body = \"dot\": found 1 body, but bonds acts on 2");
+  EXPECT_EQ(found(run), "8:1 force.bonds.body [scene.wrong_count]");
+  EXPECT_EQ(found(run + "body = \"dot\"\n"), "10:8 force.bonds.body = \"dot\" [scene.wrong_count]");
 }
 
 // ---- together
@@ -467,16 +416,14 @@ duration = 1
 integrator = { type = "euler", dt = 0.1 }
 perturb = { size = -1, bodies = ["d"] }
 )";
-  const std::string found = faults_of(scene);
-  std::size_t from = 0;
-  for (const char* place :
-       {":2:12: error: box.lengths", ":3:13: error: box.periodic", ":9:1: error: body.a.hold",
-        ":10:1: error: body.b.motion", ":18:16: error: force.bonds.bodies",
-        ":22:20: error: run.perturb.size", ":22:34: error: run.perturb.bodies"}) {
-    const std::size_t at = found.find(place, from);
-    EXPECT_NE(at, std::string::npos) << place << "\n" << found;
-    if (at != std::string::npos) from = at;
-  }
+  const std::vector<std::string> due = {"2:12 box.lengths = -1 [scene.out_of_range]",
+                                        "3:13 box.periodic = 2 [scene.wrong_type]",
+                                        "9:1 body.a.hold [body.invalid_coordinates]",
+                                        "10:1 body.b.motion [body.invalid_coordinates]",
+                                        "18:16 force.bonds.bodies = \"c\" [scene.unknown_name]",
+                                        "22:20 run.perturb.size = -1 [scene.out_of_range]",
+                                        "22:34 run.perturb.bodies = \"d\" [scene.unknown_name]"};
+  EXPECT_EQ(briefs_of(scene), due);
 }
 
 }  // namespace

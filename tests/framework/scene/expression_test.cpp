@@ -256,95 +256,99 @@ TEST(Expression, PowersAtTheEdges) {
 struct WrongExpression {
   std::string text;
   std::size_t column;
-  std::string part;  // of the message
+  std::string part = "";  ///< of the message: what cannot be evaluated, or a number
+  const char* code = "expression.syntax";
 };
 
-TEST(Expression, SyntaxErrorsSayWhereAndWhy) {
+void expect_error(const std::variant<double, ExpressionError>& result,
+                  const WrongExpression& wrong) {
+  const auto* error = std::get_if<ExpressionError>(&result);
+  ASSERT_NE(error, nullptr) << wrong.text;
+  EXPECT_EQ(error->column, wrong.column) << wrong.text << ": " << error->why;
+  EXPECT_EQ(id_of(error->code), wrong.code) << wrong.text << ": " << error->why;
+  EXPECT_NE(error->why.find(wrong.part), std::string::npos) << wrong.text << ": " << error->why;
+}
+
+TEST(Expression, SyntaxErrorsHaveTheirColumnAndCode) {
+  const char* const unknown = "expression.unknown_name";
+  const char* const not_finite = "expression.not_finite";
   const std::vector<WrongExpression> table{
-      {"", 0, "empty"},
-      {"   ", 0, "empty"},
-      {"1 +", 3, "missing at the end"},
-      {"* 2", 0, "missing before '*'"},
-      {"2 * / 3", 4, "missing before '/'"},
-      {"(1 + 2", 0, "not closed"},
-      {"2 * sin(1", 7, "not closed"},
-      {"1 + 2)", 5, "closes no parenthesis"},
-      {"()", 1, "missing before ')'"},
-      {"2 3", 2, "operator is missing"},
-      {"a b", 2, "operator is missing"},
-      {"(1)(2)", 3, "operator is missing"},
-      {"2x", 0, "'2x' is not a number; a product"},
-      {"1..2", 0, "'1..2' is not a number"},
-      {"1.2.3", 0, "'1.2.3' is not a number"},
-      {"3 + 1e", 4, "'1e' is not a number"},
-      {"0x10", 0, "not a number"},
-      {"1_000", 0, "not a number"},
-      {".", 0, "not a number"},
-      {"1e999", 0, "outside the range"},
-      {"1e-999", 0, "outside the range"},
-      {"1,5", 1, "decimals follow a point"},
+      {"", 0},
+      {"   ", 0},
+      {"1 +", 3},
+      {"* 2", 0, "'*'"},
+      {"2 * / 3", 4, "'/'"},
+      {"(1 + 2", 0},
+      {"2 * sin(1", 7},
+      {"1 + 2)", 5, "')'"},
+      {"()", 1, "')'"},
+      {"2 3", 2, "'3'"},
+      {"a b", 2, "'b'"},
+      {"(1)(2)", 3, "'('"},
+      {"2x", 0, "'2x'"},
+      {"1..2", 0, "'1..2'"},
+      {"1.2.3", 0, "'1.2.3'"},
+      {"3 + 1e", 4, "'1e'"},
+      {"0x10", 0, "'0x10'"},
+      {"1_000", 0, "'1_000'"},
+      {".", 0, "'.'"},
+      {"1e999", 0, "'1e999'", not_finite},
+      {"1e-999", 0, "'1e-999'", not_finite},
+      {"1,5", 1, "','"},
       {"2 ** 3", 2, "'^'"},
       {"2 $ 3", 2, "'$'"},
       {"2 \xC3\x97 3", 2, "'\xC3\x97'"},
       {std::string("1 \0 2", 5), 2, "code 0"},
       {std::string("\0", 1), 0, "code 0"},
-      {"1 + sqrt", 4, "is a function"},
-      {"foo(1)", 0, "'foo' is not a function"},
-      {"pi(2)", 0, "'pi' is not a function"},
-      {"1 + sin()", 4, "takes 1 argument, not 0"},
-      {"sin(1, 2)", 0, "takes 1 argument, not 2"},
-      {"atan2(1)", 0, "takes 2 arguments, not 1"},
-      {"atan2(1, 2, 3)", 0, "takes 2 arguments, not 3"},
-      {"min(1)", 0, "takes 2 or more arguments, not 1"},
-      {"max()", 0, "takes 2 or more arguments, not 0"},
-      {"min(1,)", 6, "missing before ')'"},
+      {"1 + sqrt", 4, "'sqrt'"},
+      {"foo(1)", 0, "'foo'", unknown},
+      {"pi(2)", 0, "'pi'", unknown},
+      {"1 + sin()", 4, "not 0"},
+      {"sin(1, 2)", 0, "not 2"},
+      {"atan2(1)", 0, "not 1"},
+      {"atan2(1, 2, 3)", 0, "not 3"},
+      {"min(1)", 0, "not 1"},
+      {"max()", 0, "not 0"},
+      {"min(1,)", 6, "')'"},
   };
-  for (const auto& [text, column, part] : table) {
-    const auto result = Expression::parse(text);
-    const auto* error = std::get_if<ExpressionError>(&result);
-    ASSERT_NE(error, nullptr) << text;
-    EXPECT_EQ(error->column, column) << text << ": " << error->why;
-    EXPECT_NE(error->why.find(part), std::string::npos) << text << ": " << error->why;
-  }
+  for (const WrongExpression& wrong : table) expect_error(outcome(wrong.text), wrong);
   const auto misspelt = Expression::parse("1 + sqr(2)");
   ASSERT_TRUE(std::holds_alternative<ExpressionError>(misspelt));
   EXPECT_EQ(std::get<ExpressionError>(misspelt).nearest, "sqrt");
 }
 
 TEST(Expression, ValuesAreNeverNanOrInf) {
+  const char* const not_finite = "expression.not_finite";
+  expect_error(outcome("1 + a * 2"), {"1 + a * 2", 4, "'a'", "expression.unknown_name"});
   const std::vector<WrongExpression> table{
-      {"1 + a * 2", 4, "unknown name 'a'"},
-      {"1 / 0", 2, "1 / 0 is a division by zero"},
-      {"0 / 0", 2, "division by zero"},
-      {"1 / (2 - 2)", 2, "division by zero"},
-      {"0 ^ -1", 2, "0 ^ (-1) is a division by zero"},
-      {"(-8) ^ (1 / 3)", 5, "no real power"},
-      {"1e308 * 10", 6, "1e+308 * 10 overflows"},
-      {"1e308 + 1e308", 6, "overflows"},
-      {"-1e308 - 1e308", 7, "(-1e+308) - 1e+308 overflows"},
-      {"1 / 1e-320", 2, "overflows"},
-      {"10 ^ 309", 3, "overflows"},
-      {"10 ^ 1e308", 3, "overflows"},
-      {"(-10) ^ 309", 6, "overflows"},
-      {"0.5 ^ -1e308", 4, "overflows"},
-      {"2 + exp(710)", 4, "exp(710) overflows"},
-      {"exp(1e308)", 0, "overflows"},
+      {"1 / 0", 2, "1 / 0"},
+      {"0 / 0", 2, "0 / 0"},
+      {"1 / (2 - 2)", 2, "1 / 0"},
+      {"0 ^ -1", 2, "0 ^ (-1)"},
+      {"(-8) ^ (1 / 3)", 5, "(-8)"},
+      {"1e308 * 10", 6, "1e+308 * 10"},
+      {"1e308 + 1e308", 6, "1e+308 + 1e+308"},
+      {"-1e308 - 1e308", 7, "(-1e+308) - 1e+308"},
+      {"1 / 1e-320", 2},
+      {"10 ^ 309", 3, "10 ^ 309"},
+      {"10 ^ 1e308", 3, "10 ^ 1e+308"},
+      {"(-10) ^ 309", 6, "(-10) ^ 309"},
+      {"0.5 ^ -1e308", 4, "0.5 ^ (-1e+308)"},
+      {"2 + exp(710)", 4, "exp(710)"},
+      {"exp(1e308)", 0, "exp(1e+308)"},
       {"sqrt(-1)", 0, "sqrt(-1)"},
       {"1 + log(0)", 4, "log(0)"},
-      {"log(-2)", 0, "only positive"},
-      {"asin(1.5)", 0, "outside [-1, 1]"},
-      {"acos(-2)", 0, "outside [-1, 1]"},
-      {"atan2(0, 0)", 0, "no angle"},
-      {"sin(1e300)", 0, "no phase"},
-      {"cos(2^53)", 0, "no phase"},
-      {"tan(-1e17)", 0, "no phase"},
+      {"log(-2)", 0, "log(-2)"},
+      {"asin(1.5)", 0, "[-1, 1]"},
+      {"acos(-2)", 0, "[-1, 1]"},
+      {"atan2(0, 0)", 0, "atan2(0, 0)"},
+      {"sin(1e300)", 0, "sin(1e+300)"},
+      {"cos(2^53)", 0, "cos("},
+      {"tan(-1e17)", 0, "tan(-1e+17)"},
   };
-  for (const auto& [text, column, part] : table) {
-    const auto result = outcome(text);
-    const auto* error = std::get_if<ExpressionError>(&result);
-    ASSERT_NE(error, nullptr) << text;
-    EXPECT_EQ(error->column, column) << text << ": " << error->why;
-    EXPECT_NE(error->why.find(part), std::string::npos) << text << ": " << error->why;
+  for (WrongExpression wrong : table) {
+    wrong.code = not_finite;
+    expect_error(outcome(wrong.text), wrong);
   }
   for (const double bad :
        {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
@@ -380,13 +384,16 @@ TEST(Expression, Limits) {
        std::vector<std::pair<std::string, std::string>>{{"(", ")"}, {"-", ""}, {"1^", ""}}) {
     const auto result = Expression::parse(nested(depth + 1, open, close));
     ASSERT_TRUE(std::holds_alternative<ExpressionError>(result)) << open;
-    EXPECT_NE(std::get<ExpressionError>(result).why.find("200"), std::string::npos);
+    const auto& error = std::get<ExpressionError>(result);
+    EXPECT_EQ(error.code, FaultCode::scene_too_large);
+    EXPECT_NE(error.why.find("200"), std::string::npos);
   }
   const auto deep = Expression::parse(std::string(9999, '('));
   ASSERT_TRUE(std::holds_alternative<ExpressionError>(deep));
   EXPECT_EQ(std::get<ExpressionError>(deep).column, depth);
   const auto deeper = Expression::parse(nested(10000, "(", ")"));
   ASSERT_TRUE(std::holds_alternative<ExpressionError>(deeper));
+  EXPECT_EQ(std::get<ExpressionError>(deeper).code, FaultCode::scene_too_large);
   EXPECT_NE(std::get<ExpressionError>(deeper).why.find("10000"), std::string::npos);
 
   // Long is not deep.
@@ -571,6 +578,7 @@ TEST(ParameterTable, CyclesAreNamed) {
   ASSERT_EQ(table.faults().size(), 2u);
   EXPECT_EQ(table.faults()[0].parameter, "a");
   EXPECT_EQ(table.faults()[0].column, 4u);
+  EXPECT_EQ(table.faults()[0].code, FaultCode::expression_cycle);
   EXPECT_NE(table.faults()[0].why.find("a -> b -> c -> a"), std::string::npos);
   EXPECT_EQ(table.faults()[1].parameter, "self");
   EXPECT_EQ(table.faults()[1].column, 0u);
@@ -599,7 +607,7 @@ TEST(ParameterTable, LongChainsAndCyclesAreNoProblem) {
   EXPECT_FALSE(table.resolve());
   ASSERT_EQ(table.faults().size(), 1u);
   EXPECT_LT(table.faults()[0].why.size(), 300u);
-  EXPECT_NE(table.faults()[0].why.find("20001 in all"), std::string::npos);
+  EXPECT_NE(table.faults()[0].why.find("20001"), std::string::npos);
 }
 
 TEST(ParameterTable, ShadowingAndBadNames) {
@@ -610,6 +618,7 @@ TEST(ParameterTable, ShadowingAndBadNames) {
     EXPECT_FALSE(table.resolve()) << name;
     ASSERT_EQ(table.faults().size(), 1u) << name;
     EXPECT_EQ(table.faults()[0].part, ParameterFault::Part::name);
+    EXPECT_EQ(table.faults()[0].code, FaultCode::scene_invalid_name);
     EXPECT_EQ(table.faults()[0].parameter, name);
   }
 }
@@ -637,7 +646,7 @@ TEST(ParameterTable, AllFaultsTogetherAndByParameter) {
   EXPECT_EQ(found, expected);
   EXPECT_EQ(table.faults()[0].nearest, "lambda");
   EXPECT_EQ(table.faults()[1].nearest, "");
-  EXPECT_NE(table.faults()[7].why.find("variable"), std::string::npos);
+  EXPECT_EQ(table.faults()[7].code, FaultCode::expression_unknown_name);
 
   // The reverse index.
   ASSERT_EQ(table.faults_of(1).size(), 2u);
@@ -667,7 +676,8 @@ TEST(ParameterTable, EvaluatesOtherKeys) {
   EXPECT_FALSE(undefined.consequence);
   EXPECT_TRUE(std::get<ExpressionError>(table.evaluate("2 * bad")).consequence);
   EXPECT_FALSE(std::get<ExpressionError>(table.evaluate("bad + unknown")).consequence);
-  EXPECT_NE(std::get<ExpressionError>(table.evaluate("t")).why.find("variable"), std::string::npos);
+  EXPECT_EQ(std::get<ExpressionError>(table.evaluate("t")).code,
+            FaultCode::expression_unknown_name);
   EXPECT_EQ(std::get<ExpressionError>(table.evaluate("N / (4 - N / 2)")).column, 2u);
   EXPECT_EQ(std::get<ExpressionError>(table.evaluate("N +")).column, 3u);
 }

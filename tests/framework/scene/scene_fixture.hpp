@@ -8,6 +8,7 @@
 
 #include "framework/scene/scene.hpp"
 #include "tests/framework/scene/test_components.hpp"
+#include "tests/support/faults.hpp"
 
 /// Sound scenes over the test components, and ways to spoil them.
 namespace tomlin::test {
@@ -86,6 +87,12 @@ inline std::string faults_of(std::string_view text, const std::vector<Setting>& 
     return std::string(error.what()) + "\n";
   }
   return "";
+}
+
+/// The same without wording, see brief().
+inline std::vector<std::string> briefs_of(std::string_view text,
+                                          const std::vector<Setting>& settings = {}) {
+  return briefs_of([&] { (void)parsed(text, settings); });
 }
 
 /// The scene with its first `old_text` replaced; a test that spoils nothing is no test.

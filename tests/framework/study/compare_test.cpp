@@ -123,18 +123,19 @@ TEST(Compare, TheOverlayIsOfTheWindow) {
 }
 
 TEST(Compare, WhatIsDrivenOtherwiseIsRefused) {
-  const auto reasons = [](const std::string& text, const std::vector<Setting>& settings) {
-    try {
+  const auto faults = [](const std::string& text, const std::vector<Setting>& settings) {
+    return test::briefs_of([&] {
       compared({scene(tip("0.1"), "tip.toml"), scene(text, "other.toml", settings)});
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string("nothing refused");
+    });
   };
-  EXPECT_NE(reasons(ring("[0.02, 0.0]"), {}).find("driving velocity"), std::string::npos);
-  EXPECT_NE(reasons(ring("[0.01, 0.001]"), {}).find("driving velocity"), std::string::npos);
-  EXPECT_NE(reasons(ring(), {{"a", "1.5"}}).find("lattice periods"), std::string::npos);
-  EXPECT_EQ(reasons(ring(), {}), "nothing refused");
+  using Briefs = std::vector<std::string>;
+  EXPECT_EQ(faults(ring("[0.02, 0.0]"), {}),
+            Briefs{"27:1 driving velocity = 0.02 [compare.different_setups]"});
+  EXPECT_EQ(faults(ring("[0.01, 0.001]"), {}),
+            Briefs{"27:1 driving velocity = 0.01, 0.001 [compare.different_setups]"});
+  EXPECT_EQ(faults(ring(), {{"a", "1.5"}}),
+            Briefs{"27:1 lattice periods = 1.5 [compare.different_setups]"});
+  EXPECT_EQ(faults(ring(), {}), Briefs{});
 }
 
 TEST(Compare, ErrorsLargerThanTheToleranceLeaveItOpen) {
@@ -175,7 +176,10 @@ TEST(Compare, AnUnknownObservableNamesTheScene) {
                    {"driver.mean_farce.x"});
     FAIL() << "not refused";
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("ring.toml"), std::string::npos) << error.what();
+    ASSERT_EQ(error.faults().size(), 1U);
+    EXPECT_EQ(error.faults()[0].place.file, "ring.toml");
+    EXPECT_EQ(test::brief(error.faults()[0]),
+              "driver.mean_farce.x [observable.unknown] did you mean driver.mean_force.x");
   }
 }
 

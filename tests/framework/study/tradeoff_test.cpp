@@ -245,24 +245,22 @@ TEST(Tradeoff, IsStoppedByASignal) {
   EXPECT_TRUE(found.points.empty());
 }
 
-std::string refusal_of(const std::string& text, const std::string& observable) {
-  try {
-    tradeoff_of(text, observable);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(Tradeoff, RefusesWhatIsNoResult) {
+  using Briefs = std::vector<std::string>;
+  const auto faults = [](const std::string& text, const std::string& observable) {
+    return briefs_of([&] { tradeoff_of(text, observable); });
+  };
   const std::string text = smooth().text();
-  EXPECT_NE(refusal_of(text, "driver.mean_farce.x").find("mean_force.x"), std::string::npos);
-  EXPECT_NE(refusal_of(text, "performance.wall_seconds"), "");
-  EXPECT_NE(refusal_of(text, "time.force_evaluations"), "");
+  EXPECT_EQ(faults(text, "driver.mean_farce.x"),
+            Briefs{"driver.mean_farce.x [observable.unknown] did you mean driver.mean_force.x"});
+  for (const std::string path : {"performance.wall_seconds", "time.force_evaluations"}) {
+    EXPECT_EQ(faults(text, path), Briefs{path + " [command.invalid_value]"});
+  }
   TipScene still = smooth();
   still.velocity = 0.0;
   still.more = "";
-  EXPECT_NE(refusal_of(still.text(), "driver.static_force").find("undefined"), std::string::npos);
+  EXPECT_EQ(faults(still.text(), "driver.static_force"),
+            Briefs{"drivers.driver.static_force [observable.undefined]"});
 }
 
 TEST(SceneLines, AreReadyToPaste) {

@@ -1,0 +1,107 @@
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/framework/cli/cli_fixture.hpp"
+
+// Codes of diagnostics: the table, the examples in it, and where codes are shown.
+
+namespace tomlin::test {
+namespace {
+
+class Diagnostics : public Cli {
+ protected:
+  Json all_codes() {
+    return Json::parse(tomlin({"describe", "diagnostics", "--json"}).out)["codes"];
+  }
+};
+
+/// The words of a command line, without the quotes around some.
+std::vector<std::string> words_of(const std::string& line) {
+  std::vector<std::string> words(1);
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '\'') {
+      quoted = !quoted;
+    } else if (c == ' ' && !quoted) {
+      words.emplace_back();
+    } else {
+      words.back() += c;
+    }
+  }
+  return words;
+}
+
+TEST_F(Diagnostics, TableIsComplete) {
+  const std::regex form("[a-z_]+(\\.[a-z_]+)+");
+  std::set<std::string> ids;
+  const Json table = all_codes();
+  EXPECT_GE(table.size(), 60U);
+  for (const Json& row : table) {
+    const auto id = row["name"].get<std::string>();
+    EXPECT_TRUE(std::regex_match(id, form)) << id;
+    EXPECT_TRUE(ids.insert(id).second) << id << " is there twice";
+    for (const char* part : {"meaning", "cure"}) {
+      const auto text = row[part].get<std::string>();
+      EXPECT_TRUE(text.ends_with('.')) << id << ": " << text;
+    }
+    EXPECT_FALSE(row["example"].get<std::string>().empty()) << id;
+  }
+}
+
+TEST_F(Diagnostics, ExamplesGiveTheirCode) {
+  ASSERT_EQ(tomlin({"new", "pt"}).status, 0);
+  int executed = 0;
+  for (const Json& row : all_codes()) {
+    const auto id = row["name"].get<std::string>();
+    const auto example = row["example"].get<std::string>();
+    std::vector<std::string> words = words_of(example);
+    if (words.front() != "tomlin") continue;
+    words.erase(words.begin());
+    const Ended ended = tomlin(words);
+    EXPECT_EQ(ended.status, id.starts_with("run.step.") ? 1 : 2) << example;
+    EXPECT_TRUE(contains(ended.err, " [" + id + "]\n")) << example << "\n" << ended.err;
+    fs::remove_all(folder_.path() / "pt.out");  // of a run that failed
+    ++executed;
+  }
+  EXPECT_GE(executed, 25);
+}
+
+TEST_F(Diagnostics, AreExplained) {
+  const Ended one = tomlin({"describe", "scene.unknown_key"});
+  EXPECT_EQ(one.status, 0);
+  for (const char* part : {"meaning\n", "example\n  tomlin run pt.toml", "cure\n"}) {
+    EXPECT_TRUE(contains(one.out, part)) << one.out;
+  }
+  EXPECT_EQ(Json::parse(tomlin({"describe", "run.step.unstable", "--json"}).out)["name"],
+            "run.step.unstable");
+  const Ended misspelt = tomlin({"describe", "scene.unknown_kee"});
+  EXPECT_EQ(misspelt.status, 2);
+  EXPECT_TRUE(contains(misspelt.err, "did you mean \"scene.unknown_key\"?")) << misspelt.err;
+}
+
+TEST_F(Diagnostics, AreInTheJsonOfCheckAndExplain) {
+  ASSERT_EQ(tomlin({"new", "pt"}).status, 0);
+  for (const char* command : {"check", "explain"}) {
+    const Ended ended = tomlin({command, "pt.toml", "--json", "--set", "run.duration=-1"});
+    EXPECT_EQ(ended.status, 2);
+    const Json faults = Json::parse(ended.out)["faults"];
+    ASSERT_EQ(faults.size(), 1U) << command;
+    EXPECT_EQ(faults[0]["code"], "scene.out_of_range");
+    EXPECT_EQ(faults[0]["key"], "run.duration");
+    EXPECT_EQ(faults[0]["value"], "-1");
+  }
+}
+
+TEST_F(Diagnostics, AreInTheSummaryOfARunThatFailed) {
+  ASSERT_EQ(tomlin({"new", "pt"}).status, 0);
+  const Ended ended = tomlin(
+      {"run", "pt.toml", "--set", "run.integrator={type=\"dopri5\",most_steps=10}", "-o", "out"});
+  EXPECT_EQ(ended.status, 1);
+  EXPECT_TRUE(contains(ended.err, " [run.step.limit]\n")) << ended.err;
+  EXPECT_EQ(summary("out")["failure"]["code"], "run.step.limit");
+}
+
+}  // namespace
+}  // namespace tomlin::test

@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""The Debian package of the program: what is in it, that the program runs out of it, and that it
+can be installed and run in a bare system.
+
+usage: package_test.py BUILD_FOLDER [--bare-system]
+
+Without --bare-system the package is unpacked and its program run. With it a bare Debian 12 is made
+by debootstrap, which takes root, a network and minutes: exit status 77, skipped, where that is not
+possible.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+SKIPPED = 77
+SUITE = "bookworm"
+
+
+def output_of(*command, **options):
+    done = subprocess.run(command, capture_output=True, text=True, **options)
+    if done.returncode != 0:
+        sys.exit(f"{command} ended with {done.returncode}\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def skip(why):
+    print("skipped:", why)
+    sys.exit(SKIPPED)
+
+
+def package_of(build, folder):
+    output_of("cpack", "--config", str(build / "CPackConfig.cmake"), "-B", str(folder),
+              "-D", "CPACK_COMPONENTS_ALL=program", cwd=build)
+    found = list(folder.glob("tomlin_*.deb"))
+    assert len(found) == 1, found
+    return found[0]
+
+
+def check_contents(package):
+    assert output_of("dpkg-deb", "--field", package, "Package").strip() == "tomlin"
+    depends = output_of("dpkg-deb", "--field", package, "Depends")
+    for library in ("libc6", "libstdc++6", "libhdf5"):
+        assert library in depends, depends
+    names = {line.split(maxsplit=5)[5] for line in
+             output_of("dpkg-deb", "--contents", package).splitlines()}
+    for name in ("./usr/bin/tomlin", "./usr/share/doc/tomlin/README.md",
+                 "./usr/share/doc/tomlin/LICENSE", "./usr/share/doc/tomlin/framework/USER_GUIDE.md",
+                 "./usr/share/doc/tomlin/scenarios/rolling_ring/table_1_rigid.toml"):
+        assert name in names, name
+    strays = [name for name in names if name.endswith((".hpp", ".a", ".cmake"))]
+    assert not strays, strays
+
+
+def check_run(root):
+    """Runs the program of an unpacked package, without anything of this environment."""
+    with tempfile.TemporaryDirectory() as folder:
+        program = str(root / "usr/bin/tomlin")
+        environment = {"PATH": "/usr/bin:/bin"}
+        output_of(program, "new", "pt", cwd=folder, env=environment)
+        output_of(program, "run", "pt.toml", "-o", "out", cwd=folder, env=environment)
+        assert '"status": "finished"' in (Path(folder) / "out/summary.json").read_text()
+
+
+def check_bare_system(package, folder):
+    if os.geteuid() != 0:
+        skip("a bare system is made by root")
+    if shutil.which("debootstrap") is None:
+        skip("there is no debootstrap")
+    root = folder / "root"
+    made = subprocess.run(["debootstrap", "--variant=minbase", SUITE, str(root)],
+                          capture_output=True, text=True)
+    if made.returncode != 0:
+        skip("debootstrap cannot make a bare system here: " + made.stdout[-500:])
+    shutil.copy(package, root / "tmp")
+    output_of("chroot", str(root), "apt-get", "install", "-y", "--no-install-recommends",
+              f"/tmp/{package.name}")
+    output_of("chroot", str(root), "sh", "-ec",
+              "cd /tmp && tomlin new pt && tomlin run pt.toml -o out && "
+              "grep -q '\"status\": \"finished\"' out/summary.json")
+
+
+def main():
+    build = Path(sys.argv[1]).resolve()
+    if shutil.which("cpack") is None or shutil.which("dpkg-deb") is None:
+        skip("Debian packages are made by cpack and dpkg-deb")
+    with tempfile.TemporaryDirectory() as folder:
+        package = package_of(build, Path(folder))
+        if sys.argv[2:] == ["--bare-system"]:
+            check_bare_system(package, Path(folder))
+            return
+        check_contents(package)
+        root = Path(folder) / "unpacked"
+        output_of("dpkg-deb", "--extract", str(package), str(root))
+        check_run(root)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <functional>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "framework/core/text/fault.hpp"
+
+/// What tests assert of a fault: its place, key, value, code and the name that it suggests, not its
+/// wording.
+namespace tomlin::test {
+
+/// `12:10 body.ring.radiu = 1 [scene.unknown_key] did you mean radius`; what a fault has not is
+/// left out.
+inline std::string brief(const Fault& fault) {
+  std::string text;
+  if (fault.place.line > 0) text = fmt::format("{}:{} ", fault.place.line, fault.place.column);
+  text += fault.key;
+  if (!fault.value.empty()) text += " = " + fault.value;
+  text += fmt::format("{}[{}]", text.empty() || text.back() == ' ' ? "" : " ", id_of(fault.code));
+  if (!fault.nearest.empty()) text += " did you mean " + fault.nearest;
+  return text;
+}
+
+inline std::vector<std::string> briefs(const InputError& error) {
+  std::vector<std::string> all;
+  for (const Fault& fault : error.faults()) all.push_back(brief(fault));
+  return all;
+}
+
+/// Error lines of the program likewise: `pt.toml:12:10: run.duration = -1 [scene.out_of_range]`,
+/// `tomlin: [command.unknown] did you mean run`. Lines without a code stay as they are.
+inline std::string abridged(const std::string& errors) {
+  static const std::regex form(
+      R"re(^(.*?): error: (?:((?:[^ :"]|"[^"]*")+(?: = (?:[^:"]|"[^"]*")+)?): )?)re"
+      R"re(.*?(?:did you mean "([^"]*)"\?)? (\[[a-z_]+\.[a-z_.]+\])$)re");
+  std::istringstream stream(errors);
+  std::string text;
+  for (std::string line; std::getline(stream, line);) {
+    std::smatch found;
+    if (!text.empty()) text += '\n';
+    if (!std::regex_match(line, found, form)) {
+      text += line;
+      continue;
+    }
+    text += found.str(1) + ": ";
+    if (found[2].matched) text += found.str(2) + " ";
+    text += found.str(4);
+    if (found[3].matched) text += " did you mean " + found.str(3);
+  }
+  if (errors.ends_with('\n')) text += '\n';
+  return text;
+}
+
+/// Of the InputError that the action throws; empty where it throws none.
+inline std::vector<std::string> briefs_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return briefs(error);
+  }
+  return {};
+}
+
+}  // namespace tomlin::test
