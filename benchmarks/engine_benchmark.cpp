@@ -8,7 +8,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "framework/model/force_alone.hpp"
+#include "framework/model/single_force.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/scene/scene_document.hpp"
@@ -377,7 +377,7 @@ const std::string kGoldenChain = "type = \"chain\"\ncount = 1000\nspacing = 1.61
 /// In the plane, where it bends: the particles of plain::Bending.
 const std::string kRing = "type = \"ring\"\ncount = 1000\nradius = 100.0\ncentre = [0.0, 0.0]\n";
 
-void evaluate(benchmark::State& state, ForceAlone& alone) {
+void evaluate(benchmark::State& state, SingleForce& alone) {
   for (auto _ : state) benchmark::DoNotOptimize(alone.forces(0.0));
   state.counters["s_per_step"] =
       benchmark::Counter(static_cast<double>(state.iterations()),
@@ -390,7 +390,7 @@ void register_force(const std::string& model, const char* name, const std::strin
   const std::string scene = "[[body]]\nparticle_mass = 1.0\n" + body + "[[force]]\n" + force +
                             "[run]\nduration = 1.0\nintegrator = { type = \"rk4\", dt = 1e-2 }\n";
   benchmark::RegisterBenchmark((model + "/" + name).c_str(), [scene](benchmark::State& state) {
-    ForceAlone alone(*parse_scene(scene, "benchmark.toml", registry()), 0);
+    SingleForce alone(*parse_scene(scene, "benchmark.toml", registry()), 0);
     evaluate(state, alone);
   });
 }
@@ -403,7 +403,7 @@ void register_examples() {
     while (scene->forces[index].record != record.get()) ++index;
     benchmark::RegisterBenchmark((record->name + "/alone in its example").c_str(),
                                  [scene, index](benchmark::State& state) {
-                                   ForceAlone alone(*scene, index);
+                                   SingleForce alone(*scene, index);
                                    evaluate(state, alone);
                                  });
   }

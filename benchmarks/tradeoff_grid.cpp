@@ -15,9 +15,9 @@
 #include "framework/study/tradeoff.hpp"
 
 /// How good are the recommendations of `tomlin tradeoff`? Each is held against the cheapest of an
-/// exhaustive grid: every rung of the ladder in double (other numbers count the same), eight steps
-/// or tolerances to a factor of two or ten, as long as they may turn out cheaper. Its error is
-/// taken from a run of this program's own. Takes many minutes.
+/// exhaustive grid: every method of the ladder in double (other numbers count the same), eight
+/// steps or tolerances to a factor of two or ten, as long as they may turn out cheaper. Its error
+/// is taken from a run of this program's own. Takes many minutes.
 ///
 ///   tomlin_tradeoff_grid FOLDER_OF_SCENARIOS [NAME...]
 ///
@@ -83,40 +83,41 @@ class Grid {
   }
 
   Best best() {
-    for (const Rung& rung : tradeoff_.rungs) {
-      if (!rung.refused.empty() || rung.number_type != "double") continue;
-      if (rung.knob == Knob::step) {
-        take_steps(rung);
+    for (const Method& method : tradeoff_.methods) {
+      if (!method.refused.empty() || method.number_type != "double") continue;
+      if (method.resolution == Resolution::step) {
+        take_steps(method);
       } else {
-        take_tolerances(rung);
+        take_tolerances(method);
       }
     }
     return best_;
   }
 
  private:
-  void take_steps(const Rung& rung) {
-    double dt = std::min(rung.stable_step, 0.1 * duration_);
-    while (take(rung, dt) <= best_.cost) dt /= std::exp2(1.0 / kPerFactor);
+  void take_steps(const Method& method) {
+    double dt = std::min(method.stable_step, 0.1 * duration_);
+    while (take(method, dt) <= best_.cost) dt /= std::exp2(1.0 / kPerFactor);
   }
 
   /// What a coarse tolerance costs goes up and down; after three decades above the best there is
   /// nothing to find.
-  void take_tolerances(const Rung& rung) {
+  void take_tolerances(const Method& method) {
     int above = 0;
     for (double t = 1.0; t > kFinest && above < 3 * kPerFactor;
          t /= std::pow(10.0, 1.0 / kPerFactor)) {
-      above = take(rung, t) > best_.cost ? above + 1 : 0;
+      above = take(method, t) > best_.cost ? above + 1 : 0;
     }
   }
 
-  std::uint64_t take(const Rung& rung, double knob) {
-    const Measurement& found = measurer_.at(rung, knob, kLongestRun);
+  std::uint64_t take(const Method& method, double resolution) {
+    const Measurement& found = measurer_.at(method, resolution, kLongestRun);
     ++best_.runs;
     if (found.defined() && std::abs(*found.value - truth_) <= tolerance_ &&
         found.cost() < best_.cost) {
       best_.cost = found.cost();
-      best_.what = fmt::format("{} {} = {:.3g}", rung.name, to_string(rung.knob), knob);
+      best_.what =
+          fmt::format("{} {} = {:.3g}", method.name, to_string(method.resolution), resolution);
     }
     return found.cost();
   }
@@ -155,8 +156,8 @@ bool is_good(const Case& one, const std::string& folder) {
   const bool good = error <= tolerance && ratio <= kMostTimesTheBest;
   fmt::print("{:<17} {:>8} {:.1e} {:<44} {:>8} {:<44} {:>5} {:.2f} {}\n", one.name, chosen.cost(),
              error / std::abs(truth),
-             fmt::format("{} {:.3g}", tradeoff.rungs[chosen.rung].name, chosen.knob), best.cost,
-             best.what, best.runs, ratio, good ? "" : "NOT GOOD");
+             fmt::format("{} {:.3g}", tradeoff.methods[chosen.method].name, chosen.resolution),
+             best.cost, best.what, best.runs, ratio, good ? "" : "NOT GOOD");
   std::fflush(stdout);
   return good;
 }

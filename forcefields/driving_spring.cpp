@@ -156,10 +156,10 @@ ForceRecord driving_spring_record() {
                 "\"centre_of_mass\", \"each_particle\" or { particle = i }")
           .by_default(Attachment{}),
       parameter("start", &Description::start, dimension::length,
-                "place of the pulled end at t = 0; the attached point by default")
+                "position of the pulled end at t = 0; the attached point by default")
           .or_absent(),
       parameter("reverse", &Description::reverse, dimension::none,
-                "turn round when an observable passes a value: { when = "
+                "reverse when an observable passes a value: { when = "
                 "\"bodies.NAME.centre_of_mass.x\", above = VALUE }, or below, or both; times = 1")
           .or_absent()};
   record.bind = {&bind<double>, &bind<float>, &bind<Quad>};

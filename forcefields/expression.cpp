@@ -281,7 +281,7 @@ class Examiner {
     } catch (const std::length_error&) {
       complain(FaultCode::scene_too_large, key(),
                "the formula becomes too large when it is differentiated",
-               "a shorter one, or a force of one's own in C++");
+               "a shorter one, or a user-defined force in C++");
     }
   }
 

@@ -4,7 +4,7 @@
 
 namespace tomlin {
 
-/// Every component that comes with tomlin. The registry is the caller's: components of one's own
+/// Every component that comes with tomlin. The registry is the caller's: user-defined components
 /// are added to it before a scene is read.
 Registry standard_registry();
 

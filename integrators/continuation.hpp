@@ -7,7 +7,7 @@
 /// Follows the equilibrium of a scene as its drivers move: dynamics without inertia and without
 /// friction, the limit of slow driving.
 ///
-///   F(q, t) = 0, stable: K = -dF/dq positive definite (but for what nothing holds)
+///   F(q, t) = 0, stable: K = -dF/dq positive definite (but for zero modes)
 ///
 /// The pairs (q, t) form a curve, smooth also where it turns back in time: there, at a fold, the
 /// equilibrium ends. A step goes along the tangent and corrects five points of it by Newton's
@@ -22,7 +22,7 @@
 /// fixed place of the drivers, with its own friction matrix G if that reaches all coordinates, else
 /// with one in proportion to mass, until it rests. The energy lost is that before less that after.
 /// The start of a run is relaxed in the same way, and is no slip. If it rests where it is unstable
-/// it is displaced by 1e-4 of the sound move of a coordinate, along the way that the drivers are
+/// it is displaced by 1e-4 of the allowed move of a coordinate, along the way that the drivers are
 /// going to push it, with a thousandth of that in random directions (always the same).
 ///
 /// Where stability is lost at a bifurcation the scene goes to the side that the force along the
@@ -38,7 +38,7 @@
 /// side that it prefers. Rates and energies are those without it. Scenes with
 /// free rotations have no such force, so that only exact ties are resolved to both sides there.
 ///
-/// Directions that nothing holds (curvature below 1e-12 of a typical one) stay as they are: the
+/// Zero modes (curvature below 1e-12 of a typical one) stay as they are: the
 /// scene does not move along them.
 /// Source: H. B. Keller (1977); E. L. Allgower and K. Georg, Introduction to Numerical Continuation
 /// Methods, SIAM (2003), doi:10.1137/1.9780898719154.

@@ -138,7 +138,7 @@ class EmbeddedPair : public Integrator<Real> {
 
   const Real* first_rates() const override { return start_rates_; }
   void forces_changed() override {
-    if (counts_[kStarted] == kYes) counts_[kStarted] = kAnew;
+    if (counts_[kStarted] == kYes) counts_[kStarted] = kRefresh;
   }
 
   void finish_dense_from(double since) override {
@@ -186,13 +186,13 @@ class EmbeddedPair : public Integrator<Real> {
   static constexpr double kStretch = 1.01;
   enum { kNext, kOldError };
   enum { kStarted, kTaken, kRefused };
-  /// Whether the first stage of the next step is known. kAnew: all but that.
-  enum { kNo, kYes, kAnew };
+  /// Whether the first stage of the next step is known. kRefresh: all but that.
+  enum { kNo, kYes, kRefresh };
 
   void start(double since, double h) {
     kernels_.first(system_.view, arrays_, since);
     system_.evaluations += 1;
-    const bool anew = std::exchange(counts_[kStarted], kYes) == kAnew;
+    const bool anew = std::exchange(counts_[kStarted], kYes) == kRefresh;
     if (anew) return;
     control_[kNext] = d_.initial_step > 0.0 ? d_.initial_step : std::min(h, guessed_step());
     control_[kOldError] = kLeastOldError;

@@ -12,7 +12,7 @@
 namespace tomlin {
 namespace {
 
-/// Curvatures below this part of the typical one are rounding: nothing holds such a direction.
+/// Curvatures below this part of the typical one are rounding: such a direction is a zero mode.
 constexpr double kNothing = 1e-12;
 /// Masses that keep a stiffness with neutral directions from being singular, as a part of it.
 constexpr double kRegularising = 1e-9;

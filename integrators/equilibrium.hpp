@@ -9,15 +9,15 @@
 namespace tomlin {
 
 /// The balance of forces F(q, t) = 0 of a bound scene in its n free coordinates, at rest, and what
-/// is needed to solve it: K = -dF/dq exactly, dF/dt, the directions in which nothing holds the
+/// is needed to solve it: K = -dF/dq exactly, dF/dt, the zero modes of the
 /// scene, and the flow that it relaxes by.
 ///
-/// Lengths are told in natural units: the largest sound move of a coordinate (a lattice period, or
-/// half the shortest bond) where it has one, else 1 (of a rotation: half a turn). Norms of
+/// Lengths are given in natural units: the largest allowed move of a coordinate (a lattice period,
+/// or half the shortest bond) where it has one, else 1 (of a rotation: half a turn). Norms of
 /// directions are Euclid's in these units.
 class Equilibrium {
  public:
-  /// Directions that nothing holds, at most.
+  /// Zero modes, at most.
   static constexpr std::size_t kMostNeutral = 6;
 
   explicit Equilibrium(System<double>& system);
@@ -59,7 +59,7 @@ class Equilibrium {
   /// A typical second derivative of the energy in natural units; measured by find_neutral().
   double stiffness_scale() const { return control_[kScale]; }
 
-  /// At the last linearise(): the directions that nothing holds, up to rounding, and the softest
+  /// At the last linearise(): the zero modes, up to rounding, and the softest
   /// of those that something does. They are kept in `control`, see attach().
   void find_neutral();
   /// How far rounding of forces displaces an equilibrium along its softest direction, in natural

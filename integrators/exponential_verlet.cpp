@@ -109,7 +109,7 @@ class ExponentialVerlet : public Integrator<double> {
     }
     // Own variables here follow from the time alone: their rates are known at both ends.
     for (std::size_t i = 0; i < s.own; ++i) own_[i] = s.integrals[i] + h * rates_[i];
-    // The forces at the start are kept in their place until the step is known to be sound.
+    // The forces at the start are kept in their place until the step is known to be valid.
     evaluate(s, stage_of(s, static_cast<const double*>(position_.data()),
                          static_cast<const double*>(velocity_.data()),
                          static_cast<const double*>(own_.data()), end_rates_.data(), since + h));

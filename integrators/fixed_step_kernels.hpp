@@ -121,7 +121,7 @@ struct FixedStepPasses {
                          static_cast<const Real*>(w.stage_own), w.rates[stage], elapsed));
   }
 
-  /// Evaluates the start of a step where that is due, and makes the stage at x + h_stage v.
+  /// Evaluates the start of a step where that is needed, and makes the stage at x + h_stage v.
   template <class Real>
   TOMLIN_INLINE static void leave_start(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
                                         Real since, Real h_stage) {
@@ -131,7 +131,7 @@ struct FixedStepPasses {
       pass(s, w, 0, h_stage, h_stage);
       return;
     }
-    // The pass turns forces into accelerations; here those are known, so only the stage is due.
+    // The pass turns forces into accelerations; here those are known, so only the stage is needed.
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       const Group v = Group::load(s.velocity + i);
       fma(Group(h_stage), v, Group::load(s.position + i)).store(w.stage_position + i);

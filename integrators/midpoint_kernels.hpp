@@ -28,7 +28,7 @@ struct MidpointKernels : FixedStepPasses {
     leave_start(s, w, since, half);
     later(s, w, 1, since + half);
 
-    // First see whether the step is sound, so that a failed one leaves the state as it was.
+    // First see whether the step is valid, so that a failed one leaves the state as it was.
     auto sound = first_lanes_of<Group>(kGroup);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       const Group a = Group::load(s.force + i) * Group::load(s.inverse_mass + i);

@@ -165,7 +165,7 @@ class Radau9 : public Integrator<double> {
   const double* first_rates() const override { return start_rates_.data(); }
 
   void forces_changed() override {
-    if (counts_[kStarted] == kYes) counts_[kStarted] = kAnew;
+    if (counts_[kStarted] == kYes) counts_[kStarted] = kRefresh;
   }
 
   void finish_dense_from(double) override {}
@@ -222,8 +222,8 @@ class Radau9 : public Integrator<double> {
   /// through rounding.
   enum { kNext, kOldError, kOldStep, kRounded };
   enum { kStarted, kTaken, kRefused };
-  /// Whether slope and rates at the next step's start are known. kAnew: all but that.
-  enum { kNo, kYes, kAnew };
+  /// Whether slope and rates at the next step's start are known. kRefresh: all but that.
+  enum { kNo, kYes, kRefresh };
 
   struct Trial {
     double error = std::numeric_limits<double>::infinity();  ///< no solution; NaN: no numbers
@@ -240,7 +240,7 @@ class Radau9 : public Integrator<double> {
     system_.evaluations += 1;
     control_[kOldStep] = 0.0;
     control_[kOldError] = kLeastOldError;
-    if (std::exchange(counts_[kStarted], kYes) == kAnew) return;
+    if (std::exchange(counts_[kStarted], kYes) == kRefresh) return;
     control_[kRounded] = 0.0;
     control_[kNext] = d_.initial_step;
     if (d_.initial_step > 0.0) return;

@@ -39,7 +39,7 @@ struct Rk4Kernels : FixedStepPasses {
     const Group sixth_square(h * h / Real(6.0));
     const Group whole(h);
     const Group two(Real(2.0));
-    // First see whether the step is sound, so that a failed one leaves the state as it was.
+    // First see whether the step is valid, so that a failed one leaves the state as it was.
     auto sound = first_lanes_of<Group>(kGroup);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       const Group a1 = Group::load(w.acceleration[0] + i);

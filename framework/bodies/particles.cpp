@@ -88,7 +88,7 @@ std::vector<Complaint> complaints(const void* description, int dimension) {
   if (d.positions.dimension != static_cast<std::size_t>(dimension)) {
     return {complaint_of(
         FaultCode::scene_wrong_count, key,
-        fmt::format("mixed dimensions: points of {}, but the scene has {}, by its first body",
+        fmt::format("mixed dimensions: points of {}, but the first body sets the dimension to {}",
                     d.positions.dimension, dimension))};
   }
   for (std::size_t i = 0; i < d.positions.count(); ++i) {

@@ -22,7 +22,7 @@ constexpr std::size_t kMostFaults = 10;  // of a file; nobody reads more
 /// The columns of one line.
 struct Row {
   std::vector<double> numbers;
-  std::string why;  ///< what is wrong; empty when sound
+  std::string why;  ///< what is wrong; empty when valid
 };
 
 /// Never repeats what stands in the file: a scene of somebody else's may name any.
@@ -115,7 +115,7 @@ PositionFile parse_positions(std::string_view text, const std::string& name) {
                                  row.numbers.end());
   }
   if (file.faults.empty() && positions.coordinates.empty()) {
-    file.faults.push_back(name + ":1: there are no positions in it");
+    file.faults.push_back(name + ":1: the file has no positions");
   }
   return file;
 }

@@ -18,7 +18,7 @@ std::int64_t count(const void* description) {
 std::vector<Complaint> complaints(const void*, int dimension) {
   if (dimension >= 2) return {};
   return {{.key = "centre",
-           .why = "a ring needs a plane to lie in",
+           .why = "a ring needs two dimensions",
            .admissible = "two coordinates",
            .code = FaultCode::scene_wrong_count}};
 }

@@ -106,7 +106,7 @@ force.driver.stiffness, with a component's name, or its type where it has none. 
 scene: a number, true, [1.0, 0.0], a word or an expression.
 
   tomlin run pt.toml --resume
-      goes on with the run that was stopped in pt.out/, or begins it when there is none yet.
+      resumes the run that was stopped in pt.out/, or starts it if there is none.
 
 DIR then holds
   summary.json      mean, static and extreme forces, work, motion of the bodies, warnings
@@ -118,7 +118,7 @@ and, while the run is going on or after it was stopped, what it can be resumed f
   run.journal       all samples and events so far
 
 Ctrl-C ends a run early and leaves what is known so far, with a checkpoint; a second Ctrl-C ends it
-at once. A run that was stopped, killed, or found its disk full goes on with --resume, from the last
+at once. A run that was stopped, was killed or ran out of disk space continues with --resume, from the last
 checkpoint to the same bits as one that was left alone. The scene must be the same, and so must the
 version of tomlin.
 
@@ -158,7 +158,7 @@ scene; then the digits that have a meaning are told, and nothing is recommended 
 A run that does not fit into the budget is left out, and listed with how far it got.
 
 DIR then holds
-  tradeoff.csv      every point: rung, step or tolerance, value, error, cost
+  tradeoff.csv      every point: method, step or tolerance, value, error, cost
   tradeoff.json     the same with the reference, what was left out and the recommendation
   tradeoff.svg      error against cost, when there is gnuplot
 
@@ -656,8 +656,8 @@ class CommandLine {
       refuse(FaultCode::command_invalid_value, "-o is empty");
     }
     if (described_.folder && !described_.name.empty()) {
-      refuse(FaultCode::command_conflict, "pages in a folder are of all components", "",
-             "-o without NAME");
+      refuse(FaultCode::command_conflict, "a folder is written with the pages of all components",
+             "", "-o without NAME");
     }
     DescribeArguments arguments = described_;
     arguments.plugins = plugins_;
@@ -691,7 +691,8 @@ class CommandLine {
 
   CompareArguments compare_arguments() {
     if (compared_.scenes.size() < 2) {
-      refuse(FaultCode::command_missing_argument, "there is one scene", "", "two or more");
+      refuse(FaultCode::command_missing_argument, "one scene cannot be compared", "",
+             "two or more");
     }
     if (!std::isfinite(compared_.tolerance) || compared_.tolerance <= 0.0) {
       refuse(FaultCode::command_invalid_value,
@@ -704,8 +705,8 @@ class CommandLine {
 
   RunArguments run_arguments() {
     if (asked_.resume && asked_.force) {
-      refuse(FaultCode::command_conflict, "--resume goes on with a run, --force starts it again",
-             "", "one of them");
+      refuse(FaultCode::command_conflict, "--resume continues a run, --force starts it again", "",
+             "one of them");
     }
     asked_.settings = settings_of(settings_);
     asked_.plugins = plugins_;
@@ -728,8 +729,8 @@ class CommandLine {
     const std::string word = extras.empty() ? "" : extras.front();
     const bool takes_settings = app.get_option_no_throw("--set") != nullptr;
     if (takes_settings && !is_option(word) && word.find('=') != std::string::npos) {
-      refuse(FaultCode::command_unknown_option, fmt::format("\"{}\" stands by itself", word), "",
-             "--set " + word);
+      refuse(FaultCode::command_unknown_option,
+             fmt::format("\"{}\" is not preceded by --set", word), "", "--set " + word);
     }
     if (!is_option(word)) {
       refuse(FaultCode::command_unknown_option,
@@ -776,7 +777,8 @@ class CommandLine {
 }  // namespace
 
 Arguments parse_arguments(int argc, const char* const* argv) {
-  if (argc < 2) refuse(FaultCode::command_missing_argument, "a command is due", "", all_commands());
+  if (argc < 2)
+    refuse(FaultCode::command_missing_argument, "a command is missing", "", all_commands());
   // `tomlin help run` is `tomlin run --help`.
   if (argv[1] == std::string_view("help")) {
     std::vector<const char*> words = {argv[0]};

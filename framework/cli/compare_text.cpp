@@ -25,7 +25,7 @@ std::string text_of(const std::optional<double>& x, const char* format) {
 std::string answer(const Comparison& comparison) {
   if (comparison.interrupted) return "interrupted: no model was judged\n";
   if (!comparison.reference) {
-    return "no answer: the model with the most coordinates has no result to hold others against\n";
+    return "no answer: the model with the most coordinates has no result to compare others with\n";
   }
   const ComparedModel& reference = comparison.models[*comparison.reference];
   const ComparedModel& simplest = comparison.models[*comparison.simplest];
@@ -121,7 +121,7 @@ std::string compare_json(const Comparison& comparison) {
 
 Figure compare_figure(const Comparison& comparison) {
   Figure figure;
-  figure.x_label = {"way of the driver [length]"};
+  figure.x_label = {"displacement of the driver [length]"};
   Panel panel;
   panel.height = kHeight;
   panel.y_label = {"lateral force along the pull [force]"};

@@ -193,7 +193,7 @@ void append_rows(std::string& text, const std::vector<Parameter>& rows) {
   text += "\nparameters\n";
   for (const Parameter& row : rows) {
     fmt::format_to(std::back_inserter(text), "  {} [{}]: {}\n      {}; {}\n", row.key,
-                   to_string(row.dimension), row.doc, what_is_due(row), default_text(row));
+                   to_string(row.dimension), row.doc, admissible_values(row), default_text(row));
   }
 }
 
@@ -310,7 +310,7 @@ Json parameter_json(const Parameter& row) {
   const auto standard = row.standard ? to_node(*row.standard) : std::nullopt;
   entry["default"] = standard ? json_of(*standard) : Json();
   if (has_natural_default(row)) entry["default_unit"] = natural_unit_text(row).substr(4);
-  entry["admissible"] = what_is_due(row);
+  entry["admissible"] = admissible_values(row);
   entry["choices"] = row.choices;
   entry["doc"] = row.doc;
   return entry;

@@ -64,25 +64,26 @@ void check_name(const std::string& name) {
                      std::all_of(name.begin(), name.end(), fits);
   if (!sound) {
     refuse_input(FaultCode::command_invalid_value, "tomlin", "NAME",
-                 fmt::format("\"{}\" is no name of a force", name),
+                 fmt::format("\"{}\" is not a valid name of a force", name),
                  "small letters, digits and single _, the first a letter: my_force");
   }
   if (is_target_of_cmake(name)) {
     refuse_input(
         FaultCode::command_invalid_value, "tomlin", "NAME",
-        fmt::format("\"{}\" is a target of CMake's own, and the library could not be built", name),
+        fmt::format("\"{}\" is a built-in target of CMake, and the library could not be built",
+                    name),
         fmt::format("another name: {}_force", name));
   }
   if (const std::string type = own_type(name); !type.empty()) {
     refuse_input(FaultCode::command_invalid_value, "tomlin", "NAME",
-                 fmt::format("of \"{}\" comes {}, a type of tomlin's own", name, type),
+                 fmt::format("\"{}\" would give the type {}, which tomlin has already", name, type),
                  fmt::format("another name: my_{}", name));
   }
   const Registry registry = standard_registry();
   if (registry.body(name) || registry.force(name) || registry.integrator(name) ||
       registry.observer(name)) {
     refuse_input(FaultCode::command_invalid_value, "tomlin", "NAME",
-                 fmt::format("tomlin has a component \"{}\" of its own", name), "another name");
+                 fmt::format("tomlin has a built-in component \"{}\"", name), "another name");
   }
 }
 
@@ -102,7 +103,7 @@ std::string with_names(std::string text, const std::string& name) {
 void make_folder(const fs::path& folder, bool force) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
-    refuse_input(FaultCode::file_invalid, "-o", folder.string(), "this is no folder",
+    refuse_input(FaultCode::file_invalid, "-o", folder.string(), "this is not a folder",
                  "another name");
   }
   if (fs::exists(folder, error) && !fs::is_empty(folder, error) && !force) {

@@ -103,7 +103,7 @@ Words sorted(const std::vector<std::string>& words) {
     if (!result.folders.empty() && is_what(word)) {
       if (!result.what.empty()) {
         refuse_option(FaultCode::command_conflict, word,
-                      "one figure at a time, and " + result.what + " is asked for already");
+                      "only one figure can be drawn, and " + result.what + " is requested already");
       }
       result.what = word;
     } else if (holds_run(word)) {
@@ -164,7 +164,7 @@ Figure drawn_body(const std::vector<StoredRun>& runs, const PlotArguments& argum
                   std::vector<std::string>& notes) {
   if (!arguments.y.empty() || arguments.from || arguments.to) {
     refuse_option(FaultCode::command_conflict, kBodyFigure,
-                  "shows moments, and takes --at and no --y, --from, --to");
+                  "shows single times: use --at instead of --y, --from and --to");
   }
   BodyRequest request;
   if (!arguments.x.empty()) request.x = arguments.x;

@@ -35,7 +35,7 @@ constexpr std::array kPages = {
          "What acts on bodies: `[[force]]` in a scene. [A force in ten minutes](README.md) says "
          "how to add one."},
     Kind{"integrator", "integrators/REFERENCE.md", "Integrators",
-         "How time goes on: `integrator = { type = ..., ... }` under `[run]` in a scene."}};
+         "How time advances: `integrator = { type = ..., ... }` under `[run]` in a scene."}};
 
 std::string joined(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, ", "));
@@ -82,10 +82,10 @@ void append_block(std::string& text, const char* language, const std::string& li
 
 void append_rows(std::string& text, const std::vector<Parameter>& rows) {
   if (rows.empty()) return;
-  text += "| key | what it is | dimension | due | default |\n|---|---|---|---|---|\n";
+  text += "| key | what it is | dimension | admissible | default |\n|---|---|---|---|---|\n";
   for (const Parameter& row : rows) {
     fmt::format_to(std::back_inserter(text), "| {} | {} | {} | {} | {} |\n", code(row.key),
-                   cell(row.doc), to_string(row.dimension), cell(what_is_due(row)),
+                   cell(row.doc), to_string(row.dimension), cell(admissible_values(row)),
                    cell(default_cell(row)));
   }
   text += "\n";

@@ -79,9 +79,9 @@ void require_plugins_of_run(const RunArguments& arguments,
 /// no use for any more.
 int already_over(RunFolder& folder, const Scene& scene, const Resumption& found, bool quiet) {
   if (found.kind == Resumption::Kind::failed) {
-    print_error(
-        FaultCode::resume_impossible, scene.file,
-        "the run in " + folder.path().string() + " has failed, and would again: " + found.failure);
+    print_error(FaultCode::resume_impossible, scene.file,
+                "the run in " + folder.path().string() +
+                    " has failed and would fail again: " + found.failure);
     return kExitFailed;
   }
   for (const char* name : {kStoreFile, kCheckpointFile, kJournalFile}) {
@@ -127,7 +127,7 @@ int run_command(const RunArguments& arguments) {
   StopSignals signals;
   ProgressLine progress(arguments.quiet ? ProgressLine::Style::silent : progress_style(),
                         scene->run.accuracy ? "pilot: looking for the integrator" : "");
-  // With an accuracy the program looks for the integrator; the same one when a run goes on.
+  // With an accuracy the program looks for the integrator; the same one when a run resumes.
   ChosenIntegrator chosen;
   chosen.scene = scene;
   if (scene->run.accuracy) {

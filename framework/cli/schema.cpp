@@ -183,9 +183,9 @@ Json described(const std::string& description, const Json& schema) {
 Json key_schema(const Parameter& row) {
   const std::string unit =
       row.dimension == dimension::none ? "" : " [" + to_string(row.dimension) + "]";
-  Json schema =
-      described(fmt::format("{}{}; {}; {}", row.doc, unit, what_is_due(row), default_text(row)),
-                value_schema(row));
+  Json schema = described(
+      fmt::format("{}{}; {}; {}", row.doc, unit, admissible_values(row), default_text(row)),
+      value_schema(row));
   const auto standard = row.standard ? to_node(*row.standard) : std::nullopt;
   if (standard && !has_natural_default(row)) schema["default"] = json_of(*standard);
   return schema;
@@ -378,7 +378,7 @@ std::string scene_schema(const Registry& registry) {
   Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"},
                  {"title", "a scene of tomlin " TOMLIN_VERSION},
                  {"description",
-                  "Where a number is due, a text is an expression over [parameters]. "
+                  "Where a number is expected, a text is an expression over [parameters]. "
                   "tomlin check SCENE sees what a schema cannot."},
                  {"$comment",
                   "An anyOf that begins with true admits everything: it is for completion, which "

@@ -53,7 +53,7 @@ class Diagram {
                                  tradeoff_.observable)};
     panel.y_from = y_.from;
     panel.y_to = y_.to;
-    for (std::size_t r = 0; r < tradeoff_.rungs.size(); ++r) add_rung(panel, r);
+    for (std::size_t r = 0; r < tradeoff_.methods.size(); ++r) add_rung(panel, r);
     add_level(panel, tradeoff_.tolerance, fmt::format("tolerance {:g}", tradeoff_.tolerance), true);
     add_level(panel, tradeoff_.reference->error / tradeoff_.scale.size, "error of the reference",
               false);
@@ -73,36 +73,36 @@ class Diagram {
     return {cost, std::max(tradeoff_.error_of(point), floor_)};
   }
 
-  void add_rung(Panel& panel, std::size_t rung) const {
+  void add_rung(Panel& panel, std::size_t method) const {
     Polyline line;
     for (const TradeoffPoint& point : tradeoff_.points) {
-      if (point.rung == rung) line.push_back(place(point));
+      if (point.method == method) line.push_back(place(point));
     }
     if (line.empty()) return;
     Curve curve;
-    curve.label = tradeoff_.rungs[rung].name;
-    curve.colour = colour_of(rung);
+    curve.label = tradeoff_.methods[method].name;
+    curve.colour = colour_of(method);
     // Other number types lie on those of the same scheme: no more than marks.
-    curve.line = tradeoff_.rungs[rung].number_type == "double";
+    curve.line = tradeoff_.methods[method].number_type == "double";
     curve.mark = curve.line ? Mark::small_disc : Mark::square;
     curve.pieces = {std::move(line)};
     panel.curves.push_back(std::move(curve));
   }
 
   /// One for each model and integrator, whatever the number type.
-  int colour_of(std::size_t rung) const {
-    const auto same = [](const Rung& a, const Rung& b) {
+  int colour_of(std::size_t method) const {
+    const auto same = [](const Method& a, const Method& b) {
       return a.integrator == b.integrator && a.model == b.model;
     };
     int colour = 0;
-    for (std::size_t r = 0; r < rung; ++r) {
-      if (same(tradeoff_.rungs[r], tradeoff_.rungs[rung])) break;
+    for (std::size_t r = 0; r < method; ++r) {
+      if (same(tradeoff_.methods[r], tradeoff_.methods[method])) break;
       const bool is_shown =
           std::any_of(tradeoff_.points.begin(), tradeoff_.points.end(),
-                      [r](const TradeoffPoint& point) { return point.rung == r; });
+                      [r](const TradeoffPoint& point) { return point.method == r; });
       const bool is_new =
-          std::none_of(tradeoff_.rungs.begin(), tradeoff_.rungs.begin() + r,
-                       [&](const Rung& one) { return same(one, tradeoff_.rungs[r]); });
+          std::none_of(tradeoff_.methods.begin(), tradeoff_.methods.begin() + r,
+                       [&](const Method& one) { return same(one, tradeoff_.methods[r]); });
       if (is_shown && is_new) ++colour;
     }
     return colour;

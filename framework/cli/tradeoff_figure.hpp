@@ -5,8 +5,8 @@
 
 namespace tomlin {
 
-/// The work-precision diagram: error against cost, both logarithmic, a line for each rung, with the
-/// tolerance, the reference's own error and the recommended point. There must be points.
+/// The work-precision diagram: error against cost, both logarithmic, a line for each method, with
+/// the tolerance, the reference's own error and the recommended point. There must be points.
 Figure tradeoff_figure(const Tradeoff& tradeoff);
 
 }  // namespace tomlin

@@ -26,8 +26,8 @@ Json reference_entry(const Reference& reference) {
   return {{"value", number(reference.value)},
           {"error", number(reference.error)},
           {"settled", reference.settled},
-          {"rung", reference.rung},
-          {to_string(reference.knob), number(reference.knob_value)},
+          {"rung", reference.method},
+          {to_string(reference.resolution), number(reference.knob_value)},
           {"cost", reference.cost},
           {"seconds", number(reference.seconds)},
           {"second",
@@ -55,10 +55,10 @@ Json determined_entry(const Sensitivity& found) {
 }
 
 Json point_entry(const Tradeoff& tradeoff, const TradeoffPoint& point) {
-  const Rung& rung = tradeoff.rungs[point.rung];
+  const Method& method = tradeoff.methods[point.method];
   Json entry;
-  entry["rung"] = rung.name;
-  entry[to_string(rung.knob)] = number(point.knob);
+  entry["rung"] = method.name;
+  entry[to_string(method.resolution)] = number(point.resolution);
   entry["value"] = number(point.value);
   entry["error"] = number(point.error);
   entry["relative_error"] = tradeoff.scale.relative ? number(tradeoff.error_of(point)) : Json();
@@ -89,12 +89,12 @@ std::string tradeoff_csv(const Tradeoff& tradeoff) {
       "rung,dt [time],tolerance,value,error,relative error,force evaluations,jacobian columns,"
       "cost,wall time [s]\n";
   for (const TradeoffPoint& point : tradeoff.points) {
-    const Rung& rung = tradeoff.rungs[point.rung];
-    const bool step = rung.knob == Knob::step;
-    text += quoted(rung.name) + ",";
-    if (step) append_number(text, point.knob);
+    const Method& method = tradeoff.methods[point.method];
+    const bool step = method.resolution == Resolution::step;
+    text += quoted(method.name) + ",";
+    if (step) append_number(text, point.resolution);
     text += ",";
-    if (!step) append_number(text, point.knob);
+    if (!step) append_number(text, point.resolution);
     for (const double x : {point.value, point.error}) {
       text += ",";
       append_number(text, x);
@@ -127,7 +127,7 @@ std::string tradeoff_json(const Scene& scene, const Tradeoff& tradeoff) {
   json["left_out"] = Json::array();
   for (const TradeoffGap& gap : tradeoff.gaps) {
     json["left_out"].push_back(
-        {{"rung", gap.rung}, {"reason", to_string(gap.kind)}, {"why", gap.why}});
+        {{"rung", gap.method}, {"reason", to_string(gap.kind)}, {"why", gap.why}});
   }
   json["points"] = Json::array();
   for (const TradeoffPoint& point : tradeoff.points) {

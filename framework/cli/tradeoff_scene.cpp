@@ -22,8 +22,8 @@ void check_new_scene(const TradeoffArguments& arguments) {
                  "another file");
   }
   if (fs::exists(fs::symlink_status(*arguments.write, error)) && !arguments.force) {
-    refuse_input(FaultCode::file_exists, "--write", *arguments.write,
-                 "there is something of this name", "a new file, or --force");
+    refuse_input(FaultCode::file_exists, "--write", *arguments.write, "the file exists",
+                 "a new file, or --force");
   }
   refuse_unwritable(*arguments.write, "--write");
 }

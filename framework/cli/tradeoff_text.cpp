@@ -84,9 +84,9 @@ void add_reference(Rows& rows, const Tradeoff& tradeoff) {
   rows.add("reference", fmt::format("{:.12g}, error {}{}", reference.value,
                                     error_text(tradeoff, reference.error),
                                     reference.settled ? "" : "; it has not stopped moving"));
-  rows.add("  by", fmt::format("{}, {} = {:g}, {} evaluations, {:.2g} s", reference.rung,
-                               to_string(reference.knob), reference.knob_value, reference.cost,
-                               reference.seconds));
+  rows.add("  by", fmt::format("{}, {} = {:g}, {} evaluations, {:.2g} s", reference.method,
+                               to_string(reference.resolution), reference.knob_value,
+                               reference.cost, reference.seconds));
   rows.add("  other scheme", second_text(tradeoff));
   rows.add("  quadruple", quadruple_text(tradeoff));
   if (tradeoff.scale.resolved && !tradeoff.scale.relative) {
@@ -115,7 +115,7 @@ std::string marks_of(const Tradeoff& tradeoff, std::size_t index) {
   return marks;
 }
 
-/// Of each rung and each power of ten of the error the cheapest point, and all that have a mark.
+/// Of each method and each power of ten of the error the cheapest point, and all that have a mark.
 std::vector<std::size_t> shown_points(const Tradeoff& tradeoff) {
   std::map<std::pair<std::size_t, int>, std::size_t> cheapest;
   std::vector<std::size_t> shown;
@@ -125,7 +125,7 @@ std::vector<std::size_t> shown_points(const Tradeoff& tradeoff) {
     const int decade =
         error > 0.0 ? std::clamp(static_cast<int>(std::floor(std::log10(error))), -kMostDecades, 1)
                     : -kMostDecades;
-    const auto [place, is_new] = cheapest.try_emplace({point.rung, decade}, p);
+    const auto [place, is_new] = cheapest.try_emplace({point.method, decade}, p);
     if (!is_new && point.cost() < tradeoff.points[place->second].cost()) place->second = p;
     if (!marks_of(tradeoff, p).empty()) shown.push_back(p);
   }
@@ -138,23 +138,23 @@ std::vector<std::size_t> shown_points(const Tradeoff& tradeoff) {
 std::string table(const Tradeoff& tradeoff) {
   std::size_t width = 4;
   for (const TradeoffPoint& point : tradeoff.points) {
-    width = std::max(width, tradeoff.rungs[point.rung].name.size());
+    width = std::max(width, tradeoff.methods[point.method].name.size());
   }
   std::string text = fmt::format("  {:<{}}  {:>9}  {:>8}  {:>8}  {:>12}  {:>9}  {:>8}\n", "rung",
                                  width, "", "", "error", "evaluations", "columns", "seconds");
   for (const std::size_t p : shown_points(tradeoff)) {
     const TradeoffPoint& point = tradeoff.points[p];
-    const Rung& rung = tradeoff.rungs[point.rung];
+    const Method& method = tradeoff.methods[point.method];
     const std::string line =
-        fmt::format("  {:<{}}  {:>9}  {:>8.2g}  {:>8.1e}  {:>12}  {:>9}  {:>8.2g}  {}", rung.name,
-                    width, to_string(rung.knob), point.knob, tradeoff.error_of(point),
+        fmt::format("  {:<{}}  {:>9}  {:>8.2g}  {:>8.1e}  {:>12}  {:>9}  {:>8.2g}  {}", method.name,
+                    width, to_string(method.resolution), point.resolution, tradeoff.error_of(point),
                     point.evaluations, point.columns, point.seconds, marks_of(tradeoff, p));
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
   return text;
 }
 
-/// Rungs that are left out for the same reason stand together.
+/// Methods that are left out for the same reason stand together.
 std::string gaps(const Tradeoff& tradeoff) {
   std::vector<std::pair<std::string, std::string>> by_reason;
   for (const TradeoffGap& gap : tradeoff.gaps) {
@@ -162,14 +162,14 @@ std::string gaps(const Tradeoff& tradeoff) {
     const auto same = std::find_if(by_reason.begin(), by_reason.end(),
                                    [&](const auto& one) { return one.first == reason; });
     if (same == by_reason.end()) {
-      by_reason.emplace_back(reason, gap.rung);
+      by_reason.emplace_back(reason, gap.method);
     } else {
-      same->second += "; " + gap.rung;
+      same->second += "; " + gap.method;
     }
   }
   std::string text;
-  for (const auto& [reason, rungs] : by_reason) {
-    fmt::format_to(std::back_inserter(text), "  {}: {}\n", rungs, reason);
+  for (const auto& [reason, methods] : by_reason) {
+    fmt::format_to(std::back_inserter(text), "  {}: {}\n", methods, reason);
   }
   return text;
 }
@@ -182,7 +182,7 @@ std::string recommendation(const Tradeoff& tradeoff) {
       "recommended for {} error of {:.2g}: {}, error {:.1e}, {} evaluations, {:.2g} s\n\n",
       tradeoff.scale.relative ? "a relative" : "an",
       chosen.tolerance * (tradeoff.scale.relative ? 1.0 : tradeoff.scale.size),
-      tradeoff.rungs[point.rung].name, tradeoff.error_of(point), point.cost(), point.seconds);
+      tradeoff.methods[point.method].name, tradeoff.error_of(point), point.cost(), point.seconds);
   for (const std::string& line : scene_lines(chosen.settings)) text += "  " + line + "\n";
   return text;
 }

@@ -87,8 +87,8 @@ void check(const AssembledBody<Real>& body, const SceneBody& from, int dimension
   }
   if (!placed_finitely(body.bound.start)) {
     faults.emplace_back(FaultCode::scene_out_of_range, from.place, "body." + from.name, "",
-                        "further from the origin than can be counted in periods",
-                        "a place nearer the origin");
+                        "too far from the origin: the number of periods cannot be represented",
+                        "a position nearer the origin");
   }
 }
 

@@ -111,7 +111,7 @@ Assembly<Real>::Assembly(const AssemblyPlan& plan)
       forces_(plan_, bodies_.all),
       prescribed_(plan_, bodies_) {
   system_.set = plan_.set;
-  lay_rates();
+  assign_rates();
   coordinates_.scale_tolerances(scene(), bodies_.all, prescribed_, system_.view);
   coordinates_.bound_moves(forces_.all, bodies_.all, dimension());
   if (!plan_.inertial || plan_.splits_friction) {
@@ -122,7 +122,7 @@ Assembly<Real>::Assembly(const AssemblyPlan& plan)
 
 /// Own variables come first among the integrals: stages read them back.
 template <class Real>
-void Assembly<Real>::lay_rates() {
+void Assembly<Real>::assign_rates() {
   std::size_t own = prescribed_.own_count();
   for (Force& force : forces_.all) {
     if (force.bound->own_count() == 0) continue;
@@ -139,7 +139,7 @@ void Assembly<Real>::lay_rates() {
       drivers_.push_back({force.name, force.first_rate, force.bound->drive()});
     }
   }
-  prescribed_.lay_rates(plan_, bodies_, rates, drivers_);
+  prescribed_.assign_rates(plan_, bodies_, rates, drivers_);
   if (plan_.ledger) {
     for (Force& force : forces_.all) {
       Operation<Real> unused;

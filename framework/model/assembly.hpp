@@ -56,7 +56,7 @@ class Assembly {
   void spoil_forces();
 
  private:
-  void lay_rates();
+  void assign_rates();
 
   // Each is laid over those before it; kernels hold pointers into them.
   AssemblyPlan plan_;

@@ -61,9 +61,9 @@ std::vector<double> lengths_of(const Scene& scene) {
   double shortest = 0.0;
   double reach = 0.0;
   for (std::size_t k = 0; k < lengths.size(); ++k) {
-    ForceAlone alone(scene, k);
+    SingleForce alone(scene, k);
     if (!alone.built() || alone.variables().empty()) continue;
-    for (const ForceAlone::Variable& variable : alone.variables()) {
+    for (const SingleForce::Variable& variable : alone.variables()) {
       if (variable.axis >= 0) reach = std::max(reach, std::abs(alone.position(variable)));
     }
     lengths[k] = claims::length_of(alone, declared).value_or(declared);

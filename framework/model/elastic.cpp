@@ -253,7 +253,7 @@ std::string find_modes(const Body& body, std::vector<double> matrix, const doubl
     return name + "keep its shape: it buckles under them";
   }
   return name + "determine its shape: it bends freely in " + std::to_string(loose - whole.size()) +
-         " ways, which its modes do not follow";
+         " directions, which its modes do not describe";
 }
 
 }  // namespace

@@ -49,9 +49,9 @@ void FrictionMatrix<Real>::lay(const AssemblyPlan& plan, std::vector<AssembledBo
     arguments.body = slot;
     arguments.axes = plan.dimension();
     if (slot.rigid) {
-      lay_rigid(plan, body, inverse_mass.data(), arguments);
+      assign_rigid(plan, body, inverse_mass.data(), arguments);
     } else {
-      lay_particles(plan, body, inverse_mass.data(), arguments);
+      assign_particles(plan, body, inverse_mass.data(), arguments);
     }
     if (plan.inertial && !any_positive(coefficients_[body.bound.index])) continue;
     friction_.push_back(arguments);
@@ -88,8 +88,8 @@ void FrictionMatrix<Real>::collect(const AssemblyPlan& plan,
 }
 
 template <class Real>
-void FrictionMatrix<Real>::lay_rigid(const AssemblyPlan& plan, AssembledBody<Real>& body,
-                                     Real* inverse_mass, FrictionArguments<Real>& arguments) {
+void FrictionMatrix<Real>::assign_rigid(const AssemblyPlan& plan, AssembledBody<Real>& body,
+                                        Real* inverse_mass, FrictionArguments<Real>& arguments) {
   const int dimension = plan.dimension();
   const BodySlot<Real>& slot = body.bound.slot;
   const std::vector<double>& coefficient = coefficients_[body.bound.index];
@@ -149,8 +149,9 @@ void FrictionMatrix<Real>::lay_rigid(const AssemblyPlan& plan, AssembledBody<Rea
 }
 
 template <class Real>
-void FrictionMatrix<Real>::lay_particles(const AssemblyPlan& plan, const AssembledBody<Real>& body,
-                                         Real* inverse_mass, FrictionArguments<Real>& arguments) {
+void FrictionMatrix<Real>::assign_particles(const AssemblyPlan& plan,
+                                            const AssembledBody<Real>& body, Real* inverse_mass,
+                                            FrictionArguments<Real>& arguments) {
   const BodySlot<Real>& slot = body.bound.slot;
   const std::vector<double>& coefficient = coefficients_[body.bound.index];
   arguments.length = slot.stride * plan.dimension();

@@ -36,10 +36,10 @@ class FrictionMatrix {
  private:
   /// Of forces that are operators: the flows that they hand out, else their coefficients.
   void collect(const AssemblyPlan& plan, const std::vector<AssembledForce<Real>>& forces);
-  void lay_rigid(const AssemblyPlan& plan, AssembledBody<Real>& body, Real* inverse_mass,
-                 FrictionArguments<Real>& arguments);
-  void lay_particles(const AssemblyPlan& plan, const AssembledBody<Real>& body, Real* inverse_mass,
-                     FrictionArguments<Real>& arguments);
+  void assign_rigid(const AssemblyPlan& plan, AssembledBody<Real>& body, Real* inverse_mass,
+                    FrictionArguments<Real>& arguments);
+  void assign_particles(const AssemblyPlan& plan, const AssembledBody<Real>& body,
+                        Real* inverse_mass, FrictionArguments<Real>& arguments);
   AlignedVector<Real>& new_array(std::size_t length, Real value);
   /// A coordinate that moves without friction.
   void miss(const AssemblyPlan& plan, const AssembledBody<Real>& body,

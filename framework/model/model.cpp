@@ -82,11 +82,11 @@ Model::Model(std::shared_ptr<const Scene> scene, InstructionSet set)
   rates_.assign(system().view.rates + 2 * kGroup, 0.0);
   system().begin_step = &Model::begin_step;
   system().model = this;
-  lay_tangent();
-  lay_elastic();
+  build_tangent();
+  build_elastic();
 }
 
-void Model::lay_elastic() {
+void Model::build_elastic() {
   const SceneIntegrator& scheme = scene_->run.integrator;
   if (!scheme.record->splits_bonds) return;
   std::string fault;
@@ -103,7 +103,7 @@ void Model::lay_elastic() {
 Model::~Model() = default;
 
 /// Derivatives of the forces, for schemes that solve equations with them.
-void Model::lay_tangent() {
+void Model::build_tangent() {
   const SceneIntegrator& scheme = scene_->run.integrator;
   if (!scheme.record->needs_tangent && !scheme.record->follows_equilibria) return;
   tangent_ = std::make_unique<ForceTangent>(assembly_);

@@ -155,9 +155,9 @@ class Model {
  private:
   Stiffness stiffness_at(double time, bool without_bonds);
   static AssemblyPlan plan_for(const Scene& scene, InstructionSet set);
-  void lay_tangent();
+  void build_tangent();
   static void begin_step(void* model, double time_high, double time_low);
-  void lay_elastic();
+  void build_elastic();
   void keep_shapes();
   void place_origin();
   double share_of_stiffness(const Force& force, const Stage<double>& here);

@@ -34,8 +34,9 @@ PrescribedBodies<Real>::PrescribedBodies(const AssemblyPlan& plan, AssembledBodi
 }
 
 template <class Real>
-void PrescribedBodies<Real>::lay_rates(const AssemblyPlan& plan, AssembledBodies<Real>& bodies,
-                                       std::size_t& rates, std::vector<AssembledDriver>& drivers) {
+void PrescribedBodies<Real>::assign_rates(const AssemblyPlan& plan, AssembledBodies<Real>& bodies,
+                                          std::size_t& rates,
+                                          std::vector<AssembledDriver>& drivers) {
   for (std::size_t k = 0; k < bodies.rigid.size(); ++k) {
     const AssembledBody<Real>& body = bodies.all[bodies.rigid_body[k]];
     if (!body.prescribed()) continue;

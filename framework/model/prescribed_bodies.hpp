@@ -37,8 +37,8 @@ class PrescribedBodies {
   const std::deque<Steered>& steered() const { return steered_; }
   std::size_t own_count() const { return own_count_; }
   /// Takes rates for the force on each body and its power; each body becomes a driver.
-  void lay_rates(const AssemblyPlan& plan, AssembledBodies<Real>& bodies, std::size_t& rates,
-                 std::vector<AssembledDriver>& drivers);
+  void assign_rates(const AssemblyPlan& plan, AssembledBodies<Real>& bodies, std::size_t& rates,
+                    std::vector<AssembledDriver>& drivers);
   /// The kernels that say where the bodies are.
   void add_steering(std::vector<Operation<Real>>& operations) const;
   /// The kernel that adds what accelerates a body to the force on it, if anything does.

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "framework/core/records/force.hpp"
-#include "framework/model/force_alone.hpp"
+#include "framework/model/single_force.hpp"
 #include "framework/model/sliding.hpp"
 
 namespace tomlin {
@@ -133,7 +133,7 @@ Scales scales_of(const std::shared_ptr<const Scene>& scene) {
   scales.damping_rate = all.damping_rate;
   scales.stiffest_force = model.stiffest_force();
   for (std::size_t k = 0; k < scene->forces.size(); ++k) {
-    ForceAlone alone(*scene, k);
+    SingleForce alone(*scene, k);
     if (!alone.built()) continue;
     const Model::Stiffness own = alone.model().stiffness();
     ForceScale scale{alone.force().name, own.frequency, own.damping_rate, false, {}};

@@ -9,7 +9,7 @@
 
 #include "framework/core/numbers/constants.hpp"
 #include "framework/core/records/force.hpp"
-#include "framework/model/force_alone.hpp"
+#include "framework/model/single_force.hpp"
 
 namespace tomlin {
 namespace {
@@ -39,9 +39,9 @@ struct Slopes {
   }
 };
 
-Slopes slopes_of(ForceAlone& alone, std::size_t body, int axis, double period) {
-  std::vector<std::pair<ForceAlone::Variable, double>> moved;
-  for (const ForceAlone::Variable& variable : alone.variables()) {
+Slopes slopes_of(SingleForce& alone, std::size_t body, int axis, double period) {
+  std::vector<std::pair<SingleForce::Variable, double>> moved;
+  for (const SingleForce::Variable& variable : alone.variables()) {
     if (variable.body == body && variable.axis == axis) {
       moved.emplace_back(variable, alone.position(variable));
     }
@@ -126,7 +126,7 @@ class Pull {
       sliding.stiffness = sliding.driver_stiffness = drive.stiffness;
       if (!acts_on(driver, b) && !add_bond(sliding, driver, b)) continue;
       sliding.curvature = bound * static_cast<double>(body.bound.slot.count);
-      ForceAlone alone(model_.scene(), place_);
+      SingleForce alone(model_.scene(), place_);
       sliding.curvature_as_placed = slopes_of(alone, b, axis, period).largest();
       sliding.washboard_frequency = kTau * std::abs(velocity) / period;
       sliding.rolling_radius = body.rolling_radius;
@@ -177,7 +177,7 @@ class Pull {
     const std::vector<SceneForce>& forces = model_.scene().forces;
     for (std::size_t k = 0; k < forces.size(); ++k) {
       if (k == place_ || forces[k].name == driver.name) continue;
-      ForceAlone alone(model_.scene(), k);
+      SingleForce alone(model_.scene(), k);
       if (!alone.built()) continue;
       const Traits traits = forces[k].traits();
       const bool on_driven = acts_on(alone.force(), driven);

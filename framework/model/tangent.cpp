@@ -128,7 +128,7 @@ ForceTangent::ForceTangent(Assembly<double>& assembly) : assembly_(assembly) {
     coefficients_.emplace_back(body.bound.slot.count, 0.0);
   }
   unknown_ = first_unknown();
-  if (unknown_.empty()) lay_coordinates();
+  if (unknown_.empty()) assign_coordinates();
 }
 
 std::string ForceTangent::first_unknown() const {
@@ -137,7 +137,7 @@ std::string ForceTangent::first_unknown() const {
     const auto because = [&](const char* why) {
       return fmt::format("the force \"{}\" {}", force.name, why);
     };
-    if (force.bound->own_count() > 0) return because("has variables of its own");
+    if (force.bound->own_count() > 0) return because("has internal variables");
     if (traits.stochastic) return because("is stochastic");
     if (force.bound->is_friction()) continue;
     if (traits.depends_on_velocity)
@@ -148,7 +148,7 @@ std::string ForceTangent::first_unknown() const {
 }
 
 /// Bodies' free coordinates in an order in which those that meet in a force are near each other.
-void ForceTangent::lay_coordinates() {
+void ForceTangent::assign_coordinates() {
   std::vector<Node> found;
   for (const auto& body : assembly_.bodies()) {
     const BodySlot<double>& slot = body.bound.slot;

@@ -74,7 +74,7 @@ class ForceTangent final : public Tangent {
   };
 
   std::string first_unknown() const;
-  void lay_coordinates();
+  void assign_coordinates();
   Node node_of(const Assembly<double>::Body& body, std::size_t particle) const;
   bool find_elements(Finder& finder);
   void choose_matrix(const CouplingGraph& graph, std::size_t spread_terms);

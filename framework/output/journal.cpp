@@ -137,8 +137,8 @@ JournalWriter::JournalWriter(fs::path file, Descriptor owned, const RunLayout& l
 
 void JournalWriter::row(std::span<const double> row) {
   if (row.size() != row_length_) {
-    throw OutputError(fmt::format("{}: a sample of {} numbers where {} are due", file_.string(),
-                                  row.size(), row_length_));
+    throw OutputError(fmt::format("{}: a sample of {} numbers where {} are expected",
+                                  file_.string(), row.size(), row_length_));
   }
   if (row_block_.size() > 0 && row_block_.size() + row.size_bytes() > kBlock) write_rows();
   if (row_block_.size() == 0) row_block_.number(rows_);

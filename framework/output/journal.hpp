@@ -16,7 +16,7 @@
 #include "framework/run/run.hpp"
 
 /// The journal: every sample and event of a run in a file that is only ever appended to, in checked
-/// records. Tables are made from it when the run ends; a run that was stopped goes on from a
+/// records. Tables are made from it when the run ends; a run that was stopped resumes from a
 /// checkpoint, which knows how far the journal had come.
 namespace tomlin {
 

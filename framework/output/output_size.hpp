@@ -18,7 +18,7 @@ inline constexpr double kMostRows = 1e9;
 /// rest is counted. A driver takes a million periods for as many slips.
 inline constexpr std::uint64_t kMostEvents = 1'000'000;
 
-/// Bytes at most; a run that goes on until it is steady, or is stopped, leaves less.
+/// Bytes at most; a run that lasts until it is steady, or is stopped, leaves less.
 struct OutputSize {
   double rows = 0.0;        ///< of observables.csv, and frames of the trajectory
   double table = 0.0;       ///< observables.csv

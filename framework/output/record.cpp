@@ -85,7 +85,7 @@ std::span<const std::byte> RecordReader::take(std::size_t size) {
 }
 
 void RecordReader::end() const {
-  if (left() > 0) refuse("a record goes on behind its end");
+  if (left() > 0) refuse("a record continues past its end");
 }
 
 void RecordReader::refuse(const std::string& why) const {
@@ -96,7 +96,7 @@ RecordHead record_head(const std::string& file, std::span<const std::byte> bytes
   RecordReader reader(file, bytes);
   const auto head = reader.number<Head>();
   if (head.magic == kMagicSwapped) reader.refuse("written on a machine of the other byte order");
-  if (head.magic != kMagic) reader.refuse("corrupted: there is no record where one is due");
+  if (head.magic != kMagic) reader.refuse("corrupted: a record is missing");
   return {head.kind, head.length};
 }
 

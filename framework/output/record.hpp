@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-/// Records of the binary files that a run goes on from. A record is a head (magic number, kind,
+/// Records of the binary files that a run resumes from. A record is a head (magic number, kind,
 /// length of the content), the content, and the XXH3-64 checksum of both, seeded with the checksum
 /// of the record before it: what was swapped, dropped or taken from another file is noticed like
 /// what was changed. Numbers are in the byte order of the machine, which the magic number shows.

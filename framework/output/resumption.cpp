@@ -118,7 +118,7 @@ Ended read_summary(const fs::path& path) {
     }
     return ended;
   }
-  refuse(FaultCode::file_damaged, path, "not what a run leaves");
+  refuse(FaultCode::file_damaged, path, "not a file that a run has written");
 }
 
 Ended read_summary(const RunFolder& folder) {
@@ -145,12 +145,13 @@ Resumption without_checkpoint(const RunFolder& folder, JournalReader& journal, D
   const JournalMark& mark = journal.mark();
   if (ended.status == to_string(RunStatus::interrupted)) {
     refuse(FaultCode::resume_impossible, folder.file(kCheckpointFile),
-           "there is none, though the run was stopped with one");
+           "the checkpoint is missing, although the run was stopped with one");
   }
   if (mark.rows > 1 || mark.events > 0) {
-    refuse(FaultCode::resume_impossible, folder.file(kCheckpointFile),
-           fmt::format("there is none, though the journal has {} samples and {} events", mark.rows,
-                       mark.events));
+    refuse(
+        FaultCode::resume_impossible, folder.file(kCheckpointFile),
+        fmt::format("the checkpoint is missing, although the journal has {} samples and {} events",
+                    mark.rows, mark.events));
   }
   Resumption resumption;
   resumption.journal = std::move(owned);
@@ -199,7 +200,8 @@ Resumption with_checkpoint(const RunFolder& folder, JournalReader& journal, Desc
                        checkpoint.program_version, program_version));
   }
   if (checkpoint.scene != scene_fingerprint(scene.effective_toml)) {
-    refuse(FaultCode::resume_other_scene, path, "of another scene than the journal beside it");
+    refuse(FaultCode::resume_other_scene, path,
+           "belongs to another scene than the journal beside it");
   }
   require_same(path, checkpoint.plugins, scene.libraries);
   const fs::path journal_path = folder.file(kJournalFile);

@@ -56,13 +56,13 @@ RunFolder::RunFolder(const fs::path& folder, Occupied occupied, std::span<const 
   const auto status = fs::status(folder_, error);
   if (fs::exists(status)) {
     if (!fs::is_directory(status)) {
-      refuse_folder(FaultCode::file_invalid, folder_,
-                    "there is something of this name that is not a folder", kUsableFolder);
+      refuse_folder(FaultCode::file_invalid, folder_, "this exists and is not a folder",
+                    kUsableFolder);
     }
     check_folder();
   } else if (status.type() == fs::file_type::not_found) {
     if (fs::is_symlink(fs::symlink_status(folder_, error))) {
-      refuse_folder(FaultCode::file_cannot_write, folder_, "a link that leads nowhere",
+      refuse_folder(FaultCode::file_cannot_write, folder_, "a dangling symbolic link",
                     kUsableFolder);
     }
     check_place_for_new();
@@ -118,7 +118,7 @@ void RunFolder::check_occupied() const {
   if (holds(kJournalFile) || holds(kCheckpointFile)) {
     refuse_folder(
         FaultCode::file_exists, folder_, "a run was stopped here",
-        "--resume, which goes on with it, or --force, which starts again; or another folder");
+        "--resume, which continues it, or --force, which starts again; or another folder");
   }
   refuse_folder(FaultCode::file_exists, folder_, "the folder is not empty",
                 "a new or an empty folder, or --force, which replaces what an earlier run left");
@@ -199,8 +199,8 @@ void RunFolder::own() {
 /// Another program may have come and gone before this one had the folder.
 void RunFolder::look_again() const {
   const auto refuse_new = [this] {
-    refuse_folder(FaultCode::file_exists, folder_, "another program has written here meanwhile",
-                  kUsableFolder);
+    refuse_folder(FaultCode::file_exists, folder_,
+                  "another program has written into this folder in the meantime", kUsableFolder);
   };
   if (occupied_ == Occupied::refuse && !is_unused()) refuse_new();
   if (occupied_ != Occupied::go_on) return;

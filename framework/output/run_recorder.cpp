@@ -57,9 +57,10 @@ void RunRecorder::attempt(Action action) {
 
 void RunRecorder::begin(const RunLayout& layout) {
   if (resumption_.kind == Resumption::Kind::go_on && layout.state != resumption_.layout.state) {
-    refuse_input(FaultCode::resume_other_version, "-o", folder_.path().string(),
-                 "this program keeps other numbers of this scene than the one that was stopped",
-                 "the program that began the run, or --force, which starts again");
+    refuse_input(
+        FaultCode::resume_other_version, "-o", folder_.path().string(),
+        "this program stores another state of this scene than the program that was stopped",
+        "the program that began the run, or --force, which starts again");
   }
   require_room(scene_, output_size(scene_, layout), room_in(folder_.path()));
   attempt([&] { resumption_.kind == Resumption::Kind::go_on ? go_on(layout) : start(layout); });

@@ -37,8 +37,8 @@ void TableWriter::begin(const RunLayout& layout) {
 
 void TableWriter::sample(const std::vector<double>& row) {
   if (row.size() != row_) {
-    throw OutputError(fmt::format("{}: a sample of {} numbers where {} are due", file_.string(),
-                                  row.size(), row_));
+    throw OutputError(fmt::format("{}: a sample of {} numbers where {} are expected",
+                                  file_.string(), row.size(), row_));
   }
   for (std::size_t k = 0; k < names_.size(); ++k) {
     if (!std::isfinite(row[k])) {

@@ -20,8 +20,8 @@ TrajectoryWriter::TrajectoryWriter(std::filesystem::path file, RunLayout layout)
 
 void TrajectoryWriter::frame(std::span<const double> row) {
   if (row.size() != layout_.row()) {
-    throw OutputError(fmt::format("{}: a sample of {} numbers where {} are due", file_.string(),
-                                  row.size(), layout_.row()));
+    throw OutputError(fmt::format("{}: a sample of {} numbers where {} are expected",
+                                  file_.string(), row.size(), layout_.row()));
   }
   const std::span<const double> positions = row.subspan(layout_.columns.size());
   for (std::size_t k = 0; k < positions.size(); ++k) {

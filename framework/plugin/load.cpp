@@ -35,7 +35,7 @@ std::string taken(const Registry& registry, const ComponentRecord& record) {
   const ComponentRecord* there = component(registry, record.name);
   if (there == nullptr) return "";
   return fmt::format("its component \"{}\" has the name of one {}", record.name,
-                     there->library.empty() ? "of tomlin's own" : "from " + there->library);
+                     there->library.empty() ? "that is built in" : "from " + there->library);
 }
 
 bool holds(const std::vector<std::string>& words, const char* word) {

@@ -7,7 +7,7 @@
 #include "framework/core/records/registry.hpp"
 #include "framework/core/text/fault.hpp"
 
-/// Shared libraries with components of one's own: what the program does with those that a scene or
+/// Shared libraries with user-defined components: what the program does with those that a scene or
 /// the command line names. See plugin.hpp for what one looks like, entry.hpp for how it is linked.
 namespace tomlin {
 

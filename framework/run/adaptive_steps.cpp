@@ -17,8 +17,8 @@ void AdaptiveSteps::advance(std::uint64_t) {
   } else {
     take({0.0, rest, DoubleDouble(plan.duration)});
   }
-  // Steps may be few and dear.
-  if (run_.too_dear() && !run_.outcome.done()) run_.outcome.interrupt();
+  // Steps may be few and expensive.
+  if (run_.too_expensive() && !run_.outcome.done()) run_.outcome.interrupt();
 }
 
 /// Looked at every quarter of a million steps: a run that will be out of steps long before its end
@@ -36,7 +36,8 @@ bool AdaptiveSteps::foresees_too_many_steps() {
   run_.fail(StepFault::too_many_steps, 0.0);
   run_.outcome.failure->code = FaultCode::run_step_limit;
   run_.outcome.failure->what = fmt::format(
-      "at its pace the run would take {:.2g} steps, and most_steps allows {:g}", foreseen, most);
+      "at its present step size the run would take {:.2g} steps, and most_steps allows {:g}",
+      foreseen, most);
   return true;
 }
 

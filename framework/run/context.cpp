@@ -79,13 +79,13 @@ bool RunContext::block_ends() const {
   return clock.grid_steps() % kBlock == 0 && static_cast<double>(into_step()) == 0.0;
 }
 
-bool RunContext::too_dear() const {
+bool RunContext::too_expensive() const {
   const System<double>& system = model.system();
   return system.evaluations + system.columns > options.most_cost;
 }
 
 bool RunContext::stopped() const {
-  if (too_dear()) return true;
+  if (too_expensive()) return true;
   return options.stop != nullptr && options.stop->load(std::memory_order_relaxed);
 }
 

@@ -35,7 +35,7 @@ class RunClock {
   void set(const DoubleDouble& time);
   void add(std::int64_t steps, std::int64_t grid_steps);
   /// Evaluations of all forces and columns of derivatives so far; `ahead` of them are lost where
-  /// another run goes on from here, and made again.
+  /// another run resumes from here, and made again.
   void keep_cost(const System<double>& system, std::uint64_t ahead = 0);
 
  private:
@@ -72,7 +72,7 @@ struct RunContext {
   /// A block of kBlock steps is complete: what is looked at now and then is looked at here.
   bool block_ends() const;
   /// Evaluations and columns have come to more than is allowed.
-  bool too_dear() const;
+  bool too_expensive() const;
   /// Or a signal has come.
   bool stopped() const;
   double tolerance() const;  ///< of an adaptive scheme; else 0

@@ -196,7 +196,7 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
     case StepFault::none:
       break;
     case StepFault::too_many_steps:
-      failure.what = "the integrator has used up its most_steps";
+      failure.what = "the integrator has taken most_steps steps";
       failure.cause = "the scene is stiffer, or the run longer, than most_steps allows for";
       return failure;
     case StepFault::no_equilibrium:
@@ -211,15 +211,15 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
       }
       failure.what = "no stable equilibrium was found from here on";
       failure.cause =
-          "nothing holds the scene against its forces: it slides away, or slips without end";
+          "the scene is unconstrained against its forces: it slides away or slips indefinitely";
       return failure;
     case StepFault::step_too_small:
       failure.what = "the step needed is below smallest_step";
       failure.cause = "tolerances below what rounding allows, or a force that is not smooth";
       return failure;
     case StepFault::not_finite_or_too_far:
-      failure.what = finite ? "a coordinate would move further in one step than is sound "
-                              "(a period, or half the shortest bond), or leave the finite numbers"
+      failure.what = finite ? "a coordinate would move further in one step than is allowed "
+                              "(a period, or half the shortest bond), or become non-finite"
                             : "an acceleration is not a finite number";
       break;
   }
@@ -237,11 +237,11 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
         "overflow";
   } else if (scheme.adaptive) {
     failure.cause =
-        "no step down to smallest_step was sound: the scene's forces are too strong, its lengths "
+        "every step down to smallest_step failed: the scene's forces are too strong, its lengths "
         "too short, or the tolerances too fine";
   } else {
     failure.cause = fmt::format(
-        "the speed runs away: a step of {:g} is too long for it, or the "
+        "the speed diverges: a step of {:g} is too long for it, or the "
         "scene's forces are too strong",
         h);
   }

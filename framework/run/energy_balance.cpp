@@ -17,7 +17,7 @@ namespace tomlin {
 namespace {
 
 /// Of the window, one block of steps in each. Fixed steps are many and cheap, adaptive ones few and
-/// dear.
+/// expensive.
 constexpr std::int64_t kFixedStrata = 128;
 constexpr std::int64_t kAdaptiveStrata = 32;
 /// Steps in a block. Blocks of fixed steps begin where the run looks at its origin; short runs, of

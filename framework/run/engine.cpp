@@ -248,7 +248,7 @@ void Engine::Parts::advance(std::uint64_t steps) {
 
 RunResult Engine::Parts::run_all() {
   // Where batches end blocks of steps do, and some of what is watched is looked at there: at the
-  // same steps whether the run began here or goes on from a checkpoint.
+  // same steps whether the run began here or resumes from a checkpoint.
   run.attempt([this] {
     while (!run.outcome.done()) {
       advance(kBatch - taken() % kBatch);

@@ -102,7 +102,7 @@ void Housekeeping::disturb() {
   run_.integrator->forces_changed();
 }
 
-/// What was computed ahead is computed again by whoever goes on from these numbers.
+/// What was computed ahead is computed again by whoever resumes from these numbers.
 void Housekeeping::keep_checkpoint() {
   if (run_.options.sink == nullptr) return;
   run_.clock.keep_cost(run_.model.system(), run_.integrator->evaluations_ahead());

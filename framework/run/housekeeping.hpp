@@ -17,7 +17,7 @@ class Housekeeping {
   void attach(RunState& state);
   /// The model is placed.
   void start();
-  /// The run goes on from a checkpoint.
+  /// The run resumes from a checkpoint.
   void resumed();
 
   /// After a step.

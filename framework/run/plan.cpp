@@ -89,7 +89,7 @@ const Drive& counted_driver(const Model& model) {
                   "\"time\", or the name of a driver with a velocity");
   }
   if (candidates.size() > 1) {
-    refuse_window(code, measure, "in", "several drivers move: say whose periods are meant",
+    refuse_window(code, measure, "in", "several drivers move, and the window does not name one",
                   "driver = NAME");
   }
   return *candidates.front();
@@ -110,8 +110,7 @@ double period_of_driver(const Model& model) {
       if (declared <= 0.0) continue;
       if (period > 0.0 && declared != period) {
         refuse_window(code_without_period(scene), scene.measure, "in",
-                      "the forces declare several periods: say which is meant",
-                      "period = a length");
+                      "the forces declare several periods", "period = a length");
       }
       period = declared;
       speed = std::abs(velocity[d]);
@@ -119,7 +118,8 @@ double period_of_driver(const Model& model) {
   }
   if (!(period > 0.0)) {
     refuse_window(code_without_period(scene), scene.measure, "in",
-                  "no force declares a period along the driver's way", "period = a length");
+                  "no force declares a period along the direction of the driver",
+                  "period = a length");
   }
   return period / speed;
 }

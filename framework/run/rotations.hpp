@@ -20,7 +20,7 @@ class Rotations {
 
   /// In turns, unwrapped.
   double turns_of(std::size_t body, const double* position) const;
-  /// A flexible body turns fast: look() is due after every step.
+  /// A flexible body turns fast: look() is needed after every step.
   bool is_due_at_every_step() const { return *steps_between_looks_ == 1; }
   /// Counts whole turns; `turned(body, turns)` for each flexible body.
   template <class Turned>

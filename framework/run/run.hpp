@@ -174,7 +174,7 @@ struct Event {
   std::string_view label = {};  ///< of an observed one: its observer's name for the kind
 };
 
-/// Receives what a run leaves while it goes on: samples and events, each in the order of time, and
+/// Receives what a run leaves while it runs: samples and events, each in the order of time, and
 /// now and then all that is needed to go on from here.
 class RunSink {
  public:
@@ -182,7 +182,7 @@ class RunSink {
   /// Before anything else, also when a run is resumed.
   virtual void begin(const RunLayout& layout) = 0;
   /// One row: see RunLayout::row(). The first sample of a run is its start; of a resumed run, the
-  /// first after the moment from which it goes on.
+  /// first after the moment from which it resumes.
   virtual void sample(const std::vector<double>& row) = 0;
   virtual void event(const Event& event) { (void)event; }
   /// At the start, every `[run] checkpoint_every` seconds, when a run is stopped and at its end
@@ -197,7 +197,7 @@ class RunSink {
 };
 
 /// Keeps what is done before and after a run proper, the choice of its integrator and runs that its
-/// result is compared with, for a run that is stopped meanwhile and goes on later: by name.
+/// result is compared with, for a run that is stopped meanwhile and resumes later: by name.
 class RunStore {
  public:
   virtual ~RunStore() = default;

@@ -213,7 +213,7 @@ void check_step(Check& check) {
                              check.plan.dt, check.scheme.name, check.found.stable_step);
   failure.force = check.model.stiffest_force();
   failure.cause =
-      "the stiffest force allows no longer step; take a smaller dt, or insist with "
+      "the stiffest force limits the step; use a smaller dt, or force the run with "
       "run.allow_unstable = true";
   if (!check.found.failure) check.found.failure = std::move(failure);
 }
@@ -263,15 +263,16 @@ void check_places(Check& check) {
     }
     const double coarse = last_place * farthest_without_length / tolerance_scales(view).length;
     if (coarse > std::max(kCoarseUnits, kFewUnits * last_place)) {
-      check.found.warnings.push_back(fmt::format(
-          "{}: places along {} are far from zero, and no force declares a period there: {} tells "
-          "them apart to {:.2g}, and shorter ways are lost",
-          body.bound.name, "xyz"[axis_without_length], check.scene.run.number_type,
-          last_place * farthest_without_length));
+      check.found.warnings.push_back(
+          fmt::format("{}: positions along {} are far from zero, and no force declares a period "
+                      "there: {} resolves "
+                      "{:.2g}, and smaller displacements are lost",
+                      body.bound.name, "xyz"[axis_without_length], check.scene.run.number_type,
+                      last_place * farthest_without_length));
     }
     if (worst <= std::max(kCoarsePlaces, kFewPlaces * last_place)) continue;
     const std::string what = fmt::format(
-        "places along {} are too far from zero: {} tells them apart to {:.2g} of the "
+        "positions along {} are too far from zero: {} resolves {:.2g} of the "
         "shortest length there (a period, half a bond, a radius)",
         "xyz"[axis], check.scene.run.number_type, worst);
     if (worst <= kUselessPlaces) {
@@ -308,7 +309,7 @@ void check_ways(Check& check) {
     const double way = fastest_of(body, check.plan.duration) * check.plan.dt;
     if (!(way > period)) continue;
     fail(FaultCode::run_step_unstable, check, body.bound.name,
-         fmt::format("its prescribed motion is {:.3g} periods long in a step", way / period),
+         fmt::format("its prescribed motion covers {:.3g} periods in a step", way / period),
          fmt::format("dt = {:g} is too long for it", check.plan.dt));
   }
 }
@@ -407,10 +408,11 @@ void warn_of_stiff_drivers(Check& check) {
     const double asked = tolerance_of(check.scene.run.integrator, length).value_or(0.0) * length;
     const double known = std::max(asked, last_place * shortest);
     if (!(drive->stiffness * known > kCoarseForce * largest)) continue;
-    check.found.warnings.push_back(fmt::format(
-        "{}: places are known to {:.2g}, and so its force to {:.2g} only, where substrate and "
-        "drag have {:.2g} at most: take a finer tolerance, or a softer spring",
-        driver.name, known, drive->stiffness * known, largest));
+    check.found.warnings.push_back(
+        fmt::format("{}: positions are accurate to {:.2g}, and its force therefore to {:.2g} only, "
+                    "while substrate "
+                    "and drag exert {:.2g} at most: use a finer tolerance or a softer spring",
+                    driver.name, known, drive->stiffness * known, largest));
   }
 }
 

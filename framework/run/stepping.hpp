@@ -28,7 +28,7 @@ class Stepping {
   virtual ~Stepping() = default;
   /// One step of the run; on a grid up to `most` of them, where nothing falls between.
   virtual void advance(std::uint64_t most) = 0;
-  /// The run goes on from other numbers.
+  /// The run continues from other numbers.
   virtual void state_changed() {}
 
  protected:

@@ -18,8 +18,8 @@ bool has_size(const TableReading& reading, const char* key, std::size_t given, i
   if (given == static_cast<std::size_t>(dimension)) return true;
   reading.complain(faults, key,
                    {FaultCode::scene_wrong_count, "",
-                    fmt::format("mixed dimensions: {} given, but the scene has {}, by its first "
-                                "body",
+                    fmt::format("mixed dimensions: {} given, but the first body sets the "
+                                "dimension to {}",
                                 given, dimension)});
   return false;
 }

@@ -17,7 +17,7 @@ inline constexpr double kPeriodTolerance = 1e-9;
 bool check_box(const BoxSettings& box, const TableReading& reading, std::optional<int> dimension,
                FaultList& faults);
 
-/// Along the periodic axes of a sound box each force's period divides the length. Forces with
+/// Along the periodic axes of a valid box each force's period divides the length. Forces with
 /// faults are left out.
 void check_box_periods(const BoxSettings& box, const TableReading& reading,
                        const std::vector<ForceDraft>& forces, FaultList& faults);

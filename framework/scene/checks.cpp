@@ -87,8 +87,9 @@ std::optional<WrongValue> wrong_dimension(const ParameterValue& value, int dimen
     const std::string which = vectors.size() > 1 ? fmt::format("vector {} has ", i) : "";
     return WrongValue{
         FaultCode::scene_wrong_count,
-        fmt::format("mixed dimensions: {}{} component{}, but the scene has {}, by its first body",
-                    which, length, length == 1 ? "" : "s", dimension)};
+        fmt::format(
+            "mixed dimensions: {}{} component{}, but the first body sets the dimension to {}",
+            which, length, length == 1 ? "" : "s", dimension)};
   }
   return std::nullopt;
 }
@@ -111,7 +112,8 @@ std::optional<WrongValue> wrong_pairs(const PairSelection& pairs, const BodyDraf
                         fmt::format("{}: indices are 0 to {}", pair, *body.count - 1)};
     }
     if (first == second) {
-      return WrongValue{FaultCode::component_invalid, pair + ": a particle and itself"};
+      return WrongValue{FaultCode::component_invalid,
+                        pair + ": a particle cannot be paired with itself"};
     }
     if (!seen.insert({std::min(first, second), std::max(first, second)}).second) {
       return WrongValue{FaultCode::scene_duplicate_key, pair + " is given twice"};
@@ -199,7 +201,7 @@ std::optional<WrongValue> wrong_for_bodies(const ParameterValue& value,
   return std::nullopt;
 }
 
-/// Each sound key on its own; true when nothing is wrong. No bodies: not all counts are known.
+/// Each valid key on its own; true when nothing is wrong. No bodies: not all counts are known.
 bool check_values(const TableReading& reading, std::optional<int> dimension,
                   const std::vector<const BodyDraft*>& bodies, FaultList& faults) {
   bool sound = true;
@@ -225,7 +227,7 @@ std::vector<const BodyDraft*> counted_bodies(const std::vector<std::size_t>& ind
   return counted;
 }
 
-/// Whether each body's ends are joined; known of sound ones only.
+/// Whether each body's ends are joined; known of valid ones only.
 std::vector<bool> closed_bodies(const std::vector<BodyDraft>& bodies,
                                 const std::array<double, 3>& box, int dimension) {
   std::vector<bool> closed(bodies.size(), false);

@@ -43,8 +43,8 @@ std::string read_name(SceneDraft& draft, const SceneSection& given,
     draft.faults.of_value(*node, {FaultCode::scene_invalid_name, key, "not a name",
                                   "letters, digits, _ and -, the first a letter or _"});
   } else if (is_word_of_summary(*name)) {
-    draft.faults.of_value(
-        *node, {FaultCode::scene_invalid_name, key, "a word of the summary; choose another name"});
+    draft.faults.of_value(*node, {FaultCode::scene_invalid_name, key,
+                                  "a reserved word of summary.json; choose another name"});
   } else {
     return *name;
   }

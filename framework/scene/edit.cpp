@@ -80,7 +80,7 @@ class Edit {
       const Node* below = table->find(parts[next]);
       if (below == nullptr) return begin_table(parts, next, value);
       if (below->as<Table>() == nullptr) {
-        refuse(FaultCode::scene_unknown_key, parts[next] + " is no table");
+        refuse(FaultCode::scene_unknown_key, parts[next] + " is not a table");
       }
       node = below;
       table = below->as<Table>();
@@ -113,7 +113,8 @@ class Edit {
     const std::vector<std::string>& own = top_level_keys();
     const bool known = std::find(own.begin(), own.end(), parts[0]) != own.end();
     if (next != 0 || parts.size() != 2 || !known) {
-      refuse(FaultCode::scene_unknown_key, "there is no table " + parts[next] + " to put it in");
+      refuse(FaultCode::scene_unknown_key,
+             "there is no table " + parts[next] + " to insert the key into");
     }
     start_of_next_line(text_.size());
     text_ += "\n[" + key_text(parts[0]) + "]\n" + key_text(parts[1]) + " = " + value + "\n";
@@ -123,7 +124,7 @@ class Edit {
   void insert(const Table& table, const Node& node, const std::string& key,
               const std::string& value) {
     if (is_inline(node)) {
-      refuse(FaultCode::command_invalid_value, "the table is written in one line");
+      refuse(FaultCode::command_invalid_value, "the table is an inline table");
     }
     std::size_t last = span(node.where).first;
     std::size_t end = last;

@@ -49,7 +49,7 @@ void FaultList::add(std::uint32_t setting, Place place, std::string value, Wrong
     std::vector<Fault> faults = in_order();
     Fault more(FaultCode::scene_too_many_faults);
     more.place = faults.back().place;
-    more.why = "and more faults; these were the first that were found";
+    more.why = "further faults are not shown";
     faults.push_back(std::move(more));
     throw InputError(std::move(faults));
   }

@@ -46,7 +46,7 @@ class FreedomCheck {
   void check_whether_held() {
     const bool moves = coordinates_ == "particles" || coordinates_ == "rigid";
     if (moves || body_.hold.empty()) return;
-    complain("hold", fmt::format("nothing of a {} body is free", coordinates_),
+    complain("hold", fmt::format("a {} body has no free coordinates to hold", coordinates_),
              "coordinates = \"particles\" or \"rigid\"");
     body_.hold.clear();  // more about it is no news
   }
@@ -60,8 +60,8 @@ class FreedomCheck {
     const auto* axis = std::find(std::begin(kAxisNames), std::end(kAxisNames), name);
     const auto index = static_cast<std::size_t>(axis - std::begin(kAxisNames));
     if (dimension_ && index >= static_cast<std::size_t>(*dimension_)) {
-      complain("hold", fmt::format("{} is no axis of a scene of {} dimension{}", quoted_text(name),
-                                   *dimension_, *dimension_ == 1 ? "" : "s"));
+      complain("hold", fmt::format("{} is not an axis of a scene with {} dimension{}",
+                                   quoted_text(name), *dimension_, *dimension_ == 1 ? "" : "s"));
     } else if (starts_along(index)) {
       complain("velocity", fmt::format("a held coordinate does not move: {} is held", name),
                fmt::format("0 along {}", name));
@@ -80,11 +80,11 @@ class FreedomCheck {
   void check_whether_in_motion() {
     const bool prescribed = coordinates_ == "prescribed";
     if (prescribed && !is_given("motion")) {
-      complain("motion", "missing: a prescribed body needs one",
+      complain("motion", "missing: a prescribed body needs a motion",
                "{ velocity = [..], angular_velocity = .. }");
     }
     if (!prescribed && is_given("motion")) {
-      complain("motion", "only a prescribed body has one", "coordinates = \"prescribed\"");
+      complain("motion", "only a prescribed body has a motion", "coordinates = \"prescribed\"");
     }
     if (prescribed && is_given("velocity")) {
       complain("velocity", "a prescribed body has the velocity of its motion",
@@ -98,14 +98,14 @@ class FreedomCheck {
     if (motion.velocity.empty()) motion.velocity.resize(dimension);
     const std::size_t length = motion.velocity.size();
     if (length != dimension) {
-      refuse(
-          FaultCode::scene_wrong_count, given, "velocity",
-          fmt::format("mixed dimensions: {} component{}, but the scene has {}, by its first body",
-                      length, length == 1 ? "" : "s", dimension));
+      refuse(FaultCode::scene_wrong_count, given, "velocity",
+             fmt::format(
+                 "mixed dimensions: {} component{}, but the first body sets the dimension to {}",
+                 length, length == 1 ? "" : "s", dimension));
     }
     if (dimension != 2 && given.find("angular_velocity") != nullptr) {
       refuse(FaultCode::body_invalid_coordinates, given, "angular_velocity",
-             "only a planar body turns by one number");
+             "only a body in two dimensions has a scalar angular velocity");
     }
   }
 

@@ -73,7 +73,7 @@ void read_parameters(SceneDraft& draft) {
   const auto& entries = given->table->entries;
   if (entries.size() > kMostParameters) {
     draft.faults.of_key(given->where, {FaultCode::scene_too_large, "parameters",
-                                       fmt::format("there are {}", entries.size()),
+                                       fmt::format("{} parameters are too many", entries.size()),
                                        fmt::format("at most {}", kMostParameters)});
     return;
   }

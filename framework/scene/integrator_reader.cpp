@@ -93,7 +93,7 @@ std::optional<Node> read_integrator(SceneDraft& draft, const SceneSection& run) 
     }
     draft.faults.of_key(accuracy->where,
                         {FaultCode::scene_conflict, "run.accuracy",
-                         "stands in place of an integrator, and there is one", "one of the two"});
+                         "replaces the integrator, but an integrator is given", "one of the two"});
   }
   const Node by_default{following_scheme(draft.registry), run.where};
   if (node == nullptr && quasistatic) node = &by_default;

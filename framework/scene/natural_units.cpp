@@ -133,7 +133,7 @@ class Search {
       }
     }
     if (shortest < kNoLength) return take_length(shortest, "the length of a formula");
-    if (unknown) take_length(1.0, "the unit, since a formula says no length");
+    if (unknown) take_length(1.0, "the unit, since a formula declares no length");
   }
 
   /// No number of it has a dimension: its scales stand in a formula.
@@ -180,7 +180,8 @@ class Search {
   }
 
   void find_length_by_motion() {
-    take_length(speed() * found_.time, "the way of what is fastest in the scene's time");
+    take_length(speed() * found_.time,
+                "the distance that the fastest component moves in the scene's time");
     if (found_.length > 0.0) return;
     double farthest = 0.0;
     const auto consider = [&farthest](const auto& component) {
@@ -191,7 +192,7 @@ class Search {
     };
     for (const SceneForce& force : scene_.forces) consider(force);
     for (const SceneBody& body : scene_.bodies) consider(body);
-    take_length(farthest, "the distance of what is farthest from zero");
+    take_length(farthest, "the largest distance from the origin");
     if (found_.length > 0.0) return;
     found_.length = 1.0;
     found_.length_of = "the unit, since nothing in the scene has a length";

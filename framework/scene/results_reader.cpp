@@ -41,7 +41,7 @@ void check_periods(SceneDraft& draft, const TableReading& reading) {
     if (measure.unit == MeasureSettings::Unit::time && reading.has(key)) {
       reading.complain(
           draft.faults, key,
-          {FaultCode::scene_conflict, "", "only counts where in = \"driver_periods\""});
+          {FaultCode::scene_conflict, "", "has a meaning only with in = \"driver_periods\""});
       return;
     }
   }
@@ -78,10 +78,10 @@ void read_output(SceneDraft& draft) {
   output.place = draft.source.place(given.where);
   output.places = reading.places;
   if (output.trajectory && given.table->find("every") == nullptr) {
-    reading.complain(
-        draft.faults, "trajectory",
-        {FaultCode::scene_conflict, "", "positions come with samples, and there are none",
-         "with every, the sampling interval"});
+    reading.complain(draft.faults, "trajectory",
+                     {FaultCode::scene_conflict, "",
+                      "positions are written with samples, but none are requested",
+                      "set every, the sampling interval"});
   }
   draft.effective.set("output", {reading.effective, {}});
 }

@@ -20,7 +20,7 @@ class SceneDocument {
   SceneDocument(std::string text, std::string file);
 
   const std::string& text() const { return text_; }
-  /// Null where the text has no sound syntax.
+  /// Null where the text has no valid syntax.
   const Table* contents() const { return contents_ ? &*contents_ : nullptr; }
   /// The libraries that it names, which are to be loaded before it is read.
   std::vector<NamedLibrary> libraries() const;

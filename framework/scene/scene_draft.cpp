@@ -27,9 +27,9 @@ std::vector<SceneSection> SceneDraft::sections(const std::string& key) {
     return {};
   }
   if (list->size() > kMostComponents) {
-    faults.of_key(node->where,
-                  {FaultCode::scene_too_large, key, fmt::format("there are {}", list->size()),
-                   fmt::format("at most {}", kMostComponents)});
+    faults.of_key(node->where, {FaultCode::scene_too_large, key,
+                                fmt::format("{} tables are too many", list->size()),
+                                fmt::format("at most {}", kMostComponents)});
     return {};
   }
   std::vector<SceneSection> result;

@@ -64,7 +64,7 @@ class Application {
     if (parts.size() == 1) return set_parameter(parts[0]);
     if (parts[0] == "parameters") {
       if (parts.size() == 2) return set_parameter(parts[1]);
-      return refuse(FaultCode::scene_unknown_key, "a parameter has no keys of its own",
+      return refuse(FaultCode::scene_unknown_key, "a parameter has no keys below it",
                     kAdmissiblePaths);
     }
     if (parts[0] == "body" || parts[0] == "force" || parts[0] == "observer") {
@@ -155,7 +155,7 @@ class Application {
     Node* node = table.find(parts[next]);
     if (node->as<Table>() == nullptr) {
       return refuse(FaultCode::scene_unknown_key,
-                    parts[next] + " is " + kind_of(*node) + ", which has no keys of its own");
+                    parts[next] + " is " + kind_of(*node) + ", which has no keys below it");
     }
     set_below(*node->as<Table>(), parts, next + 1);
   }
@@ -206,7 +206,7 @@ void apply_settings(const std::vector<Setting>& settings, Table& document, Fault
     Extent last;
     last.setting = static_cast<std::uint32_t>(settings.size());
     faults.of_key(last, {FaultCode::scene_too_large, "",
-                         fmt::format("there are {} of these", settings.size()),
+                         fmt::format("{} settings are too many", settings.size()),
                          fmt::format("at most {}", kMostSettings)});
     faults.throw_if_any();
   }

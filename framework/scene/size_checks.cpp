@@ -53,7 +53,7 @@ std::string too_many_particles(std::int64_t count, std::int64_t before,
                                std::optional<int> dimension) {
   // A sum could overflow, and two numbers tell more.
   const std::string which =
-      before > 0 ? fmt::format(" and the {} of the bodies before", before) : "";
+      before > 0 ? fmt::format(" and the {} of the preceding bodies", before) : "";
   const double bytes =
       bytes_of(count, dimension.value_or(1)) + bytes_of(before, dimension.value_or(1));
   return fmt::format("{} particles{} would take {}", count, which, memory(bytes));
@@ -68,7 +68,7 @@ bool check_expressions(const Table& document, FaultList& faults) {
     const Node* node = text.exceeded_at(entry.value);
     if (node == nullptr) continue;
     faults.of_value(*node, {FaultCode::scene_too_large, entry.key,
-                            "with this the expressions of the scene are too long",
+                            "the expressions of the scene, including this one, are too long",
                             fmt::format("at most {} bytes in all", kMostExpressionText)});
     return false;
   }

@@ -278,19 +278,22 @@ class Syntax {
     int before = earlier_line(name, line.starts_with("["));
     if (before == 0) before = earlier_line(name, !line.starts_with("["));
     const std::string where =
-        before > 0 ? fmt::format(", in line {} too", before) : std::string(", above too");
+        before > 0 ? fmt::format(", as in line {}", before) : std::string(", as above");
     const std::size_t begin = line_begin_ + indent(text_.substr(line_begin_));
     const auto is = [&](const char* what) { return message_.find(what) != std::string_view::npos; };
     if (line.starts_with("[[")) {
       return twice(
           begin, name,
-          fmt::format("[[{0}]] begins one of several, but {0} stands for itself{1}", name, where),
+          fmt::format(
+              "[[{0}]] is an element of a list of tables, but {0} is also a single key or table{1}",
+              name, where),
           fmt::format("[[{}]] in all of these lines", name));
     }
     if (line.starts_with("[") && is("array")) {
       return twice(
           begin, name,
-          fmt::format("[{0}] is a single table, but [[{0}]] begins one of several{1}", name, where),
+          fmt::format("[{0}] is a single table, but [[{0}]] is an element of a list of tables{1}",
+                      name, where),
           fmt::format("[[{}]] in all of these lines", name));
     }
     if (line.starts_with("[")) {
@@ -340,7 +343,7 @@ class Syntax {
     }
     if (!behind.empty() && !behind.starts_with("#")) {
       return fault(static_cast<std::size_t>(behind.data() - text_.data()), "", "",
-                   "the header of a table stands in a line of its own", right);
+                   "the header of a table needs a line to itself", right);
     }
     if (std::any_of(name.begin(), name.end(), is_space)) {
       return fault(begin, "", "", "the name of a table has no spaces", right_without_spaces(right));
@@ -417,7 +420,7 @@ class Syntax {
       return fault(begin, key, "", "the value is missing");
     }
     if (given.front() == '=') {
-      return fault(begin, key, "", "there is one = between a key and its value");
+      return fault(begin, key, "", "a key and its value are separated by one =");
     }
     if (is_quote(given.front())) return behind_string(begin, key, given);
     if (const auto number = number_like(given)) return like_number(begin, key, given, *number);
@@ -506,7 +509,7 @@ class Syntax {
     if (behind.empty()) return std::nullopt;
     return rest_of_line(key, behind, fmt::format("{} = {}", key, string))
         .value_or(fault(offset_in_text(behind), key, given,
-                        "the text has ended before this; a quote inside of it is written \\\"",
+                        "the quoted text ends before this; a quote inside it is written \\\"",
                         "single quotes around text with double ones in it"));
   }
 
@@ -554,7 +557,7 @@ class Syntax {
     if (std::string_view("*/^+-(").find(behind.front()) != std::string_view::npos) {
       return fault(begin, key, given, "an expression is written in quotes", quoted(given));
     }
-    return fault(offset_in_text(behind), key, given, "the number has ended before this",
+    return fault(offset_in_text(behind), key, given, "the number ends before this",
                  "a number, or an expression in quotes");
   }
 
@@ -575,7 +578,7 @@ class Syntax {
     if (number.whole.size() > 1 && number.whole.front() == '0') {
       const std::size_t zeros =
           std::min(number.whole.find_first_not_of('0'), number.whole.size() - 1);
-      return fault(begin, key, given, "a number does not begin with a zero that means nothing",
+      return fault(begin, key, given, "a number has no leading zeros",
                    fmt::format("{}{}{}{}", sign, number.whole.substr(zeros), number.fraction,
                                number.exponent));
     }
@@ -603,11 +606,11 @@ class Syntax {
     for (const auto& [word, meant] :
          {std::pair{"yes", "true"}, {"on", "true"}, {"no", "false"}, {"off", "false"}}) {
       if (small == word) {
-        return fault(begin, key, given, "a yes is written true, a no false; text in quotes", meant);
+        return fault(begin, key, given, "booleans are true and false; text is quoted", meant);
       }
     }
     if (small == "none" || small == "null" || small == "nil") {
-      return fault(begin, key, given, "there is no such value", "to leave the key out");
+      return fault(begin, key, given, "there is no null value", "leave the key out");
     }
     std::size_t end = 0;
     while (end < given.size() && !is_space(given[end])) ++end;
@@ -645,19 +648,19 @@ Fault explain_character(std::string_view rest, const std::string& file, const Te
     const char* admissible;
   };
   static constexpr std::array kKnown = {
-      Known{"\xE2\x80\x9C", "quotes are straight", "\""},  // left double
-      Known{"\xE2\x80\x9D", "quotes are straight", "\""},  // right double
-      Known{"\xE2\x80\x9E", "quotes are straight", "\""},  // low double
-      Known{"\xC2\xAB", "quotes are straight", "\""},      // guillemet
-      Known{"\xC2\xBB", "quotes are straight", "\""},      // guillemet
-      Known{"\xE2\x80\x98", "quotes are straight", "'"},   // left single
-      Known{"\xE2\x80\x99", "quotes are straight", "'"},   // right single
-      Known{"\xE2\x88\x92", "a minus is a hyphen", "-"},   // minus sign
-      Known{"\xE2\x80\x93", "a minus is a hyphen", "-"},   // en dash
-      Known{"\xE2\x80\x94", "a minus is a hyphen", "-"},   // em dash
-      Known{"\xC2\xA0", "a space that is none (U+00A0)", "a plain space"},
-      Known{"\xE2\x80\xAF", "a space that is none (U+202F)", "a plain space"},
-      Known{"\xE2\x80\x8B", "a space that is not seen (U+200B)", "to take it out"}};
+      Known{"\xE2\x80\x9C", "typographic quotes are not allowed", "\""},  // left double
+      Known{"\xE2\x80\x9D", "typographic quotes are not allowed", "\""},  // right double
+      Known{"\xE2\x80\x9E", "typographic quotes are not allowed", "\""},  // low double
+      Known{"\xC2\xAB", "typographic quotes are not allowed", "\""},      // guillemet
+      Known{"\xC2\xBB", "typographic quotes are not allowed", "\""},      // guillemet
+      Known{"\xE2\x80\x98", "typographic quotes are not allowed", "'"},   // left single
+      Known{"\xE2\x80\x99", "typographic quotes are not allowed", "'"},   // right single
+      Known{"\xE2\x88\x92", "a minus sign is written as a hyphen", "-"},  // minus sign
+      Known{"\xE2\x80\x93", "a minus sign is written as a hyphen", "-"},  // en dash
+      Known{"\xE2\x80\x94", "a minus sign is written as a hyphen", "-"},  // em dash
+      Known{"\xC2\xA0", "a no-break space (U+00A0)", "a plain space"},
+      Known{"\xE2\x80\xAF", "a narrow no-break space (U+202F)", "a plain space"},
+      Known{"\xE2\x80\x8B", "a zero-width space (U+200B)", "remove it"}};
   Fault fault(FaultCode::scene_syntax);
   fault.place = {file, static_cast<int>(at.line), static_cast<int>(at.column)};
   for (const Known& known : kKnown) {

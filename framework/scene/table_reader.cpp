@@ -66,7 +66,7 @@ TableReading read_table(const Table& table, const Extent& where, const TableLayo
       value = row.standard;
       if (auto written = to_node(*value)) reading.effective.set(row.key, *std::move(written));
     } else if (row.required()) {
-      faults.of_key(where, {FaultCode::scene_missing_key, key, "missing", what_is_due(row)});
+      faults.of_key(where, {FaultCode::scene_missing_key, key, "missing", admissible_values(row)});
       reading.sound = false;
       continue;
     } else {

@@ -60,7 +60,7 @@ std::string joined_with_or(const std::vector<std::string>& alternatives) {
 
 }  // namespace
 
-std::string what_is_due(const Parameter& row) {
+std::string admissible_values(const Parameter& row) {
   std::string a_number = with_range("a number", row.interval);
   return std::visit(
       [&](const auto& prototype) -> std::string {
@@ -199,8 +199,7 @@ std::optional<std::int64_t> ValueReader::index(const Subject& subject, const Nod
     return wrong(FaultCode::scene_not_finite, subject, node, "not a finite number");
   }
   if (*x != std::floor(*x)) {
-    return wrong(FaultCode::scene_out_of_range, subject, node,
-                 is + "an integer key needs an integral value");
+    return wrong(FaultCode::scene_out_of_range, subject, node, is + "not an integer");
   }
   if (*x < -kIntegersEnd || *x >= kIntegersEnd) {
     return wrong(FaultCode::scene_out_of_range, subject, node, is + "too large for an integer");
@@ -512,7 +511,7 @@ std::optional<Passing> ValueReader::passing(const Subject& subject, const Node& 
     return wrong(FaultCode::scene_missing_key, subject, node, "when is missing");
   }
   if (!result.above && !result.below) {
-    return wrong(FaultCode::scene_missing_key, subject, node, "neither above nor below");
+    return wrong(FaultCode::scene_missing_key, subject, node, "above or below is missing");
   }
   if (result.above && result.below && !(*result.below < *result.above)) {
     return wrong(FaultCode::scene_conflict, subject, node, "below is not less than above");
@@ -566,20 +565,20 @@ bool ValueReader::is_word(const Subject& subject, const Node& node, const std::s
   const std::string why = planned   ? not_in_this_version(*planned)
                           : not_yet ? kNotInThisVersion
                                     : "no such choice";
-  faults_.of_value(node, {code, subject.key, why, what_is_due(subject.row),
+  faults_.of_value(node, {code, subject.key, why, admissible_values(subject.row),
                           not_yet ? "" : nearest_name(word, words).value_or("")});
   return false;
 }
 
 std::nullopt_t ValueReader::wrong_kind(const Subject& subject, const Node& node) const {
   faults_.of_value(node, {FaultCode::scene_wrong_type, subject.key, "found " + kind_of(node),
-                          what_is_due(subject.row)});
+                          admissible_values(subject.row)});
   return std::nullopt;
 }
 
 std::nullopt_t ValueReader::wrong(FaultCode code, const Subject& subject, const Node& node,
                                   std::string why) const {
-  faults_.of_value(node, {code, subject.key, std::move(why), what_is_due(subject.row)});
+  faults_.of_value(node, {code, subject.key, std::move(why), admissible_values(subject.row)});
   return std::nullopt;
 }
 

@@ -13,7 +13,7 @@
 namespace tomlin {
 
 /// What a row admits, for people: "a number > 0", "\"a\" or \"b\"", "an integer >= 1".
-std::string what_is_due(const Parameter& row);
+std::string admissible_values(const Parameter& row);
 
 /// The words that a row admits, alone or beside other kinds of values; none for a free text.
 std::vector<std::string> words_due(const Parameter& row);

@@ -196,7 +196,7 @@ ComparedModel::Verdict verdict_on(const ComparedModel& model, const ComparedMode
   return apart - errors > allowed ? Verdict::differs : Verdict::undecided;
 }
 
-/// The most coordinates; of several the dearest.
+/// The most coordinates; of several the most expensive.
 std::optional<std::size_t> most_complete(const std::vector<ComparedModel>& models) {
   std::optional<std::size_t> found;
   for (std::size_t k = 0; k < models.size(); ++k) {

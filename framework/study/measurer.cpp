@@ -63,8 +63,8 @@ Measurement Measurer::with(const std::vector<Setting>& settings, double most_sec
   }
 }
 
-const Measurement& Measurer::at(const Rung& rung, double knob, double most_seconds) {
-  const auto [place, is_new] = known_.try_emplace({rung.name, knob});
+const Measurement& Measurer::at(const Method& method, double resolution, double most_seconds) {
+  const auto [place, is_new] = known_.try_emplace({method.name, resolution});
   Remembered& remembered = place->second;
   const double limit = std::min(most_seconds, left());
   const bool may_get_further =
@@ -72,9 +72,9 @@ const Measurement& Measurer::at(const Rung& rung, double knob, double most_secon
   if (!is_new && !may_get_further) return remembered.measurement;
   remembered.limit = limit;
   Measurement& found = remembered.measurement;
-  found = with(rung.at(knob), limit);
+  found = with(method.at(resolution), limit);
   for (int k = 1; k < kTimings && found.defined() && found.seconds < kShort && !is_over(); ++k) {
-    const Measurement again = with(rung.at(knob), limit);
+    const Measurement again = with(method.at(resolution), limit);
     if (again.defined()) found.seconds = std::min(found.seconds, again.seconds);
   }
   return found;

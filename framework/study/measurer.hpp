@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "framework/study/ladder.hpp"
+#include "framework/study/methods.hpp"
 #include "framework/study/trial_run.hpp"
 
 namespace tomlin {
@@ -28,7 +28,7 @@ struct Measurement {
   std::uint64_t cost() const { return evaluations + columns; }
 };
 
-/// Measures one observable on rungs of the ladder, within a budget of the machine's time. No run
+/// Measures one observable by the methods, within a budget of the machine's time. No run
 /// is done twice.
 class Measurer {
  public:
@@ -37,7 +37,7 @@ class Measurer {
            const std::atomic<bool>* stop);
 
   /// At most so many seconds, and never more than the budget has left.
-  const Measurement& at(const Rung& rung, double knob, double most_seconds);
+  const Measurement& at(const Method& method, double resolution, double most_seconds);
   /// The same without memory, for other settings or starts.
   Measurement with(const std::vector<Setting>& settings, double most_seconds,
                    const std::optional<Perturbation>& perturbation = {}) const;
@@ -60,7 +60,7 @@ class Measurer {
   double budget_;
   const std::atomic<bool>* stop_;
   std::chrono::steady_clock::time_point started_;
-  std::map<std::pair<std::string, double>, Remembered> known_;  ///< by rung and knob
+  std::map<std::pair<std::string, double>, Remembered> known_;  ///< by method and resolution
 };
 
 }  // namespace tomlin

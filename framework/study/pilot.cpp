@@ -16,7 +16,7 @@
 #include "framework/model/scales.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/study/kept_choice.hpp"
-#include "framework/study/ladder.hpp"
+#include "framework/study/methods.hpp"
 #include "framework/study/trial_run.hpp"
 
 namespace tomlin {
@@ -33,7 +33,7 @@ constexpr double kMostStated = 0.5;
 constexpr double kReferenceShare = 1e-4;
 constexpr int kOrderOfReference = 8;
 /// Nothing is tried that costs so many times more than the reference.
-constexpr double kDearest = 4.0;
+constexpr double kMostExpensive = 4.0;
 constexpr int kMostShortenings = 6;
 constexpr double kFirstCost = 2e3;  ///< of a reference
 /// Costs that are projected from a part of a run may be so many times too high.
@@ -41,7 +41,7 @@ constexpr double kRoom = 2.0;
 constexpr double kLeastPart = 1e-12;
 constexpr std::array kTolerances = {1e-2, 1e-3, 1e-4,  1e-5,  1e-6,  1e-7,
                                     1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13};
-constexpr int kMostKnobs = static_cast<int>(kTolerances.size());
+constexpr int kMostResolutions = static_cast<int>(kTolerances.size());
 /// Fixed steps begin a little below the stable one.
 constexpr double kFirstStep = 0.9;
 constexpr double kFewestSteps = 50.0;
@@ -131,24 +131,24 @@ constexpr int kReferenceLevel = -1;
 
 /// A setting that was tried.
 struct Tried {
-  std::size_t rung = 0;
-  int level = kReferenceLevel;  ///< of the rung's settings, from coarse to fine
-  double knob = 0.0;
+  std::size_t method = 0;
+  int level = kReferenceLevel;  ///< of the method's settings, from coarse to fine
+  double resolution = 0.0;
   double cost = 0.0;
   double error = kInfinity;
   bool finished = true;
 };
 
 /// A setting that took more than it was allowed to.
-struct TooDear {
-  std::size_t rung = 0;
+struct TooExpensive {
+  std::size_t method = 0;
   int level = 0;
   double at_least = 0.0;  ///< what all of it takes
 };
 
-/// A rung that may become the reference, and what it would cost.
+/// A method that may become the reference, and what it would cost.
 struct Hopeful {
-  std::size_t rung = 0;
+  std::size_t method = 0;
   double projected = 0.0;
 };
 
@@ -178,20 +178,20 @@ class Pilot {
         piece_(pilot_of(scene_)) {
     const auto coordinates = static_cast<double>(Model(scene_).coordinate_count());
     most_cost_ = std::max(1.0, most_work / std::max(1.0, coordinates));
-    for (Rung& rung : own_ladder(variants_)) {
-      if (rung.refused.empty()) {
-        rungs_.push_back(std::move(rung));
+    for (Method& method : methods_of_own_model(variants_)) {
+      if (method.refused.empty()) {
+        methods_.push_back(std::move(method));
       } else {
-        refusals_ += (refusals_.empty() ? "" : "; ") + rung.name + ": " + rung.refused;
+        refusals_ += (refusals_.empty() ? "" : "; ") + method.name + ": " + method.refused;
       }
     }
-    if (!rungs_.empty()) length_ = rungs_.front().absolute_share;
-    if (rungs_.empty()) {
+    if (!methods_.empty()) length_ = methods_.front().absolute_share;
+    if (methods_.empty()) {
       // Mostly the scene's own fault, which is reported once, at its own place.
       (void)Engine(scene_, options_to_bind());
       throw InputError(
           {Fault(FaultCode::integrator_unsuitable, scene_->run.place, "run.accuracy", "",
-                 "no integrator takes this scene: " + refusals_, "an integrator")});
+                 "no integrator can treat this scene: " + refusals_, "an integrator")});
     }
   }
 
@@ -210,14 +210,15 @@ class Pilot {
     if (main->error > accuracy_) {
       chosen.warnings.push_back(
           std::isfinite(main->error)
-              ? fmt::format("accuracy {:g}: the best that the pilot found, {}, keeps {:.1e}",
+              ? fmt::format("accuracy {:g}: the most accurate setting that the pilot found, {}, "
+                            "has an error of {:.1e}",
                             accuracy_, line(*main), main->error)
-              : fmt::format("accuracy {:g}: the pilot found nothing to hold {} against", accuracy_,
-                            line(*main)));
+              : fmt::format("accuracy {:g}: the pilot found no reference to compare {} with",
+                            accuracy_, line(*main)));
     }
     chosen.scene = scene_at(*main);
     chosen.text = line(*main);
-    const CompanionShares shares = shares_of(rungs_[main->rung]);
+    const CompanionShares shares = shares_of(methods_[main->method]);
     for (const Tried& one : coarser_than(*main)) {
       chosen.companions.push_back({scene_at(one), line(one), shares[chosen.companions.size()]});
     }
@@ -228,23 +229,23 @@ class Pilot {
  private:
   bool interrupted() const { return stop_ != nullptr && stop_->load(); }
 
-  /// The rungs for a reference: adaptive and, where there are such, of high order. A scheme of
+  /// The methods for a reference: adaptive and, where there are such, of high order. A scheme of
   /// lower order keeps its tolerance less well, and errs in the same way as what is held against
   /// it. Explicit ones first.
   std::vector<std::size_t> references() const {
-    const auto order = [this](std::size_t k) { return rungs_[k].integrator->order; };
+    const auto order = [this](std::size_t k) { return methods_[k].integrator->order; };
     std::vector<std::size_t> found;
     int highest = 0;
-    for (std::size_t k = 0; k < rungs_.size(); ++k) {
-      if (rungs_[k].knob != Knob::tolerance) continue;
+    for (std::size_t k = 0; k < methods_.size(); ++k) {
+      if (methods_[k].resolution != Resolution::tolerance) continue;
       found.push_back(k);
       highest = std::max(highest, order(k));
     }
     const int least = std::min(highest, kOrderOfReference);
     std::erase_if(found, [&](std::size_t k) { return order(k) < least; });
     std::stable_sort(found.begin(), found.end(), [&](std::size_t a, std::size_t b) {
-      const bool implicit = rungs_[a].integrator->needs_tangent;
-      if (implicit != rungs_[b].integrator->needs_tangent) return !implicit;
+      const bool implicit = methods_[a].integrator->needs_tangent;
+      if (implicit != methods_[b].integrator->needs_tangent) return !implicit;
       return order(a) > order(b);
     });
     return found;
@@ -288,15 +289,15 @@ class Pilot {
 
   bool is_reference(Hopeful& one, double allowed) {
     const double tolerance = std::max(kFinestTolerance, kReferenceShare * accuracy_);
-    TrialRun trial = attempt(one.rung, tolerance, allowed);
+    TrialRun trial = attempt(one.method, tolerance, allowed);
     if (!trial.finished()) {
-      one.projected = projected_cost(one.rung, trial);
+      one.projected = projected_cost(one.method, trial);
       return false;
     }
     const auto cost = static_cast<double>(trial.cost());
     // What costs far more than the reference is of no use.
-    dearest_ = kDearest * cost;
-    tried_.push_back({one.rung, kReferenceLevel, tolerance, cost, kReferenceShare * accuracy_});
+    most_expensive_ = kMostExpensive * cost;
+    tried_.push_back({one.method, kReferenceLevel, tolerance, cost, kReferenceShare * accuracy_});
     reference_ = std::move(trial.result);
     return true;
   }
@@ -304,18 +305,18 @@ class Pilot {
   /// What all of a run over budget would cost: at least what it has. Explicit schemes, whose steps
   /// are as long as they are stable, go on as they began; implicit ones may begin with steps that
   /// are shorter by far. Infinite where a run fails.
-  double projected_cost(std::size_t rung, const TrialRun& trial) const {
+  double projected_cost(std::size_t method, const TrialRun& trial) const {
     if (trial.end != TrialRun::End::over_budget) return kInfinity;
     const auto cost = static_cast<double>(trial.cost());
-    return rungs_[rung].integrator->needs_tangent ? cost
-                                                  : cost / std::max(trial.part(), kLeastPart);
+    return methods_[method].integrator->needs_tangent ? cost
+                                                      : cost / std::max(trial.part(), kLeastPart);
   }
 
-  TrialRun attempt(std::size_t rung, double knob, double most_cost) {
-    const auto scene = variants_.with(rungs_[rung].at(knob));
+  TrialRun attempt(std::size_t method, double resolution, double most_cost) {
+    const auto scene = variants_.with(methods_[method].at(resolution));
     TrialLimits limits;
     limits.store = &begun_;
-    limits.name = fmt::format("{} {} {}", rungs_[rung].name, knob, piece_.duration);
+    limits.name = fmt::format("{} {} {}", methods_[method].name, resolution, piece_.duration);
     limits.stop = stop_;
     limits.cost = static_cast<std::uint64_t>(std::min(most_cost, most_cost_));
     limits.observables = {std::begin(kHeadlines), std::end(kHeadlines)};
@@ -331,59 +332,64 @@ class Pilot {
     bool met_by(const Tried& tried) const { return tried.error <= error; }
   };
 
-  /// The settings of a rung from coarse to fine: steps from a little below the stable one by
+  /// The settings of a method from coarse to fine: steps from a little below the stable one by
   /// halves.
-  double knob(const Rung& rung, int level) const {
-    if (rung.knob == Knob::tolerance) return kTolerances[static_cast<std::size_t>(level)];
-    const double longest = std::min(piece_.duration / kFewestSteps, kFirstStep * rung.stable_step);
-    return two_digits(longest / rung.unit) * rung.unit * std::ldexp(1.0, -level);
+  double resolution(const Method& method, int level) const {
+    if (method.resolution == Resolution::tolerance)
+      return kTolerances[static_cast<std::size_t>(level)];
+    const double longest =
+        std::min(piece_.duration / kFewestSteps, kFirstStep * method.stable_step);
+    return two_digits(longest / method.unit) * method.unit * std::ldexp(1.0, -level);
   }
 
-  /// The next setting of a rung, and what it may cost.
+  /// The next setting of a method, and what it may cost.
   struct Next {
-    std::size_t rung = 0;
+    std::size_t method = 0;
     int level = 0;
     double cost = 0.0;
   };
 
   /// Two coarser settings than the run's there are for tolerances, which cost little more.
-  int first_level(std::size_t k) const { return rungs_[k].knob == Knob::tolerance ? 1 : 0; }
+  int first_level(std::size_t k) const {
+    return methods_[k].resolution == Resolution::tolerance ? 1 : 0;
+  }
 
-  /// All rungs from coarse to fine, cheap settings first: what they take limits the others.
+  /// All methods from coarse to fine, cheap settings first: what they take limits the others.
   void climb_all(const Wanted& wanted) {
     std::vector<Next> left;
-    for (std::size_t k = 0; k < rungs_.size(); ++k) {
+    for (std::size_t k = 0; k < methods_.size(); ++k) {
       const double of_reference = reference_ ? tried_.front().cost : kInfinity;
       left.push_back({k, first_level(k), cost_of_steps(k, first_level(k)).value_or(of_reference)});
     }
     for (const Hopeful& one : hopefuls_) {
-      if (one.projected > 0.0) left[one.rung].cost = std::min(left[one.rung].cost, one.projected);
+      if (one.projected > 0.0)
+        left[one.method].cost = std::min(left[one.method].cost, one.projected);
     }
     while (!left.empty() && !interrupted()) {
       const auto next = std::min_element(
           left.begin(), left.end(), [](const Next& a, const Next& b) { return a.cost < b.cost; });
       const auto best = cheapest_of(wanted);
-      const Tried tried = try_out(next->rung, next->level, best ? best->cost : dearest_);
-      if (wanted.met_by(tried) || tried.cost == kInfinity || ++next->level == kMostKnobs) {
+      const Tried tried = try_out(next->method, next->level, best ? best->cost : most_expensive_);
+      if (wanted.met_by(tried) || tried.cost == kInfinity || ++next->level == kMostResolutions) {
         left.erase(next);
       } else {
-        next->cost = cost_of_steps(next->rung, next->level).value_or(tried.cost);
+        next->cost = cost_of_steps(next->method, next->level).value_or(tried.cost);
       }
     }
   }
 
   /// Fixed steps can be counted beforehand.
-  std::optional<double> cost_of_steps(std::size_t rung, int level) const {
-    const Rung& one = rungs_[rung];
-    if (one.knob != Knob::step) return std::nullopt;
-    return piece_.duration / knob(one, level) * one.integrator->evaluations_per_step;
+  std::optional<double> cost_of_steps(std::size_t method, int level) const {
+    const Method& one = methods_[method];
+    if (one.resolution != Resolution::step) return std::nullopt;
+    return piece_.duration / resolution(one, level) * one.integrator->evaluations_per_step;
   }
 
-  /// From coarse to fine until a setting is as wanted, or dearer than one that is.
+  /// From coarse to fine until a setting is as wanted, or more expensive than one that is.
   void climb(std::size_t k, const Wanted& wanted) {
-    for (int level = first_level(k); level < kMostKnobs && !interrupted(); ++level) {
+    for (int level = first_level(k); level < kMostResolutions && !interrupted(); ++level) {
       const auto best = cheapest_of(wanted);
-      const Tried tried = try_out(k, level, best ? best->cost : dearest_);
+      const Tried tried = try_out(k, level, best ? best->cost : most_expensive_);
       if (wanted.met_by(tried) || tried.cost == kInfinity) return;
     }
   }
@@ -392,39 +398,41 @@ class Pilot {
   /// good, or the error is taken to be that one's.
   std::optional<Tried> confirmed(const Wanted& wanted) {
     for (auto found = cheapest_of(wanted); found && !interrupted(); found = cheapest_of(wanted)) {
-      if (found->level == kReferenceLevel || found->level + 1 >= kMostKnobs) return found;
-      const Tried finer = try_out(found->rung, found->level + 1, dearest_);
+      if (found->level == kReferenceLevel || found->level + 1 >= kMostResolutions) return found;
+      const Tried finer = try_out(found->method, found->level + 1, most_expensive_);
       if (finer.error <= found->error) return found;
-      known(found->rung, found->level)->error = finer.error;
+      known(found->method, found->level)->error = finer.error;
       if (wanted.met_by(finer)) return cheapest_of(wanted);
-      climb(found->rung, wanted);
+      climb(found->method, wanted);
     }
     return std::nullopt;
   }
 
-  Tried* known(std::size_t rung, int level) {
+  Tried* known(std::size_t method, int level) {
     for (Tried& one : tried_) {
-      if (one.rung == rung && one.level == level) return &one;
+      if (one.method == method && one.level == level) return &one;
     }
     return nullptr;
   }
 
   /// As counted, or since the same or a coarser setting has taken more already.
-  bool is_too_dear(std::size_t rung, int level, double allowed) const {
-    if (cost_of_steps(rung, level).value_or(0.0) > allowed + 1.0) return true;
-    return std::any_of(too_dear_.begin(), too_dear_.end(), [=](const TooDear& before) {
-      return before.rung == rung && before.level <= level && before.at_least >= allowed;
-    });
+  bool is_too_expensive(std::size_t method, int level, double allowed) const {
+    if (cost_of_steps(method, level).value_or(0.0) > allowed + 1.0) return true;
+    return std::any_of(
+        too_expensive_.begin(), too_expensive_.end(), [=](const TooExpensive& before) {
+          return before.method == method && before.level <= level && before.at_least >= allowed;
+        });
   }
 
-  /// Dearer than the limit counts as infinitely dear.
+  /// More expensive than the limit counts as infinitely expensive.
   Tried try_out(std::size_t k, int level, double most_cost) {
     if (const Tried* before = known(k, level); before != nullptr && before->cost <= most_cost) {
       return *before;
     }
-    const double setting = knob(rungs_[k], level);
+    const double setting = resolution(methods_[k], level);
     const double allowed = std::min(most_cost, most_cost_);
-    if (is_too_dear(k, level, allowed)) return {k, level, setting, kInfinity, kInfinity, false};
+    if (is_too_expensive(k, level, allowed))
+      return {k, level, setting, kInfinity, kInfinity, false};
     const TrialRun trial = attempt(k, setting, most_cost);
     Tried tried{k, level, setting, static_cast<double>(trial.cost()), kInfinity, trial.finished()};
     if (trial.finished() && reference_) {
@@ -432,7 +440,7 @@ class Pilot {
     }
     if (trial.end == TrialRun::End::over_budget) {
       tried.cost = kInfinity;
-      too_dear_.push_back({k, level, std::max(allowed, projected_cost(k, trial) / kRoom)});
+      too_expensive_.push_back({k, level, std::max(allowed, projected_cost(k, trial) / kRoom)});
       return tried;
     }
     tried_.push_back(tried);
@@ -449,7 +457,7 @@ class Pilot {
     return found;
   }
 
-  /// Without a reference no error is known: the dearest is the finest.
+  /// Without a reference no error is known: the most expensive is the finest.
   std::optional<Tried> most_accurate() const {
     std::optional<Tried> best;
     for (const Tried& one : tried_) {
@@ -460,15 +468,17 @@ class Pilot {
     return best;
   }
 
-  static CompanionShares shares_of(const Rung& rung) {
-    return rung.knob == Knob::step ? shares_of_steps(rung.integrator->order) : kSharesOfTolerances;
+  static CompanionShares shares_of(const Method& method) {
+    return method.resolution == Resolution::step ? shares_of_steps(method.integrator->order)
+                                                 : kSharesOfTolerances;
   }
 
-  /// The level of a setting, where its rung has one: the reference may stand between two.
+  /// The level of a setting, where its method has one: the reference may stand between two.
   int level_of(const Tried& tried) const {
     if (tried.level != kReferenceLevel) return tried.level;
     int level = 0;
-    while (level + 1 < kMostKnobs && kTolerances[static_cast<std::size_t>(level)] > tried.knob) {
+    while (level + 1 < kMostResolutions &&
+           kTolerances[static_cast<std::size_t>(level)] > tried.resolution) {
       ++level;
     }
     return level;
@@ -478,8 +488,8 @@ class Pilot {
   /// errors that would be stated are not. The companion itself where there is nothing finer.
   Tried main_beside(const Tried& companion) {
     Tried main = companion;
-    for (int level = level_of(companion) + 1; level < kMostKnobs && !interrupted(); ++level) {
-      const Tried finer = try_out(companion.rung, level, kInfinity);
+    for (int level = level_of(companion) + 1; level < kMostResolutions && !interrupted(); ++level) {
+      const Tried finer = try_out(companion.method, level, kInfinity);
       if (!finer.finished || !std::isfinite(finer.cost)) break;
       main = finer;
       if (stated_error(main) <= kMostStated * accuracy_) break;
@@ -489,7 +499,7 @@ class Pilot {
 
   /// As far as the pilot knows: differences to companions are hardly more than their errors.
   double stated_error(const Tried& main) {
-    const CompanionShares shares = shares_of(rungs_[main.rung]);
+    const CompanionShares shares = shares_of(methods_[main.method]);
     double stated = 0.0;
     std::size_t k = 0;
     for (const Tried& one : coarser_than(main)) stated = std::max(stated, shares[k++] * one.error);
@@ -501,7 +511,7 @@ class Pilot {
     std::vector<Tried> found;
     const int level = level_of(main);
     for (int k = 1; k <= static_cast<int>(kCompanions) && level >= k; ++k) {
-      const Tried one = try_out(main.rung, level - k, kInfinity);
+      const Tried one = try_out(main.method, level - k, kInfinity);
       if (!one.finished || !std::isfinite(one.cost)) break;
       found.push_back(one);
     }
@@ -509,13 +519,14 @@ class Pilot {
   }
 
   std::string line(const Tried& tried) const {
-    return rungs_[tried.rung].at(tried.knob).back().value;
+    return methods_[tried.method].at(tried.resolution).back().value;
   }
 
   /// The scene as it was asked for, with nothing but the integrator replaced.
   std::shared_ptr<const Scene> scene_at(const Tried& tried) const {
     auto result = std::make_shared<Scene>(*scene_);
-    result->run.integrator = variants_.with(rungs_[tried.rung].at(tried.knob))->run.integrator;
+    result->run.integrator =
+        variants_.with(methods_[tried.method].at(tried.resolution))->run.integrator;
     return result;
   }
 
@@ -524,14 +535,14 @@ class Pilot {
   double accuracy_;
   const std::atomic<bool>* stop_;
   Piece piece_;
-  std::vector<Rung> rungs_;
+  std::vector<Method> methods_;
   std::string refusals_;
   double most_cost_ = 0.0;  ///< of one trial
   std::optional<RunResult> reference_;
-  double dearest_ = kInfinity;
+  double most_expensive_ = kInfinity;
   double length_ = 1.0;
   std::vector<Tried> tried_;  ///< the reference is the first
-  std::vector<TooDear> too_dear_;
+  std::vector<TooExpensive> too_expensive_;
   std::vector<Hopeful> hopefuls_;  ///< that might have become the reference
   BegunRuns begun_;
   std::map<std::string, std::uint64_t> cost_of_;  ///< of trials, by name

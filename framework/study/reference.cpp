@@ -11,7 +11,7 @@
 #include "framework/core/text/fault.hpp"
 #include "framework/run/results.hpp"
 #include "framework/scene/natural_units.hpp"
-#include "framework/study/ladder.hpp"
+#include "framework/study/methods.hpp"
 
 namespace tomlin {
 namespace {
@@ -41,42 +41,42 @@ Dimension dimension_of(std::string_view path) {
   return quantity == nullptr ? dimension::none : quantity->dimension;
 }
 
-bool may_be_reference(const Rung& rung) {
-  return rung.is_own_model() && rung.number_type == "double" && rung.refused.empty();
+bool may_be_reference(const Method& method) {
+  return method.is_own_model() && method.number_type == "double" && method.refused.empty();
 }
 
 /// Cost at the finest tolerance, from that of a coarser one and the order.
-double predicted_cost(const Rung& rung, const Measurement& pilot, double at) {
-  const double order = std::max(1, rung.integrator->order);
+double predicted_cost(const Method& method, const Measurement& pilot, double at) {
+  const double order = std::max(1, method.integrator->order);
   return static_cast<double>(pilot.cost()) * std::pow(at / kFinestTolerance, 1.0 / order);
 }
 
 /// A scheme with its step or tolerance.
 struct ReferenceSetup {
-  const Rung* rung = nullptr;
-  double knob = 0.0;
+  const Method* method = nullptr;
+  double resolution = 0.0;
 };
 
 class ReferenceSearch {
  public:
-  ReferenceSearch(const Variants& variants, const std::vector<Rung>& rungs, Measurer& measurer,
+  ReferenceSearch(const Variants& variants, const std::vector<Method>& methods, Measurer& measurer,
                   double tolerance)
       : variants_(variants), measurer_(measurer), tolerance_(tolerance) {
-    for (const Rung& rung : rungs) {
-      if (may_be_reference(rung)) candidates_.push_back(&rung);
+    for (const Method& method : methods) {
+      if (may_be_reference(method)) candidates_.push_back(&method);
     }
     found_.natural = natural_units(variants.scene()).of(dimension_of(measurer.observable()));
   }
 
   std::optional<Reference> find(std::string& why) {
     const ReferenceSetup start = choose();
-    if (start.rung == nullptr) {
+    if (start.method == nullptr) {
       why = why_none_;
       return std::nullopt;
     }
     tighten(start);
-    check_by_second(*start.rung);
-    check_in_quadruple(*start.rung);
+    check_by_second(*start.method);
+    check_in_quadruple(*start.method);
     return found_;
   }
 
@@ -88,15 +88,15 @@ class ReferenceSearch {
   ReferenceSetup choose() {
     for (const double tolerance : {kPilotTolerance, 1e-4, 1e-2}) {
       const ReferenceSetup best = cheapest(tolerance);
-      if (best.rung != nullptr) return best;
+      if (best.method != nullptr) return best;
     }
     ReferenceSetup best;
-    for (const Rung* rung : candidates_) {
-      if (rung->knob != Knob::step) continue;
-      const double dt = first_step(*rung);
-      if (!look(*rung, dt).defined()) continue;
-      if (best.rung == nullptr || rung->integrator->order > best.rung->integrator->order) {
-        best = {rung, dt};
+    for (const Method* method : candidates_) {
+      if (method->resolution != Resolution::step) continue;
+      const double dt = first_step(*method);
+      if (!look(*method, dt).defined()) continue;
+      if (best.method == nullptr || method->integrator->order > best.method->integrator->order) {
+        best = {method, dt};
       }
     }
     return best;
@@ -105,20 +105,20 @@ class ReferenceSearch {
   ReferenceSetup cheapest(double tolerance) {
     ReferenceSetup best;
     double least = std::numeric_limits<double>::infinity();
-    for (const Rung* rung : candidates_) {
-      if (rung->knob != Knob::tolerance) continue;
-      const Measurement& pilot = look(*rung, tolerance);
+    for (const Method* method : candidates_) {
+      if (method->resolution != Resolution::tolerance) continue;
+      const Measurement& pilot = look(*method, tolerance);
       if (!pilot.defined()) continue;
-      const double cost = predicted_cost(*rung, pilot, tolerance);
+      const double cost = predicted_cost(*method, pilot, tolerance);
       if (cost >= least) continue;
       least = cost;
-      best = {rung, tolerance};
+      best = {method, tolerance};
     }
     return best;
   }
 
-  const Measurement& look(const Rung& rung, double knob) {
-    const Measurement& pilot = measurer_.at(rung, knob, share(kShareOfPilot));
+  const Measurement& look(const Method& method, double resolution) {
+    const Measurement& pilot = measurer_.at(method, resolution, share(kShareOfPilot));
     if (pilot.end == TrialRun::End::finished && !pilot.defined()) {
       Fault fault(FaultCode::observable_undefined);
       fault.place.file = "--observable";
@@ -128,24 +128,25 @@ class ReferenceSearch {
       throw InputError({fault});
     }
     if (!pilot.defined()) {
-      why_none_ += fmt::format("{}{} at {} = {:g}: {}", why_none_.empty() ? "" : "; ", rung.name,
-                               to_string(rung.knob), knob, pilot.why);
+      why_none_ += fmt::format("{}{} at {} = {:g}: {}", why_none_.empty() ? "" : "; ", method.name,
+                               to_string(method.resolution), resolution, pilot.why);
     }
     return pilot;
   }
 
-  double first_step(const Rung& rung) const {
+  double first_step(const Method& method) const {
     constexpr double kFirstPart = 1e-3;  // of the run, where nothing limits the step
-    return std::min(0.5 * rung.stable_step, kFirstPart * variants_.scene().run.duration);
+    return std::min(0.5 * method.stable_step, kFirstPart * variants_.scene().run.duration);
   }
 
-  static double finer(const Rung& rung, double knob) {
-    return rung.knob == Knob::step ? 0.5 * knob : 0.1 * knob;
+  static double finer(const Method& method, double resolution) {
+    return method.resolution == Resolution::step ? 0.5 * resolution : 0.1 * resolution;
   }
 
-  static bool can_be_finer(const Rung& rung, double knob) {
+  static bool can_be_finer(const Method& method, double resolution) {
     constexpr double kSlack = 1.01;
-    return rung.knob == Knob::step || finer(rung, knob) * kSlack >= kFinestTolerance;
+    return method.resolution == Resolution::step ||
+           finer(method, resolution) * kSlack >= kFinestTolerance;
   }
 
   /// A move that is small enough for this value.
@@ -156,35 +157,35 @@ class ReferenceSearch {
            (size > kErrorsFromZero * found_.error ? size : kZero * found_.natural);
   }
 
-  void keep(const Rung& rung, double knob, const Measurement& at) {
-    found_.rung = rung.name;
-    found_.knob = rung.knob;
-    found_.knob_value = knob;
+  void keep(const Method& method, double resolution, const Measurement& at) {
+    found_.method = method.name;
+    found_.resolution = method.resolution;
+    found_.knob_value = resolution;
     found_.value = *at.value;
     found_.cost = at.cost();
     found_.seconds = at.seconds;
   }
 
   void tighten(const ReferenceSetup& start) {
-    const Rung& rung = *start.rung;
+    const Method& method = *start.method;
     const double until = measurer_.used() + share(kShareOfMain);
-    double knob = start.knob;
-    keep(rung, knob, measurer_.at(rung, knob, share(kShareOfPilot)));
+    double resolution = start.resolution;
+    keep(method, resolution, measurer_.at(method, resolution, share(kShareOfPilot)));
     found_.move = found_.error = std::abs(found_.value);
     int small_moves = 0;
     while (small_moves < 2) {
-      if (!can_be_finer(rung, knob)) {
+      if (!can_be_finer(method, resolution)) {
         found_.finest = true;
         break;
       }
-      knob = finer(rung, knob);
-      const Measurement& next = measurer_.at(rung, knob, until - measurer_.used());
+      resolution = finer(method, resolution);
+      const Measurement& next = measurer_.at(method, resolution, until - measurer_.used());
       if (!next.defined()) {
         found_.finest = next.end == TrialRun::End::failed;
         break;
       }
       const double move = std::abs(*next.value - found_.value);
-      keep(rung, knob, next);
+      keep(method, resolution, next);
       found_.move = found_.error = std::max(move, kReferenceRounding * std::abs(found_.value));
       small_moves = found_.error <= goal() ? small_moves + 1 : 0;
     }
@@ -192,39 +193,40 @@ class ReferenceSearch {
   }
 
   /// Another family first: one that solves equations against one that does not.
-  const Rung* second_to(const Rung& main) const {
-    const auto rank = [&main](const Rung& rung) {
-      const bool other_family = rung.integrator->needs_tangent != main.integrator->needs_tangent;
-      const bool adaptive = rung.knob == Knob::tolerance;
+  const Method* second_to(const Method& main) const {
+    const auto rank = [&main](const Method& method) {
+      const bool other_family = method.integrator->needs_tangent != main.integrator->needs_tangent;
+      const bool adaptive = method.resolution == Resolution::tolerance;
       return 100 * static_cast<int>(other_family) + 50 * static_cast<int>(adaptive) +
-             rung.integrator->order;
+             method.integrator->order;
     };
-    const Rung* best = nullptr;
-    for (const Rung* rung : candidates_) {
-      if (rung->integrator == main.integrator) continue;
-      if (best == nullptr || rank(*rung) > rank(*best)) best = rung;
+    const Method* best = nullptr;
+    for (const Method* method : candidates_) {
+      if (method->integrator == main.integrator) continue;
+      if (best == nullptr || rank(*method) > rank(*best)) best = method;
     }
     return best;
   }
 
-  void check_by_second(const Rung& main) {
-    const Rung* second = second_to(main);
+  void check_by_second(const Method& main) {
+    const Method* second = second_to(main);
     if (second == nullptr || measurer_.is_over()) return;
     const double until = measurer_.used() + share(kShareOfSecond);
-    double knob = second->knob == Knob::step ? first_step(*second) : kPilotTolerance;
+    double resolution =
+        second->resolution == Resolution::step ? first_step(*second) : kPilotTolerance;
     std::optional<double> last;
     for (;;) {
-      const Measurement& now = measurer_.at(*second, knob, until - measurer_.used());
+      const Measurement& now = measurer_.at(*second, resolution, until - measurer_.used());
       if (!now.defined()) break;
-      second_ = {second, knob};
+      second_ = {second, resolution};
       found_.second = second->name;
       found_.second_differs = std::abs(*now.value - found_.value);
       found_.second_settled = last && std::abs(*now.value - *last) < 0.5 * *found_.second_differs;
       last = now.value;
       found_.second_agrees = *found_.second_differs <= std::max(goal(), found_.error);
       if (found_.second_agrees) return;
-      if (!can_be_finer(*second, knob)) break;
-      knob = finer(*second, knob);
+      if (!can_be_finer(*second, resolution)) break;
+      resolution = finer(*second, resolution);
     }
     // Two schemes that have stopped moving at different places: neither is known any better.
     if (found_.second_settled) {
@@ -236,7 +238,7 @@ class ReferenceSearch {
   /// The same for a part of the run, window included.
   std::vector<Setting> shortened(const ReferenceSetup& scheme, double part) const {
     const Scene& scene = variants_.scene();
-    std::vector<Setting> settings = scheme.rung->at(scheme.knob);
+    std::vector<Setting> settings = scheme.method->at(scheme.resolution);
     settings.push_back({"run.duration", fmt::format("{}", part * scene.run.duration)});
     if (scene.measure.unit != MeasureSettings::Unit::whole_run) {
       settings.push_back({"measure.from", fmt::format("{}", part * scene.measure.from)});
@@ -249,15 +251,15 @@ class ReferenceSearch {
 
   /// The scheme itself where it is available in quadruple, or else the second one, which shows what
   /// rounding does to this scene.
-  ReferenceSetup in_quadruple(const Rung& main) const {
+  ReferenceSetup in_quadruple(const Method& main) const {
     if (main.integrator->bind.in_quadruple != nullptr) return {&main, found_.knob_value};
-    const bool other = second_.rung != nullptr && second_.rung->integrator->bind.in_quadruple;
+    const bool other = second_.method != nullptr && second_.method->integrator->bind.in_quadruple;
     return other ? second_ : ReferenceSetup{};
   }
 
-  void check_in_quadruple(const Rung& main) {
+  void check_in_quadruple(const Method& main) {
     const ReferenceSetup scheme = in_quadruple(main);
-    if (scheme.rung == nullptr) {
+    if (scheme.method == nullptr) {
       found_.unchecked = main.name + " is not available in it";
     } else if (variants_.scene().run.until) {
       found_.unchecked = "a run until it is steady has no length to shorten";
@@ -266,7 +268,7 @@ class ReferenceSearch {
     }
     if (!found_.unchecked.empty()) return;
     const double seconds = std::min(share(kShareOfQuadruple), kMostSecondsOfQuadruple);
-    const double known = measurer_.at(*scheme.rung, scheme.knob, seconds).seconds;
+    const double known = measurer_.at(*scheme.method, scheme.resolution, seconds).seconds;
     const double part = std::min(1.0, seconds / (std::max(known, 1e-6) * kSlownessOfQuadruple));
     const std::vector<Setting> in_double = shortened(scheme, part);
     std::vector<Setting> in_quadruple = in_double;
@@ -278,18 +280,18 @@ class ReferenceSearch {
       found_.unchecked = one.defined() ? other.why : one.why;
       return;
     }
-    found_.quadruple = scheme.rung->name;
+    found_.quadruple = scheme.method->name;
     found_.quadruple_part = part;
     found_.quadruple_differs = std::abs(*one.value - *other.value);
-    if (scheme.rung == &main) found_.error = std::max(found_.error, *found_.quadruple_differs);
+    if (scheme.method == &main) found_.error = std::max(found_.error, *found_.quadruple_differs);
   }
 
   const Variants& variants_;
   Measurer& measurer_;
   double tolerance_;
-  std::vector<const Rung*> candidates_;
+  std::vector<const Method*> candidates_;
   std::string why_none_;
-  ReferenceSetup second_;  ///< with the finest knob that it got to
+  ReferenceSetup second_;  ///< with the finest resolution that it got to
   Reference found_;
 };
 
@@ -301,9 +303,10 @@ ErrorScale error_scale(const Reference& reference) {
   return {false, reference.error <= kZero * reference.natural, reference.natural};
 }
 
-std::optional<Reference> find_reference(const Variants& variants, const std::vector<Rung>& rungs,
-                                        Measurer& measurer, double tolerance, std::string& why) {
-  return ReferenceSearch(variants, rungs, measurer, tolerance).find(why);
+std::optional<Reference> find_reference(const Variants& variants,
+                                        const std::vector<Method>& methods, Measurer& measurer,
+                                        double tolerance, std::string& why) {
+  return ReferenceSearch(variants, methods, measurer, tolerance).find(why);
 }
 
 }  // namespace tomlin

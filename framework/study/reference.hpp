@@ -11,8 +11,8 @@ namespace tomlin {
 
 /// The value that all others are held against, and how far it can be trusted.
 struct Reference {
-  std::string rung;  ///< the scheme that found it
-  Knob knob = Knob::tolerance;
+  std::string method;  ///< the scheme that found it
+  Resolution resolution = Resolution::tolerance;
   double knob_value = 0.0;
   double value = 0.0;
   double natural = 1.0;  ///< what has the observable's dimension in the scene's own units
@@ -51,7 +51,8 @@ ErrorScale error_scale(const Reference& reference);
 /// family, and against itself in quadruple numbers on a shortened run. Uses about half the budget
 /// at most. Nothing when no scheme finishes within it: `why` then tells how far they got. Throws
 /// InputError when the observable is undefined.
-std::optional<Reference> find_reference(const Variants& variants, const std::vector<Rung>& rungs,
-                                        Measurer& measurer, double tolerance, std::string& why);
+std::optional<Reference> find_reference(const Variants& variants,
+                                        const std::vector<Method>& methods, Measurer& measurer,
+                                        double tolerance, std::string& why);
 
 }  // namespace tomlin

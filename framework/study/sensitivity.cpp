@@ -31,9 +31,9 @@ Perturbation noise_on(const Scene& scene, double size, std::uint64_t stream) {
   return noise;
 }
 
-const Rung& named(const std::vector<Rung>& rungs, const std::string& name) {
-  return *std::find_if(rungs.begin(), rungs.end(),
-                       [&name](const Rung& rung) { return rung.name == name; });
+const Method& named(const std::vector<Method>& methods, const std::string& name) {
+  return *std::find_if(methods.begin(), methods.end(),
+                       [&name](const Method& method) { return method.name == name; });
 }
 
 void judge(Sensitivity& found, const Reference& reference, double tolerance) {
@@ -61,11 +61,11 @@ void judge(Sensitivity& found, const Reference& reference, double tolerance) {
 
 }  // namespace
 
-Sensitivity find_sensitivity(const Variants& variants, const std::vector<Rung>& rungs,
+Sensitivity find_sensitivity(const Variants& variants, const std::vector<Method>& methods,
                              const Reference& reference, Measurer& measurer, double tolerance) {
   Sensitivity found;
   const Scene& scene = variants.scene();
-  const Rung& rung = named(rungs, reference.rung);
+  const Method& method = named(methods, reference.method);
   const double until = measurer.used() + kShare * measurer.budget();
   found.min = found.max = reference.value;
   found.integration_error = reference.move;
@@ -73,8 +73,9 @@ Sensitivity find_sensitivity(const Variants& variants, const std::vector<Rung>& 
   for (const double size : kSizes) {
     for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
       const double disturbed = size * length_scale(scene);
-      const Measurement run = measurer.with(rung.at(reference.knob_value), until - measurer.used(),
-                                            noise_on(scene, disturbed, ++stream));
+      const Measurement run =
+          measurer.with(method.at(reference.knob_value), until - measurer.used(),
+                        noise_on(scene, disturbed, ++stream));
       if (!run.defined()) {
         found.why = run.why;
         continue;

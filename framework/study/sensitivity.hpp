@@ -26,7 +26,7 @@ struct Sensitivity {
 /// determined: the spread exceeds the tolerance and ten times the estimated integration error, or
 /// the tolerance alone when no finer steps make the value settle. Uses at most a fifth of the
 /// budget.
-Sensitivity find_sensitivity(const Variants& variants, const std::vector<Rung>& rungs,
+Sensitivity find_sensitivity(const Variants& variants, const std::vector<Method>& methods,
                              const Reference& reference, Measurer& measurer, double tolerance);
 
 }  // namespace tomlin

@@ -17,7 +17,7 @@ namespace {
 
 /// An error a hundred times below the tolerance need not get smaller.
 constexpr double kFineEnough = 0.01;
-/// A rung may be better than the reference by chance, not by more than that.
+/// A method may be better than the reference by chance, not by more than that.
 constexpr double kErrorsOfReference = 2.0;
 /// A spread beyond this part of the value leaves nothing to recommend a setting for.
 constexpr double kNoDigit = 0.1;
@@ -62,15 +62,15 @@ class TradeoffStudy {
   }
 
   Tradeoff measure() {
-    found_.rungs = ladder(variants_);
+    found_.methods = methods_for(variants_);
     say("reference");
     found_.reference =
-        find_reference(variants_, found_.rungs, measurer_, found_.tolerance, found_.why_none);
+        find_reference(variants_, found_.methods, measurer_, found_.tolerance, found_.why_none);
     if (found_.reference) {
       found_.scale = error_scale(*found_.reference);
       say("perturbed starts");
-      found_.sensitivity =
-          find_sensitivity(variants_, found_.rungs, *found_.reference, measurer_, found_.tolerance);
+      found_.sensitivity = find_sensitivity(variants_, found_.methods, *found_.reference, measurer_,
+                                            found_.tolerance);
       if (!found_.scale.resolved) return unresolved();
       climb();
       recommend();
@@ -129,23 +129,24 @@ class TradeoffStudy {
   void climb() {
     const Aim aim = this->aim();
     const double duration = variants_.scene().run.duration;
-    const std::size_t count = found_.rungs.size();
+    const std::size_t count = found_.methods.size();
     for (std::size_t r = 0; r < count; ++r) {
       if (measurer_.interrupted()) return;
-      if (found_.rungs[r].refused.empty()) say(found_.rungs[r].name);
-      // What one rung leaves of its share goes to those that follow.
-      const auto runs =
-          std::count_if(found_.rungs.begin() + static_cast<std::ptrdiff_t>(r), found_.rungs.end(),
-                        [](const Rung& rung) { return rung.refused.empty(); });
+      if (found_.methods[r].refused.empty()) say(found_.methods[r].name);
+      // What one method leaves of its share goes to those that follow.
+      const auto runs = std::count_if(found_.methods.begin() + static_cast<std::ptrdiff_t>(r),
+                                      found_.methods.end(),
+                                      [](const Method& method) { return method.refused.empty(); });
       const double share =
           measurer_.left() / static_cast<double>(std::max<std::ptrdiff_t>(runs, 1));
-      walk(r, found_.rungs, duration, aim, share, measurer_, found_);
+      walk(r, found_.methods, duration, aim, share, measurer_, found_);
     }
     say("steps near the tolerance");
     refine(aim, measurer_, found_);
     std::stable_sort(found_.points.begin(), found_.points.end(),
                      [](const TradeoffPoint& a, const TradeoffPoint& b) {
-                       return a.rung != b.rung ? a.rung < b.rung : a.knob > b.knob;
+                       return a.method != b.method ? a.method < b.method
+                                                   : a.resolution > b.resolution;
                      });
     mark_best(found_);
   }
@@ -169,14 +170,14 @@ class TradeoffStudy {
     }
     const TradeoffPoint& point = found_.points[best];
     found_.recommendation = Recommendation{best, tolerance() / found_.scale.size,
-                                           found_.rungs[point.rung].at(point.knob)};
+                                           found_.methods[point.method].at(point.resolution)};
   }
 
   void leave_all_out(const char* why) {
-    for (const Rung& rung : found_.rungs) {
-      const bool refused = !rung.refused.empty();
+    for (const Method& method : found_.methods) {
+      const bool refused = !method.refused.empty();
       found_.gaps.push_back({refused ? TradeoffGap::Kind::refused : TradeoffGap::Kind::over_budget,
-                             rung.name, refused ? rung.refused : why});
+                             method.name, refused ? method.refused : why});
     }
   }
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "framework/study/ladder.hpp"
+#include "framework/study/methods.hpp"
 #include "framework/study/reference.hpp"
 #include "framework/study/sensitivity.hpp"
 
@@ -28,8 +28,8 @@ struct TradeoffRequest {
 
 /// One run of the work-precision diagram.
 struct TradeoffPoint {
-  std::size_t rung = 0;  ///< index into Tradeoff::rungs
-  double knob = 0.0;     ///< its step or its tolerance
+  std::size_t method = 0;   ///< index into Tradeoff::methods
+  double resolution = 0.0;  ///< its step or its tolerance
   double value = 0.0;
   double error = 0.0;  ///< distance from the reference
   std::uint64_t evaluations = 0;
@@ -52,7 +52,7 @@ struct TradeoffGap {
     costly,
     undefined
   } kind = Kind::refused;
-  std::string rung;
+  std::string method;
   std::string why;
 };
 
@@ -71,11 +71,11 @@ struct Tradeoff {
   double budget = 0.0;
   double seconds = 0.0;  ///< used
   bool interrupted = false;
-  std::vector<Rung> rungs;  ///< the whole ladder
+  std::vector<Method> methods;  ///< all of them
   std::optional<Reference> reference;
   ErrorScale scale;
   Sensitivity sensitivity;
-  std::vector<TradeoffPoint> points;  ///< rung after rung, from coarse to fine
+  std::vector<TradeoffPoint> points;  ///< method after method, from coarse to fine
   std::vector<TradeoffGap> gaps;
   std::optional<Recommendation> recommendation;
   std::string why_none;  ///< when there is no recommendation
@@ -84,7 +84,7 @@ struct Tradeoff {
 };
 
 /// Measures the trade. The reference is found first, then whether starts that hardly differ change
-/// the result, then every rung from coarse to fine until it is a hundred times better than the
+/// the result, then every method from coarse to fine until it is a hundred times better than the
 /// tolerance, as good as the reference, or the budget is over; at last the steps near the tolerance
 /// are refined. The recommendation is the cheapest setting, in force evaluations with Jacobian
 /// columns, that keeps four fifths of the tolerance and whose finer settings all do.

@@ -9,7 +9,7 @@
 
 #include "framework/core/text/fault.hpp"
 #include "framework/run/side_run.hpp"
-#include "framework/study/ladder.hpp"
+#include "framework/study/methods.hpp"
 
 namespace tomlin {
 namespace {

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/study/ladder.hpp"
+#include "framework/study/methods.hpp"
 
 namespace tomlin {
 namespace {
@@ -31,7 +31,7 @@ constexpr double kBetter = 0.7;
 /// the error of the model or of the numbers.
 constexpr int kAtRest = 3;
 constexpr double kMoved = 0.03;
-/// Points that are fine enough before a rung ends: the first may be so by chance.
+/// Points that are fine enough before a method ends: the first may be so by chance.
 constexpr int kFineEnough = 2;
 constexpr int kRefinements = 4;
 /// A setting that costs so many times more than one that keeps the tolerance is of no interest.
@@ -46,9 +46,9 @@ double rounded(double x, int digits) {
   return result;
 }
 
-/// The same of a knob, which is a step in parts of the run or a tolerance.
-double rounded(const Rung& rung, double knob, int digits) {
-  return rounded(knob / rung.unit, digits) * rung.unit;
+/// The same of a resolution, which is a step in parts of the run or a tolerance.
+double rounded(const Method& method, double resolution, int digits) {
+  return rounded(resolution / method.unit, digits) * method.unit;
 }
 
 double rounded_down(double x) {
@@ -77,10 +77,11 @@ TradeoffGap::Kind kind_of(const Measurement& found) {
   return TradeoffGap::Kind::failed;
 }
 
-TradeoffPoint point_of(std::size_t rung, double knob, const Measurement& found, const Aim& aim) {
+TradeoffPoint point_of(std::size_t method, double resolution, const Measurement& found,
+                       const Aim& aim) {
   TradeoffPoint point;
-  point.rung = rung;
-  point.knob = knob;
+  point.method = method;
+  point.resolution = resolution;
   point.value = *found.value;
   point.error = std::abs(point.value - aim.reference);
   point.evaluations = found.evaluations;
@@ -89,8 +90,8 @@ TradeoffPoint point_of(std::size_t rung, double knob, const Measurement& found, 
   return point;
 }
 
-bool is_last(const Rung& rung, double knob) {
-  return rung.knob == Knob::tolerance && knob <= kFinestTolerance;
+bool is_last(const Method& method, double resolution) {
+  return method.resolution == Resolution::tolerance && resolution <= kFinestTolerance;
 }
 
 /// The least cost of all points that keep the tolerance.
@@ -100,50 +101,51 @@ std::uint64_t least_cost(const Aim& aim, const std::vector<TradeoffPoint>& point
                               : std::numeric_limits<std::uint64_t>::max();
 }
 
-/// One rung's way from coarse to fine.
+/// One method's way from coarse to fine.
 class Walk {
  public:
-  Walk(std::size_t index, const Rung& rung, const Aim& aim, Tradeoff& tradeoff)
+  Walk(std::size_t index, const Method& method, const Aim& aim, Tradeoff& tradeoff)
       : index_(index),
-        rung_(rung),
+        method_(method),
         aim_(aim),
         tradeoff_(tradeoff),
         least_(least_cost(aim, tradeoff.points)) {}
 
   void go(double first, double seconds, Measurer& measurer) {
     const double until = measurer.used() + seconds;
-    double knob = first;
+    double resolution = first;
     double last_seconds = 0.0;
-    for (int k = 0; k < kMostPoints && !done_; ++k, knob = next_knob(rung_, knob)) {
+    for (int k = 0; k < kMostPoints && !done_; ++k, resolution = next_knob(method_, resolution)) {
       // Halving a step doubles the work; that a tolerance costs more is only seen by trying.
       const double left = std::min(until - measurer.used(), measurer.left());
-      const double expected = rung_.knob == Knob::step ? 2.0 * last_seconds : last_seconds;
-      if (left <= 0.0 || expected > left) return leave_rest(knob);
-      const Measurement& found = measurer.at(rung_, knob, left);
+      const double expected =
+          method_.resolution == Resolution::step ? 2.0 * last_seconds : last_seconds;
+      if (left <= 0.0 || expected > left) return leave_rest(resolution);
+      const Measurement& found = measurer.at(method_, resolution, left);
       last_seconds = found.seconds;
-      take(knob, found);
-      if (is_last(rung_, knob)) break;
+      take(resolution, found);
+      if (is_last(method_, resolution)) break;
     }
     end();
   }
 
  private:
   void gap(TradeoffGap::Kind kind, std::string why) {
-    tradeoff_.gaps.push_back({kind, rung_.name, std::move(why)});
+    tradeoff_.gaps.push_back({kind, method_.name, std::move(why)});
   }
 
-  std::string at(double knob) const {
-    return fmt::format("{} = {:g}", to_string(rung_.knob), knob);
+  std::string at(double resolution) const {
+    return fmt::format("{} = {:g}", to_string(method_.resolution), resolution);
   }
 
-  void leave_rest(double knob) {
-    gap(TradeoffGap::Kind::over_budget, at(knob) + " and finer");
+  void leave_rest(double resolution) {
+    gap(TradeoffGap::Kind::over_budget, at(resolution) + " and finer");
     end();
   }
 
-  void take(double knob, const Measurement& found) {
-    if (!found.defined()) return take_failure(knob, found);
-    tradeoff_.points.push_back(point_of(index_, knob, found, aim_));
+  void take(double resolution, const Measurement& found) {
+    if (!found.defined()) return take_failure(resolution, found);
+    tradeoff_.points.push_back(point_of(index_, resolution, found, aim_));
     ++taken_;
     const double error = tradeoff_.points.back().error;
     fine_ = error <= aim_.fine_enough ? fine_ + 1 : 0;
@@ -155,14 +157,15 @@ class Walk {
     if (!done_ && found.cost() / kCostly >= least_) {
       done_ = true;
       gap(TradeoffGap::Kind::costly,
-          fmt::format("finer than {}: over {} times what keeps the tolerance", at(knob), kCostly));
+          fmt::format("finer than {}: over {} times what keeps the tolerance", at(resolution),
+                      kCostly));
     }
   }
 
   /// Steps or tolerances that are too coarse make runs fail, and finer ones help.
-  void take_failure(double knob, const Measurement& found) {
+  void take_failure(double resolution, const Measurement& found) {
     const TradeoffGap::Kind kind = kind_of(found);
-    const std::string why = at(knob) + ": " + found.why;
+    const std::string why = at(resolution) + ": " + found.why;
     if (taken_ == 0 && kind == TradeoffGap::Kind::failed) {
       if (first_failure_.empty()) first_failure_ = why;
       return;
@@ -173,16 +176,16 @@ class Walk {
 
   void end() {
     if (!first_failure_.empty()) gap(TradeoffGap::Kind::failed, first_failure_);
-    if (rung_.knob == Knob::step && std::isfinite(rung_.stable_step)) {
-      gap(TradeoffGap::Kind::unstable, fmt::format("beyond dt = {:.4g}", rung_.stable_step));
+    if (method_.resolution == Resolution::step && std::isfinite(method_.stable_step)) {
+      gap(TradeoffGap::Kind::unstable, fmt::format("beyond dt = {:.4g}", method_.stable_step));
     }
   }
 
   std::size_t index_;
-  const Rung& rung_;
+  const Method& method_;
   const Aim& aim_;
   Tradeoff& tradeoff_;
-  std::uint64_t least_;  ///< cost of the cheapest point of other rungs that keeps the tolerance
+  std::uint64_t least_;  ///< cost of the cheapest point of other methods that keeps the tolerance
   int taken_ = 0;
   int fine_ = 0;
   int idle_ = 0;
@@ -193,28 +196,30 @@ class Walk {
   std::string first_failure_;  ///< of those before the first point
 };
 
-bool is_coarser(const TradeoffPoint& a, const TradeoffPoint& b) { return a.knob > b.knob; }
+bool is_coarser(const TradeoffPoint& a, const TradeoffPoint& b) {
+  return a.resolution > b.resolution;
+}
 
-/// The points of one rung, from coarse to fine.
-std::vector<std::size_t> points_of(std::size_t rung, const std::vector<TradeoffPoint>& points) {
+/// The points of one method, from coarse to fine.
+std::vector<std::size_t> points_of(std::size_t method, const std::vector<TradeoffPoint>& points) {
   std::vector<std::size_t> found;
   for (std::size_t p = 0; p < points.size(); ++p) {
-    if (points[p].rung == rung) found.push_back(p);
+    if (points[p].method == method) found.push_back(p);
   }
   std::sort(found.begin(), found.end(),
             [&points](std::size_t a, std::size_t b) { return is_coarser(points[a], points[b]); });
   return found;
 }
 
-/// Of one rung: the coarsest point from which on all keep the tolerance, and the one before it.
+/// Of one method: the coarsest point from which on all keep the tolerance, and the one before it.
 struct Bracket {
   std::size_t coarse = kNone;
   std::size_t fine = kNone;
 };
 
-Bracket bracket_of(const Aim& aim, std::size_t rung, const std::vector<TradeoffPoint>& points) {
+Bracket bracket_of(const Aim& aim, std::size_t method, const std::vector<TradeoffPoint>& points) {
   Bracket bracket;
-  const std::vector<std::size_t> order = points_of(rung, points);
+  const std::vector<std::size_t> order = points_of(method, points);
   for (auto p = order.rbegin(); p != order.rend(); ++p) {
     if (!aim.is_met(points[*p].error)) {
       bracket.coarse = *p;
@@ -225,10 +230,11 @@ Bracket bracket_of(const Aim& aim, std::size_t rung, const std::vector<TradeoffP
   return bracket;
 }
 
-/// Halfway between two values of a knob, by their ratio; nothing when two digits do not tell them
-/// apart.
-std::optional<double> between(const Rung& rung, double coarse, double fine) {
-  const double middle = rounded(std::sqrt(coarse / rung.unit * (fine / rung.unit)), 2) * rung.unit;
+/// Halfway between two values of a resolution, by their ratio; nothing when two digits do not tell
+/// them apart.
+std::optional<double> between(const Method& method, double coarse, double fine) {
+  const double middle =
+      rounded(std::sqrt(coarse / method.unit * (fine / method.unit)), 2) * method.unit;
   if (middle >= coarse || middle <= fine) return std::nullopt;
   return middle;
 }
@@ -237,28 +243,28 @@ std::optional<double> between(const Rung& rung, double coarse, double fine) {
 
 bool Aim::is_met(double error) const { return error + doubt <= kMargin * tolerance; }
 
-double first_knob(const Rung& rung, double duration) {
-  if (rung.knob == Knob::tolerance) return kCoarsestTolerance;
-  const double longest = std::min(kBelowStable * rung.stable_step, kFirstPart * duration);
-  return rounded_down(longest / rung.unit) * rung.unit;
+double first_knob(const Method& method, double duration) {
+  if (method.resolution == Resolution::tolerance) return kCoarsestTolerance;
+  const double longest = std::min(kBelowStable * method.stable_step, kFirstPart * duration);
+  return rounded_down(longest / method.unit) * method.unit;
 }
 
-double next_knob(const Rung& rung, double knob) {
-  if (rung.knob == Knob::step) return rounded(rung, 0.5 * knob, 2);
-  const double decade = rounded(knob, 1);
+double next_knob(const Method& method, double resolution) {
+  if (method.resolution == Resolution::step) return rounded(method, 0.5 * resolution, 2);
+  const double decade = rounded(resolution, 1);
   constexpr double kHalfDecade = 0.3;  // 1, 0.3, 0.1, ...: easy to read
   const bool power_of_ten = fmt::format("{:.0e}", decade).front() == '1';
   return rounded(decade * (power_of_ten ? kHalfDecade : 1.0 / 3.0), 1);
 }
 
-void walk(std::size_t index, const std::vector<Rung>& rungs, double duration, const Aim& aim,
+void walk(std::size_t index, const std::vector<Method>& methods, double duration, const Aim& aim,
           double seconds, Measurer& measurer, Tradeoff& tradeoff) {
-  const Rung& rung = rungs[index];
-  if (!rung.refused.empty()) {
-    tradeoff.gaps.push_back({TradeoffGap::Kind::refused, rung.name, rung.refused});
+  const Method& method = methods[index];
+  if (!method.refused.empty()) {
+    tradeoff.gaps.push_back({TradeoffGap::Kind::refused, method.name, method.refused});
     return;
   }
-  Walk(index, rung, aim, tradeoff).go(first_knob(rung, duration), seconds, measurer);
+  Walk(index, method, aim, tradeoff).go(first_knob(method, duration), seconds, measurer);
 }
 
 void refine(const Aim& aim, Measurer& measurer, Tradeoff& tradeoff) {
@@ -266,15 +272,15 @@ void refine(const Aim& aim, Measurer& measurer, Tradeoff& tradeoff) {
     const std::size_t best = cheapest_point(aim, tradeoff.points);
     if (best == tradeoff.points.size()) return;
     const std::uint64_t least = tradeoff.points[best].cost();
-    for (std::size_t r = 0; r < tradeoff.rungs.size(); ++r) {
+    for (std::size_t r = 0; r < tradeoff.methods.size(); ++r) {
       const Bracket bracket = bracket_of(aim, r, tradeoff.points);
       if (bracket.coarse == kNone || bracket.fine == kNone) continue;
       // What lies between costs more than the coarser of the two.
       if (tradeoff.points[bracket.coarse].cost() >= least) continue;
-      const auto middle = between(tradeoff.rungs[r], tradeoff.points[bracket.coarse].knob,
-                                  tradeoff.points[bracket.fine].knob);
+      const auto middle = between(tradeoff.methods[r], tradeoff.points[bracket.coarse].resolution,
+                                  tradeoff.points[bracket.fine].resolution);
       if (!middle || measurer.is_over()) continue;
-      const Measurement& found = measurer.at(tradeoff.rungs[r], *middle, measurer.left());
+      const Measurement& found = measurer.at(tradeoff.methods[r], *middle, measurer.left());
       if (found.defined()) tradeoff.points.push_back(point_of(r, *middle, found, aim));
     }
   }
@@ -282,9 +288,9 @@ void refine(const Aim& aim, Measurer& measurer, Tradeoff& tradeoff) {
 
 std::size_t cheapest_point(const Aim& aim, const std::vector<TradeoffPoint>& points) {
   std::size_t best = points.size();
-  std::size_t rungs = 0;
-  for (const TradeoffPoint& point : points) rungs = std::max(rungs, point.rung + 1);
-  for (std::size_t r = 0; r < rungs; ++r) {
+  std::size_t methods = 0;
+  for (const TradeoffPoint& point : points) methods = std::max(methods, point.method + 1);
+  for (std::size_t r = 0; r < methods; ++r) {
     const std::size_t last = bracket_of(aim, r, points).fine;
     if (last == kNone) continue;
     for (const std::size_t p : points_of(r, points)) {

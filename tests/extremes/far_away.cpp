@@ -35,12 +35,12 @@ Subject far_away() {
                         "the driver less its lag; 1e12 rounds to "
                         "1.2e-4")}),
            fails(kTip, "e19", "2^63 periods from zero", {{"x0", "1e19"}},
-                 {"places along x are too far from zero"}),
+                 {"positions along x are too far from zero"}),
            fails(kTip, "e300", "1e300 periods from zero", {{"x0", "1e300"}},
-                 {"places along x are too far from zero"}),
+                 {"positions along x are too far from zero"}),
            fails(kTip, "e300_float", "1e300 periods from zero, in float",
                  {{"x0", "1e300"}, {"run.number_type", "float"}, rk4(0.01)},
-                 {"places along x are too far from zero"})}};
+                 {"positions along x are too far from zero"})}};
 }
 
 }  // namespace tomlin::test

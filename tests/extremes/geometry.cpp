@@ -67,12 +67,12 @@ Subject geometry() {
                          {{"lambda", "1e8"}, {"y0", "1.1 * R"}}),
        off_the_substrate("height_1e3", "a thousand radii above the substrate", {{"y0", "1e3 * R"}}),
        off_the_substrate("height_1e9", "1e9 radii above the substrate", {{"y0", "1e9 * R"}},
-                         {"places along y are too far from zero"}),
+                         {"positions along y are too far from zero"}),
        fails(kRing, "height_1e300", "1e300 radii above the substrate", {{"y0", "1e300"}},
-             {"places along y are too far from zero"}),
+             {"positions along y are too far from zero"}),
        fails(kRing, "height_1e17_flexible", "1e17 radii above the substrate, flexible",
              {{"y0", "1e17"}, {"body.ring.coordinates", "particles"}},
-             {"places along y are too far from zero"}),
+             {"positions along y are too far from zero"}),
        refused(kRing, "radius_0", "a radius of 0", {{"R", "0"}, {"lambda", "0"}, {"y0", "1"}},
                {"radius", "> 0"}),
        fails(kRing, "radius_1e_160", "a rigid ring whose moment of inertia underflows",
@@ -80,7 +80,7 @@ Subject geometry() {
        fails(kRing, "radius_1e160", "a rigid ring whose moment of inertia overflows",
              {{"R", "1e160"}, {"lambda", "0"}}, {"moment of inertia", "other units"}),
        fails(kRing, "radius_1e17", "a radius of 1e17 over a period of 1", {{"R", "1e17"}},
-             {"places along x are too far from zero"})}};
+             {"positions along x are too far from zero"})}};
 }
 
 }  // namespace tomlin::test

@@ -58,7 +58,7 @@ std::vector<ExtremeCase> at_the_limit(const std::string& scheme, double limit, d
   const std::vector<Setting> beyond = with(with_step(1.01), {{"run.allow_unstable", "true"}});
   const ExtremeCase insisted =
       grows ? fails(kPair, scheme + "_1p01_insisted", "the same, insisted on", beyond,
-                    {"further in one step than is sound", "stability limit"})
+                    {"further in one step than is allowed", "stability limit"})
             : finishes(kPair, scheme + "_1p01_insisted",
                        "the same, insisted on: its growth does not show yet", beyond,
                        {is("energy.potential", 0.0, most_energy, "what it has at 0.99")},

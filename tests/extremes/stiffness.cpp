@@ -103,7 +103,7 @@ Subject stiffness() {
                 {is("drivers.driver.mean_force.x",
                     2.0 * 0.01 + 0.1 * (1.0 - std::cos(kTau * 0.505)) / 0.505, 1e-3,
                     "drag and substrate along the driver's way")},
-                {"places are known to"}),
+                {"positions are accurate to"}),
        finishes(
            kTip, "corrugation_0", "no corrugation", {{"V0", "0"}},
            {is("drivers.driver.final_force.x", 0.02, 1e-8, "drag, coefficient times velocity")}),

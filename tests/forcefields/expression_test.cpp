@@ -413,9 +413,9 @@ TEST(Expression, ARunEndsWhereTheEnergyDoes) {
       {"energy = \"min(log(x), 5)\"", 2.0, -1.0, "only positive numbers have a logarithm"},
       {"energy = \"sqrt(x)^2\"", 1.0, -1.0, "no real square root"},
       {"energy = \"asin(x) + acos(x) + x\"", 0.9, 1.0, "outside [-1, 1]"},
-      {"force = [\"1e-2*sin(exp(x))\"]", 30.0, 1.0, "holds no phase"},
+      {"force = [\"1e-2*sin(exp(x))\"]", 30.0, 1.0, "no phase left"},
       {"energy = \"0.1*x^(1 + t)\"", -0.5, 0.0, "column 6"},
-      {"energy = \"1e-20*cos(exp(x))\"", 30.0, 1.0, "holds no phase"},
+      {"energy = \"1e-20*cos(exp(x))\"", 30.0, 1.0, "no phase left"},
   };
   for (const Case& one : cases) {
     SCOPED_TRACE(one.law);

@@ -292,7 +292,7 @@ TEST(Quasistatic, FailsWhereNothingHolds) {
   const RunResult away = run_text(substrate_under(1.001 * kTau));
   ASSERT_EQ(away.status, RunStatus::failed);
   EXPECT_NE(away.failure->what.find("equilibrium"), std::string::npos);
-  EXPECT_NE(away.failure->cause.find("nothing holds"), std::string::npos);
+  EXPECT_NE(away.failure->cause.find("unconstrained"), std::string::npos);
   EXPECT_EQ(run_text(substrate_under(0.999 * kTau)).status, RunStatus::finished);
   const std::string pushed = "[[force]]\ntype = \"constant_force\"\nforce = [1.0]\n";
   EXPECT_EQ(run_text(held_by(pushed)).status, RunStatus::failed) << "nothing there but a force";
@@ -306,7 +306,7 @@ TEST(Quasistatic, TellsWhatNothingHolds) {
   EXPECT_FALSE(result.group("equilibrium")["smallest_curvature"].has_value());
   EXPECT_FALSE(result.group("equilibrium")["log_determinant"].has_value());
   ASSERT_EQ(result.warnings.size(), 1u);
-  EXPECT_NE(result.warnings[0].find("nothing holds"), std::string::npos) << result.warnings[0];
+  EXPECT_NE(result.warnings[0].find("zero mode"), std::string::npos) << result.warnings[0];
 }
 
 TEST(Quasistatic, TakesTheSchemeThatFollowsEquilibria) {

@@ -242,7 +242,7 @@ TEST(Radau9, IsDoubtedWhereASpringIsTooStiffForItsTolerance) {
   };
   const auto about_places = [](const std::vector<std::string>& all) {
     return std::count_if(all.begin(), all.end(), [](const std::string& one) {
-      return one.find("places are known to") != std::string::npos;
+      return one.find("positions are accurate to") != std::string::npos;
     });
   };
   EXPECT_EQ(about_places(warnings("1e8")), 1);

@@ -44,10 +44,10 @@ class PairForce : public BoundForce<Real> {
     if (pairs_.empty()) return;
     switch (topology_) {
       case PairTopology::ring:
-        lay_cyclic();
+        build_cyclic();
         break;
       case PairTopology::chain:
-        lay_chain();
+        build_chain();
         break;
       case PairTopology::list:
         by_nearest_image_ = bound.images == PairImages::nearest;
@@ -130,7 +130,7 @@ class PairForce : public BoundForce<Real> {
       bool finite = true;
       for (int d = 0; d < D; ++d) finite = finite && force[d] - force[d] == Real(0.0);
       if (finite || !are_together(here)) continue;
-      return name_of(bound) + " are in one place, where the force between them has no direction";
+      return name_of(bound) + " coincide, and the force between them has no direction";
     }
     return {};
   }
@@ -184,7 +184,7 @@ class PairForce : public BoundForce<Real> {
     return pair;
   }
 
-  void lay_cyclic() {
+  void build_cyclic() {
     const std::size_t count = body_.slot.count;
     cyclic_.body = body_.slot;
     cyclic_.parameters = &parameters_;
@@ -225,7 +225,7 @@ class PairForce : public BoundForce<Real> {
     cyclic_.result = result_.data();
   }
 
-  void lay_chain() {
+  void build_chain() {
     chain_.body = body_.slot;
     chain_.parameters = &parameters_;
     chain_.closed = pairs_.size() == body_.slot.count;

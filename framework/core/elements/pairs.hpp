@@ -146,7 +146,7 @@ struct PairList {
         imaged = imaged || bound.image[d] != 0.0;
       }
     }
-    lay_rows(one.slot.count, same ? 0 : other.slot.count, pairs);
+    assign_rows(one.slot.count, same ? 0 : other.slot.count, pairs);
     result_.assign(static_cast<std::size_t>(dimension) * length, Real(0.0));
     arguments.first = one.slot;
     arguments.second = other.slot;
@@ -162,7 +162,8 @@ struct PairList {
 
  private:
   /// Row order: each particle meets the others in ascending order.
-  void lay_rows(std::size_t first, std::size_t second, const std::vector<BoundPair<Real>>& pairs) {
+  void assign_rows(std::size_t first, std::size_t second,
+                   const std::vector<BoundPair<Real>>& pairs) {
     using Row = std::vector<std::pair<std::size_t, std::ptrdiff_t>>;
     std::vector<Row> rows(first);
     std::vector<Row> others(second);

@@ -140,7 +140,7 @@ class ExpressionParser {
       const Op op = peek() == '*' ? Op::multiply : Op::divide;
       const std::size_t column = take();
       if (op == Op::multiply && peek() == '*' && position_ == column + 1) {
-        return fail(column, "'**' is no operator; a power is written '^'");
+        return fail(column, "'**' is not an operator; a power is written '^'");
       }
       if (!signed_operand()) return false;
       emit(op, column, 2);
@@ -431,7 +431,7 @@ Outcome call_function(const ExpressionFunction& function, std::span<const double
   if (std::fabs(x) >= kLargestAngle &&
       (function.id == FunctionId::sin || function.id == FunctionId::cos ||
        function.id == FunctionId::tan)) {
-    return refuse(": beyond 2^50 turns a double holds no phase any more");
+    return refuse(": the argument exceeds 2^50 periods, where a double has no phase left");
   }
   if (std::fabs(x) > 1.0 && (function.id == FunctionId::asin || function.id == FunctionId::acos)) {
     return refuse(": the argument is outside [-1, 1]");

@@ -14,7 +14,7 @@
 
 #include "framework/core/text/fault_code.hpp"
 
-/// Expressions of a scene: a string where a number is due, e.g. `"2 * sqrt(k / m)"`.
+/// Expressions of a scene: a string where a number is expected, e.g. `"2 * sqrt(k / m)"`.
 ///
 ///   sum     = product { ("+" | "-") product }
 ///   product = signed { ("*" | "/") signed }

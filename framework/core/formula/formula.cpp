@@ -205,7 +205,7 @@ std::string FormulaLaw::why_no_period(const Values& about, std::uint32_t along, 
       const double allowed = kUnlike * change + kRounding * phase * size;
       if (std::abs(one.here - one.there) <= allowed) continue;
       return fmt::format(
-          "\"{}\" does not repeat: it is {:.9g} at {} = {:.6g}, and {:.9g} a period further",
+          "\"{}\" is not periodic: it is {:.9g} at {} = {:.6g} and {:.9g} one period later",
           text(component), one.here, name_of(along), one.at, one.there);
     }
   }

@@ -267,7 +267,7 @@ class FormulaForce : public BoundForce<Real> {
       Complaint complaint;
       complaint.key = "period";
       complaint.why = law_.why_no_period(about, index, period_[index % 3], periods);
-      complaint.admissible = "a length after which the formula is as it was, or no period";
+      complaint.admissible = "the period of the formula, or no period";
       if (!complaint.why.empty()) return complaint;
     }
     return std::nullopt;
@@ -631,7 +631,7 @@ class PairFormula final : public FormulaForce<Real> {
     BoundPairs<Real> bound = pairs_of(selection, binding);
     pairs_ = std::move(bound.pairs);
     if (pairs_.empty()) return;
-    lay_pairs(bound.topology);
+    build_pairs(bound.topology);
     heat_ = arguments_;
     arguments_.code = this->view(this->force_);
     if (!this->power_.empty()) heat_.code = this->view(this->power_);
@@ -704,7 +704,7 @@ class PairFormula final : public FormulaForce<Real> {
         Complaint together;
         together.code = FaultCode::component_unsuitable;
         together.key = "energy";
-        together.why = of + " are in one place, where the force between them has no direction";
+        together.why = of + " coincide, and the force between them has no direction";
         return together;
       }
     }
@@ -712,7 +712,7 @@ class PairFormula final : public FormulaForce<Real> {
   }
 
  private:
-  void lay_pairs(PairTopology topology) {
+  void build_pairs(PairTopology topology) {
     arguments_.dimension = this->dimension_;
     if (topology != PairTopology::chain) {
       list_.lay(body_, other_, this->dimension_, pairs_, box_);
@@ -779,10 +779,10 @@ class AngleFormula final : public FormulaForce<Real> {
  public:
   AngleFormula(const FormulaLaw& law, const Binding<Real>& binding, const AngleSelection& selection)
       : Base(law, binding, {}), body_(*binding.bodies.front()), box_(binding.box) {
-    lay_angles(selection);
+    build_angles(selection);
     if (angles_.empty()) return;
-    lay_images();
-    lay_rows();
+    build_images();
+    assign_rows();
     arguments_.body = body_.slot;
     arguments_.angles = angles_.size();
     arguments_.dimension = this->dimension_;
@@ -838,7 +838,7 @@ class AngleFormula final : public FormulaForce<Real> {
         Complaint together;
         together.code = FaultCode::component_unsuitable;
         together.key = "energy";
-        together.why = of + " enclose no angle: two of them are in one place";
+        together.why = of + " define no angle: two of them coincide";
         return together;
       }
       const bool straight = cross_of(bond) == Real(0.0);
@@ -846,7 +846,9 @@ class AngleFormula final : public FormulaForce<Real> {
         Complaint line;
         line.code = FaultCode::component_unsuitable;
         line.key = "energy";
-        line.why = of + " are in line, where the energy is not level: they have no way to bend";
+        line.why = of +
+                   " are collinear, where the derivative of the energy is not zero: the direction "
+                   "of bending is undefined";
         return line;
       }
     }
@@ -860,7 +862,7 @@ class AngleFormula final : public FormulaForce<Real> {
   using Slope = Dual<double, kDirections>;
   using Curved = Dual<Slope, kDirections>;
 
-  void lay_angles(const AngleSelection& selection) {
+  void build_angles(const AngleSelection& selection) {
     const std::size_t n = body_.slot.count;
     if (!selection.neighbours) {
       for (const auto& [first, middle, last] : selection.list) {
@@ -878,7 +880,7 @@ class AngleFormula final : public FormulaForce<Real> {
   }
 
   /// Bonds through a periodic box are those of the nearest images at the start.
-  void lay_images() {
+  void build_images() {
     const std::size_t length = padded(angles_.size());
     const auto axes = static_cast<std::size_t>(this->dimension_);
     image_.assign(2 * axes * length, Real(0.0));
@@ -898,7 +900,7 @@ class AngleFormula final : public FormulaForce<Real> {
     if (imaged) arguments_.image = image_.data();
   }
 
-  void lay_rows() {
+  void assign_rows() {
     const std::size_t length = padded(angles_.size());
     particle_.assign(3 * length, 0);
     std::vector<std::vector<std::size_t>> rows(body_.slot.count);

@@ -79,10 +79,10 @@ struct BodyRecord : ComponentRecord {
   int (*dimension)(const void* description) = nullptr;
   /// Number of particles.
   std::int64_t (*count)(const void* description) = nullptr;
-  /// Faults across keys for a scene of this dimension; empty when sound.
+  /// Faults across keys for a scene of this dimension; empty when valid.
   std::vector<Complaint> (*complaints)(const void* description, int dimension) = nullptr;
   BodyEnds (*ends)(const void* description, int dimension) = &open_ends;
-  /// Called for a sound description only.
+  /// Called for a valid description only.
   BodyGeometry (*build)(const void* description, int dimension) = nullptr;
 };
 

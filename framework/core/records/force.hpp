@@ -89,7 +89,7 @@ struct ForceRecord : ComponentRecord {
   int fewest_bodies = 1;
   int most_bodies = 1;
 
-  /// Faults across keys and against the bodies; empty when sound.
+  /// Faults across keys and against the bodies; empty when valid.
   std::vector<Complaint> (*complaints)(const void* description,
                                        const SceneOutline& scene) = &no_complaints;
   /// Number of pairs that it will hold, before anything is built: they take memory.

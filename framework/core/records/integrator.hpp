@@ -77,7 +77,7 @@ struct IntegratorRecord : ComponentRecord {
   double (*drag_error)(double damped) = nullptr;
   /// The fixed step; 0 for an adaptive scheme.
   double (*step)(const void* description) = nullptr;
-  /// Faults across keys; empty when sound.
+  /// Faults across keys; empty when valid.
   std::vector<Complaint> (*complaints)(const void* description) = nullptr;
 
   IntegratorFactories bind;

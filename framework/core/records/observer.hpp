@@ -74,7 +74,7 @@ struct ObserverRecord : ComponentRecord {
   int fewest_bodies = 1;
   int most_bodies = 1;
 
-  /// Faults across keys and against the bodies; empty when sound.
+  /// Faults across keys and against the bodies; empty when valid.
   std::vector<Complaint> (*complaints)(const void* description,
                                        const SceneOutline& scene) = &no_complaints;
 

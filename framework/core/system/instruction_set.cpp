@@ -43,7 +43,7 @@ InstructionSet named(const std::string& wish) {
   fault.place.file = "tomlin";
   fault.key = kVariable;
   fault.value = wish;
-  fault.why = "no instruction set that there are kernels for";
+  fault.why = "not an instruction set with kernels";
   fault.admissible = names[0] + ", " + names[1] + ", " + names[2];
   fault.nearest = nearest_name(wish, names).value_or("");
   throw InputError({std::move(fault)});

@@ -68,7 +68,7 @@ class Tangent {
   virtual void times_friction(const double* x, double* y) const = 0;
 
   /// Factors A = mass M + friction G + stiffness K + sum over k of border_weight d_k d_k^T, with
-  /// `borders` directions d_k, [k * n + i] (to keep what nothing holds from making A singular).
+  /// `borders` directions d_k, [k * n + i] (to keep zero modes from making A singular).
   /// False when A is singular to rounding; the others must not be called then.
   virtual bool factor(double mass, double friction, double stiffness, const double* borders,
                       std::size_t border_count, double border_weight) = 0;

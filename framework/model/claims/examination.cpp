@@ -22,8 +22,8 @@ std::string ClaimPoint::text() const {
     }
     where += ")";
   }
-  return fmt::format("{}, {}, time {:.6g}: {:.17g} where {:.17g} is due", where, state, time, found,
-                     due);
+  return fmt::format("{}, {}, time {:.6g}: {:.17g} where {:.17g} is expected", where, state, time,
+                     found, due);
 }
 
 }  // namespace tomlin

@@ -12,8 +12,8 @@
 
 #include "framework/core/records/force.hpp"
 #include "framework/model/claims.hpp"
-#include "framework/model/force_alone.hpp"
 #include "framework/model/force_twin.hpp"
+#include "framework/model/single_force.hpp"
 
 /// One force and the states at which its claims are looked at.
 namespace tomlin::claims {
@@ -53,7 +53,7 @@ struct State {
   Place place = Place::near;
 };
 
-using Variable = ForceAlone::Variable;
+using Variable = SingleForce::Variable;
 using Direction = std::vector<double>;  ///< one number for each variable
 
 class Examination {
@@ -66,7 +66,7 @@ class Examination {
 
   // ---- the force
 
-  ForceAlone& alone() { return alone_; }
+  SingleForce& alone() { return alone_; }
   const ForceRecord& record() const { return *alone_.force().record; }
   const Traits& traits() const { return alone_.force().traits; }
   BoundForce<double>& bound() { return *alone_.force().bound; }
@@ -163,7 +163,7 @@ class Examination {
   double latest_time();
   ClaimPoint point(const State& state, std::size_t variable) const;
 
-  ForceAlone alone_;
+  SingleForce alone_;
   double length_;
   ClaimOptions options_;
   double size_ = 0.0;  ///< pairs and particles

@@ -30,10 +30,10 @@ constexpr double kWhen = 0.37;
 /// A force along ways away from its start.
 class Probe {
  public:
-  explicit Probe(ForceAlone& alone)
+  explicit Probe(SingleForce& alone)
       : alone_(alone), time_(kWhen * alone.model().scene().run.duration) {
     alone.restart();
-    for (const ForceAlone::Variable& variable : alone.variables()) {
+    for (const SingleForce::Variable& variable : alone.variables()) {
       start_.push_back(alone.position(variable));
       if (variable.axis >= 0) reach_ = std::max(reach_, std::abs(start_.back()));
     }
@@ -44,7 +44,7 @@ class Probe {
   /// Both ways along every coordinate, none of them short.
   void turn(Random& random) {
     way_.clear();
-    for (const ForceAlone::Variable& variable : alone_.variables()) {
+    for (const SingleForce::Variable& variable : alone_.variables()) {
       const double part = random.symmetric();
       way_.push_back(variable.unit * (part < 0.0 ? part - 1.0 : part + 1.0) * 0.5);
     }
@@ -94,7 +94,7 @@ class Probe {
     return sum;
   }
 
-  ForceAlone& alone_;
+  SingleForce& alone_;
   double time_;
   double reach_ = 0.0;
   std::vector<double> start_;
@@ -104,7 +104,7 @@ class Probe {
 }  // namespace
 
 /// The longest of those along some ways: near a kink or a pole one may be short by chance.
-std::optional<double> length_of(ForceAlone& alone, double declared) {
+std::optional<double> length_of(SingleForce& alone, double declared) {
   Probe probe(alone);
   Random random(1);
   const double shortest = std::max(

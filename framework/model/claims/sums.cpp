@@ -14,10 +14,10 @@ bool is_open(const Scene& scene) {
   return std::find(periodic.begin(), periodic.end(), true) == periodic.end();
 }
 
-ForceAlone::Wrench total_of(Examination& e) {
-  ForceAlone::Wrench total;
+SingleForce::Wrench total_of(Examination& e) {
+  SingleForce::Wrench total;
   for (const std::size_t body : e.alone().force().bodies) {
-    const ForceAlone::Wrench wrench = e.alone().wrench(body);
+    const SingleForce::Wrench wrench = e.alone().wrench(body);
     for (int a = 0; a < 3; ++a) {
       total.force[a] += wrench.force[a];
       total.torque[a] += wrench.torque[a];
@@ -99,7 +99,7 @@ std::optional<ClaimResult> internal(Examination& e) {
     e.looked();
     if (close) near = std::max(near, here);
     const double largest = close ? near : here;
-    const ForceAlone::Wrench total = total_of(e);
+    const SingleForce::Wrench total = total_of(e);
     const double size = largest * static_cast<double>(e.count());
     const double lever = size * e.reach(*state);
     const double least = kSmallest * static_cast<double>(e.count());
@@ -123,7 +123,7 @@ std::optional<ClaimResult> driver(Examination& e) {
   for (const State& state : e.near()) {
     const std::vector<double> forces = e.forces(state);
     const double* rates = e.alone().rates();
-    const ForceAlone::Wrench total = total_of(e);
+    const SingleForce::Wrench total = total_of(e);
     const double size = (e.largest(forces) + e.terms(state).size) * static_cast<double>(e.count());
     double power = 0.0;
     double fastest = 0.0;

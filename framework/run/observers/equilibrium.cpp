@@ -91,8 +91,8 @@ void Equilibrium::stopped(const RunMoment&) {
   if (state.neutral == 0) found.log_determinant = state.log_determinant;
   for (const std::size_t coordinate : state.neutral_at) {
     run.outcome.warnings.push_back(
-        fmt::format("nothing holds the scene in one direction, in which {} moves most: it stays "
-                    "where it is",
+        fmt::format("the equilibrium has a zero mode, in which {} moves most: it stays at its "
+                    "position along it",
                     where(run.model, coordinate)));
   }
 }
@@ -104,7 +104,7 @@ void Equilibrium::finish(const RunMoment&) {
   const std::string times = ties == 1 ? "" : fmt::format(", the first of {} ties", ties);
   run.outcome.warnings.push_back(fmt::format(
       "not determined after time {:.6g}{}: there the scene is symmetric and its equilibrium "
-      "unstable, so that nothing but rounding decides which way {} goes; break the symmetry "
+      "unstable, so that rounding alone decides in which direction {} moves; break the symmetry "
       "by a small force, or see how far results differ with run.perturb",
       first_tie_[0], times, where(run.model, static_cast<std::size_t>(first_tie_[1]))));
 }

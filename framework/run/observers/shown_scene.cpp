@@ -66,7 +66,7 @@ std::vector<ObservedNumber> listed(const SceneObserver& observer, const SceneOut
   for (const ObservedNumber& number : numbers) {
     if (!is_component_name(number.name) || !names.insert(number.name).second) {
       throw std::invalid_argument("\"" + number.name +
-                                  "\" is no name of a number, or not the only");
+                                  "\" is not a valid name of a number, or is declared twice");
     }
   }
   if (numbers.empty()) throw std::invalid_argument("it gives no numbers");

@@ -228,7 +228,7 @@ TEST(Journal, OtherFilesAreRefused) {
   EXPECT_NE(failure_of(folder / "absent", compared), "");
   EXPECT_NE(failure_of(folder.path(), compared), "");
   write(folder / "text", std::string(1000, 'x'));
-  EXPECT_NE(failure_of(folder / "text", compared).find("no record"), std::string::npos);
+  EXPECT_NE(failure_of(folder / "text", compared).find("a record is missing"), std::string::npos);
   write(folder / "swapped", "RMOT" + std::string(1000, '\0'));
   EXPECT_NE(failure_of(folder / "swapped", compared).find("byte order"), std::string::npos);
   // A length that no memory could hold.

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/run/observables.hpp"
-#include "framework/study/ladder.hpp"
+#include "framework/study/methods.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // What is made of a spread: of the tolerance, of the errors of integration, of digits.
@@ -27,14 +27,14 @@ Sensitivity judged(double move, double tolerance, bool settled = true) {
   const auto scene = scene_of(tip.text());
   const Variants variants(scene, standard());
   Reference reference;
-  reference.rung = "dopri5";
+  reference.method = "dopri5";
   reference.knob_value = kFine;
   reference.value = observable(run(scene), kForce).value();
   reference.move = move;
   reference.settled = settled;
   reference.finest = !settled;
   Measurer measurer(variants, kForce, kBudget, nullptr);
-  return find_sensitivity(variants, ladder(variants), reference, measurer, tolerance);
+  return find_sensitivity(variants, methods_for(variants), reference, measurer, tolerance);
 }
 
 TEST(Sensitivity, ComesFromStartsThatDiffer) {

@@ -93,7 +93,7 @@ TEST(Tradeoff, NothingThatWasMeasuredIsCheaper) {
   for (const TradeoffPoint& point : found.points) {
     if (found.error_of(point) > 0.5 * kTolerance) continue;
     EXPECT_LE(static_cast<double>(cost), kLuck * static_cast<double>(point.cost()))
-        << found.rungs[point.rung].name << " " << point.knob;
+        << found.methods[point.method].name << " " << point.resolution;
   }
 }
 
@@ -128,16 +128,16 @@ TEST(Tradeoff, TellsWhatIsRefusedAndWhatIsUnstable) {
   TipScene tip = smooth();
   tip.more = "dynamics = \"overdamped\"\n" + tip.more;
   const Tradeoff found = tradeoff_of(tip.text());
-  const auto gap = [&found](const std::string& rung, TradeoffGap::Kind kind) {
+  const auto gap = [&found](const std::string& method, TradeoffGap::Kind kind) {
     return std::any_of(found.gaps.begin(), found.gaps.end(), [&](const TradeoffGap& one) {
-      return one.rung == rung && one.kind == kind && !one.why.empty();
+      return one.method == method && one.kind == kind && !one.why.empty();
     });
   };
   EXPECT_TRUE(gap("velocity_verlet", TradeoffGap::Kind::refused));
   EXPECT_TRUE(gap("rk4", TradeoffGap::Kind::unstable));
   EXPECT_FALSE(gap("dopri5", TradeoffGap::Kind::refused));
   for (const TradeoffPoint& point : found.points) {
-    EXPECT_NE(found.rungs[point.rung].name, "velocity_verlet");
+    EXPECT_NE(found.methods[point.method].name, "velocity_verlet");
   }
 }
 
@@ -149,13 +149,14 @@ TEST(Tradeoff, AModelsErrorIsPartOfIt) {
   const Tradeoff found = tradeoff_of(tip.text());
   bool seen = false;
   for (const TradeoffPoint& point : found.points) {
-    if (found.rungs[point.rung].is_own_model()) continue;
+    if (found.methods[point.method].is_own_model()) continue;
     seen = true;
-    EXPECT_GT(found.error_of(point), 1e-2) << found.rungs[point.rung].name << " " << point.knob;
+    EXPECT_GT(found.error_of(point), 1e-2)
+        << found.methods[point.method].name << " " << point.resolution;
   }
   EXPECT_TRUE(seen);
   ASSERT_TRUE(found.recommendation);
-  EXPECT_TRUE(found.rungs[found.points[found.recommendation->point].rung].is_own_model());
+  EXPECT_TRUE(found.methods[found.points[found.recommendation->point].method].is_own_model());
 }
 
 TEST(Tradeoff, WhereTheNumberIsZeroErrorsArePartsOfTheScenesForce) {

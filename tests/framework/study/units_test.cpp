@@ -289,9 +289,9 @@ TEST(Units, TheTradeIsTheSame) {
   EXPECT_EQ(here.reference->error * units.of(dimension::force), there.reference->error);
   const TradeoffPoint& one = here.points[here.recommendation->point];
   const TradeoffPoint& other = there.points[there.recommendation->point];
-  EXPECT_EQ(here.rungs[one.rung].name, there.rungs[other.rung].name);
-  const bool step = here.rungs[one.rung].knob == Knob::step;
-  EXPECT_EQ(one.knob * (step ? units.time : 1.0), other.knob);
+  EXPECT_EQ(here.methods[one.method].name, there.methods[other.method].name);
+  const bool step = here.methods[one.method].resolution == Resolution::step;
+  EXPECT_EQ(one.resolution * (step ? units.time : 1.0), other.resolution);
   EXPECT_EQ(one.value * units.of(dimension::force), other.value);
   EXPECT_EQ(one.evaluations, other.evaluations);
 }

@@ -1,4 +1,4 @@
-#include "framework/study/ladder.hpp"
+#include "framework/study/methods.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -21,7 +21,7 @@ constexpr const char* kAbsolute = "absolute";
 constexpr const char* kTolerance = "tolerance";
 constexpr const char* kQuasistatic = "quasistatic";
 
-/// The rows of an integrator that its knob sets: those without a default, and all tolerances.
+/// The rows of an integrator that its resolution sets: those without a default, and all tolerances.
 std::vector<const Parameter*> knob_rows(const IntegratorRecord& integrator) {
   std::vector<const Parameter*> rows;
   for (const Parameter& row : integrator.parameters) {
@@ -78,43 +78,45 @@ std::vector<ModelChange> model_changes(const Scene& scene) {
   return changes;
 }
 
-Rung rung_of(const Scene& scene, const ModelChange& model, const IntegratorRecord& integrator,
-             const char* number_type) {
-  Rung rung;
-  rung.model = model.name;
-  rung.integrator = &integrator;
-  rung.number_type = number_type;
-  rung.settings = model.settings;
-  rung.name = model.name.empty() ? integrator.name : model.name + ", " + integrator.name;
-  if (rung.number_type != "double") rung.name += " in " + rung.number_type;
-  if (rung.number_type != scene.run.number_type) {
-    rung.settings.push_back({"run.number_type", quoted_text(rung.number_type)});
+Method rung_of(const Scene& scene, const ModelChange& model, const IntegratorRecord& integrator,
+               const char* number_type) {
+  Method method;
+  method.model = model.name;
+  method.integrator = &integrator;
+  method.number_type = number_type;
+  method.settings = model.settings;
+  method.name = model.name.empty() ? integrator.name : model.name + ", " + integrator.name;
+  if (method.number_type != "double") method.name += " in " + method.number_type;
+  if (method.number_type != scene.run.number_type) {
+    method.settings.push_back({"run.number_type", quoted_text(method.number_type)});
   }
-  rung.knob = integrator.adaptive ? Knob::tolerance : Knob::step;
-  rung.absolute_share = length_scale(scene);
-  if (rung.knob == Knob::step) rung.unit = scene.run.duration;
-  return rung;
+  method.resolution = integrator.adaptive ? Resolution::tolerance : Resolution::step;
+  method.absolute_share = length_scale(scene);
+  if (method.resolution == Resolution::step) method.unit = scene.run.duration;
+  return method;
 }
 
-/// Binds the scene on this rung: why it is refused, or how far its steps may go.
-void try_to_bind(const Variants& variants, Rung& rung) {
+/// Binds the scene on this method: why it is refused, or how far its steps may go.
+void try_to_bind(const Variants& variants, Method& method) {
   constexpr double kAnyTolerance = 1e-3;
-  const bool fixed = rung.knob == Knob::step;
+  const bool fixed = method.resolution == Resolution::step;
   try {
     const auto scene =
-        variants.with(rung.at(fixed ? variants.scene().run.duration : kAnyTolerance));
+        variants.with(method.at(fixed ? variants.scene().run.duration : kAnyTolerance));
     const Engine engine(scene, options_to_bind());
-    if (fixed && engine.stable_step() > 0.0) rung.stable_step = engine.stable_step();
+    if (fixed && engine.stable_step() > 0.0) method.stable_step = engine.stable_step();
   } catch (const InputError& error) {
-    rung.refused = condensed(error);
+    method.refused = condensed(error);
   }
 }
 
 }  // namespace
 
-const char* to_string(Knob knob) { return knob == Knob::step ? "dt" : "tolerance"; }
+const char* to_string(Resolution resolution) {
+  return resolution == Resolution::step ? "dt" : "tolerance";
+}
 
-std::vector<Setting> Rung::at(double value) const {
+std::vector<Setting> Method::at(double value) const {
   std::string table = "{ type = " + quoted_text(integrator->name);
   for (const Parameter* row : knob_rows(*integrator)) {
     const double number = is_absolute(*row) ? value * absolute_share : value;
@@ -125,33 +127,33 @@ std::vector<Setting> Rung::at(double value) const {
   return all;
 }
 
-std::vector<Rung> ladder(const Variants& variants) {
+std::vector<Method> methods_for(const Variants& variants) {
   const Scene& scene = variants.scene();
-  std::vector<Rung> rungs;
+  std::vector<Method> methods;
   for (const ModelChange& model : model_changes(scene)) {
     for (const auto& integrator : variants.registry().integrators()) {
       if (integrator->follows_equilibria != (model.dynamics == kQuasistatic)) continue;
       for (const char* number_type : {"double", "float"}) {
         const bool in_float = std::string_view(number_type) == "float";
         if (in_float && (!model.name.empty() || integrator->bind.in_float == nullptr)) continue;
-        rungs.push_back(rung_of(scene, model, *integrator, number_type));
-        try_to_bind(variants, rungs.back());
+        methods.push_back(rung_of(scene, model, *integrator, number_type));
+        try_to_bind(variants, methods.back());
       }
     }
   }
-  return rungs;
+  return methods;
 }
 
-std::vector<Rung> own_ladder(const Variants& variants) {
+std::vector<Method> methods_of_own_model(const Variants& variants) {
   const Scene& scene = variants.scene();
   const ModelChange own = {"", {}, scene.run.dynamics};
-  std::vector<Rung> rungs;
+  std::vector<Method> methods;
   for (const auto& integrator : variants.registry().integrators()) {
     if (integrator->follows_equilibria != (own.dynamics == kQuasistatic)) continue;
-    rungs.push_back(rung_of(scene, own, *integrator, scene.run.number_type.c_str()));
-    try_to_bind(variants, rungs.back());
+    methods.push_back(rung_of(scene, own, *integrator, scene.run.number_type.c_str()));
+    try_to_bind(variants, methods.back());
   }
-  return rungs;
+  return methods;
 }
 
 double length_scale(const Scene& scene) { return natural_units(scene).length; }

@@ -1,4 +1,4 @@
-#include "framework/model/force_alone.hpp"
+#include "framework/model/single_force.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -40,7 +40,7 @@ std::shared_ptr<const Scene> with_forces(const Scene& scene, std::vector<SceneFo
   return with;
 }
 
-ForceAlone::ForceAlone(const Scene& scene, std::size_t force)
+SingleForce::SingleForce(const Scene& scene, std::size_t force)
     : scheme_(without_demands(*scene.run.integrator.record)),
       model_(with_forces(scene, {scene.forces[force]}, scheme_)) {
   StateLayout layout;
@@ -54,7 +54,7 @@ ForceAlone::ForceAlone(const Scene& scene, std::size_t force)
   list_variables();
 }
 
-void ForceAlone::restart() {
+void SingleForce::restart() {
   const auto& view = model_.system().view;
   // Kernels may read a group past the end.
   position_.assign(view.dofs + 2 * kGroup, 0.0);
@@ -64,7 +64,7 @@ void ForceAlone::restart() {
   std::copy(start_of_own_.begin(), start_of_own_.end(), own());
 }
 
-void ForceAlone::list_variables() {
+void SingleForce::list_variables() {
   const double* inverse_mass = model_.system().view.inverse_mass;
   const auto add = [&](std::size_t at, std::size_t body, int axis, double unit) {
     if (inverse_mass[at] > 0.0) variables_.push_back({at, body, axis, unit});
@@ -86,7 +86,7 @@ void ForceAlone::list_variables() {
   }
 }
 
-const double* ForceAlone::forces(double time) {
+const double* SingleForce::forces(double time) {
   place_velocities(model_.bodies(), model_.dimension(), position_.data(), velocity_.data(),
                    model_.system().view.mapped_velocity);
   model_.evaluate_at(DoubleDouble(time), position_.data(), velocity_.data(),
@@ -94,12 +94,12 @@ const double* ForceAlone::forces(double time) {
   return model_.system().view.force;
 }
 
-double ForceAlone::energy(double time) {
+double SingleForce::energy(double time) {
   return model_.potential_energy(DoubleDouble(time), position_.data(), velocity_.data(),
                                  state_.reals("integrals"));
 }
 
-ForceAlone::Wrench ForceAlone::wrench(std::size_t b) {
+SingleForce::Wrench SingleForce::wrench(std::size_t b) {
   const auto& slot = model_.bodies()[b].bound.slot;
   const auto& view = model_.system().view;
   Wrench total;

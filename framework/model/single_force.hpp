@@ -22,10 +22,10 @@ std::shared_ptr<const Scene> with_forces(const Scene& scene, std::vector<SceneFo
 
 /// One force of a scene, bound to the scene's bodies as if it were the only one: what it does can
 /// be looked at without the others. Positions start as the scene does and may be changed.
-class ForceAlone {
+class SingleForce {
  public:
   /// `force` counts in Scene::forces. Throws InputError as binding the scene does.
-  ForceAlone(const Scene& scene, std::size_t force);
+  SingleForce(const Scene& scene, std::size_t force);
 
   /// False when the model leaves the force out; there is nothing to evaluate then.
   bool built() const { return !model_.forces().empty(); }

@@ -1,4 +1,4 @@
-#include "framework/study/ladder.hpp"
+#include "framework/study/methods.hpp"
 
 #include <atomic>
 #include <cmath>
@@ -11,37 +11,38 @@
 namespace tomlin::test {
 namespace {
 
-std::vector<Rung> ladder_of(const std::string& text) {
-  return ladder(Variants(scene_of(text), standard()));
+std::vector<Method> ladder_of(const std::string& text) {
+  return methods_for(Variants(scene_of(text), standard()));
 }
 
-const Rung& named(const std::vector<Rung>& rungs, const std::string& name) {
-  for (const Rung& rung : rungs) {
-    if (rung.name == name) return rung;
+const Method& named(const std::vector<Method>& methods, const std::string& name) {
+  for (const Method& method : methods) {
+    if (method.name == name) return method;
   }
-  throw std::logic_error("no rung " + name);
+  throw std::logic_error("no method " + name);
 }
 
-bool has(const std::vector<Rung>& rungs, const std::string& name) {
-  return std::any_of(rungs.begin(), rungs.end(),
-                     [&name](const Rung& rung) { return rung.name == name; });
+bool has(const std::vector<Method>& methods, const std::string& name) {
+  return std::any_of(methods.begin(), methods.end(),
+                     [&name](const Method& method) { return method.name == name; });
 }
 
 TEST(Ladder, EveryIntegratorInDoubleAndInFloat) {
-  const std::vector<Rung> rungs = ladder_of(TipScene().text());
+  const std::vector<Method> methods = ladder_of(TipScene().text());
   for (const auto& integrator : standard().integrators()) {
     if (integrator->follows_equilibria) continue;
-    EXPECT_TRUE(has(rungs, integrator->name)) << integrator->name;
-    EXPECT_EQ(has(rungs, integrator->name + " in float"), integrator->bind.in_float != nullptr)
+    EXPECT_TRUE(has(methods, integrator->name)) << integrator->name;
+    EXPECT_EQ(has(methods, integrator->name + " in float"), integrator->bind.in_float != nullptr)
         << integrator->name;
   }
 }
 
 TEST(Ladder, WhatASceneRefusesStaysWithItsReason) {
-  const std::vector<Rung> rungs = ladder_of(TipScene{.more = "dynamics = \"overdamped\"\n"}.text());
-  EXPECT_NE(named(rungs, "velocity_verlet").refused, "");
-  EXPECT_EQ(named(rungs, "rk4").refused, "");
-  EXPECT_FALSE(has(rungs, "overdamped, rk4")) << "the scene is so already";
+  const std::vector<Method> methods =
+      ladder_of(TipScene{.more = "dynamics = \"overdamped\"\n"}.text());
+  EXPECT_NE(named(methods, "velocity_verlet").refused, "");
+  EXPECT_EQ(named(methods, "rk4").refused, "");
+  EXPECT_FALSE(has(methods, "overdamped, rk4")) << "the scene is so already";
 }
 
 TEST(Ladder, FixedStepsKnowHowFarTheyMayGo) {
@@ -49,13 +50,13 @@ TEST(Ladder, FixedStepsKnowHowFarTheyMayGo) {
   const double pi = std::acos(-1.0);
   const double omega = std::sqrt(2.0 + 0.1 * 4.0 * pi * pi);
   constexpr double kRounding = 1e-9;
-  const std::vector<Rung> rungs = ladder_of(TipScene().text());
-  EXPECT_NEAR(named(rungs, "velocity_verlet").stable_step, 2.0 / omega, kRounding);
-  EXPECT_TRUE(std::isinf(named(rungs, "dopri5").stable_step));
+  const std::vector<Method> methods = ladder_of(TipScene().text());
+  EXPECT_NEAR(named(methods, "velocity_verlet").stable_step, 2.0 / omega, kRounding);
+  EXPECT_TRUE(std::isinf(named(methods, "dopri5").stable_step));
 }
 
 TEST(Ladder, SimplerModelsOfAFlexibleRing) {
-  const std::vector<Rung> flexible = ladder_of(RingScene().text());
+  const std::vector<Method> flexible = ladder_of(RingScene().text());
   EXPECT_EQ(named(flexible, "rigid, rk4").refused, "");
   EXPECT_EQ(named(flexible, "rigid, overdamped, rk4").refused, "");
   EXPECT_FALSE(named(flexible, "rigid, rk4").is_own_model());
@@ -69,15 +70,16 @@ TEST(Ladder, SimplerModelsOfAFlexibleRing) {
 TEST(Ladder, ARungIsItsLinesInTheScene) {
   const auto scene = scene_of(RingScene().text());
   const Variants variants(scene, standard());
-  for (const Rung& rung : ladder(variants)) {
-    if (!rung.refused.empty()) continue;
-    const auto variant = variants.with(rung.at(0.0078125));
-    EXPECT_EQ(variant->run.integrator.name, rung.integrator->name);
-    EXPECT_EQ(variant->run.number_type, rung.number_type);
+  for (const Method& method : methods_for(variants)) {
+    if (!method.refused.empty()) continue;
+    const auto variant = variants.with(method.at(0.0078125));
+    EXPECT_EQ(variant->run.integrator.name, method.integrator->name);
+    EXPECT_EQ(variant->run.number_type, method.number_type);
     const void* description = variant->run.integrator.description.get();
-    const double given = rung.knob == Knob::step ? rung.integrator->step(description)
-                                                 : rung.integrator->tolerance(description);
-    EXPECT_EQ(given, 0.0078125) << rung.name;
+    const double given = method.resolution == Resolution::step
+                             ? method.integrator->step(description)
+                             : method.integrator->tolerance(description);
+    EXPECT_EQ(given, 0.0078125) << method.name;
   }
 }
 
