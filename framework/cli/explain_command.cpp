@@ -2,7 +2,6 @@
 
 #include "framework/cli/commands.hpp"
 #include "framework/cli/diagnostics.hpp"
-#include "framework/cli/exit_status.hpp"
 #include "framework/cli/explanation.hpp"
 #include "framework/cli/plugins.hpp"
 #include "framework/core/text/fault.hpp"
@@ -17,9 +16,9 @@ int explain_command(const ExplainArguments& arguments) {
     return print_result(arguments.json ? explanation_json(explanation)
                                        : explanation_text(explanation));
   } catch (const InputError& error) {
-    if (!arguments.json) throw;
-    const int status = print_result(json_text({{"faults", faults_json(error.faults())}}));
-    return status == kExitDone ? kExitBadInput : status;
+    // On standard error they are text in any case.
+    if (arguments.json) print_result(json_text({{"faults", faults_json(error.faults())}}));
+    throw;
   }
 }
 

@@ -91,6 +91,7 @@ TEST_F(Diagnostics, AreInTheJsonOfCheckAndExplain) {
     EXPECT_EQ(faults[0]["code"], "scene.out_of_range");
     EXPECT_EQ(faults[0]["key"], "run.duration");
     EXPECT_EQ(faults[0]["value"], "-1");
+    EXPECT_EQ(ended.err.empty(), std::string(command) == "check") << ended.err;
   }
 }
 
