@@ -87,7 +87,7 @@ observables.csv with the friction trace, and scene.toml, the scene with every de
   tomlin schema                with which editors complete and check scenes
   tomlin plot pt.out -o a.svg  the friction trace
   tomlin tradeoff pt.toml --observable driver.mean_force.x
-                               what accuracy costs, and the cheapest way to it
+                               measure the cost of accuracy and find the cheapest setting
 
 Exit status: 0 done; 1 a run or a check failed; 2 the input was not right, and nothing was done.)";
 
@@ -486,11 +486,12 @@ class CommandLine {
     run_->add_flag("--resume", asked_.resume, "go on with the run that was stopped in DIR");
     run_->add_flag("--force", asked_.force,
                    "DIR need not be empty; only files that tomlin writes are replaced");
-    run_->add_flag("--quiet", asked_.quiet, "say nothing but errors");
+    run_->add_flag("--quiet", asked_.quiet, "print errors only");
   }
 
   void set_up_tradeoff() {
-    tradeoff_ = app_.add_subcommand("tradeoff", "what accuracy costs, and the cheapest way to it");
+    tradeoff_ = app_.add_subcommand("tradeoff",
+                                    "measure the cost of accuracy and find the cheapest setting");
     tradeoff_->footer(kTradeoffFooter);
     take_scene(*tradeoff_, traded_.scene);
     tradeoff_->add_option("--observable", traded_.observable, "a dotted path in summary.json")
@@ -537,13 +538,16 @@ class CommandLine {
   }
 
   void set_up_check() {
-    check_ = app_.add_subcommand("check", "validate a scene and check the claims of its forces");
+    check_ = app_.add_subcommand(
+        "check", "validate a scene and verify the declared properties of its forces");
     check_->footer(kCheckFooter);
     take_scene(*check_, checked_.scene);
     CLI::Option* json = check_->add_flag("--json", checked_.json, "as JSON");
     check_->add_flag("--verbose", checked_.verbose, "show what holds, too, check by check")
         ->excludes(json);
-    check_->add_option("--seed", checked_.seed, "of the random states that claims are looked at")
+    check_
+        ->add_option("--seed", checked_.seed,
+                     "of the random states at which properties are verified")
         ->capture_default_str();
   }
 

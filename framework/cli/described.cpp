@@ -82,7 +82,7 @@ std::string acts_on(const ForceRecord& force) {
 std::vector<std::string> trait_words(const Described& component) {
   std::vector<std::string> words;
   if (component.force != nullptr && component.force->traits_of != nullptr) {
-    words.emplace_back("claims follow from what a scene gives");
+    words.emplace_back("properties depend on the scene");
   } else if (component.force != nullptr) {
     append_held(words, claims(component.force->traits));
   }

@@ -138,7 +138,7 @@ int new_plugin(const NewArguments& arguments) {
       "{0}: a force of your own, in {1}.hpp and {1}.cpp\n"
       "  cmake -S {0} -B {0}/build     finds tomlin where it is installed (CMAKE_PREFIX_PATH)\n"
       "  cmake --build {0}/build       makes {0}/lib{1}.so\n"
-      "  ctest --test-dir {0}/build    checks its claims and a closed form\n"
+      "  ctest --test-dir {0}/build    verifies its declared properties and a closed form\n"
       "  tomlin run {0}/{1}.toml\n",
       where, name));
 }

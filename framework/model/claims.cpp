@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "framework/model/claims/examination.hpp"
+#include "framework/model/claims/force_under_test.hpp"
 #include "framework/model/claims/scale.hpp"
 
 namespace tomlin {
@@ -82,7 +82,7 @@ std::vector<ClaimResult> check_claims(const Scene& scene, const ClaimOptions& op
   const std::vector<double> lengths = lengths_of(scene);
   std::vector<ClaimResult> results;
   for (std::size_t k = 0; k < scene.forces.size(); ++k) {
-    claims::Examination examination(scene, k, lengths[k], options);
+    claims::ForceUnderTest examination(scene, k, lengths[k], options);
     if (!examination.worthwhile()) continue;
     for (const claims::Claim claim : kClaims) {
       if (auto result = claim(examination)) results.push_back(std::move(*result));

@@ -144,9 +144,9 @@ class ReferenceSearch {
   }
 
   static bool can_be_finer(const Method& method, double resolution) {
-    constexpr double kSlack = 1.01;
+    constexpr double kRoundingFactor = 1.01;
     return method.resolution == Resolution::step ||
-           finer(method, resolution) * kSlack >= kFinestTolerance;
+           finer(method, resolution) * kRoundingFactor >= kFinestTolerance;
   }
 
   /// A move that is small enough for this value.

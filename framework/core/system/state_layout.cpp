@@ -9,7 +9,7 @@ namespace tomlin {
 namespace {
 
 /// Room for kernels that load one group past the last number.
-constexpr std::size_t kSlack = 2 * kGroup;
+constexpr std::size_t kPadding = 2 * kGroup;
 
 const StateLayout::Field& find(const std::vector<StateLayout::Field>& fields,
                                std::string_view name) {
@@ -33,7 +33,7 @@ bool same(const std::vector<StateLayout::Field>& a, const std::vector<StateLayou
 std::size_t StateLayout::add_reals(std::string name, std::size_t count) {
   const std::size_t first = real_count_;
   reals_.push_back({std::move(name), first, count});
-  real_count_ += padded(count) + kSlack;
+  real_count_ += padded(count) + kPadding;
   return first;
 }
 

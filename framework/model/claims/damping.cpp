@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/model/claims/examination.hpp"
+#include "framework/model/claims/force_under_test.hpp"
 
 /// Forces against velocities: what they take out, and where the ledger puts it.
 namespace tomlin::claims {
@@ -49,13 +49,13 @@ class Coefficients : public FrictionSink {
 };
 
 /// What time does to an energy is a driver's work, or heat that is taken out.
-bool time_goes_on(const Examination& e) {
+bool time_goes_on(const ForceUnderTest& e) {
   const Traits& traits = e.traits();
   return traits.does_work || (traits.conservative && traits.depends_on_time);
 }
 
 /// Velocities are made for a unit of time, laws of time for the run's.
-double unit_of_time(Examination& e) {
+double unit_of_time(ForceUnderTest& e) {
   return time_goes_on(e) ? std::min(1.0, e.alone().model().scene().run.duration) : 1.0;
 }
 
@@ -64,7 +64,7 @@ double unit_of_time(Examination& e) {
 template <class Real>
 class Later {
  public:
-  Later(Examination& e, ForceTwin<Real>& twin, const State& state)
+  Later(ForceUnderTest& e, ForceTwin<Real>& twin, const State& state)
       : e_(e), twin_(twin), state_(state), own_rates_(state.own.size(), Real(0.0)) {
     e.put(state, twin);
     twin.evaluate(state.time);
@@ -82,7 +82,7 @@ class Later {
   }
 
  private:
-  Examination& e_;
+  ForceUnderTest& e_;
   ForceTwin<Real>& twin_;
   const State& state_;
   std::vector<Real> own_rates_;
@@ -94,7 +94,7 @@ struct Gain {
 };
 
 /// d/dt of the stored energy: in quadruple numbers where there are some.
-Gain gain_at(Examination& e, ForceTwin<double>& twin, const State& state, double size) {
+Gain gain_at(ForceUnderTest& e, ForceTwin<double>& twin, const State& state, double size) {
   if (e.exact() != nullptr) {
     Later<Quad> later(e, *e.exact(), state);
     // Steps of time that a double holds exactly.
@@ -123,7 +123,7 @@ Gain gain_at(Examination& e, ForceTwin<double>& twin, const State& state, double
 
 }  // namespace
 
-std::optional<ClaimResult> dissipative(Examination& e) {
+std::optional<ClaimResult> dissipative(ForceUnderTest& e) {
   if (!e.traits().dissipative) return std::nullopt;
   e.begin("dissipative", "its power is never positive, at any speed");
   for (const State* state : e.everywhere()) {
@@ -139,7 +139,7 @@ std::optional<ClaimResult> dissipative(Examination& e) {
 }
 
 /// Coefficients times velocities, on particles or, for bodies that move as one, on their centre.
-std::optional<ClaimResult> friction(Examination& e) {
+std::optional<ClaimResult> friction(ForceUnderTest& e) {
   if (!e.bound().is_friction()) return std::nullopt;
   e.begin("friction", "the friction matrix = minus the force's slopes in the velocities");
   const Model& model = e.alone().model();
@@ -178,7 +178,7 @@ std::optional<ClaimResult> friction(Examination& e) {
 /// -F.v = dU/dt + heat - power in. Only for forces that take part in the ledger: those with an
 /// energy, with heat or what velocities make of it, or with a pulled end. Prescribed bodies do work
 /// of their own.
-std::optional<ClaimResult> balance(Examination& e) {
+std::optional<ClaimResult> balance(ForceUnderTest& e) {
   const auto twin = e.twin();
   const bool takes_part = e.traits().conservative || e.traits().does_work ||
                           e.traits().depends_on_velocity || twin->heat().has_value();

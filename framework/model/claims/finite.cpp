@@ -1,7 +1,7 @@
 #include <cfenv>
 #include <cmath>
 
-#include "framework/model/claims/examination.hpp"
+#include "framework/model/claims/force_under_test.hpp"
 
 /// Where a force must be a number.
 namespace tomlin::claims {
@@ -9,7 +9,7 @@ namespace tomlin::claims {
 /// are too large to be written; another NaN there must be a NaN in quadruple numbers as well (the
 /// logarithm of a negative number). Where particles touch no number is as good as one, since a run
 /// stops there, but not where quadruple numbers say that there is one.
-std::optional<ClaimResult> finite(Examination& e) {
+std::optional<ClaimResult> finite(ForceUnderTest& e) {
   e.begin("finite", "forces and energies are numbers, near, far, high and touching");
   for (const State* state : e.everywhere()) {
     std::feclearexcept(FE_OVERFLOW);

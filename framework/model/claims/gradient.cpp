@@ -47,7 +47,7 @@ struct Scale {
   double effort = 0.0;
 };
 
-Scale scale_of(Examination& e, const State& state, const Direction& direction, double longest) {
+Scale scale_of(ForceUnderTest& e, const State& state, const Direction& direction, double longest) {
   Scale scale;
   const double terms = e.terms(state).size * e.reach(state);
   e.put(state);
@@ -69,7 +69,7 @@ Scale scale_of(Examination& e, const State& state, const Direction& direction, d
 }
 
 /// Lengths of a direction along single coordinates, as a body's edge goes.
-double length_of(const Examination& e, const Direction& direction) {
+double length_of(const ForceUnderTest& e, const Direction& direction) {
   double length = 0.0;
   for (std::size_t i = 0; i < e.count(); ++i) {
     length += std::abs(direction[i]) / e.variable(i).unit;
@@ -87,7 +87,7 @@ std::vector<double> parts_at(const State& state) {
 
 /// Differences of the energy along a direction against the force; shorter ones where there is a
 /// kink or a wave within them. False where none are short enough: nothing was compared.
-bool compare_by_differences(Examination& e, const State& state, const Direction& direction,
+bool compare_by_differences(ForceUnderTest& e, const State& state, const Direction& direction,
                             std::size_t variable) {
   const auto energy_at = [&](const State& at) {
     e.put(at);
@@ -129,7 +129,7 @@ bool compare_by_differences(Examination& e, const State& state, const Direction&
 }
 
 /// The energy in quadruple numbers, differentiated, against the force in double ones.
-bool compare_exactly(Examination& e, const State& state, const Direction& direction,
+bool compare_exactly(ForceUnderTest& e, const State& state, const Direction& direction,
                      const std::vector<double>& forces, double sensitivity, std::size_t variable) {
   ForceTwin<Quad>& twin = *e.exact();
   e.put(state);
@@ -155,7 +155,7 @@ bool compare_exactly(Examination& e, const State& state, const Direction& direct
   return std::abs(force + slope) <= allowed;
 }
 
-bool is_number(Examination& e, const State& state) {
+bool is_number(ForceUnderTest& e, const State& state) {
   const bool forces = std::isfinite(e.largest(e.forces(state)));
   return forces && std::isfinite(e.alone().energy(state.time)) &&
          std::isfinite(e.sensitivity(state));
@@ -165,7 +165,7 @@ bool is_number(Examination& e, const State& state) {
 
 /// All coordinates at once, where a fault of any part shows, and one alone, where it shows best.
 /// Far away and at contact, too, where there are no quadruple numbers to look there.
-std::optional<ClaimResult> conservative(Examination& e) {
+std::optional<ClaimResult> conservative(ForceUnderTest& e) {
   if (!e.traits().conservative) return std::nullopt;
   e.begin("conservative", "force = -gradient of its energy, by differences");
   Random random(e.seed());
@@ -181,7 +181,7 @@ std::optional<ClaimResult> conservative(Examination& e) {
   return e.end();
 }
 
-std::optional<ClaimResult> exact(Examination& e) {
+std::optional<ClaimResult> exact(ForceUnderTest& e) {
   if (!e.traits().conservative || e.exact() == nullptr) return std::nullopt;
   e.begin("exact", "force = -gradient of its energy, differentiated in quadruple numbers");
   Random random(e.seed());

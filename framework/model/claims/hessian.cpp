@@ -14,7 +14,8 @@ constexpr double kVisible = 100.0;
 /// Second derivatives times a direction, along another: translations for bodies that move as one.
 class Curvature : public HessianSink {
  public:
-  Curvature(const Examination& e, const Direction& one, const Direction& other, const Model& model)
+  Curvature(const ForceUnderTest& e, const Direction& one, const Direction& other,
+            const Model& model)
       : model_(model), one_(by_coordinate(e, one)), other_(by_coordinate(e, other)) {}
 
   void site(std::size_t body, std::size_t particle, int a, int b, double value) override {
@@ -44,7 +45,7 @@ class Curvature : public HessianSink {
   bool given = false;
 
  private:
-  std::vector<double> by_coordinate(const Examination& e, const Direction& direction) const {
+  std::vector<double> by_coordinate(const ForceUnderTest& e, const Direction& direction) const {
     std::vector<double> moves(model_.system().view.dofs, 0.0);
     for (std::size_t i = 0; i < e.count(); ++i) moves[e.variable(i).at] = direction[i];
     return moves;
@@ -65,7 +66,7 @@ class Curvature : public HessianSink {
   std::vector<double> one_, other_;
 };
 
-Direction translation(const Examination& e, Random& random) {
+Direction translation(const ForceUnderTest& e, Random& random) {
   Direction direction = e.random_direction(random);
   for (std::size_t i = 0; i < e.count(); ++i) {
     if (e.variable(i).axis < 0) direction[i] = 0.0;
@@ -75,7 +76,7 @@ Direction translation(const Examination& e, Random& random) {
 
 /// Slopes of the force by differences against second derivatives. False where none settle, as at a
 /// kink: nothing was compared.
-bool compare_curvature(Examination& e, const State& state, const Direction& along,
+bool compare_curvature(ForceUnderTest& e, const State& state, const Direction& along,
                        const Direction& seen, const Curvature& curvature) {
   const double sensitivity = e.sensitivity(state);
   for (const double part : kShorter) {
@@ -106,7 +107,7 @@ bool compare_curvature(Examination& e, const State& state, const Direction& alon
 
 }  // namespace
 
-std::optional<ClaimResult> hessian(Examination& e) {
+std::optional<ClaimResult> hessian(ForceUnderTest& e) {
   if (!e.traits().conservative) return std::nullopt;
   e.begin("hessian", "second derivatives = slopes of the force");
   Random random(e.seed());

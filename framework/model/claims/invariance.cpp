@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/model/claims/examination.hpp"
+#include "framework/model/claims/force_under_test.hpp"
 
 /// What must not change a force: whole periods, where positions are counted from, what it does not
 /// depend on, and what was evaluated before.
@@ -19,7 +19,7 @@ constexpr double kFast = 1e3;
 constexpr double kElapsed = 0.37;
 
 /// Forces of a twin at a state, of each variable.
-std::vector<double> forces_of(Examination& e, const State& state, ForceTwin<double>& twin,
+std::vector<double> forces_of(ForceUnderTest& e, const State& state, ForceTwin<double>& twin,
                               double elapsed = 0.0) {
   e.put(state, twin);
   twin.evaluate(state.time - elapsed, elapsed);
@@ -28,7 +28,7 @@ std::vector<double> forces_of(Examination& e, const State& state, ForceTwin<doub
   return forces;
 }
 
-State shifted(const Examination& e, const State& state, int axis, double by) {
+State shifted(const ForceUnderTest& e, const State& state, int axis, double by) {
   State moved = state;
   for (std::size_t i = 0; i < e.count(); ++i) {
     if (e.variable(i).axis == axis) moved.x[i] += by;
@@ -38,7 +38,7 @@ State shifted(const Examination& e, const State& state, int axis, double by) {
 
 }  // namespace
 
-std::optional<ClaimResult> periodic(Examination& e) {
+std::optional<ClaimResult> periodic(ForceUnderTest& e) {
   if (!e.traits().periodic) return std::nullopt;
   e.begin("periodic", "a shift by its period, and by a million, changes nothing");
   const SceneForce& from = e.described();
@@ -63,7 +63,7 @@ std::optional<ClaimResult> periodic(Examination& e) {
 }
 
 /// As the engine does it: the origin moves by whole cells, places are relative to the new one.
-std::optional<ClaimResult> origin(Examination& e) {
+std::optional<ClaimResult> origin(ForceUnderTest& e) {
   if (e.on_prescribed()) return std::nullopt;
   e.begin("origin", "nothing changes when the origin moves, and all comes back with it");
   // Without a period an axis never moves, unless another force declares one: bound as if there were
@@ -100,9 +100,9 @@ std::optional<ClaimResult> origin(Examination& e) {
   return e.end();
 }
 
-std::optional<ClaimResult> velocity(Examination& e) {
+std::optional<ClaimResult> velocity(ForceUnderTest& e) {
   if (e.traits().depends_on_velocity) return std::nullopt;
-  e.begin("velocity", "the same whatever the velocities");
+  e.begin("velocity", "independent of velocities");
   for (const State& state : e.near()) {
     const std::vector<double> due = e.forces(state);
     const double run = e.alone().model().scene().run.duration;
@@ -119,7 +119,7 @@ std::optional<ClaimResult> velocity(Examination& e) {
 }
 
 /// Time is the start of a step plus what has elapsed since: much of it, and some of a run's.
-std::optional<ClaimResult> time(Examination& e) {
+std::optional<ClaimResult> time(ForceUnderTest& e) {
   if (e.on_prescribed()) return std::nullopt;
   const bool depends = e.traits().depends_on_time;
   e.begin("time", depends ? "the same however time is divided into steps"
@@ -147,9 +147,9 @@ std::optional<ClaimResult> time(Examination& e) {
   return e.end();
 }
 
-std::optional<ClaimResult> repeatable(Examination& e) {
+std::optional<ClaimResult> repeatable(ForceUnderTest& e) {
   if (e.traits().stochastic) return std::nullopt;
-  e.begin("repeatable", "the same bits again, whatever was evaluated in between");
+  e.begin("repeatable", "the same bits after other evaluations");
   const std::vector<State>& states = e.near();
   std::vector<std::vector<double>> forces;
   std::vector<double> energies;

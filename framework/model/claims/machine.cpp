@@ -3,7 +3,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "framework/model/claims/examination.hpp"
+#include "framework/model/claims/force_under_test.hpp"
 
 /// The same force on every instruction set and in every number type.
 namespace tomlin::claims {
@@ -22,7 +22,7 @@ State rounded(const State& state) {
 }
 
 template <class Real>
-std::vector<double> forces_of(Examination& e, const State& state, ForceTwin<Real>& twin) {
+std::vector<double> forces_of(ForceUnderTest& e, const State& state, ForceTwin<Real>& twin) {
   e.put(state, twin);
   twin.evaluate(state.time);
   std::vector<double> forces(e.count());
@@ -43,7 +43,7 @@ bool left_the_range() {
 
 /// False where there are no numbers to compare.
 template <class Real>
-bool compare_with_exact(Examination& e, ForceTwin<Real>& twin, const State& given) {
+bool compare_with_exact(ForceUnderTest& e, ForceTwin<Real>& twin, const State& given) {
   constexpr double kEps = std::numeric_limits<Real>::epsilon();
   constexpr double kUnits = kRounding / std::numeric_limits<double>::epsilon() * kEps;
   constexpr double kLeast = std::numeric_limits<Real>::min() / kEps;
@@ -64,7 +64,7 @@ bool compare_with_exact(Examination& e, ForceTwin<Real>& twin, const State& give
 
 }  // namespace
 
-std::optional<ClaimResult> same_bits(Examination& e) {
+std::optional<ClaimResult> same_bits(ForceUnderTest& e) {
   e.begin("same bits", "on every instruction set of this machine");
   std::vector<std::unique_ptr<ForceTwin<double>>> twins;
   for (const InstructionSet set :
@@ -79,7 +79,7 @@ std::optional<ClaimResult> same_bits(Examination& e) {
   return e.end();
 }
 
-std::optional<ClaimResult> number_types(Examination& e) {
+std::optional<ClaimResult> number_types(ForceUnderTest& e) {
   if (e.exact() == nullptr) return std::nullopt;
   e.begin("number types", "the same in float, double and quadruple numbers, each to its rounding");
   const auto in_double = e.twin();

@@ -27,7 +27,7 @@ struct Path {
   }
 };
 
-Path path_of(const Examination& e, const State& from, Random& random) {
+Path path_of(const ForceUnderTest& e, const State& from, Random& random) {
   Path path{from, Direction(e.count(), 0.0)};
   for (int axis = 0; axis < 3; ++axis) {
     double centre = 0.0;
@@ -54,7 +54,7 @@ struct Piece {
   double variation = 0.0;
   double size = 0.0;
 };
-Piece piece_of(Examination& e, const Path& path, double from, double to) {
+Piece piece_of(ForceUnderTest& e, const Path& path, double from, double to) {
   constexpr double kPoint[] = {0.0, 0.538469310105683091, 0.906179845938663993, 1.0};
   constexpr double kWeight[] = {0.568888888888888889, 0.478628670499366468, 0.236926885056189088,
                                 0.0};
@@ -87,7 +87,7 @@ struct Comparison {
   bool holds() const { return difference() <= allowed; }
 };
 
-Comparison compare_piece(Examination& e, const Path& path, double from, double to) {
+Comparison compare_piece(ForceUnderTest& e, const Path& path, double from, double to) {
   const auto energy_at = [&](double part) {
     const State state = path.at(part);
     e.put(state);
@@ -108,7 +108,7 @@ Comparison compare_piece(Examination& e, const Path& path, double from, double t
 /// A piece that does not come right is looked at more closely, in the worse of its halves: what is
 /// merely narrow comes right in the end, a jump does not.
 /// False where that is beyond where the force is defined, and there is nothing to compare.
-bool compare_along(Examination& e, const Path& path, double from, double to) {
+bool compare_along(ForceUnderTest& e, const Path& path, double from, double to) {
   Comparison now = compare_piece(e, path, from, to);
   for (int halving = 0; halving < kDeepest && !now.holds(); ++halving) {
     const double middle = 0.5 * (from + to);
@@ -127,7 +127,7 @@ bool compare_along(Examination& e, const Path& path, double from, double to) {
 }  // namespace
 
 /// An energy that jumps at a cut-off has the right slope on both sides of it.
-std::optional<ClaimResult> path(Examination& e) {
+std::optional<ClaimResult> path(ForceUnderTest& e) {
   if (!e.traits().conservative) return std::nullopt;
   e.begin("path", "work along a path of some lengths = minus the change of energy");
   Random random(e.seed());

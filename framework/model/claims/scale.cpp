@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "framework/model/claims/examination.hpp"
+#include "framework/model/claims/force_under_test.hpp"
 
 namespace tomlin::claims {
 namespace {

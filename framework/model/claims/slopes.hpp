@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "framework/model/claims/examination.hpp"
+#include "framework/model/claims/force_under_test.hpp"
 
 /// Slopes by differences, and work along directions.
 namespace tomlin::claims {
@@ -68,7 +68,7 @@ struct Roughness {
   double most = 0.0;
 };
 
-inline Roughness roughness_of(Examination& e, const State& state, const Direction& along,
+inline Roughness roughness_of(ForceUnderTest& e, const State& state, const Direction& along,
                               const Direction& seen, double step) {
   constexpr double kWeight[] = {1.0, -4.0, 6.0, -4.0, 1.0};
   Roughness rough;
@@ -86,7 +86,7 @@ inline Roughness roughness_of(Examination& e, const State& state, const Directio
 /// Whether the force along a way has neither kinks nor jumps within `longest` of a state, nor
 /// waves: its fourth difference is what is left of a smooth one. Where it has, differences say
 /// nothing. By steps of two lengths, of which no wave is a part of both.
-inline bool is_regular(Examination& e, const State& state, const Direction& along,
+inline bool is_regular(ForceUnderTest& e, const State& state, const Direction& along,
                        const Direction& seen, double longest) {
   for (const double step : {0.5 * longest, 0.309016994374947424 * longest}) {
     const Roughness rough = roughness_of(e, state, along, seen, step);

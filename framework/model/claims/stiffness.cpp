@@ -65,14 +65,14 @@ double norm_of(const Block& block) {
   return norm;
 }
 
-void note_bound(Examination& e, double curvature, double bound, const State& state) {
+void note_bound(ForceUnderTest& e, double curvature, double bound, const State& state) {
   const double found = std::max(curvature, bound);
   e.note(std::isnan(curvature) ? curvature : found, bound, bound,
          kShort * bound + kRounding * found + kSmallest, state);
 }
 
 /// Second derivatives where a force gives them. False where it does not.
-bool compare_blocks(Examination& e, ForceTwin<double>& twin, const State& state) {
+bool compare_blocks(ForceUnderTest& e, ForceTwin<double>& twin, const State& state) {
   e.put(state, twin);
   twin.evaluate(state.time);
   Blocks blocks(e.alone().model());
@@ -98,7 +98,7 @@ bool compare_blocks(Examination& e, ForceTwin<double>& twin, const State& state)
 }
 
 /// Slopes of the force along a coordinate where it does not. False where none settles.
-bool compare_slope(Examination& e, const State& state, std::size_t i) {
+bool compare_slope(ForceUnderTest& e, const State& state, std::size_t i) {
   const Direction along = e.along(i);
   const double longest = kLongestDifference * e.length();
   if (e.variable(i).axis < 0 || !is_regular(e, state, along, along, longest)) return false;
@@ -123,7 +123,7 @@ bool compare_slope(Examination& e, const State& state, std::size_t i) {
 }
 
 /// Moved along every axis with a period by a random part of it.
-State in_another_phase(const Examination& e, const State& state, const SceneForce& from,
+State in_another_phase(const ForceUnderTest& e, const State& state, const SceneForce& from,
                        Random& random) {
   State moved = state;
   for (int axis = 0; axis < 3; ++axis) {
@@ -137,7 +137,7 @@ State in_another_phase(const Examination& e, const State& state, const SceneForc
 
 }  // namespace
 
-std::optional<ClaimResult> stiffness(Examination& e) {
+std::optional<ClaimResult> stiffness(ForceUnderTest& e) {
   if (!(e.bound().curvature_bound() >= 0.0)) return std::nullopt;
   e.begin("stiffness", "no curvature beyond the bound that the stable step is made of");
   Random random(e.seed());

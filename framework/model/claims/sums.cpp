@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "framework/model/claims/examination.hpp"
+#include "framework/model/claims/force_under_test.hpp"
 
 /// What a force does to its bodies as a whole, and to nothing else.
 namespace tomlin::claims {
@@ -14,7 +14,7 @@ bool is_open(const Scene& scene) {
   return std::find(periodic.begin(), periodic.end(), true) == periodic.end();
 }
 
-SingleForce::Wrench total_of(Examination& e) {
+SingleForce::Wrench total_of(ForceUnderTest& e) {
   SingleForce::Wrench total;
   for (const std::size_t body : e.alone().force().bodies) {
     const SingleForce::Wrench wrench = e.alone().wrench(body);
@@ -86,7 +86,7 @@ class Watched {
 
 }  // namespace
 
-std::optional<ClaimResult> internal(Examination& e) {
+std::optional<ClaimResult> internal(ForceUnderTest& e) {
   if (!e.traits().internal) return std::nullopt;
   const bool open = is_open(e.alone().model().scene());
   e.begin("internal", open ? "forces and torques sum to zero" : "forces sum to zero");
@@ -114,7 +114,7 @@ std::optional<ClaimResult> internal(Examination& e) {
 }
 
 /// A driver's force and power as the summary will show them.
-std::optional<ClaimResult> driver(Examination& e) {
+std::optional<ClaimResult> driver(ForceUnderTest& e) {
   const Drive* drive = e.bound().drive();
   if (!e.traits().does_work || drive == nullptr) return std::nullopt;
   e.begin("driver", "reports the force it exerts, and force . velocity as its power");
@@ -141,7 +141,7 @@ std::optional<ClaimResult> driver(Examination& e) {
 
 /// Kernels that only add, on numbers that are not theirs; what they read stays as it is. What they
 /// add to nothing they add to anything, on the particles of rigid bodies and on their centres too.
-std::optional<ClaimResult> its_own(Examination& e) {
+std::optional<ClaimResult> its_own(ForceUnderTest& e) {
   e.begin("its own", "acts on its own bodies only, and adds to what is there");
   constexpr double kBackground = 8.0;
   const auto twin = e.twin();

@@ -11,7 +11,7 @@
 
 #include "framework/core/numbers/constants.hpp"
 #include "framework/core/text/axis_names.hpp"
-#include "framework/model/claims/examination.hpp"
+#include "framework/model/claims/force_under_test.hpp"
 
 /// All forces of a scene at once: kernels that are right alone may still tread on each other.
 namespace tomlin::claims {

@@ -56,10 +56,10 @@ struct State {
 using Variable = SingleForce::Variable;
 using Direction = std::vector<double>;  ///< one number for each variable
 
-class Examination {
+class ForceUnderTest {
  public:
   /// `length` is the scene's shortest, or the force's own.
-  Examination(const Scene& scene, std::size_t force, double length, const ClaimOptions& options);
+  ForceUnderTest(const Scene& scene, std::size_t force, double length, const ClaimOptions& options);
 
   /// False when there is nothing to look at: not built, or nothing moves.
   bool worthwhile() const { return alone_.built() && count() > 0; }
@@ -186,26 +186,26 @@ std::optional<ClaimResult> sum_of_all(const Scene& scene, double length,
 
 // The claims of one force, each where it applies.
 
-using Claim = std::optional<ClaimResult> (*)(Examination&);
+using Claim = std::optional<ClaimResult> (*)(ForceUnderTest&);
 
-std::optional<ClaimResult> conservative(Examination& e);
-std::optional<ClaimResult> exact(Examination& e);
-std::optional<ClaimResult> path(Examination& e);
-std::optional<ClaimResult> hessian(Examination& e);
-std::optional<ClaimResult> stiffness(Examination& e);
-std::optional<ClaimResult> finite(Examination& e);
-std::optional<ClaimResult> internal(Examination& e);
-std::optional<ClaimResult> dissipative(Examination& e);
-std::optional<ClaimResult> friction(Examination& e);
-std::optional<ClaimResult> balance(Examination& e);
-std::optional<ClaimResult> driver(Examination& e);
-std::optional<ClaimResult> periodic(Examination& e);
-std::optional<ClaimResult> origin(Examination& e);
-std::optional<ClaimResult> velocity(Examination& e);
-std::optional<ClaimResult> time(Examination& e);
-std::optional<ClaimResult> repeatable(Examination& e);
-std::optional<ClaimResult> its_own(Examination& e);
-std::optional<ClaimResult> same_bits(Examination& e);
-std::optional<ClaimResult> number_types(Examination& e);
+std::optional<ClaimResult> conservative(ForceUnderTest& e);
+std::optional<ClaimResult> exact(ForceUnderTest& e);
+std::optional<ClaimResult> path(ForceUnderTest& e);
+std::optional<ClaimResult> hessian(ForceUnderTest& e);
+std::optional<ClaimResult> stiffness(ForceUnderTest& e);
+std::optional<ClaimResult> finite(ForceUnderTest& e);
+std::optional<ClaimResult> internal(ForceUnderTest& e);
+std::optional<ClaimResult> dissipative(ForceUnderTest& e);
+std::optional<ClaimResult> friction(ForceUnderTest& e);
+std::optional<ClaimResult> balance(ForceUnderTest& e);
+std::optional<ClaimResult> driver(ForceUnderTest& e);
+std::optional<ClaimResult> periodic(ForceUnderTest& e);
+std::optional<ClaimResult> origin(ForceUnderTest& e);
+std::optional<ClaimResult> velocity(ForceUnderTest& e);
+std::optional<ClaimResult> time(ForceUnderTest& e);
+std::optional<ClaimResult> repeatable(ForceUnderTest& e);
+std::optional<ClaimResult> its_own(ForceUnderTest& e);
+std::optional<ClaimResult> same_bits(ForceUnderTest& e);
+std::optional<ClaimResult> number_types(ForceUnderTest& e);
 
 }  // namespace tomlin::claims

@@ -1,4 +1,4 @@
-#include "framework/model/claims/examination.hpp"
+#include "framework/model/claims/force_under_test.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -70,8 +70,8 @@ const char* name_of(Place place) {
   return kNames[static_cast<int>(place)];
 }
 
-Examination::Examination(const Scene& scene, std::size_t force, double length,
-                         const ClaimOptions& options)
+ForceUnderTest::ForceUnderTest(const Scene& scene, std::size_t force, double length,
+                               const ClaimOptions& options)
     : alone_(scene, force), length_(length), options_(options) {
   if (!worthwhile()) return;
   size_ = static_cast<double>(count() + pairs_of(scene, scene.forces[force]));
@@ -86,7 +86,7 @@ Examination::Examination(const Scene& scene, std::size_t force, double length,
 }
 
 /// Drivers are looked at while they are about a length away from their start.
-double Examination::latest_time() {
+double ForceUnderTest::latest_time() {
   double latest = alone_.model().scene().run.duration;
   if (const Drive* drive = bound().drive()) {
     for (const double velocity : drive->velocity) {
@@ -96,7 +96,7 @@ double Examination::latest_time() {
   return latest;
 }
 
-bool Examination::on_prescribed() const {
+bool ForceUnderTest::on_prescribed() const {
   const auto& bodies = alone_.force().bodies;
   return std::any_of(bodies.begin(), bodies.end(),
                      [&](std::size_t b) { return alone_.model().bodies()[b].prescribed(); });
@@ -104,7 +104,7 @@ bool Examination::on_prescribed() const {
 
 // ---- states
 
-void Examination::make_states() {
+void ForceUnderTest::make_states() {
   Random random(options_.seed);
   alone_.restart();
   start_.place = Place::start;
@@ -161,7 +161,7 @@ void Examination::make_states() {
   alone_.restart();
 }
 
-State Examination::displaced(double size, Random& random) const {
+State ForceUnderTest::displaced(double size, Random& random) const {
   State state = start_;
   state.place = Place::near;
   for (std::size_t i = 0; i < count(); ++i) {
@@ -175,7 +175,7 @@ State Examination::displaced(double size, Random& random) const {
 
 /// Two free particles that the force acts on, one brought close to the other; nothing where there
 /// are not two.
-std::optional<State> Examination::touching(double distance, Random& random) const {
+std::optional<State> ForceUnderTest::touching(double distance, Random& random) const {
   const Model& model = alone_.model();
   struct Particle {
     std::size_t body, index;
@@ -213,9 +213,9 @@ std::optional<State> Examination::touching(double distance, Random& random) cons
   return state;
 }
 
-bool Examination::takes_long() const { return size_ > kMany; }
+bool ForceUnderTest::takes_long() const { return size_ > kMany; }
 
-std::vector<const State*> Examination::everywhere() const {
+std::vector<const State*> ForceUnderTest::everywhere() const {
   std::vector<const State*> states;
   const bool few = takes_long();
   for (std::size_t k = few && near_.size() > 1 ? near_.size() - 2 : 0; k < near_.size(); ++k) {
@@ -229,7 +229,7 @@ std::vector<const State*> Examination::everywhere() const {
   return states;
 }
 
-void Examination::put(const State& state) {
+void ForceUnderTest::put(const State& state) {
   for (std::size_t i = 0; i < count(); ++i) {
     alone_.position(variable(i)) = state.x[i];
     alone_.velocity(variable(i)) = state.v[i];
@@ -237,13 +237,13 @@ void Examination::put(const State& state) {
   std::copy(state.own.begin(), state.own.end(), alone_.own());
 }
 
-void Examination::put_moved(const State& state, const Direction& direction, double h) {
+void ForceUnderTest::put_moved(const State& state, const Direction& direction, double h) {
   for (std::size_t i = 0; i < count(); ++i) {
     alone_.position(variable(i)) = state.x[i] + h * direction[i];
   }
 }
 
-std::vector<double> Examination::forces(const State& state) {
+std::vector<double> ForceUnderTest::forces(const State& state) {
   put(state);
   const double* all = alone_.forces(state.time);
   std::vector<double> forces(count());
@@ -251,7 +251,7 @@ std::vector<double> Examination::forces(const State& state) {
   return forces;
 }
 
-double Examination::largest(const std::vector<double>& forces) const {
+double ForceUnderTest::largest(const std::vector<double>& forces) const {
   double most = 0.0;
   for (std::size_t i = 0; i < count(); ++i) {
     const double size = std::abs(at_edge(i, forces[i]));
@@ -261,19 +261,19 @@ double Examination::largest(const std::vector<double>& forces) const {
   return most;
 }
 
-Direction Examination::random_direction(Random& random) const {
+Direction ForceUnderTest::random_direction(Random& random) const {
   Direction direction(count());
   for (std::size_t i = 0; i < count(); ++i) direction[i] = variable(i).unit * random.symmetric();
   return direction;
 }
 
-Direction Examination::along(std::size_t i) const {
+Direction ForceUnderTest::along(std::size_t i) const {
   Direction direction(count(), 0.0);
   direction[i] = variable(i).unit;
   return direction;
 }
 
-double Examination::reach(const State& state) const {
+double ForceUnderTest::reach(const State& state) const {
   double reach = length_;
   for (std::size_t i = 0; i < count(); ++i) {
     if (variable(i).axis >= 0) {
@@ -286,7 +286,7 @@ double Examination::reach(const State& state) const {
 }
 
 /// All that a force reads, by parts of its size.
-State Examination::shaken(const State& state, double shake, Random& random) const {
+State ForceUnderTest::shaken(const State& state, double shake, Random& random) const {
   const double size = reach(state);
   State shaken = state;
   for (std::size_t i = 0; i < count(); ++i) {
@@ -299,7 +299,7 @@ State Examination::shaken(const State& state, double shake, Random& random) cons
 }
 
 /// The largest force's change under a shake, and by how much more than half of it the half makes.
-Examination::Change Examination::change_by(const State& state, double shake) {
+ForceUnderTest::Change ForceUnderTest::change_by(const State& state, double shake) {
   const std::vector<double> before = forces(state);
   Change most;
   for (int k = 0; k < kShakes; ++k) {
@@ -323,7 +323,7 @@ Examination::Change Examination::change_by(const State& state, double shake) {
 }
 
 /// The same in quadruple numbers, whose own rounding does not show in it.
-double Examination::exact_change(const State& state, double shake) {
+double ForceUnderTest::exact_change(const State& state, double shake) {
   ForceTwin<Quad>& twin = *exact();
   const auto forces_at = [&](const State& from, Random* random) {
     const double size = shake * reach(from);
@@ -360,7 +360,7 @@ double Examination::exact_change(const State& state, double shake) {
   return most;
 }
 
-Examination::Terms Examination::terms(const State& state) {
+ForceUnderTest::Terms ForceUnderTest::terms(const State& state) {
   if (by_terms_ == nullptr) return {};
   ForceTwin<double>& twin = *by_terms_;
   const SystemView<double>& view = twin.view();
@@ -395,7 +395,7 @@ Examination::Terms Examination::terms(const State& state) {
 
 /// The largest sum of sizes among the coordinates of rigid bodies; forces come by body, axis and
 /// particle.
-double Examination::gathered(const std::vector<double>& particle_forces) const {
+double ForceUnderTest::gathered(const std::vector<double>& particle_forces) const {
   double most = 0.0;
   std::size_t next = 0;
   for (const std::size_t b : alone_.force().bodies) {
@@ -423,8 +423,8 @@ double Examination::gathered(const std::vector<double>& particle_forces) const {
   return most;
 }
 
-double Examination::change_of(const State& state,
-                              const std::function<double(const State&)>& number) {
+double ForceUnderTest::change_of(const State& state,
+                                 const std::function<double(const State&)>& number) {
   const double before = number(state);
   double most = 0.0;
   for (const double shake : {kShake, kStir, kTinyShake}) {
@@ -440,7 +440,7 @@ double Examination::change_of(const State& state,
 
 /// A formula whose terms nearly cancel loses more digits within than its inputs explain: that is
 /// noise, which a tiny shake stirs up.
-double Examination::sensitivity(const State& state) {
+double ForceUnderTest::sensitivity(const State& state) {
   const Change change = change_by(state, kShake);
   const Change stirred = change_by(state, kStir);
   const Change tiny = change_by(state, kTinyShake);
@@ -462,17 +462,17 @@ double Examination::sensitivity(const State& state) {
 
 // ---- the same force otherwise
 
-std::unique_ptr<ForceTwin<double>> Examination::twin(InstructionSet set) const {
+std::unique_ptr<ForceTwin<double>> ForceUnderTest::twin(InstructionSet set) const {
   AssemblyPlan plan = alone_.model().plan();
   plan.set = set;
   return std::make_unique<ForceTwin<double>>(plan);
 }
 
-std::unique_ptr<ForceTwin<double>> Examination::twin() const {
+std::unique_ptr<ForceTwin<double>> ForceUnderTest::twin() const {
   return twin(alone_.model().plan().set);
 }
 
-ForceTwin<Quad>* Examination::exact() {
+ForceTwin<Quad>* ForceUnderTest::exact() {
   if (!sought_exact_ && record().bind.in_quadruple != nullptr && size_ <= kTooMany) {
     exact_ = std::make_unique<ForceTwin<Quad>>(alone_.model().plan());
   }
@@ -480,7 +480,7 @@ ForceTwin<Quad>* Examination::exact() {
   return exact_.get();
 }
 
-std::unique_ptr<ForceTwin<float>> Examination::in_float() const {
+std::unique_ptr<ForceTwin<float>> ForceUnderTest::in_float() const {
   if (record().bind.in_float == nullptr) return nullptr;
   try {
     return std::make_unique<ForceTwin<float>>(alone_.model().plan());
@@ -491,19 +491,19 @@ std::unique_ptr<ForceTwin<float>> Examination::in_float() const {
 
 // ---- the answer
 
-void Examination::begin(const char* claim, const char* meaning) {
+void ForceUnderTest::begin(const char* claim, const char* meaning) {
   const Model::Force& force = alone_.force();
   now_ = {force.name, force.record->name, claim, meaning, true, 0.0, 0.0, 0, {}};
   strain_ = -1.0;
 }
 
-ClaimResult Examination::end() {
+ClaimResult ForceUnderTest::end() {
   alone_.restart();
   return now_;
 }
 
-void Examination::note(double found, double due, double size, double allowed, const State& state,
-                       std::size_t variable) {
+void ForceUnderTest::note(double found, double due, double size, double allowed, const State& state,
+                          std::size_t variable) {
   const double difference = found == due ? 0.0 : std::abs(found - due);
   const bool holds = difference <= allowed;  // false for what is no number
   const double strain = difference == 0.0 ? 0.0
@@ -520,8 +520,8 @@ void Examination::note(double found, double due, double size, double allowed, co
   now_.worst.due = due;
 }
 
-void Examination::note(const std::vector<double>& found, const std::vector<double>& due,
-                       double size, double allowed, const State& state) {
+void ForceUnderTest::note(const std::vector<double>& found, const std::vector<double>& due,
+                          double size, double allowed, const State& state) {
   std::size_t worst = 0;
   double most = -1.0;
   for (std::size_t i = 0; i < count(); ++i) {
@@ -534,15 +534,15 @@ void Examination::note(const std::vector<double>& found, const std::vector<doubl
   note(at_edge(worst, found[worst]), at_edge(worst, due[worst]), size, allowed, state, worst);
 }
 
-void Examination::note_same(double found, double due, const State& state) {
+void ForceUnderTest::note_same(double found, double due, const State& state) {
   const bool same = std::bit_cast<std::uint64_t>(found) == std::bit_cast<std::uint64_t>(due) ||
                     (std::isnan(found) && std::isnan(due)) || found == due;
   if (same) return note(0.0, 0.0, 0.0, 0.0, state);
   note(found, due, std::abs(due), -1.0, state);
 }
 
-void Examination::note_same(const std::vector<double>& found, const std::vector<double>& due,
-                            const State& state) {
+void ForceUnderTest::note_same(const std::vector<double>& found, const std::vector<double>& due,
+                               const State& state) {
   for (std::size_t i = 0; i < count(); ++i) {
     const bool both_none = std::isnan(found[i]) && std::isnan(due[i]);
     const bool same =
@@ -553,7 +553,7 @@ void Examination::note_same(const std::vector<double>& found, const std::vector<
   note(0.0, 0.0, 0.0, 0.0, state);
 }
 
-ClaimPoint Examination::point(const State& state, std::size_t chosen) const {
+ClaimPoint ForceUnderTest::point(const State& state, std::size_t chosen) const {
   ClaimPoint point;
   point.state = name_of(state.place);
   point.time = state.time;
