@@ -63,4 +63,6 @@ endforeach()
 install(DIRECTORY scenarios DESTINATION ${CMAKE_INSTALL_DOCDIR}
         FILES_MATCHING PATTERN "*.md" PATTERN "*.toml" PATTERN "*.svg")
 
-include(TomlinPackage)
+if(PROJECT_IS_TOP_LEVEL)
+  include(TomlinPackage)
+endif()
