@@ -87,6 +87,8 @@ def main():
     build = Path(sys.argv[1]).resolve()
     if shutil.which("cpack") is None or shutil.which("dpkg-deb") is None:
         skip("Debian packages are made by cpack and dpkg-deb")
+    if not (build / "CPackConfig.cmake").exists():
+        skip("tomlin is built as a part of another project")
     with tempfile.TemporaryDirectory() as folder:
         package = package_of(build, Path(folder))
         if sys.argv[2:] == ["--bare-system"]:
