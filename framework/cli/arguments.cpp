@@ -118,7 +118,7 @@ and, while the run is going on or after it was stopped, what it can be resumed f
   run.journal       all samples and events so far
 
 Ctrl-C ends a run early and leaves what is known so far, with a checkpoint; a second Ctrl-C ends it
-at once. A run that was stopped, was killed or ran out of disk space continues with --resume, from the last
+at once. A run that was stopped, was killed or ran out of disk space resumes with --resume, from the last
 checkpoint to the same bits as one that was left alone. The scene must be the same, and so must the
 version of tomlin.
 
@@ -158,7 +158,7 @@ scene; then the digits that have a meaning are told, and nothing is recommended 
 A run that does not fit into the budget is left out, and listed with how far it got.
 
 DIR then holds
-  tradeoff.csv      every point: method, step or tolerance, value, error, cost
+  tradeoff.csv      every point: rung (the method), step or tolerance, value, error, cost
   tradeoff.json     the same with the reference, what was left out and the recommendation
   tradeoff.svg      error against cost, when there is gnuplot
 
@@ -286,12 +286,7 @@ Examples:
 
 [[noreturn]] void refuse(FaultCode code, std::string why, std::string nearest = "",
                          std::string admissible = "") {
-  Fault fault(code);
-  fault.place.file = "tomlin";
-  fault.why = std::move(why);
-  fault.admissible = std::move(admissible);
-  fault.nearest = std::move(nearest);
-  throw InputError({fault});
+  refuse_input(code, "tomlin", "", std::move(why), std::move(admissible), std::move(nearest));
 }
 
 /// CLI11 has one kind of error for too few values and for too many.
@@ -327,7 +322,8 @@ void check_command(std::string_view word) {
   if (std::find(names.begin(), names.end(), word) != names.end()) return;
   for (const LaterCommand& later : kLaterCommands) {
     if (word == later.name) {
-      refuse(FaultCode::command_unknown, fmt::format("\"{}\" is not in this version", word));
+      refuse(FaultCode::command_not_in_this_version,
+             fmt::format("\"{}\" is not in this version", word));
     }
     names.emplace_back(later.name);
   }
@@ -350,12 +346,8 @@ std::vector<Setting> settings_of(const std::vector<std::string>& texts) {
   for (const std::string& text : texts) {
     const auto equals = text.find('=');
     if (equals == std::string::npos) {
-      Fault fault(FaultCode::command_missing_argument);
-      fault.place.file = "--set";
-      fault.key = text.empty() ? "\"\"" : text;
-      fault.why = "no value";
-      fault.admissible = "PATH=VALUE";
-      faults.push_back(std::move(fault));
+      faults.emplace_back(FaultCode::command_missing_argument, Place{"--set"},
+                          text.empty() ? "\"\"" : text, "", "no value", "PATH=VALUE");
       continue;
     }
     settings.push_back({text.substr(0, equals), text.substr(equals + 1)});
@@ -781,8 +773,9 @@ class CommandLine {
 }  // namespace
 
 Arguments parse_arguments(int argc, const char* const* argv) {
-  if (argc < 2)
+  if (argc < 2) {
     refuse(FaultCode::command_missing_argument, "a command is missing", "", all_commands());
+  }
   // `tomlin help run` is `tomlin run --help`.
   if (argv[1] == std::string_view("help")) {
     std::vector<const char*> words = {argv[0]};

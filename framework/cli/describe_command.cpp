@@ -458,11 +458,8 @@ int write_pages(const fs::path& folder, const Registry& registry, bool force) {
     std::error_code error;
     fs::create_directories(file.parent_path(), error);
     if (error) {
-      Fault fault(FaultCode::file_cannot_write);
-      fault.place.file = "-o";
-      fault.key = file.parent_path().string();
-      fault.why = "cannot be made: " + error.message();
-      throw InputError({fault});
+      refuse_input(FaultCode::file_cannot_write, "-o", file.parent_path().string(),
+                   "cannot be made: " + error.message());
     }
     OutputFile output(file);
     output.append(page.text);
@@ -470,11 +467,6 @@ int write_pages(const fs::path& folder, const Registry& registry, bool force) {
     written += file.string() + "\n";
   }
   return print_result(written);
-}
-
-/// Paths of libraries may be any bytes.
-std::string text_of(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace
@@ -486,26 +478,25 @@ int describe_command(const DescribeArguments& arguments) {
   const auto tables = described_tables();
   if (arguments.name.empty()) {
     if (arguments.markdown) return print_result(all_pages(registry));
-    return print_result(arguments.json ? text_of(list_json(all, tables)) + "\n"
+    return print_result(arguments.json ? json_text(list_json(all, tables))
                                        : list_text(all, tables));
   }
   const std::string name = without_scene_signs(arguments.name);
   if (const Described* component = find(all, name)) {
     if (arguments.markdown) return print_result(component_section(*component));
-    return print_result(arguments.json ? text_of(component_json(*component)) + "\n"
+    return print_result(arguments.json ? json_text(component_json(*component))
                                        : component_text(*component));
   }
   if (const KindNames* kind = find_kind(name)) {
     if (arguments.markdown) return print_result(kind_section(*kind, all));
-    return print_result(arguments.json ? text_of(kind_json(*kind, all)) + "\n"
-                                       : kind_text(*kind, all));
+    return print_result(arguments.json ? json_text(kind_json(*kind, all)) : kind_text(*kind, all));
   }
   if (const SceneTable* table = find(tables, name)) {
     if (arguments.markdown) return print_result(table_section(*table));
-    return print_result(arguments.json ? text_of(table_json(*table)) + "\n" : table_text(*table));
+    return print_result(arguments.json ? json_text(table_json(*table)) : table_text(*table));
   }
   if (name == "results") {
-    return print_result(arguments.json ? text_of(results_json()) + "\n" : results_section());
+    return print_result(arguments.json ? json_text(results_json()) : results_section());
   }
   if (name == "diagnostics") {
     if (arguments.markdown) return print_result(diagnostics_section());

@@ -14,7 +14,7 @@ namespace tomlin {
 /// a fault has not.
 nlohmann::ordered_json faults_json(const std::vector<Fault>& faults);
 
-/// Faults may quote anything that a file holds, broken UTF-8 included: invalid bytes are replaced.
+/// Indented. Faults and paths of libraries may hold any bytes: what is not UTF-8 is replaced.
 std::string json_text(const nlohmann::ordered_json& json);
 
 /// What a code means, with an example and a cure: for `describe CODE` and `describe diagnostics`.

@@ -48,12 +48,9 @@ void refuse_to_lose_inputs(const RunFolder& folder, const Scene& scene,
       for (const fs::path& file : {folder.file(name), unfinished(folder.file(name))}) {
         std::error_code error;
         if (!fs::equivalent(file, input.path, error) || stays_the_same(file, scene)) continue;
-        Fault fault(FaultCode::file_exists);
-        fault.place.file = "-o";
-        fault.key = folder.path().string();
-        fault.why = fmt::format("the results would replace {}: {}", input.what, file.string());
-        fault.admissible = "another folder";
-        throw InputError({std::move(fault)});
+        refuse_input(FaultCode::file_exists, "-o", folder.path().string(),
+                     fmt::format("the results would replace {}: {}", input.what, file.string()),
+                     "another folder");
       }
     }
   }

@@ -38,13 +38,8 @@ constexpr int kMostNeighbours = 1000;  // folders looked at for a nearest name
 [[noreturn]] void refuse_option(FaultCode code, const std::string& key, std::string why,
                                 std::string admissible = "", std::string nearest = "",
                                 std::string file = "tomlin") {
-  Fault fault(code);
-  fault.place.file = std::move(file);
-  fault.key = shortened(key, kLongestShownValue);
-  fault.why = std::move(why);
-  fault.admissible = std::move(admissible);
-  fault.nearest = std::move(nearest);
-  throw InputError({fault});
+  refuse_input(code, std::move(file), shortened(key, kLongestShownValue), std::move(why),
+               std::move(admissible), std::move(nearest));
 }
 
 std::vector<std::string> all_whats() {

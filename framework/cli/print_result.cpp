@@ -16,10 +16,8 @@ int print_result(const std::string& given) {
   // A reader that went away, as `head` does, has seen what it wanted.
   if (printed || errno == EPIPE) return kExitDone;
   const std::string reason = std::generic_category().message(errno);
-  Fault fault(FaultCode::file_cannot_write);
-  fault.place.file = "tomlin";
-  fault.why = "cannot write to standard output: " + reason;
-  print_error_line(to_string(fault));
+  print_error_line(to_string(Fault(FaultCode::file_cannot_write, {"tomlin"}, "", "",
+                                   "cannot write to standard output: " + reason)));
   return kExitFailed;
 }
 

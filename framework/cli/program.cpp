@@ -50,10 +50,7 @@ int end_with(int status, const std::string& message) {
 }
 
 int end_with(int status, FaultCode code, const std::string& why) {
-  Fault fault(code);
-  fault.place.file = "tomlin";
-  fault.why = why;
-  return end_with(status, to_string(fault));
+  return end_with(status, to_string(Fault(code, {"tomlin"}, "", "", why)));
 }
 
 /// A plugin may have thrown what nobody else has said anything about.

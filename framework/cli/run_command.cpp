@@ -37,10 +37,7 @@ std::string default_folder(const std::string& scene_file) {
 }
 
 void print_error(FaultCode code, const std::string& file, const std::string& why) {
-  Fault fault(code);
-  fault.place.file = file;
-  fault.why = why;
-  print_error_line(to_string(fault));
+  print_error_line(to_string(Fault(code, {file}, "", "", why)));
 }
 
 std::string where_results_are(const RunFolder& folder) {

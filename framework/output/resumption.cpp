@@ -21,21 +21,13 @@ constexpr const char* kStartAgain = "--force, which starts again from the beginn
 
 [[noreturn]] void refuse(FaultCode code, const fs::path& what, std::string why,
                          std::string admissible = "") {
-  Fault fault(code);
-  fault.place.file = "--resume";
-  fault.key = what.string();
-  fault.why = std::move(why);
-  fault.admissible = admissible.empty() ? kStartAgain : std::move(admissible);
-  throw InputError({fault});
+  refuse_input(code, "--resume", what.string(), std::move(why),
+               admissible.empty() ? kStartAgain : std::move(admissible));
 }
 
 /// Where a file is damaged: its message names it already.
 [[noreturn]] void refuse(const DamagedFile& damage) {
-  Fault fault(FaultCode::file_damaged);
-  fault.place.file = "--resume";
-  fault.why = damage.what();
-  fault.admissible = kStartAgain;
-  throw InputError({fault});
+  refuse_input(FaultCode::file_damaged, "--resume", "", damage.what(), kStartAgain);
 }
 
 /// Takes the first line off.

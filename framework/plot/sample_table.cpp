@@ -18,12 +18,8 @@ namespace {
 
 [[noreturn]] void refuse(FaultCode code, Place place, const std::string& value, std::string why,
                          std::string admissible = "") {
-  Fault fault(code);
-  fault.place = std::move(place);
-  fault.key = shortened(value, kLongestShownValue);
-  fault.why = std::move(why);
-  fault.admissible = std::move(admissible);
-  throw InputError({fault});
+  throw InputError({Fault(code, std::move(place), shortened(value, kLongestShownValue), "",
+                          std::move(why), std::move(admissible))});
 }
 
 /// "driver.force.x [force]"

@@ -34,7 +34,6 @@ bool AdaptiveSteps::foresees_too_many_steps() {
   const double foreseen = static_cast<double>(taken) * (run_.plan.duration / run_.clock.time());
   if (foreseen <= kSurely * most) return false;
   run_.fail(StepFault::too_many_steps, 0.0);
-  run_.outcome.failure->code = FaultCode::run_step_limit;
   run_.outcome.failure->what = fmt::format(
       "at its present step size the run would take {:.2g} steps, and most_steps allows {:g}",
       foreseen, most);

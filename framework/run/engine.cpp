@@ -85,10 +85,7 @@ Engine::Parts::Parts(const std::shared_ptr<const Scene>& scene, const RunOptions
   if (!run.attempt([this] { begin(); })) observation.samples().begin_sink();
 } catch (const PluginError& error) {
   // Before the run has begun, of which something could be left.
-  Fault fault(FaultCode::plugin_error);
-  fault.place.file = scene->file;
-  fault.why = error.what();
-  throw InputError({std::move(fault)});
+  refuse_input(FaultCode::plugin_error, scene->file, "", error.what());
 }
 
 /// From the scene's start, or a checkpoint, to just before the first step.

@@ -76,8 +76,8 @@ DoubleDouble FixedGrid::end_of_step() const {
   return at_end ? DoubleDouble(plan.duration) : end;
 }
 
-/// How many steps end before the next sample or edge of the window is due; samples of a single
-/// point at every step are served within blocks.
+/// The number of steps that end before the next edge of the window and the next sample. For a
+/// single particle that is sampled at every step, samples do not end a block.
 std::int64_t FixedGrid::plain_steps() {
   const RunPlan& plan = run_.plan;
   const std::int64_t taken = run_.clock.grid_steps();

@@ -25,11 +25,8 @@ std::string_view without_byte_order_mark(std::string_view text) {
 
 [[noreturn]] void stop(FaultCode code, const std::string& file, const TextPlace& mark,
                        std::string why, std::string admissible = "") {
-  Fault fault(code);
-  fault.place = {file, static_cast<int>(mark.line), static_cast<int>(mark.column)};
-  fault.why = std::move(why);
-  fault.admissible = std::move(admissible);
-  throw InputError({std::move(fault)});
+  throw InputError({Fault(code, {file, static_cast<int>(mark.line), static_cast<int>(mark.column)},
+                          "", "", std::move(why), std::move(admissible))});
 }
 
 /// Walks over text and knows line and column.

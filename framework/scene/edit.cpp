@@ -31,12 +31,7 @@ class Edit {
 
  private:
   [[noreturn]] void refuse(FaultCode code, std::string why) const {
-    Fault fault(code);
-    fault.place.file = file_;
-    fault.key = setting_->path;
-    fault.value = setting_->value;
-    fault.why = std::move(why);
-    throw InputError({std::move(fault)});
+    throw InputError({Fault(code, {file_}, setting_->path, setting_->value, std::move(why))});
   }
 
   /// Where an extent begins in the text, and where it ends.

@@ -47,20 +47,13 @@ std::vector<Fault> FaultList::in_order() const {
 void FaultList::add(std::uint32_t setting, Place place, std::string value, Wrong wrong) {
   if (faults_.size() == kMostFaults) {
     std::vector<Fault> faults = in_order();
-    Fault more(FaultCode::scene_too_many_faults);
-    more.place = faults.back().place;
-    more.why = "further faults are not shown";
-    faults.push_back(std::move(more));
+    faults.emplace_back(FaultCode::scene_too_many_faults, faults.back().place, "", "",
+                        "further faults are not shown");
     throw InputError(std::move(faults));
   }
-  Fault fault(wrong.code);
-  fault.place = std::move(place);
-  fault.key = std::move(wrong.key);
-  fault.value = std::move(value);
-  fault.why = std::move(wrong.why);
-  fault.admissible = std::move(wrong.admissible);
-  fault.nearest = std::move(wrong.nearest);
-  faults_.push_back({setting, std::move(fault)});
+  faults_.push_back({setting, Fault(wrong.code, std::move(place), std::move(wrong.key),
+                                    std::move(value), std::move(wrong.why),
+                                    std::move(wrong.admissible), std::move(wrong.nearest))});
 }
 
 }  // namespace tomlin

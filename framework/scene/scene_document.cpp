@@ -16,10 +16,8 @@ std::string contents_of(const std::string& file) {
   TextFile contents = read_text_file(file, kLargestSceneFile);
   if (contents.too_large) refuse_too_large(file);
   if (contents.why.empty()) return std::move(contents.text);
-  Fault fault(FaultCode::file_cannot_read);
-  fault.place = {file, 1, 1};
-  fault.why = std::move(contents.why);
-  throw InputError({std::move(fault)});
+  throw InputError(
+      {Fault(FaultCode::file_cannot_read, {file, 1, 1}, "", "", std::move(contents.why))});
 }
 
 }  // namespace

@@ -365,6 +365,11 @@ class Pilot {
       if (one.projected > 0.0)
         left[one.method].cost = std::min(left[one.method].cost, one.projected);
     }
+    climb(std::move(left), wanted);
+  }
+
+  /// The cheapest first, each until a setting is as wanted, or more expensive than one that is.
+  void climb(std::vector<Next> left, const Wanted& wanted) {
     while (!left.empty() && !interrupted()) {
       const auto next = std::min_element(
           left.begin(), left.end(), [](const Next& a, const Next& b) { return a.cost < b.cost; });
@@ -385,15 +390,6 @@ class Pilot {
     return piece_.duration / resolution(one, level) * one.integrator->evaluations_per_step;
   }
 
-  /// From coarse to fine until a setting is as wanted, or more expensive than one that is.
-  void climb(std::size_t k, const Wanted& wanted) {
-    for (int level = first_level(k); level < kMostResolutions && !interrupted(); ++level) {
-      const auto best = cheapest_of(wanted);
-      const Tried tried = try_out(k, level, best ? best->cost : most_expensive_);
-      if (wanted.met_by(tried) || tried.cost == kInfinity) return;
-    }
-  }
-
   /// An error may be small by chance, where it changes sign: the next finer setting has to be as
   /// good, or the error is taken to be that one's.
   std::optional<Tried> confirmed(const Wanted& wanted) {
@@ -403,7 +399,7 @@ class Pilot {
       if (finer.error <= found->error) return found;
       known(found->method, found->level)->error = finer.error;
       if (wanted.met_by(finer)) return cheapest_of(wanted);
-      climb(found->method, wanted);
+      climb({{found->method, first_level(found->method)}}, wanted);
     }
     return std::nullopt;
   }

@@ -120,12 +120,8 @@ class ReferenceSearch {
   const Measurement& look(const Method& method, double resolution) {
     const Measurement& pilot = measurer_.at(method, resolution, share(kShareOfPilot));
     if (pilot.end == TrialRun::End::finished && !pilot.defined()) {
-      Fault fault(FaultCode::observable_undefined);
-      fault.place.file = "--observable";
-      fault.key = measurer_.observable();
-      fault.why = "undefined in this scene";
-      fault.admissible = "a number that its summary has";
-      throw InputError({fault});
+      refuse_input(FaultCode::observable_undefined, "--observable", measurer_.observable(),
+                   "undefined in this scene", "an observable that has a value in it");
     }
     if (!pilot.defined()) {
       why_none_ += fmt::format("{}{} at {} = {:g}: {}", why_none_.empty() ? "" : "; ", method.name,

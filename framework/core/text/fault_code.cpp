@@ -90,7 +90,8 @@ constexpr FaultKind kKinds[] = {
      "[parameters] with a = \"b\" and b = \"a\".", "Give one of them a number."},
     {FaultCode::component_invalid, "component.invalid",
      "Each parameter is admissible by itself, but the component rejects their combination.",
-     "A pair potential whose cutoff is smaller than its core.",
+     "tomlin run pt.toml --set "
+     "'run.integrator={type=\"dopri5\",smallest_step=1.0,largest_step=0.1}'",
      "See the page of the component: `tomlin describe COMPONENT`."},
     {FaultCode::component_unsuitable, "component.unsuitable",
      "The force, observer or operator cannot act on this body or in this scene: another dimension, "
@@ -209,6 +210,9 @@ constexpr FaultKind kKinds[] = {
      "Install gnuplot (Debian: gnuplot-nox)."},
     {FaultCode::command_unknown, "command.unknown", "There is no command of this name.",
      "tomlin rum", "`tomlin --help` lists the commands."},
+    {FaultCode::command_not_in_this_version, "command.not_in_this_version",
+     "The command is planned; this version of the program does not implement it.", "tomlin sweep",
+     "Use a version that has it; `tomlin --help` lists the commands of this one."},
     {FaultCode::command_unknown_option, "command.unknown_option",
      "The command has no such option, or does not expect this argument.",
      "tomlin run pt.toml --thread=2", "`tomlin COMMAND --help` lists the options."},

@@ -72,6 +72,7 @@ enum class FaultCode {
   plot_no_gnuplot,
   // The command line and the machine.
   command_unknown,
+  command_not_in_this_version,
   command_unknown_option,
   command_missing_argument,
   command_invalid_value,

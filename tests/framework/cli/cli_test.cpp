@@ -129,11 +129,11 @@ TEST_F(Cli, WhatItDoesNotKnowIsBadInput) {
 }
 
 TEST_F(Cli, WhatIsToComeSaysSo) {
-  const std::string unknown = "tomlin: [command.unknown]\n";
+  const std::string planned = "tomlin: [command.not_in_this_version]\n";
   for (const std::string name : {"sweep", "stability", "merge", "export", "report"}) {
-    expect_refused({name}, unknown, {"\"" + name + "\"", " version"});
+    expect_refused({name}, planned, {"\"" + name + "\"", " version"});
   }
-  expect_refused({"sweep", "tip.toml", "--over", "v=1,2", "-o", "x"}, unknown, {"\"sweep\""});
+  expect_refused({"sweep", "tip.toml", "--over", "v=1,2", "-o", "x"}, planned, {"\"sweep\""});
 }
 
 // ---- describe

@@ -14,6 +14,7 @@
 
 #include "framework/run/observables.hpp"
 #include "tests/support/memory_store.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace tomlin {
@@ -254,41 +255,14 @@ TEST(AccuracyOf, IsNotPromisedWhereNothingGetsThroughThePilot) {
 /// short.
 constexpr std::uint64_t kMostOfPilot = 100'000;
 
-constexpr const char* kChain = R"(
-[[body]]
-type = "chain"
-name = "chain"
-count = 55
-spacing = "34 / 55"
-particle_mass = 1.0
-[[force]]
-type = "harmonic_bonds"
-pairs = "neighbours"
-stiffness = 1.0
-[[force]]
-name = "driver"
-type = "driving_spring"
-stiffness = 0.05
-velocity = [1e-3]
-attach = "each_particle"
-[[force]]
-type = "viscous_damping"
-coefficient = 0.5
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = -0.01266514795529222
-period = 1.0
-[run]
-duration = 1e4
-accuracy = 1e-3
-)";
-
 /// Cheap settings first: 9 thousand for the ring, where trials without an order came to 26
 /// thousand; for the chain 72 thousand, where trials one scheme after the other came to 207.
 TEST(AccuracyOf, ThePilotTriesLittleThatCannotWin) {
   constexpr std::uint64_t kMost = 15'000;
   EXPECT_LT(choose_integrator(test::scene_of(kRing), test::standard()).pilot_cost, kMost);
-  EXPECT_LT(choose_integrator(test::scene_of(kChain), test::standard()).pilot_cost, kMostOfPilot);
+  const std::string chain = std::string(paths::source) + "/scenarios/frenkel_kontorova/driven.toml";
+  const auto scene = read_scene(chain, test::standard(), {{"run.accuracy", "1e-3"}});
+  EXPECT_LT(choose_integrator(scene, test::standard()).pilot_cost, kMostOfPilot);
 }
 
 /// What is spared: a run that is a hundred times as good as asked for is not paid for. With both
