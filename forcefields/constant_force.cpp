@@ -1,31 +1,22 @@
 #include "forcefields/constant_force.hpp"
 
 #include "framework/core/elements/site_force.hpp"
-#include "framework/core/records/force.hpp"
 
 TOMLIN_DECLARE_KERNELS(ConstantForce)
 
 namespace tomlin {
-namespace {
-
-using Description = ConstantForceDescription;
-
-}  // namespace
 
 ForceRecord constant_force_record() {
-  ForceRecord record;
+  using Description = ConstantForceDescription;
+  ForceRecord record = site_force<ConstantForce, kernels::ConstantForce>();
   record.name = "constant_force";
   record.summary = "the same constant force on every particle of a body";
   record.equation = "F = force, per particle";
   record.source =
       "V. Ambegaokar and B. I. Halperin, Phys. Rev. Lett. 22 (1969) 1364, "
       "doi:10.1103/PhysRevLett.22.1364, the tilted washboard, with a substrate";
-  record.element = Element::site;
-  record.traits = {.conservative = true};
-  record.make_description = &make_description<Description>;
   record.parameters = {
       parameter("force", &Description::force, dimension::force, "on each particle, per axis")};
-  record.bind = on_particles<ConstantForce, kernels::ConstantForce, kRankCheap>();
   record.example = R"(# A falling particle.
 [[body]]
 type = "point"

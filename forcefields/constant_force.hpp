@@ -1,7 +1,6 @@
 #pragma once
 
 #include "framework/core/elements/element.hpp"
-#include "framework/core/records/bound_force.hpp"
 #include "framework/core/records/registry.hpp"
 
 /// The same force on every particle, for ever.
@@ -28,29 +27,18 @@ struct ConstantForce {
   template <class T, int D>
   struct Parameters {
     Vec<T, D> force;
-    Vec<T, D> base;  ///< where the scene's origin is
   };
 
   template <class T, int D>
   static Parameters<T, D> parameters(const Description& d) {
     Parameters<T, D> p;
-    for (int k = 0; k < D; ++k) {
-      p.force[k] = T(d.force.components[k]);
-      p.base[k] = T(0.0);
-    }
+    for (int k = 0; k < D; ++k) p.force[k] = T(d.force.components[k]);
     return p;
   }
 
   template <class T, int D>
-  static void rebase(Parameters<T, D>& p, const Description&, const Origin& origin) {
-    for (int k = 0; k < D; ++k) {
-      p.base[k] = T(static_cast<double>(origin.cells[k])) * T(origin.unit[k]);
-    }
-  }
-
-  template <class T, int D>
   static T energy(const Parameters<T, D>& p, const Site<T, D>& site) {
-    return -dot(p.force, site.position + p.base);
+    return -dot(p.force, site.coordinates());
   }
 
   template <class T, int D>

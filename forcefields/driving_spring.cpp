@@ -65,6 +65,7 @@ class Driven : public Base {
   }
 
   void rebase(const Origin& origin) override {
+    Base::rebase(origin);
     for (int k = 0; k < D; ++k) {
       const auto cells = static_cast<double>(origin.cells[k] - this->first_origin_.cells[k]);
       shift_[k] = DoubleDouble(cells) * origin.unit[k];
@@ -117,8 +118,7 @@ class Driven : public Base {
 };
 
 template <class Real>
-std::unique_ptr<BoundForce<Real>> bind(const void* description, const Binding<Real>& binding) {
-  const auto& d = *static_cast<const Description*>(description);
+std::unique_ptr<BoundForce<Real>> bind(const Description& d, const Binding<Real>& binding) {
   return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
     if (d.attach.kind == Attachment::Kind::each_particle) {
       return std::make_unique<Driven<ParticleForce<DrivingSpring, Real, D>, Real, D>>(
@@ -135,7 +135,7 @@ std::unique_ptr<BoundForce<Real>> bind(const void* description, const Binding<Re
 }  // namespace
 
 ForceRecord driving_spring_record() {
-  ForceRecord record;
+  auto record = record_of<Description>();
   record.name = "driving_spring";
   record.summary = "a spring whose far end is pulled at constant velocity";
   record.equation = "F = stiffness * (start + velocity * t - x), on the attached point x";
@@ -145,8 +145,7 @@ ForceRecord driving_spring_record() {
       " eqs. (4) to (6); L. Prandtl, Z. Angew. Math. Mech. 8 (1928) 85, "
       "doi:10.1002/zamm.19280080202";
   record.element = Element::body;
-  record.traits = {.conservative = true, .depends_on_time = true, .does_work = true};
-  record.make_description = &make_description<Description>;
+  record.traits = traits_of_sites<DrivingSpring>();
   record.parameters = {
       parameter("stiffness", &Description::stiffness, dimension::stiffness,
                 "of the spring; of each particle's spring with attach = \"each_particle\"")
@@ -162,7 +161,8 @@ ForceRecord driving_spring_record() {
                 "reverse when an observable passes a value: { when = "
                 "\"bodies.NAME.centre_of_mass.x\", above = VALUE }, or below, or both; times = 1")
           .or_absent()};
-  record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
+  record.bind = {of_description<&bind<double>>, of_description<&bind<float>>,
+                 of_description<&bind<Quad>>};
   record.example = R"(# A damped particle follows a spring.
 [[body]]
 type = "point"

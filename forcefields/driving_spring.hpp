@@ -34,7 +34,7 @@ inline namespace TOMLIN_TARGET {
 
 struct DrivingSpring {
   using Description = DrivingSpringDescription;
-  static constexpr Reads reads{.start = true};
+  static constexpr Reads reads{.start = true, .time = true};
 
   template <class T, int D>
   struct Parameters {

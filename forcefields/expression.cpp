@@ -19,10 +19,6 @@ namespace {
 namespace variable = formula_variable;
 using Description = ExpressionDescription;
 
-const Description& described(const void* description) {
-  return *static_cast<const Description*>(description);
-}
-
 FormulaLaw law_of(const Description& d) { return FormulaLaw(d.energy, d.force); }
 
 std::array<double, 3> periods(const Description& d) {
@@ -33,8 +29,8 @@ std::array<double, 3> periods(const Description& d) {
   return period;
 }
 
-double period_along(const void* description, int axis) {
-  return periods(described(description))[static_cast<std::size_t>(axis)];
+double period_on(const Description& d, int axis) {
+  return periods(d)[static_cast<std::size_t>(axis)];
 }
 
 /// Where a formula departs from a quadratic one at a length L: its third difference there, beside
@@ -84,8 +80,8 @@ double length_along(const FormulaLaw& law, std::size_t component, std::uint32_t 
   return k == 0 ? 0.0 : std::ldexp(1.0, k - kOctaves);
 }
 
-double length_of_law(const void* description) {
-  const FormulaLaw law = law_of(described(description));
+double length_of_law(const Description& d) {
+  const FormulaLaw law = law_of(d);
   double shortest = std::numeric_limits<double>::infinity();
   for (std::size_t component = 0; component < law.components(); ++component) {
     for (const std::uint32_t first : {formula_variable::position, formula_variable::centre}) {
@@ -102,8 +98,8 @@ double length_of_law(const void* description) {
   return std::isfinite(shortest) ? shortest : 0.0;
 }
 
-Element element_of_law(const void* description) {
-  switch (law_of(described(description)).element()) {
+Element element_of_law(const Description& d) {
+  switch (law_of(d).element()) {
     case FormulaElement::particle:
       return Element::site;
     case FormulaElement::centre:
@@ -116,8 +112,7 @@ Element element_of_law(const void* description) {
   return Element::site;
 }
 
-Traits traits_of_law(const void* description) {
-  const Description& d = described(description);
+Traits traits_of_law(const Description& d) {
   const FormulaLaw law = law_of(d);
   const FormulaElement element = law.element();
   Traits traits;
@@ -129,8 +124,7 @@ Traits traits_of_law(const void* description) {
   return traits;
 }
 
-std::uint64_t pairs(const void* description, const SceneOutline& scene) {
-  const Description& d = described(description);
+std::uint64_t pairs(const Description& d, const SceneOutline& scene) {
   const FormulaElement element = law_of(d).element();
   const auto n = static_cast<std::uint64_t>(scene.bodies.front().count);
   if (element == FormulaElement::angle) return d.angles.neighbours ? n : d.angles.list.size();
@@ -339,8 +333,8 @@ class Examiner {
   std::vector<Complaint> found_;
 };
 
-std::vector<Complaint> complaints(const void* description, const SceneOutline& scene) {
-  return Examiner(described(description), scene).complaints();
+std::vector<Complaint> complaints(const Description& d, const SceneOutline& scene) {
+  return Examiner(d, scene).complaints();
 }
 
 // ---- binding ------------------------------------------------------------------------------------
@@ -353,8 +347,7 @@ std::unique_ptr<BoundForce<Real>> checked(Arguments&&... arguments) {
 }
 
 template <class Real>
-std::unique_ptr<BoundForce<Real>> bind(const void* description, const Binding<Real>& binding) {
-  const Description& d = described(description);
+std::unique_ptr<BoundForce<Real>> bind(const Description& d, const Binding<Real>& binding) {
   const FormulaLaw law = law_of(d);
   switch (law.element()) {
     case FormulaElement::particle:
@@ -372,7 +365,7 @@ std::unique_ptr<BoundForce<Real>> bind(const void* description, const Binding<Re
 }  // namespace
 
 ForceRecord expression_record() {
-  ForceRecord record;
+  auto record = record_of<Description>();
   record.name = "expression";
   record.summary = "a force given as a formula in the scene";
   record.equation =
@@ -380,10 +373,9 @@ ForceRecord expression_record() {
       "z, vx, vy, vz, t) itself";
   record.source = kSourceIsTheScene;
   record.element = Element::site;
-  record.traits_of = &traits_of_law;
-  record.element_of = &element_of_law;
+  record.traits_of = of_description<&traits_of_law>;
+  record.element_of = of_description<&element_of_law>;
   record.most_bodies = 2;
-  record.make_description = &make_description<Description>;
   record.parameters = {
       parameter("energy", &Description::energy, dimension::energy,
                 "of one element, over x, y, z (particles), xc, yc, zc (the centre of mass), r "
@@ -409,11 +401,12 @@ ForceRecord expression_record() {
                 "keeps its digits however far a body goes")
           .in(non_negative)
           .or_absent()};
-  record.complaints = &complaints;
-  record.pairs = &pairs;
-  record.period = &period_along;
-  record.length = &length_of_law;
-  record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
+  record.complaints = of_description<&complaints>;
+  record.pairs = of_description<&pairs>;
+  record.period = of_description<&period_on>;
+  record.length = of_description<&length_of_law>;
+  record.bind = {of_description<&bind<double>>, of_description<&bind<float>>,
+                 of_description<&bind<Quad>>};
   record.example =
       R"toml(# The substrate of a rolling ring as a formula: a particle swings about the minimum.
 [parameters]

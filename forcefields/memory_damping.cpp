@@ -1,19 +1,14 @@
 #include "forcefields/memory_damping.hpp"
 
 #include "framework/core/elements/own_state_force.hpp"
-#include "framework/core/records/force.hpp"
 
 TOMLIN_DECLARE_KERNELS(MemoryDamping)
 
 namespace tomlin {
-namespace {
-
-using Description = MemoryDampingDescription;
-
-}  // namespace
 
 ForceRecord memory_damping_record() {
-  ForceRecord record;
+  using Description = MemoryDampingDescription;
+  ForceRecord record = own_state_force<MemoryDamping, kernels::MemoryDamping>();
   record.name = "memory_damping";
   record.summary = "drag that remembers: generalised Langevin friction without noise";
   record.equation =
@@ -22,10 +17,6 @@ ForceRecord memory_damping_record() {
   record.source =
       "R. Zwanzig, J. Stat. Phys. 9, 215 (1973), doi:10.1007/BF01008729; H. Mori, Prog. Theor. "
       "Phys. 33, 423 (1965), doi:10.1143/PTP.33.423";
-  record.element = Element::site;
-  // Not dissipative at every moment: its spring gives back some of what it took.
-  record.traits = {.depends_on_velocity = true};
-  record.make_description = &make_description<Description>;
   record.parameters = {
       parameter("coefficient", &Description::coefficient, dimension::friction,
                 "mass/time, per particle: the drag on what is much slower than the memory")
@@ -33,7 +24,6 @@ ForceRecord memory_damping_record() {
       parameter("memory_time", &Description::memory_time, dimension::time,
                 "of the exponential kernel; several of these forces make a Prony series")
           .in(positive)};
-  record.bind = on_particles_with_state<MemoryDamping, kernels::MemoryDamping, kRankCheap>();
   record.example = R"(# A particle that coasts to rest overshoots: the memory pulls it back.
 [[body]]
 type = "point"

@@ -5,23 +5,15 @@
 TOMLIN_DECLARE_KERNELS(MorseBonds)
 
 namespace tomlin {
-namespace {
-
-using Description = MorseBondsDescription;
-
-}  // namespace
 
 ForceRecord morse_bonds_record() {
+  using Description = MorseBondsDescription;
   constexpr Dimension kInverseLength{.length = -1};
-  ForceRecord record;
+  ForceRecord record = bond_force<MorseBonds, kernels::MorseBonds, kRankTranscendental>();
   record.name = "morse_bonds";
   record.summary = "bonds that break, between the particles of a body, or of two";
   record.equation = "V = depth * (1 - exp(-inverse_width * (r_ij - r0_ij)))^2, each pair once";
   record.source = "P. M. Morse, Phys. Rev. 34, 57 (1929), doi:10.1103/PhysRev.34.57, eq. (4)";
-  record.element = Element::pair;
-  record.traits = {.conservative = true, .internal = true};
-  record.most_bodies = 2;
-  record.make_description = &make_description<Description>;
   record.parameters = {
       bonded_pairs<Description>(),
       parameter("depth", &Description::depth, dimension::energy, "that it takes to break a bond")
@@ -30,9 +22,6 @@ ForceRecord morse_bonds_record() {
                 "of the well; a bond's stiffness at rest is 2 depth inverse_width^2")
           .in(positive),
       bond_rest_lengths<Description>()};
-  record.complaints = &bond_complaints<Description>;
-  record.pairs = &bond_count<Description>;
-  record.bind = on_bonds<MorseBonds, kernels::MorseBonds, kRankTranscendental>();
   record.example =
       R"(# A molecule, stretched and let go: its period is longer than that of small swings.
 [[body]]

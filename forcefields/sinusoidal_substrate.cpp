@@ -1,7 +1,6 @@
 #include "forcefields/sinusoidal_substrate.hpp"
 
 #include "framework/core/elements/site_force.hpp"
-#include "framework/core/records/force.hpp"
 #include "framework/core/text/fault_code.hpp"
 
 TOMLIN_DECLARE_KERNELS(SinusoidalSubstrate)
@@ -11,8 +10,7 @@ namespace {
 
 using Description = SinusoidalSubstrateDescription;
 
-std::vector<Complaint> complaints(const void* description, const SceneOutline& scene) {
-  const auto& d = *static_cast<const Description*>(description);
+std::vector<Complaint> complaints(const Description& d, const SceneOutline& scene) {
   if (scene.dimension == 1 && d.decay != 0.0) {
     Complaint complaint{"decay", "there is no y for it to act along in one dimension", "0"};
     complaint.code = FaultCode::component_unsuitable;
@@ -21,14 +19,11 @@ std::vector<Complaint> complaints(const void* description, const SceneOutline& s
   return {};
 }
 
-double period(const void* description, int axis) {
-  return axis == 0 ? static_cast<const Description*>(description)->period : 0.0;
-}
-
 }  // namespace
 
 ForceRecord sinusoidal_substrate_record() {
-  ForceRecord record;
+  ForceRecord record =
+      site_force<SinusoidalSubstrate, kernels::SinusoidalSubstrate, kRankTranscendental>();
   record.name = "sinusoidal_substrate";
   record.summary = "a corrugated substrate that each particle feels";
   record.equation = "V = amplitude * exp(-decay * y^2) * cos(2 pi x / period), per particle";
@@ -38,9 +33,6 @@ ForceRecord sinusoidal_substrate_record() {
       " eqs. (8) and (9); L. Prandtl, Z. Angew. Math. Mech. 8 (1928) 85, "
       "doi:10.1002/zamm.19280080202, decay = 0; G. A. Tomlinson, Philos. Mag. 7 (1929) 905, "
       "doi:10.1080/14786440608564819, decay = 0";
-  record.element = Element::site;
-  record.traits = {.conservative = true, .periodic = true};
-  record.make_description = &make_description<Description>;
   record.parameters = {
       parameter("amplitude", &Description::amplitude, dimension::energy,
                 "corrugation amplitude per particle; x = 0 is a maximum when positive"),
@@ -49,10 +41,7 @@ ForceRecord sinusoidal_substrate_record() {
                 "decay of the corrugation with height, exp(-decay * y^2)")
           .in(non_negative)
           .by_default(0.0)};
-  record.complaints = &complaints;
-  record.period = &period;
-  record.bind =
-      on_particles<SinusoidalSubstrate, kernels::SinusoidalSubstrate, kRankTranscendental>();
+  record.complaints = of_description<&complaints>;
   record.example = R"(# A particle released near the top of a corrugation swings about the minimum.
 [[body]]
 type = "point"

@@ -1,9 +1,7 @@
 #pragma once
 
 #include "framework/core/elements/element.hpp"
-#include "framework/core/numbers/double_double.hpp"
 #include "framework/core/numbers/number_types.hpp"
-#include "framework/core/records/bound_force.hpp"
 #include "framework/core/records/registry.hpp"
 
 /// Corrugated substrate, felt by each particle on its own.
@@ -38,50 +36,33 @@ struct SinusoidalSubstrate {
   template <class T, int D>
   struct Parameters {
     T amplitude;
-    T slope;        ///< 2 pi A / a
-    T wave_number;  ///< 1/a, in turns per length
-    T phase;        ///< of the scene's origin, in turns
+    T slope;  ///< 2 pi A / a
     T decay;
     T vertical_slope;  ///< 2 b A
-    T base;            ///< y of the scene's origin
   };
 
   template <class T, int D>
   static Parameters<T, D> parameters(const Description& d) {
-    return {T(d.amplitude),
-            tau<T>() * T(d.amplitude) / T(d.period),
-            T(1.0) / T(d.period),
-            T(0.0),
-            T(d.decay),
-            T(2.0) * T(d.decay) * T(d.amplitude),
-            T(0.0)};
+    return {T(d.amplitude), tau<T>() * T(d.amplitude) / T(d.period), T(d.decay),
+            T(2.0) * T(d.decay) * T(d.amplitude)};
   }
 
-  template <class T, int D>
-  static void rebase(Parameters<T, D>& p, const Description& d, const Origin& origin) {
-    // The part of a period by which the origin is off a maximum: exact however far away it is.
-    const DoubleDouble place =
-        DoubleDouble(static_cast<double>(origin.cells[0])) * DoubleDouble(origin.unit[0]);
-    std::int64_t periods = 0;
-    p.phase = T(remainder_of(place, d.period, periods)) / T(d.period);
-    // Another force may declare a period along y; heights are the scene's own, whatever the origin.
-    p.base = T(static_cast<double>(origin.cells[1]) * origin.unit[1]);
-  }
+  static double period(const Description& d, int axis) { return axis == 0 ? d.period : 0.0; }
 
   template <class T, int D>
   static T energy(const Parameters<T, D>& p, const Site<T, D>& site) {
-    const T wave = cos_turns(fma(site.position[0], p.wave_number, p.phase));
+    const T wave = cos_turns(site.phase(0));
     if constexpr (D == 1) {
       return p.amplitude * wave;
     } else {
-      const T y = site.position[1] + p.base;
+      const T y = site.coordinate(1);
       return p.amplitude * exp(-(p.decay * y) * y) * wave;
     }
   }
 
   template <class T, int D>
   static Vec<T, D> force(const Parameters<T, D>& p, const Site<T, D>& site) {
-    const T turns = fma(site.position[0], p.wave_number, p.phase);
+    const T turns = site.phase(0);
     Vec<T, D> force;
     if constexpr (D == 1) {
       force[0] = p.slope * sin_turns(turns);
@@ -89,7 +70,7 @@ struct SinusoidalSubstrate {
       T sine;
       T cosine;
       sincos_turns(turns, sine, cosine);
-      const T y = site.position[1] + p.base;
+      const T y = site.coordinate(1);
       const T height = exp(-(p.decay * y) * y);
       force[0] = height * (p.slope * sine);
       force[1] = (height * y) * (p.vertical_slope * cosine);

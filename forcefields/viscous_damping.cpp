@@ -1,19 +1,14 @@
 #include "forcefields/viscous_damping.hpp"
 
 #include "framework/core/elements/site_force.hpp"
-#include "framework/core/records/force.hpp"
 
 TOMLIN_DECLARE_KERNELS(ViscousDamping)
 
 namespace tomlin {
-namespace {
-
-using Description = ViscousDampingDescription;
-
-}  // namespace
 
 ForceRecord viscous_damping_record() {
-  ForceRecord record;
+  using Description = ViscousDampingDescription;
+  ForceRecord record = site_force<ViscousDamping, kernels::ViscousDamping>();
   record.name = "viscous_damping";
   record.summary = "drag proportional to each particle's velocity";
   record.equation = "F = -coefficient * v, per particle";
@@ -21,13 +16,9 @@ ForceRecord viscous_damping_record() {
       "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study"
       " nanoscale rolling friction, J. Appl. Phys. 127 (2020), doi:10.48550/arXiv.1912.00232,"
       " eq. (7) with the sign of eq. (10)";
-  record.element = Element::site;
-  record.traits = {.depends_on_velocity = true, .dissipative = true};
-  record.make_description = &make_description<Description>;
   record.parameters = {parameter("coefficient", &Description::coefficient, dimension::friction,
                                  "mass/time, per particle (not the rate, which is 1/time)")
                            .in(non_negative)};
-  record.bind = on_particles<ViscousDamping, kernels::ViscousDamping, kRankCheap>();
   record.example = R"(# A particle coasts to rest.
 [[body]]
 type = "point"

@@ -7,16 +7,11 @@ using Description = ChainDescription;
 
 int axis_index(const Description& d) { return d.axis[0] - 'x'; }
 
-int dimension_of(const void* description) {
-  return static_cast<int>(static_cast<const Description*>(description)->origin.components.size());
-}
+int dimension_of(const Description& d) { return static_cast<int>(d.origin.components.size()); }
 
-std::int64_t count(const void* description) {
-  return static_cast<const Description*>(description)->count;
-}
+std::int64_t count(const Description& d) { return d.count; }
 
-std::vector<Complaint> complaints(const void* description, int dimension) {
-  const auto& d = *static_cast<const Description*>(description);
+std::vector<Complaint> complaints(const Description& d, int dimension) {
   if (axis_index(d) >= dimension) {
     return {{.key = "axis",
              .why = "the scene has no such axis",
@@ -26,12 +21,9 @@ std::vector<Complaint> complaints(const void* description, int dimension) {
   return {};
 }
 
-BodyEnds ends(const void* description, int) {
-  return {.open_along = axis_index(*static_cast<const Description*>(description))};
-}
+BodyEnds ends(const Description& d, int) { return {.open_along = axis_index(d)}; }
 
-BodyGeometry build(const void* description, int dimension) {
-  const auto& d = *static_cast<const Description*>(description);
+BodyGeometry build(const Description& d, int dimension) {
   BodyGeometry geometry;
   geometry.anchor = d.origin.components;
   geometry.anchor.resize(dimension, 0.0);
@@ -45,18 +37,7 @@ BodyGeometry build(const void* description, int dimension) {
 }  // namespace
 
 BodyRecord chain_record() {
-  BodyRecord record;
-  record.name = "chain";
-  record.summary =
-      "equally spaced particles on a straight line; its ends are open unless a periodic [box] "
-      "joins them";
-  record.equation = "x_i = origin + i * spacing along the axis, i = 0 .. count - 1";
-  record.source =
-      "O. M. Braun and Y. S. Kivshar, The Frenkel-Kontorova Model (Springer, 2004), "
-      "doi:10.1007/978-3-662-10331-9, chapter 1; T. A. Kontorova and Y. I. Frenkel, Zh. Eksp."
-      " Teor. Fiz. 8 (1938) 89";
-  record.make_description = &make_description<Description>;
-  record.parameters = with_body_parameters<Description>(
+  auto record = body_record<Description>(
       {parameter("count", &Description::count, dimension::none, "number of particles").in(positive),
        parameter("spacing", &Description::spacing, dimension::length, "from one to the next")
            .in(positive),
@@ -66,12 +47,20 @@ BodyRecord chain_record() {
        parameter("axis", &Description::axis, dimension::none, "along which it lies")
            .one_of({"x", "y", "z"})
            .by_default("x")});
-  record.common = &body_part<Description>;
-  record.dimension = &dimension_of;
-  record.count = &count;
-  record.complaints = &complaints;
-  record.ends = &ends;
-  record.build = &build;
+  record.name = "chain";
+  record.summary =
+      "equally spaced particles on a straight line; its ends are open unless a periodic [box] "
+      "joins them";
+  record.equation = "x_i = origin + i * spacing along the axis, i = 0 .. count - 1";
+  record.source =
+      "O. M. Braun and Y. S. Kivshar, The Frenkel-Kontorova Model (Springer, 2004), "
+      "doi:10.1007/978-3-662-10331-9, chapter 1; T. A. Kontorova and Y. I. Frenkel, Zh. Eksp."
+      " Teor. Fiz. 8 (1938) 89";
+  record.dimension = of_description<&dimension_of>;
+  record.count = of_description<&count>;
+  record.complaints = of_description<&complaints>;
+  record.ends = of_description<&ends>;
+  record.build = of_description<&build>;
   record.example = R"(# Four bonded particles, the first moving.
 [[body]]
 type = "chain"

@@ -16,13 +16,9 @@ using Description = ParticlesDescription;
 
 constexpr std::size_t kLargestFile = std::size_t{16} << 20;  // bytes; as of a scene
 
-int dimension_of(const void* description) {
-  return static_cast<int>(static_cast<const Description*>(description)->positions.dimension);
-}
+int dimension_of(const Description& d) { return static_cast<int>(d.positions.dimension); }
 
-std::int64_t count(const void* description) {
-  return static_cast<std::int64_t>(static_cast<const Description*>(description)->positions.count());
-}
+std::int64_t count(const Description& d) { return static_cast<std::int64_t>(d.positions.count()); }
 
 Complaint complaint_of(FaultCode code, std::string key, std::string why,
                        std::string admissible = "") {
@@ -58,8 +54,7 @@ std::vector<Complaint> fetch(Description& d, const std::filesystem::path& folder
   return complaints;
 }
 
-std::vector<Complaint> prepare(void* description, const std::filesystem::path& folder) {
-  auto& d = *static_cast<Description*>(description);
+std::vector<Complaint> prepare(Description& d, const std::filesystem::path& folder) {
   const bool listed = !d.positions.coordinates.empty();
   const bool in_file = !d.file.empty();
   if (listed && in_file) {
@@ -82,8 +77,7 @@ std::vector<double> relative_to_first(const PointList& positions, std::size_t pa
   return relative;
 }
 
-std::vector<Complaint> complaints(const void* description, int dimension) {
-  const auto& d = *static_cast<const Description*>(description);
+std::vector<Complaint> complaints(const Description& d, int dimension) {
   const std::string key = d.read_from.empty() ? "positions" : "file";
   if (d.positions.dimension != static_cast<std::size_t>(dimension)) {
     return {complaint_of(
@@ -101,8 +95,8 @@ std::vector<Complaint> complaints(const void* description, int dimension) {
   return {};
 }
 
-BodyGeometry build(const void* description, int dimension) {
-  const PointList& positions = static_cast<const Description*>(description)->positions;
+BodyGeometry build(const Description& d, int dimension) {
+  const PointList& positions = d.positions;
   BodyGeometry geometry;
   geometry.anchor.assign(positions.coordinates.begin(), positions.coordinates.begin() + dimension);
   geometry.relative.reserve(positions.count());
@@ -115,15 +109,7 @@ BodyGeometry build(const void* description, int dimension) {
 }  // namespace
 
 BodyRecord particles_record() {
-  BodyRecord record;
-  record.name = "particles";
-  record.summary = "particles at given positions, from a list or a file";
-  record.equation = "x_i = positions[i]";
-  record.source =
-      "D. Frenkel and B. Smit, Understanding Molecular Simulation (Academic Press, 2002), "
-      "ISBN 978-0-12-267351-1";
-  record.make_description = &make_description<Description>;
-  record.parameters = with_body_parameters<Description>(
+  auto record = body_record<Description>(
       {parameter("positions", &Description::positions, dimension::length,
                  "a list of points; in one dimension of numbers")
            .or_absent(),
@@ -131,12 +117,17 @@ BodyRecord particles_record() {
                  "in place of positions: a file with one particle per line, one column per "
                  "dimension, # comments; its path is relative to the scene's folder")
            .or_absent()});
-  record.prepare = &prepare;
-  record.common = &body_part<Description>;
-  record.dimension = &dimension_of;
-  record.count = &count;
-  record.complaints = &complaints;
-  record.build = &build;
+  record.prepare = of_description<&prepare>;
+  record.name = "particles";
+  record.summary = "particles at given positions, from a list or a file";
+  record.equation = "x_i = positions[i]";
+  record.source =
+      "D. Frenkel and B. Smit, Understanding Molecular Simulation (Academic Press, 2002), "
+      "ISBN 978-0-12-267351-1";
+  record.dimension = of_description<&dimension_of>;
+  record.count = of_description<&count>;
+  record.complaints = of_description<&complaints>;
+  record.build = of_description<&build>;
   record.example = R"(# Three particles, bonded to each other in a triangle.
 [[body]]
 type = "particles"

@@ -7,15 +7,11 @@ namespace {
 
 using Description = RingDescription;
 
-int dimension_of(const void* description) {
-  return static_cast<int>(static_cast<const Description*>(description)->centre.components.size());
-}
+int dimension_of(const Description& d) { return static_cast<int>(d.centre.components.size()); }
 
-std::int64_t count(const void* description) {
-  return static_cast<const Description*>(description)->count;
-}
+std::int64_t count(const Description& d) { return d.count; }
 
-std::vector<Complaint> complaints(const void*, int dimension) {
+std::vector<Complaint> complaints(const Description&, int dimension) {
   if (dimension >= 2) return {};
   return {{.key = "centre",
            .why = "a ring needs two dimensions",
@@ -23,10 +19,9 @@ std::vector<Complaint> complaints(const void*, int dimension) {
            .code = FaultCode::scene_wrong_count}};
 }
 
-BodyEnds ends(const void*, int) { return {.closed = true}; }
+BodyEnds ends(const Description&, int) { return {.closed = true}; }
 
-BodyGeometry build(const void* description, int dimension) {
-  const auto& d = *static_cast<const Description*>(description);
+BodyGeometry build(const Description& d, int dimension) {
   BodyGeometry geometry;
   geometry.anchor = d.centre.components;
   geometry.relative.assign(d.count, std::vector<double>(dimension, 0.0));
@@ -44,7 +39,10 @@ BodyGeometry build(const void* description, int dimension) {
 }  // namespace
 
 BodyRecord ring_record() {
-  BodyRecord record;
+  auto record = body_record<Description>(
+      {parameter("count", &Description::count, dimension::none, "number of particles").in(positive),
+       parameter("radius", &Description::radius, dimension::length, "of the circle").in(positive),
+       parameter("centre", &Description::centre, dimension::length, "of the circle")});
   record.name = "ring";
   record.summary = "particles on a circle in the x-y plane";
   record.equation = "x_i = centre + radius * (cos(2 pi i/count), sin(2 pi i/count))";
@@ -52,17 +50,11 @@ BodyRecord ring_record() {
       "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study"
       " nanoscale rolling friction, J. Appl. Phys. 127 (2020), doi:10.48550/arXiv.1912.00232,"
       " eqs. (2) and (14)";
-  record.make_description = &make_description<Description>;
-  record.parameters = with_body_parameters<Description>(
-      {parameter("count", &Description::count, dimension::none, "number of particles").in(positive),
-       parameter("radius", &Description::radius, dimension::length, "of the circle").in(positive),
-       parameter("centre", &Description::centre, dimension::length, "of the circle")});
-  record.common = &body_part<Description>;
-  record.dimension = &dimension_of;
-  record.count = &count;
-  record.complaints = &complaints;
-  record.ends = &ends;
-  record.build = &build;
+  record.dimension = of_description<&dimension_of>;
+  record.count = of_description<&count>;
+  record.complaints = of_description<&complaints>;
+  record.ends = of_description<&ends>;
+  record.build = of_description<&build>;
   record.example = R"(# A rigid ring pulled over a corrugated substrate.
 [[body]]
 type = "ring"

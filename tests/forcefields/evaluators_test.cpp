@@ -12,6 +12,7 @@
 #include "forcefields/harmonic_bonds.hpp"
 #include "forcefields/morse_bonds.hpp"
 #include "forcefields/sinusoidal_substrate.hpp"
+#include "framework/core/elements/site_force.hpp"
 #include "tests/forcefields/only_energy.hpp"
 #include "tests/support/random_description.hpp"
 #include "tests/support/scenes.hpp"
@@ -50,10 +51,11 @@ void expect_site_force_is_gradient(const ForceRecord& record) {
   for (int draw = 0; draw < 20; ++draw) {
     const auto description = random_description(record, {.dimension = D, .count = 3}, random);
     ASSERT_NE(description, nullptr);
-    const auto p = E::template parameters<double, D>(
-        *static_cast<const typename E::Description*>(description.get()));
+    const auto& d = *static_cast<const typename E::Description*>(description.get());
+    const auto p = E::template parameters<double, D>(d);
     for (const auto& point : points) {
-      const Site<double, D> site = site_at<D>(point, random);
+      Site<double, D> site = site_at<D>(point, random);
+      site.frame = frame_at<E, double, D>(d, {.cells = {7, -3, 1}, .unit = {1.25, 0.5, 2.0}});
       const auto force = E::force(p, site);
       const auto exact = force_on<OnlyEnergyOnSites<E>, double, D>(p, site);
       double size = 0.0;
@@ -91,8 +93,10 @@ struct SlightlyTooStrong : SinusoidalSubstrate {
 
 TEST(Evaluators, AForceOffByLittleIsSeen) {
   // Central differences at h = 0.0025 see 1e-3; the exact derivative sees the last digits.
-  const auto p = SinusoidalSubstrate::parameters<double, 2>({1.0, 1.0, 0.5});
+  const SinusoidalSubstrateDescription d{1.0, 1.0, 0.5};
+  const auto p = SinusoidalSubstrate::parameters<double, 2>(d);
   Site<double, 2> site{};
+  site.frame = frame_at<SinusoidalSubstrate, double, 2>(d, {});
   site.position = {0.3, 0.4};
   const auto right = force_on<OnlyEnergyOnSites<SinusoidalSubstrate>, double, 2>(p, site);
   EXPECT_GT(std::abs(SlightlyTooStrong::force(p, site)[0] - right[0]),

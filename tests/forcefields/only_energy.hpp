@@ -1,7 +1,6 @@
 #pragma once
 
 #include "framework/core/elements/element.hpp"
-#include "framework/core/records/bound_force.hpp"
 
 namespace tomlin::test {
 
@@ -16,12 +15,8 @@ struct OnlyEnergyOnSites {
   static auto parameters(const Description& d) {
     return E::template parameters<T, D>(d);
   }
-  template <class T, int D>
-  static void rebase(typename E::template Parameters<T, D>& p, const Description& d,
-                     const Origin& origin) requires requires {
-    E::template rebase<T, D>(p, d, origin);
-  }
-  { E::template rebase<T, D>(p, d, origin); }
+  static double period(const Description& d, int axis) requires requires { E::period(d, axis); }
+  { return E::period(d, axis); }
   template <class T, int D>
   static auto energy(const typename E::template Parameters<T, D>& p, const Site<T, D>& site) {
     return E::energy(p, site);

@@ -36,7 +36,7 @@ struct WithoutChainRule : SinusoidalSubstrate {
     Vec<T, D> force = SinusoidalSubstrate::force(p, site);
     if constexpr (D > 1) {
       const T y = site.position[1];
-      const T wave = cos_turns(fma(site.position[0], p.wave_number, p.phase));
+      const T wave = cos_turns(site.phase(0));
       force[1] = exp(-(p.decay * y) * y) * (p.vertical_slope * wave);
     }
     return force;
@@ -47,7 +47,7 @@ struct WithoutChainRule : SinusoidalSubstrate {
 struct EnergyWithoutDecay : SinusoidalSubstrate {
   template <class T, int D>
   static T energy(const Parameters<T, D>& p, const Site<T, D>& site) {
-    return p.amplitude * cos_turns(fma(site.position[0], p.wave_number, p.phase));
+    return p.amplitude * cos_turns(site.phase(0));
   }
 };
 
@@ -117,7 +117,7 @@ class HeatOfOthers : public ParticleForce<E, Real, D> {
  public:
   using ParticleForce<E, Real, D>::ParticleForce;
   bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
-    arguments_ = {this->body_.slot, &this->parameters_, rate};
+    arguments_ = {this->body_.slot, &this->with_frame_, rate};
     arguments_.body.mapped = false;
     operation = {&heat_kernel<E, Real, D>, &arguments_};
     return true;
@@ -141,22 +141,35 @@ class HalfTheHeat : public ParticleForce<E, Real, D> {
  public:
   using ParticleForce<E, Real, D>::ParticleForce;
   bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
-    half_ = this->parameters_;
-    half_.coefficient *= Real(0.5);
+    half_ = this->with_frame_;
+    half_.own.coefficient *= Real(0.5);
     arguments_ = {this->body_.slot, &half_, rate};
     operation = {&heat_kernel<E, Real, D>, &arguments_};
     return true;
   }
 
  private:
-  typename E::template Parameters<Real, D> half_;
+  SiteParameters<E, Real, D> half_;
   HeatArguments<Real> arguments_;
 };
 
 /// A substrate that does not hear of a new origin.
 struct WithoutRebase : SinusoidalSubstrate {
   template <class T, int D>
-  static void rebase(Parameters<T, D>&, const Description&, const Origin&) {}
+  static T energy(const Parameters<T, D>& p, const Site<T, D>& site) {
+    return SinusoidalSubstrate::energy(p, at_first_origin(site));
+  }
+  template <class T, int D>
+  static Vec<T, D> force(const Parameters<T, D>& p, const Site<T, D>& site) {
+    return SinusoidalSubstrate::force(p, at_first_origin(site));
+  }
+
+ private:
+  template <class T, int D>
+  static Site<T, D> at_first_origin(Site<T, D> site) {
+    for (int d = 0; d < D; ++d) site.frame.origin[d] = site.frame.phase[d] = T(0.0);
+    return site;
+  }
 };
 
 struct BoundTooSmall : SinusoidalSubstrate {

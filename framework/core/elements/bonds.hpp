@@ -102,12 +102,9 @@ void set_rest_lengths(const WordOrNumbers& rest, const Binding<Real>& binding,
   }
 }
 
-/// The whole binding of bonds, in every number type:
-/// `record.bind = on_bonds<Evaluator, kernels::Evaluator>()`.
 template <class E, const KernelTables& tables, int rank, class Real>
-std::unique_ptr<BoundForce<Real>> bind_on_bonds(const void* description,
+std::unique_ptr<BoundForce<Real>> bind_on_bonds(const typename E::Description& d,
                                                 const Binding<Real>& binding) {
-  const auto& d = *static_cast<const typename E::Description*>(description);
   BoundPairs<Real> bound = pairs_of(d.pairs, binding, PairImages::kept);
   return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
     set_rest_lengths<Real, D>(d.rest_lengths, binding, bound.pairs);
@@ -115,10 +112,27 @@ std::unique_ptr<BoundForce<Real>> bind_on_bonds(const void* description,
   });
 }
 
-template <class E, const KernelTables& tables, int rank>
+/// The whole binding of bonds, in every number type.
+template <class E, const KernelTables& tables, int rank = kRankPairs>
 ForceFactories on_bonds() {
-  return {&bind_on_bonds<E, tables, rank, double>, &bind_on_bonds<E, tables, rank, float>,
-          &bind_on_bonds<E, tables, rank, Quad>};
+  return {of_description<&bind_on_bonds<E, tables, rank, double>>,
+          of_description<&bind_on_bonds<E, tables, rank, float>>,
+          of_description<&bind_on_bonds<E, tables, rank, Quad>>};
+}
+
+/// The record of bonds within a body or between two, but for its name, its texts and parameters.
+/// Bonds act along the line between two particles, so that forces and torques sum to zero.
+template <class E, const KernelTables& tables, int rank = kRankPairs>
+ForceRecord bond_force() {
+  using Description = typename E::Description;
+  ForceRecord record = record_of<Description>();
+  record.element = Element::pair;
+  record.traits = {.conservative = HasEnergy<E, 2, Pair>, .internal = true};
+  record.most_bodies = 2;
+  record.complaints = &bond_complaints<Description>;
+  record.pairs = &bond_count<Description>;
+  record.bind = on_bonds<E, tables, rank>();
+  return record;
 }
 
 }  // namespace tomlin

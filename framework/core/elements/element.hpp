@@ -12,10 +12,21 @@
 namespace tomlin {
 inline namespace TOMLIN_TARGET {
 
-/// Which inputs of a site an evaluator reads; what it does not read is not loaded.
+/// Which inputs of a site an evaluator reads. Others are not loaded. The traits of a force follow
+/// from this.
 struct Reads {
   bool velocity = false;
   bool start = false;
+  bool time = false;
+};
+
+/// The scene's origin, to which positions are relative, as forces need it: in the scene's
+/// coordinates, and as a phase along each axis on which the evaluator has a period.
+template <class T, int D>
+struct Frame {
+  Vec<T, D> origin;
+  Vec<T, D> wave_number;  ///< 1/period; 0 along an axis without one
+  Vec<T, D> phase;        ///< of the origin, in periods, between -1/2 and 1/2
 };
 
 /// One particle, or the centre of mass of a body, in a field.
@@ -25,6 +36,23 @@ struct Site {
   Vec<T, D> velocity;
   Vec<T, D> start;  ///< where a driver's end for this site started, relative to the first origin
   T elapsed;        ///< time since the start of the step
+  Frame<T, D> frame;
+
+  /// The position in the scene's coordinates.
+  TOMLIN_INLINE Vec<T, D> coordinates() const { return position + frame.origin; }
+  TOMLIN_INLINE T coordinate(int axis) const { return position[axis] + frame.origin[axis]; }
+  /// coordinate / period, in periods less a whole number of them: as exact far from the scene's
+  /// zero as near it. For an axis along which the evaluator has a period.
+  TOMLIN_INLINE T phase(int axis) const {
+    return fma(position[axis], frame.wave_number[axis], frame.phase[axis]);
+  }
+};
+
+/// What kernels of sites get: the evaluator's parameters, and the frame of the sites.
+template <class E, class T, int D>
+struct SiteParameters {
+  typename E::template Parameters<T, D> own;
+  Frame<T, D> frame;
 };
 
 /// Two particles.
@@ -62,12 +90,9 @@ TOMLIN_INLINE Vec<T, D> pull(const Vec<T, D>& separation, const T& r, const T& t
 
 // ---- the same parameters and elements in another number type
 
-/// Parameters<T, D> hold nothing but T, so they convert number by number.
-template <class E, class To, class From, int D>
-TOMLIN_INLINE typename E::template Parameters<To, D> in_type(
-    const typename E::template Parameters<From, D>& p) {
-  using Source = typename E::template Parameters<From, D>;
-  using Target = typename E::template Parameters<To, D>;
+/// A structure that holds nothing but numbers From becomes one of as many numbers To.
+template <class Target, class To, class From, class Source>
+TOMLIN_INLINE Target number_by_number(const Source& p) {
   constexpr std::size_t n = sizeof(Source) / sizeof(From);
   static_assert(sizeof(Source) == n * sizeof(From) && sizeof(Target) == n * sizeof(To),
                 "Parameters<T, D> may hold nothing but T");
@@ -82,6 +107,12 @@ TOMLIN_INLINE typename E::template Parameters<To, D> in_type(
   return std::bit_cast<Target>(targets);
 }
 
+template <class E, class To, class From, int D>
+TOMLIN_INLINE typename E::template Parameters<To, D> in_type(
+    const typename E::template Parameters<From, D>& p) {
+  return number_by_number<typename E::template Parameters<To, D>, To, From>(p);
+}
+
 /// A site whose position carries derivatives along each axis.
 template <class T, int D>
 TOMLIN_INLINE Site<Dual<T, D>, D> differentiable(const Site<T, D>& site) {
@@ -91,6 +122,9 @@ TOMLIN_INLINE Site<Dual<T, D>, D> differentiable(const Site<T, D>& site) {
     wide.position[d].derivative[d] = T(1.0);
     wide.velocity[d] = Dual<T, D>(site.velocity[d]);
     wide.start[d] = Dual<T, D>(site.start[d]);
+    wide.frame.origin[d] = Dual<T, D>(site.frame.origin[d]);
+    wide.frame.wave_number[d] = Dual<T, D>(site.frame.wave_number[d]);
+    wide.frame.phase[d] = Dual<T, D>(site.frame.phase[d]);
   }
   wide.elapsed = Dual<T, D>(site.elapsed);
   return wide;

@@ -32,16 +32,32 @@ TOMLIN_INLINE typename E::template Parameters<Packed<Real>, D> in_all_lanes(
       *static_cast<const typename E::template Parameters<Real, D>*>(parameters));
 }
 
+/// The same of a site.
+template <class E, class Real, int D>
+TOMLIN_INLINE SiteParameters<E, Packed<Real>, D> site_in_all_lanes(const void* parameters) {
+  return number_by_number<SiteParameters<E, Packed<Real>, D>, Packed<Real>, Real>(
+      *static_cast<const SiteParameters<E, Real, D>*>(parameters));
+}
+
 template <class E, int D>
 concept DoesWork = requires(const typename E::template Parameters<double, D>& p,
                             const Site<double, D>& site, const Vec<double, D>& force) {
   E::power(p, site, force);
 };
 
-/// Store `value`, or add it to what is there; lanes outside `mask` hold padding and get zero.
+/// Store `value`, or add it to what is there.
 template <bool set, class Real>
 TOMLIN_INLINE void put(Real* at, const Packed<Real>& value) {
   (set ? value : Packed<Real>::load(at) + value).store(at);
+}
+
+/// Of the group from element i on, those that are among the first `count`; zero in the padding.
+template <class Real>
+TOMLIN_INLINE Packed<Real> without_padding(const Packed<Real>& value, std::size_t i,
+                                           std::size_t count) {
+  using Group = Packed<Real>;
+  if (i + kGroup <= count) return value;
+  return select(first_lanes_of<Group>(static_cast<int>(count - i)), value, Group(Real(0.0)));
 }
 
 // ---- sites ------------------------------------------------------------------------------------
@@ -50,7 +66,7 @@ template <class E, class Real, int D, bool set>
 TOMLIN_FLATTEN void site_kernel(const void* arguments, const Stage<Real>& stage) {
   using Group = Packed<Real>;
   const SiteArguments<Real> a = *static_cast<const SiteArguments<Real>*>(arguments);
-  const auto p = in_all_lanes<E, Real, D>(a.parameters);
+  const auto p = site_in_all_lanes<E, Real, D>(a.parameters);
   const Real* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset;
   const Real* v = (a.body.mapped ? stage.mapped_velocity : stage.velocity) + a.body.offset;
   Real* f = (a.body.mapped ? stage.mapped_force : stage.force) + a.body.offset;
@@ -69,15 +85,15 @@ TOMLIN_FLATTEN void site_kernel(const void* arguments, const Stage<Real>& stage)
       if constexpr (E::reads.start) site.start[d] = Group::load(a.start + d * stride + i);
     }
     site.elapsed = Group(stage.elapsed);
-    Vec<Group, D> force = force_on<E, Group, D>(p, site);
-    if (i + kGroup > count) {
-      const auto real = first_lanes_of<Group>(static_cast<int>(count - i));
-      for (int d = 0; d < D; ++d) force[d] = select(real, force[d], Group(Real(0.0)));
+    site.frame = p.frame;
+    Vec<Group, D> force = force_on<E, Group, D>(p.own, site);
+    for (int d = 0; d < D; ++d) {
+      force[d] = without_padding<Real>(force[d], i, count);
+      put<set>(f + d * stride + i, force[d]);
     }
-    for (int d = 0; d < D; ++d) put<set>(f + d * stride + i, force[d]);
     if constexpr (DoesWork<E, D>) {
       for (int d = 0; d < D; ++d) total[d] += force[d];
-      power += E::power(p, site, force);
+      power += E::power(p.own, site, force);
     }
   }
   if constexpr (DoesWork<E, D>) {
@@ -92,14 +108,15 @@ TOMLIN_FLATTEN void site_kernel(const void* arguments, const Stage<Real>& stage)
 template <class E, class Real>
 TOMLIN_FLATTEN PointResult<Real> point_kernel(const void* parameters, Real position, Real velocity,
                                               Real start, Real elapsed) {
-  const auto& p = *static_cast<const typename E::template Parameters<Real, 1>*>(parameters);
+  const auto& p = *static_cast<const SiteParameters<E, Real, 1>*>(parameters);
   Site<Real, 1> site;
   site.position[0] = position;
   site.velocity[0] = velocity;
   site.start[0] = start;
   site.elapsed = elapsed;
-  const Vec<Real, 1> force = force_on<E, Real, 1>(p, site);
-  if constexpr (DoesWork<E, 1>) return {force[0], E::power(p, site, force)};
+  site.frame = p.frame;
+  const Vec<Real, 1> force = force_on<E, Real, 1>(p.own, site);
+  if constexpr (DoesWork<E, 1>) return {force[0], E::power(p.own, site, force)};
   return {force[0], Real(0.0)};
 }
 
@@ -108,7 +125,7 @@ template <class E, class Real, int D>
 TOMLIN_FLATTEN void heat_kernel(const void* arguments, const Stage<Real>& stage) {
   using Group = Packed<Real>;
   const HeatArguments<Real> a = *static_cast<const HeatArguments<Real>*>(arguments);
-  const auto p = in_all_lanes<E, Real, D>(a.parameters);
+  const auto p = site_in_all_lanes<E, Real, D>(a.parameters);
   const Real* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset;
   const Real* v = (a.body.mapped ? stage.mapped_velocity : stage.velocity) + a.body.offset;
   const std::size_t stride = a.body.stride;
@@ -120,89 +137,89 @@ TOMLIN_FLATTEN void heat_kernel(const void* arguments, const Stage<Real>& stage)
       site.velocity[d] = Group::load(v + d * stride + i);
     }
     site.elapsed = Group(stage.elapsed);
-    Group power = dot(force_on<E, Group, D>(p, site), site.velocity);
-    if (i + kGroup > a.body.count) {
-      power = select(first_lanes_of<Group>(static_cast<int>(a.body.count - i)), power,
-                     Group(Real(0.0)));
-    }
-    heat = heat - power;
+    site.frame = p.frame;
+    const Group power = dot(force_on<E, Group, D>(p.own, site), site.velocity);
+    heat = heat - without_padding<Real>(power, i, a.body.count);
   }
   stage.rates[a.rate] = sum(heat);
 }
 
 // ---- the centre of mass of a body, or one particle of it ----------------------------------------
 
+/// Where the attached point is; of velocities, how it moves.
+template <class Real, int D>
+TOMLIN_INLINE Vec<Real, D> attached_point(const CentreArguments<Real>& a, const Real* plain,
+                                          const Real* mapped) {
+  using Group = Packed<Real>;
+  Vec<Real, D> point;
+  if (a.on_coordinates) {
+    for (int d = 0; d < D; ++d) point[d] = plain[a.body.centre + d];
+    return point;
+  }
+  const Real* x = (a.body.mapped ? mapped : plain) + a.body.offset;
+  if (a.single) {
+    for (int d = 0; d < D; ++d) point[d] = x[d * a.body.stride + a.particle];
+    return point;
+  }
+  Vec<Group, D> mean;
+  for (int d = 0; d < D; ++d) mean[d] = Group(Real(0.0));
+  for (std::size_t i = a.first; i < a.last; i += kGroup) {
+    const Group weight = Group::load(a.weight + i);
+    for (int d = 0; d < D; ++d) {
+      mean[d] = fma(weight, Group::load(x + d * a.body.stride + i), mean[d]);
+    }
+  }
+  for (int d = 0; d < D; ++d) point[d] = sum(mean[d]);
+  return point;
+}
+
+/// The force on the attached point, to the particles by their weights.
+template <bool set, class Real, int D>
+TOMLIN_INLINE void share_out_attached(const CentreArguments<Real>& a, const Stage<Real>& stage,
+                                      const Vec<Real, D>& force) {
+  using Group = Packed<Real>;
+  if (a.on_coordinates) {
+    // Written whole: a group stored in parts would stall the load that takes it whole.
+    const Group lanes = three_lanes(force[0], D > 1 ? force[D > 1 ? 1 : 0] : Real(0.0),
+                                    D > 2 ? force[D > 2 ? 2 : 0] : Real(0.0));
+    return put<set>(stage.force + a.body.centre, lanes);
+  }
+  const std::size_t stride = a.body.stride;
+  Real* f = (a.body.mapped ? stage.mapped_force : stage.force) + a.body.offset;
+  if constexpr (set) {
+    const Group none(Real(0.0));
+    for (int d = 0; d < D; ++d) {
+      for (std::size_t i = 0; i < a.first; i += kGroup) none.store(f + d * stride + i);
+      for (std::size_t i = a.last; i < a.body.count; i += kGroup) none.store(f + d * stride + i);
+    }
+  }
+  for (std::size_t i = a.first; i < a.last; i += kGroup) {
+    const Group weight = Group::load(a.weight + i);
+    for (int d = 0; d < D; ++d) put<set>(f + d * stride + i, weight * Group(force[d]));
+  }
+}
+
 template <class E, class Real, int D, bool set>
 TOMLIN_FLATTEN void centre_kernel(const void* arguments, const Stage<Real>& stage) {
-  using Group = Packed<Real>;
   const CentreArguments<Real> a = *static_cast<const CentreArguments<Real>*>(arguments);
-  const auto& p = *static_cast<const typename E::template Parameters<Real, D>*>(a.parameters);
-  const Real* x = a.body.mapped ? stage.mapped_position : stage.position;
-  const Real* v = a.body.mapped ? stage.mapped_velocity : stage.velocity;
-  const std::size_t stride = a.body.stride;
-
+  const auto& p = *static_cast<const SiteParameters<E, Real, D>*>(a.parameters);
   Site<Real, D> site;
-  if (a.on_coordinates) {
-    for (int d = 0; d < D; ++d) {
-      site.position[d] = stage.position[a.body.centre + d];
-      if constexpr (E::reads.velocity) site.velocity[d] = stage.velocity[a.body.centre + d];
-    }
-  } else if (a.single) {
-    for (int d = 0; d < D; ++d) {
-      const std::size_t at = a.body.offset + d * stride + a.particle;
-      site.position[d] = x[at];
-      if constexpr (E::reads.velocity) site.velocity[d] = v[at];
-    }
-  } else {
-    Vec<Group, D> position;
-    Vec<Group, D> velocity;
-    for (int d = 0; d < D; ++d) position[d] = velocity[d] = Group(Real(0.0));
-    for (std::size_t i = a.first; i < a.last; i += kGroup) {
-      const Group weight = Group::load(a.weight + i);
-      for (int d = 0; d < D; ++d) {
-        const std::size_t at = a.body.offset + d * stride + i;
-        position[d] = fma(weight, Group::load(x + at), position[d]);
-        if constexpr (E::reads.velocity) {
-          velocity[d] = fma(weight, Group::load(v + at), velocity[d]);
-        }
-      }
-    }
-    for (int d = 0; d < D; ++d) {
-      site.position[d] = sum(position[d]);
-      if constexpr (E::reads.velocity) site.velocity[d] = sum(velocity[d]);
-    }
+  site.position = attached_point<Real, D>(a, stage.position, stage.mapped_position);
+  if constexpr (E::reads.velocity) {
+    site.velocity = attached_point<Real, D>(a, stage.velocity, stage.mapped_velocity);
   }
   if constexpr (E::reads.start) {
     for (int d = 0; d < D; ++d) site.start[d] = a.start[d];
   }
   site.elapsed = stage.elapsed;
-  const Vec<Real, D> force = force_on<E, Real, D>(p, site);
+  site.frame = p.frame;
+  const Vec<Real, D> force = force_on<E, Real, D>(p.own, site);
 
-  if (a.on_coordinates) {
-    // Written whole: a group stored in parts would stall the load that takes it whole.
-    const Group lanes = three_lanes(force[0], D > 1 ? force[D > 1 ? 1 : 0] : Real(0.0),
-                                    D > 2 ? force[D > 2 ? 2 : 0] : Real(0.0));
-    put<set>(stage.force + a.body.centre, lanes);
-  } else {
-    Real* f = (a.body.mapped ? stage.mapped_force : stage.force) + a.body.offset;
-    if constexpr (set) {
-      for (int d = 0; d < D; ++d) {
-        for (std::size_t i = 0; i < a.first; i += kGroup)
-          Group(Real(0.0)).store(f + d * stride + i);
-        for (std::size_t i = a.last; i < a.body.count; i += kGroup) {
-          Group(Real(0.0)).store(f + d * stride + i);
-        }
-      }
-    }
-    for (std::size_t i = a.first; i < a.last; i += kGroup) {
-      const Group weight = Group::load(a.weight + i);
-      for (int d = 0; d < D; ++d) put<set>(f + d * stride + i, weight * Group(force[d]));
-    }
-  }
+  share_out_attached<set>(a, stage, force);
   if constexpr (DoesWork<E, D>) {
     if (a.rate != kNoRate) {
       for (int d = 0; d < D; ++d) stage.rates[a.rate + d] = force[d];
-      stage.rates[a.rate + D] = E::power(p, site, force);
+      stage.rates[a.rate + D] = E::power(p.own, site, force);
     }
   }
 }
@@ -238,8 +255,9 @@ TOMLIN_INLINE void cyclic_in_registers(const CyclicArguments<Real>& a, const Rea
       total[d] = total[d] - permute(force[row][d], a.backward + row * kGroup);
     }
   }
-  const auto real = first_lanes_of<Group>(static_cast<int>(a.body.count));
-  for (int d = 0; d < D; ++d) put<set>(f + d * stride, select(real, total[d], Group(Real(0.0))));
+  for (int d = 0; d < D; ++d) {
+    put<set>(f + d * stride, without_padding<Real>(total[d], 0, a.body.count));
+  }
 }
 
 /// Positions of one axis followed by a second copy, so that i + shift needs no modulo.
@@ -287,12 +305,10 @@ TOMLIN_FLATTEN void cyclic_kernel(const void* arguments, const Stage<Real>& stag
                              Group::load(x + d * stride + i);
       }
       pair.datum = Group::load(a.datum + row * a.row_stride + i);
-      Vec<Group, D> force = force_on<E, Group, D>(p, pair);
-      if (i + kGroup > count) {
-        const auto real = first_lanes_of<Group>(static_cast<int>(count - i));
-        for (int d = 0; d < D; ++d) force[d] = select(real, force[d], Group(Real(0.0)));
+      const Vec<Group, D> force = force_on<E, Group, D>(p, pair);
+      for (int d = 0; d < D; ++d) {
+        without_padding<Real>(force[d], i, count).store(result + d * a.result_stride + i);
       }
-      for (int d = 0; d < D; ++d) force[d].store(result + d * a.result_stride + i);
     }
     // The second copy begins in the padding of the first, so it is written after it.
     for (int d = 0; d < D; ++d) {
@@ -315,11 +331,9 @@ TOMLIN_FLATTEN void cyclic_kernel(const void* arguments, const Stage<Real>& stag
         total[d] = total[d] - Group::load_unaligned(result + d * a.result_stride);
       }
     }
-    if (i + kGroup > count) {
-      const auto real = first_lanes_of<Group>(static_cast<int>(count - i));
-      for (int d = 0; d < D; ++d) total[d] = select(real, total[d], Group(Real(0.0)));
+    for (int d = 0; d < D; ++d) {
+      put<set>(f + d * stride + i, without_padding<Real>(total[d], i, count));
     }
-    for (int d = 0; d < D; ++d) put<set>(f + d * stride + i, total[d]);
   }
 }
 
@@ -397,6 +411,20 @@ TOMLIN_INLINE Packed<Real> gather(const Real* from, const std::size_t* index) {
   return Packed<Real>::load(lane);
 }
 
+/// Of the pairs from the k-th on, along one axis, from the first particle to the second.
+template <class Real>
+TOMLIN_INLINE Packed<Real> separation_along(const PairListArguments<Real>& a, const Real* x1,
+                                            const Real* x2, int d, std::size_t k) {
+  const auto axis = static_cast<std::size_t>(d);
+  Packed<Real> apart =
+      gather(x2 + axis * a.second.stride, a.j + k) - gather(x1 + axis * a.first.stride, a.i + k);
+  if (a.image) {
+    const std::size_t row_length = (a.pairs + kGroup - 1) / kGroup * kGroup;
+    apart = apart + Packed<Real>::load(a.image + axis * row_length + k);
+  }
+  return a.box[d] > Real(0.0) ? nearest_image(apart, a.box[d]) : apart;
+}
+
 /// Each particle's sum over its pairs, in row order.
 template <class Real>
 TOMLIN_INLINE void share_out_pairs(const PairListArguments<Real>& a, const Stage<Real>& stage,
@@ -432,11 +460,7 @@ TOMLIN_FLATTEN void pair_list_kernel(const void* arguments, const Stage<Real>& s
   for (std::size_t k = 0; k < a.pairs; k += kGroup) {
     Pair<Group, D> pair;
     for (int d = 0; d < D; ++d) {
-      Group apart =
-          gather(x2 + d * a.second.stride, a.j + k) - gather(x1 + d * a.first.stride, a.i + k);
-      if (a.image) apart = apart + Group::load(a.image + d * row_length + k);
-      if (a.box[d] > Real(0.0)) apart = nearest_image(apart, a.box[d]);
-      pair.separation[d] = apart;
+      pair.separation[d] = separation_along(a, x1, x2, d, k);
     }
     pair.datum = Group::load(a.datum + k);
     const Vec<Group, D> force = force_on<E, Group, D>(p, pair);

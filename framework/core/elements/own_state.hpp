@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "framework/core/elements/element.hpp"
+#include "framework/core/elements/kernels.hpp"
 #include "framework/core/numbers/number_types.hpp"
 #include "framework/core/numbers/target.hpp"
 #include "framework/core/system/kernel_arguments.hpp"
@@ -75,22 +75,15 @@ template <class E, class Real, int D, bool set>
 TOMLIN_FLATTEN void own_state_kernel(const void* arguments, const Stage<Real>& stage) {
   using Group = Packed<Real>;
   const auto a = *static_cast<const OwnStateArguments<Real>*>(arguments);
-  const auto p = in_type<E, Group, Real, D>(
-      *static_cast<const typename E::template Parameters<Real, D>*>(a.parameters));
+  const auto p = in_all_lanes<E, Real, D>(a.parameters);
   Real* f = (a.body.mapped ? stage.mapped_force : stage.force) + a.body.offset;
   const std::size_t count = a.body.count;
-  const Group none(Real(0.0));
   for (std::size_t i = 0; i < count; i += kGroup) {
     const OwnSite<Group, D> site = own_site_at<Real, D>(a, stage, i);
-    Vec<Group, D> force = E::force(p, site);
+    const Vec<Group, D> force = E::force(p, site);
     const Vec<Group, D> rate = E::rate(p, site);
-    if (i + kGroup > count) {
-      const auto real = first_lanes_of<Group>(static_cast<int>(count - i));
-      for (int d = 0; d < D; ++d) force[d] = select(real, force[d], none);
-    }
     for (int d = 0; d < D; ++d) {
-      Real* at = f + d * a.body.stride + i;
-      (set ? force[d] : Group::load(at) + force[d]).store(at);
+      put<set>(f + d * a.body.stride + i, without_padding<Real>(force[d], i, count));
       store_first(rate[d], stage.rates + a.own + d * count + i, count - i);
     }
   }
@@ -100,16 +93,11 @@ template <class E, class Real, int D>
 TOMLIN_FLATTEN void own_heat_kernel(const void* arguments, const Stage<Real>& stage) {
   using Group = Packed<Real>;
   const auto a = *static_cast<const OwnStateArguments<Real>*>(arguments);
-  const auto p = in_type<E, Group, Real, D>(
-      *static_cast<const typename E::template Parameters<Real, D>*>(a.parameters));
+  const auto p = in_all_lanes<E, Real, D>(a.parameters);
   Group total(Real(0.0));
   for (std::size_t i = 0; i < a.body.count; i += kGroup) {
-    Group heat = E::heat(p, own_site_at<Real, D>(a, stage, i));
-    if (i + kGroup > a.body.count) {
-      heat =
-          select(first_lanes_of<Group>(static_cast<int>(a.body.count - i)), heat, Group(Real(0.0)));
-    }
-    total += heat;
+    const Group heat = E::heat(p, own_site_at<Real, D>(a, stage, i));
+    total += without_padding<Real>(heat, i, a.body.count);
   }
   stage.rates[a.heat_rate] = sum(total);
 }

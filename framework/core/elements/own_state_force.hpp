@@ -73,21 +73,31 @@ class OwnStateForce : public BoundForce<Real> {
   OwnStateArguments<Real> heat_;
 };
 
-/// The whole binding, in every number type:
-/// `record.bind = on_particles_with_state<Evaluator, kernels::Evaluator, kRankCheap>()`.
 template <class E, const KernelTables& tables, int rank, class Real>
-std::unique_ptr<BoundForce<Real>> bind_with_state(const void* description,
+std::unique_ptr<BoundForce<Real>> bind_with_state(const typename E::Description& d,
                                                   const Binding<Real>& binding) {
-  const auto& d = *static_cast<const typename E::Description*>(description);
   return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
     return std::make_unique<OwnStateForce<E, Real, D>>(d, binding, tables, rank);
   });
 }
 
-template <class E, const KernelTables& tables, int rank>
+/// The whole binding, in every number type.
+template <class E, const KernelTables& tables, int rank = kRankCheap>
 ForceFactories on_particles_with_state() {
-  return {&bind_with_state<E, tables, rank, double>, &bind_with_state<E, tables, rank, float>,
-          &bind_with_state<E, tables, rank, Quad>};
+  return {of_description<&bind_with_state<E, tables, rank, double>>,
+          of_description<&bind_with_state<E, tables, rank, float>>,
+          of_description<&bind_with_state<E, tables, rank, Quad>>};
+}
+
+/// The record of such a force, but for its name, its texts and parameters. What its variables store
+/// they may give back, so that it is neither conservative nor dissipative at every moment.
+template <class E, const KernelTables& tables, int rank = kRankCheap>
+ForceRecord own_state_force() {
+  ForceRecord record = record_of<typename E::Description>();
+  record.element = Element::site;
+  record.traits = {.depends_on_velocity = true};
+  record.bind = on_particles_with_state<E, tables, rank>();
+  return record;
 }
 
 }  // namespace tomlin

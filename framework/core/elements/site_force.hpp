@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "framework/core/elements/element.hpp"
 #include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/numbers/double_double.hpp"
+#include "framework/core/numbers/number_types.hpp"
 #include "framework/core/numbers/sum.hpp"
 #include "framework/core/records/bound_force.hpp"
 #include "framework/core/records/force.hpp"
@@ -39,7 +42,30 @@ void for_curvature(const typename E::template Parameters<Real, D>& p, const Site
   }
 }
 
-/// What sites of either kind share: parameters, rates, bounds.
+/// The period of a force along an axis; 0 where it has none.
+template <class E>
+double period_along(const typename E::Description& description, int axis) {
+  if constexpr (requires { E::period(description, axis); }) return E::period(description, axis);
+  return 0.0;
+}
+
+template <class E, class Real, int D>
+Frame<Real, D> frame_at(const typename E::Description& description, const Origin& origin) {
+  Frame<Real, D> frame{};
+  for (int axis = 0; axis < D; ++axis) {
+    const DoubleDouble shift =
+        DoubleDouble(static_cast<double>(origin.cells[axis])) * DoubleDouble(origin.unit[axis]);
+    frame.origin[axis] = from_double_double<Real>(shift);
+    const double period = period_along<E>(description, axis);
+    if (!(period > 0.0)) continue;
+    std::int64_t periods = 0;
+    frame.wave_number[axis] = Real(1.0) / Real(period);
+    frame.phase[axis] = Real(remainder_of(shift, period, periods)) / Real(period);
+  }
+  return frame;
+}
+
+/// What sites of either kind share: parameters, frame, rates, bounds.
 template <class E, class Real, int D>
 class ForceOnSites : public BoundForce<Real> {
  public:
@@ -47,15 +73,19 @@ class ForceOnSites : public BoundForce<Real> {
 
   ForceOnSites(const typename E::Description& description, const Binding<Real>& binding)
       : description_(description),
-        parameters_(E::template parameters<Real, D>(description)),
+        with_frame_{E::template parameters<Real, D>(description), {}},
+        parameters_(with_frame_.own),
         body_(*binding.bodies.front()),
         first_origin_(binding.origin) {
     rebase(binding.origin);
   }
+  ForceOnSites(const ForceOnSites&) = delete;
 
   std::size_t rate_count() const override { return kDoesWork ? D + 1 : 0; }
 
   void rebase(const Origin& origin) override {
+    with_frame_.frame = frame_at<E, Real, D>(description_, origin);
+    // Parameters of an evaluator that follow from the origin in another way.
     if constexpr (requires { E::template rebase<Real, D>(parameters_, description_, origin); }) {
       E::template rebase<Real, D>(parameters_, description_, origin);
     }
@@ -75,15 +105,17 @@ class ForceOnSites : public BoundForce<Real> {
     return curvature_bound();
   }
 
- protected:
   static constexpr bool kDoesWork =
       requires(const Parameters& p, const Site<Real, D>& site, const Vec<Real, D>& force) {
     E::power(p, site, force);
   };
+
+ protected:
   static constexpr bool kHasFriction = requires(const Parameters& p) { E::friction(p); };
 
   typename E::Description description_;
-  Parameters parameters_;
+  SiteParameters<E, Real, D> with_frame_;
+  Parameters& parameters_;
   BoundBody<Real> body_;
   Origin first_origin_;
 };
@@ -103,7 +135,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
         heat_kernel_(tables.on<Real>(binding.set).heat[D - 1]),
         rank_(rank) {
     arguments_.body = this->body_.slot;
-    arguments_.parameters = &this->parameters_;
+    arguments_.parameters = &this->with_frame_;
     if constexpr (E::reads.start) {
       start_.assign(D * this->body_.slot.stride, Real(0.0));
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
@@ -127,7 +159,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
 
   bool point(PointForce<Real>& force) const override {
     if (D != 1 || this->body_.slot.count != 1 || !point_) return false;
-    force = {point_, &this->parameters_, start_.empty() ? Real(0.0) : start_[0], arguments_.rate};
+    force = {point_, &this->with_frame_, start_.empty() ? Real(0.0) : start_[0], arguments_.rate};
     return true;
   }
 
@@ -143,7 +175,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
 
   bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
     if (!heat_kernel_) return false;
-    heat_ = {this->body_.slot, &this->parameters_, rate};
+    heat_ = {this->body_.slot, &this->with_frame_, rate};
     operation = {heat_kernel_, &heat_};
     return true;
   }
@@ -180,6 +212,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
       for (int d = 0; d < D; ++d) site.start[d] = start_[d * slot.stride + i];
     }
     site.elapsed = stage.elapsed;
+    site.frame = this->with_frame_.frame;
     return site;
   }
 
@@ -209,7 +242,7 @@ class AttachedForce : public ForceOnSites<E, Real, D> {
         rank_(rank) {
     const BoundBody<Real>& body = this->body_;
     arguments_.body = body.slot;
-    arguments_.parameters = &this->parameters_;
+    arguments_.parameters = &this->with_frame_;
     weight_.assign(padded(body.slot.count), Real(0.0));
     arguments_.on_coordinates = body.slot.rigid && particle < 0;
     if (particle < 0) {
@@ -245,7 +278,7 @@ class AttachedForce : public ForceOnSites<E, Real, D> {
 
   bool point(PointForce<Real>& force) const override {
     if (D != 1 || this->body_.slot.count != 1 || !point_) return false;
-    force = {point_, &this->parameters_, arguments_.start[0], arguments_.rate};
+    force = {point_, &this->with_frame_, arguments_.start[0], arguments_.rate};
     return true;
   }
 
@@ -279,6 +312,7 @@ class AttachedForce : public ForceOnSites<E, Real, D> {
     }
     for (int d = 0; d < D; ++d) site.start[d] = arguments_.start[d];
     site.elapsed = stage.elapsed;
+    site.frame = this->with_frame_.frame;
     return site;
   }
 
@@ -306,21 +340,48 @@ std::unique_ptr<BoundForce<Real>> for_dimension(int dimension, Make&& make) {
   }
 }
 
-/// The whole binding of a force on particles, in every number type:
-/// `record.bind = on_particles<Evaluator, kernels::Evaluator, kRankCheap>()`.
 template <class E, const KernelTables& tables, int rank, class Real>
-std::unique_ptr<BoundForce<Real>> bind_on_particles(const void* description,
+std::unique_ptr<BoundForce<Real>> bind_on_particles(const typename E::Description& d,
                                                     const Binding<Real>& binding) {
-  const auto& d = *static_cast<const typename E::Description*>(description);
   return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
     return std::make_unique<ParticleForce<E, Real, D>>(d, binding, tables, rank);
   });
 }
 
-template <class E, const KernelTables& tables, int rank>
+/// The whole binding of a force on particles, in every number type.
+template <class E, const KernelTables& tables, int rank = kRankCheap>
 ForceFactories on_particles() {
-  return {&bind_on_particles<E, tables, rank, double>, &bind_on_particles<E, tables, rank, float>,
-          &bind_on_particles<E, tables, rank, Quad>};
+  return {of_description<&bind_on_particles<E, tables, rank, double>>,
+          of_description<&bind_on_particles<E, tables, rank, float>>,
+          of_description<&bind_on_particles<E, tables, rank, Quad>>};
+}
+
+/// The traits that follow from what an evaluator of sites has and reads: an energy makes the force
+/// conservative unless it reads velocities, a `friction` dissipative, a `power` a driver, a
+/// `period` periodic.
+template <class E>
+Traits traits_of_sites() {
+  constexpr bool has_friction = requires(const typename E::template Parameters<double, 2>& p) {
+    E::friction(p);
+  };
+  constexpr bool has_period = requires(const typename E::Description& d) { E::period(d, 0); };
+  return {.conservative = HasEnergy<E, 2, Site> && !E::reads.velocity,
+          .depends_on_velocity = E::reads.velocity,
+          .depends_on_time = E::reads.time,
+          .periodic = has_period,
+          .dissipative = has_friction,
+          .does_work = ForceOnSites<E, double, 2>::kDoesWork};
+}
+
+/// The record of a force on every particle of a body, but for its name, its texts and parameters.
+template <class E, const KernelTables& tables, int rank = kRankCheap>
+ForceRecord site_force() {
+  ForceRecord record = record_of<typename E::Description>();
+  record.element = Element::site;
+  record.traits = traits_of_sites<E>();
+  if (record.traits.periodic) record.period = of_description<&period_along<E>>;
+  record.bind = on_particles<E, tables, rank>();
+  return record;
 }
 
 }  // namespace tomlin

@@ -129,7 +129,7 @@ struct FormulaKernelTable {
   Kernel<Real> site_heat = nullptr;
   Kernel<Real> pair_heat = nullptr;
   Kernel<Real> angle_heat = nullptr;
-  Kernel<Real> centre_heat = nullptr;
+  Kernel<Real> centre_heat[3] = {};  ///< by dimension
   PointKernel<Real> point = nullptr;
   /// All outputs for one element.
   void (*evaluate)(const FormulaView<Real>& code, const Real* inputs, std::size_t count,

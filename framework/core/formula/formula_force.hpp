@@ -556,8 +556,8 @@ class CentreFormula final : public FormulaForce<Real> {
   }
 
   std::vector<Pass<Real>> passes() override {
-    return {{this->kernels_.centre.set[0],
-             this->kernels_.centre.add[0],
+    return {{this->kernels_.centre.set[this->dimension_ - 1],
+             this->kernels_.centre.add[this->dimension_ - 1],
              &arguments_,
              {{body_.index, arguments_.centre.on_coordinates}},
              kRankTranscendental}};
@@ -577,7 +577,7 @@ class CentreFormula final : public FormulaForce<Real> {
   bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
     if (this->power_.empty()) return false;
     heat_.centre.rate = rate;
-    operation = {this->kernels_.centre_heat, &heat_};
+    operation = {this->kernels_.centre_heat[this->dimension_ - 1], &heat_};
     return true;
   }
 

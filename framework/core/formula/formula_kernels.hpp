@@ -41,14 +41,6 @@ TOMLIN_INLINE Packed<Real> output(const FormulaView<Real>& code, const Real* con
   return Packed<Real>::load(at + k * out.operand.step);
 }
 
-template <class Real>
-TOMLIN_INLINE Packed<Real> without_padding(const Packed<Real>& value, std::size_t i,
-                                           std::size_t count) {
-  using Group = Packed<Real>;
-  if (i + kGroup <= count) return value;
-  return select(first_lanes_of<Group>(static_cast<int>(count - i)), value, Group(Real(0.0)));
-}
-
 // ---- particles ----------------------------------------------------------------------------------
 
 template <class Real, bool set>
@@ -147,59 +139,21 @@ void formula_evaluate(const FormulaView<Real>& code, const Real* values, std::si
 
 // ---- the centre of mass -------------------------------------------------------------------------
 
-template <class Real>
-TOMLIN_INLINE void centre_of(const CentreArguments<Real>& a, const Stage<Real>& stage,
-                             int dimension, Real* centre) {
-  using Group = Packed<Real>;
-  for (int d = 0; d < dimension; ++d) {
-    const auto axis = static_cast<std::size_t>(d);
-    if (a.on_coordinates) {
-      centre[d] = stage.position[a.body.centre + axis];
-      continue;
-    }
-    const Real* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset +
-                    axis * a.body.stride;
-    if (a.single) {
-      centre[d] = x[a.particle];
-      continue;
-    }
-    Group mean(Real(0.0));
-    for (std::size_t i = a.first; i < a.last; i += kGroup) {
-      mean = fma(Group::load(a.weight + i), Group::load(x + i), mean);
-    }
-    centre[d] = sum(mean);
-  }
-}
-
-template <class Real>
+template <class Real, int D>
 TOMLIN_INLINE void evaluate_at_centre(const FormulaCentreArguments<Real>& a,
                                       const Stage<Real>& stage, Real* outputs) {
-  Real centre[3] = {};
-  centre_of(a.centre, stage, a.dimension, centre);
+  const auto centre = attached_point<Real, D>(a.centre, stage.position, stage.mapped_position);
   Real values[kMostFormulaInputs] = {};
   for (std::size_t k = 0; k < a.inputs; ++k) values[k] = centre[a.axis[k]];
   formula_evaluate<Real>(a.code, values, a.inputs, stage.elapsed, outputs);
 }
 
-template <class Real, bool set>
+template <class Real, int D, bool set>
 void formula_centre_kernel(const void* arguments, const Stage<Real>& stage) {
-  using Group = Packed<Real>;
   const auto& a = *static_cast<const FormulaCentreArguments<Real>*>(arguments);
-  const CentreArguments<Real>& c = a.centre;
-  Real force[3] = {};  // none along axes that the scene does not have, nor on the rotation
-  evaluate_at_centre(a, stage, force);
-  if (c.on_coordinates) {
-    put<set>(stage.force + c.body.centre, three_lanes(force[0], force[1], force[2]));
-    return;
-  }
-  Real* f = (c.body.mapped ? stage.mapped_force : stage.force) + c.body.offset;
-  for (int d = 0; d < a.dimension; ++d) {
-    const Group whole(force[d]);
-    for (std::size_t i = c.first; i < c.last; i += kGroup) {
-      put<set>(f + static_cast<std::size_t>(d) * c.body.stride + i,
-               Group::load(c.weight + i) * whole);
-    }
-  }
+  Vec<Real, D> force;
+  evaluate_at_centre<Real, D>(a, stage, force.v);
+  share_out_attached<set>(a.centre, stage, force);
 }
 
 // ---- pairs --------------------------------------------------------------------------------------
@@ -223,10 +177,7 @@ TOMLIN_INLINE void gather_pairs(const FormulaPairArguments<Real>& a, const Stage
     const std::size_t pair = first + k * kGroup;
     Group square(Real(0.0));
     for (int d = 0; d < a.dimension; ++d) {
-      const auto axis = static_cast<std::size_t>(d);
-      Group apart = gather(x2 + axis * list.second.stride, list.j + pair) -
-                    gather(x1 + axis * list.first.stride, list.i + pair);
-      if (list.box[d] > Real(0.0)) apart = nearest_image(apart, list.box[d]);
+      const Group apart = separation_along(list, x1, x2, d, pair);
       apart.store(block.separation[d] + k * kGroup);
       square = a.dimension == 1 ? abs(apart) : fma(apart, apart, square);
     }
@@ -364,11 +315,11 @@ void formula_pair_heat(const void* arguments, const Stage<Real>& stage) {
   stage.rates[a.rate] = sum(heat);
 }
 
-template <class Real>
+template <class Real, int D>
 void formula_centre_heat(const void* arguments, const Stage<Real>& stage) {
   const auto& a = *static_cast<const FormulaCentreArguments<Real>*>(arguments);
   Real slope[1] = {};
-  evaluate_at_centre(a, stage, slope);
+  evaluate_at_centre<Real, D>(a, stage, slope);
   stage.rates[a.centre.rate] = -slope[0];
 }
 
@@ -506,14 +457,18 @@ struct FormulaKernels {
     FormulaKernelTable<Real> table;
     table.site.set[0] = &formula_site_kernel<Real, true>;
     table.site.add[0] = &formula_site_kernel<Real, false>;
-    table.centre.set[0] = &formula_centre_kernel<Real, true>;
-    table.centre.add[0] = &formula_centre_kernel<Real, false>;
+    table.centre = {{&formula_centre_kernel<Real, 1, true>, &formula_centre_kernel<Real, 2, true>,
+                     &formula_centre_kernel<Real, 3, true>},
+                    {&formula_centre_kernel<Real, 1, false>, &formula_centre_kernel<Real, 2, false>,
+                     &formula_centre_kernel<Real, 3, false>}};
     table.pairs = &formula_pair_kernel<Real>;
     table.angles = &formula_angle_kernel<Real>;
     table.angle_heat = &formula_angle_heat<Real>;
     table.site_heat = &formula_site_heat<Real>;
     table.pair_heat = &formula_pair_heat<Real>;
-    table.centre_heat = &formula_centre_heat<Real>;
+    table.centre_heat[0] = &formula_centre_heat<Real, 1>;
+    table.centre_heat[1] = &formula_centre_heat<Real, 2>;
+    table.centre_heat[2] = &formula_centre_heat<Real, 3>;
     table.point = &formula_point_kernel<Real>;
     table.evaluate = &formula_evaluate<Real>;
     return table;

@@ -91,4 +91,15 @@ const BodyDescription& body_part(const void* description) {
   return *static_cast<const D*>(description);
 }
 
+/// A record for descriptions of this type, with `own` parameters and those of every body; otherwise
+/// empty.
+template <class D>
+BodyRecord body_record(std::vector<Parameter> own) {
+  BodyRecord record;
+  record.make_description = &make_description<D>;
+  record.common = &body_part<D>;
+  record.parameters = with_body_parameters<D>(std::move(own));
+  return record;
+}
+
 }  // namespace tomlin

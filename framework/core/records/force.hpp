@@ -104,6 +104,14 @@ struct ForceRecord : ComponentRecord {
   ForceFactories bind;
 };
 
+/// A record for descriptions of this type, otherwise empty.
+template <class Description>
+ForceRecord record_of() {
+  ForceRecord record;
+  record.make_description = &make_description<Description>;
+  return record;
+}
+
 /// The claims of a force as a scene describes it.
 inline Traits traits_of(const ForceRecord& record, const void* description) {
   return record.traits_of == nullptr ? record.traits : record.traits_of(description);

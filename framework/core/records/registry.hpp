@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "framework/core/records/parameter.hpp"
@@ -43,6 +44,27 @@ template <class D>
 std::shared_ptr<void> make_description() {
   return std::make_shared<D>();
 }
+
+/// `of_description<&f>` is f(const Description&, arguments...) as records hold functions, which do
+/// not know the type of a description.
+template <auto f>
+struct OfDescription;
+template <class Result, class Description, class... Arguments,
+          Result (*f)(const Description&, Arguments...)>
+struct OfDescription<f> {
+  static Result call(const void* description, Arguments... arguments) {
+    return f(*static_cast<const Description*>(description), std::forward<Arguments>(arguments)...);
+  }
+};
+template <class Result, class Description, class... Arguments,
+          Result (*f)(Description&, Arguments...)>
+struct OfDescription<f> {
+  static Result call(void* description, Arguments... arguments) {
+    return f(*static_cast<Description*>(description), std::forward<Arguments>(arguments)...);
+  }
+};
+template <auto f>
+inline constexpr auto of_description = &OfDescription<f>::call;
 
 /// A description with the defaults of all rows that have one.
 std::shared_ptr<void> with_defaults(const ComponentRecord& record);

@@ -7,21 +7,19 @@ TOMLIN_DECLARE_KERNELS(PluginName)
 
 namespace tomlin {
 
-/// What the force is called, where it comes from, what it claims and what it takes. A row for each
+/// What the force is called, where it comes from and what it takes. A row for each
 /// parameter reads scenes, refuses what is out of range and documents.
 ForceRecord plugin_name_record() {
-  ForceRecord record;
+  // Its traits follow from the evaluator: an energy makes it conservative. `tomlin check` tests
+  // them.
+  ForceRecord record = site_force<PluginName, kernels::PluginName>();
   record.name = "plugin_name";
   record.summary = "a harmonic trap about zero, for each particle";
   record.equation = "V = (stiffness/2) |x|^2, per particle";
   record.source = "the paper that the equation is from, with its number";
-  record.element = Element::site;
-  record.traits = {.conservative = true};  // `tomlin check` tests what is claimed here
-  record.make_description = &make_description<PluginNameDescription>;
   record.parameters = {parameter("stiffness", &PluginNameDescription::stiffness,
                                  dimension::stiffness, "how strongly the trap binds")
                            .in(positive)};
-  record.bind = on_particles<PluginName, kernels::PluginName, kRankCheap>();
   record.example = R"(# A particle that swings in the trap.
 [[body]]
 type = "point"

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "framework/core/elements/element.hpp"
-#include "framework/core/records/bound_force.hpp"
 #include "framework/core/records/registry.hpp"
 
 /// What the force is: a harmonic trap about the scene's zero. Put your own in its place.
@@ -33,32 +32,24 @@ struct PluginName {
   template <class T, int D>
   struct Parameters {
     T stiffness;
-    Vec<T, D> origin;
   };
 
   template <class T, int D>
   static Parameters<T, D> parameters(const Description& d) {
-    return {T(d.stiffness), {}};
+    return {T(d.stiffness)};
   }
 
-  /// Positions are relative to an origin that follows what moves far; the trap stays where it is. A
-  /// force that does not depend on the place has no need of this.
-  template <class T, int D>
-  static void rebase(Parameters<T, D>& p, const Description&, const Origin& origin) {
-    for (int axis = 0; axis < D; ++axis) {
-      p.origin[axis] = T(static_cast<double>(origin.cells[axis])) * T(origin.unit[axis]);
-    }
-  }
-
+  /// site.coordinates() is the position in the scene. A periodic force has instead a function
+  /// `period`, and reads site.phase(axis), which keeps its digits however far a particle goes.
   template <class T, int D>
   static T energy(const Parameters<T, D>& p, const Site<T, D>& site) {
-    return T(0.5) * p.stiffness * norm_squared(site.position + p.origin);
+    return T(0.5) * p.stiffness * norm_squared(site.coordinates());
   }
 
   /// May be left out: then the energy is differentiated.
   template <class T, int D>
   static Vec<T, D> force(const Parameters<T, D>& p, const Site<T, D>& site) {
-    return -p.stiffness * (site.position + p.origin);
+    return -p.stiffness * site.coordinates();
   }
 };
 
