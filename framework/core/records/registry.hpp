@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -46,20 +47,14 @@ std::shared_ptr<void> make_description() {
 }
 
 /// `of_description<&f>` is f(const Description&, arguments...) as records hold functions, which do
-/// not know the type of a description.
+/// not know the type of a description; of f(Description&, ...) one that takes a `void*`.
 template <auto f>
 struct OfDescription;
 template <class Result, class Description, class... Arguments,
-          Result (*f)(const Description&, Arguments...)>
-struct OfDescription<f> {
-  static Result call(const void* description, Arguments... arguments) {
-    return f(*static_cast<const Description*>(description), std::forward<Arguments>(arguments)...);
-  }
-};
-template <class Result, class Description, class... Arguments,
           Result (*f)(Description&, Arguments...)>
 struct OfDescription<f> {
-  static Result call(void* description, Arguments... arguments) {
+  using Untyped = std::conditional_t<std::is_const_v<Description>, const void, void>;
+  static Result call(Untyped* description, Arguments... arguments) {
     return f(*static_cast<Description*>(description), std::forward<Arguments>(arguments)...);
   }
 };
