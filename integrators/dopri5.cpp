@@ -42,7 +42,7 @@ IntegratorRecord dopri5_record() {
       "J. R. Dormand and P. J. Prince, J. Comput. Appl. Math. 6 (1980) 19, "
       "doi:10.1016/0771-050X(80)90013-3";
   record.order = 5;
-  record.evaluations_per_step = 6;
+  record.evaluations_per_step = Dopri5Tableau::end;
   describe_adaptive(record, 1e-9);
   record.growth = &growth;
   record.bind = {&bind<double>, &bind<float>, &bind<Quad>};

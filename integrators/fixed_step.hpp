@@ -1,10 +1,13 @@
 #pragma once
 
 #include <algorithm>
+#include <complex>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "framework/core/elements/kernel_tables.hpp"
 #include "framework/core/records/integrator.hpp"
 #include "framework/core/system/scheme.hpp"
 #include "integrators/fixed_step_kernels.hpp"
@@ -207,6 +210,31 @@ std::unique_ptr<Integrator<Real>> make_fixed_step(const FixedStepScheme<Real>& s
                                                   System<Real>& system) {
   if (!system.view.inertial) return std::make_unique<FixedStepDrift<Real>>(scheme, system);
   return std::make_unique<FixedStep<Real>>(scheme, system);
+}
+
+template <class Tableau, const TablesByType<FixedStepTable>& tables, class Real>
+std::unique_ptr<Integrator<Real>> bind_fixed_step(const void*, System<Real>& system) {
+  return make_fixed_step<Real>({Tableau::name, Tableau::stages, tables.on<Real>(system.set)},
+                               system);
+}
+
+/// The record of a tableau (explicit_tableau.hpp) with its compiled kernels, but for what only a
+/// reader needs: summary, equation, source, example.
+template <class Tableau, const TablesByType<FixedStepTable>& tables>
+IntegratorRecord fixed_step_record() {
+  using Description = FixedStepDescription;
+  IntegratorRecord record;
+  record.name = Tableau::name;
+  record.order = Tableau::order;
+  record.evaluations_per_step = Tableau::stages;
+  record.make_description = &make_description<Description>;
+  record.parameters = {parameter("dt", &Description::dt, dimension::time, "the step").in(positive)};
+  record.growth = [](std::complex<double> z) { return std::abs(stability_function<Tableau>(z)); };
+  record.step = [](const void* d) { return static_cast<const Description*>(d)->dt; };
+  record.complaints = [](const void*) { return std::vector<Complaint>(); };
+  record.bind = {&bind_fixed_step<Tableau, tables, double>,
+                 &bind_fixed_step<Tableau, tables, float>, &bind_fixed_step<Tableau, tables, Quad>};
+  return record;
 }
 
 }  // namespace tomlin

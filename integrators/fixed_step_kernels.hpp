@@ -7,16 +7,26 @@
 #include "framework/core/system/compensated.hpp"
 #include "framework/core/system/evaluate.hpp"
 #include "framework/core/system/system.hpp"
+#include "integrators/tableau_rows.hpp"
 
-/// What the kernels of explicit Runge-Kutta schemes with a fixed step share: their scratch, their
-/// table, the passes between evaluations, and the forces of a particle alone.
+/// The kernels of explicit Runge-Kutta schemes with a fixed step, made from a tableau.
+///
+/// For x' = v, v' = a(t, x, v), with v_1 = v and a_s = a(t + c_s h, x_s, v_s):
+///   x_s = x + c_s h v + h^2 sum_j (a^2)_sj a_j,  v_s = v + h sum_j a_sj a_j
+///   x <- x + h v + h^2 sum_j (b a)_j a_j,        v <- v + h sum_j b_j a_j
+/// the tableau with the stage velocities inserted (Nystroem's form). Where a row has the stage
+/// before it alone, x_s = x + a_s,s-1 h v_s-1 instead, whose velocity is at hand.
 namespace tomlin {
+
+/// Of all schemes.
+inline constexpr int kMostFixedStages = 4;
 
 /// Scratch of one step: arrays of `dofs` and of `rates` numbers.
 template <class Real>
 struct FixedStepArrays {
-  Real* acceleration[4] = {};  ///< without inertia velocities, the slopes of positions
-  Real* rates[4] = {};
+  /// [0] to [stages - 2]; without inertia velocities, the slopes of positions.
+  Real* acceleration[kMostFixedStages] = {};
+  Real* rates[kMostFixedStages] = {};
   Real* stage_position = nullptr;
   Real* stage_velocity = nullptr;
   Real* stage_own = nullptr;
@@ -41,127 +51,6 @@ struct FixedStepTable {
 };
 
 inline namespace TOMLIN_TARGET {
-
-struct FixedStepPasses {
-  /// Forces to accelerations, and the next stage from them: x + a_x * v_stage, v + a_v * a.
-  template <class Real>
-  TOMLIN_INLINE static void pass(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
-                                 int stage, Real step_v, Real step_x) {
-    using Group = Packed<Real>;
-    const Real* force = s.force;
-    const Real* inverse_mass = s.inverse_mass;
-    const Real* x = s.position;
-    const Real* v = s.velocity;
-    Real* acceleration = w.acceleration[stage];
-    Real* stage_x = w.stage_position;
-    Real* stage_v = w.stage_velocity;
-    const Group hv(step_v);
-    const Group hx(step_x);
-    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      const Group a = Group::load(force + i) * Group::load(inverse_mass + i);
-      a.store(acceleration + i);
-      // The position of the next stage uses the velocity of this one, still in stage_v.
-      const Group v_here = stage == 0 ? Group::load(v + i) : Group::load(stage_v + i);
-      fma(hx, v_here, Group::load(x + i)).store(stage_x + i);
-      fma(hv, a, Group::load(v + i)).store(stage_v + i);
-    }
-    own_pass(s, w, stage, step_v);
-  }
-
-  /// The same without inertia: forces to velocities, x + a_x * v.
-  template <class Real>
-  TOMLIN_INLINE static void drift_pass(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
-                                       int stage, Real step) {
-    using Group = Packed<Real>;
-    const Group h(step);
-    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      const Group v = Group::load(w.acceleration[stage] + i);
-      fma(h, v, Group::load(s.position + i)).store(w.stage_position + i);
-    }
-    own_pass(s, w, stage, step);
-  }
-
-  template <class Real>
-  TOMLIN_INLINE static void own_pass(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
-                                     int stage, Real step) {
-    using Group = Packed<Real>;
-    const Real* rates = w.rates[stage];
-    for (std::size_t i = 0; i < s.own; i += kGroup) {
-      fma(Group(step), Group::load(rates + i), Group::load(s.integrals + i)).store(w.stage_own + i);
-    }
-  }
-
-  template <class Real>
-  TOMLIN_INLINE static void slopes(const SystemView<Real>& s, Real* slope) {
-    using Group = Packed<Real>;
-    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      (Group::load(s.force + i) * Group::load(s.inverse_mass + i)).store(slope + i);
-    }
-  }
-
-  template <class Real>
-  TOMLIN_INLINE static void at_state(const SystemView<Real>& s, Real* rates, Real elapsed) {
-    evaluate(s,
-             stage_of(s, static_cast<const Real*>(s.position), static_cast<const Real*>(s.velocity),
-                      static_cast<const Real*>(s.integrals), rates, elapsed));
-  }
-
-  template <class Real>
-  TOMLIN_FLATTEN static void first(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
-                                   double since) {
-    at_state(s, w.rates[0], Real(since));
-    slopes(s, w.acceleration[0]);
-  }
-
-  template <class Real>
-  TOMLIN_INLINE static void later(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
-                                  int stage, Real elapsed) {
-    evaluate(s, stage_of(s, static_cast<const Real*>(w.stage_position),
-                         static_cast<const Real*>(w.stage_velocity),
-                         static_cast<const Real*>(w.stage_own), w.rates[stage], elapsed));
-  }
-
-  /// Evaluates the start of a step where that is needed, and makes the stage at x + h_stage v.
-  template <class Real>
-  TOMLIN_INLINE static void leave_start(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
-                                        Real since, Real h_stage) {
-    using Group = Packed<Real>;
-    if (!w.first_known) {
-      at_state(s, w.rates[0], since);
-      pass(s, w, 0, h_stage, h_stage);
-      return;
-    }
-    // The pass turns forces into accelerations; here those are known, so only the stage is needed.
-    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      const Group v = Group::load(s.velocity + i);
-      fma(Group(h_stage), v, Group::load(s.position + i)).store(w.stage_position + i);
-      fma(Group(h_stage), Group::load(w.acceleration[0] + i), v).store(w.stage_velocity + i);
-    }
-    own_pass(s, w, 0, h_stage);
-  }
-
-  /// Ends a step without inertia: adds the moves that stand in stage_position. The slopes at the
-  /// new positions are the velocities, and the next step's first.
-  template <class Real>
-  TOMLIN_INLINE static void drift_by_moves(const SystemView<Real>& s,
-                                           const FixedStepArrays<Real>& w) {
-    using Group = Packed<Real>;
-    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      add_move(s.position, s.position_rest, i, Group::load(w.stage_position + i));
-    }
-  }
-
-  template <class Real>
-  TOMLIN_INLINE static void slopes_at_end(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
-                                          Real elapsed) {
-    using Group = Packed<Real>;
-    at_state(s, w.rates[0], elapsed);
-    slopes(s, w.acceleration[0]);
-    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      Group::load(w.acceleration[0] + i).store(s.velocity + i);
-    }
-  }
-};
 
 /// A single particle on a line, whose forces come back in registers.
 struct PointParticle {
@@ -190,6 +79,281 @@ struct PointParticle {
       }
     }
     return force * inverse_mass;
+  }
+};
+
+template <class Tableau>
+struct FixedStepKernels {
+  static constexpr int kStages = Tableau::stages;
+  static_assert(kStages <= kMostFixedStages);
+  template <int stage>
+  using Row = RowSum<FixedRow<Tableau, stage>>;
+  template <int stage, class Real>
+  using Steps = RowSteps<Tableau, stage, Real>;
+
+  /// Evaluates the start of a step.
+  template <class Real>
+  TOMLIN_FLATTEN static void first(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
+                                   double since) {
+    at_state(s, w.rates[0], Real(since));
+    slopes(s, w.acceleration[0]);
+  }
+
+  template <class Real>
+  TOMLIN_FLATTEN static bool step(const SystemView<Real>& system,
+                                  const FixedStepArrays<Real>& arrays, double start,
+                                  double length) {
+    using Group = Packed<Real>;
+    const SystemView<Real> s = system;
+    const FixedStepArrays<Real> w = arrays;
+    const Real since(start);
+    const Real h(length);
+    if (w.first_known) {
+      put_stage<1, true>(s, w, h);
+    } else {
+      at_state(s, w.rates[0], since);
+      put_stage<1, false>(s, w, h);
+    }
+    later_stages<1, true>(s, w, since, h);
+
+    const Steps<kStages, Real> steps(h);
+    // First see whether the step is valid, so that a failed one leaves the state as it was.
+    auto sound = first_lanes_of<Group>(kGroup);
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      const auto acceleration = slopes_at<kStages - 1>(s, w, i);
+      const Group move =
+          steps.move(Group::load(s.velocity + i), Group::load(w.stage_velocity + i), acceleration);
+      const Group change = Row<kStages>::of(acceleration);
+      // A NaN in either fails the comparison; inf - inf and 0 * inf give one.
+      sound = sound & (abs(move) <= Group::load(s.largest_move + i)) &
+              (abs(change) < Group(Real(__builtin_inf())));
+      move.store(w.stage_position + i);
+      change.store(w.stage_velocity + i);
+    }
+    if (!all(sound)) return false;
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      add_move(s.position, s.position_rest, i, Group::load(w.stage_position + i));
+      add_scaled(s.velocity, s.velocity_rest, i, Group(steps.slope),
+                 Group::load(w.stage_velocity + i));
+    }
+    add_integrals(s, w, steps.slope);
+    return true;
+  }
+
+  /// Without inertia. The slopes at the new positions are the velocities, and the next step's
+  /// first.
+  template <class Real>
+  TOMLIN_FLATTEN static bool drift(const SystemView<Real>& system,
+                                   const FixedStepArrays<Real>& arrays, double start,
+                                   double length) {
+    using Group = Packed<Real>;
+    const SystemView<Real> s = system;
+    const FixedStepArrays<Real> w = arrays;
+    const Real since(start);
+    const Real h(length);
+    put_drift_stage<1>(s, w, h);
+    later_stages<1, false>(s, w, since, h);
+
+    const Steps<kStages, Real> steps(h);
+    auto sound = first_lanes_of<Group>(kGroup);
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      const Group move = Group(steps.slope) * Row<kStages>::of(slopes_at<kStages - 1>(s, w, i));
+      sound = sound & (abs(move) <= Group::load(s.largest_move + i));
+      move.store(w.stage_position + i);
+    }
+    if (!all(sound)) return false;
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      add_move(s.position, s.position_rest, i, Group::load(w.stage_position + i));
+    }
+    add_integrals(s, w, steps.slope);
+    at_state(s, w.rates[0], since + steps.time);
+    slopes(s, w.acceleration[0]);
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      Group::load(w.acceleration[0] + i).store(s.velocity + i);
+    }
+    return true;
+  }
+
+  /// Steps of a single particle on a line with the state held in registers. The same operations in
+  /// the same order as `step`, so that the bits are the same too.
+  TOMLIN_FLATTEN static std::size_t point_block(const SystemView<double>& system, double start,
+                                                std::size_t first, double h, std::size_t most,
+                                                const PointStarts<double>& starts) {
+    const SystemView<double> s = system;
+    const PointParticle particle(s);
+    const Steps<kStages, double> steps(h);
+    const double largest_move = s.largest_move[0];
+    double x = s.position[0];
+    double v = s.velocity[0];
+    double stage_rates[kMostFixedStages][kGroup];
+
+    std::size_t taken = 0;
+    for (; taken < most; ++taken) {
+      const double since = start + static_cast<double>(first + taken) * h;
+      double* first_rates = starts.rates + taken * s.rates;
+      starts.positions[taken] = x;
+      starts.velocities[taken] = v;
+      double a[kStages];
+      a[0] = particle.acceleration(x, v, since, first_rates);
+      const double last_v = point_stages<1>(particle, x, v, v, since, h, a, stage_rates);
+      const auto acceleration = [&](auto j) TOMLIN_INLINE_LAMBDA { return a[j]; };
+      const double move = steps.move(v, last_v, acceleration);
+      const double change = Row<kStages>::of(acceleration);
+      if (!(abs(move) <= largest_move && abs(change) < __builtin_inf())) break;
+      x += move;
+      v = fma(steps.slope, change, v);
+      for (std::size_t k = 0; k < s.used_rates; ++k) {
+        const double rate = Row<kStages>::of([&](auto j) TOMLIN_INLINE_LAMBDA {
+          return j == 0 ? first_rates[k] : stage_rates[j][k];
+        });
+        s.integrals[k] = fma(steps.slope, rate, s.integrals[k]);
+      }
+    }
+    s.position[0] = x;
+    s.velocity[0] = v;
+    return taken;
+  }
+
+  template <class Real>
+  static constexpr FixedStepTable<Real> kernels() {
+    FixedStepTable<Real> table = {&step<Real>, &drift<Real>, &first<Real>, nullptr};
+    if constexpr (std::is_same_v<Real, double>) table.point_block = &point_block;
+    return table;
+  }
+
+ private:
+  /// Of stage j, in group i: `last` from the forces that it left, those before as they are kept.
+  template <int last, class Real>
+  TOMLIN_INLINE static auto slopes_at(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
+                                      std::size_t i) {
+    using Group = Packed<Real>;
+    return [&s, &w, i](auto j) TOMLIN_INLINE_LAMBDA {
+      if constexpr (decltype(j)::value == last) {
+        return Group::load(s.force + i) * Group::load(s.inverse_mass + i);
+      } else {
+        return Group::load(w.acceleration[j] + i);
+      }
+    };
+  }
+
+  template <class Real>
+  TOMLIN_INLINE static void slopes(const SystemView<Real>& s, Real* slope) {
+    using Group = Packed<Real>;
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      (Group::load(s.force + i) * Group::load(s.inverse_mass + i)).store(slope + i);
+    }
+  }
+
+  template <class Real>
+  TOMLIN_INLINE static void at_state(const SystemView<Real>& s, Real* rates, Real elapsed) {
+    evaluate(s,
+             stage_of(s, static_cast<const Real*>(s.position), static_cast<const Real*>(s.velocity),
+                      static_cast<const Real*>(s.integrals), rates, elapsed));
+  }
+
+  /// The state at a stage; the accelerations of the one before, from its forces unless `known`.
+  template <int stage, bool known, class Real>
+  TOMLIN_INLINE static void put_stage(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
+                                      Real h) {
+    using Group = Packed<Real>;
+    const Steps<stage, Real> steps(h);
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      const Group a = slopes_at < known
+                          ? kStages
+                          : stage - 1 > (s, w, i)(std::integral_constant<int, stage - 1>());
+      if constexpr (!known) a.store(w.acceleration[stage - 1] + i);
+      const auto acceleration = [&](auto j) TOMLIN_INLINE_LAMBDA {
+        if constexpr (decltype(j)::value == stage - 1) {
+          return a;
+        } else {
+          return Group::load(w.acceleration[j] + i);
+        }
+      };
+      const Group v = Group::load(s.velocity + i);
+      // That of the stage before is still in its place.
+      const Group velocity = stage == 1 ? v : Group::load(w.stage_velocity + i);
+      steps.position(Group::load(s.position + i), v, velocity, acceleration)
+          .store(w.stage_position + i);
+      fma(Group(steps.slope), Row<stage>::of(acceleration), v).store(w.stage_velocity + i);
+    }
+    put_own<stage>(s, w, steps.slope);
+  }
+
+  /// The same without inertia.
+  template <int stage, class Real>
+  TOMLIN_INLINE static void put_drift_stage(const SystemView<Real>& s,
+                                            const FixedStepArrays<Real>& w, Real h) {
+    using Group = Packed<Real>;
+    const Steps<stage, Real> steps(h);
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      fma(Group(steps.slope), Row<stage>::of(slopes_at<kStages>(s, w, i)),
+          Group::load(s.position + i))
+          .store(w.stage_position + i);
+    }
+    put_own<stage>(s, w, steps.slope);
+  }
+
+  /// Internal variables at a stage.
+  template <int stage, class Real>
+  TOMLIN_INLINE static void put_own(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
+                                    Real step) {
+    using Group = Packed<Real>;
+    for (std::size_t i = 0; i < s.own; i += kGroup) {
+      fma(Group(step), Row<stage>::of(rates_at(w, i)), Group::load(s.integrals + i))
+          .store(w.stage_own + i);
+    }
+  }
+
+  template <class Real>
+  TOMLIN_INLINE static auto rates_at(const FixedStepArrays<Real>& w, std::size_t i) {
+    return [&w, i](auto j) TOMLIN_INLINE_LAMBDA { return Packed<Real>::load(w.rates[j] + i); };
+  }
+
+  template <class Real>
+  TOMLIN_INLINE static void add_integrals(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
+                                          Real step) {
+    for (std::size_t i = 0; i < s.rates; i += kGroup) {
+      add_scaled(s.integrals, s.integrals_rest, i, Packed<Real>(step),
+                 Row<kStages>::of(rates_at(w, i)));
+    }
+  }
+
+  /// Evaluates the stages from `stage` on, each but the last followed by the state at the next.
+  template <int stage, bool inertial, class Real>
+  TOMLIN_INLINE static void later_stages(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
+                                         Real since, Real h) {
+    if constexpr (stage < kStages) {
+      evaluate(s, stage_of(s, static_cast<const Real*>(w.stage_position),
+                           static_cast<const Real*>(w.stage_velocity),
+                           static_cast<const Real*>(w.stage_own), w.rates[stage],
+                           since + Steps<stage, Real>(h).time));
+      if constexpr (stage + 1 < kStages) {
+        if constexpr (inertial) {
+          put_stage<stage + 1, false>(s, w, h);
+        } else {
+          slopes(s, w.acceleration[stage]);
+          put_drift_stage<stage + 1>(s, w, h);
+        }
+      }
+      later_stages<stage + 1, inertial>(s, w, since, h);
+    }
+  }
+
+  /// Accelerations of the stages from `stage` on; returns the velocity at the last.
+  template <int stage>
+  TOMLIN_INLINE static double point_stages(const PointParticle& particle, double x, double v,
+                                           double velocity, double since, double h,
+                                           double (&a)[kStages], double (*rates)[kGroup]) {
+    if constexpr (stage == kStages) {
+      return velocity;
+    } else {
+      const Steps<stage, double> steps(h);
+      const auto acceleration = [&](auto j) TOMLIN_INLINE_LAMBDA { return a[j]; };
+      const double stage_x = steps.position(x, v, velocity, acceleration);
+      const double stage_v = fma(steps.slope, Row<stage>::of(acceleration), v);
+      a[stage] = particle.acceleration(stage_x, stage_v, since + steps.time, rates[stage]);
+      return point_stages<stage + 1>(particle, x, v, stage_v, since, h, a, rates);
+    }
   }
 };
 

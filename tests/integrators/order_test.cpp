@@ -11,7 +11,6 @@
 #include <gtest/gtest.h>
 
 #include "framework/core/records/integrator.hpp"
-#include "integrators/dopri5_kernels.hpp"
 #include "tests/support/oscillator.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -554,109 +553,6 @@ TEST(Growth, HasTheKnownLimits) {
     EXPECT_LT(error, next);
     EXPECT_GT(error, 1e-5 * next);
   }
-}
-
-// ---- the tableau
-
-using Stages = std::array<double, 7>;
-
-/// The scheme's coefficients as doubles.
-struct T {
-  static double a(int i, int j) { return Dopri5Tableau::a[i][j].as<double>(); }
-  static double c(int i) { return Dopri5Tableau::c[i].as<double>(); }
-  static double error(int i) { return Dopri5Tableau::error[i].as<double>(); }
-};
-
-Stages times(const Stages& a, const Stages& b) {
-  Stages product{};
-  for (int i = 0; i < 7; ++i) product[i] = a[i] * b[i];
-  return product;
-}
-
-Stages through(const Stages& x) {
-  Stages y{};
-  for (int i = 0; i < 7; ++i) {
-    for (int j = 0; j < 6; ++j) y[i] += T::a(i, j) * x[j];
-  }
-  return y;
-}
-
-struct Condition {
-  int order;
-  Stages weights;  ///< elementary weight of each stage
-  double value;    ///< 1/gamma of the tree
-};
-
-/// The 17 rooted trees up to order 5 (Hairer, Norsett, Wanner, table II.2.2).
-std::vector<Condition> conditions() {
-  Stages one;
-  one.fill(1.0);
-  Stages c;
-  for (int i = 0; i < 7; ++i) c[i] = T::c(i);
-  const Stages c2 = times(c, c), c3 = times(c2, c), c4 = times(c3, c);
-  const Stages ac = through(c), ac2 = through(c2), aac = through(ac);
-  return {{1, one, 1.0},
-          {2, c, 1.0 / 2},
-          {3, c2, 1.0 / 3},
-          {3, ac, 1.0 / 6},
-          {4, c3, 1.0 / 4},
-          {4, times(c, ac), 1.0 / 8},
-          {4, ac2, 1.0 / 12},
-          {4, aac, 1.0 / 24},
-          {5, c4, 1.0 / 5},
-          {5, times(c2, ac), 1.0 / 10},
-          {5, times(ac, ac), 1.0 / 20},
-          {5, times(c, ac2), 1.0 / 15},
-          {5, times(c, aac), 1.0 / 30},
-          {5, through(c3), 1.0 / 20},
-          {5, through(times(c, ac)), 1.0 / 40},
-          {5, through(ac2), 1.0 / 60},
-          {5, through(aac), 1.0 / 120}};
-}
-
-double weighted_sum(const Stages& b, const Stages& weights) {
-  double sum = 0.0;
-  for (int i = 0; i < 7; ++i) sum += b[i] * weights[i];
-  return sum;
-}
-
-TEST(Tableau, MeetsTheOrderConditions) {
-  constexpr double kRounded = 1e-14;  // coefficients up to 30, rounded
-  Stages b{};
-  Stages embedded{};
-  for (int i = 0; i < 7; ++i) {
-    b[i] = i < 6 ? T::a(6, i) : 0.0;
-    embedded[i] = b[i] - T::error(i);
-  }
-  double worst_embedded = 0.0;
-  for (const Condition& condition : conditions()) {
-    EXPECT_NEAR(weighted_sum(b, condition.weights), condition.value, kRounded) << condition.order;
-    const double off = std::abs(weighted_sum(embedded, condition.weights) - condition.value);
-    if (condition.order <= 4) {
-      EXPECT_LT(off, kRounded) << "embedded, " << condition.order;
-    } else {
-      worst_embedded = std::max(worst_embedded, off);
-    }
-  }
-  EXPECT_GT(worst_embedded, 1e-5) << "the embedded solution would say nothing about the error";
-  // Rows sum to the nodes; the last stage is the new point.
-  Stages one;
-  one.fill(1.0);
-  const Stages rows = through(one);
-  for (int i = 0; i < 7; ++i) EXPECT_NEAR(rows[i], T::c(i), kRounded);
-  EXPECT_EQ(T::c(6), 1.0);
-}
-
-/// The check sees a coefficient that is off by one digit.
-TEST(Tableau, AWrongCoefficientIsSeen) {
-  Stages b{};
-  for (int i = 0; i < 6; ++i) b[i] = T::a(6, i);
-  b[3] *= 1.0 + 1e-9;
-  double worst = 0.0;
-  for (const Condition& condition : conditions()) {
-    worst = std::max(worst, std::abs(weighted_sum(b, condition.weights) - condition.value));
-  }
-  EXPECT_GT(worst, 1e-11);
 }
 
 /// What the order test makes of a scheme that is not one of fourth order: the Euler step.

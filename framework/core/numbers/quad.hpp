@@ -1,8 +1,8 @@
 // Quad: quadruple precision (IEEE binary128, 113 bits), and QuadPack, eight of them.
 //
 // For reference runs, which show what rounding does to the same trajectory in double. Hardly any
-// processor computes with it: every operation is a call of the compiler's library. So a Quad has
-// the same bits on every machine, does not depend on the instruction set, and is in none of the
+// processor computes with it: operations are calls of the compiler's library, functions of the C
+// library (binary128.hpp). So a Quad does not depend on the instruction set, and is in none of the
 // namespaces of target.hpp; and the operations of QuadPack are functions, not inlined, which keeps
 // kernels small at no cost that would show.
 #pragma once
@@ -64,7 +64,7 @@ Quad abs(Quad x);
 Quad copysign(Quad magnitude, Quad sign);
 // To the nearest integer, halves to the even one.
 Quad round(Quad x);
-// Error below 0.501 units of the last place (ulp). Subnormal arguments included.
+// Rounded once; errors below are in units of the last place (ulp). Subnormal arguments included.
 Quad sqrt(Quad x);
 
 // sin(2 pi x) and cos(2 pi x): error below 2 ulp, near their zeros too.
@@ -72,7 +72,7 @@ Quad sqrt(Quad x);
 Quad sin_turns(Quad x);
 Quad cos_turns(Quad x);
 void sincos_turns(Quad x, Quad& s, Quad& c);
-// Errors below 2 ulp, subnormal arguments and results included; special values as for double.
+// Errors below 2 ulp, of pow 3, and 30 outside the range of doubles; special values as for double.
 Quad exp(Quad x);
 Quad log(Quad x);
 Quad pow(Quad x, Quad y);

@@ -25,14 +25,16 @@ const double kNan = __builtin_nan("");
 constexpr int kSamples = 3000;
 
 // Bounds in units of the last place, a little above the worst of 1e5 samples.
-constexpr double kRounded = 0.5;      // one operation
-constexpr double kRootError = 0.501;  // rounded once but for rare ties
-constexpr double kTurnsError = 1.9;   // of 2 pi, the reduced angle, the last steps of the series
-constexpr double kExpError = 1.2;     // of the reduced argument, and of the last step of the series
-constexpr double kLogError = 0.501;   // rounded once from twice the digits
-constexpr double kPowError = 1.2;     // as exp
-constexpr double kAtanError = 1.7;    // of t + 1, the quotient, and the last steps
-constexpr double kAsinError = 3.0;    // the same, of the root and its argument
+constexpr double kRounded = 0.5;     // one operation
+constexpr double kTurnsError = 1.9;  // of 2 pi, the reduced angle, the library's function
+constexpr double kExpError = 0.6;
+constexpr double kLogError = 0.8;
+constexpr double kPowError = 2.5;      // of results in the range of doubles
+constexpr double kFarPowError = 30.0;  // it grows with the logarithm of the result
+constexpr double kAtanError = 1.3;
+constexpr double kAtan2Error = 1.8;  // of the quotient as well
+constexpr double kAsinError = 1.2;
+constexpr double kTangentError = 4.0;  // of sine, cosine, and their quotient
 
 Exact exact(Quad x) {
   const auto bits = __builtin_bit_cast(Bits, x);
@@ -118,7 +120,7 @@ TEST(Quad, RootIsRoundedOnce) {
     worst.add(sqrt(x), sqrt(exact(x)));
     EXPECT_TRUE(sqrt(Quad(i) * Quad(i)) == Quad(i));
   }
-  EXPECT_LT(worst.error, kRootError);
+  EXPECT_LE(worst.error, kRounded);
   EXPECT_TRUE(sqrt(Quad(kInfinity)) == Quad(kInfinity));
   EXPECT_TRUE(is_nan(sqrt(Quad(-1))));
   EXPECT_TRUE(is_nan(sqrt(Quad(kNan))));
@@ -191,15 +193,19 @@ TEST(Quad, ExpAndLogAreAccurate) {
 
 TEST(Quad, PowIsAccurate) {
   QuadNumbers numbers(45);
-  Worst worst;
+  Worst worst, far;
   for (int i = 0; i < kSamples; ++i) {
-    // Exponents as large as the result allows, where the logarithm needs its additional digits.
     const Quad x = i % 2 ? numbers.any_positive() : numbers.uniform(0.5, 2);
-    const Quad y = i % 4 < 2 ? numbers.uniform(-3, 3) : numbers.uniform(-11350, 11350) / log(x);
-    const Exact power = exp(Exact(exact(y) * log(exact(x))));
-    if (power < ldexp(Exact(1), 16383)) worst.add(pow(x, y), power);
+    // Exponents as large as the results allow.
+    const Quad small = numbers.uniform(-709, 709) / log(x), y = numbers.uniform(-3, 3);
+    const Quad large = i % 4 < 2 ? y : numbers.uniform(-11350, 11350) / log(x);
+    worst.add(pow(x, small), exp(Exact(exact(small) * log(exact(x)))));
+    const Exact power = exp(Exact(exact(large) * log(exact(x))));
+    if (power < ldexp(Exact(1), 16383)) far.add(pow(x, large), power);
   }
   EXPECT_LT(worst.error, kPowError);
+  EXPECT_LT(far.error, kFarPowError);
+  EXPECT_GT(far.error, 0.5 * kFarPowError);
 }
 
 TEST(Quad, PowSpecialValues) {
@@ -221,32 +227,25 @@ TEST(Quad, PowSpecialValues) {
   EXPECT_TRUE(is_nan(pow(Quad(2), Quad(kNan))));
 }
 
-// Recorded once, as kMathBits of double is; machines without quadruple hardware must reproduce it.
-constexpr std::uint64_t kQuadBits = 13221779070020728653u;
-constexpr std::uint64_t kQuadInverseBits = 1889535433053082216u;
+// Recorded once, as kMathBits of double is. What is rounded once has the same bits everywhere;
+// functions have errors, and their bits may change with the C library.
+constexpr std::uint64_t kQuadBits = 4740250219984360843u;
 
-TEST(Quad, EveryCompilerHasTheSameBits) {
+TEST(Quad, ArithmeticHasTheSameBitsEverywhere) {
   QuadNumbers numbers(46);
   std::uint64_t hash = 0;
-  const auto add = [&hash](Quad x) {
-    const auto bits = __builtin_bit_cast(Bits, x);
-    for (const Bits part : {bits >> 64, bits}) {
-      hash = (hash ^ static_cast<std::uint64_t>(part)) * 0x9e3779b97f4a7c15u;
-      hash ^= hash >> 29;
-    }
-  };
   for (int i = 0; i < kSamples; ++i) {
     const Quad a = numbers.uniform(-4, 4), b = numbers.any_positive(), c = numbers.uniform(-4, 4);
-    for (const Quad x : {a + b, a - c, a * b, a / c, fma(a, b, c), fnma(a, c, b), sqrt(b)}) add(x);
-    for (const Quad x : {sin_turns(a), cos_turns(a), exp(a), log(b), pow(b, c), round(a)}) add(x);
+    for (const Quad x :
+         {a + b, a - c, a * b, a / c, fma(a, b, c), fnma(a, c, b), sqrt(b), round(a), floor(a)}) {
+      const auto bits = __builtin_bit_cast(Bits, x);
+      for (const Bits part : {bits >> 64, bits}) {
+        hash = (hash ^ static_cast<std::uint64_t>(part)) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 29;
+      }
+    }
   }
   EXPECT_EQ(hash, kQuadBits);
-  hash = 0;
-  for (int i = 0; i < kSamples; ++i) {
-    const Quad a = numbers.uniform(-4, 4), b = numbers.any_positive(), c = numbers.uniform(-1, 1);
-    for (const Quad x : {atan(a), atan(b), atan2(a, c), asin(c), acos(c), tan_turns(c)}) add(x);
-  }
-  EXPECT_EQ(hash, kQuadInverseBits);
 }
 
 TEST(Quad, InverseFunctionsAreAccurate) {
@@ -264,12 +263,12 @@ TEST(Quad, InverseFunctionsAreAccurate) {
     cosine.add(acos(s), acos(exact(s)));
   }
   EXPECT_LT(tangent.error, kAtanError);
-  EXPECT_LT(two.error, kAtanError);
+  EXPECT_LT(two.error, kAtan2Error);
   EXPECT_LT(sine.error, kAsinError);
   EXPECT_LT(cosine.error, kAsinError);
   // The bounds are no looser than they need be.
   EXPECT_GT(tangent.error, 0.7 * kAtanError);
-  EXPECT_GT(sine.error, 0.6 * kAsinError);
+  EXPECT_GT(sine.error, 0.7 * kAsinError);
 }
 
 TEST(Quad, InverseFunctionsSpecialValues) {
@@ -295,11 +294,11 @@ TEST(Quad, InverseFunctionsSpecialValues) {
   EXPECT_TRUE(is_nan(atan2(Quad(kNan), infinity)) && is_nan(atan2(infinity, Quad(kNan))));
   EXPECT_TRUE(floor(Quad(-0.5)) == Quad(-1) && floor(Quad(1.5)) == Quad(1));
   EXPECT_TRUE(floor(Quad(0x1p80) + Quad(0.75)) == Quad(0x1p80));
-  EXPECT_TRUE(tan_turns(Quad(0.125)) == Quad(1));
+  EXPECT_LT(error_in_units(tan_turns(Quad(0.125)), Exact(1)), kTangentError);
   // The ratio of the smallest and the largest numbers.
-  EXPECT_LT(error_in_units(atan2(kTiny, Quad(3) * kTiny), atan(Exact(1) / 3)), kAtanError);
+  EXPECT_LT(error_in_units(atan2(kTiny, Quad(3) * kTiny), atan(Exact(1) / 3)), kAtan2Error);
   const Quad huge = __builtin_bit_cast(Quad, Bits{0x7ffe} << 112);
-  EXPECT_LT(error_in_units(atan2(huge, huge * Quad(1.25)), atan(Exact(4) / 5)), kAtanError);
+  EXPECT_LT(error_in_units(atan2(huge, huge * Quad(1.25)), atan(Exact(4) / 5)), kAtan2Error);
 }
 
 TEST(Quad, RoundGoesToTheEvenHalf) {
