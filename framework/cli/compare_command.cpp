@@ -2,14 +2,17 @@
 #include <csignal>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "framework/cli/commands.hpp"
+#include "framework/cli/command.hpp"
 #include "framework/cli/compare_text.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/inputs.hpp"
+#include "framework/cli/options.hpp"
 #include "framework/cli/plugins.hpp"
+#include "framework/cli/print_result.hpp"
 #include "framework/cli/stop_signals.hpp"
 #include "framework/cli/study_figure.hpp"
 #include "framework/core/text/fault.hpp"
@@ -18,6 +21,39 @@
 
 namespace tomlin {
 namespace {
+
+struct CompareArguments : SettingOptions {
+  std::vector<std::string> scenes;
+  std::string observable;
+  double tolerance = 1e-2;
+  std::optional<std::string> folder;
+  bool force = false;
+};
+
+constexpr const char* kCompareFooter = R"(
+Runs every scene, estimates its error by a second run with other steps, and holds one number of the
+summary against that of the model with the most free coordinates. Shows value, error and cost of
+each, and which is the simplest that agrees within T (relative; absolute where the number is zero).
+A model agrees when it does so even if both errors are taken in full; where the errors alone are
+larger than T it is undecided.
+
+Models are comparable when their drivers have the same velocity and their forces the same periods;
+other scenes are refused. Another stiffness or amplitude is noted.
+
+In --observable "driver" and "body" stand for the only driver and the only body of each scene.
+
+Examples:
+
+  tomlin compare tip.toml ring.toml --observable driver.mean_force.x
+  tomlin compare tip.toml chain.toml ring.toml --observable driver.mean_force.x --tolerance 1e-3
+
+DIR then holds
+  compare.csv       a row for each model
+  compare.json      the same, with notes and warnings
+  compare.svg       the forces of the drivers over their way, when there is gnuplot
+
+Exit status: 0 done; 1 a run failed, or the results could not be written; 2 the input was not right,
+and nothing was written; 130 or 143 after an interrupt.)";
 
 constexpr const char* kDefaultFolder = "compare.out";
 constexpr const char* kCsvFile = "compare.csv";
@@ -42,9 +78,29 @@ std::vector<std::shared_ptr<const Scene>> read_scenes(const std::vector<SceneDoc
   return scenes;
 }
 
-}  // namespace
+void add_options(CLI::App& parser, CompareArguments& arguments) {
+  parser.add_option("SCENE", arguments.scenes, "the scenes, TOML files; two at least")
+      ->option_text("...")
+      ->required();
+  add_setting_options(parser, arguments);
+  add_observable_option(parser, arguments.observable);
+  parser.add_option("--tolerance", arguments.tolerance, "to agree within; 1e-2 by default")
+      ->type_name("T");
+  add_output_option(parser, arguments.folder, "DIR", "folder for the results; compare.out");
+  add_force_option(parser, arguments.force,
+                   "DIR need not be empty; what tomlin writes is replaced");
+}
 
-int compare_command(const CompareArguments& arguments) {
+void check(CompareArguments& arguments) {
+  if (arguments.scenes.size() < 2) {
+    refuse_command(FaultCode::command_missing_argument, "one scene cannot be compared",
+                   "two or more");
+  }
+  refuse_unless_positive(arguments.tolerance, "--tolerance");
+  read_settings(arguments);
+}
+
+int compare(const CompareArguments& arguments) {
   const std::vector<SceneDocument> documents(arguments.scenes.begin(), arguments.scenes.end());
   const Registry registry = registry_with_plugins(arguments.plugins, documents);
   const auto scenes = read_scenes(documents, registry, arguments.settings);
@@ -71,6 +127,13 @@ int compare_command(const CompareArguments& arguments) {
     if (model.result.status == RunStatus::failed) return kExitFailed;
   }
   return status;
+}
+
+}  // namespace
+
+CommandRecord compare_command() {
+  return {"compare", "models side by side; the simplest that agrees", kCompareFooter,
+          declared<CompareArguments>(add_options, check, compare)};
 }
 
 }  // namespace tomlin

@@ -46,6 +46,14 @@ std::vector<Described> all_components(const Registry& registry) {
   return all;
 }
 
+std::vector<const Described*> those_of(const KindNames& kind, const std::vector<Described>& all) {
+  std::vector<const Described*> found;
+  for (const Described& component : all) {
+    if (component.kind == kind.first) found.push_back(&component);
+  }
+  return found;
+}
+
 std::array<Claim, 8> claims(const Traits& traits) {
   return {Claim{"conservative", traits.conservative},
           Claim{"depends on velocity", traits.depends_on_velocity},

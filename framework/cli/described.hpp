@@ -30,6 +30,7 @@ inline constexpr std::array kKinds = {KindNames{"body", "bodies"}, KindNames{"fo
 
 /// By kind, then as registered.
 std::vector<Described> all_components(const Registry& registry);
+std::vector<const Described*> those_of(const KindNames& kind, const std::vector<Described>& all);
 
 /// A claim or an ability, and whether the component has it.
 using Claim = std::pair<const char*, bool>;

@@ -1,14 +1,46 @@
 #include <nlohmann/json.hpp>
 
-#include "framework/cli/commands.hpp"
+#include "framework/cli/command.hpp"
 #include "framework/cli/diagnostics.hpp"
 #include "framework/cli/explanation.hpp"
+#include "framework/cli/options.hpp"
 #include "framework/cli/plugins.hpp"
+#include "framework/cli/print_result.hpp"
 #include "framework/core/text/fault.hpp"
 
 namespace tomlin {
+namespace {
 
-int explain_command(const ExplainArguments& arguments) {
+struct ExplainArguments : SceneOptions {
+  bool json = false;
+};
+
+constexpr const char* kExplainFooter = R"(
+Shows, without running the scene:
+
+  built          bodies, coordinates, forces; what is left out and why; what was not asked for
+  scales         natural frequencies, damping and its regime, the stick-slip parameter, the
+                 washboard frequency, spacing against period
+  time step      against the stable step of the integrator. A step that is too long is shown, and
+                 refused by run.
+  cost           steps, force evaluations and time, from a trial of a tenth of a second
+  output         rows and bytes of what a run would write at most, and the room that there is
+
+Examples:
+
+  tomlin explain pt.toml
+  tomlin explain pt.toml --set v=1e-3 --json
+
+Exit status: 0 done; 2 the scene is not right.)";
+
+void add_options(CLI::App& parser, ExplainArguments& arguments) {
+  add_scene_options(parser, arguments);
+  add_json_option(parser, arguments.json);
+}
+
+void check(ExplainArguments& arguments) { read_settings(arguments); }
+
+int explain_scene(const ExplainArguments& arguments) {
   try {
     const SceneDocument document(arguments.scene);
     const Registry registry = registry_with_plugins(arguments.plugins, {&document, 1});
@@ -20,6 +52,13 @@ int explain_command(const ExplainArguments& arguments) {
     if (arguments.json) print_result(json_text({{"faults", faults_json(error.faults())}}));
     throw;
   }
+}
+
+}  // namespace
+
+CommandRecord explain_command() {
+  return {"explain", "what a scene builds, its scales, its cost", kExplainFooter,
+          declared<ExplainArguments>(add_options, check, explain_scene)};
 }
 
 }  // namespace tomlin

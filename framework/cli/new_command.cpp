@@ -1,14 +1,17 @@
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "framework/cli/commands.hpp"
+#include "framework/cli/command.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/new_file.hpp"
 #include "framework/cli/new_plugin.hpp"
+#include "framework/cli/options.hpp"
+#include "framework/cli/print_result.hpp"
 #include "framework/cli/templates.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/core/text/nearest_name.hpp"
@@ -17,6 +20,30 @@
 namespace tomlin {
 namespace fs = std::filesystem;
 namespace {
+
+struct NewArguments {
+  std::string model;                ///< "pt", "fk", "ring", "plugin"
+  std::optional<std::string> name;  ///< of the file, without .toml; of the force
+  std::optional<std::string> file;  ///< instead of the name; the folder of a plugin
+  bool force = false;
+};
+
+constexpr const char* kNewFooter = R"(
+Models:
+
+  pt      one tip on a substrate: Prandtl-Tomlinson
+  fk      a driven chain of particles and springs: Frenkel-Kontorova
+  ring    a ring that drags, rolls or hops
+  plugin  no scene but a folder: a force of one's own in C++, with a CMake file, a scene and a test
+
+Examples:
+
+  tomlin new pt                  writes pt.toml, a scene with comments that runs as it is
+  tomlin new ring my_ring        writes my_ring.toml
+  tomlin new fk -o scenes/a.toml
+  tomlin new plugin my_force     writes the folder my_force
+
+Exit status: 0 done; 1 the file could not be written; 2 the input was not right.)";
 
 [[noreturn]] void refuse(Fault fault) { throw InputError({std::move(fault)}); }
 
@@ -42,10 +69,29 @@ fs::path file_of(const NewArguments& arguments) {
   return name.extension() == ".toml" ? name : fs::path(name.string() + ".toml");
 }
 
-}  // namespace
+void add_options(CLI::App& parser, NewArguments& arguments) {
+  parser.add_option("MODEL", arguments.model, "pt, fk, ring or plugin")
+      ->option_text(" ")
+      ->required();
+  parser.add_option("NAME", arguments.name, "of the file, or of the force; MODEL by default")
+      ->option_text(" ");
+  add_output_option(parser, arguments.file, "FILE",
+                    "the file, NAME.toml by default; of a plugin the folder, NAME by default");
+  add_force_option(parser, arguments.force, "replace a file that is there");
+}
 
-int new_command(const NewArguments& arguments) {
-  if (arguments.model == "plugin") return new_plugin(arguments);
+void check(NewArguments& arguments) {
+  refuse_empty(arguments.name, "NAME");
+  refuse_empty(arguments.file, "-o");
+  if (arguments.name && arguments.file && arguments.model != "plugin") {
+    refuse_command(FaultCode::command_conflict, "NAME and -o both name the file", "one of them");
+  }
+}
+
+int write_new(const NewArguments& arguments) {
+  if (arguments.model == "plugin") {
+    return new_plugin(arguments.name, arguments.file, arguments.force);
+  }
   const SceneTemplate& scene = template_of(arguments.model);
   const fs::path file = file_of(arguments);
   refuse_to_replace(file, arguments.force);
@@ -57,6 +103,13 @@ int new_command(const NewArguments& arguments) {
       "{}: {}\n  tomlin explain {}    what it builds, its scales, its stable step, its cost\n"
       "  tomlin run {}        runs it\n",
       file.string(), scene.summary, file.string(), file.string()));
+}
+
+}  // namespace
+
+CommandRecord new_command() {
+  return {"new", "write a commented scene to start from", kNewFooter,
+          declared<NewArguments>(add_options, check, write_new)};
 }
 
 }  // namespace tomlin

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "framework/cli/commands.hpp"
+#include "framework/cli/print_result.hpp"
 #include "framework/cli/templates.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/output/output_file.hpp"
@@ -119,15 +119,16 @@ void make_folder(const fs::path& folder, bool force) {
 
 }  // namespace
 
-int new_plugin(const NewArguments& arguments) {
-  if (!arguments.name) {
+int new_plugin(const std::optional<std::string>& given_name,
+               const std::optional<std::string>& given_folder, bool force) {
+  if (!given_name) {
     refuse_input(FaultCode::command_missing_argument, "tomlin", "NAME",
                  "missing: what the force is called", "tomlin new plugin my_force");
   }
-  const std::string& name = *arguments.name;
+  const std::string& name = *given_name;
   check_name(name);
-  const fs::path folder = arguments.file.value_or(name);
-  make_folder(folder, arguments.force);
+  const fs::path folder = given_folder.value_or(name);
+  make_folder(folder, force);
   for (const PluginTemplate& one : plugin_templates()) {
     OutputFile output(folder / with_names(one.file, name));
     output.append(with_names(one.text, name));

@@ -1,6 +1,11 @@
+#include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
 #include <filesystem>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -9,10 +14,11 @@
 
 #include <fmt/format.h>
 
-#include "framework/cli/commands.hpp"
+#include "framework/cli/command.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/new_file.hpp"
-#include "framework/cli/plot_text.hpp"
+#include "framework/cli/options.hpp"
+#include "framework/cli/print_result.hpp"
 #include "framework/cli/printable.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/core/text/nearest_name.hpp"
@@ -31,6 +37,92 @@
 namespace tomlin {
 namespace fs = std::filesystem;
 namespace {
+
+struct PlotArguments {
+  std::vector<std::string> words;  ///< DIRs and WHAT
+  std::string file;
+  std::string x;                            ///< empty: WHAT's own
+  std::vector<std::string> panels;          ///< --y as given
+  std::vector<std::vector<std::string>> y;  ///< the same taken apart; empty: WHAT's own
+  std::optional<double> from;
+  std::optional<double> to;
+  std::vector<std::string> moments;  ///< --at as given
+  std::vector<double> at;            ///< the same as numbers
+  std::string driver;                ///< empty: the only one
+  std::string body;
+  std::string title;
+  std::vector<std::string> labels;  ///< one for each DIR; empty: by what differs
+};
+
+/// The figure that shows places instead of curves.
+constexpr const char* kBodyFigure = "ring";
+
+constexpr const char* kPlotFooter = R"(
+The first word is a folder; another folder that is called like a figure is written with a slash, ring/.
+X and Y are such a quantity or any column of observables.csv. Commas put curves on one axis, another
+--y makes another panel below. Several DIRs are curves of one figure, named by the parameters in
+which their scenes differ, or else by their folders; --label names them otherwise.
+
+Examples:
+
+  tomlin plot pt.out -o force.svg
+      the friction trace.
+  tomlin plot k_2.out k_8.out hysteresis -o loops.pdf
+      two runs on the same axes.
+  tomlin plot ring.out --y force_size --y position --y height --from 2 --to 4 -o steps.svg
+      three panels over v t from 2 to 4.
+  tomlin plot ring.out ring --at 2500,3000,3500 -o places.png
+      a ring at three times.
+  tomlin plot v_1.out v_2.out ring --x driver_position --at 2,2.5,3 -o places.svg
+      two rings, when their drivers have come so far.
+  tomlin plot pt.out --x time --y tip.velocity.x -o velocity.svg
+      a column over another.
+
+gnuplot 5.4 draws (Debian: gnuplot-nox); TOMLIN_GNUPLOT names another one than the one in PATH. An
+earlier FILE is replaced. The same runs give the same SVG.
+
+Exit status: 0 done; 1 gnuplot failed or FILE could not be written; 2 the input was not right, or
+there is no gnuplot.)";
+
+void add_line(std::string& text, std::string_view name, std::string_view summary) {
+  fmt::format_to(std::back_inserter(text), "  {:<17} {}\n", name, summary);
+}
+
+/// The figures, the quantities, examples.
+std::string plot_footer() {
+  std::string text = "\nWHAT:\n\n";
+  for (const FigureKind& kind : figure_kinds()) add_line(text, kind.name, kind.summary);
+  add_line(text, kBodyFigure, "particles of a ring, or another planar body, at the moments --at");
+  text += "\nQuantities for --x and --y:\n\n";
+  for (const Quantity& quantity : quantities()) add_line(text, quantity.name, quantity.summary);
+  return text + kPlotFooter;
+}
+
+/// "A,B" as A and B.
+std::vector<std::string> parts_of(const std::string& list, const char* option) {
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find(',', begin), list.size());
+    if (end == begin) {
+      refuse_command(FaultCode::command_invalid_value,
+                     fmt::format("{}: \"{}\" has an empty part", option, list));
+    }
+    parts.push_back(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+double finite_number(const std::string& text, const char* option) {
+  double number = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || stop != end || !std::isfinite(number)) {
+    refuse_command(FaultCode::command_invalid_value,
+                   fmt::format("{}: \"{}\" is not a number", option, text));
+  }
+  return number;
+}
 
 constexpr const char* kWhatByDefault = "force";
 constexpr int kMostNeighbours = 1000;  // folders looked at for a nearest name
@@ -193,9 +285,53 @@ Figure drawn_curves(const std::vector<StoredRun>& runs, const std::string& what,
   return curves_figure(runs, labels_of(runs, arguments), request);
 }
 
-}  // namespace
+void add_options(CLI::App& parser, PlotArguments& arguments) {
+  parser.add_option("DIR", arguments.words, "folders of runs; and WHAT to draw, force by default")
+      ->option_text("... [WHAT]")
+      ->required();
+  parser.add_option("-o,--output", arguments.file, "the picture: .svg, .png or .pdf")
+      ->type_name("FILE")
+      ->required();
+  parser.add_option("--x", arguments.x, "a quantity or a column, instead of WHAT's")
+      ->type_name("X");
+  parser.add_option("--y", arguments.panels, "the same upwards; again for another panel")
+      ->type_name("Y[,Y]")
+      ->option_text("Y[,Y] ...")
+      ->allow_extra_args(false);
+  parser.add_option("--from", arguments.from, "where the x axis begins")->type_name("X");
+  parser.add_option("--to", arguments.to, "where it ends")->type_name("X");
+  parser
+      .add_option("--at", arguments.moments,
+                  "moments to show a ring at: times, or values of --x; five by default")
+      ->type_name("T[,T]")
+      ->allow_extra_args(false);
+  parser.add_option("--driver", arguments.driver, "which one, where there are several")
+      ->type_name("NAME");
+  parser.add_option("--body", arguments.body, "likewise")->type_name("NAME");
+  parser.add_option("--label", arguments.labels, "what to call a DIR; once for each, in order")
+      ->type_name("TEXT")
+      ->option_text("TEXT ...")
+      ->allow_extra_args(false);
+  parser.add_option("--title", arguments.title, "above the figure; none by default")
+      ->type_name("TEXT");
+}
 
-int plot_command(const PlotArguments& arguments) {
+void check(PlotArguments& arguments) {
+  for (const std::string& panel : arguments.panels) arguments.y.push_back(parts_of(panel, "--y"));
+  for (const std::string& list : arguments.moments) {
+    for (const std::string& moment : parts_of(list, "--at")) {
+      arguments.at.push_back(finite_number(moment, "--at"));
+    }
+  }
+  for (const auto& [limit, option] :
+       {std::pair{arguments.from, "--from"}, std::pair{arguments.to, "--to"}}) {
+    if (limit && !std::isfinite(*limit)) {
+      refuse_command(FaultCode::command_invalid_value, fmt::format("{} is not finite", option));
+    }
+  }
+}
+
+int plot(const PlotArguments& arguments) {
   const PictureFormat format = format_of(arguments.file);
   refuse_unwritable(arguments.file);
   const Words words = sorted(arguments.words);
@@ -210,6 +346,13 @@ int plot_command(const PlotArguments& arguments) {
   output.publish();
   for (const std::string& note : notes) print_error_line("note: " + note);
   return kExitDone;
+}
+
+}  // namespace
+
+CommandRecord plot_command() {
+  return {"plot", "draw a figure of finished runs", plot_footer(),
+          declared<PlotArguments>(add_options, check, plot)};
 }
 
 }  // namespace tomlin

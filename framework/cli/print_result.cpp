@@ -1,8 +1,9 @@
+#include "framework/cli/print_result.hpp"
+
 #include <cerrno>
 #include <cstdio>
 #include <system_error>
 
-#include "framework/cli/commands.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/printable.hpp"
 #include "framework/core/text/fault.hpp"

@@ -4,17 +4,14 @@
 #include <new>
 #include <stdexcept>
 #include <string>
-#include <variant>
 
 #include <fmt/format.h>
 
-#include "framework/cli/arguments.hpp"
-#include "framework/cli/commands.hpp"
+#include "framework/cli/command_line.hpp"
 #include "framework/cli/crash_note.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/printable.hpp"
 #include "framework/cli/standard_streams.hpp"
-#include "framework/core/system/instruction_set.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/model/plugin_code.hpp"
 #include "framework/output/output_file.hpp"
@@ -23,26 +20,6 @@
 
 namespace tomlin {
 namespace {
-
-int carry_out(const RunArguments& arguments) { return run_command(arguments); }
-
-int carry_out(const TradeoffArguments& arguments) { return tradeoff_command(arguments); }
-
-int carry_out(const CompareArguments& arguments) { return compare_command(arguments); }
-
-int carry_out(const ExplainArguments& arguments) { return explain_command(arguments); }
-
-int carry_out(const CheckArguments& arguments) { return check_command(arguments); }
-
-int carry_out(const NewArguments& arguments) { return new_command(arguments); }
-
-int carry_out(const DescribeArguments& arguments) { return describe_command(arguments); }
-
-int carry_out(const SchemaArguments& arguments) { return schema_command(arguments); }
-
-int carry_out(const PlotArguments& arguments) { return plot_command(arguments); }
-
-int carry_out(const TextToPrint& text) { return print_result(text.text); }
 
 int end_with(int status, const std::string& message) {
   print_error_line(message);
@@ -66,10 +43,7 @@ FaultCode code_of_unexpected() {
 
 int guarded_program(int argc, const char* const* argv) {
   try {
-    const auto all = parse_arguments(argc, argv);
-    // Before anything is made for it.
-    if (!std::holds_alternative<TextToPrint>(all)) chosen_instruction_set();
-    return std::visit([](const auto& arguments) { return carry_out(arguments); }, all);
+    return parse_command_line(argc, argv)();
   } catch (const InputError& error) {
     return end_with(kExitBadInput, error.what());
   } catch (const PluginError& error) {

@@ -7,11 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "framework/cli/commands.hpp"
+#include "framework/cli/command.hpp"
 #include "framework/cli/crash_note.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/inputs.hpp"
+#include "framework/cli/options.hpp"
 #include "framework/cli/plugins.hpp"
+#include "framework/cli/print_result.hpp"
 #include "framework/cli/printable.hpp"
 #include "framework/cli/progress.hpp"
 #include "framework/cli/result_text.hpp"
@@ -31,6 +33,57 @@
 namespace tomlin {
 namespace fs = std::filesystem;
 namespace {
+
+struct RunArguments : SceneOptions {
+  std::optional<std::string> folder;
+  bool resume = false;
+  bool force = false;
+  bool quiet = false;
+};
+
+constexpr const char* kRunFooter = R"(
+Examples:
+
+  tomlin run pt.toml
+      writes to pt.out/ in the current folder.
+  tomlin run pt.toml --set v=1e-3 -o slow
+      the parameter v has another value; writes to slow/.
+  tomlin run pt.toml --set "v=V0/10" --set run.integrator.dt=1e-3 --force
+      an expression over [parameters]; a dotted path; pt.out/ may hold an earlier run.
+
+PATH is a parameter's name or a dotted path such as run.duration, body.ring.coordinates or
+force.driver.stiffness, with a component's name, or its type where it has none. VALUE is as in a
+scene: a number, true, [1.0, 0.0], a word or an expression.
+
+  tomlin run pt.toml --resume
+      resumes the run that was stopped in pt.out/, or starts it if there is none.
+
+DIR then holds
+  summary.json      mean, static and extreme forces, work, motion of the bodies, warnings
+  observables.csv   the samples in time, when the scene has [output] every
+  events.csv        slips, turns and the like: when, how large
+  scene.toml        the scene with all defaults filled in; running it gives the same bits
+and, while the run is going on or after it was stopped, what it can be resumed from
+  run.checkpoint    kept every [run] checkpoint_every seconds
+  run.journal       all samples and events so far
+
+Ctrl-C ends a run early and leaves what is known so far, with a checkpoint; a second Ctrl-C ends it
+at once. A run that was stopped, was killed or ran out of disk space resumes with --resume, from the last
+checkpoint to the same bits as one that was left alone. The scene must be the same, and so must the
+version of tomlin.
+
+Exit status: 0 done; 1 the run failed numerically (the message says when, where and why) or its
+results could not be written; 2 the input was not right, and nothing was written; 130 or 143 after
+an interrupt.)";
+
+constexpr const char* kPluginFooter = R"(
+A force that tomlin does not have is compiled into a shared library; tomlin new plugin NAME writes
+one to start from. A scene names its libraries above its first [table], relative to its own folder:
+
+  plugins = ["libmorse.so"]
+
+or --plugin does, relative to the current folder. Both load it from that place and no other. See
+also tomlin describe --plugin LIB.)";
 
 std::string default_folder(const std::string& scene_file) {
   return fs::path(scene_file).stem().string() + ".out";
@@ -89,9 +142,24 @@ int already_over(RunFolder& folder, const Scene& scene, const Resumption& found,
                       "\n");
 }
 
-}  // namespace
+void add_options(CLI::App& parser, RunArguments& arguments) {
+  add_scene_options(parser, arguments);
+  add_output_option(parser, arguments.folder, "DIR", "folder for the results; SCENE's stem + .out");
+  parser.add_flag("--resume", arguments.resume, "go on with the run that was stopped in DIR");
+  add_force_option(parser, arguments.force,
+                   "DIR need not be empty; only files that tomlin writes are replaced");
+  parser.add_flag("--quiet", arguments.quiet, "print errors only");
+}
 
-int run_command(const RunArguments& arguments) {
+void check(RunArguments& arguments) {
+  if (arguments.resume && arguments.force) {
+    refuse_command(FaultCode::command_conflict, "--resume continues a run, --force starts it again",
+                   "one of them");
+  }
+  read_settings(arguments);
+}
+
+int run_scene(const RunArguments& arguments) {
   // The scene, then the place for its results; only then is anything made.
   std::optional<SceneDocument> document(arguments.scene);
   const auto plugins = requested_plugins(arguments.plugins, {&*document, 1});
@@ -155,6 +223,13 @@ int run_command(const RunArguments& arguments) {
   if (numerical || trouble) return kExitFailed;
   if (result.status == RunStatus::interrupted) return kExitSignal + signals.caught();
   return status;
+}
+
+}  // namespace
+
+CommandRecord run_command() {
+  return {"run", "run one scene", std::string(kRunFooter) + "\n" + kPluginFooter,
+          declared<RunArguments>(add_options, check, run_scene)};
 }
 
 }  // namespace tomlin

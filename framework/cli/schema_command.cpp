@@ -1,17 +1,54 @@
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
-#include "framework/cli/commands.hpp"
+#include "framework/cli/command.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/new_file.hpp"
+#include "framework/cli/options.hpp"
 #include "framework/cli/plugins.hpp"
+#include "framework/cli/print_result.hpp"
 #include "framework/cli/schema.hpp"
 #include "framework/cli/summary_schema.hpp"
 #include "framework/output/output_file.hpp"
 
 namespace tomlin {
+namespace {
 
-int schema_command(const SchemaArguments& arguments) {
+struct SchemaArguments {
+  std::optional<std::string> file;  ///< standard output without it
+  std::vector<std::string> plugins;
+  bool of_summary = false;
+  bool force = false;
+};
+
+constexpr const char* kSchemaFooter = R"(
+With it an editor completes and checks scenes while they are written: keys, types, words, ranges,
+each with its unit and default. With Taplo (Even Better TOML in VS Code, and others) the first line
+of a scene names it:
+
+  #:schema ./tomlin.schema.json
+
+What only holds between several values (names of bodies, ends of windows, stable steps), and what
+expressions say, is seen by tomlin check SCENE.
+
+Examples:
+
+  tomlin schema -o tomlin.schema.json
+  tomlin schema > tomlin.schema.json)";
+
+void add_options(CLI::App& parser, SchemaArguments& arguments) {
+  add_plugin_option(parser, arguments.plugins);
+  add_output_option(parser, arguments.file, "FILE", "the file; standard output by default");
+  parser.add_flag("--summary", arguments.of_summary,
+                  "of summary.json, for programs that read results");
+  add_force_option(parser, arguments.force, "replace a file that is there");
+}
+
+void check(SchemaArguments& arguments) { refuse_empty(arguments.file, "-o"); }
+
+int write_schema(const SchemaArguments& arguments) {
   const std::string schema = arguments.of_summary
                                  ? summary_schema()
                                  : scene_schema(registry_with_plugins(arguments.plugins, {}));
@@ -26,6 +63,13 @@ int schema_command(const SchemaArguments& arguments) {
   return print_result(file.string() +
                       ": a scene beside it names it in its first line\n  #:schema ./" +
                       file.filename().string() + "\n");
+}
+
+}  // namespace
+
+CommandRecord schema_command() {
+  return {"schema", "a JSON Schema of scenes or of summaries", kSchemaFooter,
+          declared<SchemaArguments>(add_options, check, write_schema)};
 }
 
 }  // namespace tomlin

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kMostDimensions = 3;
+constexpr int kMostAxes = 3;
 
 Json number_or_null() { return {{"type", {"number", "null"}}}; }
 
@@ -29,7 +29,7 @@ Json value_schema(const ResultQuantity& quantity) {
       schema = {{"type", {"array", "null"}},
                 {"items", number_or_null()},
                 {"minItems", 1},
-                {"maxItems", kMostDimensions}};
+                {"maxItems", kMostAxes}};
       break;
   }
   schema["description"] = fmt::format("{} [{}]", quantity.meaning, unit_of(quantity));

@@ -12,34 +12,32 @@
 
 namespace tomlin {
 namespace fs = std::filesystem;
-namespace {}  // namespace
 
-void check_new_scene(const TradeoffArguments& arguments) {
-  if (!arguments.write) return;
+void check_new_scene(const std::string& file, const std::string& scene, bool force) {
   std::error_code error;
-  if (fs::equivalent(*arguments.write, arguments.scene, error)) {
-    refuse_input(FaultCode::file_exists, "--write", *arguments.write, "this is the scene itself",
+  if (fs::equivalent(file, scene, error)) {
+    refuse_input(FaultCode::file_exists, "--write", file, "this is the scene itself",
                  "another file");
   }
-  if (fs::exists(fs::symlink_status(*arguments.write, error)) && !arguments.force) {
-    refuse_input(FaultCode::file_exists, "--write", *arguments.write, "the file exists",
+  if (fs::exists(fs::symlink_status(file, error)) && !force) {
+    refuse_input(FaultCode::file_exists, "--write", file, "the file exists",
                  "a new file, or --force");
   }
-  refuse_unwritable(*arguments.write, "--write");
+  refuse_unwritable(file, "--write");
 }
 
-std::string write_scene(const TradeoffArguments& arguments, const SceneDocument& document,
+std::string write_scene(const std::string& file, const SceneDocument& document,
+                        const std::string& scene, std::vector<Setting> settings,
                         const Registry& registry, const Recommendation& recommendation) {
-  std::vector<Setting> settings = arguments.settings;
   settings.insert(settings.end(), recommendation.settings.begin(), recommendation.settings.end());
   try {
-    const std::string text = edited(document.text(), arguments.scene, settings);
+    const std::string text = edited(document.text(), scene, settings);
     const auto meant = document.read(registry, settings);
-    const auto read = parse_scene(text, *arguments.write, registry);
+    const auto read = parse_scene(text, file, registry);
     if (read->effective_toml != meant->effective_toml) return "the text would mean another scene";
-    OutputFile file(*arguments.write);
-    file.append(text);
-    file.publish();
+    OutputFile output(file);
+    output.append(text);
+    output.publish();
     return "";
   } catch (const InputError& error) {
     return error.what();

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "framework/cli/command.hpp"
 #include "tests/framework/cli/cli_fixture.hpp"
 
 namespace tomlin::test {
@@ -19,11 +20,9 @@ namespace {
 // ---- the command line
 
 TEST_F(Cli, HelpIsEverywhere) {
-  for (const std::vector<std::string>& command :
-       {std::vector<std::string>{}, std::vector<std::string>{"run"},
-        std::vector<std::string>{"explain"}, std::vector<std::string>{"check"},
-        std::vector<std::string>{"new"}, std::vector<std::string>{"describe"},
-        std::vector<std::string>{"schema"}, std::vector<std::string>{"plot"}}) {
+  std::vector<std::vector<std::string>> places = {{}};
+  for (const CommandRecord& record : commands()) places.push_back({record.name});
+  for (const std::vector<std::string>& command : places) {
     for (const char* flag : {"--help", "-h"}) {
       auto arguments = command;
       arguments.emplace_back(flag);
@@ -36,8 +35,7 @@ TEST_F(Cli, HelpIsEverywhere) {
   const std::string help = tomlin({"--help"}).out;
   EXPECT_EQ(tomlin({"help"}).out, help);
   EXPECT_EQ(tomlin({"help", "run"}).out, tomlin({"run", "--help"}).out);
-  for (const char* name : {"run", "describe", "sweep", "tradeoff", "compare", "stability",
-                           "explain", "check", "schema", "new", "report", "plot"}) {
+  for (const char* name : {"sweep", "stability", "merge", "export", "report"}) {
     EXPECT_TRUE(contains(help, std::string("\n  ") + name + " ")) << name;
   }
 }

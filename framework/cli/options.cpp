@@ -1,0 +1,94 @@
+#include "framework/cli/options.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/core/text/fault.hpp"
+
+namespace tomlin {
+
+void add_plugin_option(CLI::App& parser, std::vector<std::string>& plugins) {
+  parser.add_option("--plugin", plugins, "more components, from a shared library")
+      ->type_name("LIB")
+      ->option_text("LIB ...")
+      ->allow_extra_args(false);
+}
+
+void add_setting_options(CLI::App& parser, SettingOptions& options) {
+  parser
+      .add_option("--set", options.given_settings, "replace a parameter or any value of the scene")
+      ->type_name("PATH=VALUE")
+      ->option_text("PATH=VALUE ...")
+      ->allow_extra_args(false);
+  add_plugin_option(parser, options.plugins);
+}
+
+void add_scene_options(CLI::App& parser, SceneOptions& options) {
+  parser.add_option("SCENE", options.scene, "the scene, a TOML file")->option_text(" ")->required();
+  add_setting_options(parser, options);
+}
+
+void add_observable_option(CLI::App& parser, std::string& observable) {
+  parser.add_option("--observable", observable, "a dotted path in summary.json")
+      ->type_name("O")
+      ->required();
+}
+
+CLI::Option* add_output_option(CLI::App& parser, std::optional<std::string>& output,
+                               const char* kind, const std::string& help) {
+  return parser.add_option("-o,--output", output, help)->type_name(kind);
+}
+
+void add_force_option(CLI::App& parser, bool& force, const std::string& help) {
+  parser.add_flag("--force", force, help);
+}
+
+CLI::Option* add_json_option(CLI::App& parser, bool& json) {
+  return parser.add_flag("--json", json, "as JSON");
+}
+
+void refuse_command(FaultCode code, std::string why, std::string admissible, std::string nearest) {
+  refuse_input(code, "tomlin", "", std::move(why), std::move(admissible), std::move(nearest));
+}
+
+void read_settings(SettingOptions& options) {
+  std::vector<Fault> faults;
+  for (const std::string& text : options.given_settings) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos) {
+      faults.emplace_back(FaultCode::command_missing_argument, Place{"--set"},
+                          text.empty() ? "\"\"" : text, "", "no value", "PATH=VALUE");
+      continue;
+    }
+    options.settings.push_back({text.substr(0, equals), text.substr(equals + 1)});
+  }
+  if (!faults.empty()) throw InputError(std::move(faults));
+}
+
+void refuse_empty_plugins(const CLI::App& parser) {
+  const CLI::Option* option = parser.get_option_no_throw("--plugin");
+  if (option == nullptr) return;
+  for (const std::string& name : option->results()) {
+    if (name.empty()) {
+      refuse_command(FaultCode::command_invalid_value, "--plugin is empty",
+                     "the file of a shared library");
+    }
+  }
+}
+
+void refuse_empty(const std::optional<std::string>& given, const char* option) {
+  if (given && given->empty()) {
+    refuse_command(FaultCode::command_invalid_value, fmt::format("{} is empty", option));
+  }
+}
+
+void refuse_unless_positive(double number, const char* option) {
+  if (!std::isfinite(number) || number <= 0.0) {
+    refuse_command(FaultCode::command_invalid_value, fmt::format("{} is {:g}", option, number),
+                   "> 0");
+  }
+}
+
+}  // namespace tomlin
