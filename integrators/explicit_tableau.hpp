@@ -24,7 +24,7 @@ struct TableauRow {
   constexpr Coefficient operator[](int j) const {
     return {static_cast<double>(numerator[j]), static_cast<double>(denominator)};
   }
-  consteval TableauRow reduced() const {
+  constexpr TableauRow reduced() const {
     TableauRow row = *this;
     std::int64_t common = denominator;
     for (const std::int64_t x : numerator) common = std::gcd(common, x);
@@ -32,7 +32,7 @@ struct TableauRow {
     row.denominator /= common;
     return row;
   }
-  consteval TableauRow<1> sum() const {
+  constexpr TableauRow<1> sum() const {
     TableauRow<1> total = {{0}, denominator};
     for (const std::int64_t x : numerator) total.numerator[0] += x;
     return total.reduced();
@@ -99,36 +99,21 @@ struct WholeRow {
   consteval bool is_unit(int j) const { return first() == j && new_at(j) && equal_after(j) == n; }
 };
 
-/// Coefficients of z^1, ..., z^stages of the stability function R(z): b a^(k-1) (1, ..., 1).
-template <class Tableau>
-struct StabilityPolynomial {
-  TableauRow<1> coefficient[Tableau::stages];
-  consteval StabilityPolynomial() {
-    TableauRow<Tableau::stages> row = Tableau::b;
-    for (TableauRow<1>& one : coefficient) {
-      one = row.sum();
-      row = times_matrix<Tableau>(row);
-    }
-  }
-  /// Coefficient of z^(k+1) divided by that of z^k, which must not be zero.
-  consteval TableauRow<1> quotient(int k) const {
-    if (k == 0) return coefficient[0];
-    const TableauRow<1>& above = coefficient[k];
-    const TableauRow<1>& below = coefficient[k - 1];
-    return TableauRow<1>{{above.numerator[0] * below.denominator},
-                         above.denominator * below.numerator[0]}
-        .reduced();
-  }
-};
-
-/// |R(z)|, by Horner's rule on quotients of successive coefficients.
-template <class Tableau, int k = 0>
+/// R(z), where a step on y' = lambda y multiplies y by R(h lambda): the polynomial
+/// 1 + z s_0 + z^2 s_1 + ... of the sums s_k of the weights times a^k, by Horner's rule on
+/// quotients of successive sums. `last` and `row` are s_(k-1) and the weights times a^k.
+template <class Tableau, TableauRow<1> last = TableauRow<1>{{1}},
+          TableauRow<Tableau::stages> row = Tableau::b>
 std::complex<double> stability_function(std::complex<double> z) {
-  if constexpr (k == Tableau::stages) {
+  constexpr TableauRow<1> sum = row.sum();
+  if constexpr (sum.numerator[0] == 0) {
     return 1.0;
   } else {
-    constexpr Coefficient next = StabilityPolynomial<Tableau>().quotient(k)[0];
-    return 1.0 + z * next.numerator / next.denominator * stability_function<Tableau, k + 1>(z);
+    constexpr Coefficient quotient =
+        TableauRow<1>{{sum.numerator[0] * last.denominator}, sum.denominator * last.numerator[0]}
+            .reduced()[0];
+    return 1.0 + z * quotient.numerator / quotient.denominator *
+                     stability_function<Tableau, sum, times_matrix<Tableau>(row)>(z);
   }
 }
 
