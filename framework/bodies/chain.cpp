@@ -5,7 +5,7 @@ namespace {
 
 using Description = ChainDescription;
 
-int axis_index(const Description& d) { return d.axis[0] - 'x'; }
+int axis_index(const Description& d) { return static_cast<int>(d.axis); }
 
 int dimension_of(const void* description) {
   return static_cast<int>(static_cast<const Description*>(description)->origin.components.size());
@@ -64,8 +64,7 @@ BodyRecord chain_record() {
                  "of the first particle; zeros by default")
            .or_absent(),
        parameter("axis", &Description::axis, dimension::none, "along which it lies")
-           .one_of({"x", "y", "z"})
-           .by_default("x")});
+           .by_default(Axis::x)});
   record.common = &body_part<Description>;
   record.dimension = &dimension_of;
   record.count = &count;
