@@ -84,7 +84,7 @@ class Grid {
 
   Best best() {
     for (const Method& method : tradeoff_.methods) {
-      if (!method.refused.empty() || method.number_type != "double") continue;
+      if (!method.refused.empty() || method.number_type != NumberType::double_precision) continue;
       if (method.resolution == Resolution::step) {
         take_steps(method);
       } else {

@@ -5,7 +5,7 @@ namespace {
 
 using Description = ChainDescription;
 
-int axis_index(const Description& d) { return d.axis[0] - 'x'; }
+int axis_index(const Description& d) { return static_cast<int>(d.axis); }
 
 int dimension_of(const Description& d) { return static_cast<int>(d.origin.components.size()); }
 
@@ -45,8 +45,7 @@ BodyRecord chain_record() {
                  "of the first particle; zeros by default")
            .or_absent(),
        parameter("axis", &Description::axis, dimension::none, "along which it lies")
-           .one_of({"x", "y", "z"})
-           .by_default("x")});
+           .by_default(Axis::x)});
   record.name = "chain";
   record.summary =
       "equally spaced particles on a straight line; its ends are open unless a periodic [box] "

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "framework/core/records/body.hpp"
+#include "framework/core/text/axis_names.hpp"
 
 /// Equally spaced particles on a straight line: the chain of Frenkel and Kontorova.
 namespace tomlin {
@@ -9,7 +10,7 @@ struct ChainDescription : BodyDescription {
   std::int64_t count = 0;
   double spacing = 0.0;
   SpaceVector origin;
-  std::string axis;
+  Axis axis = Axis::x;
 };
 
 BodyRecord chain_record();

@@ -90,7 +90,7 @@ std::string compare_json(const Comparison& comparison) {
   Json json;
   json["observable"] = comparison.observable;
   json["tolerance"] = comparison.tolerance;
-  json["status"] = comparison.interrupted ? "interrupted" : "finished";
+  json["status"] = to_string(comparison.interrupted ? RunStatus::interrupted : RunStatus::finished);
   const auto file_of = [&](const std::optional<std::size_t>& k) {
     return k ? Json(comparison.models[*k].file) : Json();
   };

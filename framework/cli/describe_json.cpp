@@ -171,12 +171,10 @@ Json results_json() {
                   {"when", family.when},
                   {"quantities", Json::array()}};
     for (const ResultQuantity& quantity : family.quantities) {
-      const char* const scopes[] = {"window", "end", "run"};
-      const char* const shapes[] = {"number", "vector", "count"};
       entry["quantities"].push_back(Json{{"key", quantity.key},
                                          {"unit", unit_of(quantity)},
-                                         {"shape", shapes[static_cast<int>(quantity.shape)]},
-                                         {"scope", scopes[static_cast<int>(quantity.scope)]},
+                                         {"shape", to_string(quantity.shape)},
+                                         {"scope", to_string(quantity.scope)},
                                          {"doc", quantity.meaning}});
     }
     list.push_back(std::move(entry));

@@ -14,9 +14,9 @@ namespace {
 template <class Record>
 std::vector<std::string> number_types_of(const Record& record) {
   std::vector<std::string> types;
-  if (record.bind.in_double) types.emplace_back("double");
-  if (record.bind.in_float) types.emplace_back("float");
-  if (record.bind.in_quadruple) types.emplace_back("quadruple");
+  if (record.bind.in_double) types.emplace_back(to_string(NumberType::double_precision));
+  if (record.bind.in_float) types.emplace_back(to_string(NumberType::single_precision));
+  if (record.bind.in_quadruple) types.emplace_back(to_string(NumberType::quadruple_precision));
   return types;
 }
 

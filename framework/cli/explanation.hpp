@@ -19,7 +19,7 @@ struct Explanation {
   struct Body {
     std::string name;
     std::string type;
-    std::string coordinates;  ///< "particles", "rigid", "fixed"
+    Coordinates coordinates = Coordinates::particles;
     std::size_t particles = 0;
     double mass = 0.0;  ///< of all particles together
     std::size_t coordinate_count = 0;

@@ -24,7 +24,7 @@ Json bodies_json(const Explanation& e) {
     list.push_back(
         Json{{"name", body.name},
              {"type", body.type},
-             {"coordinates", body.coordinates},
+             {"coordinates", to_string(body.coordinates)},
              {"particles", body.particles},
              {"mass", body.mass},
              {"coordinate_count", body.coordinate_count},
@@ -183,8 +183,8 @@ std::string explanation_json(const Explanation& e) {
   json["scene"] = Json{{"file", scene.file},
                        {"name", scene.name},
                        {"dimension", scene.dimension},
-                       {"dynamics", scene.run.dynamics},
-                       {"number_type", scene.run.number_type},
+                       {"dynamics", to_string(scene.run.dynamics)},
+                       {"number_type", to_string(scene.run.number_type)},
                        {"units", scene.units},
                        {"duration", scene.run.duration}};
   json["bodies"] = bodies_json(e);

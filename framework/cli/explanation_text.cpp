@@ -8,6 +8,7 @@
 #include "framework/cli/sections.hpp"
 #include "framework/core/numbers/constants.hpp"
 #include "framework/output/run_folder.hpp"
+#include "framework/output/trajectory.hpp"
 #include "framework/scene/natural_units.hpp"
 #include "framework/scene/title.hpp"
 
@@ -21,9 +22,8 @@ std::string counted(std::size_t n, const char* one, const char* many) {
 }
 
 std::string motion_of(const Explanation::Body& body) {
-  if (body.coordinates == "particles") return "each particle moves";
-  if (body.coordinates == "rigid") return "rigid";
-  return body.coordinates;
+  const bool flexible = body.coordinates == Coordinates::particles;
+  return flexible ? "each particle moves" : to_string(body.coordinates);
 }
 
 void add_built(Sections& sections, const Explanation& e) {
@@ -239,7 +239,7 @@ void add_output(Sections& sections, const Explanation& e) {
                  fmt::format("{} rows, {}", count_text(size.rows), bytes_text(size.table)));
   }
   if (asked.every && asked.trajectory) {
-    sections.row(asked.trajectory_format == "xyz" ? kXyzFile : kH5mdFile,
+    sections.row(trajectory_file_name(asked.trajectory_format),
                  fmt::format("{} frames, {}", count_text(size.rows), bytes_text(size.trajectory)));
   }
   if (e.output.events) {
@@ -273,8 +273,8 @@ std::string explanation_text(const Explanation& e) {
   sections.section("warnings");
   for (const Explanation::Warning& warning : e.warnings) sections.row(warning.of, warning.text);
   return fmt::format("{}: {} dimension{}, {} dynamics, {} numbers, {} units\n\n", title,
-                     scene.dimension, scene.dimension == 1 ? "" : "s", scene.run.dynamics,
-                     scene.run.number_type, scene.units) +
+                     scene.dimension, scene.dimension == 1 ? "" : "s",
+                     to_string(scene.run.dynamics), to_string(scene.run.number_type), scene.units) +
          sections.text();
 }
 

@@ -228,7 +228,7 @@ std::vector<StoredRun> read_runs(const std::vector<std::string>& folders,
                       kTableFile),
           "", "", folder);
     }
-    if (run.status != "finished") {
+    if (run.status != to_string(RunStatus::finished)) {
       notes.push_back(fmt::format("{}: the run is not finished but {}", folder, run.status));
     }
     runs.push_back(std::move(run));

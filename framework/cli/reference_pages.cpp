@@ -160,28 +160,8 @@ std::string page_of_scenes() {
   return text;
 }
 
-const char* scope_text(const ResultQuantity& quantity) {
-  switch (quantity.scope) {
-    case Scope::window:
-      return "window";
-    case Scope::end:
-      return "end";
-    case Scope::run:
-      break;
-  }
-  return "run";
-}
-
 const char* shape_text(const ResultQuantity& quantity) {
-  switch (quantity.shape) {
-    case Shape::vector:
-      return "number per axis";
-    case Shape::count:
-      return "count";
-    case Shape::number:
-      break;
-  }
-  return "number";
+  return quantity.shape == Shape::vector ? "number per axis" : to_string(quantity.shape);
 }
 
 std::string page_of_diagnostics() {
@@ -222,7 +202,7 @@ std::string results_section() {
     for (const ResultQuantity& quantity : family.quantities) {
       fmt::format_to(std::back_inserter(text), "| {} | {} | {} | {} | {} |\n", code(quantity.key),
                      cell(quantity.meaning), shape_text(quantity), unit_of(quantity),
-                     scope_text(quantity));
+                     to_string(quantity.scope));
     }
     text += "\n";
   }

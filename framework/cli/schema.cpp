@@ -316,7 +316,7 @@ Json run_schema() {
   // A reference stands alone: what is beside it is not read.
   schema["properties"]["integrator"] = reference_to("integrator");
   Json quasistatic = requires_keys({"dynamics"});
-  quasistatic["properties"] = only("dynamics", only("const", "quasistatic"));
+  quasistatic["properties"] = only("dynamics", only("const", to_string(Dynamics::quasistatic)));
   const Json steps = {
       {"if", only("anyOf", std::vector{requires_keys({"accuracy"}), std::move(quasistatic)})},
       {"else", requires_keys({"integrator"})}};

@@ -73,7 +73,7 @@ std::string summary_schema() {
                    "drivers", "bodies", "warnings", "left_out", "references", "performance"}},
                  {"additionalProperties", false}};
   Json& properties = schema["properties"];
-  properties["status"] = {{"enum", {"finished", "interrupted", "failed"}}};
+  properties["status"] = {{"enum", words_of<RunStatus>()}};
   for (const char* key : {"failure", "program", "scene", "until", "accuracy"}) {
     properties[key] = object();
   }

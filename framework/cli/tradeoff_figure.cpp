@@ -83,7 +83,7 @@ class Diagram {
     curve.label = tradeoff_.methods[method].name;
     curve.colour = colour_of(method);
     // Other number types lie on those of the same scheme: no more than marks.
-    curve.line = tradeoff_.methods[method].number_type == "double";
+    curve.line = tradeoff_.methods[method].number_type == NumberType::double_precision;
     curve.mark = curve.line ? Mark::small_disc : Mark::square;
     curve.pieces = {std::move(line)};
     panel.curves.push_back(std::move(curve));

@@ -112,7 +112,7 @@ std::string tradeoff_csv(const Tradeoff& tradeoff) {
 std::string tradeoff_json(const Scene& scene, const Tradeoff& tradeoff) {
   Json json;
   json["scene"] = scene.file;
-  json["status"] = tradeoff.interrupted ? "interrupted" : "finished";
+  json["status"] = to_string(tradeoff.interrupted ? RunStatus::interrupted : RunStatus::finished);
   json["observable"] = tradeoff.observable;
   json["tolerance"] = number(tradeoff.tolerance);
   json["relative"] = tradeoff.scale.relative;

@@ -114,12 +114,12 @@ AssembledBodies<Real>::AssembledBodies(const AssemblyPlan& plan) {
 template <class Real>
 void AssembledBodies<Real>::give_slot(AssembledBody<Real>& body, const SceneBody& from,
                                       int dimension) {
-  const std::string& coordinates = from.record->common(from.description.get()).coordinates;
+  const Coordinates coordinates = from.record->common(from.description.get()).coordinates;
   BodySlot<Real>& slot = body.bound.slot;
   slot.count = body.bound.start.size();
   slot.stride = stride_for(slot.count);
-  slot.mapped = coordinates != "particles";
-  slot.rigid = coordinates == "rigid";
+  slot.mapped = coordinates != Coordinates::particles;
+  slot.rigid = coordinates == Coordinates::rigid;
   const std::size_t block = slot.stride * dimension;
   if (slot.mapped) {
     slot.offset = mapped_size;

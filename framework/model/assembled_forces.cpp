@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "framework/model/plugin_code.hpp"
 
 namespace tomlin {
@@ -26,7 +28,7 @@ Fault not_in_this_number_type(const RunSettings& run, const SceneForce& force) {
   const auto place = run.places.find("number_type");
   return Fault(FaultCode::number_type_unsuitable,
                place == run.places.end() ? run.place : place->second, "run.number_type",
-               "\"" + run.number_type + "\"",
+               fmt::format("\"{}\"", to_string(run.number_type)),
                "not available with the force \"" + force.name + "\", of type " + force.record->name,
                "\"double\"");
 }
@@ -44,7 +46,7 @@ std::string why_left_out(const SceneForce& from, const Traits& traits,
     return "internal to a rigid body, where it does nothing";
   }
   const bool nothing_moves =
-      all_of([](const auto& body) { return body.bound.coordinates == "fixed"; });
+      all_of([](const auto& body) { return body.bound.coordinates == Coordinates::fixed; });
   return nothing_moves && !traits.does_work ? "acts only on what is fixed" : "";
 }
 

@@ -188,7 +188,7 @@ void FrictionMatrix<Real>::miss(const AssemblyPlan& plan, const AssembledBody<Re
   const auto place = run.places.find("dynamics");
   faults_.emplace_back(FaultCode::matrix_singular,
                        place == run.places.end() ? run.place : place->second, "run.dynamics",
-                       "\"overdamped\"",
+                       fmt::format("\"{}\"", to_string(Dynamics::overdamped)),
                        fmt::format("no friction on {} of body \"{}\": the friction matrix is not "
                                    "positive definite",
                                    coordinate, body.bound.name),

@@ -42,8 +42,8 @@ AssemblyPlan Model::plan_for(const Scene& scene, InstructionSet set) {
   AssemblyPlan plan;
   plan.scene = &scene;
   plan.set = set;
-  plan.quasistatic = scene.run.dynamics == "quasistatic";
-  plan.inertial = scene.run.dynamics == "inertial" || plan.quasistatic;
+  plan.quasistatic = scene.run.dynamics == Dynamics::quasistatic;
+  plan.inertial = scene.run.dynamics == Dynamics::inertial || plan.quasistatic;
   plan.splits_friction = scene.run.integrator.record->splits_friction || plan.quasistatic;
   plan.ledger = scene.run.ledger;
   for (const SceneBody& body : scene.bodies) {

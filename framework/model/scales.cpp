@@ -80,24 +80,6 @@ double shortest_time_of(const Scales& scales) {
 
 }  // namespace
 
-const char* to_string(Regime regime) {
-  switch (regime) {
-    case Regime::undamped:
-      return "undamped";
-    case Regime::underdamped:
-      return "underdamped";
-    case Regime::critically_damped:
-      return "critically damped";
-    case Regime::overdamped:
-      return "overdamped";
-    case Regime::no_oscillation:
-      return "no oscillation";
-    case Regime::no_inertia:
-      return "no inertia";
-  }
-  return "";
-}
-
 double Misfit::misfit() const { return ratio() - std::max(1.0, std::nearbyint(ratio())); }
 
 /// The convergents of the continued fraction: no fraction with a smaller denominator is closer.

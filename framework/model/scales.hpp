@@ -31,8 +31,15 @@ enum class Regime {
   no_inertia
 };
 
-/// "undamped", "critically damped", ...
-const char* to_string(Regime regime);
+constexpr auto word_table(Regime) {
+  using enum Regime;
+  return std::to_array<Word<Regime>>({{undamped, "undamped"},
+                                      {underdamped, "underdamped"},
+                                      {critically_damped, "critically damped"},
+                                      {overdamped, "overdamped"},
+                                      {no_oscillation, "no oscillation"},
+                                      {no_inertia, "no inertia"}});
+}
 
 /// The damping against the critical damping, 2 * frequency, of the fastest oscillation that the
 /// bodies' places feel; one within a body counts only when there is no other.

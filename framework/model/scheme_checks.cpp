@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 namespace tomlin {
 namespace {
 
@@ -32,7 +34,7 @@ class SchemeChecks {
         any_scene_(integrators_for_any_scene(scene_)) {}
 
   std::vector<Fault> faults() {
-    if (scene_.run.dynamics == "overdamped" && !scheme_.without_inertia) {
+    if (scene_.run.dynamics == Dynamics::overdamped && !scheme_.without_inertia) {
       refuse(FaultCode::integrator_unsuitable, "takes no dynamics without inertia",
              integrators_that(scene_, [](const IntegratorRecord& other) {
                return other.without_inertia && !other.follows_equilibria;
@@ -42,7 +44,7 @@ class SchemeChecks {
     check_operators();
     if ((scheme_.splits_friction || scheme_.conservative_only) && scene_.run.ledger) check_ledger();
     if (scheme_.conservative_only) check_loss();
-    if (scene_.run.dynamics != "inertial") check_dynamics();
+    if (scene_.run.dynamics != Dynamics::inertial) check_dynamics();
     return std::move(faults_);
   }
 
@@ -129,7 +131,8 @@ class SchemeChecks {
     for (const Force& force : assembly_.forces()) {
       if (!depends_on_velocity_otherwise(force)) continue;
       faults_.emplace_back(
-          FaultCode::component_unsuitable, place, "run.dynamics", "\"" + scene_.run.dynamics + "\"",
+          FaultCode::component_unsuitable, place, "run.dynamics",
+          fmt::format("\"{}\"", to_string(scene_.run.dynamics)),
           "the force \"" + force.name + "\" depends on velocity and is not linear friction",
           "\"inertial\"");
     }

@@ -33,9 +33,9 @@ std::shared_ptr<const Scene> with_forces(const Scene& scene, std::vector<SceneFo
                                          const IntegratorRecord& scheme) {
   auto with = std::make_shared<Scene>(scene);
   with->forces = std::move(forces);
-  with->run.dynamics = "inertial";
+  with->run.dynamics = Dynamics::inertial;
   with->run.integrator.record = &scheme;
-  with->run.number_type = "double";
+  with->run.number_type = NumberType::double_precision;
   with->run.ledger = false;
   return with;
 }

@@ -71,13 +71,10 @@ Slopes slopes_of(SingleForce& alone, std::size_t body, int axis, double period) 
   return slopes;
 }
 
-bool moves_freely(const Model::Body& body) {
-  return body.bound.coordinates == "particles" || body.bound.coordinates == "rigid";
-}
-
 /// Whether its place along an axis is one coordinate, which nothing but that moves.
 bool is_one_coordinate(const Model::Body& body, int axis) {
-  if (!moves_freely(body) || body.held[static_cast<std::size_t>(axis)]) return false;
+  if (!follows_forces(body.bound.coordinates) || body.held[static_cast<std::size_t>(axis)])
+    return false;
   if (body.rotates() && !body.rotation_held) return false;
   return body.bound.slot.count == 1 || body.bound.slot.rigid;
 }
@@ -90,7 +87,7 @@ bool are_coupled(const Model& model, std::size_t one, std::size_t other) {
   while (!rest.empty()) {
     const std::size_t b = rest.back();
     rest.pop_back();
-    if (!moves_freely(model.bodies()[b])) continue;
+    if (!follows_forces(model.bodies()[b].bound.coordinates)) continue;
     for (const Model::Force& force : model.forces()) {
       if (!acts_on(force, b)) continue;
       for (const std::size_t next : force.bodies) {
@@ -139,7 +136,7 @@ class Pull {
   /// in series with it; what then is known is added.
   bool add_bond(Sliding& sliding, const Model::Force& driver, std::size_t body) {
     const std::size_t driven = driver.bodies.front();
-    if (!moves_freely(model_.bodies()[body])) return false;
+    if (!follows_forces(model_.bodies()[body].bound.coordinates)) return false;
     if (lies_on_substrate(driven, sliding.axis) || !are_coupled(model_, driven, body)) return false;
     if (const auto bond = bond_in_series(sliding, driver, driven, body)) {
       sliding.bond = bond->first;

@@ -53,7 +53,7 @@ double runs_beside(const Scene& scene) {
 std::string sizes(const Scene& scene, const OutputSize& size) {
   std::string text = fmt::format("{} of {}", bytes_text(size.table), kTableFile);
   if (scene.output.trajectory) {
-    const bool xyz = scene.output.trajectory_format == "xyz";
+    const bool xyz = scene.output.trajectory_format == TrajectoryFormat::xyz;
     text += fmt::format(", {} of {}", bytes_text(size.trajectory), xyz ? kXyzFile : kH5mdFile);
   }
   return text + fmt::format(" and {} of {} on the way", bytes_text(size.journal), kJournalFile);
@@ -77,7 +77,7 @@ OutputSize output_size(const Scene& scene, const RunLayout& layout) {
   double besides = 0.0;
   if (!layout.bodies.empty()) {
     const TrajectoryFacts facts = trajectory_facts(scene, "");
-    const bool xyz = scene.output.trajectory_format == "xyz";
+    const bool xyz = scene.output.trajectory_format == TrajectoryFormat::xyz;
     frame = xyz ? static_cast<double>(xyz_bytes_per_frame(layout, facts))
                 : h5md_bytes_per_frame(layout);
     besides = xyz ? 0.0 : h5md_bytes_besides(layout, facts);

@@ -60,7 +60,7 @@ std::vector<CitedWork> references(const Scene& scene, const AccuracyResult* accu
   }
   all.add(scene.source, "scene");
   const OutputSettings& output = scene.output;
-  if (output.trajectory && output.trajectory_format == "h5md") {
+  if (output.trajectory && output.trajectory_format == TrajectoryFormat::h5md) {
     all.add(kH5mdSource, "trajectory.h5");
   }
   if (scene.run.perturb) all.add(kPhiloxSource, "perturb");

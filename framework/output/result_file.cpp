@@ -12,10 +12,10 @@ std::vector<std::unique_ptr<ResultFile>> result_files(const Scene& scene, const 
   files.push_back(std::make_unique<TableWriter>(folder.file(kTableFile)));
   files.push_back(std::make_unique<EventTable>(folder.file(kEventsFile)));
   if (scene.output.trajectory) {
-    const std::string& format = scene.output.trajectory_format;
-    files.push_back(
-        std::make_unique<TrajectoryFile>(folder.file(format == "xyz" ? kXyzFile : kH5mdFile),
-                                         format, trajectory_facts(scene, program_version)));
+    const TrajectoryFormat format = scene.output.trajectory_format;
+    files.push_back(std::make_unique<TrajectoryFile>(folder.file(trajectory_file_name(format)),
+                                                     format,
+                                                     trajectory_facts(scene, program_version)));
   }
   return files;
 }

@@ -86,7 +86,7 @@ void require_same_scene_file(const RunFolder& folder, const Scene& scene) {
 
 /// What the summary says, as far as it matters here.
 struct Ended {
-  std::string status;  ///< empty: there is no summary
+  std::optional<RunStatus> status;  ///< nothing: there is no summary
   std::string failure;
   std::vector<Checkpoint::Plugin> plugins;
 };
@@ -100,17 +100,16 @@ std::string text_at(const nlohmann::json& object, const char* key) {
 Ended read_summary(const fs::path& path) {
   const auto summary = nlohmann::json::parse(text_of(path), nullptr, false);
   Ended ended;
-  ended.status = text_at(summary, "status");
-  for (const RunStatus known : {RunStatus::finished, RunStatus::interrupted, RunStatus::failed}) {
-    if (ended.status != to_string(known)) continue;
-    if (summary.contains("failure")) ended.failure = text_at(summary["failure"], "what");
-    if (!summary.contains("plugins")) return ended;
-    for (const auto& plugin : summary["plugins"]) {
-      ended.plugins.push_back({text_at(plugin, "path"), text_at(plugin, "xxh3_128")});
-    }
-    return ended;
+  ended.status = value_named<RunStatus>(text_at(summary, "status"));
+  if (!ended.status) {
+    refuse(FaultCode::file_damaged, path, "not a file that a run has written");
   }
-  refuse(FaultCode::file_damaged, path, "not a file that a run has written");
+  if (summary.contains("failure")) ended.failure = text_at(summary["failure"], "what");
+  if (!summary.contains("plugins")) return ended;
+  for (const auto& plugin : summary["plugins"]) {
+    ended.plugins.push_back({text_at(plugin, "path"), text_at(plugin, "xxh3_128")});
+  }
+  return ended;
 }
 
 Ended read_summary(const RunFolder& folder) {
@@ -135,7 +134,7 @@ Resumption without_checkpoint(const RunFolder& folder, JournalReader& journal, D
     // What was being written when the run was killed.
   }
   const JournalMark& mark = journal.mark();
-  if (ended.status == to_string(RunStatus::interrupted)) {
+  if (ended.status == RunStatus::interrupted) {
     refuse(FaultCode::resume_impossible, folder.file(kCheckpointFile),
            "the checkpoint is missing, although the run was stopped with one");
   }
@@ -227,7 +226,7 @@ Resumption from_journal(const RunFolder& folder, const Scene& scene,
     if (has_checkpoint) throw;
     // Killed while the first lines were written. Where there is no summary either, whatever else is
     // there was about to be replaced.
-    if (!ended.status.empty()) require_same_scene_file(folder, scene);
+    if (ended.status) require_same_scene_file(folder, scene);
     Resumption resumption;
     resumption.journal = std::move(owned);
     return resumption;
@@ -254,13 +253,13 @@ Resumption without_journal(const RunFolder& folder, const Scene& scene, const En
   }
   require_same_scene_file(folder, scene);
   Resumption resumption;
-  if (ended.status == to_string(RunStatus::failed)) {
+  if (ended.status == RunStatus::failed) {
     require_same(folder.file(kSummaryFile), ended.plugins, scene.libraries);
     resumption.kind = Resumption::Kind::failed;
     resumption.failure = ended.failure;
     return resumption;
   }
-  if (!ended.status.empty()) {
+  if (ended.status) {
     refuse(FaultCode::resume_impossible, folder.path(),
            "the run was stopped, and its journal and checkpoint are missing");
   }
@@ -291,7 +290,7 @@ Resumption find_resumption(const RunFolder& folder, const Scene& scene,
                            const std::string& program_version) try {
   Descriptor owned = own_existing(folder);
   const Ended ended = read_summary(folder);
-  if (ended.status == to_string(RunStatus::finished)) {
+  if (ended.status == RunStatus::finished) {
     if (!folder.holds(kSceneFile)) {
       refuse(FaultCode::resume_impossible, folder.file(kSceneFile), "there is none");
     }

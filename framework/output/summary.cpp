@@ -143,7 +143,7 @@ Json performance_entry(const Scene& scene, const RunResult& result) {
     if (group.family == "performance") entry = group_entry(group);
   }
   entry["scene_file"] = scene.file;
-  entry["instruction_set"] = std::string(to_string(result.instruction_set));
+  entry["instruction_set"] = to_string(result.instruction_set);
   entry["processor"] = text_or_null(machine.processor);
   entry["system"] = text_or_null(machine.system);
   return entry;

@@ -42,17 +42,32 @@ TrajectoryBox::TrajectoryBox(const RunLayout& layout) {
   }
 }
 
-std::unique_ptr<TrajectoryWriter> trajectory_writer(const std::string& format,
+const char* trajectory_file_name(TrajectoryFormat format) {
+  switch (format) {
+    case TrajectoryFormat::h5md:
+      return kH5mdFile;
+    case TrajectoryFormat::xyz:
+      return kXyzFile;
+  }
+  return "";
+}
+
+std::unique_ptr<TrajectoryWriter> trajectory_writer(TrajectoryFormat format,
                                                     const std::filesystem::path& file,
                                                     const RunLayout& layout,
                                                     const TrajectoryFacts& facts) {
-  if (format == "xyz") return std::make_unique<ExtendedXyzWriter>(file, layout, facts);
-  return std::make_unique<H5mdWriter>(file, layout, facts);
+  switch (format) {
+    case TrajectoryFormat::h5md:
+      return std::make_unique<H5mdWriter>(file, layout, facts);
+    case TrajectoryFormat::xyz:
+      return std::make_unique<ExtendedXyzWriter>(file, layout, facts);
+  }
+  return nullptr;
 }
 
-TrajectoryFile::TrajectoryFile(std::filesystem::path file, std::string format,
+TrajectoryFile::TrajectoryFile(std::filesystem::path file, TrajectoryFormat format,
                                TrajectoryFacts facts)
-    : file_(std::move(file)), format_(std::move(format)), facts_(std::move(facts)) {}
+    : file_(std::move(file)), format_(format), facts_(std::move(facts)) {}
 
 void TrajectoryFile::begin(const RunLayout& layout) {
   if (!layout.bodies.empty()) writer_ = trajectory_writer(format_, file_, layout, facts_);

@@ -48,8 +48,11 @@ class TrajectoryWriter {
   std::size_t frames_ = 0;
 };
 
-/// In a `[output] trajectory_format`: "h5md" or "xyz". The layout has bodies.
-std::unique_ptr<TrajectoryWriter> trajectory_writer(const std::string& format,
+/// Of the file in the folder of a run.
+const char* trajectory_file_name(TrajectoryFormat format);
+
+/// The layout has bodies.
+std::unique_ptr<TrajectoryWriter> trajectory_writer(TrajectoryFormat format,
                                                     const std::filesystem::path& file,
                                                     const RunLayout& layout,
                                                     const TrajectoryFacts& facts);
@@ -58,7 +61,7 @@ std::unique_ptr<TrajectoryWriter> trajectory_writer(const std::string& format,
 /// ever where no positions are to come.
 class TrajectoryFile : public ResultFile {
  public:
-  TrajectoryFile(std::filesystem::path file, std::string format, TrajectoryFacts facts);
+  TrajectoryFile(std::filesystem::path file, TrajectoryFormat format, TrajectoryFacts facts);
 
   void begin(const RunLayout& layout) override;
   void sample(const std::vector<double>& row) override;
@@ -66,7 +69,7 @@ class TrajectoryFile : public ResultFile {
 
  private:
   std::filesystem::path file_;
-  std::string format_;
+  TrajectoryFormat format_;
   TrajectoryFacts facts_;
   std::unique_ptr<TrajectoryWriter> writer_;
 };

@@ -10,6 +10,7 @@
 
 #include "framework/core/records/force.hpp"
 #include "framework/core/records/integrator.hpp"
+#include "framework/core/records/number_type.hpp"
 #include "framework/core/records/observer.hpp"
 #include "framework/core/text/text_file.hpp"
 #include "framework/plugin/content_hash.hpp"
@@ -38,16 +39,16 @@ std::string taken(const Registry& registry, const ComponentRecord& record) {
                      there->library.empty() ? "that is built in" : "from " + there->library);
 }
 
-bool holds(const std::vector<std::string>& words, const char* word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
+bool holds(const std::vector<std::string>& types, NumberType type) {
+  return std::find(types.begin(), types.end(), to_string(type)) != types.end();
 }
 
 /// What the library has no kernels for cannot be run.
 template <class Record>
 void keep_number_types(Record& record, const std::vector<std::string>& types) {
   if constexpr (requires { record.bind; }) {
-    if (!holds(types, "float")) record.bind.in_float = nullptr;
-    if (!holds(types, "quadruple")) record.bind.in_quadruple = nullptr;
+    if (!holds(types, NumberType::single_precision)) record.bind.in_float = nullptr;
+    if (!holds(types, NumberType::quadruple_precision)) record.bind.in_quadruple = nullptr;
   }
 }
 
@@ -125,7 +126,8 @@ PluginFile examine_plugin(const fs::path& path) {
   file.number_types = note->number_types;
   file.instruction_sets = note->instruction_sets;
   file.why = mismatch(*note, own_note());
-  if (file.why.empty() && !holds(file.number_types, "double")) file.why = "it has no doubles";
+  if (file.why.empty() && !holds(file.number_types, NumberType::double_precision))
+    file.why = "it has no doubles";
   if (!file.why.empty()) file.code = FaultCode::plugin_mismatch;
   return file;
 }

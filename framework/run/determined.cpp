@@ -113,7 +113,7 @@ void determine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
     sizes.push_back(size_of(result, followed));
     if (const auto value = observable(result, followed.path)) followed.values.push_back(*value);
   }
-  const bool quasistatic = scene->run.dynamics == "quasistatic";
+  const bool quasistatic = scene->run.dynamics == Dynamics::quasistatic;
   const std::int64_t repeats = std::max(settings.repeats, std::int64_t{quasistatic ? 2 : 1});
   RunOptions quiet = options;
   const auto repeated = [&](std::int64_t repeat, double size, const char* more) {

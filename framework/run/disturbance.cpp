@@ -15,7 +15,7 @@ constexpr std::uint64_t kOnTheWay = 7;
 
 /// Of other number types the state stands elsewhere: their disturbances are those of the start.
 double memory_of_disturbances(Model& model) {
-  if (model.scene().run.number_type != "double") return 0.0;
+  if (model.scene().run.number_type != NumberType::double_precision) return 0.0;
   const Model::Stiffness rates = model.stiffness();
   const double fastest = model.system().view.inertial ? rates.damping_rate : rates.relaxation_rate;
   return fastest > 0.0 ? 1.0 / fastest : 0.0;

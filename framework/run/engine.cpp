@@ -222,7 +222,8 @@ void Engine::Parts::take_up(RunState& other) {
         return std::pair(other.integers(name), run.state.integers(name));
       },
       own);
-  const std::size_t number = run.scene->run.number_type == "float" ? sizeof(float) : sizeof(Quad);
+  const bool in_float = run.scene->run.number_type == NumberType::single_precision;
+  const std::size_t number = in_float ? sizeof(float) : sizeof(Quad);
   copy(
       layout.raw(), other.layout().raw(),
       [&](const std::string& name) {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "framework/core/system/compensated.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/model/plugin_code.hpp"
@@ -174,22 +176,29 @@ std::unique_ptr<Integrator<double>> mirrored(Model& model, const void* descripti
   if (factory == nullptr) {
     const Scene& scene = model.scene();
     const auto place = scene.run.places.find("number_type");
-    throw InputError({Fault(FaultCode::number_type_unsuitable,
-                            place == scene.run.places.end() ? scene.run.place : place->second,
-                            "run.number_type", "\"" + scene.run.number_type + "\"",
-                            "not available with the integrator " + scheme.name, "\"double\"")});
+    throw InputError(
+        {Fault(FaultCode::number_type_unsuitable,
+               place == scene.run.places.end() ? scene.run.place : place->second, "run.number_type",
+               fmt::format("\"{}\"", to_string(scene.run.number_type)),
+               "not available with the integrator " + scheme.name, "\"double\"")});
   }
   return std::make_unique<MirroredIntegrator<Real>>(model, description, factory);
 }
 
 }  // namespace
 
-std::unique_ptr<Integrator<double>> integrator_in(const std::string& number_type, Model& model,
+std::unique_ptr<Integrator<double>> integrator_in(NumberType number_type, Model& model,
                                                   const void* description,
                                                   const IntegratorRecord& scheme) {
-  if (number_type == "float") return mirrored<float>(model, description, scheme);
-  if (number_type == "quadruple") return mirrored<Quad>(model, description, scheme);
-  return something(scheme.bind.in_double(description, model.system()));
+  switch (number_type) {
+    case NumberType::double_precision:
+      return something(scheme.bind.in_double(description, model.system()));
+    case NumberType::single_precision:
+      return mirrored<float>(model, description, scheme);
+    case NumberType::quadruple_precision:
+      return mirrored<Quad>(model, description, scheme);
+  }
+  return nullptr;
 }
 
 }  // namespace tomlin

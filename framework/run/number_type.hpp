@@ -1,8 +1,8 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
+#include "framework/core/records/number_type.hpp"
 #include "framework/core/system/scheme.hpp"
 #include "framework/model/model.hpp"
 
@@ -12,7 +12,7 @@ namespace tomlin {
 /// The scheme on the model itself for "double". For "float" and "quadruple" the scene is bound a
 /// second time, in that type, and does the stepping; after each step the model gets its numbers.
 /// Throws InputError when a force or the scheme is not available in that type.
-std::unique_ptr<Integrator<double>> integrator_in(const std::string& number_type, Model& model,
+std::unique_ptr<Integrator<double>> integrator_in(NumberType number_type, Model& model,
                                                   const void* description,
                                                   const IntegratorRecord& scheme);
 

@@ -10,7 +10,7 @@ namespace tomlin {
 namespace {
 
 bool has_inertia(const Model& model) {
-  return model.system().view.inertial && model.scene().run.dynamics == "inertial";
+  return model.system().view.inertial && model.scene().run.dynamics == Dynamics::inertial;
 }
 
 double kinetic_energy_of(const Model::Body& body, double time) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "framework/core/records/parameter.hpp"
+#include "framework/core/text/words.hpp"
 
 /// What a run reports, declared once: a quantity is a row, and summary.json, dotted observables,
 /// the reference page of results and the summary's JSON Schema walk the rows.
@@ -29,6 +30,16 @@ enum class Shape {
   vector,  ///< a number per axis
   count,   ///< a whole number
 };
+
+constexpr auto word_table(Scope) {
+  using enum Scope;
+  return std::to_array<Word<Scope>>({{window, "window"}, {end, "end"}, {run, "run"}});
+}
+
+constexpr auto word_table(Shape) {
+  using enum Shape;
+  return std::to_array<Word<Shape>>({{number, "number"}, {vector, "vector"}, {count, "count"}});
+}
 
 struct ResultQuantity {
   std::string key;  ///< in summary.json: "mean_force"

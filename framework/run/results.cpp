@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "framework/core/text/axis_names.hpp"
 #include "framework/run/observer.hpp"
 
 /// What a run reports: rows of observers, and those of the run itself.
@@ -78,9 +79,7 @@ std::span<const ResultFamily> result_families() {
 const ResultQuantity* quantity_at(std::string_view path) {
   const auto last = [](std::string_view text) { return text.substr(text.rfind('.') + 1); };
   std::string_view key = last(path);
-  if (key == "x" || key == "y" || key == "z") {
-    key = last(path.substr(0, path.size() - 2));
-  }
+  if (value_named<Axis>(key)) key = last(path.substr(0, path.size() - 2));
   for (const bool named : {true, false}) {
     for (const ResultFamily& family : result_families()) {
       if (named && !path.starts_with(family.family)) continue;

@@ -16,38 +16,6 @@
 
 namespace tomlin {
 
-const char* to_string(RunStatus status) {
-  switch (status) {
-    case RunStatus::finished:
-      return "finished";
-    case RunStatus::interrupted:
-      return "interrupted";
-    case RunStatus::failed:
-      return "failed";
-  }
-  return "";
-}
-
-const char* to_string(EventKind kind) {
-  switch (kind) {
-    case EventKind::slip:
-      return "slip";
-    case EventKind::hop:
-      return "hop";
-    case EventKind::turn:
-      return "turn";
-    case EventKind::reversal:
-      return "reversal";
-    case EventKind::driver_reversal:
-      return "driver_reversal";
-    case EventKind::tie:
-      return "tie";
-    case EventKind::observed:
-      return "observed";
-  }
-  return "";
-}
-
 std::span<const ResultGroup> RunResult::family(std::string_view name) const {
   const auto is_in = [name](const ResultGroup& group) { return group.family == name; };
   const auto first = std::find_if(groups.begin(), groups.end(), is_in);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -16,6 +17,7 @@
 #include "framework/core/system/instruction_set.hpp"
 #include "framework/core/system/state_layout.hpp"
 #include "framework/core/text/fault_code.hpp"
+#include "framework/core/text/words.hpp"
 #include "framework/model/assembly.hpp"
 #include "framework/run/result_group.hpp"
 #include "framework/scene/scene.hpp"
@@ -25,8 +27,11 @@ namespace tomlin {
 
 enum class RunStatus { finished, interrupted, failed };
 
-/// "finished", "interrupted", "failed".
-const char* to_string(RunStatus status);
+constexpr auto word_table(RunStatus) {
+  using enum RunStatus;
+  return std::to_array<Word<RunStatus>>(
+      {{finished, "finished"}, {interrupted, "interrupted"}, {failed, "failed"}});
+}
 
 /// Why a run failed, with its place.
 struct RunFailure {
@@ -157,10 +162,19 @@ enum class EventKind {
   tie,              ///< nothing but rounding decides where a quasistatic scene goes
   observed,         ///< what an observer of the scene tells of
 };
-inline constexpr std::size_t kEventKinds = 7;
 
-/// "slip", "hop", "turn", "reversal", "driver_reversal", "tie", "observed".
-const char* to_string(EventKind kind);
+constexpr auto word_table(EventKind) {
+  using enum EventKind;
+  return std::to_array<Word<EventKind>>({{slip, "slip"},
+                                         {hop, "hop"},
+                                         {turn, "turn"},
+                                         {reversal, "reversal"},
+                                         {driver_reversal, "driver_reversal"},
+                                         {tie, "tie"},
+                                         {observed, "observed"}});
+}
+
+inline constexpr std::size_t kEventKinds = kWordTable<EventKind>.size();
 
 /// Something that happened. What a kind has no number for is not a number.
 struct Event {

@@ -124,9 +124,16 @@ bool holds_steps(const RunSettings& run) {
   return false;
 }
 
-double last_place_of(const std::string& number_type) {
-  if (number_type == "float") return 0x1p-23;
-  return number_type == "quadruple" ? 0x1p-112 : 0x1p-52;
+double last_place_of(NumberType number_type) {
+  switch (number_type) {
+    case NumberType::single_precision:
+      return 0x1p-23;
+    case NumberType::double_precision:
+      return 0x1p-52;
+    case NumberType::quadruple_precision:
+      return 0x1p-112;
+  }
+  return 0.0;
 }
 
 /// Tolerances that floats can keep: ten units in the last place.
@@ -150,7 +157,9 @@ void warn_of_idle_velocities(Check& check) {
 
 /// An adaptive scheme that is asked for more digits than its numbers have.
 void warn_of_fine_tolerance(Check& check) {
-  if (check.scheme.tolerance == nullptr || check.scene.run.number_type != "float") return;
+  if (check.scheme.tolerance == nullptr ||
+      check.scene.run.number_type != NumberType::single_precision)
+    return;
   const double asked =
       *tolerance_of(check.scene.run.integrator, tolerance_scales(check.model.system().view).length);
   if (asked >= kFinestOfFloat) return;
@@ -263,18 +272,18 @@ void check_places(Check& check) {
     }
     const double coarse = last_place * farthest_without_length / tolerance_scales(view).length;
     if (coarse > std::max(kCoarseUnits, kFewUnits * last_place)) {
-      check.found.warnings.push_back(
-          fmt::format("{}: positions along {} are far from zero, and no force declares a period "
-                      "there: {} resolves "
-                      "{:.2g}, and smaller displacements are lost",
-                      body.bound.name, "xyz"[axis_without_length], check.scene.run.number_type,
-                      last_place * farthest_without_length));
+      check.found.warnings.push_back(fmt::format(
+          "{}: positions along {} are far from zero, and no force declares a period "
+          "there: {} resolves "
+          "{:.2g}, and smaller displacements are lost",
+          body.bound.name, "xyz"[axis_without_length], to_string(check.scene.run.number_type),
+          last_place * farthest_without_length));
     }
     if (worst <= std::max(kCoarsePlaces, kFewPlaces * last_place)) continue;
     const std::string what = fmt::format(
         "positions along {} are too far from zero: {} resolves {:.2g} of the "
         "shortest length there (a period, half a bond, a radius)",
-        "xyz"[axis], check.scene.run.number_type, worst);
+        "xyz"[axis], to_string(check.scene.run.number_type), worst);
     if (worst <= kUselessPlaces) {
       check.found.warnings.push_back(body.bound.name + ": " + what);
     } else {
@@ -421,7 +430,8 @@ void warn_of_stiff_drivers(Check& check) {
 void warn_of_short_window(Check& check) {
   if (check.plan.period > 0.0) return;
   const double window = check.plan.window_to - check.plan.window_from;
-  const double rounding = last_place_of("double") * check.plan.window_to / window;
+  const double rounding =
+      last_place_of(NumberType::double_precision) * check.plan.window_to / window;
   if (rounding > kCoarseMean) {
     check.found.warnings.push_back(
         fmt::format("the window is {:.2g} of the time before its end: rounding leaves its means "

@@ -44,8 +44,7 @@ std::optional<Node> node_of(const PerParticleVector& vectors) {
 }
 
 std::optional<Node> node_of(const PairSelection& pairs) {
-  if (pairs.kind == PairSelection::Kind::all) return node("all");
-  if (pairs.kind == PairSelection::Kind::neighbours) return node("neighbours");
+  if (const char* word = to_string(pairs.kind)) return node(word);
   List list;
   for (const auto& [first, second] : pairs.list) {
     list.push_back(node(List{node(first), node(second)}));
@@ -59,8 +58,7 @@ std::optional<Node> node_of(const WordOrNumbers& value) {
 }
 
 std::optional<Node> node_of(const Attachment& attachment) {
-  if (attachment.kind == Attachment::Kind::centre_of_mass) return node("centre_of_mass");
-  if (attachment.kind == Attachment::Kind::each_particle) return node("each_particle");
+  if (const char* word = to_string(attachment.kind)) return node(word);
   Table table;
   table.set("particle", node(attachment.particle));
   return node(std::move(table));

@@ -21,11 +21,12 @@ class FreedomCheck {
   FreedomCheck(BodyDraft& body, std::optional<int> dimension, FaultList& faults)
       : body_(body), dimension_(dimension), faults_(faults) {
     const auto found = body.reading.values.find("coordinates");
-    if (found != body.reading.values.end()) coordinates_ = std::get<std::string>(found->second);
+    if (found == body.reading.values.end()) return;
+    coordinates_ = value_named<Coordinates>(std::get<std::string>(found->second));
   }
 
   void run() {
-    if (coordinates_.empty()) return;  // unfit, and reported
+    if (!coordinates_) return;  // unfit, and reported
     check_whether_held();
     for (const std::string& name : body_.hold) check_held(name);
     check_whether_in_motion();
@@ -44,16 +45,16 @@ class FreedomCheck {
   }
 
   void check_whether_held() {
-    const bool moves = coordinates_ == "particles" || coordinates_ == "rigid";
-    if (moves || body_.hold.empty()) return;
-    complain("hold", fmt::format("a {} body has no free coordinates to hold", coordinates_),
+    if (follows_forces(*coordinates_) || body_.hold.empty()) return;
+    complain("hold",
+             fmt::format("a {} body has no free coordinates to hold", to_string(*coordinates_)),
              "coordinates = \"particles\" or \"rigid\"");
     body_.hold.clear();  // more about it is no news
   }
 
   void check_held(const std::string& name) {
     if (name == kRotation) {
-      if (coordinates_ == "rigid") return;
+      if (coordinates_ == Coordinates::rigid) return;
       complain("hold", "only a rigid body has a rotation", "coordinates = \"rigid\"");
       return;
     }
@@ -78,7 +79,7 @@ class FreedomCheck {
   }
 
   void check_whether_in_motion() {
-    const bool prescribed = coordinates_ == "prescribed";
+    const bool prescribed = coordinates_ == Coordinates::prescribed;
     if (prescribed && !is_given("motion")) {
       complain("motion", "missing: a prescribed body needs a motion",
                "{ velocity = [..], angular_velocity = .. }");
@@ -118,7 +119,7 @@ class FreedomCheck {
   BodyDraft& body_;
   std::optional<int> dimension_;
   FaultList& faults_;
-  std::string coordinates_;
+  std::optional<Coordinates> coordinates_;  ///< nothing where they are unfit
 };
 
 }  // namespace

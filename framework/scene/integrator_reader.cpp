@@ -83,7 +83,7 @@ void fit_to_dynamics(SceneDraft& draft, const TableReading& reading,
 std::optional<Node> read_integrator(SceneDraft& draft, const SceneSection& run) {
   const std::string path = "run.integrator";
   const std::string due = "{ type = ..., ... }";
-  const bool quasistatic = draft.scene->run.dynamics == "quasistatic";
+  const bool quasistatic = draft.scene->run.dynamics == Dynamics::quasistatic;
   const Node* node = run.table->find("integrator");
   const Entry* accuracy = run.table->find_entry("accuracy");
   if (accuracy != nullptr) {

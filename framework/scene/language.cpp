@@ -16,12 +16,12 @@ namespace {
 
 /// Those that the build has kernels for (TOMLIN_NUMBER_TYPES in cmake/TomlinKernels.cmake).
 std::vector<std::string> compiled_number_types() {
-  std::vector<std::string> types = {"double"};
+  std::vector<std::string> types = {to_string(NumberType::double_precision)};
 #if !defined(TOMLIN_WITHOUT_FLOAT)
-  types.emplace_back("float");
+  types.emplace_back(to_string(NumberType::single_precision));
 #endif
 #if !defined(TOMLIN_WITHOUT_QUAD)
-  types.emplace_back("quadruple");
+  types.emplace_back(to_string(NumberType::quadruple_precision));
 #endif
   return types;
 }
@@ -62,26 +62,6 @@ Parameter plain_list(std::string key, T D::*member, T W::*contents, Dimension di
     W list;
     list.*contents = static_cast<const D*>(description)->*member;
     return ParameterValue(std::move(list));
-  };
-  return row;
-}
-
-/// `in = "driver_periods"`.
-Parameter unit_of_window() {
-  using Unit = MeasureSettings::Unit;
-  Parameter row;
-  row.key = "in";
-  row.doc = "the unit of from and to: time, or periods that a driver has travelled";
-  row.choices = {"time", "driver_periods"};
-  row.prototype = std::string();
-  row.standard = ParameterValue(std::string("time"));
-  row.assign = [](void* description, ParameterValue value) {
-    const bool time = std::get<std::string>(value) == "time";
-    static_cast<MeasureSettings*>(description)->unit = time ? Unit::time : Unit::driver_periods;
-  };
-  row.read = [](const void* description) {
-    const bool time = static_cast<const MeasureSettings*>(description)->unit == Unit::time;
-    return ParameterValue(std::string(time ? "time" : "driver_periods"));
   };
   return row;
 }
@@ -163,13 +143,12 @@ TableLayout run_layout(bool until) {
   duration.optional = until;  // which has a latest time of its own
   layout.rows = {
       parameter("dynamics", &RunSettings::dynamics, dimension::none, "the equations of motion")
-          .one_of({"inertial", "overdamped", "quasistatic"})
-          .by_default("inertial"),
+          .by_default(Dynamics::inertial),
       std::move(duration),
       parameter("number_type", &RunSettings::number_type, dimension::none,
                 "the numbers that the state is held in")
           .one_of(compiled_number_types())
-          .by_default("double"),
+          .by_default(NumberType::double_precision),
       parameter("ledger", &RunSettings::ledger, dimension::none, "keep the energy ledger")
           .by_default(false),
       parameter("seed", &RunSettings::seed, dimension::none, "key of all random numbers")
@@ -231,7 +210,9 @@ TableLayout measure_layout() {
       optional_number("to", &MeasureSettings::to, dimension::none,
                       "where the window ends; the end of the run by default")
           .in(positive),
-      unit_of_window(),
+      parameter("in", &MeasureSettings::unit, dimension::none,
+                "the unit of from and to: time, or periods that a driver has travelled")
+          .by_default(MeasureSettings::Unit::time),
       parameter("driver", &MeasureSettings::driver, dimension::none,
                 "the force whose periods are counted, where several forces drive")
           .or_absent(),
@@ -256,8 +237,7 @@ TableLayout output_layout() {
           .by_default(false),
       parameter("trajectory_format", &OutputSettings::trajectory_format, dimension::none,
                 "H5MD in trajectory.h5, or extended XYZ in trajectory.xyz")
-          .one_of({"h5md", "xyz"})
-          .by_default("h5md"),
+          .by_default(TrajectoryFormat::h5md),
   };
   return layout;
 }

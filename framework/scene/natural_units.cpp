@@ -210,7 +210,7 @@ class Search {
         body.total += mass;
       }
       if (masses.size() == 1) body.total *= count;
-      body.moves = common.coordinates == "particles" || common.coordinates == "rigid";
+      body.moves = follows_forces(common.coordinates);
       all.push_back(body);
     }
     for (const SceneForce& force : scene_.forces) {
@@ -274,7 +274,7 @@ class Search {
   void find_swing(const std::vector<Body>& bodies, Kind kind) {
     double fastest = kNoLength;
     double stiffness = 0.0;
-    const bool inertial = scene_.run.dynamics == "inertial";
+    const bool inertial = scene_.run.dynamics == Dynamics::inertial;
     for (const SceneForce& force : scene_.forces) {
       if (kind_of(force) != kind) continue;
       const Stiffness own = stiffness_of(force);
@@ -306,11 +306,11 @@ class Search {
       }
     }
     found_.time = 0.0;
-    if (scene_.run.dynamics != "quasistatic") {
+    if (scene_.run.dynamics != Dynamics::quasistatic) {
       for (const Kind kind : {Kind::periodic, Kind::outer, Kind::internal}) {
         if (!(found_.time > 0.0)) find_swing(all, kind);
       }
-      if (!(found_.time > 0.0) && damping > 0.0 && scene_.run.dynamics == "inertial") {
+      if (!(found_.time > 0.0) && damping > 0.0 && scene_.run.dynamics == Dynamics::inertial) {
         take_time(1.0 / damping, lightest, "mass/friction");
       }
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -12,9 +13,11 @@
 #include "framework/core/records/body.hpp"
 #include "framework/core/records/force.hpp"
 #include "framework/core/records/integrator.hpp"
+#include "framework/core/records/number_type.hpp"
 #include "framework/core/records/observer.hpp"
 #include "framework/core/records/registry.hpp"
 #include "framework/core/text/fault.hpp"
+#include "framework/core/text/words.hpp"
 #include "framework/scene/motion.hpp"
 
 /// A scene: what a TOML file says, checked and immutable. Nothing is bound yet; see
@@ -78,11 +81,20 @@ struct UntilSettings {
   std::map<std::string, Place> places;
 };
 
+/// The equations of motion.
+enum class Dynamics { inertial, overdamped, quasistatic };
+
+constexpr auto word_table(Dynamics) {
+  using enum Dynamics;
+  return std::to_array<Word<Dynamics>>(
+      {{inertial, "inertial"}, {overdamped, "overdamped"}, {quasistatic, "quasistatic"}});
+}
+
 struct RunSettings {
-  std::string dynamics = "inertial";
+  Dynamics dynamics = Dynamics::inertial;
   double duration = 0.0;  ///< with `until` the latest time at which the run ends
   SceneIntegrator integrator;
-  std::string number_type = "double";
+  NumberType number_type = NumberType::double_precision;
   bool ledger = false;
   std::int64_t seed = 0;
   bool allow_unstable = false;
@@ -109,10 +121,23 @@ struct MeasureSettings {
   std::map<std::string, Place> places;
 };
 
+constexpr auto word_table(MeasureSettings::Unit) {
+  using enum MeasureSettings::Unit;
+  return std::to_array<Word<MeasureSettings::Unit>>(
+      {{whole_run, nullptr}, {time, "time"}, {driver_periods, "driver_periods"}});
+}
+
+enum class TrajectoryFormat { h5md, xyz };
+
+constexpr auto word_table(TrajectoryFormat) {
+  using enum TrajectoryFormat;
+  return std::to_array<Word<TrajectoryFormat>>({{h5md, "h5md"}, {xyz, "xyz"}});
+}
+
 struct OutputSettings {
   std::optional<double> every;  ///< sampling interval in time units; no table without it
   bool trajectory = false;      ///< particles' positions too
-  std::string trajectory_format = "h5md";
+  TrajectoryFormat trajectory_format = TrajectoryFormat::h5md;
   Place place;
   std::map<std::string, Place> places;
 };

@@ -22,26 +22,10 @@ namespace {
 constexpr std::size_t kMostDimensions = 3;
 constexpr double kIntegersEnd = 9223372036854775808.0;  // 2^63
 
-constexpr std::pair<const char*, PairSelection::Kind> kPairWords[] = {
-    {"all", PairSelection::Kind::all}, {"neighbours", PairSelection::Kind::neighbours}};
-constexpr std::pair<const char*, Attachment::Kind> kAttachmentWords[] = {
-    {"centre_of_mass", Attachment::Kind::centre_of_mass},
-    {"each_particle", Attachment::Kind::each_particle}};
-
 /// The words of a kind of value, unless its row narrows them.
-template <class Words>
-std::vector<std::string> words_of(const Parameter& row, const Words& words) {
-  if (!row.choices.empty()) return row.choices;
-  std::vector<std::string> result;
-  for (const auto& [word, kind] : words) result.emplace_back(word);
-  return result;
-}
-
-template <class Words>
-auto kind_named(const Words& words, const std::string& name) {
-  return std::find_if(std::begin(words), std::end(words),
-                      [&name](const auto& candidate) { return candidate.first == name; })
-      ->second;
+template <Worded Kind>
+std::vector<std::string> words_due_to(const Parameter& row) {
+  return row.choices.empty() ? words_of<Kind>() : row.choices;
 }
 
 std::string with_range(const char* what, const Interval& interval) {
@@ -80,7 +64,7 @@ std::string admissible_values(const Parameter& row) {
         } else if constexpr (std::is_same_v<Kind, PerParticleVector>) {
           return "a list with " + a_number + " per dimension, or a list of such lists";
         } else if constexpr (std::is_same_v<Kind, PairSelection>) {
-          auto ways = in_quotes(words_of(row, kPairWords));
+          auto ways = in_quotes(words_due_to<PairSelection::Kind>(row));
           ways.emplace_back("a list of index pairs");
           return joined_with_or(ways);
         } else if constexpr (std::is_same_v<Kind, WordOrNumbers>) {
@@ -89,7 +73,7 @@ std::string admissible_values(const Parameter& row) {
           ways.emplace_back("a list of such");
           return joined_with_or(ways);
         } else if constexpr (std::is_same_v<Kind, Attachment>) {
-          auto ways = in_quotes(words_of(row, kAttachmentWords));
+          auto ways = in_quotes(words_due_to<Attachment::Kind>(row));
           ways.emplace_back("{ particle = INDEX }");
           return joined_with_or(ways);
         } else if constexpr (std::is_same_v<Kind, PointList>) {
@@ -114,8 +98,9 @@ std::string admissible_values(const Parameter& row) {
 }
 
 std::vector<std::string> words_due(const Parameter& row) {
-  if (std::holds_alternative<PairSelection>(row.prototype)) return words_of(row, kPairWords);
-  if (std::holds_alternative<Attachment>(row.prototype)) return words_of(row, kAttachmentWords);
+  if (std::holds_alternative<PairSelection>(row.prototype))
+    return words_due_to<PairSelection::Kind>(row);
+  if (std::holds_alternative<Attachment>(row.prototype)) return words_due_to<Attachment::Kind>(row);
   return row.choices;
 }
 
@@ -279,8 +264,8 @@ std::optional<PairSelection> ValueReader::pair_selection(const Subject& subject,
                                                          const Node& node) const {
   PairSelection result;
   if (const auto* word = node.as<std::string>()) {
-    if (!is_word(subject, node, *word, words_of(subject.row, kPairWords))) return std::nullopt;
-    result.kind = kind_named(kPairWords, *word);
+    if (!is_word(subject, node, *word, words_due(subject.row))) return std::nullopt;
+    result.kind = value_named<PairSelection::Kind>(*word).value();
     return result;
   }
   const auto* list = node.as<List>();
@@ -405,10 +390,10 @@ std::optional<WordOrNumbers> ValueReader::word_or_numbers(const Subject& subject
 std::optional<Attachment> ValueReader::attachment(const Subject& subject, const Node& node) const {
   Attachment result;
   if (const auto* word = node.as<std::string>()) {
-    if (!is_word(subject, node, *word, words_of(subject.row, kAttachmentWords))) {
+    if (!is_word(subject, node, *word, words_due(subject.row))) {
       return std::nullopt;
     }
-    result.kind = kind_named(kAttachmentWords, *word);
+    result.kind = value_named<Attachment::Kind>(*word).value();
     return result;
   }
   const auto* table = node.as<Table>();

@@ -81,8 +81,8 @@ void check_setups(const std::vector<std::shared_ptr<const Scene>>& scenes,
       refuse(*scenes[k], first, "driving velocity", setups[k].velocity, setups.front().velocity);
     }
     if (scenes[k]->run.dynamics != first.run.dynamics) {
-      notes.push_back(fmt::format("dynamics: {} in {}, {} in {}", first.run.dynamics, first.file,
-                                  scenes[k]->run.dynamics, scenes[k]->file));
+      notes.push_back(fmt::format("dynamics: {} in {}, {} in {}", to_string(first.run.dynamics),
+                                  first.file, to_string(scenes[k]->run.dynamics), scenes[k]->file));
     }
     if (!same(setups[k].stick_slip, setups.front().stick_slip)) {
       notes.push_back(fmt::format(
@@ -229,22 +229,6 @@ void judge(Comparison& comparison) {
 }
 
 }  // namespace
-
-const char* to_string(ComparedModel::Verdict verdict) {
-  switch (verdict) {
-    case ComparedModel::Verdict::reference:
-      return "reference";
-    case ComparedModel::Verdict::agrees:
-      return "agrees";
-    case ComparedModel::Verdict::differs:
-      return "differs";
-    case ComparedModel::Verdict::undecided:
-      return "undecided";
-    case ComparedModel::Verdict::failed:
-      break;
-  }
-  return "failed";
-}
 
 Comparison compare_models(const std::vector<std::shared_ptr<const Scene>>& scenes,
                           const CompareRequest& request) {

@@ -42,8 +42,14 @@ struct ComparedModel {
   std::uint64_t cost() const { return result.force_evaluations + result.jacobian_columns; }
 };
 
-/// "reference", "agrees", "differs", "undecided", "failed".
-const char* to_string(ComparedModel::Verdict verdict);
+constexpr auto word_table(ComparedModel::Verdict) {
+  using enum ComparedModel::Verdict;
+  return std::to_array<Word<ComparedModel::Verdict>>({{reference, "reference"},
+                                                      {agrees, "agrees"},
+                                                      {differs, "differs"},
+                                                      {undecided, "undecided"},
+                                                      {failed, "failed"}});
+}
 
 struct CompareRequest {
   std::string observable;   ///< "driver" and "body" stand for the only one of a scene

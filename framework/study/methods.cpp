@@ -19,7 +19,6 @@ namespace {
 
 constexpr const char* kAbsolute = "absolute";
 constexpr const char* kTolerance = "tolerance";
-constexpr const char* kQuasistatic = "quasistatic";
 
 /// The rows of an integrator that its resolution sets: those without a default, and all tolerances.
 std::vector<const Parameter*> knob_rows(const IntegratorRecord& integrator) {
@@ -37,7 +36,7 @@ bool is_absolute(const Parameter& row) { return std::string_view(row.key).starts
 struct ModelChange {
   std::string name;
   std::vector<Setting> settings;
-  std::string dynamics;
+  Dynamics dynamics = Dynamics::inertial;
 };
 
 /// Flexible bodies of several particles with forces that act within them only.
@@ -46,7 +45,7 @@ std::vector<std::string> bodies_held_together(const Scene& scene) {
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     const SceneBody& body = scene.bodies[b];
     const void* description = body.description.get();
-    if (body.record->common(description).coordinates != "particles") continue;
+    if (body.record->common(description).coordinates != Coordinates::particles) continue;
     if (body.record->count(description) < 2) continue;
     const bool bonded =
         std::any_of(scene.forces.begin(), scene.forces.end(), [b](const SceneForce& force) {
@@ -59,9 +58,10 @@ std::vector<std::string> bodies_held_together(const Scene& scene) {
 
 std::vector<ModelChange> model_changes(const Scene& scene) {
   std::vector<ModelChange> changes = {{"", {}, scene.run.dynamics}};
-  if (scene.run.dynamics == "inertial") {
-    for (const char* dynamics : {"overdamped", kQuasistatic}) {
-      changes.push_back({dynamics, {{"run.dynamics", quoted_text(dynamics)}}, dynamics});
+  if (scene.run.dynamics == Dynamics::inertial) {
+    for (const Dynamics dynamics : {Dynamics::overdamped, Dynamics::quasistatic}) {
+      const char* word = to_string(dynamics);
+      changes.push_back({word, {{"run.dynamics", quoted_text(word)}}, dynamics});
     }
   }
   const std::vector<std::string> bodies = bodies_held_together(scene);
@@ -71,7 +71,8 @@ std::vector<ModelChange> model_changes(const Scene& scene) {
     ModelChange change = changes[k];
     change.name = change.name.empty() ? "rigid" : "rigid, " + change.name;
     for (const std::string& body : bodies) {
-      change.settings.push_back({"body." + body + ".coordinates", quoted_text("rigid")});
+      change.settings.push_back(
+          {"body." + body + ".coordinates", quoted_text(to_string(Coordinates::rigid))});
     }
     changes.push_back(std::move(change));
   }
@@ -79,16 +80,18 @@ std::vector<ModelChange> model_changes(const Scene& scene) {
 }
 
 Method rung_of(const Scene& scene, const ModelChange& model, const IntegratorRecord& integrator,
-               const char* number_type) {
+               NumberType number_type) {
   Method method;
   method.model = model.name;
   method.integrator = &integrator;
   method.number_type = number_type;
   method.settings = model.settings;
   method.name = model.name.empty() ? integrator.name : model.name + ", " + integrator.name;
-  if (method.number_type != "double") method.name += " in " + method.number_type;
-  if (method.number_type != scene.run.number_type) {
-    method.settings.push_back({"run.number_type", quoted_text(method.number_type)});
+  if (number_type != NumberType::double_precision) {
+    method.name += std::string(" in ") + to_string(number_type);
+  }
+  if (number_type != scene.run.number_type) {
+    method.settings.push_back({"run.number_type", quoted_text(to_string(number_type))});
   }
   method.resolution = integrator.adaptive ? Resolution::tolerance : Resolution::step;
   method.absolute_share = length_scale(scene);
@@ -112,10 +115,6 @@ void try_to_bind(const Variants& variants, Method& method) {
 
 }  // namespace
 
-const char* to_string(Resolution resolution) {
-  return resolution == Resolution::step ? "dt" : "tolerance";
-}
-
 std::vector<Setting> Method::at(double value) const {
   std::string table = "{ type = " + quoted_text(integrator->name);
   for (const Parameter* row : knob_rows(*integrator)) {
@@ -132,9 +131,10 @@ std::vector<Method> methods_for(const Variants& variants) {
   std::vector<Method> methods;
   for (const ModelChange& model : model_changes(scene)) {
     for (const auto& integrator : variants.registry().integrators()) {
-      if (integrator->follows_equilibria != (model.dynamics == kQuasistatic)) continue;
-      for (const char* number_type : {"double", "float"}) {
-        const bool in_float = std::string_view(number_type) == "float";
+      if (integrator->follows_equilibria != (model.dynamics == Dynamics::quasistatic)) continue;
+      for (const NumberType number_type :
+           {NumberType::double_precision, NumberType::single_precision}) {
+        const bool in_float = number_type == NumberType::single_precision;
         if (in_float && (!model.name.empty() || integrator->bind.in_float == nullptr)) continue;
         methods.push_back(rung_of(scene, model, *integrator, number_type));
         try_to_bind(variants, methods.back());
@@ -149,8 +149,8 @@ std::vector<Method> methods_of_own_model(const Variants& variants) {
   const ModelChange own = {"", {}, scene.run.dynamics};
   std::vector<Method> methods;
   for (const auto& integrator : variants.registry().integrators()) {
-    if (integrator->follows_equilibria != (own.dynamics == kQuasistatic)) continue;
-    methods.push_back(rung_of(scene, own, *integrator, scene.run.number_type.c_str()));
+    if (integrator->follows_equilibria != (own.dynamics == Dynamics::quasistatic)) continue;
+    methods.push_back(rung_of(scene, own, *integrator, scene.run.number_type));
     try_to_bind(variants, methods.back());
   }
   return methods;

@@ -18,14 +18,16 @@ inline constexpr double kFinestTolerance = 1e-13;
 /// What makes a method more accurate.
 enum class Resolution { step, tolerance };
 
-/// "dt", "tolerance".
-const char* to_string(Resolution resolution);
+constexpr auto word_table(Resolution) {
+  return std::to_array<Word<Resolution>>(
+      {{Resolution::step, "dt"}, {Resolution::tolerance, "tolerance"}});
+}
 
 struct Method {
   std::string name;   ///< "dopri5", "dopri5 in float", "rigid, overdamped, rk4"
   std::string model;  ///< what differs from the scene's equations, "rigid"; empty: nothing
   const IntegratorRecord* integrator = nullptr;
-  std::string number_type = "double";
+  NumberType number_type = NumberType::double_precision;
   std::vector<Setting> settings;  ///< all but the integrator
   Resolution resolution = Resolution::tolerance;
   /// Tolerances as the resolution has them are relative; absolute ones are this many times larger:

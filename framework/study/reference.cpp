@@ -11,6 +11,7 @@
 #include "framework/core/text/fault.hpp"
 #include "framework/run/results.hpp"
 #include "framework/scene/natural_units.hpp"
+#include "framework/scene/text.hpp"
 #include "framework/study/methods.hpp"
 
 namespace tomlin {
@@ -42,7 +43,8 @@ Dimension dimension_of(std::string_view path) {
 }
 
 bool may_be_reference(const Method& method) {
-  return method.is_own_model() && method.number_type == "double" && method.refused.empty();
+  return method.is_own_model() && method.number_type == NumberType::double_precision &&
+         method.refused.empty();
 }
 
 /// Cost at the finest tolerance, from that of a coarser one and the order.
@@ -268,7 +270,8 @@ class ReferenceSearch {
     const double part = std::min(1.0, seconds / (std::max(known, 1e-6) * kSlownessOfQuadruple));
     const std::vector<Setting> in_double = shortened(scheme, part);
     std::vector<Setting> in_quadruple = in_double;
-    in_quadruple.push_back({"run.number_type", "\"quadruple\""});
+    in_quadruple.push_back(
+        {"run.number_type", quoted_text(to_string(NumberType::quadruple_precision))});
     constexpr double kPatience = 2.0;  // the slowness is no more than a guess
     const Measurement one = measurer_.with(in_double, kPatience * seconds);
     const Measurement other = measurer_.with(in_quadruple, kPatience * seconds);

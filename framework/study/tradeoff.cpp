@@ -189,24 +189,6 @@ class TradeoffStudy {
 
 }  // namespace
 
-const char* to_string(TradeoffGap::Kind kind) {
-  switch (kind) {
-    case TradeoffGap::Kind::refused:
-      return "refused";
-    case TradeoffGap::Kind::unstable:
-      return "unstable";
-    case TradeoffGap::Kind::failed:
-      return "failed";
-    case TradeoffGap::Kind::over_budget:
-      return "over budget";
-    case TradeoffGap::Kind::costly:
-      return "too costly";
-    case TradeoffGap::Kind::undefined:
-      return "undefined";
-  }
-  return "";
-}
-
 Tradeoff measure_tradeoff(const std::shared_ptr<const Scene>& scene, const Registry& registry,
                           const TradeoffRequest& request) {
   return TradeoffStudy(scene, registry, request).measure();

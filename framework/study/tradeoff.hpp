@@ -56,8 +56,15 @@ struct TradeoffGap {
   std::string why;
 };
 
-/// "refused", "unstable", "failed", "over budget", "too costly", "undefined".
-const char* to_string(TradeoffGap::Kind kind);
+constexpr auto word_table(TradeoffGap::Kind) {
+  using enum TradeoffGap::Kind;
+  return std::to_array<Word<TradeoffGap::Kind>>({{refused, "refused"},
+                                                 {unstable, "unstable"},
+                                                 {failed, "failed"},
+                                                 {over_budget, "over budget"},
+                                                 {costly, "too costly"},
+                                                 {undefined, "undefined"}});
+}
 
 struct Recommendation {
   std::size_t point = 0;          ///< index into Tradeoff::points

@@ -284,9 +284,9 @@ class ForceBench {
     const std::size_t n = slot.count;
     body.name = body.index == 0 ? "body" : "other";
     body.closed = arrangement_.closed;
-    body.coordinates = arrangement_.rigid        ? "rigid"
-                       : arrangement_.prescribed ? "prescribed"
-                                                 : "particles";
+    body.coordinates = arrangement_.rigid        ? Coordinates::rigid
+                       : arrangement_.prescribed ? Coordinates::prescribed
+                                                 : Coordinates::particles;
     if (arrangement_.boxed) body.open_along = 0;
     slot.mapped = arrangement_.mapped();
     slot.rigid = arrangement_.rigid;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/core/records/coordinates.hpp"
 #include "framework/core/records/registry.hpp"
 #include "framework/core/text/fault_code.hpp"
 
@@ -16,7 +17,7 @@ namespace tomlin {
 struct BodyDescription {
   PerParticle particle_mass;
   PerParticleVector velocity;
-  std::string coordinates;
+  Coordinates coordinates = Coordinates::particles;
   std::filesystem::path read_from;  ///< the file that `prepare` has fetched a part from; or empty
 };
 
@@ -34,8 +35,7 @@ std::vector<Parameter> with_body_parameters(std::vector<Parameter> own) {
       parameter_of<D>("coordinates", &BodyDescription::coordinates, dimension::none,
                       "what may move: every particle, the body as a whole, nothing, or the body "
                       "as a whole by its motion")
-          .one_of({"particles", "rigid", "fixed", "prescribed"})
-          .by_default("particles"));
+          .by_default(Coordinates::particles));
   return own;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "framework/core/numbers/double_double.hpp"
+#include "framework/core/records/coordinates.hpp"
 #include "framework/core/records/parameter.hpp"
 #include "framework/core/system/aligned.hpp"
 #include "framework/core/system/flow.hpp"
@@ -36,7 +37,7 @@ template <class Real>
 struct BoundBody {
   std::string name;
   std::size_t index = 0;
-  std::string coordinates;  ///< "particles", "rigid", "fixed" or "prescribed"
+  Coordinates coordinates = Coordinates::particles;
   bool closed = false;
   BodySlot<Real> slot;
   int open_along = -1;                     ///< a chain that the box closes: along this axis

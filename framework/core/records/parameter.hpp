@@ -12,6 +12,8 @@
 #include <variant>
 #include <vector>
 
+#include "framework/core/text/words.hpp"
+
 /// Parameters declared once: a row names key, member, dimension, default, interval and doc; the
 /// same row reads a scene, validates, documents and writes the effective scene.
 namespace tomlin {
@@ -64,6 +66,12 @@ struct PairSelection {
   friend bool operator==(const PairSelection&, const PairSelection&) = default;
 };
 
+constexpr auto word_table(PairSelection::Kind) {
+  using enum PairSelection::Kind;
+  return std::to_array<Word<PairSelection::Kind>>(
+      {{all, "all"}, {neighbours, "neighbours"}, {list, nullptr}});
+}
+
 /// A word or numbers: `rest_lengths = "initial"`, `1.0` or `[1.0, ...]`.
 struct WordOrNumbers {
   std::string word;             ///< one of the row's choices, or empty when numbers are given
@@ -77,6 +85,12 @@ struct Attachment {
   std::int64_t particle = 0;
   friend bool operator==(const Attachment&, const Attachment&) = default;
 };
+
+constexpr auto word_table(Attachment::Kind) {
+  using enum Attachment::Kind;
+  return std::to_array<Word<Attachment::Kind>>(
+      {{centre_of_mass, "centre_of_mass"}, {each_particle, "each_particle"}, {particle, nullptr}});
+}
 
 /// One number per space dimension; empty when not given.
 struct SpaceVector {
@@ -188,6 +202,8 @@ struct Parameter {
   Parameter by_default(T value) && {
     if constexpr (std::is_same_v<T, const char*>) {
       standard = ParameterValue(std::string(value));
+    } else if constexpr (Worded<T>) {
+      standard = ParameterValue(std::string(to_string(value)));
     } else {
       standard = ParameterValue(std::move(value));
     }
@@ -203,20 +219,33 @@ struct Parameter {
   }
 };
 
-/// A row for `member` of the description struct D. The member's type tells what a scene may give.
+/// A row for `member` of the description struct D. The member's type tells what a scene may give:
+/// for an enumeration with words (framework/core/text/words.hpp) one of them.
 template <class D, class Base, class T>
 Parameter parameter_of(std::string key, T Base::*member, Dimension dimension, std::string doc) {
   Parameter row;
   row.key = std::move(key);
   row.doc = std::move(doc);
   row.dimension = dimension;
-  row.prototype = T{};
-  row.assign = [member](void* description, ParameterValue value) {
-    static_cast<D*>(description)->*member = std::get<T>(std::move(value));
-  };
-  row.read = [member](const void* description) {
-    return ParameterValue(static_cast<const D*>(description)->*member);
-  };
+  if constexpr (Worded<T>) {
+    row.choices = words_of<T>();
+    row.prototype = std::string();
+    row.assign = [member](void* description, ParameterValue value) {
+      static_cast<D*>(description)->*member = value_named<T>(std::get<std::string>(value)).value();
+    };
+    row.read = [member](const void* description) {
+      const char* word = to_string(static_cast<const D*>(description)->*member);
+      return ParameterValue(std::string(word == nullptr ? "" : word));
+    };
+  } else {
+    row.prototype = T{};
+    row.assign = [member](void* description, ParameterValue value) {
+      static_cast<D*>(description)->*member = std::get<T>(std::move(value));
+    };
+    row.read = [member](const void* description) {
+      return ParameterValue(static_cast<const D*>(description)->*member);
+    };
+  }
   return row;
 }
 

@@ -33,12 +33,8 @@ bool machine_has_avx512() {
 constexpr const char* kVariable = "TOMLIN_INSTRUCTION_SET";
 
 InstructionSet named(const std::string& wish) {
-  std::vector<std::string> names;
-  for (const InstructionSet set :
-       {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
-    if (to_string(set) == wish) return set;
-    names.emplace_back(to_string(set));
-  }
+  if (const auto set = value_named<InstructionSet>(wish)) return *set;
+  const std::vector<std::string> names = words_of<InstructionSet>();
   Fault fault(FaultCode::machine_instruction_set);
   fault.place.file = "tomlin";
   fault.key = kVariable;
@@ -72,18 +68,6 @@ InstructionSet chosen_instruction_set() {
   if (is_supported(InstructionSet::avx512)) return InstructionSet::avx512;
   if (is_supported(InstructionSet::avx2)) return InstructionSet::avx2;
   return InstructionSet::baseline;
-}
-
-std::string_view to_string(InstructionSet set) {
-  switch (set) {
-    case InstructionSet::baseline:
-      return "baseline";
-    case InstructionSet::avx2:
-      return "avx2";
-    case InstructionSet::avx512:
-      return "avx512";
-  }
-  return "";
 }
 
 }  // namespace tomlin

@@ -1,11 +1,19 @@
 #pragma once
 
-#include <string_view>
+#include <array>
+
+#include "framework/core/text/words.hpp"
 
 namespace tomlin {
 
 /// The sets that kernels are compiled for. Results have the same bits on each of them.
 enum class InstructionSet { baseline, avx2, avx512 };
+
+constexpr auto word_table(InstructionSet) {
+  using enum InstructionSet;
+  return std::to_array<Word<InstructionSet>>(
+      {{baseline, "baseline"}, {avx2, "avx2"}, {avx512, "avx512"}});
+}
 
 // What a build leaves out: TOMLIN_INSTRUCTION_SETS in cmake/TomlinKernels.cmake.
 #if defined(TOMLIN_KERNELS_AVX2)
@@ -25,7 +33,5 @@ InstructionSet chosen_instruction_set();
 
 /// True when the build has kernels of this set and this machine can run them.
 bool is_supported(InstructionSet set);
-
-std::string_view to_string(InstructionSet set);
 
 }  // namespace tomlin

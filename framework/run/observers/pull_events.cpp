@@ -20,8 +20,8 @@ const ResultQuantity kStaticForce{
     "largest force along the pull before the first slip; of the whole run where nothing slips"};
 
 /// Unit roundoff of forces in each number type.
-double precision_of(const std::string& number_type) {
-  return number_type == "float" ? 1.2e-7 : 2.3e-16;
+double precision_of(NumberType number_type) {
+  return number_type == NumberType::single_precision ? 1.2e-7 : 2.3e-16;
 }
 
 class PullEvents : public RunObserver {

@@ -30,14 +30,14 @@ namespace fs = std::filesystem;
 /// As long as numbers get: every byte of a table is known.
 constexpr double kLongest = -1.2345678901234567e-308;
 
-Scene scene_with(const std::string& format) {
+Scene scene_with(std::optional<TrajectoryFormat> format) {
   Scene scene;
   scene.name = "a \"test\"";
   scene.effective_toml = "[run]\nduration = 1.0\n";
   scene.run.duration = 100.0;
   scene.output.every = 1.0;
-  scene.output.trajectory = !format.empty();
-  scene.output.trajectory_format = format;
+  scene.output.trajectory = format.has_value();
+  if (format) scene.output.trajectory_format = *format;
   scene.output.places["every"] = {"scene.toml", 7, 9};
   return scene;
 }
@@ -56,7 +56,7 @@ TEST(OutputSize, ATableIsAsLongAsItsLongestNumbers) {
   table.begin(layout);
   for (int k = 0; k < 1000; ++k) table.sample(std::vector<double>(layout.row(), kLongest));
   table.finish();
-  const double most = output_size(scene_with(""), layout).table;
+  const double most = output_size(scene_with(std::nullopt), layout).table;
   EXPECT_LE(size_of(folder / kTableFile), most);
   // But for the line of names.
   EXPECT_GE(size_of(folder / kTableFile), 0.999 * most);
@@ -64,7 +64,7 @@ TEST(OutputSize, ATableIsAsLongAsItsLongestNumbers) {
 
 /// Frames of a few bytes and of more than a chunk, few and many.
 TEST(OutputSize, ATrajectoryIsNotLarger) {
-  for (const char* format : {"xyz", "h5md"}) {
+  for (const TrajectoryFormat format : {TrajectoryFormat::xyz, TrajectoryFormat::h5md}) {
     const Scene scene = scene_with(format);
     for (const auto& [bodies, frames] :
          {std::pair(two_bodies(), 1), std::pair(two_bodies(), 20'000), std::pair(line_of(3), 7),
@@ -78,11 +78,12 @@ TEST(OutputSize, ATrajectoryIsNotLarger) {
       writer->finish();
       const double most = output_size(scene, layout).trajectory;
       const double found = size_of(folder / "t");
-      EXPECT_LE(found, most) << format << " " << layout.particles() << " " << frames;
+      EXPECT_LE(found, most) << to_string(format) << " " << layout.particles() << " " << frames;
       // Each of the four series of HDF5 may end in a chunk of a megabyte that is nearly empty; its
       // structure is some kilobytes.
-      const double slack = std::string(format) == "xyz" ? 0.0 : 4.3e6;
-      EXPECT_GE(found, most - slack) << format << " " << layout.particles() << " " << frames;
+      const double slack = format == TrajectoryFormat::xyz ? 0.0 : 4.3e6;
+      EXPECT_GE(found, most - slack)
+          << to_string(format) << " " << layout.particles() << " " << frames;
     }
   }
 }
@@ -97,7 +98,7 @@ TEST(OutputSize, AJournalIsNotLarger) {
     const auto empty = static_cast<double>(journal.flush().bytes);
     for (int k = 0; k < 400; ++k) journal.row(std::vector<double>(layout.row(), kLongest));
     const double found = static_cast<double>(journal.flush().bytes) - empty;
-    const double most = output_size(scene_with("h5md"), layout).journal;
+    const double most = output_size(scene_with(TrajectoryFormat::h5md), layout).journal;
     EXPECT_LE(found, most + 32.0) << "the last record is not full";
     EXPECT_GE(found, 0.99 * most);
   }
@@ -121,7 +122,7 @@ OutputSize size_at(Scene& scene, double every) {
 }
 
 TEST(OutputSize, WhatDoesNotFitIsRefusedWithWhatWould) {
-  Scene scene = scene_with("xyz");
+  Scene scene = scene_with(TrajectoryFormat::xyz);
   const OutputSize size = size_at(scene, 1e-3);
   EXPECT_FALSE(refusal(scene, size, size.together()));
   const auto fault = refusal(scene, size, 1e6);
@@ -144,7 +145,7 @@ TEST(OutputSize, WhatDoesNotFitIsRefusedWithWhatWould) {
 }
 
 TEST(OutputSize, MoreRowsThanAnyoneReadsAreRefusedHoweverMuchRoomThereIs) {
-  Scene scene = scene_with("");
+  Scene scene = scene_with(std::nullopt);
   const double infinite = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(refusal(scene, size_at(scene, 1.1e-7), infinite));
   const auto fault = refusal(scene, size_at(scene, 0.9e-7), infinite);
@@ -155,7 +156,7 @@ TEST(OutputSize, MoreRowsThanAnyoneReadsAreRefusedHoweverMuchRoomThereIs) {
 }
 
 TEST(OutputSize, CheckpointsAloneNeedRoomToo) {
-  Scene scene = scene_with("");
+  Scene scene = scene_with(std::nullopt);
   scene.output = OutputSettings();
   scene.run.place = {"scene.toml", 3, 1};
   RunLayout layout;

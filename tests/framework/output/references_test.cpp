@@ -81,7 +81,7 @@ TEST_F(References, AreOfFormatsAndRandomNumbersWhereTheyAreUsed) {
   scene_.output.trajectory = true;
   ASSERT_EQ(lines(references(scene_)).size(), plain + 1);
   EXPECT_NE(lines(references(scene_)).back().find("H5MD"), std::string::npos);
-  scene_.output.trajectory_format = "xyz";
+  scene_.output.trajectory_format = TrajectoryFormat::xyz;
   EXPECT_EQ(lines(references(scene_)).size(), plain);
   scene_.run.perturb.emplace();
   ASSERT_EQ(lines(references(scene_)).size(), plain + 1);

@@ -15,7 +15,8 @@ int main(int, char** arguments) {
   using namespace tomlin::test;
   const std::filesystem::path folder = arguments[1];
   for (const auto& [name, layout] : {std::pair{"two_bodies", two_bodies()}, {"line", line_of(3)}}) {
-    for (const auto& [format, suffix] : {std::pair{"h5md", ".h5"}, {"xyz", ".xyz"}}) {
+    for (const auto& [format, suffix] :
+         {std::pair{TrajectoryFormat::h5md, ".h5"}, {TrajectoryFormat::xyz, ".xyz"}}) {
       const auto writer =
           trajectory_writer(format, folder / (std::string(name) + suffix), layout, some_facts());
       write_frames(*writer, layout, 5);

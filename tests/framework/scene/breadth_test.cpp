@@ -312,12 +312,12 @@ TEST(RunSettings, TakesEveryNumberTypeDynamicsAndTheLedger) {
         parsed(replaced("duration = 1e4",
                         std::string("duration = 1\nnumber_type = \"") + type + "\"\nledger = true"),
                {{"measure.to", "1.0"}, {"measure.from", "0.0"}});
-    EXPECT_EQ(scene->run.number_type, type);
+    EXPECT_STREQ(to_string(scene->run.number_type), type);
     EXPECT_TRUE(scene->run.ledger);
   }
   EXPECT_EQ(
       parsed(replaced("duration = 1e4", "duration = 1e4\ndynamics = \"overdamped\""))->run.dynamics,
-      "overdamped");
+      Dynamics::overdamped);
 }
 
 // ---- forces between two bodies

@@ -29,7 +29,7 @@ TEST(Scene, IsReadWhole) {
   EXPECT_EQ(loop.centre.components, (std::vector<double>{0.0, 1.0}));
   EXPECT_EQ(loop.particle_mass.values, std::vector<double>{0.125});
   EXPECT_TRUE(loop.velocity.values.empty());
-  EXPECT_EQ(loop.coordinates, "particles");
+  EXPECT_EQ(loop.coordinates, Coordinates::particles);
 
   ASSERT_EQ(scene->forces.size(), 2U);
   EXPECT_EQ(scene->forces[0].name, "bonds");  // its type's

@@ -34,7 +34,8 @@ TEST(Settings, ValueIsTomlOrElseAnExpression) {
   EXPECT_EQ(loop_of(*parsed(kRing, {{"R", "\"2 * N\""}})).radius, 16.0);
   EXPECT_EQ(loop_of(*parsed(kRing, {{"body.ring.centre", "[1, \"N\"]"}})).centre.components[1],
             8.0);
-  EXPECT_EQ(loop_of(*parsed(kRing, {{"body.ring.coordinates", "rigid"}})).coordinates, "rigid");
+  EXPECT_EQ(loop_of(*parsed(kRing, {{"body.ring.coordinates", "rigid"}})).coordinates,
+            Coordinates::rigid);
   EXPECT_TRUE(euler_of(*parsed(kRing, {{"run.integrator.verbose", "true"}})).verbose);
   EXPECT_EQ(parsed(kRing, {{"scene.name", "two words"}})->name, "two words");
 }
