@@ -27,13 +27,6 @@ install(DIRECTORY framework forcefields integrators DESTINATION ${header_folder}
         FILES_MATCHING PATTERN "*.hpp" PATTERN "cli" EXCLUDE PATTERN "plot" EXCLUDE)
 install(FILES ${CMAKE_BINARY_DIR}/border/framework/plugin/border.hpp
         DESTINATION ${header_folder}/framework/plugin)
-# The checks that every force has to pass are for forces of others, too.
-install(FILES tests/support/conformance.hpp tests/support/flow_check.hpp
-              tests/support/force_bench.hpp
-              tests/support/number_types.hpp tests/support/order.hpp
-              tests/support/random_description.hpp
-        DESTINATION ${header_folder}/tests/support)
-
 configure_package_config_file(cmake/tomlinConfig.cmake.in
                               ${CMAKE_BINARY_DIR}/package/tomlinConfig.cmake
                               INSTALL_DESTINATION ${package_folder})

@@ -35,16 +35,25 @@ Reads and binds the scene as run does, compares a fixed step with the stable ste
 force against its own claims on this scene's bodies: at the start, near it, far away, high above it,
 and with two particles almost touching:
 
-  conservative, exact, path   its force is minus the gradient of its energy
+  conservative, exact, path,
+  quadruple                   its force is minus the gradient of its energy
   hessian                     its second derivatives are the slopes of its force
+  stiffness, tight            no curvature exceeds its bound, and some come near to it
   finite                      there are numbers wherever there can be
   internal                    its forces and torques sum to zero
+  not conservative,
+  not internal                it has not what it does not declare
   dissipative, friction       its power is never positive; its friction matrix is right
   balance, driver             power, stored energy, heat and a driver's work add up
-  periodic, origin            a shift by its period, or of the origin, changes nothing
-  velocity, time, repeatable  it depends on nothing that it does not tell of
+  flow, flow repeats,
+  heat of flow                an operator that it hands out is its exact solution
+  periodic, rebase, origin    a shift by its period, or of the origin, changes nothing
+  velocity, time, repeatable  it depends on nothing that it does not declare
+  uses velocity, uses time    and on what it declares
   its own                     it acts on its own bodies only
-  same bits, number types     every instruction set and number type says the same
+  set and add, padding, point its kernels say the same, and leave zeros beyond the last particle
+  same bits                   so does every instruction set
+  number types, digits        and every number type, each to its own rounding
 
 Where all holds that is said in one line; --verbose shows every check, with its largest error and what
 is allowed there. A claim that does not hold is shown with the state, particle, place and time where it

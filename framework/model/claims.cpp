@@ -11,12 +11,23 @@
 namespace tomlin {
 namespace {
 
-constexpr claims::Claim kClaims[] = {
-    &claims::conservative, &claims::exact,     &claims::path,        &claims::hessian,
-    &claims::stiffness,    &claims::finite,    &claims::internal,    &claims::dissipative,
-    &claims::friction,     &claims::balance,   &claims::driver,      &claims::periodic,
-    &claims::origin,       &claims::velocity,  &claims::time,        &claims::repeatable,
-    &claims::its_own,      &claims::same_bits, &claims::number_types};
+constexpr claims::Claim kClaims[] = {&claims::conservative,  &claims::not_conservative,
+                                     &claims::exact,         &claims::quadruple,
+                                     &claims::path,          &claims::hessian,
+                                     &claims::stiffness,     &claims::tight,
+                                     &claims::finite,        &claims::internal,
+                                     &claims::not_internal,  &claims::dissipative,
+                                     &claims::friction,      &claims::balance,
+                                     &claims::flow,          &claims::flow_repeats,
+                                     &claims::heat_of_flow,  &claims::driver,
+                                     &claims::periodic,      &claims::rebase,
+                                     &claims::origin,        &claims::velocity,
+                                     &claims::uses_velocity, &claims::time,
+                                     &claims::uses_time,     &claims::repeatable,
+                                     &claims::its_own,       &claims::set_and_add,
+                                     &claims::padding,       &claims::point,
+                                     &claims::same_bits,     &claims::number_types,
+                                     &claims::digits};
 
 /// The shortest distance between particles that follow one another.
 double shortest_spacing(const Model::Body& body) {

@@ -134,7 +134,7 @@ def sees_another_bond(page, folder, commands):
 
 
 def sees_a_fault(text, build):
-    """The page on forces says what happens when a sign is wrong: its claim does not hold."""
+    """The page on forces says what happens when a sign is wrong: a property does not hold."""
     faulty = text.replace("return -(p.strength", "return (p.strength")
     if faulty == text:
         return "there is no sign to change"
@@ -142,7 +142,7 @@ def sees_a_fault(text, build):
         try:
             follow(lay_out(faulty, pathlib.Path(name), build), pathlib.Path(name))
         except RuntimeError as error:
-            return None if "does not hold: gradient" in str(error) else str(error)
+            return None if "does not hold: conservative" in str(error) else str(error)
     return "a wrong sign goes unnoticed"
 
 

@@ -106,12 +106,22 @@ integrator = { type = "rk4", dt = 1e-3 }
 
 // ---- right forces
 
+/// What a scene need not show.
+bool may_be_unseen(const std::string& claim) {
+  static const std::set<std::string> all = {"not conservative", "not internal", "uses velocity",
+                                            "uses time",        "tight",        "digits"};
+  return all.count(claim) == 1;
+}
+
 void expect_sound(const std::string& text, const std::string& name, std::uint64_t seed = 1) {
   const auto scene = scene_of(text);
-  for (const ClaimResult& result : check_claims(*scene, {.seed = seed})) {
+  const auto results = check_claims(*scene, {.seed = seed});
+  EXPECT_GT(results.size(), 10u) << name;
+  for (const ClaimResult& result : results) {
     EXPECT_TRUE(result.holds) << name << ": " << result.force << " " << result.claim << " "
                               << result.error << " > " << result.allowed << ", seed " << seed
                               << "; " << result.worst.text();
+    if (may_be_unseen(result.claim)) continue;
     EXPECT_GT(result.states, 0) << name << ": " << result.claim;
   }
 }
@@ -188,9 +198,9 @@ duration = 1.0
 integrator = { type = "rk4", dt = 1e-3 }
 )--");
     for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
-      ClaimOptions options;
-      options.seed = seed;
-      for (const ClaimResult& result : check_claims(*scene, options)) {
+      const auto results = check_claims(*scene, {.seed = seed});
+      EXPECT_GT(results.size(), 10u);
+      for (const ClaimResult& result : results) {
         EXPECT_TRUE(result.holds) << energy << ' ' << result.claim << ", seed " << seed;
       }
     }
@@ -349,7 +359,9 @@ TEST(CheckSuite, AccusesNoParticleOnAKink) {
     for (const char* position : {"0.0", "1.0"}) {
       const auto scene = scene_of(point_under(energy, position));
       for (const std::uint64_t seed : kSeeds) {
-        for (const ClaimResult& result : check_claims(*scene, {.seed = seed})) {
+        const auto results = check_claims(*scene, {.seed = seed});
+        EXPECT_GT(results.size(), 10u);
+        for (const ClaimResult& result : results) {
           EXPECT_TRUE(result.holds) << energy << ' ' << result.claim << ' ' << result.worst.text();
         }
       }

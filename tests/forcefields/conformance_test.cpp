@@ -1,46 +1,104 @@
 #include "tests/support/conformance.hpp"
 
 #include <cstdint>
+#include <map>
+#include <set>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "tests/support/scenes.hpp"
+#include "tests/forcefields/formula_laws.hpp"
 
-// Every force of the registry against its claims. What depends on a single force's formula has a
-// test of its own elsewhere.
+// Every force of the registry against what it declares, by the suite of `tomlin check`. What
+// depends on a single force's formula has a test of its own elsewhere.
 
 namespace tomlin::test {
 namespace {
 
+using Broken = std::map<std::string, std::string>;
+
 constexpr std::uint64_t kSeeds[] = {20240611, 7, 424242};
 
-/// What has no force law of its own: expression_test tests formulas of every kind.
-bool needs_a_formula(const ForceRecord& record) { return record.name == "expression"; }
-
-TEST(Conformance, EveryForceKeepsItsClaims) {
-  for (const auto& record : standard().forces()) {
-    SCOPED_TRACE(record->name);
-    if (needs_a_formula(*record)) continue;
-    ClaimCheck check(*record);
-    for (const std::uint64_t seed : kSeeds) check.examine_everywhere(seed);
-    // Points, chains and rings in three dimensions, free and rigid: none may slip by unseen.
-    EXPECT_GT(check.examined(), 100);
-    EXPECT_EQ(check.broken(), std::vector<std::string>{});
+/// Which ways to pair particles and to attach springs have come up, by dimension.
+void note_kinds(const ForceRecord& record, const void* description, int dimension,
+                std::set<std::string>& seen) {
+  for (const Parameter& row : record.parameters) {
+    const ParameterValue value = row.read(description);
+    const std::string kind = std::to_string(dimension) + row.key;
+    if (const auto* pairs = std::get_if<PairSelection>(&value)) {
+      seen.insert(kind + std::to_string(static_cast<int>(pairs->kind)));
+    }
+    if (const auto* attach = std::get_if<Attachment>(&value)) {
+      seen.insert(kind + std::to_string(static_cast<int>(attach->kind)));
+    }
   }
 }
 
-/// Every remainder of a group of eight, twice over.
-TEST(Conformance, TailsOfEveryLengthHaveTheSameBits) {
-  constexpr std::size_t kMost = 19;
+TEST(Conformance, FormulasAreOfEveryKind) {
+  EXPECT_EQ(formula_texts().size(), kFormulas);
+  std::set<Element> elements;
+  for (const ForceRecord& record : drawn_for(*standard().force("expression"))) {
+    elements.insert(record.element_of(record.make_description().get()));
+  }
+  EXPECT_EQ(elements.size(), 4u);
+}
+
+TEST(Conformance, EveryForceHasItsVerifiedProperties) {
+  std::set<std::string> kinds;
   for (const auto& record : standard().forces()) {
     SCOPED_TRACE(record->name);
-    if (needs_a_formula(*record)) continue;
-    ClaimCheck check(*record);
-    check.examine_everywhere(99, kMost);
-    EXPECT_EQ(check.broken(), std::vector<std::string>{});
+    EXPECT_NE(record->bind.in_float, nullptr);
+    EXPECT_NE(record->bind.in_quadruple, nullptr);
+    Conformance check(*record);
+    for (const std::uint64_t seed : kSeeds) check.examine_example(seed);
+    EXPECT_EQ(check.examined(), 3);
+    if (record->name != "expression") {  // see below
+      for (const std::uint64_t seed : kSeeds) {
+        check.examine_everywhere(seed, {1, 2, 3, 5},
+                                 [&](const void* description, const Arrangement& arrangement) {
+                                   note_kinds(*record, description, arrangement.dimension, kinds);
+                                 });
+      }
+      EXPECT_GT(check.examined(), 100);
+    }
+    EXPECT_EQ(check.broken(), Broken{});
   }
+  // All, neighbours and lists; the centre of mass, each particle and one: in three dimensions.
+  EXPECT_EQ(kinds.size(), 18u);
+}
+
+/// Every remainder of a group of eight, twice over.
+TEST(Conformance, BodiesOfEverySize) {
+  constexpr std::size_t kMost = 19;
+  std::vector<std::size_t> counts;
+  for (std::size_t count = 1; count <= kMost; ++count) counts.push_back(count);
+  for (const auto& record : standard().forces()) {
+    if (record->name == "expression") continue;
+    SCOPED_TRACE(record->name);
+    Conformance check(*record);
+    check.examine_everywhere(99, counts);
+    EXPECT_GT(check.examined(), 150);
+    EXPECT_EQ(check.broken(), Broken{});
+  }
+}
+
+/// Formulas of every kind: what one declares follows from its text.
+TEST(Conformance, FormulasHaveTheirVerifiedProperties) {
+  ASSERT_EQ(formula_texts().size(), kFormulas);
+  std::set<Element> elements;
+  for (std::size_t k = 0; k < kFormulas; ++k) {
+    const ForceRecord record = formula_record(k);
+    const FormulaText& text = formula_texts()[k];
+    SCOPED_TRACE(*text.energy != '\0' ? text.energy : text.force[0]);
+    elements.insert(record.element_of(record.make_description().get()));
+    Conformance check(record);
+    check.examine_everywhere(kSeeds[k % 3], {1, 3, 9});  // a group of particles and one more
+    EXPECT_GT(check.examined(), 5);
+    EXPECT_EQ(check.broken(), Broken{});
+  }
+  EXPECT_EQ(elements.size(), 4u);  // particles, centres, pairs and angles
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include "tests/forcefields/planted.hpp"
 #include "tests/forcefields/wrong_forces.hpp"
 
-// The checks of conformance_test.cpp against forces that are wrong on purpose.
+// The suite of conformance_test.cpp against forces that are wrong on purpose.
 
 namespace tomlin::test {
 namespace {
@@ -29,26 +29,26 @@ TEST(PlantedFaults, SoundForcesBoundTheSameWayAreNotAccused) {
 }
 
 TEST(PlantedFaults, WrongSign) {
-  EXPECT_CAUGHT("gradient", "sinusoidal_substrate", (planted<ScaledSubstrate<-2, -2>>));
-  EXPECT_CAUGHT("gradient", "sinusoidal_substrate", (planted<ScaledSubstrate<2, -2>>));
+  EXPECT_CAUGHT("conservative", "sinusoidal_substrate", (planted<ScaledSubstrate<-2, -2>>));
+  EXPECT_CAUGHT("conservative", "sinusoidal_substrate", (planted<ScaledSubstrate<2, -2>>));
 }
 
 TEST(PlantedFaults, FactorOfTwo) {
-  EXPECT_CAUGHT("gradient", "sinusoidal_substrate", (planted<ScaledSubstrate<4, 4>>));
-  EXPECT_CAUGHT("gradient", "sinusoidal_substrate", (planted<ScaledSubstrate<2, 1>>));
+  EXPECT_CAUGHT("conservative", "sinusoidal_substrate", (planted<ScaledSubstrate<4, 4>>));
+  EXPECT_CAUGHT("conservative", "sinusoidal_substrate", (planted<ScaledSubstrate<2, 1>>));
 }
 
 TEST(PlantedFaults, MissingChainRuleOfTheDecay) {
-  EXPECT_CAUGHT("gradient", "sinusoidal_substrate", planted<WithoutChainRule>);
+  EXPECT_CAUGHT("conservative", "sinusoidal_substrate", planted<WithoutChainRule>);
 }
 
 TEST(PlantedFaults, EnergyOff) {
-  EXPECT_CAUGHT("gradient", "sinusoidal_substrate", planted<EnergyWithoutDecay>);
+  EXPECT_CAUGHT("conservative", "sinusoidal_substrate", planted<EnergyWithoutDecay>);
 }
 
 TEST(PlantedFaults, PairsThatAreNotReciprocal) {
   EXPECT_CAUGHT("internal", "harmonic_bonds", bind_lopsided<-1>);
-  EXPECT_CAUGHT("gradient", "harmonic_bonds", bind_lopsided<-1>);
+  EXPECT_CAUGHT("conservative", "harmonic_bonds", bind_lopsided<-1>);
   EXPECT_CAUGHT("hessian", "harmonic_bonds", bind_lopsided<-1>);
 }
 
@@ -67,34 +67,34 @@ TEST(PlantedFaults, WrongFriction) {
 }
 
 TEST(PlantedFaults, HeatOff) {
-  EXPECT_CAUGHT("heat", "viscous_damping", (wrapped<HeatOfOthers, ViscousDamping>));
-  EXPECT_CAUGHT("heat", "viscous_damping", (wrapped<WithoutHeat, ViscousDamping>));
-  EXPECT_CAUGHT("heat", "viscous_damping", (wrapped<HalfTheHeat, ViscousDamping>));
+  EXPECT_CAUGHT("balance", "viscous_damping", (wrapped<HeatOfOthers, ViscousDamping>));
+  EXPECT_CAUGHT("balance", "viscous_damping", (wrapped<WithoutHeat, ViscousDamping>));
+  EXPECT_CAUGHT("balance", "viscous_damping", (wrapped<HalfTheHeat, ViscousDamping>));
 }
 
 TEST(PlantedFaults, HeatOfAMemory) {
   EXPECT_EQ(broken_claims("memory_damping", planted_memory<MemoryDamping>),
             std::vector<std::string>{});
-  EXPECT_CAUGHT("heat", "memory_damping", planted_memory<MemoryStoresTwice>);
-  EXPECT_CAUGHT("heat", "memory_damping", planted_memory<MemoryFadesFaster>);
+  EXPECT_CAUGHT("balance", "memory_damping", planted_memory<MemoryStoresTwice>);
+  EXPECT_CAUGHT("balance", "memory_damping", planted_memory<MemoryFadesFaster>);
 }
 
 TEST(PlantedFaults, ClaimsThatAreNotTrue) {
-  EXPECT_CAUGHT("gradient", "viscous_damping", nullptr,
+  EXPECT_CAUGHT("conservative", "viscous_damping", nullptr,
                 [](ForceRecord& r) { r.traits.conservative = true; });
   EXPECT_CAUGHT("velocity", "viscous_damping", nullptr,
                 [](ForceRecord& r) { r.traits.depends_on_velocity = false; });
-  EXPECT_CAUGHT("velocity", "sinusoidal_substrate", nullptr,
+  EXPECT_CAUGHT("uses velocity", "sinusoidal_substrate", nullptr,
                 [](ForceRecord& r) { r.traits.depends_on_velocity = true; });
   EXPECT_CAUGHT("time", "driving_spring", nullptr,
                 [](ForceRecord& r) { r.traits.depends_on_time = false; });
-  EXPECT_CAUGHT("time", "sinusoidal_substrate", nullptr,
+  EXPECT_CAUGHT("uses time", "sinusoidal_substrate", nullptr,
                 [](ForceRecord& r) { r.traits.depends_on_time = true; });
   EXPECT_CAUGHT("internal", "sinusoidal_substrate", nullptr,
                 [](ForceRecord& r) { r.traits.internal = true; });
-  EXPECT_CAUGHT("internal is not claimed", "harmonic_bonds", nullptr,
+  EXPECT_CAUGHT("not internal", "harmonic_bonds", nullptr,
                 [](ForceRecord& r) { r.traits.internal = false; });
-  EXPECT_CAUGHT("conservative is not claimed", "sinusoidal_substrate", nullptr,
+  EXPECT_CAUGHT("not conservative", "sinusoidal_substrate", nullptr,
                 [](ForceRecord& r) { r.traits.conservative = false; });
   EXPECT_CAUGHT("dissipative", "constant_force", nullptr,
                 [](ForceRecord& r) { r.traits.dissipative = true; });
@@ -114,9 +114,9 @@ TEST(PlantedFaults, OriginForgotten) {
 }
 
 TEST(PlantedFaults, CurvatureBoundThatIsNone) {
-  EXPECT_CAUGHT("curvature bound", "sinusoidal_substrate", planted<BoundAlongTooSmall>);
-  EXPECT_CAUGHT("curvature bound", "sinusoidal_substrate", planted<BoundTooSmall>);
-  EXPECT_CAUGHT("curvature bound is far too large", "sinusoidal_substrate", planted<BoundTooLarge>);
+  EXPECT_CAUGHT("stiffness", "sinusoidal_substrate", planted<BoundAlongTooSmall>);
+  EXPECT_CAUGHT("stiffness", "sinusoidal_substrate", planted<BoundTooSmall>);
+  EXPECT_CAUGHT("tight", "sinusoidal_substrate", planted<BoundTooLarge>);
 }
 
 TEST(PlantedFaults, SetAndAddSwapped) {
@@ -126,9 +126,9 @@ TEST(PlantedFaults, SetAndAddSwapped) {
 
 TEST(PlantedFaults, LastBitOfAnInstructionSet) {
   if (!is_supported(InstructionSet::avx2)) GTEST_SKIP() << "only one instruction set here";
-  EXPECT_CAUGHT("instruction sets", "sinusoidal_substrate",
+  EXPECT_CAUGHT("same bits", "sinusoidal_substrate",
                 (planted_by_set<SinusoidalSubstrate, OneBitOff, double>));
-  EXPECT_CAUGHT("instruction sets", "sinusoidal_substrate",
+  EXPECT_CAUGHT("same bits", "sinusoidal_substrate",
                 ForceFactories(planted<SinusoidalSubstrate>,
                                planted_by_set<SinusoidalSubstrate, OneBitOff, float>));
 }
@@ -144,8 +144,8 @@ TEST(PlantedFaults, DriversPower) {
 }
 
 TEST(PlantedFaults, DriversEnergyAndTime) {
-  EXPECT_CAUGHT("gradient", "driving_spring", (wrapped<PlainDriver, WithoutOneHalf>));
-  EXPECT_CAUGHT("elapsed", "driving_spring", (wrapped<PlainDriver, ElapsedForgotten>));
+  EXPECT_CAUGHT("conservative", "driving_spring", (wrapped<PlainDriver, WithoutOneHalf>));
+  EXPECT_CAUGHT("time", "driving_spring", (wrapped<PlainDriver, ElapsedForgotten>));
 }
 
 }  // namespace

@@ -160,6 +160,7 @@ TEST(RollingRingFig12b, RollsAllTheTime) {
   run_shipped(kFig12b, {}, &trace);
   const auto& x = trace["ring.centre_of_mass.x"];
   const auto& rotation = trace["ring.rotation"];
+  ASSERT_GT(x.size(), 10U * kPeriodsOfFig12b);
   for (std::size_t n = x.size() / kPeriodsOfFig12b; n < x.size(); ++n) {
     const double rolling = -kLargeRadius * (rotation[n] - rotation[n - 1]) / (x[n] - x[n - 1]);
     EXPECT_GT(rolling, 0.85);

@@ -2,19 +2,74 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <iterator>
 #include <memory>
-#include <string>
-#include <utility>
+#include <random>
 #include <variant>
 #include <vector>
 
 #include "framework/core/records/force.hpp"
-#include "tests/support/force_bench.hpp"
 
 /// Descriptions of a force drawn at random from the rows of its own record.
 namespace tomlin::test {
+
+using Random = std::mt19937_64;
+
+inline double uniform(Random& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+inline std::size_t below(Random& random, std::size_t n) {
+  return std::uniform_int_distribution<std::size_t>(0, n - 1)(random);
+}
+
+/// What the force is put on.
+struct Arrangement {
+  int dimension = 1;
+  std::size_t count = 1;
+  bool closed = false;  ///< a ring, or else particles in a row
+  bool rigid = false;
+  bool boxed = false;       ///< a periodic box along x joins the ends of the row
+  std::size_t second = 0;   ///< particles of a second body; 0: there is none
+  bool prescribed = false;  ///< the second body moves as it is told
+
+  /// Neighbours stand about one apart, those through the box's side too.
+  /// Odd: no two particles are half a box apart, where the nearest image changes.
+  double box_length() const {
+    return boxed ? static_cast<double>(count + (count % 2 == 0 ? 1 : 0)) : 0.0;
+  }
+};
+
+/// Arrangements with this many particles: rows and rings in 1, 2 and 3 dimensions, free and rigid,
+/// closed by a box, and beside a second body where the force takes two.
+inline std::vector<Arrangement> arrangements_of(const ForceRecord& record, std::size_t count) {
+  std::vector<Arrangement> all;
+  for (int dimension = 1; dimension <= 3; ++dimension) {
+    for (const bool closed : {false, true}) {
+      if (closed && (dimension == 1 || count < 3)) continue;
+      if (record.fewest_bodies == 1) {
+        all.push_back({.dimension = dimension, .count = count, .closed = closed});
+        all.push_back({.dimension = dimension, .count = count, .closed = closed, .rigid = true});
+      }
+      if (record.most_bodies > 1) {
+        // Of another length, and once the longer of the two.
+        const std::size_t second = closed ? count + 2 : (count + 1) / 2;
+        for (const bool prescribed : {false, true}) {
+          all.push_back({.dimension = dimension,
+                         .count = count,
+                         .closed = closed,
+                         .second = second,
+                         .prescribed = prescribed});
+        }
+      }
+    }
+    if (record.fewest_bodies > 1 || count < 2) continue;
+    all.push_back({.dimension = dimension, .count = count, .boxed = true});
+  }
+  return all;
+}
 
 inline double random_number(const Interval& interval, Random& random) {
   const bool from_zero = interval.low == 0.0;
@@ -118,27 +173,6 @@ inline std::shared_ptr<void> random_description(const ForceRecord& record,
     if (record.complaints(description.get(), outline).empty()) return description;
   }
   return nullptr;
-}
-
-/// A copy with every number changed by up to `size`, relatively.
-inline std::shared_ptr<void> shaken(const ForceRecord& record, const void* description, double size,
-                                    Random& random) {
-  const auto shake = [&](double& number) { number *= 1.0 + size * uniform(random, -1.0, 1.0); };
-  auto copy = record.make_description();
-  for (const Parameter& row : record.parameters) {
-    ParameterValue value = row.read(description);
-    if (auto* number = std::get_if<double>(&value)) shake(*number);
-    if (auto* vector = std::get_if<SpaceVector>(&value)) {
-      for (double& component : vector->components) shake(component);
-    }
-    // The period of a formula belongs to the formula.
-    auto* numbers = std::get_if<WordOrNumbers>(&value);
-    if (numbers != nullptr && row.key != "period") {
-      for (double& number : numbers->numbers) shake(number);
-    }
-    row.assign(copy.get(), std::move(value));
-  }
-  return copy;
 }
 
 }  // namespace tomlin::test

@@ -105,6 +105,13 @@ Gain gain_at(ForceUnderTest& e, ForceTwin<double>& twin, const State& state, dou
     const double energy = std::abs(static_cast<double>(later(Quad(0.0))));
     return {static_cast<double>((Quad(4.0) * near - far) / Quad(3.0)), kExactRounding * energy / h};
   }
+  // Places are rounded, and those of rigid bodies' particles one by one: the energy follows.
+  const double noise =
+      e.terms(state).size * e.reach(state) + e.change_of(state, [&](const State& at) {
+        e.put(at, twin);
+        twin.evaluate(at.time);
+        return twin.energy();
+      });
   Later<double> later(e, twin, state);
   double slope[3] = {};
   double h = kShortTime * unit_of_time(e);
@@ -117,7 +124,7 @@ Gain gain_at(ForceUnderTest& e, ForceTwin<double>& twin, const State& state, dou
   }
   const double first = (4.0 * slope[1] - slope[0]) / 3.0;
   const double second = (4.0 * slope[2] - slope[1]) / 3.0;
-  const double rounding = kRounding * (energy + size) / (2.0 * h);
+  const double rounding = kRounding * (energy + size + noise) / (2.0 * h);
   return {(16.0 * second - first) / 15.0, kTrust * std::abs(second - first) + rounding};
 }
 
@@ -153,6 +160,11 @@ std::optional<ClaimResult> friction(ForceUnderTest& e) {
     for (const double coefficient : of_body) sum += coefficient;
     return sum;
   };
+  for (const auto& of_body : coefficients.of_particle) {
+    for (const double coefficient : of_body) {
+      if (!(coefficient >= 0.0)) e.contradict(coefficient, 0.0);
+    }
+  }
   for (const State& state : e.near()) {
     const std::vector<double> at_rest = e.forces(still(state));
     for (const double speed : kSpeeds) {

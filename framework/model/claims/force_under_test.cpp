@@ -37,14 +37,6 @@ constexpr double kDisplacement = 0.1;
 constexpr double kFar[] = {1e3, 1e6};
 constexpr double kHigh[] = {3.0, 10.0, 30.0};
 constexpr double kTouching[] = {1e-3, 1e-6};
-/// Changes of inputs, in parts of their size: small enough to be linear in what follows, mostly,
-/// and as small as rounding.
-constexpr double kShake = 1e-9;
-constexpr double kTinyShake = 1e-15;
-constexpr double kStir = 1e-12;  // linear to 10^-4 where kShake is to kBend
-constexpr double kBend = 0.1;    // parts of a change by which it may be off from linear
-constexpr std::uint64_t kShaking = 0x9e3779b97f4a7c15U;
-constexpr int kShakes = 3;  // all small by chance once in 10^4 states, and the allowance is 64-fold
 /// Pairs and particles beyond which few states are looked at, and none in quadruple numbers, where
 /// it would take minutes.
 constexpr double kMany = 2e3;
@@ -62,7 +54,21 @@ std::uint64_t pairs_of(const Scene& scene, const SceneForce& force) {
   return force.record->pairs(force.description.get(), outline);
 }
 
+/// Bits, but for the sign of a zero and what is no number.
+bool is_same(double found, double due) {
+  return found == due || (std::isnan(found) && std::isnan(due));
+}
+
 }  // namespace
+
+std::vector<InstructionSet> supported_sets() {
+  std::vector<InstructionSet> sets;
+  for (const InstructionSet set :
+       {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
+    if (is_supported(set)) sets.push_back(set);
+  }
+  return sets;
+}
 
 const char* name_of(Place place) {
   static constexpr const char* kNames[] = {"at the start", "near the start", "far away",
@@ -285,181 +291,6 @@ double ForceUnderTest::reach(const State& state) const {
   return reach;
 }
 
-/// All that a force reads, by parts of its size.
-State ForceUnderTest::shaken(const State& state, double shake, Random& random) const {
-  const double size = reach(state);
-  State shaken = state;
-  for (std::size_t i = 0; i < count(); ++i) {
-    shaken.x[i] += shake * (variable(i).axis >= 0 ? size : 1.0) * random.symmetric();
-    shaken.v[i] *= 1.0 + shake * random.symmetric();
-  }
-  for (double& own : shaken.own) own *= 1.0 + shake * random.symmetric();
-  shaken.time *= 1.0 + shake * random.symmetric();
-  return shaken;
-}
-
-/// The largest force's change under a shake, and by how much more than half of it the half makes.
-ForceUnderTest::Change ForceUnderTest::change_by(const State& state, double shake) {
-  const std::vector<double> before = forces(state);
-  Change most;
-  for (int k = 0; k < kShakes; ++k) {
-    Random random(options_.seed ^ (kShaking + static_cast<std::uint64_t>(k)));
-    Random again = random;
-    const std::vector<double> half = forces(shaken(state, 0.5 * shake, random));
-    std::vector<double> change = forces(shaken(state, shake, again));
-    std::vector<double> bend(count());
-    for (std::size_t i = 0; i < count(); ++i) {
-      change[i] -= before[i];
-      bend[i] = change[i] - 2.0 * (half[i] - before[i]);
-    }
-    const double size = largest(change);
-    const double bent = largest(bend);
-    most.linear = most.linear && bent <= kBend * size + kRounding * largest(before);
-    if (!(size <= most.size)) most.size = size;
-    if (!(bent <= most.bend)) most.bend = bent;
-    if (!std::isfinite(size) || !std::isfinite(bent)) break;
-  }
-  return most;
-}
-
-/// The same in quadruple numbers, whose own rounding does not show in it.
-double ForceUnderTest::exact_change(const State& state, double shake) {
-  ForceTwin<Quad>& twin = *exact();
-  const auto forces_at = [&](const State& from, Random* random) {
-    const double size = shake * reach(from);
-    put(from, twin);
-    double elapsed = 0.0;
-    if (random != nullptr) {
-      for (std::size_t i = 0; i < count(); ++i) {
-        const double move = (variable(i).axis >= 0 ? size : shake) * random->symmetric();
-        twin.position(variable(i).at) = Quad(from.x[i]) + Quad(move);
-        twin.velocity(variable(i).at) =
-            Quad(from.v[i]) + Quad(from.v[i] * (shake * random->symmetric()));
-      }
-      for (std::size_t k = 0; k < from.own.size(); ++k) {
-        twin.own(k) = Quad(from.own[k]) + Quad(from.own[k] * (shake * random->symmetric()));
-      }
-      elapsed = from.time * shake * random->symmetric();
-    }
-    twin.evaluate(from.time, elapsed);
-    std::vector<Quad> forces(count());
-    for (std::size_t i = 0; i < count(); ++i) forces[i] = twin.force_at(variable(i).at);
-    return forces;
-  };
-  const std::vector<Quad> before = forces_at(state, nullptr);
-  double most = 0.0;
-  for (int k = 0; k < kShakes; ++k) {
-    Random random(options_.seed ^ (kShaking + static_cast<std::uint64_t>(k)));
-    const std::vector<Quad> after = forces_at(state, &random);
-    std::vector<double> change(count());
-    for (std::size_t i = 0; i < count(); ++i) change[i] = static_cast<double>(after[i] - before[i]);
-    const double size = largest(change);
-    if (!std::isfinite(size)) return std::numeric_limits<double>::infinity();
-    most = std::max(most, size / shake);
-  }
-  return most;
-}
-
-ForceUnderTest::Terms ForceUnderTest::terms(const State& state) {
-  if (by_terms_ == nullptr) return {};
-  ForceTwin<double>& twin = *by_terms_;
-  const SystemView<double>& view = twin.view();
-  std::vector<std::size_t> places;
-  for (const std::size_t b : alone_.force().bodies) {
-    const BodySlot<double>& slot = alone_.model().bodies()[b].bound.slot;
-    for (int d = 0; slot.rigid && d < alone_.model().dimension(); ++d) {
-      for (std::size_t i = 0; i < slot.count; ++i) {
-        places.push_back(slot.offset + d * slot.stride + i);
-      }
-    }
-  }
-  put(state, twin);
-  twin.evaluate(state.time);
-  Random random(options_.seed ^ kShaking);
-  const double shake = kShake * reach(state);
-  std::vector<double> before;
-  for (const std::size_t at : places) {
-    before.push_back(view.mapped_force[at]);
-    view.mapped_position[at] += shake * random.symmetric();
-    view.mapped_force[at] = 0.0;
-  }
-  for (const Pass<double>& pass : passes_) {
-    (pass.add != nullptr ? pass.add : pass.set)(pass.arguments, twin.stage());
-  }
-  std::vector<double> change;
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    change.push_back(view.mapped_force[places[k]] - before[k]);
-  }
-  return {gathered(before), gathered(change) / kShake};
-}
-
-/// The largest sum of sizes among the coordinates of rigid bodies; forces come by body, axis and
-/// particle.
-double ForceUnderTest::gathered(const std::vector<double>& particle_forces) const {
-  double most = 0.0;
-  std::size_t next = 0;
-  for (const std::size_t b : alone_.force().bodies) {
-    const Model::Body& body = alone_.model().bodies()[b];
-    if (!body.bound.slot.rigid) continue;
-    std::vector<double> levers;
-    for (const std::vector<double>& arm : body.arms) {
-      double square = 0.0;
-      for (const double part : arm) square += part * part;
-      levers.push_back(std::sqrt(square));
-    }
-    const double farthest = *std::max_element(levers.begin(), levers.end());
-    double torque = 0.0;
-    for (int d = 0; d < alone_.model().dimension(); ++d) {
-      double sum = 0.0;
-      for (const double lever : levers) {
-        const double size = std::abs(particle_forces[next++]);
-        sum += size;
-        if (farthest > 0.0) torque += size * (lever / farthest);
-      }
-      most = std::max(most, sum);
-    }
-    most = std::max(most, torque);
-  }
-  return most;
-}
-
-double ForceUnderTest::change_of(const State& state,
-                                 const std::function<double(const State&)>& number) {
-  const double before = number(state);
-  double most = 0.0;
-  for (const double shake : {kShake, kStir, kTinyShake}) {
-    for (int k = 0; k < kShakes; ++k) {
-      Random random(options_.seed ^ (kShaking + static_cast<std::uint64_t>(k)));
-      const double change = std::abs(number(shaken(state, shake, random)) - before);
-      if (!std::isfinite(change)) return std::numeric_limits<double>::infinity();
-      most = std::max(most, change / shake);
-    }
-  }
-  return most;
-}
-
-/// A formula whose terms nearly cancel loses more digits within than its inputs explain: that is
-/// noise, which a tiny shake stirs up.
-double ForceUnderTest::sensitivity(const State& state) {
-  const Change change = change_by(state, kShake);
-  const Change stirred = change_by(state, kStir);
-  const Change tiny = change_by(state, kTinyShake);
-  double most = tiny.size / kTinyShake;
-  if (change.linear) {
-    most = std::max({most, change.size / kShake, stirred.bend / kTinyShake});
-  } else if (exact() != nullptr) {
-    const double noise = std::abs(stirred.size - kStir * exact_change(state, kStir));
-    most = std::max({most, exact_change(state, kTinyShake), noise / kTinyShake});
-  } else {
-    most = std::max({most, change.size / kShake, stirred.size / kStir});
-  }
-  const bool numbers = std::isfinite(change.size) && std::isfinite(stirred.bend) &&
-                       std::isfinite(tiny.size) && std::isfinite(most);
-  const Terms single = terms(state);
-  most += single.size + single.change;
-  return numbers && std::isfinite(most) ? most : std::numeric_limits<double>::infinity();
-}
-
 // ---- the same force otherwise
 
 std::unique_ptr<ForceTwin<double>> ForceUnderTest::twin(InstructionSet set) const {
@@ -481,9 +312,15 @@ ForceTwin<Quad>* ForceUnderTest::exact() {
 }
 
 std::unique_ptr<ForceTwin<float>> ForceUnderTest::in_float() const {
+  return in_float(alone_.model().plan().set);
+}
+
+std::unique_ptr<ForceTwin<float>> ForceUnderTest::in_float(InstructionSet set) const {
   if (record().bind.in_float == nullptr) return nullptr;
+  AssemblyPlan plan = alone_.model().plan();
+  plan.set = set;
   try {
-    return std::make_unique<ForceTwin<float>>(alone_.model().plan());
+    return std::make_unique<ForceTwin<float>>(plan);
   } catch (const InputError&) {
     return nullptr;  // beyond the range of floats
   }
@@ -500,6 +337,16 @@ void ForceUnderTest::begin(const char* claim, const char* meaning) {
 ClaimResult ForceUnderTest::end() {
   alone_.restart();
   return now_;
+}
+
+void ForceUnderTest::saw(const State& state) {
+  looked();
+  note(0.0, 0.0, 0.0, 0.0, state);
+}
+
+void ForceUnderTest::contradict(double found, double due) {
+  looked();
+  note(found, due, 1.0, -1.0, start_);
 }
 
 void ForceUnderTest::note(double found, double due, double size, double allowed, const State& state,
@@ -535,10 +382,16 @@ void ForceUnderTest::note(const std::vector<double>& found, const std::vector<do
 }
 
 void ForceUnderTest::note_same(double found, double due, const State& state) {
-  const bool same = std::bit_cast<std::uint64_t>(found) == std::bit_cast<std::uint64_t>(due) ||
-                    (std::isnan(found) && std::isnan(due)) || found == due;
-  if (same) return note(0.0, 0.0, 0.0, 0.0, state);
+  if (is_same(found, due)) return note(0.0, 0.0, 0.0, 0.0, state);
   note(found, due, std::abs(due), -1.0, state);
+}
+
+void ForceUnderTest::note_same_numbers(const std::vector<double>& found,
+                                       const std::vector<double>& due, const State& state) {
+  std::size_t k = 0;
+  while (k < due.size() && is_same(found[k], due[k])) ++k;
+  if (k < due.size()) return note_same(found[k], due[k], state);
+  note(0.0, 0.0, 0.0, 0.0, state);
 }
 
 void ForceUnderTest::note_same(const std::vector<double>& found, const std::vector<double>& due,

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <random>
@@ -41,6 +42,9 @@ class Random {
  private:
   std::mt19937_64 engine_;
 };
+
+/// Those that this machine can run.
+std::vector<InstructionSet> supported_sets();
 
 enum class Place { start, near, far, high, contact };
 const char* name_of(Place place);
@@ -84,6 +88,8 @@ class ForceUnderTest {
   std::unique_ptr<ForceTwin<double>> twin() const;
   /// In quadruple numbers; null where it is not available.
   ForceTwin<Quad>* exact();
+  /// Null where it is not available, or beyond the range of floats.
+  std::unique_ptr<ForceTwin<float>> in_float(InstructionSet set) const;
   std::unique_ptr<ForceTwin<float>> in_float() const;
 
   // ---- states
@@ -118,8 +124,10 @@ class ForceUnderTest {
   /// rounding of inputs makes of it. Infinite where it leaves the finite numbers; where even a
   /// shake as small as rounding turns the force over, so much that everything is allowed.
   double sensitivity(const State& state);
-  /// The same of any other number.
+  /// The same of any other number, or of several, each by itself.
   double change_of(const State& state, const std::function<double(const State&)>& number);
+  std::vector<double> changes_of(const State& state,
+                                 const std::function<std::vector<double>(const State&)>& numbers);
   /// Of what the particles of rigid bodies contribute, without regard to signs: places and forces
   /// are rounded one by one, also where their sum vanishes. As a force at a body's edge.
   struct Terms {
@@ -135,6 +143,10 @@ class ForceUnderTest {
   void begin(const char* claim, const char* meaning);
   ClaimResult end();
   void looked() { ++now_.states; }
+  /// What has to be seen somewhere was seen at this state.
+  void saw(const State& state);
+  /// A contradiction within what is declared, which no state shows: `found` of something for `due`.
+  void contradict(double found, double due);
   /// `found` against `due`, at a state where `size` is the size of what is compared.
   void note(double found, double due, double size, double allowed, const State& state,
             std::size_t variable = kNone);
@@ -145,6 +157,9 @@ class ForceUnderTest {
   void note_same(const std::vector<double>& found, const std::vector<double>& due,
                  const State& state);
   void note_same(double found, double due, const State& state);
+  /// The same of numbers that are no forces on variables.
+  void note_same_numbers(const std::vector<double>& found, const std::vector<double>& due,
+                         const State& state);
   bool holds() const { return now_.holds; }
 
  private:
@@ -156,6 +171,7 @@ class ForceUnderTest {
   };
   Change change_by(const State& state, double shake);
   double exact_change(const State& state, double shake);
+  double sensitivity_at(const State& state);
   double gathered(const std::vector<double>& particle_forces) const;
   void make_states();
   State displaced(double size, Random& random) const;
@@ -175,6 +191,7 @@ class ForceUnderTest {
   std::unique_ptr<ForceTwin<double>> by_terms_;  ///< where there is a rigid body
   std::vector<Pass<double>> passes_;             ///< of it
   bool sought_exact_ = false;
+  std::map<const State*, double> sensitivities_;  ///< at near_ and extreme_
   ClaimResult now_;
   double strain_ = 0.0;  ///< the largest part of what is allowed
 };
@@ -189,23 +206,37 @@ std::optional<ClaimResult> sum_of_all(const Scene& scene, double length,
 using Claim = std::optional<ClaimResult> (*)(ForceUnderTest&);
 
 std::optional<ClaimResult> conservative(ForceUnderTest& e);
+std::optional<ClaimResult> not_conservative(ForceUnderTest& e);
 std::optional<ClaimResult> exact(ForceUnderTest& e);
+std::optional<ClaimResult> quadruple(ForceUnderTest& e);
 std::optional<ClaimResult> path(ForceUnderTest& e);
 std::optional<ClaimResult> hessian(ForceUnderTest& e);
 std::optional<ClaimResult> stiffness(ForceUnderTest& e);
+std::optional<ClaimResult> tight(ForceUnderTest& e);
 std::optional<ClaimResult> finite(ForceUnderTest& e);
 std::optional<ClaimResult> internal(ForceUnderTest& e);
+std::optional<ClaimResult> not_internal(ForceUnderTest& e);
 std::optional<ClaimResult> dissipative(ForceUnderTest& e);
 std::optional<ClaimResult> friction(ForceUnderTest& e);
 std::optional<ClaimResult> balance(ForceUnderTest& e);
+std::optional<ClaimResult> flow(ForceUnderTest& e);
+std::optional<ClaimResult> flow_repeats(ForceUnderTest& e);
+std::optional<ClaimResult> heat_of_flow(ForceUnderTest& e);
 std::optional<ClaimResult> driver(ForceUnderTest& e);
 std::optional<ClaimResult> periodic(ForceUnderTest& e);
+std::optional<ClaimResult> rebase(ForceUnderTest& e);
 std::optional<ClaimResult> origin(ForceUnderTest& e);
 std::optional<ClaimResult> velocity(ForceUnderTest& e);
+std::optional<ClaimResult> uses_velocity(ForceUnderTest& e);
 std::optional<ClaimResult> time(ForceUnderTest& e);
+std::optional<ClaimResult> uses_time(ForceUnderTest& e);
 std::optional<ClaimResult> repeatable(ForceUnderTest& e);
 std::optional<ClaimResult> its_own(ForceUnderTest& e);
+std::optional<ClaimResult> set_and_add(ForceUnderTest& e);
+std::optional<ClaimResult> padding(ForceUnderTest& e);
+std::optional<ClaimResult> point(ForceUnderTest& e);
 std::optional<ClaimResult> same_bits(ForceUnderTest& e);
 std::optional<ClaimResult> number_types(ForceUnderTest& e);
+std::optional<ClaimResult> digits(ForceUnderTest& e);
 
 }  // namespace tomlin::claims

@@ -7,39 +7,11 @@
 namespace tomlin::claims {
 namespace {
 
-/// In quadruple numbers, in parts of the shortest length: what two orders leave is below 1e-20 of
-/// the slope even a millionth of a length apart, and so is what rounding to 1e-34 leaves.
-constexpr double kTinyDifference = 1e-12;
 /// Variables that are looked at one by one to find where a slope is wrong.
 constexpr std::size_t kMostSearched = 2000;
 
 /// Parts of the longest difference that are tried besides where two particles almost touch.
 constexpr double kAtContact[] = {1e-5, 1e-6};
-
-/// A kink's two slopes differ by as much twice as far away, those about a smooth place by twice as
-/// much; and by more than the rounding of quadruple numbers.
-constexpr double kKinked = 0.75;
-constexpr double kApart = 1e-6;
-
-/// The same in quadruple numbers, to all digits of a double; unsettled where there is a kink.
-template <class Function>
-Slope exact_slope(Function&& f, double length) {
-  const Quad h = Quad(kTinyDifference) * Quad(length);
-  const Quad here = f(Quad(0.0));
-  const auto one_sided = [&](const Quad& by) { return (f(by) - here) / by; };
-  const Quad right = one_sided(h);
-  const Quad left = one_sided(-h);
-  const Quad far_right = one_sided(h + h);
-  const Quad far_left = one_sided(-(h + h));
-  const Quad near = (right + left) / Quad(2.0);
-  const Quad far = (far_right + far_left) / Quad(2.0);
-  const double apart = std::abs(static_cast<double>(right - left));
-  const bool kinked = apart > kKinked * std::abs(static_cast<double>(far_right - far_left)) &&
-                      apart > kApart * std::abs(static_cast<double>(abs(right) + abs(left)));
-  return {static_cast<double>((Quad(4.0) * near - far) / Quad(3.0)),
-          std::abs(static_cast<double>(near - far)) + (kinked ? apart : 0.0),
-          static_cast<double>(h)};
-}
 
 /// What rounding makes of an energy's difference, and the effort along the way.
 struct Scale {
@@ -66,15 +38,6 @@ Scale scale_of(ForceUnderTest& e, const State& state, const Direction& direction
     scale.effort = std::max(scale.effort, sum);
   }
   return scale;
-}
-
-/// Lengths of a direction along single coordinates, as a body's edge goes.
-double length_of(const ForceUnderTest& e, const Direction& direction) {
-  double length = 0.0;
-  for (std::size_t i = 0; i < e.count(); ++i) {
-    length += std::abs(direction[i]) / e.variable(i).unit;
-  }
-  return length;
 }
 
 std::vector<double> parts_at(const State& state) {
@@ -131,21 +94,11 @@ bool compare_by_differences(ForceUnderTest& e, const State& state, const Directi
 /// The energy in quadruple numbers, differentiated, against the force in double ones.
 bool compare_exactly(ForceUnderTest& e, const State& state, const Direction& direction,
                      const std::vector<double>& forces, double sensitivity, std::size_t variable) {
-  ForceTwin<Quad>& twin = *e.exact();
-  e.put(state);
-  e.put(state, twin);
-  const Slope difference = exact_slope(
-      [&](const Quad& h) {
-        for (std::size_t i = 0; i < e.count(); ++i) {
-          twin.position(e.variable(i).at) = Quad(state.x[i]) + h * Quad(direction[i]);
-        }
-        twin.evaluate(state.time);
-        return twin.energy();
-      },
-      e.length());
-  const double slope = difference.best;
+  const ExactSlope difference = exact_slope(e, state, direction);
+  const double slope = static_cast<double>(difference.best);
   const double length = length_of(e, direction);
   const double size = effort(forces, direction);
+  e.put(state);
   const double energy = std::abs(e.alone().energy(state.time));
   const double allowed = kRounding * (size + sensitivity * length) + kSmallest * length +
                          kExactRounding * energy / (kTinyDifference * e.length()) +

@@ -11,6 +11,9 @@ namespace {
 constexpr double kPeriods[] = {1.0, -1.0, 1000.0, -1e6};
 /// Cells by which an origin has moved after a long run.
 constexpr std::int64_t kCells[] = {5, -1000003};
+/// The same of whole periods: beyond 2^31 of them a phase has no digit left unless they are
+/// counted.
+constexpr std::int64_t kWholeCells[] = {3, -7, 2000000011};
 
 /// Lengths per time that nothing else here comes near, where the shorter of a unit of time and the
 /// run's is the time.
@@ -36,26 +39,79 @@ State shifted(const ForceUnderTest& e, const State& state, int axis, double by) 
   return moved;
 }
 
+/// Of an axis; 0 where it declares none.
+double period_of(ForceUnderTest& e, int axis) {
+  return e.described().record->period(e.described().description.get(), axis);
+}
+
+/// Some axis has a period; NaN and negative ones are none.
+bool has_period(ForceUnderTest& e) {
+  for (int axis = 0; axis < e.alone().model().dimension(); ++axis) {
+    if (period_of(e, axis) > 0.0) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
+/// Forces and energy. Whoever declares a period is periodic, and nobody else is.
 std::optional<ClaimResult> periodic(ForceUnderTest& e) {
-  if (!e.traits().periodic) return std::nullopt;
+  const int axes = e.alone().model().dimension();
+  if (!e.traits().periodic && !has_period(e)) return std::nullopt;
   e.begin("periodic", "a shift by its period, and by a million, changes nothing");
-  const SceneForce& from = e.described();
+  if (e.traits().periodic != has_period(e)) {
+    e.contradict(has_period(e) ? 1.0 : 0.0, e.traits().periodic ? 1.0 : 0.0);
+    return e.end();
+  }
   double largest = 0.0;  // over the states so far: a force may vanish at the start
   for (const State& state : e.near()) {
     const std::vector<double> before = e.forces(state);
+    const double energy = e.alone().energy(state.time);
     largest = std::max(largest, e.largest(before));
-    for (int axis = 0; axis < e.alone().model().dimension(); ++axis) {
-      const double period = from.record->period(from.description.get(), axis);
+    for (int axis = 0; axis < axes; ++axis) {
+      const double period = period_of(e, axis);
+      if (period < 0.0) e.contradict(period, 0.0);
       if (!(period > 0.0)) continue;
       for (const double periods : kPeriods) {
         // Places are rounded, and what a force makes of it grows with its own steepness.
         const State moved = shifted(e, state, axis, periods * period);
         const double steepness = e.sensitivity(moved);
         const double turns = e.reach(moved) / period * largest;
-        e.note(e.forces(moved), before, largest, kRounding * (largest + steepness + turns), moved);
+        const double allowed = kRounding * (largest + steepness + turns);
+        e.note(e.forces(moved), before, largest, allowed, moved);
+        // An energy follows its forces over the same rounded places.
+        const double size = std::abs(energy) + e.length() * largest;
+        e.put(moved);
+        e.note(e.alone().energy(moved.time), energy, size,
+               allowed * e.length() * static_cast<double>(e.count()) + kRounding * size, moved);
       }
+    }
+    e.looked();
+  }
+  return e.end();
+}
+
+/// The origin moved by whole periods and positions, relative to it, as they are: phases are those
+/// of the first origin, to the last bit.
+std::optional<ClaimResult> rebase(ForceUnderTest& e) {
+  if (!has_period(e) || e.on_prescribed()) return std::nullopt;
+  e.begin("rebase", "an origin moved by whole periods changes no bit");
+  const auto twin = e.twin();
+  const Origin first = twin->origin();
+  for (const State& state : e.near()) {
+    const std::vector<double> before = forces_of(e, state, *twin);
+    const double energy = twin->energy();
+    for (int axis = 0; axis < e.alone().model().dimension(); ++axis) {
+      if (!(period_of(e, axis) > 0.0)) continue;
+      for (const std::int64_t cells : kWholeCells) {
+        Origin moved = first;
+        moved.unit[axis] = period_of(e, axis);
+        moved.cells[axis] += cells;
+        twin->rebase(moved);
+        e.note_same(forces_of(e, state, *twin), before, state);
+        e.note_same(twin->energy(), energy, state);
+      }
+      twin->rebase(first);
     }
     e.looked();
   }
@@ -124,6 +180,9 @@ std::optional<ClaimResult> time(ForceUnderTest& e) {
   const bool depends = e.traits().depends_on_time;
   e.begin("time", depends ? "the same however time is divided into steps"
                           : "force and energy are the same at all times");
+  // Only what says so when it is bound is told how time goes on.
+  if (e.bound().depends_on_time() != depends)
+    e.contradict(depends ? 0.0 : 1.0, depends ? 1.0 : 0.0);
   const auto twin = e.twin();
   for (const State& state : e.near()) {
     const std::vector<double> before = forces_of(e, state, *twin);

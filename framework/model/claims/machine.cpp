@@ -1,7 +1,12 @@
 #include <algorithm>
 #include <cfenv>
 #include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
 #include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "framework/model/claims/force_under_test.hpp"
 
@@ -21,15 +26,31 @@ State rounded(const State& state) {
   return rounded;
 }
 
+/// What one evaluation gives, as doubles: forces on the variables; the energy, heat, and the rates
+/// of own variables and of what a driver reports.
+struct Outcome {
+  std::vector<double> forces;
+  std::vector<double> others;
+};
+constexpr std::size_t kEnergy = 0;  ///< among the others
+
 template <class Real>
-std::vector<double> forces_of(ForceUnderTest& e, const State& state, ForceTwin<Real>& twin) {
+Outcome outcome_at(ForceUnderTest& e, const State& state, ForceTwin<Real>& twin) {
   e.put(state, twin);
   twin.evaluate(state.time);
-  std::vector<double> forces(e.count());
+  Outcome outcome;
   for (std::size_t i = 0; i < e.count(); ++i) {
-    forces[i] = static_cast<double>(twin.force_at(e.variable(i).at));
+    outcome.forces.push_back(static_cast<double>(twin.force_at(e.variable(i).at)));
   }
-  return forces;
+  outcome.others.push_back(static_cast<double>(twin.energy()));
+  const std::optional<Real> heat = twin.heat();
+  outcome.others.push_back(heat ? static_cast<double>(*heat) : 0.0);
+  // Rates of prescribed bodies are not this force's alone.
+  const std::size_t rates = e.on_prescribed() ? 0 : twin.view().used_rates;
+  for (std::size_t k = 0; k < rates; ++k) {
+    outcome.others.push_back(static_cast<double>(twin.rate(k)));
+  }
+  return outcome;
 }
 
 /// Whether numbers since the last call became too large or too small for their type. Floats do so
@@ -41,39 +62,103 @@ bool left_the_range() {
   return left;
 }
 
+/// Units in the last place by which a type may be off, in parts of a result's size and of what it
+/// changes by per relative change of what it is made of: the worst that sound forces show is a
+/// tenth of it.
+constexpr double kUnits = 64.0;
+/// A type whose rounding never shows is another type under its name. A single product is off by a
+/// third of a unit on average; the worst of many results is not far below that.
+constexpr double kFewestUnits = 0.05;
+
+/// What an energy changes by beside what a shake of all coordinates shows: particles of rigid
+/// bodies are rounded one by one, and at its minimum rounding counts in second order.
+double hidden_change(ForceUnderTest& e, const State& state, double sensitivity, double allowed) {
+  const double second = allowed * sensitivity * static_cast<double>(e.count());
+  return (e.terms(state).size + second) * e.reach(state);
+}
+
+/// What is no force on a variable: each number by itself.
+void compare_others(ForceUnderTest& e, ForceTwin<double>& twin, const Outcome& found,
+                    const Outcome& due, const State& state, double sensitivity, double allowed,
+                    double least) {
+  std::vector<double> changes =
+      e.changes_of(state, [&](const State& at) { return outcome_at(e, at, twin).others; });
+  changes[kEnergy] += hidden_change(e, state, sensitivity, allowed);
+  for (std::size_t k = 0; k < due.others.size(); ++k) {
+    if (!std::isfinite(changes[k]) || !std::isfinite(found.others[k])) continue;
+    const double size = std::abs(due.others[k]);
+    e.note(found.others[k], due.others[k], size, allowed * (size + changes[k]) + least, state);
+  }
+}
+
 /// False where there are no numbers to compare.
 template <class Real>
-bool compare_with_exact(ForceUnderTest& e, ForceTwin<Real>& twin, const State& given) {
-  constexpr double kEps = std::numeric_limits<Real>::epsilon();
-  constexpr double kUnits = kRounding / std::numeric_limits<double>::epsilon() * kEps;
-  constexpr double kLeast = std::numeric_limits<Real>::min() / kEps;
+bool compare_with_exact(ForceUnderTest& e, ForceTwin<Real>& twin, ForceTwin<double>& in_double,
+                        const State& given) {
+  constexpr double kAllowed = kUnits * std::numeric_limits<Real>::epsilon();
+  constexpr double kLeast = std::numeric_limits<Real>::min() / std::numeric_limits<Real>::epsilon();
   const State state = rounded<Real>(given);
-  const std::vector<double> due = forces_of(e, state, *e.exact());
+  const Outcome due = outcome_at(e, state, *e.exact());
   left_the_range();
-  const std::vector<double> found = forces_of(e, state, twin);
+  const Outcome found = outcome_at(e, state, twin);
   if (std::is_same_v<Real, float> && left_the_range()) return false;
-  const double sensitivity = e.sensitivity(state);
-  const double size = e.largest(due);
+  const double sensitivity = e.sensitivity(std::is_same_v<Real, double> ? given : state);
+  const double size = e.largest(due.forces);
   // What has no number is looked at as such elsewhere.
-  if (!std::isfinite(sensitivity) || !std::isfinite(e.largest(found))) return false;
+  if (!std::isfinite(sensitivity) || !std::isfinite(e.largest(found.forces))) return false;
   double unit = 1.0;
   for (std::size_t i = 0; i < e.count(); ++i) unit = std::max(unit, e.variable(i).unit);
-  e.note(found, due, size, kUnits * (size + sensitivity) + kLeast * unit, state);
+  e.note(found.forces, due.forces, size, kAllowed * (size + sensitivity) + kLeast * unit, state);
+  compare_others(e, in_double, found, due, state, sensitivity, kAllowed, kLeast);
   return true;
+}
+
+/// Whether the rounding of a type shows in forces, against those in quadruple numbers.
+template <class Real>
+bool rounds(ForceUnderTest& e, ForceTwin<Real>& twin, const State& given) {
+  const State state = rounded<Real>(given);
+  ForceTwin<Quad>& exact = *e.exact();
+  const auto evaluate = [&](auto& evaluated) {
+    e.put(state, evaluated);
+    evaluated.evaluate(state.time);
+  };
+  evaluate(exact);
+  evaluate(twin);
+  const double size = e.largest(e.forces(given)) + e.sensitivity(given);
+  for (std::size_t i = 0; i < e.count(); ++i) {
+    const std::size_t at = e.variable(i).at;
+    const double apart = static_cast<double>(Quad(twin.force_at(at)) - exact.force_at(at));
+    if (std::abs(e.at_edge(i, apart)) > kFewestUnits * std::numeric_limits<Real>::epsilon() * size)
+      return true;
+  }
+  return false;
 }
 
 }  // namespace
 
+/// Forces, energies, heat and all rates; in float as well.
 std::optional<ClaimResult> same_bits(ForceUnderTest& e) {
   e.begin("same bits", "on every instruction set of this machine");
   std::vector<std::unique_ptr<ForceTwin<double>>> twins;
-  for (const InstructionSet set :
-       {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
-    if (is_supported(set)) twins.push_back(e.twin(set));
+  std::vector<std::unique_ptr<ForceTwin<float>>> in_float;
+  for (const InstructionSet set : supported_sets()) {
+    twins.push_back(e.twin(set));
+    if (auto twin = e.in_float(set)) in_float.push_back(std::move(twin));
   }
   for (const State* state : e.everywhere()) {
     const std::vector<double> forces = e.forces(*state);
-    for (const auto& twin : twins) e.note_same(forces_of(e, *state, *twin), forces, *state);
+    const auto compare = [&](auto& all) {
+      std::optional<Outcome> due;
+      for (const auto& twin : all) {
+        Outcome found = outcome_at(e, *state, *twin);
+        if (!due) due = found;
+        e.note_same(found.forces, due->forces, *state);
+        e.note_same_numbers(found.others, due->others, *state);
+      }
+      return due;
+    };
+    e.note_same(compare(twins)->forces, forces, *state);
+    compare(in_float);
     e.looked();
   }
   return e.end();
@@ -87,13 +172,31 @@ std::optional<ClaimResult> number_types(ForceUnderTest& e) {
   const auto in_float = e.in_float();
   const bool looks_at_float = in_float != nullptr && !left_the_range();
   for (const State* state : e.everywhere()) {
-    bool compared = compare_with_exact(e, *in_double, *state);
+    bool compared = compare_with_exact(e, *in_double, *in_double, *state);
     const bool close = state->place == Place::near || state->place == Place::start;
     if (looks_at_float && close) {
-      compared = compare_with_exact(e, *in_float, *state) || compared;
+      compared = compare_with_exact(e, *in_float, *in_double, *state) || compared;
     }
     if (compared) e.looked();
   }
+  return e.end();
+}
+
+/// Seen at as many states as it is in each of the types; nothing of a force that is the same
+/// everywhere, and may be exact.
+std::optional<ClaimResult> digits(ForceUnderTest& e) {
+  if (e.exact() == nullptr) return std::nullopt;
+  e.begin("digits", "each number type rounds as its precision says");
+  const auto in_double = e.twin();
+  const auto in_float = e.in_float();
+  bool changes = false;
+  for (const State& state : e.near()) {
+    const double sensitivity = e.sensitivity(state);
+    changes = changes || sensitivity > 0.0;
+    if (!std::isfinite(sensitivity) || !rounds(e, *in_double, state)) continue;
+    if (in_float == nullptr || rounds(e, *in_float, state)) e.saw(state);
+  }
+  if (!changes) return std::nullopt;
   return e.end();
 }
 

@@ -95,4 +95,64 @@ inline bool is_regular(ForceUnderTest& e, const State& state, const Direction& a
   return true;
 }
 
+/// Lengths of a direction along single coordinates, as a body's edge goes.
+inline double length_of(const ForceUnderTest& e, const Direction& direction) {
+  double length = 0.0;
+  for (std::size_t i = 0; i < e.count(); ++i) {
+    length += std::abs(direction[i]) / e.variable(i).unit;
+  }
+  return length;
+}
+
+/// In quadruple numbers, in parts of the shortest length: what two orders leave is below 1e-20 of
+/// the slope even a millionth of a length apart, and so is what rounding to 1e-34 leaves.
+inline constexpr double kTinyDifference = 1e-12;
+
+/// A kink's two slopes differ by as much twice as far away, those about a smooth place by twice as
+/// much; and by more than the rounding of quadruple numbers.
+inline constexpr double kKinked = 0.75;
+inline constexpr double kApart = 1e-6;
+
+/// The same in quadruple numbers, to all digits of a double and some more; unsettled where there is
+/// a kink.
+struct ExactSlope {
+  Quad best;
+  double unsettled = 0.0;
+  double step = 0.0;
+};
+
+template <class Function>
+ExactSlope exact_slope(Function&& f, double length) {
+  const Quad h = Quad(kTinyDifference) * Quad(length);
+  const Quad here = f(Quad(0.0));
+  const auto one_sided = [&](const Quad& by) { return (f(by) - here) / by; };
+  const Quad right = one_sided(h);
+  const Quad left = one_sided(-h);
+  const Quad far_right = one_sided(h + h);
+  const Quad far_left = one_sided(-(h + h));
+  const Quad near = (right + left) / Quad(2.0);
+  const Quad far = (far_right + far_left) / Quad(2.0);
+  const double apart = std::abs(static_cast<double>(right - left));
+  const bool kinked = apart > kKinked * std::abs(static_cast<double>(far_right - far_left)) &&
+                      apart > kApart * std::abs(static_cast<double>(abs(right) + abs(left)));
+  return {(Quad(4.0) * near - far) / Quad(3.0),
+          std::abs(static_cast<double>(near - far)) + (kinked ? apart : 0.0),
+          static_cast<double>(h)};
+}
+
+/// The energy in quadruple numbers, differentiated.
+inline ExactSlope exact_slope(ForceUnderTest& e, const State& state, const Direction& direction) {
+  ForceTwin<Quad>& twin = *e.exact();
+  e.put(state, twin);
+  return exact_slope(
+      [&](const Quad& h) {
+        for (std::size_t i = 0; i < e.count(); ++i) {
+          twin.position(e.variable(i).at) = Quad(state.x[i]) + h * Quad(direction[i]);
+        }
+        twin.evaluate(state.time);
+        return twin.energy();
+      },
+      e.length());
+}
+
 }  // namespace tomlin::claims

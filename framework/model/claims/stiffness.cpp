@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "framework/model/claims/slopes.hpp"
@@ -13,6 +14,8 @@ namespace {
 constexpr double kShort = 0.05;
 /// Random phases of a periodic force that are looked at besides each state.
 constexpr int kPhases = 8;
+/// A bound that is never half reached is no estimate: steps are half as long as they could be.
+constexpr double kTightness = 0.5;
 /// Squarings that settle the largest of eigenvalues, also where two are close.
 constexpr int kPasses = 100;
 
@@ -71,28 +74,43 @@ void note_bound(ForceUnderTest& e, double curvature, double bound, const State& 
          kShort * bound + kRounding * found + kSmallest, state);
 }
 
-/// Second derivatives where a force gives them. False where it does not.
-bool compare_blocks(ForceUnderTest& e, ForceTwin<double>& twin, const State& state) {
+/// Of all particles, where a force gives second derivatives.
+struct LargestCurvature {
+  double most = 0.0;
+  std::array<double, 3> along{};
+};
+
+std::optional<LargestCurvature> largest_curvature(ForceUnderTest& e, ForceTwin<double>& twin,
+                                                  const State& state) {
   e.put(state, twin);
   twin.evaluate(state.time);
   Blocks blocks(e.alone().model());
-  const BoundForce<double>& force = twin.bound();
-  force.hessian(twin.stage(), blocks);
-  if (!blocks.given) return false;
+  twin.bound().hessian(twin.stage(), blocks);
+  if (!blocks.given) return std::nullopt;
   const auto axes = static_cast<std::size_t>(e.alone().model().dimension());
-  double most = 0.0;
-  std::array<double, 3> along{};
+  LargestCurvature largest;
   for (const auto& of_body : blocks.of_particle) {
     for (const Block& block : of_body) {
-      most = std::max(most, norm_of(block));
-      for (std::size_t d = 0; d < axes; ++d) along[d] = std::max(along[d], std::abs(block[4 * d]));
+      largest.most = std::max(largest.most, norm_of(block));
+      for (std::size_t d = 0; d < axes; ++d) {
+        largest.along[d] = std::max(largest.along[d], std::abs(block[4 * d]));
+      }
     }
   }
-  note_bound(e, most, force.curvature_bound(), state);
-  for (std::size_t d = 0; d < axes; ++d) {
-    const double bound = force.curvature_bound_along(static_cast<int>(d));
+  return largest;
+}
+
+/// False where a force gives no second derivatives.
+bool compare_blocks(ForceUnderTest& e, ForceTwin<double>& twin, const State& state) {
+  const auto largest = largest_curvature(e, twin, state);
+  if (!largest) return false;
+  const BoundForce<double>& force = twin.bound();
+  note_bound(e, largest->most, force.curvature_bound(), state);
+  for (int d = 0; d < e.alone().model().dimension(); ++d) {
+    const double bound = force.curvature_bound_along(d);
+    const double along = largest->along[static_cast<std::size_t>(d)];
     // In parts of the largest, of which the others are rounded.
-    if (bound >= 0.0 && along[d] > kRounding * most) note_bound(e, along[d], bound, state);
+    if (bound >= 0.0 && along > kRounding * largest->most) note_bound(e, along, bound, state);
   }
   return true;
 }
@@ -150,6 +168,28 @@ std::optional<ClaimResult> stiffness(ForceUnderTest& e) {
                  compare_slope(e, here, random.below(e.count())) || compared;
     }
     if (compared) e.looked();
+  }
+  return e.end();
+}
+
+/// Where a scene stays away from the largest curvature, as high above a substrate that decays,
+/// there is nothing to compare.
+std::optional<ClaimResult> tight(ForceUnderTest& e) {
+  const double bound = e.bound().curvature_bound();
+  if (!(bound > 0.0)) return std::nullopt;
+  e.begin("tight", "some curvature comes to half of the bound that the stable step is made of");
+  Random random(e.seed());
+  const auto twin = e.twin();
+  for (const State& state : e.near()) {
+    for (int phase = 0; phase <= (e.traits().periodic ? kPhases : 0); ++phase) {
+      const State here = phase == 0 ? state : in_another_phase(e, state, e.described(), random);
+      const auto largest = largest_curvature(e, *twin, here);
+      if (!largest) return std::nullopt;
+      if (largest->most > kTightness * bound) {
+        e.saw(here);
+        break;
+      }
+    }
   }
   return e.end();
 }

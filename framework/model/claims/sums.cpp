@@ -113,11 +113,18 @@ std::optional<ClaimResult> internal(ForceUnderTest& e) {
   return e.end();
 }
 
-/// A driver's force and power as the summary will show them.
+/// A driver's force and power as the summary will show them. Whoever does work has an end that is
+/// pulled and rates for its force and power, and nobody else has.
 std::optional<ClaimResult> driver(ForceUnderTest& e) {
   const Drive* drive = e.bound().drive();
-  if (!e.traits().does_work || drive == nullptr) return std::nullopt;
+  const std::size_t reported = e.bound().rate_count();
+  if (!e.traits().does_work && drive == nullptr && reported == 0) return std::nullopt;
   e.begin("driver", "reports the force it exerts, and force . velocity as its power");
+  const double due = e.traits().does_work ? e.alone().model().dimension() + 1.0 : 0.0;
+  if (e.traits().does_work != (drive != nullptr) || static_cast<double>(reported) != due) {
+    e.contradict(static_cast<double>(reported), due);
+    return e.end();
+  }
   const auto axes = static_cast<std::size_t>(e.alone().model().dimension());
   const auto first = static_cast<std::size_t>(e.alone().force().first_rate);
   for (const State& state : e.near()) {

@@ -121,7 +121,7 @@ TEST_F(Check, FaultsComeWithTheirPlaces) {
   EXPECT_EQ(mass["value"], "0.0");
   EXPECT_EQ(mass["code"], "scene.out_of_range");
   EXPECT_EQ(mass["admissible"], "> 0");
-  EXPECT_TRUE(mass["did_you_mean"].is_null());
+  EXPECT_TRUE(mass.at("did_you_mean").is_null());
   bool meant = false;
   for (const Json& fault : json["faults"]) meant = meant || fault["did_you_mean"] == "stiffness";
   EXPECT_TRUE(meant) << json;

@@ -153,7 +153,9 @@ TEST_F(Cli, DescribeListsTheComponents) {
 
 TEST_F(Cli, DescribeShowsOneComponentAndItsExampleRuns) {
   const Json list = Json::parse(tomlin({"describe", "--json"}).out);
+  std::size_t keys = 0;
   for (const char* kinds : {"bodies", "forces", "integrators"}) {
+    ASSERT_FALSE(list.at(kinds).empty());
     for (const Json& listed : list[kinds]) {
       const auto name = listed["name"].get<std::string>();
       const Ended text = tomlin({"describe", name});
@@ -168,19 +170,21 @@ TEST_F(Cli, DescribeShowsOneComponentAndItsExampleRuns) {
         EXPECT_TRUE(contains(text.out, "\n  " + work["work"].get<std::string>())) << name;
       }
       for (const Json& row : component["parameters"]) {
+        ++keys;
         EXPECT_TRUE(contains(text.out, "\n  " + row["key"].get<std::string>() + " ["));
         EXPECT_FALSE(row["dimension"].get<std::string>().empty());
         EXPECT_FALSE(row["admissible"].get<std::string>().empty());
         EXPECT_FALSE(row["kind"].get<std::string>().empty());
         EXPECT_FALSE(row["doc"].get<std::string>().empty());
         EXPECT_TRUE(row["choices"].is_array());
-        EXPECT_EQ(row["required"].get<bool>() && !row["default"].is_null(), false);
+        EXPECT_EQ(row["required"].get<bool>() && !row.at("default").is_null(), false);
       }
       write(folder_ / (name + ".toml"), component["example"].get<std::string>());
       const Ended ended = tomlin({"run", name + ".toml", "--quiet"});
       EXPECT_EQ(ended.status, 0) << name << ": " << ended.err;
     }
   }
+  EXPECT_GT(keys, 30U);
 }
 
 TEST_F(Cli, DescribeKnowsWhatItDoesNotKnow) {

@@ -21,7 +21,7 @@ TEST_F(CompareCommand, NamesTheSimplestModelAndLeavesItsFiles) {
   const Json found = Json::parse(file("compare.out/compare.json"));
   ASSERT_EQ(found["models"].size(), 2U);
   EXPECT_EQ(found["status"], "finished");
-  EXPECT_EQ(found["models"][0]["value"], found["models"][1]["value"]);
+  EXPECT_EQ(found["models"].at(0).at("value"), found["models"].at(1).at("value"));
   EXPECT_EQ(found["models"][0]["difference"], 0.0);
   EXPECT_TRUE(file("compare.out/compare.csv").starts_with("model,file,verdict,particles,"));
   EXPECT_EQ(lines(file("compare.out/compare.csv")), 3);

@@ -93,7 +93,7 @@ TEST_F(TradeoffCommand, ABudgetThatIsTooSmallIsSaid) {
   EXPECT_TRUE(contains(ended.out, "no recommendation"));
   EXPECT_TRUE(contains(ended.err, "cheap.toml is not written"));
   EXPECT_FALSE(exists("cheap.toml"));
-  EXPECT_TRUE(result("out")["recommendation"].is_null());
+  EXPECT_TRUE(result("out").at("recommendation").is_null());
 }
 
 TEST_F(TradeoffCommand, RefusesWrongInput) {

@@ -41,7 +41,9 @@ bool is_near(const std::string& claim) {
 }
 
 void expect_sound(const std::string& text, double right = kRight) {
-  for (const ClaimResult& result : check_claims(*scene_of(text))) {
+  const auto results = check_claims(*scene_of(text));
+  EXPECT_GT(results.size(), 10u);
+  for (const ClaimResult& result : results) {
     EXPECT_TRUE(result.holds) << result.force << " " << result.claim << " " << result.error << " > "
                               << result.allowed << " at " << result.worst.text() << "\n"
                               << text;
@@ -71,15 +73,16 @@ TEST(Claims, AreThoseOfTheForcesThatAreBuilt) {
     return std::count(all.begin(), all.end(), std::pair<std::string, std::string>(force, claim));
   };
   for (const char* force : {"driver", "viscous_damping", "sinusoidal_substrate"}) {
-    for (const char* claim : {"finite", "balance", "origin", "time", "repeatable", "its own",
-                              "same bits", "number types"}) {
+    for (const char* claim :
+         {"finite", "balance", "origin", "time", "repeatable", "its own", "set and add", "padding",
+          "point", "same bits", "number types", "digits", "quadruple", "not internal"}) {
       EXPECT_EQ(has(force, claim), 1) << force << " " << claim;
     }
     const bool is_drag = std::string(force) == "viscous_damping";
     for (const char* claim : {"conservative", "exact", "path", "hessian", "velocity"}) {
       EXPECT_EQ(has(force, claim), is_drag ? 0 : 1) << force << " " << claim;
     }
-    for (const char* claim : {"dissipative", "friction"}) {
+    for (const char* claim : {"dissipative", "friction", "not conservative", "uses velocity"}) {
       EXPECT_EQ(has(force, claim), is_drag ? 1 : 0) << force << " " << claim;
     }
     EXPECT_EQ(has(force, "internal"), 0) << force;
@@ -87,6 +90,11 @@ TEST(Claims, AreThoseOfTheForcesThatAreBuilt) {
   EXPECT_EQ(has("driver", "driver"), 1);
   EXPECT_EQ(has("sinusoidal_substrate", "periodic"), 1);
   EXPECT_EQ(has("driver", "periodic"), 0);
+  EXPECT_EQ(has("driver", "uses time"), 1);
+  for (const char* claim : {"rebase", "tight"}) {
+    EXPECT_EQ(has("sinusoidal_substrate", claim), 1) << claim;
+    EXPECT_EQ(has("driver", claim), 0) << claim;
+  }
   const auto rigid = claims_of(check_claims(*scene_of(RingScene{.coordinates = "rigid"}.text())));
   EXPECT_EQ(std::count(rigid.begin(), rigid.end(),
                        std::pair<std::string, std::string>("harmonic_bonds", "internal")),

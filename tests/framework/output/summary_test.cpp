@@ -218,7 +218,7 @@ TEST(Summary, WhatIsUndefinedIsNull) {
   result.end_time = -kInfinity;
   const Json summary = Json::parse(summary_json(scene, result));
   const Json& driver = summary["drivers"]["driver"];
-  EXPECT_TRUE(driver["mean_force"].is_null());
+  EXPECT_TRUE(driver.at("mean_force").is_null());
   EXPECT_EQ(driver["final_force"], Json::parse("[null, null]"));
   for (const char* key : {"static_force", "work", "work_per_distance", "distance"}) {
     EXPECT_TRUE(driver.contains(key) && driver[key].is_null()) << key;
@@ -227,7 +227,7 @@ TEST(Summary, WhatIsUndefinedIsNull) {
   for (const char* key : {"rotation", "turns", "rolling", "mean_velocity", "max_speed"}) {
     EXPECT_TRUE(body.contains(key) && body[key].is_null()) << key;
   }
-  EXPECT_TRUE(summary["time"]["end"].is_null());
+  EXPECT_TRUE(summary["time"].at("end").is_null());
 }
 
 TEST(Summary, OnlyPlanarBodiesRotate) {
@@ -264,8 +264,8 @@ TEST(Summary, AFailureHasItsPlace) {
   result.failure->particle = -1;
   result.failure->axis = "";
   summary = Json::parse(summary_json(planar_scene(), result));
-  EXPECT_TRUE(summary["failure"]["particle"].is_null());
-  EXPECT_TRUE(summary["failure"]["axis"].is_null());
+  EXPECT_TRUE(summary["failure"].at("particle").is_null());
+  EXPECT_TRUE(summary["failure"].at("axis").is_null());
 }
 
 TEST(Summary, AnInterruptedRunSaysSo) {

@@ -279,7 +279,7 @@ TEST_F(PluginCli, ObserversGatherAlongTheRun) {
       tomlin({"run", "swings.toml", "-o", "inf"}, with({"FAULT=infinite_integrand"}));
   EXPECT_EQ(infinite.status, 1);
   expect_error(infinite, "swings.toml: [observable.undefined]\n", {"observer swings", " square,"});
-  EXPECT_TRUE(summary("inf")["observers"]["swings"]["mean_square"].is_null());
+  EXPECT_TRUE(summary("inf")["observers"].at("swings").at("mean_square").is_null());
   const Ended clash = tomlin({"run", "swings.toml", "-o", "none"}, with({"FAULT=clash"}));
   EXPECT_EQ(clash.status, 2);
   expect_error(clash, "swings.toml:30:1: observer.swings [plugin.error]\n", {"\"mean_away\""});
@@ -308,7 +308,7 @@ TEST_F(PluginCli, ObserversSeeRigidBodies) {
   const Ended undefined = tomlin(same);  // a particle and itself: 0/0
   EXPECT_EQ(undefined.status, 1);
   expect_error(undefined, "parts.toml: [observable.undefined]\n", {"observer bond", " growth,"});
-  EXPECT_TRUE(summary("undefined")["observers"]["bond"]["growth"].is_null());
+  EXPECT_TRUE(summary("undefined")["observers"].at("bond").at("growth").is_null());
 }
 
 TEST_F(PluginCli, FaultsOfObserversHaveAPlace) {
@@ -417,7 +417,7 @@ TEST_F(PluginCli, TheArithmeticIsTheProgramsOwn) {
               .status,
           0);
       EXPECT_EQ(file(out + "/observables.csv"), own) << out;
-      EXPECT_EQ(summary(out)["bodies"], summary("own" + scene)["bodies"]) << out;
+      EXPECT_EQ(summary(out).at("bodies"), summary("own" + scene).at("bodies")) << out;
     }
   }
   const Json moving = summary("ownsmall.toml")["bodies"]["point"]["velocity"][0];
@@ -476,7 +476,7 @@ TEST_F(PluginCli, RoundingIsPutBackAfterEveryCall) {
           .status,
       0);
   EXPECT_EQ(file("round/observables.csv"), file("sound/observables.csv"));
-  EXPECT_EQ(summary("round")["bodies"], summary("sound")["bodies"]);
+  EXPECT_EQ(summary("round").at("bodies"), summary("sound").at("bodies"));
 }
 
 // ---- going on
@@ -525,7 +525,7 @@ TEST_F(PluginResume, WhatObserversHaveGatheredGoesOn) {
   on.emplace_back("--resume");
   ASSERT_EQ(tomlin(on).status, 0);
   EXPECT_EQ(file("out/events.csv"), file("whole/events.csv"));
-  EXPECT_EQ(summary("out")["observers"], summary("whole")["observers"]);
+  EXPECT_EQ(summary("out").at("observers"), summary("whole").at("observers"));
   EXPECT_GT(summary("out")["observers"]["swings"]["passages"].get<double>(), 30.0);
 }
 

@@ -113,6 +113,7 @@ TEST_F(FailingDisk, KilledBeforeEveryCallOfAResumedRun) {
 
 TEST_F(FailingDisk, FailingAtEveryCall) {
   const long all = calls(kRun);
+  ASSERT_GT(all, kEnough / 2);
   for (const std::string way : {"error", "half"}) {
     for (long at = 1; at <= all && !HasFailure(); ++at) {
       SCOPED_TRACE(way + " " + std::to_string(at));
@@ -141,6 +142,7 @@ TEST_F(FailingDisk, FailingAtEveryCall) {
 TEST_F(FailingDisk, FailingAtEveryCallOfAResumedRun) {
   begin_a_run();
   const long all = calls(kResume, "begun");
+  ASSERT_GT(all, kEnough / 2);
   for (const std::string way : {"error", "half"}) {
     for (long at = 1; at <= all && !HasFailure(); at += stride()) {
       SCOPED_TRACE(way + " " + std::to_string(at));
@@ -157,6 +159,7 @@ TEST_F(FailingDisk, KilledBeforeEveryCallOfARunThatReplacesAnother) {
   ASSERT_EQ(tomlin({"run", "short.toml", "-o", "other", "--set", "run.duration=2"}).status, 0);
   const std::vector<std::string> force = {"run", "short.toml", "-o", "bad", "--force"};
   const long all = calls(force, "other");
+  ASSERT_GT(all, kEnough / 2);
   for (long at = 1; at <= all && !HasFailure(); at += stride()) {
     SCOPED_TRACE(at);
     restore("other");

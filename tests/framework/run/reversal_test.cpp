@@ -177,6 +177,7 @@ TEST(DriverReversal, ThePulledEndGoesBackTheWayItCame) {
   const Turned turned = run_turned(tip(fixed_step(0.01), "[output]\nevery = 0.037\n"));
   const std::size_t time = turned.kept.column("time");
   const std::size_t place = turned.kept.column("driver.position.x");
+  ASSERT_GT(static_cast<double>(turned.kept.rows.size()), kDuration / 0.037);
   for (const auto& row : turned.kept.rows) {
     const double t = row[time];
     const double way = t <= turned.time ? t : 2.0 * turned.time - t;
@@ -302,6 +303,9 @@ TEST(DriverReversal, GoesOnFromAnyStep) {
     options.sink = &all;
     Engine whole(scene, options);
     const RunResult expected = whole.run();
+    ASSERT_GT(expected.steps, 30u);
+    ASSERT_GT(all.rows.size(), 30u);
+    ASSERT_FALSE(all.events.empty());
     for (std::uint64_t steps = 1; steps < expected.steps; steps += 3) {
       KeptSamples kept;
       RunOptions first = options;

@@ -111,6 +111,7 @@ TEST(Compare, ARingThatIsATipIsOne) {
 
 TEST(Compare, TheOverlayIsOfTheWindow) {
   const Comparison found = compared({scene(ring(), "ring.toml"), scene(tip("0.1"), "tip.toml")});
+  ASSERT_EQ(found.models.size(), 2U);
   for (const ComparedModel& model : found.models) {
     ASSERT_GT(model.way.size(), 500U);
     ASSERT_EQ(model.way.size(), model.force.size());

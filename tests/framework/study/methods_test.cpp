@@ -70,8 +70,10 @@ TEST(Ladder, SimplerModelsOfAFlexibleRing) {
 TEST(Ladder, ARungIsItsLinesInTheScene) {
   const auto scene = scene_of(RingScene().text());
   const Variants variants(scene, standard());
+  int rungs = 0;
   for (const Method& method : methods_for(variants)) {
     if (!method.refused.empty()) continue;
+    ++rungs;
     const auto variant = variants.with(method.at(0.0078125));
     EXPECT_EQ(variant->run.integrator.name, method.integrator->name);
     EXPECT_EQ(variant->run.number_type, method.number_type);
@@ -81,6 +83,7 @@ TEST(Ladder, ARungIsItsLinesInTheScene) {
                              : method.integrator->tolerance(description);
     EXPECT_EQ(given, 0.0078125) << method.name;
   }
+  EXPECT_GT(rungs, 10);
 }
 
 TEST(Ladder, AbsoluteTolerancesArePartsOfTheScenesLength) {

@@ -1,0 +1,97 @@
+#include <algorithm>
+#include <cmath>
+
+#include "framework/model/claims/slopes.hpp"
+
+/// What a record denies or declares and a single state cannot refute: that a force is no gradient,
+/// is not internal, depends on velocities or on time. Each is to be seen at one state at least; a
+/// scene in which none shows it (a driver at rest) has nothing to compare, and the conformance test
+/// asks for one that does.
+namespace tomlin::claims {
+namespace {
+
+/// Parts of a force's size beyond which two numbers are different ones: far above what differences
+/// and rounding leave, at 1e-9, and below what a wrong declaration is about, which is all of it.
+constexpr double kDifferent = 1e-3;
+
+bool differ(const std::vector<double>& found, const std::vector<double>& due) {
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found[i] != due[i] && !(std::isnan(found[i]) && std::isnan(due[i]))) return true;
+  }
+  return false;
+}
+
+/// Forces, energy and the rates of what the force integrates, its own variables first.
+std::vector<double> all_numbers(ForceUnderTest& e, const State& state) {
+  std::vector<double> numbers = e.forces(state);
+  const double* const rates = e.alone().rates();
+  numbers.insert(numbers.end(), rates, rates + e.alone().model().system().view.used_rates);
+  numbers.push_back(e.alone().energy(state.time));
+  return numbers;
+}
+
+}  // namespace
+
+std::optional<ClaimResult> not_conservative(ForceUnderTest& e) {
+  if (e.traits().conservative) return std::nullopt;
+  e.begin("not conservative", "it is not the gradient of its energy, and need not be declared so");
+  Random random(e.seed());
+  for (const State& state : e.near()) {
+    const Direction direction = e.random_direction(random);
+    const std::vector<double> forces = e.forces(state);
+    const Slope slope = slope_of(
+        [&](double h) {
+          e.put_moved(state, direction, h);
+          return e.alone().energy(state.time);
+        },
+        kLongestDifference * e.length());
+    const double apart = std::abs(work(forces, direction) + slope.best);
+    if (apart > kDifferent * effort(forces, direction)) e.saw(state);
+  }
+  return e.end();
+}
+
+std::optional<ClaimResult> not_internal(ForceUnderTest& e) {
+  if (e.traits().internal || e.on_prescribed()) return std::nullopt;
+  e.begin("not internal", "its forces do not sum to zero, and need not be declared to");
+  for (const State& state : e.near()) {
+    const double size = e.largest(e.forces(state));
+    double net = 0.0;
+    for (const std::size_t body : e.alone().force().bodies) {
+      for (const double part : e.alone().wrench(body).force) net = std::max(net, std::abs(part));
+    }
+    if (net > kDifferent * size) e.saw(state);
+  }
+  return e.end();
+}
+
+std::optional<ClaimResult> uses_velocity(ForceUnderTest& e) {
+  if (!e.traits().depends_on_velocity) return std::nullopt;
+  e.begin("uses velocity", "depends on velocities, as it declares");
+  for (const State& state : e.near()) {
+    State other = state;
+    for (std::size_t i = 0; i < e.count(); ++i) {
+      other.v[i] = -3.0 * state.v[i] + e.length() * e.variable(i).unit;
+    }
+    if (differ(all_numbers(e, other), all_numbers(e, state))) e.saw(state);
+  }
+  return e.end();
+}
+
+std::optional<ClaimResult> uses_time(ForceUnderTest& e) {
+  if (!e.traits().depends_on_time || e.on_prescribed()) return std::nullopt;
+  e.begin("uses time", "depends on time, as it declares");
+  for (const State& state : e.near()) {
+    State later = state;
+    // Both near the start and at some part of the run: laws of time may switch on and off.
+    for (const double by : {0.37 * e.alone().model().scene().run.duration, state.time}) {
+      later.time = state.time + by;
+      if (!differ(all_numbers(e, later), all_numbers(e, state))) continue;
+      e.saw(state);
+      break;
+    }
+  }
+  return e.end();
+}
+
+}  // namespace tomlin::claims

@@ -1,0 +1,74 @@
+#include "framework/core/system/flow.hpp"
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "framework/model/claims/flow_check.hpp"
+#include "framework/model/claims/force_under_test.hpp"
+
+/// Operators that forces hand out, against the forces that they stand for.
+namespace tomlin::claims {
+namespace {
+
+/// Looks at an operator at each state near the start, with a coordinate held that moves: schemes
+/// leave held ones to the operator.
+template <class Look>
+std::optional<ClaimResult> look_at_operator(ForceUnderTest& e, const char* claim,
+                                            const char* meaning, Look&& look) {
+  const auto twin = e.twin();
+  Flow<double> flow;
+  if (!twin->bound().flow(flow)) return std::nullopt;
+  e.begin(claim, meaning);
+  Random random(e.seed());
+  const SystemView<double>& view = twin->view();
+  for (const State& state : e.near()) {
+    e.put(state, *twin);
+    std::vector<double> inverse_mass(view.inverse_mass, view.inverse_mass + view.dofs);
+    if (e.count() > 1) {
+      const std::size_t held = e.variable(random.below(e.count())).at;
+      inverse_mass[held] = twin->velocity(held) = 0.0;
+    }
+    FlowStage<double> at;
+    at.position = &twin->position(0);
+    at.inverse_mass = inverse_mass.data();
+    at.velocity = &twin->velocity(0);
+    at.own = &twin->own(0);
+    const auto slopes = [&] {
+      twin->evaluate(state.time);
+      std::vector<double> all;
+      for (std::size_t i = 0; i < view.dofs; ++i) {
+        all.push_back(twin->force_at(i) * inverse_mass[i]);
+      }
+      for (std::size_t k = 0; k < view.own_count; ++k) all.push_back(twin->rate(k));
+      return all;
+    };
+    FlowCheck check(
+        flow, at, view.dofs, view.own_count, slopes, [&] { return twin->energy(); },
+        [&](double found, double due, double allowed) {
+          e.note(found, due, std::abs(due), allowed, state);
+        });
+    look(check);
+    e.looked();
+  }
+  return e.end();
+}
+
+}  // namespace
+
+std::optional<ClaimResult> flow(ForceUnderTest& e) {
+  return look_at_operator(e, "flow", "its operator is the exact solution of its force alone",
+                          [&](FlowCheck& check) { check.look_at_flow(e.traits().stochastic); });
+}
+
+std::optional<ClaimResult> flow_repeats(ForceUnderTest& e) {
+  return look_at_operator(e, "flow repeats", "its operator gives the same bits from the same stage",
+                          [](FlowCheck& check) { check.look_at_repetition(); });
+}
+
+std::optional<ClaimResult> heat_of_flow(ForceUnderTest& e) {
+  return look_at_operator(e, "heat of flow", "its operator's heat is the energy that is gone",
+                          [](FlowCheck& check) { check.look_at_heat(); });
+}
+
+}  // namespace tomlin::claims

@@ -1,0 +1,179 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "framework/model/claims/force_under_test.hpp"
+
+/// The several kernels of one force against each other: those that set against those that add, and
+/// the one of a single particle on a line against the loop over particles.
+namespace tomlin::claims {
+namespace {
+
+/// What is left before a kernel that sets: it must not matter.
+template <class Real>
+constexpr Real kNoNumber = std::numeric_limits<double>::quiet_NaN();
+
+/// The numbers of forces that a pass writes, region by region.
+template <class Real>
+class Written {
+ public:
+  Written(const ForceTwin<Real>& twin, const Region& region, int axes)
+      : slot_(twin.body(region.body).bound.slot),
+        centre_(region.centre),
+        from_(centre_        ? twin.view().force + slot_.centre
+              : slot_.mapped ? twin.view().mapped_force + slot_.offset
+                             : twin.view().force + slot_.offset),
+        axes_(static_cast<std::size_t>(axes)) {}
+
+  void fill(Real value) const {
+    for_all([&](std::size_t at, bool) { from_[at] = value; });
+  }
+  /// Of the particles, or of the centre with its rotation.
+  std::vector<double> numbers() const {
+    std::vector<double> all;
+    for_all([&](std::size_t at, bool padding) {
+      if (!padding) all.push_back(static_cast<double>(from_[at]));
+    });
+    return all;
+  }
+  /// The largest number in the padding; NaN where one is none.
+  double padding() const {
+    double most = 0.0;
+    for_all([&](std::size_t at, bool padding) {
+      const double size = padding ? std::abs(static_cast<double>(from_[at])) : 0.0;
+      if (!(size <= most)) most = std::isnan(most) ? most : size;
+    });
+    return most;
+  }
+
+ private:
+  template <class Use>
+  void for_all(Use&& use) const {
+    // A centre's coordinates and its rotation, which is left zero where there is none.
+    const std::size_t used = centre_ ? std::max<std::size_t>(axes_, kRotation + 1) : slot_.count;
+    const std::size_t all = centre_ ? kGroup : (slot_.count + kGroup - 1) / kGroup * kGroup;
+    for (std::size_t d = 0; d < (centre_ ? 1 : axes_); ++d) {
+      for (std::size_t i = 0; i < all; ++i) use(d * slot_.stride + i, i >= used);
+    }
+  }
+
+  const BodySlot<Real>& slot_;
+  bool centre_;
+  Real* from_;
+  std::size_t axes_;
+};
+
+/// Passes that may set: the first on a region, of one region.
+template <class Real>
+std::vector<Pass<Real>> setting_passes(ForceTwin<Real>& twin) {
+  std::vector<Pass<Real>> passes = twin.bound().passes();
+  std::erase_if(passes, [](const Pass<Real>& pass) {
+    return pass.set == nullptr || pass.add == nullptr || pass.writes.size() != 1;
+  });
+  return passes;
+}
+
+/// Each pass that may set, on no numbers; then `use` of it and what it wrote.
+template <class Real, class Use>
+void for_settings(ForceUnderTest& e, const State& state, ForceTwin<Real>& twin, Use&& use) {
+  e.put(state, twin);
+  twin.evaluate(state.time);
+  for (const Pass<Real>& pass : setting_passes(twin)) {
+    const Written<Real> written(twin, pass.writes.front(), e.alone().model().dimension());
+    written.fill(kNoNumber<Real>);
+    pass.set(pass.arguments, twin.stage());
+    use(pass, written);
+  }
+}
+
+template <class Real>
+void compare_set_with_add(ForceUnderTest& e, const State& state, ForceTwin<Real>& twin) {
+  for_settings(e, state, twin, [&](const Pass<Real>& pass, const Written<Real>& written) {
+    const std::vector<double> set = written.numbers();
+    written.fill(Real(0.0));
+    pass.add(pass.arguments, twin.stage());
+    e.note_same_numbers(set, written.numbers(), state);
+  });
+}
+
+/// Floats hold fewer numbers: where some are not finite, there is nothing to compare.
+template <class Use>
+void for_types(ForceUnderTest& e, InstructionSet set, Use&& use) {
+  use(*e.twin(set));
+  if (const auto in_float = e.in_float(set)) use(*in_float);
+}
+
+}  // namespace
+
+/// On every instruction set, since each has kernels of its own.
+std::optional<ClaimResult> set_and_add(ForceUnderTest& e) {
+  if (setting_passes(*e.twin()).empty()) return std::nullopt;
+  e.begin("set and add",
+          "kernels that set write, over anything, what those that add give to zeros");
+  for (const InstructionSet set : supported_sets()) {
+    for_types(e, set, [&](auto& twin) {
+      for (const State& state : e.near()) compare_set_with_add(e, state, twin);
+    });
+  }
+  for (std::size_t k = 0; k < e.near().size(); ++k) e.looked();
+  return e.end();
+}
+
+/// Sums over whole groups take it in.
+std::optional<ClaimResult> padding(ForceUnderTest& e) {
+  e.begin("padding", "beyond the last particle of a body, forces are zero up to a whole group");
+  for (const InstructionSet set : supported_sets()) {
+    for_types(e, set, [&](auto& twin) {
+      using Real = std::remove_cvref_t<decltype(twin.position(0))>;
+      for (const State& state : e.near()) {
+        for_settings(e, state, twin, [&](const Pass<Real>&, const Written<Real>& written) {
+          e.note(written.padding(), 0.0, 0.0, 0.0, state);
+        });
+        twin.evaluate(state.time);
+        for (const std::size_t b : twin.force().bodies) {
+          const Written<Real> written(twin, {b, false}, e.alone().model().dimension());
+          e.note(written.padding(), 0.0, 0.0, 0.0, state);
+        }
+      }
+    });
+  }
+  for (std::size_t k = 0; k < e.near().size(); ++k) e.looked();
+  return e.end();
+}
+
+/// Its force and, of a driver, its power.
+std::optional<ClaimResult> point(ForceUnderTest& e) {
+  PointForce<double> none;
+  const auto first = e.twin();
+  if (first->body(e.variable(0).body).bound.slot.mapped || !first->bound().point(none)) {
+    return std::nullopt;
+  }
+  e.begin("point", "its kernel for a single particle on a line has the bits of the loop");
+  for (const InstructionSet set : supported_sets()) {
+    const auto twin = e.twin(set);
+    PointForce<double> point;
+    twin->bound().point(point);
+    for (const State* state : e.everywhere()) {
+      e.put(*state, *twin);
+      twin->evaluate(state->time);
+      const PointResult<double> result =
+          point.run(point.parameters, state->x[0], state->v[0], point.start, 0.0);
+      std::vector<double> found{result.force};
+      std::vector<double> due{twin->force_at(e.variable(0).at)};
+      if (point.rate != kNoRate) {
+        const auto rate = static_cast<std::size_t>(point.rate);
+        found.insert(found.end(), {result.force, result.power});
+        due.insert(due.end(), {twin->rate(rate), twin->rate(rate + 1)});
+      }
+      e.note_same_numbers(found, due, *state);
+    }
+  }
+  for (std::size_t k = 0; k < e.everywhere().size(); ++k) e.looked();
+  return e.end();
+}
+
+}  // namespace tomlin::claims

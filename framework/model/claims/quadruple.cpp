@@ -1,0 +1,100 @@
+#include <algorithm>
+#include <cmath>
+
+#include "framework/model/claims/slopes.hpp"
+
+/// Forces in quadruple numbers against energies and heat in the same: no constant in any of them is
+/// good to double precision only. Other claims rely on them.
+namespace tomlin::claims {
+namespace {
+
+/// Time over which variables of a force's own go on as they change now. What they store is
+/// quadratic in them: the central difference is exact but for rounding.
+constexpr double kHalf = 0.0625;
+
+Quad power_of(ForceUnderTest& e, const ForceTwin<Quad>& twin, const State& state) {
+  Quad power(0.0);
+  for (std::size_t i = 0; i < e.count(); ++i) {
+    power += twin.force_at(e.variable(i).at) * Quad(state.v[i]);
+  }
+  return power;
+}
+
+/// What goes into the stored energy by way of them.
+Quad stored(ForceUnderTest& e, ForceTwin<Quad>& twin, const State& state) {
+  if (state.own.empty()) return Quad(0.0);
+  std::vector<Quad> rates;
+  for (std::size_t k = 0; k < state.own.size(); ++k) rates.push_back(twin.rate(k));
+  const auto energy_after = [&](double h) {
+    for (std::size_t k = 0; k < rates.size(); ++k) {
+      twin.own(k) = Quad(state.own[k]) + Quad(h) * rates[k];
+    }
+    return twin.energy();
+  };
+  const Quad gained = energy_after(kHalf) - energy_after(-kHalf);
+  e.put(state, twin);
+  return gained / Quad(2.0 * kHalf);
+}
+
+/// -F.v = heat + what is stored.
+void compare_heat(ForceUnderTest& e, const State& state) {
+  ForceTwin<Quad>& twin = *e.exact();
+  e.put(state, twin);
+  twin.evaluate(state.time);
+  const Quad heat = *twin.heat();
+  const Quad taken = -power_of(e, twin, state) - stored(e, twin, state);
+  double size = std::abs(static_cast<double>(heat));
+  double noise = 0.0;
+  for (std::size_t i = 0; i < e.count(); ++i) {
+    size += std::abs(static_cast<double>(twin.force_at(e.variable(i).at)) * state.v[i]);
+    noise += e.sensitivity(state) * std::abs(state.v[i]) / e.variable(i).unit;
+  }
+  e.note(static_cast<double>(heat - taken), 0.0, size, kExactRounding * (size + noise), state);
+}
+
+/// Along all coordinates at once, where a fault of any part shows.
+void compare_gradient(ForceUnderTest& e, const State& state, const Direction& direction) {
+  ForceTwin<Quad>& twin = *e.exact();
+  e.put(state, twin);
+  twin.evaluate(state.time);
+  Quad force(0.0);
+  double size = 0.0;
+  for (std::size_t i = 0; i < e.count(); ++i) {
+    const Quad part = twin.force_at(e.variable(i).at) * Quad(direction[i]);
+    force += part;
+    size += std::abs(static_cast<double>(part));
+  }
+  const ExactSlope slope = exact_slope(e, state, direction);
+  const auto energy_at = [&](const State& at) {
+    e.put(at);
+    return e.alone().energy(at.time);
+  };
+  const double energy = std::abs(energy_at(state)) + e.change_of(state, energy_at);
+  const double allowed = kExactRounding * (size + e.sensitivity(state) * length_of(e, direction)) +
+                         kExactRounding * energy / slope.step + kTrust * slope.unsettled;
+  e.note(static_cast<double>(force + slope.best), 0.0, size, allowed, state);
+}
+
+}  // namespace
+
+std::optional<ClaimResult> quadruple(ForceUnderTest& e) {
+  if (e.exact() == nullptr) return std::nullopt;
+  const bool conservative = e.traits().conservative;
+  if (!conservative && (e.on_prescribed() || !e.exact()->heat())) return std::nullopt;
+  e.begin("quadruple", conservative ? "force = -gradient of its energy, both in quadruple numbers"
+                                    : "power = energy stored + heat, all in quadruple numbers");
+  Random random(e.seed());
+  for (const State* state : e.everywhere()) {
+    if (state->place != Place::near && state->place != Place::start) continue;
+    if (!std::isfinite(e.sensitivity(*state))) continue;
+    if (conservative) {
+      compare_gradient(e, *state, e.random_direction(random));
+    } else {
+      compare_heat(e, *state);
+    }
+    e.looked();
+  }
+  return e.end();
+}
+
+}  // namespace tomlin::claims

@@ -1,0 +1,219 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "framework/model/claims/force_under_test.hpp"
+
+/// What the rounding of inputs makes of a force: measured, by small changes of all that it reads.
+namespace tomlin::claims {
+namespace {
+
+/// Changes of inputs, in parts of their size: small enough to be linear in what follows, mostly,
+/// and as small as rounding.
+constexpr double kShake = 1e-9;
+constexpr double kTinyShake = 1e-15;
+constexpr double kStir = 1e-12;  // linear to 10^-4 where kShake is to kBend
+constexpr double kBend = 0.1;    // parts of a change by which it may be off from linear
+constexpr std::uint64_t kShaking = 0x9e3779b97f4a7c15U;
+constexpr int kShakes = 3;  // all small by chance once in 10^4 states, and the allowance is 64-fold
+
+}  // namespace
+
+/// All that a force reads, by parts of its size.
+State ForceUnderTest::shaken(const State& state, double shake, Random& random) const {
+  const double size = reach(state);
+  State shaken = state;
+  for (std::size_t i = 0; i < count(); ++i) {
+    shaken.x[i] += shake * (variable(i).axis >= 0 ? size : 1.0) * random.symmetric();
+    shaken.v[i] *= 1.0 + shake * random.symmetric();
+  }
+  for (double& own : shaken.own) own *= 1.0 + shake * random.symmetric();
+  shaken.time *= 1.0 + shake * random.symmetric();
+  return shaken;
+}
+
+/// The largest force's change under a shake, and by how much more than half of it the half makes.
+ForceUnderTest::Change ForceUnderTest::change_by(const State& state, double shake) {
+  const std::vector<double> before = forces(state);
+  Change most;
+  for (int k = 0; k < kShakes; ++k) {
+    Random random(options_.seed ^ (kShaking + static_cast<std::uint64_t>(k)));
+    Random again = random;
+    const std::vector<double> half = forces(shaken(state, 0.5 * shake, random));
+    std::vector<double> change = forces(shaken(state, shake, again));
+    std::vector<double> bend(count());
+    for (std::size_t i = 0; i < count(); ++i) {
+      change[i] -= before[i];
+      bend[i] = change[i] - 2.0 * (half[i] - before[i]);
+    }
+    const double size = largest(change);
+    const double bent = largest(bend);
+    most.linear = most.linear && bent <= kBend * size + kRounding * largest(before);
+    if (!(size <= most.size)) most.size = size;
+    if (!(bent <= most.bend)) most.bend = bent;
+    if (!std::isfinite(size) || !std::isfinite(bent)) break;
+  }
+  return most;
+}
+
+/// The same in quadruple numbers, whose own rounding does not show in it.
+double ForceUnderTest::exact_change(const State& state, double shake) {
+  ForceTwin<Quad>& twin = *exact();
+  const auto forces_at = [&](const State& from, Random* random) {
+    const double size = shake * reach(from);
+    put(from, twin);
+    double elapsed = 0.0;
+    if (random != nullptr) {
+      for (std::size_t i = 0; i < count(); ++i) {
+        const double move = (variable(i).axis >= 0 ? size : shake) * random->symmetric();
+        twin.position(variable(i).at) = Quad(from.x[i]) + Quad(move);
+        twin.velocity(variable(i).at) =
+            Quad(from.v[i]) + Quad(from.v[i] * (shake * random->symmetric()));
+      }
+      for (std::size_t k = 0; k < from.own.size(); ++k) {
+        twin.own(k) = Quad(from.own[k]) + Quad(from.own[k] * (shake * random->symmetric()));
+      }
+      elapsed = from.time * shake * random->symmetric();
+    }
+    twin.evaluate(from.time, elapsed);
+    std::vector<Quad> forces(count());
+    for (std::size_t i = 0; i < count(); ++i) forces[i] = twin.force_at(variable(i).at);
+    return forces;
+  };
+  const std::vector<Quad> before = forces_at(state, nullptr);
+  double most = 0.0;
+  for (int k = 0; k < kShakes; ++k) {
+    Random random(options_.seed ^ (kShaking + static_cast<std::uint64_t>(k)));
+    const std::vector<Quad> after = forces_at(state, &random);
+    std::vector<double> change(count());
+    for (std::size_t i = 0; i < count(); ++i) change[i] = static_cast<double>(after[i] - before[i]);
+    const double size = largest(change);
+    if (!std::isfinite(size)) return std::numeric_limits<double>::infinity();
+    most = std::max(most, size / shake);
+  }
+  return most;
+}
+
+ForceUnderTest::Terms ForceUnderTest::terms(const State& state) {
+  if (by_terms_ == nullptr) return {};
+  ForceTwin<double>& twin = *by_terms_;
+  const SystemView<double>& view = twin.view();
+  std::vector<std::size_t> places;
+  for (const std::size_t b : alone_.force().bodies) {
+    const BodySlot<double>& slot = alone_.model().bodies()[b].bound.slot;
+    for (int d = 0; slot.rigid && d < alone_.model().dimension(); ++d) {
+      for (std::size_t i = 0; i < slot.count; ++i) {
+        places.push_back(slot.offset + d * slot.stride + i);
+      }
+    }
+  }
+  put(state, twin);
+  twin.evaluate(state.time);
+  Random random(options_.seed ^ kShaking);
+  const double shake = kShake * reach(state);
+  std::vector<double> before;
+  for (const std::size_t at : places) {
+    before.push_back(view.mapped_force[at]);
+    view.mapped_position[at] += shake * random.symmetric();
+    view.mapped_force[at] = 0.0;
+  }
+  for (const Pass<double>& pass : passes_) {
+    (pass.add != nullptr ? pass.add : pass.set)(pass.arguments, twin.stage());
+  }
+  std::vector<double> change;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    change.push_back(view.mapped_force[places[k]] - before[k]);
+  }
+  return {gathered(before), gathered(change) / kShake};
+}
+
+/// The largest sum of sizes among the coordinates of rigid bodies; forces come by body, axis and
+/// particle.
+double ForceUnderTest::gathered(const std::vector<double>& particle_forces) const {
+  double most = 0.0;
+  std::size_t next = 0;
+  for (const std::size_t b : alone_.force().bodies) {
+    const Model::Body& body = alone_.model().bodies()[b];
+    if (!body.bound.slot.rigid) continue;
+    std::vector<double> levers;
+    for (const std::vector<double>& arm : body.arms) {
+      double square = 0.0;
+      for (const double part : arm) square += part * part;
+      levers.push_back(std::sqrt(square));
+    }
+    const double farthest = *std::max_element(levers.begin(), levers.end());
+    double torque = 0.0;
+    for (int d = 0; d < alone_.model().dimension(); ++d) {
+      double sum = 0.0;
+      for (const double lever : levers) {
+        const double size = std::abs(particle_forces[next++]);
+        sum += size;
+        if (farthest > 0.0) torque += size * (lever / farthest);
+      }
+      most = std::max(most, sum);
+    }
+    most = std::max(most, torque);
+  }
+  return most;
+}
+
+double ForceUnderTest::change_of(const State& state,
+                                 const std::function<double(const State&)>& number) {
+  return changes_of(state, [&](const State& at) { return std::vector{number(at)}; }).front();
+}
+
+std::vector<double> ForceUnderTest::changes_of(
+    const State& state, const std::function<std::vector<double>(const State&)>& numbers) {
+  const std::vector<double> before = numbers(state);
+  std::vector<double> most(before.size(), 0.0);
+  for (const double shake : {kShake, kStir, kTinyShake}) {
+    for (int k = 0; k < kShakes; ++k) {
+      Random random(options_.seed ^ (kShaking + static_cast<std::uint64_t>(k)));
+      const std::vector<double> after = numbers(shaken(state, shake, random));
+      for (std::size_t i = 0; i < most.size(); ++i) {
+        const double change = std::abs(after[i] - before[i]) / shake;
+        most[i] = std::isfinite(change) ? std::max(most[i], change)
+                                        : std::numeric_limits<double>::infinity();
+      }
+    }
+  }
+  return most;
+}
+
+double ForceUnderTest::sensitivity(const State& state) {
+  const auto among = [&](const std::vector<State>& states) {
+    return std::any_of(states.begin(), states.end(),
+                       [&](const State& known) { return &known == &state; });
+  };
+  if (!among(near_) && !among(extreme_)) return sensitivity_at(state);
+  const auto [at, fresh] = sensitivities_.try_emplace(&state, 0.0);
+  if (fresh) at->second = sensitivity_at(state);
+  return at->second;
+}
+
+/// A formula whose terms nearly cancel loses more digits within than its inputs explain: that is
+/// noise, which a tiny shake stirs up.
+double ForceUnderTest::sensitivity_at(const State& state) {
+  const Change change = change_by(state, kShake);
+  const Change stirred = change_by(state, kStir);
+  const Change tiny = change_by(state, kTinyShake);
+  double most = tiny.size / kTinyShake;
+  if (change.linear) {
+    most = std::max({most, change.size / kShake, stirred.bend / kTinyShake});
+  } else if (exact() != nullptr) {
+    const double noise = std::abs(stirred.size - kStir * exact_change(state, kStir));
+    most = std::max({most, exact_change(state, kTinyShake), noise / kTinyShake});
+  } else {
+    most = std::max({most, change.size / kShake, stirred.size / kStir});
+  }
+  const bool numbers = std::isfinite(change.size) && std::isfinite(stirred.bend) &&
+                       std::isfinite(tiny.size) && std::isfinite(most);
+  const Terms single = terms(state);
+  most += single.size + single.change;
+  return numbers && std::isfinite(most) ? most : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace tomlin::claims
