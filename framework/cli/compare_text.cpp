@@ -1,7 +1,5 @@
 #include "framework/cli/compare_text.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -9,7 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "framework/output/number_text.hpp"
+#include "framework/cli/diagnostics.hpp"
+#include "framework/cli/output_table.hpp"
 
 namespace tomlin {
 namespace {
@@ -17,10 +16,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kHeight = 300.0;  // of the panel, in points of the screen
-
-std::string text_of(const std::optional<double>& x, const char* format) {
-  return x ? fmt::format(fmt::runtime(format), *x) : "-";
-}
 
 std::string answer(const Comparison& comparison) {
   if (comparison.interrupted) return "interrupted: no model was judged\n";
@@ -38,27 +33,56 @@ std::string answer(const Comparison& comparison) {
                      simplest.file);
 }
 
-Json number(const std::optional<double>& x) { return x && std::isfinite(*x) ? Json(*x) : Json(); }
+Json number(const std::optional<double>& x) { return x ? Json(*x) : Json(); }
 
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' ? "\"\"" : std::string(1, c);
-  return result + "\"";
+/// The models, but for what the text says in words.
+OutputTable table_of(const std::vector<ComparedModel>& models) {
+  OutputTable table;
+  const auto add = [&](const ColumnHeading& heading, auto value) {
+    table.add(heading, models, value);
+  };
+  using Model = const ComparedModel&;
+  add({.key = "name", .csv = "model", .quoted = true, .text = "model"},
+      [](Model model) { return model.name; });
+  add({.key = "file", .csv = "file", .quoted = true}, [](Model model) { return model.file; });
+  add({.key = "verdict", .csv = "verdict"}, [](Model model) { return to_string(model.verdict); });
+  add({.key = "status"}, [](Model model) { return to_string(model.result.status); });
+  add({.key = "particles", .csv = "particles"}, [](Model model) { return model.particles; });
+  add({.key = "coordinates", .csv = "free coordinates", .text = "coordinates", .width = 11},
+      [](Model model) { return model.coordinates; });
+  add({.key = "value", .csv = "value", .text = "value", .width = 17, .format = "{:.9g}"},
+      [](Model model) { return number(model.value); });
+  add({.key = "error", .csv = "error", .text = "error", .width = 8, .format = "{:.1e}"},
+      [](Model model) { return number(model.error); });
+  add({.key = "difference",
+       .csv = "difference",
+       .text = "difference",
+       .width = 11,
+       .format = "{:.2e}"},
+      [](Model model) { return number(model.difference); });
+  add({.text = "evaluations", .width = 12}, [](Model model) { return model.cost(); });
+  add({.key = "force_evaluations", .csv = "force evaluations"},
+      [](Model model) { return model.result.force_evaluations; });
+  add({.key = "jacobian_columns", .csv = "jacobian columns"},
+      [](Model model) { return model.result.jacobian_columns; });
+  add({.key = "seconds", .csv = "wall time [s]"},
+      [](Model model) { return model.result.wall_seconds; });
+  add({.key = "warnings"}, [](Model model) { return model.result.warnings; });
+  add({.key = "failure"}, [](Model model) -> OutputTable::Cell {
+    if (!model.result.failure) return std::nullopt;
+    return to_string(*model.result.failure);
+  });
+  return table;
 }
 
 }  // namespace
 
 std::string compare_text(const Comparison& comparison, const std::string& where) {
-  std::size_t width = 5;
-  for (const ComparedModel& model : comparison.models) width = std::max(width, model.name.size());
-  std::string text = fmt::format("{}\n\n  {:<{}}  {:>11}  {:>17}  {:>8}  {:>11}  {:>12}  {}\n",
-                                 comparison.observable, "model", width, "coordinates", "value",
-                                 "error", "difference", "evaluations", "");
-  for (const ComparedModel& model : comparison.models) {
-    text += fmt::format("  {:<{}}  {:>11}  {:>17}  {:>8}  {:>11}  {:>12}  {}\n", model.name, width,
-                        model.coordinates, text_of(model.value, "{:.9g}"),
-                        text_of(model.error, "{:.1e}"), text_of(model.difference, "{:.2e}"),
-                        model.cost(), to_string(model.verdict));
+  const OutputTable table = table_of(comparison.models);
+  std::string text = comparison.observable + "\n\n" + table.text_names() + "  \n";
+  for (std::size_t k = 0; k < comparison.models.size(); ++k) {
+    const ComparedModel& model = comparison.models[k];
+    text += table.text(k) + "  " + to_string(model.verdict) + "\n";
     if (model.result.failure) text += "    " + to_string(*model.result.failure) + "\n";
     for (const std::string& warning : model.result.warnings)
       text += "    warning: " + warning + "\n";
@@ -67,24 +91,7 @@ std::string compare_text(const Comparison& comparison, const std::string& where)
   return text + "\n" + answer(comparison) + "results: " + where + "\n";
 }
 
-std::string compare_csv(const Comparison& comparison) {
-  std::string text =
-      "model,file,verdict,particles,free coordinates,value,error,difference,force evaluations,"
-      "jacobian columns,wall time [s]\n";
-  for (const ComparedModel& model : comparison.models) {
-    text += quoted(model.name) + "," + quoted(model.file) + "," + to_string(model.verdict) + "," +
-            std::to_string(model.particles) + "," + std::to_string(model.coordinates);
-    for (const auto& x : {model.value, model.error, model.difference}) {
-      text += ",";
-      if (x && std::isfinite(*x)) append_number(text, *x);
-    }
-    text += "," + std::to_string(model.result.force_evaluations) + "," +
-            std::to_string(model.result.jacobian_columns) + ",";
-    append_number(text, model.result.wall_seconds);
-    text += "\n";
-  }
-  return text;
-}
+std::string compare_csv(const Comparison& comparison) { return table_of(comparison.models).csv(); }
 
 std::string compare_json(const Comparison& comparison) {
   Json json;
@@ -98,25 +105,10 @@ std::string compare_json(const Comparison& comparison) {
   json["simplest"] = file_of(comparison.simplest);
   json["notes"] = comparison.notes;
   json["models"] = Json::array();
-  for (const ComparedModel& model : comparison.models) {
-    Json entry;
-    entry["name"] = model.name;
-    entry["file"] = model.file;
-    entry["verdict"] = to_string(model.verdict);
-    entry["status"] = to_string(model.result.status);
-    entry["particles"] = model.particles;
-    entry["coordinates"] = model.coordinates;
-    entry["value"] = number(model.value);
-    entry["error"] = number(model.error);
-    entry["difference"] = number(model.difference);
-    entry["force_evaluations"] = model.result.force_evaluations;
-    entry["jacobian_columns"] = model.result.jacobian_columns;
-    entry["seconds"] = number(model.result.wall_seconds);
-    entry["warnings"] = model.result.warnings;
-    if (model.result.failure) entry["failure"] = to_string(*model.result.failure);
-    json["models"].push_back(std::move(entry));
-  }
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  const OutputTable table = table_of(comparison.models);
+  for (std::size_t k = 0; k < comparison.models.size(); ++k)
+    json["models"].push_back(table.json(k));
+  return json_text(json);
 }
 
 Figure compare_figure(const Comparison& comparison) {

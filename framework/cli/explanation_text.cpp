@@ -1,9 +1,13 @@
 #include <cmath>
 #include <cstddef>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "framework/cli/component_text.hpp"
+#include "framework/cli/diagnostics.hpp"
 #include "framework/cli/explanation.hpp"
 #include "framework/cli/sections.hpp"
 #include "framework/core/numbers/constants.hpp"
@@ -15,7 +19,22 @@
 namespace tomlin {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
+/// Both forms of an explanation: what is added to one is added to the other beside it.
+struct Forms {
+  Json json;  ///< numbers that are not finite are null
+  Sections text;
+};
+
 std::string text_of(double x) { return fmt::format("{:.4g}", x); }
+
+/// over/x; null where there is none.
+Json inverse(double over, double x) { return x > 0.0 ? Json(over / x) : Json(); }
+
+Json positive(double x) { return x > 0.0 ? Json(x) : Json(); }
+
+Json word(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
 std::string counted(std::size_t n, const char* one, const char* many) {
   return fmt::format("{} {}", n, n == 1 ? one : many);
@@ -26,39 +45,99 @@ std::string motion_of(const Explanation::Body& body) {
   return flexible ? "each particle moves" : to_string(body.coordinates);
 }
 
-void add_built(Sections& sections, const Explanation& e) {
-  sections.section("built");
-  std::size_t freedoms = 0;
+void add_bodies(Forms& forms, const Explanation& e) {
+  forms.json["bodies"] = Json::array();
   for (const Explanation::Body& body : e.bodies) {
-    freedoms += body.degrees_of_freedom;
-    sections.row(
+    forms.json["bodies"].push_back(Json{{"name", body.name},
+                                        {"type", body.type},
+                                        {"coordinates", to_string(body.coordinates)},
+                                        {"particles", body.particles},
+                                        {"mass", body.mass},
+                                        {"coordinate_count", body.coordinate_count},
+                                        {"degrees_of_freedom", body.degrees_of_freedom},
+                                        {"rolling_radius", positive(body.rolling_radius)}});
+    forms.text.row(
         body.name,
         fmt::format("{}: {}, mass {}, {}: {}, {}", body.type,
                     counted(body.particles, "particle", "particles"), text_of(body.mass),
                     motion_of(body), counted(body.coordinate_count, "coordinate", "coordinates"),
                     counted(body.degrees_of_freedom, "degree of freedom", "degrees of freedom")));
   }
+}
+
+void add_forces(Forms& forms, const Explanation& e) {
+  forms.json["forces"] = Json::array();
   for (const Explanation::Force& force : e.forces) {
-    sections.row(force.name, fmt::format("{} on {}: acts on {}", force.type,
-                                         fmt::join(force.bodies, ", "), to_string(force.element)));
+    const std::string acts_on = to_string(force.element);
+    forms.json["forces"].push_back(Json{{"name", force.name},
+                                        {"type", force.type},
+                                        {"bodies", force.bodies},
+                                        {"acts_on", acts_on}});
+    forms.text.row(force.name, fmt::format("{} on {}: acts on {}", force.type,
+                                           fmt::join(force.bodies, ", "), acts_on));
   }
-  sections.row("in all", fmt::format("{}, {}, {}", counted(e.bodies.size(), "body", "bodies"),
-                                     counted(e.forces.size(), "force", "forces"),
-                                     counted(freedoms, "degree of freedom", "degrees of freedom")));
+}
+
+void add_built(Forms& forms, const Explanation& e) {
+  forms.text.section("built");
+  add_bodies(forms, e);
+  add_forces(forms, e);
+  std::size_t freedoms = 0;
+  for (const Explanation::Body& body : e.bodies) freedoms += body.degrees_of_freedom;
+  forms.text.row("in all",
+                 fmt::format("{}, {}, {}", counted(e.bodies.size(), "body", "bodies"),
+                             counted(e.forces.size(), "force", "forces"),
+                             counted(freedoms, "degree of freedom", "degrees of freedom")));
+  forms.json["left_out"] = Json::array();
+  forms.json["parts"] = Json::array();
   for (const Explanation::Part& part : e.parts) {
-    if (part.built) sections.row(part.name, part.note);
+    forms.json["parts"].push_back(
+        Json{{"name", part.name}, {"built", part.built}, {"note", part.note}});
+    if (part.built) forms.text.row(part.name, part.note);
   }
-  sections.section("left out of this scene's forces");
-  for (const auto& [force, why] : e.left_out) sections.row(force, why);
-  sections.section("not built, since not asked for");
+  forms.text.section("left out of this scene's forces");
+  for (const auto& [force, why] : e.left_out) {
+    forms.json["left_out"].push_back(Json{{"force", force}, {"why", why}});
+    forms.text.row(force, why);
+  }
+  forms.text.section("not built, since not asked for");
   for (const Explanation::Part& part : e.parts) {
-    if (!part.built) sections.row(part.name, "off: " + part.note);
+    if (!part.built) forms.text.row(part.name, "off: " + part.note);
   }
 }
 
 std::string oscillation(double frequency) {
   return fmt::format("omega = {}, period 2 pi/omega = {}", text_of(frequency),
                      text_of(kTau / frequency));
+}
+
+Json scales_json(const Explanation& e) {
+  const Scales& scales = e.scales;
+  const NaturalUnits units = natural_units(*e.scene);
+  Json forces = Json::array();
+  for (const ForceScale& force : scales.forces) {
+    forces.push_back(Json{{"name", force.force},
+                          {"frequency", force.frequency},
+                          {"period", inverse(kTau, force.frequency)},
+                          {"damping_rate", force.damping_rate},
+                          {"internal", force.internal},
+                          {"between", force.between}});
+  }
+  const Damping& damping = scales.damping;
+  const bool oscillates = damping.regime != Regime::no_oscillation;
+  return Json{{"frequency", scales.frequency},
+              {"relaxation_rate", scales.relaxation_rate},
+              {"period", inverse(kTau, scales.frequency)},
+              {"damping_rate", scales.damping_rate},
+              {"length", units.length},
+              {"time", units.time},
+              {"shortest_time", positive(scales.shortest_time)},
+              {"stiffest_force", word(scales.stiffest_force)},
+              {"forces", std::move(forces)},
+              {"regime", to_string(damping.regime)},
+              {"critical_damping_rate", oscillates ? Json(damping.critical) : Json()},
+              {"damping_ratio", oscillates ? Json(damping.rate / damping.critical) : Json()},
+              {"oscillator", oscillates ? Json(damping.oscillator) : Json()}};
 }
 
 void add_relaxation(Sections& sections, const Scales& scales) {
@@ -109,93 +188,139 @@ std::string verdict(double s) {
   return s < 1.0 ? "s < 1: smooth sliding" : "s > 1: stick-slip possible";
 }
 
-void add_sliding(Sections& sections, const Explanation& e) {
+void add_sliding(Forms& forms, const Explanation& e) {
+  Json& list = forms.json["sliding"] = Json::array();
+  Sections& text = forms.text;
   for (const Sliding& sliding : e.scales.sliding) {
     const bool alone = sliding.particles == 1;
-    sections.section(fmt::format("{}: {} pulls over {} along {}", sliding.body, sliding.driver,
-                                 sliding.substrate, axis_name(sliding.axis)));
-    sections.row("stick-slip parameter",
-                 fmt::format("s {} {} = substrate curvature {} / {} stiffness {}; {}",
-                             alone ? "=" : "<=", text_of(sliding.stick_slip()),
-                             text_of(sliding.curvature), sliding.bond.empty() ? "driver" : "series",
-                             text_of(sliding.stiffness), verdict(sliding.stick_slip())));
-    if (!sliding.bond.empty()) {
-      sections.row("", fmt::format("the series of {}, {}, and {}, {}", sliding.driver,
-                                   text_of(sliding.driver_stiffness), sliding.bond,
-                                   text_of(sliding.bond_stiffness)));
+    const bool bonded = !sliding.bond.empty();
+    const Json bond_stiffness = bonded ? Json(sliding.bond_stiffness) : Json();
+    const Json revolution = positive(kTau * sliding.rolling_radius / sliding.period);
+    list.push_back(Json{{"body", sliding.body},
+                        {"driver", sliding.driver},
+                        {"substrate", sliding.substrate},
+                        {"axis", axis_name(sliding.axis)},
+                        {"period", sliding.period},
+                        {"stiffness", sliding.stiffness},
+                        {"driver_stiffness", sliding.driver_stiffness},
+                        {"bond", word(sliding.bond)},
+                        {"bond_stiffness", bond_stiffness},
+                        {"curvature", sliding.curvature},
+                        {"stick_slip", sliding.stick_slip()},
+                        {"stick_slip_is_upper_bound", sliding.particles > 1},
+                        {"stick_slip_as_placed", sliding.stick_slip_as_placed()},
+                        {"washboard_frequency", sliding.washboard_frequency},
+                        {"period_duration", inverse(kTau, sliding.washboard_frequency)},
+                        {"circumference_in_periods", revolution}});
+    text.section(fmt::format("{}: {} pulls over {} along {}", sliding.body, sliding.driver,
+                             sliding.substrate, axis_name(sliding.axis)));
+    text.row("stick-slip parameter",
+             fmt::format("s {} {} = substrate curvature {} / {} stiffness {}; {}",
+                         alone ? "=" : "<=", text_of(sliding.stick_slip()),
+                         text_of(sliding.curvature), bonded ? "series" : "driver",
+                         text_of(sliding.stiffness), verdict(sliding.stick_slip())));
+    if (bonded) {
+      text.row("", fmt::format("the series of {}, {}, and {}, {}", sliding.driver,
+                               text_of(sliding.driver_stiffness), sliding.bond,
+                               text_of(sliding.bond_stiffness)));
     }
     if (!alone) {
-      sections.row("", "an upper bound: all particles in phase");
+      text.row("", "an upper bound: all particles in phase");
       const double s = nothing_but_rounding(sliding) ? 0.0 : sliding.stick_slip_as_placed();
-      sections.row("as placed", fmt::format("s = {} for the body as it is placed, moved without a "
-                                            "change of shape",
-                                            text_of(s)));
+      text.row("as placed", fmt::format("s = {} for the body as it is placed, moved without a "
+                                        "change of shape",
+                                        text_of(s)));
     }
-    sections.row("washboard",
-                 fmt::format("2 pi v/a = {}; one period a = {} takes {}, the run {}",
-                             text_of(sliding.washboard_frequency), text_of(sliding.period),
-                             text_of(kTau / sliding.washboard_frequency),
-                             text_of(e.scene->run.duration * sliding.washboard_frequency / kTau)));
-    if (sliding.rolling_radius > 0.0) {
-      sections.row("circumference",
-                   fmt::format("2 pi R/a = {} periods to a turn when rolling",
-                               text_of(kTau * sliding.rolling_radius / sliding.period)));
+    text.row("washboard",
+             fmt::format("2 pi v/a = {}; one period a = {} takes {}, the run {}",
+                         text_of(sliding.washboard_frequency), text_of(sliding.period),
+                         text_of(kTau / sliding.washboard_frequency),
+                         text_of(e.scene->run.duration * sliding.washboard_frequency / kTau)));
+    if (!revolution.is_null()) {
+      text.row("circumference", fmt::format("2 pi R/a = {} periods to a turn when rolling",
+                                            text_of(revolution.get<double>())));
     }
   }
 }
 
-void add_transmissions(Sections& sections, const Scales& scales) {
+void add_transmissions(Forms& forms, const Scales& scales) {
+  Json& list = forms.json["transmissions"] = Json::array();
   for (const Transmission& one : scales.transmissions) {
-    sections.section(
-        fmt::format("{}: {} pulls along {}", one.body, one.driver, axis_name(one.axis)));
-    sections.row("stick-slip parameter",
-                 fmt::format("not known: {} acts on {}, and between {} and {} there is more than "
-                             "one linear spring",
-                             one.substrate, one.sliding_body, one.driver, one.sliding_body));
+    const char* axis = axis_name(one.axis);
+    list.push_back(Json{{"body", one.body},
+                        {"driver", one.driver},
+                        {"substrate", one.substrate},
+                        {"sliding_body", one.sliding_body},
+                        {"axis", axis}});
+    forms.text.section(fmt::format("{}: {} pulls along {}", one.body, one.driver, axis));
+    forms.text.row("stick-slip parameter",
+                   fmt::format("not known: {} acts on {}, and between {} and {} there is more than "
+                               "one linear spring",
+                               one.substrate, one.sliding_body, one.driver, one.sliding_body));
   }
 }
 
-void add_misfits(Sections& sections, const Scales& scales) {
+void add_misfits(Forms& forms, const Scales& scales) {
+  Json& list = forms.json["misfits"] = Json::array();
   for (const Misfit& misfit : scales.misfits) {
+    const char* axis = axis_name(misfit.axis);
     const auto fraction = as_fraction(misfit.ratio());
-    sections.section(
-        fmt::format("{} on {} along {}", misfit.body, misfit.substrate, axis_name(misfit.axis)));
-    sections.row("spacing/period", fmt::format("{:.10g}, of {} and {}; misfit {}", misfit.ratio(),
-                                               text_of(misfit.spacing), text_of(misfit.period),
-                                               text_of(misfit.misfit())));
-    sections.row("commensurability",
-                 fraction ? fmt::format("commensurate, {}/{}", fraction->p, fraction->q)
-                          : "incommensurate: no fraction with a denominator up to 1000 is close");
+    list.push_back(Json{{"body", misfit.body},
+                        {"substrate", misfit.substrate},
+                        {"axis", axis},
+                        {"spacing", misfit.spacing},
+                        {"period", misfit.period},
+                        {"ratio", misfit.ratio()},
+                        {"misfit", misfit.misfit()},
+                        {"fraction", fraction ? Json{fraction->p, fraction->q} : Json()}});
+    forms.text.section(fmt::format("{} on {} along {}", misfit.body, misfit.substrate, axis));
+    forms.text.row("spacing/period", fmt::format("{:.10g}, of {} and {}; misfit {}", misfit.ratio(),
+                                                 text_of(misfit.spacing), text_of(misfit.period),
+                                                 text_of(misfit.misfit())));
+    forms.text.row("commensurability",
+                   fraction ? fmt::format("commensurate, {}/{}", fraction->p, fraction->q)
+                            : "incommensurate: no fraction with a denominator up to 1000 is close");
   }
 }
 
-void add_step(Sections& sections, const Explanation& e) {
-  const Explanation::Step& step = e.step;
-  sections.section("time step");
+/// How the integrator's steps are chosen.
+std::pair<std::string, std::string> row_of(const Explanation::Step& step) {
   if (step.accuracy) {
-    sections.row("accuracy", fmt::format("{:g}: run tries all integrators and picks one; the cost "
-                                         "below is of {} with its defaults",
-                                         *step.accuracy, step.type));
-  } else if (step.adaptive) {
-    sections.row(step.type, "adaptive: chooses its own steps");
-  } else if (std::isinf(step.stable_step)) {
-    sections.row(step.type, fmt::format("dt = {}; nothing limits it", text_of(step.dt)));
-  } else {
-    sections.row(step.type,
-                 fmt::format("dt = {}, {} of the stable step {}{}", text_of(step.dt),
-                             text_of(step.part_of_stable_step()), text_of(step.stable_step),
-                             step.stable ? "" : ": NOT STABLE"));
+    return {"accuracy", fmt::format("{:g}: run tries all integrators and picks one; the cost "
+                                    "below is of {} with its defaults",
+                                    *step.accuracy, step.type)};
   }
+  if (step.adaptive) return {step.type, "adaptive: chooses its own steps"};
+  const std::string dt = "dt = " + text_of(step.dt);
+  if (std::isinf(step.stable_step)) return {step.type, dt + "; nothing limits it"};
+  return {step.type,
+          fmt::format("{}, {} of the stable step {}{}", dt, text_of(step.part_of_stable_step()),
+                      text_of(step.stable_step), step.stable ? "" : ": NOT STABLE")};
+}
+
+void add_step(Forms& forms, const Explanation& e) {
+  const Explanation::Step& step = e.step;
+  forms.json["integrator"] =
+      Json{{"type", step.type},
+           {"adaptive", step.adaptive},
+           {"accuracy", step.accuracy ? Json(*step.accuracy) : Json()},
+           {"dt", step.adaptive ? Json() : Json(step.dt)},
+           {"stable_step", step.stable_step},
+           {"part_of_stable_step", step.adaptive ? Json() : Json(step.part_of_stable_step())},
+           {"stable", step.stable}};
+  Sections& text = forms.text;
+  text.section("time step");
+  const auto [label, content] = row_of(step);
+  text.row(label, content);
   if (e.scales.shortest_time > 0.0) {
-    sections.row(
-        "shortest time scale",
-        text_of(e.scales.shortest_time) + ", the least of 1/omega, 1/damping rate and a/(2 pi v)");
+    text.row("shortest time scale", text_of(e.scales.shortest_time) +
+                                        ", the least of 1/omega, 1/damping rate and a/(2 pi v)");
   }
-  if (!e.scales.stiffest_force.empty()) sections.row("stiffest force", e.scales.stiffest_force);
+  if (!e.scales.stiffest_force.empty()) text.row("stiffest force", e.scales.stiffest_force);
   if (!step.adaptive) return;
   const NaturalUnits units = natural_units(*e.scene);
-  sections.row("tolerances in", fmt::format("length {}, {}; time {}, {}", text_of(units.length),
-                                            units.length_of, text_of(units.time), units.time_of));
+  text.row("tolerances in", fmt::format("length {}, {}; time {}, {}", text_of(units.length),
+                                        units.length_of, text_of(units.time), units.time_of));
 }
 
 /// A time of about this many seconds, as people say it.
@@ -211,71 +336,101 @@ std::string count_text(double count) {
   return count < kReadable ? fmt::format("{:.0f}", count) : fmt::format("{:.3g}", count);
 }
 
-void add_cost(Sections& sections, const Explanation& e) {
-  sections.section("cost");
+void add_cost(Forms& forms, const Explanation& e) {
+  Sections& text = forms.text;
+  text.section("cost");
+  Json& json = forms.json["cost"];
   if (!e.cost) {
-    sections.row("not known", "no step could be tried");
+    text.row("not known", "no step could be tried");
     return;
   }
   const Explanation::Cost& cost = *e.cost;
+  json = Json{{"steps", cost.steps},     {"force_evaluations", cost.evaluations},
+              {"seconds", cost.seconds}, {"exact", cost.exact},
+              {"tried_part", cost.part}, {"instruction_set", cost.instruction_set}};
   // Fixed steps are counted, all else is estimated.
   const std::string about = cost.exact ? "" : "about ";
-  sections.row("steps", (e.step.adaptive ? about : "") + count_text(cost.steps));
-  sections.row("force evaluations", about + count_text(cost.evaluations));
+  text.row("steps", (e.step.adaptive ? about : "") + count_text(cost.steps));
+  text.row("force evaluations", about + count_text(cost.evaluations));
   const std::string trial =
       cost.exact ? "the trial ran all of it"
                  : fmt::format("from a trial of {:.2g} % of the run", 100.0 * cost.part);
-  sections.row("time on this machine", fmt::format("about {}, {}, {}", seconds_text(cost.seconds),
-                                                   cost.instruction_set, trial));
-  if (e.scene->output.every) sections.row("", "samples come on top of it");
+  text.row("time on this machine", fmt::format("about {}, {}, {}", seconds_text(cost.seconds),
+                                               cost.instruction_set, trial));
+  if (e.scene->output.every) text.row("", "samples come on top of it");
 }
 
-void add_output(Sections& sections, const Explanation& e) {
+void add_output(Forms& forms, const Explanation& e) {
   const OutputSettings& asked = e.scene->output;
   const OutputSize& size = e.output.size;
-  sections.section("output, at most");
+  forms.json["output"] = Json{{"rows", size.rows},
+                              {"table_bytes", size.table},
+                              {"trajectory_bytes", size.trajectory},
+                              {"journal_bytes", size.journal},
+                              {"checkpoint_bytes", size.checkpoint},
+                              {"store_bytes", size.store},
+                              {"most_events", e.output.events ? kMostEvents : 0},
+                              {"room_bytes", e.output.room}};
+  Sections& text = forms.text;
+  text.section("output, at most");
   if (asked.every) {
-    sections.row(kTableFile,
-                 fmt::format("{} rows, {}", count_text(size.rows), bytes_text(size.table)));
+    text.row(kTableFile, fmt::format("{} rows, {}", count_text(size.rows), bytes_text(size.table)));
   }
   if (asked.every && asked.trajectory) {
-    sections.row(trajectory_file_name(asked.trajectory_format),
-                 fmt::format("{} frames, {}", count_text(size.rows), bytes_text(size.trajectory)));
+    text.row(trajectory_file_name(asked.trajectory_format),
+             fmt::format("{} frames, {}", count_text(size.rows), bytes_text(size.trajectory)));
   }
   if (e.output.events) {
-    sections.row(kEventsFile, fmt::format("a row for each of the first {} events", kMostEvents));
+    text.row(kEventsFile, fmt::format("a row for each of the first {} events", kMostEvents));
   }
   std::string journal;
   std::string store;
   if (size.store > 0.0) store = fmt::format(", {} {} likewise", kStoreFile, bytes_text(size.store));
   if (size.journal > 0.0) journal = fmt::format("{} {}, ", kJournalFile, bytes_text(size.journal));
-  sections.row("on the way", fmt::format("{}{} {} and the next beside it{}", journal,
-                                         kCheckpointFile, bytes_text(size.checkpoint), store));
-  sections.row("room", std::isfinite(e.output.room)
-                           ? bytes_text(e.output.room) + " in the current folder"
-                           : std::string("not known"));
+  text.row("on the way", fmt::format("{}{} {} and the next beside it{}", journal, kCheckpointFile,
+                                     bytes_text(size.checkpoint), store));
+  text.row("room", std::isfinite(e.output.room)
+                       ? bytes_text(e.output.room) + " in the current folder"
+                       : std::string("not known"));
+}
+
+Forms forms_of(const Explanation& e) {
+  const Scene& scene = *e.scene;
+  Forms forms;
+  forms.json["scene"] = Json{{"file", scene.file},
+                             {"name", scene.name},
+                             {"dimension", scene.dimension},
+                             {"dynamics", to_string(scene.run.dynamics)},
+                             {"number_type", to_string(scene.run.number_type)},
+                             {"units", scene.units},
+                             {"duration", scene.run.duration}};
+  add_built(forms, e);
+  forms.json["scales"] = scales_json(e);
+  add_frequencies(forms.text, e.scales);
+  add_sliding(forms, e);
+  add_transmissions(forms, e.scales);
+  add_misfits(forms, e.scales);
+  add_step(forms, e);
+  add_cost(forms, e);
+  add_output(forms, e);
+  forms.json["warnings"] = Json::array();
+  forms.text.section("warnings");
+  for (const Explanation::Warning& warning : e.warnings) {
+    forms.json["warnings"].push_back(warning.text);
+    forms.text.row(warning.of, warning.text);
+  }
+  return forms;
 }
 
 }  // namespace
 
 std::string explanation_text(const Explanation& e) {
   const Scene& scene = *e.scene;
-  const std::string title = title_of(scene);
-  Sections sections;
-  add_built(sections, e);
-  add_frequencies(sections, e.scales);
-  add_sliding(sections, e);
-  add_transmissions(sections, e.scales);
-  add_misfits(sections, e.scales);
-  add_step(sections, e);
-  add_cost(sections, e);
-  add_output(sections, e);
-  sections.section("warnings");
-  for (const Explanation::Warning& warning : e.warnings) sections.row(warning.of, warning.text);
-  return fmt::format("{}: {} dimension{}, {} dynamics, {} numbers, {} units\n\n", title,
-                     scene.dimension, scene.dimension == 1 ? "" : "s",
-                     to_string(scene.run.dynamics), to_string(scene.run.number_type), scene.units) +
-         sections.text();
+  return fmt::format("{}: {} dimension{}, {} dynamics, {} numbers, {} units\n\n", title_of(scene),
+                     scene.dimension, scene.dimension == 1 ? "" : "s", XX +
+         forms_of(e).text.text();
 }
+
+std::string explanation_json(const Explanation& e) { return json_text(forms_of(e).json); }
 
 }  // namespace tomlin

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/cli/sections.hpp"
 #include "framework/output/references.hpp"
 #include "framework/scene/title.hpp"
 
@@ -76,69 +77,53 @@ std::vector<std::string> shown_errors(const RunResult& result) {
   return shown;
 }
 
-struct Line {
-  std::string label;
-  std::string content;
-};
-
-void row(std::vector<Line>& lines, std::string label, std::string content) {
-  lines.push_back({std::move(label), std::move(content)});
-}
-
-void add_lines(std::vector<Line>& lines, std::span<const ResultGroup> results) {
+void add_groups(Sections& sections, std::span<const ResultGroup> results) {
   const std::size_t shown = std::min(results.size(), kMostShown);
   for (std::size_t k = 0; k < shown; ++k) {
     std::string text = about(results[k]);
-    row(lines, results[k].name, text.empty() ? "the run ended before the window" : text);
+    sections.row(results[k].name, text.empty() ? "the run ended before the window" : text);
   }
   if (results.size() > shown) {
-    row(lines, "...", fmt::format("and {} more", results.size() - shown));
+    sections.row("...", fmt::format("and {} more", results.size() - shown));
   }
 }
 
 }  // namespace
 
 std::string result_text(const Scene& scene, const RunResult& result, const std::string& where) {
-  std::vector<Line> lines;
+  Sections sections;
+  sections.section(title_of(scene));
   const std::string refused =
       result.refused_steps > 0 ? fmt::format(" ({} refused)", result.refused_steps) : "";
-  row(lines, to_string(result.status),
-      fmt::format("at time {:.9g} after {} steps{}, {} force evaluations", result.end_time,
-                  result.steps, refused, result.force_evaluations));
-  row(lines, "speed",
-      fmt::format("{:.3g} s, {:.3g} steps/s, {}", result.wall_seconds, result.steps_per_second,
-                  to_string(result.instruction_set)));
-  row(lines, "window", fmt::format("time {:.9g} to {:.9g}", result.window_from, result.window_to));
-  add_lines(lines, result.family("drivers"));
-  add_lines(lines, result.family("bodies"));
+  sections.row(to_string(result.status),
+               fmt::format("at time {:.9g} after {} steps{}, {} force evaluations", result.end_time,
+                           result.steps, refused, result.force_evaluations));
+  sections.row("speed", fmt::format("{:.3g} s, {:.3g} steps/s, {}", result.wall_seconds,
+                                    result.steps_per_second, to_string(result.instruction_set)));
+  sections.row("window",
+               fmt::format("time {:.9g} to {:.9g}", result.window_from, result.window_to));
+  add_groups(sections, result.family("drivers"));
+  add_groups(sections, result.family("bodies"));
   const ResultGroup* energy = result.find("energy");
-  if (energy != nullptr && (*energy)["work_in"]) row(lines, "energy", about(*energy));
-  if (result.accuracy) row(lines, "accuracy", about(*result.accuracy));
+  if (energy != nullptr && (*energy)["work_in"]) sections.row("energy", about(*energy));
+  if (result.accuracy) sections.row("accuracy", about(*result.accuracy));
   for (std::size_t k = 0; k < std::min(shown_errors(result).size(), kMostShown); ++k) {
-    row(lines, "error", shown_errors(result)[k]);
+    sections.row("error", shown_errors(result)[k]);
   }
   for (std::size_t k = 0; k < std::min(result.determined.size(), kMostShown); ++k) {
     const DeterminedResult& found = result.determined[k];
-    row(lines, "determined",
-        fmt::format("{} to {:.1f} digits ({} to {})", found.path, found.digits, text_of(found.min),
-                    text_of(found.max)));
+    sections.row("determined", fmt::format("{} to {:.1f} digits ({} to {})", found.path,
+                                           found.digits, text_of(found.min), text_of(found.max)));
   }
   for (const auto& [force, why] : result.left_out)
-    row(lines, "left out", fmt::format("{}: {}", force, why));
+    sections.row("left out", fmt::format("{}: {}", force, why));
   for (std::size_t k = 0; k < std::min(result.warnings.size(), kMostShown); ++k) {
-    row(lines, "warning", result.warnings[k]);
+    sections.row("warning", result.warnings[k]);
   }
   const std::size_t cited = references(scene, result.accuracy ? &*result.accuracy : nullptr).size();
-  row(lines, "cite", fmt::format("{} works, under references in summary.json", cited));
-  row(lines, "results", where);
-
-  std::size_t width = 0;
-  for (const Line& line : lines) width = std::max(width, line.label.size());
-  std::string text = title_of(scene) + "\n";
-  for (const auto& [label, content] : lines) {
-    fmt::format_to(std::back_inserter(text), "  {:<{}}  {}\n", label, width, content);
-  }
-  return text;
+  sections.row("cite", fmt::format("{} works, under references in summary.json", cited));
+  sections.row("results", where);
+  return sections.text();
 }
 
 }  // namespace tomlin

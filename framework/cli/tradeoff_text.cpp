@@ -5,37 +5,66 @@
 #include <cstddef>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "framework/cli/diagnostics.hpp"
+#include "framework/cli/output_table.hpp"
+#include "framework/cli/sections.hpp"
 #include "framework/scene/title.hpp"
 
 namespace tomlin {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr int kMostDecades = 16;
 
-/// Labels in a column, and what belongs to them.
-class Rows {
- public:
-  void add(std::string label, std::string content) {
-    width_ = std::max(width_, label.size());
-    rows_.emplace_back(std::move(label), std::move(content));
-  }
-  std::string text() const {
-    std::string text;
-    for (const auto& [label, content] : rows_) {
-      fmt::format_to(std::back_inserter(text), "  {:<{}}  {}\n", label, width_, content);
-    }
-    return text;
-  }
-
- private:
-  std::vector<std::pair<std::string, std::string>> rows_;
-  std::size_t width_ = 0;
-};
+/// The points, but for what the text says in words.
+OutputTable table_of(const Tradeoff& tradeoff) {
+  OutputTable table;
+  using Point = const TradeoffPoint&;
+  const auto add = [&](const ColumnHeading& heading, auto value) {
+    table.add(heading, tradeoff.points, value);
+  };
+  const auto method_of = [&](Point point) -> const Method& {
+    return tradeoff.methods[point.method];
+  };
+  const auto add_resolution = [&](Resolution kind, const char* csv) {
+    add({.key = to_string(kind), .csv = csv}, [&, kind](Point point) -> OutputTable::Cell {
+      if (method_of(point).resolution != kind) return std::nullopt;
+      return point.resolution;
+    });
+  };
+  add({.key = "rung", .csv = "rung", .quoted = true, .text = "rung"},
+      [&](Point point) { return method_of(point).name; });
+  add_resolution(Resolution::step, "dt [time]");
+  add_resolution(Resolution::tolerance, "tolerance");
+  add({.text = "", .width = 9},
+      [&](Point point) { return to_string(method_of(point).resolution); });
+  add({.text = "", .width = 8, .format = "{:.2g}"}, [](Point point) { return point.resolution; });
+  add({.key = "value", .csv = "value"}, [](Point point) { return point.value; });
+  add({.key = "error", .csv = "error"}, [](Point point) { return point.error; });
+  add({.key = "relative_error", .csv = "relative error"}, [&](Point point) {
+    return tradeoff.scale.relative ? Json(tradeoff.error_of(point)) : Json();
+  });
+  add({.text = "error", .width = 8, .format = "{:.1e}"},
+      [&](Point point) { return tradeoff.error_of(point); });
+  add({.key = "force_evaluations", .csv = "force evaluations", .text = "evaluations", .width = 12},
+      [](Point point) { return point.evaluations; });
+  add({.key = "jacobian_columns", .csv = "jacobian columns", .text = "columns", .width = 9},
+      [](Point point) { return point.columns; });
+  add({.key = "cost", .csv = "cost"}, [](Point point) { return point.cost(); });
+  add({.key = "seconds", .csv = "wall time [s]", .text = "seconds", .width = 8, .format = "{:.2g}"},
+      [](Point point) { return point.seconds; });
+  add({.key = "fastest_at"}, [](Point point) { return point.fastest_at; });
+  add({.key = "cheapest_at"}, [](Point point) { return point.cheapest_at; });
+  return table;
+}
 
 std::string error_text(const Tradeoff& tradeoff, double error) {
   if (!tradeoff.scale.resolved) return fmt::format("{:.1e}", error);
@@ -79,22 +108,22 @@ std::string sensitivity_text(const Sensitivity& sensitivity, const ErrorScale& s
   return "not known: " + sensitivity.why;
 }
 
-void add_reference(Rows& rows, const Tradeoff& tradeoff) {
+void add_reference(Sections& rows, const Tradeoff& tradeoff) {
   const Reference& reference = *tradeoff.reference;
-  rows.add("reference", fmt::format("{:.12g}, error {}{}", reference.value,
+  rows.row("reference", fmt::format("{:.12g}, error {}{}", reference.value,
                                     error_text(tradeoff, reference.error),
                                     reference.settled ? "" : "; it has not stopped moving"));
-  rows.add("  by", fmt::format("{}, {} = {:g}, {} evaluations, {:.2g} s", reference.method,
+  rows.row("  by", fmt::format("{}, {} = {:g}, {} evaluations, {:.2g} s", reference.method,
                                to_string(reference.resolution), reference.knob_value,
                                reference.cost, reference.seconds));
-  rows.add("  other scheme", second_text(tradeoff));
-  rows.add("  quadruple", quadruple_text(tradeoff));
+  rows.row("  other scheme", second_text(tradeoff));
+  rows.row("  quadruple", quadruple_text(tradeoff));
   if (tradeoff.scale.resolved && !tradeoff.scale.relative) {
-    rows.add("  zero", fmt::format("as far as it is known: errors are parts of {:.2g}, which the "
+    rows.row("  zero", fmt::format("as far as it is known: errors are parts of {:.2g}, which the "
                                    "scene's own units have for it",
                                    tradeoff.scale.size));
   }
-  rows.add("determined", sensitivity_text(tradeoff.sensitivity, tradeoff.scale));
+  rows.row("determined", sensitivity_text(tradeoff.sensitivity, tradeoff.scale));
 }
 
 /// "1e-2 to 1e-4" of 2, 3, 4.
@@ -135,20 +164,11 @@ std::vector<std::size_t> shown_points(const Tradeoff& tradeoff) {
   return shown;
 }
 
-std::string table(const Tradeoff& tradeoff) {
-  std::size_t width = 4;
-  for (const TradeoffPoint& point : tradeoff.points) {
-    width = std::max(width, tradeoff.methods[point.method].name.size());
-  }
-  std::string text = fmt::format("  {:<{}}  {:>9}  {:>8}  {:>8}  {:>12}  {:>9}  {:>8}\n", "rung",
-                                 width, "", "", "error", "evaluations", "columns", "seconds");
+std::string shown_table(const Tradeoff& tradeoff) {
+  const OutputTable table = table_of(tradeoff);
+  std::string text = table.text_names() + "\n";
   for (const std::size_t p : shown_points(tradeoff)) {
-    const TradeoffPoint& point = tradeoff.points[p];
-    const Method& method = tradeoff.methods[point.method];
-    const std::string line =
-        fmt::format("  {:<{}}  {:>9}  {:>8.2g}  {:>8.1e}  {:>12}  {:>9}  {:>8.2g}  {}", method.name,
-                    width, to_string(method.resolution), point.resolution, tradeoff.error_of(point),
-                    point.evaluations, point.columns, point.seconds, marks_of(tradeoff, p));
+    const std::string line = table.text(p) + "  " + marks_of(tradeoff, p);
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
   return text;
@@ -187,28 +207,110 @@ std::string recommendation(const Tradeoff& tradeoff) {
   return text;
 }
 
+// ---- JSON: numbers that are not finite are null
+
+Json number(const std::optional<double>& x) { return x ? Json(*x) : Json(); }
+
+Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
+
+Json reference_entry(const Reference& reference) {
+  return {{"value", reference.value},
+          {"error", reference.error},
+          {"settled", reference.settled},
+          {"rung", reference.method},
+          {to_string(reference.resolution), reference.knob_value},
+          {"cost", reference.cost},
+          {"seconds", reference.seconds},
+          {"second",
+           {{"rung", text_or_null(reference.second)},
+            {"differs", number(reference.second_differs)},
+            {"agrees", reference.second_agrees},
+            {"settled", reference.second_settled}}},
+          {"quadruple",
+           {{"rung", text_or_null(reference.quadruple)},
+            {"differs", number(reference.quadruple_differs)},
+            {"part_of_run", reference.quadruple_part},
+            {"unchecked", text_or_null(reference.unchecked)}}}};
+}
+
+Json determined_entry(const Sensitivity& found) {
+  Json determined;
+  if (found.verdict != Sensitivity::Verdict::unknown) {
+    determined = found.verdict == Sensitivity::Verdict::determined;
+  }
+  return {{"determined", determined},
+          {"spread", found.spread},
+          {"digits", found.digits},
+          {"min", found.min},
+          {"max", found.max},
+          {"integration_error", found.integration_error},
+          {"sizes", found.sizes},
+          {"values", found.values},
+          {"why", text_or_null(found.why)}};
+}
+
+Json recommendation_entry(const Tradeoff& tradeoff) {
+  if (!tradeoff.recommendation) return {};
+  const Recommendation& chosen = *tradeoff.recommendation;
+  Json entry = table_of(tradeoff).json(chosen.point);
+  entry["tolerance"] = chosen.tolerance;
+  entry["settings"] = Json::object();
+  for (const Setting& setting : chosen.settings) entry["settings"][setting.path] = setting.value;
+  entry["lines"] = scene_lines(chosen.settings);
+  return entry;
+}
+
 }  // namespace
 
 std::string tradeoff_text(const Scene& scene, const Tradeoff& tradeoff, const std::string& where) {
-  std::string text = title_of(scene) + "\n";
-  Rows rows;
-  rows.add("observable", tradeoff.observable);
+  Sections rows;
+  rows.section(title_of(scene));
+  rows.row("observable", tradeoff.observable);
   if (tradeoff.reference) {
     add_reference(rows, tradeoff);
   } else {
-    rows.add("reference", "none: " + tradeoff.why_none);
+    rows.row("reference", "none: " + tradeoff.why_none);
   }
-  rows.add("budget", fmt::format("{:.3g} of {:g} s used{}", tradeoff.seconds, tradeoff.budget,
+  rows.row("budget", fmt::format("{:.3g} of {:g} s used{}", tradeoff.seconds, tradeoff.budget,
                                  tradeoff.interrupted ? ", then interrupted" : ""));
-  rows.add("results", where);
-  text += rows.text();
-  if (!tradeoff.points.empty()) text += "\n" + table(tradeoff);
+  rows.row("results", where);
+  std::string text = rows.text();
+  if (!tradeoff.points.empty()) text += "\n" + shown_table(tradeoff);
   if (tradeoff.sensitivity.verdict == Sensitivity::Verdict::not_determined) {
     text += "\nErrors below the spread have no meaning: other rounding would give others.\n";
   }
   const std::string left_out = gaps(tradeoff);
   if (!left_out.empty()) text += "\nleft out\n" + left_out;
   return text + "\n" + recommendation(tradeoff);
+}
+
+std::string tradeoff_csv(const Tradeoff& tradeoff) { return table_of(tradeoff).csv(); }
+
+std::string tradeoff_json(const Scene& scene, const Tradeoff& tradeoff) {
+  Json json;
+  json["scene"] = scene.file;
+  json["status"] = to_string(tradeoff.interrupted ? RunStatus::interrupted : RunStatus::finished);
+  json["observable"] = tradeoff.observable;
+  json["tolerance"] = tradeoff.tolerance;
+  json["relative"] = tradeoff.scale.relative;
+  json["resolved"] = tradeoff.reference && tradeoff.scale.resolved;
+  json["error_unit"] = tradeoff.scale.size;
+  json["parameters"] = Json::object();
+  for (const auto& [name, value] : scene.parameters) json["parameters"][name] = value;
+  json["reference"] = tradeoff.reference ? reference_entry(*tradeoff.reference) : Json();
+  json["determined"] = determined_entry(tradeoff.sensitivity);
+  json["recommendation"] = recommendation_entry(tradeoff);
+  json["no_recommendation"] = text_or_null(tradeoff.recommendation ? "" : tradeoff.why_none);
+  json["left_out"] = Json::array();
+  for (const TradeoffGap& gap : tradeoff.gaps) {
+    json["left_out"].push_back(
+        {{"rung", gap.method}, {"reason", to_string(gap.kind)}, {"why", gap.why}});
+  }
+  json["points"] = Json::array();
+  const OutputTable table = table_of(tradeoff);
+  for (std::size_t k = 0; k < tradeoff.points.size(); ++k) json["points"].push_back(table.json(k));
+  json["budget"] = {{"seconds", tradeoff.budget}, {"used", tradeoff.seconds}};
+  return json_text(json);
 }
 
 }  // namespace tomlin
