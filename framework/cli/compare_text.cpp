@@ -60,8 +60,9 @@ std::string compare_text(const Comparison& comparison, const std::string& where)
                         text_of(model.error, "{:.1e}"), text_of(model.difference, "{:.2e}"),
                         model.cost(), to_string(model.verdict));
     if (model.result.failure) text += "    " + to_string(*model.result.failure) + "\n";
-    for (const std::string& warning : model.result.warnings)
-      text += "    warning: " + warning + "\n";
+    for (const Warning& warning : model.result.warnings) {
+      text += "    warning: " + to_string(warning) + "\n";
+    }
   }
   for (const std::string& note : comparison.notes) text += "  note: " + note + "\n";
   return text + "\n" + answer(comparison) + "results: " + where + "\n";
@@ -112,7 +113,8 @@ std::string compare_json(const Comparison& comparison) {
     entry["force_evaluations"] = model.result.force_evaluations;
     entry["jacobian_columns"] = model.result.jacobian_columns;
     entry["seconds"] = number(model.result.wall_seconds);
-    entry["warnings"] = model.result.warnings;
+    entry["warnings"] = texts_of(model.result.warnings);
+    entry["warning_codes"] = codes_of(model.result.warnings);
     if (model.result.failure) entry["failure"] = to_string(*model.result.failure);
     json["models"].push_back(std::move(entry));
   }

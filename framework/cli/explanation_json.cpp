@@ -198,8 +198,8 @@ std::string explanation_json(const Explanation& e) {
   json["integrator"] = step_json(e.step);
   json["cost"] = cost_json(e.cost);
   json["output"] = output_json(e.output);
-  json["warnings"] = Json::array();
-  for (const Explanation::Warning& warning : e.warnings) json["warnings"].push_back(warning.text);
+  json["warnings"] = texts_of(e.warnings);
+  json["warning_codes"] = codes_of(e.warnings);
   // Names may hold anything, broken UTF-8 included.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -271,7 +271,7 @@ std::string explanation_text(const Explanation& e) {
   add_cost(sections, e);
   add_output(sections, e);
   sections.section("warnings");
-  for (const Explanation::Warning& warning : e.warnings) sections.row(warning.of, warning.text);
+  for (const Warning& warning : e.warnings) sections.row(warning.key, to_string(warning));
   return fmt::format("{}: {} dimension{}, {} dynamics, {} numbers, {} units\n\n", title,
                      scene.dimension, scene.dimension == 1 ? "" : "s", scene.run.dynamics,
                      scene.run.number_type, scene.units) +

@@ -126,7 +126,7 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
   for (const auto& [force, why] : result.left_out)
     row(lines, "left out", fmt::format("{}: {}", force, why));
   for (std::size_t k = 0; k < std::min(result.warnings.size(), kMostShown); ++k) {
-    row(lines, "warning", result.warnings[k]);
+    row(lines, "warning", to_string(result.warnings[k]));
   }
   const std::size_t cited = references(scene, result.accuracy ? &*result.accuracy : nullptr).size();
   row(lines, "cite", fmt::format("{} works, under references in summary.json", cited));
