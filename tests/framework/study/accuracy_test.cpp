@@ -256,8 +256,8 @@ TEST(AccuracyOf, IsNotPromisedWhereNothingGetsThroughThePilot) {
 /// Between nothing and enough, coarse steps get through and nothing that they could be compared
 /// with.
 TEST(AccuracyOf, IsNotPromisedWithoutAReference) {
-  constexpr double kForCoarseSteps = 1000.0;
-  const auto scene = test::scene_of(kTip);
+  constexpr double kForCoarseSteps = 30.0;
+  const auto scene = test::scene_of(kTip, {{"run.accuracy", "1e-8"}});
   test::MemoryStore store;
   const auto choose = [&] {
     return choose_integrator(scene, test::standard(), nullptr, kForCoarseSteps, &store);
