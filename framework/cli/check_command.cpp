@@ -17,6 +17,7 @@
 #include "framework/cli/print_result.hpp"
 #include "framework/cli/sections.hpp"
 #include "framework/core/text/fault.hpp"
+#include "framework/core/text/warning.hpp"
 #include "framework/model/claims.hpp"
 #include "framework/model/model.hpp"
 #include "framework/run/trial.hpp"
@@ -83,7 +84,7 @@ struct Check {
 
 struct Report {
   std::vector<Check> checks;
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
   std::vector<Model::LeftOut> not_built;
 
   bool sound() const {
@@ -109,7 +110,8 @@ void check_step(const Scene& scene, const Trial& trial, Report& report) {
                        : fmt::format("dt = {:g}; nothing limits it", dt);
   check.numbers = Json{{"dt", dt}, {"stable_step", limited ? Json(trial.stable_step) : Json()}};
   if (!trial.step_is_stable && check.holds) {
-    report.warnings.push_back(check.text + ": run.allow_unstable insists");
+    report.warnings.push_back({FaultCode::integrator_beyond_stability,
+                               check.text + ": run.allow_unstable insists", "run.integrator.dt"});
   }
   report.checks.push_back(std::move(check));
 }
@@ -166,10 +168,12 @@ Report report_on(const std::shared_ptr<const Scene>& scene, std::uint64_t seed) 
   return report;
 }
 
-std::vector<std::string> all_warnings(const Report& report) {
-  std::vector<std::string> all = report.warnings;
+std::vector<Warning> all_warnings(const Report& report) {
+  std::vector<Warning> all = report.warnings;
   for (const Model::LeftOut& left : report.not_built) {
-    all.push_back(left.force + " is not built and was not checked: " + left.why);
+    all.push_back({FaultCode::scene_force_left_out,
+                   left.force + " is not built and was not checked: " + left.why,
+                   "force." + left.force});
   }
   return all;
 }
@@ -196,8 +200,8 @@ std::string line_of(const Scene& scene, const Report& report) {
     left_out += (left_out.empty() ? "; not built, and so not checked: " : ", ") + one.force;
   }
   text += left_out + "\n";
-  for (const std::string& warning : report.warnings) {
-    text += scene.file + ": warning: " + warning + "\n";
+  for (const Warning& warning : report.warnings) {
+    text += scene.file + ": warning: " + to_string(warning) + "\n";
   }
   return text;
 }
@@ -212,7 +216,9 @@ std::string table_of(const Scene& scene, const Report& report, bool all) {
     const char* verdict = check.unseen ? "unseen  " : check.holds ? "ok      " : "FAILED  ";
     sections.row(check.subject + " " + check.claim, verdict + check.text);
   }
-  for (const std::string& warning : all_warnings(report)) sections.row("warning", warning);
+  for (const Warning& warning : all_warnings(report)) {
+    sections.row("warning", to_string(warning));
+  }
   sections.row("in all", verdict_on(report));
   sections.row("errors", "relative, the worst of the states looked at");
   return sections.text();
@@ -235,7 +241,9 @@ Json json_of(const Report& report) {
     entry["text"] = check.text;
     json["checks"].push_back(std::move(entry));
   }
-  json["warnings"] = all_warnings(report);
+  const std::vector<Warning> warnings = all_warnings(report);
+  json["warnings"] = texts_of(warnings);
+  json["warning_codes"] = codes_of(warnings);
   return json;
 }
 

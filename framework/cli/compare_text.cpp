@@ -67,7 +67,8 @@ OutputTable table_of(const std::vector<ComparedModel>& models) {
       [](Model model) { return model.result.jacobian_columns; });
   add({.key = "seconds", .csv = "wall time [s]"},
       [](Model model) { return model.result.wall_seconds; });
-  add({.key = "warnings"}, [](Model model) { return model.result.warnings; });
+  add({.key = "warnings"}, [](Model model) { return texts_of(model.result.warnings); });
+  add({.key = "warning_codes"}, [](Model model) { return codes_of(model.result.warnings); });
   add({.key = "failure"}, [](Model model) -> OutputTable::Cell {
     if (!model.result.failure) return std::nullopt;
     return to_string(*model.result.failure);
@@ -84,8 +85,9 @@ std::string compare_text(const Comparison& comparison, const std::string& where)
     const ComparedModel& model = comparison.models[k];
     text += table.text(k) + "  " + to_string(model.verdict) + "\n";
     if (model.result.failure) text += "    " + to_string(*model.result.failure) + "\n";
-    for (const std::string& warning : model.result.warnings)
-      text += "    warning: " + warning + "\n";
+    for (const Warning& warning : model.result.warnings) {
+      text += "    warning: " + to_string(warning) + "\n";
+    }
   }
   for (const std::string& note : comparison.notes) text += "  note: " + note + "\n";
   return text + "\n" + answer(comparison) + "results: " + where + "\n";

@@ -51,7 +51,7 @@ Examples:
   tomlin describe force                    the forces, and the keys that each of them takes
   tomlin describe run                      the keys of a table of the scene
   tomlin describe results                  what summary.json has, with dimensions and meanings
-  tomlin describe diagnostics              the codes of error messages
+  tomlin describe diagnostics              the codes of errors and warnings
   tomlin describe scene.unknown_key        what one of them means, an example and a cure
   tomlin describe rk4 --json               the same for programs
   tomlin describe rk4 --markdown           the same for a page

@@ -42,16 +42,14 @@ std::string json_text(const Json& json) {
 }
 
 std::string diagnostic_text(const FaultKind& kind) {
-  return fmt::format("{}\n\nmeaning\n  {}\n\nexample\n  {}\n\ncure\n  {}\n", kind.id, kind.meaning,
-                     kind.example, kind.cure);
+  return fmt::format("{} ({})\n\nmeaning\n  {}\n\nexample\n  {}\n\ncure\n  {}\n", kind.id,
+                     to_string(kind.severity), kind.meaning, kind.example, kind.cure);
 }
 
 Json diagnostic_json(const FaultKind& kind) {
-  return {{"name", kind.id},
-          {"kind", "diagnostic"},
-          {"meaning", kind.meaning},
-          {"example", kind.example},
-          {"cure", kind.cure}};
+  return {
+      {"name", kind.id},         {"kind", "diagnostic"},    {"severity", to_string(kind.severity)},
+      {"meaning", kind.meaning}, {"example", kind.example}, {"cure", kind.cure}};
 }
 
 std::string diagnostics_text() {
@@ -59,7 +57,8 @@ std::string diagnostics_text() {
   for (const FaultKind& kind : fault_kinds()) width = std::max(width, kind.id.size());
   std::string text = "diagnostics\n";
   for (const FaultKind& kind : fault_kinds()) {
-    fmt::format_to(std::back_inserter(text), "  {:<{}}  {}\n", kind.id, width, kind.meaning);
+    fmt::format_to(std::back_inserter(text), "  {:<{}}  {:<7}  {}\n", kind.id, width,
+                   to_string(kind.severity), kind.meaning);
   }
   return text + "\n`tomlin describe CODE` shows one with an example and a cure.\n";
 }
@@ -71,7 +70,8 @@ Json diagnostics_json() {
 }
 
 std::string diagnostic_section(const FaultKind& kind) {
-  return fmt::format("### {}\n\n{}\n\n- Example: {}\n- Cure: {}\n\n", kind.id, kind.meaning,
+  return fmt::format("### {}\n\n{}{}\n\n- Example: {}\n- Cure: {}\n\n", kind.id,
+                     kind.severity == Severity::warning ? "*Warning.* " : "", kind.meaning,
                      is_command(kind.example) ? fmt::format("`{}`", kind.example) : kind.example,
                      kind.cure);
 }

@@ -127,7 +127,7 @@ Explanation::Step step_of(const Scene& scene, const Trial& trial) {
 /// The trial, stretched to the whole run.
 std::optional<Explanation::Cost> cost_of(const Scene& scene, const Explanation::Step& step,
                                          const Trial& trial) {
-  if (trial.steps == 0 || trial.failed) return std::nullopt;
+  if (trial.steps == 0 || trial.failure) return std::nullopt;
   const double tried = static_cast<double>(trial.steps);
   Explanation::Cost cost;
   cost.exact = trial.finished;
@@ -148,8 +148,9 @@ void add_warning_of_room(Explanation& explanation) {
   } catch (const InputError& error) {
     for (const Fault& fault : error.faults()) {
       explanation.warnings.push_back(
-          {"output.every",
-           fmt::format("the run is refused: {}; admissible: {}", fault.why, fault.admissible)});
+          {fault.code,
+           fmt::format("the run is refused: {}; admissible: {}", fault.why, fault.admissible),
+           "output.every"});
     }
   }
 }
@@ -169,14 +170,19 @@ Explanation explain(const std::shared_ptr<const Scene>& scene, double trial_seco
   explanation.output = {output_size(*scene, trial.layout), trial.layout.events, room_in(".")};
   add_warning_of_room(explanation);
   if (!explanation.step.stable) {
+    const bool allowed = scene->run.allow_unstable;
     explanation.warnings.push_back(
-        {"step", fmt::format("dt = {:g} is beyond the stable step {:.4g}: {}", explanation.step.dt,
-                             explanation.step.stable_step,
-                             scene->run.allow_unstable ? "the run will probably fail"
-                                                       : "the run is refused; take a smaller dt")});
+        {allowed ? FaultCode::integrator_beyond_stability : FaultCode::run_step_unstable,
+         fmt::format(
+             "dt = {:g} is beyond the stable step {:.4g}: {}", explanation.step.dt,
+             explanation.step.stable_step,
+             allowed ? "the run will probably fail" : "the run is refused; take a smaller dt"),
+         "run.integrator"});
   }
-  if (trial.failed)
-    explanation.warnings.push_back({"step", "a step of the trial failed: run says why"});
+  if (trial.failure) {
+    explanation.warnings.push_back(
+        {*trial.failure, "a step of the trial failed: run says why", "run.integrator"});
+  }
   return explanation;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "framework/core/records/traits.hpp"
+#include "framework/core/text/warning.hpp"
 #include "framework/model/scales.hpp"
 #include "framework/output/output_size.hpp"
 #include "framework/scene/scene.hpp"
@@ -58,10 +59,6 @@ struct Explanation {
     std::string instruction_set;
   };
 
-  struct Warning {
-    std::string of;  ///< "step", "room"
-    std::string text;
-  };
   struct Output {
     OutputSize size;
     bool events = false;  ///< whether any can happen

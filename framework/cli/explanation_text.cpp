@@ -413,12 +413,10 @@ Forms forms_of(const Explanation& e) {
   add_step(forms, e);
   add_cost(forms, e);
   add_output(forms, e);
-  forms.json["warnings"] = Json::array();
+  forms.json["warnings"] = texts_of(e.warnings);
+  forms.json["warning_codes"] = codes_of(e.warnings);
   forms.text.section("warnings");
-  for (const Explanation::Warning& warning : e.warnings) {
-    forms.json["warnings"].push_back(warning.text);
-    forms.text.row(warning.of, warning.text);
-  }
+  for (const Warning& warning : e.warnings) forms.text.row(warning.key, to_string(warning));
   return forms;
 }
 
@@ -427,7 +425,8 @@ Forms forms_of(const Explanation& e) {
 std::string explanation_text(const Explanation& e) {
   const Scene& scene = *e.scene;
   return fmt::format("{}: {} dimension{}, {} dynamics, {} numbers, {} units\n\n", title_of(scene),
-                     scene.dimension, scene.dimension == 1 ? "" : "s", XX +
+                     scene.dimension, scene.dimension == 1 ? "" : "s",
+                     to_string(scene.run.dynamics), to_string(scene.run.number_type), scene.units) +
          forms_of(e).text.text();
 }
 

@@ -166,12 +166,15 @@ const char* shape_text(const ResultQuantity& quantity) {
 
 std::string page_of_diagnostics() {
   return std::string("# Diagnostics\n\n") + kMadeBy +
-         "An error message ends with its code in brackets, `[scene.unknown_key]`; `check --json` "
-         "and "
-         "`explain --json`\nhave it as `code`, and so has `failure` in `summary.json`. Codes are "
-         "stable, the wording of messages is not.\n`tomlin describe scene.unknown_key` shows one "
-         "of "
-         "these entries. `pt.toml` in the examples is the scene of\n`tomlin new pt`.\n\n" +
+         "An error message and a warning end with their code in brackets, `[scene.unknown_key]`. "
+         "`check --json` and\n`explain --json` have that of an error as `code`, and so has "
+         "`failure` in `summary.json`. Beside every list\n`warnings`, in `summary.json`, "
+         "`compare.json`, `check --json` and `explain --json`, a list `warning_codes` has\nthe "
+         "code "
+         "of each; where `explain` announces that a run would be refused, that of the refusal. "
+         "Entries of\nwarnings begin with *Warning*. Codes are stable, the wording of messages is "
+         "not. `tomlin describe\nscene.unknown_key` shows one of these entries. `pt.toml` in the "
+         "examples is the scene of `tomlin new pt`.\n\n" +
          diagnostics_section();
 }
 

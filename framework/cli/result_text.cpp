@@ -118,7 +118,7 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
   for (const auto& [force, why] : result.left_out)
     sections.row("left out", fmt::format("{}: {}", force, why));
   for (std::size_t k = 0; k < std::min(result.warnings.size(), kMostShown); ++k) {
-    sections.row("warning", result.warnings[k]);
+    sections.row("warning", to_string(result.warnings[k]));
   }
   const std::size_t cited = references(scene, result.accuracy ? &*result.accuracy : nullptr).size();
   sections.row("cite", fmt::format("{} works, under references in summary.json", cited));

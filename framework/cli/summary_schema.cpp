@@ -1,10 +1,13 @@
 #include "framework/cli/summary_schema.hpp"
 
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "framework/core/text/fault_code.hpp"
 #include "framework/run/results.hpp"
 
 namespace tomlin {
@@ -61,17 +64,26 @@ Json family_schema(const ResultFamily& family) {
   return {{"type", "object"}, {"additionalProperties", std::move(schema)}};
 }
 
+std::vector<std::string_view> warning_ids() {
+  std::vector<std::string_view> ids;
+  for (const FaultKind& kind : fault_kinds()) {
+    if (kind.severity == Severity::warning) ids.push_back(kind.id);
+  }
+  return ids;
+}
+
 }  // namespace
 
 std::string summary_schema() {
-  Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"},
-                 {"title", "summary.json of tomlin"},
-                 {"type", "object"},
-                 {"properties", Json::object()},
-                 {"required",
-                  {"status", "program", "scene", "integrator", "parameters", "time", "window",
-                   "drivers", "bodies", "warnings", "left_out", "references", "performance"}},
-                 {"additionalProperties", false}};
+  Json schema = {
+      {"$schema", "http://json-schema.org/draft-07/schema#"},
+      {"title", "summary.json of tomlin"},
+      {"type", "object"},
+      {"properties", Json::object()},
+      {"required",
+       {"status", "program", "scene", "integrator", "parameters", "time", "window", "drivers",
+        "bodies", "warnings", "warning_codes", "left_out", "references", "performance"}},
+      {"additionalProperties", false}};
   Json& properties = schema["properties"];
   properties["status"] = {{"enum", words_of<RunStatus>()}};
   for (const char* key : {"failure", "program", "scene", "until", "accuracy"}) {
@@ -86,6 +98,10 @@ std::string summary_schema() {
   properties["determined"] = map_of(object());
   properties["error"] = map_of(number_or_null());
   properties["warnings"] = {{"type", "array"}, {"items", {{"type", "string"}}}};
+  properties["warning_codes"] = {
+      {"type", "array"},
+      {"items", {{"enum", warning_ids()}}},
+      {"description", "of each of the warnings, in their order; `tomlin describe CODE`"}};
   for (const char* key : {"left_out", "references", "plugins"}) {
     properties[key] = {{"type", "array"}, {"items", object()}};
   }

@@ -160,8 +160,10 @@ void RunRecorder::tell_of_dropped_events(RunResult& result) const {
   double all = 0.0;
   for (const ResultValue& count : result.group("events").values) all += count.value_or(0.0);
   if (all <= static_cast<double>(most_events_)) return;
-  result.warnings.push_back(fmt::format("{} has the first {} of {:.0f} events; all are counted",
-                                        kEventsFile, most_events_, all));
+  result.warnings.push_back({FaultCode::output_events_dropped,
+                             fmt::format("{} has the first {} of {:.0f} events; all are counted",
+                                         kEventsFile, most_events_, all),
+                             "events"});
 }
 
 std::optional<std::string> RunRecorder::finish(RunResult& result) {

@@ -205,7 +205,8 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
     for (const ErrorEstimate& one : result.errors) summary["error"][one.path] = number(one.error);
   }
 
-  summary["warnings"] = result.warnings;
+  summary["warnings"] = texts_of(result.warnings);
+  summary["warning_codes"] = codes_of(result.warnings);
   summary["left_out"] = Json::array();
   for (const auto& [force, why] : result.left_out) {
     summary["left_out"].push_back({{"force", force}, {"why", why}});

@@ -50,7 +50,7 @@ struct RunOutcome {
   bool interrupted = false;
   std::optional<RunFailure> failure;
   std::optional<PluginError> thrown;  ///< what the code of a plugin has thrown
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
 
   bool done() const { return ended || failure.has_value(); }
   /// All of it was run.

@@ -18,7 +18,8 @@
 namespace tomlin {
 namespace {
 
-constexpr double kMostDigits = 17.0;  // of a double
+constexpr double kMostDigits = 17.0;                // of a double
+constexpr const char* kPerturbKey = "run.perturb";  // of warnings
 constexpr double kLog10 = 2.302585092994046;
 /// Halving a force takes half of a change that is in proportion to it, and nothing of a change of
 /// branch. Where it takes more than this the two runs are on different branches.
@@ -132,12 +133,16 @@ void determine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
         (half && half->status == RunStatus::interrupted)) {
       result.status = RunStatus::interrupted;
       result.warnings.push_back(
-          fmt::format("stopped after {} of {} runs from perturbed starts", repeat - 1, repeats));
+          {FaultCode::run_comparison_stopped,
+           fmt::format("stopped after {} of {} runs from perturbed starts", repeat - 1, repeats),
+           kPerturbKey});
       break;
     }
     if (other.failure) {
-      result.warnings.push_back(fmt::format("the run from perturbed start {} failed: {}", repeat,
-                                            to_string(*other.failure)));
+      result.warnings.push_back({FaultCode::run_perturb_failed,
+                                 fmt::format("the run from perturbed start {} failed: {}", repeat,
+                                             to_string(*other.failure)),
+                                 kPerturbKey});
       continue;
     }
     for (std::size_t k = 0; k < all.size(); ++k) {
@@ -156,9 +161,11 @@ void determine(const std::shared_ptr<const Scene>& scene, const RunOptions& opti
     if (all[k].values.size() < 2) continue;
     const DeterminedResult found = judged(result, all[k], sizes[k]);
     if (found.digits < kDigitsOfADeterminedResult) {
-      result.warnings.push_back(fmt::format(
-          "{} is not determined: starts that differ by {:g} move it between {:.6g} and {:.6g}",
-          found.path, settings.size, found.min, found.max));
+      result.warnings.push_back({FaultCode::run_not_determined,
+                                 fmt::format("{} is not determined: starts that differ by {:g} "
+                                             "move it between {:.6g} and {:.6g}",
+                                             found.path, settings.size, found.min, found.max),
+                                 found.path});
     }
     result.determined.push_back(found);
   }

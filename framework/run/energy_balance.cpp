@@ -58,7 +58,7 @@ std::shared_ptr<const Scene> with_ledger(const Scene& scene) {
 
 }  // namespace
 
-std::optional<std::string> doubt_of_balance(const SampledWork& found, bool sampled) {
+std::optional<Warning> doubt_of_balance(const SampledWork& found, bool sampled) {
   const double work = std::abs(found.work);
   const bool damped = std::abs(found.heat) > kNoHeat * found.stored;
   const double scale =
@@ -69,11 +69,12 @@ std::optional<std::string> doubt_of_balance(const SampledWork& found, bool sampl
   const std::string beside =
       damped ? fmt::format("a work of {:.2g} and a heat of {:.2g}", found.work, found.heat)
              : fmt::format("an energy of {:.2g}", found.stored);
-  return fmt::format(
-      "the energy balance does not close: the numerical work, which the integrator adds by itself, "
-      "is {}{:.2g} beside {}: take shorter steps or finer tolerances{}",
-      sampled ? "about " : "", found.numerical, beside,
-      sampled ? "; ledger = true gives the whole balance" : "");
+  return Warning{FaultCode::run_energy_balance,
+                 fmt::format("the energy balance does not close: the numerical work, which the "
+                             "integrator adds by itself, is {}{:.2g} beside {}: take shorter steps "
+                             "or finer tolerances{}",
+                             sampled ? "about " : "", found.numerical, beside,
+                             sampled ? "; ledger = true gives the whole balance" : "")};
 }
 
 EnergyBalance::EnergyBalance(const std::shared_ptr<const Scene>& scene, const RunOptions& options)

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string>
 
 #include "framework/core/system/aligned.hpp"
 #include "framework/core/system/state_layout.hpp"
@@ -30,7 +29,7 @@ struct SampledWork {
 
 /// A warning where the numerical work is neither small beside work and heat nor the chance of a
 /// sample. Without heat it is held against the energy itself, too.
-std::optional<std::string> doubt_of_balance(const SampledWork& found, bool sampled);
+std::optional<Warning> doubt_of_balance(const SampledWork& found, bool sampled);
 
 /// The balance of a run without a ledger, from short blocks of steps at random times, one in each
 /// of some equal parts of the window (stratified sampling). A second engine with a ledger takes the

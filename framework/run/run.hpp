@@ -17,6 +17,7 @@
 #include "framework/core/system/instruction_set.hpp"
 #include "framework/core/system/state_layout.hpp"
 #include "framework/core/text/fault_code.hpp"
+#include "framework/core/text/warning.hpp"
 #include "framework/core/text/words.hpp"
 #include "framework/model/assembly.hpp"
 #include "framework/run/result_group.hpp"
@@ -103,7 +104,7 @@ struct RunResult {
   std::vector<DeterminedResult> determined;  ///< with `[run] perturb`
   std::optional<AccuracyResult> accuracy;    ///< with `[run] accuracy`
   std::vector<ErrorEstimate> errors;         ///< likewise
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
   std::vector<std::pair<std::string, std::string>> left_out;  ///< force and why it was not built
   double wall_seconds = 0.0;
   double steps_per_second = 0.0;

@@ -19,6 +19,10 @@ namespace {
 
 constexpr double kTau = 6.283185307179586476925286766559;
 
+/// Keys of warnings.
+constexpr const char* kIntegratorKey = "run.integrator";
+constexpr const char* kStepKey = "run.integrator.dt";
+
 /// What the checks look at, and what they have found.
 struct Check {
   Model& model;
@@ -149,9 +153,12 @@ void warn_of_idle_velocities(Check& check) {
                          [](double v) { return v != 0.0; });
     });
     if (!any) continue;
+    const std::string key = fmt::format("body.{}.velocity", body.name);
     check.found.warnings.push_back(
-        fmt::format("body.{}.velocity means nothing without inertia: velocities follow from {}",
-                    body.name, check.scheme.follows_equilibria ? "the drivers'" : "forces"));
+        {FaultCode::scene_velocity_unused,
+         fmt::format("{} means nothing without inertia: velocities follow from {}", key,
+                     check.scheme.follows_equilibria ? "the drivers'" : "forces"),
+         key});
   }
 }
 
@@ -163,10 +170,12 @@ void warn_of_fine_tolerance(Check& check) {
   const double asked =
       *tolerance_of(check.scene.run.integrator, tolerance_scales(check.model.system().view).length);
   if (asked >= kFinestOfFloat) return;
-  check.found.warnings.push_back(fmt::format(
-      "floats carry no tolerance of {:g} of a length: below about {:g} steps follow their rounding "
-      "and get very short",
-      asked, kFinestOfFloat));
+  check.found.warnings.push_back(
+      {FaultCode::integrator_fine_tolerance,
+       fmt::format("floats carry no tolerance of {:g} of a length: below about {:g} steps follow "
+                   "their rounding and get very short",
+                   asked, kFinestOfFloat),
+       kIntegratorKey});
 }
 
 /// Quasistatic dynamics have a scheme of their own.
@@ -174,8 +183,10 @@ void warn_of_unused_integrator(Check& check) {
   const SceneIntegrator& integrator = check.scene.run.integrator;
   if (integrator.not_used.empty()) return;
   check.found.warnings.push_back(
-      fmt::format("run.integrator = {} is not used: quasistatic dynamics follow equilibria by {}",
-                  integrator.not_used, integrator.name));
+      {FaultCode::integrator_unused,
+       fmt::format("{} = {} is not used: quasistatic dynamics follow equilibria by {}",
+                   kIntegratorKey, integrator.not_used, integrator.name),
+       kIntegratorKey});
 }
 
 /// Where nothing is free there is no error for an adaptive scheme to control, yet forces on what is
@@ -209,17 +220,17 @@ void check_step(Check& check) {
   check.found.stable_step = check.model.stable_step(check.scheme);
   const double longest = std::min(check.plan.dt, check.plan.duration);
   if (longest <= check.found.stable_step * (1.0 + kNoStep)) return;
+  const std::string what =
+      fmt::format("dt = {:g} is beyond the stability limit of {}, about {:.4g}", check.plan.dt,
+                  check.scheme.name, check.found.stable_step);
   if (check.scene.run.allow_unstable) {
-    check.found.warnings.push_back(
-        fmt::format("dt = {:g} is beyond the stability limit of {}, about {:.4g}", check.plan.dt,
-                    check.scheme.name, check.found.stable_step));
+    check.found.warnings.push_back({FaultCode::integrator_beyond_stability, what, kStepKey});
     return;
   }
   RunFailure failure = diagnose(check.model, check.scheme, StepFault::not_finite_or_too_far, 0,
                                 DoubleDouble(0.0), check.plan.dt, check.found.stable_step);
   failure.code = FaultCode::run_step_unstable;
-  failure.what = fmt::format("dt = {:g} is beyond the stability limit of {}, about {:.4g}",
-                             check.plan.dt, check.scheme.name, check.found.stable_step);
+  failure.what = what;
   failure.force = check.model.stiffest_force();
   failure.cause =
       "the stiffest force limits the step; use a smaller dt, or force the run with "
@@ -272,12 +283,14 @@ void check_places(Check& check) {
     }
     const double coarse = last_place * farthest_without_length / tolerance_scales(view).length;
     if (coarse > std::max(kCoarseUnits, kFewUnits * last_place)) {
-      check.found.warnings.push_back(fmt::format(
-          "{}: positions along {} are far from zero, and no force declares a period "
-          "there: {} resolves "
-          "{:.2g}, and smaller displacements are lost",
-          body.bound.name, "xyz"[axis_without_length], to_string(check.scene.run.number_type),
-          last_place * farthest_without_length));
+      check.found.warnings.push_back(
+          {FaultCode::number_type_coarse_positions,
+           fmt::format("{}: positions along {} are far from zero, and no force declares a period "
+                       "there: {} resolves {:.2g}, and smaller displacements are lost",
+                       body.bound.name, "xyz"[axis_without_length],
+                       to_string(check.scene.run.number_type),
+                       last_place * farthest_without_length),
+           "body." + body.bound.name});
     }
     if (worst <= std::max(kCoarsePlaces, kFewPlaces * last_place)) continue;
     const std::string what = fmt::format(
@@ -285,7 +298,8 @@ void check_places(Check& check) {
         "shortest length there (a period, half a bond, a radius)",
         "xyz"[axis], to_string(check.scene.run.number_type), worst);
     if (worst <= kUselessPlaces) {
-      check.found.warnings.push_back(body.bound.name + ": " + what);
+      check.found.warnings.push_back({FaultCode::number_type_coarse_positions,
+                                      body.bound.name + ": " + what, "body." + body.bound.name});
     } else {
       fail(FaultCode::number_type_unsuitable, check, body.bound.name, what,
            "start nearer to zero, or in a finer number_type");
@@ -303,8 +317,10 @@ void check_ways(Check& check) {
       check.found.longest_step = std::min(check.found.longest_step, longest);
     } else if (longest < check.plan.dt ||
                missed_by_steps(change, check.plan.dt, check.plan.duration) > kMissedChange) {
-      check.found.warnings.push_back(fmt::format("{} changes faster than steps of {:g} can follow",
-                                                 change.what, check.plan.dt));
+      check.found.warnings.push_back({FaultCode::integrator_unresolved_time,
+                                      fmt::format("{} changes faster than steps of {:g} can follow",
+                                                  change.what, check.plan.dt),
+                                      change.key});
     }
   }
   check.model.anchor(DoubleDouble(0.0));
@@ -336,7 +352,7 @@ void check_drag(Check& check) {
       "{} drags too easily by {:.2g} of the force",
       check.plan.dt, check.plan.dt * rate, rate, check.scheme.name, error);
   if (error <= kUselessDrag || check.scene.run.allow_unstable) {
-    check.found.warnings.push_back(what);
+    check.found.warnings.push_back({FaultCode::integrator_weak_drag, what, kStepKey});
     return;
   }
   fail(FaultCode::run_step_unstable, check, "", what,
@@ -381,7 +397,8 @@ void warn_of_coarse_tolerance(Check& check) {
       *asked * scales.length, shortest * scales.length);
   if (*asked <= kUselessTolerance * shortest || holds_steps(check.scene.run) ||
       check.scene.run.allow_unstable) {
-    check.found.warnings.push_back(what + ": results follow the steps");
+    check.found.warnings.push_back({FaultCode::integrator_coarse_tolerance,
+                                    what + ": results follow the steps", kIntegratorKey});
     return;
   }
   fail(FaultCode::scene_out_of_range, check, "", what + ": the result would mean nothing",
@@ -418,10 +435,12 @@ void warn_of_stiff_drivers(Check& check) {
     const double known = std::max(asked, last_place * shortest);
     if (!(drive->stiffness * known > kCoarseForce * largest)) continue;
     check.found.warnings.push_back(
-        fmt::format("{}: positions are accurate to {:.2g}, and its force therefore to {:.2g} only, "
-                    "while substrate "
-                    "and drag exert {:.2g} at most: use a finer tolerance or a softer spring",
-                    driver.name, known, drive->stiffness * known, largest));
+        {FaultCode::run_stiff_driver,
+         fmt::format("{}: positions are accurate to {:.2g}, and its force therefore to {:.2g} "
+                     "only, while substrate and drag exert {:.2g} at most: use a finer tolerance "
+                     "or a softer spring",
+                     driver.name, known, drive->stiffness * known, largest),
+         "drivers." + driver.name});
   }
 }
 
@@ -434,9 +453,11 @@ void warn_of_short_window(Check& check) {
       last_place_of(NumberType::double_precision) * check.plan.window_to / window;
   if (rounding > kCoarseMean) {
     check.found.warnings.push_back(
-        fmt::format("the window is {:.2g} of the time before its end: rounding leaves its means "
-                    "right to some {:.1g} of themselves",
-                    window / check.plan.window_to, rounding));
+        {FaultCode::run_window_rounding,
+         fmt::format("the window is {:.2g} of the time before its end: rounding leaves its means "
+                     "right to some {:.1g} of themselves",
+                     window / check.plan.window_to, rounding),
+         "measure"});
   }
   // Of several drivers of different speeds one decides.
   std::vector<DriverWindow> windows;
@@ -447,9 +468,7 @@ void warn_of_short_window(Check& check) {
   }
   for (DriverWindow& seen : windows) {
     seen.steady = seen.steady && seen.one_period && !whole;
-    for (std::string& doubt : doubts_before(seen)) {
-      check.found.warnings.push_back(std::move(doubt));
-    }
+    if (auto doubt = doubt_before(seen)) check.found.warnings.push_back(*std::move(doubt));
   }
 }
 

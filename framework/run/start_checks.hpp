@@ -2,7 +2,6 @@
 
 #include <limits>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "framework/run/plan.hpp"
@@ -13,7 +12,7 @@
 namespace tomlin {
 
 struct StartFindings {
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
   std::optional<RunFailure> failure;  ///< the first reason to take no step
   double stable_step = 0.0;           ///< of a fixed step: the stability limit
   /// Of an adaptive scheme: the longest step whose error it does not estimate itself.

@@ -138,20 +138,24 @@ std::vector<TimeDependence> time_dependences(Model& model) {
   std::vector<TimeDependence> all;
   for (const Model::Body& body : model.bodies()) {
     if (!body.prescribed()) continue;
-    const auto add = [&](const TimeFunction& function, const char* which) {
+    const auto add = [&](const TimeFunction& function, const char* which, const char* key) {
       if (function.is_constant()) return;
       all.push_back({fmt::format("{}: its prescribed {} {}", body.bound.name, which, function.text),
-                     1, 8, [&function](double t, double* value) { *value = function(t); }});
+                     fmt::format("body.{}.motion.{}", body.bound.name, key), 1, 8,
+                     [&function](double t, double* value) { *value = function(t); }});
     };
-    for (const TimeFunction& function : body.motion->velocity) add(function, "velocity");
-    add(body.motion->angular_velocity, "angular velocity");
+    for (const TimeFunction& function : body.motion->velocity) {
+      add(function, "velocity", "velocity");
+    }
+    add(body.motion->angular_velocity, "angular velocity", "angular_velocity");
   }
   for (const Model::Force& force : model.forces()) {
     const Drive* drive = force.bound->drive();
     if (!force.bound->depends_on_time() || (drive != nullptr && drive->steady)) continue;
     if (force.bound->own_count() > 0 || force.is_operator) continue;
     const auto timed = std::make_shared<TimedForce>(model, force);
-    all.push_back({fmt::format("{}: its force", force.name), timed->numbers(), timed->numbers(),
+    all.push_back({fmt::format("{}: its force", force.name), "force." + force.name,
+                   timed->numbers(), timed->numbers(),
                    [timed](double t, double* value) { timed->at(t, value); }});
   }
   return all;

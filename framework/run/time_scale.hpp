@@ -13,7 +13,8 @@
 namespace tomlin {
 
 struct TimeDependence {
-  std::string what;         ///< for messages: "the force \"shake\""
+  std::string what;         ///< for messages: "shake: its force"
+  std::string key;          ///< of the scene: "force.shake", "body.tip.motion.velocity"
   std::size_t numbers = 0;  /// of a value
   std::size_t effort = 1;   ///< of one value, about, in evaluations of a particle
   /// Its value at a time, everything else as it is at the start of the run.

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "framework/run/context.hpp"
 #include "framework/run/engine.hpp"
 
 namespace tomlin {
@@ -43,8 +44,8 @@ Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds, Instruc
   if (engine.thrown()) throw *engine.thrown();
   trial.seconds = elapsed();
   trial.time = engine.time();
-  trial.failed = engine.failed();
-  trial.finished = engine.done() && !trial.failed;
+  if (const auto& failure = engine.context().outcome.failure) trial.failure = failure->code;
+  trial.finished = engine.done() && !trial.failure;
   trial.evaluations = engine.model().system().evaluations;
   trial.steps = engine.steps();
   return trial;

@@ -12,10 +12,10 @@ namespace tomlin {
 
 /// What a few steps tell about a whole run.
 struct Trial {
-  double stable_step = 0.0;    ///< of a fixed-step scheme; infinite where nothing limits it
-  bool step_is_stable = true;  ///< false: the scene's step is longer; no step is taken then
-  bool failed = false;         ///< a step failed
-  bool finished = false;       ///< the trial was the whole run
+  double stable_step = 0.0;          ///< of a fixed-step scheme; infinite where nothing limits it
+  bool step_is_stable = true;        ///< false: the scene's step is longer; no step is taken then
+  std::optional<FaultCode> failure;  ///< of a step that failed
+  bool finished = false;             ///< the trial was the whole run
   std::uint64_t steps = 0;
   std::uint64_t evaluations = 0;  ///< of all forces
   double time = 0.0;              ///< of the scene, reached

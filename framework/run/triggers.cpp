@@ -90,9 +90,12 @@ void Triggers::start() {
     for (int side = 0; side < 2; ++side) {
       trigger.beyond[side] = beyond(trigger, side) > 0.0 ? 1 : 0;
       if (trigger.beyond[side] == 0) continue;
-      run_.outcome.warnings.push_back(fmt::format(
-          "force.{}.reverse: {} is {} its value at the start; the driver turns when it passes it",
-          force.name, force.bound->waits_for()->when, side == 0 ? "above" : "below"));
+      const std::string key = fmt::format("force.{}.reverse", force.name);
+      run_.outcome.warnings.push_back(
+          {FaultCode::run_reverse_passed,
+           fmt::format("{}: {} is {} its value at the start; the driver turns when it passes it",
+                       key, force.bound->waits_for()->when, side == 0 ? "above" : "below"),
+           key});
     }
   }
 }

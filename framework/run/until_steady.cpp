@@ -30,9 +30,11 @@ void UntilSteady::start(const Measured& measured) {
   model.anchor(DoubleDouble(0.0));
   if (slowest) return;
   run_.outcome.warnings.push_back(
-      fmt::format("run.until: the slowest internal time of so many coordinates is not known, only "
-                  "how {} has changed so far",
-                  until.steady));
+      {FaultCode::run_until_slowest_unknown,
+       fmt::format("run.until: the slowest internal time of so many coordinates is not known, only "
+                   "how {} has changed so far",
+                   until.steady),
+       "run.until"});
 }
 
 /// After the run's last period its window stays.
@@ -76,9 +78,11 @@ void UntilSteady::finish() {
       why += fmt::format(", since the slowest internal time of the scene is {:.3g}", slowest_time_);
     }
   }
-  run_.outcome.warnings.push_back(fmt::format("{} is not steady to {:g} by time {:g}: {}",
-                                              until.steady, until.tolerance, run_.plan.duration,
-                                              why));
+  run_.outcome.warnings.push_back(
+      {FaultCode::run_until_not_steady,
+       fmt::format("{} is not steady to {:g} by time {:g}: {}", until.steady, until.tolerance,
+                   run_.plan.duration, why),
+       "run.until"});
 }
 
 SteadyResult UntilSteady::result() const {

@@ -66,15 +66,17 @@ std::vector<double> along_with_drivers(const Model& model) {
   return along;
 }
 
-std::optional<std::string> doubt_of_rounding(double rounding, double work, double tolerance) {
+std::optional<Warning> doubt_of_rounding(double rounding, double work, double tolerance) {
   if (work == 0.0) return std::nullopt;
   const double part = rounding / std::abs(work);
   if (!(part > std::max(kWell, tolerance))) return std::nullopt;
-  return fmt::format(
-      "rounding makes up a part of {:.2g} of the drivers' work: so slow a motion dissipates less "
-      "than double precision carries beside the forces that do no work; quasistatic dynamics give "
-      "the limit of slow driving",
-      part);
+  return Warning{FaultCode::run_work_rounding,
+                 fmt::format("rounding makes up a part of {:.2g} of the drivers' work: so slow a "
+                             "motion dissipates less than double precision carries beside the "
+                             "forces that do no work; quasistatic dynamics give the limit of slow "
+                             "driving",
+                             part),
+                 "drivers"};
 }
 
 }  // namespace tomlin

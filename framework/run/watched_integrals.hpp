@@ -1,10 +1,10 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "framework/core/system/scheme.hpp"
+#include "framework/core/text/warning.hpp"
 #include "framework/model/model.hpp"
 
 namespace tomlin {
@@ -19,6 +19,6 @@ std::vector<double> along_with_drivers(const Model& model);
 
 /// A warning where rounding makes up more than a part `tolerance` of a driver's work over the
 /// window. `rounding` is an energy.
-std::optional<std::string> doubt_of_rounding(double rounding, double work, double tolerance);
+std::optional<Warning> doubt_of_rounding(double rounding, double work, double tolerance);
 
 }  // namespace tomlin

@@ -25,6 +25,8 @@ constexpr std::uint64_t kFewSlips = 3;
 /// Times in messages, to what a reader would type.
 std::string digits(double time) { return fmt::format("{:.6g}", time); }
 
+std::string key_of(const DriverWindow& window) { return "drivers." + window.driver; }
+
 }  // namespace
 
 DriverWindow driver_window(const Model& model, std::size_t driver, double from, double to) {
@@ -59,14 +61,16 @@ bool is_whole(const DriverWindow& w) {
   return w.steady && std::abs(periods - std::nearbyint(periods)) <= kPartOfPeriod * periods;
 }
 
-std::vector<std::string> doubts_before(const DriverWindow& w) {
+std::optional<Warning> doubt_before(const DriverWindow& w) {
   const double periods = w.speed * (w.to - w.from) / w.period;
   if (!(w.period > 0.0 && periods > 0.0)) return {};
   if (periods < kShortestSlide) {
-    return {fmt::format(
-        "{} moves by {:.2g} of a period within the window, much less than one: its means are "
-        "those of the start, not of sliding",
-        w.driver, periods)};
+    return Warning{
+        FaultCode::run_window_too_short,
+        fmt::format("{} moves by {:.2g} of a period within the window, much less than one: its "
+                    "means are those of the start, not of sliding",
+                    w.driver, periods),
+        key_of(w)};
   }
   if (!w.steady || is_whole(w)) return {};
   const double whole = std::floor(periods * (1.0 + kPartOfPeriod));
@@ -74,35 +78,43 @@ std::vector<std::string> doubts_before(const DriverWindow& w) {
                                    ? fmt::format("from {} to {} it would be {:g}", digits(w.from),
                                                  digits(w.from + whole * w.period / w.speed), whole)
                                    : fmt::format("a period takes {}", digits(w.period / w.speed));
-  return {fmt::format(
-      "the window is {:.4g} periods of {}, no whole number: its means depend on where it begins; "
-      "{} ([measure] from, to; in = \"driver_periods\" counts periods)",
-      periods, w.driver, would_do)};
+  return Warning{
+      FaultCode::run_window_not_whole,
+      fmt::format("the window is {:.4g} periods of {}, no whole number: its means depend on where "
+                  "it begins; {} ([measure] from, to; in = \"driver_periods\" counts periods)",
+                  periods, w.driver, would_do),
+      key_of(w)};
 }
 
-std::vector<std::string> doubts_after(const DriverWindow& w, double moved,
-                                      std::optional<std::uint64_t> slips, std::uint64_t whole_run,
-                                      bool at_end) {
+std::optional<Warning> doubt_after(const DriverWindow& w, double moved,
+                                   std::optional<std::uint64_t> slips, std::uint64_t whole_run,
+                                   bool at_end) {
   const double distance = w.speed * (w.to - w.from);
   if (!(w.period > 0.0) || distance < kShortestSlide * w.period) return {};
   const double lag = distance - moved;
   if (std::abs(lag) > kLag * distance && std::abs(lag) > kLagInPeriods * w.period) {
-    return {fmt::format(
-        "{} moves by {:.3g} within the window and what it pulls by {:.3g}: its means are those of "
-        "a spring that is still being {}; {}begin the window at {} or after",
-        w.driver, distance, moved, lag > 0.0 ? "loaded" : "unloaded",
-        at_end ? "let the run last longer and " : "", digits(w.to))};
+    return Warning{
+        FaultCode::run_window_not_steady,
+        fmt::format("{} moves by {:.3g} within the window and what it pulls by {:.3g}: its means "
+                    "are those of a spring that is still being {}; {}begin the window at {} or "
+                    "after",
+                    w.driver, distance, moved, lag > 0.0 ? "loaded" : "unloaded",
+                    at_end ? "let the run last longer and " : "", digits(w.to)),
+        key_of(w)};
   }
   if (slips && whole_run > 0 && *slips < kFewSlips) {
     const double each = *slips > 0 ? (w.to - w.from) / static_cast<double>(*slips)
                                    : std::max(w.to - w.from, w.period / w.speed);
-    return {fmt::format(
-        "{} of {} {} within the window, too few for a mean: a window of {} would have {}",
-        *slips == 0   ? std::string("no slip")
-        : *slips == 1 ? std::string("one slip")
-                      : fmt::format("{} slips", *slips),
-        w.driver, *slips < 2 ? "begins" : "begin", digits(static_cast<double>(kFewSlips) * each),
-        kFewSlips)};
+    const std::string count = *slips == 0   ? "no slip"
+                              : *slips == 1 ? "one slip"
+                                            : fmt::format("{} slips", *slips);
+    return Warning{
+        FaultCode::run_few_slips,
+        fmt::format("{} of {} {} within the window, too few for a mean: a window of {} would have "
+                    "{}",
+                    count, w.driver, *slips < 2 ? "begins" : "begin",
+                    digits(static_cast<double>(kFewSlips) * each), kFewSlips),
+        key_of(w)};
   }
   return {};
 }

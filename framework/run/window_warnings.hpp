@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
+#include "framework/core/text/warning.hpp"
 #include "framework/model/model.hpp"
 
 /// Windows whose means say little of sliding.
@@ -30,13 +30,13 @@ DriverWindow driver_window(const Model& model, std::size_t driver, double from, 
 bool is_whole(const DriverWindow& window);
 
 /// Before the run: the driver hardly moves within it, or it is no whole number of periods.
-std::vector<std::string> doubts_before(const DriverWindow& window);
+std::optional<Warning> doubt_before(const DriverWindow& window);
 
 /// After the run, in which the pulled body has `moved` along the driver's way within the window and
 /// so many slips have begun there; nothing where slips are not looked for. `whole_run` of them.
 /// `at_end`: the window ends where the run does.
-std::vector<std::string> doubts_after(const DriverWindow& window, double moved,
-                                      std::optional<std::uint64_t> slips, std::uint64_t whole_run,
-                                      bool at_end);
+std::optional<Warning> doubt_after(const DriverWindow& window, double moved,
+                                   std::optional<std::uint64_t> slips, std::uint64_t whole_run,
+                                   bool at_end);
 
 }  // namespace tomlin

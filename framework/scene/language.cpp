@@ -350,7 +350,7 @@ bool is_word_of_summary(std::string_view name) {
       "time",    "energy",     "events",      "window",     "performance", "parameters",
       "status",  "drivers",    "bodies",      "warnings",   "error",       "determined",
       "failure", "left_out",   "equilibrium", "references", "observers",   "program",
-      "scene",   "integrator", "until",       "accuracy",   "plugins"};
+      "scene",   "integrator", "until",       "accuracy",   "plugins",     "warning_codes"};
   return std::find(std::begin(kWords), std::end(kWords), name) != std::end(kWords);
 }
 

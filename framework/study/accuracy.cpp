@@ -103,6 +103,10 @@ void add_errors(RunResult& result, const std::vector<Beside>& companions) {
   add_up_errors(result);
 }
 
+void warn(RunResult& result, FaultCode code, std::string text) {
+  result.warnings.push_back({code, std::move(text), kAccuracyKey});
+}
+
 void warn_of_large_errors(RunResult& result, const std::vector<Beside>& companions,
                           const ChosenIntegrator& chosen) {
   const double accuracy = *chosen.scene->run.accuracy;
@@ -112,9 +116,9 @@ void warn_of_large_errors(RunResult& result, const std::vector<Beside>& companio
     found = std::max(found, companion.share * difference);
   }
   if (found <= accuracy) return;
-  result.warnings.push_back(
-      fmt::format("accuracy {:g} was not reached: the estimated error is {:.1e} of the result",
-                  accuracy, found));
+  warn(result, FaultCode::run_accuracy_not_reached,
+       fmt::format("accuracy {:g} was not reached: the estimated error is {:.1e} of the result",
+                   accuracy, found));
 }
 
 /// A scene with other numbers in the rows of its integrator: `change` has each row and its number.
@@ -201,7 +205,8 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
   result.warnings.insert(result.warnings.end(), chosen.warnings.begin(), chosen.warnings.end());
   if (result.status != RunStatus::finished) return;
   if (chosen.companions.empty()) {
-    result.warnings.emplace_back("no error was estimated: nothing cheaper than the run will do");
+    warn(result, FaultCode::run_error_not_estimated,
+         "no error was estimated: nothing cheaper than the run will do");
     return;
   }
   const auto cost = static_cast<double>(result.force_evaluations + result.jacobian_columns);
@@ -220,7 +225,8 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
     taken.companion_cost += trial.cost();
     if (trial.end == TrialRun::End::interrupted) {
       result.status = RunStatus::interrupted;
-      result.warnings.emplace_back("stopped while errors were estimated: there are none yet");
+      warn(result, FaultCode::run_comparison_stopped,
+           "stopped while errors were estimated: there are none yet");
       return;
     }
     if (!trial.finished()) {
@@ -228,12 +234,12 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
         finished.front().share *= kAlone;
         break;
       }
-      result.warnings.push_back(
-          trial.end == TrialRun::End::over_budget
-              ? fmt::format("no error was estimated: a coarser run took more than {} of this one",
-                            kMostForCompanions)
-              : "no error was estimated: the coarser run did not end" +
-                    (trial.why.empty() ? std::string() : ": " + trial.why));
+      warn(result, FaultCode::run_error_not_estimated,
+           trial.end == TrialRun::End::over_budget
+               ? fmt::format("no error was estimated: a coarser run took more than {} of this one",
+                             kMostForCompanions)
+               : "no error was estimated: the coarser run did not end" +
+                     (trial.why.empty() ? std::string() : ": " + trial.why));
       return;
     }
     finished.push_back({std::move(trial.result), companion.share});

@@ -82,7 +82,11 @@ void keep_choice(RunStore& store, const ChosenIntegrator& chosen) {
   }
   writer.number(chosen.length);
   writer.number(chosen.pilot_cost);
-  for (const std::string& warning : chosen.warnings) writer.text(warning);
+  for (const Warning& warning : chosen.warnings) {
+    writer.text(std::string(id_of(warning.code)));
+    writer.text(warning.text);
+    writer.text(warning.key);
+  }
   store.keep(kName, writer.take());
 }
 
@@ -104,7 +108,17 @@ std::optional<ChosenIntegrator> kept_choice(const RunStore& store,
   }
   reader.number(chosen.length);
   reader.number(chosen.pilot_cost);
-  while (reader.more()) reader.text(chosen.warnings.emplace_back());
+  while (reader.more()) {
+    std::string code;
+    Warning warning = {};
+    reader.text(code);
+    reader.text(warning.text);
+    reader.text(warning.key);
+    const std::optional<FaultCode> known = fault_code_of(code);
+    if (!known) return std::nullopt;
+    warning.code = *known;
+    chosen.warnings.push_back(std::move(warning));
+  }
   if (!reader.whole()) return std::nullopt;
   try {
     const Variants variants(scene, registry);

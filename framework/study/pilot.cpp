@@ -208,13 +208,7 @@ class Pilot {
     if (chosen.interrupted) return chosen;
     if (!main) return as_it_is(std::move(chosen));
     if (main->error > accuracy_) {
-      chosen.warnings.push_back(
-          std::isfinite(main->error)
-              ? fmt::format("accuracy {:g}: the most accurate setting that the pilot found, {}, "
-                            "has an error of {:.1e}",
-                            accuracy_, line(*main), main->error)
-              : fmt::format("accuracy {:g}: the pilot found no reference to compare {} with",
-                            accuracy_, line(*main)));
+      chosen.warnings.push_back(warning_of(*main));
     }
     chosen.scene = scene_at(*main);
     chosen.text = line(*main);
@@ -256,9 +250,26 @@ class Pilot {
     chosen.scene = scene_;
     chosen.text = fmt::format("{{ type = \"{}\" }}", scene_->run.integrator.record->name);
     chosen.warnings.push_back(
-        fmt::format("accuracy {:g}: no integrator got through the pilot; {} is taken as it is",
-                    accuracy_, chosen.text));
+        {FaultCode::run_accuracy_no_pilot,
+         fmt::format("accuracy {:g}: no integrator got through the pilot; {} is taken as it is",
+                     accuracy_, chosen.text),
+         kAccuracyKey});
     return chosen;
+  }
+
+  /// Of the most accurate setting, whose error is larger than what is asked for or not known.
+  Warning warning_of(const Tried& best) const {
+    if (!std::isfinite(best.error)) {
+      return {FaultCode::run_accuracy_no_reference,
+              fmt::format("accuracy {:g}: the pilot found no reference to compare {} with",
+                          accuracy_, line(best)),
+              kAccuracyKey};
+    }
+    return {FaultCode::run_accuracy_not_reached,
+            fmt::format("accuracy {:g}: the most accurate setting that the pilot found, {}, has an "
+                        "error of {:.1e}",
+                        accuracy_, line(best), best.error),
+            kAccuracyKey};
   }
 
   /// The cheapest, whichever it is.

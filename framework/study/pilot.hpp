@@ -53,6 +53,9 @@ struct Companion {
   double share = 1.0;  ///< of the difference to it that is the error
 };
 
+/// What warnings of the choice and of the errors are about.
+inline constexpr const char* kAccuracyKey = "run.accuracy";
+
 struct ChosenIntegrator {
   std::shared_ptr<const Scene> scene;  ///< with it; otherwise as it was asked for
   std::string text;                    ///< the integrator as a line of a scene
@@ -60,7 +63,7 @@ struct ChosenIntegrator {
   double length = 1.0;                 ///< of the scene: its shortest period where it has one
   std::uint64_t pilot_cost = 0;        ///< evaluations and columns
   bool interrupted = false;            ///< `stop` was set meanwhile; nothing else counts then
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
 };
 
 /// For a scene with an accuracy; what a store has is not looked for again. Throws InputError for

@@ -42,7 +42,7 @@ Subject damping() {
                 {kFlat, {"c", "50"}, {"T", "1000"}, with_verlet(1e-2)},
                 {is("drivers.driver.final_force.x", 0.5, 0.5 * 0.03,
                     "drag, less the scheme's own error")},
-                {"drags too easily by 0.02"}),
+                {FaultCode::integrator_weak_drag}),
        finishes(kTip, "moderate_verlet", "damping that takes ten steps to stop a motion",
                 {kFlat, {"c", "10"}, {"T", "1000"}, with_verlet(1e-2)},
                 {is("drivers.driver.final_force.x", 0.1, 0.1 * 1e-3,

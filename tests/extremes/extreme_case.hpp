@@ -35,9 +35,8 @@ struct ExtremeCase {
   std::vector<Setting> settings;
   Outcome outcome = Outcome::finished;
   std::vector<Value> values;
-  /// In the refusal, in the failure, or in the warnings of a run that finishes: without any, it may
-  /// not warn.
-  std::vector<std::string> words = {};
+  std::vector<FaultCode> warnings = {};  ///< of a run that finishes: these and no others
+  std::vector<std::string> words = {};   ///< in the refusal or the failure
   bool slow = false;
   double seconds = 20.0;  ///< what takes longer hangs
 };

@@ -39,8 +39,7 @@ ExtremeCase as_a_tip(const std::string& name, const std::string& extreme, double
 }
 
 ExtremeCase off_the_substrate(const std::string& name, const std::string& extreme,
-                              std::vector<Setting> settings,
-                              std::vector<std::string> warnings = {}) {
+                              std::vector<Setting> settings, std::vector<FaultCode> warnings = {}) {
   return finishes(kRing, name, extreme, std::move(settings),
                   {is("drivers.driver.final_force.x", kDragOfRing, 1e-8,
                       "drag alone: the substrate's force underflows to 0")},
@@ -67,7 +66,7 @@ Subject geometry() {
                          {{"lambda", "1e8"}, {"y0", "1.1 * R"}}),
        off_the_substrate("height_1e3", "a thousand radii above the substrate", {{"y0", "1e3 * R"}}),
        off_the_substrate("height_1e9", "1e9 radii above the substrate", {{"y0", "1e9 * R"}},
-                         {"positions along y are too far from zero"}),
+                         {FaultCode::number_type_coarse_positions}),
        fails(kRing, "height_1e300", "1e300 radii above the substrate", {{"y0", "1e300"}},
              {"positions along y are too far from zero"}),
        fails(kRing, "height_1e17_flexible", "1e17 radii above the substrate, flexible",

@@ -19,12 +19,10 @@ namespace tomlin::test {
 namespace {
 
 /// Runs of these scenes are no longer than their right numbers need: of no interest here.
-bool is_of_a_short_window(const std::string& warning) {
-  for (const char* part :
-       {"no whole number", "within the window, too few", "that is still being"}) {
-    if (warning.find(part) != std::string::npos) return true;
-  }
-  return false;
+bool is_of_a_short_window(const Warning& warning) {
+  return warning.code == FaultCode::run_window_not_whole ||
+         warning.code == FaultCode::run_few_slips ||
+         warning.code == FaultCode::run_window_not_steady;
 }
 
 namespace fs = std::filesystem;
@@ -82,8 +80,8 @@ void run_into(const fs::path& path, const std::shared_ptr<const Scene>& scene,
     observed.outcome = Outcome::failed;
     observed.message = to_string(*result.failure);
   }
-  for (const std::string& warning : result.warnings) {
-    if (!is_of_a_short_window(warning)) observed.warnings += warning + "\n";
+  for (const Warning& warning : result.warnings) {
+    if (!is_of_a_short_window(warning)) observed.warnings.push_back(warning);
   }
   for (const Value& value : extreme.values) {
     observed.values.push_back(

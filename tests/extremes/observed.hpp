@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/core/text/warning.hpp"
 #include "tests/extremes/extreme_case.hpp"
 
 namespace tomlin::test {
@@ -10,8 +11,8 @@ namespace tomlin::test {
 /// What came of an extreme scene.
 struct Observed {
   Outcome outcome = Outcome::finished;
-  std::string message;           ///< of a refusal or a failure
-  std::string warnings;          ///< one a line
+  std::string message;  ///< of a refusal or a failure
+  std::vector<Warning> warnings;
   std::vector<double> values;    ///< of each value that the case names; NaN where undefined
   std::string not_finite;        ///< the first place in a file with something that is no number
   bool effective_reads = false;  ///< scene.toml is a scene

@@ -66,7 +66,9 @@ std::string comes_of(const ExtremeCase& extreme, const Observed* observed) {
     return how + (observed == nullptr ? "" : first_fault(observed->message));
   }
   std::string text = values_of(extreme, observed);
-  if (!extreme.words.empty() && observed != nullptr) text += ". Warns: " + observed->warnings;
+  if (!extreme.warnings.empty() && observed != nullptr) {
+    text += fmt::format(". Warns: {}", fmt::join(texts_of(observed->warnings), " "));
+  }
   if (extreme.slow) text += " (slow)";
   return text;
 }

@@ -238,10 +238,10 @@ inline ExtremeCase case_of(const NamedScene& scene, std::string name, std::strin
 
 inline ExtremeCase finishes(const NamedScene& scene, std::string name, std::string extreme,
                             std::vector<Setting> settings, std::vector<Value> values,
-                            std::vector<std::string> warnings = {}) {
+                            std::vector<FaultCode> warnings = {}) {
   ExtremeCase made = case_of(scene, std::move(name), std::move(extreme), std::move(settings));
   made.values = std::move(values);
-  made.words = std::move(warnings);
+  made.warnings = std::move(warnings);
   return made;
 }
 

@@ -92,7 +92,7 @@ Subject stiffness() {
                     2.0 * 0.01 + kTau * 0.1 * std::sin(kTau * 0.005), 1e-2,
                     "drag and substrate where the driver is; positions round to 1e-16, forces to "
                     "1e-4 and swing")},
-                {"of a period within the window"}),
+                {FaultCode::run_window_too_short}),
        fails(kTip, "driver_1e12_long_step", "the same with a step for soft ones",
              {{"k", "1e12"}, rk4(1e-2)}, {"stability limit of rk4", "2.828e-06", "force: driver"}),
        finishes(kTip, "driver_1e12_implicit", "the same, the implicit scheme",
@@ -103,7 +103,7 @@ Subject stiffness() {
                 {is("drivers.driver.mean_force.x",
                     2.0 * 0.01 + 0.1 * (1.0 - std::cos(kTau * 0.505)) / 0.505, 1e-3,
                     "drag and substrate along the driver's way")},
-                {"positions are accurate to"}),
+                {FaultCode::run_stiff_driver, FaultCode::run_work_rounding}),
        finishes(
            kTip, "corrugation_0", "no corrugation", {{"V0", "0"}},
            {is("drivers.driver.final_force.x", 0.02, 1e-8, "drag, coefficient times velocity")}),
@@ -111,7 +111,7 @@ Subject stiffness() {
            kTip, "corrugation_0p1", "nothing: for comparison", {{"T", "10"}, {"v", "1e-4"}},
            {is("drivers.driver.final_force.x", force_in_minimum(kCurvature, 2.0, 1e-4, 2.0, 10.0),
                1e-8, "the minimum as a spring")},
-           {"of a period within the window"}),
+           {FaultCode::run_window_too_short}),
        finishes(kTip, "corrugation_1e6", "a corrugation of 1e6", {{"V0", "1e6"}},
                 {is("drivers.driver.final_force.x",
                     force_in_minimum(1e7 * kCurvature, 2.0, 0.01, 2.0, 100.0), 1e-6,

@@ -43,9 +43,9 @@ Outcome outcome(const Oscillator& o, const IntegratorRecord& scheme) {
   if (!outcome.said.empty()) return outcome;
   const RunResult result = run_text(text);
   if (result.failure) outcome.said = result.failure->what;
-  for (const std::string& warning : result.warnings) {
+  for (const Warning& warning : result.warnings) {
     // What is said of windows and the like is no word on friction.
-    if (warning.find("friction stops") != std::string::npos) outcome.said = warning;
+    if (warning.code == FaultCode::integrator_weak_drag) outcome.said = warning.text;
   }
   if (!outcome.said.empty()) return outcome;
   const State exact = o.at(o.duration);

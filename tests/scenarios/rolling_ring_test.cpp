@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/scenarios/scenario_fixture.hpp"
+#include "tests/support/faults.hpp"
 
 /// The ring of Sircar and Patra: Table I, its gear, its limits.
 namespace tomlin::test {
@@ -234,8 +235,8 @@ TEST(RollingRing, IsToldToBeNotDeterminedWithoutHeightOnly) {
                        {{"lambda", lambda}, {"run.perturb", "{ size = 1e-12, repeats = 3 }"}});
   };
   const auto warned = [](const RunResult& result) {
-    const auto names_it = [](const std::string& warning) {
-      return warning.find("drivers.driver.mean_force.x is not determined") != std::string::npos;
+    const auto names_it = [](const Warning& warning) {
+      return brief(warning) == "drivers.driver.mean_force.x [run.not_determined]";
     };
     return std::any_of(result.warnings.begin(), result.warnings.end(), names_it);
   };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <regex>
 #include <sstream>
@@ -9,9 +10,10 @@
 #include <fmt/format.h>
 
 #include "framework/core/text/fault.hpp"
+#include "framework/core/text/warning.hpp"
 
 /// What tests assert of a fault: its place, key, value, code and the name that it suggests, not its
-/// wording.
+/// wording; and of a warning its key and code.
 namespace tomlin::test {
 
 /// `12:10 body.ring.radiu = 1 [scene.unknown_key] did you mean radius`; what a fault has not is
@@ -30,6 +32,24 @@ inline std::vector<std::string> briefs(const InputError& error) {
   std::vector<std::string> all;
   for (const Fault& fault : error.faults()) all.push_back(brief(fault));
   return all;
+}
+
+/// `drivers.driver [run.few_slips]`: of a warning its key and code.
+inline std::string brief(const Warning& warning) {
+  return fmt::format("{}{}[{}]", warning.key, warning.key.empty() ? "" : " ", id_of(warning.code));
+}
+
+inline std::vector<std::string> briefs(const std::vector<Warning>& warnings) {
+  std::vector<std::string> all;
+  for (const Warning& warning : warnings) all.push_back(brief(warning));
+  return all;
+}
+
+/// How many of them have this code.
+inline std::size_t count_of(FaultCode code, const std::vector<Warning>& warnings) {
+  std::size_t count = 0;
+  for (const Warning& warning : warnings) count += warning.code == code ? 1 : 0;
+  return count;
 }
 
 /// Error lines of the program likewise: `pt.toml:12:10: run.duration = -1 [scene.out_of_range]`,

@@ -74,6 +74,18 @@ constexpr FaultKind kKinds[] = {
     {FaultCode::scene_invalid_name, "scene.invalid_name",
      "A name has characters that names cannot have, or has a meaning of its own.",
      "A body called \"drivers\".", "Choose another name, of letters, digits, _ and -."},
+    {FaultCode::scene_velocity_unused, "scene.velocity_unused",
+     "A body has an initial velocity, and the dynamics have no inertia: velocities follow from "
+     "forces or from drivers.",
+     "tomlin run pt.toml --set run.dynamics=overdamped --set 'body.tip.velocity=[1.0]'",
+     "Remove the velocity, or choose dynamics = \"inertial\".", Severity::warning},
+    {FaultCode::scene_force_left_out, "scene.force_left_out",
+     "A force of the scene has no effect and is not built, so that `check` has not compared its "
+     "properties.",
+     "A check of a rigid ring with bonds.",
+     "Remove the force, or check it in a scene where it acts; `tomlin explain SCENE` says why it "
+     "is left out.",
+     Severity::warning},
     {FaultCode::expression_syntax, "expression.syntax", "An expression cannot be parsed.",
      "tomlin run pt.toml --set 'run.duration=\"2 *\"'",
      "Correct the expression at the column of the message."},
@@ -115,10 +127,49 @@ constexpr FaultKind kKinds[] = {
      "The integrator would silently lose its order of convergence in this scene.",
      "A splitting scheme with a force that depends on velocity beside friction.",
      "Use one of the admissible integrators."},
+    {FaultCode::integrator_unused, "integrator.unused",
+     "Quasistatic dynamics follow equilibria by a scheme of their own; the integrator of the scene "
+     "is not used.",
+     "tomlin run pt.toml --set run.dynamics=quasistatic", "Remove run.integrator.",
+     Severity::warning},
+    {FaultCode::integrator_beyond_stability, "integrator.beyond_stability",
+     "The fixed step is beyond the stability limit of the integrator, and run.allow_unstable "
+     "admits it.",
+     "tomlin check pt.toml --set run.integrator.dt=5.0 --set run.allow_unstable=true",
+     "Take a step below the limit of the message and remove run.allow_unstable.",
+     Severity::warning},
+    {FaultCode::integrator_weak_drag, "integrator.weak_drag",
+     "The integrator separates friction from forces, and its step is so long beside the time in "
+     "which friction stops a motion that the drag is too small by the stated part.",
+     "tomlin run pt.toml --set 'run.integrator={type=\"velocity_verlet\",dt=0.1}'",
+     "Take a smaller dt, an integrator that treats friction with the forces, or dynamics = "
+     "\"overdamped\".",
+     Severity::warning},
+    {FaultCode::integrator_unresolved_time, "integrator.unresolved_time",
+     "A force or a prescribed motion depends on time and changes within a fixed step.",
+     "A force sin(1000 * t) with steps of 0.1.", "Take a smaller dt or an adaptive integrator.",
+     Severity::warning},
+    {FaultCode::integrator_coarse_tolerance, "integrator.coarse_tolerance",
+     "The tolerance of an adaptive integrator does not resolve the scene's shortest length, a "
+     "period or half a bond.",
+     "tomlin run pt.toml --set "
+     "'run.integrator={type=\"dopri5\",absolute_tolerance=0.1,relative_tolerance=0.1}'",
+     "Take finer tolerances.", Severity::warning},
+    {FaultCode::integrator_fine_tolerance, "integrator.fine_tolerance",
+     "The tolerance of an adaptive integrator is finer than single precision resolves.",
+     "tomlin run pt.toml --set run.number_type=float --set run.duration=1.0 --set measure.from=0.0 "
+     "--set measure.to=0.01 --set "
+     "'run.integrator={type=\"dopri5\",absolute_tolerance=1e-8,relative_tolerance=1e-8}'",
+     "Take wider tolerances, or number_type = \"double\".", Severity::warning},
     {FaultCode::number_type_unsuitable, "number_type.unsuitable",
      "The number type is not available for a component of the scene, or too coarse for it.",
      "number_type = \"float\" with steps that vanish beside the time.",
      "Use number_type = \"double\", the default."},
+    {FaultCode::number_type_coarse_positions, "number_type.coarse_positions",
+     "A body is so far from zero that displacements which matter are lost in the rounding of its "
+     "positions.",
+     "A ring 1e9 radii above the substrate.", "Start nearer to zero, or use a finer number_type.",
+     Severity::warning},
     {FaultCode::matrix_singular, "matrix.singular",
      "A mass, friction or stiffness matrix cannot be inverted.",
      "Overdamped dynamics of a body without friction.",
@@ -157,6 +208,113 @@ constexpr FaultKind kKinds[] = {
      "The accuracy that was asked for cannot be met by any integrator that suits the scene.",
      "A chaotic scene whose observables depend on the last digit of the start.",
      "Loosen run.accuracy, or name an integrator."},
+    {FaultCode::run_stiff_driver, "run.stiff_driver",
+     "The error of positions times the stiffness of a driver is a large part of the forces that "
+     "resist it: its force is known no better.",
+     "tomlin run pt.toml --set k=1e12 --set 'run.integrator={type=\"radau9\"}'",
+     "Use a finer tolerance or a softer spring.", Severity::warning},
+    {FaultCode::run_window_rounding, "run.window_rounding",
+     "The window is so short beside the time before its end that the rounding of running integrals "
+     "shows in its means.",
+     "tomlin run pt.toml --set measure.in=time --set measure.from=700.0 --set "
+     "measure.to=700.0000000001",
+     "Take a longer window, or begin it earlier.", Severity::warning},
+    {FaultCode::run_window_too_short, "run.window_too_short",
+     "A driver moves by a small part of a period within the window: the means are those of the "
+     "start, not of sliding.",
+     "tomlin run pt.toml --set measure.from=0.0 --set measure.to=0.005",
+     "Let the run and its window last for whole periods.", Severity::warning},
+    {FaultCode::run_window_not_whole, "run.window_not_whole",
+     "The window is not a whole number of the periods that a driver passes: the means depend on "
+     "where it begins.",
+     "tomlin run pt.toml --set measure.to=7.5",
+     "Take whole periods, as the message suggests; in = \"driver_periods\" counts them.",
+     Severity::warning},
+    {FaultCode::run_window_not_steady, "run.window_not_steady",
+     "What a driver pulls has not followed it within the window: the means are those of a spring "
+     "that is being loaded or unloaded.",
+     "tomlin run pt.toml --set k=0.01 --set measure.from=0.0",
+     "Begin the window later, and let the run last longer.", Severity::warning},
+    {FaultCode::run_few_slips, "run.few_slips",
+     "So few of the slips of the run begin within the window that its means depend on single ones.",
+     "tomlin run pt.toml --set measure.to=5.0", "Take a longer window.", Severity::warning},
+    {FaultCode::run_energy_balance, "run.energy_balance",
+     "The energy balance does not close: the integrator itself adds or removes more than a "
+     "twentieth of work and heat.",
+     "tomlin run pt.toml --set damping=0.0 --set run.integrator.dt=0.5",
+     "Take shorter steps or finer tolerances; run.ledger = true gives the whole balance.",
+     Severity::warning},
+    {FaultCode::run_work_rounding, "run.work_rounding",
+     "The work of the drivers is small beside its rounding errors: the motion is so slow that it "
+     "dissipates less than double precision resolves.",
+     "A driver of velocity 1e-12 with an implicit integrator.",
+     "Use dynamics = \"quasistatic\", the limit of slow driving.", Severity::warning},
+    {FaultCode::run_bond_beyond_half_box, "run.bond_beyond_half_box",
+     "A bond in a periodic box became as long as half the box: it keeps the image of its particle "
+     "with which it started, though another one is nearer.",
+     "Two bound particles that are pulled apart by more than half the periodic length.",
+     "Take a larger box; a force between nearest images is an expression of r.", Severity::warning},
+    {FaultCode::run_zero_mode, "run.zero_mode",
+     "The equilibrium at the end of a quasistatic run has a direction in which no force holds the "
+     "bodies: they stay at their position along it.",
+     "A free body without any force, in quasistatic dynamics.",
+     "Add a force that restrains it, or hold the coordinate.", Severity::warning},
+    {FaultCode::run_tie, "run.tie",
+     "An equilibrium has become unstable in a symmetric scene: rounding alone decides which one "
+     "follows.",
+     "A particle on the maximum of a substrate whose amplitude grows, in quasistatic dynamics.",
+     "Break the symmetry by a small force; run.perturb shows how far results differ.",
+     Severity::warning},
+    {FaultCode::run_reverse_passed, "run.reverse_passed",
+     "The observable at which a driver reverses is beyond its value at the start already; the "
+     "driver reverses when it passes the value.",
+     "tomlin run pt.toml --set 'force.driver.reverse={when=\"driver.force.x\",above=-1.0}'",
+     "Start on the other side, or choose another value.", Severity::warning},
+    {FaultCode::run_until_slowest_unknown, "run.until_slowest_unknown",
+     "The scene has too many coordinates for its slowest internal time to be computed: run.until "
+     "relies on how the observable has changed so far.",
+     "A chain of 2000 particles that runs until its force is steady.", "Compare with a longer run.",
+     Severity::warning},
+    {FaultCode::run_until_not_steady, "run.until_not_steady",
+     "The observable of run.until is not steady to the tolerance by the latest time.",
+     "tomlin run pt.toml --set "
+     "'run.until={steady=\"driver.mean_force.x\",tolerance=1e-9,max=200.0}'",
+     "Raise max, or the tolerance.", Severity::warning},
+    {FaultCode::run_not_determined, "run.not_determined",
+     "Runs from slightly different starts share fewer than three digits of an observable.",
+     "tomlin run pt.toml --set damping=0.02 --set 'run.perturb={size=0.1,repeats=3}'",
+     "Take the mean and the spread of many runs, or an observable that is determined.",
+     Severity::warning},
+    {FaultCode::run_perturb_failed, "run.perturb_failed",
+     "A run from a perturbed start failed; the digits are those of the other ones.",
+     "tomlin run pt.toml --set 'run.perturb={size=1e300,repeats=2}'",
+     "Take a smaller size in run.perturb, or a shorter step.", Severity::warning},
+    {FaultCode::run_comparison_stopped, "run.comparison_stopped",
+     "The run is complete, and was stopped during the runs that it is compared with, from "
+     "perturbed starts or with a coarser integrator.",
+     "An interrupt during the repetitions of run.perturb.", "Resume the run with --resume.",
+     Severity::warning},
+    {FaultCode::run_accuracy_not_reached, "run.accuracy_not_reached",
+     "The estimated error of the results, or that of the most accurate setting that was found "
+     "before the run, is larger than run.accuracy.",
+     "tomlin run pt.toml --set run.accuracy=1e-15",
+     "Ask for less, or name an integrator and its step.", Severity::warning},
+    {FaultCode::run_accuracy_no_reference, "run.accuracy_no_reference",
+     "No adaptive integrator finished its trial run, which the others are compared with: the "
+     "errors "
+     "of the settings are not known.",
+     "A scene whose trial runs with fine tolerances would take too long.",
+     "Name an integrator and its step.", Severity::warning},
+    {FaultCode::run_accuracy_no_pilot, "run.accuracy_no_pilot",
+     "No integrator finished the trial runs that run.accuracy is based on; the one that the scene "
+     "has by default is taken with its defaults.",
+     "A scene with so many coordinates that trial runs would take too long.",
+     "Name an integrator and its step.", Severity::warning},
+    {FaultCode::run_error_not_estimated, "run.error_not_estimated",
+     "The results have no estimated error: no coarser run is possible, it failed, or it would cost "
+     "too much.",
+     "A scene whose steps are limited by stability, so that a coarser run is not cheaper.",
+     "Estimate it by a run with half the step.", Severity::warning},
     {FaultCode::observable_unknown, "observable.unknown",
      "There is no observable of this name in the scene.",
      "tomlin run pt.toml --set 'measure.observables=[\"driver.mean_forse.x\"]'",
@@ -201,6 +359,10 @@ constexpr FaultKind kKinds[] = {
      "tomlin run pt.toml --set output.every=1e-9",
      "Sample more rarely, or allow it as the message "
      "says."},
+    {FaultCode::output_events_dropped, "output.events_dropped",
+     "The run has more events than are kept: events.csv has the first ones, and all are counted.",
+     "A run of more than a million slips.", "Run a part of it for the later events.",
+     Severity::warning},
     {FaultCode::plot_no_data, "plot.no_data",
      "The folder has no column, body or sample that the figure needs.",
      "A figure of a run whose scene has no [output].",
@@ -253,6 +415,10 @@ static_assert(in_order() &&
               std::size(kKinds) == static_cast<std::size_t>(FaultCode::program_internal_error) + 1);
 
 }  // namespace
+
+std::string_view to_string(Severity severity) {
+  return severity == Severity::warning ? "warning" : "error";
+}
 
 std::span<const FaultKind> fault_kinds() { return kKinds; }
 

@@ -7,8 +7,9 @@
 
 namespace tomlin {
 
-/// The kind of a diagnostic. Its identifier (`scene.unknown_key`) is stable: scripts and tests may
-/// rely on it, while wording may change. A new code stands here and has a row in fault_code.cpp.
+/// The kind of a diagnostic, an error or a warning. Its identifier (`scene.unknown_key`) is stable:
+/// scripts and tests may rely on it, while wording may change. A new code stands here and has a row
+/// in fault_code.cpp.
 enum class FaultCode {
   // The text of a scene.
   scene_syntax,
@@ -31,6 +32,8 @@ enum class FaultCode {
   scene_unknown_name,
   scene_duplicate_name,
   scene_invalid_name,
+  scene_velocity_unused,
+  scene_force_left_out,
   // Expressions and parameters.
   expression_syntax,
   expression_unknown_name,
@@ -43,7 +46,14 @@ enum class FaultCode {
   box_invalid,
   integrator_unsuitable,
   integrator_order_reduction,
+  integrator_unused,
+  integrator_beyond_stability,
+  integrator_weak_drag,
+  integrator_unresolved_time,
+  integrator_coarse_tolerance,
+  integrator_fine_tolerance,
   number_type_unsuitable,
+  number_type_coarse_positions,
   matrix_singular,
   // A run.
   run_invalid_window,
@@ -54,6 +64,27 @@ enum class FaultCode {
   run_step_limit,
   run_no_equilibrium,
   run_no_accuracy,
+  run_stiff_driver,
+  run_window_rounding,
+  run_window_too_short,
+  run_window_not_whole,
+  run_window_not_steady,
+  run_few_slips,
+  run_energy_balance,
+  run_work_rounding,
+  run_bond_beyond_half_box,
+  run_zero_mode,
+  run_tie,
+  run_reverse_passed,
+  run_until_slowest_unknown,
+  run_until_not_steady,
+  run_not_determined,
+  run_perturb_failed,
+  run_comparison_stopped,
+  run_accuracy_not_reached,
+  run_accuracy_no_reference,
+  run_accuracy_no_pilot,
+  run_error_not_estimated,
   observable_unknown,
   observable_undefined,
   compare_different_setups,
@@ -68,6 +99,7 @@ enum class FaultCode {
   resume_other_scene,
   resume_other_version,
   output_too_large,
+  output_events_dropped,
   plot_no_data,
   plot_no_gnuplot,
   // The command line and the machine.
@@ -84,6 +116,11 @@ enum class FaultCode {
   program_internal_error,
 };
 
+enum class Severity { error, warning };
+
+/// "error", "warning".
+std::string_view to_string(Severity severity);
+
 /// One row of the table of diagnostics.
 struct FaultKind {
   FaultCode code;
@@ -91,6 +128,7 @@ struct FaultKind {
   std::string_view meaning;  ///< one or two sentences
   std::string_view example;  ///< a command line that gives this diagnostic, or a situation
   std::string_view cure;     ///< what to do
+  Severity severity = Severity::error;
 };
 
 /// All codes, in the order of the enumeration.

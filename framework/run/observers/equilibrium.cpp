@@ -91,9 +91,11 @@ void Equilibrium::stopped(const RunMoment&) {
   if (state.neutral == 0) found.log_determinant = state.log_determinant;
   for (const std::size_t coordinate : state.neutral_at) {
     run.outcome.warnings.push_back(
-        fmt::format("the equilibrium has a zero mode, in which {} moves most: it stays at its "
-                    "position along it",
-                    where(run.model, coordinate)));
+        {FaultCode::run_zero_mode,
+         fmt::format("the equilibrium has a zero mode, in which {} moves most: it stays at its "
+                     "position along it",
+                     where(run.model, coordinate)),
+         "bodies." + run.model.name_of(coordinate).body});
   }
 }
 
@@ -102,11 +104,15 @@ void Equilibrium::finish(const RunMoment&) {
   if (ties == 0) return;
   RunContext& run = parts_.run;
   const std::string times = ties == 1 ? "" : fmt::format(", the first of {} ties", ties);
-  run.outcome.warnings.push_back(fmt::format(
-      "not determined after time {:.6g}{}: there the scene is symmetric and its equilibrium "
-      "unstable, so that rounding alone decides in which direction {} moves; break the symmetry "
-      "by a small force, or see how far results differ with run.perturb",
-      first_tie_[0], times, where(run.model, static_cast<std::size_t>(first_tie_[1]))));
+  const auto coordinate = static_cast<std::size_t>(first_tie_[1]);
+  run.outcome.warnings.push_back(
+      {FaultCode::run_tie,
+       fmt::format("not determined after time {:.6g}{}: there the scene is symmetric and its "
+                   "equilibrium unstable, so that rounding alone decides in which direction {} "
+                   "moves; break the symmetry by a small force, or see how far results differ with "
+                   "run.perturb",
+                   first_tie_[0], times, where(run.model, coordinate)),
+       "bodies." + run.model.name_of(coordinate).body});
 }
 
 void Equilibrium::results(ResultTable& table, const double*) const {

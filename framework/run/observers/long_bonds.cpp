@@ -38,10 +38,12 @@ class LongBonds : public RunObserver {
     for (std::size_t k = 0; k < forces.size(); ++k) {
       if (long_[k] == 0) continue;
       parts_.run.outcome.warnings.push_back(
-          forces[k].name +
-          ": a bond became as long as half the box or longer: it stays with the image of its "
-          "particle with which it started, though another is nearer by then; a potential between "
-          "whatever is near is a formula of r");
+          {FaultCode::run_bond_beyond_half_box,
+           forces[k].name +
+               ": a bond became as long as half the box or longer: it stays with the image of its "
+               "particle with which it started, though another is nearer by then; a potential "
+               "between whatever is near is a formula of r",
+           "force." + forces[k].name});
     }
   }
 

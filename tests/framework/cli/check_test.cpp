@@ -46,6 +46,7 @@ TEST_F(Check, OnlyWhatDoesNotHoldIsShown) {
       {"check", "tip.toml", "--set", "run.integrator.dt=5", "--set", "run.allow_unstable=true"});
   EXPECT_EQ(insisted.status, 0);
   EXPECT_TRUE(contains(insisted.out, "\ntip.toml: warning: dt = 5 is ")) << insisted.out;
+  EXPECT_TRUE(insisted.out.ends_with(" [integrator.beyond_stability]\n")) << insisted.out;
 }
 
 TEST_F(Check, ASoundSceneHasALineForEachClaim) {
@@ -89,13 +90,15 @@ TEST_F(Check, AStepThatIsTooLongFails) {
       checked({"tip.toml", "--set", "run.integrator.dt=5", "--set", "run.allow_unstable=true"}, 0);
   EXPECT_EQ(insisted["sound"], true);
   EXPECT_EQ(insisted["warnings"].size(), 1U);
+  EXPECT_EQ(insisted["warning_codes"], Json({"integrator.beyond_stability"}));
 }
 
 TEST_F(Check, WhatIsNotBuiltIsNamed) {
   ASSERT_EQ(tomlin({"new", "ring"}).status, 0);
   const Json json = checked({"ring.toml"}, 0);
   ASSERT_EQ(json["warnings"].size(), 1U);
-  EXPECT_TRUE(contains(json["warnings"][0].get<std::string>(), "harmonic_bonds is not built"));
+  EXPECT_TRUE(contains(json["warnings"][0].get<std::string>(), "harmonic_bonds"));
+  EXPECT_EQ(json["warning_codes"], Json({"scene.force_left_out"}));
 }
 
 TEST_F(Check, FaultsComeWithTheirPlaces) {

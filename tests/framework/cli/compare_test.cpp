@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,22 @@ TEST_F(CompareCommand, NamesTheSimplestModelAndLeavesItsFiles) {
   EXPECT_EQ(tomlin({"compare", "tip.toml", "other.toml", "--observable", kForce}).status, 2);
   EXPECT_EQ(tomlin({"compare", "tip.toml", "other.toml", "--observable", kForce, "--force"}).status,
             0);
+}
+
+/// A window from 1.0 to 2.5 periods of the driver.
+TEST_F(CompareCommand, WarningsHaveTheirCodes) {
+  std::string other = file("tip.toml");
+  other.replace(other.find("to = 2.0"), 8, "to = 2.5");
+  write(folder_ / "other.toml", other);
+  const Ended ended = tomlin({"compare", "tip.toml", "other.toml", "--observable", kForce});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  EXPECT_TRUE(contains(ended.out, " [run.window_not_whole]\n")) << ended.out;
+  const Json models = Json::parse(file("compare.out/compare.json"))["models"];
+  for (const Json& model : models) {
+    EXPECT_EQ(model["warnings"].size(), model["warning_codes"].size());
+  }
+  const Json& codes = models[1]["warning_codes"];
+  EXPECT_NE(std::find(codes.begin(), codes.end(), "run.window_not_whole"), codes.end()) << codes;
 }
 
 TEST_F(CompareCommand, RefusesWrongInput) {

@@ -74,6 +74,10 @@ TEST_F(Explain, AStepBeyondTheLimitIsShownAndNotRefused) {
   EXPECT_EQ(beyond["integrator"]["stable"], false);
   EXPECT_TRUE(beyond.at("cost").is_null());
   EXPECT_EQ(beyond["warnings"].size(), 1U);
+  EXPECT_EQ(beyond["warning_codes"], Json({"run.step.unstable"})) << "that of the refusal";
+  std::vector<std::string> insisted = with_step(1.01 * stable);
+  insisted.insert(insisted.end(), {"--set", "run.allow_unstable=true"});
+  EXPECT_EQ(explained(insisted)["warning_codes"][0], "integrator.beyond_stability");
   EXPECT_EQ(explained(with_step(0.99 * stable))["integrator"]["stable"], true);
   EXPECT_EQ(
       tomlin({"run", "tip.toml", "--set", "run.integrator.dt=" + std::to_string(1.01 * stable)})
@@ -82,6 +86,7 @@ TEST_F(Explain, AStepBeyondTheLimitIsShownAndNotRefused) {
   const Ended text = tomlin({"explain", "tip.toml", "--set", "run.integrator.dt=5"});
   EXPECT_EQ(text.status, 0);
   EXPECT_TRUE(contains(text.out, "NOT STABLE")) << text.out;
+  EXPECT_TRUE(contains(text.out, " [run.step.unstable]\n")) << text.out;
 }
 
 TEST_F(Explain, AnAdaptiveSchemesCostIsEstimated) {

@@ -61,7 +61,7 @@ RunResult planar_result() {
                              {"reversals", {3.0}},
                              {"driver_reversals", {0.0}},
                              {"ties", {0.0}}})};
-  result.warnings = {"a warning with \"quotes\""};
+  result.warnings = {{FaultCode::run_few_slips, "a warning with \"quotes\"", "drivers.driver"}};
   result.left_out = {{"springs", "inside a rigid body"}};
   result.wall_seconds = 0.5;
   result.steps_per_second = 1e6;
@@ -79,8 +79,8 @@ using Names = std::vector<std::string>;
 TEST(Summary, HasEveryKeyOfAFinishedRun) {
   const Json summary = Json::parse(summary_json(planar_scene(), planar_result()));
   EXPECT_EQ(keys(summary), (Names{"status", "program", "scene", "integrator", "parameters", "time",
-                                  "window", "drivers", "bodies", "events", "warnings", "left_out",
-                                  "references", "performance"}));
+                                  "window", "drivers", "bodies", "events", "warnings",
+                                  "warning_codes", "left_out", "references", "performance"}));
   EXPECT_EQ(summary["status"], "finished");
   EXPECT_EQ(keys(summary["parameters"]), (Names{"xi", "N"}));
   EXPECT_EQ(keys(summary["time"]),
@@ -98,6 +98,7 @@ TEST(Summary, HasEveryKeyOfAFinishedRun) {
   EXPECT_EQ(summary["events"]["slips"], 12);
   EXPECT_EQ(summary["events"]["turns"], 0);
   EXPECT_EQ(summary["warnings"], Json({"a warning with \"quotes\""}));
+  EXPECT_EQ(summary["warning_codes"], Json({"run.few_slips"}));
   EXPECT_EQ(summary["left_out"],
             Json::parse(R"([{"force": "springs", "why": "inside a rigid body"}])"));
   EXPECT_EQ(keys(summary["performance"]), (Names{"wall_seconds", "steps_per_second", "scene_file",
@@ -189,7 +190,7 @@ TEST(Summary, HoldsTheObservables) {
   std::map<std::string, Json> numbers;
   for (const auto& [key, value] : summary.items()) {
     // Not results.
-    if (key == "parameters" || key == "left_out" || key == "warnings") continue;
+    if (key == "parameters" || key == "left_out" || key.starts_with("warning")) continue;
     if (key == "references" || key == "program" || key == "scene" || key == "integrator") continue;
     collect(value, key, numbers);
   }
@@ -246,6 +247,7 @@ TEST(Summary, EmptyListsAndTablesAreThere) {
   EXPECT_EQ(summary["drivers"], Json::object());
   EXPECT_EQ(summary["bodies"], Json::object());
   EXPECT_EQ(summary["warnings"], Json::array());
+  EXPECT_EQ(summary["warning_codes"], Json::array());
   EXPECT_EQ(summary["left_out"], Json::array());
 }
 

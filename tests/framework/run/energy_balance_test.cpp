@@ -23,10 +23,7 @@ constexpr double kErrors = 4.0;
 constexpr double kRounding = 1e-7;
 
 bool warned(const RunResult& result) {
-  for (const std::string& warning : result.warnings) {
-    if (warning.find("energy balance") != std::string::npos) return true;
-  }
-  return false;
+  return count_of(FaultCode::run_energy_balance, result.warnings) > 0;
 }
 
 struct Case {

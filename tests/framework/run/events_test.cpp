@@ -530,8 +530,25 @@ TEST(Until, NotSteadyInTimeIsSaid) {
   EXPECT_EQ(result.window_from, 100.0);
   EXPECT_EQ(result.window_to, 150.0);
   EXPECT_EQ(result.driver(0)["mean_force"].size(), 2u);
-  ASSERT_EQ(result.warnings.size(), 1u);
-  EXPECT_NE(result.warnings[0].find("is not steady to 1e-06 by time 150"), std::string::npos);
+  EXPECT_EQ(briefs(result.warnings), std::vector<std::string>{"run.until [run.until_not_steady]"});
+}
+
+TEST(Until, TheSlowestTimeOfManyCoordinatesIsNotKnown) {
+  const auto warnings_of = [](const char* count) {
+    const RunResult result = run_text(
+        "[[body]]\nname = \"chain\"\ntype = \"chain\"\nspacing = 1.0\norigin = [0.0]\n"
+        "particle_mass = 1.0\ncount = " +
+        std::string(count) +
+        "\n[[force]]\nname = \"driver\"\ntype = \"driving_spring\"\nstiffness = 1.0\n"
+        "velocity = [1.0]\nattach = \"each_particle\"\n[[force]]\ntype = \"viscous_damping\"\n"
+        "coefficient = 1.0\n[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = 1e-3\n"
+        "period = 1.0\n[run]\nuntil = { steady = \"driver.mean_force.x\", tolerance = 0.1, "
+        "max = 100.0 }\nintegrator = { type = \"rk4\", dt = 0.1 }\n");
+    EXPECT_TRUE(result.steady->reached);
+    return briefs(result.warnings);
+  };
+  EXPECT_EQ(warnings_of("1000"), std::vector<std::string>{});
+  EXPECT_EQ(warnings_of("1001"), std::vector<std::string>{"run.until [run.until_slowest_unknown]"});
 }
 
 TEST(Until, ADurationIsNeedlessWithAMaximum) {

@@ -19,7 +19,7 @@ TEST(TryOut, AShortRunIsRunWhole) {
     const Trial trial = try_out(scene_of(tip.text()), kLong);
     const RunResult result = run_text(tip.text());
     EXPECT_TRUE(trial.finished);
-    EXPECT_FALSE(trial.failed);
+    EXPECT_FALSE(trial.failure);
     EXPECT_EQ(trial.steps, result.steps);
     EXPECT_EQ(trial.evaluations, result.force_evaluations);
     EXPECT_EQ(trial.time, 20.005);
@@ -35,14 +35,14 @@ TEST(TryOut, ARunThatEndsWhenItIsSteadyIsWholeToo) {
                        {{"run.until", "{ steady = \"driver.mean_force.x\", tolerance = 1e-4 }"}}),
               kLong);
   EXPECT_TRUE(trial.finished);
-  EXPECT_FALSE(trial.failed);
+  EXPECT_FALSE(trial.failure);
   EXPECT_LT(trial.time, 5000.0);
 }
 
 TEST(TryOut, ALongRunIsLeftEarly) {
   const Trial trial = try_out(scene_of(TipScene{.duration = 1e9}.text()), 0.01);
   EXPECT_FALSE(trial.finished);
-  EXPECT_FALSE(trial.failed);
+  EXPECT_FALSE(trial.failure);
   EXPECT_GT(trial.steps, 0u);
   EXPECT_LT(trial.time, 1e9);
   EXPECT_GE(trial.seconds, 0.01);

@@ -136,7 +136,7 @@ TEST_P(Accuracy, IsKeptAndTheErrorIsNotHeldTooSmall) {
     const double unseen = std::max(kErrorOfTruth, kFarBelowAsked * asked);
     EXPECT_LE(error, estimated(result) + unseen * std::abs(truth));
     EXPECT_LE(estimated(result), asked * std::abs(truth));
-    EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
+    EXPECT_EQ(test::briefs(result.warnings), std::vector<std::string>{});
     const double cost = static_cast<double>(result.force_evaluations + result.jacobian_columns);
     EXPECT_LE(static_cast<double>(result.accuracy->companion_cost), kMostForCompanions * cost);
     EXPECT_GT(result.accuracy->companion_cost, 0U);
@@ -242,13 +242,38 @@ TEST(AccuracyOf, IsNotPromisedWhereNothingGetsThroughThePilot) {
   EXPECT_EQ(chosen.scene->run.integrator.record, scene->run.integrator.record);
   EXPECT_TRUE(chosen.companions.empty());
   EXPECT_EQ(chosen.text, "{ type = \"" + scene->run.integrator.record->name + "\" }");
-  ASSERT_EQ(chosen.warnings.size(), 1U);
-  EXPECT_NE(chosen.warnings.front().find("no integrator got through"), std::string::npos);
+  EXPECT_EQ(test::briefs(chosen.warnings),
+            std::vector<std::string>{"run.accuracy [run.accuracy_no_pilot]"});
   RunResult result = run_as_bound(chosen.scene);
   EXPECT_EQ(result.status, RunStatus::finished);
   estimate_errors(chosen, {}, result);
   EXPECT_TRUE(result.errors.empty());
-  EXPECT_EQ(result.warnings.size(), 2U);
+  EXPECT_EQ(test::briefs(result.warnings),
+            (std::vector<std::string>{"run.accuracy [run.accuracy_no_pilot]",
+                                      "run.accuracy [run.error_not_estimated]"}));
+}
+
+/// Between nothing and enough, coarse steps get through and nothing that they could be compared
+/// with.
+TEST(AccuracyOf, IsNotPromisedWithoutAReference) {
+  constexpr double kForCoarseSteps = 30.0;
+  const auto scene = test::scene_of(kTip, {{"run.accuracy", "1e-8"}});
+  test::MemoryStore store;
+  const auto choose = [&] {
+    return choose_integrator(scene, test::standard(), nullptr, kForCoarseSteps, &store);
+  };
+  const ChosenIntegrator chosen = choose();
+  EXPECT_EQ(test::briefs(chosen.warnings),
+            std::vector<std::string>{"run.accuracy [run.accuracy_no_reference]"});
+  // What is kept of the choice has its warnings.
+  const ChosenIntegrator kept = choose();
+  EXPECT_EQ(test::briefs(kept.warnings), test::briefs(chosen.warnings));
+  EXPECT_EQ(texts_of(kept.warnings), texts_of(chosen.warnings));
+}
+
+TEST(AccuracyOf, BeyondRoundingIsNotReached) {
+  const RunResult result = run(test::scene_of(kTip, {{"run.accuracy", "1e-15"}}));
+  EXPECT_GT(test::count_of(FaultCode::run_accuracy_not_reached, result.warnings), 0U);
 }
 
 /// Evaluations and columns that a pilot may cost where the scene is not stiff and its slips are
@@ -348,6 +373,7 @@ TEST(AccuracyOf, StoppedInTheCompanionIsInterrupted) {
   const RunResult result = run(test::scene_of(slow), options);
   EXPECT_EQ(result.status, RunStatus::interrupted);
   EXPECT_TRUE(result.errors.empty());
+  EXPECT_EQ(test::brief(result.warnings.back()), "run.accuracy [run.comparison_stopped]");
 }
 
 }  // namespace
