@@ -18,8 +18,8 @@
 #include "framework/cli/sections.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/core/text/warning.hpp"
-#include "framework/model/claims.hpp"
 #include "framework/model/model.hpp"
+#include "framework/model/properties.hpp"
 #include "framework/run/trial.hpp"
 
 namespace tomlin {
@@ -28,13 +28,13 @@ namespace {
 struct CheckArguments : SceneOptions {
   bool json = false;
   bool verbose = false;    ///< what holds, too
-  std::uint64_t seed = 1;  ///< of the random states that claims are looked at
+  std::uint64_t seed = 1;  ///< of the random states that properties are looked at
 };
 
 constexpr const char* kCheckFooter = R"(
-Reads and binds the scene as run does, compares a fixed step with the stable step, and holds every
-force against its own claims on this scene's bodies: at the start, near it, far away, high above it,
-and with two particles almost touching:
+Reads and binds the scene as run does, compares a fixed step with the stable step, and verifies the
+properties of every force on this scene's bodies: at the start, near it, far away, high above it, and
+with two particles almost touching:
 
   conservative, exact, path,
   quadruple                   its force is minus the gradient of its energy
@@ -57,8 +57,8 @@ and with two particles almost touching:
   number types, digits        and every number type, each to its own rounding
 
 Where all holds that is said in one line; --verbose shows every check, with its largest error and what
-is allowed there. A claim that does not hold is shown with the state, particle, place and time where it
-broke, and with both numbers.
+is allowed there. A property that does not hold is shown with the state, particle, place and time where
+it broke, and with both numbers. "unseen": no state of the scene had anything to compare.
 
 Examples:
 
@@ -74,8 +74,8 @@ using Json = nlohmann::ordered_json;
 
 /// One line of the answer.
 struct Check {
-  std::string subject;  ///< a force, or "step"
-  std::string claim;    ///< "conservative", "stable"
+  std::string subject;   ///< a force, or "step"
+  std::string property;  ///< "conservative", "stable"
   bool holds = false;
   bool unseen = false;  ///< there was no state at which anything could be compared
   std::string text;
@@ -103,7 +103,7 @@ void check_step(const Scene& scene, const Trial& trial, Report& report) {
   const bool limited = std::isfinite(trial.stable_step);
   Check check;
   check.subject = integrator.record->name;
-  check.claim = "stable";
+  check.property = "stable";
   check.holds = trial.step_is_stable || scene.run.allow_unstable;
   check.text = limited ? fmt::format("dt = {:g} is {:.3g} of the stable step {:.4g}", dt,
                                      dt / trial.stable_step, trial.stable_step)
@@ -116,7 +116,7 @@ void check_step(const Scene& scene, const Trial& trial, Report& report) {
   report.checks.push_back(std::move(check));
 }
 
-Json json_of(const ClaimPoint& point) {
+Json json_of(const PropertyPoint& point) {
   const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(); };
   return Json{{"state", point.state},
               {"body", point.body.empty() ? Json() : Json(point.body)},
@@ -134,10 +134,10 @@ std::string row_of(const std::string& states, const std::string& error, const st
   return fmt::format("{:>6}  {:>8}  {:>8}  {}", states, error, allowed, meaning);
 }
 
-Check check_of(const ClaimResult& result) {
+Check check_of(const PropertyResult& result) {
   Check check;
   check.subject = result.force;
-  check.claim = result.claim;
+  check.property = result.property;
   check.holds = result.holds;
   check.unseen = result.states == 0 && result.holds;
   check.text = row_of(std::to_string(result.states), fmt::format("{:.2g}", result.error),
@@ -158,7 +158,7 @@ Report report_on(const std::shared_ptr<const Scene>& scene, std::uint64_t seed) 
   Report report;
   const Trial trial = try_out(scene, 0.0);
   check_step(*scene, trial, report);
-  for (const ClaimResult& result : check_claims(*scene, {.seed = seed})) {
+  for (const PropertyResult& result : check_properties(*scene, {.seed = seed})) {
     report.checks.push_back(check_of(result));
   }
   const Model model(scene);
@@ -214,7 +214,7 @@ std::string table_of(const Scene& scene, const Report& report, bool all) {
   for (const Check& check : report.checks) {
     if (check.holds && !all) continue;
     const char* verdict = check.unseen ? "unseen  " : check.holds ? "ok      " : "FAILED  ";
-    sections.row(check.subject + " " + check.claim, verdict + check.text);
+    sections.row(check.subject + " " + check.property, verdict + check.text);
   }
   for (const Warning& warning : all_warnings(report)) {
     sections.row("warning", to_string(warning));
@@ -235,7 +235,7 @@ Json json_of(const Report& report) {
   json["sound"] = report.sound();
   json["checks"] = Json::array();
   for (const Check& check : report.checks) {
-    Json entry{{"subject", check.subject}, {"check", check.claim}, {"ok", check.holds}};
+    Json entry{{"subject", check.subject}, {"check", check.property}, {"ok", check.holds}};
     if (check.unseen) entry["unseen"] = true;
     entry.update(check.numbers);
     entry["text"] = check.text;

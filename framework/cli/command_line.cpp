@@ -77,7 +77,7 @@ observables.csv with the friction trace, and scene.toml, the scene with every de
 
   tomlin run --help            how to change parameters and choose the folder
   tomlin explain pt.toml       its scales, its regime, the stable step, what a run costs
-  tomlin check pt.toml         is the scene sound, and do its forces what they claim
+  tomlin check pt.toml         is the scene sound, and do its forces what they declare
   tomlin new pt|fk|ring        a commented scene to start from
   tomlin describe expression   a force of one's own as a formula in the scene
   tomlin new plugin NAME       a force of one's own in C++, with its test

@@ -60,8 +60,8 @@ Json parameter_json(const Parameter& row) {
   return entry;
 }
 
-template <class Claims>
-void append_claims(Json& traits, const Claims& given) {
+template <class Declarations>
+void append_declared(Json& traits, const Declarations& given) {
   for (const auto& [name, holds] : given) {
     std::string key = name;
     std::replace(key.begin(), key.end(), ' ', '_');
@@ -80,12 +80,12 @@ Json citations_json(const std::string& source) {
 Json traits_json(const Described& component) {
   Json traits = Json::object();
   if (component.force != nullptr) {
-    append_claims(traits, claims(component.force->traits));
+    append_declared(traits, declared(component.force->traits));
   }
   if (component.integrator != nullptr) {
     traits["order"] = component.integrator->order;
     traits["evaluations_per_step"] = component.integrator->evaluations_per_step;
-    append_claims(traits, abilities(*component.integrator));
+    append_declared(traits, abilities(*component.integrator));
   }
   return traits;
 }

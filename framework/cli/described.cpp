@@ -20,8 +20,8 @@ std::vector<std::string> number_types_of(const Record& record) {
   return types;
 }
 
-template <class Claims>
-void append_held(std::vector<std::string>& words, const Claims& given) {
+template <class Declarations>
+void append_held(std::vector<std::string>& words, const Declarations& given) {
   for (const auto& [name, holds] : given) {
     if (holds) words.emplace_back(name);
   }
@@ -54,25 +54,25 @@ std::vector<const Described*> those_of(const KindNames& kind, const std::vector<
   return found;
 }
 
-std::array<Claim, 8> claims(const Traits& traits) {
-  return {Claim{"conservative", traits.conservative},
-          Claim{"depends on velocity", traits.depends_on_velocity},
-          Claim{"depends on time", traits.depends_on_time},
-          Claim{"stochastic", traits.stochastic},
-          Claim{"internal", traits.internal},
-          Claim{"periodic", traits.periodic},
-          Claim{"dissipative", traits.dissipative},
-          Claim{"does work", traits.does_work}};
+std::array<Declaration, 8> declared(const Traits& traits) {
+  return {Declaration{"conservative", traits.conservative},
+          Declaration{"depends on velocity", traits.depends_on_velocity},
+          Declaration{"depends on time", traits.depends_on_time},
+          Declaration{"stochastic", traits.stochastic},
+          Declaration{"internal", traits.internal},
+          Declaration{"periodic", traits.periodic},
+          Declaration{"dissipative", traits.dissipative},
+          Declaration{"does work", traits.does_work}};
 }
 
-std::array<Claim, 7> abilities(const IntegratorRecord& record) {
-  return {Claim{"adaptive", record.adaptive},
-          Claim{"takes scenes without inertia", record.without_inertia},
-          Claim{"takes friction as an operator", record.splits_friction},
-          Claim{"takes bonds as an operator", record.splits_bonds},
-          Claim{"needs derivatives of the forces", record.needs_tangent},
-          Claim{"only for scenes without friction", record.conservative_only},
-          Claim{"follows equilibria", record.follows_equilibria}};
+std::array<Declaration, 7> abilities(const IntegratorRecord& record) {
+  return {Declaration{"adaptive", record.adaptive},
+          Declaration{"takes scenes without inertia", record.without_inertia},
+          Declaration{"takes friction as an operator", record.splits_friction},
+          Declaration{"takes bonds as an operator", record.splits_bonds},
+          Declaration{"needs derivatives of the forces", record.needs_tangent},
+          Declaration{"only for scenes without friction", record.conservative_only},
+          Declaration{"follows equilibria", record.follows_equilibria}};
 }
 
 std::string acts_on(const ForceRecord& force) {
@@ -92,7 +92,7 @@ std::vector<std::string> trait_words(const Described& component) {
   if (component.force != nullptr && component.force->traits_of != nullptr) {
     words.emplace_back("properties depend on the scene");
   } else if (component.force != nullptr) {
-    append_held(words, claims(component.force->traits));
+    append_held(words, declared(component.force->traits));
   }
   if (component.integrator != nullptr) {
     const IntegratorRecord& record = *component.integrator;

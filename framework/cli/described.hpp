@@ -32,11 +32,11 @@ inline constexpr std::array kKinds = {KindNames{"body", "bodies"}, KindNames{"fo
 std::vector<Described> all_components(const Registry& registry);
 std::vector<const Described*> those_of(const KindNames& kind, const std::vector<Described>& all);
 
-/// A claim or an ability, and whether the component has it.
-using Claim = std::pair<const char*, bool>;
+/// A declared property or an ability, and whether the component has it.
+using Declaration = std::pair<const char*, bool>;
 
-std::array<Claim, 8> claims(const Traits& traits);
-std::array<Claim, 7> abilities(const IntegratorRecord& record);
+std::array<Declaration, 8> declared(const Traits& traits);
+std::array<Declaration, 7> abilities(const IntegratorRecord& record);
 
 /// "pairs of particles, of 1 to 2 bodies": what a force is evaluated on.
 std::string acts_on(const ForceRecord& force);

@@ -31,6 +31,7 @@
 #include "framework/plot/gnuplot_script.hpp"
 #include "framework/plot/quantities.hpp"
 #include "framework/plot/stored_run.hpp"
+#include "framework/run/run.hpp"
 #include "framework/scene/text.hpp"
 #include "framework/standard_registry.hpp"
 

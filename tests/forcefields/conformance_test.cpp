@@ -36,15 +36,6 @@ void note_kinds(const ForceRecord& record, const void* description, int dimensio
   }
 }
 
-TEST(Conformance, FormulasAreOfEveryKind) {
-  EXPECT_EQ(formula_texts().size(), kFormulas);
-  std::set<Element> elements;
-  for (const ForceRecord& record : drawn_for(*standard().force("expression"))) {
-    elements.insert(record.element_of(record.make_description().get()));
-  }
-  EXPECT_EQ(elements.size(), 4u);
-}
-
 TEST(Conformance, EveryForceHasItsVerifiedProperties) {
   std::set<std::string> kinds;
   for (const auto& record : standard().forces()) {

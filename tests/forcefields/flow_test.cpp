@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "framework/model/claims/flow_check.hpp"
 #include "framework/model/model.hpp"
+#include "framework/model/properties/flow_check.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/scene/scene.hpp"
 #include "tests/forcefields/flows.hpp"
@@ -21,43 +21,43 @@
 namespace tomlin::test {
 namespace {
 
-using Claims = std::vector<std::string>;
+using Properties = std::vector<std::string>;
 
 // ---- operators that forces hand out, alone
 
 template <class Law>
-Claims claims_of(void (*spoil)(ForceRecord&) = nullptr) {
-  return broken_claims("viscous_damping", wrapped<WithFlow<Law>::template Force, ViscousDamping>,
-                       spoil);
+Properties properties_of(void (*spoil)(ForceRecord&) = nullptr) {
+  return broken_properties("viscous_damping",
+                           wrapped<WithFlow<Law>::template Force, ViscousDamping>, spoil);
 }
 
 void is_stochastic(ForceRecord& record) { record.traits.stochastic = true; }
 
 TEST(FlowFaults, SoundOperatorsAreNotAccused) {
-  EXPECT_EQ(claims_of<ExactDecay>(), Claims{});
-  EXPECT_EQ(claims_of<Thermal>(&is_stochastic), Claims{});
-  EXPECT_EQ(broken_claims("memory_damping", MemoryWithFlow<WholeHeat>::bind), Claims{});
+  EXPECT_EQ(properties_of<ExactDecay>(), Properties{});
+  EXPECT_EQ(properties_of<Thermal>(&is_stochastic), Properties{});
+  EXPECT_EQ(broken_properties("memory_damping", MemoryWithFlow<WholeHeat>::bind), Properties{});
 }
 
 TEST(FlowFaults, WrongFlow) {
-  EXPECT_TRUE(among(claims_of<DecayWithoutMass>(), "flow"));
-  EXPECT_TRUE(among(claims_of<DecayToFirstOrder>(), "flow"));
-  EXPECT_TRUE(among(claims_of<DecayByMidpoint>(), "flow"));
-  EXPECT_TRUE(among(claims_of<DecayOfTheHeld>(), "flow"));
+  EXPECT_TRUE(among(properties_of<DecayWithoutMass>(), "flow"));
+  EXPECT_TRUE(among(properties_of<DecayToFirstOrder>(), "flow"));
+  EXPECT_TRUE(among(properties_of<DecayByMidpoint>(), "flow"));
+  EXPECT_TRUE(among(properties_of<DecayOfTheHeld>(), "flow"));
 }
 
 TEST(FlowFaults, WrongHeat) {
-  EXPECT_EQ(claims_of<DecayWithHalfTheHeat>(), Claims{"heat of flow"});
-  EXPECT_EQ(claims_of<DecayWithHeatOfItsRate>(), Claims{"heat of flow"});
-  EXPECT_EQ(broken_claims("memory_damping", MemoryWithFlow<KineticHeat>::bind),
-            Claims{"heat of flow"});
+  EXPECT_EQ(properties_of<DecayWithHalfTheHeat>(), Properties{"heat of flow"});
+  EXPECT_EQ(properties_of<DecayWithHeatOfItsRate>(), Properties{"heat of flow"});
+  EXPECT_EQ(broken_properties("memory_damping", MemoryWithFlow<KineticHeat>::bind),
+            Properties{"heat of flow"});
 }
 
 TEST(FlowFaults, NumbersThatDependOnMoreOrLessThanTheStage) {
-  EXPECT_TRUE(among(claims_of<DecayThatCounts>(), "flow repeats"));
-  EXPECT_EQ(claims_of<ThermalInSequence>(&is_stochastic), Claims{"flow repeats"});
-  EXPECT_EQ(claims_of<ThermalWithoutStep>(&is_stochastic), Claims{"flow"});
-  EXPECT_EQ(claims_of<ThermalWithoutKey>(&is_stochastic), Claims{"flow"});
+  EXPECT_TRUE(among(properties_of<DecayThatCounts>(), "flow repeats"));
+  EXPECT_EQ(properties_of<ThermalInSequence>(&is_stochastic), Properties{"flow repeats"});
+  EXPECT_EQ(properties_of<ThermalWithoutStep>(&is_stochastic), Properties{"flow"});
+  EXPECT_EQ(properties_of<ThermalWithoutKey>(&is_stochastic), Properties{"flow"});
 }
 
 // ---- the operator of linear friction, alone
@@ -151,7 +151,7 @@ TEST(FrictionFlow, IsTheExactFlowOfTheDrag) {
       at.velocity = view.velocity;
       at.own = view.integrals;
       int compared = 0;
-      claims::FlowCheck check(
+      properties::FlowCheck check(
           flow, at, view.dofs, 0, slopes, [] { return 0.0; },
           [&](double found, double expected, double allowed) {
             ++compared;

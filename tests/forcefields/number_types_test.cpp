@@ -17,9 +17,10 @@ template <class E>
 const ForceFactories kSound{planted<E, double>, planted<E, float>, planted<E, Quad>};
 
 TEST(NumberTypes, SoundForcesBoundTheSameWayAreNotAccused) {
-  EXPECT_EQ(broken_claims("sinusoidal_substrate", kSound<SinusoidalSubstrate>),
+  EXPECT_EQ(broken_properties("sinusoidal_substrate", kSound<SinusoidalSubstrate>),
             std::vector<std::string>{});
-  EXPECT_EQ(broken_claims("viscous_damping", kSound<ViscousDamping>), std::vector<std::string>{});
+  EXPECT_EQ(broken_properties("viscous_damping", kSound<ViscousDamping>),
+            std::vector<std::string>{});
 }
 
 /// A relative error of 1e-4 or 1e-13: hundreds of units in float and in double.

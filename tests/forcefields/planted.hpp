@@ -85,29 +85,30 @@ std::unique_ptr<BoundForce<Real>> planted_by_set(const void* description,
 
 /// What the suite says of the force of this name when it is bound in another way. Number types that
 /// are not given are not looked at. With `until` no more than is needed to see that one broken.
-inline std::vector<std::string> broken_claims(const std::string& name, const ForceFactories& bind,
-                                              void (*spoil)(ForceRecord&) = nullptr,
-                                              const std::string& until = {}) {
+inline std::vector<std::string> broken_properties(const std::string& name,
+                                                  const ForceFactories& bind,
+                                                  void (*spoil)(ForceRecord&) = nullptr,
+                                                  const std::string& until = {}) {
   ForceRecord record = *standard().force(name);
   record.bind = bind.in_double ? bind : ForceFactories(record.bind.in_double);
   if (spoil) spoil(record);
   Conformance check(record);
   check.examine_everywhere(kSeeds[0], {1, 2, 4}, nullptr, until);
   std::vector<std::string> broken;
-  for (const auto& [claim, where] : check.broken()) broken.push_back(claim);
+  for (const auto& [property, where] : check.broken()) broken.push_back(property);
   return broken;
 }
 
-inline bool among(const std::vector<std::string>& broken, const std::string& claim) {
-  return std::find(broken.begin(), broken.end(), claim) != broken.end();
+inline bool among(const std::vector<std::string>& broken, const std::string& property) {
+  return std::find(broken.begin(), broken.end(), property) != broken.end();
 }
 
-inline bool is_caught(const std::string& claim, const std::string& name, const ForceFactories& bind,
-                      void (*spoil)(ForceRecord&) = nullptr) {
-  return among(broken_claims(name, bind, spoil, claim), claim);
+inline bool is_caught(const std::string& property, const std::string& name,
+                      const ForceFactories& bind, void (*spoil)(ForceRecord&) = nullptr) {
+  return among(broken_properties(name, bind, spoil, property), property);
 }
 
-#define EXPECT_CAUGHT(claim, ...) \
-  EXPECT_TRUE(is_caught(claim, __VA_ARGS__)) << "not caught: " << (claim)
+#define EXPECT_CAUGHT(property, ...) \
+  EXPECT_TRUE(is_caught(property, __VA_ARGS__)) << "not caught: " << (property)
 
 }  // namespace tomlin::test

@@ -233,7 +233,7 @@ TEST(Order, OfEveryExplicitScheme) {
   }
 }
 
-TEST(DenseOutput, HasTheOrderItClaims) {
+TEST(DenseOutput, HasTheOrderItDeclares) {
   for (const Scheme& scheme : schemes()) {
     const Oscillator o = driven_for(scheme);
     std::vector<double> x_errors, v_errors, force_errors;

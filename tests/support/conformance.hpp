@@ -10,12 +10,13 @@
 #include <vector>
 
 #include "framework/core/records/force.hpp"
-#include "framework/model/claims.hpp"
+#include "framework/model/properties.hpp"
 #include "tests/support/random_description.hpp"
 #include "tests/support/scenes.hpp"
 
-/// What `tomlin check` verifies (framework/model/claims.hpp), on many scenes of one force: those of
-/// its record's example, and parameters drawn from the record's own rows on bodies of every kind.
+/// What `tomlin check` verifies (framework/model/properties.hpp), on many scenes of one force:
+/// those of its record's example, and parameters drawn from the record's own rows on bodies of
+/// every kind.
 namespace tomlin::test {
 
 /// A body in a row or a ring, neighbours about one apart, with no two particles alike.
@@ -91,13 +92,13 @@ class Conformance {
   explicit Conformance(const ForceRecord& record) : record_(record) {}
 
   void examine(const Scene& scene, std::uint64_t seed) {
-    ClaimOptions options;
+    PropertyOptions options;
     options.displaced_states = 2;  // of each of many scenes
     options.seed = seed;
-    for (const ClaimResult& result : check_claims(scene, options)) {
+    for (const PropertyResult& result : check_properties(scene, options)) {
       if (result.type != record_.name && result.force != kAllForces) continue;
-      states_[result.claim] += result.states;
-      if (!result.holds) where_.try_emplace(result.claim, result.worst.text());
+      states_[result.property] += result.states;
+      if (!result.holds) where_.try_emplace(result.property, result.worst.text());
     }
     ++examined_;
   }
@@ -132,8 +133,8 @@ class Conformance {
   /// had anything to compare.
   std::map<std::string, std::string> broken() const {
     std::map<std::string, std::string> all = where_;
-    for (const auto& [claim, states] : states_) {
-      if (states == 0) all.try_emplace(claim, "nothing could be compared anywhere");
+    for (const auto& [property, states] : states_) {
+      if (states == 0) all.try_emplace(property, "nothing could be compared anywhere");
     }
     return all;
   }

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "framework/model/claims.hpp"
+#include "framework/model/properties.hpp"
 #include "tests/support/scenes.hpp"
 
 /// All components of this version, with one force changed.
@@ -27,12 +27,12 @@ class SpoiltRegistry {
 
   const Registry& registry() const { return registry_; }
 
-  /// What the suite says of a scene: the claims that do not hold, each as "force: claim".
+  /// What the suite says of a scene: the properties that do not hold, each as "force: property".
   std::set<std::string> broken_in(const std::string& text, std::uint64_t seed = 1) const {
     std::set<std::string> failed;
     const auto scene = parse_scene(text, "test.toml", registry_);
-    for (const ClaimResult& result : check_claims(*scene, {.seed = seed})) {
-      if (!result.holds) failed.insert(result.force + ": " + result.claim);
+    for (const PropertyResult& result : check_properties(*scene, {.seed = seed})) {
+      if (!result.holds) failed.insert(result.force + ": " + result.property);
     }
     return failed;
   }

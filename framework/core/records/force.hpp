@@ -83,7 +83,7 @@ inline double no_length(const void*) { return 0.0; }
 struct ForceRecord : ComponentRecord {
   Element element = Element::site;
   Traits traits;
-  /// Where the claims, or the element, depend on what a scene asks for; null: as above.
+  /// Where the traits, or the element, depend on what a scene asks for; null: as above.
   Traits (*traits_of)(const void* description) = nullptr;
   Element (*element_of)(const void* description) = nullptr;
   int fewest_bodies = 1;
@@ -112,7 +112,7 @@ ForceRecord record_of() {
   return record;
 }
 
-/// The claims of a force as a scene describes it.
+/// The traits of a force as a scene describes it.
 inline Traits traits_of(const ForceRecord& record, const void* description) {
   return record.traits_of == nullptr ? record.traits : record.traits_of(description);
 }

@@ -5,7 +5,7 @@ namespace tomlin {
 /// What a force is evaluated on.
 enum class Element { site, pair, triple, body };
 
-/// Claims about a force. Each is verified by the conformance tests; integrators read them.
+/// Properties that a force declares. `tomlin check` verifies each; integrators read them.
 struct Traits {
   bool conservative = false;  ///< force = -gradient of its energy
   bool depends_on_velocity = false;

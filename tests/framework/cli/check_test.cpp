@@ -49,7 +49,7 @@ TEST_F(Check, OnlyWhatDoesNotHoldIsShown) {
   EXPECT_TRUE(insisted.out.ends_with(" [integrator.beyond_stability]\n")) << insisted.out;
 }
 
-TEST_F(Check, ASoundSceneHasALineForEachClaim) {
+TEST_F(Check, ASoundSceneHasALineForEachProperty) {
   const auto before = all_files();
   const Ended ended = tomlin({"check", "tip.toml", "--verbose"});
   EXPECT_EQ(ended.status, 0) << ended.err;

@@ -277,7 +277,7 @@ TEST(Box, PotentialsOfPluginsTakeTheNearestImages) {
 }
 
 /// Energies and second derivatives are of the same images as forces.
-TEST(Box, PotentialsOfPluginsKeepTheirClaims) {
+TEST(Box, PotentialsOfPluginsKeepTheirProperties) {
   std::string scene = drawn_over(kWell);
   const std::string prescribed = "coordinates = \"prescribed\"\nmotion = { velocity = [1.0] }\n";
   scene.erase(scene.find(prescribed), prescribed.size());

@@ -14,8 +14,8 @@
 
 #include "framework/core/numbers/constants.hpp"
 #include "framework/core/system/state_layout.hpp"
-#include "framework/model/claims.hpp"
 #include "framework/model/model.hpp"
+#include "framework/model/properties.hpp"
 #include "tests/support/ring_scenes.hpp"
 #include "tests/support/spoilt_registry.hpp"
 
@@ -223,8 +223,9 @@ TEST(ManyForces, AreTheSumOfEachAlone) {
   for (const std::uint64_t first : kFirstSeeds) {
     for (std::uint64_t seed = first; seed < first + kScenes / 8; ++seed) {
       const std::string text = ManyForces(seed).text();
-      for (const ClaimResult& result : check_claims(*scene_of(text), {.displaced_states = 2})) {
-        if (result.claim != "sum") continue;
+      for (const PropertyResult& result :
+           check_properties(*scene_of(text), {.displaced_states = 2})) {
+        if (result.property != "sum") continue;
         EXPECT_TRUE(result.holds) << "seed " << seed << ", " << result.worst.text() << "\n" << text;
         sums += result.states;
       }

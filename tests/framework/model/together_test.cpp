@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "framework/core/system/state_layout.hpp"
-#include "framework/model/claims.hpp"
 #include "framework/model/model.hpp"
+#include "framework/model/properties.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // Pairs whose particles are in one place: where their energy is level there they are as regular as
@@ -114,15 +114,15 @@ TEST(PairsInOnePlace, HaveACurvatureThere) {
   }
 }
 
-TEST(PairsInOnePlace, KeepTheirClaims) {
+TEST(PairsInOnePlace, KeepTheirProperties) {
   for (int dimension = 1; dimension <= 3; ++dimension) {
     for (const std::string& tie : {harmonic(0.0), kFormula}) {
-      const auto results =
-          check_claims(*scene_of(tied(dimension, tie, "integrator = " + fixed_step(1e-2) + "\n")));
+      const auto results = check_properties(
+          *scene_of(tied(dimension, tie, "integrator = " + fixed_step(1e-2) + "\n")));
       EXPECT_GT(results.size(), 10u);
-      for (const ClaimResult& result : results) {
-        EXPECT_TRUE(result.holds) << dimension << tie << result.force << " " << result.claim << " "
-                                  << result.worst.text();
+      for (const PropertyResult& result : results) {
+        EXPECT_TRUE(result.holds) << dimension << tie << result.force << " " << result.property
+                                  << " " << result.worst.text();
       }
     }
   }

@@ -1,4 +1,4 @@
-#include "framework/model/claims.hpp"
+#include "framework/model/properties.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -16,7 +16,7 @@
 #include "tests/support/ring_scenes.hpp"
 #include "tests/support/spoilt_registry.hpp"
 
-// The forces of a scene against their claims on its own bodies, and forces that are wrong on
+// The forces of a scene against their properties on its own bodies, and forces that are wrong on
 // purpose: each must be caught.
 
 namespace tomlin::test {
@@ -27,30 +27,31 @@ constexpr double kRight = 1e-8;
 // A driver alone declares no period that places could be counted in: 1e5 away they lose 5 digits.
 constexpr double kRightFarAway = 1e-6;
 
-using Claims = std::vector<std::pair<std::string, std::string>>;
+using Properties = std::vector<std::pair<std::string, std::string>>;
 
-Claims claims_of(const std::vector<ClaimResult>& results) {
-  Claims claims;
-  for (const ClaimResult& result : results) claims.emplace_back(result.force, result.claim);
-  return claims;
+Properties properties_of(const std::vector<PropertyResult>& results) {
+  Properties properties;
+  for (const PropertyResult& result : results)
+    properties.emplace_back(result.force, result.property);
+  return properties;
 }
 
-/// Claims that are looked at near the start only, where errors have a size.
-bool is_near(const std::string& claim) {
-  return claim == "conservative" || claim == "periodic" || claim == "friction";
+/// Properties that are looked at near the start only, where errors have a size.
+bool is_near(const std::string& property) {
+  return property == "conservative" || property == "periodic" || property == "friction";
 }
 
 void expect_sound(const std::string& text, double right = kRight) {
-  const auto results = check_claims(*scene_of(text));
+  const auto results = check_properties(*scene_of(text));
   EXPECT_GT(results.size(), 10u);
-  for (const ClaimResult& result : results) {
-    EXPECT_TRUE(result.holds) << result.force << " " << result.claim << " " << result.error << " > "
-                              << result.allowed << " at " << result.worst.text() << "\n"
+  for (const PropertyResult& result : results) {
+    EXPECT_TRUE(result.holds) << result.force << " " << result.property << " " << result.error
+                              << " > " << result.allowed << " at " << result.worst.text() << "\n"
                               << text;
-    if (!is_near(result.claim)) continue;
-    EXPECT_LT(result.error, right) << result.force << " " << result.claim;
+    if (!is_near(result.property)) continue;
+    EXPECT_LT(result.error, right) << result.force << " " << result.property;
     EXPECT_LT(result.allowed, 1e-4)
-        << "a check that allows all checks nothing: " << result.force << " " << result.claim;
+        << "a check that allows all checks nothing: " << result.force << " " << result.property;
     EXPECT_EQ(result.states, 9);
   }
 }
@@ -67,23 +68,23 @@ std::string chain(int count, double spacing, const std::string& axis, int dimens
          "[run]\nduration = 1.0\nintegrator = { type = \"rk4\", dt = 1e-3 }\n";
 }
 
-TEST(Claims, AreThoseOfTheForcesThatAreBuilt) {
-  const Claims all = claims_of(check_claims(*scene_of(TipScene{}.text())));
-  const auto has = [&](const char* force, const char* claim) {
-    return std::count(all.begin(), all.end(), std::pair<std::string, std::string>(force, claim));
+TEST(Properties, AreThoseOfTheForcesThatAreBuilt) {
+  const Properties all = properties_of(check_properties(*scene_of(TipScene{}.text())));
+  const auto has = [&](const char* force, const char* property) {
+    return std::count(all.begin(), all.end(), std::pair<std::string, std::string>(force, property));
   };
   for (const char* force : {"driver", "viscous_damping", "sinusoidal_substrate"}) {
-    for (const char* claim :
+    for (const char* property :
          {"finite", "balance", "origin", "time", "repeatable", "its own", "set and add", "padding",
           "point", "same bits", "number types", "digits", "quadruple", "not internal"}) {
-      EXPECT_EQ(has(force, claim), 1) << force << " " << claim;
+      EXPECT_EQ(has(force, property), 1) << force << " " << property;
     }
     const bool is_drag = std::string(force) == "viscous_damping";
-    for (const char* claim : {"conservative", "exact", "path", "hessian", "velocity"}) {
-      EXPECT_EQ(has(force, claim), is_drag ? 0 : 1) << force << " " << claim;
+    for (const char* property : {"conservative", "exact", "path", "hessian", "velocity"}) {
+      EXPECT_EQ(has(force, property), is_drag ? 0 : 1) << force << " " << property;
     }
-    for (const char* claim : {"dissipative", "friction", "not conservative", "uses velocity"}) {
-      EXPECT_EQ(has(force, claim), is_drag ? 1 : 0) << force << " " << claim;
+    for (const char* property : {"dissipative", "friction", "not conservative", "uses velocity"}) {
+      EXPECT_EQ(has(force, property), is_drag ? 1 : 0) << force << " " << property;
     }
     EXPECT_EQ(has(force, "internal"), 0) << force;
   }
@@ -91,23 +92,24 @@ TEST(Claims, AreThoseOfTheForcesThatAreBuilt) {
   EXPECT_EQ(has("sinusoidal_substrate", "periodic"), 1);
   EXPECT_EQ(has("driver", "periodic"), 0);
   EXPECT_EQ(has("driver", "uses time"), 1);
-  for (const char* claim : {"rebase", "tight"}) {
-    EXPECT_EQ(has("sinusoidal_substrate", claim), 1) << claim;
-    EXPECT_EQ(has("driver", claim), 0) << claim;
+  for (const char* property : {"rebase", "tight"}) {
+    EXPECT_EQ(has("sinusoidal_substrate", property), 1) << property;
+    EXPECT_EQ(has("driver", property), 0) << property;
   }
-  const auto rigid = claims_of(check_claims(*scene_of(RingScene{.coordinates = "rigid"}.text())));
+  const auto rigid =
+      properties_of(check_properties(*scene_of(RingScene{.coordinates = "rigid"}.text())));
   EXPECT_EQ(std::count(rigid.begin(), rigid.end(),
                        std::pair<std::string, std::string>("harmonic_bonds", "internal")),
             0);
-  const auto flexible = claims_of(check_claims(*scene_of(RingScene{}.text())));
+  const auto flexible = properties_of(check_properties(*scene_of(RingScene{}.text())));
   EXPECT_EQ(std::count(flexible.begin(), flexible.end(),
                        std::pair<std::string, std::string>("harmonic_bonds", "internal")),
             1);
-  EXPECT_TRUE(check_claims(*scene_of(RingScene{.coordinates = "fixed"}.text())).empty())
+  EXPECT_TRUE(check_properties(*scene_of(RingScene{.coordinates = "fixed"}.text())).empty())
       << "nothing moves";
 }
 
-TEST(Claims, HoldOnTipsChainsAndRings) {
+TEST(Properties, HoldOnTipsChainsAndRings) {
   expect_sound(TipScene{}.text());
   for (const char* coordinates : {"particles", "rigid"}) {
     for (const int count : {2, 8, 11}) {
@@ -122,7 +124,7 @@ TEST(Claims, HoldOnTipsChainsAndRings) {
   }
 }
 
-TEST(Claims, HoldFarFromTheOriginAndForStiffBonds) {
+TEST(Properties, HoldFarFromTheOriginAndForStiffBonds) {
   expect_sound(TipScene{.position = 1e5 + 0.1}.text(), kRightFarAway);
   expect_sound(RingScene{.bonds = 1e6, .centre = 1e4}.text(), kRightFarAway);
 }
@@ -137,7 +139,7 @@ const TipScene kInSIUnits{.velocity = 1e-6,
                           .duration = 1e-4,
                           .integrator = adaptive(1e-9)};
 
-TEST(Claims, HoldInSIUnits) { expect_sound(kInSIUnits.text()); }
+TEST(Properties, HoldInSIUnits) { expect_sound(kInSIUnits.text()); }
 
 // ---- planted faults
 
@@ -234,7 +236,7 @@ TEST(PlantedFaults, DampingThatDrives) {
             1u);
 }
 
-TEST(PlantedFaults, ClaimsThatAreNotTrue) {
+TEST(PlantedFaults, PropertiesThatAreNotTrue) {
   const SpoiltRegistry internal("sinusoidal_substrate", nullptr,
                                 [](ForceRecord& r) { r.traits.internal = true; });
   EXPECT_EQ(internal.broken_in(RingScene{}.text()), Broken{"sinusoidal_substrate: internal"});

@@ -12,7 +12,7 @@
 
 #include "framework/core/system/flow.hpp"
 
-namespace tomlin::claims {
+namespace tomlin::properties {
 
 /// The flow of an operator against its contract (framework/core/system/flow.hpp).
 class FlowCheck {
@@ -214,4 +214,4 @@ class FlowCheck {
   double time_;
 };
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "framework/model/claims/slopes.hpp"
+#include "framework/model/properties/slopes.hpp"
 
 /// The declared bound on curvatures, from which the stable step follows.
-namespace tomlin::claims {
+namespace tomlin::properties {
 namespace {
 
 /// By so much a bound may be passed: some are found by searching, and stable steps have a margin.
@@ -155,7 +155,7 @@ State in_another_phase(const ForceUnderTest& e, const State& state, const SceneF
 
 }  // namespace
 
-std::optional<ClaimResult> stiffness(ForceUnderTest& e) {
+std::optional<PropertyResult> stiffness(ForceUnderTest& e) {
   if (!(e.bound().curvature_bound() >= 0.0)) return std::nullopt;
   e.begin("stiffness", "no curvature beyond the bound that the stable step is made of");
   Random random(e.seed());
@@ -174,7 +174,7 @@ std::optional<ClaimResult> stiffness(ForceUnderTest& e) {
 
 /// Where a scene stays away from the largest curvature, as high above a substrate that decays,
 /// there is nothing to compare.
-std::optional<ClaimResult> tight(ForceUnderTest& e) {
+std::optional<PropertyResult> tight(ForceUnderTest& e) {
   const double bound = e.bound().curvature_bound();
   if (!(bound > 0.0)) return std::nullopt;
   e.begin("tight", "some curvature comes to half of the bound that the stable step is made of");
@@ -194,4 +194,4 @@ std::optional<ClaimResult> tight(ForceUnderTest& e) {
   return e.end();
 }
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

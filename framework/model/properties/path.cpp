@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/model/claims/slopes.hpp"
+#include "framework/model/properties/slopes.hpp"
 
 /// Energies against forces along paths, where an energy may jump.
-namespace tomlin::claims {
+namespace tomlin::properties {
 namespace {
 
 /// How far paths lead: shifts in shortest lengths, and by how much everything grows.
@@ -127,7 +127,7 @@ bool compare_along(ForceUnderTest& e, const Path& path, double from, double to) 
 }  // namespace
 
 /// An energy that jumps at a cut-off has the right slope on both sides of it.
-std::optional<ClaimResult> path(ForceUnderTest& e) {
+std::optional<PropertyResult> path(ForceUnderTest& e) {
   if (!e.traits().conservative) return std::nullopt;
   e.begin("path", "work along a path of some lengths = minus the change of energy");
   Random random(e.seed());
@@ -144,4 +144,4 @@ std::optional<ClaimResult> path(ForceUnderTest& e) {
   return e.end();
 }
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

@@ -7,12 +7,12 @@
 
 #include "framework/scene/scene.hpp"
 
-/// What the forces of a scene claim by their traits and contracts, held against what they do to
-/// this scene's bodies with this scene's numbers. The claims themselves stand in claims/.
+/// What the forces of a scene declare by their traits and contracts, held against what they do to
+/// this scene's bodies with this scene's numbers. The properties themselves stand in properties/.
 namespace tomlin {
 
-/// Where a claim was closest to breaking, or broke.
-struct ClaimPoint {
+/// Where a property was closest to breaking, or broke.
+struct PropertyPoint {
   std::string state;             ///< "near the start", "far away", "almost touching", ...
   std::string body;              ///< empty: everything together
   std::ptrdiff_t particle = -1;  ///< -1: the body as a whole
@@ -25,24 +25,24 @@ struct ClaimPoint {
   std::string text() const;
 };
 
-/// What the claims of all forces together are filed under.
+/// What the properties of all forces together are filed under.
 inline constexpr const char* kAllForces = "all forces";
 
-/// One claim of one force, or of all.
-struct ClaimResult {
+/// One property of one force, or of all.
+struct PropertyResult {
   std::string force;  ///< its name in the scene, or kAllForces
   std::string type;
-  std::string claim;    ///< "conservative", "internal", "dissipative", "periodic", ...
-  std::string meaning;  ///< what was compared: "force = -gradient of the energy"
+  std::string property;  ///< "conservative", "internal", "dissipative", "periodic", ...
+  std::string meaning;   ///< what was compared: "force = -gradient of the energy"
   bool holds = false;
   /// Relative, at the state where it is the largest part of what is allowed.
   double error = 0.0;
   double allowed = 0.0;  ///< what rounding and finite differences explain there
-  int states = 0;        ///< at which something was compared; 0: the claim holds for want of any
-  ClaimPoint worst;
+  int states = 0;        ///< at which something was compared; 0: the property holds for want of any
+  PropertyPoint worst;
 };
 
-struct ClaimOptions {
+struct PropertyOptions {
   int displaced_states = 8;  ///< besides the start
   std::uint64_t seed = 1;    ///< of the displacements
 };
@@ -88,7 +88,7 @@ struct ClaimOptions {
 ///   number types   the same in float, double and quadruple numbers, each to its own rounding
 ///
 /// What one state cannot refute has to be seen at one at least: where none shows it, nothing was
-/// compared, and the claim holds with no state.
+/// compared, and the property holds with no state.
 ///
 ///   not conservative  where it is not declared: the force is not the gradient of its energy
 ///   not internal      where it is not declared: forces do not sum to zero
@@ -104,6 +104,7 @@ struct ClaimOptions {
 ///                 when evaluated again, in the opposite order too; near the start
 ///
 /// Throws InputError when the scene cannot be bound.
-std::vector<ClaimResult> check_claims(const Scene& scene, const ClaimOptions& options = {});
+std::vector<PropertyResult> check_properties(const Scene& scene,
+                                             const PropertyOptions& options = {});
 
 }  // namespace tomlin

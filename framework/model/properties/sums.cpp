@@ -2,10 +2,10 @@
 #include <cmath>
 #include <cstring>
 
-#include "framework/model/claims/force_under_test.hpp"
+#include "framework/model/properties/force_under_test.hpp"
 
 /// What a force does to its bodies as a whole, and to nothing else.
-namespace tomlin::claims {
+namespace tomlin::properties {
 namespace {
 
 /// Through the sides of a box partners pull from elsewhere: torques do not cancel there.
@@ -86,7 +86,7 @@ class Watched {
 
 }  // namespace
 
-std::optional<ClaimResult> internal(ForceUnderTest& e) {
+std::optional<PropertyResult> internal(ForceUnderTest& e) {
   if (!e.traits().internal) return std::nullopt;
   const bool open = is_open(e.alone().model().scene());
   e.begin("internal", open ? "forces and torques sum to zero" : "forces sum to zero");
@@ -115,7 +115,7 @@ std::optional<ClaimResult> internal(ForceUnderTest& e) {
 
 /// A driver's force and power as the summary will show them. Whoever does work has an end that is
 /// pulled and rates for its force and power, and nobody else has.
-std::optional<ClaimResult> driver(ForceUnderTest& e) {
+std::optional<PropertyResult> driver(ForceUnderTest& e) {
   const Drive* drive = e.bound().drive();
   const std::size_t reported = e.bound().rate_count();
   if (!e.traits().does_work && drive == nullptr && reported == 0) return std::nullopt;
@@ -148,7 +148,7 @@ std::optional<ClaimResult> driver(ForceUnderTest& e) {
 
 /// Kernels that only add, on numbers that are not theirs; what they read stays as it is. What they
 /// add to nothing they add to anything, on the particles of rigid bodies and on their centres too.
-std::optional<ClaimResult> its_own(ForceUnderTest& e) {
+std::optional<PropertyResult> its_own(ForceUnderTest& e) {
   e.begin("its own", "acts on its own bodies only, and adds to what is there");
   constexpr double kBackground = 8.0;
   const auto twin = e.twin();
@@ -188,4 +188,4 @@ std::optional<ClaimResult> its_own(ForceUnderTest& e) {
   return e.end();
 }
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

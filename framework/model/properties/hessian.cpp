@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/model/claims/slopes.hpp"
+#include "framework/model/properties/slopes.hpp"
 
 /// Second derivatives against the slopes of the force.
-namespace tomlin::claims {
+namespace tomlin::properties {
 namespace {
 
 /// Second derivatives in parts of the largest force over the longest difference: one at most for a
@@ -107,7 +107,7 @@ bool compare_curvature(ForceUnderTest& e, const State& state, const Direction& a
 
 }  // namespace
 
-std::optional<ClaimResult> hessian(ForceUnderTest& e) {
+std::optional<PropertyResult> hessian(ForceUnderTest& e) {
   if (!e.traits().conservative) return std::nullopt;
   e.begin("hessian", "second derivatives = slopes of the force");
   Random random(e.seed());
@@ -125,4 +125,4 @@ std::optional<ClaimResult> hessian(ForceUnderTest& e) {
   return e.end();
 }
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

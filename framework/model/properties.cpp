@@ -1,33 +1,34 @@
-#include "framework/model/claims.hpp"
+#include "framework/model/properties.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
 
-#include "framework/model/claims/force_under_test.hpp"
-#include "framework/model/claims/scale.hpp"
+#include "framework/model/properties/force_under_test.hpp"
+#include "framework/model/properties/scale.hpp"
 
 namespace tomlin {
 namespace {
 
-constexpr claims::Claim kClaims[] = {&claims::conservative,  &claims::not_conservative,
-                                     &claims::exact,         &claims::quadruple,
-                                     &claims::path,          &claims::hessian,
-                                     &claims::stiffness,     &claims::tight,
-                                     &claims::finite,        &claims::internal,
-                                     &claims::not_internal,  &claims::dissipative,
-                                     &claims::friction,      &claims::balance,
-                                     &claims::flow,          &claims::flow_repeats,
-                                     &claims::heat_of_flow,  &claims::driver,
-                                     &claims::periodic,      &claims::rebase,
-                                     &claims::origin,        &claims::velocity,
-                                     &claims::uses_velocity, &claims::time,
-                                     &claims::uses_time,     &claims::repeatable,
-                                     &claims::its_own,       &claims::set_and_add,
-                                     &claims::padding,       &claims::point,
-                                     &claims::same_bits,     &claims::number_types,
-                                     &claims::digits};
+constexpr properties::PropertyCheck kProperties[] = {
+    &properties::conservative,  &properties::not_conservative,
+    &properties::exact,         &properties::quadruple,
+    &properties::path,          &properties::hessian,
+    &properties::stiffness,     &properties::tight,
+    &properties::finite,        &properties::internal,
+    &properties::not_internal,  &properties::dissipative,
+    &properties::friction,      &properties::balance,
+    &properties::flow,          &properties::flow_repeats,
+    &properties::heat_of_flow,  &properties::driver,
+    &properties::periodic,      &properties::rebase,
+    &properties::origin,        &properties::velocity,
+    &properties::uses_velocity, &properties::time,
+    &properties::uses_time,     &properties::repeatable,
+    &properties::its_own,       &properties::set_and_add,
+    &properties::padding,       &properties::point,
+    &properties::same_bits,     &properties::number_types,
+    &properties::digits};
 
 /// The shortest distance between particles that follow one another.
 double shortest_spacing(const Model::Body& body) {
@@ -77,7 +78,7 @@ std::vector<double> lengths_of(const Scene& scene) {
     for (const SingleForce::Variable& variable : alone.variables()) {
       if (variable.axis >= 0) reach = std::max(reach, std::abs(alone.position(variable)));
     }
-    lengths[k] = claims::length_of(alone, declared).value_or(declared);
+    lengths[k] = properties::length_of(alone, declared).value_or(declared);
     if (lengths[k] > 0.0 && (shortest == 0.0 || lengths[k] < shortest)) shortest = lengths[k];
   }
   if (shortest == 0.0) shortest = reach > 0.0 ? std::min(reach, 1.0) : 1.0;
@@ -89,19 +90,19 @@ std::vector<double> lengths_of(const Scene& scene) {
 
 }  // namespace
 
-std::vector<ClaimResult> check_claims(const Scene& scene, const ClaimOptions& options) {
+std::vector<PropertyResult> check_properties(const Scene& scene, const PropertyOptions& options) {
   const std::vector<double> lengths = lengths_of(scene);
-  std::vector<ClaimResult> results;
+  std::vector<PropertyResult> results;
   for (std::size_t k = 0; k < scene.forces.size(); ++k) {
-    claims::ForceUnderTest examination(scene, k, lengths[k], options);
+    properties::ForceUnderTest examination(scene, k, lengths[k], options);
     if (!examination.worthwhile()) continue;
-    for (const claims::Claim claim : kClaims) {
-      if (auto result = claim(examination)) results.push_back(std::move(*result));
+    for (const properties::PropertyCheck property : kProperties) {
+      if (auto result = property(examination)) results.push_back(std::move(*result));
     }
   }
   if (!results.empty()) {
     const double length = *std::min_element(lengths.begin(), lengths.end());
-    if (auto result = claims::sum_of_all(scene, length, options)) {
+    if (auto result = properties::sum_of_all(scene, length, options)) {
       results.push_back(std::move(*result));
     }
   }

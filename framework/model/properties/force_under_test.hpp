@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "framework/core/records/force.hpp"
-#include "framework/model/claims.hpp"
 #include "framework/model/force_twin.hpp"
+#include "framework/model/properties.hpp"
 #include "framework/model/single_force.hpp"
 
-/// One force and the states at which its claims are looked at.
-namespace tomlin::claims {
+/// One force and the states at which its properties are looked at.
+namespace tomlin::properties {
 
 /// A sum of some hundred terms loses some tens of units in the last place of its size.
 inline constexpr double kRounding = 64.0 * std::numeric_limits<double>::epsilon();
@@ -63,7 +63,8 @@ using Direction = std::vector<double>;  ///< one number for each variable
 class ForceUnderTest {
  public:
   /// `length` is the scene's shortest, or the force's own.
-  ForceUnderTest(const Scene& scene, std::size_t force, double length, const ClaimOptions& options);
+  ForceUnderTest(const Scene& scene, std::size_t force, double length,
+                 const PropertyOptions& options);
 
   /// False when there is nothing to look at: not built, or nothing moves.
   bool worthwhile() const { return alone_.built() && count() > 0; }
@@ -140,8 +141,8 @@ class ForceUnderTest {
 
   // ---- the answer
 
-  void begin(const char* claim, const char* meaning);
-  ClaimResult end();
+  void begin(const char* property, const char* meaning);
+  PropertyResult end();
   void looked() { ++now_.states; }
   /// What has to be seen somewhere was seen at this state.
   void saw(const State& state);
@@ -177,11 +178,11 @@ class ForceUnderTest {
   State displaced(double size, Random& random) const;
   std::optional<State> touching(double distance, Random& random) const;
   double latest_time();
-  ClaimPoint point(const State& state, std::size_t variable) const;
+  PropertyPoint point(const State& state, std::size_t variable) const;
 
   SingleForce alone_;
   double length_;
-  ClaimOptions options_;
+  PropertyOptions options_;
   double size_ = 0.0;  ///< pairs and particles
   double latest_ = 0.0;
   State start_;
@@ -192,51 +193,51 @@ class ForceUnderTest {
   std::vector<Pass<double>> passes_;             ///< of it
   bool sought_exact_ = false;
   std::map<const State*, double> sensitivities_;  ///< at near_ and extreme_
-  ClaimResult now_;
+  PropertyResult now_;
   double strain_ = 0.0;  ///< the largest part of what is allowed
 };
 
 /// Of all forces of a scene together: each alone makes its part of the sum. Nothing where no force
 /// acts on what moves.
-std::optional<ClaimResult> sum_of_all(const Scene& scene, double length,
-                                      const ClaimOptions& options);
+std::optional<PropertyResult> sum_of_all(const Scene& scene, double length,
+                                         const PropertyOptions& options);
 
-// The claims of one force, each where it applies.
+// The properties of one force, each where it applies.
 
-using Claim = std::optional<ClaimResult> (*)(ForceUnderTest&);
+using PropertyCheck = std::optional<PropertyResult> (*)(ForceUnderTest&);
 
-std::optional<ClaimResult> conservative(ForceUnderTest& e);
-std::optional<ClaimResult> not_conservative(ForceUnderTest& e);
-std::optional<ClaimResult> exact(ForceUnderTest& e);
-std::optional<ClaimResult> quadruple(ForceUnderTest& e);
-std::optional<ClaimResult> path(ForceUnderTest& e);
-std::optional<ClaimResult> hessian(ForceUnderTest& e);
-std::optional<ClaimResult> stiffness(ForceUnderTest& e);
-std::optional<ClaimResult> tight(ForceUnderTest& e);
-std::optional<ClaimResult> finite(ForceUnderTest& e);
-std::optional<ClaimResult> internal(ForceUnderTest& e);
-std::optional<ClaimResult> not_internal(ForceUnderTest& e);
-std::optional<ClaimResult> dissipative(ForceUnderTest& e);
-std::optional<ClaimResult> friction(ForceUnderTest& e);
-std::optional<ClaimResult> balance(ForceUnderTest& e);
-std::optional<ClaimResult> flow(ForceUnderTest& e);
-std::optional<ClaimResult> flow_repeats(ForceUnderTest& e);
-std::optional<ClaimResult> heat_of_flow(ForceUnderTest& e);
-std::optional<ClaimResult> driver(ForceUnderTest& e);
-std::optional<ClaimResult> periodic(ForceUnderTest& e);
-std::optional<ClaimResult> rebase(ForceUnderTest& e);
-std::optional<ClaimResult> origin(ForceUnderTest& e);
-std::optional<ClaimResult> velocity(ForceUnderTest& e);
-std::optional<ClaimResult> uses_velocity(ForceUnderTest& e);
-std::optional<ClaimResult> time(ForceUnderTest& e);
-std::optional<ClaimResult> uses_time(ForceUnderTest& e);
-std::optional<ClaimResult> repeatable(ForceUnderTest& e);
-std::optional<ClaimResult> its_own(ForceUnderTest& e);
-std::optional<ClaimResult> set_and_add(ForceUnderTest& e);
-std::optional<ClaimResult> padding(ForceUnderTest& e);
-std::optional<ClaimResult> point(ForceUnderTest& e);
-std::optional<ClaimResult> same_bits(ForceUnderTest& e);
-std::optional<ClaimResult> number_types(ForceUnderTest& e);
-std::optional<ClaimResult> digits(ForceUnderTest& e);
+std::optional<PropertyResult> conservative(ForceUnderTest& e);
+std::optional<PropertyResult> not_conservative(ForceUnderTest& e);
+std::optional<PropertyResult> exact(ForceUnderTest& e);
+std::optional<PropertyResult> quadruple(ForceUnderTest& e);
+std::optional<PropertyResult> path(ForceUnderTest& e);
+std::optional<PropertyResult> hessian(ForceUnderTest& e);
+std::optional<PropertyResult> stiffness(ForceUnderTest& e);
+std::optional<PropertyResult> tight(ForceUnderTest& e);
+std::optional<PropertyResult> finite(ForceUnderTest& e);
+std::optional<PropertyResult> internal(ForceUnderTest& e);
+std::optional<PropertyResult> not_internal(ForceUnderTest& e);
+std::optional<PropertyResult> dissipative(ForceUnderTest& e);
+std::optional<PropertyResult> friction(ForceUnderTest& e);
+std::optional<PropertyResult> balance(ForceUnderTest& e);
+std::optional<PropertyResult> flow(ForceUnderTest& e);
+std::optional<PropertyResult> flow_repeats(ForceUnderTest& e);
+std::optional<PropertyResult> heat_of_flow(ForceUnderTest& e);
+std::optional<PropertyResult> driver(ForceUnderTest& e);
+std::optional<PropertyResult> periodic(ForceUnderTest& e);
+std::optional<PropertyResult> rebase(ForceUnderTest& e);
+std::optional<PropertyResult> origin(ForceUnderTest& e);
+std::optional<PropertyResult> velocity(ForceUnderTest& e);
+std::optional<PropertyResult> uses_velocity(ForceUnderTest& e);
+std::optional<PropertyResult> time(ForceUnderTest& e);
+std::optional<PropertyResult> uses_time(ForceUnderTest& e);
+std::optional<PropertyResult> repeatable(ForceUnderTest& e);
+std::optional<PropertyResult> its_own(ForceUnderTest& e);
+std::optional<PropertyResult> set_and_add(ForceUnderTest& e);
+std::optional<PropertyResult> padding(ForceUnderTest& e);
+std::optional<PropertyResult> point(ForceUnderTest& e);
+std::optional<PropertyResult> same_bits(ForceUnderTest& e);
+std::optional<PropertyResult> number_types(ForceUnderTest& e);
+std::optional<PropertyResult> digits(ForceUnderTest& e);
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

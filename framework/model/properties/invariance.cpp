@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/model/claims/force_under_test.hpp"
+#include "framework/model/properties/force_under_test.hpp"
 
 /// What must not change a force: whole periods, where positions are counted from, what it does not
 /// depend on, and what was evaluated before.
-namespace tomlin::claims {
+namespace tomlin::properties {
 namespace {
 
 constexpr double kPeriods[] = {1.0, -1.0, 1000.0, -1e6};
@@ -55,7 +55,7 @@ bool has_period(ForceUnderTest& e) {
 }  // namespace
 
 /// Forces and energy. Whoever declares a period is periodic, and nobody else is.
-std::optional<ClaimResult> periodic(ForceUnderTest& e) {
+std::optional<PropertyResult> periodic(ForceUnderTest& e) {
   const int axes = e.alone().model().dimension();
   if (!e.traits().periodic && !has_period(e)) return std::nullopt;
   e.begin("periodic", "a shift by its period, and by a million, changes nothing");
@@ -93,7 +93,7 @@ std::optional<ClaimResult> periodic(ForceUnderTest& e) {
 
 /// The origin moved by whole periods and positions, relative to it, as they are: phases are those
 /// of the first origin, to the last bit.
-std::optional<ClaimResult> rebase(ForceUnderTest& e) {
+std::optional<PropertyResult> rebase(ForceUnderTest& e) {
   if (!has_period(e) || e.on_prescribed()) return std::nullopt;
   e.begin("rebase", "an origin moved by whole periods changes no bit");
   const auto twin = e.twin();
@@ -119,7 +119,7 @@ std::optional<ClaimResult> rebase(ForceUnderTest& e) {
 }
 
 /// As the engine does it: the origin moves by whole cells, places are relative to the new one.
-std::optional<ClaimResult> origin(ForceUnderTest& e) {
+std::optional<PropertyResult> origin(ForceUnderTest& e) {
   if (e.on_prescribed()) return std::nullopt;
   e.begin("origin", "nothing changes when the origin moves, and all comes back with it");
   // Without a period an axis never moves, unless another force declares one: bound as if there were
@@ -156,7 +156,7 @@ std::optional<ClaimResult> origin(ForceUnderTest& e) {
   return e.end();
 }
 
-std::optional<ClaimResult> velocity(ForceUnderTest& e) {
+std::optional<PropertyResult> velocity(ForceUnderTest& e) {
   if (e.traits().depends_on_velocity) return std::nullopt;
   e.begin("velocity", "independent of velocities");
   for (const State& state : e.near()) {
@@ -175,7 +175,7 @@ std::optional<ClaimResult> velocity(ForceUnderTest& e) {
 }
 
 /// Time is the start of a step plus what has elapsed since: much of it, and some of a run's.
-std::optional<ClaimResult> time(ForceUnderTest& e) {
+std::optional<PropertyResult> time(ForceUnderTest& e) {
   if (e.on_prescribed()) return std::nullopt;
   const bool depends = e.traits().depends_on_time;
   e.begin("time", depends ? "the same however time is divided into steps"
@@ -206,7 +206,7 @@ std::optional<ClaimResult> time(ForceUnderTest& e) {
   return e.end();
 }
 
-std::optional<ClaimResult> repeatable(ForceUnderTest& e) {
+std::optional<PropertyResult> repeatable(ForceUnderTest& e) {
   if (e.traits().stochastic) return std::nullopt;
   e.begin("repeatable", "the same bits after other evaluations");
   const std::vector<State>& states = e.near();
@@ -227,4 +227,4 @@ std::optional<ClaimResult> repeatable(ForceUnderTest& e) {
   return e.end();
 }
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

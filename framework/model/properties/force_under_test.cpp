@@ -1,4 +1,4 @@
-#include "framework/model/claims/force_under_test.hpp"
+#include "framework/model/properties/force_under_test.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -11,7 +11,7 @@
 
 namespace tomlin {
 
-std::string ClaimPoint::text() const {
+std::string PropertyPoint::text() const {
   std::string where = body.empty() ? "all coordinates together" : body;
   if (particle >= 0) where += fmt::format(", particle {}", particle);
   if (!coordinate.empty()) where += ", " + coordinate;
@@ -28,7 +28,7 @@ std::string ClaimPoint::text() const {
 
 }  // namespace tomlin
 
-namespace tomlin::claims {
+namespace tomlin::properties {
 namespace {
 
 /// Displacements, in parts of the shortest length: springs stay far from turning over.
@@ -77,7 +77,7 @@ const char* name_of(Place place) {
 }
 
 ForceUnderTest::ForceUnderTest(const Scene& scene, std::size_t force, double length,
-                               const ClaimOptions& options)
+                               const PropertyOptions& options)
     : alone_(scene, force), length_(length), options_(options) {
   if (!worthwhile()) return;
   size_ = static_cast<double>(count() + pairs_of(scene, scene.forces[force]));
@@ -328,13 +328,13 @@ std::unique_ptr<ForceTwin<float>> ForceUnderTest::in_float(InstructionSet set) c
 
 // ---- the answer
 
-void ForceUnderTest::begin(const char* claim, const char* meaning) {
+void ForceUnderTest::begin(const char* property, const char* meaning) {
   const Model::Force& force = alone_.force();
-  now_ = {force.name, force.record->name, claim, meaning, true, 0.0, 0.0, 0, {}};
+  now_ = {force.name, force.record->name, property, meaning, true, 0.0, 0.0, 0, {}};
   strain_ = -1.0;
 }
 
-ClaimResult ForceUnderTest::end() {
+PropertyResult ForceUnderTest::end() {
   alone_.restart();
   return now_;
 }
@@ -406,8 +406,8 @@ void ForceUnderTest::note_same(const std::vector<double>& found, const std::vect
   note(0.0, 0.0, 0.0, 0.0, state);
 }
 
-ClaimPoint ForceUnderTest::point(const State& state, std::size_t chosen) const {
-  ClaimPoint point;
+PropertyPoint ForceUnderTest::point(const State& state, std::size_t chosen) const {
+  PropertyPoint point;
   point.state = name_of(state.place);
   point.time = state.time;
   if (chosen == kNone) return point;
@@ -423,4 +423,4 @@ ClaimPoint ForceUnderTest::point(const State& state, std::size_t chosen) const {
   return point;
 }
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

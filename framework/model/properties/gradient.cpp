@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/model/claims/slopes.hpp"
+#include "framework/model/properties/slopes.hpp"
 
 /// Forces against the slopes of their energies.
-namespace tomlin::claims {
+namespace tomlin::properties {
 namespace {
 
 /// Variables that are looked at one by one to find where a slope is wrong.
@@ -118,7 +118,7 @@ bool is_number(ForceUnderTest& e, const State& state) {
 
 /// All coordinates at once, where a fault of any part shows, and one alone, where it shows best.
 /// Far away and at contact, too, where there are no quadruple numbers to look there.
-std::optional<ClaimResult> conservative(ForceUnderTest& e) {
+std::optional<PropertyResult> conservative(ForceUnderTest& e) {
   if (!e.traits().conservative) return std::nullopt;
   e.begin("conservative", "force = -gradient of its energy, by differences");
   Random random(e.seed());
@@ -134,7 +134,7 @@ std::optional<ClaimResult> conservative(ForceUnderTest& e) {
   return e.end();
 }
 
-std::optional<ClaimResult> exact(ForceUnderTest& e) {
+std::optional<PropertyResult> exact(ForceUnderTest& e) {
   if (!e.traits().conservative || e.exact() == nullptr) return std::nullopt;
   e.begin("exact", "force = -gradient of its energy, differentiated in quadruple numbers");
   Random random(e.seed());
@@ -158,4 +158,4 @@ std::optional<ClaimResult> exact(ForceUnderTest& e) {
   return e.end();
 }
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

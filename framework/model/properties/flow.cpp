@@ -4,22 +4,22 @@
 #include <optional>
 #include <vector>
 
-#include "framework/model/claims/flow_check.hpp"
-#include "framework/model/claims/force_under_test.hpp"
+#include "framework/model/properties/flow_check.hpp"
+#include "framework/model/properties/force_under_test.hpp"
 
 /// Operators that forces hand out, against the forces that they stand for.
-namespace tomlin::claims {
+namespace tomlin::properties {
 namespace {
 
 /// Looks at an operator at each state near the start, with a coordinate held that moves: schemes
 /// leave held ones to the operator.
 template <class Look>
-std::optional<ClaimResult> look_at_operator(ForceUnderTest& e, const char* claim,
-                                            const char* meaning, Look&& look) {
+std::optional<PropertyResult> look_at_operator(ForceUnderTest& e, const char* property,
+                                               const char* meaning, Look&& look) {
   const auto twin = e.twin();
   Flow<double> flow;
   if (!twin->bound().flow(flow)) return std::nullopt;
-  e.begin(claim, meaning);
+  e.begin(property, meaning);
   Random random(e.seed());
   const SystemView<double>& view = twin->view();
   for (const State& state : e.near()) {
@@ -56,19 +56,19 @@ std::optional<ClaimResult> look_at_operator(ForceUnderTest& e, const char* claim
 
 }  // namespace
 
-std::optional<ClaimResult> flow(ForceUnderTest& e) {
+std::optional<PropertyResult> flow(ForceUnderTest& e) {
   return look_at_operator(e, "flow", "its operator is the exact solution of its force alone",
                           [&](FlowCheck& check) { check.look_at_flow(e.traits().stochastic); });
 }
 
-std::optional<ClaimResult> flow_repeats(ForceUnderTest& e) {
+std::optional<PropertyResult> flow_repeats(ForceUnderTest& e) {
   return look_at_operator(e, "flow repeats", "its operator gives the same bits from the same stage",
                           [](FlowCheck& check) { check.look_at_repetition(); });
 }
 
-std::optional<ClaimResult> heat_of_flow(ForceUnderTest& e) {
+std::optional<PropertyResult> heat_of_flow(ForceUnderTest& e) {
   return look_at_operator(e, "heat of flow", "its operator's heat is the energy that is gone",
                           [](FlowCheck& check) { check.look_at_heat(); });
 }
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

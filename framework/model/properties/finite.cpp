@@ -1,15 +1,15 @@
 #include <cfenv>
 #include <cmath>
 
-#include "framework/model/claims/force_under_test.hpp"
+#include "framework/model/properties/force_under_test.hpp"
 
 /// Where a force must be a number.
-namespace tomlin::claims {
+namespace tomlin::properties {
 /// Near the start there must be numbers. Far away, too, unless they, or numbers on the way to them,
 /// are too large to be written; another NaN there must be a NaN in quadruple numbers as well (the
 /// logarithm of a negative number). Where particles touch no number is as good as one, since a run
 /// stops there, but not where quadruple numbers say that there is one.
-std::optional<ClaimResult> finite(ForceUnderTest& e) {
+std::optional<PropertyResult> finite(ForceUnderTest& e) {
   e.begin("finite", "forces and energies are numbers, near, far, high and touching");
   for (const State* state : e.everywhere()) {
     std::feclearexcept(FE_OVERFLOW);
@@ -49,4 +49,4 @@ std::optional<ClaimResult> finite(ForceUnderTest& e) {
   return e.end();
 }
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <vector>
 
-#include "framework/model/claims/force_under_test.hpp"
+#include "framework/model/properties/force_under_test.hpp"
 
 /// Slopes by differences, and work along directions.
-namespace tomlin::claims {
+namespace tomlin::properties {
 
 /// The longest difference in parts of the shortest length. Errors fall as (2 pi/50)^2 = 0.016 from
 /// one order to the next.
@@ -155,4 +155,4 @@ inline ExactSlope exact_slope(ForceUnderTest& e, const State& state, const Direc
       e.length());
 }
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

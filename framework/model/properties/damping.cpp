@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "framework/model/claims/force_under_test.hpp"
+#include "framework/model/properties/force_under_test.hpp"
 
 /// Forces against velocities: what they take out, and where the ledger puts it.
-namespace tomlin::claims {
+namespace tomlin::properties {
 namespace {
 
 /// Speeds in parts of the usual one, a length per unit of time.
@@ -130,7 +130,7 @@ Gain gain_at(ForceUnderTest& e, ForceTwin<double>& twin, const State& state, dou
 
 }  // namespace
 
-std::optional<ClaimResult> dissipative(ForceUnderTest& e) {
+std::optional<PropertyResult> dissipative(ForceUnderTest& e) {
   if (!e.traits().dissipative) return std::nullopt;
   e.begin("dissipative", "its power is never positive, at any speed");
   for (const State* state : e.everywhere()) {
@@ -146,7 +146,7 @@ std::optional<ClaimResult> dissipative(ForceUnderTest& e) {
 }
 
 /// Coefficients times velocities, on particles or, for bodies that move as one, on their centre.
-std::optional<ClaimResult> friction(ForceUnderTest& e) {
+std::optional<PropertyResult> friction(ForceUnderTest& e) {
   if (!e.bound().is_friction()) return std::nullopt;
   e.begin("friction", "the friction matrix = minus the force's slopes in the velocities");
   const Model& model = e.alone().model();
@@ -190,7 +190,7 @@ std::optional<ClaimResult> friction(ForceUnderTest& e) {
 /// -F.v = dU/dt + heat - power in. Only for forces that take part in the ledger: those with an
 /// energy, with heat or what velocities make of it, or with a pulled end. Prescribed bodies do work
 /// of their own.
-std::optional<ClaimResult> balance(ForceUnderTest& e) {
+std::optional<PropertyResult> balance(ForceUnderTest& e) {
   const auto twin = e.twin();
   const bool takes_part = e.traits().conservative || e.traits().does_work ||
                           e.traits().depends_on_velocity || twin->heat().has_value();
@@ -233,4 +233,4 @@ std::optional<ClaimResult> balance(ForceUnderTest& e) {
   return e.end();
 }
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

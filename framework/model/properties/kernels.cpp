@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "framework/model/claims/force_under_test.hpp"
+#include "framework/model/properties/force_under_test.hpp"
 
 /// The several kernels of one force against each other: those that set against those that add, and
 /// the one of a single particle on a line against the loop over particles.
-namespace tomlin::claims {
+namespace tomlin::properties {
 namespace {
 
 /// What is left before a kernel that sets: it must not matter.
@@ -110,7 +110,7 @@ void for_types(ForceUnderTest& e, InstructionSet set, Use&& use) {
 }  // namespace
 
 /// On every instruction set, since each has kernels of its own.
-std::optional<ClaimResult> set_and_add(ForceUnderTest& e) {
+std::optional<PropertyResult> set_and_add(ForceUnderTest& e) {
   if (setting_passes(*e.twin()).empty()) return std::nullopt;
   e.begin("set and add",
           "kernels that set write, over anything, what those that add give to zeros");
@@ -124,7 +124,7 @@ std::optional<ClaimResult> set_and_add(ForceUnderTest& e) {
 }
 
 /// Sums over whole groups take it in.
-std::optional<ClaimResult> padding(ForceUnderTest& e) {
+std::optional<PropertyResult> padding(ForceUnderTest& e) {
   e.begin("padding", "beyond the last particle of a body, forces are zero up to a whole group");
   for (const InstructionSet set : supported_sets()) {
     for_types(e, set, [&](auto& twin) {
@@ -146,7 +146,7 @@ std::optional<ClaimResult> padding(ForceUnderTest& e) {
 }
 
 /// Its force and, of a driver, its power.
-std::optional<ClaimResult> point(ForceUnderTest& e) {
+std::optional<PropertyResult> point(ForceUnderTest& e) {
   PointForce<double> none;
   const auto first = e.twin();
   if (first->body(e.variable(0).body).bound.slot.mapped || !first->bound().point(none)) {
@@ -176,4 +176,4 @@ std::optional<ClaimResult> point(ForceUnderTest& e) {
   return e.end();
 }
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

@@ -5,10 +5,10 @@
 #include <limits>
 #include <vector>
 
-#include "framework/model/claims/force_under_test.hpp"
+#include "framework/model/properties/force_under_test.hpp"
 
 /// What the rounding of inputs makes of a force: measured, by small changes of all that it reads.
-namespace tomlin::claims {
+namespace tomlin::properties {
 namespace {
 
 /// Changes of inputs, in parts of their size: small enough to be linear in what follows, mostly,
@@ -216,4 +216,4 @@ double ForceUnderTest::sensitivity_at(const State& state) {
   return numbers && std::isfinite(most) ? most : std::numeric_limits<double>::infinity();
 }
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

@@ -1,13 +1,14 @@
-#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
-#include "framework/model/claims/slopes.hpp"
+#include "framework/model/properties/slopes.hpp"
 
 /// What a record denies or declares and a single state cannot refute: that a force is no gradient,
 /// is not internal, depends on velocities or on time. Each is to be seen at one state at least; a
 /// scene in which none shows it (a driver at rest) has nothing to compare, and the conformance test
 /// asks for one that does.
-namespace tomlin::claims {
+namespace tomlin::properties {
 namespace {
 
 /// Parts of a force's size beyond which two numbers are different ones: far above what differences
@@ -32,7 +33,7 @@ std::vector<double> all_numbers(ForceUnderTest& e, const State& state) {
 
 }  // namespace
 
-std::optional<ClaimResult> not_conservative(ForceUnderTest& e) {
+std::optional<PropertyResult> not_conservative(ForceUnderTest& e) {
   if (e.traits().conservative) return std::nullopt;
   e.begin("not conservative", "it is not the gradient of its energy, and need not be declared so");
   Random random(e.seed());
@@ -51,21 +52,25 @@ std::optional<ClaimResult> not_conservative(ForceUnderTest& e) {
   return e.end();
 }
 
-std::optional<ClaimResult> not_internal(ForceUnderTest& e) {
+std::optional<PropertyResult> not_internal(ForceUnderTest& e) {
   if (e.traits().internal || e.on_prescribed()) return std::nullopt;
   e.begin("not internal", "its forces do not sum to zero, and need not be declared to");
   for (const State& state : e.near()) {
-    const double size = e.largest(e.forces(state));
-    double net = 0.0;
+    const double size = e.largest(e.forces(state)) + e.terms(state).size;
+    std::array<double, 3> total{};
     for (const std::size_t body : e.alone().force().bodies) {
-      for (const double part : e.alone().wrench(body).force) net = std::max(net, std::abs(part));
+      const SingleForce::Wrench wrench = e.alone().wrench(body);
+      for (std::size_t a = 0; a < 3; ++a) total[a] += wrench.force[a];
     }
-    if (net > kDifferent * size) e.saw(state);
+    const double net = std::hypot(total[0], total[1], total[2]);
+    // Forces that vanish sum to their rounding.
+    const double rounding = kRounding * e.sensitivity(state) * static_cast<double>(e.count());
+    if (net > kDifferent * size + rounding) e.saw(state);
   }
   return e.end();
 }
 
-std::optional<ClaimResult> uses_velocity(ForceUnderTest& e) {
+std::optional<PropertyResult> uses_velocity(ForceUnderTest& e) {
   if (!e.traits().depends_on_velocity) return std::nullopt;
   e.begin("uses velocity", "depends on velocities, as it declares");
   for (const State& state : e.near()) {
@@ -78,7 +83,7 @@ std::optional<ClaimResult> uses_velocity(ForceUnderTest& e) {
   return e.end();
 }
 
-std::optional<ClaimResult> uses_time(ForceUnderTest& e) {
+std::optional<PropertyResult> uses_time(ForceUnderTest& e) {
   if (!e.traits().depends_on_time || e.on_prescribed()) return std::nullopt;
   e.begin("uses time", "depends on time, as it declares");
   for (const State& state : e.near()) {
@@ -94,4 +99,4 @@ std::optional<ClaimResult> uses_time(ForceUnderTest& e) {
   return e.end();
 }
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

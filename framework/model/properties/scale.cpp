@@ -1,12 +1,12 @@
-#include "framework/model/claims/scale.hpp"
+#include "framework/model/properties/scale.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "framework/model/claims/force_under_test.hpp"
+#include "framework/model/properties/force_under_test.hpp"
 
-namespace tomlin::claims {
+namespace tomlin::properties {
 namespace {
 
 /// Steps grow by so much, from where a wave cannot be missed.
@@ -121,4 +121,4 @@ std::optional<double> length_of(SingleForce& alone, double declared) {
   return length;
 }
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties

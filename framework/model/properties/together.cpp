@@ -11,10 +11,10 @@
 
 #include "framework/core/numbers/constants.hpp"
 #include "framework/core/text/axis_names.hpp"
-#include "framework/model/claims/force_under_test.hpp"
+#include "framework/model/properties/force_under_test.hpp"
 
 /// All forces of a scene at once: kernels that are right alone may still tread on each other.
-namespace tomlin::claims {
+namespace tomlin::properties {
 namespace {
 
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
@@ -127,7 +127,7 @@ Shares shares_of(const Bound& bound, std::size_t body) {
 
 class Together {
  public:
-  Together(const Scene& scene, double length, const ClaimOptions& options)
+  Together(const Scene& scene, double length, const PropertyOptions& options)
       : scheme_(without_demands(*scene.run.integrator.record)),
         all_(scene, scene.forces, scheme_),
         backwards_(scene, scene.forces, scheme_, nullptr, true),
@@ -147,7 +147,7 @@ class Together {
                       all_.integrals.begin() + static_cast<std::ptrdiff_t>(own_count()));
   }
 
-  std::optional<ClaimResult> result() {
+  std::optional<PropertyResult> result() {
     if (alone_.empty() || numbers_.empty()) return std::nullopt;
     result_ = {kAllForces, "", "sum", "together they are the sum of each alone", true, 0.0,
                0.0,        0,  {}};
@@ -359,19 +359,19 @@ class Together {
   Bound none_;  ///< bodies that move as prescribed have a force that keeps them moving even so
   std::vector<std::unique_ptr<Bound>> alone_;
   double length_;
-  ClaimOptions options_;
+  PropertyOptions options_;
   std::size_t steered_ = 0;
   std::vector<Number> numbers_;
   State start_;
-  ClaimResult result_;
+  PropertyResult result_;
   double strain_ = -1.0;
 };
 
 }  // namespace
 
-std::optional<ClaimResult> sum_of_all(const Scene& scene, double length,
-                                      const ClaimOptions& options) {
+std::optional<PropertyResult> sum_of_all(const Scene& scene, double length,
+                                         const PropertyOptions& options) {
   return Together(scene, length, options).result();
 }
 
-}  // namespace tomlin::claims
+}  // namespace tomlin::properties
