@@ -54,13 +54,13 @@ void BM_table(benchmark::State& state) {
 BENCHMARK(BM_table)->Name("conversion/csv")->Arg(1);
 
 void BM_h5md(benchmark::State& state) {
-  TrajectoryFile trajectory(scratch(), "h5md", {});
+  TrajectoryFile trajectory(scratch(), TrajectoryFormat::h5md, {});
   write(state, trajectory, scratch());
 }
 BENCHMARK(BM_h5md)->Name("conversion/h5md")->Arg(1)->Arg(8)->Arg(1000);
 
 void BM_xyz(benchmark::State& state) {
-  TrajectoryFile trajectory(scratch(), "xyz", {});
+  TrajectoryFile trajectory(scratch(), TrajectoryFormat::xyz, {});
   write(state, trajectory, scratch());
 }
 BENCHMARK(BM_xyz)->Name("conversion/xyz")->Arg(1)->Arg(8)->Arg(1000);

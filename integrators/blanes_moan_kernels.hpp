@@ -8,7 +8,7 @@ namespace tomlin {
 /// SRKN^b_6 of Blanes and Moan, table 3, where numbers have 15 digits. The last of them in kick[2]
 /// and drift[1] follow from the two conditions of fourth order,
 ///   sum b_i c_i^2 = 1/3,   sum_{j<i} b_i b_j (c_i - c_j) = 1/6,
-/// so that the order holds in quadruple numbers too.
+/// so that the order holds in quadruple precision too.
 struct BlanesMoanCoefficients {
   static constexpr Decimal kick[4] = {"0.0829844064174052", "0.396309801498368",
                                       "-0.03905630492234584477961967727001231",

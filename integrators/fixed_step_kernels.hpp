@@ -256,11 +256,10 @@ struct FixedStepKernels {
   TOMLIN_INLINE static void put_stage(const SystemView<Real>& s, const FixedStepArrays<Real>& w,
                                       Real h) {
     using Group = Packed<Real>;
+    constexpr int last = known ? kStages : stage - 1;
     const Steps<stage, Real> steps(h);
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
-      const Group a = slopes_at < known
-                          ? kStages
-                          : stage - 1 > (s, w, i)(std::integral_constant<int, stage - 1>());
+      const Group a = slopes_at<last>(s, w, i)(std::integral_constant<int, stage - 1>());
       if constexpr (!known) a.store(w.acceleration[stage - 1] + i);
       const auto acceleration = [&](auto j) TOMLIN_INLINE_LAMBDA {
         if constexpr (decltype(j)::value == stage - 1) {

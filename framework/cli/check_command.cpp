@@ -47,7 +47,7 @@ with two particles almost touching:
   dissipative, friction       its power is never positive; its friction matrix is right
   balance, driver             power, stored energy, heat and a driver's work add up
   flow, flow repeats,
-  heat of flow                an operator that it hands out is its exact solution
+  heat of flow                an operator that it provides is its exact solution
   periodic, rebase, origin    a shift by its period, or of the origin, changes nothing
   velocity, time, repeatable  it depends on nothing that it does not declare
   uses velocity, uses time    and on what it declares

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -77,10 +76,10 @@ observables.csv with the friction trace, and scene.toml, the scene with every de
 
   tomlin run --help            how to change parameters and choose the folder
   tomlin explain pt.toml       its scales, its regime, the stable step, what a run costs
-  tomlin check pt.toml         is the scene sound, and do its forces what they declare
+  tomlin check pt.toml         is the scene valid, and do its forces what they declare
   tomlin new pt|fk|ring        a commented scene to start from
-  tomlin describe expression   a force of one's own as a formula in the scene
-  tomlin new plugin NAME       a force of one's own in C++, with its test
+  tomlin describe expression   a user-defined force as a formula in the scene
+  tomlin new plugin NAME       a user-defined force in C++, with its test
   tomlin describe              the bodies, forces, integrators and observers
   tomlin describe NAME         one of them: equation, source, parameters, an example
   tomlin schema                with which editors complete and check scenes

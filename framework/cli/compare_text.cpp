@@ -33,8 +33,6 @@ std::string answer(const Comparison& comparison) {
                      simplest.file);
 }
 
-Json number(const std::optional<double>& x) { return x ? Json(*x) : Json(); }
-
 /// The models, but for what the text says in words.
 OutputTable table_of(const std::vector<ComparedModel>& models) {
   OutputTable table;

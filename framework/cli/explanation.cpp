@@ -177,7 +177,7 @@ Explanation explain(const std::shared_ptr<const Scene>& scene, double trial_seco
              "dt = {:g} is beyond the stable step {:.4g}: {}", explanation.step.dt,
              explanation.step.stable_step,
              allowed ? "the run will probably fail" : "the run is refused; take a smaller dt"),
-         "run.integrator"});
+         "run.integrator.dt"});
   }
   if (trial.failure) {
     explanation.warnings.push_back(

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "framework/cli/command.hpp"
-#include "framework/cli/exit_status.hpp"
 #include "framework/cli/new_file.hpp"
 #include "framework/cli/new_plugin.hpp"
 #include "framework/cli/options.hpp"
@@ -34,7 +33,7 @@ Models:
   pt      one tip on a substrate: Prandtl-Tomlinson
   fk      a driven chain of particles and springs: Frenkel-Kontorova
   ring    a ring that drags, rolls or hops
-  plugin  no scene but a folder: a force of one's own in C++, with a CMake file, a scene and a test
+  plugin  no scene but a folder: a user-defined force in C++, with a CMake file, a scene and a test
 
 Examples:
 

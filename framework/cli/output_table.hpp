@@ -51,4 +51,9 @@ class OutputTable {
   std::vector<Column> columns_;
 };
 
+/// Null where there is no number.
+inline OutputTable::Json number(const std::optional<double>& x) {
+  return x ? OutputTable::Json(*x) : OutputTable::Json();
+}
+
 }  // namespace tomlin

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "framework/cli/command.hpp"
-#include "framework/cli/exit_status.hpp"
 #include "framework/cli/new_file.hpp"
 #include "framework/cli/options.hpp"
 #include "framework/cli/plugins.hpp"

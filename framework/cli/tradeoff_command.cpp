@@ -46,7 +46,7 @@ Computes one number of the scene's summary in every way that applies: by every i
 coarse to fine, in double and in float, and by simpler models of the scene (flexible bodies as rigid
 ones, without inertia, quasistatic). Each is held against a reference whose own error is established:
 the best scheme tightened until the number stops moving, checked by a scheme of another family and
-in quadruple numbers. Shows what accuracy costs, in force evaluations with Jacobian columns and in
+in quadruple precision. Shows what accuracy costs, in force evaluations with Jacobian columns and in
 seconds, and recommends the cheapest setting whose error is below T, as lines of a scene.
 
 Examples:

@@ -209,8 +209,6 @@ std::string recommendation(const Tradeoff& tradeoff) {
 
 // ---- JSON: numbers that are not finite are null
 
-Json number(const std::optional<double>& x) { return x ? Json(*x) : Json(); }
-
 Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
 Json reference_entry(const Reference& reference) {

@@ -57,20 +57,20 @@ struct PropertyOptions {
 ///   conservative   virtual work of the force equals minus the change of its energy, by differences
 ///                  whose error falls as h^8; near the start, and everywhere where `exact` cannot
 ///                  be
-///   exact          the same everywhere, in quadruple numbers: exact to a double's last digits
-///   quadruple      the same of forces in quadruple numbers, to their digits; of others power and
+///   exact          the same everywhere, in quadruple precision: exact to a double's last digits
+///   quadruple      the same of forces in quadruple precision, to their digits; of others power and
 ///                  heat
 ///   path           the same along paths of some lengths, where an energy may jump
 ///   hessian        second derivatives are the slopes of the force
-///   stiffness      no curvature is beyond the declared bound, on which the stable step hangs
+///   stiffness      no curvature is beyond the declared bound, on which the stable step depends
 ///   finite         forces are numbers: also far away; where two particles touch either that or no
 ///                  number at all, which stops a run
 ///   internal       forces and torques on all bodies it acts on sum to zero
 ///   dissipative    its power is never positive, at any speed
 ///   friction       the friction matrix is what it does to velocities, at any speed, and never
 ///                  negative
-///   balance        power, stored energy, heat and a driver's work add up, as the ledger needs
-///   flow           the operator that it hands out is the exact solution of the force alone
+///   balance        power, stored energy, heat and a driver's work add up, as the energy balance
+///   needs flow           the operator that it provides is the exact solution of the force alone
 ///   flow repeats   with the same bits from the same stage
 ///   heat of flow   and takes the energy that is gone
 ///   driver         reports the force it exerts and its power
@@ -85,7 +85,7 @@ struct PropertyOptions {
 ///   padding        forces are zero from the last particle of a body to the end of its group
 ///   point          the kernel of a single particle on a line has the bits of the loop
 ///   same bits      on every instruction set, in double and in float
-///   number types   the same in float, double and quadruple numbers, each to its own rounding
+///   number types   the same in float, double and quadruple precision, each to its own rounding
 ///
 /// What one state cannot refute has to be seen at one at least: where none shows it, nothing was
 /// compared, and the property holds with no state.

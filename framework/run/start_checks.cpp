@@ -8,6 +8,7 @@
 
 #include "framework/core/numbers/constants.hpp"
 #include "framework/core/system/tolerance.hpp"
+#include "framework/core/text/axis_names.hpp"
 #include "framework/run/diagnose.hpp"
 #include "framework/run/time_scale.hpp"
 #include "framework/run/window_warnings.hpp"
@@ -287,7 +288,7 @@ void check_places(Check& check) {
           {FaultCode::number_type_coarse_positions,
            fmt::format("{}: positions along {} are far from zero, and no force declares a period "
                        "there: {} resolves {:.2g}, and smaller displacements are lost",
-                       body.bound.name, "xyz"[axis_without_length],
+                       body.bound.name, kAxisNames[axis_without_length],
                        to_string(check.scene.run.number_type),
                        last_place * farthest_without_length),
            "body." + body.bound.name});
@@ -296,7 +297,7 @@ void check_places(Check& check) {
     const std::string what = fmt::format(
         "positions along {} are too far from zero: {} resolves {:.2g} of the "
         "shortest length there (a period, half a bond, a radius)",
-        "xyz"[axis], to_string(check.scene.run.number_type), worst);
+        kAxisNames[axis], to_string(check.scene.run.number_type), worst);
     if (worst <= kUselessPlaces) {
       check.found.warnings.push_back({FaultCode::number_type_coarse_positions,
                                       body.bound.name + ": " + what, "body." + body.bound.name});

@@ -93,7 +93,7 @@ void Triggers::start() {
       const std::string key = fmt::format("force.{}.reverse", force.name);
       run_.outcome.warnings.push_back(
           {FaultCode::run_reverse_passed,
-           fmt::format("{}: {} is {} its value at the start; the driver turns when it passes it",
+           fmt::format("{}: {} is {} its value at the start; the driver reverses when it passes it",
                        key, force.bound->waits_for()->when, side == 0 ? "above" : "below"),
            key});
     }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/text/axis_names.hpp"
 #include "framework/scene/text.hpp"
 
 namespace tomlin {
@@ -42,7 +43,7 @@ void check_period(const ForceDraft& force, int axis, double length, const TableR
   reading.complain(faults, "lengths",
                    {FaultCode::box_invalid, "",
                     fmt::format("along {} the period {} of {} does not divide the length {}",
-                                "xyz"[axis], period, quoted_text(force.name), length),
+                                kAxisNames[axis], period, quoted_text(force.name), length),
                     nearest_lengths(period, length)});
 }
 

@@ -24,7 +24,7 @@ constexpr double kIntegersEnd = 9223372036854775808.0;  // 2^63
 
 /// The words of a kind of value, unless its row narrows them.
 template <Worded Kind>
-std::vector<std::string> words_due_to(const Parameter& row) {
+std::vector<std::string> allowed_words(const Parameter& row) {
   return row.choices.empty() ? words_of<Kind>() : row.choices;
 }
 
@@ -64,7 +64,7 @@ std::string admissible_values(const Parameter& row) {
         } else if constexpr (std::is_same_v<Kind, PerParticleVector>) {
           return "a list with " + a_number + " per dimension, or a list of such lists";
         } else if constexpr (std::is_same_v<Kind, PairSelection>) {
-          auto ways = in_quotes(words_due_to<PairSelection::Kind>(row));
+          auto ways = in_quotes(allowed_words<PairSelection::Kind>(row));
           ways.emplace_back("a list of index pairs");
           return joined_with_or(ways);
         } else if constexpr (std::is_same_v<Kind, WordOrNumbers>) {
@@ -73,7 +73,7 @@ std::string admissible_values(const Parameter& row) {
           ways.emplace_back("a list of such");
           return joined_with_or(ways);
         } else if constexpr (std::is_same_v<Kind, Attachment>) {
-          auto ways = in_quotes(words_due_to<Attachment::Kind>(row));
+          auto ways = in_quotes(allowed_words<Attachment::Kind>(row));
           ways.emplace_back("{ particle = INDEX }");
           return joined_with_or(ways);
         } else if constexpr (std::is_same_v<Kind, PointList>) {
@@ -99,8 +99,9 @@ std::string admissible_values(const Parameter& row) {
 
 std::vector<std::string> words_due(const Parameter& row) {
   if (std::holds_alternative<PairSelection>(row.prototype))
-    return words_due_to<PairSelection::Kind>(row);
-  if (std::holds_alternative<Attachment>(row.prototype)) return words_due_to<Attachment::Kind>(row);
+    return allowed_words<PairSelection::Kind>(row);
+  if (std::holds_alternative<Attachment>(row.prototype))
+    return allowed_words<Attachment::Kind>(row);
   return row.choices;
 }
 

@@ -17,7 +17,7 @@ struct Reference {
   double value = 0.0;
   double natural = 1.0;  ///< what has the observable's dimension in the scene's own units
   /// Estimated: the last move when the scheme was tightened, or its difference to the second
-  /// scheme or to quadruple numbers where that is larger.
+  /// scheme or to quadruple precision where that is larger.
   double error = 0.0;
   double move = 0.0;  ///< the last one alone
   /// Whether it stopped moving. Otherwise the budget was over, or it moves for another reason.
@@ -30,7 +30,7 @@ struct Reference {
   std::optional<double> second_differs;  ///< by so much, at its tightest
   bool second_agrees = false;            ///< to well below the tolerance
   bool second_settled = false;           ///< the difference is not the second's own error
-  std::string quadruple;  ///< the scheme that was compared with itself in quadruple numbers
+  std::string quadruple;  ///< the scheme that was compared with itself in quadruple precision
   std::optional<double> quadruple_differs;
   double quadruple_part = 0.0;  ///< of the run
   std::string unchecked;        ///< why there was no run in quadruple
@@ -48,7 +48,7 @@ ErrorScale error_scale(const Reference& reference);
 
 /// Finds the reference by the adaptive scheme that gets to small errors soonest on this scene,
 /// tightened until its moves are a small part of `tolerance`; holds it against a scheme of another
-/// family, and against itself in quadruple numbers on a shortened run. Uses about half the budget
+/// family, and against itself in quadruple precision on a shortened run. Uses about half the budget
 /// at most. Nothing when no scheme finishes within it: `why` then tells how far they got. Throws
 /// InputError when the observable is undefined.
 std::optional<Reference> find_reference(const Variants& variants,

@@ -61,7 +61,7 @@ Subject geometry() {
        as_a_tip("radius_1e6", "a radius of 1e6", 1e6, "rigid"),
        finishes(kRing, "lambda_1e8", "lambda = 1e8: a substrate 1e-4 high", sharp,
                 {is_that_of("drivers.driver.mean_force.x", kRing, sharp_in_quadruple, 1e-6,
-                            "quadruple numbers and a tolerance of 1e-12")}),
+                            "quadruple precision and a tolerance of 1e-12")}),
        off_the_substrate("lambda_1e8_above", "lambda = 1e8, a tenth of a radius above it",
                          {{"lambda", "1e8"}, {"y0", "1.1 * R"}}),
        off_the_substrate("height_1e3", "a thousand radii above the substrate", {{"y0", "1e3 * R"}}),

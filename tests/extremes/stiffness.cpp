@@ -63,7 +63,7 @@ Subject stiffness() {
       "Stiffness: bonds, driver, corrugation",
       {finishes(kRing, "bonds_1e_6", "bonds of 1e-6", loose,
                 {is_that_of("drivers.driver.mean_force.x", kRing, loose_in_quadruple, 1e-8,
-                            "quadruple numbers and a tolerance of 1e-12")}),
+                            "quadruple precision and a tolerance of 1e-12")}),
        flexible("bonds_1e3", "1e3"),
        flexible("bonds_1e4", "1e4"),
        flexible("bonds_1e6", "1e6"),

@@ -413,7 +413,7 @@ std::vector<Fault> faults() {
       {"factor of two", kSite, planted<ScaledSubstrate<4, 4>>, "conservative", kSubstrate},
       {"factor of one half along y", kSite, planted<ScaledSubstrate<2, 1>>, "conservative",
        kSubstrate},
-      {"the same, against quadruple numbers", kSite, in_quadruple(planted<ScaledSubstrate<2, 1>>),
+      {"the same, against quadruple precision", kSite, in_quadruple(planted<ScaledSubstrate<2, 1>>),
        "exact", kSubstrate},
       {"chain rule", kSite, planted<WithoutChainRule>, "conservative", kSubstrate},
       {"decay left out of the energy", kSite, planted<EnergyWithoutDecay>, "conservative",

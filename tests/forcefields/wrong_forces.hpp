@@ -529,7 +529,7 @@ inline constexpr KernelTables kOwnStateTables = tables_of<double>({&kOwnStateTab
 template <class E>
 std::unique_ptr<BoundForce<double>> planted_memory(const void* description,
                                                    const Binding<double>& binding) {
-  return bind_with_state<E, kOwnStateTables<E>, kRankCheap, double>(description, binding);
+  return on_particles_with_state<E, kOwnStateTables<E>>().in_double(description, binding);
 }
 
 }  // namespace tomlin::test

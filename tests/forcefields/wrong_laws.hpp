@@ -78,7 +78,7 @@ std::unique_ptr<BoundForce<Real>> plain_bonds(const void* description,
       *static_cast<const HarmonicBondsDescription*>(description), binding);
 }
 
-/// In double and quadruple numbers, wrong in both.
+/// In double and quadruple precision, wrong in both.
 template <class Law>
 ForceFactories bonds_by() {
   return {&plain_bonds<Law, double>, nullptr, &plain_bonds<Law, Quad>};

@@ -1,7 +1,6 @@
 #include "tests/support/order.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <functional>

@@ -13,7 +13,7 @@
 #include "integrators/rk4_kernels.hpp"
 #include "tests/support/tableaus.hpp"
 
-// Conditions of order, in quadruple numbers.
+// Conditions of order, in quadruple precision.
 
 namespace tomlin::test {
 namespace {

@@ -112,8 +112,8 @@ class Conformance {
     examine(scene, seed);
   }
 
-  /// Parameters drawn for every arrangement of these numbers of particles. `seen` is told of each.
-  /// Ends as soon as the property `until` is broken.
+  /// Parameters drawn for every arrangement of these numbers of particles. `seen` is called with
+  /// each. Ends as soon as the property `until` is broken.
   void examine_everywhere(std::uint64_t seed, const std::vector<std::size_t>& counts,
                           const Seen& seen = nullptr, const std::string& until = {}) {
     Random random(seed);

@@ -83,9 +83,10 @@ class ForceOnSites : public BoundForce<Real> {
 
   std::size_t rate_count() const override { return kDoesWork ? D + 1 : 0; }
 
+  /// A class that overrides this calls it: the frame of the sites is set here.
   void rebase(const Origin& origin) override {
     with_frame_.frame = frame_at<E, Real, D>(description_, origin);
-    // Parameters of an evaluator that follow from the origin in another way.
+    // An evaluator may have parameters that follow from the origin in another way.
     if constexpr (requires { E::template rebase<Real, D>(parameters_, description_, origin); }) {
       E::template rebase<Real, D>(parameters_, description_, origin);
     }
@@ -357,8 +358,8 @@ ForceFactories on_particles() {
 }
 
 /// The traits that follow from what an evaluator of sites has and reads: an energy makes the force
-/// conservative unless it reads velocities, a `friction` dissipative, a `power` a driver, a
-/// `period` periodic.
+/// conservative unless it reads velocities, a `friction` without energy dissipative, a `power` a
+/// driver, a `period` periodic.
 template <class E>
 Traits traits_of_sites() {
   constexpr bool has_friction = requires(const typename E::template Parameters<double, 2>& p) {
@@ -369,13 +370,17 @@ Traits traits_of_sites() {
           .depends_on_velocity = E::reads.velocity,
           .depends_on_time = E::reads.time,
           .periodic = has_period,
-          .dissipative = has_friction,
+          .dissipative = has_friction && !HasEnergy<E, 2, Site>,
           .does_work = ForceOnSites<E, double, 2>::kDoesWork};
 }
 
 /// The record of a force on every particle of a body, but for its name, its texts and parameters.
 template <class E, const KernelTables& tables, int rank = kRankCheap>
 ForceRecord site_force() {
+  static_assert(
+      !E::reads.time && !ForceOnSites<E, double, 2>::kDoesWork,
+      "a force that depends on time or drives binds a class with begin_step() and drive(),"
+      " as forcefields/driving_spring.cpp does");
   ForceRecord record = record_of<typename E::Description>();
   record.element = Element::site;
   record.traits = traits_of_sites<E>();

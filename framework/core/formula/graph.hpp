@@ -19,7 +19,7 @@
 /// node, so that a formula and its derivatives share what they have in common. Sums are not
 /// multiplied out: (r - r0)^2 keeps its difference, and with it its digits.
 ///
-/// Constants are quadruple numbers, and sines and cosines take turns: of cos(2*pi*x/a) is left a
+/// Constants have quadruple precision, and sines and cosines take turns: of cos(2*pi*x/a) is left a
 /// division by a.
 namespace tomlin {
 

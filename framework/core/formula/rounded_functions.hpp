@@ -3,9 +3,9 @@
 namespace tomlin {
 
 /// Functions of doubles computed in quadruple precision (binary128.hpp) and rounded once: the
-/// double nearest to the exact value, and so the same bits on every machine, but for cases too rare
-/// to be met. Slow (microseconds): for expressions, not for hot loops. Arguments are finite;
-/// results that overflow are infinite.
+/// double nearest to the exact value, and so the same bits whatever the C library, but for cases
+/// too rare to be met. Slow (microseconds): for expressions, not for hot loops. Arguments are
+/// finite; results that overflow are infinite.
 
 double rounded_exp(double x);
 double rounded_log(double x);  ///< x > 0

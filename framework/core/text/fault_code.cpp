@@ -290,7 +290,7 @@ constexpr FaultKind kKinds[] = {
      "tomlin run pt.toml --set 'run.perturb={size=1e300,repeats=2}'",
      "Take a smaller size in run.perturb, or a shorter step.", Severity::warning},
     {FaultCode::run_comparison_stopped, "run.comparison_stopped",
-     "The run is complete, and was stopped during the runs that it is compared with, from "
+     "The run itself is complete, and was stopped during the runs that it is compared with, from "
      "perturbed starts or with a coarser integrator.",
      "An interrupt during the repetitions of run.perturb.", "Resume the run with --resume.",
      Severity::warning},
@@ -301,8 +301,7 @@ constexpr FaultKind kKinds[] = {
      "Ask for less, or name an integrator and its step.", Severity::warning},
     {FaultCode::run_accuracy_no_reference, "run.accuracy_no_reference",
      "No adaptive integrator finished its trial run, which the others are compared with: the "
-     "errors "
-     "of the settings are not known.",
+     "errors of the settings are not known.",
      "A scene whose trial runs with fine tolerances would take too long.",
      "Name an integrator and its step.", Severity::warning},
     {FaultCode::run_accuracy_no_pilot, "run.accuracy_no_pilot",

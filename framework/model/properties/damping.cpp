@@ -9,7 +9,7 @@ namespace {
 
 /// Speeds in parts of the usual one, a length per unit of time.
 constexpr double kSpeeds[] = {1.0, 1e-3, 1e3};
-constexpr double kTinyTime = 1e-12;  // of a difference in quadruple numbers, or of the duration
+constexpr double kTinyTime = 1e-12;  // of a difference in quadruple precision, or of the duration
 constexpr double kShortTime = 1e-3;  // of the longest difference in double ones
 constexpr double kTrust = 10.0;      // two orders differ by more than the better one is off
 
@@ -93,7 +93,7 @@ struct Gain {
   double error = 0.0;
 };
 
-/// d/dt of the stored energy: in quadruple numbers where there are some.
+/// d/dt of the stored energy: in quadruple precision where there are some.
 Gain gain_at(ForceUnderTest& e, ForceTwin<double>& twin, const State& state, double size) {
   if (e.exact() != nullptr) {
     Later<Quad> later(e, *e.exact(), state);

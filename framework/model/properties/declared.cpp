@@ -22,7 +22,7 @@ bool differ(const std::vector<double>& found, const std::vector<double>& due) {
   return false;
 }
 
-/// Forces, energy and the rates of what the force integrates, its own variables first.
+/// Forces, energy and the rates of what the force integrates, its internal variables first.
 std::vector<double> all_numbers(ForceUnderTest& e, const State& state) {
   std::vector<double> numbers = e.forces(state);
   const double* const rates = e.alone().rates();

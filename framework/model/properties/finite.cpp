@@ -6,9 +6,9 @@
 /// Where a force must be a number.
 namespace tomlin::properties {
 /// Near the start there must be numbers. Far away, too, unless they, or numbers on the way to them,
-/// are too large to be written; another NaN there must be a NaN in quadruple numbers as well (the
+/// are too large to be written; another NaN there must be a NaN in quadruple precision as well (the
 /// logarithm of a negative number). Where particles touch no number is as good as one, since a run
-/// stops there, but not where quadruple numbers say that there is one.
+/// stops there, but not where quadruple precision says that there is one.
 std::optional<PropertyResult> finite(ForceUnderTest& e) {
   e.begin("finite", "forces and energies are numbers, near, far, high and touching");
   for (const State* state : e.everywhere()) {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <limits>
 #include <utility>
@@ -18,7 +17,7 @@ namespace tomlin::properties {
 class FlowCheck {
  public:
   using Numbers = std::vector<double>;
-  /// Told of every comparison: what was found for what is due, and what rounding allows.
+  /// Called with every comparison: what was found for what is due, and what rounding allows.
   using Note = std::function<void(double found, double due, double allowed)>;
 
   /// `at` stands before arrays of `dofs` velocities and `own` variables, which start as they are,

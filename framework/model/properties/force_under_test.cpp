@@ -37,8 +37,8 @@ constexpr double kDisplacement = 0.1;
 constexpr double kFar[] = {1e3, 1e6};
 constexpr double kHigh[] = {3.0, 10.0, 30.0};
 constexpr double kTouching[] = {1e-3, 1e-6};
-/// Pairs and particles beyond which few states are looked at, and none in quadruple numbers, where
-/// it would take minutes.
+/// Pairs and particles beyond which few states are looked at, and none in quadruple precision,
+/// where it would take minutes.
 constexpr double kMany = 2e3;
 constexpr double kTooMany = 2e5;
 
@@ -54,7 +54,7 @@ std::uint64_t pairs_of(const Scene& scene, const SceneForce& force) {
   return force.record->pairs(force.description.get(), outline);
 }
 
-/// Bits, but for the sign of a zero and what is no number.
+/// Bits, but for the sign of a zero and NaN.
 bool is_same(double found, double due) {
   return found == due || (std::isnan(found) && std::isnan(due));
 }
@@ -261,7 +261,7 @@ double ForceUnderTest::largest(const std::vector<double>& forces) const {
   double most = 0.0;
   for (std::size_t i = 0; i < count(); ++i) {
     const double size = std::abs(at_edge(i, forces[i]));
-    if (!(size <= most)) most = size;  // also for what is no number
+    if (!(size <= most)) most = size;  // also for NaN
     if (std::isnan(most)) return most;
   }
   return most;
@@ -352,7 +352,7 @@ void ForceUnderTest::contradict(double found, double due) {
 void ForceUnderTest::note(double found, double due, double size, double allowed, const State& state,
                           std::size_t variable) {
   const double difference = found == due ? 0.0 : std::abs(found - due);
-  const bool holds = difference <= allowed;  // false for what is no number
+  const bool holds = difference <= allowed;  // false for NaN
   const double strain = difference == 0.0 ? 0.0
                         : holds || (difference > allowed && allowed > 0.0)
                             ? difference / allowed

@@ -21,7 +21,7 @@ namespace tomlin::properties {
 
 /// A sum of some hundred terms loses some tens of units in the last place of its size.
 inline constexpr double kRounding = 64.0 * std::numeric_limits<double>::epsilon();
-/// The same of an energy in quadruple numbers, of 113 bits.
+/// The same of an energy in quadruple precision, of 113 bits.
 inline constexpr double kExactRounding = 64.0 * 0x1p-112;
 /// Below it numbers have fewer digits, and 1/eps of them vanish.
 inline constexpr double kSmallest =
@@ -87,7 +87,7 @@ class ForceUnderTest {
   /// The same force on this instruction set.
   std::unique_ptr<ForceTwin<double>> twin(InstructionSet set) const;
   std::unique_ptr<ForceTwin<double>> twin() const;
-  /// In quadruple numbers; null where it is not available.
+  /// In quadruple precision; null where it is not available.
   ForceTwin<Quad>* exact();
   /// Null where it is not available, or beyond the range of floats.
   std::unique_ptr<ForceTwin<float>> in_float(InstructionSet set) const;

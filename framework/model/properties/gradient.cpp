@@ -91,7 +91,7 @@ bool compare_by_differences(ForceUnderTest& e, const State& state, const Directi
   return regular && close;
 }
 
-/// The energy in quadruple numbers, differentiated, against the force in double ones.
+/// The energy in quadruple precision, differentiated, against the force in double precision.
 bool compare_exactly(ForceUnderTest& e, const State& state, const Direction& direction,
                      const std::vector<double>& forces, double sensitivity, std::size_t variable) {
   const ExactSlope difference = exact_slope(e, state, direction);
@@ -117,7 +117,7 @@ bool is_number(ForceUnderTest& e, const State& state) {
 }  // namespace
 
 /// All coordinates at once, where a fault of any part shows, and one alone, where it shows best.
-/// Far away and at contact, too, where there are no quadruple numbers to look there.
+/// Far away and at contact, too, where there is no quadruple precision to look there.
 std::optional<PropertyResult> conservative(ForceUnderTest& e) {
   if (!e.traits().conservative) return std::nullopt;
   e.begin("conservative", "force = -gradient of its energy, by differences");
@@ -136,7 +136,7 @@ std::optional<PropertyResult> conservative(ForceUnderTest& e) {
 
 std::optional<PropertyResult> exact(ForceUnderTest& e) {
   if (!e.traits().conservative || e.exact() == nullptr) return std::nullopt;
-  e.begin("exact", "force = -gradient of its energy, differentiated in quadruple numbers");
+  e.begin("exact", "force = -gradient of its energy, differentiated in quadruple precision");
   Random random(e.seed());
   bool searched = false;
   for (const State* state : e.everywhere()) {

@@ -54,7 +54,7 @@ bool has_period(ForceUnderTest& e) {
 
 }  // namespace
 
-/// Forces and energy. Whoever declares a period is periodic, and nobody else is.
+/// Forces and energy. A force is periodic if and only if it declares a period.
 std::optional<PropertyResult> periodic(ForceUnderTest& e) {
   const int axes = e.alone().model().dimension();
   if (!e.traits().periodic && !has_period(e)) return std::nullopt;

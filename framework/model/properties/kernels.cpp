@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -40,7 +39,7 @@ class Written {
     });
     return all;
   }
-  /// The largest number in the padding; NaN where one is none.
+  /// The largest number in the padding; NaN if there is one.
   double padding() const {
     double most = 0.0;
     for_all([&](std::size_t at, bool padding) {
@@ -77,7 +76,7 @@ std::vector<Pass<Real>> setting_passes(ForceTwin<Real>& twin) {
   return passes;
 }
 
-/// Each pass that may set, on no numbers; then `use` of it and what it wrote.
+/// Each pass that may set, over arrays of NaN; then `use` of it and what it wrote.
 template <class Real, class Use>
 void for_settings(ForceUnderTest& e, const State& state, ForceTwin<Real>& twin, Use&& use) {
   e.put(state, twin);

@@ -27,7 +27,7 @@ State rounded(const State& state) {
 }
 
 /// What one evaluation gives, as doubles: forces on the variables; the energy, heat, and the rates
-/// of own variables and of what a driver reports.
+/// of internal variables and of what a driver reports.
 struct Outcome {
   std::vector<double> forces;
   std::vector<double> others;
@@ -113,7 +113,7 @@ bool compare_with_exact(ForceUnderTest& e, ForceTwin<Real>& twin, ForceTwin<doub
   return true;
 }
 
-/// Whether the rounding of a type shows in forces, against those in quadruple numbers.
+/// Whether the rounding of a type shows in forces, against those in quadruple precision.
 template <class Real>
 bool rounds(ForceUnderTest& e, ForceTwin<Real>& twin, const State& given) {
   const State state = rounded<Real>(given);
@@ -166,7 +166,8 @@ std::optional<PropertyResult> same_bits(ForceUnderTest& e) {
 
 std::optional<PropertyResult> number_types(ForceUnderTest& e) {
   if (e.exact() == nullptr) return std::nullopt;
-  e.begin("number types", "the same in float, double and quadruple numbers, each to its rounding");
+  e.begin("number types",
+          "the same in float, double and quadruple precision, each to its rounding");
   const auto in_double = e.twin();
   left_the_range();
   const auto in_float = e.in_float();

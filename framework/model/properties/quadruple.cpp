@@ -3,12 +3,12 @@
 
 #include "framework/model/properties/slopes.hpp"
 
-/// Forces in quadruple numbers against energies and heat in the same: no constant in any of them is
-/// good to double precision only. Other properties rely on them.
+/// Forces in quadruple precision against energies and heat in the same: no constant in any of them
+/// is good to double precision only. Other properties rely on them.
 namespace tomlin::properties {
 namespace {
 
-/// Time over which variables of a force's own go on as they change now. What they store is
+/// Time over which internal variables go on as they change now. What they store is
 /// quadratic in them: the central difference is exact but for rounding.
 constexpr double kHalf = 0.0625;
 /// Parts of the largest force that it may change by within a difference of energies: 1e-11 of waves
@@ -84,8 +84,8 @@ std::optional<PropertyResult> quadruple(ForceUnderTest& e) {
   if (e.exact() == nullptr) return std::nullopt;
   const bool conservative = e.traits().conservative;
   if (!conservative && (e.on_prescribed() || !e.exact()->heat())) return std::nullopt;
-  e.begin("quadruple", conservative ? "force = -gradient of its energy, both in quadruple numbers"
-                                    : "power = energy stored + heat, all in quadruple numbers");
+  e.begin("quadruple", conservative ? "force = -gradient of its energy, both in quadruple precision"
+                                    : "power = energy stored + heat, all in quadruple precision");
   Random random(e.seed());
   for (const State* state : e.everywhere()) {
     if (state->place != Place::near && state->place != Place::start) continue;

@@ -59,7 +59,7 @@ ForceUnderTest::Change ForceUnderTest::change_by(const State& state, double shak
   return most;
 }
 
-/// The same in quadruple numbers, whose own rounding does not show in it.
+/// The same in quadruple precision, whose own rounding does not show in it.
 double ForceUnderTest::exact_change(const State& state, double shake) {
   ForceTwin<Quad>& twin = *exact();
   const auto forces_at = [&](const State& from, Random* random) {

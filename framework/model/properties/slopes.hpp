@@ -104,17 +104,17 @@ inline double length_of(const ForceUnderTest& e, const Direction& direction) {
   return length;
 }
 
-/// In quadruple numbers, in parts of the shortest length: what two orders leave is below 1e-20 of
+/// In quadruple precision, in parts of the shortest length: what two orders leave is below 1e-20 of
 /// the slope even a millionth of a length apart, and so is what rounding to 1e-34 leaves.
 inline constexpr double kTinyDifference = 1e-12;
 
 /// A kink's two slopes differ by as much twice as far away, those about a smooth place by twice as
-/// much; and by more than the rounding of quadruple numbers.
+/// much; and by more than the rounding of quadruple precision.
 inline constexpr double kKinked = 0.75;
 inline constexpr double kApart = 1e-6;
 
-/// The same in quadruple numbers, to all digits of a double and some more; unsettled where there is
-/// a kink.
+/// The same in quadruple precision, to all digits of a double and some more; unsettled where there
+/// is a kink.
 struct ExactSlope {
   Quad best;
   double unsettled = 0.0;
@@ -140,7 +140,7 @@ ExactSlope exact_slope(Function&& f, double length) {
           static_cast<double>(h)};
 }
 
-/// The energy in quadruple numbers, differentiated.
+/// The energy in quadruple precision, differentiated.
 inline ExactSlope exact_slope(ForceUnderTest& e, const State& state, const Direction& direction) {
   ForceTwin<Quad>& twin = *e.exact();
   e.put(state, twin);

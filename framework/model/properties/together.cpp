@@ -333,7 +333,7 @@ class Together {
   void note(double found, double due, double size, double allowed, const State& state,
             const Number& number) {
     const double difference = found == due ? 0.0 : std::abs(found - due);
-    const bool holds = difference <= allowed;  // false for what is no number
+    const bool holds = difference <= allowed;  // false for NaN
     const double strain = holds ? (allowed > 0.0 ? difference / allowed : 0.0)
                           : difference > 0.0 && allowed > 0.0
                               ? difference / allowed
