@@ -37,7 +37,7 @@ inline const std::vector<FormulaText>& formula_texts() {
       {"0.5*(theta - pi)^2*(1 + 0.1*t)"},
       {"", {"-x - 0.3*vx + cos(t)"}},
       {"", {"-y + 0.1*vy", "x - 0.2*vx*vx"}},
-      {"", {"y*z", "-x", "0.1*vz*x"}},
+      {"", {"0.3*y*z", "-0.7*x", "0.1*vz*x"}},
   };
   return all;
 }

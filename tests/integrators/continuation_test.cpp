@@ -259,7 +259,7 @@ TEST(QuasistaticTip, GoesOnFromItsNumbers) {
   Engine whole(scene, {});
   const RunResult expected = whole.run();
   const Motion motion(whole);
-  ASSERT_GT(expected.steps, 30u);
+  ASSERT_GT(expected.steps, 10u);
   for (std::uint64_t steps = 1; steps < expected.steps; steps += 3) {
     Engine first(scene, {});
     first.advance(steps);

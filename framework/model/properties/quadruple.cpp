@@ -8,9 +8,18 @@
 namespace tomlin::properties {
 namespace {
 
-/// Time over which internal variables go on as they change now. What they store is
-/// quadratic in them: the central difference is exact but for rounding.
-constexpr double kHalf = 0.0625;
+/// Time over which internal variables go on as they change now: a power of two, in which they
+/// change by about as much as they are. What they store is quadratic in them: the central
+/// difference is exact but for rounding, which is then least.
+double time_of_change(const std::vector<double>& own, const std::vector<Quad>& rates) {
+  double size = 0.0;
+  double rate = 0.0;
+  for (std::size_t k = 0; k < rates.size(); ++k) {
+    size = std::max(size, std::abs(own[k]));
+    rate = std::max(rate, std::abs(static_cast<double>(rates[k])));
+  }
+  return size > 0.0 && rate > 0.0 ? std::ldexp(1.0, std::ilogb(size / rate)) : 1.0;
+}
 /// Parts of the largest force that it may change by within a difference of energies: 1e-11 of waves
 /// of the shortest length.
 constexpr double kResolved = 1e-3;
@@ -34,9 +43,10 @@ Quad stored(ForceUnderTest& e, ForceTwin<Quad>& twin, const State& state) {
     }
     return twin.energy();
   };
-  const Quad gained = energy_after(kHalf) - energy_after(-kHalf);
+  const double h = time_of_change(state.own, rates);
+  const Quad gained = energy_after(h) - energy_after(-h);
   e.put(state, twin);
-  return gained / Quad(2.0 * kHalf);
+  return gained / Quad(2.0 * h);
 }
 
 /// -F.v = heat + what is stored.
