@@ -111,6 +111,7 @@ bool is_option(std::string_view word) { return word.size() > 1 && word.front() =
 
 std::vector<std::string> names_of(const std::vector<CommandRecord>& records) {
   std::vector<std::string> names;
+  names.reserve(records.size());
   for (const CommandRecord& record : records) names.push_back(record.name);
   return names;
 }

@@ -23,8 +23,8 @@ using Json = nlohmann::ordered_json;
 
 /// Both forms of an explanation: what is added to one is added to the other beside it.
 struct Forms {
-  Json json;  ///< numbers that are not finite are null
-  Sections text;
+  Json& json;  ///< numbers that are not finite are null
+  Sections& text;
 };
 
 std::string text_of(double x) { return fmt::format("{:.4g}", x); }
@@ -394,9 +394,8 @@ void add_output(Forms& forms, const Explanation& e) {
                        : std::string("not known"));
 }
 
-Forms forms_of(const Explanation& e) {
+void add_all(Forms& forms, const Explanation& e) {
   const Scene& scene = *e.scene;
-  Forms forms;
   forms.json["scene"] = Json{{"file", scene.file},
                              {"name", scene.name},
                              {"dimension", scene.dimension},
@@ -417,19 +416,28 @@ Forms forms_of(const Explanation& e) {
   forms.json["warning_codes"] = codes_of(e.warnings);
   forms.text.section("warnings");
   for (const Warning& warning : e.warnings) forms.text.row(warning.key, to_string(warning));
-  return forms;
 }
 
 }  // namespace
 
 std::string explanation_text(const Explanation& e) {
   const Scene& scene = *e.scene;
+  Json json;
+  Sections text;
+  Forms forms{json, text};
+  add_all(forms, e);
   return fmt::format("{}: {} dimension{}, {} dynamics, {} numbers, {} units\n\n", title_of(scene),
                      scene.dimension, scene.dimension == 1 ? "" : "s",
                      to_string(scene.run.dynamics), to_string(scene.run.number_type), scene.units) +
-         forms_of(e).text.text();
+         text.text();
 }
 
-std::string explanation_json(const Explanation& e) { return json_text(forms_of(e).json); }
+std::string explanation_json(const Explanation& e) {
+  Json json;
+  Sections text;
+  Forms forms{json, text};
+  add_all(forms, e);
+  return json_text(json);
+}
 
 }  // namespace tomlin
