@@ -59,7 +59,7 @@ unit. The error that a setting is recommended by keeps a fifth below T.
 
 The number is also computed from starts that differ by 1e-12 and 1e-9 of a period: when that moves it
 by more than T and than ten times the estimated error of the steps, it is not determined by the
-scene; then the digits that have a meaning are told, and nothing is recommended for the others.
+scene; then the digits that are determined are shown, and nothing is recommended for the others.
 
 A run that does not fit into the budget is left out, and listed with how far it got.
 

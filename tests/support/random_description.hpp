@@ -33,7 +33,7 @@ struct Arrangement {
   bool rigid = false;
   bool boxed = false;       ///< a periodic box along x joins the ends of the row
   std::size_t second = 0;   ///< particles of a second body; 0: there is none
-  bool prescribed = false;  ///< the second body moves as it is told
+  bool prescribed = false;  ///< the second body moves by a given motion
 
   /// Neighbours stand about one apart, those through the box's side too.
   /// Odd: no two particles are half a box apart, where the nearest image changes.

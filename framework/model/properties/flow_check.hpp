@@ -17,7 +17,7 @@ namespace tomlin::properties {
 class FlowCheck {
  public:
   using Numbers = std::vector<double>;
-  /// Called with every comparison: what was found for what is due, and what rounding allows.
+  /// Called with every comparison: the value found, the one expected, and what rounding allows.
   using Note = std::function<void(double found, double due, double allowed)>;
 
   /// `at` stands before arrays of `dofs` velocities and `own` variables, which start as they are,

@@ -180,7 +180,7 @@ std::optional<PropertyResult> time(ForceUnderTest& e) {
   const bool depends = e.traits().depends_on_time;
   e.begin("time", depends ? "the same however time is divided into steps"
                           : "force and energy are the same at all times");
-  // Only what says so when it is bound is told how time goes on.
+  // Time advances only for a force that declares it when it is bound.
   if (e.bound().depends_on_time() != depends)
     e.contradict(depends ? 0.0 : 1.0, depends ? 1.0 : 0.0);
   const auto twin = e.twin();
