@@ -4,8 +4,12 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "framework/core/elements/site_force.hpp"
 #include "framework/core/records/force.hpp"
+#include "framework/core/text/axis_names.hpp"
+#include "framework/core/text/fault_code.hpp"
 
 TOMLIN_DECLARE_KERNELS(DrivingSpring)
 
@@ -13,6 +17,35 @@ namespace tomlin {
 namespace {
 
 using Description = DrivingSpringDescription;
+
+std::vector<Complaint> complaints(const Description& d, const SceneOutline& scene) {
+  std::vector<Complaint> found;
+  const auto axes = static_cast<std::size_t>(scene.dimension);
+  const std::size_t given = d.stiffness.numbers.size();
+  if (given != 1 && given != axes) {
+    found.push_back({.key = "stiffness",
+                     .why = fmt::format("{} numbers for {} dimensions", given, axes),
+                     .admissible = "one for all axes, or one per axis",
+                     .code = FaultCode::scene_wrong_count});
+    return found;
+  }
+  for (const std::string& axis : d.axes.words) {
+    if (static_cast<int>(*value_named<Axis>(axis)) < scene.dimension) continue;
+    found.push_back({.key = "axes",
+                     .why = fmt::format("\"{}\" is no axis of a scene with {} dimension{}", axis,
+                                        axes, axes == 1 ? "" : "s"),
+                     .code = FaultCode::scene_out_of_range});
+  }
+  double most = 0.0;
+  for (int axis = 0; axis < scene.dimension; ++axis) most = std::max(most, stiffness_on(d, axis));
+  if (found.empty() && !(most > 0.0)) {
+    found.push_back({.key = "stiffness",
+                     .why = "the spring has none along any axis",
+                     .admissible = "a number > 0 along one axis at least",
+                     .code = FaultCode::scene_out_of_range});
+  }
+  return found;
+}
 
 /// Either kind of bound spring, with a pulled end that follows from the time alone.
 template <class Base, class Real, int D>
@@ -24,11 +57,10 @@ class Driven : public Base {
         velocity_(description.velocity.components),
         reverse_(description.reverse) {
     drive_.velocity = description.velocity.components;
-    drive_.stiffness = description.stiffness;
-    if (description.attach.kind == Attachment::Kind::each_particle) {
-      drive_.stiffness *= static_cast<double>(this->body_.slot.count);
-    }
+    const bool many = description.attach.kind == Attachment::Kind::each_particle;
+    const double springs = many ? static_cast<double>(this->body_.slot.count) : 1.0;
     for (int k = 0; k < D; ++k) {
+      drive_.stiffness.push_back(springs * stiffness_on(description, k));
       if (!description.start.components.empty()) {
         drive_.start.push_back(relative_to(binding.origin, k, description.start.components[k]));
       } else if (description.attach.kind == Attachment::Kind::particle) {
@@ -134,11 +166,20 @@ std::unique_ptr<BoundForce<Real>> bind(const Description& d, const Binding<Real>
 
 }  // namespace
 
+double stiffness_on(const Description& d, int axis) {
+  const auto& axes = d.axes.words;
+  const char* const name = kAxisNames[static_cast<std::size_t>(axis)];
+  if (!axes.empty() && std::find(axes.begin(), axes.end(), name) == axes.end()) return 0.0;
+  const auto& numbers = d.stiffness.numbers;
+  return numbers.size() == 1 ? numbers.front() : numbers.at(static_cast<std::size_t>(axis));
+}
+
 ForceRecord driving_spring_record() {
   auto record = record_of<Description>();
   record.name = "driving_spring";
   record.summary = "a spring whose far end is pulled at constant velocity";
-  record.equation = "F = stiffness * (start + velocity * t - x), on the attached point x";
+  record.equation =
+      "F = stiffness * (start + velocity * t - x), axis by axis, on the attached point x";
   record.source =
       "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study"
       " nanoscale rolling friction, J. Appl. Phys. 127 (2020), doi:10.48550/arXiv.1912.00232,"
@@ -148,8 +189,13 @@ ForceRecord driving_spring_record() {
   record.traits = traits_of_sites<DrivingSpring>();
   record.parameters = {
       parameter("stiffness", &Description::stiffness, dimension::stiffness,
-                "of the spring; of each particle's spring with attach = \"each_particle\"")
-          .in(positive),
+                "of the spring, one for all axes or one per axis (0: free along it); of each "
+                "particle's spring with attach = \"each_particle\"")
+          .in(non_negative),
+      parameter("axes", &Description::axes, dimension::none,
+                "along which the spring acts: \"x\", \"y\", \"z\"; all by default")
+          .one_of({"x", "y", "z"})
+          .or_absent(),
       parameter("velocity", &Description::velocity, dimension::velocity, "of the pulled end"),
       parameter("attach", &Description::attach, dimension::none,
                 "\"centre_of_mass\", \"each_particle\" or { particle = i }")
@@ -161,6 +207,7 @@ ForceRecord driving_spring_record() {
                 "reverse when an observable passes a value: { when = "
                 "\"bodies.NAME.centre_of_mass.x\", above = VALUE }, or below, or both; times = 1")
           .or_absent()};
+  record.complaints = of_description<&complaints>;
   record.bind = {of_description<&bind<double>>, of_description<&bind<float>>,
                  of_description<&bind<Quad>>};
   record.example = R"(# A damped particle follows a spring.

@@ -6,9 +6,12 @@
 
 /// A spring whose far end is pulled at constant velocity.
 ///
-///   X(t) = X0 + V t;   F = k (X - x);   V_spring = (k/2) |X - x|^2;   power in = F.V
+///   X(t) = X0 + V t;   F_d = k_d (X_d - x_d);   V_spring = sum over axes (k_d/2) (X_d - x_d)^2;
+///   power in = F.V
 ///
-///   k   stiffness  mass/time^2; with attach = "each_particle" that of each particle's spring
+///   k   stiffness  mass/time^2, one for all axes or one per axis, where 0 leaves that axis free;
+///                  with attach = "each_particle" that of each particle's spring
+///       axes       along which the spring acts; all by default
 ///   V   velocity   of the pulled end, per axis
 ///   X0  start      the attached point at t = 0 by default (for each particle its own)
 ///   x   attach     "centre_of_mass", "each_particle" or { particle = i }
@@ -21,12 +24,16 @@
 namespace tomlin {
 
 struct DrivingSpringDescription {
-  double stiffness = 0.0;
+  WordOrNumbers stiffness;
+  WordList axes;
   SpaceVector velocity;
   Attachment attach;
   SpaceVector start;
   Passing reverse;
 };
+
+/// Of the spring along an axis; 0 along those that it leaves free.
+double stiffness_on(const DrivingSpringDescription& description, int axis);
 
 ForceRecord driving_spring_record();
 
@@ -38,7 +45,7 @@ struct DrivingSpring {
 
   template <class T, int D>
   struct Parameters {
-    T stiffness;
+    Vec<T, D> stiffness;
     Vec<T, D> velocity;
     Vec<T, D> travel;  ///< of the pulled end up to the start of this step, less the origin's
   };
@@ -46,8 +53,8 @@ struct DrivingSpring {
   template <class T, int D>
   static Parameters<T, D> parameters(const Description& d) {
     Parameters<T, D> p;
-    p.stiffness = T(d.stiffness);
     for (int k = 0; k < D; ++k) {
+      p.stiffness[k] = T(stiffness_on(d, k));
       p.velocity[k] = T(d.velocity.components[k]);
       p.travel[k] = T(0.0);
     }
@@ -66,12 +73,17 @@ struct DrivingSpring {
 
   template <class T, int D>
   static T energy(const Parameters<T, D>& p, const Site<T, D>& site) {
-    return T(0.5) * p.stiffness * norm_squared(extension(p, site));
+    const Vec<T, D> stretch = extension(p, site);
+    T twice = p.stiffness[0] * (stretch[0] * stretch[0]);
+    for (int k = 1; k < D; ++k) twice = fma(p.stiffness[k], stretch[k] * stretch[k], twice);
+    return T(0.5) * twice;
   }
 
   template <class T, int D>
   static Vec<T, D> force(const Parameters<T, D>& p, const Site<T, D>& site) {
-    return p.stiffness * extension(p, site);
+    Vec<T, D> force = extension(p, site);
+    for (int k = 0; k < D; ++k) force[k] = p.stiffness[k] * force[k];
+    return force;
   }
 
   /// Of the pulled end, on the spring.

@@ -26,7 +26,8 @@ ForceRecord sinusoidal_substrate_record() {
       site_force<SinusoidalSubstrate, kernels::SinusoidalSubstrate, kRankTranscendental>();
   record.name = "sinusoidal_substrate";
   record.summary = "a corrugated substrate that each particle feels";
-  record.equation = "V = amplitude * exp(-decay * y^2) * cos(2 pi x / period), per particle";
+  record.equation =
+      "V = amplitude * exp(-decay * y^2) * cos(2 pi (x - offset) / period), per particle";
   record.source =
       "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study"
       " nanoscale rolling friction, J. Appl. Phys. 127 (2020), doi:10.48550/arXiv.1912.00232,"
@@ -36,10 +37,15 @@ ForceRecord sinusoidal_substrate_record() {
   record.parameters = {
       parameter("amplitude", &Description::amplitude, dimension::energy,
                 "corrugation amplitude per particle; x = 0 is a maximum when positive"),
-      parameter("period", &Description::period, dimension::length, "lattice period").in(positive),
+      parameter("period", &Description::period, dimension::length, "lattice period")
+          .in(positive)
+          .one_for_all_particles(),
       parameter("decay", &Description::decay, dimension::inverse_area,
                 "decay of the corrugation with height, exp(-decay * y^2)")
           .in(non_negative)
+          .by_default(0.0),
+      parameter("offset", &Description::offset, dimension::length,
+                "where the lattice has its zero along x")
           .by_default(0.0)};
   record.complaints = of_description<&complaints>;
   record.example = R"(# A particle released near the top of a corrugation swings about the minimum.

@@ -6,16 +6,17 @@
 
 /// Corrugated substrate, felt by each particle on its own.
 ///
-///   V(x, y) = A exp(-b y^2) cos(2 pi x / a)
-///   F_x = (2 pi A / a) exp(-b y^2) sin(2 pi x / a)
-///   F_y = 2 b y A exp(-b y^2) cos(2 pi x / a)
+///   V(x, y) = A exp(-b y^2) cos(2 pi (x - x0) / a)
+///   F_x = (2 pi A / a) exp(-b y^2) sin(2 pi (x - x0) / a)
+///   F_y = 2 b y A exp(-b y^2) cos(2 pi (x - x0) / a)
 ///
 ///   A  amplitude  corrugation amplitude per particle, energy; negative: x = 0 is a minimum
 ///   a  period     lattice period, length
 ///   b  decay      1/length^2; 0: no dependence on y. In one dimension it must be 0.
+///   x0 offset     of the lattice along x, length; 0 by default
 ///
 /// Source: Sircar and Patra, eqs. (8) and (9), where b = lambda/R and A = V0/N; with b = 0 the
-/// potential of Prandtl (1928) and Tomlinson (1929). x = 0 is a maximum for A > 0.
+/// potential of Prandtl (1928) and Tomlinson (1929). x = x0 is a maximum for A > 0.
 /// Valid for any x, y; far above (b y^2 > 745) force and energy are exactly zero.
 namespace tomlin {
 
@@ -23,6 +24,7 @@ struct SinusoidalSubstrateDescription {
   double amplitude = 0.0;
   double period = 0.0;
   double decay = 0.0;
+  double offset = 0.0;
 };
 
 ForceRecord sinusoidal_substrate_record();
@@ -48,6 +50,7 @@ struct SinusoidalSubstrate {
   }
 
   static double period(const Description& d, int axis) { return axis == 0 ? d.period : 0.0; }
+  static double offset(const Description& d, int axis) { return axis == 0 ? d.offset : 0.0; }
 
   template <class T, int D>
   static T energy(const Parameters<T, D>& p, const Site<T, D>& site) {

@@ -69,7 +69,7 @@ Explanation::Part driver_part(const Model& model) {
   const bool driven = !model.drivers().empty();
   std::string timed;
   for (const Model::Force& force : model.forces()) {
-    if (!force.traits.depends_on_time || force.traits.does_work) continue;
+    if (!force.traits.depends_on_time || force.drive() != nullptr) continue;
     timed += (timed.empty() ? "" : ", ") + force.name;
   }
   std::string note = driven ? "the force and the power of every driver" : "no driver";

@@ -123,7 +123,7 @@ Json value_schema(const Parameter& row) {
         using Kind = std::decay_t<decltype(prototype)>;
         const Interval& interval = row.interval;
         if constexpr (std::is_same_v<Kind, double>) {
-          return number(interval);
+          return row.per_particle ? number_or_list(interval) : number(interval);
         } else if constexpr (std::is_same_v<Kind, std::int64_t>) {
           return number(interval, "integer");
         } else if constexpr (std::is_same_v<Kind, bool>) {
@@ -132,6 +132,7 @@ Json value_schema(const Parameter& row) {
           if (row.choices.empty()) return only("type", "string");
           return only("enum", row.choices);
         } else if constexpr (std::is_same_v<Kind, SpaceVector>) {
+          if (row.per_particle) return list_of(number_or_list(interval, kMostDimensions));
           return list_of(number(interval), kMostDimensions);
         } else if constexpr (std::is_same_v<Kind, PerParticle>) {
           return number_or_list(interval);
@@ -220,7 +221,10 @@ Json own_keys_of(const ForceRecord& record) {
   Json bodies = list_of(only("type", "string"), record.most_bodies);
   bodies["minItems"] = record.fewest_bodies;
   bodies["uniqueItems"] = true;
-  return {{"name", name_schema()}, {"body", only("type", "string")}, {"bodies", std::move(bodies)}};
+  return {{"name", name_schema()},
+          {"body", only("type", "string")},
+          {"bodies", std::move(bodies)},
+          {"driver", value_schema(driver_row())}};
 }
 
 Json own_keys_of(const IntegratorRecord&) { return Json::object(); }

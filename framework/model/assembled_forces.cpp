@@ -47,7 +47,21 @@ std::string why_left_out(const SceneForce& from, const Traits& traits,
   }
   const bool nothing_moves =
       all_of([](const auto& body) { return body.bound.coordinates == Coordinates::fixed; });
-  return nothing_moves && !traits.does_work ? "acts only on what is fixed" : "";
+  const bool drives = traits.does_work || from.driver;
+  return nothing_moves && !drives ? "acts only on what is fixed" : "";
+}
+
+/// Why a force cannot be declared a driver; empty where it can.
+template <class Real>
+std::string why_no_driver(const AssembledForce<Real>& force, bool quasistatic) {
+  if (force.traits.internal) return "it is internal to what it acts on, and drives nothing";
+  if (force.traits.dissipative || force.bound->is_friction()) return "it is friction";
+  if (force.bound->own_count() > 0) return "it has internal variables";
+  const bool by_velocity = !(force.traits.conservative && force.traits.depends_on_time);
+  if (quasistatic && by_velocity) {
+    return "its work follows from velocities, and quasistatic dynamics have none";
+  }
+  return "";
 }
 
 /// On bodies that move by forces; what is prescribed or fixed is dragged along as ever.
@@ -68,7 +82,8 @@ bool taken_as_operator(const AssembledForce<Real>& force, const AssemblyPlan& pl
 
 template <class Real>
 AssembledForces<Real>::AssembledForces(const AssemblyPlan& plan,
-                                       const std::vector<AssembledBody<Real>>& bodies) {
+                                       const AssembledBodies<Real>& assembled) {
+  const std::vector<AssembledBody<Real>>& bodies = assembled.all;
   std::vector<Fault> faults;
   for (const SceneForce& from : plan.scene->forces) {
     const Traits traits = bound_by(from, "force", [&] { return from.traits(); });
@@ -82,6 +97,7 @@ AssembledForces<Real>::AssembledForces(const AssemblyPlan& plan,
     binding.origin = plan.origin;
     binding.box = plan.box;
     for (const std::size_t b : from.bodies) binding.bodies.push_back(&bodies[b].bound);
+    binding.variations = from.variations;
     const auto factory = from.record->bind.template in<Real>();
     if (factory == nullptr) {
       faults.push_back(not_in_this_number_type(plan.scene->run, from));
@@ -104,6 +120,16 @@ AssembledForces<Real>::AssembledForces(const AssemblyPlan& plan,
       force.bound = guarded(std::move(force.bound), "force " + from.name, library);
     }
     force.is_operator = taken_as_operator(force, plan, bodies);
+    if (from.driver && !traits.does_work) {
+      if (std::string why = why_no_driver(force, plan.quasistatic); !why.empty()) {
+        Complaint complaint{"driver", std::move(why), "false"};
+        complaint.code = FaultCode::component_unsuitable;
+        faults.push_back(fault_of(from, complaint));
+        continue;
+      }
+      force.driver = std::make_unique<DeclaredDriver<Real>>(*force.bound, traits, force.bodies,
+                                                            plan, assembled);
+    }
     if (force.bound->depends_on_time()) timed_.push_back(force.bound.get());
     all.push_back(std::move(force));
   }
@@ -111,8 +137,11 @@ AssembledForces<Real>::AssembledForces(const AssemblyPlan& plan,
 }
 
 template <class Real>
-void AssembledForces<Real>::begin_step(const DoubleDouble& time) {
+void AssembledForces<Real>::begin_step(const DoubleDouble& time, const Origin& origin) {
   for (BoundForce<Real>* force : timed_) force->begin_step(time);
+  for (const AssembledForce<Real>& force : all) {
+    if (force.driver) force.driver->begin_step(time, origin);
+  }
 }
 
 template <class Real>

@@ -9,6 +9,7 @@
 #include "framework/core/records/force.hpp"
 #include "framework/core/system/state_layout.hpp"
 #include "framework/model/assembled_bodies.hpp"
+#include "framework/model/declared_driver.hpp"
 
 namespace tomlin {
 
@@ -23,6 +24,15 @@ struct AssembledForce {
   std::ptrdiff_t first_rate = kNoRate;  ///< where its force and power stand among the rates
   std::ptrdiff_t heat_rate = kNoRate;   ///< where its heat stands, with the ledger
   bool is_operator = false;             ///< taken by its flow, not evaluated as a force
+  std::unique_ptr<DeclaredDriver<Real>> driver;  ///< where the scene declares it to be one
+
+  const Drive* drive() const { return driver ? &driver->drive() : bound->drive(); }
+  std::vector<Pass<Real>> passes() const {
+    return driver ? std::vector<Pass<Real>>{driver->pass()} : bound->passes();
+  }
+  Real energy(const Stage<Real>& stage) const {
+    return driver && !driver->stores_energy() ? Real(0.0) : bound->energy(stage);
+  }
 };
 
 /// A force of the scene that was not built, and why.
@@ -36,9 +46,9 @@ template <class Real>
 class AssembledForces {
  public:
   /// Throws InputError for forces that do not fit the bodies or the number type.
-  AssembledForces(const AssemblyPlan& plan, const std::vector<AssembledBody<Real>>& bodies);
+  AssembledForces(const AssemblyPlan& plan, const AssembledBodies<Real>& bodies);
 
-  void begin_step(const DoubleDouble& time);
+  void begin_step(const DoubleDouble& time, const Origin& origin);
   void rebase(const Origin& origin);
 
   // What events change of the forces stands in the run's state.

@@ -108,7 +108,7 @@ Assembly<Real>::Assembly(const AssemblyPlan& plan)
       origin_(plan.origin),
       bodies_(plan_),
       coordinates_(plan_, bodies_, system_.view),
-      forces_(plan_, bodies_.all),
+      forces_(plan_, bodies_),
       prescribed_(plan_, bodies_) {
   system_.set = plan_.set;
   assign_rates();
@@ -131,19 +131,24 @@ void Assembly<Real>::assign_rates() {
   }
   std::size_t rates = padded(own);
   for (Force& force : forces_.all) {
-    if (force.bound->rate_count() == 0) continue;
+    if (force.bound->rate_count() == 0 && !force.driver) continue;
     force.first_rate = static_cast<std::ptrdiff_t>(rates);
-    force.bound->place_rates(force.first_rate);
-    rates += force.bound->rate_count();
-    if (force.traits.does_work) {
-      drivers_.push_back({force.name, force.first_rate, force.bound->drive()});
+    if (force.driver) {
+      force.driver->place_rates(force.first_rate);
+      rates += static_cast<std::size_t>(dimension()) + 1;
+    } else {
+      force.bound->place_rates(force.first_rate);
+      rates += force.bound->rate_count();
+    }
+    if (force.driver || force.traits.does_work) {
+      drivers_.push_back({force.name, force.first_rate, force.drive()});
     }
   }
   prescribed_.assign_rates(plan_, bodies_, rates, drivers_);
   if (plan_.ledger) {
     for (Force& force : forces_.all) {
       Operation<Real> unused;
-      if (force.is_operator || !force.bound->heat(0, unused)) continue;
+      if (force.is_operator || force.driver || !force.bound->heat(0, unused)) continue;
       force.heat_rate = static_cast<std::ptrdiff_t>(rates++);
     }
     if (!plan_.inertial || plan_.splits_friction) {
@@ -180,7 +185,7 @@ void Assembly<Real>::start(Real* position, Real* velocity, Real* integrals,
 
 template <class Real>
 void Assembly<Real>::begin_step(const DoubleDouble& time) {
-  forces_.begin_step(time);
+  forces_.begin_step(time, origin_);
   prescribed_.begin_step(time, origin_);
 }
 

@@ -21,7 +21,8 @@ void ask_for_velocities(const Scene& scene, AssembledBodies<Real>& bodies,
     for (const AssembledForce<Real>& force : forces) {
       const auto& on = force.bodies;
       const bool acts = std::count(on.begin(), on.end(), bodies.rigid_body[k]) > 0;
-      const bool reads = force.traits.depends_on_velocity || force.heat_rate != kNoRate;
+      const bool reads =
+          force.traits.depends_on_velocity || force.heat_rate != kNoRate || force.driver != nullptr;
       if (acts && reads && !force.is_operator) bodies.rigid[k].velocities = true;
     }
   }
@@ -33,7 +34,7 @@ std::vector<Pass<Real>> passes_in_order(const AssemblyPlan& plan,
   std::vector<Pass<Real>> passes;
   for (const AssembledForce<Real>& force : forces) {
     if (force.is_operator) continue;
-    for (Pass<Real>& pass : force.bound->passes()) passes.push_back(std::move(pass));
+    for (Pass<Real>& pass : force.passes()) passes.push_back(std::move(pass));
   }
   std::stable_sort(passes.begin(), passes.end(),
                    [](const auto& a, const auto& b) { return a.rank < b.rank; });
@@ -138,7 +139,8 @@ void Evaluation<Real>::add_heats(const AssemblyPlan& plan, const AssembledBodies
                                  FrictionMatrix<Real>& friction, const SystemView<Real>& view) {
   for (const AssembledForce<Real>& force : forces) {
     Operation<Real> heat;
-    if (force.heat_rate != kNoRate && force.bound->heat(force.heat_rate, heat)) {
+    if (force.driver) heat = force.driver->power();
+    if (force.driver || (force.heat_rate != kNoRate && force.bound->heat(force.heat_rate, heat))) {
       (plan.inertial ? operations_ : drifted_.heats).push_back(heat);
     }
   }
@@ -162,10 +164,10 @@ void Evaluation<Real>::add_point_forces(const std::vector<Pass<Real>>& passes,
                                         SystemView<Real>& view) {
   for (const Pass<Real>& pass : passes) {
     for (const AssembledForce<Real>& force : forces) {
-      for (const Pass<Real>& own : force.bound->passes()) {
+      for (const Pass<Real>& own : force.passes()) {
         if (own.arguments != pass.arguments) continue;
         PointForce<Real> point;
-        if (!force.bound->point(point)) {
+        if (force.driver || !force.bound->point(point)) {
           point_forces_.clear();
           return;
         }

@@ -31,6 +31,11 @@ BodyGeometry build(const SceneBody& body, int dimension) {
     throw UnfitPart(
         fmt::format("its geometry is not that of {} particles in {} dimensions", count, dimension));
   }
+  const auto& displacement = body.record->common(description).displacement.values;
+  for (std::size_t i = 0; !displacement.empty() && i < geometry.relative.size(); ++i) {
+    const SpaceVector& by = displacement[displacement.size() == 1 ? 0 : i];
+    for (std::size_t d = 0; d < axes; ++d) geometry.relative[i][d] += by.components[d];
+  }
   return geometry;
 }
 

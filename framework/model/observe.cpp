@@ -112,7 +112,7 @@ double Model::potential_energy(const DoubleDouble& time, const double* position,
   anchor(time);
   const Stage<double> here = stage(position, velocity, integrals, rates_.data());
   double total = 0.0;
-  for (const Force& force : forces()) total += force.bound->energy(here);
+  for (const Force& force : forces()) total += force.energy(here);
   anchor(anchored);
   return total;
 }

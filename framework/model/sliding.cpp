@@ -106,11 +106,12 @@ class Pull {
 
   /// By one driver, of the bodies under the substrate, along one axis.
   void add(const Model::Force& driver, int axis) {
-    const Drive& drive = *driver.bound->drive();
+    const Drive& drive = *driver.drive();
     const double period = model_.scene().forces[place_].period(axis);
     const double bound = substrate_.bound->curvature_bound_along(axis);
     const double velocity = drive.velocity.empty() ? 0.0 : drive.velocity[axis];
     if (!(period > 0.0) || bound < 0.0 || velocity == 0.0) return;
+    if (!(drive.stiffness_on(axis) > 0.0)) return;
     for (const std::size_t b : substrate_.bodies) {
       const Model::Body& body = model_.bodies()[b];
       Sliding sliding;
@@ -120,7 +121,7 @@ class Pull {
       sliding.axis = axis;
       sliding.particles = body.bound.slot.count;
       sliding.period = period;
-      sliding.stiffness = sliding.driver_stiffness = drive.stiffness;
+      sliding.stiffness = sliding.driver_stiffness = drive.stiffness_on(axis);
       if (!acts_on(driver, b) && !add_bond(sliding, driver, b)) continue;
       sliding.curvature = bound * static_cast<double>(body.bound.slot.count);
       SingleForce alone(model_.scene(), place_);
@@ -213,8 +214,8 @@ void add_sliding(Scales& scales, Model& model, std::size_t substrate_in_scene,
                  const Model::Force& substrate) {
   Pull pull(scales, model, substrate_in_scene, substrate);
   for (const Model::Force& driver : model.forces()) {
-    const Drive* drive = driver.bound->drive();
-    if (drive == nullptr || !(drive->stiffness > 0.0)) continue;
+    const Drive* drive = driver.drive();
+    if (drive == nullptr) continue;
     for (int axis = 0; axis < model.dimension(); ++axis) pull.add(driver, axis);
   }
 }

@@ -115,7 +115,7 @@ DriverWatch::DriverWatch(std::size_t driver, const Drive& drive, double period, 
                          Slips slips)
     : driver_(driver),
       speed_(speed_of(drive)),
-      stiffness_(drive.stiffness),
+      stiffness_(drive.stiffness_along()),
       period_(period),
       precision_(precision),
       slips_(slips) {}

@@ -162,7 +162,7 @@ double speed_of(const Drive& drive) {
 
 bool drags(const Drive& drive) { return drive.steady && speed_of(drive) > 0.0; }
 
-bool pulls(const Drive& drive) { return drags(drive) && drive.stiffness > 0.0; }
+bool pulls(const Drive& drive) { return drags(drive) && drive.stiffness_along() > 0.0; }
 
 std::optional<std::size_t> body_pulled_by(const Model& model, const Model::Driver& driver) {
   for (const Model::Force& force : model.forces()) {

@@ -413,8 +413,9 @@ void warn_of_coarse_tolerance(Check& check) {
 void warn_of_stiff_drivers(Check& check) {
   const double last_place = last_place_of(check.scene.run.number_type);
   for (const Model::Force& driver : check.model.forces()) {
-    const Drive* drive = driver.bound->drive();
-    if (drive == nullptr || drive->stiffness <= 0.0) continue;
+    const Drive* drive = driver.drive();
+    const double stiffness = drive ? drive->stiffness_along() : 0.0;
+    if (!(stiffness > 0.0)) continue;
     double largest = 0.0;
     double shortest = std::numeric_limits<double>::infinity();
     for (const Model::Force& force : check.model.forces()) {
@@ -434,13 +435,13 @@ void warn_of_stiff_drivers(Check& check) {
     const double length = tolerance_scales(check.model.system().view).length;
     const double asked = tolerance_of(check.scene.run.integrator, length).value_or(0.0) * length;
     const double known = std::max(asked, last_place * shortest);
-    if (!(drive->stiffness * known > kCoarseForce * largest)) continue;
+    if (!(stiffness * known > kCoarseForce * largest)) continue;
     check.found.warnings.push_back(
         {FaultCode::run_stiff_driver,
          fmt::format("{}: positions are accurate to {:.2g}, and its force therefore to {:.2g} "
                      "only, while substrate and drag exert {:.2g} at most: use a finer tolerance "
                      "or a softer spring",
-                     driver.name, known, drive->stiffness * known, largest),
+                     driver.name, known, stiffness * known, largest),
          "drivers." + driver.name});
   }
 }

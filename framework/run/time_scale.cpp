@@ -150,7 +150,7 @@ std::vector<TimeDependence> time_dependences(Model& model) {
     add(body.motion->angular_velocity, "angular velocity", "angular_velocity");
   }
   for (const Model::Force& force : model.forces()) {
-    const Drive* drive = force.bound->drive();
+    const Drive* drive = force.drive();
     if (!force.bound->depends_on_time() || (drive != nullptr && drive->steady)) continue;
     if (force.bound->own_count() > 0 || force.is_operator) continue;
     const auto timed = std::make_shared<TimedForce>(model, force);

@@ -42,7 +42,7 @@ std::optional<double> way_to_well(Model& model, std::size_t body, const Model::D
   const double start = view.position[place];
   std::vector<double> rates(view.rates + 2 * kGroup, 0.0);
   model.evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates.data());
-  const double stiffness = driver.drive->stiffness;
+  const double stiffness = driver.drive->stiffness_on(axis);
   const double stretch = rates[static_cast<std::size_t>(driver.first_rate + axis)] / stiffness;
 
   double deepest = 0.0;

@@ -18,14 +18,10 @@
 namespace tomlin {
 namespace {
 
-bool is_vector(const ParameterValue& value) {
-  return std::holds_alternative<SpaceVector>(value) ||
-         std::holds_alternative<PerParticleVector>(value);
-}
-
 // Keys of BodyDescription; a body's shape does not depend on them.
 bool is_common_key(std::string_view key) {
-  return key == "particle_mass" || key == "velocity" || key == "coordinates";
+  return key == "particle_mass" || key == "velocity" || key == "displacement" ||
+         key == "coordinates";
 }
 
 /// Whether all keys that a body's shape depends on were read.
@@ -50,6 +46,10 @@ void update_effective(BodyDraft& body) {
   for (const Parameter& row : body.record->parameters) {
     const Node* before = reading.effective.find(row.key);
     if (before == nullptr && !row.optional) continue;  // it has a fault
+    if (before != nullptr && !reading.has(row.key)) {
+      effective.set(row.key, *before);  // it waits until the particles are counted
+      continue;
+    }
     ParameterValue value = row.read(body.description.get());
     const auto known = reading.values.find(row.key);
     if (before != nullptr && known != reading.values.end() && known->second == value) {
@@ -62,12 +62,6 @@ void update_effective(BodyDraft& body) {
     }
   }
   reading.effective = std::move(effective);
-}
-
-std::size_t length_of(const ParameterValue& value) {
-  if (const auto* vector = std::get_if<SpaceVector>(&value)) return vector->components.size();
-  const auto& vectors = std::get<PerParticleVector>(value).values;
-  return vectors.empty() ? 0 : vectors.front().components.size();
 }
 
 /// What does not fit the scene's dimension or the bodies.
@@ -266,7 +260,27 @@ std::optional<SceneOutline> outline_for(const std::vector<std::size_t>& indices,
   return outline;
 }
 
+/// What the record finds; of parameters that differ between particles for the first at fault.
+std::vector<Complaint> complaints_of_each(const ForceDraft& force, const SceneOutline& outline) {
+  void* const description = force.description.get();
+  const std::vector<Variation> variations = variations_of(force);
+  std::vector<Complaint> found = force.record->complaints(description, outline);
+  if (variations.empty()) return found;
+  for (std::size_t i = 0; found.empty() && i < count_of(variations.front()); ++i) {
+    assign_particle(variations, i, description);
+    found = force.record->complaints(description, outline);
+  }
+  for (const Variation& one : variations) one.row->assign(description, representative(one));
+  return found;
+}
+
 }  // namespace
+
+std::vector<Variation> variations_of(const ForceDraft& force) {
+  std::vector<Variation> variations;
+  for (const auto& [key, variation] : force.reading.variations) variations.push_back(variation);
+  return variations;
+}
 
 void prepare_bodies(std::vector<BodyDraft>& bodies, const std::filesystem::path& folder,
                     FaultList& faults) {
@@ -293,10 +307,14 @@ std::optional<int> scene_dimension(const std::vector<BodyDraft>& bodies) {
   if (first.motion && !first.motion->velocity.empty()) {
     return static_cast<int>(first.motion->velocity.size());
   }
-  if (first.reading.given->find("velocity") == nullptr) return 1;
-  const auto velocity = first.reading.values.find("velocity");
-  if (velocity == first.reading.values.end() || !is_vector(velocity->second)) return std::nullopt;
-  return static_cast<int>(length_of(velocity->second));
+  const Node* velocity = first.reading.given->find("velocity");
+  if (velocity == nullptr) return 1;
+  // It may wait until the particles are counted.
+  const List* list = velocity->as<List>();
+  if (list != nullptr && !list->empty() && list->front().as<List>())
+    list = list->front().as<List>();
+  if (list == nullptr || list->empty()) return std::nullopt;
+  return static_cast<int>(list->size());
 }
 
 void check_bodies(std::vector<BodyDraft>& bodies, std::optional<int> dimension, FaultList& faults) {
@@ -329,7 +347,7 @@ void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>&
     if (!outline) continue;
     bool fits = false;
     const auto complaints = complaints_of(*force.record, [&] {
-      auto found = force.record->complaints(force.description.get(), *outline);
+      auto found = complaints_of_each(force, *outline);
       fits = pairs.add(force, *outline, faults);
       return found;
     });

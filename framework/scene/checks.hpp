@@ -37,7 +37,11 @@ struct BodyDraft : ComponentDraft<BodyRecord> {
 
 struct ForceDraft : ComponentDraft<ForceRecord> {
   std::vector<std::size_t> bodies;  ///< those that could be found
+  bool driver = false;
 };
+
+/// Its parameters that differ between particles.
+std::vector<Variation> variations_of(const ForceDraft& force);
 
 struct ObserverDraft : ComponentDraft<ObserverRecord> {
   std::vector<std::size_t> bodies;  ///< those that could be found

@@ -1,6 +1,8 @@
 // Bodies, forces and observers: their types and names, and which bodies each acts on.
 
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -9,6 +11,7 @@
 #include "framework/core/text/nearest_name.hpp"
 #include "framework/scene/motion_reader.hpp"
 #include "framework/scene/scene_draft.hpp"
+#include "framework/scene/size_checks.hpp"
 #include "framework/scene/text.hpp"
 
 namespace tomlin {
@@ -98,6 +101,15 @@ void read_freedom(SceneDraft& draft, BodyDraft& body, const SceneSection& given)
   }
 }
 
+/// `driver`.
+void read_driver(SceneDraft& draft, ForceDraft& force, const SceneSection& given) {
+  const Node* node = given.table->find("driver");
+  if (node == nullptr) return;
+  const auto declared = draft.values.read(driver_row(), *node, force.reading.path + ".driver");
+  if (declared) force.driver = std::get<bool>(*declared);
+  force.sound = force.sound && declared;
+}
+
 /// A body whose own name is unfit is still the one that is meant by it; the first of several is.
 void note_name(SceneDraft& draft, const BodyDraft& body, const SceneSection& given) {
   const auto* written = text_at(given, "name");
@@ -166,6 +178,24 @@ void read_bodies_of(SceneDraft& draft, Component& component, const SceneSection&
   component.bodies.clear();
 }
 
+/// What forces and bodies say particle by particle, once these are counted.
+template <class Component>
+void read_particle_values(const SceneDraft& draft, Component& component,
+                          std::optional<std::int64_t> count) {
+  if (component.record == nullptr) return;
+  read_deferred(component.reading, component.record->parameters, component.description.get(), count,
+                draft.values);
+  component.sound = component.sound && component.reading.sound;
+}
+
+void count_bodies(SceneDraft& draft) {
+  const std::filesystem::path folder = std::filesystem::path(draft.scene->file).parent_path();
+  prepare_bodies(draft.bodies, folder, draft.faults);
+  draft.dimension = scene_dimension(draft.bodies);
+  count_particles(draft.bodies, draft.dimension, draft.faults);
+  for (BodyDraft& body : draft.bodies) read_particle_values(draft, body, body.count);
+}
+
 /// Bodies and forces share their names: an observable says "ring.turns", whatever "ring" is.
 class NameCheck {
  public:
@@ -205,9 +235,14 @@ void read_components(SceneDraft& draft) {
              read_freedom(draft, body, given);
              note_name(draft, body, given);
            });
+  count_bodies(draft);
   read_all(draft, "force", draft.forces, registry.forces(), force_layout,
            [&](ForceDraft& force, const SceneSection& given) {
              read_bodies_of(draft, force, given, "acts on");
+             read_driver(draft, force, given);
+             const bool one = force.bodies.size() == 1;
+             read_particle_values(draft, force,
+                                  one ? draft.bodies[force.bodies.front()].count : std::nullopt);
            });
   read_all(draft, "observer", draft.observers, registry.observers(), observer_layout,
            [&](ObserverDraft& observer, const SceneSection& given) {

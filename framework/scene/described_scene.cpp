@@ -49,6 +49,9 @@ Node effective_component(const SceneDraft& draft, const Draft& component) {
     table.set("bodies", names_of_bodies(draft, component.bodies));
   }
   append(table, component.reading.effective);
+  if (const Node* driver = component.reading.given->find("driver")) {
+    if (table.find("driver") == nullptr) table.set("driver", *driver);
+  }
   return {std::move(table), {}};
 }
 
@@ -64,6 +67,8 @@ void describe_components(SceneDraft& draft) {
   for (const ForceDraft& force : draft.forces) {
     scene.forces.push_back(component_of<SceneForce>(force, draft.source));
     scene.forces.back().bodies = force.bodies;
+    scene.forces.back().driver = force.driver;
+    scene.forces.back().variations = variations_of(force);
   }
   for (const ObserverDraft& observer : draft.observers) {
     scene.observers.push_back(component_of<SceneObserver>(observer, draft.source));

@@ -273,12 +273,20 @@ Parameter hold_row() {
       .or_absent();
 }
 
+Parameter driver_row() {
+  return parameter("driver", &SceneForce::driver, dimension::none,
+                   "true: a driver, whatever force it is, with its force, work and support among "
+                   "the results; a driving_spring always is one")
+      .by_default(false);
+}
+
 TableLayout force_layout(const ForceRecord& record) {
   static const std::vector<OwnKey> keys = {
       {"name", "its type's where no other force has that type"},
       {"type", "which force it is"},
       {"body", "the body it acts on; needless where there is one only"},
-      {"bodies", "in place of body: a list, where a force acts between two"}};
+      {"bodies", "in place of body: a list, where a force acts between two"},
+      {"driver", driver_row().doc}};
   return component_layout(record, keys, {});
 }
 

@@ -59,6 +59,8 @@ std::vector<SceneTable> scene_tables();
 TableLayout body_layout(const BodyRecord& record);
 /// `hold`, which every body takes; assigns SceneBody::hold.
 Parameter hold_row();
+/// `driver`, which every force takes; assigns SceneForce::driver.
+Parameter driver_row();
 TableLayout force_layout(const ForceRecord& record);
 TableLayout observer_layout(const ObserverRecord& record);
 TableLayout integrator_layout(const IntegratorRecord& record);

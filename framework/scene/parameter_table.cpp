@@ -120,6 +120,12 @@ ExpressionError ParameterTable::explain_unknown(std::string_view name, std::size
             .why = in_quotes(name) + " is a variable; it has no value here",
             .code = FaultCode::expression_unknown_name};
   }
+  if (name == "i" || name == "count") {
+    return {.column = column,
+            .why = "there is no parameter " + in_quotes(name) +
+                   ", and only what may differ between particles is over their index i and count",
+            .code = FaultCode::expression_unknown_name};
+  }
   ExpressionError error{.column = column,
                         .why = "there is no parameter " + in_quotes(name),
                         .code = FaultCode::expression_unknown_name};

@@ -1,11 +1,10 @@
 #include "framework/scene/reader.hpp"
 
-#include <filesystem>
+#include <optional>
 
 #include "framework/scene/box_checks.hpp"
 #include "framework/scene/freedom_checks.hpp"
 #include "framework/scene/scene_draft.hpp"
-#include "framework/scene/size_checks.hpp"
 
 namespace tomlin {
 namespace {
@@ -22,9 +21,7 @@ void report_unknown_tables(const Table& document, FaultList& faults) {
 void check_components(SceneDraft& draft) {
   std::vector<BodyDraft>& bodies = draft.bodies;
   FaultList& faults = draft.faults;
-  prepare_bodies(bodies, std::filesystem::path(draft.scene->file).parent_path(), faults);
-  const auto dimension = scene_dimension(bodies);
-  count_particles(bodies, dimension, faults);
+  const std::optional<int> dimension = draft.dimension;
   if (dimension) draft.scene->dimension = *dimension;
   check_freedom(bodies, dimension, faults);
   check_bodies(bodies, dimension, faults);

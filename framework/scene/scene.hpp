@@ -16,6 +16,7 @@
 #include "framework/core/records/number_type.hpp"
 #include "framework/core/records/observer.hpp"
 #include "framework/core/records/registry.hpp"
+#include "framework/core/records/variation.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/core/text/words.hpp"
 #include "framework/scene/motion.hpp"
@@ -49,7 +50,9 @@ struct SceneForce : SceneComponent<ForceRecord> {
   /// Along an axis; 0 where it declares none.
   double period(int axis) const { return record->period(description.get(), axis); }
 
-  std::vector<std::size_t> bodies;  ///< indices into Scene::bodies, in the order named
+  std::vector<std::size_t> bodies;    ///< indices into Scene::bodies, in the order named
+  std::vector<Variation> variations;  ///< its parameters that differ between particles
+  bool driver = false;                ///< declared to be one, whatever force it is
 };
 
 struct SceneObserver : SceneComponent<ObserverRecord> {

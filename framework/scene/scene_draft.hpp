@@ -61,6 +61,7 @@ struct SceneDraft {
   std::shared_ptr<Scene> scene;
   std::optional<TableReading> box;
   std::vector<BodyDraft> bodies;
+  std::optional<int> dimension;  ///< of space; nothing when faults of the bodies hide it
   std::map<std::string, std::size_t> body_indices;  ///< by the names that mean them
   std::vector<ForceDraft> forces;
   std::vector<ObserverDraft> observers;

@@ -56,6 +56,11 @@ TableReading read_table(const Table& table, const Extent& where, const TableLayo
     const std::string key = reading.path + "." + row.key;
     std::optional<ParameterValue> value;
     if (const Node* node = table.find(row.key)) {
+      if (row.per_particle && values.is_for_each(row, *node)) {
+        reading.deferred.push_back(row.key);
+        reading.effective.set(row.key, *node);
+        continue;
+      }
       value = values.read(row, *node, key);
       if (!value) {
         reading.sound = false;
@@ -76,6 +81,30 @@ TableReading read_table(const Table& table, const Extent& where, const TableLayo
     reading.values.emplace(row.key, *std::move(value));
   }
   return reading;
+}
+
+void read_deferred(TableReading& reading, const std::vector<Parameter>& rows, void* description,
+                   std::optional<std::int64_t> count, const ValueReader& values) {
+  for (const Parameter& row : rows) {
+    const auto& keys = reading.deferred;
+    if (std::find(keys.begin(), keys.end(), row.key) == keys.end()) continue;
+    std::optional<ParameterValue> value;
+    if (count) {
+      const Node& node = *reading.given->find(row.key);
+      value = values.read_for_each(row, node, reading.path + "." + row.key, *count);
+    }
+    if (!value) {
+      reading.sound = false;
+      continue;
+    }
+    if (can_vary(row)) {
+      const Variation variation{&row, *std::move(value)};
+      value = representative(variation);
+      reading.variations.emplace(row.key, variation);
+    }
+    row.assign(description, *value);
+    reading.values.emplace(row.key, *std::move(value));
+  }
 }
 
 namespace {

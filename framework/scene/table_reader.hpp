@@ -1,9 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "framework/core/records/parameter.hpp"
+#include "framework/core/records/variation.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/fault_list.hpp"
@@ -21,6 +25,11 @@ struct TableReading {
   std::map<std::string, Place> places;           ///< of the keys that were given
   Table effective;    ///< what was given with every default filled in, in declared order
   bool sound = true;  ///< no fault among its rows
+  /// Of the rows that differ between particles: one value for each. `values` has what stands for
+  /// all.
+  std::map<std::string, Variation> variations;
+  /// Keys of such rows that wait until the particles are counted.
+  std::vector<std::string> deferred;
 
   /// Whether the key's row has no fault.
   bool has(const std::string& key) const { return values.contains(key); }
@@ -36,6 +45,10 @@ struct TableReading {
 TableReading read_table(const Table& table, const Extent& where, const TableLayout& layout,
                         std::string path, void* description, const ValueReader& values,
                         const Source& source, FaultList& faults);
+
+/// Reads the deferred rows for a body of so many particles; not known: its faults are reported.
+void read_deferred(TableReading& reading, const std::vector<Parameter>& rows, void* description,
+                   std::optional<std::int64_t> count, const ValueReader& values);
 
 /// "not in this version", or unknown with the nearest of the admissible keys.
 void report_key(const Entry& entry, const std::string& path, const TableLayout& layout,

@@ -50,7 +50,7 @@ std::string admissible_values(const Parameter& row) {
       [&](const auto& prototype) -> std::string {
         using Kind = std::decay_t<decltype(prototype)>;
         if constexpr (std::is_same_v<Kind, double>) {
-          return a_number;
+          return row.per_particle ? a_number + ", or a list of one per particle" : a_number;
         } else if constexpr (std::is_same_v<Kind, std::int64_t>) {
           return with_range("an integer", row.interval);
         } else if constexpr (std::is_same_v<Kind, bool>) {
@@ -58,7 +58,8 @@ std::string admissible_values(const Parameter& row) {
         } else if constexpr (std::is_same_v<Kind, std::string>) {
           return row.choices.empty() ? "text" : joined_with_or(in_quotes(row.choices));
         } else if constexpr (std::is_same_v<Kind, SpaceVector>) {
-          return "a list with " + a_number + " per dimension";
+          return "a list with " + a_number + " per dimension" +
+                 (row.per_particle ? ", or a list of such lists" : "");
         } else if constexpr (std::is_same_v<Kind, PerParticle>) {
           return a_number + ", or a list of one per particle";
         } else if constexpr (std::is_same_v<Kind, PerParticleVector>) {

@@ -30,6 +30,13 @@ class ValueReader {
   std::optional<ParameterValue> read(const Parameter& row, const Node& node,
                                      const std::string& key) const;
 
+  /// Whether a value for a row with `per_particle` is one for each particle: a list where one
+  /// number or vector is expected, or an expression in `i` or `count`.
+  bool is_for_each(const Parameter& row, const Node& node) const;
+  /// Such a value for a body of `count` particles: PerParticle, of vectors PerParticleVector.
+  std::optional<ParameterValue> read_for_each(const Parameter& row, const Node& node,
+                                              const std::string& key, std::int64_t count) const;
+
  private:
   /// What is being read, for messages.
   struct Subject {
@@ -59,6 +66,12 @@ class ValueReader {
   std::optional<FormulaList> formula_list(const Subject& subject, const Node& node) const;
   std::optional<AngleSelection> angle_selection(const Subject& subject, const Node& node) const;
   std::optional<Passing> passing(const Subject& subject, const Node& node) const;
+
+  bool names_particles(const Node& node) const;
+  std::optional<std::vector<double>> numbers_for_each(const Subject& subject, const Node& node,
+                                                      std::int64_t count) const;
+  std::optional<std::vector<SpaceVector>> vectors_for_each(const Subject& subject, const Node& node,
+                                                           std::int64_t count) const;
 
   std::optional<double> evaluated(const Subject& subject, const Node& node) const;
   bool in_range(const Subject& subject, const Node& node, double x) const;

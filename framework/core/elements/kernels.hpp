@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstddef>
 
 #include "framework/core/elements/element.hpp"
@@ -39,6 +40,20 @@ TOMLIN_INLINE SiteParameters<E, Packed<Real>, D> site_in_all_lanes(const void* p
       *static_cast<const SiteParameters<E, Real, D>*>(parameters));
 }
 
+/// The same of eight sites whose parameters differ, from the particle on that `each` points to.
+template <class E, class Real, int D>
+TOMLIN_INLINE SiteParameters<E, Packed<Real>, D> site_of_each(const Real* each,
+                                                              std::size_t stride) {
+  struct Numbers {
+    Packed<Real> value[sizeof(SiteParameters<E, Real, D>) / sizeof(Real)];
+  } numbers;
+  for (auto& value : numbers.value) {
+    value = Packed<Real>::load(each);
+    each += stride;
+  }
+  return std::bit_cast<SiteParameters<E, Packed<Real>, D>>(numbers);
+}
+
 template <class E, int D>
 concept DoesWork = requires(const typename E::template Parameters<double, D>& p,
                             const Site<double, D>& site, const Vec<double, D>& force) {
@@ -62,11 +77,11 @@ TOMLIN_INLINE Packed<Real> without_padding(const Packed<Real>& value, std::size_
 
 // ---- sites ------------------------------------------------------------------------------------
 
-template <class E, class Real, int D, bool set>
+template <class E, class Real, int D, bool set, bool varied = false>
 TOMLIN_FLATTEN void site_kernel(const void* arguments, const Stage<Real>& stage) {
   using Group = Packed<Real>;
   const SiteArguments<Real> a = *static_cast<const SiteArguments<Real>*>(arguments);
-  const auto p = site_in_all_lanes<E, Real, D>(a.parameters);
+  auto p = site_in_all_lanes<E, Real, D>(a.parameters);
   const Real* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset;
   const Real* v = (a.body.mapped ? stage.mapped_velocity : stage.velocity) + a.body.offset;
   Real* f = (a.body.mapped ? stage.mapped_force : stage.force) + a.body.offset;
@@ -78,6 +93,7 @@ TOMLIN_FLATTEN void site_kernel(const void* arguments, const Stage<Real>& stage)
   for (int d = 0; d < D; ++d) total[d] = Group(Real(0.0));
 
   for (std::size_t i = 0; i < count; i += kGroup) {
+    if constexpr (varied) p = site_of_each<E, Real, D>(a.each + i, stride);
     Site<Group, D> site;
     for (int d = 0; d < D; ++d) {
       site.position[d] = Group::load(x + d * stride + i);
@@ -121,16 +137,17 @@ TOMLIN_FLATTEN PointResult<Real> point_kernel(const void* parameters, Real posit
 }
 
 /// What a damper takes out of the particles, -F.v, for the energy ledger.
-template <class E, class Real, int D>
+template <class E, class Real, int D, bool varied = false>
 TOMLIN_FLATTEN void heat_kernel(const void* arguments, const Stage<Real>& stage) {
   using Group = Packed<Real>;
   const HeatArguments<Real> a = *static_cast<const HeatArguments<Real>*>(arguments);
-  const auto p = site_in_all_lanes<E, Real, D>(a.parameters);
+  auto p = site_in_all_lanes<E, Real, D>(a.parameters);
   const Real* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset;
   const Real* v = (a.body.mapped ? stage.mapped_velocity : stage.velocity) + a.body.offset;
   const std::size_t stride = a.body.stride;
   Group heat(Real(0.0));
   for (std::size_t i = 0; i < a.body.count; i += kGroup) {
+    if constexpr (varied) p = site_of_each<E, Real, D>(a.each + i, stride);
     Site<Group, D> site;
     for (int d = 0; d < D; ++d) {
       site.position[d] = Group::load(x + d * stride + i);
@@ -480,6 +497,10 @@ constexpr void fill_table(KernelTable<Real>& table) {
     table.centre.set[D - 1] = &centre_kernel<E, Real, D, true>;
     table.centre.add[D - 1] = &centre_kernel<E, Real, D, false>;
     if constexpr (E::reads.velocity) table.heat[D - 1] = &heat_kernel<E, Real, D>;
+    if constexpr (!DoesWork<E, D> && !E::reads.start && !E::reads.time) {
+      table.varied_site[D - 1] = &site_kernel<E, Real, D, false, true>;
+      if constexpr (E::reads.velocity) table.varied_heat[D - 1] = &heat_kernel<E, Real, D, true>;
+    }
     if constexpr (D == 1) table.point = &point_kernel<E, Real>;
   }
   if constexpr (HasForce<E, D, Pair> || HasEnergy<E, D, Pair>) {

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -49,6 +52,13 @@ double period_along(const typename E::Description& description, int axis) {
   return 0.0;
 }
 
+/// Where a force has its zero along an axis.
+template <class E>
+double offset_along(const typename E::Description& description, int axis) {
+  if constexpr (requires { E::offset(description, axis); }) return E::offset(description, axis);
+  return 0.0;
+}
+
 template <class E, class Real, int D>
 Frame<Real, D> frame_at(const typename E::Description& description, const Origin& origin) {
   Frame<Real, D> frame{};
@@ -59,8 +69,9 @@ Frame<Real, D> frame_at(const typename E::Description& description, const Origin
     const double period = period_along<E>(description, axis);
     if (!(period > 0.0)) continue;
     std::int64_t periods = 0;
+    const DoubleDouble from_zero = shift - DoubleDouble(offset_along<E>(description, axis));
     frame.wave_number[axis] = Real(1.0) / Real(period);
-    frame.phase[axis] = Real(remainder_of(shift, period, periods)) / Real(period);
+    frame.phase[axis] = Real(remainder_of(from_zero, period, periods)) / Real(period);
   }
   return frame;
 }
@@ -73,38 +84,19 @@ class ForceOnSites : public BoundForce<Real> {
 
   ForceOnSites(const typename E::Description& description, const Binding<Real>& binding)
       : description_(description),
-        with_frame_{E::template parameters<Real, D>(description), {}},
+        with_frame_(parameters_at(description, binding.origin)),
         parameters_(with_frame_.own),
         body_(*binding.bodies.front()),
-        first_origin_(binding.origin) {
-    rebase(binding.origin);
-  }
+        first_origin_(binding.origin) {}
   ForceOnSites(const ForceOnSites&) = delete;
 
   std::size_t rate_count() const override { return kDoesWork ? D + 1 : 0; }
 
   /// A class that overrides this calls it: the frame of the sites is set here.
-  void rebase(const Origin& origin) override {
-    with_frame_.frame = frame_at<E, Real, D>(description_, origin);
-    // An evaluator may have parameters that follow from the origin in another way.
-    if constexpr (requires { E::template rebase<Real, D>(parameters_, description_, origin); }) {
-      E::template rebase<Real, D>(parameters_, description_, origin);
-    }
-  }
+  void rebase(const Origin& origin) override { follow(with_frame_, description_, origin); }
 
-  double curvature_bound() const override {
-    if constexpr (requires { E::template curvature_bound<D>(description_); }) {
-      return E::template curvature_bound<D>(description_);
-    }
-    return -1.0;
-  }
-
-  double curvature_bound_along(int axis) const override {
-    if constexpr (requires { E::template curvature_bound_along<D>(description_, axis); }) {
-      return E::template curvature_bound_along<D>(description_, axis);
-    }
-    return curvature_bound();
-  }
+  double curvature_bound() const override { return bound_of(description_); }
+  double curvature_bound_along(int axis) const override { return bound_along(description_, axis); }
 
   static constexpr bool kDoesWork =
       requires(const Parameters& p, const Site<Real, D>& site, const Vec<Real, D>& force) {
@@ -114,6 +106,35 @@ class ForceOnSites : public BoundForce<Real> {
  protected:
   static constexpr bool kHasFriction = requires(const Parameters& p) { E::friction(p); };
 
+  static double bound_of(const typename E::Description& d) {
+    if constexpr (requires { E::template curvature_bound<D>(d); }) {
+      return E::template curvature_bound<D>(d);
+    }
+    return -1.0;
+  }
+  static double bound_along(const typename E::Description& d, int axis) {
+    if constexpr (requires { E::template curvature_bound_along<D>(d, axis); }) {
+      return E::template curvature_bound_along<D>(d, axis);
+    }
+    return bound_of(d);
+  }
+
+  /// What follows from where the origin is.
+  static void follow(SiteParameters<E, Real, D>& p, const typename E::Description& description,
+                     const Origin& origin) {
+    p.frame = frame_at<E, Real, D>(description, origin);
+    // An evaluator may have parameters that follow from the origin in another way.
+    if constexpr (requires { E::template rebase<Real, D>(p.own, description, origin); }) {
+      E::template rebase<Real, D>(p.own, description, origin);
+    }
+  }
+  static SiteParameters<E, Real, D> parameters_at(const typename E::Description& description,
+                                                  const Origin& origin) {
+    SiteParameters<E, Real, D> p{E::template parameters<Real, D>(description), {}};
+    follow(p, description, origin);
+    return p;
+  }
+
   typename E::Description description_;
   SiteParameters<E, Real, D> with_frame_;
   Parameters& parameters_;
@@ -122,7 +143,8 @@ class ForceOnSites : public BoundForce<Real> {
 };
 
 /// The evaluator on every particle of a body. `start`, in the scene's coordinates, is where
-/// drivers' ends are at time 0; empty: each at its own particle.
+/// drivers' ends are at time 0; empty: each at its own particle. Parameters may differ between the
+/// particles, for evaluators that neither drive nor read starts.
 template <class E, class Real, int D>
 class ParticleForce : public ForceOnSites<E, Real, D> {
   using Base = ForceOnSites<E, Real, D>;
@@ -137,6 +159,12 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
         rank_(rank) {
     arguments_.body = this->body_.slot;
     arguments_.parameters = &this->with_frame_;
+    if (!binding.variations.empty()) {
+      variations_.assign(binding.variations.begin(), binding.variations.end());
+      varied_kernel_ = tables.on<Real>(binding.set).varied_site[D - 1];
+      heat_kernel_ = tables.on<Real>(binding.set).varied_heat[D - 1];
+      vary(binding.origin);
+    }
     if constexpr (E::reads.start) {
       start_.assign(D * this->body_.slot.stride, Real(0.0));
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
@@ -149,17 +177,27 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   }
 
   std::vector<Pass<Real>> passes() override {
-    return {{kernels_.set[D - 1],
-             kernels_.add[D - 1],
-             &arguments_,
-             {{this->body_.index, false}},
-             rank_}};
+    const std::vector<Region> writes = {{this->body_.index, false}};
+    if (varies()) return {{nullptr, varied_kernel_, &arguments_, writes, rank_}};
+    return {{kernels_.set[D - 1], kernels_.add[D - 1], &arguments_, writes, rank_}};
+  }
+
+  void rebase(const Origin& origin) override {
+    Base::rebase(origin);
+    if (varies()) vary(origin);
   }
 
   void place_rates(std::ptrdiff_t first) override { arguments_.rate = first; }
 
+  double curvature_bound() const override {
+    return largest([](const typename E::Description& d) { return Base::bound_of(d); });
+  }
+  double curvature_bound_along(int axis) const override {
+    return largest([axis](const typename E::Description& d) { return Base::bound_along(d, axis); });
+  }
+
   bool point(PointForce<Real>& force) const override {
-    if (D != 1 || this->body_.slot.count != 1 || !point_) return false;
+    if (D != 1 || this->body_.slot.count != 1 || !point_ || varies()) return false;
     force = {point_, &this->with_frame_, start_.empty() ? Real(0.0) : start_[0], arguments_.rate};
     return true;
   }
@@ -168,7 +206,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
     InterleavedSum<Real> total;
     if constexpr (HasEnergy<E, D, Site>) {
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
-        total.add(i, E::energy(this->parameters_, site(stage, i)));
+        total.add(i, E::energy(at(i).own, site(stage, i)));
       }
     }
     return total.total();
@@ -176,7 +214,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
 
   bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
     if (!heat_kernel_) return false;
-    heat_ = {this->body_.slot, &this->with_frame_, rate};
+    heat_ = {this->body_.slot, &this->with_frame_, arguments_.each, rate};
     operation = {heat_kernel_, &heat_};
     return true;
   }
@@ -186,9 +224,9 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
     if constexpr (HasEnergy<E, D, Site>) {
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
-        for_curvature<E, Real, D>(
-            this->parameters_, site(stage, i),
-            [&](int a, int b, double value) { sink.site(this->body_.index, i, a, b, value); });
+        for_curvature<E, Real, D>(at(i).own, site(stage, i), [&](int a, int b, double value) {
+          sink.site(this->body_.index, i, a, b, value);
+        });
       }
     }
   }
@@ -196,12 +234,53 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   void friction(FrictionSink& sink) const override {
     if constexpr (Base::kHasFriction) {
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
-        sink.site(this->body_.index, i, static_cast<double>(E::friction(this->parameters_)));
+        sink.site(this->body_.index, i, static_cast<double>(E::friction(at(i).own)));
       }
     }
   }
 
  private:
+  bool varies() const { return !variations_.empty(); }
+  const SiteParameters<E, Real, D>& at(std::size_t particle) const {
+    return varies() ? each_[particle] : this->with_frame_;
+  }
+  typename E::Description description_at(std::size_t particle) const {
+    typename E::Description description = this->description_;
+    assign_particle(variations_, particle, &description);
+    return description;
+  }
+
+  /// Of a bound that follows from a description, the largest of all particles'.
+  template <class Bound>
+  double largest(Bound bound) const {
+    double most = bound(this->description_);
+    for (std::size_t i = 0; varies() && i < this->body_.slot.count; ++i) {
+      most = std::max(most, bound(description_at(i)));
+    }
+    return most;
+  }
+
+  /// Every particle's parameters, and the same number by number for the kernels. The padding
+  /// repeats the last particle's.
+  void vary(const Origin& origin) {
+    using Each = SiteParameters<E, Real, D>;
+    struct Numbers {
+      Real value[sizeof(Each) / sizeof(Real)];
+    };
+    const BodySlot<Real>& slot = this->body_.slot;
+    each_.resize(slot.count);
+    by_number_.resize(slot.stride * (sizeof(Each) / sizeof(Real)));
+    for (std::size_t i = 0; i < slot.stride; ++i) {
+      const std::size_t particle = std::min(i, slot.count - 1);
+      if (i == particle) each_[i] = Base::parameters_at(description_at(i), origin);
+      const auto numbers = std::bit_cast<Numbers>(each_[particle]);
+      for (std::size_t k = 0; k < std::size(numbers.value); ++k) {
+        by_number_[k * slot.stride + i] = numbers.value[k];
+      }
+    }
+    arguments_.each = by_number_.data();
+  }
+
   Site<Real, D> site(const Stage<Real>& stage, std::size_t i) const {
     const BodySlot<Real>& slot = this->body_.slot;
     Site<Real, D> site{};
@@ -213,7 +292,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
       for (int d = 0; d < D; ++d) site.start[d] = start_[d * slot.stride + i];
     }
     site.elapsed = stage.elapsed;
-    site.frame = this->with_frame_.frame;
+    site.frame = at(i).frame;
     return site;
   }
 
@@ -224,6 +303,11 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   SiteArguments<Real> arguments_;
   HeatArguments<Real> heat_;
   AlignedVector<Real> start_;
+  // Where parameters differ between particles.
+  std::vector<Variation> variations_;
+  Kernel<Real> varied_kernel_ = nullptr;
+  std::vector<SiteParameters<E, Real, D>> each_;
+  AlignedVector<Real> by_number_;  ///< [number * stride + particle]
 };
 
 /// The evaluator on one attached point: a body's centre of mass, or one particle of it.
@@ -383,6 +467,7 @@ ForceRecord site_force() {
       " as forcefields/driving_spring.cpp does");
   ForceRecord record = record_of<typename E::Description>();
   record.element = Element::site;
+  record.varies = true;
   record.traits = traits_of_sites<E>();
   if (record.traits.periodic) record.period = of_description<&period_along<E>>;
   record.bind = on_particles<E, tables, rank>();

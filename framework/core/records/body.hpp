@@ -17,6 +17,7 @@ namespace tomlin {
 struct BodyDescription {
   PerParticle particle_mass;
   PerParticleVector velocity;
+  PerParticleVector displacement;
   Coordinates coordinates = Coordinates::particles;
   std::filesystem::path read_from;  ///< the file that `prepare` has fetched a part from; or empty
 };
@@ -26,11 +27,18 @@ template <class D>
 std::vector<Parameter> with_body_parameters(std::vector<Parameter> own) {
   own.push_back(parameter_of<D>("particle_mass", &BodyDescription::particle_mass, dimension::mass,
                                 "mass of each particle: one number for all, or one each")
-                    .in(positive));
+                    .in(positive)
+                    .for_each_particle());
   own.push_back(parameter_of<D>("velocity", &BodyDescription::velocity, dimension::velocity,
                                 "starting velocity: one vector for all particles, or one each; "
                                 "at rest by default")
-                    .or_absent());
+                    .or_absent()
+                    .for_each_particle());
+  own.push_back(parameter_of<D>("displacement", &BodyDescription::displacement, dimension::length,
+                                "from the places of the body's shape at the start: one vector for "
+                                "all particles, or one each; none by default")
+                    .or_absent()
+                    .for_each_particle());
   own.push_back(
       parameter_of<D>("coordinates", &BodyDescription::coordinates, dimension::none,
                       "what may move: every particle, the body as a whole, nothing, or the body "

@@ -3,12 +3,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "framework/core/numbers/double_double.hpp"
 #include "framework/core/records/coordinates.hpp"
 #include "framework/core/records/parameter.hpp"
+#include "framework/core/records/variation.hpp"
 #include "framework/core/system/aligned.hpp"
 #include "framework/core/system/flow.hpp"
 #include "framework/core/system/instruction_set.hpp"
@@ -53,6 +55,8 @@ struct Binding {
   Origin origin;                               ///< at time 0; an axis whose unit is 0 never moves
   std::array<double, 3> box{};                 ///< length of each periodic axis, else 0
   std::vector<const BoundBody<Real>*> bodies;  ///< those the force acts on
+  /// Parameters that differ between the particles of its one body; only where its record varies.
+  std::span<const Variation> variations;
 };
 
 /// Forces on the particles of a body, or on the centre of a rigid one.
@@ -111,12 +115,31 @@ class FrictionSink {
 
 /// What a driver tells about itself for summaries and for the window in driver periods.
 struct Drive {
-  std::vector<double> velocity;  ///< of the pulled end, where it is steady
-  bool steady = true;            ///< false: the velocity changes with time
-  double stiffness = 0.0;        ///< of all its springs together
-  std::vector<double> start;     ///< of the pulled end, relative to the first origin; the centre's
-                                 ///< where each particle has its own
-  std::vector<double> travel;    ///< since then, up to the start of the step, less the origin's
+  std::vector<double> velocity;   ///< of the pulled end, where it is steady
+  bool steady = true;             ///< false: the velocity changes with time
+  std::vector<double> stiffness;  ///< of all its springs together, per axis; empty: no spring
+  std::vector<double> start;      ///< of the pulled end, relative to the first origin; the centre's
+                                  ///< where each particle has its own
+  std::vector<double> travel;     ///< since then, up to the start of the step, less the origin's
+
+  double stiffness_on(int axis) const {
+    return stiffness.empty() ? 0.0 : stiffness[static_cast<std::size_t>(axis)];
+  }
+  /// Along the velocity, n.K.n; of a driver at rest the largest of all axes.
+  double stiffness_along() const {
+    double along = 0.0;
+    double squares = 0.0;
+    double most = 0.0;
+    bool equal = true;  // without rounding
+    for (std::size_t d = 0; d < stiffness.size(); ++d) {
+      const double v = velocity.empty() ? 0.0 : velocity[d];
+      along += stiffness[d] * v * v;
+      squares += v * v;
+      most = stiffness[d] > most ? stiffness[d] : most;
+      equal = equal && stiffness[d] == stiffness.front();
+    }
+    return equal || !(squares > 0.0) ? most : along / squares;
+  }
 };
 
 template <class Real>

@@ -88,6 +88,9 @@ struct ForceRecord : ComponentRecord {
   Element (*element_of)(const void* description) = nullptr;
   int fewest_bodies = 1;
   int most_bodies = 1;
+  /// Its numbers and vectors, but for uniform rows, may differ between the particles of its body:
+  /// `bind` honours Binding::variations. Scales are those of the numbers of largest size.
+  bool varies = false;
 
   /// Faults across keys and against the bodies; empty when valid.
   std::vector<Complaint> (*complaints)(const void* description,

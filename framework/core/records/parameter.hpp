@@ -179,6 +179,10 @@ struct Parameter {
   std::optional<ParameterValue> standard;  ///< the default; without one the key is required
   bool optional = false;                   ///< may be absent without a default (value stays empty)
   bool only_standard = false;              ///< any value but the default: not in this version
+  /// May be a list with a value for each particle of the component's body, or an expression in the
+  /// particle's index `i`.
+  bool per_particle = false;
+  bool uniform = false;  ///< never so, even where the force's numbers may differ: as a period
 
   std::function<void(void* description, ParameterValue value)> assign;
   std::function<ParameterValue(const void* description)> read;
@@ -215,6 +219,14 @@ struct Parameter {
   }
   Parameter or_absent() && {
     optional = true;
+    return std::move(*this);
+  }
+  Parameter for_each_particle() && {
+    per_particle = true;
+    return std::move(*this);
+  }
+  Parameter one_for_all_particles() && {
+    uniform = true;
     return std::move(*this);
   }
 };

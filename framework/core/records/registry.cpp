@@ -9,6 +9,7 @@
 #include "framework/core/records/force.hpp"
 #include "framework/core/records/integrator.hpp"
 #include "framework/core/records/observer.hpp"
+#include "framework/core/records/variation.hpp"
 #include "framework/core/text/utf8.hpp"
 
 namespace tomlin {
@@ -109,6 +110,9 @@ void Registry::add(ForceRecord record) {
   refuse_if_unfit(record);
   require(record.complaints && record.pairs && record.period && record.bind.in_double, record,
           "factory");
+  for (Parameter& row : record.parameters) {
+    row.per_particle = record.varies && can_vary(row) && !row.uniform;
+  }
   forces_.push_back(std::make_unique<ForceRecord>(std::move(record)));
 }
 

@@ -16,6 +16,8 @@ template <class Real>
 struct SiteArguments {
   BodySlot<Real> body;
   const void* parameters = nullptr;  ///< the evaluator's Parameters<Real, D>
+  /// Where they differ: [number * body.stride + particle], as the numbers stand in `parameters`.
+  const Real* each = nullptr;
   const Real* start = nullptr;    ///< [axis * body.stride + particle], for evaluators that read it
   std::ptrdiff_t rate = kNoRate;  ///< where a driver's force and power go among the rates
 };
@@ -94,6 +96,7 @@ template <class Real>
 struct HeatArguments {
   BodySlot<Real> body;
   const void* parameters = nullptr;
+  const Real* each = nullptr;  ///< as in SiteArguments
   std::ptrdiff_t rate = kNoRate;
 };
 
@@ -145,6 +148,8 @@ struct KernelTable {
   KernelPair<Real> chain;
   KernelPair<Real> pair_list;
   Kernel<Real> heat[3] = {};
+  Kernel<Real> varied_site[3] = {};  ///< adds; with parameters that differ between particles
+  Kernel<Real> varied_heat[3] = {};
   PointKernel<Real> point = nullptr;
 };
 

@@ -48,7 +48,7 @@ TEST(LastPoints, ArePassedThroughByTheirPolynomial) {
 TEST(DriverWatch, OfBlocksIsThatOfTheirPoints) {
   Drive drive;
   drive.velocity = {0.1};
-  drive.stiffness = 2.0;
+  drive.stiffness = {2.0};
   constexpr double kStep = 0.01;
   struct One {
     explicit One(const Drive& drive)
@@ -82,7 +82,7 @@ TEST(DriverWatch, OfBlocksIsThatOfTheirPoints) {
       for (std::size_t n = 0; n < count; ++n, ++step) {
         // It sticks, and now and then slips or is pushed back.
         const double rare = random(n + 1);
-        force += drive.stiffness * drive.velocity[0] * kStep *
+        force += drive.stiffness.front() * drive.velocity[0] * kStep *
                  (rare > 0.995   ? -400.0
                   : rare < -0.99 ? 1.5
                                  : 0.9);
@@ -267,7 +267,7 @@ TEST(Slips, DoNotEndOnABarrier) {
   };
   Drive drive;
   drive.velocity = {kSpeed};
-  drive.stiffness = 1.0;
+  drive.stiffness = {1.0};
   for (const bool wells : {true, false}) {
     DriverWatch watch(0, drive, 1.0, 1e-16, DriverWatch::Slips::looked_for);
     std::vector<double> reals(DriverWatch::kReals);
