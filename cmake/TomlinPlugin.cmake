@@ -7,6 +7,9 @@
 # FILE.hpp where there is one, else from FILE.cpp itself, whose other parts then stand between
 # `#ifndef TOMLIN_KERNELS_ONLY` and `#endif`. Number types or instruction sets that are left out
 # leave out ways to run, and nothing else; double and baseline are always needed.
+#
+# Where the project says nothing of optimisation (no CMAKE_BUILD_TYPE, no -O in CMAKE_CXX_FLAGS), the
+# plugin is compiled as tomlin is: -O3. Options of the folder or of the target come later and count.
 
 set(TOMLIN_PLUGIN_NOTE ${CMAKE_CURRENT_LIST_DIR}/plugin_note.cpp.in)
 
@@ -31,6 +34,10 @@ function(tomlin_add_plugin name)
   target_link_options(${name} PRIVATE -Wl,--exclude-libs,ALL)
   if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
     target_link_options(${name} PRIVATE -Wl,-z,defs)
+  endif()
+  get_property(has_configurations GLOBAL PROPERTY GENERATOR_IS_MULTI_CONFIG)
+  if(NOT has_configurations AND NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CXX_FLAGS MATCHES "(^| )-O")
+    target_compile_options(${name} BEFORE PRIVATE -O3 -DNDEBUG)
   endif()
   foreach(set ${left_out})
     string(TOUPPER ${set} set)

@@ -21,9 +21,9 @@
 /// Conventions: angles in radians; a pair's energy counts once; positions are the scene's own,
 /// however far away. With a declared period they are reduced to it first, and keep their digits.
 /// Valid where the formula and its derivatives are finite: elsewhere the run does not start, or
-/// fails, with the formula, the column and the particle. At a kink (abs, min, max, floor) the
-/// derivative is that of one side. An energy that changes with time does work, and the ledger
-/// counts it so; what a `force` does is heat taken out (negative where energy is put in).
+/// fails, with the formula, the column and the particle. At a kink (abs, min, max, floor, sign,
+/// step) the derivative is that of one side. An energy that changes with time does work, and the
+/// ledger counts it so; what a `force` does is heat taken out (negative where energy is put in).
 namespace tomlin {
 
 struct ExpressionDescription {

@@ -1,12 +1,14 @@
 #include "forcefields/register.hpp"
 
 #include "forcefields/constant_force.hpp"
+#include "forcefields/coulomb_friction.hpp"
 #include "forcefields/driving_spring.hpp"
 #include "forcefields/expression.hpp"
 #include "forcefields/harmonic_bonds.hpp"
 #include "forcefields/memory_damping.hpp"
 #include "forcefields/morse_bonds.hpp"
 #include "forcefields/sinusoidal_substrate.hpp"
+#include "forcefields/velocity_weakening.hpp"
 #include "forcefields/viscous_damping.hpp"
 #include "framework/core/records/force.hpp"
 
@@ -14,12 +16,14 @@ namespace tomlin {
 
 void register_forcefields(Registry& registry) {
   registry.add(constant_force_record());
+  registry.add(coulomb_friction_record());
   registry.add(driving_spring_record());
   registry.add(expression_record());
   registry.add(harmonic_bonds_record());
   registry.add(memory_damping_record());
   registry.add(morse_bonds_record());
   registry.add(sinusoidal_substrate_record());
+  registry.add(velocity_weakening_record());
   registry.add(viscous_damping_record());
 }
 

@@ -44,7 +44,8 @@ with two particles almost touching:
   internal                    its forces and torques sum to zero
   not conservative,
   not internal                it has not what it does not declare
-  dissipative, friction       its power is never positive; its friction matrix is right
+  dissipative, friction,
+  friction bound              its power is never positive; its friction matrix or bound is right
   balance, driver             power, stored energy, heat and a driver's work add up
   flow, flow repeats,
   heat of flow                an operator that it provides is its exact solution

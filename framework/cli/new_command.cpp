@@ -24,6 +24,7 @@ struct NewArguments {
   std::string model;                ///< "pt", "fk", "ring", "plugin"
   std::optional<std::string> name;  ///< of the file, without .toml; of the force
   std::optional<std::string> file;  ///< instead of the name; the folder of a plugin
+  bool pairs = false;               ///< of a plugin: a force between particles
   bool force = false;
 };
 
@@ -41,6 +42,7 @@ Examples:
   tomlin new ring my_ring        writes my_ring.toml
   tomlin new fk -o scenes/a.toml
   tomlin new plugin my_force     writes the folder my_force
+  tomlin new plugin my_law --pairs   a force between particles, with a cutoff
 
 Exit status: 0 done; 1 the file could not be written; 2 the input was not right.)";
 
@@ -76,6 +78,8 @@ void add_options(CLI::App& parser, NewArguments& arguments) {
       ->option_text(" ");
   add_output_option(parser, arguments.file, "FILE",
                     "the file, NAME.toml by default; of a plugin the folder, NAME by default");
+  parser.add_flag("--pairs", arguments.pairs,
+                  "of a plugin: a force between pairs of particles, of one body or two");
   add_force_option(parser, arguments.force, "replace a file that is there");
 }
 
@@ -85,11 +89,16 @@ void check(NewArguments& arguments) {
   if (arguments.name && arguments.file && arguments.model != "plugin") {
     refuse_command(FaultCode::command_conflict, "NAME and -o both name the file", "one of them");
   }
+  if (arguments.pairs && arguments.model != "plugin") {
+    refuse_command(FaultCode::command_conflict, "--pairs is about the force of a plugin",
+                   "tomlin new plugin NAME --pairs");
+  }
 }
 
 int write_new(const NewArguments& arguments) {
   if (arguments.model == "plugin") {
-    return new_plugin(arguments.name, arguments.file, arguments.force);
+    return new_plugin(arguments.name, arguments.file,
+                      arguments.pairs ? NewForce::pairs : NewForce::particles, arguments.force);
   }
   const SceneTemplate& scene = template_of(arguments.model);
   const fs::path file = file_of(arguments);

@@ -120,7 +120,7 @@ void make_folder(const fs::path& folder, bool force) {
 }  // namespace
 
 int new_plugin(const std::optional<std::string>& given_name,
-               const std::optional<std::string>& given_folder, bool force) {
+               const std::optional<std::string>& given_folder, NewForce kind, bool force) {
   if (!given_name) {
     refuse_input(FaultCode::command_missing_argument, "tomlin", "NAME",
                  "missing: what the force is called", "tomlin new plugin my_force");
@@ -129,7 +129,8 @@ int new_plugin(const std::optional<std::string>& given_name,
   check_name(name);
   const fs::path folder = given_folder.value_or(name);
   make_folder(folder, force);
-  for (const PluginTemplate& one : plugin_templates()) {
+  const auto& templates = kind == NewForce::pairs ? pair_plugin_templates() : plugin_templates();
+  for (const PluginTemplate& one : templates) {
     OutputFile output(folder / with_names(one.file, name));
     output.append(with_names(one.text, name));
     output.publish();

@@ -5,9 +5,12 @@
 
 namespace tomlin {
 
-/// `tomlin new plugin NAME [-o DIR]`: a folder with a force to start from. Throws InputError and
-/// OutputError.
+/// What the force of a new plugin acts on.
+enum class NewForce { particles, pairs };
+
+/// `tomlin new plugin NAME [--pairs] [-o DIR]`: a folder with a force to start from. Throws
+/// InputError and OutputError.
 int new_plugin(const std::optional<std::string>& given_name,
-               const std::optional<std::string>& given_folder, bool force);
+               const std::optional<std::string>& given_folder, NewForce kind, bool force);
 
 }  // namespace tomlin

@@ -142,8 +142,10 @@ std::string page_of_scenes() {
       "above its first table,\n`plugins = [\"libNAME.so\"]`. Observers, "
       "`[[observer]]` with a `type` and a `body`, come from plugins only.\n\n";
   std::vector<std::string> functions;
+  std::vector<std::string> shared;
   for (const ExpressionFunction& function : expression_functions()) {
     functions.push_back(code(std::string(function.name)));
+    if (function.may_name_parameter) shared.push_back(functions.back());
   }
   std::vector<std::string> variables;
   for (const std::string_view variable : expression_variables()) {
@@ -154,7 +156,8 @@ std::string page_of_scenes() {
       "brackets, `pi`, the names of\nparameters and the functions " +
       joined(functions) +
       ".\nNo parameter may be called like one of these, or like a variable of a formula: " +
-      joined(variables) + ".\n\n";
+      joined(variables) + ".\nExceptions are " + joined(shared) +
+      ", which are functions only before a bracket.\n\n";
   for (const SceneTable& table : scene_tables()) text += table_section(table);
   text.pop_back();
   return text;

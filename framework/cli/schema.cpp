@@ -295,7 +295,7 @@ void define_components(Json& definitions, const std::string& kind,
 Json parameters_schema() {
   Json reserved = std::vector{"pi"};
   for (const ExpressionFunction& function : expression_functions()) {
-    reserved.push_back(function.name);
+    if (!function.may_name_parameter) reserved.push_back(function.name);
   }
   for (const std::string_view variable : expression_variables()) reserved.push_back(variable);
   return {

@@ -163,6 +163,9 @@ class GuardedForce final : public BoundForce<Real> {
   void friction(FrictionSink& sink) const override {
     guard([&] { force_->friction(sink); });
   }
+  double friction_bound() const override {
+    return guard([&] { return force_->friction_bound(); });
+  }
   std::size_t own_count() const override {
     return guard([&] { return force_->own_count(); });
   }

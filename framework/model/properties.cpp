@@ -12,23 +12,23 @@ namespace tomlin {
 namespace {
 
 constexpr properties::PropertyCheck kProperties[] = {
-    &properties::conservative,  &properties::not_conservative,
-    &properties::exact,         &properties::quadruple,
-    &properties::path,          &properties::hessian,
-    &properties::stiffness,     &properties::tight,
-    &properties::finite,        &properties::internal,
-    &properties::not_internal,  &properties::dissipative,
-    &properties::friction,      &properties::balance,
-    &properties::flow,          &properties::flow_repeats,
-    &properties::heat_of_flow,  &properties::driver,
-    &properties::periodic,      &properties::rebase,
-    &properties::origin,        &properties::velocity,
-    &properties::uses_velocity, &properties::time,
-    &properties::uses_time,     &properties::repeatable,
-    &properties::its_own,       &properties::set_and_add,
-    &properties::padding,       &properties::point,
-    &properties::same_bits,     &properties::number_types,
-    &properties::digits};
+    &properties::conservative, &properties::not_conservative,
+    &properties::exact,        &properties::quadruple,
+    &properties::path,         &properties::hessian,
+    &properties::stiffness,    &properties::tight,
+    &properties::finite,       &properties::internal,
+    &properties::not_internal, &properties::dissipative,
+    &properties::friction,     &properties::friction_bound,
+    &properties::balance,      &properties::flow,
+    &properties::flow_repeats, &properties::heat_of_flow,
+    &properties::driver,       &properties::periodic,
+    &properties::rebase,       &properties::origin,
+    &properties::velocity,     &properties::uses_velocity,
+    &properties::time,         &properties::uses_time,
+    &properties::repeatable,   &properties::its_own,
+    &properties::set_and_add,  &properties::padding,
+    &properties::point,        &properties::same_bits,
+    &properties::number_types, &properties::digits};
 
 /// The shortest distance between particles that follow one another.
 double shortest_spacing(const Model::Body& body) {

@@ -69,6 +69,8 @@ struct PropertyOptions {
 ///   dissipative    its power is never positive, at any speed
 ///   friction       the friction matrix is what it does to velocities, at any speed, and never
 ///                  negative
+///   friction bound no change of velocities changes it by more than the declared bound says, on
+///                  which the stable step depends
 ///   balance        power, stored energy, heat and a driver's work add up, as the energy balance
 ///   needs flow           the operator that it provides is the exact solution of the force alone
 ///   flow repeats   with the same bits from the same stage

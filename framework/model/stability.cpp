@@ -248,6 +248,27 @@ class DampingRates : public FrictionSink {
   std::vector<std::vector<double>> coefficients_;
 };
 
+/// Friction that is not linear damps by its bound at most, near rest as a rule, and by nothing at
+/// least: it limits fixed steps, but says nothing of how motions decay.
+void add_friction_bound(const Model& model, const Model::Force& force, DampingRates& most) {
+  const double bound = force.bound->friction_bound();
+  if (!(bound > 0.0)) return;
+  for (const std::size_t b : force.bodies) {
+    const std::size_t count = model.bodies()[b].bound.slot.count;
+    for (std::size_t i = 0; i < count; ++i) most.site(b, i, bound);
+  }
+}
+
+/// The fastest decay that friction of either kind may cause.
+double largest_damping_rate(const Model& model) {
+  DampingRates damping(model);
+  for (const Model::Force& force : model.forces()) {
+    force.bound->friction(damping);
+    add_friction_bound(model, force, damping);
+  }
+  return damping.largest();
+}
+
 /// Largest h with which y' = mode y does not grow.
 double stable_step_of(const IntegratorRecord& scheme, std::complex<double> mode) {
   constexpr double kForever = std::numeric_limits<double>::infinity();
@@ -560,6 +581,7 @@ double Model::share_of_stiffness(const Force& force, const Stage<double>& here) 
   if (!system().view.inertial) return share;
   DampingRates damping(*this);
   force.bound->friction(damping);
+  add_friction_bound(*this, force, damping);
   return std::max(share, damping.largest() * damping.largest());
 }
 
@@ -584,7 +606,7 @@ double Model::stable_step(const IntegratorRecord& scheme) {
   if (!system().view.inertial) return stable_step_of(scheme, -fastest.relaxation_rate);
   const OwnModes own = own_modes(*this);
   fastest.frequency = std::sqrt(fastest.frequency * fastest.frequency + own.square);
-  fastest.damping_rate = std::max(fastest.damping_rate, own.rate);
+  fastest.damping_rate = std::max(largest_damping_rate(*this), own.rate);
   // Slower modes meet the same damping: the worst of a range of frequencies counts.
   double largest = std::numeric_limits<double>::infinity();
   constexpr int kModes = 16;

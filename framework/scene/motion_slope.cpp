@@ -95,6 +95,18 @@ Slope call(ExpressionFunction::Id id, std::span<const Slope> arguments) {
     }
     case Id::floor:
       return {std::floor(x), 0.0};
+    case Id::tanh: {
+      const double root = 1.0 / rounded_cosh(x);
+      return chain(rounded_tanh(x), root * root);
+    }
+    case Id::sinh:
+      return chain(rounded_sinh(x), rounded_cosh(x));
+    case Id::cosh:
+      return chain(rounded_cosh(x), rounded_sinh(x));
+    case Id::sign:
+      return {x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0), 0.0};
+    case Id::step:
+      return {x < 0.0 ? 0.0 : 1.0, 0.0};
   }
   return {kNone, kNone};
 }

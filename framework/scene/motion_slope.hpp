@@ -5,7 +5,8 @@
 namespace tomlin {
 
 /// The derivative of a number that may change with time, exactly; that of the piece which t is on
-/// where there is a kink or a jump (abs, min, max, floor). NaN where it has no finite value.
+/// where there is a kink or a jump (abs, min, max, floor, sign, step). NaN where it has no finite
+/// value.
 double slope_of(const TimeFunction& function, double t);
 
 /// Whether the body is ever accelerated.

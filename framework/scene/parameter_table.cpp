@@ -99,7 +99,7 @@ void ParameterTable::check_names() {
     std::string why;
     if (!is_identifier(name)) {
       why = "a parameter's name is a letter or '_' followed by letters, digits and '_'";
-    } else if (is_function(name)) {
+    } else if (is_function(name) && is_reserved_name(name)) {
       why = in_quotes(name) + " is a function of expressions; choose another name";
     } else if (name == "pi") {
       why = "'pi' is a constant of expressions; choose another name";
@@ -124,6 +124,11 @@ ExpressionError ParameterTable::explain_unknown(std::string_view name, std::size
     return {.column = column,
             .why = "there is no parameter " + in_quotes(name) +
                    ", and only what may differ between particles is over their index i and count",
+            .code = FaultCode::expression_unknown_name};
+  }
+  if (is_function(name)) {
+    return {.column = column,
+            .why = in_quotes(name) + " is a function; its argument follows in parentheses",
             .code = FaultCode::expression_unknown_name};
   }
   ExpressionError error{.column = column,

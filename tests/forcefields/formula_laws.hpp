@@ -28,6 +28,7 @@ inline const std::vector<FormulaText>& formula_texts() {
       {"0.7*exp(-0.4*y^2)*cos(2*pi*x/1.3)", {}, {1.3}},
       {"0.5*x*y + sqrt(1 + x^2 + y^2)"},
       {"0.3*x*y*z + log(3 + x^2 + z^2)*sin(y)"},
+      {"0.4*tanh(1.7*x - 0.2*y) + 0.3/cosh(0.8*y)"},
       {"0.6*(xc - 0.2*t)^2"},
       {"0.4*cos(xc)*sin(yc) + 0.1*yc^2"},
       {"0.4*cos(xc)*sin(yc) + zc^3/7"},
@@ -36,13 +37,14 @@ inline const std::vector<FormulaText>& formula_texts() {
       {"0.5*(theta - pi)^2"},
       {"0.5*(theta - pi)^2*(1 + 0.1*t)"},
       {"", {"-x - 0.3*vx + cos(t)"}},
+      {"", {"-0.7*tanh(vx/0.2) - 0.1*sign(vx) + 0.2*step(x - 0.3)"}},
       {"", {"-y + 0.1*vy", "x - 0.2*vx*vx"}},
       {"", {"0.3*y*z", "-0.7*x", "0.1*vz*x"}},
   };
   return all;
 }
 
-inline constexpr std::size_t kFormulas = 15;
+inline constexpr std::size_t kFormulas = 17;
 
 template <std::size_t k>
 std::shared_ptr<void> make_formula() {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "forcefields/constant_force.hpp"
+#include "forcefields/coulomb_friction.hpp"
 #include "forcefields/driving_spring.hpp"
 #include "forcefields/harmonic_bonds.hpp"
 #include "forcefields/sinusoidal_substrate.hpp"
@@ -66,6 +67,12 @@ TEST(PlantedFaults, DampingThatDrives) {
 
 TEST(PlantedFaults, WrongFriction) {
   EXPECT_CAUGHT("friction", "viscous_damping", planted<TwiceTheFriction>);
+}
+
+TEST(PlantedFaults, FrictionBoundTooLow) {
+  EXPECT_EQ(broken_properties("coulomb_friction", planted<CoulombFriction>),
+            std::vector<std::string>{});
+  EXPECT_CAUGHT("friction bound", "coulomb_friction", planted<UnderstatedFriction>);
 }
 
 TEST(PlantedFaults, HeatOff) {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "forcefields/coulomb_friction.hpp"
 #include "forcefields/driving_spring.hpp"
 #include "forcefields/harmonic_bonds.hpp"
 #include "forcefields/memory_damping.hpp"
@@ -107,6 +108,12 @@ struct TwiceTheFriction : ViscousDamping {
   template <class T, int D>
   static T friction(const Parameters<T, D>& p) {
     return T(2.0) * p.coefficient;
+  }
+};
+
+struct UnderstatedFriction : CoulombFriction {
+  static double friction_bound(const Description& d) {
+    return 0.5 * CoulombFriction::friction_bound(d);
   }
 };
 

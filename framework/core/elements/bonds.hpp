@@ -12,9 +12,14 @@
 #include "framework/core/records/force.hpp"
 #include "framework/core/text/fault_code.hpp"
 
-/// What bonds of any form share: chosen pairs, each with a rest length, kept as the pair's datum.
-/// A description of bonds has members `pairs` and `rest_lengths`.
+/// What bonds and potentials between pairs share: chosen pairs, each with a rest length, kept as
+/// the pair's datum. A description has a member `pairs`; without `rest_lengths` the datum is 0.
 namespace tomlin {
+
+template <class Description>
+concept HasRestLengths = requires(const Description& d) {
+  d.rest_lengths;
+};
 
 /// How many pairs a selection means on the bodies of a scene.
 inline std::uint64_t count_of(const PairSelection& selection, const SceneOutline& scene) {
@@ -75,6 +80,16 @@ Parameter bonded_pairs() {
       "half "
       "the box");
 }
+/// The row of `pairs` for a potential, see pair_potential().
+template <class Description>
+Parameter interacting_pairs() {
+  return parameter(
+      "pairs", &Description::pairs, dimension::none,
+      "which pairs interact: \"all\", \"neighbours\" or a list of index pairs; between two bodies "
+      "\"all\" is each particle of the first with each of the second, and the first index of a "
+      "pair "
+      "is in the first body; in a periodic box by the nearest images at every time");
+}
 template <class Description>
 Parameter bond_rest_lengths() {
   return parameter("rest_lengths", &Description::rest_lengths, dimension::length,
@@ -102,37 +117,48 @@ void set_rest_lengths(const WordOrNumbers& rest, const Binding<Real>& binding,
   }
 }
 
-template <class E, const KernelTables& tables, int rank, class Real>
-std::unique_ptr<BoundForce<Real>> bind_on_bonds(const typename E::Description& d,
+template <class E, const KernelTables& tables, int rank, PairImages images, class Real>
+std::unique_ptr<BoundForce<Real>> bind_on_pairs(const typename E::Description& d,
                                                 const Binding<Real>& binding) {
-  BoundPairs<Real> bound = pairs_of(d.pairs, binding, PairImages::kept);
+  BoundPairs<Real> bound = pairs_of(d.pairs, binding, images);
   return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
-    set_rest_lengths<Real, D>(d.rest_lengths, binding, bound.pairs);
+    if constexpr (HasRestLengths<typename E::Description>) {
+      set_rest_lengths<Real, D>(d.rest_lengths, binding, bound.pairs);
+    }
     return std::make_unique<PairForce<E, Real, D>>(d, binding, tables, std::move(bound), rank);
   });
 }
 
-/// The whole binding of bonds, in every number type.
-template <class E, const KernelTables& tables, int rank = kRankPairs>
+/// The whole binding of bonds or of a potential, in every number type.
+template <class E, const KernelTables& tables, int rank = kRankPairs,
+          PairImages images = PairImages::kept>
 ForceFactories on_bonds() {
-  return {of_description<&bind_on_bonds<E, tables, rank, double>>,
-          of_description<&bind_on_bonds<E, tables, rank, float>>,
-          of_description<&bind_on_bonds<E, tables, rank, Quad>>};
+  return {of_description<&bind_on_pairs<E, tables, rank, images, double>>,
+          of_description<&bind_on_pairs<E, tables, rank, images, float>>,
+          of_description<&bind_on_pairs<E, tables, rank, images, Quad>>};
 }
 
 /// The record of bonds within a body or between two, but for its name, its texts and parameters.
 /// Bonds act along the line between two particles, so that forces and torques sum to zero.
-template <class E, const KernelTables& tables, int rank = kRankPairs>
+template <class E, const KernelTables& tables, int rank = kRankPairs,
+          PairImages images = PairImages::kept>
 ForceRecord bond_force() {
   using Description = typename E::Description;
   ForceRecord record = record_of<Description>();
   record.element = Element::pair;
   record.traits = {.conservative = HasEnergy<E, 2, Pair>, .internal = true};
   record.most_bodies = 2;
-  record.complaints = &bond_complaints<Description>;
+  if constexpr (HasRestLengths<Description>) record.complaints = &bond_complaints<Description>;
   record.pairs = &bond_count<Description>;
-  record.bind = on_bonds<E, tables, rank>();
+  record.bind = on_bonds<E, tables, rank, images>();
   return record;
+}
+
+/// The same of a potential between all chosen particles: in a periodic box each pair acts by its
+/// nearest images at every time, so that the potential has to end within half the box.
+template <class E, const KernelTables& tables, int rank = kRankPairs>
+ForceRecord pair_potential() {
+  return bond_force<E, tables, rank, PairImages::nearest>();
 }
 
 }  // namespace tomlin

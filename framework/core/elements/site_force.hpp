@@ -98,6 +98,13 @@ class ForceOnSites : public BoundForce<Real> {
   double curvature_bound() const override { return bound_of(description_); }
   double curvature_bound_along(int axis) const override { return bound_along(description_, axis); }
 
+  double friction_bound() const override {
+    if constexpr (requires { E::friction_bound(description_); }) {
+      return E::friction_bound(description_);
+    }
+    return 0.0;
+  }
+
   static constexpr bool kDoesWork =
       requires(const Parameters& p, const Site<Real, D>& site, const Vec<Real, D>& force) {
     E::power(p, site, force);
@@ -441,6 +448,14 @@ ForceFactories on_particles() {
           of_description<&bind_on_particles<E, tables, rank, Quad>>};
 }
 
+/// Of friction that is not linear nothing shows that it dissipates: its evaluator says
+/// `static constexpr bool dissipative = true`.
+template <class E>
+constexpr bool declares_dissipation() {
+  if constexpr (requires { E::dissipative; }) return E::dissipative;
+  return false;
+}
+
 /// The traits that follow from what an evaluator of sites has and reads: an energy makes the force
 /// conservative unless it reads velocities, a `friction` without energy dissipative, a `power` a
 /// driver, a `period` periodic.
@@ -454,7 +469,7 @@ Traits traits_of_sites() {
           .depends_on_velocity = E::reads.velocity,
           .depends_on_time = E::reads.time,
           .periodic = has_period,
-          .dissipative = has_friction && !HasEnergy<E, 2, Site>,
+          .dissipative = declares_dissipation<E>() || (has_friction && !HasEnergy<E, 2, Site>),
           .does_work = ForceOnSites<E, double, 2>::kDoesWork};
 }
 

@@ -28,7 +28,7 @@ constexpr std::size_t kAnyNumber = Expression::kMaxLength;
 constexpr std::size_t kUsualDepth = 32;  // of the stack that an evaluation needs
 
 // In the order of FunctionId.
-constexpr std::array<ExpressionFunction, 14> kFunctions{{
+constexpr std::array<ExpressionFunction, 19> kFunctions{{
     {FunctionId::sqrt, "sqrt", 1, 1, "square root"},
     {FunctionId::exp, "exp", 1, 1, "exponential"},
     {FunctionId::log, "log", 1, 1, "natural logarithm"},
@@ -43,6 +43,11 @@ constexpr std::array<ExpressionFunction, 14> kFunctions{{
     {FunctionId::min, "min", 2, kAnyNumber, "smallest of two or more"},
     {FunctionId::max, "max", 2, kAnyNumber, "largest of two or more"},
     {FunctionId::floor, "floor", 1, 1, "largest integer that is not larger"},
+    {FunctionId::tanh, "tanh", 1, 1, "hyperbolic tangent", true},
+    {FunctionId::sinh, "sinh", 1, 1, "hyperbolic sine", true},
+    {FunctionId::cosh, "cosh", 1, 1, "hyperbolic cosine", true},
+    {FunctionId::sign, "sign", 1, 1, "-1, 0 or 1: the sign of a number", true},
+    {FunctionId::step, "step", 1, 1, "0 below 0, and 1 from 0 on", true},
 }};
 
 constexpr std::array<std::string_view, 12> kVariables{"x",  "y",  "z",  "vx", "vy",    "vz",
@@ -93,7 +98,9 @@ bool is_identifier(std::string_view name) {
 }
 
 bool is_reserved_name(std::string_view name) {
-  return name == kPi || find_function(name) || is_variable(name);
+  const auto function = find_function(name);
+  return name == kPi || is_variable(name) ||
+         (function && !kFunctions[*function].may_name_parameter);
 }
 
 // ---- Parsing ----------------------------------------------------------------------------------
@@ -228,7 +235,7 @@ class ExpressionParser {
       if (!function) return refuse_call(name, column);
       return call(*function, column);
     }
-    if (function) {
+    if (function && !kFunctions[*function].may_name_parameter) {
       return fail(column, in_quotes(name) + " is a function; its argument follows in parentheses");
     }
     if (name == kPi) {
@@ -471,6 +478,18 @@ Outcome call_function(const ExpressionFunction& function, std::span<const double
       return *std::max_element(arguments.begin(), arguments.end());
     case FunctionId::floor:
       return std::floor(x);
+    case FunctionId::tanh:
+      return rounded_tanh(x);
+    case FunctionId::sinh:
+    case FunctionId::cosh: {
+      const double result = function.id == FunctionId::sinh ? rounded_sinh(x) : rounded_cosh(x);
+      if (!std::isfinite(result)) return overflow(refuse(""));
+      return result;
+    }
+    case FunctionId::sign:
+      return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0);
+    case FunctionId::step:
+      return x < 0.0 ? 0.0 : 1.0;
   }
   return refuse(" is not implemented");
 }

@@ -53,13 +53,20 @@ struct ExpressionFunction {
     abs,
     min,
     max,
-    floor
+    floor,
+    tanh,
+    sinh,
+    cosh,
+    sign,
+    step
   };
   Id id;
   std::string_view name;
   std::size_t fewest_arguments;
   std::size_t most_arguments;
   std::string_view summary;
+  /// Before '(' only; elsewhere the name may be a parameter's.
+  bool may_name_parameter = false;
 };
 
 /// All of them, in the order of the help text.
@@ -71,7 +78,7 @@ std::span<const std::string_view> expression_variables();
 /// [A-Za-z_][A-Za-z0-9_]*
 bool is_identifier(std::string_view name);
 
-/// A function, `pi` or a variable: no name for a parameter.
+/// A function, unless parameters may share its name, `pi` or a variable: no name for a parameter.
 bool is_reserved_name(std::string_view name);
 
 /// Parsed once, evaluated often; immutable.

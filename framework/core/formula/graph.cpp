@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "framework/core/numbers/hyperbolic.hpp"
 #include "framework/core/numbers/inverse_trigonometry.hpp"
 #include "framework/core/numbers/number_types.hpp"
 
@@ -73,10 +74,22 @@ Quad folded(FormulaGraph::Function which, std::span<const Quad> x) {
       return comparable(x) ? (x[0] < x[1] ? x[1] : x[0]) : kNoNumber;
     case floor:
       return tomlin::floor(x[0]);
+    case sinh:
+      return tomlin::sinh(x[0]);
+    case cosh:
+      return tomlin::cosh(x[0]);
+    case tanh:
+      return tomlin::tanh(x[0]);
+    case sign:
+      return tomlin::sign(x[0]);
+    case step:
+      return unit_step(x[0]);
     case choose:
       return comparable(x) ? (x[0] < x[1] ? x[2] : x[3]) : kNoNumber;
     case when_positive:
       return x[0] > kZero ? x[0] : kNoNumber;
+    case sech_squared:
+      return tomlin::sech_squared(x[0]);
     case phase:
       return tomlin::abs(x[0]) < kMostTurns ? x[0] : kNoNumber;
     case where_finite:
@@ -359,7 +372,7 @@ FormulaGraph::Id FormulaGraph::build(const Expression& expression, const Lookup&
   return stack.back();
 }
 
-FormulaGraph::Id FormulaGraph::call(const Expression::Node& step, std::span<const Id> arguments) {
+FormulaGraph::Id FormulaGraph::call(const Expression::Node& called, std::span<const Id> arguments) {
   using enum ExpressionFunction::Id;
   const Id u = arguments[0];
   // A chain of two at a time.
@@ -368,7 +381,7 @@ FormulaGraph::Id FormulaGraph::call(const Expression::Node& step, std::span<cons
     for (const Id next : arguments.subspan(1)) result = function(which, {result, next});
     return result;
   };
-  switch (expression_functions()[step.index].id) {
+  switch (expression_functions()[called.index].id) {
     case sqrt:
       return function(Function::sqrt, {u});
     case exp:
@@ -397,6 +410,16 @@ FormulaGraph::Id FormulaGraph::call(const Expression::Node& step, std::span<cons
       return folded_over(Function::max);
     case floor:
       return function(Function::floor, {u});
+    case sinh:
+      return function(Function::sinh, {u});
+    case cosh:
+      return function(Function::cosh, {u});
+    case tanh:
+      return function(Function::tanh, {u});
+    case sign:
+      return function(Function::sign, {u});
+    case step:
+      return function(Function::step, {u});
   }
   return u;
 }
@@ -526,7 +549,19 @@ FormulaGraph::Id FormulaGraph::slope_of_function(const Node& node, std::uint32_t
     case max:
       return function(choose, {u, v, inner[1], inner[0]});
     case floor:
+    case sign:
+    case step:
       return constant(kZero);
+    case sinh:
+      return multiply(function(cosh, {u}), inner[0]);
+    case cosh:
+      // Not sinh(u): of 1/cosh(u) it would leave sinh/cosh^2, no number where both overflow.
+      return multiply(multiply(self, function(tanh, {u})), inner[0]);
+    case tanh:
+      // Not 1 - tanh^2, of which no digits are left far away.
+      return multiply(function(sech_squared, {u}), inner[0]);
+    case sech_squared:
+      return scale(Quad(-2.0), multiply(multiply(function(tanh, {u}), self), inner[0]));
     case choose:
       return function(choose, {u, v, inner[2], inner[3]});
     case when_positive:

@@ -49,9 +49,15 @@ class FormulaGraph {
     min,
     max,
     floor,
+    sinh,
+    cosh,
+    tanh,
+    sign,
+    step,           ///< 0 where u < 0, else 1
     choose,         ///< of four: a < b ? c : d
     when_positive,  ///< u where u > 0, and no number elsewhere: of slopes of what is defined there
                     ///< only
+    sech_squared,   ///< 1 / cosh(u)^2: slopes of tanh, which stay finite however far away
     phase,          ///< turns, and no number where they are so many that no phase is left
     where_finite,   ///< of two: the first where the second is finite, and no number elsewhere
   };
@@ -91,8 +97,8 @@ class FormulaGraph {
   /// of each step of it.
   Id build(const Expression& expression, const Lookup& names, std::vector<Id>* steps = nullptr);
 
-  /// d node / d variable, exactly. Where a formula has a kink (abs, min, max, floor) the derivative
-  /// is that of either side.
+  /// d node / d variable, exactly. Where a formula has a kink (abs, min, max) or a jump (floor,
+  /// sign, step) the derivative is that of either side.
   Id derivative(Id node, std::uint32_t variable);
 
   const Node& operator[](Id node) const { return nodes_[node]; }

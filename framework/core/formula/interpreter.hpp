@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "framework/core/formula/formula_arguments.hpp"
+#include "framework/core/numbers/hyperbolic.hpp"
 #include "framework/core/numbers/inverse_trigonometry.hpp"
 #include "framework/core/numbers/math.hpp"
 #include "framework/core/numbers/number_types.hpp"
@@ -153,6 +154,24 @@ __attribute__((noinline)) void run_steps(const FormulaStep<Real>* code, std::siz
         break;
       case FormulaOp::round_down:
         of_one([](const T& x) { return floor(x); });
+        break;
+      case FormulaOp::hyperbolic_sine:
+        of_one([](const T& x) { return sinh(x); });
+        break;
+      case FormulaOp::hyperbolic_cosine:
+        of_one([](const T& x) { return cosh(x); });
+        break;
+      case FormulaOp::hyperbolic_tangent:
+        of_one([](const T& x) { return tanh(x); });
+        break;
+      case FormulaOp::sech_squared:
+        of_one([](const T& x) { return sech_squared(x); });
+        break;
+      case FormulaOp::sign:
+        of_one([](const T& x) { return sign(x); });
+        break;
+      case FormulaOp::unit_step:
+        of_one([](const T& x) { return unit_step(x); });
         break;
       case FormulaOp::less:
         of_two([](const T& x, const T& y) {

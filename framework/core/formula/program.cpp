@@ -172,6 +172,18 @@ class Lowering {
         return of(FormulaOp::maximum);
       case floor:
         return of(FormulaOp::round_down);
+      case sinh:
+        return of(FormulaOp::hyperbolic_sine);
+      case cosh:
+        return of(FormulaOp::hyperbolic_cosine);
+      case tanh:
+        return of(FormulaOp::hyperbolic_tangent);
+      case sech_squared:
+        return of(FormulaOp::sech_squared);
+      case sign:
+        return of(FormulaOp::sign);
+      case step:
+        return of(FormulaOp::unit_step);
       case when_positive:
         return of(FormulaOp::when_positive);
       case phase:

@@ -37,6 +37,12 @@ enum class FormulaOp : std::uint8_t {
   minimum,
   maximum,
   round_down,
+  hyperbolic_sine,
+  hyperbolic_cosine,
+  hyperbolic_tangent,
+  sech_squared,  ///< 1 / cosh(a)^2
+  sign,
+  unit_step,
   less,           ///< 1 where a < b, else 0
   pick,           ///< b where a is not 0, else c
   when_positive,  ///< a where a > 0, else no number

@@ -19,6 +19,9 @@ double rounded_tan(double x) { return rounded(binary128::tan(x)); }
 double rounded_asin(double x) { return rounded(binary128::asin(x)); }
 double rounded_acos(double x) { return rounded(binary128::acos(x)); }
 double rounded_atan2(double y, double x) { return rounded(binary128::atan2(y, x)); }
+double rounded_sinh(double x) { return rounded(binary128::sinh(x)); }
+double rounded_cosh(double x) { return rounded(binary128::cosh(x)); }
+double rounded_tanh(double x) { return rounded(binary128::tanh(x)); }
 
 double rounded_power(double x, double y) {
   // Multiplied out, a power that is exact stays exact, and so do ties. 1074 covers those of 2.

@@ -21,6 +21,10 @@ double rounded_asin(double x);  ///< |x| <= 1
 double rounded_acos(double x);  ///< |x| <= 1
 double rounded_atan2(double y, double x);
 
+double rounded_sinh(double x);
+double rounded_cosh(double x);
+double rounded_tanh(double x);
+
 /// x^y; x != 0 unless y >= 0, and y is integral where x < 0. x^0 = 1.
 double rounded_power(double x, double y);
 

@@ -15,6 +15,7 @@ Number atan(Number x) __asm__("atanf128");
 Number atan2(Number y, Number x) __asm__("atan2f128");
 Number copysign(Number magnitude, Number sign) __asm__("copysignf128");
 Number cos(Number x) __asm__("cosf128");
+Number cosh(Number x) __asm__("coshf128");
 Number exp(Number x) __asm__("expf128");
 Number fabs(Number x) __asm__("fabsf128");
 Number floor(Number x) __asm__("floorf128");
@@ -22,7 +23,9 @@ Number log(Number x) __asm__("logf128");
 Number pow(Number x, Number y) __asm__("powf128");
 Number roundeven(Number x) __asm__("roundevenf128");
 Number sin(Number x) __asm__("sinf128");
+Number sinh(Number x) __asm__("sinhf128");
 Number sqrt(Number x) __asm__("sqrtf128");
 Number tan(Number x) __asm__("tanf128");
+Number tanh(Number x) __asm__("tanhf128");
 
 }  // namespace tomlin::binary128

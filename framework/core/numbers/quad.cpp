@@ -1,6 +1,7 @@
 #include "framework/core/numbers/quad.hpp"
 
 #include "framework/core/numbers/binary128.hpp"
+#include "framework/core/numbers/hyperbolic.hpp"
 #include "framework/core/numbers/inverse_trigonometry.hpp"
 #include "framework/core/numbers/number_types.hpp"
 
@@ -48,6 +49,9 @@ Quad atan(Quad x) { return binary128::atan(x.v); }
 Quad atan2(Quad y, Quad x) { return binary128::atan2(y.v, x.v); }
 Quad asin(Quad x) { return binary128::asin(x.v); }
 Quad acos(Quad x) { return binary128::acos(x.v); }
+Quad sinh(Quad x) { return binary128::sinh(x.v); }
+Quad cosh(Quad x) { return binary128::cosh(x.v); }
+Quad tanh(Quad x) { return binary128::tanh(x.v); }
 
 Quad sin_turns(Quad x) {
   const QuarterTurns turns(x);
@@ -128,6 +132,9 @@ TOMLIN_QUAD_MAP1(asin, tomlin::asin(x))
 TOMLIN_QUAD_MAP1(acos, tomlin::acos(x))
 TOMLIN_QUAD_MAP1(tan_turns, tomlin::tan_turns(x))
 TOMLIN_QUAD_MAP1(floor, tomlin::floor(x))
+TOMLIN_QUAD_MAP1(sinh, tomlin::sinh(x))
+TOMLIN_QUAD_MAP1(cosh, tomlin::cosh(x))
+TOMLIN_QUAD_MAP1(tanh, tomlin::tanh(x))
 TOMLIN_QUAD_COMPARE(operator<, x < y)
 TOMLIN_QUAD_COMPARE(operator<=, x <= y)
 TOMLIN_QUAD_COMPARE(operator>, x > y)

@@ -225,6 +225,9 @@ class BoundForce {
   /// operators by the flow of all such friction on a body, unless it hands out one of its own.
   virtual bool is_friction() const { return false; }
   virtual void friction(FrictionSink& sink) const { (void)sink; }
+  /// Of friction on particles that is not linear: a bound on what a change of velocity does to the
+  /// force (mass/time), over all velocities. 0 where there is none or where friction() tells.
+  virtual double friction_bound() const { return 0.0; }
 
   // The state contract: variables of its own, laid out, integrated and saved by the engine. Kernels
   // read variable k at stage.own[first + k] and write its time derivative to stage.rates[first +

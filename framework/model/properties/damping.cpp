@@ -9,6 +9,10 @@ namespace {
 
 /// Speeds in parts of the usual one, a length per unit of time.
 constexpr double kSpeeds[] = {1.0, 1e-3, 1e3};
+/// From fast to slow, for bounds that are reached in between or at rest only.
+constexpr double kFast = 1e3;
+constexpr double kSlow = 1e-9;
+constexpr double kSlower = 0.125;
 constexpr double kTinyTime = 1e-12;  // of a difference in quadruple precision, or of the duration
 constexpr double kShortTime = 1e-3;  // of the longest difference in double ones
 constexpr double kTrust = 10.0;      // two orders differ by more than the better one is off
@@ -181,6 +185,41 @@ std::optional<PropertyResult> friction(ForceUnderTest& e) {
         due[i] = e.variable(i).axis < 0 ? drag[i] : -coefficient_of(e.variable(i)) * moving.v[i];
       }
       e.note(drag, due, size, kRounding * size * static_cast<double>(e.count()), moving);
+    }
+    e.looked();
+  }
+  return e.end();
+}
+
+/// Between rest and slower and slower motion, where friction is usually at its stiffest.
+std::optional<PropertyResult> friction_bound(ForceUnderTest& e) {
+  const double bound = e.bound().friction_bound();
+  if (bound == 0.0) return std::nullopt;
+  e.begin("friction bound", "the force changes with velocities by no more than its bound");
+  const Model& model = e.alone().model();
+  const double root = std::sqrt(static_cast<double>(model.dimension()));  // |v| over a component
+  for (const State& state : e.near()) {
+    const std::vector<double> at_rest = e.forces(still(state));
+    for (double speed = kFast; speed > kSlow; speed *= kSlower) {
+      State moving = at_speed(state, speed);
+      double largest = 0.0;  // that the bound allows
+      for (std::size_t i = 0; i < e.count(); ++i) {
+        const Variable& variable = e.variable(i);
+        if (variable.axis < 0) moving.v[i] = 0.0;
+        const BodySlot<double>& slot = model.bodies()[variable.body].bound.slot;
+        const double particles = slot.rigid ? static_cast<double>(slot.count) : 1.0;
+        largest = std::max(largest, bound * particles * root * std::abs(moving.v[i]));
+      }
+      const std::vector<double> forces = e.forces(moving);
+      double change = 0.0;
+      double size = 0.0;
+      for (std::size_t i = 0; i < e.count(); ++i) {
+        if (e.variable(i).axis < 0) continue;
+        change = std::max(change, std::abs(forces[i] - at_rest[i]));
+        size = std::max(size, std::abs(forces[i]) + std::abs(at_rest[i]));
+      }
+      e.note(std::max(0.0, change - largest), 0.0, size,
+             kRounding * size * static_cast<double>(e.count()), moving);
     }
     e.looked();
   }

@@ -219,6 +219,7 @@ std::optional<PropertyResult> internal(ForceUnderTest& e);
 std::optional<PropertyResult> not_internal(ForceUnderTest& e);
 std::optional<PropertyResult> dissipative(ForceUnderTest& e);
 std::optional<PropertyResult> friction(ForceUnderTest& e);
+std::optional<PropertyResult> friction_bound(ForceUnderTest& e);
 std::optional<PropertyResult> balance(ForceUnderTest& e);
 std::optional<PropertyResult> flow(ForceUnderTest& e);
 std::optional<PropertyResult> flow_repeats(ForceUnderTest& e);

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "framework/core/numbers/dual.hpp"
+#include "framework/core/numbers/hyperbolic.hpp"
 #include "framework/core/numbers/inverse_trigonometry.hpp"
 #include "tests/framework/core/target_test.hpp"
 
@@ -97,7 +98,8 @@ struct {
   template <class T>
   T operator()(T x) const {
     return atan(x) + atan2(x, T(0.5) - x) + asin(x / T(3.0)) - acos(x / T(4.0)) +
-           tan_turns(x / T(16.0)) + floor(x) * x;
+           tan_turns(x / T(16.0)) + floor(x) * x + sinh(x) * tanh(x) + cosh(x) +
+           sign(x - T(1.0)) * x + unit_step(x - T(1.0)) * x;
   }
 } const inverse_functions;
 
@@ -158,6 +160,11 @@ TARGET_TEST(NumberTypes, LanesHaveTheBitsOfScalars) {
     EXPECT_LANES(acos(x / decltype(x)(9.0)));
     EXPECT_LANES(tan_turns(x));
     EXPECT_LANES(floor(x));
+    EXPECT_LANES(sinh(x));
+    EXPECT_LANES(cosh(x));
+    EXPECT_LANES(tanh(x));
+    EXPECT_LANES(sign(x));
+    EXPECT_LANES(unit_step(x));
 #undef EXPECT_LANES
     expect_lanes_of_scalars<Real>(
         [](auto x, auto, auto) {

@@ -233,20 +233,7 @@ const std::string kWellAsFormula =
     "type = \"expression\"\nenergy = \"0.5*(1 - exp(-3*(r - 0.4)))^2\"\n";
 
 /// As a plugin's potential is bound.
-template <class Real>
-std::unique_ptr<BoundForce<Real>> by_nearest_images(const void* description,
-                                                    const Binding<Real>& binding) {
-  const auto& d = *static_cast<const MorseBondsDescription*>(description);
-  BoundPairs<Real> bound = pairs_of(d.pairs, binding);
-  return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
-    set_rest_lengths<Real, D>(d.rest_lengths, binding, bound.pairs);
-    return std::make_unique<PairForce<MorseBonds, Real, D>>(d, binding, kernels::MorseBonds,
-                                                            std::move(bound), kRankPairs);
-  });
-}
-
-const ForceFactories kByNearestImages = {&by_nearest_images<double>, &by_nearest_images<float>,
-                                         &by_nearest_images<Quad>};
+const ForceFactories kByNearestImages = pair_potential<MorseBonds, kernels::MorseBonds>().bind;
 
 /// Atoms that pass through each other have forces that jump, so that the energy balance is warned
 /// of as well.
@@ -306,6 +293,56 @@ duration = 20.0
 integrator = )" + fixed_step(1e-2) + "\n");
   EXPECT_EQ(result.status, RunStatus::finished);
   EXPECT_TRUE(result.warnings.empty());
+}
+
+// ---- bonds without rest lengths
+
+struct BareMorseDescription {
+  PairSelection pairs;
+  double depth = 0.0;
+  double inverse_width = 0.0;
+};
+
+/// Morse bonds whose description has no rest lengths, on the kernels of those that have.
+struct BareMorse : MorseBonds {
+  using Description = BareMorseDescription;
+  template <class T, int D>
+  static Parameters<T, D> parameters(const Description& d) {
+    return {T(d.depth), T(d.inverse_width)};
+  }
+};
+
+ForceRecord bare_morse_record() {
+  using Description = BareMorseDescription;
+  ForceRecord record = bond_force<BareMorse, kernels::MorseBonds>();
+  record.name = "bare_morse";
+  record.summary = "bonds that are at rest where their ends meet";
+  record.equation = "V = depth * (1 - exp(-inverse_width * r))^2";
+  record.source = "a test";
+  record.example = "a test";
+  record.parameters = {bonded_pairs<Description>(),
+                       parameter("depth", &Description::depth, dimension::energy, "of the well"),
+                       parameter("inverse_width", &Description::inverse_width,
+                                 Dimension{.length = -1}, "of the well")};
+  return record;
+}
+
+TEST(Bonds, WithoutRestLengthsTheirDatumIsZero) {
+  Registry registry = standard_registry();
+  registry.add(bare_morse_record());
+  const auto end_of = [&](const std::string& type, const std::string& more) {
+    const std::string scene =
+        "[[body]]\nname = \"row\"\ntype = \"particles\"\npositions = [[0.0, 0.1], [0.8, 0.0], "
+        "[1.1, 0.9]]\nparticle_mass = 1.0\n[[force]]\ntype = \"" +
+        type + "\"\npairs = \"all\"\ndepth = 0.5\ninverse_width = 2.0\n" + more +
+        "[run]\nduration = 2.0\nintegrator = " + fixed_step(1e-2) + "\n";
+    Engine engine(parse_scene(scene, "test.toml", registry), {});
+    engine.run();
+    return numbers(engine, "position");
+  };
+  const std::vector<double> bare = end_of("bare_morse", "");
+  EXPECT_EQ(bare, end_of("morse_bonds", "rest_lengths = 0.0\n"));
+  EXPECT_NE(bare, end_of("morse_bonds", "rest_lengths = 0.1\n"));
 }
 
 // ---- where positions are counted from

@@ -607,6 +607,15 @@ TEST_F(PluginCli, NewPluginWritesAFolder) {
     EXPECT_FALSE(contains(text, "plugin_name") || contains(text, "PluginName")) << name;
   }
   EXPECT_TRUE(contains(file("my_force/my_force.cpp"), "TOMLIN_DECLARE_KERNELS(MyForce)"));
+  ASSERT_EQ(tomlin({"new", "plugin", "my_pairs", "--pairs"}).status, 0);
+  for (const char* name : {"my_pairs.hpp", "my_pairs.cpp", "my_pairs.toml", "CMakeLists.txt",
+                           "test_my_pairs.py", "README.md"}) {
+    const std::string text = file(std::string("my_pairs/") + name);
+    EXPECT_FALSE(text.empty()) << name;
+    EXPECT_FALSE(contains(text, "plugin_name") || contains(text, "PluginName")) << name;
+  }
+  EXPECT_TRUE(contains(file("my_pairs/my_pairs.cpp"), "pair_potential<MyPairs"));
+  EXPECT_EQ(tomlin({"new", "pt", "--pairs"}).status, 2);
   expect_refused({"new", "plugin", "my_force"}, "-o: my_force [file.exists]\n");
   EXPECT_EQ(tomlin({"new", "plugin", "my_force", "--force"}).status, 0);
   EXPECT_EQ(tomlin({"new", "plugin", "other", "-o", "some/where"}).status, 0);

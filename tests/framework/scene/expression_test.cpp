@@ -149,6 +149,19 @@ TEST(Expression, EveryFunction) {
       {"floor(1.5)", 1},
       {"floor(-1.5)", -2},
       {"floor(7)", 7},
+      {"tanh(0)", 0},
+      {"tanh(1e3)", 1},
+      {"tanh(-1e3)", -1},
+      {"sinh(0)", 0},
+      {"cosh(0)", 1},
+      {"sign(-3)", -1},
+      {"sign(0)", 0},
+      {"sign(-0)", 0},
+      {"sign(1e-300)", 1},
+      {"step(-1e-300)", 0},
+      {"step(0)", 1},
+      {"step(-0)", 1},
+      {"step(2)", 1},
   };
   for (const auto& [text, expected] : table) EXPECT_EQ(value(text), expected) << text;
 
@@ -159,7 +172,7 @@ TEST(Expression, EveryFunction) {
       return row.first.starts_with(call);
     })) << call;
     EXPECT_FALSE(function.summary.empty());
-    EXPECT_TRUE(is_reserved_name(function.name));
+    EXPECT_NE(is_reserved_name(function.name), function.may_name_parameter) << call;
   }
 }
 
@@ -204,6 +217,14 @@ TEST(Expression, FunctionsAreRoundedCorrectly) {
       {"asin(0.5)", 0x1.0c152382d7366p-1},
       {"acos(0.999999)", 0x1.72ba46065af16p-10},
       {"atan(0.1)", 0x1.983e282e2cc4dp-4},
+      {"tanh(0.1)", 0x1.983d7795f413ap-4},
+      {"tanh(1e-5)", 0x1.4f8b588e06854p-17},
+      {"tanh(18)", 0x1.ffffffffffffcp-1},
+      {"sinh(1e-8)", 0x1.5798ee2308c3ap-27},
+      {"sinh(-3)", -0x1.40926e70949aep+3},
+      {"sinh(710)", 0x1.3e21a464507f9p+1023},
+      {"cosh(0.1)", 0x1.0147f40224b38p+0},
+      {"cosh(710.4)", 0x1.da98a7371610bp+1023},
       {"atan2(-1e-300, -1)", -std::numbers::pi},
       {"atan2(1e-300, 1e300)", 0.0},
   };
@@ -335,6 +356,8 @@ TEST(Expression, ValuesAreNeverNanOrInf) {
       {"(-10) ^ 309", 6, "(-10) ^ 309"},
       {"0.5 ^ -1e308", 4, "0.5 ^ (-1e+308)"},
       {"2 + exp(710)", 4, "exp(710)"},
+      {"1 + sinh(-711)", 4, "sinh(-711)"},
+      {"cosh(711)", 0, "cosh(711)"},
       {"exp(1e308)", 0, "exp(1e+308)"},
       {"sqrt(-1)", 0, "sqrt(-1)"},
       {"1 + log(0)", 4, "log(0)"},
@@ -471,7 +494,7 @@ std::string random_text(std::mt19937_64& random, int depth) {
     case 0:
       return "(-" + one + ')';
     case 1: {
-      const ExpressionFunction& function = expression_functions()[pick(14)];
+      const ExpressionFunction& function = expression_functions()[pick(19)];
       std::string text = std::string(function.name) + '(' + one;
       for (std::size_t i = 1; i < function.fewest_arguments; ++i) {
         text += ',' + random_text(random, depth - 1);
@@ -537,6 +560,24 @@ TEST(Expression, Names) {
     EXPECT_FALSE(is_reserved_name(name)) << name;
   }
   EXPECT_EQ(expression_variables().size(), 12u);
+}
+
+// Younger than scenes whose parameters have their names.
+TEST(Expression, SomeFunctionsShareTheirNamesWithParameters) {
+  const Values at{{"step", 3}, {"sign", 5}, {"tanh", 7}, {"sinh", 0.5}, {"cosh", 2}};
+  EXPECT_EQ(value("step * sign - tanh + sinh / cosh", at), 8.25);
+  EXPECT_EQ(value("step(step - 4) + sign(sign) * step", at), 3.0);
+  EXPECT_EQ(value("sign (-2) * cosh", at), -2.0);
+  EXPECT_EQ(parsed("step + step(1)").to_string(), "step + step(1)");
+  expect_error(outcome("tanh()"), {"tanh()", 0, "not 0"});
+  expect_error(outcome("floor + 1"), {"floor + 1", 0, "'floor'"});
+
+  ParameterTable table;
+  for (const auto& [name, number] : at) table.add(name, number);
+  table.add("floor", 1.0);
+  table.resolve();
+  ASSERT_EQ(table.faults().size(), 1u);
+  EXPECT_EQ(table.faults().front().parameter, "floor");
 }
 
 // ---- Parameters ----

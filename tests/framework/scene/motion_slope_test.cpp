@@ -48,6 +48,9 @@ TEST(MotionSlope, IsTheDerivativeOfEveryFunction) {
                            "min(t, t^2, 3)",
                            "max(t, t^2)",
                            "floor(t) + t",
+                           "tanh((t - 1)/w)",
+                           "sinh(w*t) - cosh(t)",
+                           "t*step(t - 0.5) + sign(t - 1)*t",
                            "n*exp(-((t - 1)/w)^2)*cos(w*t)",
                            "log(n)*t",
                            "sqrt(w)"}) {
