@@ -1,0 +1,137 @@
+#include "framework/bodies/outline.hpp"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "framework/run/events.hpp"
+#include "tests/framework/bodies/body_fixture.hpp"
+
+// Particles as a closed outline, and how bodies roll that are not round.
+
+namespace tomlin::test {
+namespace {
+
+constexpr double kRounding = 1e-15;
+
+std::string outline_of(const std::string& positions, const std::string& outline = "closed") {
+  return "positions = " + positions + "\noutline = \"" + outline + "\"";
+}
+
+TEST(ClosedOutline, HasThePerimeterOfThePolygonThroughItsParticles) {
+  const std::string triangle = "[[1, 1], [4, 1], [1, 5]]";
+  const BodyGeometry found = shape_of("particles", outline_of(triangle));
+  EXPECT_NEAR(found.rolling_radius * kTau, 12.0, 12.0 * kRounding);
+  // Its centre (2, 7/3) is farthest from (1, 5), and nearest to the long side.
+  EXPECT_NEAR(found.rolling_rise, std::hypot(1.0, 8.0 / 3.0) - 0.8, 10.0 * kRounding);
+  const BodyGeometry open = shape_of("particles", outline_of(triangle, "open"));
+  EXPECT_EQ(open.rolling_radius, 0.0);
+  EXPECT_EQ(open.relative, found.relative);
+  EXPECT_EQ(open.relative, shape_of("particles", "positions = " + triangle).relative);
+  // Of any size.
+  const auto scaled = [](const std::string& factor) {
+    return shape_of("particles", outline_of("[[0, 0], [\"3 * " + factor + "\", 0], [0, \"4 * " +
+                                            factor + "\"]]"))
+               .rolling_radius *
+           kTau;
+  };
+  EXPECT_NEAR(scaled("1e-200") / 1e-200, 12.0, 12.0 * kRounding);
+  EXPECT_NEAR(scaled("1e200") / 1e200, 12.0, 12.0 * kRounding);
+}
+
+TEST(ClosedOutline, IsThatOfThePolygonWithTheSameParticles) {
+  const BodyGeometry polygon =
+      shape_of("polygon", "corners = 5\ncount = 10\nradius = 1.3\ncentre = [0, 0]");
+  std::string positions;
+  for (const auto& particle : polygon.relative) {
+    positions += "[" + digits(particle[0]) + ", " + digits(particle[1]) + "], ";
+  }
+  const BodyGeometry found = shape_of("particles", outline_of("[" + positions + "]"));
+  EXPECT_NEAR(found.rolling_radius, polygon.rolling_radius, 4.0 * kRounding);
+  EXPECT_NEAR(found.rolling_rise, polygon.rolling_rise, 4.0 * kRounding);
+}
+
+TEST(ClosedOutline, JoinsTheLastParticleToTheFirst) {
+  const auto bonds = [](const char* outline, const char* lengths) {
+    return faults_with("particles", outline_of("[[0, 0], [1, 0], [0, 1]]", outline),
+                       std::string("[[force]]\ntype = \"harmonic_bonds\"\npairs = \"neighbours\"\n"
+                                   "stiffness = 1\nrest_lengths = ") +
+                           lengths + "\n")
+        .size();
+  };
+  EXPECT_EQ(bonds("closed", "[1, 1, 1]"), 0U);
+  EXPECT_EQ(bonds("closed", "[1, 1]"), 1U);
+  EXPECT_EQ(bonds("open", "[1, 1]"), 0U);
+  EXPECT_EQ(bonds("open", "[1, 1, 1]"), 1U);
+}
+
+TEST(ClosedOutline, FaultsHaveTheirPlace) {
+  const auto faults = [](const std::string& positions) {
+    return faults_with("particles", outline_of(positions));
+  };
+  using Lines = std::vector<std::string>;
+  const auto at = [](const char* code) {
+    return Lines{std::string("4:11 body.particles.outline = \"closed\" [") + code + "]"};
+  };
+  EXPECT_EQ(faults("[[0, 0], [1, 0], [0, 1]]"), Lines());
+  EXPECT_EQ(faults("[[0, 0, 0], [1, 0, 0], [0, 1, 0]]"), Lines());
+  EXPECT_EQ(faults("[[0, 0], [1, 0]]"), at("scene.wrong_count"));
+  EXPECT_EQ(faults("[0, 1, 2]"), at("scene.conflict"));
+  EXPECT_EQ(faults("[[0, 0], [1, 0], [1, 0]]"), at("component.invalid"));
+  EXPECT_EQ(faults("[[0, 0], [1, 0], [0, 0]]"), at("component.invalid"));
+  EXPECT_EQ(faults("[[0, 0], [1e308, 0], [0, 1e308], [1e308, 1e308], [0, -1e307], [1e308, 9e307], "
+                   "[0, 1e307], [1e308, 0], [0, 9e307], [1e308, -1e307], [0, 3e307], [1e308, 1]]"),
+            at("scene.not_finite"));
+  EXPECT_EQ(faults_with("particles", outline_of("[[0, 0], [1, 0], [0, 1]]", "close")),
+            Lines{"4:11 body.particles.outline = \"close\" [scene.unknown_choice] did you mean "
+                  "closed"});
+}
+
+TEST(ClosedOutline, StandsInTheEffectiveScene) {
+  EXPECT_TRUE(effective_scene_keeps("particles", outline_of("[[0, 0], [1, 0], [\"1/3\", 1]]")));
+  EXPECT_EQ(shape_of("particles", "positions = [[0, 0], [3, 0], [0, 4]]",
+                     {{"body.particles.outline", "\"closed\""}})
+                .rolling_radius,
+            shape_of("particles", outline_of("[[0, 0], [3, 0], [0, 4]]")).rolling_radius);
+}
+
+// ---- rolling
+
+/// Bodies with a perimeter of their own.
+struct RollingBody {
+  std::string type;
+  std::string keys;
+};
+const std::vector<RollingBody>& rolling_bodies() {
+  static const std::vector<RollingBody> all = {
+      {"ring", "radius = 0.9\ncount = 8\ncentre = [0.0, 1.0]\n"},
+      {"ellipse", "semi_axes = [1.0, 0.8]\ncount = 9\ncentre = [0.0, 1.0]\n"},
+      {"polygon", "corners = 6\ncount = 12\nradius = 1.0\ncentre = [0.0, 1.0]\n"},
+      {"particles",
+       "positions = [[0, 0.2], [0.6, 0.6], [0.6, 1.4], [0, 1.8], [-0.6, 1.4], [-0.6, 0.6]]\n"
+       "outline = \"closed\"\n"}};
+  return all;
+}
+
+// One turn clockwise while it advances by its perimeter is rolling without sliding.
+TEST(Rolling, IsOneWhereATurnAdvancesByThePerimeter) {
+  for (const auto& [type, keys] : rolling_bodies()) {
+    const double perimeter = kTau * shape_of(type, keys).rolling_radius;
+    for (const double sliding : {0.0, 0.5}) {
+      const RunResult result =
+          run_text("[[body]]\nname = \"body\"\ntype = \"" + type + "\"\n" + keys +
+                   "particle_mass = 1.0\ncoordinates = \"prescribed\"\nmotion = { velocity = [" +
+                   digits((1.0 + sliding) * perimeter) +
+                   ", 0.0], angular_velocity = \"-2 * pi\" }\n"
+                   "[run]\nduration = 3.0\nintegrator = { type = \"rk4\", dt = 0.01 }\n");
+      EXPECT_NEAR(*body_of(result, "body")["rolling"].begin(), 1.0 / (1.0 + sliding), 1e-12)
+          << type;
+      EXPECT_NEAR(*body_of(result, "body")["turns"].begin(), -3.0, 1e-12) << type;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tomlin::test
