@@ -133,5 +133,25 @@ TEST(Rolling, IsOneWhereATurnAdvancesByThePerimeter) {
   }
 }
 
+// What a body that is not round rises by in rolling is no hop; more than that, and a fifth of its
+// rolling radius, is.
+TEST(Rolling, ARiseOfTheOutlineIsNoHop) {
+  constexpr double kRise = 0.3;
+  for (const auto& [height, expected] : {std::pair(0.49, 0), std::pair(0.51, 3)}) {
+    std::vector<double> reals(BodyWatch::kReals);
+    std::vector<std::int64_t> integers(BodyWatch::kIntegers);
+    BodyWatch watch(0, 1.0, kRise);
+    watch.attach(reals.data(), integers.data());
+    watch.start();
+    int hops = 0;
+    for (int k = 0; k <= 300; ++k) {
+      const double t = 0.01 * k;  // three times up and down
+      watch.add_height(t, 1.0 + height * 0.5 * (1.0 - std::cos(kTau * t)),
+                       [&](const Event&) { ++hops; });
+    }
+    EXPECT_EQ(hops, expected) << height;
+  }
+}
+
 }  // namespace
 }  // namespace tomlin::test

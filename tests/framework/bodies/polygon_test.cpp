@@ -90,7 +90,7 @@ TEST(Polygon, FaultsHaveTheirPlace) {
   EXPECT_EQ(faults("corners = 4\ncount = 10"),
             Lines{"4:9 body.polygon.count = 10 [scene.wrong_count]"});
   EXPECT_EQ(faults("corners = 4.5\ncount = 8"),
-            Lines{"3:11 body.polygon.corners = 4.5 [scene.wrong_type]"});
+            Lines{"3:11 body.polygon.corners = 4.5 [scene.out_of_range]"});
   EXPECT_EQ(faults_with("polygon", "corners = 3\ncount = 3\nradius = 1\ncentre = [0]"),
             Lines{"6:10 body.polygon.centre = [0] [scene.wrong_count]"});
   const auto admissible = [](int count) {
