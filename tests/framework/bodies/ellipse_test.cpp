@@ -150,7 +150,9 @@ TEST(Ellipse, CentreOfMassIsTheCentreUnlessAnOddCountIsSpacedAlongTheArc) {
     const std::vector<double> by_arc = mean_of(ellipse_shape(2.0, 1.0, count));
     EXPECT_NEAR(by_angle, 0.0, kFewRoundings) << count;
     EXPECT_NEAR(by_arc[1], 0.0, kFewRoundings) << count;
-    if (count % 2 == 0) EXPECT_NEAR(by_arc[0], 0.0, kFewRoundings) << count;
+    if (count % 2 == 0) {
+      EXPECT_NEAR(by_arc[0], 0.0, kFewRoundings) << count;
+    }
   }
   // The others are at (-x, +-y) with x of some -0.94, where the arc from the first one is P/3.
   EXPECT_GT(mean_of(ellipse_shape(2.0, 1.0, 3))[0], 0.02);

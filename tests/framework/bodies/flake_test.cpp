@@ -128,7 +128,9 @@ TEST(Flake, ParticlesInsideHaveTheCoordinationOfTheLattice) {
       for (const std::int64_t i : pair) ++bonded[static_cast<std::size_t>(i)];
     }
     for (std::size_t i = 0; i < found.size(); ++i) {
-      if (std::hypot(found[i][0], found[i][1]) < 5.0) EXPECT_EQ(bonded[i], bonds) << lattice;
+      if (std::hypot(found[i][0], found[i][1]) < 5.0) {
+        EXPECT_EQ(bonded[i], bonds) << lattice;
+      }
       EXPECT_LE(bonded[i], bonds) << lattice;
     }
     EXPECT_LT(*std::min_element(bonded.begin(), bonded.end()), bonds) << lattice;

@@ -1,7 +1,9 @@
 #include "framework/bodies/outline.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -130,6 +132,93 @@ TEST(Rolling, IsOneWhereATurnAdvancesByThePerimeter) {
           << type;
       EXPECT_NEAR(*body_of(result, "body")["turns"].begin(), -3.0, 1e-12) << type;
     }
+  }
+}
+
+/// A rigid body of this type, pulled over a substrate of period 1 by 1 in each 20 of time.
+std::string pulled(const std::string& type, const std::string& keys, double amplitude,
+                   double duration) {
+  return "[[body]]\nname = \"body\"\ntype = \"" + type + "\"\n" + keys +
+         "particle_mass = \"1 / 12\"\ncoordinates = \"rigid\"\n"
+         "[[force]]\nname = \"driver\"\ntype = \"driving_spring\"\nstiffness = 2.0\n"
+         "velocity = [0.05, 0.0]\n"
+         "[[force]]\ntype = \"viscous_damping\"\ncoefficient = \"2 * sqrt(2) / 12\"\n"
+         "[[force]]\ntype = \"sinusoidal_substrate\"\nperiod = 1.0\ndecay = 2.0\namplitude = " +
+         digits(amplitude) + "\n[run]\nduration = " + digits(duration) +
+         "\nintegrator = " + adaptive(1e-8) +
+         "\n[measure]\nfrom = 12\nto = 24\nin = \"driver_periods\"\n[output]\nevery = 1.0\n";
+}
+
+// Twelve particles on a perimeter of twelve periods mesh with the substrate like the teeth of a
+// gear with a rack: a body that is held to it rolls without sliding, round or not.
+TEST(Rolling, ABodyThatMeshesWithTheSubstrateRollsWithoutSliding) {
+  constexpr double kSame = 1e-6;  // of the scheme and of a motion that has become periodic
+  // Perimeter of an ellipse of the semi-axes 1 and 0.8.
+  const double scale = 12.0 / 5.6723335777948971;
+  const std::string semi_axes =
+      "semi_axes = [" + digits(scale) + ", " + digits(0.8 * scale) + "]\n";
+  const std::string on_ellipse = semi_axes + "centre = [0.0, " + digits(0.8 * scale) + "]\n";
+  struct Case {
+    std::string type;
+    std::string keys;
+    double rolling;
+  };
+  const Case cases[] = {
+      {"ellipse", on_ellipse + "count = 12\n", 1.0},
+      {"polygon",
+       "corners = 6\nradius = 2.0\ncount = 12\norientation = \"pi / 6\"\n"
+       "centre = [0.0, \"sqrt(3)\"]\n",
+       1.0},
+      {"polygon",
+       "corners = 4\nradius = \"1.5 * sqrt(2)\"\ncount = 12\norientation = \"pi / 4\"\n"
+       "centre = [0.0, 1.5]\n",
+       1.0},
+      // The control: with a tooth too many it falls behind.
+      {"ellipse", on_ellipse + "count = 13\n", 12.0 / 13.0}};
+  for (const Case& body : cases) {
+    KeptSamples kept;
+    RunOptions options;
+    options.sink = &kept;
+    const RunResult result = run_text(pulled(body.type, body.keys, 0.5, 480.0), {}, options);
+    const double tolerance = body.rolling == 1.0 ? kSame : 5e-3;
+    EXPECT_NEAR(*body_of(result, "body")["rolling"].begin(), body.rolling, tolerance) << body.type;
+    EXPECT_NEAR(*body_of(result, "body")["turns"].begin(), -body.rolling, 2.0 * tolerance);
+    // A turn for each twelve periods, and no hop, though the centre rises by more than a fifth of
+    // the rolling radius, 12 / (2 pi).
+    EXPECT_EQ(kept.of(EventKind::hop).size(), 0U) << body.type;
+    EXPECT_EQ(kept.of(EventKind::turn).size(), 1U) << body.type;
+    double lowest = 1e300;
+    double highest = 0.0;
+    for (const auto& row : kept.rows) {
+      lowest = std::min(lowest, row[kept.column("body.centre_of_mass.y")]);
+      highest = std::max(highest, row[kept.column("body.centre_of_mass.y")]);
+    }
+    if (body.keys.find("corners = 4") != std::string::npos) {
+      EXPECT_GT(highest - lowest, 0.25 * 12.0 / kTau);
+    }
+  }
+}
+
+// With the particles of a ring they move as it does; only the radius of rolling is their own.
+TEST(Rolling, BodiesWithTheParticlesOfARingMoveAsItDoes) {
+  const std::string rest = "count = 12\ncentre = [0.0, 1.0]\n";
+  const RunResult ring = run_text(pulled("ring", "radius = 1.0\n" + rest, 0.01, 480.0));
+  const RunResult ellipse = run_text(
+      pulled("ellipse", "semi_axes = [1.0, 1.0]\nspacing = \"angle\"\n" + rest, 0.01, 480.0));
+  const RunResult polygon =
+      run_text(pulled("polygon", "corners = 12\nradius = 1.0\n" + rest, 0.01, 480.0));
+  const double ratio = 12.0 / kTau * 2.0 * std::sin(kTau / 24.0);
+  for (const RunResult* other : {&ellipse, &polygon}) {
+    for (const char* quantity : {"rotation", "turns", "centre_of_mass", "velocity"}) {
+      EXPECT_TRUE(same_bits(body_of(*other, "body")[quantity], body_of(ring, "body")[quantity]))
+          << quantity;
+    }
+    EXPECT_TRUE(same_bits(driver_of(*other, "driver")["mean_force"],
+                          driver_of(ring, "driver")["mean_force"]));
+    const double due =
+        *body_of(ring, "body")["rolling"].begin() * (other == &polygon ? ratio : 1.0);
+    EXPECT_NE(due, 0.0);
+    EXPECT_NEAR(*body_of(*other, "body")["rolling"].begin(), due, 1e-12);
   }
 }
 
