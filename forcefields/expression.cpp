@@ -127,7 +127,11 @@ Traits traits_of_law(const Description& d) {
 std::uint64_t pairs(const Description& d, const SceneOutline& scene) {
   const FormulaElement element = law_of(d).element();
   const auto n = static_cast<std::uint64_t>(scene.bodies.front().count);
-  if (element == FormulaElement::angle) return d.angles.neighbours ? n : d.angles.list.size();
+  if (element == FormulaElement::angle) {
+    if (!d.angles.neighbours) return d.angles.list.size();
+    const NeighbourList& bonds = scene.bodies.front().neighbours;
+    return bonds ? angles_between(bonds(), n).size() : n;
+  }
   if (element != FormulaElement::pair) return 0;
   return count_of(d.pairs, scene);
 }
@@ -389,12 +393,14 @@ ForceRecord expression_record() {
           "pairs", &Description::pairs, dimension::none,
           "of an energy over r: \"all\", \"neighbours\" or a list of index pairs; between two "
           "bodies the first index of a pair is in the first. In a periodic box r is that of the "
-          "nearest images at every time; neighbours keep theirs, and join the last particle to the "
-          "first in a ring, and in a chain along a periodic axis")
+          "nearest images at every time; neighbours along a chain keep theirs, and join the last "
+          "particle to the first in a closed body such as a ring, and in a chain along a periodic "
+          "axis; in a flake they are the nearest neighbours of its lattice")
           .by_default(PairSelection{.kind = PairSelection::Kind::all, .list = {}}),
       parameter("angles", &Description::angles, dimension::none,
                 "of an energy over theta: \"neighbours\", each particle with those before and "
-                "behind, or a list of index triples with the vertex in the middle")
+                "behind (in a flake each two bonds that meet in a particle), or a list of index "
+                "triples with the vertex in the middle")
           .by_default(AngleSelection{}),
       parameter("period", &Description::period, dimension::length,
                 "length along x, or one per dimension (0: none), after which the formula repeats: "

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/bodies/outline.hpp"
 #include "framework/bodies/position_file.hpp"
 #include "framework/core/text/text_file.hpp"
 
@@ -77,6 +78,49 @@ std::vector<double> relative_to_first(const PointList& positions, std::size_t pa
   return relative;
 }
 
+BodyGeometry build(const Description& d, int dimension) {
+  const PointList& positions = d.positions;
+  BodyGeometry geometry;
+  geometry.anchor.assign(positions.coordinates.begin(), positions.coordinates.begin() + dimension);
+  geometry.relative.reserve(positions.count());
+  for (std::size_t i = 0; i < positions.count(); ++i) {
+    geometry.relative.push_back(relative_to_first(positions, i));
+  }
+  if (d.outline == ParticleOutline::closed) roll_along_particles(geometry);
+  return geometry;
+}
+
+BodyEnds ends(const Description& d, int) {
+  return {.closed = d.outline == ParticleOutline::closed};
+}
+
+/// What keeps particles from being a closed outline.
+std::vector<Complaint> outline_complaints(const Description& d, int dimension) {
+  const auto refused = [](FaultCode code, std::string why, std::string admissible = "") {
+    return std::vector<Complaint>{
+        complaint_of(code, "outline", std::move(why), std::move(admissible))};
+  };
+  const std::size_t count = d.positions.count();
+  if (dimension < 2) {
+    return refused(FaultCode::scene_conflict, "an outline needs two dimensions", "\"open\"");
+  }
+  if (count < 3) {
+    return refused(FaultCode::scene_wrong_count, fmt::format("{} particles are no outline", count),
+                   "at least 3 particles, or \"open\"");
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t next = (i + 1) % count;
+    if (relative_to_first(d.positions, i) != relative_to_first(d.positions, next)) continue;
+    return refused(FaultCode::component_invalid,
+                   fmt::format("particles {} and {} coincide", i, next),
+                   "neighbours along the outline apart from each other");
+  }
+  if (!std::isfinite(build(d, dimension).rolling_radius)) {
+    return refused(FaultCode::scene_not_finite, "the perimeter is not finite", "a smaller outline");
+  }
+  return {};
+}
+
 std::vector<Complaint> complaints(const Description& d, int dimension) {
   const std::string key = d.read_from.empty() ? "positions" : "file";
   if (d.positions.dimension != static_cast<std::size_t>(dimension)) {
@@ -92,18 +136,8 @@ std::vector<Complaint> complaints(const Description& d, int dimension) {
                            fmt::format("particle {} is infinitely far from the first", i))};
     }
   }
+  if (d.outline == ParticleOutline::closed) return outline_complaints(d, dimension);
   return {};
-}
-
-BodyGeometry build(const Description& d, int dimension) {
-  const PointList& positions = d.positions;
-  BodyGeometry geometry;
-  geometry.anchor.assign(positions.coordinates.begin(), positions.coordinates.begin() + dimension);
-  geometry.relative.reserve(positions.count());
-  for (std::size_t i = 0; i < positions.count(); ++i) {
-    geometry.relative.push_back(relative_to_first(positions, i));
-  }
-  return geometry;
 }
 
 }  // namespace
@@ -116,7 +150,11 @@ BodyRecord particles_record() {
        parameter("file", &Description::file, dimension::none,
                  "in place of positions: a file with one particle per line, one column per "
                  "dimension, # comments; its path is relative to the scene's folder")
-           .or_absent()});
+           .or_absent(),
+       parameter("outline", &Description::outline, dimension::none,
+                 "closed: the particles in order are the outline of a planar body, which joins the "
+                 "last to the first and rolls by its perimeter per revolution")
+           .by_default(ParticleOutline::open)});
   record.prepare = of_description<&prepare>;
   record.name = "particles";
   record.summary = "particles at given positions, from a list or a file";
@@ -127,6 +165,7 @@ BodyRecord particles_record() {
   record.dimension = of_description<&dimension_of>;
   record.count = of_description<&count>;
   record.complaints = of_description<&complaints>;
+  record.ends = of_description<&ends>;
   record.build = of_description<&build>;
   record.example = R"(# Three particles, bonded to each other in a triangle.
 [[body]]

@@ -43,12 +43,14 @@ AssembledBody<Real> described(const SceneBody& from, std::size_t index, const As
   const std::size_t count = geometry.relative.size();
   AssembledBody<Real> body;
   body.rolling_radius = geometry.rolling_radius;
+  body.rolling_rise = geometry.rolling_rise;
   body.bound.name = from.name;
   body.bound.index = index;
   body.bound.coordinates = common.coordinates;
   const BodyEnds ends = from.record->ends(from.description.get(), plan.dimension());
   body.bound.closed = ends.closed;
   body.bound.open_along = ends.open_along;
+  body.bound.neighbours = neighbour_list(*from.record, from.description);
   if (from.motion) body.motion = &*from.motion;
   for (int d = 0; d < plan.dimension(); ++d) body.held[d] = names(from.hold, kAxisNames[d]);
   body.rotation_held = names(from.hold, "rotation");

@@ -17,6 +17,7 @@ template <class Real>
 struct AssembledBody {
   BoundBody<Real> bound;
   double rolling_radius = 0.0;
+  double rolling_rise = 0.0;
   double total_mass = 0.0;
   double inertia = 0.0;                   ///< about the centre, planar bodies
   std::vector<std::vector<double>> arms;  ///< [count][dimension] at the start, about the centre

@@ -305,7 +305,7 @@ void BodyWatch::start() {
 }
 
 void BodyWatch::look_for_hop(double time, double y, const Emit& emit) {
-  const double enough = kHopPart * radius_;
+  const double enough = kHopPart * radius_ + rise_;
   if (busy_[kStarted] == 0) {
     busy_[kStarted] = 1;
     numbers_[kLow] = y;

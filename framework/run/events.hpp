@@ -169,12 +169,14 @@ class DriverWatch {
   std::int64_t* busy_ = nullptr;
 };
 
-/// Hops of a round body: its centre rises by more than a fifth of its radius above where it was
-/// lowest since the last one, until it has come down as much. And whole turns of any body, counted
-/// from its start.
+/// Hops of a body that rolls: its centre rises by more than a fifth of its rolling radius above
+/// where it was lowest since the last one, until it has come down as much. Where its outline is not
+/// round, this is beyond the `rise` with which the centre follows the outline. And whole turns of
+/// any body, counted from its start.
 class BodyWatch {
  public:
-  BodyWatch(std::size_t body, double radius) : body_(body), radius_(radius) {}
+  BodyWatch(std::size_t body, double radius, double rise = 0.0)
+      : body_(body), radius_(radius), rise_(rise) {}
 
   static constexpr std::size_t kReals = 2 * LastPoints::kReals + 4;
   static constexpr std::size_t kIntegers = 2 * LastPoints::kIntegers + 2;
@@ -207,6 +209,7 @@ class BodyWatch {
 
   std::size_t body_;
   double radius_;
+  double rise_;
   LastPoints height_;
   LastPoints turns_;
   /// Lowest place since the last hop, and from which on it is one; during a hop its highest.

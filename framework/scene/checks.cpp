@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -114,6 +115,15 @@ std::optional<WrongValue> wrong_pairs(const PairSelection& pairs, const BodyDraf
     }
   }
   return std::nullopt;
+}
+
+/// Throws where the pairs that a body lists as neighbours are none of its own.
+void check_neighbours(const BodyDraft& body) {
+  const PairSelection listed{.kind = PairSelection::Kind::list,
+                             .list = body.record->neighbours(body.description.get())};
+  if (const auto found = wrong_pairs(listed, body)) {
+    throw std::out_of_range("its list of neighbours: " + found->why);
+  }
 }
 
 /// Pairs of a particle of the first body with one of the second.
@@ -255,7 +265,8 @@ std::optional<SceneOutline> outline_for(const std::vector<std::size_t>& indices,
   for (const std::size_t index : indices) {
     const BodyDraft& body = bodies[index];
     if (!body.sound || !body.count) return std::nullopt;
-    outline.bodies.push_back({body.name, *body.count, closed[index]});
+    outline.bodies.push_back(
+        {body.name, *body.count, closed[index], neighbour_list(*body.record, body.description)});
   }
   return outline;
 }
@@ -324,8 +335,13 @@ void check_bodies(std::vector<BodyDraft>& bodies, std::optional<int> dimension, 
     if (body.count) counted.push_back(&body);
     if (!check_values(body.reading, dimension, counted, faults)) body.sound = false;
     if (!body.sound || !dimension) continue;
-    const auto complaints = complaints_of(
-        *body.record, [&] { return body.record->complaints(body.description.get(), *dimension); });
+    const auto complaints = complaints_of(*body.record, [&] {
+      auto found = body.record->complaints(body.description.get(), *dimension);
+      const bool lists_neighbours = body.record->neighbours != nullptr;
+      const bool of_plugin = !body.record->library.empty();  // all others have tests of their own
+      if (found.empty() && lists_neighbours && of_plugin && body.count) check_neighbours(body);
+      return found;
+    });
     report(complaints, body.reading, faults);
     if (!complaints.empty()) body.sound = false;
   }

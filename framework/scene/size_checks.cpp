@@ -42,7 +42,12 @@ class ExpressionText {
 };
 
 /// What tells the number of particles; empty where that is no key.
-std::string count_key(const BodyDraft& body) { return body.reading.has("count") ? "count" : ""; }
+std::string count_key(const BodyDraft& body) {
+  for (const char* key : {"count", "size"}) {
+    if (body.reading.has(key)) return key;
+  }
+  return "";
+}
 
 double bytes_of(std::int64_t particles, int dimension) {
   return static_cast<double>(particles) * (kBytesPerParticle + kBytesPerCoordinate * dimension);

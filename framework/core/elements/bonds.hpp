@@ -29,6 +29,7 @@ inline std::uint64_t count_of(const PairSelection& selection, const SceneOutline
       return scene.bodies.size() == 2 ? n * static_cast<std::uint64_t>(scene.bodies.back().count)
                                       : n * (n - 1) / 2;
     case PairSelection::Kind::neighbours:
+      if (scene.bodies.front().neighbours) return scene.bodies.front().neighbours().size();
       return n - 1 + (scene.bodies.front().closed && n > 2 ? 1 : 0);
     case PairSelection::Kind::list:
       return selection.list.size();
@@ -73,7 +74,8 @@ Parameter bonded_pairs() {
   return parameter(
       "pairs", &Description::pairs, dimension::none,
       "which pairs are bonded: \"all\", \"neighbours\" (each particle with the next; the last with "
-      "the first in a ring, and in a chain along a periodic axis) or a list of index pairs; "
+      "the first in a closed body such as a ring, and in a chain along a periodic axis; in a flake "
+      "the nearest neighbours of its lattice) or a list of index pairs; "
       "between two bodies \"all\" is each particle of the first with each of the "
       "second, and the first index of a pair is in the first body; in a periodic box a "
       "bond keeps the images with which it starts, and is warned of where it becomes as long as "

@@ -8,6 +8,7 @@
 
 #include "framework/core/numbers/vec.hpp"
 #include "framework/core/records/bound_force.hpp"
+#include "framework/core/records/neighbours.hpp"
 #include "framework/core/records/parameter.hpp"
 #include "framework/core/system/aligned.hpp"
 
@@ -44,8 +45,8 @@ struct BoundPairs {
 };
 
 /// The pairs that a selection means on the bodies of a binding, each once, and the images that they
-/// have at the start: the nearest. Neighbours are as they stand; the pair that closes a chain goes
-/// forwards through the box's side.
+/// have at the start: the nearest. Neighbours are as they stand: consecutive particles, where the
+/// pair that closes a chain goes forwards through the box's side, or those that the body lists.
 template <class Real>
 BoundPairs<Real> pairs_of(const PairSelection& selection, const Binding<Real>& binding,
                           PairImages images = PairImages::nearest) {
@@ -80,6 +81,13 @@ BoundPairs<Real> pairs_of(const PairSelection& selection, const Binding<Real>& b
       }
       break;
     case PairSelection::Kind::neighbours: {
+      if (one.neighbours) {
+        for (const auto& [i, j] : one.neighbours()) {
+          add(static_cast<std::size_t>(i), static_cast<std::size_t>(j));
+          found.pairs.back().image = {};
+        }
+        break;
+      }
       found.topology = PairTopology::chain;
       for (std::size_t i = 0; i + 1 < count; ++i) add(i, i + 1);
       const bool through_box = one.open_along >= 0 && binding.box[one.open_along] > 0.0;
@@ -110,6 +118,29 @@ BoundPairs<Real> pairs_of(const PairSelection& selection, const Binding<Real>& b
                             : std::any_of(found.pairs.begin(), found.pairs.end(), is_imaged);
   if (found.topology == PairTopology::ring && by_image) found.topology = PairTopology::list;
   return found;
+}
+
+/// Three particles, the vertex of their angle in the middle.
+using IndexTriple = std::array<std::size_t, 3>;
+
+/// The angles between any two bonds of a particle, which those of `count` particles are.
+inline std::vector<IndexTriple> angles_between(const std::vector<IndexPair>& bonds,
+                                               std::size_t count) {
+  std::vector<std::vector<std::size_t>> bonded(count);
+  for (const auto& [i, j] : bonds) {
+    bonded[static_cast<std::size_t>(i)].push_back(static_cast<std::size_t>(j));
+    bonded[static_cast<std::size_t>(j)].push_back(static_cast<std::size_t>(i));
+  }
+  std::vector<IndexTriple> angles;
+  for (std::size_t vertex = 0; vertex < count; ++vertex) {
+    const std::vector<std::size_t>& ends = bonded[vertex];
+    for (std::size_t first = 0; first < ends.size(); ++first) {
+      for (std::size_t last = first + 1; last < ends.size(); ++last) {
+        angles.push_back({ends[first], vertex, ends[last]});
+      }
+    }
+  }
+  return angles;
 }
 
 /// The way from a pair's first particle to its second's image at the start.

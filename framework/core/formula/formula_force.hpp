@@ -856,7 +856,6 @@ class AngleFormula final : public FormulaForce<Real> {
   }
 
  private:
-  using Triple = std::array<std::size_t, 3>;
   using Bonds = std::array<std::array<Real, 3>, 2>;  ///< from the middle to the first and the last
   static constexpr int kDirections = 6;              ///< three of each bond
   using Slope = Dual<double, kDirections>;
@@ -869,6 +868,10 @@ class AngleFormula final : public FormulaForce<Real> {
         angles_.push_back({static_cast<std::size_t>(first), static_cast<std::size_t>(middle),
                            static_cast<std::size_t>(last)});
       }
+      return;
+    }
+    if (body_.neighbours) {
+      angles_ = angles_between(body_.neighbours(), n);
       return;
     }
     const bool through_box = body_.open_along >= 0 && box_[body_.open_along] > 0.0;
@@ -889,7 +892,7 @@ class AngleFormula final : public FormulaForce<Real> {
       for (std::size_t d = 0; d < axes; ++d) {
         if (!(box_[d] > 0.0)) continue;
         for (std::size_t k = 0; k < length; ++k) {
-          const Triple& angle = angles_[std::min(k, angles_.size() - 1)];
+          const IndexTriple& angle = angles_[std::min(k, angles_.size() - 1)];
           const double apart = body_.start[angle[2 * side]][d] - body_.start[angle[1]][d];
           const double image = -box_[d] * __builtin_ceil(apart / box_[d] - 0.5);
           image_[(side * axes + d) * length + k] = Real(image);
@@ -905,7 +908,7 @@ class AngleFormula final : public FormulaForce<Real> {
     particle_.assign(3 * length, 0);
     std::vector<std::vector<std::size_t>> rows(body_.slot.count);
     for (std::size_t k = 0; k < length; ++k) {
-      const Triple& angle = angles_[std::min(k, angles_.size() - 1)];
+      const IndexTriple& angle = angles_[std::min(k, angles_.size() - 1)];
       for (std::size_t place = 0; place < 3; ++place) {
         particle_[place * length + k] = angle[place];
         if (k < angles_.size()) rows[angle[place]].push_back(3 * k + place);
@@ -1023,7 +1026,7 @@ class AngleFormula final : public FormulaForce<Real> {
 
   BoundBody<Real> body_;
   std::array<double, 3> box_;
-  std::vector<Triple> angles_;
+  std::vector<IndexTriple> angles_;
   FormulaAngleArguments<Real> arguments_;
   FormulaAngleArguments<Real> heat_;
   AlignedVector<Real> image_;

@@ -2,11 +2,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "framework/core/records/coordinates.hpp"
+#include "framework/core/records/neighbours.hpp"
 #include "framework/core/records/registry.hpp"
 #include "framework/core/text/fault_code.hpp"
 
@@ -52,7 +55,12 @@ std::vector<Parameter> with_body_parameters(std::vector<Parameter> own) {
 struct BodyGeometry {
   std::vector<double> anchor;                 ///< [dimension]
   std::vector<std::vector<double>> relative;  ///< [count][dimension]
-  double rolling_radius = 0.0;                ///< 0 when the body does not roll
+  /// Perimeter of the outline / (2 pi): what the body advances per radian where it rolls without
+  /// sliding. 0 when the body does not roll.
+  double rolling_radius = 0.0;
+  /// Largest less smallest distance of the outline from its centre: by so much the centre rises
+  /// and sinks where the body rolls. 0 when it is round.
+  double rolling_rise = 0.0;
 };
 
 /// Whether "neighbours" joins the last particle to the first.
@@ -90,9 +98,21 @@ struct BodyRecord : ComponentRecord {
   /// Faults across keys for a scene of this dimension; empty when valid.
   std::vector<Complaint> (*complaints)(const void* description, int dimension) = nullptr;
   BodyEnds (*ends)(const void* description, int dimension) = &open_ends;
+  /// Where "neighbours" does not mean consecutive particles: the pairs that it means, each once.
+  /// Called for a valid description only.
+  std::vector<IndexPair> (*neighbours)(const void* description) = nullptr;
   /// Called for a valid description only.
   BodyGeometry (*build)(const void* description, int dimension) = nullptr;
 };
+
+/// The neighbours of a body; the description is kept for as long as they may be asked for.
+inline NeighbourList neighbour_list(const BodyRecord& record,
+                                    std::shared_ptr<const void> description) {
+  if (record.neighbours == nullptr) return nullptr;
+  return [list = record.neighbours, description = std::move(description)] {
+    return list(description.get());
+  };
+}
 
 template <class D>
 const BodyDescription& body_part(const void* description) {

@@ -9,6 +9,7 @@
 
 #include "framework/core/numbers/double_double.hpp"
 #include "framework/core/records/coordinates.hpp"
+#include "framework/core/records/neighbours.hpp"
 #include "framework/core/records/parameter.hpp"
 #include "framework/core/records/variation.hpp"
 #include "framework/core/system/aligned.hpp"
@@ -46,6 +47,7 @@ struct BoundBody {
   std::vector<double> mass;                ///< [count]
   std::vector<std::vector<double>> start;  ///< [count][dimension], relative to the scene's origin
   std::vector<double> start_centre;        ///< [dimension], centre of mass
+  NeighbourList neighbours;
 };
 
 template <class Real>

@@ -59,6 +59,7 @@ struct SceneOutline {
     std::string name;
     std::int64_t count = 0;
     bool closed = false;  ///< "neighbours" joins its ends, by its shape or through the box
+    NeighbourList neighbours = nullptr;
   };
   std::vector<Body> bodies;  ///< those the force acts on, in the order named
 };

@@ -3,7 +3,7 @@
 #include "framework/run/events.hpp"
 #include "framework/run/observers/kinds.hpp"
 
-/// Hops of round bodies in the plane, and whole turns of all that turn freely.
+/// Hops of bodies that roll in the plane, and whole turns of all that turn freely.
 namespace tomlin::observers {
 namespace {
 
@@ -30,7 +30,7 @@ class BodyEvents : public RunObserver {
       const Model::Body& body = model_.bodies()[b];
       const BodySlot<double>& slot = body.bound.slot;
       if (!body.rotates() || (slot.mapped && !slot.rigid) || body.prescribed()) continue;
-      watches_.emplace_back(b, body.rolling_radius);
+      watches_.emplace_back(b, body.rolling_radius, body.rolling_rise);
       parts.events.expect(EventKind::turn);
       if (watches_.back().watches_hops()) parts.events.expect(EventKind::hop);
     }

@@ -8,8 +8,10 @@ constexpr double kTau = 6.283185307179586476925286766559;
 
 const ResultQuantity kTurns{"turns", dimension::none, Shape::number, Scope::window,
                             "revolutions, counter-clockwise positive"};
-const ResultQuantity kRolling{"rolling", dimension::none, Shape::number, Scope::window,
-                              "-R dphi/dx of a round body: 1 where it rolls without sliding"};
+const ResultQuantity kRolling{
+    "rolling", dimension::none, Shape::number, Scope::window,
+    "-R dphi/dx of a body with a closed outline, R = perimeter / (2 pi): 1 where it "
+    "rolls without sliding"};
 const ResultQuantity kMeanVelocity{"mean_velocity", dimension::velocity, Shape::vector,
                                    Scope::window, "displacement of the centre by time"};
 

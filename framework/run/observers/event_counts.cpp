@@ -13,7 +13,7 @@ ResultQuantity events(const char* key, const char* meaning) {
 /// By EventKind; those that observers of the scene tell of are theirs to count.
 const ResultQuantity kCounts[] = {
     events("slips", "slips of what drivers of steady velocity pull"),
-    events("hops", "hops of round bodies in the plane"),
+    events("hops", "hops of bodies with a closed outline, in the plane"),
     events("turns", "whole revolutions of bodies in the plane"),
     events("reversals", "motions of pulled points against their drivers"),
     events("driver_reversals", "times that a driver has turned back"),

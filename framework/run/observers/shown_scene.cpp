@@ -52,7 +52,8 @@ SceneOutline outline_of(const SceneObserver& observer, const Model& model) {
   outline.dimension = model.dimension();
   for (const std::size_t b : observer.bodies) {
     const BoundBody<double>& body = model.bodies()[b].bound;
-    outline.bodies.push_back({body.name, static_cast<std::int64_t>(body.slot.count), body.closed});
+    outline.bodies.push_back(
+        {body.name, static_cast<std::int64_t>(body.slot.count), body.closed, body.neighbours});
   }
   return outline;
 }

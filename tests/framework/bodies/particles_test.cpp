@@ -216,7 +216,8 @@ TEST_F(ParticlesFile, StandsInTheEffectiveScene) {
   write(folder_ / "p.dat", "0 0\n1 0.30000000000000004\n");
   const auto scene = scene_from("file = \"p.dat\"\nvelocity = [[1, 0], [0, 1]]");
   const std::string due =
-      "positions = [[0.0, 0.0], [1.0, 0.30000000000000004]]\nparticle_mass = 1.0\n"
+      "positions = [[0.0, 0.0], [1.0, 0.30000000000000004]]\noutline = \"open\"\n"
+      "particle_mass = 1.0\n"
       "velocity = [[1, 0], [0, 1]]\n";
   EXPECT_NE(scene->effective_toml.find(due), std::string::npos) << scene->effective_toml;
   EXPECT_EQ(scene->effective_toml.find("file"), std::string::npos);

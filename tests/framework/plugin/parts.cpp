@@ -48,6 +48,8 @@ BodyGeometry build_dumbbell(const void* description, int dimension) {
   return geometry;
 }
 
+std::vector<IndexPair> bonded(const void*) { return {{0, asked_for("neighbours") ? 2 : 1}}; }
+
 BodyRecord dumbbell_record() {
   BodyRecord record;
   record.name = "dumbbell";
@@ -63,6 +65,7 @@ BodyRecord dumbbell_record() {
   record.dimension = &dimension_of;
   record.count = &two;
   record.complaints = &no_body_complaints;
+  record.neighbours = &bonded;
   record.build = &build_dumbbell;
   record.example = "see the tests";
   return record;

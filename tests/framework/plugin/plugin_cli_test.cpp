@@ -370,6 +370,8 @@ TEST_F(PluginCli, WhatIsBoundOrMadeWrongIsRefused) {
   refused("parts", "nothing_bound", "22:14: integrator.symplectic_euler [plugin.error]",
           "null pointer");
   refused("parts", "three", "3:1: body.dumbbell [plugin.error]", " 2 particles in 2 dimensions");
+  refused("parts", "neighbours", "4:8: body.dumbbell.type = \"dumbbell\" [plugin.error]",
+          "list of neighbours: pair [0, 2]");
   refused("faulty", "nothing_made", "1:12: plugins = \"libfaulty.so\" [plugin.cannot_load]",
           "description of \"faulty\"");
 }
