@@ -46,7 +46,7 @@ struct PlaneVector {
   double y = 0.0;
 };
 
-double norm(const PlaneVector& v) { return std::sqrt(v.x * v.x + v.y * v.y); }
+double largest(const PlaneVector& v) { return std::max(std::abs(v.x), std::abs(v.y)); }
 
 PlaneVector turned(const PlaneVector& v, double angle) {
   double sine = 0.0;
@@ -81,6 +81,16 @@ std::array<PlaneVector, 2> lattice_vectors(const Description& d) {
 
 bool is_line(const Description& d) { return d.lattice == SurfaceLattice::line; }
 
+/// Of the longest component, so that squares in units of it are neither too large nor too small.
+int exponent_of(const std::array<PlaneVector, 2>& a) {
+  return std::ilogb(std::max(largest(a[0]), largest(a[1])));
+}
+
+std::array<PlaneVector, 2> scaled(std::array<PlaneVector, 2> a, int exponent) {
+  for (PlaneVector& v : a) v = {std::ldexp(v.x, exponent), std::ldexp(v.y, exponent)};
+  return a;
+}
+
 DoubleDouble quotient(const DoubleDouble& a, const DoubleDouble& b) {
   DoubleDouble rest = a;
   DoubleDouble result;
@@ -97,6 +107,25 @@ DoubleDouble dot_product(const std::array<DoubleDouble, 2>& a,
   return a[0] * b[0] + a[1] * b[1];
 }
 
+using PlanePair = std::array<std::array<DoubleDouble, 2>, 2>;
+
+/// b1 and b2 of lattice vectors; a line has no second one.
+PlanePair reciprocal_of(const std::array<PlaneVector, 2>& a, bool line) {
+  if (line) {
+    const DoubleDouble square = two_prod(a[0].x, a[0].x) + two_prod(a[0].y, a[0].y);
+    return {{{quotient(a[0].x, square), quotient(a[0].y, square)}, {}}};
+  }
+  const DoubleDouble area = two_prod(a[0].x, a[1].y) - two_prod(a[0].y, a[1].x);
+  return {{{quotient(a[1].y, area), quotient(-a[1].x, area)},
+           {quotient(-a[0].y, area), quotient(a[0].x, area)}}};
+}
+
+/// The same in units of a power of two, where all numbers are about 1.
+PlanePair reciprocal_shape(const Description& d) {
+  const auto a = lattice_vectors(d);
+  return reciprocal_of(scaled(a, -exponent_of(a)), is_line(d));
+}
+
 /// Of a lattice vector n1 a1 + n2 a2.
 std::array<DoubleDouble, 2> combination(const std::array<PlaneVector, 2>& a, double n1, double n2) {
   return {two_prod(n1, a[0].x) + two_prod(n2, a[1].x), two_prod(n1, a[0].y) + two_prod(n2, a[1].y)};
@@ -107,14 +136,14 @@ std::array<DoubleDouble, 2> combination(const std::array<PlaneVector, 2>& a, dou
 struct ReciprocalVector {
   int m = 0;
   int n = 0;
-  double square = 0.0;  ///< of its length
+  double square = 0.0;  ///< of its length, in some unit
 };
 
 using Star = std::vector<ReciprocalVector>;
 
 /// One of each pair of vectors up to the highest harmonics, by length.
 std::vector<ReciprocalVector> reciprocal_vectors(const Description& d) {
-  const auto b = reciprocal_lattice(d);
+  const auto b = reciprocal_shape(d);
   std::vector<ReciprocalVector> vectors;
   const int across = is_line(d) ? 0 : kHighest;
   for (int m = 0; m <= kHighest; ++m) {
@@ -131,9 +160,10 @@ std::vector<ReciprocalVector> reciprocal_vectors(const Description& d) {
 }
 
 /// Square of a length below which no vector with a higher harmonic lies: the shortest of the
-/// vectors m b1 + n b2 with real m and n of which the larger is that of the first harmonic left out.
+/// vectors m b1 + n b2 with real m and n of which the larger is that of the first harmonic left
+/// out.
 double square_of_complete(const Description& d) {
-  const auto b = reciprocal_lattice(d);
+  const auto b = reciprocal_shape(d);
   const double first = dot_product(b[0], b[0]).hi;
   if (is_line(d)) return (kHighest + 1) * (kHighest + 1) * first;
   const double second = dot_product(b[1], b[1]).hi;
@@ -204,14 +234,12 @@ int order_of(const Description& d) {
 inline namespace TOMLIN_TARGET {
 
 std::array<std::array<DoubleDouble, 2>, 2> reciprocal_lattice(const Description& d) {
-  const auto a = lattice_vectors(d);
-  if (is_line(d)) {
-    const DoubleDouble square = two_prod(a[0].x, a[0].x) + two_prod(a[0].y, a[0].y);
-    return {{{quotient(a[0].x, square), quotient(a[0].y, square)}, {}}};
+  const int exponent = -exponent_of(lattice_vectors(d));
+  PlanePair b = reciprocal_shape(d);
+  for (auto& vector : b) {
+    for (DoubleDouble& x : vector) x = {std::ldexp(x.hi, exponent), std::ldexp(x.lo, exponent)};
   }
-  const DoubleDouble area = two_prod(a[0].x, a[1].y) - two_prod(a[0].y, a[1].x);
-  return {{{quotient(a[1].y, area), quotient(-a[1].x, area)},
-           {quotient(-a[0].y, area), quotient(a[0].x, area)}}};
+  return b;
 }
 
 std::array<DoubleDouble, 2> lattice_phases(const Description& d, const Origin& origin) {
@@ -304,10 +332,11 @@ std::unique_ptr<BoundForce<Real>> bind(const Description& d, const Binding<Real>
       return first ? bind_on_particles<LatticeFirst, kernels::LatticeFirst, kRank>(d, binding)
                    : bind_on_particles<LatticeHigher, kernels::LatticeHigher, kRank>(d, binding);
     case LatticeHeight::common:
-      return first ? bind_on_particles<LatticeFirstAtHeight, kernels::LatticeFirstAtHeight, kRank>(
-                         d, binding)
-                   : bind_on_particles<LatticeHigherAtHeight, kernels::LatticeHigherAtHeight,
-                                       kRank>(d, binding);
+      return first
+                 ? bind_on_particles<LatticeFirstAtHeight, kernels::LatticeFirstAtHeight, kRank>(
+                       d, binding)
+                 : bind_on_particles<LatticeHigherAtHeight, kernels::LatticeHigherAtHeight, kRank>(
+                       d, binding);
     case LatticeHeight::each:
       break;
   }
@@ -325,7 +354,7 @@ Traits traits(const Description& d) {
 double origin_cell(const Description& d, int axis) {
   const auto a = lattice_vectors(d);
   const bool constant = axis > 1 || (is_line(d) && (axis == 0 ? a[0].x : a[0].y) == 0.0);
-  return constant ? 0.0 : norm(a[0]);
+  return constant ? 0.0 : largest(a[0]);
 }
 
 // ---- faults
@@ -336,8 +365,9 @@ class Check {
 
   std::vector<Complaint> complaints() {
     check_lattice();
+    lattice_is_known_ = found_.empty();
     check_dimension();
-    if (found_.empty()) check_amplitudes();
+    check_amplitudes();
     check_height();
     if (found_.empty()) check_box();
     return std::move(found_);
@@ -378,11 +408,16 @@ class Check {
           "[[a1x, a1y], [a2x, a2y]]");
       return;
     }
+    // Each in units of its own.
+    const auto of_length_one = [](const PlaneVector& v) {
+      return PlaneVector{v.x / largest(v), v.y / largest(v)};
+    };
     const auto& x = d_.lattice_vectors.coordinates;
-    const double product = norm({x[0], x[1]}) * norm({x[2], x[3]});
-    if (!(std::abs(x[0] * x[3] - x[1] * x[2]) > kParallel * product)) {
-      add(FaultCode::component_invalid, "lattice_vectors", "they span no lattice: they are parallel",
-          "two vectors in different directions");
+    const PlaneVector one = of_length_one({x[0], x[1]});
+    const PlaneVector other = of_length_one({x[2], x[3]});
+    if (!(std::abs(one.x * other.y - one.y * other.x) > kParallel)) {
+      add(FaultCode::component_invalid, "lattice_vectors",
+          "they span no lattice: they are parallel", "two vectors in different directions");
     }
   }
 
@@ -423,12 +458,8 @@ class Check {
         add(FaultCode::scene_wrong_count, has_amplitudes() ? "amplitudes" : "amplitude",
             fmt::format("{} for {} harmonics", given, harmonic_count(d_)), "one for each");
       }
-    } else if (const std::size_t stars = stars_of(d_).size(); given > stars) {
-      add(FaultCode::scene_wrong_count, "amplitudes",
-          fmt::format("{} stars, but harmonics up to the order {} make up {} whole stars of this "
-                      "lattice",
-                      given, kHighest, stars),
-          "fewer amplitudes, or harmonics");
+    } else if (lattice_is_known_) {
+      check_stars(given);
     }
     const std::size_t decays = d_.decay.numbers.size();
     if (decays > 1 && decays != given) {
@@ -437,11 +468,22 @@ class Check {
     }
   }
 
+  void check_stars(std::size_t given) {
+    if (const std::size_t stars = stars_of(d_).size(); given > stars) {
+      add(FaultCode::scene_wrong_count, "amplitudes",
+          fmt::format("{} stars, but harmonics up to the order {} make up {} whole stars of this "
+                      "lattice",
+                      given, kHighest, stars),
+          "fewer amplitudes, or harmonics");
+    }
+  }
+
   /// True when valid.
   bool check_harmonics() {
     const auto& numbers = d_.harmonics.coordinates;
     const auto is_order = [](double x) { return x == std::round(x) && std::abs(x) <= kHighest; };
-    const std::string admissible = fmt::format("[[m, n], ...], integers from -{0} to {0}", kHighest);
+    const std::string admissible =
+        fmt::format("[[m, n], ...], integers from -{0} to {0}", kHighest);
     const auto refuse = [&](const std::string& why) {
       add(FaultCode::component_invalid, "harmonics", why, admissible);
       return false;
@@ -511,6 +553,7 @@ class Check {
 
   const Description& d_;
   const SceneOutline& scene_;
+  bool lattice_is_known_ = false;
   std::vector<Complaint> found_;
 };
 
@@ -527,7 +570,7 @@ ForceRecord lattice_substrate_record() {
   record.traits = traits_of_sites<LatticeFirst>();
   record.traits_of = of_description<&traits>;
   record.period = of_description<&lattice_period>;
-  record.origin_cell = of_description<&origin_cell>;
+  // record.origin_cell = of_description<&origin_cell>;
   record.complaints = of_description<&complaints>;
   record.bind = {of_description<&bind<double>>, of_description<&bind<float>>,
                  of_description<&bind<Quad>>};

@@ -13,7 +13,8 @@
 #include "framework/core/records/registry.hpp"
 #include "framework/core/text/words.hpp"
 
-/// Crystalline surface, felt by each particle on its own: a Fourier sum over the reciprocal lattice.
+/// Crystalline surface, felt by each particle on its own: a Fourier sum over the reciprocal
+/// lattice.
 ///
 ///   V(R, z) = W exp(-w z) + sum_s A_s exp(-d_s z) sum_G cos(2 pi G.R)
 ///   F_R = 2 pi sum_s A_s exp(-d_s z) sum_G G sin(2 pi G.R)
@@ -32,7 +33,8 @@
 /// Lattices with their first vector along x, turned counter-clockwise by the misfit:
 ///   square     a1 = (a, 0), a2 = (0, a); R = 0 is an atom
 ///   hexagonal  a1 = (a, 0), a2 = (a/2, sqrt(3) a/2); R = 0 is an atom
-///   honeycomb  the same lattice with atoms at (a1 + a2)/3 and 2 (a1 + a2)/3; R = 0 is the centre of
+///   honeycomb  the same lattice with atoms at (a1 + a2)/3 and 2 (a1 + a2)/3; R = 0 is the centre
+///   of
 ///              a hexagon. Stars with m + n not divisible by 3 have the sign -1.
 ///   line       a1 = (a, 0); R = 0 is an atom
 /// Atoms are maxima where amplitudes are positive.
@@ -51,10 +53,10 @@ enum class SurfaceLattice { square, hexagonal, honeycomb, line, given };
 constexpr auto word_table(SurfaceLattice) {
   using enum SurfaceLattice;
   return std::to_array<Word<SurfaceLattice>>({{square, "square"},
-                                           {hexagonal, "hexagonal"},
-                                           {honeycomb, "honeycomb"},
-                                           {line, "line"},
-                                           {given, nullptr}});
+                                              {hexagonal, "hexagonal"},
+                                              {honeycomb, "honeycomb"},
+                                              {line, "line"},
+                                              {given, nullptr}});
 }
 
 enum class HeightAxis { z, y };
@@ -95,8 +97,8 @@ enum class LatticeHeight { none, common, each };
 std::vector<LatticeHarmonic> lattice_harmonics(const LatticeSubstrateDescription& description);
 /// The decay of all where it is the same; else 0.
 double lattice_decay(const LatticeSubstrateDescription& description);
-/// The shortest lattice vector along an axis: a combination of a1 and a2, at most four of each, that
-/// lies on it exactly; 0 where there is none.
+/// The shortest lattice vector along an axis: a combination of a1 and a2, at most four of each,
+/// that lies on it exactly; 0 where there is none.
 double lattice_period(const LatticeSubstrateDescription& description, int axis);
 /// Bounds on the curvatures without dependence on height: along x, along y, along any direction.
 std::array<double, 3> lattice_curvatures(const LatticeSubstrateDescription& description);
@@ -309,7 +311,8 @@ struct LatticeSubstrate {
   static double period(const Description& d, int axis) { return lattice_period(d, axis); }
 
   template <class T, int D>
-  static T energy(const Parameters<T, D>& p, const Site<T, D>& site) requires(D > 1 || !kHasHeight) {
+  static T energy(const Parameters<T, D>& p,
+                  const Site<T, D>& site) requires(D > 1 || !kHasHeight) {
     const auto waves = waves_at(p, site);
     if constexpr (!kHasHeight) {
       return p.amplitude.energy(waves);
@@ -329,8 +332,8 @@ struct LatticeSubstrate {
   }
 
   template <class T, int D>
-  static Vec<T, D> force(const Parameters<T, D>& p, const Site<T, D>& site)
-      requires(D > 1 || !kHasHeight) {
+  static Vec<T, D> force(const Parameters<T, D>& p,
+                         const Site<T, D>& site) requires(D > 1 || !kHasHeight) {
     const auto waves = waves_at(p, site);
     Vec<T, D> force;
     if constexpr (!kHasHeight) {

@@ -97,9 +97,6 @@ struct ForceRecord : ComponentRecord {
   /// Period of the force along an axis; 0 when it declares none. The longest period declared on
   /// an axis becomes the unit in which the scene's origin moves.
   double (*period)(const void* description, int axis) = &no_period;
-  /// Unit in which the scene's origin may move along an axis on which the force has no period, but
-  /// phases that it keeps by its own `rebase`; 0 when there is no need to.
-  double (*origin_cell)(const void* description, int axis) = &no_period;
   /// Over which the force changes by all that it changes, where no parameter is such a length; 0
   /// where there is none. Scales exactly with the unit of length, where that is a power of two.
   double (*length)(const void* description) = &no_length;
