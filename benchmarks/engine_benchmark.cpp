@@ -126,6 +126,33 @@ integrator = { type = "rk4", dt = 1e-2 }
 )--";
 }
 
+/// Particles without bonds on a hexagonal surface.
+std::string flake(int columns, int rows, double spacing) {
+  std::string positions;
+  for (int i = 0; i < columns * rows; ++i) {
+    positions += "[" + std::to_string(i % columns * spacing) + ", " +
+                 std::to_string(i / columns * spacing) + "], ";
+  }
+  return "[[body]]\ntype = \"particles\"\nparticle_mass = 1.0\npositions = [" + positions + "]\n" +
+         R"--(
+[[force]]
+type = "driving_spring"
+stiffness = 1.0
+velocity = [1e-3, 5e-4]
+[[force]]
+type = "viscous_damping"
+coefficient = 0.1
+[[force]]
+type = "lattice_substrate"
+lattice = "hexagonal"
+period = 1.0
+amplitude = 0.05
+[run]
+duration = 1e9
+integrator = { type = "rk4", dt = 1e-2 }
+)--";
+}
+
 /// Takes samples as a journal does: copies them into blocks, and forgets those.
 class Blocks : public RunSink {
  public:
@@ -191,6 +218,12 @@ void BM_chain_1000(benchmark::State& state) {
   run(state, engine, 1);
 }
 BENCHMARK(BM_chain_1000)->Name("chain_1000/tomlin");
+
+void BM_flake_1000(benchmark::State& state) {
+  static Engine& engine = engine_for(flake(40, 25, 1.618033988749895));
+  run(state, engine, 1);
+}
+BENCHMARK(BM_flake_1000)->Name("flake_1000/tomlin");
 
 void BM_golden_chain_1000(benchmark::State& state) {
   static Engine& engine = engine_for(chain("1000", "1.618033988749895"));

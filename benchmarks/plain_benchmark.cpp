@@ -67,6 +67,12 @@ void BM_plain_golden_chain_100000(benchmark::State& state) {
   run(state, model, 1, 1e-2);
 }
 
+template <class Math>
+void BM_plain_flake_1000(benchmark::State& state) {
+  static Flake<Math> model(40, 25, std::numbers::phi);
+  run(state, model, 1, 1e-2);
+}
+
 // One evaluation of the force, nothing else.
 void BM_plain_angles_1000(benchmark::State& state) {
   static Bending model(1000, 100.0);
@@ -89,6 +95,8 @@ BENCHMARK(BM_plain_rigid_ring<StdMath>)->Name("rigid_ring_8/plain");
 BENCHMARK(BM_plain_chain_1000<StdMath>)->Name("chain_1000/plain");
 BENCHMARK(BM_plain_golden_chain_1000<StdMath>)->Name("golden_chain_1000/plain");
 BENCHMARK(BM_plain_golden_chain_100000<StdMath>)->Name("golden_chain_100000/plain");
+BENCHMARK(BM_plain_flake_1000<StdMath>)->Name("flake_1000/plain");
+BENCHMARK(BM_plain_flake_1000<OwnMath>)->Name("flake_1000/plain_own_math");
 BENCHMARK(BM_plain_pt<OwnMath>)->Name("pt/plain_own_math");
 BENCHMARK(BM_plain_pt_memory<OwnMath>)->Name("pt_memory/plain_own_math");
 BENCHMARK(BM_plain_flexible_ring<OwnMath>)->Name("flexible_ring_8/plain_own_math");

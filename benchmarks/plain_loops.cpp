@@ -1,5 +1,7 @@
 #include "benchmarks/plain_loops.hpp"
 
+#include <type_traits>
+
 namespace tomlin::plain {
 
 // ---- Prandtl-Tomlinson --------------------------------------------------------------------------
@@ -415,6 +417,122 @@ template <class Math>
   }
 }
 
+// ---- flake
+// ---------------------------------------------------------------------------------------
+
+template <class Math>
+Flake<Math>::Flake(int columns, int rows, double spacing) : count(columns * rows) {
+  for (std::vector<double>* a :
+       {&x, &y, &vx, &vy, &xs, &ys, &vxs, &vys, &ax, &ay, &sum_vx, &sum_vy, &sum_ax, &sum_ay}) {
+    a->assign(count, 0.0);
+  }
+  for (int i = 0; i < count; ++i) {
+    x[i] = i % columns * spacing;
+    y[i] = i / columns * spacing;
+  }
+  start_x = 0.5 * (columns - 1) * spacing;
+  start_y = 0.5 * (rows - 1) * spacing;
+}
+
+// Numbers of one particle, or of eight.
+template <class T>
+static T taken(const double* from) {
+  if constexpr (std::is_same_v<T, double>) {
+    return *from;
+  } else {
+    return T::load_unaligned(from);
+  }
+}
+static void put_down(double value, double* to) { *to = value; }
+static void put_down(const Pack& value, double* to) { value.store_unaligned(to); }
+
+template <class Math>
+void Flake<Math>::accelerations(const double* px, const double* py, const double* ux,
+                                const double* uy, double t, double& driver_x, double& driver_y) {
+  using T = std::conditional_t<std::is_same_v<Math, OwnMath>, Pack, double>;
+  constexpr int kAtOnce = sizeof(T) / sizeof(double);
+  const Math along(period);
+  const int n = count;
+  double centre_x = 0.0;
+  double centre_y = 0.0;
+  for (int i = 0; i < n; ++i) {
+    centre_x += px[i];
+    centre_y += py[i];
+  }
+  driver_x = stiffness * (start_x + speed_x * t - centre_x / n);
+  driver_y = stiffness * (start_y + speed_y * t - centre_y / n);
+  const T spring_x(driver_x / n);
+  const T spring_y(driver_y / n);
+  const T damping(damping_each);
+  const T tilt(1.0 / std::numbers::sqrt3);
+  const T slope_x(2.0 * std::numbers::pi * amplitude_each / period);
+  const T slope_y = tilt * slope_x;
+  const T inverse_mass(1.0 / mass_each);
+  for (int i = 0; i < n; i += kAtOnce) {
+    const T across = tilt * taken<T>(py + i);
+    T s1;
+    T c1;
+    T s2;
+    T c2;
+    along.sine_cosine(taken<T>(px + i) - across, s1, c1);
+    along.sine_cosine(across + across, s2, c2);
+    const T s3 = s1 * c2 + c1 * s2;
+    const T force_x = slope_x * (s1 + s3);
+    const T force_y = slope_y * (s2 + s2 + s3 - s1);
+    put_down((spring_x - damping * taken<T>(ux + i) + force_x) * inverse_mass, &ax[i]);
+    put_down((spring_y - damping * taken<T>(uy + i) + force_y) * inverse_mass, &ay[i]);
+  }
+}
+
+template <class Math>
+[[gnu::noinline]] void Flake<Math>::advance(std::int64_t steps, double h) {
+  const int n = count;
+  const double half = 0.5 * h;
+  const double sixth = h / 6.0;
+  double driver_x[4];
+  double driver_y[4];
+  for (std::int64_t m = 0; m < steps; ++m) {
+    const double t = static_cast<double>(done) * h;
+
+    accelerations(x.data(), y.data(), vx.data(), vy.data(), t, driver_x[0], driver_y[0]);
+    for (int i = 0; i < n; ++i) {
+      sum_vx[i] = vx[i];
+      sum_vy[i] = vy[i];
+      sum_ax[i] = ax[i];
+      sum_ay[i] = ay[i];
+      xs[i] = x[i] + half * vx[i];
+      ys[i] = y[i] + half * vy[i];
+      vxs[i] = vx[i] + half * ax[i];
+      vys[i] = vy[i] + half * ay[i];
+    }
+    for (int stage = 1; stage < 3; ++stage) {
+      const double ahead = stage == 1 ? half : h;
+      accelerations(xs.data(), ys.data(), vxs.data(), vys.data(), t + half, driver_x[stage],
+                    driver_y[stage]);
+      for (int i = 0; i < n; ++i) {
+        sum_vx[i] += 2.0 * vxs[i];
+        sum_vy[i] += 2.0 * vys[i];
+        sum_ax[i] += 2.0 * ax[i];
+        sum_ay[i] += 2.0 * ay[i];
+        xs[i] = x[i] + ahead * vxs[i];
+        ys[i] = y[i] + ahead * vys[i];
+        vxs[i] = vx[i] + ahead * ax[i];
+        vys[i] = vy[i] + ahead * ay[i];
+      }
+    }
+    accelerations(xs.data(), ys.data(), vxs.data(), vys.data(), t + h, driver_x[3], driver_y[3]);
+    for (int i = 0; i < n; ++i) {
+      x[i] += sixth * (sum_vx[i] + vxs[i]);
+      y[i] += sixth * (sum_vy[i] + vys[i]);
+      vx[i] += sixth * (sum_ax[i] + ax[i]);
+      vy[i] += sixth * (sum_ay[i] + ay[i]);
+    }
+    force_integral_x += sixth * (driver_x[0] + 2.0 * (driver_x[1] + driver_x[2]) + driver_x[3]);
+    force_integral_y += sixth * (driver_y[0] + 2.0 * (driver_y[1] + driver_y[2]) + driver_y[3]);
+    ++done;
+  }
+}
+
 // ---- bending
 // -------------------------------------------------------------------------------------
 
@@ -461,10 +579,12 @@ template struct RememberingTip<StdMath>;
 template struct FlexibleRing<StdMath>;
 template struct RigidRing<StdMath>;
 template struct Chain<StdMath>;
+template struct Flake<StdMath>;
 template struct PrandtlTomlinson<OwnMath>;
 template struct RememberingTip<OwnMath>;
 template struct FlexibleRing<OwnMath>;
 template struct RigidRing<OwnMath>;
 template struct Chain<OwnMath>;
+template struct Flake<OwnMath>;
 
 }  // namespace tomlin::plain

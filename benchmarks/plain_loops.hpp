@@ -39,6 +39,10 @@ struct OwnMath {
   void sine_cosine(double x, double& s, double& c) const {
     tomlin::sincos_turns(inverse_period * x, s, c);
   }
+  // Eight at once.
+  void sine_cosine(tomlin::Pack x, tomlin::Pack& s, tomlin::Pack& c) const {
+    tomlin::sincos_turns(tomlin::Pack(inverse_period) * x, s, c);
+  }
   static void rotation(double angle, double& s, double& c) {
     tomlin::sincos_turns(angle * (0.5 * std::numbers::inv_pi), s, c);
   }
@@ -174,6 +178,37 @@ struct Chain {
   std::vector<double> xs, vs, acc, sum_v, sum_a;
 
   double accelerations(const double* px, const double* pv, double t);
+};
+
+// Particles in the plane without bonds on a hexagonal surface,
+// V = A [cos p + cos q + cos(p + q)], p = 2 pi (x/a - y/(sqrt(3) a)), q = 4 pi y/(sqrt(3) a),
+// dragged by their centre of mass. With the engine's mathematics it takes eight particles at once.
+template <class Math>
+struct Flake {
+  int count;  // a multiple of 8
+  double stiffness = 1.0;
+  double damping_each = 0.1;
+  double speed_x = 1e-3;
+  double speed_y = 5e-4;
+  double period = 1.0;
+  double amplitude_each = 0.05;
+  double mass_each = 1.0;
+
+  std::vector<double> x, y, vx, vy;
+  double force_integral_x = 0.0;
+  double force_integral_y = 0.0;
+  std::int64_t done = 0;
+
+  // Rows of particles at that distance in both directions.
+  Flake(int columns, int rows, double spacing);
+  void advance(std::int64_t steps, double h);
+
+ private:
+  double start_x, start_y;
+  std::vector<double> xs, ys, vxs, vys, ax, ay, sum_vx, sum_vy, sum_ax, sum_ay;
+
+  void accelerations(const double* px, const double* py, const double* ux, const double* uy,
+                     double t, double& driver_x, double& driver_y);
 };
 
 // Forces of (1/2) (theta - pi)^2 at each particle of a closed ring in the plane, theta the angle

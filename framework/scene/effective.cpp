@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <type_traits>
 #include <utility>
@@ -121,7 +122,13 @@ std::optional<Node> node_of(const AngleSelection& angles) {
   return node(std::move(list));
 }
 
-// double, std::int64_t, bool and std::string stand for themselves.
+/// A number that is absent reads as NaN.
+std::optional<Node> node_of(double number) {
+  if (std::isnan(number)) return std::nullopt;
+  return node(number);
+}
+
+// std::int64_t, bool and std::string stand for themselves.
 template <class Plain>
 std::optional<Node> node_of(const Plain& value) {
   return node(value);

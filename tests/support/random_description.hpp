@@ -153,6 +153,14 @@ inline ParameterValue random_value(const Parameter& row, const Arrangement& arra
   return row.standard.value_or(row.prototype);
 }
 
+/// Whether a key may be left out of a scene, so that at times it is: a number that may have either
+/// sign, or numbers.
+inline bool may_be_left_out(const Parameter& row) {
+  if (std::holds_alternative<WordOrNumbers>(row.prototype)) return row.optional;
+  if (!std::holds_alternative<double>(row.prototype)) return false;
+  return row.optional || (row.standard && row.interval.low < 0.0);
+}
+
 /// Random parameters within the record's rows that its own checks accept; null when no draw does.
 inline std::shared_ptr<void> random_description(const ForceRecord& record,
                                                 const Arrangement& arrangement, Random& random) {
@@ -168,6 +176,7 @@ inline std::shared_ptr<void> random_description(const ForceRecord& record,
   for (int draw = 0; draw < kDraws; ++draw) {
     auto description = record.make_description();
     for (const Parameter& row : record.parameters) {
+      if (may_be_left_out(row) && below(random, 2) == 0) continue;
       row.assign(description.get(), random_value(row, arrangement, random));
     }
     if (record.complaints(description.get(), outline).empty()) return description;
