@@ -96,6 +96,7 @@ class MotionReader {
     const bool changes = std::any_of(names.begin(), names.end(),
                                      [](const auto& used) { return used.name == kVariable; });
     if (!changes) return constant_function(std::get<double>(at_start), text);
+    if (const auto error = random_in_formula(bound.expression)) return refuse(node, key, *error);
     TimeFunction function;
     function.text = text;
     function.expression = std::make_shared<const Expression>(std::move(bound.expression));

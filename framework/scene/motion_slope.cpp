@@ -107,6 +107,9 @@ Slope call(ExpressionFunction::Id id, std::span<const Slope> arguments) {
       return {x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0), 0.0};
     case Id::step:
       return {x < 0.0 ? 0.0 : 1.0, 0.0};
+    case Id::random:
+    case Id::normal:
+      break;  // refused where motions are read
   }
   return {kNone, kNone};
 }

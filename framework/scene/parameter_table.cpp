@@ -57,6 +57,15 @@ Result parsed(std::string_view text) {
 
 }  // namespace
 
+std::optional<ExpressionError> random_in_formula(const Expression& expression) {
+  const Expression::Node* call = expression.random_call();
+  if (call == nullptr) return std::nullopt;
+  return ExpressionError{
+      .column = call->column,
+      .why = "a formula draws no random numbers: give one a name in [parameters]",
+      .code = FaultCode::expression_unknown_name};
+}
+
 void ParameterTable::add(std::string name, double value) { append(std::move(name), value); }
 
 void ParameterTable::add(std::string name, std::string_view expression) {

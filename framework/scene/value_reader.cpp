@@ -300,6 +300,9 @@ std::optional<Formula> ValueReader::formula(const Subject& subject, const Node& 
   const auto* text = node.as<std::string>();
   if (text == nullptr) return wrong_kind(subject, node);
   auto bound = parameters_.bind(*text, expression_variables());
+  if (auto* expression = std::get_if<BoundExpression>(&bound)) {
+    if (auto error = random_in_formula(expression->expression)) bound = *std::move(error);
+  }
   if (const auto* error = std::get_if<ExpressionError>(&bound)) {
     if (!error->consequence) {
       faults_.inside(node, error->column,

@@ -13,6 +13,7 @@
 #include <boost/container/small_vector.hpp>
 
 #include "framework/core/formula/rounded_functions.hpp"
+#include "framework/core/numbers/random.hpp"
 #include "framework/core/text/ascii.hpp"
 #include "framework/core/text/nearest_name.hpp"
 
@@ -28,7 +29,7 @@ constexpr std::size_t kAnyNumber = Expression::kMaxLength;
 constexpr std::size_t kUsualDepth = 32;  // of the stack that an evaluation needs
 
 // In the order of FunctionId.
-constexpr std::array<ExpressionFunction, 19> kFunctions{{
+constexpr std::array<ExpressionFunction, 21> kFunctions{{
     {FunctionId::sqrt, "sqrt", 1, 1, "square root"},
     {FunctionId::exp, "exp", 1, 1, "exponential"},
     {FunctionId::log, "log", 1, 1, "natural logarithm"},
@@ -48,12 +49,29 @@ constexpr std::array<ExpressionFunction, 19> kFunctions{{
     {FunctionId::cosh, "cosh", 1, 1, "hyperbolic cosine", true},
     {FunctionId::sign, "sign", 1, 1, "-1, 0 or 1: the sign of a number", true},
     {FunctionId::step, "step", 1, 1, "0 below 0, and 1 from 0 on", true},
+    {FunctionId::random, "random", 2, 2,
+     "random(seed, n): the n-th random number, uniform between 0 and 1", true},
+    {FunctionId::normal, "normal", 2, 2,
+     "normal(seed, n): the same of mean 0 and standard deviation 1", true},
 }};
 
 constexpr std::array<std::string_view, 12> kVariables{"x",  "y",  "z",  "vx", "vy",    "vz",
                                                       "xc", "yc", "zc", "r",  "theta", "t"};
 
 constexpr std::string_view kPi = "pi";
+
+/// Up to here doubles hold every integer.
+constexpr double kLargestCount = 9007199254740992.0;
+
+/// Each function has a stream of its own: the same seed and number are not the same draw.
+double drawn(FunctionId function, double seed, double number) {
+  const bool uniform = function == FunctionId::random;
+  const RandomKey key{static_cast<std::uint64_t>(seed), stream_of(uniform ? "random" : "normal")};
+  const auto [first, second] = uniform_pair(key, {static_cast<std::uint64_t>(number), 0, 0, 0});
+  if (uniform) return first;
+  // Box and Muller, Ann. Math. Stat. 29 (1958) 610.
+  return std::sqrt(-2.0 * rounded_log(first)) * rounded_cos(2.0 * std::numbers::pi * second);
+}
 
 std::optional<std::uint32_t> find_function(std::string_view name) {
   for (std::uint32_t i = 0; i < kFunctions.size(); ++i) {
@@ -490,6 +508,14 @@ Outcome call_function(const ExpressionFunction& function, std::span<const double
       return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0);
     case FunctionId::step:
       return x < 0.0 ? 0.0 : 1.0;
+    case FunctionId::random:
+    case FunctionId::normal:
+      for (const double argument : arguments) {
+        if (argument < 0.0 || argument > kLargestCount || argument != std::floor(argument)) {
+          return refuse(": seed and number are integers from 0 on");
+        }
+      }
+      return drawn(function.id, x, arguments[1]);
   }
   return refuse(" is not implemented");
 }
@@ -537,6 +563,13 @@ std::variant<double, ExpressionError> Expression::evaluate(const Lookup& lookup)
     stack.push_back(std::get<double>(outcome));
   }
   return stack.back();
+}
+
+const Expression::Node* Expression::random_call() const {
+  const auto found = std::find_if(nodes_.begin(), nodes_.end(), [](const Node& node) {
+    return node.op == Op::call && is_random(kFunctions[node.index].id);
+  });
+  return found == nodes_.end() ? nullptr : &*found;
 }
 
 std::string Expression::to_string() const {

@@ -58,7 +58,9 @@ struct ExpressionFunction {
     sinh,
     cosh,
     sign,
-    step
+    step,
+    random,
+    normal
   };
   Id id;
   std::string_view name;
@@ -71,6 +73,12 @@ struct ExpressionFunction {
 
 /// All of them, in the order of the help text.
 std::span<const ExpressionFunction> expression_functions();
+
+/// Whether it draws a random number. Formulas and motions have none: they are numbers of a place,
+/// not of a time.
+constexpr bool is_random(ExpressionFunction::Id id) {
+  return id == ExpressionFunction::Id::random || id == ExpressionFunction::Id::normal;
+}
 
 /// The variables of expression forces and prescribed motions; parameters may not shadow them.
 std::span<const std::string_view> expression_variables();
@@ -124,6 +132,8 @@ class Expression {
 
   /// Free names (neither functions nor `pi`), each once, in order of first use.
   const std::vector<Name>& names() const { return names_; }
+  /// The first call of a function that draws random numbers; null without one.
+  const Node* random_call() const;
   /// For whoever evaluates expressions over other number types.
   const std::vector<Node>& nodes() const { return nodes_; }
   /// As written.

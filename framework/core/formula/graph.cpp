@@ -420,6 +420,9 @@ FormulaGraph::Id FormulaGraph::call(const Expression::Node& called, std::span<co
       return function(Function::sign, {u});
     case step:
       return function(Function::step, {u});
+    case random:
+    case normal:
+      break;  // refused where formulas are read
   }
   return u;
 }

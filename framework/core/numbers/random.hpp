@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string_view>
+#include <utility>
 
 /// Random numbers that depend on nothing but their key and their place: the counter-based generator
 /// Philox 4x64-10 (Salmon, Moraes, Dror, Shaw, SC '11, doi:10.1145/2063384.2063405; Random123).
@@ -22,6 +23,9 @@ struct RandomPlace {
 
 /// The stream of what has this name, wherever it stands (FNV-1a, 64 bits; Fowler, Noll and Vo).
 std::uint64_t stream_of(std::string_view name);
+
+/// Two independent numbers, uniform in (0, 1).
+std::pair<double, double> uniform_pair(const RandomKey& key, const RandomPlace& place);
 
 /// Uniform in (-1, 1), symmetric about zero.
 double uniform_symmetric(const RandomKey& key, const RandomPlace& place);
