@@ -570,7 +570,7 @@ ForceRecord lattice_substrate_record() {
   record.traits = traits_of_sites<LatticeFirst>();
   record.traits_of = of_description<&traits>;
   record.period = of_description<&lattice_period>;
-  // record.origin_cell = of_description<&origin_cell>;
+  record.origin_cell = of_description<&origin_cell>;
   record.complaints = of_description<&complaints>;
   record.bind = {of_description<&bind<double>>, of_description<&bind<float>>,
                  of_description<&bind<Quad>>};

@@ -95,7 +95,7 @@ enum class LatticeHeight { none, common, each };
 
 /// All harmonics of a description that its complaints accept.
 std::vector<LatticeHarmonic> lattice_harmonics(const LatticeSubstrateDescription& description);
-/// The decay of all where it is the same; else 0.
+/// The decay of the first amplitude, and of all where it is the same.
 double lattice_decay(const LatticeSubstrateDescription& description);
 /// The shortest lattice vector along an axis: a combination of a1 and a2, at most four of each,
 /// that lies on it exactly; 0 where there is none.

@@ -41,8 +41,9 @@ BodyGeometry build(const SceneBody& body, int dimension) {
 
 }  // namespace
 
-/// The unit of each axis is the longest period that a force declares on it; the body with the
-/// lowest start decides how many of them the scene is away, so that the order of bodies does not.
+/// The unit of each axis is the longest period or cell that a force declares on it; the body with
+/// the lowest start decides how many of them the scene is away, so that the order of bodies does
+/// not.
 AssemblyPlan Model::plan_for(const Scene& scene, InstructionSet set) {
   AssemblyPlan plan;
   plan.scene = &scene;
@@ -61,7 +62,9 @@ AssemblyPlan Model::plan_for(const Scene& scene, InstructionSet set) {
     double unit = 0.0;
     for (const SceneForce& force : scene.forces) {
       unit = std::max(unit, bound_by(force, "force", [&] {
-                        return force.record->period(force.description.get(), axis);
+                        const void* description = force.description.get();
+                        const double period = force.record->period(description, axis);
+                        return period > 0.0 ? period : force.record->origin_cell(description, axis);
                       }));
     }
     plan.origin.unit[axis] = unit;

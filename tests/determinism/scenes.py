@@ -31,6 +31,33 @@ coefficient = 0.4
 memory_time = 0.3
 """
 
+SURFACE = """
+[[body]]
+name = "tip"
+type = "point"
+position = [0.3, 0.1, 0.2]
+particle_mass = 1.0
+
+[[force]]
+type = "driving_spring"
+stiffness = 1.0
+velocity = [0.4, 0.2, 0.0]
+
+[[force]]
+type = "viscous_damping"
+coefficient = 0.5
+
+[[force]]
+type = "lattice_substrate"
+lattice = "honeycomb"
+period = 1.0
+misfit = 0.2
+amplitudes = [0.1, 0.03]
+decay = [2.0, 3.0]
+repulsion = 0.5
+repulsion_decay = 2.5
+"""
+
 CHAIN = """
 [box]
 lengths = [13.0]
@@ -194,5 +221,7 @@ SCENES = {
     "tip_implicit_overdamped": scene(TIP, RADAU9, 60.0, 0.7, OVERDAMPED),
     "chain_implicit": scene(CHAIN, RADAU9, 20.0, 0.7),
     "ring_rigid_implicit": scene(RIGID, RADAU9, 40.0, 0.7, LEDGER),
+    "surface": scene(SURFACE, DOPRI5, 20.0, 0.7, LEDGER),
+    "surface_float": scene(SURFACE, RK4.format(dt=1e-2), 10.0, 0.7, FLOAT),
     "two_bodies": scene(PUSHED, DOPRI5, 10.0, 0.7, LEDGER),
 }

@@ -702,6 +702,35 @@ TEST(LatticeSubstrate, ABoxHasToFit) {
   EXPECT_EQ(refused(high, "0, 0, 1", box("2.0, 1.0, 1.0", "true, false, false")), "");
 }
 
+/// Of a lattice that lies across the axes a run knows its place as well as of one along them.
+TEST(LatticeSubstrate, ARunFarAwayIsThatOfTheSamePlaceNearby) {
+  const double x = 1e9;
+  const double y = 0.25;
+  const auto b = reciprocal_lattice(named(SurfaceLattice::square, 0.1, 1.0, 0.3));
+  double part[2];
+  for (std::size_t j = 0; j < 2; ++j) {
+    const Quad turns =
+        Quad(x) * from_double_double<Quad>(b[j][0]) + Quad(y) * from_double_double<Quad>(b[j][1]);
+    part[j] = static_cast<double>(turns - round(turns));
+  }
+  const auto velocity = [](double from_x, double from_y) {
+    const RunResult result = run_text(
+        "[[body]]\nname = \"tip\"\ntype = \"point\"\nposition = [" + digits(from_x) + ", " +
+        digits(from_y) + "]\nvelocity = [0.7, 0.4]\nparticle_mass = 1.0\n" +
+        surface_text("lattice = \"square\"\nperiod = 1.0\namplitude = 0.1\nmisfit = 0.3\n") +
+        run_for(5.0, adaptive(1e-12)));
+    return std::array{observable(result, "tip.velocity.x").value(),
+                      observable(result, "tip.velocity.y").value()};
+  };
+  constexpr double kSameRun = 1e-10;  // a hundred times the tolerance; places there have 1e-7
+  const auto far = velocity(x, y);
+  const auto near = velocity(part[0] * std::cos(0.3) - part[1] * std::sin(0.3),
+                             part[0] * std::sin(0.3) + part[1] * std::cos(0.3));
+  EXPECT_NEAR(far[0], near[0], kSameRun);
+  EXPECT_NEAR(far[1], near[1], kSameRun);
+  EXPECT_GT(std::abs(far[0] - 0.7), 0.01) << "the surface acts";
+}
+
 TEST(LatticeSubstrate, FarBelowTheSurfaceTheRunNamesTheForce) {
   const RunResult result = run_text(
       R"([[body]]
@@ -711,6 +740,8 @@ particle_mass = 1.0
 )" + surface_text("lattice = \"square\"\nperiod = 1.0\namplitude = 0.1\ndecay = 5.0\n") +
       "[run]\nduration = 1.0\nallow_unstable = true\nintegrator = " + fixed_step(1e-3) + "\n");
   EXPECT_EQ(result.status, RunStatus::failed);
+  ASSERT_TRUE(result.failure.has_value());
+  EXPECT_NE(to_string(*result.failure).find("surface"), std::string::npos);
 }
 
 }  // namespace

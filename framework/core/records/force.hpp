@@ -106,6 +106,10 @@ struct ForceRecord : ComponentRecord {
   double (*length)(const void* description) = &no_length;
 
   ForceFactories bind;
+
+  /// Unit in which the scene's origin may move along an axis on which the force has no period, but
+  /// phases that it keeps by its own `rebase`; 0 where there is no need to.
+  double (*origin_cell)(const void* description, int axis) = &no_period;
 };
 
 /// A record for descriptions of this type, otherwise empty.
