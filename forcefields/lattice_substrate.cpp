@@ -567,6 +567,7 @@ ForceRecord lattice_substrate_record() {
   constexpr Dimension kInverseLength{.length = -1};
   ForceRecord record = record_of<Description>();
   record.element = Element::site;
+  record.varies = true;
   record.traits = traits_of_sites<LatticeFirst>();
   record.traits_of = of_description<&traits>;
   record.period = of_description<&lattice_period>;
@@ -593,14 +594,16 @@ ForceRecord lattice_substrate_record() {
       parameter("period", &Description::period, dimension::length,
                 "lattice constant: the length of the lattice vectors of a lattice with a name")
           .in(positive)
-          .or_absent(),
+          .or_absent()
+          .one_for_all_particles(),
       parameter("lattice_vectors", &Description::lattice_vectors, dimension::length,
                 "in place of lattice and period: [[a1x, a1y], [a2x, a2y]]")
           .or_absent(),
       parameter("misfit", &Description::misfit, dimension::none,
                 "angle by which the lattice is turned counter-clockwise, in radians; without it a "
                 "lattice with a name has a vector along x")
-          .by_default(0.0),
+          .by_default(0.0)
+          .one_for_all_particles(),
       parameter("amplitude", &Description::amplitude, dimension::energy,
                 "of the first star, per particle; atoms are maxima when positive")
           .or_absent(),
@@ -628,7 +631,8 @@ ForceRecord lattice_substrate_record() {
       parameter("repulsion_decay", &Description::repulsion_decay, kInverseLength,
                 "decay of the repulsion with height")
           .in(non_negative)
-          .by_default(0.0)};
+          .by_default(0.0)
+          .one_for_all_particles()};
   record.example = R"(# A tip is pulled over a hexagonal surface, at an angle to its rows of atoms.
 [[body]]
 name = "tip"
