@@ -95,6 +95,7 @@ std::string with_names(std::string text, const std::string& name) {
     }
   };
   replace("plugin_name", name);
+  replace("PairPluginName", class_name(name));  // no name twice among the templates
   replace("PluginName", class_name(name));
   return text;
 }

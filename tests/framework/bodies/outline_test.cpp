@@ -117,20 +117,24 @@ const std::vector<RollingBody>& rolling_bodies() {
   return all;
 }
 
+/// A body that advances with this velocity and turns clockwise once in a unit of time.
+std::string turning(const RollingBody& body, double velocity) {
+  return "[[body]]\nname = \"body\"\ntype = \"" + body.type + "\"\n" + body.keys +
+         "particle_mass = 1.0\ncoordinates = \"prescribed\"\nmotion = { velocity = [" +
+         digits(velocity) +
+         ", 0.0], angular_velocity = \"-2 * pi\" }\n"
+         "[run]\nduration = 3.0\nintegrator = { type = \"rk4\", dt = 0.01 }\n";
+}
+
 // One turn clockwise while it advances by its perimeter is rolling without sliding.
 TEST(Rolling, IsOneWhereATurnAdvancesByThePerimeter) {
-  for (const auto& [type, keys] : rolling_bodies()) {
-    const double perimeter = kTau * shape_of(type, keys).rolling_radius;
+  for (const RollingBody& body : rolling_bodies()) {
+    const double perimeter = kTau * shape_of(body.type, body.keys).rolling_radius;
     for (const double sliding : {0.0, 0.5}) {
-      const RunResult result =
-          run_text("[[body]]\nname = \"body\"\ntype = \"" + type + "\"\n" + keys +
-                   "particle_mass = 1.0\ncoordinates = \"prescribed\"\nmotion = { velocity = [" +
-                   digits((1.0 + sliding) * perimeter) +
-                   ", 0.0], angular_velocity = \"-2 * pi\" }\n"
-                   "[run]\nduration = 3.0\nintegrator = { type = \"rk4\", dt = 0.01 }\n");
+      const RunResult result = run_text(turning(body, (1.0 + sliding) * perimeter));
       EXPECT_NEAR(*body_of(result, "body")["rolling"].begin(), 1.0 / (1.0 + sliding), 1e-12)
-          << type;
-      EXPECT_NEAR(*body_of(result, "body")["turns"].begin(), -3.0, 1e-12) << type;
+          << body.type;
+      EXPECT_NEAR(*body_of(result, "body")["turns"].begin(), -3.0, 1e-12) << body.type;
     }
   }
 }

@@ -5,13 +5,13 @@
 #include "framework/core/elements/bonds.hpp"
 #include "framework/plugin/plugin.hpp"
 
-TOMLIN_DECLARE_KERNELS(PluginName)
+TOMLIN_DECLARE_KERNELS(PairPluginName)
 
 namespace tomlin {
 namespace {
 
 /// What does not fit the scene: of two images of a particle within the cutoff only one would count.
-std::vector<Complaint> complaints(const PluginNameDescription& d, const SceneOutline& scene) {
+std::vector<Complaint> complaints(const PairPluginNameDescription& d, const SceneOutline& scene) {
   for (const double length : scene.box) {
     if (!(length > 0.0) || d.cutoff <= 0.5 * length) continue;
     return {{.key = "cutoff",
@@ -27,10 +27,10 @@ std::vector<Complaint> complaints(const PluginNameDescription& d, const SceneOut
 /// What the force is called, where it comes from and what it takes. A row for each
 /// parameter reads scenes, refuses what is out of range and documents.
 ForceRecord plugin_name_record() {
-  using Description = PluginNameDescription;
+  using Description = PairPluginNameDescription;
   // Between all chosen particles of a body or of two, by the nearest images in a periodic box. Its
   // traits follow from the evaluator: an energy makes it conservative. `tomlin check` tests them.
-  ForceRecord record = pair_potential<PluginName, kernels::PluginName>();
+  ForceRecord record = pair_potential<PairPluginName, kernels::PairPluginName>();
   record.name = "plugin_name";
   record.summary = "a soft repulsion between particles, up to a cutoff";
   record.equation = "V = height * (1 - r^2/cutoff^2)^3 for r < cutoff, each pair once";

@@ -16,7 +16,7 @@
 namespace tomlin {
 
 /// The parameters as a scene gives them.
-struct PluginNameDescription {
+struct PairPluginNameDescription {
   PairSelection pairs{.kind = PairSelection::Kind::all, .list = {}};
   double height = 0.0;
   double cutoff = 0.0;
@@ -29,8 +29,8 @@ inline namespace TOMLIN_TARGET {
 /// The evaluator: one pair in D dimensions, whatever the number type T. No loop over pairs, no
 /// branch on a number (select), no std:: mathematics (framework/core/numbers/math.hpp has exp, pow,
 /// ...).
-struct PluginName {
-  using Description = PluginNameDescription;
+struct PairPluginName {
+  using Description = PairPluginNameDescription;
 
   /// Nothing but numbers of type T.
   template <class T, int D>
