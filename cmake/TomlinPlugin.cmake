@@ -8,8 +8,8 @@
 # `#ifndef TOMLIN_KERNELS_ONLY` and `#endif`. Number types or instruction sets that are left out
 # leave out ways to run, and nothing else; double and baseline are always needed.
 #
-# Where the project says nothing of optimisation (no CMAKE_BUILD_TYPE, no -O in CMAKE_CXX_FLAGS), the
-# plugin is compiled as tomlin is: -O3. Options of the folder or of the target come later and count.
+# Where the project says nothing of optimisation (no CMAKE_BUILD_TYPE, no -O in CMAKE_CXX_FLAGS),
+# the plugin is compiled as tomlin is: -O3. Options of the folder or the target come later and count.
 
 set(TOMLIN_PLUGIN_NOTE ${CMAKE_CURRENT_LIST_DIR}/plugin_note.cpp.in)
 
