@@ -41,6 +41,7 @@ class SchemeChecks {
              }));
     }
     if (scheme_.splits_friction) check_split_friction();
+    if (scheme_.splits_friction || scheme_.conservative_only) check_declared_drivers();
     check_operators();
     if ((scheme_.splits_friction || scheme_.conservative_only) && scene_.run.ledger) check_ledger();
     if (scheme_.conservative_only) check_loss();
@@ -85,6 +86,17 @@ class SchemeChecks {
              integrators_that(scene_, [](const IntegratorRecord& other) {
                return other.splits_friction && !other.splits_bonds;
              }));
+    }
+  }
+
+  /// A kick's forces come with velocities of half a step before, and so does F.v.
+  void check_declared_drivers() {
+    for (const Force& force : assembly_.forces()) {
+      if (!force.driver || force.driver->stores_energy()) continue;
+      refuse(FaultCode::integrator_order_reduction,
+             "falls to first order in the work of the driver \"" + force.name +
+                 "\", which follows from velocities",
+             any_scene_);
     }
   }
 

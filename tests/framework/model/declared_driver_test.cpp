@@ -110,7 +110,7 @@ std::string falling(const std::string& coordinates, const std::string& integrato
 TEST(DeclaredDriver, AConstantForceDoesItsWork) {
   for (const char* coordinates : {"\"particles\"", "\"rigid\""}) {
     for (const char* integrator :
-         {"{ type = \"rk4\", dt = 0.01 }", "{ type = \"velocity_verlet\", dt = 0.01 }"}) {
+         {"{ type = \"rk4\", dt = 0.01 }", "{ type = \"dopri5\", relative_tolerance = 1e-10 }"}) {
       const RunResult result = run_text(falling(coordinates, integrator));
       const double x = 0.3 * 4 + 0.5 * 0.1 * 16;
       const double y = 0.1 * 4 - 0.5 * 0.05 * 16;
@@ -123,6 +123,19 @@ TEST(DeclaredDriver, AConstantForceDoesItsWork) {
       EXPECT_NEAR(observable(result, "energy.work_in").value(), work, rounding);
       EXPECT_NEAR(observable(result, "energy.numerical_work").value(), 0.0, rounding);
       EXPECT_FALSE(observable(result, "pull.distance"));  // there is no support that moves
+    }
+  }
+}
+
+// Their forces are evaluated at velocities of half a step before.
+TEST(DeclaredDriver, SchemesThatWouldFallToFirstOrderInItsWorkRefuseIt) {
+  for (const char* integrator :
+       {"{ type = \"velocity_verlet\", dt = 0.01 }", "{ type = \"blanes_moan\", dt = 0.01 }"}) {
+    try {
+      run_text(falling("\"particles\"", integrator));
+      ADD_FAILURE() << integrator;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.faults().front().code, FaultCode::integrator_order_reduction) << integrator;
     }
   }
 }
