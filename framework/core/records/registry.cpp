@@ -113,6 +113,13 @@ void Registry::add(ForceRecord record) {
   for (Parameter& row : record.parameters) {
     row.per_particle = record.varies && can_vary(row) && !row.uniform;
   }
+  // A build without kernels of a number type binds nothing in it.
+#if defined(TOMLIN_WITHOUT_FLOAT)
+  record.bind.in_float = nullptr;
+#endif
+#if defined(TOMLIN_WITHOUT_QUAD)
+  record.bind.in_quadruple = nullptr;
+#endif
   forces_.push_back(std::make_unique<ForceRecord>(std::move(record)));
 }
 
