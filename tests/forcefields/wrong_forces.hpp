@@ -124,7 +124,7 @@ class HeatOfOthers : public ParticleForce<E, Real, D> {
  public:
   using ParticleForce<E, Real, D>::ParticleForce;
   bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
-    arguments_ = {this->body_.slot, &this->with_frame_, rate};
+    arguments_ = {this->body_.slot, &this->with_frame_, nullptr, rate};
     arguments_.body.mapped = false;
     operation = {&heat_kernel<E, Real, D>, &arguments_};
     return true;
@@ -150,7 +150,7 @@ class HalfTheHeat : public ParticleForce<E, Real, D> {
   bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override {
     half_ = this->with_frame_;
     half_.own.coefficient *= Real(0.5);
-    arguments_ = {this->body_.slot, &half_, rate};
+    arguments_ = {this->body_.slot, &half_, nullptr, rate};
     operation = {&heat_kernel<E, Real, D>, &arguments_};
     return true;
   }
@@ -295,7 +295,7 @@ class PlainDriver : public ParticleForce<E, Real, D> {
 struct WithoutOneHalf : DrivingSpring {
   template <class T, int D>
   static T energy(const Parameters<T, D>& p, const Site<T, D>& site) {
-    return p.stiffness * norm_squared(extension(p, site));
+    return T(2.0) * DrivingSpring::energy(p, site);
   }
 };
 
