@@ -144,11 +144,14 @@ std::optional<PropertyResult> padding(ForceUnderTest& e) {
   return e.end();
 }
 
-/// Its force and, of a driver, its power.
+/// Its force and, of a driver, its power. Of several bodies it acts on one.
 std::optional<PropertyResult> point(ForceUnderTest& e) {
   PointForce<double> none;
   const auto first = e.twin();
-  if (first->body(e.variable(0).body).bound.slot.mapped || !first->bound().point(none)) {
+  const std::size_t body = first->force().bodies.front();
+  std::size_t own = 0;
+  while (own < e.count() && e.variable(own).body != body) ++own;
+  if (own == e.count() || first->body(body).bound.slot.mapped || !first->bound().point(none)) {
     return std::nullopt;
   }
   e.begin("point", "its kernel for a single particle on a line has the bits of the loop");
@@ -160,9 +163,9 @@ std::optional<PropertyResult> point(ForceUnderTest& e) {
       e.put(*state, *twin);
       twin->evaluate(state->time);
       const PointResult<double> result =
-          point.run(point.parameters, state->x[0], state->v[0], point.start, 0.0);
+          point.run(point.parameters, state->x[own], state->v[own], point.start, 0.0);
       std::vector<double> found{result.force};
-      std::vector<double> due{twin->force_at(e.variable(0).at)};
+      std::vector<double> due{twin->force_at(e.variable(own).at)};
       if (point.rate != kNoRate) {
         const auto rate = static_cast<std::size_t>(point.rate);
         found.insert(found.end(), {result.force, result.power});

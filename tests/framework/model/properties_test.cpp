@@ -124,6 +124,33 @@ TEST(Properties, HoldOnTipsChainsAndRings) {
   }
 }
 
+TEST(Properties, HoldOnTheSecondOfTwoTips) {
+  expect_sound(R"(
+[[body]]
+name = "first"
+type = "point"
+position = [0.4]
+particle_mass = 10.0
+[[body]]
+name = "second"
+type = "point"
+position = [0.5]
+particle_mass = 0.1
+[[force]]
+type = "viscous_damping"
+body = "second"
+coefficient = 0.5
+[[force]]
+type = "sinusoidal_substrate"
+body = "second"
+amplitude = 0.1
+period = 1.0
+[run]
+duration = 10.0
+integrator = { type = "rk4", dt = 0.01 }
+)");
+}
+
 TEST(Properties, HoldFarFromTheOriginAndForStiffBonds) {
   expect_sound(TipScene{.position = 1e5 + 0.1}.text(), kRightFarAway);
   expect_sound(RingScene{.bonds = 1e6, .centre = 1e4}.text(), kRightFarAway);
