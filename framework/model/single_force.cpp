@@ -19,6 +19,12 @@ double farthest_arm(const Model::Body& body) {
   return farthest;
 }
 
+/// As the record has it, whether the scene declares it a driver or not.
+SceneForce as_force(SceneForce force) {
+  force.driver = false;
+  return force;
+}
+
 }  // namespace
 
 IntegratorRecord without_demands(IntegratorRecord scheme) {
@@ -42,7 +48,7 @@ std::shared_ptr<const Scene> with_forces(const Scene& scene, std::vector<SceneFo
 
 SingleForce::SingleForce(const Scene& scene, std::size_t force)
     : scheme_(without_demands(*scene.run.integrator.record)),
-      model_(with_forces(scene, {scene.forces[force]}, scheme_)) {
+      model_(with_forces(scene, {as_force(scene.forces[force])}, scheme_)) {
   StateLayout layout;
   model_.declare(layout);
   state_ = RunState(layout, 1);
