@@ -4,12 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/run/observables.hpp"
 #include "tests/scenarios/scenario_fixture.hpp"
 
 namespace tomlin::test {
 namespace {
 
-double friction(double alpha, double v) {
+double actuated_friction(double alpha, double v) {
   const RunResult result =
       run_shipped("actuated_contact/tip.toml", {{"alpha", text_of(alpha)}, {"v", text_of(v)}});
   return observable(result, "driver.mean_force.x").value();
@@ -19,13 +20,13 @@ TEST(ActuatedContact, BeyondTheThresholdFrictionIsThatOfTheWayInACycle) {
   constexpr double kFast = 1e-4;
   constexpr double kSlow = 3e-5;
   // 1 - 1/s = 2/3.
-  const double above = friction(0.8, kSlow);
-  EXPECT_NEAR(friction(0.8, kFast) / above, kFast / kSlow, 0.1);
-  EXPECT_LT(above, 0.02 * friction(0.0, kSlow));
+  const double above = actuated_friction(0.8, kSlow);
+  EXPECT_NEAR(actuated_friction(0.8, kFast) / above, kFast / kSlow, 0.1);
+  EXPECT_LT(above, 0.02 * actuated_friction(0.0, kSlow));
   // Before the threshold it hardly depends on the velocity.
-  const double below = friction(0.4, kSlow);
-  EXPECT_GT(below, 0.3 * friction(0.0, kSlow));
-  EXPECT_LT(friction(0.4, kFast) / below, 1.3);
+  const double below = actuated_friction(0.4, kSlow);
+  EXPECT_GT(below, 0.3 * actuated_friction(0.0, kSlow));
+  EXPECT_LT(actuated_friction(0.4, kFast) / below, 1.3);
 }
 
 }  // namespace

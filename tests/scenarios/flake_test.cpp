@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/run/observables.hpp"
 #include "tests/scenarios/scenario_fixture.hpp"
 
 namespace tomlin::test {
@@ -50,10 +51,10 @@ double form_factor(const std::vector<Atom>& atoms) {
   return sum;
 }
 
-const std::string kHeld = "flake/held.toml";
-const std::string kFree = "flake/free.toml";
+const std::string kHeldFlake = "flake/held.toml";
+const std::string kFreeFlake = "flake/free.toml";
 
-double mean_force(const RunResult& result, const char* axis) {
+double mean_pull(const RunResult& result, const char* axis) {
   return observable(result, std::string("driver.mean_force.") + axis).value();
 }
 
@@ -94,14 +95,15 @@ TEST(Flake, ThatCannotTurnIsATip) {
     for (const double phi : {0.0, 0.04, 0.08}) {
       const auto atoms = hexagon(n, phi);
       ASSERT_EQ(atoms.size(), static_cast<std::size_t>(6 * n * n));
-      const RunResult flake = run_shipped(kHeld, {{"n", std::to_string(n)}, {"phi", text_of(phi)}});
+      const RunResult flake =
+          run_shipped(kHeldFlake, {{"n", std::to_string(n)}, {"phi", text_of(phi)}});
       const RunResult tip = run_text(tip_of(5e-3 * form_factor(atoms)));
-      EXPECT_GT(mean_force(flake, "x"), 1e-2);
-      EXPECT_NEAR(mean_force(flake, "x"), mean_force(tip, "x"), kFollowed) << n << ", " << phi;
-      EXPECT_NEAR(mean_force(flake, "y"), mean_force(tip, "y"), kFollowed) << n << ", " << phi;
+      EXPECT_GT(mean_pull(flake, "x"), 1e-2);
+      EXPECT_NEAR(mean_pull(flake, "x"), mean_pull(tip, "x"), kFollowed) << n << ", " << phi;
+      EXPECT_NEAR(mean_pull(flake, "y"), mean_pull(tip, "y"), kFollowed) << n << ", " << phi;
       // The control: an amplitude that is off by a thousandth shows.
       const RunResult other = run_text(tip_of(1.001 * 5e-3 * form_factor(atoms)));
-      EXPECT_GT(std::abs(mean_force(other, "x") - mean_force(tip, "x")), 1e2 * kFollowed);
+      EXPECT_GT(std::abs(mean_pull(other, "x") - mean_pull(tip, "x")), 1e2 * kFollowed);
     }
   }
 }
@@ -114,30 +116,30 @@ TEST(Flake, InStepHalfOfTheAtomsCancel) {
 
 TEST(Flake, SixtyDegreesChangeNothing) {
   for (const double phi : {0.0, 0.05, -0.08}) {
-    const RunResult one = run_shipped(kHeld, {{"phi", text_of(phi)}});
-    const RunResult other = run_shipped(kHeld, {{"phi", "pi/3 + " + text_of(phi)}});
-    EXPECT_NEAR(mean_force(one, "x"), mean_force(other, "x"), kFollowed) << phi;
+    const RunResult one = run_shipped(kHeldFlake, {{"phi", text_of(phi)}});
+    const RunResult other = run_shipped(kHeldFlake, {{"phi", "pi/3 + " + text_of(phi)}});
+    EXPECT_NEAR(mean_pull(one, "x"), mean_pull(other, "x"), kFollowed) << phi;
   }
 }
 
 TEST(Flake, OutOfStepItSlidesWithoutLoss) {
   for (const int n : {2, 3, 4, 6}) {
-    const RunResult result = run_shipped(kHeld, {{"phi", "pi/6"}, {"n", std::to_string(n)}});
+    const RunResult result = run_shipped(kHeldFlake, {{"phi", "pi/6"}, {"n", std::to_string(n)}});
     EXPECT_EQ(observable(result, "events.slips").value(), 0.0) << n;
-    EXPECT_NEAR(mean_force(result, "x"), 0.0, 1e-9) << n;
+    EXPECT_NEAR(mean_pull(result, "x"), 0.0, 1e-9) << n;
   }
 }
 
 TEST(Flake, ThatMayTurnLocksIn) {
-  const RunResult in_step = run_shipped(kFree, {{"phi", "0.0"}});
-  EXPECT_NEAR(mean_force(in_step, "x"), 0.549, 1e-3);
+  const RunResult in_step = run_shipped(kFreeFlake, {{"phi", "0.0"}});
+  EXPECT_NEAR(mean_pull(in_step, "x"), 0.549, 1e-3);
   for (const double phi : {0.1, 0.2}) {
-    const RunResult result = run_shipped(kFree, {{"phi", text_of(phi)}});
+    const RunResult result = run_shipped(kFreeFlake, {{"phi", text_of(phi)}});
     EXPECT_NEAR(observable(result, "flake.rotation").value(), -phi, 1e-6);
-    EXPECT_NEAR(mean_force(result, "x"), mean_force(in_step, "x"), 1e-4);
+    EXPECT_NEAR(mean_pull(result, "x"), mean_pull(in_step, "x"), 1e-4);
   }
-  const RunResult lubricated = run_shipped(kFree, {{"phi", "0.3"}});
-  EXPECT_NEAR(mean_force(lubricated, "x"), 0.01, 1e-5);  // the drag
+  const RunResult lubricated = run_shipped(kFreeFlake, {{"phi", "0.3"}});
+  EXPECT_NEAR(mean_pull(lubricated, "x"), 0.01, 1e-5);  // the drag
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/run/observables.hpp"
 #include "tests/scenarios/scenario_fixture.hpp"
 
 namespace tomlin::test {
@@ -15,7 +16,7 @@ RunResult microscope(std::vector<Setting> settings) {
   return run_shipped("two_mass_microscope/microscope.toml", settings);
 }
 
-double mean_force(const RunResult& result) {
+double mean_reading(const RunResult& result) {
   return observable(result, "support.mean_force.x").value();
 }
 
@@ -30,12 +31,12 @@ TEST(TwoMassMicroscope, SlipsBelowTheThresholdOfTheSeries) {
 }
 
 TEST(TwoMassMicroscope, TheMeanIsTheFrictionOfTheContactWhateverTheMass) {
-  const double light = mean_force(microscope({{"M", "0.1"}}));
-  const double heavy = mean_force(microscope({{"M", "10"}}));
+  const double light = mean_reading(microscope({{"M", "0.1"}}));
+  const double heavy = mean_reading(microscope({{"M", "10"}}));
   EXPECT_NEAR(heavy / light, 1.0, 0.01);
   EXPECT_GT(light, 0.3);
   // Shaken by a cantilever that rings it is less.
-  EXPECT_LT(mean_force(microscope({{"M", "100"}, {"Xi", "0.02"}})), 0.7 * light);
+  EXPECT_LT(mean_reading(microscope({{"M", "100"}, {"Xi", "0.02"}})), 0.7 * light);
 }
 
 }  // namespace
