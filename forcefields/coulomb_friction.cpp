@@ -13,8 +13,7 @@ ForceRecord coulomb_friction_record() {
   record.summary = "dry friction of constant magnitude, against each particle's velocity";
   record.equation = "F = -force * v / sqrt(|v|^2 + width^2), per particle";
   record.source =
-      "C. A. Coulomb, Theorie des machines simples (1785), Coulomb's law;"
-      " E. Pennestri, V. Rossi, P. Salvini and P. P. Valentini, Nonlinear Dyn. 83 (2016) 1785,"
+      "E. Pennestri, V. Rossi, P. Salvini and P. P. Valentini, Nonlinear Dyn. 83 (2016) 1785,"
       " doi:10.1007/s11071-015-2485-3, a review of laws that regularise it";
   record.parameters = {
       parameter("force", &Description::force, dimension::force,

@@ -229,9 +229,7 @@ BodyRecord ellipse_record() {
       "x_i = centre + R(orientation) (a cos t_i, b sin t_i), with equal arc lengths, or t_i = 2 pi "
       "i/count";
   record.source =
-      "B. C. Carlson, Numerical computation of real or complex elliptic integrals, Numer. "
-      "Algorithms"
-      " 10 (1995) 13, doi:10.1007/BF02198293 (arc lengths)";
+      "B. C. Carlson, Numer. Algorithms 10 (1995) 13, doi:10.1007/BF02198293, arc lengths";
   record.dimension = of_description<&dimension_of>;
   record.count = of_description<&count>;
   record.complaints = of_description<&complaints>;

@@ -272,8 +272,8 @@ BodyRecord flake_record() {
       "particles of a hexagonal, honeycomb or square lattice within a shape, in the x-y plane";
   record.equation = "x = centre + R(misfit) (i a1 + j a2 + basis) within the shape";
   record.source =
-      "G. S. Verhoeven, M. Dienwiebel and J. W. M. Frenken, Model calculations of superlubricity of"
-      " graphite, Phys. Rev. B 70, 165418 (2004), doi:10.1103/PhysRevB.70.165418";
+      "G. S. Verhoeven, M. Dienwiebel and J. W. M. Frenken, Phys. Rev. B 70 (2004) 165418, "
+      "doi:10.1103/PhysRevB.70.165418";
   record.dimension = of_description<&dimension_of>;
   record.count = of_description<&count>;
   record.complaints = of_description<&complaints>;

@@ -86,8 +86,7 @@ BodyRecord polygon_record() {
       "x_{km+j} = centre + R(orientation) ((m - j) X_k + j X_{k+1}) / m, corners X_k = radius "
       "(cos(2 "
       "pi k/corners), sin(2 pi k/corners)), m = count/corners";
-  record.source =
-      "H. S. M. Coxeter, Regular Polytopes (Dover, 1973), ISBN 978-0-486-61480-9, section 1.1";
+  record.source = "H. S. M. Coxeter, Regular Polytopes (Dover, 1973), ISBN 978-0-486-61480-9";
   record.dimension = of_description<&dimension_of>;
   record.count = of_description<&count>;
   record.complaints = of_description<&complaints>;

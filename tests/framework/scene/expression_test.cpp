@@ -162,6 +162,8 @@ TEST(Expression, EveryFunction) {
       {"step(0)", 1},
       {"step(-0)", 1},
       {"step(2)", 1},
+      {"random(1, 0) * 0", 0},
+      {"normal(1, 0) * 0", 0},
   };
   for (const auto& [text, expected] : table) EXPECT_EQ(value(text), expected) << text;
 
@@ -173,6 +175,42 @@ TEST(Expression, EveryFunction) {
     })) << call;
     EXPECT_FALSE(function.summary.empty());
     EXPECT_NE(is_reserved_name(function.name), function.may_name_parameter) << call;
+  }
+}
+
+// Moments of many draws, within four standard errors.
+TEST(Expression, RandomNumbersHaveTheirDistributions) {
+  constexpr int kDraws = 4000;
+  for (const int seed : {0, 1, 4711}) {
+    double sums[6] = {};
+    for (int n = 0; n < kDraws; ++n) {
+      const auto draw = [&](const char* name) {
+        return value(std::string(name) + "(" + std::to_string(seed) + ", " + std::to_string(n) +
+                     ")");
+      };
+      const double u = draw("random");
+      const double g = draw("normal");
+      ASSERT_GT(u, 0.0);
+      ASSERT_LT(u, 1.0);
+      const double terms[6] = {u, u * u, g, g * g, g * g * g * g, u * g};
+      for (int k = 0; k < 6; ++k) sums[k] += terms[k];
+    }
+    const double mean[6] = {0.5, 1.0 / 3.0, 0.0, 1.0, 3.0, 0.0};
+    const double variance[6] = {1.0 / 12.0, 4.0 / 45.0, 1.0, 2.0, 96.0, 1.0 / 3.0};
+    for (int k = 0; k < 6; ++k) {
+      EXPECT_NEAR(sums[k] / kDraws, mean[k], 4.0 * std::sqrt(variance[k] / kDraws)) << seed << k;
+    }
+  }
+  EXPECT_EQ(value("random(3, 7)"), value("random(3, 7)"));
+  EXPECT_NE(value("random(3, 7)"), value("random(4, 7)"));
+  EXPECT_NE(value("random(3, 7)"), value("random(3, 8)"));
+  for (const char* wrong : {"random(0.5, 1)", "random(1, -1)", "normal(1, 1e300)", "random(1)"}) {
+    const auto parsed = Expression::parse(wrong);
+    const auto* expression = std::get_if<Expression>(&parsed);
+    if (expression == nullptr) continue;  // one argument is too few
+    const auto result =
+        expression->evaluate([](std::string_view) { return std::optional<double>(); });
+    EXPECT_TRUE(std::holds_alternative<ExpressionError>(result)) << wrong;
   }
 }
 
