@@ -40,7 +40,7 @@ std::vector<Complaint> complaints(const Description& d, const SceneOutline& scen
   for (int axis = 0; axis < scene.dimension; ++axis) most = std::max(most, stiffness_on(d, axis));
   if (found.empty() && !(most > 0.0)) {
     found.push_back({.key = "stiffness",
-                     .why = "the spring has none along any axis",
+                     .why = "out of range: zero along every axis",
                      .admissible = "a number > 0 along one axis at least",
                      .code = FaultCode::scene_out_of_range});
   }
