@@ -19,6 +19,7 @@ ObserverKind friction_loops();    ///< trace, retrace, loop_area of drivers that
 ObserverKind body_events();       ///< hops and turns
 ObserverKind event_counts();      ///< events
 ObserverKind energy_ledger();     ///< energy
+ObserverKind force_deviation();   ///< force_deviation, where it is asked for
 ObserverKind forces_on_bodies();  ///< forces, where they are asked for
 ObserverKind long_bonds();        ///< a warning of bonds as long as half the box
 
