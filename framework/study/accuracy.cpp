@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -13,6 +15,7 @@
 
 #include "framework/run/engine.hpp"
 #include "framework/run/observables.hpp"
+#include "framework/run/results.hpp"
 #include "framework/run/selection.hpp"
 #include "framework/study/trial_run.hpp"
 
@@ -30,9 +33,23 @@ constexpr double kExact = 10.0 * kRounding;
 
 /// What has an error: what drivers, bodies, forces and the ledger show. Counts and clocks have
 /// none.
-bool has_error(const std::string& path) {
-  return path.starts_with("drivers.") || path.starts_with("bodies.") ||
-         path.starts_with("forces.") || path.starts_with("energy.");
+bool has_error(const Observable& one) {
+  const std::string& path = one.path;
+  return one.quantity->shape != Shape::count &&
+         (path.starts_with("drivers.") || path.starts_with("bodies.") ||
+          path.starts_with("forces.") || path.starts_with("energy."));
+}
+
+/// Errors of a few events are not typical of a run, nor are those of components typical where the
+/// force as a whole counts already.
+bool is_typical(const std::string& path) {
+  constexpr std::string_view kOthers[] = {"slip_", "effective_stiffness", "mean_force_along",
+                                          "mean_force_across"};
+  const ResultQuantity* row = quantity_at(path);
+  return row == nullptr ||
+         std::none_of(std::begin(kOthers), std::end(kOthers), [row](std::string_view other) {
+           return row->key.find(other) != std::string::npos;
+         });
 }
 
 /// A companion that has run, and the share of the difference to it that is the error.
@@ -48,7 +65,8 @@ void lift_small_errors(RunResult& result) {
   };
   std::vector<double> typical;
   for (const ErrorEstimate& estimate : result.errors) {
-    if (const double error = relative(estimate); error > kExact) typical.push_back(error);
+    const double error = relative(estimate);
+    if (error > kExact && is_typical(estimate.path)) typical.push_back(error);
   }
   if (typical.empty()) return;
   const auto middle = typical.begin() + static_cast<std::ptrdiff_t>(typical.size() / 2);
@@ -87,7 +105,7 @@ void add_up_errors(RunResult& result) {
 
 void add_errors(RunResult& result, const std::vector<Beside>& companions) {
   for (const Observable& one : observables(result)) {
-    if (!has_error(one.path)) continue;
+    if (!has_error(one)) continue;
     ErrorEstimate estimate{one.path, std::nullopt};
     for (const Beside& companion : companions) {
       if (!one.quantity->made_of.empty()) break;  // from its parts' below
