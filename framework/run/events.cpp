@@ -21,8 +21,9 @@ constexpr double kLoadedPart = 0.1;
 /// Of a period, from the bottom of a well: there the point is in it. A sinusoid turns concave at a
 /// quarter; a spring holds the point a little beyond.
 constexpr double kInner = 0.3;
-/// Of a period, that the driver moves along a chord: the swings after a slip are small over it, and
-/// the slope of a sinusoidal well is that at its bottom to less than a hundredth.
+/// Of a period, that the driver moves along a chord: what is left of the swings after a slip is
+/// small over it, and the slope of a sinusoidal well is that at its bottom to less than a
+/// hundredth.
 constexpr double kChordPart = 0.05;
 /// Parts of the driver's speed: the point rests in a well, whose curvature is more than the
 /// spring's.
@@ -137,7 +138,7 @@ void DriverWatch::start() {
   numbers_[kSteepest] = -std::numeric_limits<double>::infinity();
 }
 
-void DriverWatch::sticks(double time, double force) {
+void DriverWatch::look_for_stiffness(double time, double force) {
   numbers_[kSteepest] = -std::numeric_limits<double>::infinity();
   if (watches_slips()) begin_chord(time, force);
 }
@@ -149,11 +150,11 @@ void DriverWatch::begin_chord(double time, double force) {
 }
 
 /// What swings after a slip, or in its well, is no stiffness.
+void DriverWatch::restart_chord(double time, double force) {
+  if (std::isfinite(numbers_[kChordEnd])) begin_chord(time, force);
+}
+
 void DriverWatch::end_chord(double time, double force) {
-  if (slipping()) {
-    numbers_[kChordEnd] = std::numeric_limits<double>::infinity();
-    return;
-  }
   const double moved = speed_ * (time - numbers_[kChordTime]);
   numbers_[kSteepest] = std::max(numbers_[kSteepest], (force - numbers_[kChordForce]) / moved);
   begin_chord(time, force);
@@ -239,7 +240,7 @@ void DriverWatch::look_for_slip(const Emit& emit, const Heat& heat) {
   const bool stayed = busy_[kHasWell] == 0 || well == numbers_[kWell];
   if (busy_[kWells] == 0 ? !is_relaxation() : !stayed) {
     emit_slip(emit);
-    sticks(now, f0);
+    look_for_stiffness(now, f0);
   }
   numbers_[kWell] = well;
   busy_[kHasWell] = busy_[kWells];
@@ -273,7 +274,7 @@ void DriverWatch::look_for_passage(const Emit& emit, const Heat& heat) {
     numbers_[kEndForce] = force_.at(numbers_[kLastFast]);
     numbers_[kEndHeat] = heat();
     emit_slip(emit);
-    sticks(now, force_.value(0));
+    look_for_stiffness(now, force_.value(0));
   }
   numbers_[kWell] = well;
   busy_[kHasWell] = 1;

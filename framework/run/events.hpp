@@ -100,10 +100,10 @@ class DriverWatch {
   /// Its driver has turned round: what was going on is over, and wells are not counted any more.
   void turned() { start(); }
   /// The point has come to rest after a slip: how steeply the force rises from here on.
-  void sticks(double time, double force);
+  void look_for_stiffness(double time, double force);
   /// The largest slope of the force over the displacement of the pulled end since the last slip
-  /// that was reported, of chords over a twentieth of a period; minus infinity where there is none.
-  /// The end of a chord while the point slips ends the search.
+  /// that was reported, of chords over a twentieth of a period in which the point sticks
+  /// throughout: it moves with the driver and more slowly. Minus infinity where there is none.
   double steepest() const { return numbers_[kSteepest]; }
 
   using Emit = std::function<void(const Event&)>;
@@ -121,10 +121,13 @@ class DriverWatch {
       busy_[kMoved] = busy_[kWells];
     }
     force_.add(time, force);
-    if (time >= numbers_[kChordEnd]) end_chord(time, force);
-    if (rise > 0.0 && rise < pulled && busy_[kSlipping] + busy_[kBack] + busy_[kMoved] == 0) {
-      return;
+    const bool sticks = rise > 0.0 && rise < pulled;
+    if (!sticks) {
+      restart_chord(time, force);
+    } else if (time >= numbers_[kChordEnd]) {
+      end_chord(time, force);
     }
+    if (sticks && busy_[kSlipping] + busy_[kBack] + busy_[kMoved] == 0) return;
     if (known) look(emit, heat);
   }
   /// The same for a block of points.
@@ -140,6 +143,7 @@ class DriverWatch {
  private:
   std::size_t sticking(const double* times, const double* forces, std::size_t count);
   void begin_chord(double time, double force);
+  void restart_chord(double time, double force);
   void end_chord(double time, double force);
   enum {
     kPeakTime,

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -31,25 +31,26 @@ constexpr double kRounding = 1e-15;
 constexpr double kOfTypical = 0.3;
 constexpr double kExact = 10.0 * kRounding;
 
-/// What has an error: what drivers, bodies, forces and the ledger show. Counts and clocks have
-/// none.
-bool has_error(const Observable& one) {
-  const std::string& path = one.path;
-  return one.quantity->shape != Shape::count &&
-         (path.starts_with("drivers.") || path.starts_with("bodies.") ||
-          path.starts_with("forces.") || path.starts_with("energy."));
+bool key_has_any_of(const ResultQuantity& quantity, std::initializer_list<std::string_view> words) {
+  return std::any_of(words.begin(), words.end(), [&quantity](std::string_view word) {
+    return quantity.key.find(word) != std::string::npos;
+  });
 }
 
-/// Errors of a few events are not typical of a run, nor are those of components typical where the
-/// force as a whole counts already.
+/// What has an error: what drivers, bodies, forces and the ledger show. Counts and clocks have
+/// none, nor has what is read off steps at single events.
+bool has_error(const Observable& one) {
+  const std::string& path = one.path;
+  if (one.quantity->shape == Shape::count) return false;
+  if (key_has_any_of(*one.quantity, {"slip_", "effective_stiffness"})) return false;
+  return path.starts_with("drivers.") || path.starts_with("bodies.") ||
+         path.starts_with("forces.") || path.starts_with("energy.");
+}
+
+/// Components are not typical beside the force that they are components of.
 bool is_typical(const std::string& path) {
-  constexpr std::string_view kOthers[] = {"slip_", "effective_stiffness", "mean_force_along",
-                                          "mean_force_across"};
   const ResultQuantity* row = quantity_at(path);
-  return row == nullptr ||
-         std::none_of(std::begin(kOthers), std::end(kOthers), [row](std::string_view other) {
-           return row->key.find(other) != std::string::npos;
-         });
+  return row == nullptr || !key_has_any_of(*row, {"mean_force_along", "mean_force_across"});
 }
 
 /// A companion that has run, and the share of the difference to it that is the error.

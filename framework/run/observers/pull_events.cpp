@@ -223,7 +223,7 @@ void PullEvents::path_slip(const PathSlip& slip) {
   emit_(event);
   for (DriverWatch& watch : watches_) {
     watch.turned();
-    watch.sticks(event.time, force_along(watch.driver(), slip.after));
+    watch.look_for_stiffness(event.time, force_along(watch.driver(), slip.after));
   }
 }
 

@@ -159,10 +159,23 @@ TEST(EffectiveStiffness, InTheSlowLimit) {
 }
 
 TEST(EffectiveStiffness, DoesNotMindSwings) {
-  TipScene scene = tip(4.0, 0.0005, 5.0, fixed_step(0.05), 0.1);
-  const RunResult result = run(scene_of(scene.text()));
-  ASSERT_GE(*result.driver(0)["slips"], 3.0);
-  EXPECT_NEAR(*result.driver(0)["effective_stiffness"] / in_series(scene), 1.0, 0.03);
+  // A slip leaves swings, faster than the driver at first; what is left of them once the point
+  // moves with the driver makes less of a difference the slower that is.
+  struct Case {
+    double velocity, damping, low;
+  };
+  for (const Case& one : {Case{5e-4, 0.05, 0.995}, {5e-4, 0.1, 0.995}, {2e-3, 0.1, 0.98}}) {
+    const TipScene scene = tip(4.0, one.velocity, 5.0, fixed_step(0.05), one.damping);
+    const RunResult result = run(scene_of(scene.text()));
+    ASSERT_GE(*result.driver(0)["slips"], 3.0);
+    const double part = *result.driver(0)["effective_stiffness"] / in_series(scene);
+    EXPECT_GT(part, one.low) << one.velocity;
+    EXPECT_LT(part, 1.003) << one.velocity;
+  }
+  // Where it swings until the next slip it does not stick.
+  const RunResult none = run(scene_of(tip(4.0, 0.01, 5.0, fixed_step(0.05), 0.1).text()));
+  ASSERT_GE(*none.driver(0)["slips"], 3.0);
+  EXPECT_FALSE(none.driver(0)["effective_stiffness"]);
 }
 
 TEST(EffectiveStiffness, ComesAlsoOfADriverOnItsWayBack) {
