@@ -205,7 +205,8 @@ ForceRecord driving_spring_record() {
           .or_absent(),
       parameter("reverse", &Description::reverse, dimension::none,
                 "reverse when an observable passes a value: { when = "
-                "\"bodies.NAME.centre_of_mass.x\", above = VALUE }, or below, or both; times = 1")
+                "\"bodies.NAME.centre_of_mass.x\", above = VALUE }, or below; times = 1; with both "
+                "and without times, alternately as long as the run lasts")
           .or_absent()};
   record.complaints = of_description<&complaints>;
   record.bind = {of_description<&bind<double>>, of_description<&bind<float>>,

@@ -15,7 +15,8 @@
 ///   V   velocity   of the pulled end, per axis
 ///   X0  start      the attached point at t = 0 by default (for each particle its own)
 ///   x   attach     "centre_of_mass", "each_particle" or { particle = i }
-///   reverse        V changes its sign when an observable passes a value; X(t) is continuous
+///   reverse        V changes its sign when an observable passes a value; X(t) is continuous; with
+///                  two limits and no `times` as long as the run lasts
 ///
 /// F is the lateral force that a friction force microscope reads: positive along x when the driver
 /// leads. A force on the centre of mass is shared among the particles by mass, which is virtual

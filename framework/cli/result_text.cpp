@@ -38,6 +38,7 @@ const Printed& printed_of(std::string_view family) {
   static const Printed all[] = {
       {"drivers",
        {{"mean_force", "mean force"},
+        {"half_difference", "half difference"},
         {"work_per_distance", "work/distance"},
         {"static_force", "static force"}}},
       {"bodies", {{"mean_velocity", "mean velocity"}, {"turns", "turns"}, {"rolling", "rolling"}}},

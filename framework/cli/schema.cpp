@@ -111,6 +111,8 @@ Json passing(const Parameter& row) {
                        {"when"});
   schema["if"] = requires_keys({"above"});
   schema["else"] = requires_keys({"below"});
+  schema["properties"]["times"]["description"] =
+      "how often it counts: 1 by default; with above and below as long as the run lasts";
   return schema;
 }
 

@@ -21,6 +21,10 @@ constexpr double kLoadedPart = 0.1;
 /// Of a period, from the bottom of a well: there the point is in it. A sinusoid turns concave at a
 /// quarter; a spring holds the point a little beyond.
 constexpr double kInner = 0.3;
+/// Of a period, that the driver moves along a chord: what is left of the swings after a slip is
+/// small over it, and the slope of a sinusoidal well is that at its bottom to less than a
+/// hundredth.
+constexpr double kChordPart = 0.05;
 /// Parts of the driver's speed: the point rests in a well, whose curvature is more than the
 /// spring's.
 constexpr double kAtRest = 0.5;
@@ -130,6 +134,30 @@ void DriverWatch::start() {
   force_.clear();
   std::fill(numbers_, numbers_ + kReals - LastPoints::kReals, 0.0);
   std::fill(busy_, busy_ + kIntegers - LastPoints::kIntegers, 0);
+  numbers_[kChordEnd] = std::numeric_limits<double>::infinity();
+  numbers_[kSteepest] = -std::numeric_limits<double>::infinity();
+}
+
+void DriverWatch::look_for_stiffness(double time, double force) {
+  numbers_[kSteepest] = -std::numeric_limits<double>::infinity();
+  if (watches_slips()) begin_chord(time, force);
+}
+
+void DriverWatch::begin_chord(double time, double force) {
+  numbers_[kChordTime] = time;
+  numbers_[kChordForce] = force;
+  numbers_[kChordEnd] = time + kChordPart * period_ / speed_;
+}
+
+/// What swings after a slip, or in its well, is no stiffness.
+void DriverWatch::restart_chord(double time, double force) {
+  if (std::isfinite(numbers_[kChordEnd])) begin_chord(time, force);
+}
+
+void DriverWatch::end_chord(double time, double force) {
+  const double moved = speed_ * (time - numbers_[kChordTime]);
+  numbers_[kSteepest] = std::max(numbers_[kSteepest], (force - numbers_[kChordForce]) / moved);
+  begin_chord(time, force);
 }
 
 /// Of the pulled point, along the pull.
@@ -151,6 +179,11 @@ std::size_t DriverWatch::sticking(const double* times, const double* forces, std
     force = forces[n];
   }
   force_.add(times, forces, n);
+  if (n > 0 && times[n - 1] >= numbers_[kChordEnd]) {
+    for (std::size_t k = 0; k < n; ++k) {
+      if (times[k] >= numbers_[kChordEnd]) end_chord(times[k], forces[k]);
+    }
+  }
   return n;
 }
 
@@ -205,7 +238,10 @@ void DriverWatch::look_for_slip(const Emit& emit, const Heat& heat) {
   if (busy_[kWells] != 0 && !in_well(well)) return;  // on a barrier
   // What only swings in its well has not slipped, nor has what came to its first one.
   const bool stayed = busy_[kHasWell] == 0 || well == numbers_[kWell];
-  if (busy_[kWells] == 0 ? !is_relaxation() : !stayed) emit_slip(emit);
+  if (busy_[kWells] == 0 ? !is_relaxation() : !stayed) {
+    emit_slip(emit);
+    look_for_stiffness(now, f0);
+  }
   numbers_[kWell] = well;
   busy_[kHasWell] = busy_[kWells];
   busy_[kSlipping] = busy_[kHasPeak] = 0;
@@ -238,6 +274,7 @@ void DriverWatch::look_for_passage(const Emit& emit, const Heat& heat) {
     numbers_[kEndForce] = force_.at(numbers_[kLastFast]);
     numbers_[kEndHeat] = heat();
     emit_slip(emit);
+    look_for_stiffness(now, force_.value(0));
   }
   numbers_[kWell] = well;
   busy_[kHasWell] = 1;

@@ -80,7 +80,7 @@ class DriverWatch {
   enum class Slips { looked_for, told };
   DriverWatch(std::size_t driver, const Drive& drive, double period, double precision, Slips slips);
 
-  static constexpr std::size_t kReals = LastPoints::kReals + 12;
+  static constexpr std::size_t kReals = LastPoints::kReals + 16;
   static constexpr std::size_t kIntegers = LastPoints::kIntegers + 7;
   /// The point has wells, a period apart, this far from where it is at the start, along the pull;
   /// they hold it against the spring.
@@ -99,6 +99,12 @@ class DriverWatch {
   void start();
   /// Its driver has turned round: what was going on is over, and wells are not counted any more.
   void turned() { start(); }
+  /// The point has come to rest after a slip: how steeply the force rises from here on.
+  void look_for_stiffness(double time, double force);
+  /// The largest slope of the force over the displacement of the pulled end since the last slip
+  /// that was reported, of chords over a twentieth of a period in which the point sticks
+  /// throughout: it moves with the driver and more slowly. Minus infinity where there is none.
+  double steepest() const { return numbers_[kSteepest]; }
 
   using Emit = std::function<void(const Event&)>;
   /// Heat of the scene so far, but for a constant.
@@ -115,9 +121,13 @@ class DriverWatch {
       busy_[kMoved] = busy_[kWells];
     }
     force_.add(time, force);
-    if (rise > 0.0 && rise < pulled && busy_[kSlipping] + busy_[kBack] + busy_[kMoved] == 0) {
-      return;
+    const bool sticks = rise > 0.0 && rise < pulled;
+    if (!sticks) {
+      restart_chord(time, force);
+    } else if (time >= numbers_[kChordEnd]) {
+      end_chord(time, force);
     }
+    if (sticks && busy_[kSlipping] + busy_[kBack] + busy_[kMoved] == 0) return;
     if (known) look(emit, heat);
   }
   /// The same for a block of points.
@@ -132,6 +142,9 @@ class DriverWatch {
 
  private:
   std::size_t sticking(const double* times, const double* forces, std::size_t count);
+  void begin_chord(double time, double force);
+  void restart_chord(double time, double force);
+  void end_chord(double time, double force);
   enum {
     kPeakTime,
     kPeakForce,
@@ -143,8 +156,12 @@ class DriverWatch {
     kBackForce,
     kFirstTime,  ///< of the first point since the start, from which wells are counted
     kFirstForce,
-    kWell,    ///< the one that the point was in last
-    kHighest  ///< force of the peaks so far, the first point included
+    kWell,     ///< the one that the point was in last
+    kHighest,  ///< force of the peaks so far, the first point included
+    kChordTime,
+    kChordForce,
+    kChordEnd,  ///< no sooner than this time; infinite where there is no chord
+    kSteepest   ///< slope of chords since the last slip
   };
   /// kMoved: the force has fallen since the point was seen at rest in a well.
   enum { kSlipping, kBack, kFast, kHasPeak, kMoved, kHasWell, kWells };

@@ -24,9 +24,10 @@ constexpr std::string_view kFamilies[] = {"drivers", "bodies",      "forces", "o
 std::span<const ObserverKind> observer_kinds() {
   using namespace observers;
   static const ObserverKind kinds[] = {
-      force_means(),   end_of_run(),  body_motion(),      extremes(), equilibrium(),
-      pull_events(),   body_events(), window_check(),     work(),     event_counts(),
-      energy_ledger(), long_bonds(),  forces_on_bodies(),
+      force_means(), end_of_run(),      body_motion(),      extremes(),
+      equilibrium(), pull_events(),     body_events(),      window_check(),
+      work(),        friction_loops(),  event_counts(),     energy_ledger(),
+      long_bonds(),  force_deviation(), forces_on_bodies(),
   };
   return kinds;
 }

@@ -95,33 +95,44 @@ const Drive& counted_driver(const Model& model) {
   return *candidates.front();
 }
 
-/// The time in which that driver passes a period of the forces along its way.
-double period_of_driver(const Model& model) {
+/// What the forces of a scene declare along the way of a driver.
+struct PassedPeriod {
+  double length = 0.0;  ///< 0: none
+  double speed = 0.0;   ///< of the driver along that axis
+  bool several = false;
+};
+
+PassedPeriod passed_period(const Model& model, const Drive& driver) {
   const Scene& scene = model.scene();
-  const Drive& driver = counted_driver(model);
-  const std::vector<double>& velocity = driver.velocity;
-  if (scene.measure.period) return *scene.measure.period / speed_of(driver);
-  double period = 0.0;
-  double speed = 0.0;
+  if (scene.measure.period) return {*scene.measure.period, speed_of(driver)};
+  PassedPeriod passed;
   for (int d = 0; d < model.dimension(); ++d) {
-    if (velocity[d] == 0.0) continue;
+    if (driver.velocity[d] == 0.0) continue;
     for (const SceneForce& force : scene.forces) {
       const double declared = force.record->period(force.description.get(), d);
       if (declared <= 0.0) continue;
-      if (period > 0.0 && declared != period) {
-        refuse_window(code_without_period(scene), scene.measure, "in",
-                      "the forces declare several periods", "period = a length");
-      }
-      period = declared;
-      speed = std::abs(velocity[d]);
+      passed.several = passed.several || (passed.length > 0.0 && declared != passed.length);
+      passed.length = declared;
+      passed.speed = std::abs(driver.velocity[d]);
     }
   }
-  if (!(period > 0.0)) {
+  return passed;
+}
+
+/// The time in which the driver that the window is counted in passes a period.
+double period_of_driver(const Model& model) {
+  const Scene& scene = model.scene();
+  const PassedPeriod passed = passed_period(model, counted_driver(model));
+  if (passed.several) {
+    refuse_window(code_without_period(scene), scene.measure, "in",
+                  "the forces declare several periods", "period = a length");
+  }
+  if (!(passed.length > 0.0)) {
     refuse_window(code_without_period(scene), scene.measure, "in",
                   "no force declares a period along the direction of the driver",
                   "period = a length");
   }
-  return period / speed;
+  return passed.length / passed.speed;
 }
 
 /// The first period, and as many whole ones as the run has room for.
@@ -163,6 +174,13 @@ double speed_of(const Drive& drive) {
 bool drags(const Drive& drive) { return drive.steady && speed_of(drive) > 0.0; }
 
 bool pulls(const Drive& drive) { return drags(drive) && drive.stiffness_along() > 0.0; }
+
+std::optional<double> time_of_period(const Model& model, const Drive& drive) {
+  if (!drags(drive)) return {};
+  const PassedPeriod passed = passed_period(model, drive);
+  if (passed.several || !(passed.length > 0.0)) return {};
+  return passed.length / passed.speed;
+}
 
 std::optional<std::size_t> body_pulled_by(const Model& model, const Model::Driver& driver) {
   for (const Model::Force& force : model.forces()) {

@@ -34,6 +34,9 @@ double speed_of(const Drive& drive);
 bool drags(const Drive& drive);
 /// Whether it also is a spring, whose force tells where what it pulls is.
 bool pulls(const Drive& drive);
+/// In which a driver moves by `[measure] period`, or by the one period that forces declare along
+/// its way; nothing where there is no such period, or its velocity is not steady.
+std::optional<double> time_of_period(const Model& model, const Drive& drive);
 /// What a spring pulls; nothing for a prescribed body.
 std::optional<std::size_t> body_pulled_by(const Model& model, const Model::Driver& driver);
 

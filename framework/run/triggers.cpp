@@ -7,6 +7,8 @@
 #include <boost/math/tools/toms748_solve.hpp>
 #include <fmt/format.h>
 
+#include "framework/scene/passing.hpp"
+
 namespace tomlin {
 namespace {
 
@@ -88,8 +90,8 @@ void Triggers::start() {
   for (const Trigger& trigger : triggers_) {
     const Model::Force& force = force_of(trigger);
     for (int side = 0; side < 2; ++side) {
-      trigger.beyond[side] = beyond(trigger, side) > 0.0 ? 1 : 0;
-      if (trigger.beyond[side] == 0) continue;
+      trigger.beyond[side] = beyond(trigger, side) > 0.0 ? kBeyond : kNotBeyond;
+      if (trigger.beyond[side] == kNotBeyond) continue;
       const std::string key = fmt::format("force.{}.reverse", force.name);
       run_.outcome.warnings.push_back(
           {FaultCode::run_reverse_passed,
@@ -109,9 +111,10 @@ std::optional<Triggers::Passed> Triggers::first_passed(const DoubleDouble& begin
     const Trigger& trigger = triggers_[t];
     if (!force_of(trigger).bound->waits()) continue;
     for (int side = 0; side < 2; ++side) {
+      if (trigger.beyond[side] == kWaits) continue;
       const bool now_beyond = beyond(trigger, side) > 0.0;
-      if (now_beyond && trigger.beyond[side] == 0) candidates.emplace_back(t, side);
-      trigger.beyond[side] = now_beyond ? 1 : 0;
+      if (now_beyond && trigger.beyond[side] == kNotBeyond) candidates.emplace_back(t, side);
+      trigger.beyond[side] = now_beyond ? kBeyond : kNotBeyond;
     }
   }
   if (candidates.empty()) return std::nullopt;
@@ -150,11 +153,19 @@ const std::string& Triggers::fire(const Passed& passed) {
   read(run_.clock.now(), view.position, view.velocity, view.integrals);
   // It has passed its value, whatever rounding says; it can again when it has come back.
   const Passing& passing = *force.bound->waits_for();
-  const int side = !passing.below                                                ? 0
-                   : !passing.above                                              ? 1
-                   : std::abs(beyond(trigger, 0)) < std::abs(beyond(trigger, 1)) ? 0
-                                                                                 : 1;
-  trigger.beyond[side] = 1;
+  const bool first_waits = trigger.beyond[0] == kWaits;
+  const bool nearer_first = std::abs(beyond(trigger, 0)) < std::abs(beyond(trigger, 1));
+  const int side = !passing.below                                ? 0
+                   : !passing.above || first_waits               ? 1
+                   : trigger.beyond[1] == kWaits || nearer_first ? 0
+                                                                 : 1;
+  trigger.beyond[side] = kBeyond;
+  if (!alternates(passing)) return force.name;
+  trigger.beyond[side] = kWaits;
+  const int other = 1 - side;
+  if (trigger.beyond[other] == kWaits) {
+    trigger.beyond[other] = beyond(trigger, other) > 0.0 ? kBeyond : kNotBeyond;
+  }
   return force.name;
 }
 

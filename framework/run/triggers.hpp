@@ -39,10 +39,12 @@ class Triggers {
   const std::string& fire(const Passed& passed);
 
  private:
+  /// kWaits: it has counted, and does again once the other side has.
+  enum Side : std::int64_t { kNotBeyond, kBeyond, kWaits };
   struct Trigger {
     std::size_t force = 0;
     Instant instant;
-    std::int64_t* beyond = nullptr;  ///< above the upper value, below the lower one
+    std::int64_t* beyond = nullptr;  ///< above the upper value, below the lower one: a Side
   };
   const Model::Force& force_of(const Trigger& trigger) const {
     return run_.model.forces()[trigger.force];

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/scene/passing.hpp"
 #include "framework/scene/text.hpp"
 
 namespace tomlin {
@@ -97,7 +98,7 @@ std::optional<Node> node_of(const Passing& passing) {
   table.set("when", node(passing.when));
   if (passing.above) table.set("above", node(*passing.above));
   if (passing.below) table.set("below", node(*passing.below));
-  table.set("times", node(passing.times));
+  if (!alternates(passing)) table.set("times", node(passing.times));
   return node(std::move(table));
 }
 

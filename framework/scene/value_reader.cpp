@@ -14,6 +14,7 @@
 #include "framework/core/text/nearest_name.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/language.hpp"
+#include "framework/scene/passing.hpp"
 #include "framework/scene/text.hpp"
 
 namespace tomlin {
@@ -474,6 +475,7 @@ std::optional<Passing> ValueReader::passing(const Subject& subject, const Node& 
   const auto* table = node.as<Table>();
   if (table == nullptr) return wrong_kind(subject, node);
   Passing result;
+  bool counted = false;
   for (const Entry& entry : table->entries) {
     const std::string path = subject.key + "." + entry.key;
     const Subject inner{subject.row, path};
@@ -492,6 +494,7 @@ std::optional<Passing> ValueReader::passing(const Subject& subject, const Node& 
         return wrong(FaultCode::scene_out_of_range, inner, entry.value, "out of range: at least 1");
       }
       result.times = *times;
+      counted = true;
     } else {
       return wrong(FaultCode::scene_unknown_key, subject, node,
                    "unknown key " + shortened(entry.key, kLongestShownValue));
@@ -506,6 +509,7 @@ std::optional<Passing> ValueReader::passing(const Subject& subject, const Node& 
   if (result.above && result.below && !(*result.below < *result.above)) {
     return wrong(FaultCode::scene_conflict, subject, node, "below is not less than above");
   }
+  if (result.above && result.below && !counted) result.times = kWithoutEnd;
   return result;
 }
 

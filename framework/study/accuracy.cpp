@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -13,6 +15,7 @@
 
 #include "framework/run/engine.hpp"
 #include "framework/run/observables.hpp"
+#include "framework/run/results.hpp"
 #include "framework/run/selection.hpp"
 #include "framework/study/trial_run.hpp"
 
@@ -28,11 +31,26 @@ constexpr double kRounding = 1e-15;
 constexpr double kOfTypical = 0.3;
 constexpr double kExact = 10.0 * kRounding;
 
+bool key_has_any_of(const ResultQuantity& quantity, std::initializer_list<std::string_view> words) {
+  return std::any_of(words.begin(), words.end(), [&quantity](std::string_view word) {
+    return quantity.key.find(word) != std::string::npos;
+  });
+}
+
 /// What has an error: what drivers, bodies, forces and the ledger show. Counts and clocks have
-/// none.
-bool has_error(const std::string& path) {
+/// none, nor has what is read off steps at single events.
+bool has_error(const Observable& one) {
+  const std::string& path = one.path;
+  if (one.quantity->shape == Shape::count) return false;
+  if (key_has_any_of(*one.quantity, {"slip_", "effective_stiffness"})) return false;
   return path.starts_with("drivers.") || path.starts_with("bodies.") ||
          path.starts_with("forces.") || path.starts_with("energy.");
+}
+
+/// Components are not typical beside the force that they are components of.
+bool is_typical(const std::string& path) {
+  const ResultQuantity* row = quantity_at(path);
+  return row == nullptr || !key_has_any_of(*row, {"mean_force_along", "mean_force_across"});
 }
 
 /// A companion that has run, and the share of the difference to it that is the error.
@@ -48,7 +66,8 @@ void lift_small_errors(RunResult& result) {
   };
   std::vector<double> typical;
   for (const ErrorEstimate& estimate : result.errors) {
-    if (const double error = relative(estimate); error > kExact) typical.push_back(error);
+    const double error = relative(estimate);
+    if (error > kExact && is_typical(estimate.path)) typical.push_back(error);
   }
   if (typical.empty()) return;
   const auto middle = typical.begin() + static_cast<std::ptrdiff_t>(typical.size() / 2);
@@ -87,7 +106,7 @@ void add_up_errors(RunResult& result) {
 
 void add_errors(RunResult& result, const std::vector<Beside>& companions) {
   for (const Observable& one : observables(result)) {
-    if (!has_error(one.path)) continue;
+    if (!has_error(one)) continue;
     ErrorEstimate estimate{one.path, std::nullopt};
     for (const Beside& companion : companions) {
       if (!one.quantity->made_of.empty()) break;  // from its parts' below

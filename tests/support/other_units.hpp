@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "framework/core/records/parameter.hpp"
+#include "framework/run/results.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/scene.hpp"
@@ -84,25 +85,10 @@ inline std::vector<Setting> in_units(const Scene& scene, const Units& units,
   return settings;
 }
 
-/// The dimension of a result, by the last words of its path.
+/// The dimension of a result, as its row declares it.
 inline Dimension dimension_of_result(std::string_view path) {
-  constexpr std::pair<std::string_view, Dimension> kWords[] = {
-      {"work_per_distance", dimension::force},
-      {"_force", dimension::force},
-      {".work", dimension::energy},
-      {"energy.", dimension::energy},
-      {"equilibrium.energy", dimension::energy},
-      {"smallest_curvature", dimension::stiffness},
-      {"max_speed", dimension::velocity},
-      {"velocity", dimension::velocity},
-      {"distance", dimension::length},
-      {"centre_of_mass", dimension::length},
-      {"time.end", dimension::time},
-      {"window.", dimension::time}};
-  for (const auto& [word, dimension] : kWords) {
-    if (path.find(word) != std::string_view::npos) return dimension;
-  }
-  return dimension::none;
+  const ResultQuantity* row = quantity_at(path);
+  return row == nullptr ? dimension::none : row->dimension;
 }
 
 }  // namespace tomlin::test

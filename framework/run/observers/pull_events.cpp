@@ -6,12 +6,13 @@
 #include "framework/run/energy_terms.hpp"
 #include "framework/run/events.hpp"
 #include "framework/run/observers/kinds.hpp"
+#include "framework/run/observers/slip_statistics.hpp"
 #include "framework/run/observers/static_force.hpp"
 #include "framework/run/plan.hpp"
 #include "framework/run/wells.hpp"
 
-/// What the force of a driver tells of the point that it pulls: slips, reversals and the static
-/// force.
+/// What the force of a driver tells of the point that it pulls: slips and what they are like,
+/// reversals, the static force and the stiffness of what sticks.
 namespace tomlin::observers {
 namespace {
 
@@ -35,6 +36,7 @@ class PullEvents : public RunObserver {
   void declare(StateLayout& layout) const override;
   void attach(RunState& state) override;
   void start() override;
+  void next_window() override { slips_.start(); }
   void placed() override;
   void steps(const SignalBlock& block) override;
   void place(const SignalSpan& span, std::size_t k) override;
@@ -53,7 +55,7 @@ class PullEvents : public RunObserver {
   }
   void watch(double time, const double* signals);
   void watch_block(const SignalBlock& block);
-  void slipped();
+  void slipped(const Event& slip);
   void see_peaks(const SignalSpan& span);
   void forget_peaks();
 
@@ -61,6 +63,7 @@ class PullEvents : public RunObserver {
   const std::vector<Model::Driver>& drivers_;
   std::vector<DriverWatch> watches_;
   StaticForce static_force_;
+  SlipStatistics slips_;
   double* peaks_ = nullptr;  ///< quasistatic: of forces along the pulls since the last slip
   std::string_view name_;    ///< of the driver whose event is looked for
   DriverWatch::Emit emit_;
@@ -68,7 +71,10 @@ class PullEvents : public RunObserver {
 };
 
 PullEvents::PullEvents(const ObserverParts& parts)
-    : parts_(parts), drivers_(parts.signals.drivers()), static_force_(parts, watches_) {
+    : parts_(parts),
+      drivers_(parts.signals.drivers()),
+      static_force_(parts, watches_),
+      slips_(parts) {
   const double precision = precision_of(parts_.run.scene->run.number_type);
   const Model& model = parts_.run.model;
   if (follows_path()) parts_.events.expect(EventKind::slip);
@@ -86,7 +92,7 @@ PullEvents::PullEvents(const ObserverParts& parts)
     if (watches_.back().watches_slips()) parts_.events.expect(EventKind::slip);
   }
   emit_ = [this](const Event& event) {
-    if (event.kind == EventKind::slip) slipped();
+    if (event.kind == EventKind::slip) slipped(event);
     parts_.events.record(event, name_);
   };
   heat_ = [this] { return heat_so_far(parts_.run); };
@@ -94,12 +100,14 @@ PullEvents::PullEvents(const ObserverParts& parts)
 
 void PullEvents::declare(StateLayout& layout) const {
   static_force_.declare(layout);
+  slips_.declare(layout);
   if (follows_path()) layout.add_reals("events.peaks", drivers_.size());
   declare_watches(layout, "events.drivers", watches_);
 }
 
 void PullEvents::attach(RunState& state) {
   static_force_.attach(state);
+  slips_.attach(state);
   if (follows_path()) peaks_ = state.reals("events.peaks");
   attach_watches(state, "events.drivers", watches_);
 }
@@ -164,9 +172,11 @@ void PullEvents::span(const SignalSpan& span) {
 }
 
 /// Before it is counted.
-void PullEvents::slipped() {
+void PullEvents::slipped(const Event& slip) {
   for (const DriverWatch& watch : watches_) {
-    if (drivers_[watch.driver()].name == name_) static_force_.slipped(watch, !follows_path());
+    if (drivers_[watch.driver()].name != name_) continue;
+    static_force_.slipped(watch, !follows_path());
+    slips_.add(watch.driver(), slip, watch.steepest());
   }
 }
 
@@ -208,10 +218,13 @@ void PullEvents::path_slip(const PathSlip& slip) {
       name_ = drivers_[k].name;
     }
     if (ahead > 0.0) static_force_.slipped(k, parts_.signals.power(k, slip.before));
-    watch.turned();
   }
   forget_peaks();
   emit_(event);
+  for (DriverWatch& watch : watches_) {
+    watch.turned();
+    watch.look_for_stiffness(event.time, force_along(watch.driver(), slip.after));
+  }
 }
 
 void PullEvents::force_changed(std::string_view force) {
@@ -237,14 +250,21 @@ void PullEvents::finish(const RunMoment& end) {
 
 void PullEvents::results(ResultTable& table, const double*) const {
   for (std::size_t k = 0; k < drivers_.size(); ++k) {
-    table.driver(drivers_[k]).add(kStaticForce, static_force_.of(k));
+    ResultGroup& group = table.driver(drivers_[k]);
+    group.add(kStaticForce, static_force_.of(k));
+    const bool looked_for = std::any_of(
+        watches_.begin(), watches_.end(),
+        [k](const DriverWatch& watch) { return watch.driver() == k && watch.watches_slips(); });
+    slips_.add_rows(group, k, looked_for);
   }
 }
 
 }  // namespace
 
 ObserverKind pull_events() {
-  ObserverKind kind = kind_of<PullEvents>({{"drivers", {&kStaticForce}}});
+  ObserverRows rows{"drivers", {&kStaticForce}};
+  for (const ResultQuantity* row : SlipStatistics::rows()) rows.quantities.push_back(row);
+  ObserverKind kind = kind_of<PullEvents>({rows});
   kind.watches = true;
   kind.events = {"slips", "reversals"};
   return kind;

@@ -1,3 +1,4 @@
+#include "framework/run/energy_terms.hpp"
 #include "framework/run/observers/kinds.hpp"
 #include "framework/run/plan.hpp"
 #include "framework/run/prescribed_inertia.hpp"
@@ -13,6 +14,11 @@ const ResultQuantity kWorkPerDistance{"work_per_distance", dimension::force, Sha
                                       Scope::window, "work by distance"};
 const ResultQuantity kDistance{"distance", dimension::length, Shape::number, Scope::window,
                                "displacement of the pulled end, at steady velocity"};
+const ResultQuantity kDissipatedPerPeriod{"dissipated_per_period", dimension::energy, Shape::number,
+                                          Scope::window,
+                                          "work_in less stored_change, of the whole scene, while "
+                                          "the driver moves a period; with ledger = "
+                                          "true"};
 
 class Work : public RunObserver {
  public:
@@ -36,6 +42,7 @@ class Work : public RunObserver {
       std::optional<double> work;
       std::optional<double> work_per_distance;
       std::optional<double> distance;
+      std::optional<double> dissipated;
       if (window.is_over()) {
         const auto axes = static_cast<std::ptrdiff_t>(parts_.axes());
         const double speed = speed_of(*driver.drive);
@@ -43,22 +50,33 @@ class Work : public RunObserver {
                inertia_lacking_in(parts_.run.model, driver, window).back();
         if (driver.drive->steady) distance = speed * window.length();
         if (driver.drive->steady && speed > 0.0) work_per_distance = *work / *distance;
+        dissipated = dissipated_per_period(driver);
       }
       ResultGroup& group = table.driver(driver);
       group.add(kWork, work);
       group.add(kWorkPerDistance, work_per_distance);
       group.add(kDistance, distance);
+      group.add(kDissipatedPerPeriod, dissipated);
     }
   }
 
  private:
+  std::optional<double> dissipated_per_period(const Model::Driver& driver) const {
+    const RunContext& run = parts_.run;
+    const std::optional<double> period = time_of_period(run.model, *driver.drive);
+    if (!run.scene->run.ledger || !period) return {};
+    const EnergyTerms terms = ledger_of(run.model, parts_.window);
+    return (terms.work - terms.stored) * (*period / parts_.window.length());
+  }
+
   ObserverParts parts_;
 };
 
 }  // namespace
 
 ObserverKind work() {
-  return kind_of<Work>({{"drivers", {&kWork, &kWorkPerDistance, &kDistance}}});
+  return kind_of<Work>(
+      {{"drivers", {&kWork, &kWorkPerDistance, &kDistance, &kDissipatedPerPeriod}}});
 }
 
 }  // namespace tomlin::observers

@@ -61,6 +61,9 @@ RunResult planar_result() {
                              {"reversals", {3.0}},
                              {"driver_reversals", {0.0}},
                              {"ties", {0.0}}})};
+  for (ResultValue& other : result.groups.front().values) {
+    if (!other) other.set(std::vector<double>(other.count(), 7.0));
+  }
   result.warnings = {{FaultCode::run_few_slips, "a warning with \"quotes\"", "drivers.driver"}};
   result.left_out = {{"springs", "inside a rigid body"}};
   result.wall_seconds = 0.5;
@@ -87,9 +90,38 @@ TEST(Summary, HasEveryKeyOfAFinishedRun) {
             (Names{"end", "steps", "force_evaluations", "jacobian_columns", "refused_steps"}));
   EXPECT_EQ(summary["time"]["steps"], 123456789012345ULL);
   EXPECT_EQ(keys(summary["window"]), (Names{"from", "to"}));
-  EXPECT_EQ(keys(summary["drivers"]["driver"]),
-            (Names{"mean_force", "final_force", "max_force", "min_force", "peak_to_peak_force",
-                   "static_force", "work", "work_per_distance", "distance"}));
+  EXPECT_EQ(keys(summary["drivers"]["driver"]), (Names{"mean_force",
+                                                       "mean_force_along",
+                                                       "mean_force_across",
+                                                       "final_force",
+                                                       "max_force",
+                                                       "min_force",
+                                                       "peak_to_peak_force",
+                                                       "static_force",
+                                                       "slips",
+                                                       "mean_slip_length",
+                                                       "slip_length_deviation",
+                                                       "min_slip_length",
+                                                       "max_slip_length",
+                                                       "mean_slip_force",
+                                                       "slip_force_deviation",
+                                                       "min_slip_force",
+                                                       "max_slip_force",
+                                                       "mean_slip_energy",
+                                                       "slip_energy_deviation",
+                                                       "min_slip_energy",
+                                                       "max_slip_energy",
+                                                       "effective_stiffness",
+                                                       "work",
+                                                       "work_per_distance",
+                                                       "distance",
+                                                       "dissipated_per_period",
+                                                       "trace",
+                                                       "retrace",
+                                                       "half_difference",
+                                                       "loop_area",
+                                                       "loops",
+                                                       "force_deviation"}));
   EXPECT_EQ(keys(summary["bodies"]["ring"]),
             (Names{"centre_of_mass", "velocity", "rotation", "turns", "rolling", "mean_velocity",
                    "max_speed"}));

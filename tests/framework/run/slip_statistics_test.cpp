@@ -1,0 +1,241 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/ring_scenes.hpp"
+
+// Numbers of slips in the window, against the events that the run leaves, and the stiffness of what
+// sticks, against that of spring and well in series.
+
+namespace tomlin::test {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Of a tip with the stick-slip parameter s, by its stiffness.
+TipScene tip(double s, double velocity, double periods, const std::string& integrator,
+             double damping = 2.0) {
+  TipScene scene{.velocity = velocity,
+                 .damping = damping,
+                 .amplitude = 0.1,
+                 .position = 0.5,  // a minimum
+                 .duration = periods / velocity,
+                 .integrator = integrator};
+  scene.stiffness = 4.0 * kPi * kPi * scene.amplitude / s;
+  return scene;
+}
+
+std::string window(double from, double to, const std::string& more = "") {
+  return "[measure]\nin = \"driver_periods\"\nfrom = " + digits(from) + "\nto = " + digits(to) +
+         "\n" + more;
+}
+
+struct Kept {
+  RunResult result;
+  KeptSamples kept;
+};
+
+Kept run_kept(const TipScene& scene, const std::vector<Setting>& settings = {}) {
+  Kept kept;
+  RunOptions options;
+  options.sink = &kept.kept;
+  kept.result = run(scene_of(scene.text(), settings), options);
+  return kept;
+}
+
+/// Numbers of a quantity of slips as a list of them gives them.
+void expect_numbers(const RunResult& result, const std::string& key,
+                    const std::vector<double>& all) {
+  constexpr double kRounding = 1e-12;
+  const ResultGroup& driver = result.driver(0);
+  double mean = 0.0;
+  for (const double x : all) mean += x / static_cast<double>(all.size());
+  double squares = 0.0;
+  for (const double x : all) squares += (x - mean) * (x - mean);
+  const double deviation = std::sqrt(squares / static_cast<double>(all.size() - 1));
+  EXPECT_NEAR(*driver["mean_" + key], mean, kRounding * std::abs(mean)) << key;
+  EXPECT_NEAR(*driver[key + "_deviation"], deviation, kRounding * std::abs(mean)) << key;
+  EXPECT_EQ(*driver["min_" + key], *std::min_element(all.begin(), all.end())) << key;
+  EXPECT_EQ(*driver["max_" + key], *std::max_element(all.begin(), all.end())) << key;
+}
+
+TEST(SlipStatistics, AreThoseOfTheEventsInTheWindow) {
+  // Over two sinusoids, so that slips differ; the window begins and ends between slips.
+  for (const std::string& integrator : {fixed_step(0.02), adaptive(1e-8)}) {
+    TipScene scene = tip(8.0, 0.02, 60.0, integrator, 0.5);
+    scene.more =
+        "[[force]]\ntype = \"expression\"\nbody = \"tip\"\n"
+        "energy = \"0.02 * cos(2 * pi * x / 0.618)\"\n"
+        "[measure]\nin = \"time\"\nfrom = 665.0\nto = 2385.0\n";
+    const Kept run = run_kept(scene);
+    std::vector<double> lengths, forces, energies;
+    std::size_t outside = 0;
+    for (const Event& slip : run.kept.of(EventKind::slip)) {
+      if (slip.time < 665.0 || slip.time > 2385.0) {
+        ++outside;
+        continue;
+      }
+      lengths.push_back(slip.size);
+      forces.push_back(slip.peak_force);
+      energies.push_back(slip.energy_lost);
+    }
+    ASSERT_GT(lengths.size(), 4u);
+    ASSERT_GT(outside, 2u);
+    EXPECT_EQ(*run.result.driver(0)["slips"], static_cast<double>(lengths.size()));
+    expect_numbers(run.result, "slip_length", lengths);
+    expect_numbers(run.result, "slip_force", forces);
+    expect_numbers(run.result, "slip_energy", energies);
+    // They do differ.
+    EXPECT_GT(*run.result.driver(0)["slip_force_deviation"], 1e-3);
+  }
+}
+
+TEST(SlipStatistics, OfFewSlips) {
+  const RunResult none = run(scene_of(tip(0.5, 0.02, 4.0, fixed_step(0.02)).text()));
+  EXPECT_EQ(none.driver(0)["slips"], 0.0);
+  EXPECT_FALSE(none.driver(0)["mean_slip_length"]);
+  EXPECT_FALSE(none.driver(0)["max_slip_force"]);
+  EXPECT_FALSE(none.driver(0)["effective_stiffness"]);
+  TipScene once = tip(6.0, 0.02, 4.0, fixed_step(0.02));
+  once.more = window(2.1, 3.1);
+  const RunResult one = run(scene_of(once.text()));
+  ASSERT_EQ(one.driver(0)["slips"], 1.0);
+  EXPECT_NEAR(*one.driver(0)["mean_slip_length"], 0.9, 0.2);
+  EXPECT_EQ(*one.driver(0)["mean_slip_length"], *one.driver(0)["max_slip_length"]);
+  EXPECT_FALSE(one.driver(0)["slip_length_deviation"]);
+  // A body that is no spring's has none to look for.
+  const std::string prescribed =
+      "[[body]]\nname = \"tip\"\ntype = \"point\"\nparticle_mass = 1.0\nposition = [0.5]\n"
+      "coordinates = \"prescribed\"\nmotion = { velocity = [0.1] }\n[[force]]\n"
+      "type = \"sinusoidal_substrate\"\namplitude = 0.1\nperiod = 1.0\n[run]\nduration = 1.0\n"
+      "integrator = { type = \"rk4\", dt = 0.1 }\n";
+  EXPECT_FALSE(run(scene_of(prescribed)).driver(0)["slips"]);
+}
+
+TEST(SlipStatistics, EnergyOfSlipsIsWhatIsDissipated) {
+  // Slowly pulled, nearly all of it is dissipated in slips, one a period.
+  TipScene scene = tip(6.0, 0.002, 9.0, fixed_step(0.05));
+  scene.more = window(2.0, 8.0);
+  const RunResult result = run(scene_of(scene.text(), {{"run.ledger", "true"}}));
+  ASSERT_EQ(result.driver(0)["slips"], 6.0);
+  const double per_period = *result.driver(0)["dissipated_per_period"];
+  EXPECT_NEAR(*result.driver(0)["mean_slip_energy"] / per_period, 0.99, 0.015);
+}
+
+/// At the bottom of a well, spring and well in series: Socoliuc et al. (2004),
+/// doi:10.1103/PhysRevLett.92.134301.
+double in_series(const TipScene& scene) {
+  const double well = 4.0 * kPi * kPi * scene.amplitude;
+  return scene.stiffness * well / (scene.stiffness + well);
+}
+
+TEST(EffectiveStiffness, IsThatOfSpringAndWellInSeries) {
+  // A chord over a twentieth of a period near the bottom is less steep by up to half a percent.
+  for (const double s : {2.0, 3.0, 4.0}) {
+    for (const std::string& integrator : {fixed_step(0.05), adaptive(1e-9)}) {
+      TipScene scene = tip(s, 0.001, 5.0, integrator);
+      const RunResult result = run(scene_of(scene.text()));
+      ASSERT_GE(*result.driver(0)["slips"], 3.0);
+      const double part = *result.driver(0)["effective_stiffness"] / in_series(scene);
+      EXPECT_GT(part, 0.99) << s << integrator;
+      EXPECT_LT(part, 1.003) << s << integrator;
+      // The spring alone is stiffer by far, the rise of the force over a period much softer.
+      EXPECT_GT(scene.stiffness, 1.2 * in_series(scene));
+      EXPECT_LT(result.driver(0)["peak_to_peak_force"][0], 0.95 * in_series(scene));
+    }
+  }
+}
+
+TEST(EffectiveStiffness, InTheSlowLimit) {
+  TipScene scene = tip(4.0, 0.001, 5.0, "{ type = \"continuation\" }");
+  const RunResult result = run(scene_of(scene.text(), {{"run.dynamics", "\"quasistatic\""}}));
+  ASSERT_GE(*result.driver(0)["slips"], 3.0);
+  const double part = *result.driver(0)["effective_stiffness"] / in_series(scene);
+  EXPECT_GT(part, 0.985);
+  EXPECT_LT(part, 1.003);
+}
+
+TEST(EffectiveStiffness, DoesNotMindSwings) {
+  // A slip leaves swings, faster than the driver at first; what is left of them once the point
+  // moves with the driver makes less of a difference the slower that is.
+  struct Case {
+    double velocity, damping, low;
+  };
+  for (const Case& one : {Case{5e-4, 0.05, 0.995}, {5e-4, 0.1, 0.995}, {2e-3, 0.1, 0.98}}) {
+    const TipScene scene = tip(4.0, one.velocity, 5.0, fixed_step(0.05), one.damping);
+    const RunResult result = run(scene_of(scene.text()));
+    ASSERT_GE(*result.driver(0)["slips"], 3.0);
+    const double part = *result.driver(0)["effective_stiffness"] / in_series(scene);
+    EXPECT_GT(part, one.low) << one.velocity;
+    EXPECT_LT(part, 1.003) << one.velocity;
+  }
+  // Where it swings until the next slip it does not stick.
+  const RunResult none = run(scene_of(tip(4.0, 0.01, 5.0, fixed_step(0.05), 0.1).text()));
+  ASSERT_GE(*none.driver(0)["slips"], 3.0);
+  EXPECT_FALSE(none.driver(0)["effective_stiffness"]);
+}
+
+TEST(EffectiveStiffness, ComesAlsoOfADriverOnItsWayBack) {
+  TipScene scene = tip(4.0, 0.001, 12.0, fixed_step(0.05));
+  const RunResult result = run(scene_of(
+      scene.text(),
+      {{"force.driver.reverse", "{ when = \"driver.position.x\", above = 4.0, below = 0.5 }"},
+       {"measure.from", "5.0"},
+       {"measure.in", "\"driver_periods\""}}));
+  ASSERT_GE(*result.driver(0)["slips"], 3.0);
+  EXPECT_NEAR(*result.driver(0)["effective_stiffness"] / in_series(scene), 0.995, 0.01);
+}
+
+TEST(SlipStatistics, SamplesDoNotAlterThem) {
+  for (const std::string& integrator : {fixed_step(0.3), fixed_step(0.02), adaptive(1e-7)}) {
+    TipScene scene = tip(5.0, 0.02, 12.0, integrator);
+    const RunResult alone = run(scene_of(scene.text()));
+    scene.more = "[output]\nevery = 0.777\n";
+    const RunResult sampled = run_kept(scene).result;
+    ASSERT_GT(*alone.driver(0)["slips"], 3.0);
+    for (const ResultValue& one : alone.driver(0).values) {
+      if (integrator.find("dopri5") != std::string::npos) break;
+      const std::string& key = one.quantity().key;
+      if (key.find("slip") == std::string::npos && key != "effective_stiffness") continue;
+      // A tip keeps its state in registers or not: rounding, and heat at another step of a block.
+      // 16 steps take the driver across a twentieth of a period where they are long.
+      const bool energy = key.find("energy") != std::string::npos;
+      if (energy && integrator == fixed_step(0.3)) continue;
+      const double tolerance = energy ? 5e-3 : 1e-11;
+      const ResultValue& other = sampled.driver(0)[key];
+      ASSERT_EQ(one.has_value(), other.has_value()) << key;
+      if (one) {
+        EXPECT_NEAR(*one, *other, tolerance) << key << integrator;
+      }
+    }
+  }
+}
+
+TEST(SlipStatistics, ResumeFromAnyStep) {
+  for (const std::string& integrator : {fixed_step(0.3), adaptive(1e-6)}) {
+    TipScene scene = tip(5.0, 0.02, 9.0, integrator);
+    scene.more = window(1.7, 8.0);
+    const auto parsed = scene_of(scene.text());
+    const RunResult expected = run_as_bound(parsed);
+    ASSERT_GT(*expected.driver(0)["slips"], 3.0);
+    ASSERT_TRUE(expected.driver(0)["effective_stiffness"]);
+    for (std::uint64_t steps = 16; steps < expected.steps; steps += 112) {
+      Engine engine(parsed, {});
+      engine.advance(steps);
+      const std::vector<std::byte> bytes = engine.state().to_bytes();
+      RunOptions options;
+      options.resume_from = &bytes;
+      const RunResult resumed = run_as_bound(parsed, options);
+      for (const ResultValue& one : expected.driver(0).values) {
+        const std::string& key = one.quantity().key;
+        ASSERT_TRUE(same_bits(resumed.driver(0)[key], one)) << key << integrator << steps;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tomlin::test
