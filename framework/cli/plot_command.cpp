@@ -29,8 +29,13 @@
 #include "framework/plot/curves_figure.hpp"
 #include "framework/plot/gnuplot.hpp"
 #include "framework/plot/gnuplot_script.hpp"
+#include "framework/plot/loop_figure.hpp"
 #include "framework/plot/quantities.hpp"
+#include "framework/plot/raster_figure.hpp"
+#include "framework/plot/result_figure.hpp"
+#include "framework/plot/slips_figure.hpp"
 #include "framework/plot/stored_run.hpp"
+#include "framework/plot/surface_figure.hpp"
 #include "framework/run/run.hpp"
 #include "framework/scene/text.hpp"
 #include "framework/standard_registry.hpp"
@@ -53,16 +58,68 @@ struct PlotArguments {
   std::string body;
   std::string title;
   std::vector<std::string> labels;  ///< one for each DIR; empty: by what differs
+  std::string value;                ///< of a raster or of slips
+  std::string scan;                 ///< which strokes of a raster; empty: both
+  std::string grid;                 ///< --pixels as given
+  std::optional<PixelGrid> pixels;  ///< the same taken apart
+  std::optional<std::size_t> bins;
+  std::string result;
+  std::string against;
+  std::string logarithmic;  ///< "x", "y" or "xy"; empty: no axis
+  std::string extent;       ///< --size as given
+  std::string font;         ///< --font as given
+  std::optional<FigureSize> size;
+  FigureFont named_font;
+
+  bool log_x() const { return logarithmic.find('x') != std::string::npos; }
+  bool log_y() const { return logarithmic.find('y') != std::string::npos; }
+  /// In which curves are to be fine.
+  double width() const { return size ? std::max(size->width, kPanelWidth) : kPanelWidth; }
 };
 
-/// The figure that shows places instead of curves.
-constexpr const char* kBodyFigure = "ring";
+// Figures that are not one quantity over another.
+constexpr std::string_view kBodyFigure = "ring";
+constexpr std::string_view kLoopFigure = "loop";
+constexpr std::string_view kSurfaceFigure = "surface";
+constexpr std::string_view kRasterFigure = "raster";
+constexpr std::string_view kSlipsFigure = "slips";
+
+struct SpecialFigure {
+  std::string_view name;
+  std::string_view options;  ///< that it takes, each with a space behind it
+  std::string_view summary;
+};
+
+constexpr std::array kSpecialFigures = {
+    SpecialFigure{kLoopFigure, "--driver --label ",
+                  "friction loop of a driver that reverses: force over support position"},
+    SpecialFigure{kBodyFigure, "--x --at --driver --body --label ",
+                  "particles of a ring, or another planar body, at the moments --at"},
+    SpecialFigure{kSurfaceFigure, "--body --from --to ",
+                  "the path of a body over the potential of its substrates"},
+    SpecialFigure{kRasterFigure, "--x --y --value --scan --pixels --driver --body ",
+                  "--value in colours over --x and --y: an image of scan lines"},
+    SpecialFigure{kSlipsFigure, "--value --bins --log --driver --label ",
+                  "histogram of slips by --value"},
+};
+constexpr std::string_view kOptionsOfCurves = "--x --y --from --to --log --driver --body --label ";
+constexpr std::string_view kOptionsOfResults = "--result --against --log ";
 
 constexpr const char* kPlotFooter = R"(
 The first word is a folder; another folder that is called like a figure is written with a slash, ring/.
 X and Y are such a quantity or any column of observables.csv. Commas put curves on one axis, another
 --y makes another panel below. Several DIRs are curves of one figure, named by the parameters in
-which their scenes differ, or else by their folders; --label names them otherwise.
+which their scenes differ, and in the order of their values, or else by their folders; --label names
+them otherwise, in the order given.
+
+With --result and --against each DIR is a point: a result of summary.json over a parameter or another
+result. Runs that differ in a second parameter are on curves of their own.
+
+A raster has the mean of all samples in each pixel: a row for each value of Y, or for each stroke
+along X, and two samples to a pixel on average, unless --pixels says otherwise. Pixels without a
+sample stay white. A potential is that of one particle on the periodic forces of scene.toml.
+
+An axis has a unit where the scene names it: [scene] axes = { length = "a" }.
 
 Examples:
 
@@ -78,6 +135,13 @@ Examples:
       two rings, when their drivers have come so far.
   tomlin plot pt.out --x time --y tip.velocity.x -o velocity.svg
       a column over another.
+  tomlin plot v_1.out v_2.out v_3.out --result driver.mean_force.x --against v --log x -o law.svg
+      the mean force over the velocity.
+  tomlin plot line_1.out line_2.out raster --x driver.position.x --y driver.position.y \
+      --value driver.force.x --scan forward -o image.png
+      an image of the lateral force, from one run for each scan line.
+  tomlin plot pt.out slips --value peak_force -o slips.svg
+      how many slips there are of each peak force.
 
 gnuplot 5.4 draws (Debian: gnuplot-nox); TOMLIN_GNUPLOT names another one than the one in PATH. An
 earlier FILE is replaced. The same runs give the same SVG.
@@ -93,7 +157,7 @@ void add_line(std::string& text, std::string_view name, std::string_view summary
 std::string plot_footer() {
   std::string text = "\nWHAT:\n\n";
   for (const FigureKind& kind : figure_kinds()) add_line(text, kind.name, kind.summary);
-  add_line(text, kBodyFigure, "particles of a ring, or another planar body, at the moments --at");
+  for (const SpecialFigure& figure : kSpecialFigures) add_line(text, figure.name, figure.summary);
   text += "\nQuantities for --x and --y:\n\n";
   for (const Quantity& quantity : quantities()) add_line(text, quantity.name, quantity.summary);
   return text + kPlotFooter;
@@ -125,7 +189,43 @@ double finite_number(const std::string& text, const char* option) {
   return number;
 }
 
+/// "AxB" as two numbers in a range.
+std::pair<double, double> two_numbers(const std::string& text, const char* option, double least,
+                                      double most) {
+  const std::size_t cross = text.find('x');
+  if (cross == std::string::npos) {
+    refuse_command(FaultCode::command_invalid_value,
+                   fmt::format("{}: \"{}\" is not WIDTHxHEIGHT", option, text));
+  }
+  const std::pair numbers{finite_number(text.substr(0, cross), option),
+                          finite_number(text.substr(cross + 1), option)};
+  for (const double number : {numbers.first, numbers.second}) {
+    if (number >= least && number <= most) continue;
+    refuse_command(FaultCode::command_invalid_value,
+                   fmt::format("{}: {:g} is out of range", option, number),
+                   fmt::format("{:g} to {:g}", least, most));
+  }
+  return numbers;
+}
+
+/// "NAME,SIZE"; either may be left out.
+FigureFont font_of(const std::string& text) {
+  constexpr double kSmallest = 4.0;
+  constexpr double kLargest = 72.0;
+  FigureFont font;
+  const std::size_t comma = std::min(text.rfind(','), text.size());
+  if (comma > 0) font.name = text.substr(0, comma);
+  if (comma < text.size()) font.size = finite_number(text.substr(comma + 1), "--font");
+  if (text.empty() || font.size < kSmallest || font.size > kLargest) {
+    refuse_command(
+        FaultCode::command_invalid_value, fmt::format("--font: \"{}\"", text),
+        fmt::format("NAME,SIZE with a size of {:g} to {:g} points", kSmallest, kLargest));
+  }
+  return font;
+}
+
 constexpr const char* kWhatByDefault = "force";
+constexpr const char* kPathFigure = "path";
 constexpr int kMostNeighbours = 1000;  // folders looked at for a nearest name
 
 [[noreturn]] void refuse_option(FaultCode code, const std::string& key, std::string why,
@@ -138,12 +238,19 @@ constexpr int kMostNeighbours = 1000;  // folders looked at for a nearest name
 std::vector<std::string> all_whats() {
   std::vector<std::string> names;
   for (const FigureKind& kind : figure_kinds()) names.emplace_back(kind.name);
-  names.emplace_back(kBodyFigure);
+  for (const SpecialFigure& figure : kSpecialFigures) names.emplace_back(figure.name);
   return names;
 }
 
+const SpecialFigure* find_special(const std::string& word) {
+  const auto* const found =
+      std::find_if(kSpecialFigures.begin(), kSpecialFigures.end(),
+                   [&](const SpecialFigure& figure) { return figure.name == word; });
+  return found == kSpecialFigures.end() ? nullptr : found;
+}
+
 bool is_what(const std::string& word) {
-  return word == kBodyFigure || find_figure_kind(word) != nullptr;
+  return find_special(word) != nullptr || find_figure_kind(word) != nullptr;
 }
 
 /// Folders of runs beside the one that is not there, in the same spelling.
@@ -216,13 +323,13 @@ PictureFormat format_of(const std::string& file) {
                 "the suffix does not say what kind of picture", ".svg, .png, .pdf", "", "-o");
 }
 
-std::vector<StoredRun> read_runs(const std::vector<std::string>& folders,
+std::vector<StoredRun> read_runs(const std::vector<std::string>& folders, bool with_samples,
                                  std::vector<std::string>& notes) {
   std::vector<StoredRun> runs;
   for (const std::string& folder : folders) {
     StoredRun run = read_stored_run(folder);
     std::error_code error;
-    if (!fs::exists(file_of(run, kTableFile), error)) {
+    if (with_samples && !fs::exists(file_of(run, kTableFile), error)) {
       refuse_option(
           FaultCode::plot_no_data, "",
           fmt::format("there is no {}: a run leaves one when its scene has [output] every",
@@ -248,12 +355,50 @@ std::vector<std::string> labels_of(const std::vector<StoredRun>& runs,
   return arguments.labels;
 }
 
+/// Refuses options that the figure has no use for.
+void check_options(const std::string& what, const PlotArguments& arguments) {
+  const SpecialFigure* special = find_special(what);
+  const bool results = !arguments.result.empty() || !arguments.against.empty();
+  const std::string_view admissible = special != nullptr ? special->options
+                                      : results          ? kOptionsOfResults
+                                                         : kOptionsOfCurves;
+  const auto check = [&](const char* option, bool given) {
+    if (!given || admissible.find(std::string(option) + " ") != std::string_view::npos) return;
+    refuse_option(FaultCode::command_conflict, option,
+                  fmt::format("not for {}", special != nullptr ? special->name
+                                            : results          ? "results"
+                                                               : "curves"),
+                  std::string(admissible.substr(0, admissible.size() - 1)));
+  };
+  check("--x", !arguments.x.empty());
+  check("--y", !arguments.y.empty());
+  check("--from", arguments.from.has_value());
+  check("--to", arguments.to.has_value());
+  check("--at", !arguments.at.empty());
+  check("--driver", !arguments.driver.empty());
+  check("--body", !arguments.body.empty());
+  check("--label", !arguments.labels.empty());
+  check("--value", !arguments.value.empty());
+  check("--scan", !arguments.scan.empty());
+  check("--pixels", arguments.pixels.has_value());
+  check("--bins", arguments.bins.has_value());
+  check("--result", !arguments.result.empty());
+  check("--against", !arguments.against.empty());
+  check("--log", !arguments.logarithmic.empty());
+  if (!what.empty() && special == nullptr && (results || !arguments.y.empty())) {
+    refuse_option(
+        FaultCode::command_conflict, what,
+        fmt::format("this says what to draw, and so does {}", results ? "--result" : "--y"),
+        "one of them");
+  }
+  if (arguments.from && arguments.to && !(*arguments.from < *arguments.to)) {
+    refuse_option(FaultCode::command_invalid_value, "--from",
+                  fmt::format("{:g} is not below --to {:g}", *arguments.from, *arguments.to));
+  }
+}
+
 Figure drawn_body(const std::vector<StoredRun>& runs, const PlotArguments& arguments,
                   std::vector<std::string>& notes) {
-  if (!arguments.y.empty() || arguments.from || arguments.to) {
-    refuse_option(FaultCode::command_conflict, kBodyFigure,
-                  "shows single times: use --at instead of --y, --from and --to");
-  }
   BodyRequest request;
   if (!arguments.x.empty()) request.x = arguments.x;
   request.at = arguments.at;
@@ -262,19 +407,7 @@ Figure drawn_body(const std::vector<StoredRun>& runs, const PlotArguments& argum
 }
 
 Figure drawn_curves(const std::vector<StoredRun>& runs, const std::string& what,
-                    const PlotArguments& arguments) {
-  if (!arguments.at.empty()) {
-    refuse_option(FaultCode::command_conflict, "--at", fmt::format("for {} only", kBodyFigure),
-                  "--from and --to");
-  }
-  if (!what.empty() && !arguments.y.empty()) {
-    refuse_option(FaultCode::command_conflict, what, "this says what to draw, and so does --y",
-                  "one of them");
-  }
-  if (arguments.from && arguments.to && !(*arguments.from < *arguments.to)) {
-    refuse_option(FaultCode::command_invalid_value, "--from",
-                  fmt::format("{:g} is not below --to {:g}", *arguments.from, *arguments.to));
-  }
+                    const PlotArguments& arguments, std::vector<std::string>& notes) {
   const FigureKind& kind = *find_figure_kind(what.empty() ? kWhatByDefault : what);
   CurvesRequest request;
   request.x = arguments.x.empty() ? std::string(kind.x) : arguments.x;
@@ -283,7 +416,90 @@ Figure drawn_curves(const std::vector<StoredRun>& runs, const std::string& what,
   request.owners = {arguments.driver, arguments.body};
   request.from = arguments.from;
   request.to = arguments.to;
-  return curves_figure(runs, labels_of(runs, arguments), request);
+  request.log_x = arguments.log_x();
+  request.log_y = arguments.log_y();
+  request.to_scale = what == kPathFigure && arguments.logarithmic.empty();
+  request.width = arguments.width();
+  return curves_figure(runs, labels_of(runs, arguments), request, notes);
+}
+
+Figure drawn_surface(const std::vector<StoredRun>& runs, const PlotArguments& arguments) {
+  if (runs.size() > 1) {
+    refuse_option(FaultCode::command_conflict, std::string(kSurfaceFigure),
+                  "each folder has a potential of its own", "one folder");
+  }
+  SurfaceRequest request;
+  request.owners = {arguments.driver, arguments.body};
+  request.from = arguments.from;
+  request.to = arguments.to;
+  request.width = arguments.width();
+  return surface_figure(runs.front(), request, standard_registry());
+}
+
+void require_option(const std::string& given, const char* option, std::string_view what) {
+  if (!given.empty()) return;
+  refuse_option(FaultCode::command_missing_argument, option, fmt::format("missing for {}", what));
+}
+
+Figure drawn_raster(const std::vector<StoredRun>& runs, const PlotArguments& arguments,
+                    std::vector<std::string>& notes) {
+  require_option(arguments.x, "--x", kRasterFigure);
+  require_option(arguments.y.empty() ? "" : arguments.y.front().front(), "--y", kRasterFigure);
+  require_option(arguments.value, "--value", kRasterFigure);
+  if (arguments.y.size() > 1 || arguments.y.front().size() > 1) {
+    refuse_option(FaultCode::command_conflict, "--y", "a raster has one column upwards",
+                  "one --y of one column");
+  }
+  RasterRequest request;
+  request.x = arguments.x;
+  request.y = arguments.y.front().front();
+  request.value = arguments.value;
+  request.owners = {arguments.driver, arguments.body};
+  request.pixels = arguments.pixels;
+  if (!arguments.scan.empty()) request.direction = *value_named<ScanDirection>(arguments.scan);
+  return raster_figure(runs, request, notes);
+}
+
+Figure drawn_slips(const std::vector<StoredRun>& runs, const PlotArguments& arguments,
+                   std::vector<std::string>& notes) {
+  SlipsRequest request;
+  if (!arguments.value.empty()) {
+    const auto measure = value_named<SlipMeasure>(arguments.value);
+    if (!measure) {
+      refuse_option(FaultCode::command_invalid_value, "--value " + arguments.value,
+                    "slips have no such number",
+                    fmt::format("{}", fmt::join(words_of<SlipMeasure>(), ", ")));
+    }
+    request.measure = *measure;
+  }
+  request.driver = arguments.driver;
+  request.bins = arguments.bins;
+  request.log_x = arguments.log_x();
+  request.log_y = arguments.log_y();
+  return slips_figure(runs, labels_of(runs, arguments), request, notes);
+}
+
+Figure drawn_results(const std::vector<StoredRun>& runs, const PlotArguments& arguments,
+                     std::vector<std::string>& notes) {
+  require_option(arguments.result, "--result", "--against");
+  require_option(arguments.against, "--against", "--result");
+  return result_figure(
+      runs, {arguments.result, arguments.against, arguments.log_x(), arguments.log_y()}, notes);
+}
+
+Figure drawn(const std::vector<StoredRun>& runs, const std::string& what,
+             const PlotArguments& arguments, std::vector<std::string>& notes) {
+  if (what == kBodyFigure) return drawn_body(runs, arguments, notes);
+  if (what == kLoopFigure) {
+    return loop_figure(runs, labels_of(runs, arguments), {arguments.driver, ""}, arguments.width());
+  }
+  if (what == kSurfaceFigure) return drawn_surface(runs, arguments);
+  if (what == kRasterFigure) return drawn_raster(runs, arguments, notes);
+  if (what == kSlipsFigure) return drawn_slips(runs, arguments, notes);
+  if (!arguments.result.empty() || !arguments.against.empty()) {
+    return drawn_results(runs, arguments, notes);
+  }
+  return drawn_curves(runs, what, arguments, notes);
 }
 
 void add_options(CLI::App& parser, PlotArguments& arguments) {
@@ -313,6 +529,35 @@ void add_options(CLI::App& parser, PlotArguments& arguments) {
       ->type_name("TEXT")
       ->option_text("TEXT ...")
       ->allow_extra_args(false);
+  parser
+      .add_option("--value", arguments.value,
+                  "what a raster shows; of slips size (by default), peak_force or energy")
+      ->type_name("VALUE");
+  parser
+      .add_option("--scan", arguments.scan,
+                  "the samples of a raster at which X rises, or falls; both by default")
+      ->type_name("WAY")
+      ->option_text("forward|backward|both");
+  parser.add_option("--pixels", arguments.grid, "of a raster; by its samples unless given")
+      ->type_name("WIDTHxHEIGHT");
+  parser
+      .add_option("--bins", arguments.bins, "of a histogram; by the number of slips unless given")
+      ->type_name("N");
+  parser
+      .add_option("--result", arguments.result,
+                  "a result, as in driver.mean_force.x: a point for each DIR")
+      ->type_name("RESULT");
+  parser
+      .add_option("--against", arguments.against, "the parameter or result that it is drawn over")
+      ->type_name("NAME");
+  parser.add_option("--log", arguments.logarithmic, "logarithmic axes: x, y or xy")
+      ->type_name("AXES");
+  parser
+      .add_option("--size", arguments.extent,
+                  "of the whole figure in points; a PNG has two pixels to a point")
+      ->type_name("WIDTHxHEIGHT");
+  parser.add_option("--font", arguments.font, "of all texts; sans-serif,12 by default")
+      ->type_name("NAME,SIZE");
   parser.add_option("--title", arguments.title, "above the figure; none by default")
       ->type_name("TEXT");
 }
@@ -323,6 +568,32 @@ void check(PlotArguments& arguments) {
     for (const std::string& moment : parts_of(list, "--at")) {
       arguments.at.push_back(finite_number(moment, "--at"));
     }
+  }
+  constexpr double kSmallestFigure = 50.0;  // points
+  constexpr double kLargestFigure = 5000.0;
+  if (!arguments.extent.empty()) {
+    const auto [width, height] =
+        two_numbers(arguments.extent, "--size", kSmallestFigure, kLargestFigure);
+    arguments.size = FigureSize{width, height};
+  }
+  if (!arguments.font.empty()) arguments.named_font = font_of(arguments.font);
+  if (!arguments.grid.empty()) {
+    const auto [columns, rows] = two_numbers(arguments.grid, "--pixels", 1.0, kMostPixels);
+    arguments.pixels = PixelGrid{static_cast<std::size_t>(columns), static_cast<std::size_t>(rows)};
+  }
+  if (arguments.bins && (*arguments.bins < 1 || *arguments.bins > kMostBins)) {
+    refuse_command(FaultCode::command_invalid_value,
+                   fmt::format("--bins: {} is out of range", *arguments.bins),
+                   fmt::format("1 to {}", kMostBins));
+  }
+  const std::string& axes = arguments.logarithmic;
+  if (!axes.empty() && axes != "x" && axes != "y" && axes != "xy") {
+    refuse_command(FaultCode::command_invalid_value, fmt::format("--log: \"{}\"", axes),
+                   "x, y or xy");
+  }
+  if (!arguments.scan.empty() && !value_named<ScanDirection>(arguments.scan)) {
+    refuse_command(FaultCode::command_invalid_value, fmt::format("--scan: \"{}\"", arguments.scan),
+                   "forward, backward or both");
   }
   for (const auto& [limit, option] :
        {std::pair{arguments.from, "--from"}, std::pair{arguments.to, "--to"}}) {
@@ -336,11 +607,15 @@ int plot(const PlotArguments& arguments) {
   const PictureFormat format = format_of(arguments.file);
   refuse_unwritable(arguments.file);
   const Words words = sorted(arguments.words);
+  check_options(words.what, arguments);
   std::vector<std::string> notes;
-  const std::vector<StoredRun> runs = read_runs(words.folders, notes);
-  Figure figure = words.what == kBodyFigure ? drawn_body(runs, arguments, notes)
-                                            : drawn_curves(runs, words.what, arguments);
+  const bool with_samples = words.what != kSlipsFigure && arguments.result.empty();
+  std::vector<StoredRun> runs = read_runs(words.folders, with_samples, notes);
+  if (arguments.labels.empty()) runs = in_order_of_parameters(std::move(runs));
+  Figure figure = drawn(runs, words.what, arguments, notes);
   figure.title = arguments.title;
+  figure.size = arguments.size;
+  figure.font = arguments.named_font;
   const std::string picture = run_gnuplot(gnuplot_script(figure, format));
   OutputFile output(arguments.file);
   output.append(picture);

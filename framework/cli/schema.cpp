@@ -347,7 +347,9 @@ Json components_schema(const std::string& kind, int fewest, const char* what) {
 
 /// What stands under a top-level key.
 Json section_schema(const std::string& key) {
-  if (key == "scene") return table_schema(scene_layout());
+  if (key == "scene") {
+    return table_schema(scene_layout(), only("axes", table_schema(axes_layout())));
+  }
   if (key == "parameters") return parameters_schema();
   if (key == "box") return table_schema(box_layout());
   if (key == "body") return components_schema(key, 1, "where particles start");

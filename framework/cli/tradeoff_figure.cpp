@@ -59,7 +59,7 @@ class Diagram {
               false);
     if (tradeoff_.recommendation) add_recommendation(panel);
     Figure figure;
-    figure.logarithmic = true;
+    figure.log_x = figure.log_y = true;
     figure.x_label = {"force evaluations and Jacobian columns"};
     figure.x_from = x_.from;
     figure.x_to = x_.to;

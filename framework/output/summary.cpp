@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -21,6 +22,7 @@
 #include "framework/run/results.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
+#include "framework/scene/language.hpp"
 
 namespace tomlin {
 namespace {
@@ -99,8 +101,14 @@ Json program_entry() {
 /// The hash is that of `scene.toml`, however the scene got its values.
 Json scene_entry(const Scene& scene) {
   const auto bytes = std::as_bytes(std::span<const char>(scene.effective_toml));
-  return {{"name", text_or_null(scene.name)},
-          {"xxh3_64", fmt::format("{:016x}", checksum_of(bytes, 0))}};
+  Json entry = {{"name", text_or_null(scene.name)},
+                {"xxh3_64", fmt::format("{:016x}", checksum_of(bytes, 0))}};
+  static const TableLayout units = axes_layout();
+  for (const Parameter& row : units.rows) {
+    const auto unit = std::get<std::string>(row.read(&scene.axes));
+    if (!unit.empty()) entry["axes"][row.key] = unit;
+  }
+  return entry;
 }
 
 Json value_entry(const std::optional<Node>& node) {

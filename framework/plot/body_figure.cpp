@@ -12,6 +12,8 @@
 #include "framework/core/text/fault.hpp"
 #include "framework/model/model.hpp"
 #include "framework/output/run_folder.hpp"
+#include "framework/plot/axis_text.hpp"
+#include "framework/plot/equal_scale.hpp"
 #include "framework/plot/sample_table.hpp"
 #include "framework/scene/scene.hpp"
 
@@ -20,9 +22,6 @@ namespace {
 
 constexpr int kMomentsByDefault = 5;
 constexpr double kTau = 6.283185307179586477;
-// Of a panel, in points of the screen; beyond them an axis is made longer.
-constexpr double kLeastHeight = 110.0;
-constexpr double kMostHeight = 480.0;
 constexpr double kMargin = 0.06;  // around everything, as a share of the width
 
 /// A body without its motion.
@@ -188,60 +187,15 @@ void add_key(Panel& panel, bool driven) {
   if (driven) entry(Mark::open_triangle, "driver");
 }
 
-struct Box {
-  double left = HUGE_VAL, right = -HUGE_VAL, low = HUGE_VAL, high = -HUGE_VAL;
-
-  void take(const Panel& panel) {
-    for (const Curve& curve : panel.curves) {
-      for (const Polyline& piece : curve.pieces) {
-        for (const Point& point : piece) {
-          left = std::min(left, point.x);
-          right = std::max(right, point.x);
-          low = std::min(low, point.y);
-          high = std::max(high, point.y);
-        }
-      }
-    }
-  }
-};
-
-/// Axes in the same scale, x shared by all panels.
-void scale(Figure& figure) {
-  Box all;
-  double tallest = 0.0;
-  for (const Panel& panel : figure.panels) {
-    Box box;
-    box.take(panel);
-    all.take(panel);
-    tallest = std::max(tallest, box.high - box.low);
-  }
-  const double margin = kMargin * std::max(all.right - all.left, tallest);
-  const double least_width = (tallest + 2.0 * margin) * kPanelWidth / kMostHeight;
-  const double width = std::max(all.right - all.left + 2.0 * margin, least_width);
-  const double middle = 0.5 * (all.left + all.right);
-  figure.x_from = middle - 0.5 * width;
-  figure.x_to = middle + 0.5 * width;
-  const double points_per_length = kPanelWidth / width;
-  for (Panel& panel : figure.panels) {
-    Box box;
-    box.take(panel);
-    const double height =
-        std::max(box.high - box.low + 2.0 * margin, kLeastHeight / points_per_length);
-    const double centre = 0.5 * (box.low + box.high);
-    panel.y_from = centre - 0.5 * height;
-    panel.y_to = centre + 0.5 * height;
-    panel.height = height * points_per_length;
-  }
-}
-
 }  // namespace
 
 Figure body_figure(const std::vector<StoredRun>& runs, const std::vector<std::string>& labels,
                    const BodyRequest& request, const Registry& registry,
                    std::vector<std::string>& notes) {
   Figure figure;
-  const auto along = [](const char* axis) {
-    return FigureText{fmt::format("{{/:Italic {}}} [length]", axis), true};
+  check_unit_names(runs, "length");
+  const auto along = [&](const char* axis) {
+    return axis_text("", fmt::format("{{/:Italic {}}}", axis), unit_name(runs.front(), "length"));
   };
   figure.x_label = along("x");
   for (std::size_t r = 0; r < runs.size(); ++r) {
@@ -263,7 +217,7 @@ Figure body_figure(const std::vector<StoredRun>& runs, const std::vector<std::st
     add_key(panel, driven);
     figure.panels.push_back(std::move(panel));
   }
-  scale(figure);
+  scale_equally(figure, kMargin);
   return figure;
 }
 

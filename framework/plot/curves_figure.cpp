@@ -4,20 +4,25 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "framework/core/text/fault.hpp"
 #include "framework/output/run_folder.hpp"
+#include "framework/plot/axis_text.hpp"
+#include "framework/plot/equal_scale.hpp"
 #include "framework/plot/sample_table.hpp"
+#include "framework/plot/series_reader.hpp"
 
 namespace tomlin {
 namespace {
 
 constexpr double kHeightAlone = 330.0;  // of a panel, in points of the screen
 constexpr double kHeightOfSeveral = 170.0;
-constexpr double kCurveMargin = 0.04;  // above and below, as a share of what is between
+constexpr const char* kSupportPosition = "support position";
+constexpr double kPathMargin = 0.04;  // around what is drawn to scale, as a share of the width
 
 struct Range {
   double from = std::numeric_limits<double>::infinity();
@@ -38,43 +43,24 @@ struct RunCurves {
   std::vector<std::vector<std::vector<double>>> y_values;
 };
 
-/// The columns that series need, each once.
-class Needed {
- public:
-  void add(const Series& series) {
-    for (const std::size_t column : series.columns) {
-      if (std::find(columns_.begin(), columns_.end(), column) == columns_.end()) {
-        columns_.push_back(column);
-      }
+/// Is the support at v t, from the beginning?
+bool is_at_v_t(const std::vector<double>& position, const std::vector<double>& time) {
+  // Of the distance travelled: positions are rounded to less than that.
+  constexpr double kRounding = 1e-9;
+  if (!(time.back() > 0.0)) return true;
+  const double velocity = position.back() / time.back();
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    if (std::abs(position[i] - velocity * time[i]) > kRounding * std::abs(position.back())) {
+      return false;
     }
   }
-
-  void read(const SampleTable& table) { numbers_ = table.read(columns_); }
-
-  std::vector<double> values(const Series& series) const {
-    std::vector<const std::vector<double>*> parts;
-    for (const std::size_t column : series.columns) {
-      const auto found = std::find(columns_.begin(), columns_.end(), column);
-      parts.push_back(&numbers_[static_cast<std::size_t>(found - columns_.begin())]);
-    }
-    std::vector<double> result(parts.front()->size());
-    std::vector<double> components(parts.size());
-    for (std::size_t row = 0; row < result.size(); ++row) {
-      for (std::size_t k = 0; k < parts.size(); ++k) components[k] = (*parts[k])[row];
-      result[row] = value_of(series.measure, components);
-    }
-    return result;
-  }
-
- private:
-  std::vector<std::size_t> columns_;
-  std::vector<std::vector<double>> numbers_;
-};
+  return true;
+}
 
 RunCurves read_curves(const StoredRun& run, const CurvesRequest& request) {
   const SampleTable table(file_of(run, kTableFile));
   RunCurves curves;
-  Needed needed;
+  SeriesReader needed;
   curves.x = find_series(table, request.x, request.owners, "--x");
   needed.add(curves.x);
   for (const auto& panel : request.y) {
@@ -84,12 +70,22 @@ RunCurves read_curves(const StoredRun& run, const CurvesRequest& request) {
       needed.add(curves.y.back().back());
     }
   }
+  const Series time = column_series(table, "time");
+  needed.add(time);
   needed.read(table);
   curves.x_values = needed.values(curves.x);
   for (const auto& panel : curves.y) {
     curves.y_values.emplace_back();
     for (const Series& series : panel) curves.y_values.back().push_back(needed.values(series));
   }
+  const auto rename = [&](Series& series) {
+    if (series.name != "driver_position") return;
+    if (is_at_v_t(needed.values(series), needed.values(time))) return;
+    series.words = kSupportPosition;
+    series.symbol = "{/:Italic X}";
+  };
+  rename(curves.x);
+  for (auto& panel : curves.y) std::for_each(panel.begin(), panel.end(), rename);
   return curves;
 }
 
@@ -104,6 +100,8 @@ void check_unit(const StoredRun& run, const std::string& option, const Series& f
 }
 
 void check_units(const std::vector<StoredRun>& runs, const std::vector<RunCurves>& all) {
+  check_unit_names(runs, all.front().x.unit);
+  for (const auto& panel : all.front().y) check_unit_names(runs, panel.front().unit);
   for (std::size_t r = 0; r < runs.size(); ++r) {
     check_unit(runs[r], "--x", all.front().x, all[r].x);
     for (std::size_t p = 0; p < all[r].y.size(); ++p) {
@@ -114,24 +112,39 @@ void check_units(const std::vector<StoredRun>& runs, const std::vector<RunCurves
   }
 }
 
-FigureText axis_label(const Series& series, bool with_words) {
-  std::string text = series.symbol;
-  if (with_words && !series.words.empty()) text = series.words + " " + text;
-  if (!series.unit.empty()) text += " [" + series.unit + "]";
-  return {text, series.enhanced};
+/// One name for all runs: v t only where the support is there in each.
+const Series& common_x(const std::vector<RunCurves>& all) {
+  const auto other = std::find_if(
+      all.begin(), all.end(), [](const RunCurves& run) { return run.x.words == kSupportPosition; });
+  return other == all.end() ? all.front().x : other->x;
 }
 
-/// Several curves' axis has only their unit in common; a low panel has no room for words.
-FigureText y_label(const std::vector<Series>& panel, bool alone) {
-  if (panel.size() > 1) return {"[" + panel.front().unit + "]"};
-  return axis_label(panel.front(), alone);
+/// Several curves' axis has only their dimension in common; a low panel has no room for words.
+FigureText y_label(const StoredRun& run, const std::vector<Series>& panel, bool alone) {
+  Series shown = panel.front();
+  if (panel.size() > 1) {
+    const std::string dimension = shown.unit == "1" ? "" : shown.unit;
+    return axis_text(literal_text(dimension), "", unit_name(run, shown.unit));
+  }
+  if (!alone) shown.words.clear();
+  return axis_label(run, shown);
 }
 
 /// The part of the x axis that is shown.
 Range shown_range(const std::vector<RunCurves>& all, const CurvesRequest& request) {
   Range whole;
   for (const RunCurves& run : all) {
-    for (const double x : run.x_values) whole.take(x);
+    for (const double x : run.x_values) {
+      if (!request.log_x || x > 0.0) whole.take(x);
+    }
+  }
+  if (whole.from > whole.to) {
+    refuse_input(FaultCode::plot_no_data, "--log", request.x, "no number is positive",
+                 "a linear axis");
+  }
+  if (request.log_x && request.from && !(*request.from > 0.0)) {
+    refuse_input(FaultCode::command_invalid_value, "--from", fmt::format("{:g}", *request.from),
+                 "a logarithmic axis begins above zero", "a positive number");
   }
   Range shown{request.from.value_or(whole.from), request.to.value_or(whole.to)};
   bool any = false;
@@ -147,16 +160,22 @@ Range shown_range(const std::vector<RunCurves>& all, const CurvesRequest& reques
   return shown;
 }
 
-/// What the range shows of a curve, with the neighbours that its lines lead to.
+/// What the range shows of a curve, with the neighbours that its lines lead to. Logarithmic axes
+/// have no place for numbers that are not positive: the curve breaks there.
 std::vector<Polyline> cut(const std::vector<double>& x, const std::vector<double>& y,
-                          const Range& range) {
+                          const Range& range, const CurvesRequest& request, std::size_t& left_out) {
   std::vector<Polyline> pieces;
+  const auto fits = [&](std::size_t i) {
+    return (!request.log_x || x[i] > 0.0) && (!request.log_y || y[i] > 0.0);
+  };
   bool inside = false;  // was the last point, or does the next follow on it?
   for (std::size_t i = 0; i < x.size(); ++i) {
     const bool before = i > 0 && range.holds(x[i - 1]);
     const bool here = range.holds(x[i]);
     const bool after = i + 1 < x.size() && range.holds(x[i + 1]);
-    const bool kept = before || here || after;
+    const bool wanted = before || here || after;
+    if (wanted && !fits(i)) ++left_out;
+    const bool kept = wanted && fits(i);
     if (kept && !inside) pieces.emplace_back();
     if (kept) pieces.back().push_back({x[i], y[i]});
     inside = kept;
@@ -164,7 +183,8 @@ std::vector<Polyline> cut(const std::vector<double>& x, const std::vector<double
   return pieces;
 }
 
-Window window_of(const std::vector<std::vector<Polyline>>& curves, const Range& x, double height) {
+Window window_of(const std::vector<std::vector<Polyline>>& curves, const Range& x, double height,
+                 const CurvesRequest& request) {
   Range y;
   for (const auto& curve : curves) {
     for (const Polyline& piece : curve) {
@@ -173,14 +193,9 @@ Window window_of(const std::vector<std::vector<Polyline>>& curves, const Range& 
       }
     }
   }
-  return {x.from, x.to, y.from, y.to, kPanelWidth, height};
-}
-
-/// Room above and below the curves, also where they are level.
-double margin_of(const Window& window) {
-  const double extent = window.y_to - window.y_from;
-  if (extent > 0.0) return kCurveMargin * extent;
-  return window.y_to == 0.0 ? 1.0 : kCurveMargin * std::abs(window.y_to);
+  const double finer = request.width / kPanelWidth;
+  return {x.from,         x.to,          y.from,       y.to, finer * kPanelWidth,
+          finer * height, request.log_x, request.log_y};
 }
 
 /// Where the spring is not stretched: x_c = v t.
@@ -195,16 +210,17 @@ Curve unstretched(const Range& x) {
 std::string curve_label(const std::string& run, const std::vector<Series>& panel,
                         const Series& series) {
   if (panel.size() == 1) return run;
-  return run.empty() ? series.name : series.name + ", " + run;
+  return key_text_of(series) + (run.empty() ? "" : ", " + run);
 }
 
-Panel panel_of(const std::vector<RunCurves>& all, const std::vector<std::string>& labels,
-               std::size_t index, const Range& x) {
+Panel panel_of(const std::vector<StoredRun>& runs, const std::vector<RunCurves>& all,
+               const std::vector<std::string>& labels, std::size_t index, const Range& x,
+               const CurvesRequest& request, std::size_t& left_out) {
   const bool alone = all.front().y.size() == 1;
   const std::vector<Series>& first = all.front().y[index];
   std::vector<std::vector<Polyline>> curves;
   Panel panel;
-  panel.y_label = y_label(first, alone);
+  panel.y_label = y_label(runs.front(), first, alone);
   panel.height = alone ? kHeightAlone : kHeightOfSeveral;
   for (std::size_t r = 0; r < all.size(); ++r) {
     for (std::size_t c = 0; c < first.size(); ++c) {
@@ -212,16 +228,18 @@ Panel panel_of(const std::vector<RunCurves>& all, const std::vector<std::string>
       curve.label = curve_label(labels[r], first, first[c]);
       curve.colour = static_cast<int>(curves.size());
       panel.curves.push_back(std::move(curve));
-      curves.push_back(cut(all[r].x_values, all[r].y_values[index][c], x));
+      curves.push_back(cut(all[r].x_values, all[r].y_values[index][c], x, request, left_out));
     }
   }
-  const Window window = window_of(curves, x, panel.height);
+  const Window window = window_of(curves, x, panel.height, request);
   for (std::size_t c = 0; c < curves.size(); ++c) {
     panel.curves[c].pieces = reduced(curves[c], window);
   }
-  const double margin = margin_of(window);
-  panel.y_from = window.y_from - margin;
-  panel.y_to = window.y_to + margin;
+  if (window.y_from > window.y_to) {
+    refuse_input(FaultCode::plot_no_data, "--log", first.front().name, "no number is positive",
+                 "a linear axis");
+  }
+  std::tie(panel.y_from, panel.y_to) = with_margin(window.y_from, window.y_to, request.log_y);
   const bool against_driver = all.front().x.name == "driver_position" && first.size() == 1 &&
                               first.front().name == "position";
   if (against_driver) panel.curves.insert(panel.curves.begin(), unstretched(x));
@@ -231,18 +249,28 @@ Panel panel_of(const std::vector<RunCurves>& all, const std::vector<std::string>
 }  // namespace
 
 Figure curves_figure(const std::vector<StoredRun>& runs, const std::vector<std::string>& labels,
-                     const CurvesRequest& request) {
+                     const CurvesRequest& request, std::vector<std::string>& notes) {
   std::vector<RunCurves> all;
   all.reserve(runs.size());
   for (const StoredRun& run : runs) all.push_back(read_curves(run, request));
   check_units(runs, all);
   const Range x = shown_range(all, request);
   Figure figure;
-  figure.x_label = axis_label(all.front().x, true);
+  figure.x_label = axis_label(runs.front(), common_x(all));
   figure.x_from = x.from;
   figure.x_to = x.to;
+  figure.log_x = request.log_x;
+  figure.log_y = request.log_y;
+  std::size_t left_out = 0;
   for (std::size_t p = 0; p < request.y.size(); ++p) {
-    figure.panels.push_back(panel_of(all, labels, p, x));
+    figure.panels.push_back(panel_of(runs, all, labels, p, x, request, left_out));
+  }
+  if (left_out > 0) {
+    notes.push_back(
+        fmt::format("{} samples are not positive, and not on a logarithmic axis", left_out));
+  }
+  if (request.to_scale && all.front().x.unit == all.front().y.front().front().unit) {
+    scale_equally(figure, kPathMargin);
   }
   return figure;
 }

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "framework/plot/reduce.hpp"
@@ -23,10 +26,30 @@ struct Curve {
   int colour = 0;  ///< which of the palette; kGrey: no data, an aid to the eye
   bool line = true;
   bool dashed = false;
+  bool filled = false;  ///< down to the lower end of the y axis
   Mark mark = Mark::none;
 };
 
 inline constexpr int kGrey = -1;
+
+/// An arrowhead on a curve.
+struct Arrow {
+  Point from;
+  Point to;
+  int colour = 0;  ///< as of a curve
+};
+
+/// Numbers over a rectangle as colours, below the curves of a panel.
+struct Raster {
+  double x_from = 0.0;
+  double x_to = 0.0;
+  double y_from = 0.0;
+  double y_to = 0.0;
+  std::size_t columns = 0;
+  std::vector<double> values;  ///< row by row from below; NaN: nothing is drawn there
+  FigureText label;            ///< of the colour bar
+  bool grey = false;           ///< shades of grey in place of colours
+};
 
 struct Panel {
   FigureText y_label;
@@ -36,6 +59,19 @@ struct Panel {
   /// Where the axis ends; equal: gnuplot chooses by the data.
   double y_from = 0.0;
   double y_to = 0.0;
+  std::optional<Raster> raster;
+  std::vector<Arrow> arrows;
+};
+
+/// Of a whole figure, in points of the screen.
+struct FigureSize {
+  double width = 0.0;
+  double height = 0.0;
+};
+
+struct FigureFont {
+  std::string name = "sans-serif";
+  double size = 12.0;  ///< in points
 };
 
 struct Figure {
@@ -44,8 +80,16 @@ struct Figure {
   double x_from = 0.0;  ///< as in a panel
   double x_to = 0.0;
   std::vector<Panel> panels;
-  bool logarithmic = false;  ///< both axes; every number is then positive
+  bool log_x = false;  ///< every number along a logarithmic axis is positive
+  bool log_y = false;
+  bool to_scale = false;           ///< a length is as long along x as along y
+  std::optional<FigureSize> size;  ///< otherwise as large as its panels and texts need
+  FigureFont font;
 };
+
+/// Where an axis ends around these numbers, also where they are one; of a logarithmic axis they are
+/// positive.
+std::pair<double, double> with_margin(double from, double to, bool logarithmic);
 
 /// Width of the plotted area, in points of the screen.
 inline constexpr double kPanelWidth = 540.0;

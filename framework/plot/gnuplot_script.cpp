@@ -1,6 +1,7 @@
 #include "framework/plot/gnuplot_script.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <iterator>
 
@@ -16,6 +17,11 @@ namespace {
 constexpr std::array kPalette = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                  "#E69F00", "#56B4E9", "#000000"};
 constexpr const char* kGreyColour = "#999999";
+// Perceptually uniform: viridis by S. van der Walt and N. Smith (2015), at every eighth of it.
+constexpr std::array kMapColours = {"#440154", "#472C7A", "#3B518B", "#2C718E", "#21908D",
+                                    "#27AD81", "#5CC863", "#AADC32", "#FDE725"};
+// Light enough for curves to be seen on them.
+constexpr std::array kMapGreys = {"#8C8C8C", "#FFFFFF"};
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -29,22 +35,22 @@ bool means_itself(char c) {
 
 constexpr double kPointsPerInch = 72.0;
 
-std::string terminal(PictureFormat format, const FigureLayout& layout) {
-  constexpr const char* kFont = "font 'sans-serif,12'";
+std::string terminal(PictureFormat format, const FigureLayout& layout, const FigureFont& given) {
+  const std::string font = "font " + gnuplot_string(fmt::format("{},{:g}", given.name, given.size));
   switch (format) {
     case PictureFormat::svg:
       return fmt::format("svg size {:.0f},{:.0f} {} background rgb 'white'", layout.width(),
-                         layout.height(), kFont);
+                         layout.height(), font);
     case PictureFormat::png:  // two pixels to a point; its fonts come at 96 pixels to 72 points
       return fmt::format(
           "pngcairo size {:.0f},{:.0f} {} fontscale 1.5 linewidth 2 pointscale 2 "
           "background rgb 'white'",
-          2.0 * layout.width(), 2.0 * layout.height(), kFont);
+          2.0 * layout.width(), 2.0 * layout.height(), font);
     case PictureFormat::pdf:
       break;
   }
   return fmt::format("pdfcairo size {:.4f}in,{:.4f}in {} linewidth 1.5",
-                     layout.width() / kPointsPerInch, layout.height() / kPointsPerInch, kFont);
+                     layout.width() / kPointsPerInch, layout.height() / kPointsPerInch, font);
 }
 
 std::string text(const FigureText& given) {
@@ -55,10 +61,15 @@ std::string range(double from, double to) {
   return from < to ? fmt::format("[{}:{}]", from, to) : "[*:*]";
 }
 
+constexpr auto kColours = static_cast<int>(kPalette.size());
+constexpr double kArrowLength = 14.0;  // of a head, in points of the screen
+
+const char* colour_of(int colour) {
+  return colour == kGrey ? kGreyColour : kPalette[colour % kColours];
+}
+
 std::string style_of(const Curve& curve) {
-  constexpr auto kColours = static_cast<int>(kPalette.size());
   const bool grey = curve.colour == kGrey;
-  const char* colour = grey ? kGreyColour : kPalette[curve.colour % kColours];
   // When the colours are used up, the same ones with other dashes.
   const int dashes = curve.dashed ? 2 : grey ? 1 : 1 + curve.colour / kColours;
   std::string style;
@@ -80,11 +91,17 @@ std::string style_of(const Curve& curve) {
       break;
   }
   const char* with = curve.mark == Mark::none ? "lines" : curve.line ? "linespoints" : "points";
-  return fmt::format("with {} lc rgb '{}'{}", with, colour, style);
+  return fmt::format("with {} lc rgb '{}'{}", with, colour_of(curve.colour), style);
 }
 
 std::string data_name(std::size_t panel, std::size_t curve) {
   return fmt::format("$panel{}_curve{}", panel, curve);
+}
+
+std::string raster_name(std::size_t panel) { return fmt::format("$panel{}_raster", panel); }
+
+std::string arrows_name(std::size_t panel, std::size_t arrow) {
+  return fmt::format("$panel{}_arrow{}", panel, arrow);
 }
 
 /// Inline data: numbers only, an empty line where the curve breaks.
@@ -100,9 +117,92 @@ void append_data(std::string& script, const std::string& name, const Curve& curv
   script += "END\n";
 }
 
+/// Centre of each pixel and its number.
+void append_raster(std::string& script, const std::string& name, const Raster& raster) {
+  const std::size_t rows = raster.values.size() / raster.columns;
+  const double width = (raster.x_to - raster.x_from) / static_cast<double>(raster.columns);
+  const double height = (raster.y_to - raster.y_from) / static_cast<double>(rows);
+  script += name + " << END\n";
+  for (std::size_t k = 0; k < raster.values.size(); ++k) {
+    const double column = 0.5 + static_cast<double>(k % raster.columns);
+    const double row = 0.5 + static_cast<double>(k / raster.columns);
+    fmt::format_to(std::back_inserter(script), "{} {} ", raster.x_from + column * width,
+                   raster.y_from + row * height);
+    const double value = raster.values[k];
+    script += std::isnan(value) ? "NaN\n" : fmt::format("{:.9g}\n", value);
+  }
+  script += "END\n";
+}
+
+void append_all_data(std::string& script, const Panel& panel, std::size_t p) {
+  if (panel.raster) append_raster(script, raster_name(p), *panel.raster);
+  for (std::size_t c = 0; c < panel.curves.size(); ++c) {
+    append_data(script, data_name(p, c), panel.curves[c]);
+  }
+  for (std::size_t a = 0; a < panel.arrows.size(); ++a) {
+    const Arrow& arrow = panel.arrows[a];
+    fmt::format_to(std::back_inserter(script), "{} << END\n{} {} {} {}\nEND\n", arrows_name(p, a),
+                   arrow.from.x, arrow.from.y, arrow.to.x - arrow.from.x,
+                   arrow.to.y - arrow.from.y);
+  }
+}
+
 void append_margins(std::string& script, double top, double bottom) {
   fmt::format_to(std::back_inserter(script),
                  "set tmargin at screen {:.6f}\nset bmargin at screen {:.6f}\n", top, bottom);
+}
+
+// An axis of fewer decades has numbers at 1, 2 and 5 times the powers of ten.
+constexpr double kFewDecades = 2.5;
+constexpr double kDecade = 10.0;
+
+/// The numbers along an axis: gnuplot's own, but for a logarithmic axis too short for powers of
+/// ten.
+std::string tics(const char* axis, bool logarithmic, double from, double to) {
+  const std::string format = fmt::format("set format {} ", axis);
+  const std::string own = fmt::format("set {}tics autofreq\n", axis);
+  if (!logarithmic) return own + format + "'%h'\n";
+  if (!(from < to) || std::log10(to / from) > kFewDecades) return own + format + "'10^{%L}'\n";
+  std::string list;
+  int count = 0;
+  for (double power = std::pow(kDecade, std::floor(std::log10(from))); power <= to;
+       power *= kDecade) {
+    for (const double factor : {1.0, 2.0, 5.0}) {
+      const std::string number = fmt::format("{:g}", factor * power);
+      if (factor * power < from || factor * power > to) continue;
+      list += fmt::format("{}\"{}\" {}", list.empty() ? "" : ", ", number, number);
+      ++count;
+    }
+  }
+  if (count < 2) return own + format + "'%h'\n";
+  return fmt::format("set {}tics ({})\n", axis, list) + format + "'%h'\n";
+}
+
+std::string palette(const Raster& raster) {
+  std::string list;
+  const auto add = [&](const char* colour, std::size_t k) {
+    list += fmt::format("{}{} '{}'", k == 0 ? "" : ", ", k, colour);
+  };
+  if (raster.grey) {
+    for (std::size_t k = 0; k < kMapGreys.size(); ++k) add(kMapGreys[k], k);
+  } else {
+    for (std::size_t k = 0; k < kMapColours.size(); ++k) add(kMapColours[k], k);
+  }
+  return "set palette maxcolors 0 defined (" + list + ")\n";
+}
+
+void append_bar(std::string& script, const Raster& raster, std::size_t index,
+                const FigureLayout& layout) {
+  script += palette(raster);
+  if (raster.label.text.empty()) {
+    script += "unset colorbox\n";
+    return;
+  }
+  script += fmt::format(
+      "set colorbox user origin screen {:.6f},screen {:.6f} size screen {:.6f},screen {:.6f}\n",
+      layout.left_of_bars(), layout.bottom_of(index), layout.width_of_bars(),
+      layout.top_of(index) - layout.bottom_of(index));
+  script += "set cbtics out scale 0.6\nset cblabel " + text(raster.label) + "\n";
 }
 
 void append_panel(std::string& script, const Figure& figure, std::size_t index,
@@ -115,14 +215,34 @@ void append_panel(std::string& script, const Figure& figure, std::size_t index,
   line("set ylabel " + text(panel.y_label));
   line("set yrange " + range(panel.y_from, panel.y_to));
   line(last ? "set xlabel " + text(figure.x_label) + " offset 0,0.4" : "unset xlabel");
-  const char* format = figure.logarithmic ? "'10^{%L}'" : "'%h'";
-  line(last ? std::string("set format x ") + format : "set format x ''");
-  if (figure.logarithmic) line(std::string("set format y ") + format);
+  script += tics("x", figure.log_x, figure.x_from, figure.x_to);
+  if (!last) line("set format x ''");
+  script += tics("y", figure.log_y, panel.y_from, panel.y_to);
+  // A grid would be drawn over the colours.
+  line(panel.raster ? "unset grid" : "set grid lt 1 lc rgb '#E6E6E6' lw 0.6");
+  if (panel.raster) append_bar(script, *panel.raster, index, layout);
   script += "plot NaN notitle";
+  if (panel.raster) {
+    script += ", \\\n     " + raster_name(index) + " using 1:2:3 with image notitle";
+  }
   for (std::size_t c = 0; c < panel.curves.size(); ++c) {
     const Curve& curve = panel.curves[c];
     if (curve.pieces.empty()) continue;
-    script += ", \\\n     " + data_name(index, c) + " using 1:2 " + style_of(curve) + " notitle";
+    const std::string data = ", \\\n     " + data_name(index, c) + " using 1:2 ";
+    if (curve.filled) {
+      script += data + fmt::format(
+                           "with filledcurves y={} lc rgb '{}' fs transparent solid 0.25 "
+                           "noborder notitle",
+                           panel.y_from, colour_of(curve.colour));
+    }
+    script += data + style_of(curve) + " notitle";
+  }
+  for (std::size_t a = 0; a < panel.arrows.size(); ++a) {
+    script += ", \\\n     " + arrows_name(index, a) +
+              fmt::format(
+                  " using 1:2:3:4 with vectors filled head size screen {:.6f},20,60 fixed "
+                  "lw 1.2 lc rgb '{}' notitle",
+                  kArrowLength / layout.width(), colour_of(panel.arrows[a].colour));
   }
   script += "\n";
 }
@@ -162,18 +282,17 @@ std::string gnuplot_script(const Figure& figure, PictureFormat format) {
   const FigureLayout layout(figure);
   std::string script = "set encoding utf8\n";
   for (std::size_t p = 0; p < figure.panels.size(); ++p) {
-    const auto& curves = figure.panels[p].curves;
-    for (std::size_t c = 0; c < curves.size(); ++c) append_data(script, data_name(p, c), curves[c]);
+    append_all_data(script, figure.panels[p], p);
   }
-  script += "set terminal " + terminal(format, layout) + "\n";
+  script += "set terminal " + terminal(format, layout, figure.font) + "\n";
   script +=
       "set border 3 lc rgb '#333333' lw 0.8\n"
       "set tics out nomirror scale 0.6\n"
-      "set grid lt 1 lc rgb '#E6E6E6' lw 0.6\n"
       "set pointintervalbox 0\n";
   script += fmt::format("set lmargin at screen {:.6f}\n", layout.left());
   script += fmt::format("set rmargin at screen {:.6f}\n", layout.right());
-  if (figure.logarithmic) script += "set logscale xy\n";
+  if (figure.log_x) script += "set logscale x\n";
+  if (figure.log_y) script += "set logscale y\n";
   script += "set xrange " + range(figure.x_from, figure.x_to) + "\n";
   script += "unset key\n";
   script += "set multiplot\n";
@@ -187,7 +306,8 @@ std::string gnuplot_script(const Figure& figure, PictureFormat format) {
     if (p == 0) script += "unset label\n";
   }
   script +=
-      "unset logscale\nunset border\nunset tics\nunset grid\nunset title\nunset xlabel\nunset "
+      "unset logscale\nunset colorbox\nunset border\nunset tics\nunset grid\nunset title\nunset "
+      "xlabel\nunset "
       "ylabel\n"
       "set xrange [0:1]\nset yrange [0:1]\n"
       "set key left top Left reverse samplen 2 noenhanced\n";

@@ -9,6 +9,7 @@
 
 #include "framework/core/text/fault.hpp"
 #include "framework/core/text/nearest_name.hpp"
+#include "framework/plot/axis_text.hpp"
 #include "framework/scene/text.hpp"
 
 namespace tomlin {
@@ -144,6 +145,17 @@ Series find_series(const SampleTable& table, const std::string& name, const Owne
   refuse_input(
       FaultCode::plot_no_data, table.file(), shortened(option + " " + name, kLongestShownValue),
       "there is no such column or quantity", listed(known), nearest_name(name, known).value_or(""));
+}
+
+FigureText axis_label(const StoredRun& run, const Series& series) {
+  const std::string unit = unit_name(run, series.unit);
+  if (!series.enhanced && unit.empty()) return {series.symbol};
+  return axis_text(series.words, series.enhanced ? series.symbol : literal_text(series.symbol),
+                   unit);
+}
+
+std::string key_text_of(const Series& series) {
+  return series.words.empty() ? series.symbol : series.words;
 }
 
 double value_of(Measure measure, std::span<const double> components) {

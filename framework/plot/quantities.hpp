@@ -6,7 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "framework/plot/figure.hpp"
 #include "framework/plot/sample_table.hpp"
+#include "framework/plot/stored_run.hpp"
 
 /// What figures show, by name: quantities made of columns of observables.csv, and the figures of
 /// one quantity over another.
@@ -75,6 +77,12 @@ Series find_series(const SampleTable& table, const std::string& name, const Owne
 /// The driver or body whose columns are meant. Throws InputError like find_series.
 std::string chosen_owner(const SampleTable& table, Owner owner, std::string_view column,
                          const Owners& owners);
+
+/// Beside an axis, as the run's scene calls the unit.
+FigureText axis_label(const StoredRun& run, const Series& series);
+
+/// In a key, where the axis stands for several.
+std::string key_text_of(const Series& series);
 
 /// Of one sample.
 double value_of(Measure measure, std::span<const double> components);

@@ -18,7 +18,12 @@ bool further_left(const Point& a, const Point& b) { return a.x < b.x; }
 bool lower(const Point& a, const Point& b) { return a.y < b.y; }
 
 /// Which of `cells` parts of [from, to] holds this number; the outer ones hold what is beyond.
-std::uint32_t cell_of(double value, double from, double to, double cells) {
+std::uint32_t cell_of(double value, double from, double to, bool logarithmic, double cells) {
+  if (logarithmic) {
+    value = std::log(value);
+    from = std::log(from);
+    to = std::log(to);
+  }
   const double share = to > from ? (value - from) / (to - from) : 0.0;
   return static_cast<std::uint32_t>(std::clamp(std::floor(share * cells), 0.0, cells - 1.0));
 }
@@ -28,7 +33,7 @@ std::uint32_t cell_of(double value, double from, double to, double cells) {
 Polyline by_columns(const Polyline& curve, const Window& window) {
   Polyline result;
   const auto column = [&](const Point& point) {
-    return cell_of(point.x, window.x_from, window.x_to, window.width);
+    return cell_of(point.x, window.x_from, window.x_to, window.log_x, window.width);
   };
   for (std::size_t begin = 0; begin < curve.size();) {
     std::size_t end = begin + 1;
@@ -95,9 +100,9 @@ class Overdrawn {
   }
 
   std::uint64_t cell(const Point& point) const {
-    return cell_of(point.y, window_.y_from, window_.y_to, rows_) *
+    return cell_of(point.y, window_.y_from, window_.y_to, window_.log_y, rows_) *
                static_cast<std::uint64_t>(columns_) +
-           cell_of(point.x, window_.x_from, window_.x_to, columns_);
+           cell_of(point.x, window_.x_from, window_.x_to, window_.log_x, columns_);
   }
 
   /// Is there no line between these two cells yet, either way? From now on there is.

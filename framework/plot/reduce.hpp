@@ -21,6 +21,8 @@ struct Window {
   double y_to = 1.0;
   double width = 1.0;   ///< in points of the screen
   double height = 1.0;  ///< likewise
+  bool log_x = false;   ///< a logarithmic axis: all numbers along it are positive
+  bool log_y = false;
 };
 
 inline constexpr std::size_t kFewPoints = 1000;   ///< a curve of so many is left alone

@@ -1,13 +1,18 @@
 #include "framework/plot/stored_run.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
+#include <limits>
+#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "framework/core/text/axis_names.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/core/text/text_file.hpp"
 #include "framework/output/run_folder.hpp"
@@ -49,11 +54,46 @@ std::map<std::string, std::string> written_parameters(const SceneDocument& scene
   return result;
 }
 
+/// Numbers below this node, the components of lists by the names of axes.
+void add_results(std::map<std::string, double>& results, const std::string& path,
+                 const Json& node) {
+  if (node.is_number()) {
+    results[path] = node.get<double>();
+  } else if (node.is_null()) {
+    results[path] = std::numeric_limits<double>::quiet_NaN();
+  } else if (node.is_object()) {
+    for (const auto& [key, value] : node.items()) add_results(results, path + "." + key, value);
+  } else if (node.is_array() && node.size() <= std::size(kAxisNames)) {
+    for (std::size_t k = 0; k < node.size(); ++k) {
+      add_results(results, path + "." + kAxisNames[k], node[k]);
+    }
+  }
+}
+
+/// Of the scene: what it is called, not what came out.
+bool is_result(const std::string& key) {
+  static constexpr std::string_view kOther[] = {"program",    "scene",    "integrator",
+                                                "parameters", "warnings", "warning_codes",
+                                                "left_out",   "plugins",  "references"};
+  return std::find(std::begin(kOther), std::end(kOther), key) == std::end(kOther);
+}
+
 }  // namespace
 
 bool holds_run(const std::string& folder) {
   std::error_code error;
   return fs::is_regular_file(fs::path(folder) / kSummaryFile, error);
+}
+
+std::string result_name(const StoredRun& run, const std::string& path) {
+  if (run.results.contains(path)) return path;
+  std::string name;
+  for (const char* family : {"drivers.", "bodies.", "observers.", "forces."}) {
+    if (!run.results.contains(family + path)) continue;
+    if (!name.empty()) return "";
+    name = family + path;
+  }
+  return name;
 }
 
 std::string file_of(const StoredRun& run, const char* name) {
@@ -83,6 +123,15 @@ StoredRun read_stored_run(const std::string& folder) {
   if (parameters != json.end() && parameters->is_object()) {
     for (const auto& [name, value] : parameters->items()) {
       if (value.is_number()) run.parameters.emplace_back(name, value.get<double>());
+    }
+  }
+  for (const auto& [key, value] : json.items()) {
+    if (is_result(key)) add_results(run.results, key, value);
+  }
+  const auto axes = Json::json_pointer("/scene/axes");
+  if (json.contains(axes) && json[axes].is_object()) {
+    for (const auto& [key, unit] : json[axes].items()) {
+      if (unit.is_string()) run.units[key] = unit.get<std::string>();
     }
   }
   run.scene = std::make_shared<SceneDocument>(file_of(run, kSceneFile));

@@ -19,6 +19,11 @@ struct StoredRun {
   /// As scene.toml has them, expressions included; empty where it cannot be read.
   std::map<std::string, std::string> written;
   std::shared_ptr<const SceneDocument> scene;  ///< scene.toml
+  /// What the scene calls the units of axes, by its keys: "length", "force".
+  std::map<std::string, std::string> units;
+  /// The numbers of the summary by their dotted paths, "drivers.driver.mean_force.x"; NaN where one
+  /// is undefined.
+  std::map<std::string, double> results;
 };
 
 /// Is this the folder of a run that has ended: is there a summary?
@@ -26,6 +31,10 @@ bool holds_run(const std::string& folder);
 
 /// Throws InputError when the summary is none.
 StoredRun read_stored_run(const std::string& folder);
+
+/// The name under which a path finds a result: "drivers.driver.mean_force.x", or without the first
+/// part. Empty: there is none, or there are several.
+std::string result_name(const StoredRun& run, const std::string& path);
 
 /// A path inside the folder.
 std::string file_of(const StoredRun& run, const char* name);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -35,6 +37,15 @@ bool add_parameter(SceneDraft& draft, const Entry& entry) {
     return false;
   }
   return true;
+}
+
+/// The effective table of `axes`; nothing when it is absent or unfit.
+std::optional<Node> read_axes(SceneDraft& draft, const SceneSection& heading) {
+  const Node* node = heading.table->find("axes");
+  if (node == nullptr) return std::nullopt;
+  const auto given = draft.inside(*node, "scene.axes", "{ length = ..., ... }");
+  if (!given) return std::nullopt;
+  return Node{draft.read(*given, axes_layout(), "scene.axes", &draft.scene->axes).effective, {}};
 }
 
 }  // namespace
@@ -99,6 +110,7 @@ void read_heading(SceneDraft& draft) {
   const auto given = draft.section("scene").value_or(SceneSection{&nothing, kTopOfFile});
   static const TableLayout layout = scene_layout();
   auto reading = draft.read(given, layout, "scene", draft.scene.get());
+  if (auto axes = read_axes(draft, given)) reading.effective.set("axes", *std::move(axes));
   draft.effective.set("scene", {std::move(reading.effective), {}});
 }
 

@@ -105,6 +105,7 @@ bool TableLayout::is_own_key(std::string_view key) const {
 
 TableLayout scene_layout() {
   TableLayout layout;
+  layout.own_keys = {{"axes", "what figures call the units: { length = \"a\", ... }"}};
   layout.rows = {
       parameter("name", &Scene::name, dimension::none, "what the scene is, for people")
           .by_default(""),
@@ -115,6 +116,23 @@ TableLayout scene_layout() {
           .one_of({"reduced"})
           .not_yet({"metal", "real"})
           .by_default("reduced"),
+  };
+  return layout;
+}
+
+TableLayout axes_layout() {
+  const auto row = [](const char* key, std::string AxisUnits::*member, const char* doc) {
+    return parameter(key, member, dimension::none, doc).or_absent();
+  };
+  TableLayout layout;
+  layout.rows = {
+      row("length", &AxisUnits::length, "the unit of lengths, as axes of figures have it: \"a\""),
+      row("time", &AxisUnits::time, "of times"),
+      row("mass", &AxisUnits::mass, "of masses"),
+      row("velocity", &AxisUnits::velocity,
+          "of velocities; made of those of lengths and times by default"),
+      row("force", &AxisUnits::force, "of forces: \"V_0/a\""),
+      row("energy", &AxisUnits::energy, "of energies"),
   };
   return layout;
 }
@@ -244,6 +262,7 @@ TableLayout output_layout() {
 
 std::vector<SceneTable> scene_tables() {
   return {{"scene", "what the scene is; may be absent", scene_layout()},
+          {"scene.axes", "what the axes of figures call the units", axes_layout()},
           {"box", "its size, and where everything repeats; no box without it", box_layout()},
           {"run", "how long, and by which equations, steps and numbers", run_layout()},
           {"run.perturb", "repeats from other starts: is the result determined at all?",

@@ -37,6 +37,7 @@ struct TableLayout {
 // The rows of these assign members of Scene, BoxSettings, RunSettings, PerturbSettings,
 // MeasureSettings and OutputSettings.
 TableLayout scene_layout();
+TableLayout axes_layout();
 TableLayout box_layout();
 /// With `until` a scene need not say how long it runs.
 TableLayout run_layout(bool until = false);

@@ -153,11 +153,23 @@ struct BoxSettings {
   std::map<std::string, Place> places;
 };
 
+/// `axes = { length = "a", force = "V_0/a" }` of `[scene]`: what the axes of figures call the
+/// units. Empty: they have no name.
+struct AxisUnits {
+  std::string length;
+  std::string time;
+  std::string mass;
+  std::string velocity;
+  std::string force;
+  std::string energy;
+};
+
 struct Scene {
   std::string file;  ///< as given; for messages
   std::string name;
   std::string source;
   std::string units = "reduced";
+  AxisUnits axes;
   int dimension = 0;
   std::vector<std::pair<std::string, double>> parameters;  ///< resolved, in file order
   BoxSettings box;

@@ -1,5 +1,7 @@
 #include "framework/plot/curve_labels.hpp"
 
+#include <cmath>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -70,6 +72,23 @@ TEST(CurveLabels, WhatFollowsFromOtherParametersIsLeftOut) {
   EXPECT_EQ(curve_labels({slow, fast}), (Labels{"v = 1", "v = 3"}));
 }
 
+TEST(CurveOrder, IsThatOfTheValuesThatDiffer) {
+  const auto names = [](const std::vector<StoredRun>& runs) {
+    Labels result;
+    for (const StoredRun& run : in_order_of_parameters(runs)) result.push_back(run.name);
+    return result;
+  };
+  const auto point = [](const std::string& name, double k, double v) {
+    return run_of(name, {{"k", k}, {"v", v}});
+  };
+  // As numbers: 10 is behind 9.
+  EXPECT_EQ(names({point("a", 10.0, 1.0), point("b", 9.0, 1.0), point("c", 2e-3, 1.0)}),
+            (Labels{"c", "b", "a"}));
+  EXPECT_EQ(names({point("a", 2.0, 3.0), point("b", 1.0, 5.0), point("c", 2.0, 1.0)}),
+            (Labels{"b", "c", "a"}));
+  EXPECT_EQ(names({point("b", 2.0, 3.0), point("a", 2.0, 3.0)}), (Labels{"b", "a"}));
+}
+
 class StoredRunTest : public testing::Test {
  protected:
   std::string folder() const { return folder_.path().string(); }
@@ -87,6 +106,23 @@ TEST_F(StoredRunTest, ReadsWhatFiguresNeed) {
   EXPECT_EQ(run.status, "finished");
   EXPECT_EQ(run.parameters, (std::vector<std::pair<std::string, double>>{{"v", 0.5}, {"k", 2.0}}));
   EXPECT_EQ(run.written.at("k"), "4 * v");
+}
+
+TEST_F(StoredRunTest, ReadsResultsAndUnits) {
+  test::write(folder_ / "summary.json",
+              R"({"status": "finished", "scene": {"axes": {"length": "a"}}, "parameters": {"v": 2},
+                  "drivers": {"d": {"mean_force": [0.5, -1], "work": null}}, "events": {"slips": 3},
+                  "bodies": {"d": {"mass": 1}, "e": {"mass": 2}}, "warnings": [7]})");
+  const StoredRun run = read_stored_run(folder());
+  EXPECT_EQ(run.units, (std::map<std::string, std::string>{{"length", "a"}}));
+  EXPECT_EQ(run.results.at("drivers.d.mean_force.y"), -1.0);
+  EXPECT_TRUE(std::isnan(run.results.at("drivers.d.work")));
+  EXPECT_EQ(result_name(run, "d.mean_force.x"), "drivers.d.mean_force.x");
+  EXPECT_EQ(result_name(run, "events.slips"), "events.slips");
+  EXPECT_EQ(result_name(run, "e.mass"), "bodies.e.mass");
+  EXPECT_EQ(result_name(run, "d.mean_force"), "");
+  EXPECT_FALSE(run.results.contains("parameters.v"));
+  EXPECT_FALSE(run.results.contains("warnings.x"));
 }
 
 TEST_F(StoredRunTest, CanDoWithoutTheScene) {

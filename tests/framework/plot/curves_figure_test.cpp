@@ -34,7 +34,7 @@ class CurvesFigure : public testing::Test {
   }
 
   Figure drawn(const CurvesRequest& request) {
-    return curves_figure({first_, second_}, {"one", "two"}, request);
+    return curves_figure({first_, second_}, {"one", "two"}, request, notes_);
   }
 
   Fault refusal(const CurvesRequest& request) {
@@ -50,6 +50,7 @@ class CurvesFigure : public testing::Test {
   test::TemporaryFolder second_folder_;
   StoredRun first_;
   StoredRun second_;
+  std::vector<std::string> notes_;
 };
 
 TEST_F(CurvesFigure, HasACurveForEachRun) {
@@ -67,7 +68,7 @@ TEST_F(CurvesFigure, HasACurveForEachRun) {
   EXPECT_LT(panel.y_from, -5.0);
   EXPECT_GT(panel.y_to, 10.0);
   EXPECT_TRUE(figure.x_label.enhanced);
-  EXPECT_NE(panel.y_label.text.find("[force]"), std::string::npos);
+  EXPECT_EQ(panel.y_label.text, "friction force {/:Italic F_f}");
 }
 
 TEST_F(CurvesFigure, ThePositionStandsBesideASpringThatIsNotStretched) {
@@ -85,7 +86,7 @@ TEST_F(CurvesFigure, PanelsAndSeveralCurvesOfOneUnit) {
   ASSERT_EQ(figure.panels[0].curves.size(), 4U);
   EXPECT_EQ(figure.panels[0].curves[1].label, "driver.force.y, one");
   EXPECT_EQ(figure.panels[0].curves[3].colour, 3);
-  EXPECT_EQ(figure.panels[0].y_label.text, "[force]");
+  EXPECT_EQ(figure.panels[0].y_label.text, "force");
   EXPECT_EQ(figure.panels[1].curves[1].label, "two");
 }
 
@@ -126,6 +127,80 @@ TEST_F(CurvesFigure, RefusesTwoUnitsOnOneAxisAndAnEmptyRange) {
   EXPECT_NE(empty.admissible.find("0 to 4"), std::string::npos) << empty.admissible;
   EXPECT_EQ(test::brief(refusal({"driver_position", {{"forse"}}, {}, {}, {}})),
             "--y forse [plot.no_data] did you mean force");
+}
+
+TEST_F(CurvesFigure, UnitsAreThoseThatTheSceneNames) {
+  first_.units = {{"length", "a"}, {"force", "V_0/a"}, {"time", "t_0"}};
+  const Fault unlike = refusal({"driver_position", {{"force"}}, {}, {}, {}});
+  EXPECT_EQ(test::brief(unlike), "scene.axes [command.conflict]");
+  second_.units = first_.units;
+  Figure figure = drawn({"driver_position", {{"force"}}, {}, {}, {}});
+  EXPECT_EQ(figure.panels[0].y_label.text, "lateral force {/:Italic F_x} / (V_0/a)");
+  EXPECT_TRUE(figure.x_label.text.ends_with(" / a")) << figure.x_label.text;
+  figure = drawn({"time", {{"driver.force.x", "force"}}, {}, {}, {}});
+  EXPECT_EQ(figure.panels[0].y_label.text, "force / (V_0/a)");
+  EXPECT_EQ(figure.x_label.text, "time {/:Italic t} / t_0");
+  // A column's underscores are no markup, beside a unit that may have some.
+  figure = drawn({"time", {{"ring.centre_of_mass.x"}}, {}, {}, {}});
+  EXPECT_EQ(figure.panels[0].y_label.text, "ring.centre\\_of\\_mass.x / a");
+  first_.units.clear();
+  second_.units.clear();
+  figure = drawn({"time", {{"ring.centre_of_mass.x"}}, {}, {}, {}});
+  EXPECT_EQ(figure.panels[0].y_label.text, "ring.centre_of_mass.x");
+  EXPECT_FALSE(figure.panels[0].y_label.enhanced);
+}
+
+TEST_F(CurvesFigure, TheSupportIsAtVTOnlyWhereItIs) {
+  // The first run's driver reverses, the second's does not.
+  EXPECT_EQ(drawn({"driver_position", {{"force"}}, {}, {}, {}}).x_label.text,
+            "support position {/:Italic X}");
+  first_ = second_;
+  EXPECT_EQ(drawn({"driver_position", {{"force"}}, {}, {}, {}}).x_label.text,
+            "driver position {/:Italic vt}");
+  // Elsewhere at the start.
+  second_ = run_with(second_folder_, "0,0,0,1,0\n1,1,1,5,3\n2,1,1,9,3\n");
+  EXPECT_EQ(drawn({"driver_position", {{"force"}}, {}, {}, {}}).x_label.text,
+            "support position {/:Italic X}");
+}
+
+TEST_F(CurvesFigure, SeveralCurvesOnAnAxisAreNamedByTheirQuantities) {
+  const Figure figure = drawn({"time", {{"force", "driver.force.y"}}, {}, {}, {}});
+  EXPECT_EQ(figure.panels[0].curves[0].label, "lateral force, one");
+  EXPECT_EQ(figure.panels[0].curves[1].label, "driver.force.y, one");
+  EXPECT_EQ(figure.panels[0].curves[2].label, "lateral force, two");
+}
+
+TEST_F(CurvesFigure, LogarithmicAxesBreakAtNumbersThatAreNotPositive) {
+  CurvesRequest request{"time", {{"force"}}, {}, {}, {}};
+  request.log_x = request.log_y = true;
+  const Figure figure = drawn(request);
+  EXPECT_TRUE(figure.log_x && figure.log_y);
+  EXPECT_EQ(figure.x_from, 1.0);
+  EXPECT_EQ(figure.panels[0].curves[0].pieces,
+            (std::vector<Polyline>{{{1.0, 3.0}}, {{3.0, 6.0}, {4.0, 1.0}, {5.0, 2.0}}}));
+  EXPECT_GT(figure.panels[0].y_from, 0.0);
+  EXPECT_LT(figure.panels[0].y_from, 1.0);
+  ASSERT_EQ(notes_.size(), 1U);
+  EXPECT_EQ(notes_[0].find("3 samples"), 0U) << notes_[0];
+  request.from = -1.0;
+  EXPECT_EQ(test::brief(refusal(request)), "-1 [command.invalid_value]");
+  second_ = first_ = run_with(first_folder_, "0,-1,0,0,0\n1,-1,0,1,0\n");
+  request.from = {};
+  EXPECT_EQ(test::brief(refusal(request)), "force [plot.no_data]");
+}
+
+TEST_F(CurvesFigure, APathIsToScale) {
+  CurvesRequest request{"driver_position", {{"position"}}, {}, {}, {}};
+  request.to_scale = true;
+  const Figure figure = drawn(request);
+  const Panel& panel = figure.panels.front();
+  ASSERT_TRUE(figure.to_scale);
+  // Within rounding of a few operations.
+  constexpr double kRounding = 1e-12;
+  EXPECT_NEAR((figure.x_to - figure.x_from) / kPanelWidth,
+              (panel.y_to - panel.y_from) / panel.height, kRounding);
+  request.y = {{"force"}};
+  EXPECT_FALSE(drawn(request).to_scale);  // of two units there is no common scale
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "framework/plot/gnuplot.hpp"
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "framework/core/text/fault.hpp"
 #include "framework/plot/figure.hpp"
+#include "framework/plot/figure_layout.hpp"
 #include "framework/plot/gnuplot_script.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
 #include "tests/support/faults.hpp"
@@ -58,12 +60,71 @@ TEST(GnuplotScript, HasTheDataAndBreaksLines) {
 TEST(GnuplotScript, LogarithmicAxesEndBeforeTheKeys) {
   Figure figure = small_figure();
   EXPECT_FALSE(contains(gnuplot_script(figure, PictureFormat::svg), "\nset logscale"));
-  figure.logarithmic = true;
+  figure.log_x = true;
+  EXPECT_TRUE(contains(gnuplot_script(figure, PictureFormat::svg), "\nset logscale x\n"));
+  figure.log_y = true;
   const std::string script = gnuplot_script(figure, PictureFormat::svg);
-  const auto on = script.find("\nset logscale xy\n");
+  const auto on = script.find("\nset logscale x\nset logscale y\n");
   ASSERT_NE(on, std::string::npos);
   EXPECT_LT(on, script.find("plot NaN"));
   EXPECT_LT(script.find("unset logscale\n"), script.find("keyentry"));
+}
+
+TEST(GnuplotScript, AShortLogarithmicAxisHasNumbersBetweenPowersOfTen) {
+  Figure figure = small_figure();
+  figure.log_x = true;
+  figure.x_from = 0.9;
+  figure.x_to = 21.0;
+  EXPECT_TRUE(contains(gnuplot_script(figure, PictureFormat::svg),
+                       "set xtics (\"1\" 1, \"2\" 2, \"5\" 5, \"10\" 10, \"20\" 20)\n"));
+  figure.x_to = 2100.0;
+  EXPECT_TRUE(contains(gnuplot_script(figure, PictureFormat::svg), "set format x '10^{%L}'\n"));
+}
+
+TEST(GnuplotScript, HasTheSizeAndTheFont) {
+  Figure figure = small_figure();
+  figure.size = FigureSize{700.0, 500.0};
+  figure.font = {"Liberation Serif", 14.0};
+  EXPECT_TRUE(contains(gnuplot_script(figure, PictureFormat::svg),
+                       "set terminal svg size 700,500 font \"Liberation Serif,14\""));
+  EXPECT_TRUE(contains(gnuplot_script(figure, PictureFormat::png), "size 1400,1000 "));
+  figure.size = FigureSize{100.0, 500.0};
+  try {
+    gnuplot_script(figure, PictureFormat::svg);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(test::briefs(error), std::vector<std::string>{"100x500 [command.invalid_value]"});
+  }
+}
+
+TEST(GnuplotScript, AFigureToScaleKeepsItsScaleAtAnySize) {
+  Figure figure = small_figure();
+  figure.to_scale = true;
+  const FigureLayout own(figure);
+  const auto ratio = [&](const FigureLayout& layout) {
+    return (layout.right() - layout.left()) * layout.width() /
+           ((layout.top_of(0) - layout.bottom_of(0)) * layout.height());
+  };
+  constexpr double kRounding = 1e-12;
+  for (const FigureSize size : {FigureSize{400.0, 900.0}, FigureSize{900.0, 400.0}}) {
+    figure.size = size;
+    const FigureLayout layout(figure);
+    EXPECT_EQ(layout.width(), size.width);
+    EXPECT_NEAR(ratio(layout), ratio(own), kRounding);
+  }
+  figure.to_scale = false;  // the negative control: the panel fills the size
+  EXPECT_GT(std::abs(ratio(FigureLayout(figure)) - ratio(own)), 0.1);
+}
+
+TEST(GnuplotScript, ARasterHasItsPixelsAndABar) {
+  Figure figure = small_figure();
+  figure.panels[0].raster = Raster{0.0, 4.0, 0.0, 2.0, 2, {1.0, 2.0, std::nan(""), 4.5}, {"force"}};
+  const std::string script = gnuplot_script(figure, PictureFormat::svg);
+  EXPECT_TRUE(contains(script, "<< END\n1 0.5 1\n3 0.5 2\n1 1.5 NaN\n3 1.5 4.5\nEND\n")) << script;
+  EXPECT_TRUE(contains(script, "set cblabel \"force\""));
+  EXPECT_TRUE(contains(script, "'#440154'"));
+  figure.panels[0].raster->grey = true;
+  EXPECT_FALSE(contains(gnuplot_script(figure, PictureFormat::svg), "'#440154'"));
 }
 
 std::size_t keys_in(const std::string& script) {

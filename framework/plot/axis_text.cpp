@@ -1,0 +1,76 @@
+#include "framework/plot/axis_text.hpp"
+
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/core/text/fault.hpp"
+#include "framework/output/run_folder.hpp"
+
+namespace tomlin {
+namespace {
+
+/// Dimensions that results spell out, by the key of `axes`.
+constexpr std::array kSpelled = {std::pair{"length/time", "velocity"},
+                                 std::pair{"mass*length/time^2", "force"},
+                                 std::pair{"mass*length^2/time^2", "energy"}};
+
+std::string named_unit(const StoredRun& run, const std::string& key) {
+  const auto found = run.units.find(key);
+  return found == run.units.end() ? "" : found->second;
+}
+
+/// As a divisor, and as a divisor of what is above it.
+std::string in_brackets(const std::string& unit) {
+  const bool compound = unit.find_first_of("/* ") != std::string::npos;
+  return compound ? "(" + unit + ")" : unit;
+}
+
+}  // namespace
+
+std::string literal_text(std::string_view plain) {
+  constexpr std::string_view kMarkup = "\\{}_^@&~";
+  std::string result;
+  for (const char c : plain) {
+    if (kMarkup.find(c) != std::string_view::npos) result += '\\';
+    result += c;
+  }
+  return result;
+}
+
+std::string unit_name(const StoredRun& run, std::string_view dimension) {
+  if (dimension == "rad") return "rad";
+  std::string key(dimension);
+  for (const auto& [spelled, short_name] : kSpelled) {
+    if (dimension == spelled) key = short_name;
+  }
+  std::string unit = named_unit(run, key);
+  if (!unit.empty() || key != "velocity") return unit;
+  const std::string length = named_unit(run, "length");
+  const std::string time = named_unit(run, "time");
+  if (length.empty() || time.empty()) return "";
+  return in_brackets(length) + "/" + in_brackets(time);
+}
+
+FigureText axis_text(const std::string& words, const std::string& symbol, const std::string& unit) {
+  std::string text = words;
+  if (!symbol.empty()) text += (text.empty() ? "" : " ") + symbol;
+  if (!unit.empty()) text += " / " + in_brackets(unit);
+  return {text, true};
+}
+
+void check_unit_names(const std::vector<StoredRun>& runs, std::string_view dimension) {
+  const std::string first = unit_name(runs.front(), dimension);
+  for (const StoredRun& run : runs) {
+    const std::string unit = unit_name(run, dimension);
+    if (unit == first) continue;
+    const auto shown = [](const std::string& name) { return name.empty() ? "no name" : name; };
+    refuse_input(FaultCode::command_conflict, file_of(run, kSummaryFile), "scene.axes",
+                 fmt::format("{} for the unit of {}, on one axis with {} of {}", shown(unit),
+                             dimension, shown(first), runs.front().folder),
+                 "folders whose scenes name the units of the axis alike");
+  }
+}
+
+}  // namespace tomlin
