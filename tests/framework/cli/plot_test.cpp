@@ -64,7 +64,8 @@ TEST_F(Plot, DrawsEveryFormat) {
     EXPECT_EQ(file(name).substr(0, magic.size()), magic);
     EXPECT_FALSE(exists(name + ".part"));
   }
-  EXPECT_TRUE(contains(file("a.svg"), "[force]"));
+  EXPECT_TRUE(contains(file("a.svg"), "lateral force "));
+  EXPECT_FALSE(contains(file("a.svg"), "[force]"));
   EXPECT_TRUE(contains(file("a.svg"), "</svg>"));
 }
 
@@ -82,7 +83,7 @@ TEST_F(Plot, EveryFigureOfARingIsDrawn) {
   ASSERT_EQ(tomlin({"new", "ring"}).status, 0);
   ASSERT_EQ(tomlin({"run", "ring.toml", "--quiet"}).status, 0);
   for (const char* what : {"force", "force_size", "position", "height", "rotation", "speed",
-                           "hysteresis", "path", "ring"}) {
+                           "hysteresis", "path", "ring", "surface"}) {
     const Ended ended = tomlin({"plot", "ring.out", what, "-o", "a.svg"});
     EXPECT_EQ(ended.status, 0) << what << ": " << ended.err;
     EXPECT_EQ(ended.err, "");
@@ -125,6 +126,122 @@ TEST_F(Plot, RunsAreNamedByWhatDiffers) {
                  "tomlin: --label [command.invalid_value]\n", {" 1 ", " 2 "});
 }
 
+TEST_F(Plot, CurvesStandInTheOrderOfTheParameter) {
+  run_with("v=2e-2", "faster");
+  run_with("v=1e-1", "fastest");
+  const std::string sorted = script({"fastest", "tip", "faster"});
+  const auto slow = sorted.find("title \"v = 0.01\"");
+  const auto fast = sorted.find("title \"v = 0.02\"");
+  const auto last = sorted.find("title \"v = 0.1\"");
+  EXPECT_LT(slow, fast);
+  EXPECT_LT(fast, last);
+  EXPECT_NE(last, std::string::npos);
+  EXPECT_EQ(sorted, script({"tip", "faster", "fastest"}));
+  // With labels the order is that of the words.
+  const std::string own = script({"faster", "tip", "--label", "first", "--label", "second"});
+  EXPECT_LT(own.find("title \"first\""), own.find("title \"second\""));
+  EXPECT_NE(own, script({"tip", "faster", "--label", "first", "--label", "second"}));
+}
+
+TEST_F(Plot, UnitsAreThoseOfTheScene) {
+  EXPECT_FALSE(contains(script({"tip"}), "[length]"));
+  const std::string scene =
+      R"(scene.axes={ length = "a", force = "V_0/a", velocity = "v_0", time = "" })";
+  run_with(scene, "named");
+  EXPECT_TRUE(contains(file("named/summary.json"), R"("force": "V_0/a")"));
+  EXPECT_FALSE(contains(file("tip/summary.json"), "axes"));
+  EXPECT_TRUE(contains(file("named/scene.toml"), R"(axes = { length = "a", )"));
+  EXPECT_FALSE(contains(file("tip/scene.toml"), "axes"));
+  const std::string named = script({"named"});
+  EXPECT_TRUE(contains(named, "{/:Italic F_x} / (V_0/a)\" enhanced"));
+  EXPECT_TRUE(contains(named, "{/:Italic vt} / a\" enhanced"));
+  EXPECT_TRUE(
+      contains(script({"named", "--x", "time", "--y", "speed"}), "{/:Italic t}\" enhanced"));
+  EXPECT_EQ(tomlin({"run", "named/scene.toml", "-o", "again", "--quiet"}).status, 0);
+  EXPECT_EQ(file("again/scene.toml"), file("named/scene.toml"));
+  expect_refused({"plot", "tip", "named", "-o", "a.svg"},
+                 "named/summary.json: scene.axes [command.conflict]\n", {"V_0/a", "no name"});
+  expect_refused({"check", "tip.toml", "--set", "scene.axes.lenght=a"},
+                 "scene.axes.lenght [scene.unknown_key] did you mean length\n");
+  expect_refused({"check", "tip.toml", "--set", "scene.axes=3"},
+                 "scene.axes = 3 [scene.wrong_type]\n");
+}
+
+TEST_F(Plot, ADriverThatReversesHasALoop) {
+  expect_refused({"plot", "tip", "loop", "-o", "a.svg"}, "tip/observables.csv: [plot.no_data]\n",
+                 {"reverses"});
+  ASSERT_EQ(tomlin({"run", "tip.toml", "--set",
+                    "force.driver.reverse={ when = \"bodies.tip.centre_of_mass.x\", above = 1.0, "
+                    "below = 0.5, times = 2 }",
+                    "--set", "measure.to=1.5", "-o", "loop", "--quiet"})
+                .status,
+            0);
+  const std::string loop = script({"loop", "loop"});
+  EXPECT_TRUE(contains(loop, "$panel0_arrow1"));
+  EXPECT_TRUE(contains(loop, "\"support position {/:Italic X}\""));
+  EXPECT_TRUE(contains(script({"loop"}), "\"support position {/:Italic X}\""));
+  EXPECT_TRUE(contains(script({"tip"}), "\"driver position {/:Italic vt}\""));
+}
+
+TEST_F(Plot, ResultsAreDrawnOverAParameter) {
+  run_with("v=2e-2", "faster");
+  fs::remove(folder_ / "tip/observables.csv");  // not needed
+  const std::string points =
+      script({"faster", "tip", "--result", "driver.mean_force.x", "--against", "v", "--log=xy"});
+  EXPECT_TRUE(contains(points, "<< END\n0.01 0."));
+  EXPECT_LT(points.find("\n0.01 0."), points.find("\n0.02 0."));
+  EXPECT_TRUE(contains(points, "set logscale x\nset logscale y\n"));
+  EXPECT_TRUE(contains(points, "\"mean force along {/:Italic x}\" enhanced"));
+  expect_refused({"plot", "tip", "--result", "driver.mean_force.x", "-o", "a.svg"},
+                 "tomlin: --against [command.missing_argument]\n");
+  expect_refused({"plot", "tip", "speed", "--result", "driver.mean_force.x", "-o", "a.svg"},
+                 "tomlin: speed [command.conflict]\n", {"--result"});
+  expect_refused(
+      {"plot", "tip", "--result", "driver.mean_forse.x", "--against", "v", "-o", "a.svg"},
+      "tip/summary.json: --result driver.mean_forse.x [plot.no_data] did you mean "
+      "driver.mean_force.x\n");
+}
+
+TEST_F(Plot, SlipsAreCounted) {
+  const std::string slips = script({"tip", "slips", "--value", "peak_force", "--bins", "3"});
+  EXPECT_TRUE(contains(slips, "\"peak force of a slip\""));
+  EXPECT_TRUE(contains(slips, "filledcurves y=0"));
+  expect_refused({"plot", "tip", "slips", "--value", "height", "-o", "a.svg"},
+                 "tomlin: --value height [command.invalid_value]\n", {"peak_force"});
+  expect_refused({"plot", "tip", "slips", "--bins", "0", "-o", "a.svg"},
+                 "tomlin: [command.invalid_value]\n", {"--bins"});
+}
+
+TEST_F(Plot, ARasterNeedsItsThreeColumns) {
+  const std::string raster =
+      script({"tip", "raster", "--x", "driver.position.x", "--y", "tip.centre_of_mass.x",
+              "--value=driver.force.x", "--pixels=20x10"});
+  EXPECT_TRUE(contains(raster, "with image notitle"));
+  EXPECT_TRUE(contains(raster, "set cblabel \"driver.force.x\""));
+  expect_refused({"plot", "tip", "raster", "--x", "time", "--y", "speed", "-o", "a.svg"},
+                 "tomlin: --value [command.missing_argument]\n");
+  expect_refused({"plot", "tip", "raster", "--pixels", "0x3", "-o", "a.svg"},
+                 "tomlin: [command.invalid_value]\n", {"--pixels"});
+  expect_refused({"plot", "tip", "raster", "--scan", "up", "-o", "a.svg"},
+                 "tomlin: [command.invalid_value]\n", {"forward"});
+}
+
+TEST_F(Plot, TheFigureHasTheSizeAndFontAskedFor) {
+  const std::string sized = script({"tip", "--size", "400x300", "--font", "Liberation Serif,10"});
+  EXPECT_TRUE(contains(sized, "set terminal svg size 400,300 font \"Liberation Serif,10\""));
+  EXPECT_TRUE(contains(script({"tip", "--font", ",20"}), "font \"sans-serif,20\""));
+  for (const char* size : {"400", "x", "400x", "10x300", "400x300x2", "1e9x300"}) {
+    expect_refused({"plot", "tip", "--size", size, "-o", "a.svg"},
+                   "tomlin: [command.invalid_value]\n", {"--size"});
+  }
+  expect_refused({"plot", "tip", "--size", "100x100", "-o", "a.svg"},
+                 "--size: 100x100 [command.invalid_value]\n", {"at least"});
+  expect_refused({"plot", "tip", "--font", "Times,1000", "-o", "a.svg"},
+                 "tomlin: [command.invalid_value]\n", {"--font"});
+  expect_refused({"plot", "tip", "--log", "z", "-o", "a.svg"}, "tomlin: [command.invalid_value]\n",
+                 {"--log"});
+}
+
 TEST_F(Plot, AxesPanelsAndRangesAreChosen) {
   EXPECT_EQ(script({"tip"}), script({"tip", "force"}));
   EXPECT_EQ(script({"tip"}), script({"tip", "--y", "force", "--x", "driver_position"}));
@@ -135,7 +252,7 @@ TEST_F(Plot, AxesPanelsAndRangesAreChosen) {
   EXPECT_TRUE(contains(panels, "set xrange [100:200.5]"));
   EXPECT_TRUE(contains(panels, "$panel1_curve1"));
   EXPECT_FALSE(contains(panels, "$panel0_curve1"));
-  EXPECT_TRUE(contains(panels, "\"driver.force.x [force]\" noenhanced"));
+  EXPECT_TRUE(contains(panels, "\"driver.force.x\" noenhanced"));
   EXPECT_TRUE(contains(panels, "\"it\\047s\""));
   EXPECT_TRUE(contains(script({"tip", "--from", "-0.5"}), "set xrange [-0.5:2.99"));
 }
@@ -177,9 +294,13 @@ TEST_F(Plot, TheFileSaysWhatKindOfPicture) {
 
 TEST_F(Plot, OptionsThatDoNotGoTogetherAreRefused) {
   expect_refused({"plot", "tip", "--at", "1", "-o", "a.svg"}, "tomlin: --at [command.conflict]\n",
-                 {"--from and --to"});
+                 {"--from", "--to"});
   expect_refused({"plot", "tip", "ring", "--y", "time", "-o", "a.svg"},
-                 "tomlin: ring [command.conflict]\n", {"--y"});
+                 "tomlin: --y [command.conflict]\n", {"ring"});
+  expect_refused({"plot", "tip", "--value", "size", "-o", "a.svg"},
+                 "tomlin: --value [command.conflict]\n", {"curves"});
+  expect_refused({"plot", "tip", "loop", "--log", "x", "-o", "a.svg"},
+                 "tomlin: --log [command.conflict]\n", {"loop"});
   expect_refused({"plot", "tip", "speed", "--y", "force", "-o", "a.svg"},
                  "tomlin: speed [command.conflict]\n", {"--y"});
   expect_refused({"plot", "tip", "--from", "2", "--to", "2", "-o", "a.svg"},
