@@ -11,13 +11,13 @@
 namespace tomlin {
 namespace {
 
-constexpr const char* kHeader =
+constexpr const char* kSlipColumns =
     "time [time],event,name,duration [time],size,energy_lost [energy],peak_force [force]\n";
 
 class SlipsFigure : public testing::Test {
  protected:
   SlipsFigure() : folder_("time [time]\n0\n") {
-    folder_.add("events.csv", std::string(kHeader) +
+    folder_.add("events.csv", std::string(kSlipColumns) +
                                   "1,slip,d,0.1,1,0.5,0.6\n2,slip,d,0.1,2,,0.6\n"
                                   "2.5,reversal,d,0.1,100,,\n3,slip,d,0.1,2,0.7,0.6\n"
                                   "4,turn,\"a, b\",0,1,,\n5,slip,d,0.1,5,0.9,0.7\n");
@@ -57,7 +57,7 @@ TEST_F(SlipsFigure, LogarithmicBinsHaveEqualRatios) {
 }
 
 TEST_F(SlipsFigure, SeveralDriversAreToldApart) {
-  folder_.add("events.csv", std::string(kHeader) + "1,slip,d,0.1,1,0.5,0.6\n2,slip,e,0.1,2,,0.6\n");
+  folder_.add("events.csv", std::string(kSlipColumns) + "1,slip,d,0.1,1,0.5,0.6\n2,slip,e,0.1,2,,0.6\n");
   EXPECT_EQ(test::brief(test::refusal_of([&] { drawn(); })), "[command.missing_argument]");
   request_.driver = "e";
   EXPECT_EQ(drawn().panels[0].curves.size(), 1U);
@@ -68,9 +68,9 @@ TEST_F(SlipsFigure, SeveralDriversAreToldApart) {
 TEST_F(SlipsFigure, RefusesWhatIsNoTableOfEvents) {
   folder_.add("events.csv", "a,b\n1,2\n");
   EXPECT_EQ(test::refusal_of([&] { drawn(); }).code, FaultCode::file_invalid);
-  folder_.add("events.csv", std::string(kHeader) + "1,slip,d\n");
+  folder_.add("events.csv", std::string(kSlipColumns) + "1,slip,d\n");
   EXPECT_EQ(test::refusal_of([&] { drawn(); }).code, FaultCode::file_damaged);
-  folder_.add("events.csv", std::string(kHeader) + "1,slip,d,0.1,x,0.5,0.6\n");
+  folder_.add("events.csv", std::string(kSlipColumns) + "1,slip,d,0.1,x,0.5,0.6\n");
   const Fault fault = test::refusal_of([&] { drawn(); });
   EXPECT_EQ(fault.code, FaultCode::file_damaged);
   EXPECT_EQ(fault.place.line, 2);
