@@ -31,7 +31,8 @@ std::vector<WatchedIntegral> watched_integrals(const Model& model) {
     const auto first = static_cast<std::size_t>(driver.first_rate);
     const double speed = steady_speed_of(driver);
     for (std::size_t d = 0; d < axes && fastest > 0.0; ++d) {
-      all.push_back({first + d, speed > 0.0 ? speed : fastest, driver.drive->stiffness_on(static_cast<int>(d))});
+      all.push_back({first + d, speed > 0.0 ? speed : fastest,
+                     driver.drive->stiffness_on(static_cast<int>(d))});
     }
     if (!driver.drive->steady) all.push_back({first + axes, 1.0});
   }

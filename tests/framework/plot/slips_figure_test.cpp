@@ -57,7 +57,8 @@ TEST_F(SlipsFigure, LogarithmicBinsHaveEqualRatios) {
 }
 
 TEST_F(SlipsFigure, SeveralDriversAreToldApart) {
-  folder_.add("events.csv", std::string(kSlipColumns) + "1,slip,d,0.1,1,0.5,0.6\n2,slip,e,0.1,2,,0.6\n");
+  folder_.add("events.csv",
+              std::string(kSlipColumns) + "1,slip,d,0.1,1,0.5,0.6\n2,slip,e,0.1,2,,0.6\n");
   EXPECT_EQ(test::brief(test::refusal_of([&] { drawn(); })), "[command.missing_argument]");
   request_.driver = "e";
   EXPECT_EQ(drawn().panels[0].curves.size(), 1U);
