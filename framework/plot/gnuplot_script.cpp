@@ -156,26 +156,26 @@ void append_margins(std::string& script, double top, double bottom) {
 constexpr double kFewDecades = 2.5;
 constexpr double kDecade = 10.0;
 
-/// The numbers along an axis: gnuplot's own, but for a logarithmic axis too short for powers of
-/// ten.
-std::string tics(const char* axis, bool logarithmic, double from, double to) {
-  const std::string format = fmt::format("set format {} ", axis);
-  const std::string own = fmt::format("set {}tics autofreq\n", axis);
-  if (!logarithmic) return own + format + "'%h'\n";
-  if (!(from < to) || std::log10(to / from) > kFewDecades) return own + format + "'10^{%L}'\n";
+/// The numbers along an axis, unless they stand below another panel: gnuplot's own, but for a
+/// logarithmic axis too short for powers of ten.
+std::string tics(const char* axis, bool logarithmic, double from, double to, bool shown) {
+  const bool short_axis = from < to && std::log10(to / from) < kFewDecades;
   std::string list;
   int count = 0;
-  for (double power = std::pow(kDecade, std::floor(std::log10(from))); power <= to;
-       power *= kDecade) {
-    for (const double factor : {1.0, 2.0, 5.0}) {
-      const std::string number = fmt::format("{:g}", factor * power);
-      if (factor * power < from || factor * power > to) continue;
-      list += fmt::format("{}\"{}\" {}", list.empty() ? "" : ", ", number, number);
-      ++count;
+  if (logarithmic && short_axis) {
+    for (double power = std::pow(kDecade, std::floor(std::log10(from))); power <= to;
+         power *= kDecade) {
+      for (const double factor : {1.0, 2.0, 5.0}) {
+        if (factor * power < from || factor * power > to) continue;
+        const std::string number = fmt::format("{:g}", factor * power);
+        list += fmt::format("{}\"{}\" {}", list.empty() ? "" : ", ", shown ? number : "", number);
+        ++count;
+      }
     }
   }
-  if (count < 2) return own + format + "'%h'\n";
-  return fmt::format("set {}tics ({})\n", axis, list) + format + "'%h'\n";
+  const char* format = !shown ? "''" : logarithmic && !short_axis ? "'10^{%L}'" : "'%h'";
+  return fmt::format("set {}tics {}\nset format {} {}\n", axis,
+                     count < 2 ? "autofreq" : "(" + list + ")", axis, format);
 }
 
 std::string palette(const Raster& raster) {
@@ -215,9 +215,8 @@ void append_panel(std::string& script, const Figure& figure, std::size_t index,
   line("set ylabel " + text(panel.y_label));
   line("set yrange " + range(panel.y_from, panel.y_to));
   line(last ? "set xlabel " + text(figure.x_label) + " offset 0,0.4" : "unset xlabel");
-  script += tics("x", figure.log_x, figure.x_from, figure.x_to);
-  if (!last) line("set format x ''");
-  script += tics("y", figure.log_y, panel.y_from, panel.y_to);
+  script += tics("x", figure.log_x, figure.x_from, figure.x_to, last);
+  script += tics("y", figure.log_y, panel.y_from, panel.y_to, true);
   // A grid would be drawn over the colours.
   line(panel.raster ? "unset grid" : "set grid lt 1 lc rgb '#E6E6E6' lw 0.6");
   if (panel.raster) append_bar(script, *panel.raster, index, layout);

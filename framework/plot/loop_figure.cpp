@@ -17,7 +17,7 @@
 namespace tomlin {
 namespace {
 
-constexpr double kHeight = 360.0;  // of the panel, in points of the screen
+constexpr double kLoopHeight = 360.0;  // of the panel, in points of the screen
 
 /// A vector that was sampled, by axis.
 using Components = std::vector<std::vector<double>>;
@@ -150,7 +150,7 @@ Arrow arrow_on(const Polyline& trace, const Stroke& stroke, const Window& window
 }
 
 Window window_around(const std::vector<FrictionLoop>& loops, double width) {
-  Window window{HUGE_VAL, -HUGE_VAL, HUGE_VAL, -HUGE_VAL, width, kHeight * width / kPanelWidth};
+  Window window{HUGE_VAL, -HUGE_VAL, HUGE_VAL, -HUGE_VAL, width, kLoopHeight * width / kPanelWidth};
   for (const FrictionLoop& loop : loops) {
     for (const Point& point : loop.trace) {
       window.x_from = std::min(window.x_from, point.x);
@@ -196,7 +196,7 @@ Figure loop_figure(const std::vector<StoredRun>& runs, const std::vector<std::st
   check_unit_names(runs, loops.front().force);
   const Window window = window_around(loops, width);
   Panel panel;
-  panel.height = kHeight;
+  panel.height = kLoopHeight;
   for (std::size_t r = 0; r < runs.size(); ++r) {
     add_loop(panel, loops[r], window, runs[r]);
     panel.curves.back().label = labels[r];

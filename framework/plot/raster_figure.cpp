@@ -16,7 +16,7 @@
 namespace tomlin {
 namespace {
 
-constexpr double kHeight = 400.0;  // of the panel, in points of the screen
+constexpr double kImageHeight = 400.0;  // of the panel, in points of the screen
 constexpr std::size_t kFewestPixels = 2;
 constexpr std::size_t kMostByDefault = 256;
 constexpr std::size_t kSamplesPerPixel = 2;
@@ -207,7 +207,7 @@ Figure raster_figure(const std::vector<StoredRun>& runs, const RasterRequest& re
                                 empty, raster.values.size(), axes.x.pixels, axes.y.pixels));
   }
   Panel panel;
-  panel.height = kHeight;
+  panel.height = kImageHeight;
   panel.y_label = axis_label(runs.front(), scan.y);
   panel.y_from = raster.y_from;
   panel.y_to = raster.y_to;

@@ -20,7 +20,7 @@
 namespace tomlin {
 namespace {
 
-constexpr double kHeight = 360.0;  // of the panel, in points of the screen
+constexpr double kResultHeight = 360.0;  // of the panel, in points of the screen
 
 /// Names as short as result_name() takes them.
 std::vector<std::string> short_names(const StoredRun& run) {
@@ -149,7 +149,7 @@ Figure result_figure(const std::vector<StoredRun>& runs, const ResultRequest& re
                      [](const Point& a, const Point& b) { return a.x < b.x; });
   }
   if (panel.curves.size() == 1) panel.curves.front().label.clear();
-  panel.height = kHeight;
+  panel.height = kResultHeight;
   panel.y_label = label_of_number(runs.front(), request.result, false);
   std::tie(panel.y_from, panel.y_to) = with_margin(y.from, y.to, request.log_y);
   Figure figure;

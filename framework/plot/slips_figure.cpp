@@ -19,7 +19,7 @@
 namespace tomlin {
 namespace {
 
-constexpr double kHeight = 330.0;  // of the panel, in points of the screen
+constexpr double kHistogramHeight = 330.0;  // of the panel, in points of the screen
 constexpr std::size_t kFewestBins = 8;
 constexpr std::size_t kMostByThemselves = 60;
 constexpr double kRoomAbove = 1.08;  // the highest bar
@@ -216,7 +216,7 @@ Figure slips_figure(const std::vector<StoredRun>& runs, const std::vector<std::s
   const std::size_t bins = request.bins.value_or(std::clamp(root, kFewestBins, kMostByThemselves));
   const std::vector<double> edges = edges_of(from, to, bins, request.log_x);
   Panel panel;
-  panel.height = kHeight;
+  panel.height = kHistogramHeight;
   panel.y_label = {"number of slips"};
   panel.y_from = request.log_y ? kBelowOne : 0.0;
   double highest = 1.0;
