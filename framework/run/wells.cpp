@@ -12,7 +12,7 @@ namespace {
 constexpr int kLooks = 64;
 constexpr int kTimes = 8;
 /// Of the energy, that its differences are rounding.
-constexpr double kRounding = 1e-10;
+constexpr double kRoundingOfEnergy = 1e-10;
 
 /// The only axis that a driver pulls along; -1: there is none.
 int axis_of(const Drive& drive) {
@@ -68,7 +68,7 @@ std::optional<double> way_to_well(Model& model, std::size_t body, const Model::D
     for (std::size_t i = 0; i < energy.size(); ++i) energy[i] -= tilt * static_cast<double>(i);
     const auto [low, high] = std::minmax_element(energy.begin(), energy.end());
     const double depth = *high - *low;
-    if (!(depth > kRounding * size) || depth <= deepest) continue;
+    if (!(depth > kRoundingOfEnergy * size) || depth <= deepest) continue;
     double concave = 0.0;
     for (std::size_t i = 1; i + 1 < energy.size(); ++i) {
       concave = std::max(concave, 2.0 * energy[i] - energy[i - 1] - energy[i + 1]);
