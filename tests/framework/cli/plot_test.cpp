@@ -160,11 +160,13 @@ TEST_F(Plot, UnitsAreThoseOfTheScene) {
   EXPECT_EQ(tomlin({"run", "named/scene.toml", "-o", "again", "--quiet"}).status, 0);
   EXPECT_EQ(file("again/scene.toml"), file("named/scene.toml"));
   expect_refused({"plot", "tip", "named", "-o", "a.svg"},
-                 "named/summary.json: scene.axes [command.conflict]\n", {"V_0/a", "no name"});
-  expect_refused({"check", "tip.toml", "--set", "scene.axes.lenght=a"},
-                 "scene.axes.lenght [scene.unknown_key] did you mean length\n");
+                 "named/summary.json: scene.axes [command.conflict]\n",
+                 {"unit of length", "no name"});
+  expect_refused(
+      {"check", "tip.toml", "--set", "scene.axes.lenght=a"},
+      "--set scene.axes.lenght=a: scene.axes.lenght [scene.unknown_key] did you mean length\n");
   expect_refused({"check", "tip.toml", "--set", "scene.axes=3"},
-                 "scene.axes = 3 [scene.wrong_type]\n");
+                 "--set scene.axes=3: scene.axes = 3 [scene.wrong_type]\n");
 }
 
 TEST_F(Plot, ADriverThatReversesHasALoop) {
@@ -198,8 +200,7 @@ TEST_F(Plot, ResultsAreDrawnOverAParameter) {
                  "tomlin: speed [command.conflict]\n", {"--result"});
   expect_refused(
       {"plot", "tip", "--result", "driver.mean_forse.x", "--against", "v", "-o", "a.svg"},
-      "tip/summary.json: --result driver.mean_forse.x [plot.no_data] did you mean "
-      "driver.mean_force.x\n");
+      "tip/summary.json: [plot.no_data] did you mean driver.mean_force.x\n");
 }
 
 TEST_F(Plot, SlipsAreCounted) {
@@ -207,9 +208,9 @@ TEST_F(Plot, SlipsAreCounted) {
   EXPECT_TRUE(contains(slips, "\"peak force of a slip\""));
   EXPECT_TRUE(contains(slips, "filledcurves y=0"));
   expect_refused({"plot", "tip", "slips", "--value", "height", "-o", "a.svg"},
-                 "tomlin: --value height [command.invalid_value]\n", {"peak_force"});
+                 "tomlin: [command.invalid_value]\n", {"--value height", "peak_force"});
   expect_refused({"plot", "tip", "slips", "--bins", "0", "-o", "a.svg"},
-                 "tomlin: [command.invalid_value]\n", {"--bins"});
+                 "tomlin: --bins [command.invalid_value]\n", {"1 to 1000"});
 }
 
 TEST_F(Plot, ARasterNeedsItsThreeColumns) {
@@ -221,9 +222,9 @@ TEST_F(Plot, ARasterNeedsItsThreeColumns) {
   expect_refused({"plot", "tip", "raster", "--x", "time", "--y", "speed", "-o", "a.svg"},
                  "tomlin: --value [command.missing_argument]\n");
   expect_refused({"plot", "tip", "raster", "--pixels", "0x3", "-o", "a.svg"},
-                 "tomlin: [command.invalid_value]\n", {"--pixels"});
+                 "tomlin: --pixels [command.invalid_value]\n", {"1 to 1000"});
   expect_refused({"plot", "tip", "raster", "--scan", "up", "-o", "a.svg"},
-                 "tomlin: [command.invalid_value]\n", {"forward"});
+                 "tomlin: --scan [command.invalid_value]\n", {"forward"});
 }
 
 TEST_F(Plot, TheFigureHasTheSizeAndFontAskedFor) {
@@ -232,14 +233,14 @@ TEST_F(Plot, TheFigureHasTheSizeAndFontAskedFor) {
   EXPECT_TRUE(contains(script({"tip", "--font", ",20"}), "font \"sans-serif,20\""));
   for (const char* size : {"400", "x", "400x", "10x300", "400x300x2", "1e9x300"}) {
     expect_refused({"plot", "tip", "--size", size, "-o", "a.svg"},
-                   "tomlin: [command.invalid_value]\n", {"--size"});
+                   "tomlin: --size [command.invalid_value]\n");
   }
   expect_refused({"plot", "tip", "--size", "100x100", "-o", "a.svg"},
                  "--size: 100x100 [command.invalid_value]\n", {"at least"});
   expect_refused({"plot", "tip", "--font", "Times,1000", "-o", "a.svg"},
-                 "tomlin: [command.invalid_value]\n", {"--font"});
-  expect_refused({"plot", "tip", "--log", "z", "-o", "a.svg"}, "tomlin: [command.invalid_value]\n",
-                 {"--log"});
+                 "tomlin: --font [command.invalid_value]\n", {"NAME,SIZE"});
+  expect_refused({"plot", "tip", "--log", "z", "-o", "a.svg"},
+                 "tomlin: --log [command.invalid_value]\n", {"x, y or xy"});
 }
 
 TEST_F(Plot, AxesPanelsAndRangesAreChosen) {

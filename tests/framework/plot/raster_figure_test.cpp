@@ -58,7 +58,8 @@ TEST_F(RasterFigure, PixelsHaveTheMeanOfTheirSamples) {
 
 TEST_F(RasterFigure, StrokesAreToldApart) {
   request_.direction = ScanDirection::backward;
-  for (const double value : drawn(request_).panels[0].raster->values) EXPECT_EQ(value, -1.0);
+  const Figure back = drawn(request_);
+  for (const double value : back.panels[0].raster->values) EXPECT_EQ(value, -1.0);
   request_.direction = ScanDirection::both;
   const Figure figure = drawn(request_);
   EXPECT_LT(figure.panels[0].raster->values[0], 0.75);

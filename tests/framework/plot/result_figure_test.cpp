@@ -75,7 +75,7 @@ TEST(ResultFigure, NamesWhatThereIs) {
   };
   EXPECT_EQ(refused({"d.mean_forse.x", "v"}),
             "--result d.mean_forse.x [plot.no_data] did you mean d.mean_force.x");
-  EXPECT_EQ(refused({"d.mean_force.x", "vv"}), "--against vv [plot.no_data] did you mean v");
+  EXPECT_EQ(refused({"d.mean_force.x", "vv"}), "--against vv [plot.no_data]");
 }
 
 }  // namespace
