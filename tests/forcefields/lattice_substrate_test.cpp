@@ -444,7 +444,9 @@ TEST(LatticeSubstrate, ALatticeVectorChangesNothing) {
   const double c = std::cos(0.8);
   const double s = std::sin(0.8);
   const std::array<double, 2> vectors[] = {{c, s}, {0.3 * c - 1.2 * s, 0.3 * s + 1.2 * c}};
-  for (const auto& [x0, y0] : vectors) {
+  for (const auto& vector : vectors) {
+    const double x0 = vector[0];
+    const double y0 = vector[1];
     const auto change = [&](double part) {
       return largest_difference(
           [&](double x, double y) { return energy(oblique, x, y); },
