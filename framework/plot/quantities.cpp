@@ -49,6 +49,18 @@ constexpr std::array kFigureKinds = {
 
 constexpr std::array kAxes = {".x", ".y", ".z"};
 
+/// Components of vectors in words; the axis stands behind the symbol.
+struct WordedColumn {
+  std::string_view ending;  ///< of a column's name without its axis
+  const char* words;
+  const char* symbol;
+};
+
+constexpr std::array kWordedColumns = {WordedColumn{".position", "support position", ""},
+                                       WordedColumn{".force", "force", "F_"},
+                                       WordedColumn{".centre_of_mass", "centre of mass", ""},
+                                       WordedColumn{".velocity", "velocity", "v_"}};
+
 template <class Named>
 const Named* find_named(std::span<const Named> all, std::string_view name) {
   const auto found =
@@ -152,6 +164,21 @@ FigureText axis_label(const StoredRun& run, const Series& series) {
   if (!series.enhanced && unit.empty()) return {series.symbol};
   return axis_text(series.words, series.enhanced ? series.symbol : literal_text(series.symbol),
                    unit);
+}
+
+FigureText axis_label_in_words(const StoredRun& run, const Series& series) {
+  const std::size_t length = series.name.size();
+  const bool has_axis = length > 2 && std::find(kAxes.begin(), kAxes.end(),
+                                                series.name.substr(length - 2)) != kAxes.end();
+  if (series.enhanced || !has_axis) return axis_label(run, series);
+  const char axis = series.name.back();
+  const std::string_view vector = std::string_view(series.name).substr(0, length - 2);
+  for (const WordedColumn& column : kWordedColumns) {
+    if (!vector.ends_with(column.ending)) continue;
+    return axis_text(column.words, fmt::format("{{/:Italic {}{}}}", column.symbol, axis),
+                     unit_name(run, series.unit));
+  }
+  return axis_label(run, series);
 }
 
 std::string key_text_of(const Series& series) {

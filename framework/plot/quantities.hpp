@@ -81,6 +81,9 @@ std::string chosen_owner(const SampleTable& table, Owner owner, std::string_view
 /// Beside an axis, as the run's scene calls the unit.
 FigureText axis_label(const StoredRun& run, const Series& series);
 
+/// The same in words for a column, too: "support position y" of "driver.position.y".
+FigureText axis_label_in_words(const StoredRun& run, const Series& series);
+
 /// In a key, where the axis stands for several.
 std::string key_text_of(const Series& series);
 

@@ -199,7 +199,7 @@ Figure raster_figure(const std::vector<StoredRun>& runs, const RasterRequest& re
                 axes.y.to,
                 axes.x.pixels,
                 means_of(scan, axes),
-                axis_label(runs.front(), scan.value)};
+                axis_label_in_words(runs.front(), scan.value)};
   const auto empty = std::count_if(raster.values.begin(), raster.values.end(),
                                    [](double value) { return std::isnan(value); });
   if (empty > 0) {
@@ -208,11 +208,11 @@ Figure raster_figure(const std::vector<StoredRun>& runs, const RasterRequest& re
   }
   Panel panel;
   panel.height = kImageHeight;
-  panel.y_label = axis_label(runs.front(), scan.y);
+  panel.y_label = axis_label_in_words(runs.front(), scan.y);
   panel.y_from = raster.y_from;
   panel.y_to = raster.y_to;
   Figure figure;
-  figure.x_label = axis_label(runs.front(), scan.x);
+  figure.x_label = axis_label_in_words(runs.front(), scan.x);
   figure.x_from = raster.x_from;
   figure.x_to = raster.x_to;
   panel.raster = std::move(raster);

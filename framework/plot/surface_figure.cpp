@@ -23,9 +23,9 @@ namespace {
 
 constexpr double kPeriodsAround = 0.75;  // of the substrate, on each side of the path
 constexpr double kShareAround = 0.06;    // of the path, likewise
-constexpr double kPixelsPerPeriod = 24.0;
-constexpr double kFewestAcross = 160.0;  // pixels along the longer side
-constexpr double kMostAcross = 480.0;
+constexpr double kPixelsPerPeriod = 48.0;
+constexpr double kFewestAcross = 320.0;  // pixels along the longer side
+constexpr double kMostAcross = 640.0;
 
 struct BodyPath {
   Polyline points;

@@ -218,7 +218,7 @@ TEST_F(Plot, ARasterNeedsItsThreeColumns) {
       script({"tip", "raster", "--x", "driver.position.x", "--y", "tip.centre_of_mass.x",
               "--value=driver.force.x", "--pixels=20x10"});
   EXPECT_TRUE(contains(raster, "with image notitle"));
-  EXPECT_TRUE(contains(raster, "set cblabel \"driver.force.x\""));
+  EXPECT_TRUE(contains(raster, "set cblabel \"force {/:Italic F_x}\" enhanced"));
   expect_refused({"plot", "tip", "raster", "--x", "time", "--y", "speed", "-o", "a.svg"},
                  "tomlin: --value [command.missing_argument]\n");
   expect_refused({"plot", "tip", "raster", "--pixels", "0x3", "-o", "a.svg"},

@@ -52,7 +52,8 @@ TEST_F(RasterFigure, PixelsHaveTheMeanOfTheirSamples) {
   EXPECT_EQ(raster.y_from, -0.25);
   EXPECT_EQ(raster.y_to, 1.25);
   EXPECT_TRUE(figure.to_scale);
-  EXPECT_EQ(raster.label.text, "d.force.x");
+  EXPECT_EQ(raster.label.text, "force {/:Italic F_x}");
+  EXPECT_EQ(figure.panels[0].y_label.text, "support position {/:Italic y}");
   EXPECT_TRUE(notes_.empty());
 }
 
