@@ -62,10 +62,12 @@ void add_results(std::map<std::string, double>& results, const std::string& path
   } else if (node.is_null()) {
     results[path] = std::numeric_limits<double>::quiet_NaN();
   } else if (node.is_object()) {
-    for (const auto& [key, value] : node.items()) add_results(results, path + "." + key, value);
+    for (const auto& [key, value] : node.items()) {
+      add_results(results, fmt::format("{}.{}", path, key), value);
+    }
   } else if (node.is_array() && node.size() <= std::size(kAxisNames)) {
     for (std::size_t k = 0; k < node.size(); ++k) {
-      add_results(results, path + "." + kAxisNames[k], node[k]);
+      add_results(results, fmt::format("{}.{}", path, kAxisNames[k]), node[k]);
     }
   }
 }

@@ -184,9 +184,10 @@ void evaluate(Raster& map, Potential& potential) {
   const double width = (map.x_to - map.x_from) / static_cast<double>(map.columns);
   const double height = (map.y_to - map.y_from) / static_cast<double>(rows);
   for (std::size_t k = 0; k < map.values.size(); ++k) {
-    map.values[k] =
-        potential.at(map.x_from + (0.5 + static_cast<double>(k % map.columns)) * width,
-                     map.y_from + (0.5 + static_cast<double>(k / map.columns)) * height);
+    const std::size_t row = k / map.columns;
+    const std::size_t column = k % map.columns;
+    map.values[k] = potential.at(map.x_from + (0.5 + static_cast<double>(column)) * width,
+                                 map.y_from + (0.5 + static_cast<double>(row)) * height);
   }
 }
 
