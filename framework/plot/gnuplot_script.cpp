@@ -124,10 +124,11 @@ void append_raster(std::string& script, const std::string& name, const Raster& r
   const double height = (raster.y_to - raster.y_from) / static_cast<double>(rows);
   script += name + " << END\n";
   for (std::size_t k = 0; k < raster.values.size(); ++k) {
-    const double column = 0.5 + static_cast<double>(k % raster.columns);
-    const double row = 0.5 + static_cast<double>(k / raster.columns);
-    fmt::format_to(std::back_inserter(script), "{} {} ", raster.x_from + column * width,
-                   raster.y_from + row * height);
+    const std::size_t row = k / raster.columns;
+    const std::size_t column = k % raster.columns;
+    fmt::format_to(std::back_inserter(script), "{} {} ",
+                   raster.x_from + (0.5 + static_cast<double>(column)) * width,
+                   raster.y_from + (0.5 + static_cast<double>(row)) * height);
     const double value = raster.values[k];
     script += std::isnan(value) ? "NaN\n" : fmt::format("{:.9g}\n", value);
   }

@@ -191,6 +191,7 @@ void add_loop(Panel& panel, const FrictionLoop& loop, const Window& window, cons
 Figure loop_figure(const std::vector<StoredRun>& runs, const std::vector<std::string>& labels,
                    const Owners& owners, double width) {
   std::vector<FrictionLoop> loops;
+  loops.reserve(runs.size());
   for (const StoredRun& run : runs) loops.push_back(read_loop(run, owners));
   check_unit_names(runs, loops.front().length);
   check_unit_names(runs, loops.front().force);
