@@ -11,8 +11,8 @@
 #include "framework/run/plan.hpp"
 #include "framework/run/wells.hpp"
 
-/// What the force of a driver tells of the point that it pulls: slips and what they are like,
-/// reversals, the static force and the stiffness of what sticks.
+/// Results that follow from a driver's force: slips with their statistics, reversals, the static
+/// force and the effective stiffness during sticking.
 namespace tomlin::observers {
 namespace {
 
