@@ -11,6 +11,7 @@
 
 #include "framework/core/elements/site_force.hpp"
 #include "framework/core/numbers/constants.hpp"
+#include "framework/core/records/fetched_numbers.hpp"
 #include "framework/core/records/force.hpp"
 #include "framework/core/text/axis_names.hpp"
 #include "framework/core/text/fault_code.hpp"
@@ -20,6 +21,8 @@ TOMLIN_DECLARE_KERNELS(LatticeHigher)
 TOMLIN_DECLARE_KERNELS(LatticeFirstAtHeight)
 TOMLIN_DECLARE_KERNELS(LatticeHigherAtHeight)
 TOMLIN_DECLARE_KERNELS(LatticeStarsAtHeight)
+TOMLIN_DECLARE_KERNELS(LatticeOfMap)
+TOMLIN_DECLARE_KERNELS(LatticeOfMapAtHeight)
 
 namespace tomlin {
 namespace {
@@ -36,6 +39,10 @@ constexpr double kSameLength = 1e-9;
 constexpr double kParallel = 1e-8;
 /// Lattice vectors of the combinations that are searched for periods along the axes.
 constexpr int kMostVectors = 4;
+/// Points of a map along a lattice vector: with fewer there are none between its extremes, and with
+/// more its error takes minutes to tell.
+constexpr std::size_t kFewestPoints = 4;
+constexpr std::size_t kMostPoints = 1000;
 /// A box fits a lattice when its length is a lattice vector to this part of it; as box_checks.hpp.
 constexpr double kFits = 1e-9;
 
@@ -203,6 +210,7 @@ std::array<int, 2> harmonic_at(const Description& d, std::size_t k) {
 
 bool is_given(double number) { return !std::isnan(number); }
 
+/// None of a map.
 std::vector<double> amplitudes_of(const Description& d) {
   return is_given(d.amplitude) ? std::vector<double>{d.amplitude} : d.amplitudes.numbers;
 }
@@ -307,6 +315,18 @@ std::array<double, 3> lattice_curvatures(const Description& d) {
   double xx = 0.0;
   double yy = 0.0;
   double xy = 0.0;
+  if (d.map) {
+    const auto [uu, vv, uv] = d.map->curvatures();
+    const auto bound = [&b, uu = uu, vv = vv, uv = uv](std::size_t one, std::size_t other) {
+      const auto size = [&](std::size_t j, std::size_t axis) { return std::abs(b[j][axis].hi); };
+      return uu * size(0, one) * size(0, other) + vv * size(1, one) * size(1, other) +
+             uv * (size(0, one) * size(1, other) + size(1, one) * size(0, other));
+    };
+    const double scale = std::abs(d.energy_scale);
+    xx = scale * bound(0, 0);
+    yy = scale * bound(1, 1);
+    xy = scale * bound(0, 1);
+  }
   for (const LatticeHarmonic& harmonic : lattice_harmonics(d)) {
     const double x = kTau * (harmonic.m * b[0][0].hi + harmonic.n * b[1][0].hi);
     const double y = kTau * (harmonic.m * b[0][1].hi + harmonic.n * b[1][1].hi);
@@ -326,6 +346,13 @@ namespace {
 template <class Real>
 std::unique_ptr<BoundForce<Real>> bind(const Description& d, const Binding<Real>& binding) {
   constexpr int kRank = kRankTranscendental;
+  if (d.map && law_of(d) == LatticeHeight::none) {
+    return bind_on_particles<LatticeOfMap, kernels::LatticeOfMap, kRank>(d, binding);
+  }
+  if (d.map) {
+    return bind_on_particles<LatticeOfMapAtHeight, kernels::LatticeOfMapAtHeight, kRank>(d,
+                                                                                         binding);
+  }
   const bool first = order_of(d) == 1;
   switch (law_of(d)) {
     case LatticeHeight::none:
@@ -357,6 +384,60 @@ double origin_cell(const Description& d, int axis) {
   return constant ? 0.0 : largest(a[0]);
 }
 
+// ---- the map
+
+const std::filesystem::path& read_from(const Description& d) { return d.read_from; }
+
+void assign_energies(void* description, ParameterValue value) {
+  auto energies = std::get<NumberTable>(std::move(value));
+  auto& d = *static_cast<Description*>(description);
+  d.map = energies.numbers.empty() ? nullptr : std::make_shared<EnergyMap>(std::move(energies));
+}
+
+ParameterValue read_energies(const void* description) {
+  const auto& d = *static_cast<const Description*>(description);
+  return d.map ? d.map->values() : NumberTable{};
+}
+
+std::vector<Complaint> prepare(Description& d, const std::filesystem::path& folder) {
+  if (d.energy_map.empty()) return {};
+  if (d.map) {
+    return {{.key = "energy_map",
+             .why = "energies are given too",
+             .admissible = "one of the two",
+             .code = FaultCode::scene_conflict}};
+  }
+  FetchedNumbers fetched = fetch_numbers(d.energy_map, folder, "energy_map", kMostPoints,
+                                         fmt::format(", but a map has at most {}", kMostPoints));
+  if (fetched.complaints.empty()) {
+    d.map = std::make_shared<EnergyMap>(
+        NumberTable{fetched.file.columns, std::move(fetched.file.numbers)});
+  }
+  d.read_from = std::move(fetched.path);
+  d.energy_map.clear();
+  return std::move(fetched.complaints);
+}
+
+/// How far the spline may be from the function whose values the map has.
+std::string note(const Description& d) {
+  if (!d.map) return {};
+  const NumberTable& grid = d.map->values();
+  const auto [lowest, highest] = std::minmax_element(grid.numbers.begin(), grid.numbers.end());
+  const double scale = std::abs(d.energy_scale);
+  const double corrugation = scale * (*highest - *lowest);
+  const EnergyMap::Error error = d.map->error();
+  const auto b = reciprocal_lattice(d);
+  double force = 0.0;
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    force = std::max(
+        force, std::abs(b[0][axis].hi) * error.slope_u + std::abs(b[1][axis].hi) * error.slope_v);
+  }
+  return fmt::format(
+      "energy map of {} x {} points, corrugation {:.4g}; its spline differs from trigonometric "
+      "interpolation by up to {:.2g} in energy and {:.2g} in a component of the force",
+      grid.rows(), grid.columns, corrugation, scale * error.energy, scale * force);
+}
+
 // ---- faults
 
 class Check {
@@ -367,7 +448,11 @@ class Check {
     check_lattice();
     lattice_is_known_ = found_.empty();
     check_dimension();
-    check_amplitudes();
+    if (d_.map) {
+      check_map();
+    } else {
+      check_amplitudes();
+    }
     check_height();
     if (found_.empty()) check_box();
     return std::move(found_);
@@ -448,7 +533,7 @@ class Check {
     }
     if (!is_given(d_.amplitude) && !has_amplitudes()) {
       add(FaultCode::scene_missing_key, "amplitude", "missing",
-          "amplitude of the first star, or amplitudes");
+          "amplitude of the first star, amplitudes, energies or energy_map");
       return;
     }
     const std::size_t given = amplitudes_of(d_).size();
@@ -465,6 +550,39 @@ class Check {
     if (decays > 1 && decays != given) {
       add(FaultCode::scene_wrong_count, "decay",
           fmt::format("{} entries for {} amplitudes", decays, given), "one for all, or one each");
+    }
+  }
+
+  void check_map() {
+    const char* key = d_.read_from.empty() ? "energies" : "energy_map";
+    const auto conflict = [&](const char* other, bool given) {
+      if (given)
+        add(FaultCode::scene_conflict, other, "a map gives the energies", "one of the two");
+    };
+    conflict("amplitude", is_given(d_.amplitude));
+    conflict("amplitudes", has_amplitudes());
+    conflict("harmonics", !d_.harmonics.coordinates.empty());
+    if (d_.decay.numbers.size() > 1) {
+      add(FaultCode::scene_wrong_count, "decay",
+          fmt::format("{} entries for a map", d_.decay.numbers.size()), "one number");
+    }
+    const NumberTable& grid = d_.map->values();
+    const auto fits = [](std::size_t points) {
+      return points >= kFewestPoints && points <= kMostPoints;
+    };
+    if (is_line(d_) && grid.columns != 1) {
+      add(FaultCode::scene_wrong_count, key,
+          fmt::format("{} columns, but the energy depends on x alone", grid.columns),
+          "one column; or a lattice in the plane");
+    } else if (!fits(grid.rows()) || !(is_line(d_) || fits(grid.columns))) {
+      add(FaultCode::scene_wrong_count, key,
+          fmt::format("a grid of {} x {} points", grid.rows(), grid.columns),
+          fmt::format("{} to {} rows along the first lattice vector, {}", kFewestPoints,
+                      kMostPoints,
+                      is_line(d_) ? "of one column" : "as many columns along the second"));
+    }
+    if (!d_.map->is_finite()) {
+      add(FaultCode::scene_not_finite, key, "the spline through the energies is not finite");
     }
   }
 
@@ -565,6 +683,17 @@ std::vector<Complaint> complaints(const Description& d, const SceneOutline& scen
 
 ForceRecord lattice_substrate_record() {
   constexpr Dimension kInverseLength{.length = -1};
+  Parameter energies;
+  energies.key = "energies";
+  energies.doc =
+      "in place of amplitude: a map of the energy per particle, evenly over a cell; rows along the "
+      "first lattice vector, columns along the second, the first of each at x = y = 0; on a line, "
+      "one list";
+  energies.dimension = dimension::energy;
+  energies.prototype = NumberTable{};
+  energies.optional = true;
+  energies.assign = &assign_energies;
+  energies.read = &read_energies;
   ForceRecord record = record_of<Description>();
   record.element = Element::site;
   record.varies = true;
@@ -573,6 +702,9 @@ ForceRecord lattice_substrate_record() {
   record.period = of_description<&lattice_period>;
   record.origin_cell = of_description<&origin_cell>;
   record.complaints = of_description<&complaints>;
+  record.prepare = of_description<&prepare>;
+  record.read_from = of_description<&read_from>;
+  record.note = of_description<&note>;
   record.bind = {of_description<&bind<double>>, of_description<&bind<float>>,
                  of_description<&bind<Quad>>};
   record.name = "lattice_substrate";
@@ -615,6 +747,14 @@ ForceRecord lattice_substrate_record() {
                 "in place of the stars: pairs [m, n] of integers from -3 to 3, each a term "
                 "amplitude cos(2 pi (m b1 + n b2).(x, y)), whatever the lattice")
           .or_absent(),
+      std::move(energies),
+      parameter("energy_map", &Description::energy_map, dimension::none,
+                "in place of energies: a file of them, a row per line, columns apart by spaces or "
+                "commas, # comments; its path is relative to the scene's folder")
+          .or_absent(),
+      parameter("energy_scale", &Description::energy_scale, dimension::none,
+                "factor on the energies of a map")
+          .by_default(1.0),
       parameter("height", &Description::height, dimension::none,
                 "the axis that is the height above the surface: z in three dimensions; in two "
                 "dimensions with y the scene is a side view, else there is none")

@@ -1,10 +1,14 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <limits>
+#include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
+#include "forcefields/energy_map.hpp"
 #include "framework/core/elements/element.hpp"
 #include "framework/core/numbers/double_double.hpp"
 #include "framework/core/numbers/number_types.hpp"
@@ -14,11 +18,14 @@
 #include "framework/core/text/words.hpp"
 
 /// Crystalline surface, felt by each particle on its own: a Fourier sum over the reciprocal
-/// lattice.
+/// lattice, or a map M of the energy on a grid.
 ///
 ///   V(R, z) = W exp(-w z) + sum_s A_s exp(-d_s z) sum_G cos(2 pi G.R)
 ///   F_R = 2 pi sum_s A_s exp(-d_s z) sum_G G sin(2 pi G.R)
 ///   F_z = w W exp(-w z) + sum_s d_s A_s exp(-d_s z) sum_G cos(2 pi G.R)
+///
+///   V(R, z) = W exp(-w z) + exp(-d z) e M(b1.R, b2.R)
+///   F_R = -exp(-d z) e sum_j b_j dM/d(b_j.R)
 ///
 ///   R    lateral position: x and y; x alone on a line and in a side view
 ///   z    height above the surface: z in three dimensions, y in a side view; else there is none
@@ -29,6 +36,8 @@
 ///   d_s  decay                  1/length, 0: no dependence on height
 ///   W    repulsion              energy per particle
 ///   w    repulsion_decay        1/length
+///   M    energies, energy_map   energy per particle; spline of energy_map.hpp
+///   e    energy_scale           dimensionless
 ///
 /// Lattices with their first vector along x, turned counter-clockwise by the misfit:
 ///   square     a1 = (a, 0), a2 = (0, a); R = 0 is an atom
@@ -76,6 +85,10 @@ struct LatticeSubstrateDescription {
   double amplitude = kAbsent;  // of the first star
   WordOrNumbers amplitudes;    // of the stars, or of the harmonics
   PointList harmonics;         // [m, n]
+  std::string energy_map;      // empty once its energies are fetched: see read_from
+  std::shared_ptr<const EnergyMap> map;
+  double energy_scale = 1.0;
+  std::filesystem::path read_from;
   HeightAxis height = HeightAxis::z;
   WordOrNumbers decay;
   double repulsion = 0.0;
@@ -251,25 +264,29 @@ struct LatticeDecays<T, LatticeHeight::each, terms> {
   T decay[terms];
 };
 
-/// The evaluator for harmonics up to an order. There is one phase in one dimension and in a side
-/// view, the only scene in two dimensions with a height.
+/// In place of an order: the energy map.
+inline constexpr int kOfMap = 0;
+
+/// The evaluator for harmonics up to an order, or for the map. There is one phase in one dimension
+/// and in a side view, the only scene in two dimensions with a height.
 template <int order, LatticeHeight law>
 struct LatticeSubstrate {
   using Description = LatticeSubstrateDescription;
-  static constexpr Reads reads{};
+  static constexpr Reads reads{.table = order == kOfMap};
   static constexpr bool kHasHeight = law != LatticeHeight::none;
 
   template <int D>
   static constexpr int kPhases = D == 1 || (D == 2 && kHasHeight) ? 1 : 2;
   template <class T, int D>
-  using Sum = LatticeSum<T, kPhases<D>, order>;
+  using Sum = std::conditional_t<order == kOfMap, LatticeMap<T, kPhases<D>>,
+                                 LatticeSum<T, kPhases<D>, order>>;
 
   template <class T, int D>
   struct Parameters : LatticeDecays<T, law, Sum<T, D>::kTerms> {
-    Vec<T, kPhases<D>> turns[kPhases<D>];    ///< b_j
-    Vec<T, kPhases<D>> radians[kPhases<D>];  ///< 2 pi b_j
-    Vec<T, kPhases<D>> phase;                ///< of the origin, in turns
-    Sum<T, D> amplitude;                     ///< the terms themselves where each has its own decay
+    Vec<T, kPhases<D>> turns[kPhases<D>];   ///< b_j
+    Vec<T, kPhases<D>> slopes[kPhases<D>];  ///< of what the sum is over: 2 pi b_j, of a map b_j
+    Vec<T, kPhases<D>> phase;               ///< of the origin, in turns
+    Sum<T, D> amplitude;                    ///< the terms themselves where each has its own decay
   };
 
   template <class T, int D>
@@ -279,20 +296,10 @@ struct LatticeSubstrate {
     for (int j = 0; j < kPhases<D>; ++j) {
       for (int axis = 0; axis < kPhases<D>; ++axis) {
         p.turns[j][axis] = from_double_double<T>(reciprocal[j][axis]);
-        p.radians[j][axis] = tau<T>() * p.turns[j][axis];
+        p.slopes[j][axis] = order == kOfMap ? p.turns[j][axis] : tau<T>() * p.turns[j][axis];
       }
     }
-    T term[Sum<T, D>::kTerms] = {};
-    for (const LatticeHarmonic& harmonic : lattice_harmonics(d)) {
-      const int at = Sum<T, D>::index(harmonic.m, harmonic.n);
-      term[at] = T(harmonic.amplitude);
-      if constexpr (law == LatticeHeight::each) p.decay[at] = T(harmonic.decay);
-    }
-    if constexpr (law == LatticeHeight::each) {
-      for (int k = 0; k < Sum<T, D>::kTerms; ++k) p.amplitude.term[k] = term[k];
-    } else {
-      p.amplitude = Sum<T, D>::of(term);
-    }
+    put_amplitudes(p, d);
     if constexpr (kHasHeight) {
       p.repulsion = T(d.repulsion);
       // Without repulsion there is no exponential of it that could overflow.
@@ -301,6 +308,8 @@ struct LatticeSubstrate {
     if constexpr (law == LatticeHeight::common) p.decay = T(lattice_decay(d));
     return p;
   }
+
+  static const double* table(const Description& d) { return d.map->table(); }
 
   template <class T, int D>
   static void rebase(Parameters<T, D>& p, const Description& d, const Origin& origin) {
@@ -372,6 +381,25 @@ struct LatticeSubstrate {
 
  private:
   template <class T, int D>
+  static void put_amplitudes(Parameters<T, D>& p, const Description& d) {
+    if constexpr (order == kOfMap) {
+      p.amplitude.scale = T(d.energy_scale);
+    } else {
+      T term[Sum<T, D>::kTerms] = {};
+      for (const LatticeHarmonic& harmonic : lattice_harmonics(d)) {
+        const int at = Sum<T, D>::index(harmonic.m, harmonic.n);
+        term[at] = T(harmonic.amplitude);
+        if constexpr (law == LatticeHeight::each) p.decay[at] = T(harmonic.decay);
+      }
+      if constexpr (law == LatticeHeight::each) {
+        for (int k = 0; k < Sum<T, D>::kTerms; ++k) p.amplitude.term[k] = term[k];
+      } else {
+        p.amplitude = Sum<T, D>::of(term);
+      }
+    }
+  }
+
+  template <class T, int D>
   TOMLIN_INLINE static auto waves_at(const Parameters<T, D>& p, const Site<T, D>& site) {
     Vec<T, kPhases<D>> turns = p.phase;
     for (int j = 0; j < kPhases<D>; ++j) {
@@ -379,7 +407,11 @@ struct LatticeSubstrate {
         turns[j] = fma(site.position[axis], p.turns[j][axis], turns[j]);
       }
     }
-    return typename Sum<T, D>::Waves(turns);
+    if constexpr (order == kOfMap) {
+      return typename Sum<T, D>::Waves(turns, site.table);
+    } else {
+      return typename Sum<T, D>::Waves(turns);
+    }
   }
 
   /// The lateral force, from those along the phases.
@@ -387,9 +419,9 @@ struct LatticeSubstrate {
   TOMLIN_INLINE static void put_lateral(const Parameters<T, D>& p, const Vec<T, kPhases<D>>& pull,
                                         Vec<T, D>& force) {
     for (int axis = 0; axis < kPhases<D>; ++axis) {
-      force[axis] = p.radians[0][axis] * pull[0];
+      force[axis] = p.slopes[0][axis] * pull[0];
       for (int j = 1; j < kPhases<D>; ++j) {
-        force[axis] = fma(p.radians[j][axis], pull[j], force[axis]);
+        force[axis] = fma(p.slopes[j][axis], pull[j], force[axis]);
       }
     }
   }
@@ -401,6 +433,8 @@ using LatticeHigher = LatticeSubstrate<3, LatticeHeight::none>;
 using LatticeFirstAtHeight = LatticeSubstrate<1, LatticeHeight::common>;
 using LatticeHigherAtHeight = LatticeSubstrate<3, LatticeHeight::common>;
 using LatticeStarsAtHeight = LatticeSubstrate<3, LatticeHeight::each>;
+using LatticeOfMap = LatticeSubstrate<kOfMap, LatticeHeight::none>;
+using LatticeOfMapAtHeight = LatticeSubstrate<kOfMap, LatticeHeight::common>;
 
 }  // namespace TOMLIN_TARGET
 }  // namespace tomlin

@@ -7,15 +7,16 @@
 #include <fmt/format.h>
 
 #include "framework/bodies/outline.hpp"
-#include "framework/bodies/position_file.hpp"
-#include "framework/core/text/text_file.hpp"
+#include "framework/core/records/fetched_numbers.hpp"
 
 namespace tomlin {
 namespace {
 
 using Description = ParticlesDescription;
 
-constexpr std::size_t kLargestFile = std::size_t{16} << 20;  // bytes; as of a scene
+constexpr std::size_t kMostColumns = 3;
+
+const std::filesystem::path& read_from(const Description& d) { return d.read_from; }
 
 int dimension_of(const Description& d) { return static_cast<int>(d.positions.dimension); }
 
@@ -31,28 +32,12 @@ Complaint complaint_of(FaultCode code, std::string key, std::string why,
 
 /// Fills in the positions that the file holds.
 std::vector<Complaint> fetch(Description& d, const std::filesystem::path& folder) {
-  if (d.file.find('\0') != std::string::npos) {
-    return {complaint_of(FaultCode::file_cannot_read, "file", "not the name of a file")};
-  }
-  const auto path = folder / d.file;
-  const TextFile contents = read_text_file(path, kLargestFile);
-  if (!contents.why.empty()) {
-    return {complaint_of(FaultCode::file_cannot_read, "file", path.string() + ": " + contents.why)};
-  }
-  if (contents.too_large) {
-    return {complaint_of(FaultCode::scene_too_large, "file",
-                         path.string() + ": the file is too large",
-                         fmt::format("at most {} MB", kLargestFile >> 20))};
-  }
-  PositionFile file = parse_positions(contents.text, path.string());
-  std::vector<Complaint> complaints;
-  for (std::string& fault : file.faults) {
-    complaints.push_back(complaint_of(FaultCode::file_invalid, "file", std::move(fault)));
-  }
-  d.positions = std::move(file.positions);
-  d.read_from = path;
+  FetchedNumbers fetched =
+      fetch_numbers(d.file, folder, "file", kMostColumns, ", but space has at most 3 dimensions");
+  d.positions = {fetched.file.columns, std::move(fetched.file.numbers)};
+  d.read_from = std::move(fetched.path);
   d.file.clear();
-  return complaints;
+  return std::move(fetched.complaints);
 }
 
 std::vector<Complaint> prepare(Description& d, const std::filesystem::path& folder) {
@@ -156,6 +141,7 @@ BodyRecord particles_record() {
                  "last to the first and rolls by its perimeter per revolution")
            .by_default(ParticleOutline::open)});
   record.prepare = of_description<&prepare>;
+  record.read_from = of_description<&read_from>;
   record.name = "particles";
   record.summary = "particles at given positions, from a list or a file";
   record.equation = "x_i = positions[i]";

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <filesystem>
+#include <string>
+
 #include "framework/core/records/body.hpp"
 #include "framework/core/text/words.hpp"
 
@@ -20,6 +23,7 @@ constexpr auto word_table(ParticleOutline) {
 struct ParticlesDescription : BodyDescription {
   PointList positions;
   std::string file;  ///< empty once its positions are fetched: see read_from
+  std::filesystem::path read_from;
   ParticleOutline outline = ParticleOutline::open;
 };
 

@@ -51,10 +51,11 @@ void add_built(Explanation& explanation, Model& model) {
     explanation.bodies.push_back(std::move(body));
   }
   for (const Model::Force& from : model.forces()) {
-    Explanation::Force force{from.name, from.record->name, {}, {}};
+    Explanation::Force force{from.name, from.record->name, {}, {}, {}};
     for (const SceneForce& force_of_scene : scene.forces) {
       if (force_of_scene.name != from.name) continue;
       force.element = element_of(*from.record, force_of_scene.description.get());
+      force.note = from.record->note(force_of_scene.description.get());
     }
     for (const std::size_t b : from.bodies) force.bodies.push_back(scene.bodies[b].name);
     explanation.forces.push_back(std::move(force));

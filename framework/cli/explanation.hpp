@@ -32,6 +32,7 @@ struct Explanation {
     std::string type;
     std::vector<std::string> bodies;
     Element element = Element::site;
+    std::string note;  ///< what its record says of it; may be empty
   };
   /// A part of the engine and whether the scene asks for it.
   struct Part {

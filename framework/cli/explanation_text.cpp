@@ -73,8 +73,10 @@ void add_forces(Forms& forms, const Explanation& e) {
                                         {"type", force.type},
                                         {"bodies", force.bodies},
                                         {"acts_on", acts_on}});
+    if (!force.note.empty()) forms.json["forces"].back()["note"] = force.note;
     forms.text.row(force.name, fmt::format("{} on {}: acts on {}", force.type,
                                            fmt::join(force.bodies, ", "), acts_on));
+    if (!force.note.empty()) forms.text.row("", force.note);
   }
 }
 

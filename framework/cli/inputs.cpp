@@ -24,10 +24,15 @@ struct Input {
 /// What the scene reads, the scene first.
 std::vector<Input> inputs_of(const Scene& scene) {
   std::vector<Input> all = {{"the scene itself", scene.file}};
-  for (const SceneBody& body : scene.bodies) {
-    const fs::path& file = body.record->common(body.description.get()).read_from;
-    if (!file.empty()) all.push_back({"the positions of " + body.name, file});
-  }
+  const auto add = [&all](const char* what, const auto& components) {
+    for (const auto& component : components) {
+      if (component.record->read_from == nullptr) continue;
+      const fs::path& file = component.record->read_from(component.description.get());
+      if (!file.empty()) all.push_back({what + component.name, file});
+    }
+  };
+  add("the positions of ", scene.bodies);
+  add("the numbers of ", scene.forces);
   for (const Library& library : scene.libraries) all.push_back({"a plugin", library.path});
   return all;
 }

@@ -141,6 +141,8 @@ Json value_schema(const Parameter& row) {
         } else if constexpr (std::is_same_v<Kind, PerParticleVector> ||
                              std::is_same_v<Kind, PointList>) {
           return list_of(number_or_list(interval, kMostDimensions));
+        } else if constexpr (std::is_same_v<Kind, NumberTable>) {
+          return list_of(number_or_list(interval));
         } else if constexpr (std::is_same_v<Kind, PairSelection>) {
           Json pair = list_of(index(), 2);
           pair["minItems"] = 2;

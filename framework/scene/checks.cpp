@@ -41,17 +41,18 @@ bool says_nothing(const ParameterValue& value) {
 }
 
 /// What the description says now stands in the effective scene.
-void update_effective(BodyDraft& body) {
-  TableReading& reading = body.reading;
+template <class Record>
+void update_effective(ComponentDraft<Record>& component) {
+  TableReading& reading = component.reading;
   Table effective;
-  for (const Parameter& row : body.record->parameters) {
+  for (const Parameter& row : component.record->parameters) {
     const Node* before = reading.effective.find(row.key);
     if (before == nullptr && !row.optional) continue;  // it has a fault
     if (before != nullptr && !reading.has(row.key)) {
       effective.set(row.key, *before);  // it waits until the particles are counted
       continue;
     }
-    ParameterValue value = row.read(body.description.get());
+    ParameterValue value = row.read(component.description.get());
     const auto known = reading.values.find(row.key);
     if (before != nullptr && known != reading.values.end() && known->second == value) {
       effective.set(row.key, *before);
@@ -63,6 +64,21 @@ void update_effective(BodyDraft& body) {
     }
   }
   reading.effective = std::move(effective);
+}
+
+/// False when what the component refers to cannot be had.
+template <class Record>
+bool prepare(ComponentDraft<Record>& component, const std::filesystem::path& folder,
+             FaultList& faults) {
+  if (component.record->prepare == nullptr) return true;
+  const auto complaints = component.record->prepare(component.description.get(), folder);
+  report(complaints, component.reading, faults);
+  if (complaints.empty()) {
+    update_effective(component);
+  } else {
+    component.sound = component.reading.sound = false;
+  }
+  return complaints.empty();
 }
 
 /// What does not fit the scene's dimension or the bodies.
@@ -296,16 +312,12 @@ std::vector<Variation> variations_of(const ForceDraft& force) {
 void prepare_bodies(std::vector<BodyDraft>& bodies, const std::filesystem::path& folder,
                     FaultList& faults) {
   for (BodyDraft& body : bodies) {
-    body.shape_is_known = shape_was_read(body);
-    if (!body.shape_is_known || body.record->prepare == nullptr) continue;
-    const auto complaints = body.record->prepare(body.description.get(), folder);
-    report(complaints, body.reading, faults);
-    if (complaints.empty()) {
-      update_effective(body);
-    } else {
-      body.shape_is_known = body.sound = false;
-    }
+    body.shape_is_known = shape_was_read(body) && prepare(body, folder, faults);
   }
+}
+
+void prepare_force(ForceDraft& force, const std::filesystem::path& folder, FaultList& faults) {
+  if (force.record != nullptr && force.reading.sound) prepare(force, folder, faults);
 }
 
 std::optional<int> scene_dimension(const std::vector<BodyDraft>& bodies) {

@@ -51,6 +51,9 @@ struct ObserverDraft : ComponentDraft<ObserverRecord> {
 void prepare_bodies(std::vector<BodyDraft>& bodies, const std::filesystem::path& folder,
                     FaultList& faults);
 
+/// The file that a force refers to is fetched; before the values of particles are read.
+void prepare_force(ForceDraft& force, const std::filesystem::path& folder, FaultList& faults);
+
 /// The scene's dimension: the length of the first body's vectors. Nothing when faults hide it.
 std::optional<int> scene_dimension(const std::vector<BodyDraft>& bodies);
 

@@ -188,9 +188,12 @@ void read_particle_values(const SceneDraft& draft, Component& component,
   component.sound = component.sound && component.reading.sound;
 }
 
+std::filesystem::path folder_of(const SceneDraft& draft) {
+  return std::filesystem::path(draft.scene->file).parent_path();
+}
+
 void count_bodies(SceneDraft& draft) {
-  const std::filesystem::path folder = std::filesystem::path(draft.scene->file).parent_path();
-  prepare_bodies(draft.bodies, folder, draft.faults);
+  prepare_bodies(draft.bodies, folder_of(draft), draft.faults);
   draft.dimension = scene_dimension(draft.bodies);
   count_particles(draft.bodies, draft.dimension, draft.faults);
   for (BodyDraft& body : draft.bodies) read_particle_values(draft, body, body.count);
@@ -240,6 +243,7 @@ void read_components(SceneDraft& draft) {
            [&](ForceDraft& force, const SceneSection& given) {
              read_bodies_of(draft, force, given, "acts on");
              read_driver(draft, force, given);
+             prepare_force(force, folder_of(draft), draft.faults);
              const bool one = force.bodies.size() == 1;
              read_particle_values(draft, force,
                                   one ? draft.bodies[force.bodies.front()].count : std::nullopt);

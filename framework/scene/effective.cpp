@@ -66,16 +66,25 @@ std::optional<Node> node_of(const Attachment& attachment) {
   return node(std::move(table));
 }
 
-std::optional<Node> node_of(const PointList& points) {
-  if (points.coordinates.empty()) return std::nullopt;
-  if (points.dimension == 1) return list_of(points.coordinates);
+/// A list, or a list of rows where there are several columns.
+std::optional<Node> rows_of(const std::vector<double>& numbers, std::size_t columns) {
+  if (numbers.empty()) return std::nullopt;
+  if (columns == 1) return list_of(numbers);
   List list;
-  for (auto point = points.coordinates.begin(); point != points.coordinates.end();) {
-    const auto next = point + static_cast<std::ptrdiff_t>(points.dimension);
-    list.push_back(list_of({point, next}));
-    point = next;
+  for (auto row = numbers.begin(); row != numbers.end();) {
+    const auto next = row + static_cast<std::ptrdiff_t>(columns);
+    list.push_back(list_of({row, next}));
+    row = next;
   }
   return node(std::move(list));
+}
+
+std::optional<Node> node_of(const PointList& points) {
+  return rows_of(points.coordinates, points.dimension);
+}
+
+std::optional<Node> node_of(const NumberTable& table) {
+  return rows_of(table.numbers, table.columns);
 }
 
 std::optional<Node> node_of(const WordList& names) {

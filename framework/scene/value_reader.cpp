@@ -80,6 +80,8 @@ std::string admissible_values(const Parameter& row) {
           return joined_with_or(ways);
         } else if constexpr (std::is_same_v<Kind, PointList>) {
           return "a list of points, each a list with " + a_number + " per dimension";
+        } else if constexpr (std::is_same_v<Kind, NumberTable>) {
+          return "a list of " + a_number + ", or of rows of such";
         } else if constexpr (std::is_same_v<Kind, WordList>) {
           return row.choices.empty() ? "a list of names"
                                      : "a list of " + joined_with_or(in_quotes(row.choices));
@@ -147,6 +149,8 @@ std::optional<ParameterValue> ValueReader::read_kind(const Subject& subject,
           return attachment(subject, node);
         } else if constexpr (std::is_same_v<Kind, PointList>) {
           return point_list(subject, node);
+        } else if constexpr (std::is_same_v<Kind, NumberTable>) {
+          return number_table(subject, node);
         } else if constexpr (std::is_same_v<Kind, WordList>) {
           return word_list(subject, node);
         } else if constexpr (std::is_same_v<Kind, FlagList>) {
@@ -438,6 +442,33 @@ std::optional<PointList> ValueReader::point_list(const Subject& subject, const N
     }
     result.coordinates.insert(result.coordinates.end(), point->components.begin(),
                               point->components.end());
+  }
+  return result;
+}
+
+std::optional<NumberTable> ValueReader::number_table(const Subject& subject,
+                                                     const Node& node) const {
+  const auto* list = node.as<List>();
+  if (list == nullptr) return wrong_kind(subject, node);
+  NumberTable result;
+  if (list->empty() || list->front().as<List>() == nullptr) {
+    auto column = numbers(subject, *list, node);
+    if (!column) return std::nullopt;
+    return NumberTable{1, *std::move(column)};
+  }
+  for (const Node& element : *list) {
+    const auto* row = element.as<List>();
+    if (row == nullptr) return wrong_kind(subject, element);
+    const auto entries = numbers(subject, *row, element);
+    if (!entries) return std::nullopt;
+    if (result.columns == 0) result.columns = entries->size();
+    if (entries->size() != result.columns) {
+      return wrong(
+          FaultCode::scene_wrong_count, subject, element,
+          fmt::format("row {} has {} entr{}, the first has {}", result.rows(), entries->size(),
+                      entries->size() == 1 ? "y" : "ies", result.columns));
+    }
+    result.numbers.insert(result.numbers.end(), entries->begin(), entries->end());
   }
   return result;
 }

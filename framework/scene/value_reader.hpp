@@ -61,6 +61,7 @@ class ValueReader {
   std::optional<Attachment> attachment(const Subject& subject, const Node& node) const;
   std::optional<PointList> point_list(const Subject& subject, const Node& node) const;
   std::optional<WordList> word_list(const Subject& subject, const Node& node) const;
+  std::optional<NumberTable> number_table(const Subject& subject, const Node& node) const;
   std::optional<FlagList> flag_list(const Subject& subject, const Node& node) const;
   std::optional<Formula> formula(const Subject& subject, const Node& node) const;
   std::optional<FormulaList> formula_list(const Subject& subject, const Node& node) const;

@@ -18,6 +18,7 @@ struct Reads {
   bool velocity = false;
   bool start = false;
   bool time = false;
+  bool table = false;
 };
 
 /// The scene's origin, to which positions are relative, as forces need it: in the scene's
@@ -37,6 +38,8 @@ struct Site {
   Vec<T, D> start;  ///< where a driver's end for this site started, relative to the first origin
   T elapsed;        ///< time since the start of the step
   Frame<T, D> frame;
+  /// The evaluator's own numbers, the same for all sites; see table_index.hpp.
+  const double* table = nullptr;
 
   /// The position in the scene's coordinates.
   TOMLIN_INLINE Vec<T, D> coordinates() const { return position + frame.origin; }
@@ -127,6 +130,7 @@ TOMLIN_INLINE Site<Dual<T, D>, D> differentiable(const Site<T, D>& site) {
     wide.frame.phase[d] = Dual<T, D>(site.frame.phase[d]);
   }
   wide.elapsed = Dual<T, D>(site.elapsed);
+  wide.table = site.table;
   return wide;
 }
 

@@ -21,6 +21,8 @@
 ///               static Vec<T,D> force(const Parameters<T,D>&, const Pair<T,D>&);   on the first
 ///   (energy or force may be missing: a force without energy is not conservative, an energy
 ///   without force is differentiated)
+///   static const double* table(const Description&);   where reads.table: numbers that stay where
+///                                                     they are as long as the description
 ///   drivers:    static T power(const Parameters<T,D>&, const Site<T,D>&, const Vec<T,D>& force);
 namespace tomlin {
 inline namespace TOMLIN_TARGET {
@@ -102,6 +104,7 @@ TOMLIN_FLATTEN void site_kernel(const void* arguments, const Stage<Real>& stage)
     }
     site.elapsed = Group(stage.elapsed);
     site.frame = p.frame;
+    if constexpr (E::reads.table) site.table = a.table;
     Vec<Group, D> force = force_on<E, Group, D>(p.own, site);
     for (int d = 0; d < D; ++d) {
       force[d] = without_padding<Real>(force[d], i, count);
@@ -225,9 +228,7 @@ TOMLIN_FLATTEN void centre_kernel(const void* arguments, const Stage<Real>& stag
   if constexpr (E::reads.velocity) {
     site.velocity = attached_point<Real, D>(a, stage.velocity, stage.mapped_velocity);
   }
-  if constexpr (E::reads.start) {
-    for (int d = 0; d < D; ++d) site.start[d] = a.start[d];
-  }
+  for (int d = 0; d < D; ++d) site.start[d] = a.start[d];
   site.elapsed = stage.elapsed;
   site.frame = p.frame;
   const Vec<Real, D> force = force_on<E, Real, D>(p.own, site);
@@ -494,14 +495,16 @@ constexpr void fill_table(KernelTable<Real>& table) {
   if constexpr (HasForce<E, D, Site> || HasEnergy<E, D, Site>) {
     table.site.set[D - 1] = &site_kernel<E, Real, D, true>;
     table.site.add[D - 1] = &site_kernel<E, Real, D, false>;
-    table.centre.set[D - 1] = &centre_kernel<E, Real, D, true>;
-    table.centre.add[D - 1] = &centre_kernel<E, Real, D, false>;
+    if constexpr (E::reads.start) {
+      table.centre.set[D - 1] = &centre_kernel<E, Real, D, true>;
+      table.centre.add[D - 1] = &centre_kernel<E, Real, D, false>;
+    }
     if constexpr (E::reads.velocity) table.heat[D - 1] = &heat_kernel<E, Real, D>;
     if constexpr (!DoesWork<E, D> && !E::reads.start && !E::reads.time) {
       table.varied_site[D - 1] = &site_kernel<E, Real, D, false, true>;
       if constexpr (E::reads.velocity) table.varied_heat[D - 1] = &heat_kernel<E, Real, D, true>;
     }
-    if constexpr (D == 1) table.point = &point_kernel<E, Real>;
+    if constexpr (D == 1 && !E::reads.table) table.point = &point_kernel<E, Real>;
   }
   if constexpr (HasForce<E, D, Pair> || HasEnergy<E, D, Pair>) {
     table.cyclic.set[D - 1] = &cyclic_kernel<E, Real, D, true>;

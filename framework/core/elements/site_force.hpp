@@ -172,6 +172,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
       heat_kernel_ = tables.on<Real>(binding.set).varied_heat[D - 1];
       vary(binding.origin);
     }
+    if constexpr (E::reads.table) arguments_.table = E::table(this->description_);
     if constexpr (E::reads.start) {
       start_.assign(D * this->body_.slot.stride, Real(0.0));
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
@@ -205,6 +206,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
 
   bool point(PointForce<Real>& force) const override {
     if (D != 1 || this->body_.slot.count != 1 || !point_ || varies()) return false;
+    if constexpr (E::reads.table) return false;
     force = {point_, &this->with_frame_, start_.empty() ? Real(0.0) : start_[0], arguments_.rate};
     return true;
   }
@@ -300,6 +302,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
     }
     site.elapsed = stage.elapsed;
     site.frame = at(i).frame;
+    site.table = arguments_.table;
     return site;
   }
 
@@ -317,10 +320,12 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   AlignedVector<Real> by_number_;  ///< [number * stride + particle]
 };
 
-/// The evaluator on one attached point: a body's centre of mass, or one particle of it.
+/// The evaluator on one attached point: a body's centre of mass, or one particle of it. Kernels of
+/// such points are made of evaluators that read where they start.
 template <class E, class Real, int D>
 class AttachedForce : public ForceOnSites<E, Real, D> {
   using Base = ForceOnSites<E, Real, D>;
+  static_assert(E::reads.start && !E::reads.table);
 
  public:
   /// `particle` may be kCentreOfMass; `start` in the scene's coordinates, empty: the attached

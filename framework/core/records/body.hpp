@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,7 +21,6 @@ struct BodyDescription {
   PerParticleVector velocity;
   PerParticleVector displacement;
   Coordinates coordinates = Coordinates::particles;
-  std::filesystem::path read_from;  ///< the file that `prepare` has fetched a part from; or empty
 };
 
 /// The rows for BodyDescription, for a description D derived from it.
@@ -86,11 +84,6 @@ struct Complaint {
 struct BodyRecord : ComponentRecord {
   /// The part that every body's description has.
   const BodyDescription& (*common)(const void* description) = nullptr;
-  /// Fetch what the description refers to, by paths relative to the scene's folder; null where
-  /// there is no such thing. Afterwards the description holds it by value, so that the effective
-  /// scene runs anywhere. Called once, before all below.
-  std::vector<Complaint> (*prepare)(void* description,
-                                    const std::filesystem::path& folder) = nullptr;
   /// Length of the body's vectors as given; 0 when the description has none.
   int (*dimension)(const void* description) = nullptr;
   /// Number of particles.

@@ -80,6 +80,8 @@ inline std::uint64_t no_pairs(const void*, const SceneOutline&) { return 0; }
 /// For forces that declare no period.
 inline double no_period(const void*, int) { return 0.0; }
 inline double no_length(const void*) { return 0.0; }
+/// For forces whose keys say all.
+inline std::string no_note(const void*) { return {}; }
 
 struct ForceRecord : ComponentRecord {
   Element element = Element::site;
@@ -104,6 +106,8 @@ struct ForceRecord : ComponentRecord {
   /// Over which the force changes by all that it changes, where no parameter is such a length; 0
   /// where there is none. Scales exactly with the unit of length, where that is a power of two.
   double (*length)(const void* description) = &no_length;
+  /// What `explain` says of the force besides its keys: of what it was given, how exact it is.
+  std::string (*note)(const void* description) = &no_note;
 
   ForceFactories bind;
 

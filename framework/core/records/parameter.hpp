@@ -118,6 +118,15 @@ struct PointList {
   friend bool operator==(const PointList&, const PointList&) = default;
 };
 
+/// `energies = [[0.0, 0.1], [0.2, 0.3]]`: rows of equal length, or a list, of one column. Empty
+/// when not given.
+struct NumberTable {
+  std::size_t columns = 0;
+  std::vector<double> numbers;  ///< row after row
+  std::size_t rows() const { return columns == 0 ? 0 : numbers.size() / columns; }
+  friend bool operator==(const NumberTable&, const NumberTable&) = default;
+};
+
 /// `hold = ["x", "rotation"]`: names, each once.
 struct WordList {
   std::vector<std::string> words;
@@ -164,8 +173,8 @@ struct AngleSelection {
 
 using ParameterValue =
     std::variant<double, std::int64_t, bool, std::string, SpaceVector, PerParticle,
-                 PerParticleVector, PairSelection, WordOrNumbers, Attachment, PointList, WordList,
-                 FlagList, Passing, Formula, FormulaList, AngleSelection>;
+                 PerParticleVector, PairSelection, WordOrNumbers, Attachment, PointList,
+                 NumberTable, WordList, FlagList, Passing, Formula, FormulaList, AngleSelection>;
 
 /// One row of a parameter table; the member is reached through `assign` and `read`.
 struct Parameter {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -16,6 +17,8 @@ namespace tomlin {
 /// The source of a component that says nothing of its own: there is no work to cite for it.
 inline constexpr const char* kSourceIsTheScene = "the scene that gives it";
 
+struct Complaint;  // framework/core/records/body.hpp
+
 /// What every component says about itself. A record without these is rejected when registered.
 struct ComponentRecord {
   std::string name;  ///< `type = "..."` in a scene; the file's and, in CamelCase, the class's name
@@ -28,6 +31,14 @@ struct ComponentRecord {
 
   /// A default-constructed description; the rows of `parameters` assign its members.
   std::shared_ptr<void> (*make_description)() = nullptr;
+
+  /// Of bodies and forces: fetch what the description refers to, by paths relative to the scene's
+  /// folder; null where there is no such thing. Afterwards the description holds it by value, so
+  /// that the effective scene runs anywhere. Called once, when all keys have been read.
+  std::vector<Complaint> (*prepare)(void* description,
+                                    const std::filesystem::path& folder) = nullptr;
+  /// The file that was fetched; empty: none.
+  const std::filesystem::path& (*read_from)(const void* description) = nullptr;
 
   /// Path of the shared library that it comes from, set when that is loaded; empty: the program's.
   std::string library;

@@ -18,6 +18,7 @@ struct SiteArguments {
   const void* parameters = nullptr;  ///< the evaluator's Parameters<Real, D>
   /// Where they differ: [number * body.stride + particle], as the numbers stand in `parameters`.
   const Real* each = nullptr;
+  const double* table = nullptr;  ///< for evaluators that read it
   const Real* start = nullptr;    ///< [axis * body.stride + particle], for evaluators that read it
   std::ptrdiff_t rate = kNoRate;  ///< where a driver's force and power go among the rates
 };

@@ -1,4 +1,4 @@
-#include "framework/bodies/position_file.hpp"
+#include "framework/core/text/number_file.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -16,7 +16,6 @@
 namespace tomlin {
 namespace {
 
-constexpr std::size_t kMostColumns = 3;
 constexpr std::size_t kMostFaults = 10;  // of a file; nobody reads more
 
 /// The columns of one line.
@@ -87,10 +86,10 @@ std::string columns(std::size_t count) {
 
 }  // namespace
 
-PositionFile parse_positions(std::string_view text, const std::string& name) {
+NumberFile parse_numbers(std::string_view text, const std::string& name, std::size_t most_columns,
+                         const std::string& why_most) {
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  PositionFile file;
-  PointList& positions = file.positions;
+  NumberFile file;
   std::size_t first_line = 0;
   for (std::size_t line = 1; !text.empty() && file.faults.size() < kMostFaults; ++line) {
     const std::size_t length = std::min(text.find('\n'), text.size());
@@ -98,24 +97,21 @@ PositionFile parse_positions(std::string_view text, const std::string& name) {
     text.remove_prefix(std::min(length + 1, text.size()));
     const std::size_t count = row.numbers.size();
     if (row.why.empty() && count == 0) continue;
-    if (row.why.empty() && count > kMostColumns) {
-      row.why =
-          fmt::format("{}, but space has at most {} dimensions", columns(count), kMostColumns);
-    } else if (row.why.empty() && first_line > 0 && count != positions.dimension) {
-      row.why =
-          fmt::format("{}, but line {} has {}", columns(count), first_line, positions.dimension);
+    if (row.why.empty() && count > most_columns) {
+      row.why = columns(count) + why_most;
+    } else if (row.why.empty() && first_line > 0 && count != file.columns) {
+      row.why = fmt::format("{}, but line {} has {}", columns(count), first_line, file.columns);
     }
     if (!row.why.empty()) {
       file.faults.push_back(fmt::format("{}:{}: {}", name, line, row.why));
       continue;
     }
     if (first_line == 0) first_line = line;
-    positions.dimension = count;
-    positions.coordinates.insert(positions.coordinates.end(), row.numbers.begin(),
-                                 row.numbers.end());
+    file.columns = count;
+    file.numbers.insert(file.numbers.end(), row.numbers.begin(), row.numbers.end());
   }
-  if (file.faults.empty() && positions.coordinates.empty()) {
-    file.faults.push_back(name + ":1: the file has no positions");
+  if (file.faults.empty() && file.numbers.empty()) {
+    file.faults.push_back(name + ":1: the file has no numbers");
   }
   return file;
 }
