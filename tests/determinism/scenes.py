@@ -58,6 +58,36 @@ repulsion = 0.5
 repulsion_decay = 2.5
 """
 
+MAP = """
+[[body]]
+name = "tip"
+type = "point"
+position = [0.3, 0.1, 1.5]
+velocity = [0.2, 0.1, -0.1]
+particle_mass = 1.0
+
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = [1.0, 1.0, 0.5]
+velocity = [0.3, 0.1, 0.0]
+
+[[force]]
+type = "viscous_damping"
+coefficient = 0.5
+
+[[force]]
+type = "lattice_substrate"
+lattice = "hexagonal"
+period = 1.0
+misfit = 0.2
+energies = [[0.3, 0.1, -0.2, 0.05, 0.0], [0.1, 0.2, 0.3, -0.1, 0.1], [0.0, -0.3, 0.1, 0.2, 0.1],
+            [-0.1, 0.1, 0.1, 0.2, -0.2]]
+decay = 2.0
+repulsion = 0.5
+repulsion_decay = 2.5
+"""
+
 CHAIN = """
 [box]
 lengths = [13.0]

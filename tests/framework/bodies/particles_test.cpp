@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "forcefields/register.hpp"
-#include "framework/bodies/position_file.hpp"
+#include "framework/core/text/number_file.hpp"
 #include "framework/bodies/register.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/scene.hpp"
@@ -115,23 +115,27 @@ TEST(Particles, ListFaultsHaveTheirPlace) {
 
 // ---- in a file
 
+NumberFile parsed_rows(const std::string& text) {
+  return parse_numbers(text, "f", 3, ", but space has at most 3 dimensions");
+}
+
 PointList read(const std::string& text) {
-  PositionFile file = parse_positions(text, "f");
+  const NumberFile file = parsed_rows(text);
   EXPECT_EQ(file.faults, Lines());
-  return file.positions;
+  return {file.columns, file.numbers};
 }
 
 /// "LINE:COLUMN" of each fault; no column where the line as a whole is wrong.
 Lines refused(const std::string& text) {
   static const std::regex form("f:([0-9]+): (?:column ([0-9]+) )?.*");
   Lines places;
-  for (const std::string& fault : parse_positions(text, "f").faults) {
+  for (const std::string& fault : parsed_rows(text).faults) {
     places.push_back(std::regex_replace(fault, form, "$1:$2"));
   }
   return places;
 }
 
-TEST(PositionFile, TakesColumnsCommentsAndBlankLines) {
+TEST(NumberFile, TakesColumnsCommentsAndBlankLines) {
   const PointList due{2, {1.0, -2.0, 3e5, 0.25}};
   EXPECT_EQ(read("1 -2\n3e5 .25\n"), due);
   EXPECT_EQ(read("# x y\n\n  \t\n 1\t-2 # the first\r\n3e5   0.25"), due);
@@ -141,12 +145,12 @@ TEST(PositionFile, TakesColumnsCommentsAndBlankLines) {
   EXPECT_EQ(read("1 2 3").dimension, 3U);
 }
 
-TEST(PositionFile, KeepsEveryBit) {
+TEST(NumberFile, KeepsEveryBit) {
   EXPECT_EQ(read("0.1234567890123456789e-7 5e-324").coordinates,
             (std::vector<double>{0.1234567890123456789e-7, 5e-324}));
 }
 
-TEST(PositionFile, FaultsNameTheLineAndTheColumn) {
+TEST(NumberFile, FaultsNameTheLineAndTheColumn) {
   for (const std::string text : {"", "# nothing\n\n", "1 2 3 4"}) {
     EXPECT_EQ(refused(text), Lines{"1:"}) << text;
   }
@@ -160,7 +164,7 @@ TEST(PositionFile, FaultsNameTheLineAndTheColumn) {
   EXPECT_EQ(refused("1,"), Lines{"1:2"});
   EXPECT_EQ(refused("1 2 three"), Lines{"1:3"});
   EXPECT_EQ(refused("\n1 2\n3\n"), Lines{"3:"});
-  EXPECT_NE(parse_positions("\n1 2\n3\n", "f").faults[0].find("line 2"), std::string::npos);
+  EXPECT_NE(parsed_rows("\n1 2\n3\n").faults[0].find("line 2"), std::string::npos);
   EXPECT_EQ(refused("a\n1 2\n3\nnan\n"), (Lines{"1:1", "3:", "4:1"}));
   std::string junk;
   for (int i = 0; i < 1000; ++i) junk += "?\n";
