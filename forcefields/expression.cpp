@@ -35,8 +35,8 @@ double period_on(const Description& d, int axis) {
 
 /// Where a formula departs from a quadratic one at a length L: its third difference there, beside
 /// rounding; 0 where it is no number, as functions of large arguments may be none.
-double departs(const FormulaLaw& law, std::size_t component, std::uint32_t variable, double time,
-               double length) {
+double departs(const FormulaLaw& law, std::size_t component, FormulaLaw::Values at,
+               std::uint32_t variable, double length) {
   // Away from zero, where formulas often are symmetric.
   constexpr double kFrom = 0.37;
   constexpr double kWeights[] = {-1.0, 3.0, -3.0, 1.0};
@@ -44,9 +44,7 @@ double departs(const FormulaLaw& law, std::size_t component, std::uint32_t varia
   double difference = 0.0;
   double largest = 0.0;
   for (int k = 0; k < 4; ++k) {
-    FormulaLaw::Values at{};
     at[variable] = (kFrom + k) * length;
-    at[formula_variable::time] = time;
     const auto value = law.evaluate(component, at);
     const double* number = std::get_if<double>(&value);
     if (number == nullptr || !std::isfinite(*number)) {
@@ -60,8 +58,8 @@ double departs(const FormulaLaw& law, std::size_t component, std::uint32_t varia
 
 /// The length at which what is periodic, or confined to a place, departs from a quadratic formula
 /// by an eighth of the most that it ever does; 0 for what departs ever more.
-double length_along(const FormulaLaw& law, std::size_t component, std::uint32_t variable,
-                    double time) {
+double length_along(const FormulaLaw& law, std::size_t component, const FormulaLaw::Values& at,
+                    std::uint32_t variable) {
   constexpr int kOctaves = 120;
   constexpr int kLast = 2 * kOctaves - 3;  // beyond it what grows has grown by more than kGrowth
   constexpr double kGrowth = 4.0;
@@ -70,7 +68,7 @@ double length_along(const FormulaLaw& law, std::size_t component, std::uint32_t 
   double most = 0.0;
   double before = 0.0;
   for (int k = 0; k <= 2 * kOctaves; ++k) {
-    found[k] = departs(law, component, variable, time, std::ldexp(1.0, k - kOctaves));
+    found[k] = departs(law, component, at, variable, std::ldexp(1.0, k - kOctaves));
     most = std::max(most, found[k]);
     if (k == kLast) before = most;
   }
@@ -81,17 +79,26 @@ double length_along(const FormulaLaw& law, std::size_t component, std::uint32_t 
 }
 
 double length_of_law(const Description& d) {
+  // The body is not known here; where particles differ, the first few stand for all.
+  constexpr int kParticles = 4;
   const FormulaLaw law = law_of(d);
   double shortest = std::numeric_limits<double>::infinity();
-  for (std::size_t component = 0; component < law.components(); ++component) {
-    for (const std::uint32_t first : {formula_variable::position, formula_variable::centre}) {
-      for (std::uint32_t variable = first; variable < first + 3; ++variable) {
-        if (!law.uses(variable)) continue;
-        double length = length_along(law, component, variable, 0.0);
-        if (length == 0.0 && law.depends_on_time()) {
-          length = length_along(law, component, variable, 1.0);  // nothing acts at the start
+  FormulaLaw::Values at{};
+  at[variable::count] = kParticles;
+  for (int particle = 0; particle < (law.depends_on_particle() ? kParticles : 1); ++particle) {
+    at[variable::index] = particle;
+    for (std::size_t component = 0; component < law.components(); ++component) {
+      for (const std::uint32_t first : {variable::position, variable::centre}) {
+        for (std::uint32_t along = first; along < first + 3; ++along) {
+          if (!law.uses(along)) continue;
+          at[variable::time] = 0.0;
+          double length = length_along(law, component, at, along);
+          if (length == 0.0 && law.depends_on_time()) {
+            at[variable::time] = 1.0;  // nothing acts at the start
+            length = length_along(law, component, at, along);
+          }
+          if (length > 0.0) shortest = std::min(shortest, length);
         }
-        if (length > 0.0) shortest = std::min(shortest, length);
       }
     }
   }
@@ -153,6 +160,7 @@ class Examiner {
       return found_;
     }
     look_at_variables();
+    look_at_particles();
     look_at_bodies();
     look_at_selections();
     look_at_period();
@@ -180,9 +188,57 @@ class Examiner {
     const auto use = law_.place_of(index);
     if (!use) return;
     Complaint& complaint = complain(
-        code, key(), fmt::format("'{}' {}", expression_variables()[index], why), admissible);
+        code, key(), fmt::format("'{}' {}", formula_variable_name(index), why), admissible);
     complaint.column = use->column;
     complaint.index = use->component;
+  }
+
+  /// Numbers that differ between particles, and random numbers.
+  void look_at_particles() {
+    const std::size_t before = found_.size();
+    if (const auto& use = law_.misplaced_random()) {
+      Complaint& complaint =
+          complain(FaultCode::component_invalid, key(),
+                   "a random number belongs to a particle, not to a position, a velocity or a time",
+                   "a seed and a number that follow from i, count and parameters");
+      complaint.column = use->column;
+      complaint.index = use->component;
+    }
+    if (law_.element() != FormulaElement::particle) {
+      for (const std::uint32_t index : {variable::index, variable::count}) {
+        refuse(FaultCode::expression_unknown_name, index,
+               fmt::format("is a variable of particles, and this energy is over {}",
+                           name_of_element(law_.element())),
+               "i and count in an energy over particles (x, y, z) or in a force; a parameter");
+      }
+    }
+    if (law_.particle_numbers() > FormulaLaw::kMostParticleNumbers) {
+      complain(FaultCode::scene_too_large, key(),
+               fmt::format("{} different subexpressions depend on the index of the particle alone, "
+                           "and at most {} can be kept",
+                           law_.particle_numbers(), FormulaLaw::kMostParticleNumbers),
+               "fewer of them, or several forces");
+    }
+    if (found_.size() > before || scene_.bodies.empty()) return;
+    const auto numbers =
+        law_.numbers_of_particles(static_cast<std::size_t>(scene_.bodies.front().count));
+    if (const auto* trouble = std::get_if<FormulaLaw::Trouble>(&numbers)) {
+      found_.push_back(complaint_about(law_, *trouble));
+    }
+  }
+
+  static const char* name_of_element(FormulaElement element) {
+    switch (element) {
+      case FormulaElement::particle:
+        return "particles";
+      case FormulaElement::centre:
+        return "the centre of mass (xc, yc, zc)";
+      case FormulaElement::pair:
+        return "pairs (r)";
+      case FormulaElement::angle:
+        return "angles (theta)";
+    }
+    return "";
   }
 
   void look_at_variables() {
@@ -203,7 +259,7 @@ class Examiner {
       }
       for (std::uint32_t index = variable::centre; index < variable::time; ++index) {
         refuse(FaultCode::expression_unknown_name, index, "is a variable of energies",
-               "x, y, z, vx, vy, vz and t in a force");
+               "x, y, z, vx, vy, vz, t, i and count in a force");
       }
       return;
     }
@@ -302,7 +358,9 @@ class Examiner {
       for (int k = 0; k < kPlaces; ++k) {
         // Places that no symmetry links: multiples of the golden mean, modulo one.
         FormulaLaw::Values at{};
-        for (std::size_t d = 0; d < at.size(); ++d) {
+        at[variable::count] = static_cast<double>(scene_.bodies.front().count);
+        at[variable::index] = static_cast<double>(k % scene_.bodies.front().count);
+        for (std::size_t d = 0; d <= variable::time; ++d) {
           const double turn = 0.6180339887498949 * (k + 1) + 0.7548776662466927 * double(d);
           at[d] = length * (turn - std::floor(turn) - 0.5);
         }
@@ -318,7 +376,7 @@ class Examiner {
         const double other = std::get<double>(there);
         largest_ = std::max({largest_, std::abs(one), std::abs(other)});
         if (std::abs(one - other) <= (far ? kFarRounding : kRounding) * largest_) continue;
-        const std::string_view name = expression_variables()[first + axis];
+        const std::string_view name = formula_variable_name(first + axis);
         complain(FaultCode::component_invalid, "period",
                  fmt::format("\"{}\" does not repeat: it is {:.9g} at {} = {:.6g}, and {:.9g} {}",
                              law_.text(component), one, name, at[first + axis], other,
@@ -373,8 +431,8 @@ ForceRecord expression_record() {
   record.name = "expression";
   record.summary = "a force given as a formula in the scene";
   record.equation =
-      "F = -dV/dx of an energy V(x, y, z, t), V(xc, yc, zc, t), V(r, t) or V(theta, t); or F(x, y, "
-      "z, vx, vy, vz, t) itself";
+      "F = -dV/dx of an energy V(x, y, z, t; i), V(xc, yc, zc, t), V(r, t) or V(theta, t); or F(x, "
+      "y, z, vx, vy, vz, t; i) itself";
   record.source = kSourceIsTheScene;
   record.element = Element::site;
   record.traits_of = of_description<&traits_of_law>;
@@ -383,11 +441,12 @@ ForceRecord expression_record() {
   record.parameters = {
       parameter("energy", &Description::energy, dimension::energy,
                 "of one element, over x, y, z (particles), xc, yc, zc (the centre of mass), r "
-                "(pairs) or theta (angles), and t")
+                "(pairs) or theta (angles), and t; of a particle also over its index i and the "
+                "count of particles, with random numbers of these")
           .or_absent(),
       parameter("force", &Description::force, dimension::force,
-                "on each particle, a formula per dimension over x, y, z, vx, vy, vz and t: where "
-                "there is no energy")
+                "on each particle, a formula per dimension over x, y, z, vx, vy, vz, t, i and "
+                "count: where there is no energy")
           .or_absent(),
       parameter(
           "pairs", &Description::pairs, dimension::none,

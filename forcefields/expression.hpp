@@ -16,7 +16,15 @@
 ///   theta        each angle between neighbouring bonds, 0 to pi
 ///
 /// each also over the time t and the scene's parameters. A `force` is over x, y, z, vx, vy, vz and
-/// t. Forces and second derivatives are exact: the formula is differentiated, not its values.
+/// t. An energy of particles and a `force` may differ between the particles of the body:
+///
+///   energy = "V0 * (1 + 0.2*normal(7, i)) * cos(2*pi*(x/a + random(3, i)))"
+///
+/// is over the index i of the particle (0 to count - 1) and the count of particles, unless these
+/// are parameters of the scene, and over random(seed, n) and normal(seed, n), whose arguments may
+/// not depend on positions, velocities or the time. What follows from i alone is computed once, in
+/// double precision, and is a number of the particle from then on: quenched disorder. Forces and
+/// second derivatives are exact: the formula is differentiated, not its values.
 ///
 /// Conventions: angles in radians; a pair's energy counts once; positions are the scene's own,
 /// however far away. With a declared period they are reduced to it first, and keep their digits.

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -34,6 +35,15 @@ TimeFunction constant_function(double value, std::string text) {
   function.constant = value;
   function.text = std::move(text);
   return function;
+}
+
+/// Motions are evaluated as time goes on, and random numbers belong to particles.
+std::optional<ExpressionError> random_in_motion(const Expression& expression) {
+  const Expression::Node* call = expression.random_call();
+  if (call == nullptr) return std::nullopt;
+  return ExpressionError{.column = call->column,
+                         .why = "a motion draws no random numbers: give one a name in [parameters]",
+                         .code = FaultCode::expression_unknown_name};
 }
 
 class MotionReader {
@@ -96,7 +106,7 @@ class MotionReader {
     const bool changes = std::any_of(names.begin(), names.end(),
                                      [](const auto& used) { return used.name == kVariable; });
     if (!changes) return constant_function(std::get<double>(at_start), text);
-    if (const auto error = random_in_formula(bound.expression)) return refuse(node, key, *error);
+    if (const auto error = random_in_motion(bound.expression)) return refuse(node, key, *error);
     TimeFunction function;
     function.text = text;
     function.expression = std::make_shared<const Expression>(std::move(bound.expression));

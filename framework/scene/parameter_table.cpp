@@ -28,6 +28,11 @@ bool is_variable(std::string_view name) {
   return std::find(variables.begin(), variables.end(), name) != variables.end();
 }
 
+bool is_particle_variable(std::string_view name) {
+  const auto variables = particle_variables();
+  return std::find(variables.begin(), variables.end(), name) != variables.end();
+}
+
 bool is_function(std::string_view name) {
   const auto functions = expression_functions();
   return std::any_of(functions.begin(), functions.end(),
@@ -56,15 +61,6 @@ Result parsed(std::string_view text) {
 }
 
 }  // namespace
-
-std::optional<ExpressionError> random_in_formula(const Expression& expression) {
-  const Expression::Node* call = expression.random_call();
-  if (call == nullptr) return std::nullopt;
-  return ExpressionError{
-      .column = call->column,
-      .why = "a formula draws no random numbers: give one a name in [parameters]",
-      .code = FaultCode::expression_unknown_name};
-}
 
 void ParameterTable::add(std::string name, double value) { append(std::move(name), value); }
 
@@ -129,7 +125,7 @@ ExpressionError ParameterTable::explain_unknown(std::string_view name, std::size
             .why = in_quotes(name) + " is a variable; it has no value here",
             .code = FaultCode::expression_unknown_name};
   }
-  if (name == "i" || name == "count") {
+  if (is_particle_variable(name)) {
     return {.column = column,
             .why = "there is no parameter " + in_quotes(name) +
                    ", and only what may differ between particles is over their index i and count",

@@ -34,10 +34,6 @@ struct BoundExpression {
   std::vector<std::pair<std::string, double>> parameters;
 };
 
-/// What is wrong with an expression that is evaluated as time goes on and draws random numbers;
-/// nothing where it draws none.
-std::optional<ExpressionError> random_in_formula(const Expression& expression);
-
 /// `[parameters]`: names with numbers or expressions over each other, in any order.
 class ParameterTable {
  public:

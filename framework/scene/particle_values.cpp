@@ -1,7 +1,6 @@
 // Values with one for each particle of a body: lists, and expressions in the particle's index.
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -15,10 +14,6 @@
 
 namespace tomlin {
 namespace {
-
-/// What an expression of a particle may name besides parameters, which come first where they have
-/// the same name.
-constexpr std::array<std::string_view, 2> kParticleVariables = {"i", "count"};
 
 /// An expression, evaluated for one particle after the other.
 class ParticleExpression {
@@ -52,9 +47,9 @@ bool ValueReader::names_particles(const Node& node) const {
   const auto* expression = std::get_if<Expression>(&parsed);
   if (expression == nullptr) return false;
   const auto& names = expression->names();
-  return std::any_of(names.begin(), names.end(), [this](const Expression::Name& used) {
-    return std::find(kParticleVariables.begin(), kParticleVariables.end(), used.name) !=
-               kParticleVariables.end() &&
+  const auto variables = particle_variables();
+  return std::any_of(names.begin(), names.end(), [&](const Expression::Name& used) {
+    return std::find(variables.begin(), variables.end(), used.name) != variables.end() &&
            !parameters_.contains(used.name);
   });
 }
@@ -115,7 +110,7 @@ std::optional<std::vector<double>> ValueReader::numbers_for_each(const Subject& 
       return std::nullopt;
     };
     if (list || !expression) {
-      auto bound = parameters_.bind(*text, kParticleVariables);
+      auto bound = parameters_.bind(*text, particle_variables());
       if (const auto* error = std::get_if<ExpressionError>(&bound)) return report(*error, "");
       expression.emplace(std::get<BoundExpression>(std::move(bound)), parameters_, count);
     }

@@ -304,10 +304,12 @@ std::optional<Formula> ValueReader::formula(const Subject& subject, const Node& 
   }
   const auto* text = node.as<std::string>();
   if (text == nullptr) return wrong_kind(subject, node);
-  auto bound = parameters_.bind(*text, expression_variables());
-  if (auto* expression = std::get_if<BoundExpression>(&bound)) {
-    if (auto error = random_in_formula(expression->expression)) bound = *std::move(error);
+  const auto variables = expression_variables();
+  std::vector<std::string_view> names(variables.begin(), variables.end());
+  for (const std::string_view name : particle_variables()) {
+    if (!parameters_.contains(name)) names.push_back(name);  // a parameter comes first
   }
+  auto bound = parameters_.bind(*text, names);
   if (const auto* error = std::get_if<ExpressionError>(&bound)) {
     if (!error->consequence) {
       faults_.inside(node, error->column,

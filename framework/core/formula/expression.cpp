@@ -58,6 +58,8 @@ constexpr std::array<ExpressionFunction, 21> kFunctions{{
 constexpr std::array<std::string_view, 12> kVariables{"x",  "y",  "z",  "vx", "vy",    "vz",
                                                       "xc", "yc", "zc", "r",  "theta", "t"};
 
+constexpr std::array<std::string_view, 2> kParticleVariables{"i", "count"};
+
 constexpr std::string_view kPi = "pi";
 
 /// Up to here doubles hold every integer.
@@ -108,6 +110,8 @@ std::string operand(double number) {
 std::span<const ExpressionFunction> expression_functions() { return kFunctions; }
 
 std::span<const std::string_view> expression_variables() { return kVariables; }
+
+std::span<const std::string_view> particle_variables() { return kParticleVariables; }
 
 bool is_identifier(std::string_view name) {
   if (name.empty() || !is_letter_or_underscore(name[0])) return false;
@@ -563,6 +567,25 @@ std::variant<double, ExpressionError> Expression::evaluate(const Lookup& lookup)
     stack.push_back(std::get<double>(outcome));
   }
   return stack.back();
+}
+
+Expression Expression::part(std::size_t step) const {
+  std::size_t first = step + 1;
+  for (std::size_t missing = 1; missing > 0;) missing = missing - 1 + nodes_[--first].arguments;
+  Expression result;
+  std::map<std::uint32_t, std::uint32_t> indices;
+  for (std::size_t k = first; k <= step; ++k) {
+    Node node = nodes_[k];
+    if (node.op == Op::name) {
+      const auto next = static_cast<std::uint32_t>(result.names_.size());
+      const auto [found, inserted] = indices.emplace(node.index, next);
+      if (inserted) result.names_.push_back({names_[node.index].name, node.column});
+      node.index = found->second;
+    }
+    result.nodes_.push_back(node);
+  }
+  result.text_ = result.to_string();
+  return result;
 }
 
 const Expression::Node* Expression::random_call() const {

@@ -74,14 +74,18 @@ struct ExpressionFunction {
 /// All of them, in the order of the help text.
 std::span<const ExpressionFunction> expression_functions();
 
-/// Whether it draws a random number. Formulas and motions have none: they are numbers of a place,
-/// not of a time.
+/// Whether it draws a random number. Motions have none, and those of a formula belong to a
+/// particle, not to a position or a time.
 constexpr bool is_random(ExpressionFunction::Id id) {
   return id == ExpressionFunction::Id::random || id == ExpressionFunction::Id::normal;
 }
 
 /// The variables of expression forces and prescribed motions; parameters may not shadow them.
 std::span<const std::string_view> expression_variables();
+
+/// What expressions that have a value for each particle of a body may name besides: its index `i`
+/// and the `count` of particles. A parameter of such a name comes first.
+std::span<const std::string_view> particle_variables();
 
 /// [A-Za-z_][A-Za-z0-9_]*
 bool is_identifier(std::string_view name);
@@ -134,9 +138,11 @@ class Expression {
   const std::vector<Name>& names() const { return names_; }
   /// The first call of a function that draws random numbers; null without one.
   const Node* random_call() const;
+  /// The subexpression that ends with a step; columns stay those of the whole text.
+  Expression part(std::size_t step) const;
   /// For whoever evaluates expressions over other number types.
   const std::vector<Node>& nodes() const { return nodes_; }
-  /// As written.
+  /// As written; of a part as to_string() has it.
   const std::string& text() const { return text_; }
   /// Fewest parentheses and even spacing; parses to the same nodes.
   std::string to_string() const;

@@ -10,8 +10,6 @@ namespace tomlin {
 namespace {
 
 namespace variable = formula_variable;
-std::string_view name_of(std::uint32_t index) { return expression_variables()[index]; }
-
 /// Formulas have been parsed when the scene was read.
 Expression parsed(const std::string& text) { return std::get<Expression>(Expression::parse(text)); }
 
@@ -47,6 +45,82 @@ std::vector<std::uint32_t> coordinates_of(FormulaElement element, int dimension)
 
 }  // namespace
 
+std::string_view formula_variable_name(std::uint32_t index) {
+  if (index < variable::index) return expression_variables()[index];
+  return particle_variables()[index - variable::index];
+}
+
+/// Finds the numbers of particles in a component: what each step of it depends on follows from its
+/// operands.
+class FormulaLaw::NumberSearch {
+ public:
+  NumberSearch(FormulaLaw& law, std::size_t component)
+      : law_(law), component_(component), expression_(law.parts_[component]) {}
+
+  void run() {
+    std::vector<Operand> stack;
+    for (std::size_t k = 0; k < expression_.nodes().size(); ++k) {
+      const Expression::Node& node = expression_.nodes()[k];
+      const std::size_t first = stack.size() - node.arguments;
+      Depends depends = node.op == Expression::Op::name ? of_name(node) : Depends::on_nothing;
+      for (std::size_t a = first; a < stack.size(); ++a) {
+        depends = std::max(depends, stack[a].depends);
+      }
+      if (is_random_call(node)) look_at_random(k, depends);
+      if (depends == Depends::on_position) {
+        for (std::size_t a = first; a < stack.size(); ++a) note(stack[a]);
+      }
+      stack.resize(first);
+      stack.push_back({k, depends});
+    }
+    note(stack.back());
+  }
+
+ private:
+  enum class Depends : std::uint8_t { on_nothing, on_particle, on_position };
+  struct Operand {
+    std::size_t step;
+    Depends depends;
+  };
+
+  Depends of_name(const Expression::Node& node) const {
+    const std::string& name = expression_.names()[node.index].name;
+    const bool is_same_for_all =
+        law_.is_parameter(component_, name) || name == formula_variable_name(variable::count);
+    if (is_same_for_all) return Depends::on_nothing;
+    return name == formula_variable_name(variable::index) ? Depends::on_particle
+                                                          : Depends::on_position;
+  }
+
+  static bool is_random_call(const Expression::Node& node) {
+    return node.op == Expression::Op::call && is_random(expression_functions()[node.index].id);
+  }
+
+  void look_at_random(std::size_t step, Depends depends) {
+    if (depends == Depends::on_nothing) {
+      law_.constant_at_[component_].emplace(step, expression_.part(step));
+    } else if (depends == Depends::on_position && !law_.misplaced_) {
+      law_.misplaced_ = Use{component_, expression_.nodes()[step].column};
+    }
+  }
+
+  /// Numbers that are written alike are one.
+  void note(const Operand& operand) {
+    if (operand.depends != Depends::on_particle) return;
+    Expression part = expression_.part(operand.step);
+    auto& all = law_.numbers_;
+    const auto known = std::find_if(all.begin(), all.end(), [&](const Number& one) {
+      return one.expression.text() == part.text();
+    });
+    law_.number_at_[component_][operand.step] = static_cast<std::size_t>(known - all.begin());
+    if (known == all.end()) all.push_back({component_, std::move(part)});
+  }
+
+  FormulaLaw& law_;
+  const std::size_t component_;
+  const Expression& expression_;
+};
+
 FormulaLaw::FormulaLaw(const Formula& energy, const FormulaList& force)
     : is_energy_(!energy.text.empty()) {
   const auto take = [&](const Formula& formula) {
@@ -58,12 +132,22 @@ FormulaLaw::FormulaLaw(const Formula& energy, const FormulaList& force)
   } else {
     for (const Formula& component : force.components) take(component);
   }
+  number_at_.resize(parts_.size());
+  constant_at_.resize(parts_.size());
+  for (std::size_t k = 0; k < parts_.size(); ++k) NumberSearch(*this, k).run();
+}
+
+bool FormulaLaw::is_parameter(std::size_t component, std::string_view name) const {
+  const auto& known = parameters_[component];
+  return std::any_of(known.begin(), known.end(),
+                     [&](const auto& one) { return one.first == name; });
 }
 
 std::optional<FormulaLaw::Use> FormulaLaw::place_of(std::uint32_t index) const {
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     for (const Expression::Name& used : parts_[k].names()) {
-      if (used.name == name_of(index)) return Use{k, used.column};
+      if (used.name != formula_variable_name(index) || is_parameter(k, used.name)) continue;
+      return Use{k, used.column};
     }
   }
   return std::nullopt;
@@ -82,30 +166,82 @@ bool FormulaLaw::depends_on_velocity() const {
   return uses(variable::velocity) || uses(variable::velocity + 1) || uses(variable::velocity + 2);
 }
 
-FormulaGraph::Lookup FormulaLaw::lookup(FormulaGraph& graph, std::size_t component,
-                                        const std::array<bool, 3>& moves) const {
+std::variant<FormulaLaw::ParticleNumbers, FormulaLaw::Trouble> FormulaLaw::numbers_of_particles(
+    std::size_t count) const {
+  Values at{};
+  at[variable::count] = static_cast<double>(count);
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    for (const auto& [step, expression] : constant_at_[k]) {
+      const auto value = evaluate(k, expression, at);
+      if (const auto* error = std::get_if<ExpressionError>(&value)) {
+        return Trouble{k, error->column, error->why};
+      }
+    }
+  }
+  ParticleNumbers all;
+  for (const Number& number : numbers_) {
+    std::vector<double>& values = all.emplace_back();
+    values.reserve(count);
+    for (std::size_t particle = 0; particle < count; ++particle) {
+      at[variable::index] = static_cast<double>(particle);
+      const auto value = evaluate(number.component, number.expression, at);
+      if (const auto* error = std::get_if<ExpressionError>(&value)) {
+        return Trouble{number.component, error->column,
+                       fmt::format("{}, for particle {}", error->why, particle)};
+      }
+      values.push_back(std::get<double>(value));
+    }
+  }
+  return all;
+}
+
+FormulaGraph::Id FormulaLaw::build(FormulaGraph& graph, std::size_t component,
+                                   const std::array<bool, 3>& moves, std::size_t count,
+                                   std::vector<FormulaGraph::Id>* steps) const {
   FormulaGraph::Lookup names;
   for (const Expression::Name& used : parts_[component].names()) {
     for (const auto& [name, value] : parameters_[component]) {
       if (name == used.name) names[used.name] = graph.constant(Quad(value));
     }
   }
-  for (std::uint32_t index = 0; index < variable::origin; ++index) {
+  for (std::uint32_t index = 0; index <= variable::time; ++index) {
     FormulaGraph::Id node = graph.variable(index);
     const bool is_place =
         index < variable::velocity || (index >= variable::centre && index < variable::distance);
     if (is_place && moves[index % 3]) {
       node = graph.add(node, graph.variable(variable::origin + index % 3));
     }
-    names[name_of(index)] = node;
+    names[formula_variable_name(index)] = node;
   }
-  return names;
+  if (element() == FormulaElement::particle) {
+    names.emplace(formula_variable_name(variable::index), graph.variable(variable::index));
+    names.emplace(formula_variable_name(variable::count),
+                  graph.constant(Quad(static_cast<double>(count))));
+  }
+
+  FormulaGraph::Given given;
+  for (const auto& [step, number] : number_at_[component]) {
+    given[step] = graph.variable(variable::particle_number + static_cast<std::uint32_t>(number));
+  }
+  Values at{};
+  at[variable::count] = static_cast<double>(count);
+  for (const auto& [step, expression] : constant_at_[component]) {
+    const auto value = evaluate(component, expression, at);
+    const double* number = std::get_if<double>(&value);  // what has none is refused elsewhere
+    given[step] = graph.constant(Quad(number != nullptr ? *number : 0.0));
+  }
+  return graph.build(parts_[component], names, given, steps);
 }
 
-FormulaCodes FormulaLaw::compiled(int dimension, const std::array<bool, 3>& moves) const {
+FormulaCodes FormulaLaw::compiled(int dimension, const std::array<bool, 3>& moves,
+                                  std::size_t count) const {
+  if (numbers_.size() > kMostParticleNumbers) throw std::length_error("too many numbers");
   FormulaGraph graph;
   FormulaInputs inputs;
   inputs.blocks = blocks_of(*this);
+  for (std::uint32_t k = 0; k < numbers_.size(); ++k) {
+    inputs.blocks.push_back(variable::particle_number + k);
+  }
   inputs.uniforms = {variable::time, variable::origin, variable::origin + 1, variable::origin + 2};
   FormulaCodes codes;
   codes.inputs = inputs.blocks;
@@ -117,7 +253,7 @@ FormulaCodes FormulaLaw::compiled(int dimension, const std::array<bool, 3>& move
 
   std::vector<FormulaGraph::Id> parts;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
-    parts.push_back(graph.build(parts_[k], lookup(graph, k, moves)));
+    parts.push_back(build(graph, k, moves, count));
   }
   if (!is_energy_) {
     codes.force = code_of(parts);
@@ -150,12 +286,18 @@ FormulaCodes FormulaLaw::compiled(int dimension, const std::array<bool, 3>& move
 
 std::variant<double, ExpressionError> FormulaLaw::evaluate(std::size_t component,
                                                            const Values& at) const {
-  return parts_[component].evaluate([&](std::string_view name) -> std::optional<double> {
+  return evaluate(component, parts_[component], at);
+}
+
+std::variant<double, ExpressionError> FormulaLaw::evaluate(std::size_t component,
+                                                           const Expression& expression,
+                                                           const Values& at) const {
+  return expression.evaluate([&](std::string_view name) -> std::optional<double> {
     for (const auto& [parameter, value] : parameters_[component]) {
       if (parameter == name) return value;
     }
-    for (std::uint32_t index = 0; index < variable::origin; ++index) {
-      if (name_of(index) == name) return at[index];
+    for (std::uint32_t index = 0; index < at.size(); ++index) {
+      if (formula_variable_name(index) == name) return at[index];
     }
     return std::nullopt;
   });
@@ -206,7 +348,7 @@ std::string FormulaLaw::why_no_period(const Values& about, std::uint32_t along, 
       if (std::abs(one.here - one.there) <= allowed) continue;
       return fmt::format(
           "\"{}\" is not periodic: it is {:.9g} at {} = {:.6g} and {:.9g} one period later",
-          text(component), one.here, name_of(along), one.at, one.there);
+          text(component), one.here, formula_variable_name(along), one.at, one.there);
     }
   }
   return {};
@@ -217,18 +359,23 @@ std::optional<FormulaLaw::Trouble> FormulaLaw::trouble_of_slopes(std::size_t com
                                                                  const Values& at) const {
   FormulaGraph graph;
   std::vector<FormulaGraph::Id> steps;
-  graph.build(parts_[component], lookup(graph, component, {}), &steps);
-  std::vector<Quad> values(variable::count, Quad(0.0));
+  build(graph, component, {}, static_cast<std::size_t>(at[variable::count]), &steps);
+  std::vector<Quad> values(variable::particle_number, Quad(0.0));
   for (std::size_t k = 0; k < at.size(); ++k) values[k] = Quad(at[k]);
+  for (const Number& number : numbers_) {
+    const auto value = evaluate(number.component, number.expression, at);
+    const double* finite = std::get_if<double>(&value);
+    values.push_back(Quad(finite != nullptr ? *finite : 0.0));
+  }
   for (std::size_t step = 0; step < steps.size(); ++step) {
     for (std::uint32_t index = 0; index < variable::time; ++index) {
       if (!uses(index)) continue;
       const auto slope =
           static_cast<double>(graph.value(graph.derivative(steps[step], index), values));
       if (std::isfinite(slope)) continue;
-      return Trouble{
-          component, parts_[component].nodes()[step].column,
-          fmt::format("its derivative with respect to {} is not finite", name_of(index))};
+      return Trouble{component, parts_[component].nodes()[step].column,
+                     fmt::format("its derivative with respect to {} is not finite",
+                                 formula_variable_name(index))};
     }
   }
   return std::nullopt;

@@ -64,19 +64,23 @@ struct FormulaView {
   const Real* start_of_time = nullptr;  ///< the time from which a stage's `elapsed` counts
 };
 
-/// Position and velocity of a particle.
-inline constexpr std::size_t kMostFormulaInputs = 6;
+/// Position and velocity of a particle, and what else is a number of it.
+inline constexpr std::size_t kMostFormulaInputs = 32;
+inline constexpr std::size_t kMostFormulaAxes = 6;
 
-/// A formula for every particle of a body: x, y, z, vx, vy, vz as it names them.
+/// A formula for every particle of a body: x, y, z, vx, vy, vz as it names them, then the numbers
+/// that each particle has.
 template <class Real>
 struct FormulaSiteArguments {
   FormulaView<Real> code;  ///< outputs: the force on each axis
   BodySlot<Real> body;
   int dimension = 0;
-  std::size_t inputs = 0;
-  int axis[kMostFormulaInputs] = {};  ///< of each input: 0 to 2 position, 3 to 5 velocity
-  std::ptrdiff_t rate = kNoRate;      ///< for the ledger, see `heat` below
-  bool heat_is_power = false;         ///< heat = -F.v of outputs; else the sum of the only output
+  std::size_t axes = 0;             ///< inputs that are positions or velocities
+  int axis[kMostFormulaAxes] = {};  ///< of each: 0 to 2 position, 3 to 5 velocity
+  std::size_t numbers = 0;          ///< the inputs behind these
+  const Real* number = nullptr;     ///< [number][body.stride]; padding has finite ones, too
+  std::ptrdiff_t rate = kNoRate;    ///< for the ledger, see `heat` below
+  bool heat_is_power = false;       ///< heat = -F.v of outputs; else the sum of the only output
 };
 
 /// A formula for the centre of mass of a body.
@@ -86,7 +90,7 @@ struct FormulaCentreArguments {
   CentreArguments<Real> centre;
   int dimension = 0;
   std::size_t inputs = 0;
-  int axis[kMostFormulaInputs] = {};
+  int axis[kMostFormulaAxes] = {};
 };
 
 /// A formula of the distance of each pair of a list; the output is dV/dr.

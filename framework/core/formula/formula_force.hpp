@@ -10,6 +10,7 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -142,6 +143,17 @@ class FormulaProgram {
   std::vector<FormulaOutput<Real>> outputs_;
 };
 
+/// What is wrong with a number of a particle.
+inline Complaint complaint_about(const FormulaLaw& law, const FormulaLaw::Trouble& trouble) {
+  Complaint complaint;
+  complaint.code = FaultCode::expression_not_finite;
+  complaint.key = law.has_energy() ? "energy" : "force";
+  complaint.index = trouble.component;
+  complaint.column = trouble.column;
+  complaint.why = trouble.why;
+  return complaint;
+}
+
 /// What all kinds share: the programs, the time, the origin, and why a value is not finite.
 template <class Real>
 class FormulaForce : public BoundForce<Real> {
@@ -154,12 +166,14 @@ class FormulaForce : public BoundForce<Real> {
   static constexpr int kFewPeriods = 2;
   using Outputs = std::array<Real, kMostOutputs>;
   using Inputs = std::array<Real, kMostFormulaInputs>;
+  static_assert(kMostFormulaAxes + FormulaLaw::kMostParticleNumbers <= kMostFormulaInputs);
 
   /// `period` of each axis, 0 where none is declared.
   FormulaForce(const FormulaLaw& law, const Binding<Real>& binding,
                const std::array<double, 3>& period)
       : law_(law),
-        codes_(law.compiled(binding.dimension, moving_axes(binding))),
+        count_(binding.bodies.front()->slot.count),
+        codes_(law.compiled(binding.dimension, moving_axes(binding), count_)),
         kernels_(kernels::FormulaKernels.on<Real>(binding.set)),
         dimension_(binding.dimension),
         period_(period),
@@ -168,6 +182,7 @@ class FormulaForce : public BoundForce<Real> {
         curvature_(codes_.curvature),
         power_(codes_.power) {
     FormulaForce::rebase(binding.origin);
+    number_particles(binding.bodies.front()->slot.stride);
   }
   FormulaForce(const FormulaForce&) = delete;
 
@@ -211,15 +226,17 @@ class FormulaForce : public BoundForce<Real> {
   virtual std::optional<Complaint> first_trouble(const Stage<Real>* stage) const = 0;
 
   /// Whether the formula is finite for these inputs; else what to say about it. `of` names the
-  /// element.
-  std::optional<Complaint> trouble(const Inputs& inputs, Real elapsed,
-                                   const std::string& of) const {
+  /// element, `particle` is its index where the formula is one of particles.
+  std::optional<Complaint> trouble(const Inputs& inputs, Real elapsed, const std::string& of,
+                                   std::size_t particle = 0) const {
     const bool numbers =
         finite(force_, inputs, elapsed) && (energy_.empty() || finite(energy_, inputs, elapsed));
     if (numbers && thorough_ == 0) return std::nullopt;
     FormulaLaw::Values at{};
+    at[formula_variable::index] = static_cast<double>(particle);
+    at[formula_variable::count] = static_cast<double>(count_);
     std::string places;
-    for (std::size_t k = 0; k < codes_.inputs.size(); ++k) {
+    for (std::size_t k = 0; k < coordinates(); ++k) {
       const std::uint32_t index = codes_.inputs[k];
       double value = static_cast<double>(inputs[k]);
       const bool is_place =
@@ -228,7 +245,7 @@ class FormulaForce : public BoundForce<Real> {
       if (is_place) value += static_cast<double>(base_[index % 3]);
       at[index] = value;
       places += fmt::format("{}{} = {:.6g}", places.empty() ? "" : ", ",
-                            expression_variables()[index], value);
+                            formula_variable_name(index), value);
     }
     at[formula_variable::time] = static_cast<double>(start_of_time_ + elapsed);
     if (law_.depends_on_time()) {
@@ -277,6 +294,9 @@ class FormulaForce : public BoundForce<Real> {
     return program.view(start_of_time_, law_.depends_on_time());
   }
 
+  /// The first inputs: positions, velocities, distances or angles. Numbers of particles follow.
+  std::size_t coordinates() const { return codes_.inputs.size() - law_.particle_numbers(); }
+
   Outputs evaluate(const FormulaProgram<Real>& program, const Inputs& inputs, Real elapsed) const {
     Outputs outputs{};
     kernels_.evaluate(view(program), inputs.data(), codes_.inputs.size(), elapsed, outputs.data());
@@ -284,6 +304,7 @@ class FormulaForce : public BoundForce<Real> {
   }
 
   const FormulaLaw law_;
+  const std::size_t count_;  ///< of particles
   const FormulaCodes codes_;
   const FormulaKernelTable<Real>& kernels_;
   const int dimension_;
@@ -294,9 +315,24 @@ class FormulaForce : public BoundForce<Real> {
   FormulaProgram<Real> power_;
   Real start_of_time_{};
   std::array<Real, 3> base_{};
+  AlignedVector<Real> number_;  ///< [number * stride + particle]; the last one's in the padding
   mutable int thorough_ = 0;  ///< elements that are still to be looked at as the formula is written
 
  private:
+  void number_particles(std::size_t stride) {
+    const auto found = law_.numbers_of_particles(count_);
+    if (const auto* trouble = std::get_if<FormulaLaw::Trouble>(&found)) {
+      throw BindError(complaint_about(law_, *trouble));
+    }
+    const auto& numbers = std::get<FormulaLaw::ParticleNumbers>(found);
+    number_.reserve(numbers.size() * stride);
+    for (const std::vector<double>& number : numbers) {
+      for (std::size_t i = 0; i < stride; ++i) {
+        number_.push_back(Real(number[std::min(i, count_ - 1)]));
+      }
+    }
+  }
+
   static std::array<bool, 3> moving_axes(const Binding<Real>& binding) {
     std::array<bool, 3> moves{};
     for (std::size_t axis = 0; axis < 3; ++axis) moves[axis] = binding.origin.unit[axis] > 0.0;
@@ -394,7 +430,7 @@ class ParticleFormula final : public FormulaForce<Real> {
     const Real elapsed = stage ? stage->elapsed : Real(0.0);
     for (std::size_t i = 0; i < body_.slot.count; ++i) {
       auto complaint = this->trouble(inputs_at(stage, i), elapsed,
-                                     fmt::format("particle {} of \"{}\"", i, body_.name));
+                                     fmt::format("particle {} of \"{}\"", i, body_.name), i);
       if (complaint) return complaint;
     }
     return std::nullopt;
@@ -411,23 +447,31 @@ class ParticleFormula final : public FormulaForce<Real> {
   /// What is added for what lies between, and for rounding alone.
   static constexpr double kElsewhere = 1.02;
   static constexpr double kRounding = 1.0 + 1e-12;
+  /// Where particles differ, the search is for those near the largest: of a wave, kSamples places
+  /// are short of the largest curvature by 0.1 % each harmonic squared.
+  static constexpr double kWorthwhile = 0.8;
 
   FormulaSiteArguments<Real> arguments_for(const FormulaProgram<Real>& program) const {
     FormulaSiteArguments<Real> arguments;
     if (!program.empty()) arguments.code = this->view(program);
     arguments.body = body_.slot;
     arguments.dimension = this->dimension_;
-    arguments.inputs = this->codes_.inputs.size();
-    for (std::size_t k = 0; k < arguments.inputs; ++k) {
+    arguments.axes = this->coordinates();
+    for (std::size_t k = 0; k < arguments.axes; ++k) {
       arguments.axis[k] = static_cast<int>(this->codes_.inputs[k]);
     }
+    arguments.numbers = this->law_.particle_numbers();
+    arguments.number = this->number_.data();
     return arguments;
   }
 
   Inputs inputs_at(const Stage<Real>* stage, std::size_t i) const {
     Inputs inputs{};
     const BodySlot<Real>& slot = body_.slot;
-    for (std::size_t k = 0; k < this->codes_.inputs.size(); ++k) {
+    for (std::size_t k = 0; k < this->law_.particle_numbers(); ++k) {
+      inputs[this->coordinates() + k] = this->number_[k * slot.stride + i];
+    }
+    for (std::size_t k = 0; k < this->coordinates(); ++k) {
       const std::uint32_t index = this->codes_.inputs[k];
       const std::size_t axis = index % 3;
       if (stage == nullptr) {
@@ -454,8 +498,10 @@ class ParticleFormula final : public FormulaForce<Real> {
     sampled_at_ = this->start_of_time_;
     largest_curvature_ = -1.0;
     curvature_along_ = {};
-    const bool elsewhere = this->codes_.inputs.size() > 1;
-    const std::size_t rows = elsewhere ? std::min<std::size_t>(body_.slot.count, kSamples) : 1;
+    const bool elsewhere = this->coordinates() > 1;
+    const bool differs = this->law_.depends_on_particle();
+    const std::size_t most_rows = differs ? body_.slot.count : kSamples;
+    const std::size_t rows = elsewhere || differs ? std::min(body_.slot.count, most_rows) : 1;
     const double apart = this->period_[0] / kSamples;
     margin_ = elsewhere ? kElsewhere : kRounding;
     for (std::size_t row = 0; row < rows * (elsewhere ? kHeights : 1); ++row) {
@@ -469,6 +515,7 @@ class ParticleFormula final : public FormulaForce<Real> {
         most = here;
         place = k * apart;
       }
+      if (differs && most < kWorthwhile * largest_curvature_) continue;
       // By thirds: between the neighbours of the largest there is one hill.
       double low = place - apart;
       double high = place + apart;
@@ -486,7 +533,7 @@ class ParticleFormula final : public FormulaForce<Real> {
   /// Of particle i, moved along x to a place; the largest so far are noted.
   double curvature_at(std::size_t i, double x) const {
     Inputs inputs = inputs_at(nullptr, i);
-    for (std::size_t input = 0; input < this->codes_.inputs.size(); ++input) {
+    for (std::size_t input = 0; input < this->coordinates(); ++input) {
       if (this->codes_.inputs[input] == formula_variable::position) {
         inputs[input] = Real(x);
       } else {

@@ -25,10 +25,13 @@ TOMLIN_INLINE void point_at_inputs(const FormulaSiteArguments<Real>& a, const St
                                    std::size_t i, const Real** inputs) {
   const Real* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset;
   const Real* v = (a.body.mapped ? stage.mapped_velocity : stage.velocity) + a.body.offset;
-  for (std::size_t k = 0; k < a.inputs; ++k) {
+  for (std::size_t k = 0; k < a.axes; ++k) {
     const int axis = a.axis[k];
     inputs[k] = axis < 3 ? x + static_cast<std::size_t>(axis) * a.body.stride + i
                          : v + static_cast<std::size_t>(axis - 3) * a.body.stride + i;
+  }
+  for (std::size_t k = 0; k < a.numbers; ++k) {
+    inputs[a.axes + k] = a.number + k * a.body.stride + i;
   }
 }
 
@@ -117,7 +120,8 @@ PointResult<Real> formula_point_kernel(const void* arguments, Real position, Rea
   const auto& a = *static_cast<const FormulaSiteArguments<Real>*>(arguments);
   begin_formula<Real>(a.code, elapsed);
   const Real* inputs[kMostFormulaInputs];
-  for (std::size_t k = 0; k < a.inputs; ++k) inputs[k] = a.axis[k] < 3 ? &position : &velocity;
+  for (std::size_t k = 0; k < a.axes; ++k) inputs[k] = a.axis[k] < 3 ? &position : &velocity;
+  for (std::size_t k = 0; k < a.numbers; ++k) inputs[a.axes + k] = a.number + k * a.body.stride;
   run_formula<Real>(a.code, inputs, 1);
   const FormulaOutput<Real>& out = a.code.outputs[0];
   return {out.input < 0 ? *out.operand.at : *inputs[out.input], Real(0.0)};
@@ -143,7 +147,7 @@ template <class Real, int D>
 TOMLIN_INLINE void evaluate_at_centre(const FormulaCentreArguments<Real>& a,
                                       const Stage<Real>& stage, Real* outputs) {
   const auto centre = attached_point<Real, D>(a.centre, stage.position, stage.mapped_position);
-  Real values[kMostFormulaInputs] = {};
+  Real values[kMostFormulaAxes] = {};
   for (std::size_t k = 0; k < a.inputs; ++k) values[k] = centre[a.axis[k]];
   formula_evaluate<Real>(a.code, values, a.inputs, stage.elapsed, outputs);
 }

@@ -308,10 +308,15 @@ FormulaGraph::Id FormulaGraph::in_turns(Id angle) {
 bool FormulaGraph::has_phase(Id id) const {
   constexpr Quad kMostPerUnit = 1024.0;
   const Node& node = nodes_[id];
-  if (node.kind != Kind::sum) return node.kind == Kind::variable;
+  if (node.kind != Kind::sum) return is_bounded(id);
   return std::all_of(node.terms.begin(), node.terms.end(), [&](const Term& term) {
-    return nodes_[term.node].kind == Kind::variable && tomlin::abs(term.factor) <= kMostPerUnit;
+    return is_bounded(term.node) && tomlin::abs(term.factor) <= kMostPerUnit;
   });
+}
+
+/// A position, a velocity or the time, but not a number of a particle, which may have any size.
+bool FormulaGraph::is_bounded(Id id) const {
+  return nodes_[id].kind == Kind::variable && nodes_[id].index < kFirstUnboundedVariable;
 }
 
 /// factor * node, with sums multiplied out.
@@ -326,10 +331,11 @@ FormulaGraph::Id FormulaGraph::spread(Quad factor, Id id) {
 // ---- expressions --------------------------------------------------------------------------------
 
 FormulaGraph::Id FormulaGraph::build(const Expression& expression, const Lookup& names,
-                                     std::vector<Id>* steps) {
+                                     const Given& given, std::vector<Id>* steps) {
   using Op = Expression::Op;
   std::vector<Id> stack;
-  for (const Expression::Node& step : expression.nodes()) {
+  for (std::size_t k = 0; k < expression.nodes().size(); ++k) {
+    const Expression::Node& step = expression.nodes()[k];
     const std::size_t first = stack.size() - step.arguments;
     const std::span<const Id> arguments(stack.data() + first, step.arguments);
     Id result = 0;
@@ -365,6 +371,7 @@ FormulaGraph::Id FormulaGraph::build(const Expression& expression, const Lookup&
         result = call(step, arguments);
         break;
     }
+    if (const auto found = given.find(k); found != given.end()) result = found->second;
     stack.resize(first);
     stack.push_back(result);
     if (steps != nullptr) steps->push_back(result);
@@ -422,7 +429,7 @@ FormulaGraph::Id FormulaGraph::call(const Expression::Node& called, std::span<co
       return function(Function::step, {u});
     case random:
     case normal:
-      break;  // refused where formulas are read
+      break;  // part of a subexpression that is given
   }
   return u;
 }

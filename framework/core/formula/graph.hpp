@@ -31,6 +31,10 @@ class FormulaGraph {
   /// Long products have derivatives with the square of their factors.
   static constexpr std::size_t kLargest = 400000;
 
+  /// Variables from this index on may have any size; no position or time that a run reaches is so
+  /// large that its sine has no phase.
+  static constexpr std::uint32_t kFirstUnboundedVariable = 17;
+
   enum class Kind : std::uint8_t { constant, variable, sum, product, function };
 
   enum class Function : std::uint8_t {
@@ -81,6 +85,8 @@ class FormulaGraph {
 
   /// What a name of an expression stands for.
   using Lookup = std::map<std::string_view, Id>;
+  /// Nodes that stand for whole subexpressions, by the last step of each.
+  using Given = std::map<std::size_t, Id>;
 
   Id constant(Quad value);
   Id variable(std::uint32_t index);
@@ -93,9 +99,10 @@ class FormulaGraph {
   Id power(Id base, Id exponent);
   Id function(Function which, std::vector<Id> arguments);
 
-  /// The whole of an expression. Every name of it must be known. `steps`, when given, gets the node
-  /// of each step of it.
-  Id build(const Expression& expression, const Lookup& names, std::vector<Id>* steps = nullptr);
+  /// The whole of an expression. Every name of it must be known, and every random number must be
+  /// part of a subexpression that is given. `steps` gets the node of each step, unless it is null.
+  Id build(const Expression& expression, const Lookup& names, const Given& given = {},
+           std::vector<Id>* steps = nullptr);
 
   /// d node / d variable, exactly. Where a formula has a kink (abs, min, max) or a jump (floor,
   /// sign, step) the derivative is that of either side.
@@ -125,6 +132,7 @@ class FormulaGraph {
   Id product_of(std::vector<Factor> factors);
   Id in_turns(Id angle);
   bool has_phase(Id turns) const;
+  bool is_bounded(Id id) const;
   Id spread(Quad factor, Id id);
   Id slope(Id node, std::uint32_t variable);
   Id slope_of_function(const Node& node, std::uint32_t variable);

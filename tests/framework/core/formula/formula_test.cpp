@@ -71,7 +71,7 @@ struct Built {
     root = graph.build(parsed(text), names);
   }
   Quad at(FormulaGraph::Id node, Quad x, Quad y, Quad t) const {
-    std::vector<Quad> values(formula_variable::count, Quad(0.0));
+    std::vector<Quad> values(formula_variable::particle_number, Quad(0.0));
     values[0] = x;
     values[1] = y;
     values[kT] = t;
@@ -232,7 +232,8 @@ TYPED_TEST(FormulaKernelsOf, HaveTheGraphsValueAndTheSameBitsInBlocks) {
     SCOPED_TRACE(text);
     Built built(text);
     const FormulaGraph::Id slope = built.graph.derivative(built.root, 0);
-    const FormulaInputs inputs{{0, 1}, {kT, 12, 13, 14}};
+    constexpr std::uint32_t kOrigin = formula_variable::origin;
+    const FormulaInputs inputs{{0, 1}, {kT, kOrigin, kOrigin + 1, kOrigin + 2}};
     const std::array<FormulaGraph::Id, 2> nodes = {built.root, slope};
     const FormulaProgram<Real> program(compile(built.graph, nodes, inputs));
     const Real start(0.25);
@@ -263,7 +264,7 @@ TYPED_TEST(FormulaKernelsOf, HaveTheGraphsValueAndTheSameBitsInBlocks) {
         arguments.body.count = count;
         arguments.body.stride = padded(kMost);
         arguments.dimension = 2;
-        arguments.inputs = 2;
+        arguments.axes = 2;
         arguments.axis[1] = 1;
         Stage<Real> stage;
         stage.position = position.data();
