@@ -38,12 +38,12 @@ struct CoulombFriction {
   template <class T, int D>
   struct Parameters {
     T force;
-    T inverse_width;
+    T width;
   };
 
   template <class T, int D>
   static Parameters<T, D> parameters(const Description& d) {
-    return {T(d.force), T(1.0) / T(d.width)};
+    return {T(d.force), T(d.width)};
   }
 
   /// The largest slope of the force, at rest.
@@ -51,8 +51,13 @@ struct CoulombFriction {
 
   template <class T, int D>
   static Vec<T, D> force(const Parameters<T, D>& p, const Site<T, D>& site) {
-    const Vec<T, D> y = p.inverse_width * site.velocity;
-    return -(p.force / sqrt(norm_squared(y) + T(1.0))) * y;
+    // In units of the larger of speed and width, whose squares are in range.
+    T unit = p.width;
+    for (int d = 0; d < D; ++d) unit = max(abs(site.velocity[d]), unit);
+    const T inverse = T(1.0) / unit;
+    const Vec<T, D> v = inverse * site.velocity;
+    const T w = inverse * p.width;
+    return -(p.force / sqrt(fma(w, w, norm_squared(v)))) * v;
   }
 };
 

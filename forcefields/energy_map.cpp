@@ -118,9 +118,10 @@ EnergyMap::EnergyMap(NumberTable values) : values_(std::move(values)) {
       table_.push_back(coefficients[row * columns + column]);
     }
   }
+  curvatures_ = bounds_on_curvatures();
 }
 
-std::array<double, 3> EnergyMap::curvatures() const {
+std::array<double, 3> EnergyMap::bounds_on_curvatures() const {
   // Between points a second derivative is a mean of the nearest second differences.
   const std::size_t rows = values_.rows();
   const std::size_t columns = values_.columns;

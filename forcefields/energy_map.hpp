@@ -39,7 +39,7 @@ class EnergyMap {
   const double* table() const { return table_.data(); }
 
   /// Bounds on |d2V/du2|, |d2V/dv2| and |d2V/dudv|.
-  std::array<double, 3> curvatures() const;
+  const std::array<double, 3>& curvatures() const { return curvatures_; }
 
   /// The largest differences from the trigonometric interpolation of the same values, which is
   /// exact for functions without finer waves than the grid shows.
@@ -53,8 +53,11 @@ class EnergyMap {
   Error error() const;
 
  private:
+  std::array<double, 3> bounds_on_curvatures() const;
+
   NumberTable values_;
   std::vector<double> table_;
+  std::array<double, 3> curvatures_{};
 };
 
 inline constexpr int kEnergyMapHead = 2;  ///< numbers before the coefficients

@@ -316,8 +316,10 @@ std::array<double, 3> lattice_curvatures(const Description& d) {
   double yy = 0.0;
   double xy = 0.0;
   if (d.map) {
-    const auto [uu, vv, uv] = d.map->curvatures();
-    const auto bound = [&b, uu = uu, vv = vv, uv = uv](std::size_t one, std::size_t other) {
+    const double uu = d.map->curvatures()[0];
+    const double vv = d.map->curvatures()[1];
+    const double uv = d.map->curvatures()[2];
+    const auto bound = [&](std::size_t one, std::size_t other) {
       const auto size = [&](std::size_t j, std::size_t axis) { return std::abs(b[j][axis].hi); };
       return uu * size(0, one) * size(0, other) + vv * size(1, one) * size(1, other) +
              uv * (size(0, one) * size(1, other) + size(1, one) * size(0, other));
@@ -527,6 +529,10 @@ class Check {
   }
 
   void check_amplitudes() {
+    if (d_.energy_scale != 1.0) {
+      add(FaultCode::scene_conflict, "energy_scale", "there is no map that it would scale",
+          "energies or energy_map");
+    }
     if (is_given(d_.amplitude) && has_amplitudes()) {
       add(FaultCode::scene_conflict, "amplitudes", "amplitude is given too", "one of the two");
       return;
@@ -554,6 +560,10 @@ class Check {
   }
 
   void check_map() {
+    if (lattice_is_known_ && !std::isfinite(lattice_curvatures(d_)[2])) {
+      add(FaultCode::scene_not_finite, d_.read_from.empty() ? "energies" : "energy_map",
+          "the curvature of the map is not finite");
+    }
     const char* key = d_.read_from.empty() ? "energies" : "energy_map";
     const auto conflict = [&](const char* other, bool given) {
       if (given)

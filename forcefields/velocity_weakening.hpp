@@ -20,7 +20,7 @@
 ///
 /// Beyond the speed of that largest magnitude dF/dv falls with v: the friction of steady sliding
 /// feeds an oscillation rather than damping it, and sliding on a spring at v >> w without other
-/// damping is unstable. -F.v <= 0 still holds at every velocity.
+/// damping is unstable. F.v <= 0 still holds at every velocity.
 ///
 /// Source: J. M. Carlson and J. S. Langer, Phys. Rev. A 40 (1989) 6470,
 /// doi:10.1103/PhysRevA.40.6470.
@@ -44,13 +44,13 @@ struct VelocityWeakening {
   template <class T, int D>
   struct Parameters {
     T force;
-    T inverse_width;
-    T weakening;  // w / v_w
+    T width;
+    T inverse_weakening;  // 1 / v_w
   };
 
   template <class T, int D>
   static Parameters<T, D> parameters(const Description& d) {
-    return {T(d.force), T(1.0) / T(d.width), T(d.width) / T(d.weakening_velocity)};
+    return {T(d.force), T(d.width), T(1.0) / T(d.weakening_velocity)};
   }
 
   /// The slope of the force is never larger in either direction: it falls from this at rest, and is
@@ -59,9 +59,14 @@ struct VelocityWeakening {
 
   template <class T, int D>
   static Vec<T, D> force(const Parameters<T, D>& p, const Site<T, D>& site) {
-    const Vec<T, D> y = p.inverse_width * site.velocity;
-    const T root = sqrt(norm_squared(y) + T(1.0));
-    return -(p.force / (root * fma(root, p.weakening, T(1.0)))) * y;
+    // In units of the larger of speed and width, whose squares are in range.
+    T unit = p.width;
+    for (int d = 0; d < D; ++d) unit = max(abs(site.velocity[d]), unit);
+    const T inverse = T(1.0) / unit;
+    const Vec<T, D> v = inverse * site.velocity;
+    const T w = inverse * p.width;
+    const T root = sqrt(fma(w, w, norm_squared(v)));
+    return -(p.force / (root * fma(unit * root, p.inverse_weakening, T(1.0)))) * v;
   }
 };
 

@@ -127,8 +127,9 @@ AssembledForces<Real>::AssembledForces(const AssemblyPlan& plan,
         faults.push_back(fault_of(from, complaint));
         continue;
       }
-      force.driver = std::make_unique<DeclaredDriver<Real>>(*force.bound, traits, force.bodies,
-                                                            plan, assembled);
+      const Element element = element_of(*from.record, from.description.get());
+      force.driver = std::make_unique<DeclaredDriver<Real>>(*force.bound, traits, element,
+                                                            force.bodies, plan, assembled);
     }
     if (force.bound->depends_on_time()) timed_.push_back(force.bound.get());
     all.push_back(std::move(force));

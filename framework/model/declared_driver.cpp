@@ -14,9 +14,17 @@ namespace {
 
 /// A force of a support is linear to this part of itself; formulas round some dozens of times.
 constexpr double kLinear = 1e-9;
-/// Times at which the support is looked for, as parts of the run: a motion that is not steady is
-/// not so between them, either, unless it has their period.
-constexpr double kTimes[] = {0.0, 0.23, 0.61, 1.0};
+/// Times at which the support is looked for, as parts of the run, after which a motion that is not
+/// steady shows itself: no two of their differences have a ratio of small integers, so that no
+/// period fits all.
+constexpr double kTimes[] = {0.0,
+                             0.00141421356237309505,
+                             0.0271828182845904524,
+                             0.193147180559945309,
+                             0.414213562373095049,
+                             0.577215664901532861,
+                             0.732050807568877294,
+                             1.0};
 
 /// To fifteen digits: what a scene gives in fewer is found again.
 double rounded(double x) {
@@ -31,7 +39,7 @@ bool is_close(double a, double b, double scale) { return std::abs(a - b) <= kLin
 }  // namespace
 
 template <class Real>
-DeclaredDriver<Real>::DeclaredDriver(BoundForce<Real>& force, const Traits& traits,
+DeclaredDriver<Real>::DeclaredDriver(BoundForce<Real>& force, const Traits& traits, Element element,
                                      const std::vector<std::size_t>& on, const AssemblyPlan& plan,
                                      const AssembledBodies<Real>& bodies)
     : force_(force),
@@ -51,6 +59,7 @@ DeclaredDriver<Real>::DeclaredDriver(BoundForce<Real>& force, const Traits& trai
       list_parts(bodies, region);
     }
   }
+  of_centre_ = element == Element::body || (!regions_.empty() && regions_.front().centre);
   const auto axes = static_cast<std::size_t>(dimension_);
   drive_.velocity.assign(axes, 0.0);
   drive_.start.assign(axes, 0.0);
@@ -152,13 +161,12 @@ void DeclaredDriver<Real>::find_support(const AssemblyPlan& plan,
   stage.mapped_position = mapped.data();
   stage.mapped_velocity = mapped_velocity.data();
   // Where the force takes hold: the centre of mass, or the mean of equal shares.
-  const bool of_centre = !regions_.empty() && regions_.front().centre;
   Total middle{};
   for (int d = 0; d < dimension_; ++d) {
     InterleavedSum<double> mean;
     for (std::size_t i = 0; i < slot.count; ++i) mean.add(i, on.bound.start[i][d]);
     middle[d] =
-        of_centre ? on.bound.start_centre[d] : mean.total() / static_cast<double>(slot.count);
+        of_centre_ ? on.bound.start_centre[d] : mean.total() / static_cast<double>(slot.count);
   }
   const auto force_at = [&](double time, int moved, double by) {
     for (int d = 0; d < dimension_; ++d) {
@@ -185,7 +193,8 @@ void DeclaredDriver<Real>::find_support(const AssemblyPlan& plan,
     return total;
   };
 
-  const double reach = std::max({1.0, plan.origin.unit[0], plan.origin.unit[1]});
+  const double reach =
+      std::max({1.0, plan.origin.unit[0], plan.origin.unit[1], plan.origin.unit[2]});
   Drive found = drive_;
   found.stiffness.assign(static_cast<std::size_t>(dimension_), 0.0);
   found.steady = true;

@@ -25,8 +25,9 @@ template <class Real>
 class DeclaredDriver {
  public:
   /// The force is not yet evaluated by anybody. All must outlive the driver.
-  DeclaredDriver(BoundForce<Real>& force, const Traits& traits, const std::vector<std::size_t>& on,
-                 const AssemblyPlan& plan, const AssembledBodies<Real>& bodies);
+  DeclaredDriver(BoundForce<Real>& force, const Traits& traits, Element element,
+                 const std::vector<std::size_t>& on, const AssemblyPlan& plan,
+                 const AssembledBodies<Real>& bodies);
   DeclaredDriver(const DeclaredDriver&) = delete;
   DeclaredDriver& operator=(const DeclaredDriver&) = delete;
 
@@ -65,6 +66,7 @@ class DeclaredDriver {
   mutable AlignedVector<Real> own_mapped_;
   int dimension_;
   bool stores_energy_;
+  bool of_centre_ = false;  ///< it takes hold of the centre of mass
   std::ptrdiff_t rate_ = kNoRate;
   Operation<Real> heat_;
   Drive drive_;

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/formula/formula.hpp"
+#include "framework/core/records/variation.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/model/single_force.hpp"
 #include "framework/output/run_folder.hpp"
@@ -75,8 +77,30 @@ bool is_substrate(const Scene& scene, const SceneForce& force, const std::string
          scene.bodies[force.bodies.front()].name == body;
 }
 
-/// The scene of one particle at the origin and on these forces of the scene, which it has as they
-/// were written.
+/// Whether a force is the same for all particles of its body, however many these are.
+bool is_uniform(const SceneForce& force) {
+  for (const Parameter& row : force.record->parameters) {
+    const ParameterValue value = row.read(force.description.get());
+    const auto* energy = std::get_if<Formula>(&value);
+    if (energy == nullptr || energy->text.empty()) continue;
+    const FormulaLaw law(*energy, {});
+    if (law.depends_on_particle() || law.uses(formula_variable::count)) return false;
+  }
+  return force.variations.empty();
+}
+
+/// The keys of a force as the scene has them, with the numbers that they have there: an expression
+/// may depend on the count of the particles.
+void write_numbers(const SceneForce& force, Table& table) {
+  for (const Parameter& row : force.record->parameters) {
+    if (table.find(row.key) == nullptr) continue;
+    if (!can_vary(row)) continue;
+    const ParameterValue value = row.read(force.description.get());
+    if (auto number = to_node(value)) table.set(row.key, *std::move(number));
+  }
+}
+
+/// The scene of one particle at the origin and on these forces of the scene.
 std::shared_ptr<const Scene> particle_scene(const StoredRun& run, const Scene& scene,
                                             const std::vector<std::size_t>& forces,
                                             const Registry& registry) {
@@ -95,6 +119,7 @@ std::shared_ptr<const Scene> particle_scene(const StoredRun& run, const Scene& s
     Table table = *(*document.find("force")->as<List>())[force].as<Table>();
     std::erase_if(table.entries,
                   [](const Entry& entry) { return entry.key == "body" || entry.key == "bodies"; });
+    write_numbers(scene.forces[force], table);
     kept.push_back(node(std::move(table)));
   }
   document.set("force", node(std::move(kept)));
@@ -217,6 +242,12 @@ Figure surface_figure(const StoredRun& run, const SurfaceRequest& request,
                  "no force on it is a substrate",
                  "a conservative force with a period that acts from outside the body; the figure "
                  "path shows the path alone");
+  }
+  for (const std::size_t k : substrates) {
+    if (is_uniform(scene->forces[k])) continue;
+    refuse_input(FaultCode::plot_no_data, file, "force." + scene->forces[k].name,
+                 "it differs between the particles of the body: there is no one potential",
+                 "substrates that are the same for all particles");
   }
   Panel panel;
   panel.raster = empty_map(path.points, longest_period(*scene, substrates));

@@ -100,7 +100,16 @@ struct PassedPeriod {
   double length = 0.0;  ///< 0: none
   double speed = 0.0;   ///< of the driver along that axis
   bool several = false;
+
+  double time() const { return length / speed; }
 };
+
+/// Whether one time is a multiple of another.
+bool is_multiple(double longer, double shorter) {
+  constexpr double kEqual = 1e-9;
+  const double ratio = longer / shorter;
+  return ratio >= 1.0 - kEqual && std::abs(ratio - std::nearbyint(ratio)) <= kEqual * ratio;
+}
 
 PassedPeriod passed_period(const Model& model, const Drive& driver) {
   const Scene& scene = model.scene();
@@ -111,9 +120,14 @@ PassedPeriod passed_period(const Model& model, const Drive& driver) {
     for (const SceneForce& force : scene.forces) {
       const double declared = force.record->period(force.description.get(), d);
       if (declared <= 0.0) continue;
-      passed.several = passed.several || (passed.length > 0.0 && declared != passed.length);
-      passed.length = declared;
-      passed.speed = std::abs(driver.velocity[d]);
+      const PassedPeriod here{declared, std::abs(driver.velocity[d])};
+      // Along several axes all come back after the longest time, where the others fit into it.
+      const bool known = passed.length > 0.0 && is_multiple(passed.time(), here.time());
+      if (known) continue;
+      passed.several =
+          passed.several || (passed.length > 0.0 && !is_multiple(here.time(), passed.time()));
+      passed.length = here.length;
+      passed.speed = here.speed;
     }
   }
   return passed;
@@ -132,7 +146,7 @@ double period_of_driver(const Model& model) {
                   "no force declares a period along the direction of the driver",
                   "period = a length");
   }
-  return passed.length / passed.speed;
+  return passed.time();
 }
 
 /// The first period, and as many whole ones as the run has room for.
@@ -179,7 +193,7 @@ std::optional<double> time_of_period(const Model& model, const Drive& drive) {
   if (!drags(drive)) return {};
   const PassedPeriod passed = passed_period(model, drive);
   if (passed.several || !(passed.length > 0.0)) return {};
-  return passed.length / passed.speed;
+  return passed.time();
 }
 
 std::optional<std::size_t> body_pulled_by(const Model& model, const Model::Driver& driver) {

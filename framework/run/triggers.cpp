@@ -83,6 +83,20 @@ void Triggers::read(const DoubleDouble& time, const double* position, const doub
   if (rates) run_.model.evaluate_at(time, position, velocity, integrals, rates_.data());
 }
 
+/// Of limits that count alternately the one that the driver moves away from comes second: a body
+/// that swings back through it would turn the driver round for good. -1: that is not known.
+int Triggers::side_behind(const Trigger& trigger) const {
+  const Model::Force& force = force_of(trigger);
+  const Passing& passing = *force.bound->waits_for();
+  const Drive* drive = force.drive();
+  if (!alternates(passing) || drive == nullptr || passing.when.size() < 2) return -1;
+  const std::size_t dot = passing.when.size() - 2;
+  const int axis = passing.when.back() - 'x';
+  if (passing.when[dot] != '.' || axis < 0 || axis >= run_.model.dimension()) return -1;
+  const double velocity = drive->velocity[static_cast<std::size_t>(axis)];
+  return velocity == 0.0 ? -1 : velocity > 0.0 ? 1 : 0;
+}
+
 void Triggers::start() {
   if (!any()) return;
   const SystemView<double>& view = run_.model.system().view;
@@ -90,6 +104,10 @@ void Triggers::start() {
   for (const Trigger& trigger : triggers_) {
     const Model::Force& force = force_of(trigger);
     for (int side = 0; side < 2; ++side) {
+      if (side == side_behind(trigger)) {
+        trigger.beyond[side] = kWaits;
+        continue;
+      }
       trigger.beyond[side] = beyond(trigger, side) > 0.0 ? kBeyond : kNotBeyond;
       if (trigger.beyond[side] == kNotBeyond) continue;
       const std::string key = fmt::format("force.{}.reverse", force.name);

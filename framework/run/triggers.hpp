@@ -52,6 +52,7 @@ class Triggers {
   void read(const DoubleDouble& time, const double* position, const double* velocity,
             const double* integrals);
   double beyond(const Trigger& trigger, int side) const;
+  int side_behind(const Trigger& trigger) const;
   double place_of(const Trigger& trigger, int side, const DoubleDouble& begin, double h);
 
   RunContext& run_;

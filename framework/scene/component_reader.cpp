@@ -108,6 +108,11 @@ void read_driver(SceneDraft& draft, ForceDraft& force, const SceneSection& given
   const auto declared = draft.values.read(driver_row(), *node, force.reading.path + ".driver");
   if (declared) force.driver = std::get<bool>(*declared);
   force.sound = force.sound && declared;
+  if (declared && !force.driver && force.record != nullptr && force.record->traits.does_work) {
+    draft.faults.of_value(*node, {FaultCode::scene_conflict, force.reading.path + ".driver",
+                                  "a " + force.record->name + " is always a driver", "true"});
+    force.sound = false;
+  }
 }
 
 /// A body whose own name is unfit is still the one that is meant by it; the first of several is.

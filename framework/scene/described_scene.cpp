@@ -99,10 +99,14 @@ void write_effective_scene(SceneDraft& draft) {
   // With the contents of files written out it may have become more than can be read again.
   std::optional<Wrong> wrong;
   if (text.size() > kLargestSceneFile) {
-    wrong.emplace(
-        FaultCode::scene_too_large, "body",
-        fmt::format("with all positions written out the scene takes {} MB", text.size() >> 20),
-        fmt::format("at most {} MB", kLargestSceneFile >> 20));
+    const Node* bodies_of_scene = in_order.find("body");
+    Table of_bodies;
+    if (bodies_of_scene != nullptr) of_bodies.set("body", *bodies_of_scene);
+    const bool by_bodies = 2 * to_toml(of_bodies).size() > text.size();
+    wrong.emplace(FaultCode::scene_too_large, by_bodies ? "body" : "force",
+                  fmt::format("with all {} written out the scene takes {} MB",
+                              by_bodies ? "positions" : "numbers of its forces", text.size() >> 20),
+                  fmt::format("at most {} MB", kLargestSceneFile >> 20));
   } else {
     try {
       check_outline(text, draft.scene->file);

@@ -32,12 +32,30 @@ double as_length(const Dimension& dimension, double value) {
   }
 }
 
+/// Distances from zero.
+std::vector<double> sizes_of(const PointList& points) {
+  std::vector<double> sizes;
+  for (std::size_t k = 0; k < points.count(); ++k) {
+    double size = 0.0;
+    for (std::size_t d = 0; d < points.dimension; ++d) {
+      const double x = std::abs(points.coordinates[k * points.dimension + d]);
+      const double larger = std::max(size, x);
+      if (!(larger > 0.0)) continue;
+      const double part = std::min(size, x) / larger;
+      size = larger * std::sqrt(std::fma(part, part, 1.0));
+    }
+    sizes.push_back(size);
+  }
+  return sizes;
+}
+
 /// The plain numbers of a row, of the kinds that stand for sizes.
 std::vector<double> numbers_of(const Parameter& row, const void* description) {
   const ParameterValue value = row.read(description);
   if (const auto* number = std::get_if<double>(&value)) return {*number};
   if (const auto* numbers = std::get_if<WordOrNumbers>(&value)) return numbers->numbers;
   if (const auto* numbers = std::get_if<PerParticle>(&value)) return numbers->values;
+  if (const auto* points = std::get_if<PointList>(&value)) return sizes_of(*points);
   return {};
 }
 

@@ -90,6 +90,8 @@ TEST(EnergyMap, PassesThroughTheValues) {
         EXPECT_NEAR(energy_at(d, u, v), grid.numbers[m * columns + n], 3.0 * kFewRoundings);
       }
     }
+    // So little below a whole period that the rest is rounded to one.
+    EXPECT_NEAR(energy_at(d, -1e-18, -1e-18), grid.numbers[0], 3.0 * kFewRoundings);
   }
 }
 

@@ -98,12 +98,7 @@ class ForceOnSites : public BoundForce<Real> {
   double curvature_bound() const override { return bound_of(description_); }
   double curvature_bound_along(int axis) const override { return bound_along(description_, axis); }
 
-  double friction_bound() const override {
-    if constexpr (requires { E::friction_bound(description_); }) {
-      return E::friction_bound(description_);
-    }
-    return 0.0;
-  }
+  double friction_bound() const override { return friction_of(description_); }
 
   static constexpr bool kDoesWork =
       requires(const Parameters& p, const Site<Real, D>& site, const Vec<Real, D>& force) {
@@ -113,6 +108,10 @@ class ForceOnSites : public BoundForce<Real> {
  protected:
   static constexpr bool kHasFriction = requires(const Parameters& p) { E::friction(p); };
 
+  static double friction_of(const typename E::Description& d) {
+    if constexpr (requires { E::friction_bound(d); }) return E::friction_bound(d);
+    return 0.0;
+  }
   static double bound_of(const typename E::Description& d) {
     if constexpr (requires { E::template curvature_bound<D>(d); }) {
       return E::template curvature_bound<D>(d);
@@ -202,6 +201,10 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   }
   double curvature_bound_along(int axis) const override {
     return largest([axis](const typename E::Description& d) { return Base::bound_along(d, axis); });
+  }
+
+  double friction_bound() const override {
+    return largest([](const typename E::Description& d) { return Base::friction_of(d); });
   }
 
   bool point(PointForce<Real>& force) const override {
