@@ -380,6 +380,12 @@ std::string bonds_as_formula(const std::string& scene, const std::string& energy
                    "type = \"expression\"\npairs = \"neighbours\"\nenergy = \"" + energy + "\"\n");
 }
 
+/// The scene of a tip with its driving spring written out as a formula.
+std::string driver_as_formula(const std::string& scene) {
+  return with_text(scene, "type = \"driving_spring\"", "[[force]]",
+                   "type = \"expression\"\nenergy = \"0.5*2.0*(x - 1e-3*t)^2\"\ndriver = true\n");
+}
+
 void register_formulas() {
   const std::string wave = "0.05 * cos(2*pi*x)";
   const std::string corrugation = "0.1/N * exp(-y^2) * cos(2*pi*x)";
@@ -401,6 +407,7 @@ void register_formulas() {
   register_variants("chain_1000", substrate_as_formula(chain("1000", "1.0"), wave), substrate);
   register_variants("golden_chain_1000",
                     substrate_as_formula(chain("1000", "1.618033988749895"), wave), substrate);
+  register_variants("pt", driver_as_formula(kPt), {{"spring as a formula that drives", {}, 64}});
   register_variants("chain_1000", bonds_as_formula(chain("1000", "1.0"), "0.5*(r - 1)^2"), bonds);
 }
 
@@ -442,7 +449,32 @@ void register_examples() {
   }
 }
 
+/// A square cell of 32 x 32 points.
+std::string energy_map() {
+  std::string rows;
+  for (int m = 0; m < 32; ++m) {
+    rows += "[";
+    for (int n = 0; n < 32; ++n) rows += std::to_string((7 * m + 3 * n) % 11) + ", ";
+    rows += "], ";
+  }
+  return "type = \"lattice_substrate\"\nlattice = \"square\"\nperiod = 1.0\nenergy_scale = "
+         "0.01\nenergies = [" +
+         rows + "]\n";
+}
+
+/// The particles of plain::SplineSurface, and of plain::DryFriction where they move.
+const std::string kFlake =
+    "type = \"flake\"\nlattice = \"square\"\nlattice_constant = 1.618033988749895\nshape = "
+    "\"rectangle\"\nsize = [39, 24]\ncentre = [0.0, 0.0]\n"
+    "velocity = [\"0.01 * (i - 5 * floor(i/5))\", 0.01]\n";
+
 void register_forces() {
+  register_force("varied_substrate_1000", "tomlin",
+                 "type = \"sinusoidal_substrate\"\namplitude = \"0.05 + 0.01 * (i - 7 * "
+                 "floor(i/7))\"\nperiod = 1.0\n");
+  register_force("energy_map_1000", "tomlin", energy_map(), kFlake);
+  register_force("dry_friction_1000", "tomlin",
+                 "type = \"coulomb_friction\"\nforce = 0.1\nwidth = 0.01\n", kFlake);
   register_force("substrate_1000", "tomlin",
                  "type = \"sinusoidal_substrate\"\namplitude = 0.05\nperiod = 1.0\n");
   register_force("substrate_1000", "as a formula",

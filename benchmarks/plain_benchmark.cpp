@@ -74,8 +74,8 @@ void BM_plain_flake_1000(benchmark::State& state) {
 }
 
 // One evaluation of the force, nothing else.
-void BM_plain_angles_1000(benchmark::State& state) {
-  static Bending model(1000, 100.0);
+template <class Model>
+void evaluate(benchmark::State& state, Model& model) {
   for (auto _ : state) {
     model.evaluate();
     benchmark::ClobberMemory();
@@ -85,9 +85,34 @@ void BM_plain_angles_1000(benchmark::State& state) {
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
+void BM_plain_angles_1000(benchmark::State& state) {
+  static Bending model(1000, 100.0);
+  evaluate(state, model);
+}
+
+template <class Math>
+void BM_plain_varied_1000(benchmark::State& state) {
+  static VariedSubstrate<Math> model(1000, std::numbers::phi);
+  evaluate(state, model);
+}
+
+void BM_plain_map_1000(benchmark::State& state) {
+  static SplineSurface model(32, 40, 25, std::numbers::phi);
+  evaluate(state, model);
+}
+
+void BM_plain_dry_friction_1000(benchmark::State& state) {
+  static DryFriction model(1000);
+  evaluate(state, model);
+}
+
 // Named MODEL/plain and MODEL/plain_own_math: main.cpp holds the engine's MODEL/tomlin against
 // them.
 BENCHMARK(BM_plain_angles_1000)->Name("angles_1000/plain");
+BENCHMARK(BM_plain_varied_1000<StdMath>)->Name("varied_substrate_1000/plain");
+BENCHMARK(BM_plain_varied_1000<OwnMath>)->Name("varied_substrate_1000/plain_own_math");
+BENCHMARK(BM_plain_map_1000)->Name("energy_map_1000/plain");
+BENCHMARK(BM_plain_dry_friction_1000)->Name("dry_friction_1000/plain");
 BENCHMARK(BM_plain_pt<StdMath>)->Name("pt/plain");
 BENCHMARK(BM_plain_pt_memory<StdMath>)->Name("pt_memory/plain");
 BENCHMARK(BM_plain_flexible_ring<StdMath>)->Name("flexible_ring_8/plain");

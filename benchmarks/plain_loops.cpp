@@ -574,6 +574,99 @@ Bending::Bending(int count, double radius) {
   }
 }
 
+// ---- one force
+// -----------------------------------------------------------------------------------
+
+template <class Math>
+VariedSubstrate<Math>::VariedSubstrate(int count, double spacing) {
+  for (std::vector<double>* a : {&x, &amplitude, &fx}) a->assign(count, 0.0);
+  for (int i = 0; i < count; ++i) {
+    x[i] = i * spacing;
+    amplitude[i] = 0.05 + 0.01 * (i % 7);
+  }
+}
+
+template <class Math>
+[[gnu::noinline]] void VariedSubstrate<Math>::evaluate() {
+  const Math along(1.0);
+  const auto n = static_cast<int>(x.size());
+  for (int i = 0; i < n; ++i) {
+    fx[i] = 2.0 * std::numbers::pi * amplitude[i] * along.sine(x[i]);
+  }
+}
+
+SplineSurface::SplineSurface(int points_along, int columns, int rows, double spacing)
+    : points(points_along) {
+  for (std::vector<double>* a : {&x, &y, &fx, &fy}) a->assign(columns * rows, 0.0);
+  for (int i = 0; i < columns * rows; ++i) {
+    x[i] = i % columns * spacing;
+    y[i] = i / columns * spacing;
+  }
+  for (int i = 0; i < points * points; ++i) coefficient.push_back(0.1 * (i % 7) - 0.05 * (i % 11));
+}
+
+[[gnu::noinline]] void SplineSurface::evaluate() {
+  const auto n = static_cast<int>(x.size());
+  const auto weights = [](double f, double* w, double* s) {
+    const double g = 1.0 - f;
+    w[0] = g * g * g / 6.0;
+    w[1] = (3.0 * f * f * f - 6.0 * f * f + 4.0) / 6.0;
+    w[2] = (3.0 * g * g * g - 6.0 * g * g + 4.0) / 6.0;
+    w[3] = f * f * f / 6.0;
+    s[0] = -0.5 * g * g;
+    s[1] = 0.5 * f * (3.0 * f - 4.0);
+    s[2] = -0.5 * g * (3.0 * g - 4.0);
+    s[3] = 0.5 * f * f;
+  };
+  for (int i = 0; i < n; ++i) {
+    const double u = (x[i] - std::floor(x[i])) * points;
+    const double v = (y[i] - std::floor(y[i])) * points;
+    const int row = static_cast<int>(u);
+    const int column = static_cast<int>(v);
+    double wu[4];
+    double su[4];
+    double wv[4];
+    double sv[4];
+    weights(u - row, wu, su);
+    weights(v - column, wv, sv);
+    double along_u = 0.0;
+    double along_v = 0.0;
+    for (int m = 0; m < 4; ++m) {
+      const double* line = coefficient.data() + (row + m) % points * points;
+      double even = 0.0;
+      double odd = 0.0;
+      for (int k = 0; k < 4; ++k) {
+        const double c = line[(column + k) % points];
+        even += wv[k] * c;
+        odd += sv[k] * c;
+      }
+      along_u += su[m] * even;
+      along_v += wu[m] * odd;
+    }
+    fx[i] = -points * along_u;
+    fy[i] = -points * along_v;
+  }
+}
+
+DryFriction::DryFriction(int count) {
+  for (std::vector<double>* a : {&vx, &vy, &fx, &fy}) a->assign(count, 0.0);
+  for (int i = 0; i < count; ++i) {
+    vx[i] = 0.01 * (i % 5);
+    vy[i] = 0.01 * (i % 3);
+  }
+}
+
+[[gnu::noinline]] void DryFriction::evaluate() {
+  const auto n = static_cast<int>(vx.size());
+  for (int i = 0; i < n; ++i) {
+    const double scale = -force / std::sqrt(vx[i] * vx[i] + vy[i] * vy[i] + width * width);
+    fx[i] = scale * vx[i];
+    fy[i] = scale * vy[i];
+  }
+}
+
+template struct VariedSubstrate<StdMath>;
+template struct VariedSubstrate<OwnMath>;
 template struct PrandtlTomlinson<StdMath>;
 template struct RememberingTip<StdMath>;
 template struct FlexibleRing<StdMath>;

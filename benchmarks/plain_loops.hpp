@@ -220,4 +220,32 @@ struct Bending {
   void evaluate();
 };
 
+// One evaluation of a force on particles: of a cosine whose amplitude is each particle's own.
+template <class Math>
+struct VariedSubstrate {
+  std::vector<double> x, amplitude, fx;
+
+  VariedSubstrate(int count, double spacing);
+  void evaluate();
+};
+
+// Of a periodic bicubic spline in the plane, from points^2 coefficients over a cell of length 1.
+struct SplineSurface {
+  int points;
+  std::vector<double> coefficient, x, y, fx, fy;
+
+  SplineSurface(int points, int columns, int rows, double spacing);
+  void evaluate();
+};
+
+// Of dry friction, -f v / sqrt(v^2 + w^2) in the plane.
+struct DryFriction {
+  double force = 0.1;
+  double width = 0.01;
+  std::vector<double> vx, vy, fx, fy;
+
+  explicit DryFriction(int count);
+  void evaluate();
+};
+
 }  // namespace tomlin::plain

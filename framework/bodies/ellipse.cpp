@@ -122,10 +122,6 @@ double second(const Description& d) { return d.semi_axes.numbers[1]; }
 double major(const Description& d) { return max(first(d), second(d)); }
 EllipseArc arc_of(const Description& d) { return EllipseArc(min(first(d), second(d)) / major(d)); }
 
-int dimension_of(const Description& d) { return static_cast<int>(d.centre.components.size()); }
-
-std::int64_t count(const Description& d) { return d.count; }
-
 std::vector<Complaint> complaints(const Description& d, int dimension) {
   std::vector<Complaint> found = complaints_without_plane("an ellipse", dimension);
   const std::vector<double>& axes = d.semi_axes.numbers;
@@ -205,7 +201,7 @@ BodyGeometry build(const Description& d, int dimension) {
 }  // namespace
 
 BodyRecord ellipse_record() {
-  auto record = body_record<Description>(
+  auto record = closed_body_record<Description>(
       {parameter("count", &Description::count, dimension::none, "number of particles").in(positive),
        parameter("semi_axes", &Description::semi_axes, dimension::length,
                  "[a, b]: along its first axis and along its second")
@@ -230,35 +226,14 @@ BodyRecord ellipse_record() {
       "i/count";
   record.source =
       "B. C. Carlson, Numer. Algorithms 10 (1995) 13, doi:10.1007/BF02198293, arc lengths";
-  record.dimension = of_description<&dimension_of>;
-  record.count = of_description<&count>;
   record.complaints = of_description<&complaints>;
-  record.ends = &closed_ends;
   record.build = of_description<&build>;
-  record.example = R"(# A rigid ellipse pulled over a corrugated substrate.
-[[body]]
-type = "ellipse"
+  record.example =
+      rolling_example("A rigid ellipse pulled over a corrugated substrate.", R"(type = "ellipse"
 count = 12
 semi_axes = [1.2, 0.8]
 centre = [0.0, 1.0]
-particle_mass = 0.125
-coordinates = "rigid"
-
-[[force]]
-type = "driving_spring"
-stiffness = 2.0
-velocity = [0.1, 0.0]
-
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.0125
-period = 1.0
-decay = 1.0
-
-[run]
-duration = 10.0
-integrator = { type = "rk4", dt = 1e-2 }
-)";
+)");
   return record;
 }
 

@@ -47,6 +47,27 @@ double distance_from_edge(const Point& point, const Point& from, const Point& to
 
 }  // namespace
 
+std::string rolling_example(const std::string& comment, const std::string& body) {
+  return "# " + comment + "\n[[body]]\n" + body + R"(particle_mass = 0.125
+coordinates = "rigid"
+
+[[force]]
+type = "driving_spring"
+stiffness = 2.0
+velocity = [0.1, 0.0]
+
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.0125
+period = 1.0
+decay = 1.0
+
+[run]
+duration = 10.0
+integrator = { type = "rk4", dt = 1e-2 }
+)";
+}
+
 std::vector<Complaint> complaints_without_plane(const char* body, int dimension) {
   if (dimension >= 2) return {};
   return {{.key = "centre",

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "framework/core/numbers/constants.hpp"
@@ -37,7 +39,22 @@ double distance_between(const std::vector<double>& one, const std::vector<double
 /// Makes a body roll along the polygon through its particles, in their order.
 void roll_along_particles(BodyGeometry& geometry);
 
-/// For BodyRecord::ends.
-inline BodyEnds closed_ends(const void*, int) { return {.closed = true}; }
+/// A scene in which a rigid body with these lines rolls over a corrugated substrate.
+std::string rolling_example(const std::string& comment, const std::string& body);
+
+/// The record of a body of `count` particles along a closed outline about `centre`, members of its
+/// description; but for its texts, `complaints` and `build`.
+template <class D>
+BodyRecord closed_body_record(std::vector<Parameter> own) {
+  BodyRecord record = body_record<D>(std::move(own));
+  record.dimension = [](const void* description) {
+    return static_cast<int>(static_cast<const D*>(description)->centre.components.size());
+  };
+  record.count = [](const void* description) -> std::int64_t {
+    return static_cast<const D*>(description)->count;
+  };
+  record.ends = [](const void*, int) { return BodyEnds{.closed = true}; };
+  return record;
+}
 
 }  // namespace tomlin

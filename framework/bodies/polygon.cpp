@@ -12,10 +12,6 @@ namespace {
 
 using Description = PolygonDescription;
 
-int dimension_of(const Description& d) { return static_cast<int>(d.centre.components.size()); }
-
-std::int64_t count(const Description& d) { return d.count; }
-
 std::vector<Complaint> complaints(const Description& d, int dimension) {
   std::vector<Complaint> found = complaints_without_plane("a polygon", dimension);
   if (d.count % d.corners != 0) {
@@ -64,7 +60,7 @@ BodyGeometry build(const Description& d, int dimension) {
 
 BodyRecord polygon_record() {
   constexpr Interval kCorners{.low = 3.0, .low_open = false};
-  auto record = body_record<Description>(
+  auto record = closed_body_record<Description>(
       {parameter("corners", &Description::corners, dimension::none, "number of corners")
            .in(kCorners),
        parameter("count", &Description::count, dimension::none,
@@ -87,36 +83,15 @@ BodyRecord polygon_record() {
       "(cos(2 "
       "pi k/corners), sin(2 pi k/corners)), m = count/corners";
   record.source = "H. S. M. Coxeter, Regular Polytopes (Dover, 1973), ISBN 978-0-486-61480-9";
-  record.dimension = of_description<&dimension_of>;
-  record.count = of_description<&count>;
   record.complaints = of_description<&complaints>;
-  record.ends = &closed_ends;
   record.build = of_description<&build>;
-  record.example = R"(# A rigid hexagon pulled over a corrugated substrate.
-[[body]]
-type = "polygon"
+  record.example =
+      rolling_example("A rigid hexagon pulled over a corrugated substrate.", R"(type = "polygon"
 corners = 6
 count = 12
 radius = 1.0
 centre = [0.0, 1.0]
-particle_mass = 0.125
-coordinates = "rigid"
-
-[[force]]
-type = "driving_spring"
-stiffness = 2.0
-velocity = [0.1, 0.0]
-
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.0125
-period = 1.0
-decay = 1.0
-
-[run]
-duration = 10.0
-integrator = { type = "rk4", dt = 1e-2 }
-)";
+)");
   return record;
 }
 

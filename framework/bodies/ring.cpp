@@ -1,5 +1,6 @@
 #include "framework/bodies/ring.hpp"
 
+#include "framework/bodies/outline.hpp"
 #include "framework/core/numbers/math.hpp"
 
 namespace tomlin {
@@ -7,19 +8,9 @@ namespace {
 
 using Description = RingDescription;
 
-int dimension_of(const Description& d) { return static_cast<int>(d.centre.components.size()); }
-
-std::int64_t count(const Description& d) { return d.count; }
-
 std::vector<Complaint> complaints(const Description&, int dimension) {
-  if (dimension >= 2) return {};
-  return {{.key = "centre",
-           .why = "a ring needs two dimensions",
-           .admissible = "two coordinates",
-           .code = FaultCode::scene_wrong_count}};
+  return complaints_without_plane("a ring", dimension);
 }
-
-BodyEnds ends(const Description&, int) { return {.closed = true}; }
 
 BodyGeometry build(const Description& d, int dimension) {
   BodyGeometry geometry;
@@ -39,7 +30,7 @@ BodyGeometry build(const Description& d, int dimension) {
 }  // namespace
 
 BodyRecord ring_record() {
-  auto record = body_record<Description>(
+  auto record = closed_body_record<Description>(
       {parameter("count", &Description::count, dimension::none, "number of particles").in(positive),
        parameter("radius", &Description::radius, dimension::length, "of the circle").in(positive),
        parameter("centre", &Description::centre, dimension::length, "of the circle")});
@@ -50,35 +41,14 @@ BodyRecord ring_record() {
       "A. Sircar and P. K. Patra, A simple generalization of Prandtl-Tomlinson model to study"
       " nanoscale rolling friction, J. Appl. Phys. 127 (2020), doi:10.48550/arXiv.1912.00232,"
       " eqs. (2) and (14)";
-  record.dimension = of_description<&dimension_of>;
-  record.count = of_description<&count>;
   record.complaints = of_description<&complaints>;
-  record.ends = of_description<&ends>;
   record.build = of_description<&build>;
-  record.example = R"(# A rigid ring pulled over a corrugated substrate.
-[[body]]
-type = "ring"
+  record.example =
+      rolling_example("A rigid ring pulled over a corrugated substrate.", R"(type = "ring"
 count = 8
 radius = 1.0
 centre = [0.0, 1.0]
-particle_mass = 0.125
-coordinates = "rigid"
-
-[[force]]
-type = "driving_spring"
-stiffness = 2.0
-velocity = [0.1, 0.0]
-
-[[force]]
-type = "sinusoidal_substrate"
-amplitude = 0.0125
-period = 1.0
-decay = 1.0
-
-[run]
-duration = 10.0
-integrator = { type = "rk4", dt = 1e-2 }
-)";
+)");
   return record;
 }
 

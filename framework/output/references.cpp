@@ -63,6 +63,7 @@ std::vector<CitedWork> references(const Scene& scene, const AccuracyResult* accu
   if (output.trajectory && output.trajectory_format == TrajectoryFormat::h5md) {
     all.add(kH5mdSource, "trajectory.h5");
   }
+  if (scene.draws_random) all.add(kPhiloxSource, "random numbers of the scene");
   if (scene.run.perturb) all.add(kPhiloxSource, "perturb");
   all.add(kProgramSource, "tomlin");
   return std::move(all).works();

@@ -74,6 +74,7 @@ void describe_components(SceneDraft& draft) {
     scene.observers.push_back(component_of<SceneObserver>(observer, draft.source));
     scene.observers.back().bodies = observer.bodies;
   }
+  scene.draws_random = draft.parameters.draws_random();
 }
 
 void write_effective_scene(SceneDraft& draft) {

@@ -316,6 +316,7 @@ std::variant<BoundExpression, ExpressionError> ParameterTable::bind(
   auto source = parsed<Source>(text);
   if (const auto* error = std::get_if<ExpressionError>(&source)) return *error;
   BoundExpression bound{std::get<Expression>(std::move(source)), {}};
+  random_was_bound_ = random_was_bound_ || bound.expression.random_call() != nullptr;
   std::optional<ExpressionError> consequence;
   for (const Expression::Name& used : bound.expression.names()) {
     if (std::find(variables.begin(), variables.end(), used.name) != variables.end()) continue;
@@ -331,6 +332,13 @@ std::variant<BoundExpression, ExpressionError> ParameterTable::bind(
   }
   if (consequence) return *consequence;
   return bound;
+}
+
+bool ParameterTable::draws_random() const {
+  return random_was_bound_ || std::any_of(entries_.begin(), entries_.end(), [](const Entry& entry) {
+           const auto* expression = std::get_if<Expression>(&entry.source);
+           return expression != nullptr && expression->random_call() != nullptr;
+         });
 }
 
 }  // namespace tomlin

@@ -68,6 +68,9 @@ class ParameterTable {
   std::variant<BoundExpression, ExpressionError> bind(
       std::string_view text, std::span<const std::string_view> variables) const;
 
+  /// Whether an expression of the table, or one evaluated or bound so far, draws a random number.
+  bool draws_random() const;
+
  private:
   using Source = std::variant<double, Expression, ExpressionError>;
   struct Entry {
@@ -95,6 +98,7 @@ class ParameterTable {
   std::map<std::string, std::size_t, std::less<>> by_name_;  ///< first entry of each name
   std::vector<ParameterFault> faults_;
   std::vector<std::size_t> first_fault_;  ///< of each entry, and the end
+  mutable bool random_was_bound_ = false;
 };
 
 }  // namespace tomlin

@@ -180,6 +180,7 @@ struct Scene {
   RunSettings run;
   MeasureSettings measure;
   OutputSettings output;
+  bool draws_random = false;  ///< an expression of it calls random or normal
   /// The scene with every default filled in; reading it again gives the same scene.
   std::string effective_toml;
   const Registry* registry = nullptr;  ///< that it was read with: outlives it, and stays in place

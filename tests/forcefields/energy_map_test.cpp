@@ -115,7 +115,8 @@ TEST(EnergyMap, OfAWaveItIsTheClosedForm) {
     // The error that the map tells of is that of the amplitude, at the largest of these cosines.
     double largest = 0.0;
     for (std::size_t k = 0; k < points; ++k) {
-      largest = std::max(largest, std::abs(std::cos(kTau * (static_cast<double>(k) + 0.5) / count)));
+      largest =
+          std::max(largest, std::abs(std::cos(kTau * (static_cast<double>(k) + 0.5) / count)));
     }
     EXPECT_NEAR(d.map->error().energy, std::abs(1.0 - ratio) * largest, kFewRoundings);
     EXPECT_GT(d.map->error().energy, 1e-7) << "negative control";
@@ -154,7 +155,8 @@ TEST(EnergyMap, ErrorsFallWithTheSpacingAndAreTold) {
     const Surface d = surface_of(grid_of(points, points), SurfaceLattice::square);
     const Errors found = errors_of(d);
     const EnergyMap::Error told = d.map->error();
-    // 900 random places hit neither maximum exactly; of several waves the told one is at grid places.
+    // 900 random places hit neither maximum exactly; of several waves the told one is at grid
+    // places.
     EXPECT_GT(told.energy, 0.8 * found.energy);
     EXPECT_LT(told.energy, 1.25 * found.energy);
     EXPECT_GT(told.slope_u, 0.7 * found.slope);
@@ -186,7 +188,8 @@ double largest_error_of_gradient(const Surface& d, Random& random) {
 }
 
 TEST(EnergyMap, ForcesAreTheGradient) {
-  constexpr double kRoundingOfForces = 1e-12;  // of sums of 16 products, times 20 rows, times exp(4)
+  constexpr double kRoundingOfForces =
+      1e-12;  // of sums of 16 products, times 20 rows, times exp(4)
   Random random(5);
   Surface plane = surface_of(grid_of(20, 12), SurfaceLattice::hexagonal, 0.4);
   plane.energy_scale = -1.7;
@@ -220,7 +223,8 @@ TEST(EnergyMap, SecondDerivativesAreContinuous) {
   const auto p = parameters_of<LatticeOfMap, 2, Twice>(d);
   const auto curvature = [&](double u, double v) {
     Site<Twice, 2> site{};
-    site.position = {{Twice::variable(Once::variable(u, 0), 0), Twice::variable(Once::variable(v, 1), 1)}};
+    site.position = {
+        {Twice::variable(Once::variable(u, 0), 0), Twice::variable(Once::variable(v, 1), 1)}};
     site.table = d.map->table();
     const Twice energy = LatticeOfMap::energy(p, site);
     return std::array{energy.derivative[0].derivative[0], energy.derivative[1].derivative[1],
@@ -253,7 +257,8 @@ TEST(EnergyMap, CurvatureIsBounded) {
     double any = 0.0;
     Random random(3);
     for (int k = 0; k < 4000; ++k) {
-      Site<double, 2> plain = site_at(d, Vec<double, 2>{{uniform(random, 0.0, 2.0), uniform(random, 0.0, 2.0)}});
+      Site<double, 2> plain =
+          site_at(d, Vec<double, 2>{{uniform(random, 0.0, 2.0), uniform(random, 0.0, 2.0)}});
       const auto force = LatticeOfMap::force(p, differentiable(plain));
       const double xx = -force[0].derivative[0];
       const double yy = -force[1].derivative[1];
@@ -286,8 +291,8 @@ TEST(EnergyMap, WholeCellsChangeNoBit) {
     EXPECT_EQ(at(far, -3 * far, 0.3), at(0, 0, 0.3));
   }
   EXPECT_NE(at(0, 0, 0.4), at(0, 0, 0.3)) << "negative control";
-  for (const double x : {std::numeric_limits<double>::quiet_NaN(),
-                         std::numeric_limits<double>::infinity()}) {
+  for (const double x :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     EXPECT_TRUE(std::isnan(at(0, 0, x)));
   }
 }
@@ -340,12 +345,12 @@ type = "viscous_damping"
 coefficient = 1.0
 )";
   const std::string lattice = "lattice = \"hexagonal\"\nperiod = 1.0\nmisfit = 0.2\n";
-  const RunResult map = run_text(
-      tip_on(lattice + inline_map(grid) + "energy_scale = 0.1\n", "0.3, 0.1", pulled));
+  const RunResult map =
+      run_text(tip_on(lattice + inline_map(grid) + "energy_scale = 0.1\n", "0.3, 0.1", pulled));
   const RunResult waves = run_text(tip_on(lattice + "amplitude = 0.1\n", "0.3, 0.1", pulled));
   constexpr double kErrorOfForces = 2e-5;  // told: 0.1 times 4e-5
-  for (const char* path : {"tip.centre_of_mass.x", "tip.centre_of_mass.y", "driver.mean_force.x",
-                           "driver.work"}) {
+  for (const char* path :
+       {"tip.centre_of_mass.x", "tip.centre_of_mass.y", "driver.mean_force.x", "driver.work"}) {
     EXPECT_NEAR(observable(map, path).value(), observable(waves, path).value(), kErrorOfForces)
         << path;
     EXPECT_NE(observable(map, path).value(), observable(waves, path).value()) << path;
@@ -392,8 +397,9 @@ TEST(EnergyMap, WhatDoesNotFitIsRefused) {
   has(lattice + "energies = [[1, 2], [3, 4]]\n", "[scene.wrong_count]");
   has(lattice + "energies = [1, 2, 3, 4]\n", "[scene.wrong_count]");
   has(lattice + "energies = []\n", "surface.energies = [] [scene.wrong_count]");
-  has(lattice + "energies = [[1e308, -1e308, 1e308, -1e308], [0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, "
-                "0]]\n",
+  has(lattice +
+          "energies = [[1e308, -1e308, 1e308, -1e308], [0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, "
+          "0]]\n",
       "[scene.not_finite]");
   has("lattice = \"line\"\nperiod = 1.0\n" + map, "[scene.wrong_count]", "0.3");
   has("lattice = \"hexagonal\"\nperiod = 1.0\n" + map + "decay = [1.0, 2.0]\n",

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "forcefields/register.hpp"
-#include "framework/core/text/number_file.hpp"
 #include "framework/bodies/register.hpp"
+#include "framework/core/text/number_file.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/scene.hpp"
 #include "integrators/register.hpp"

@@ -86,6 +86,10 @@ TEST_F(References, AreOfFormatsAndRandomNumbersWhereTheyAreUsed) {
   scene_.run.perturb.emplace();
   ASSERT_EQ(lines(references(scene_)).size(), plain + 1);
   EXPECT_NE(lines(references(scene_)).back().find("andom numbers"), std::string::npos);
+  scene_.draws_random = true;
+  ASSERT_EQ(lines(references(scene_)).size(), plain + 1);
+  EXPECT_NE(lines(references(scene_)).back().find(": random numbers of the scene, perturb"),
+            std::string::npos);
 }
 
 }  // namespace
