@@ -35,6 +35,7 @@ const char* kind_name(const Parameter& row) {
                                         "word_or_numbers",
                                         "attachment",
                                         "points",
+                                        "number_table",
                                         "words",
                                         "flags",
                                         "passing",
