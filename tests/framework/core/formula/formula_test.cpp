@@ -346,10 +346,10 @@ TEST(FormulaLaw, NumbersOfParticlesAreThoseOfTheExpression) {
   const auto numbers = std::get<FormulaLaw::ParticleNumbers>(law.numbers_of_particles(4));
   ASSERT_EQ(numbers.size(), 1U);
   EXPECT_EQ(numbers[0], (std::vector<double>{1.0, 0.1 + 1.0, 0.1 * 2 + 1.0, 0.1 * 3 + 1.0}));
-  const FormulaLaw wrong({}, {{{"x", {}}, {"y/(i - 2)", {}}}});
+  const FormulaLaw wrong({}, {{{"x", {}}, {"y*(1/(i - 2))", {}}}});
   const auto trouble = std::get<FormulaLaw::Trouble>(wrong.numbers_of_particles(4));
   EXPECT_EQ(trouble.component, 1U);
-  EXPECT_EQ(trouble.column, 2U);
+  EXPECT_EQ(trouble.column, 4U);
   EXPECT_NE(trouble.why.find("particle 2"), std::string::npos) << trouble.why;
   EXPECT_TRUE(std::holds_alternative<FormulaLaw::ParticleNumbers>(wrong.numbers_of_particles(2)));
 }
