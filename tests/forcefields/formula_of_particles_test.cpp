@@ -174,7 +174,7 @@ positions = [1.0, 1.0, 1.0, 1.0, 1.0]
 particle_mass = 1.0
 [[force]]
 type = "expression"
-energy = "0.5 * (1 + i/count)^2 * x^2"
+energy = "2.5 * (1 + i/count)^2 * x^2 / count"
 [run]
 duration = 3.0
 integrator = )--" + adaptive(1e-12, "dop853") +
@@ -439,6 +439,15 @@ TEST(FormulaOfParticles, ARunThatLeavesTheRangeOfOneParticleNamesIt) {
   ASSERT_EQ(found.status, RunStatus::failed);
   EXPECT_NE(found.failure->cause.find("particle 0 of \"tips\""), std::string::npos)
       << found.failure->cause;
+}
+
+/// What is not asked of the text, which is looked at for the first particles only, the kernels see.
+TEST(FormulaOfParticles, APhaseThatIsLostNamesTheParticle) {
+  const std::string text = replaced(nine_under("energy = \"0.1*cos(2*pi*(x + 1e17*floor(i/80)))\""),
+                                    "count = 9", "count = 100");
+  const std::string message = refusal(text);
+  EXPECT_NE(message.find("particle 80 of \"tips\""), std::string::npos) << message;
+  EXPECT_NE(message.find("no phase left"), std::string::npos) << message;
 }
 
 std::string sum_of_numbers(std::size_t terms) {
