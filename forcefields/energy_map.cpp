@@ -120,10 +120,6 @@ EnergyMap::EnergyMap(NumberTable values) : values_(std::move(values)) {
   }
 }
 
-bool EnergyMap::is_finite() const {
-  return std::all_of(table_.begin(), table_.end(), [](double x) { return std::isfinite(x); });
-}
-
 std::array<double, 3> EnergyMap::curvatures() const {
   // Between points a second derivative is a mean of the nearest second differences.
   const std::size_t rows = values_.rows();

@@ -38,8 +38,6 @@ class EnergyMap {
   /// axis than the grid has points: those for the cell (m, n) stand from (m, n) on.
   const double* table() const { return table_.data(); }
 
-  bool is_finite() const;
-
   /// Bounds on |d2V/du2|, |d2V/dv2| and |d2V/dudv|.
   std::array<double, 3> curvatures() const;
 

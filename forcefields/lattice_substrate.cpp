@@ -581,9 +581,6 @@ class Check {
                       kMostPoints,
                       is_line(d_) ? "of one column" : "as many columns along the second"));
     }
-    if (!d_.map->is_finite()) {
-      add(FaultCode::scene_not_finite, key, "the spline through the energies is not finite");
-    }
   }
 
   void check_stars(std::size_t given) {

