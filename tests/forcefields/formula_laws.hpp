@@ -40,11 +40,14 @@ inline const std::vector<FormulaText>& formula_texts() {
       {"", {"-0.7*tanh(vx/0.2) - 0.1*sign(vx) + 0.2*step(x - 0.3)"}},
       {"", {"-y + 0.1*vy", "x - 0.2*vx*vx"}},
       {"", {"0.3*y*z", "-0.7*x", "0.1*vz*x"}},
+      {"0.7*(1 + 0.2*normal(7, i))*cos(2*pi*(x/1.3 + random(3, i)))", {}, {1.3}},
+      {"0.5*(1 + i/count)*x*y*cos(t + i) + random(2, i)*sqrt(1 + x^2 + y^2)"},
+      {"", {"-(1 + 0.1*i)*x - 0.3*random(1, i)*vx + cos(t + normal(2, i))"}},
   };
   return all;
 }
 
-inline constexpr std::size_t kFormulas = 17;
+inline constexpr std::size_t kFormulas = 20;
 
 template <std::size_t k>
 std::shared_ptr<void> make_formula() {

@@ -600,6 +600,21 @@ TEST(Expression, Names) {
   EXPECT_EQ(expression_variables().size(), 12u);
 }
 
+TEST(Expression, PartsAreExpressionsOfTheirOwn) {
+  const Expression whole = parsed("2*a + random(b, a - b)^-c");
+  std::vector<std::string> parts;
+  for (std::size_t step = 0; step < whole.nodes().size(); ++step) {
+    const Expression part = whole.part(step);
+    parts.push_back(part.to_string());
+    EXPECT_EQ(part.text(), parts.back());
+    EXPECT_EQ(part.nodes().back().column, whole.nodes()[step].column);
+    EXPECT_EQ(parsed(part.text()).names().size(), part.names().size());
+  }
+  EXPECT_EQ(parts, (std::vector<std::string>{"2", "a", "2 * a", "b", "a", "b", "a - b",
+                                             "random(b, a - b)", "c", "-c", "random(b, a - b)^-c",
+                                             "2 * a + random(b, a - b)^-c"}));
+}
+
 // Younger than scenes whose parameters have their names.
 TEST(Expression, SomeFunctionsShareTheirNamesWithParameters) {
   const Values at{{"step", 3}, {"sign", 5}, {"tanh", 7}, {"sinh", 0.5}, {"cosh", 2}};

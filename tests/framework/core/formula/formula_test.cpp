@@ -312,6 +312,96 @@ TEST(FormulaLaw, SaysWhereItIsNotDefined) {
   }
 }
 
+// ---- numbers of particles
+
+TEST(FormulaLaw, TheLargestPartsThatFollowFromTheIndexAreNumbersOfParticles) {
+  struct Case {
+    const char* text;
+    std::size_t numbers;
+  };
+  const std::vector<Case> cases = {
+      {"x^2", 0},
+      {"x*random(1, 2)/count", 0},
+      {"i*x", 1},
+      {"V0*(1 + 0.2*normal(7, i))*cos(x/V0 + random(3, i))", 2},
+      {"x*i*normal(1, i)", 2},
+      {"x*(i*normal(1, i))", 1},
+      {"x*(i + 1) + x^2/(1+i) + cos(i+1)", 3},  // 1+i and i+1 are written differently
+      {"-(-i)", 1},
+      {"min(i, count, x)", 1},
+      {"x^i^2", 1},
+  };
+  for (const Case& one : cases) {
+    SCOPED_TRACE(one.text);
+    const FormulaLaw law({one.text, {{"V0", 0.5}}}, {});
+    EXPECT_EQ(law.particle_numbers(), one.numbers);
+    EXPECT_FALSE(law.misplaced_random());
+    EXPECT_EQ(law.compiled(1, {true, false, false}, 5).inputs.size(),
+              one.numbers + (law.uses(formula_variable::position) ? 1 : 0));
+  }
+}
+
+TEST(FormulaLaw, NumbersOfParticlesAreThoseOfTheExpression) {
+  const FormulaLaw law({"x*(a*i + 1)", {{"a", 0.1}}}, {});
+  const auto numbers = std::get<FormulaLaw::ParticleNumbers>(law.numbers_of_particles(4));
+  ASSERT_EQ(numbers.size(), 1U);
+  EXPECT_EQ(numbers[0], (std::vector<double>{1.0, 0.1 + 1.0, 0.1 * 2 + 1.0, 0.1 * 3 + 1.0}));
+  const FormulaLaw wrong({}, {{{"x", {}}, {"y*(1/(i - 2))", {}}}});
+  const auto trouble = std::get<FormulaLaw::Trouble>(wrong.numbers_of_particles(4));
+  EXPECT_EQ(trouble.component, 1U);
+  EXPECT_EQ(trouble.column, 4U);
+  EXPECT_NE(trouble.why.find("particle 2"), std::string::npos) << trouble.why;
+  EXPECT_TRUE(std::holds_alternative<FormulaLaw::ParticleNumbers>(wrong.numbers_of_particles(2)));
+}
+
+TEST(FormulaLaw, ParametersComeBeforeIndexAndCount) {
+  const FormulaLaw law({"x*i/count", {{"i", 2.0}, {"count", 4.0}}}, {});
+  EXPECT_FALSE(law.depends_on_particle());
+  EXPECT_FALSE(law.uses(formula_variable::index));
+  FormulaLaw::Values at{};
+  at[formula_variable::position] = 3.0;
+  at[formula_variable::index] = 7.0;
+  EXPECT_EQ(std::get<double>(law.evaluate(0, at)), 1.5);
+}
+
+TEST(FormulaLaw, RandomNumbersOfAPositionOrATimeAreMisplaced) {
+  struct Case {
+    const char* text;
+    std::size_t column;
+  };
+  for (const Case& one : {Case{"x + random(1, x)", 4}, Case{"x*normal(t, i)", 2},
+                          Case{"x + i*random(1, random(i, floor(vx)))", 16}}) {
+    const FormulaLaw law({one.text, {}}, {});
+    ASSERT_TRUE(law.misplaced_random()) << one.text;
+    EXPECT_EQ(law.misplaced_random()->column, one.column) << one.text;
+  }
+}
+
+/// The derivative of a formula holds its numbers fixed, and messages know the particle.
+TEST(FormulaLaw, SaysForWhichParticleItIsNotDefined) {
+  const FormulaLaw law({"sqrt(x - i)", {}}, {});
+  FormulaLaw::Values at{};
+  at[formula_variable::count] = 5.0;
+  at[formula_variable::position] = 2.0;
+  at[formula_variable::index] = 1.0;
+  EXPECT_FALSE(law.trouble_at(at));
+  at[formula_variable::index] = 2.0;
+  ASSERT_TRUE(law.trouble_at(at));
+  EXPECT_NE(law.trouble_at(at)->why.find("derivative"), std::string::npos);
+  at[formula_variable::index] = 3.0;
+  ASSERT_TRUE(law.trouble_at(at));
+  EXPECT_NE(law.trouble_at(at)->why.find("negative number"), std::string::npos);
+}
+
+TEST(FormulaLaw, MoreNumbersOfParticlesThanKernelsTakeAreTooLarge) {
+  std::string text = "x";
+  for (std::size_t k = 0; k <= FormulaLaw::kMostParticleNumbers; ++k) {
+    text += " + x*normal(" + std::to_string(k) + ", i)";
+  }
+  const FormulaLaw law({text, {}}, {});
+  EXPECT_THROW(law.compiled(1, {false, false, false}), std::length_error);
+}
+
 /// A product of n different factors has a second derivative of n^2 products of n factors.
 TEST(FormulaLaw, RefusesWhatGrowsBeyondBoundsWhenDifferentiated) {
   std::string text = "x";
