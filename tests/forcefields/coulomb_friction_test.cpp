@@ -1,4 +1,7 @@
+#include "forcefields/coulomb_friction.hpp"
+
 #include <cmath>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -126,6 +129,27 @@ TEST(CoulombFriction, IsAgainstTheVelocityInEveryDimension) {
       EXPECT_NEAR(result.body(0)["velocity"][d], expected * direction[d], kSolved);
     }
   }
+}
+
+/// Far above the width the magnitude is f, where the square of v/w is beyond all numbers; and of
+/// speeds whose squares are.
+template <class T>
+void expect_full_friction(T speed, T width) {
+  const CoulombFriction::Parameters<T, 2> p{T(0.25), width};
+  Site<T, 2> site{};
+  site.velocity = {{speed, T(0.0)}};
+  const auto force = CoulombFriction::force(p, site);
+  constexpr double kRounding = 4.0 * std::numeric_limits<T>::epsilon();
+  EXPECT_NEAR(static_cast<double>(force[0]), -0.25, kRounding) << speed << " " << width;
+  EXPECT_EQ(force[1], T(0.0));
+}
+
+TEST(CoulombFriction, IsThatOfCoulombHoweverSmallTheWidth) {
+  expect_full_friction(1.0, 1e-200);
+  expect_full_friction(1e200, 1.0);
+  expect_full_friction(1e-300, 1e-320);
+  expect_full_friction(1.0F, 1e-30F);
+  expect_full_friction(1e30F, 1.0F);
 }
 
 /// Under P < f it creeps at w P / sqrt(f^2 - P^2); under P > f it keeps on being accelerated.

@@ -249,11 +249,18 @@ TEST(EnergyMap, SecondDerivativesAreContinuous) {
   EXPECT_GT(jump_of_third, 1.0) << "negative control";
 }
 
-/// What bounds the curvature holds it, and is of its size.
+/// What bounds the curvature holds it, and is of its size: also where all of it is along a
+/// diagonal.
 TEST(EnergyMap, CurvatureIsBounded) {
   using Slope = Dual<double, 2>;
-  for (const double misfit : {0.0, 0.7}) {
-    const Surface d = surface_of(grid_of(24, 24), SurfaceLattice::hexagonal, misfit);
+  NumberTable diagonal{24, {}};
+  for (int k = 0; k < 24 * 24; ++k) {
+    diagonal.numbers.push_back(std::cos(kTau * (k / 24 + k % 24) / 24.0));
+  }
+  const Surface surfaces[] = {surface_of(grid_of(24, 24)),
+                              surface_of(grid_of(24, 24), SurfaceLattice::hexagonal, 0.7),
+                              surface_of(diagonal, SurfaceLattice::square)};
+  for (const Surface& d : surfaces) {
     const auto p = parameters_of<LatticeOfMap, 2, Slope>(d);
     double along[2] = {};
     double any = 0.0;

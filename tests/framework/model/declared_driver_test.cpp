@@ -2,9 +2,11 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
+#include "framework/model/model.hpp"
 #include "framework/run/observables.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -178,6 +180,43 @@ driver = true
     ADD_FAILURE() << force;
   } catch (const InputError& error) {
     EXPECT_EQ(error.faults().front().code, FaultCode::component_unsuitable) << force;
+  }
+}
+
+/// Whatever its period: neither one that divides the run nor one far below it looks steady.
+TEST(DeclaredDriver, ASupportWhosePeriodDividesTheRunIsNotSteady) {
+  for (const char* period : {"1", "10", "100", "7.3", "0.01"}) {
+    const std::string swings =
+        "[[force]]\nname = \"driver\"\ntype = \"expression\"\nenergy = "
+        "\"(x - 0.05*t - 0.3*sin(2*pi*t/" +
+        std::string(period) + "))^2\"\ndriver = true\n";
+    std::string text = tip_with(swings, kRk4);
+    text.erase(text.find("[measure]"));
+    const auto scene = scene_of(text);
+    const Model model(scene);
+    ASSERT_EQ(model.drivers().size(), 1U);
+    EXPECT_FALSE(model.drivers()[0].drive->steady) << period;
+  }
+}
+
+/// A formula of the centre of mass takes hold there, also where the masses differ.
+TEST(DeclaredDriver, TheSupportIsWhereTheFormulaHasIt) {
+  for (const char* coordinates : {"particles", "rigid"}) {
+    for (const auto& [variable, due] : {std::pair{"xc", 5.0}, {"x", 5.0}}) {
+      const auto scene = scene_of(
+          R"([[body]]
+name = "pair"
+type = "particles"
+positions = [[0.0, 0.0], [1.0, 0.0]]
+particle_mass = [1.0, 3.0]
+coordinates = ")" +
+          std::string(coordinates) +
+          "\"\n[[force]]\nname = \"pull\"\ntype = \"expression\"\ndriver = true\nenergy = \"(" +
+          variable + " - 5 - 0.1*t)^2\"\n[run]\nduration = 1.0\nintegrator = " + fixed_step(1e-2) +
+          "\n");
+      const Model model(scene);
+      EXPECT_NEAR(model.drivers()[0].drive->start[0], due, kSame) << coordinates << variable;
+    }
   }
 }
 

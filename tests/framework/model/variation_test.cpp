@@ -194,6 +194,26 @@ TEST(Varied, TheStableStepIsThatOfTheStiffestParticle) {
   EXPECT_EQ(result.failure->code, FaultCode::run_step_unstable);
 }
 
+/// The narrowest of several widths of dry friction, whatever the others are.
+TEST(Varied, TheStableStepIsThatOfTheNarrowestFriction) {
+  const auto status = [](const std::string& width) {
+    return run_text(R"([[body]]
+type = "particles"
+positions = [0.0, 5.0]
+velocity = [0.01]
+particle_mass = 1.0
+[[force]]
+type = "coulomb_friction"
+force = 1.0
+width = )" + width +
+                    "\n[run]\nduration = 1.0\nintegrator = " + fixed_step(2e-2) + "\n")
+        .status;
+  };
+  EXPECT_EQ(status("[1e-4, 1.0]"), RunStatus::failed);
+  EXPECT_EQ(status("[1.0, 1e-4]"), RunStatus::failed);
+  EXPECT_EQ(status("[1.0, 0.5]"), RunStatus::finished);
+}
+
 void expect_fault(const std::string& amplitude, FaultCode code) {
   try {
     scene_of(with(kRigid, "AMPLITUDE", amplitude));

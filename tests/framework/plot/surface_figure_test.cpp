@@ -104,6 +104,39 @@ decay = 0.125
   for (std::size_t k = 0; k < one.values.size(); ++k) ASSERT_EQ(two.values[k], 2.0 * one.values[k]);
 }
 
+std::string ground_with(const std::string& amplitude) {
+  std::string text = kSubstrate;
+  return text.replace(text.find("0.25"), 4, amplitude);
+}
+
+/// What all particles have together is shared out by the count of the body, not of the figure.
+TEST(SurfaceFigure, SharesOutByTheCountOfTheBody) {
+  const Raster plain = *surface_of(scene_with(ground_with("0.05"))).panels[0].raster;
+  const Raster shared = *surface_of(scene_with(ground_with("\"0.25 / count\""))).panels[0].raster;
+  EXPECT_EQ(plain.values, shared.values);
+}
+
+TEST(SurfaceFigure, RefusesWhatDiffersBetweenParticles) {
+  for (const char* force :
+       {"amplitude = \"0.1 * random(3, i)\"", "amplitude = [0.1, 0.2, 0.1, 0.1, 0.1]"}) {
+    const std::string text = ground_with(std::string(force).substr(12));
+    EXPECT_THROW(surface_of(scene_with(text)), InputError) << force;
+  }
+  const std::string formula = R"(
+[[force]]
+name = "ground"
+type = "expression"
+body = "ring"
+period = [2.0, 0.0]
+energy = "0.25 * cos(pi*x) / PART"
+)";
+  for (const char* part : {"(1 + i)", "count"}) {
+    std::string text = formula;
+    text.replace(text.find("PART"), 4, part);
+    EXPECT_THROW(surface_of(scene_with(text)), InputError) << part;
+  }
+}
+
 TEST(SurfaceFigure, ARangeCutsThePath) {
   SurfaceRequest request;
   request.from = 0.5;

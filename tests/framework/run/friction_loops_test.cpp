@@ -268,6 +268,34 @@ TEST(FrictionLoop, LimitsCountAlternately) {
   EXPECT_GT(farthest(", times = 1000"), 6.0);
 }
 
+/// A body that first swings back through the limit behind the driver does not turn it round.
+TEST(FrictionLoop, TheLimitBehindTheDriverCountsSecond) {
+  for (const double way : {1.0, -1.0}) {
+    const double above = way > 0.0 ? 2.0 : 0.1;
+    const double below = way > 0.0 ? -0.1 : -2.0;
+    const RunResult result = run_text(R"([[body]]
+name = "tip"
+type = "point"
+position = [0.0]
+velocity = [)" + digits(-0.5 * way) + R"(]
+particle_mass = 1.0
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 2.0
+velocity = [)" + digits(0.05 * way) + "]\nreverse = " +
+                                      between(below, above, "bodies.tip.centre_of_mass.x") + R"(
+[[force]]
+type = "viscous_damping"
+coefficient = 1.0
+[run]
+duration = 400.0
+integrator = )" + fixed_step(0.02) + "\n");
+    // Strokes of 2.1 at 0.05.
+    EXPECT_EQ(observable(result, "events.reversals").value(), 9.0);
+  }
+}
+
 TEST(FrictionLoop, LimitsOfTheEffectiveScene) {
   const auto effective = [](const std::string& reverse) {
     const auto scene =
