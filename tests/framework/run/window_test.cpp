@@ -71,5 +71,27 @@ measure = { from = 100.0, to = 1350.0 }
   }
 }
 
+/// A period of an oblique pull is over when all axes have come back, where they ever do.
+TEST(Window, OfAnObliquePullIsOfWholePeriodsAlongAllAxes) {
+  const auto length = [](const std::string& velocity) {
+    const RunResult found = run_text(R"(
+body = [{ name = "tip", type = "point", position = [0.0, 0.0], particle_mass = 1.0 }]
+force = [
+  { name = "driver", type = "driving_spring", stiffness = 2.0, velocity = )" + velocity + R"( },
+  { type = "viscous_damping", coefficient = 2.0 },
+  { type = "lattice_substrate", lattice = "square", period = 1.0, amplitude = 0.05 },
+]
+run = { duration = 50.0, integrator = { type = "rk4", dt = 0.05 } }
+measure = { from = 1.0, to = 2.0, in = "driver_periods" }
+)");
+    return found.window_to - found.window_from;
+  };
+  EXPECT_DOUBLE_EQ(length("[0.1, 0.0]"), 10.0);
+  EXPECT_DOUBLE_EQ(length("[0.1, -0.1]"), 10.0);
+  EXPECT_DOUBLE_EQ(length("[0.05, 0.1]"), 20.0);
+  EXPECT_DOUBLE_EQ(length("[-0.15, 0.05]"), 20.0);
+  EXPECT_THROW(length("[0.1, 0.0618]"), InputError);
+}
+
 }  // namespace
 }  // namespace tomlin::test
