@@ -329,7 +329,8 @@ std::array<double, 3> lattice_curvatures(const Description& d) {
     yy = scale * bound(1, 1);
     xy = scale * bound(0, 1);
   }
-  for (const LatticeHarmonic& harmonic : lattice_harmonics(d)) {
+  const auto harmonics = d.map ? std::vector<LatticeHarmonic>() : lattice_harmonics(d);
+  for (const LatticeHarmonic& harmonic : harmonics) {
     const double x = kTau * (harmonic.m * b[0][0].hi + harmonic.n * b[1][0].hi);
     const double y = kTau * (harmonic.m * b[0][1].hi + harmonic.n * b[1][1].hi);
     const double size = std::abs(harmonic.amplitude);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <memory>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -86,7 +87,13 @@ bool is_uniform(const SceneForce& force) {
     const FormulaLaw law(*energy, {});
     if (law.depends_on_particle() || law.uses(formula_variable::count)) return false;
   }
-  return force.variations.empty();
+  return std::all_of(force.variations.begin(), force.variations.end(), [](const Variation& one) {
+    const auto same = [](const auto& list) {
+      return std::equal(list.begin() + 1, list.end(), list.begin());
+    };
+    const auto* numbers = std::get_if<PerParticle>(&one.values);
+    return numbers ? same(numbers->values) : same(std::get<PerParticleVector>(one.values).values);
+  });
 }
 
 /// The keys of a force as the scene has them, with the numbers that they have there: an expression
