@@ -394,12 +394,14 @@ const std::filesystem::path& read_from(const Description& d) { return d.read_fro
 void assign_energies(void* description, ParameterValue value) {
   auto energies = std::get<NumberTable>(std::move(value));
   auto& d = *static_cast<Description*>(description);
-  d.map = energies.numbers.empty() ? nullptr : std::make_shared<EnergyMap>(std::move(energies));
+  d.map = energies.numbers.empty()
+              ? nullptr
+              : std::make_shared<PeriodicSpline>(energies.columns, std::move(energies.numbers));
 }
 
 ParameterValue read_energies(const void* description) {
   const auto& d = *static_cast<const Description*>(description);
-  return d.map ? d.map->values() : NumberTable{};
+  return d.map ? NumberTable{d.map->columns(), d.map->values()} : NumberTable{};
 }
 
 std::vector<Complaint> prepare(Description& d, const std::filesystem::path& folder) {
@@ -413,8 +415,7 @@ std::vector<Complaint> prepare(Description& d, const std::filesystem::path& fold
   FetchedNumbers fetched = fetch_numbers(d.energy_map, folder, "energy_map", kMostPoints,
                                          fmt::format(", but a map has at most {}", kMostPoints));
   if (fetched.complaints.empty()) {
-    d.map = std::make_shared<EnergyMap>(
-        NumberTable{fetched.file.columns, std::move(fetched.file.numbers)});
+    d.map = std::make_shared<PeriodicSpline>(fetched.file.columns, std::move(fetched.file.numbers));
   }
   d.read_from = std::move(fetched.path);
   d.energy_map.clear();
@@ -424,11 +425,11 @@ std::vector<Complaint> prepare(Description& d, const std::filesystem::path& fold
 /// How far the spline may be from the function whose values the map has.
 std::string note(const Description& d) {
   if (!d.map) return {};
-  const NumberTable& grid = d.map->values();
-  const auto [lowest, highest] = std::minmax_element(grid.numbers.begin(), grid.numbers.end());
+  const auto& energies = d.map->values();
+  const auto [lowest, highest] = std::minmax_element(energies.begin(), energies.end());
   const double scale = std::abs(d.energy_scale);
   const double corrugation = scale * (*highest - *lowest);
-  const EnergyMap::Error error = d.map->error();
+  const PeriodicSpline::Error error = d.map->error();
   const auto b = reciprocal_lattice(d);
   double force = 0.0;
   for (std::size_t axis = 0; axis < 2; ++axis) {
@@ -438,7 +439,7 @@ std::string note(const Description& d) {
   return fmt::format(
       "energy map of {} x {} points, corrugation {:.4g}; its spline differs from trigonometric "
       "interpolation by up to {:.2g} in energy and {:.2g} in a component of the force",
-      grid.rows(), grid.columns, corrugation, scale * error.energy, scale * force);
+      d.map->rows(), d.map->columns(), corrugation, scale * error.value, scale * force);
 }
 
 // ---- faults
@@ -577,17 +578,17 @@ class Check {
       add(FaultCode::scene_wrong_count, "decay",
           fmt::format("{} entries for a map", d_.decay.numbers.size()), "one number");
     }
-    const NumberTable& grid = d_.map->values();
+    const std::size_t rows = d_.map->rows();
+    const std::size_t columns = d_.map->columns();
     const auto fits = [](std::size_t points) {
       return points >= kFewestPoints && points <= kMostPoints;
     };
-    if (is_line(d_) && grid.columns != 1) {
+    if (is_line(d_) && columns != 1) {
       add(FaultCode::scene_wrong_count, key,
-          fmt::format("{} columns, but the energy depends on x alone", grid.columns),
+          fmt::format("{} columns, but the energy depends on x alone", columns),
           "one column; or a lattice in the plane");
-    } else if (!fits(grid.rows()) || !(is_line(d_) || fits(grid.columns))) {
-      add(FaultCode::scene_wrong_count, key,
-          fmt::format("a grid of {} x {} points", grid.rows(), grid.columns),
+    } else if (!fits(rows) || !(is_line(d_) || fits(columns))) {
+      add(FaultCode::scene_wrong_count, key, fmt::format("a grid of {} x {} points", rows, columns),
           fmt::format("{} to {} rows along the first lattice vector, {}", kFewestPoints,
                       kMostPoints,
                       is_line(d_) ? "of one column" : "as many columns along the second"));

@@ -8,10 +8,10 @@
 #include <type_traits>
 #include <vector>
 
-#include "forcefields/energy_map.hpp"
 #include "framework/core/elements/element.hpp"
 #include "framework/core/numbers/double_double.hpp"
 #include "framework/core/numbers/number_types.hpp"
+#include "framework/core/numbers/periodic_spline.hpp"
 #include "framework/core/records/bound_force.hpp"
 #include "framework/core/records/parameter.hpp"
 #include "framework/core/records/registry.hpp"
@@ -36,7 +36,7 @@
 ///   d_s  decay                  1/length, 0: no dependence on height
 ///   W    repulsion              energy per particle
 ///   w    repulsion_decay        1/length
-///   M    energies, energy_map   energy per particle; spline of energy_map.hpp
+///   M    energies, energy_map   energy per particle; spline of periodic_spline.hpp
 ///   e    energy_scale           dimensionless
 ///
 /// Lattices with their first vector along x, turned counter-clockwise by the misfit:
@@ -86,7 +86,7 @@ struct LatticeSubstrateDescription {
   WordOrNumbers amplitudes;    // of the stars, or of the harmonics
   PointList harmonics;         // [m, n]
   std::string energy_map;      // empty once its energies are fetched: see read_from
-  std::shared_ptr<const EnergyMap> map;
+  std::shared_ptr<const PeriodicSpline> map;
   double energy_scale = 1.0;
   std::filesystem::path read_from;
   HeightAxis height = HeightAxis::z;
@@ -245,6 +245,21 @@ struct LatticeSum {
       pull[1] = fma(w.cosine[0][m], even_slope, w.sine[0][m] * odd_slope);
     }
     return pull;
+  }
+};
+
+/// In place of the sum: a map of the energy over the cell.
+template <class T, int phases>
+struct LatticeMap {
+  static constexpr int kTerms = 1;  ///< that depend on the height each by its own
+  using Waves = SplinePlace<T, phases>;
+
+  T scale;
+
+  TOMLIN_INLINE T energy(const Waves& place) const { return scale * place.value(); }
+  /// By turns.
+  TOMLIN_INLINE Vec<T, phases> pull(const Waves& place) const {
+    return (-scale) * place.gradient();
   }
 };
 

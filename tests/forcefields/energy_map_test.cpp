@@ -1,5 +1,3 @@
-#include "forcefields/energy_map.hpp"
-
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -12,6 +10,7 @@
 #include "forcefields/lattice_substrate.hpp"
 #include "framework/core/elements/element.hpp"
 #include "framework/core/numbers/constants.hpp"
+#include "framework/core/numbers/periodic_spline.hpp"
 #include "framework/run/observables.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
 #include "tests/support/random_description.hpp"
@@ -53,7 +52,7 @@ Surface surface_of(NumberTable grid, SurfaceLattice lattice = SurfaceLattice::he
   d.lattice = lattice;
   d.period = 1.0;
   d.misfit = misfit;
-  d.map = std::make_shared<EnergyMap>(std::move(grid));
+  d.map = std::make_shared<PeriodicSpline>(grid.columns, std::move(grid.numbers));
   return d;
 }
 
@@ -120,8 +119,8 @@ TEST(EnergyMap, OfAWaveItIsTheClosedForm) {
       largest =
           std::max(largest, std::abs(std::cos(kTau * (static_cast<double>(k) + 0.5) / count)));
     }
-    EXPECT_NEAR(d.map->error().energy, std::abs(1.0 - ratio) * largest, kFewRoundings);
-    EXPECT_GT(d.map->error().energy, 1e-7) << "negative control";
+    EXPECT_NEAR(d.map->error().value, std::abs(1.0 - ratio) * largest, kFewRoundings);
+    EXPECT_GT(d.map->error().value, 1e-7) << "negative control";
   }
 }
 
@@ -156,11 +155,11 @@ TEST(EnergyMap, ErrorsFallWithTheSpacingAndAreTold) {
   for (const std::size_t points : {32U, 64U, 128U}) {
     const Surface d = surface_of(grid_of(points, points), SurfaceLattice::square);
     const Errors found = errors_of(d);
-    const EnergyMap::Error told = d.map->error();
+    const PeriodicSpline::Error told = d.map->error();
     // 900 random places hit neither maximum exactly; of several waves the told one is at grid
     // places.
-    EXPECT_GT(told.energy, 0.8 * found.energy);
-    EXPECT_LT(told.energy, 1.25 * found.energy);
+    EXPECT_GT(told.value, 0.8 * found.energy);
+    EXPECT_LT(told.value, 1.25 * found.energy);
     EXPECT_GT(told.slope_u, 0.7 * found.slope);
     EXPECT_LT(told.slope_u, 1.4 * found.slope);
     if (before.energy > 0.0) {

@@ -1,4 +1,4 @@
-#include "forcefields/energy_map.hpp"
+#include "framework/core/numbers/periodic_spline.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -61,35 +61,34 @@ void apply(const std::vector<double>& weights, double* values, std::size_t step)
   }
 }
 
-enum class Quantity { energy, slope_u, slope_v };
+enum class Quantity { value, slope_u, slope_v };
 
 /// The largest difference between the spline and the trigonometric interpolation, as far behind
 /// each point of the grid.
-template <int phases>
-double largest_difference(const EnergyMap& map, Quantity quantity, double shift_u, double shift_v) {
-  const NumberTable& grid = map.values();
-  const std::size_t rows = grid.rows();
-  const std::size_t columns = grid.columns;
-  std::vector<double> due = grid.numbers;
+template <int axes>
+double largest_difference(const PeriodicSpline& spline, Quantity quantity, double shift_u,
+                          double shift_v) {
+  const std::size_t rows = spline.rows();
+  const std::size_t columns = spline.columns();
+  std::vector<double> due = spline.values();
   const auto along_u = trigonometric_weights(rows, shift_u, quantity == Quantity::slope_u);
   for (std::size_t n = 0; n < columns; ++n) apply(along_u, due.data() + n, columns);
-  if constexpr (phases == 2) {
+  if constexpr (axes == 2) {
     const auto along_v = trigonometric_weights(columns, shift_v, quantity == Quantity::slope_v);
     for (std::size_t m = 0; m < rows; ++m) apply(along_v, due.data() + m * columns, 1);
   }
-  const LatticeMap<double, phases> spline{1.0};
   double largest = 0.0;
   for (std::size_t m = 0; m < rows; ++m) {
     for (std::size_t n = 0; n < columns; ++n) {
-      Vec<double, phases> place;
-      place[0] = (static_cast<double>(m) + shift_u) / static_cast<double>(rows);
-      if constexpr (phases == 2) {
-        place[1] = (static_cast<double>(n) + shift_v) / static_cast<double>(columns);
+      Vec<double, axes> periods;
+      periods[0] = (static_cast<double>(m) + shift_u) / static_cast<double>(rows);
+      if constexpr (axes == 2) {
+        periods[1] = (static_cast<double>(n) + shift_v) / static_cast<double>(columns);
       }
-      const typename LatticeMap<double, phases>::Waves waves(place, map.table());
-      const double found = quantity == Quantity::energy
-                               ? spline.energy(waves)
-                               : -spline.pull(waves)[quantity == Quantity::slope_v];
+      const SplinePlace<double, axes> place(periods, spline.table());
+      const double found = quantity == Quantity::value
+                               ? place.value()
+                               : place.gradient()[quantity == Quantity::slope_v];
       largest = std::max(largest, std::abs(found - due[m * columns + n]));
     }
   }
@@ -98,10 +97,10 @@ double largest_difference(const EnergyMap& map, Quantity quantity, double shift_
 
 }  // namespace
 
-EnergyMap::EnergyMap(NumberTable values) : values_(std::move(values)) {
-  const std::size_t rows = values_.rows();
-  const std::size_t columns = values_.columns;
-  std::vector<double> coefficients = values_.numbers;
+PeriodicSpline::PeriodicSpline(std::size_t columns, std::vector<double> values)
+    : columns_(columns), values_(std::move(values)) {
+  const std::size_t rows = this->rows();
+  std::vector<double> coefficients = values_;
   for (std::size_t n = 0; n < columns; ++n) {
     make_coefficients(coefficients.data() + n, rows, columns);
   }
@@ -109,7 +108,7 @@ EnergyMap::EnergyMap(NumberTable values) : values_(std::move(values)) {
     make_coefficients(coefficients.data() + m * columns, columns, 1);
   }
   table_ = {static_cast<double>(rows), static_cast<double>(columns)};
-  table_.reserve(kEnergyMapHead + (rows + 3) * (columns + 3));
+  table_.reserve(kSplineHead + (rows + 3) * (columns + 3));
   for (std::size_t m = 0; m < rows + 3; ++m) {
     for (std::size_t n = 0; n < columns + 3; ++n) {
       // The first is that before the first point.
@@ -121,13 +120,13 @@ EnergyMap::EnergyMap(NumberTable values) : values_(std::move(values)) {
   curvatures_ = bounds_on_curvatures();
 }
 
-std::array<double, 3> EnergyMap::bounds_on_curvatures() const {
+std::array<double, 3> PeriodicSpline::bounds_on_curvatures() const {
   // Between points a second derivative is a mean of the nearest second differences.
-  const std::size_t rows = values_.rows();
-  const std::size_t columns = values_.columns;
+  const std::size_t rows = this->rows();
+  const std::size_t columns = columns_;
   const std::size_t stride = columns + 3;
   const auto at = [&](std::size_t m, std::size_t n) {
-    return table_[kEnergyMapHead + m * stride + n];
+    return table_[kSplineHead + m * stride + n];
   };
   std::array<double, 3> most{};
   const auto note = [&most](int which, double difference) {
@@ -146,14 +145,14 @@ std::array<double, 3> EnergyMap::bounds_on_curvatures() const {
   return {kUnit * u * u * most[0], kUnit * v * v * most[1], kUnit * u * v * most[2]};
 }
 
-EnergyMap::Error EnergyMap::error() const {
+PeriodicSpline::Error PeriodicSpline::error() const {
   constexpr double kMiddle = 0.5;
   constexpr double kQuarter = 0.25;
-  if (values_.columns == 1) {
-    return {largest_difference<1>(*this, Quantity::energy, kMiddle, 0.0),
+  if (columns_ == 1) {
+    return {largest_difference<1>(*this, Quantity::value, kMiddle, 0.0),
             largest_difference<1>(*this, Quantity::slope_u, kQuarter, 0.0), 0.0};
   }
-  return {largest_difference<2>(*this, Quantity::energy, kMiddle, kMiddle),
+  return {largest_difference<2>(*this, Quantity::value, kMiddle, kMiddle),
           largest_difference<2>(*this, Quantity::slope_u, kQuarter, kMiddle),
           largest_difference<2>(*this, Quantity::slope_v, kMiddle, kQuarter)};
 }
