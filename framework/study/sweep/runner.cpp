@@ -9,6 +9,7 @@
 #include <new>
 #include <numeric>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -78,15 +79,16 @@ class SweepWork {
 
   SweepProgress run() {
     const std::size_t left = progress_.points - progress_.before;
-    running_ = std::clamp<std::size_t>(options_.threads, 1, std::max<std::size_t>(1, left));
+    const auto count = std::clamp<std::size_t>(options_.threads, 1, std::max<std::size_t>(1, left));
+    running_ = count;
     std::vector<std::thread> threads;
     try {
-      for (std::size_t k = running_; k > 0; --k) threads.emplace_back([this] { work(); });
+      while (threads.size() < count) threads.emplace_back([this] { work(); });
     } catch (const std::system_error&) {
       // The system gives no more of them: fewer take longer.
       if (threads.empty()) throw;
       const std::lock_guard lock(mutex_);
-      running_ -= std::min(running_, options_.threads) - threads.size();
+      running_ -= count - threads.size();
     }
     watch();
     for (std::thread& thread : threads) thread.join();
