@@ -340,6 +340,24 @@ Json run_schema() {
   return schema;
 }
 
+/// Names of `over` are free; those with dots may be tables in one another.
+Json sweep_schema() {
+  return table_schema(
+      sweep_layout(),
+      {{"over", {{"type", "object"}, {"additionalProperties", reference_to("sweep.values")}}},
+       {"zip", list_of({{"type", {"string", "array"}}, {"items", only("type", "string")}})},
+       {"observables", list_of(only("type", "string"))}});
+}
+
+/// "1e-4:1e-1:31:log", or a list of anything that a scene takes.
+Json sweep_values_schema() {
+  Json schema = list_of(Json::object());
+  schema["type"] = {"string", "array", "object"};
+  schema["minLength"] = 1;
+  schema["additionalProperties"] = reference_to("sweep.values");
+  return schema;
+}
+
 Json components_schema(const std::string& kind, int fewest, const char* what) {
   return {{"description", what},
           {"type", "array"},
@@ -360,6 +378,7 @@ Json section_schema(const std::string& key) {
   if (key == "run") return run_schema();
   if (key == "measure") return table_schema(measure_layout());
   if (key == "output") return table_schema(output_layout());
+  if (key == "sweep") return sweep_schema();
   if (key == "plugins") {
     return {{"type", "array"}, {"items", {{"type", "string"}, {"minLength", 1}}}};
   }
@@ -376,6 +395,7 @@ std::string scene_schema(const Registry& registry) {
     sections[table.name] = described(table.summary, sections[table.name]);
   }
   Json definitions = Json::object();
+  definitions["sweep.values"] = sweep_values_schema();
   define_components(definitions, "body", registry.bodies(), body_layout);
   define_components(definitions, "force", registry.forces(), force_layout);
   define_components(definitions, "integrator", registry.integrators(), integrator_layout);
