@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <variant>
@@ -75,9 +76,12 @@ is a row with its reason. DIR then holds
   sweep.json      axes, observables, counts, warnings
   scene.toml      the scene with all defaults and [sweep]
   sweep.journal   a record for each point that has ended
+  sweep.points/   while the sweep goes on, checkpoints of points that take longer than
+                  [run] checkpoint_every, or that were stopped
 
 Ctrl-C ends a sweep early. A sweep that was stopped or killed is continued by the same command:
-points with a row are not run again, and the results have the bytes of a sweep that was left alone.
+points with a row are not run again, those with a checkpoint resume from it, and the results have the
+bytes of a sweep that was left alone.
 
 Exit status: 0 every point has a row; 1 the results could not be written; 2 the input was not right,
 and nothing was written; 130 or 143 after an interrupt.)";
@@ -85,6 +89,9 @@ and nothing was written; 130 or 143 after an interrupt.)";
 constexpr std::array kSweepFiles = {kSweepSummaryFile, kSweepTableFile, kSweepArraysFile,
                                     kSweepJournalFile, kSceneFile};
 constexpr std::array kSweepResults = {kSweepSummaryFile, kSweepTableFile, kSweepArraysFile};
+
+/// With the checkpoints of points, while the sweep goes on.
+constexpr const char* kPointsFolder = "sweep.points";
 
 std::string default_folder(const std::string& scene_file) {
   return fs::path(scene_file).stem().string() + ".sweep.out";
@@ -262,7 +269,11 @@ int sweep(const SweepArguments& arguments) {
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
   StopSignals signals;
-  if (arguments.force) folder.remove(kSweepJournalFile);
+  std::error_code error;
+  if (arguments.force) {
+    folder.remove(kSweepJournalFile);
+    fs::remove_all(folder.file(kPointsFolder), error);
+  }
   SweepJournal journal(folder.file(kSweepJournalFile), plan);
   // Where one of them is, it belongs to all rows.
   const bool had_all = holds_all_results(folder);
@@ -279,6 +290,7 @@ int sweep(const SweepArguments& arguments) {
 
   SweepOptions options;
   options.threads = threads;
+  options.checkpoints = folder.file(kPointsFolder);
   options.stop = &signals.stop();
   options.on_progress = [&progress_line](const SweepProgress& now) {
     progress_line.show(sweep_progress_text(now), now.seconds);
@@ -288,6 +300,7 @@ int sweep(const SweepArguments& arguments) {
 
   std::optional<SweepCounts> counts;
   if (progress.complete()) {
+    fs::remove(folder.file(kPointsFolder), error);  // it is empty
     counts = count_rows(plan, journal);
     write_sweep_table(folder.file(kSweepTableFile), plan, journal);
     write_sweep_arrays(folder.file(kSweepArraysFile), plan, journal);

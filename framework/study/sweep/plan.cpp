@@ -84,6 +84,7 @@ SweepPlan::SweepPlan(SceneDocument document, const Registry& registry,
   find_observables(faults);
   if (!faults.empty()) throw InputError(std::move(faults));
   name_columns();
+  identity_ = find_identity();
 }
 
 std::size_t SweepPlan::index(std::size_t axis, std::size_t point) const {
@@ -232,7 +233,7 @@ std::string SweepPlan::scene_text() const {
   return text;
 }
 
-std::uint64_t SweepPlan::identity() const {
+std::uint64_t SweepPlan::find_identity() const {
   std::string text = program_version_ + "\n" + without_plugin_paths(scene_text()) + "\n";
   for (const Library& library : scene_->libraries) text += library.hash + "\n";
   for (const SweepColumn& column : columns_) text += column.name + "\n";

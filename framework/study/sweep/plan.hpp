@@ -81,13 +81,14 @@ class SweepPlan {
   /// The scene with `[sweep]` as it was asked for: `tomlin sweep` of it is the same sweep.
   std::string scene_text() const;
   /// The same for the same program, scene, plugins, axes and observables, and for no other.
-  std::uint64_t identity() const;
+  std::uint64_t identity() const { return identity_; }
 
  private:
   void check_axes(std::vector<Fault>& faults) const;
   void check_axis(const SweepAxis& axis, std::vector<Fault>& faults) const;
   void find_observables(std::vector<Fault>& faults);
   void name_columns();
+  std::uint64_t find_identity() const;
 
   SceneDocument document_;
   const Registry& registry_;
@@ -102,6 +103,7 @@ class SweepPlan {
   std::vector<SweepObservable> observables_;
   std::vector<std::string> paths_;
   std::vector<SweepColumn> columns_;
+  std::uint64_t identity_ = 0;
 };
 
 }  // namespace tomlin

@@ -6,17 +6,22 @@
 #include <condition_variable>
 #include <exception>
 #include <limits>
+#include <memory>
 #include <new>
 #include <numeric>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "framework/core/text/fault.hpp"
 #include "framework/run/observables.hpp"
 #include "framework/study/accuracy.hpp"
 #include "framework/study/methods.hpp"
+#include "framework/study/sweep/point_checkpoint.hpp"
 
 namespace tomlin {
 namespace {
@@ -68,6 +73,21 @@ SweepRow row_of(const SweepPlan& plan, const RunResult& result) {
   return row;
 }
 
+RunResult resumed(const std::shared_ptr<const Scene>& scene, RunOptions options,
+                  PointCheckpoint& checkpoint) {
+  options.sink = &checkpoint;
+  options.store = &checkpoint;
+  if (!checkpoint.state().empty()) {
+    options.resume_from = &checkpoint.state();
+    try {
+      return run(scene, options);
+    } catch (const std::invalid_argument&) {
+      options.resume_from = nullptr;  // of a program with other numbers in its state
+    }
+  }
+  return run(scene, options);
+}
+
 /// The threads of a sweep and what they have done.
 class SweepWork {
  public:
@@ -109,7 +129,7 @@ class SweepWork {
       while (!halt_) {
         const std::vector<std::size_t> points = queue_.take(1);
         if (points.empty()) break;
-        const auto row = run_point(plan_, points.front(), &halt_);
+        const auto row = run_point(plan_, points.front(), &halt_, options_.checkpoints);
         if (!row) break;
         rows_.keep(points.front(), *row);
         const std::lock_guard lock(mutex_);
@@ -170,13 +190,25 @@ std::size_t SweepProgress::with_row() const {
 }
 
 std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
-                                  const std::atomic<bool>* stop) {
+                                  const std::atomic<bool>* stop,
+                                  const std::filesystem::path& checkpoints) {
   try {
+    const auto scene = plan.scene_at(point);
     RunOptions options;
     options.stop = stop;
     options.observables = plan.paths();
-    const RunResult result = run(plan.scene_at(point), options);
-    if (result.status == RunStatus::interrupted) return std::nullopt;
+    std::optional<PointCheckpoint> checkpoint;
+    if (!checkpoints.empty()) {
+      checkpoint.emplace(checkpoints / fmt::format("{}.store", point),
+                         fmt::format("sweep {:x}, point {}", plan.identity(), point),
+                         scene->run.checkpoint_every);
+    }
+    const RunResult result = checkpoint ? resumed(scene, options, *checkpoint) : run(scene, options);
+    if (result.status == RunStatus::interrupted) {
+      if (checkpoint) checkpoint->write();
+      return std::nullopt;
+    }
+    if (checkpoint) checkpoint->remove();
     return row_of(plan, result);
   } catch (const InputError& error) {
     return row_without_numbers(plan, SweepStatus::refused, condensed(error));

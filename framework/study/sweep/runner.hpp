@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -42,14 +43,18 @@ struct SweepProgress {
 struct SweepOptions {
   std::size_t threads = 1;
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal: rows so far are kept
+  /// A folder for the checkpoints of points that take long; none: they start again.
+  std::filesystem::path checkpoints = {};
   /// Called from the thread that called run_sweep(), twice a second.
   std::function<void(const SweepProgress&)> on_progress = {};
 };
 
 /// The row of a point; nothing when it was stopped. What a scene refuses and how a run fails is in
-/// the row.
+/// the row. With a folder, a run that is stopped or takes longer than `[run] checkpoint_every` leaves
+/// there what the next one resumes from.
 std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
-                                  const std::atomic<bool>* stop = nullptr);
+                                  const std::atomic<bool>* stop = nullptr,
+                                  const std::filesystem::path& checkpoints = {});
 
 /// Runs every point that has no row, and keeps what it gives. A point that is stopped leaves no
 /// row. Throws what SweepRows throws, once all threads have ended.

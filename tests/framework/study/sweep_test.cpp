@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include <mutex>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -18,6 +20,7 @@
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/journal.hpp"
 #include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/point_checkpoint.hpp"
 #include "framework/study/sweep/runner.hpp"
 #include "tests/framework/output/disk_limit.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
@@ -322,6 +325,64 @@ TEST(Sweep, StopsWithoutARow) {
   const SweepProgress progress = run_sweep(plan, rows, {.threads = 2, .stop = &stop});
   EXPECT_TRUE(rows.rows.empty());
   EXPECT_EQ(progress.with_row(), 0);
+}
+
+/// A point that is stopped half-way resumes, whatever its run consists of, and its row has the same
+/// bits.
+TEST(Sweep, PointsResumeFromTheirCheckpoint) {
+  for (const Case& one : cases()) {
+    const TemporaryFolder folder;
+    const SweepPlan plan = plan_over(one.text, one.axes, one.observables,
+                                     {{"run.checkpoint_every", "1e-9"}});
+    const SweepRow due = *run_point(plan, 0);
+    const std::filesystem::path file = folder / "0.store";
+    std::optional<SweepRow> row;
+    int stops = 0;
+    for (; !row && stops < 40; ++stops) {
+      std::atomic<bool> stop = false;
+      std::thread stopper([&stop, stops] {
+        std::this_thread::sleep_for(std::chrono::microseconds(300 * (stops + 1)));
+        stop = true;
+      });
+      row = run_point(plan, 0, &stop, folder.path());
+      stopper.join();
+      EXPECT_EQ(std::filesystem::exists(file), !row) << one.name;
+    }
+    if (!row) row = run_point(plan, 0, nullptr, folder.path());
+    ASSERT_TRUE(row) << one.name;
+    EXPECT_EQ(bits_of(row->numbers), bits_of(due.numbers)) << one.name << ", stops: " << stops;
+    EXPECT_FALSE(std::filesystem::exists(file)) << one.name;
+  }
+}
+
+/// A long run goes on rather than starting again.
+TEST(Sweep, WhatWasDoneOfAPointIsNotDoneAgain) {
+  const TemporaryFolder folder;
+  const SweepPlan plan = plan_over(kSweptTip, {{{"v", "1e-2,2e-2"}}}, {"time.end"},
+                                   {{"run.duration", "1e9"}});
+  std::vector<double> times;
+  for (int k = 0; k < 2; ++k) {
+    std::atomic<bool> stop = false;
+    std::thread stopper([&stop] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      stop = true;
+    });
+    EXPECT_FALSE(run_point(plan, 0, &stop, folder.path()));
+    stopper.join();
+    PointCheckpoint kept(folder / "0.store", fmt::format("sweep {:x}, point 0", plan.identity()),
+                         60.0);
+    ASSERT_FALSE(kept.state().empty());
+    RunOptions options = options_to_bind();
+    options.resume_from = &kept.state();
+    times.push_back(Engine(plan.scene_at(0), options).time());
+    // Of no use to another point.
+    EXPECT_TRUE(PointCheckpoint(folder / "0.store",
+                                fmt::format("sweep {:x}, point 1", plan.identity()), 60.0)
+                    .state()
+                    .empty());
+  }
+  EXPECT_GT(times[0], 0.0);
+  EXPECT_GT(times[1], times[0]);
 }
 
 TEST(Sweep, WhatHasARowIsNotRunAgain) {
