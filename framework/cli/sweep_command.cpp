@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <csignal>
 #include <cstddef>
 #include <filesystem>
@@ -11,6 +12,8 @@
 #include <utility>
 #include <variant>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "framework/cli/command.hpp"
 #include "framework/cli/exit_status.hpp"
@@ -40,6 +43,7 @@ struct SweepArguments : SceneOptions {
   std::vector<std::string> observables;
   std::optional<std::string> folder;
   std::size_t threads = 0;  ///< 0: one for each processor
+  std::optional<std::string> trace;
   bool dry_run = false;
   bool force = false;
   bool quiet = false;
@@ -76,8 +80,8 @@ is a row with its reason. DIR then holds
   sweep.json      axes, observables, counts, warnings
   scene.toml      the scene with all defaults and [sweep]
   sweep.journal   a record for each point that has ended
-  sweep.points/   while the sweep goes on, checkpoints of points that take longer than
-                  [run] checkpoint_every, or that were stopped
+  sweep.points/   the results of tomlin run for the rows of --trace (0,5-7, or all); while the sweep
+                  goes on, checkpoints of points that take longer than [run] checkpoint_every
 
 Ctrl-C ends a sweep early. A sweep that was stopped or killed is continued by the same command:
 points with a row are not run again, those with a checkpoint resume from it, and the results have the
@@ -112,6 +116,8 @@ void add_options(CLI::App& parser, SweepArguments& arguments) {
   parser.add_option("--threads", arguments.threads, "how many; one for each processor by default")
       ->type_name("N")
       ->check(CLI::Range(std::size_t{1}, std::size_t{4096}));
+  parser.add_option("--trace", arguments.trace, "rows, counted from 0, whose full results are kept")
+      ->type_name("ROWS");
   parser.add_flag("--dry-run", arguments.dry_run,
                   "only show how many points there are and what they cost");
   add_force_option(parser, arguments.force,
@@ -193,6 +199,49 @@ SweepSettings settings_of(const SceneDocument& document, const SweepArguments& a
   return settings;
 }
 
+/// "all", or rows and ranges of them: "0,5-7". Adds a fault for what is neither.
+std::vector<std::size_t> rows_in(const std::string& text, std::size_t points,
+                                 std::vector<Fault>& faults) {
+  std::vector<std::size_t> rows;
+  const auto number = [points](std::string_view digits) -> std::optional<std::size_t> {
+    std::size_t row = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), row);
+    const bool whole = error == std::errc() && end == digits.data() + digits.size();
+    return whole && row < points ? std::optional(row) : std::nullopt;
+  };
+  for (const std::string& part : names_in(text)) {
+    const std::size_t dash = part.find('-');
+    const auto first = part == "all" ? 0 : number(part.substr(0, dash));
+    const auto last = part == "all"                 ? points - 1
+                      : dash == std::string::npos ? first
+                                                  : number(part.substr(dash + 1));
+    if (!first || !last || *first > *last) {
+      faults.emplace_back(FaultCode::command_invalid_value, Place{"--trace"}, "",
+                          shortened(part, kLongestShownValue), "no row of this sweep",
+                          fmt::format("all, or rows from 0 to {}: 0,5-7", points - 1));
+      continue;
+    }
+    for (std::size_t row = *first; row <= *last; ++row) rows.push_back(row);
+  }
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  return rows;
+}
+
+/// Takes away what an earlier sweep has left of its points: nothing that others have put there.
+void remove_points(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> entries;
+  for (const auto& entry : fs::directory_iterator(folder, error)) entries.push_back(entry.path());
+  for (const fs::path& entry : entries) {
+    if (entry.extension() == ".store") fs::remove(entry, error);
+    if (!fs::is_directory(fs::symlink_status(entry, error))) continue;
+    for (const char* name : kFilesOfARun) fs::remove(entry / name, error);
+    fs::remove(entry, error);
+  }
+  fs::remove(folder, error);
+}
+
 /// Faults of options before those of a plan that is made without them.
 SweepPlan plan_of(SceneDocument document, const Registry& registry,
                   const SweepArguments& arguments) {
@@ -256,6 +305,10 @@ int sweep(const SweepArguments& arguments) {
   SceneDocument document(arguments.scene);
   const Registry registry = registry_with_plugins(arguments.plugins, {&document, 1});
   const SweepPlan plan = plan_of(std::move(document), registry, arguments);
+  std::vector<Fault> faults;
+  std::vector<std::size_t> traced;
+  if (arguments.trace) traced = rows_in(*arguments.trace, plan.points(), faults);
+  if (!faults.empty()) throw InputError(std::move(faults));
   const std::size_t threads =
       arguments.threads > 0 ? arguments.threads
                             : std::max<std::size_t>(1, std::thread::hardware_concurrency());
@@ -269,10 +322,9 @@ int sweep(const SweepArguments& arguments) {
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
   StopSignals signals;
-  std::error_code error;
   if (arguments.force) {
     folder.remove(kSweepJournalFile);
-    fs::remove_all(folder.file(kPointsFolder), error);
+    remove_points(folder.file(kPointsFolder));
   }
   SweepJournal journal(folder.file(kSweepJournalFile), plan);
   // Where one of them is, it belongs to all rows.
@@ -280,7 +332,7 @@ int sweep(const SweepArguments& arguments) {
   ProgressLine progress_line(arguments.quiet ? ProgressLine::Style::silent : progress_style());
   bool is_complete = true;
   for (std::size_t k = 0; k < plan.points() && is_complete; ++k) is_complete = journal.has(k);
-  if (had_all && is_complete) {
+  if (had_all && is_complete && traced.empty()) {
     if (arguments.quiet) return kExitDone;
     return print_result("finished already; nothing to do\n  results  " + where_results_are(folder) +
                         "\n");
@@ -290,7 +342,8 @@ int sweep(const SweepArguments& arguments) {
 
   SweepOptions options;
   options.threads = threads;
-  options.checkpoints = folder.file(kPointsFolder);
+  options.folder = folder.file(kPointsFolder);
+  options.traced = traced;
   options.stop = &signals.stop();
   options.on_progress = [&progress_line](const SweepProgress& now) {
     progress_line.show(sweep_progress_text(now), now.seconds);
@@ -300,7 +353,8 @@ int sweep(const SweepArguments& arguments) {
 
   std::optional<SweepCounts> counts;
   if (progress.complete()) {
-    fs::remove(folder.file(kPointsFolder), error);  // it is empty
+    std::error_code error;
+    fs::remove(folder.file(kPointsFolder), error);  // where it is empty
     counts = count_rows(plan, journal);
     write_sweep_table(folder.file(kSweepTableFile), plan, journal);
     write_sweep_arrays(folder.file(kSweepArraysFile), plan, journal);

@@ -22,6 +22,7 @@
 #include "framework/study/accuracy.hpp"
 #include "framework/study/methods.hpp"
 #include "framework/study/sweep/point_checkpoint.hpp"
+#include "framework/study/sweep/trace.hpp"
 
 namespace tomlin {
 namespace {
@@ -126,10 +127,11 @@ class SweepWork {
 
   void work() {
     try {
+      trace();
       while (!halt_) {
         const std::vector<std::size_t> points = queue_.take(1);
         if (points.empty()) break;
-        const auto row = run_point(plan_, points.front(), &halt_, options_.checkpoints);
+        const auto row = run_point(plan_, points.front(), &halt_, options_.folder);
         if (!row) break;
         rows_.keep(points.front(), *row);
         const std::lock_guard lock(mutex_);
@@ -143,6 +145,16 @@ class SweepWork {
     const std::lock_guard lock(mutex_);
     --running_;
     ended_.notify_one();
+  }
+
+  /// The traces that no other thread has begun.
+  void trace() {
+    while (!halt_) {
+      const std::size_t k = traces_begun_++;
+      if (k >= options_.traced.size()) return;
+      const std::size_t point = options_.traced[k];
+      if (!trace_point(plan_, point, options_.folder / fmt::format("{}", point), &halt_)) return;
+    }
   }
 
   /// Until all threads have ended.
@@ -167,6 +179,7 @@ class SweepWork {
   SweepQueue queue_;
   Clock::time_point started_ = Clock::now();
   std::atomic<bool> halt_ = false;
+  std::atomic<std::size_t> traces_begun_ = 0;
   std::mutex mutex_;
   std::condition_variable ended_;
   std::size_t running_ = 0;  ///< threads

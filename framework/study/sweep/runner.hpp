@@ -43,8 +43,11 @@ struct SweepProgress {
 struct SweepOptions {
   std::size_t threads = 1;
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal: rows so far are kept
-  /// A folder for the checkpoints of points that take long; none: they start again.
-  std::filesystem::path checkpoints = {};
+  /// A folder for the checkpoints of points that take long, NUMBER.store, and for traces, NUMBER/;
+  /// none: points start again.
+  std::filesystem::path folder = {};
+  /// Points of which all results of a run are left there as well.
+  std::vector<std::size_t> traced = {};
   /// Called from the thread that called run_sweep(), twice a second.
   std::function<void(const SweepProgress&)> on_progress = {};
 };

@@ -166,6 +166,38 @@ TEST_F(SweepCommand, ResultsThatWereRemovedComeBack) {
   EXPECT_EQ(results("a"), first);
 }
 
+/// Full results of chosen points are those of a run, in any number of threads and after a kill.
+TEST_F(SweepCommand, TracesAreRuns) {
+  const std::vector<std::string> options = {"--over", "v=1e-2,2e-2,3e-2", "--trace", "0,2",
+                                            "--set", "output.trajectory=true", "--threads", "2"};
+  const Ended ended = sweep(options);
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_FALSE(exists("tip.sweep.out/sweep.points/1"));
+  const std::string trace = "tip.sweep.out/sweep.points/2/";
+  ASSERT_EQ(tomlin({"run", "tip.toml", "--set", "v=3e-2", "--set", "output.trajectory=true", "-o", "run"}).status, 0);
+  for (const char* name : {"observables.csv", "events.csv", "trajectory.h5", "scene.toml"}) {
+    EXPECT_EQ(file(trace + name), file(std::string("run/") + name)) << name;
+  }
+  Json of_trace = Json::parse(file(trace + "summary.json"));
+  Json of_run = summary("run");
+  of_trace.erase("performance");
+  of_run.erase("performance");
+  EXPECT_EQ(of_trace, of_run);
+  // Later ones are added, and rows are not run again.
+  const std::string table = file("tip.sweep.out/sweep.csv");
+  std::vector<std::string> more = options;
+  more[3] = "all";
+  const Ended added = sweep(more);
+  EXPECT_EQ(added.status, 0) << added.err;
+  EXPECT_TRUE(contains(added.out, "for 0 points")) << added.out;
+  EXPECT_TRUE(exists("tip.sweep.out/sweep.points/1/summary.json"));
+  EXPECT_EQ(file("tip.sweep.out/sweep.csv"), table);
+  more[3] = "1,3,x,2-1";
+  const Ended wrong = sweep(more);
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_EQ(std::count(wrong.err.begin(), wrong.err.end(), '\n'), 3) << wrong.err;
+}
+
 TEST_F(SweepCommand, ASignalLeavesWhatIsDone) {
   const std::vector<std::string> options = {"--over", "v=1e-3:1e-1:400", "--threads", "2", "-o", "a"};
   for (const int signal : {SIGINT, SIGTERM}) {
