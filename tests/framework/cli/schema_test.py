@@ -502,6 +502,39 @@ class Summaries(unittest.TestCase):
             self.assertFalse(self.validator.is_valid(planted), plant.__name__)
 
 
+class Sweeps(unittest.TestCase):
+    """`tomlin schema --sweep` against what sweeps leave."""
+
+    def test_they_validate_and_planted_faults_are_seen(self):
+        printed = subprocess.run([PROGRAM, "schema", "--sweep"], capture_output=True, check=True)
+        schema = json.loads(printed.stdout)
+        jsonschema.Draft7Validator.check_schema(schema)
+        validator = jsonschema.Draft7Validator(schema)
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run(
+                [PROGRAM, "sweep", SOURCE / "scenarios/prandtl_tomlinson/stick_slip.toml",
+                 "--over", "v=0.1:0.3:3", "--over", "run.dynamics=inertial,overdamped",
+                 "--over", "run.integrator.relative_tolerance=1e-6,-1",
+                 "--observable", "driver.mean_force.x", "-o", folder],
+                capture_output=True, check=True)
+            sweep = json.loads(pathlib.Path(folder, "sweep.json").read_text())
+        self.assertEqual([fault.message for fault in validator.iter_errors(sweep)], [])
+        self.assertEqual(sweep["counts"]["refused"], 6)
+        for key in sweep:
+            planted = copy.deepcopy(sweep)
+            del planted[key]
+            self.assertFalse(validator.is_valid(planted), key)
+        for path, value in ((("points",), 1.5), (("axes", 0, "spacing"), "cubic"),
+                            (("axes", 0, "from"), "0.1"), (("counts", "unknown"), 1),
+                            (("observables", 0, "unit"), 1), (("status",), "failed")):
+            planted = copy.deepcopy(sweep)
+            place = planted
+            for part in path[:-1]:
+                place = place[part]
+            place[path[-1]] = value
+            self.assertFalse(validator.is_valid(planted), path)
+
+
 if __name__ == "__main__":
     if len(sys.argv) < 3:
         print(__doc__, file=sys.stderr)
