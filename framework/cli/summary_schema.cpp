@@ -132,7 +132,7 @@ std::string sweep_summary_schema() {
   axis["properties"]["to"] = {{"type", "number"}};
   axis["oneOf"] = {{{"required", {"values"}}}, {{"required", {"from", "to"}}}};
   Json counts = object();
-  for (const char* status : words_of<SweepStatus>()) counts["properties"][status] = count;
+  for (const std::string& status : words_of<SweepStatus>()) counts["properties"][status] = count;
   counts["additionalProperties"] = false;
   counts["description"] = "of points by their status; empty where the sweep was interrupted";
   Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"},
