@@ -143,15 +143,14 @@ std::string sweep_summary_schema() {
        {"scene", object()},
        {"sweep", {{"type", "string"}, {"description", "the same for the same sweep"}}},
        {"axes", list_of_these(std::move(axis))},
-       {"observables",
-        list_of_these(all_of({{"path", text}, {"column", text}, {"unit", text}, {"meaning", text}}))},
+       {"observables", list_of_these(all_of(
+                           {{"path", text}, {"column", text}, {"unit", text}, {"meaning", text}}))},
        {"points", count},
        {"counts", std::move(counts)},
-       {"warnings",
-        list_of_these(all_of({{"code", {{"enum", warning_ids()}}},
-                              {"meaning", text},
-                              {"points", count},
-                              {"first", count}}))},
+       {"warnings", list_of_these(all_of({{"code", {{"enum", warning_ids()}}},
+                                          {"meaning", text},
+                                          {"points", count},
+                                          {"first", count}}))},
        {"performance", object()}}));
   return schema.dump(2) + "\n";
 }

@@ -112,11 +112,13 @@ void add_options(CLI::App& parser, SweepArguments& arguments) {
       ->option_text("NAME,NAME ...")
       ->allow_extra_args(false);
   add_observable_option(parser, arguments.observables);
-  add_output_option(parser, arguments.folder, "DIR", "folder for the results; SCENE's stem + .sweep.out");
+  add_output_option(parser, arguments.folder, "DIR",
+                    "folder for the results; SCENE's stem + .sweep.out");
   parser.add_option("--threads", arguments.threads, "how many; one for each processor by default")
       ->type_name("N")
       ->check(CLI::Range(std::size_t{1}, std::size_t{4096}));
-  parser.add_option("--trace", arguments.trace, "rows, counted from 0, whose full results are kept")
+  parser
+      .add_option("--trace", arguments.trace, "rows, counted from 0, whose full results are kept")
       ->type_name("ROWS");
   parser.add_flag("--dry-run", arguments.dry_run,
                   "only show how many points there are and what they cost");
@@ -167,7 +169,8 @@ std::vector<std::string> names_in(const std::string& text) {
   return names;
 }
 
-/// `[sweep]` of the scene with what the options replace. Axes are replaced together, zips with them.
+/// `[sweep]` of the scene with what the options replace. Axes are replaced together, zips with
+/// them.
 SweepSettings settings_of(const SceneDocument& document, const SweepArguments& arguments,
                           std::vector<Fault>& faults) {
   SweepSettings settings = document.sweep().value_or(SweepSettings{});
@@ -212,7 +215,7 @@ std::vector<std::size_t> rows_in(const std::string& text, std::size_t points,
   for (const std::string& part : names_in(text)) {
     const std::size_t dash = part.find('-');
     const auto first = part == "all" ? 0 : number(part.substr(0, dash));
-    const auto last = part == "all"                 ? points - 1
+    const auto last = part == "all"               ? points - 1
                       : dash == std::string::npos ? first
                                                   : number(part.substr(dash + 1));
     if (!first || !last || *first > *last) {
@@ -309,9 +312,9 @@ int sweep(const SweepArguments& arguments) {
   std::vector<std::size_t> traced;
   if (arguments.trace) traced = rows_in(*arguments.trace, plan.points(), faults);
   if (!faults.empty()) throw InputError(std::move(faults));
-  const std::size_t threads =
-      arguments.threads > 0 ? arguments.threads
-                            : std::max<std::size_t>(1, std::thread::hardware_concurrency());
+  const std::size_t threads = arguments.threads > 0
+                                  ? arguments.threads
+                                  : std::max<std::size_t>(1, std::thread::hardware_concurrency());
   if (arguments.dry_run) return print_result(sweep_plan_text(plan, threads));
 
   const fs::path path = arguments.folder.value_or(default_folder(arguments.scene));

@@ -67,8 +67,8 @@ std::string result_row(const char* name, const std::string& text) {
 std::string axes_and_observables(const SweepPlan& plan) {
   return result_row("points", shape_text(plan)) +
          result_row("over", some_of(plan.axes(), [](const SweepAxis& axis) { return axis.name; })) +
-         result_row("observables",
-                    some_of(plan.observables(), [](const SweepObservable& one) { return one.name; }));
+         result_row("observables", some_of(plan.observables(),
+                                           [](const SweepObservable& one) { return one.name; }));
 }
 
 Json axis_entry(const SweepPlan& plan, std::size_t axis) {
@@ -134,18 +134,18 @@ std::string sweep_text(const SweepPlan& plan, const SweepProgress& progress,
   text += axes_and_observables(plan);
   if (counts != nullptr) {
     if (!counts->reason.empty()) {
-      text += result_row("first", fmt::format("point {}, {}: {}", counts->first_without_numbers,
-                                              settings_text(plan, counts->first_without_numbers),
-                                              counts->reason));
+      text += result_row(
+          "first", fmt::format("point {}, {}: {}", counts->first_without_numbers,
+                               settings_text(plan, counts->first_without_numbers), counts->reason));
     }
     for (const auto& [code, warned] : counts->warnings) {
       text += result_row("warning", fmt::format("{} at {} points, the first is {}", id_of(code),
                                                 warned.points, warned.first));
     }
   }
-  text += result_row("time", fmt::format("{} for {} points, {:.3g} points/s",
-                                         duration_text(progress.seconds),
-                                         progress.with_row() - progress.before, rate_of(progress)));
+  text += result_row(
+      "time", fmt::format("{} for {} points, {:.3g} points/s", duration_text(progress.seconds),
+                          progress.with_row() - progress.before, rate_of(progress)));
   return text + result_row("results", where);
 }
 

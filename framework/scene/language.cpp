@@ -266,7 +266,8 @@ TableLayout sweep_layout() {
       {"over",
        "names as in `--set` with their values, an axis each, the first one outermost: "
        "{ v = \"1e-4:1e-1:31:log\", k = [1.0, 2.0] }"},
-      {"zip", "names of `over` that make up one axis together: [\"k\", \"v\"], or a list of such lists"},
+      {"zip",
+       "names of `over` that make up one axis together: [\"k\", \"v\"], or a list of such lists"},
       {"observables", "what is kept of each run: dotted paths as in summary.json"},
   };
   return layout;
@@ -337,8 +338,8 @@ TableLayout integrator_layout(const IntegratorRecord& record) {
 }
 
 const std::vector<std::string>& top_level_keys() {
-  static const std::vector<std::string> keys = {"plugins", "scene", "parameters", "box",
-                                                "body",    "force", "observer",   "run",
+  static const std::vector<std::string> keys = {"plugins", "scene",  "parameters", "box",
+                                                "body",    "force",  "observer",   "run",
                                                 "measure", "output", "sweep"};
   return keys;
 }

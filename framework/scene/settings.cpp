@@ -117,7 +117,8 @@ class Application {
                     "the options of tomlin sweep, or the scene itself");
     }
     std::vector<std::string> tables = top_level_keys();
-    std::erase_if(tables, [](const std::string& name) { return name == kPlugins || name == kSweep; });
+    std::erase_if(tables,
+                  [](const std::string& name) { return name == kPlugins || name == kSweep; });
     if (!holds(tables, parts[0])) {
       if (refuse_planned(parts[0])) return;
       return refuse(FaultCode::scene_unknown_key, "there is no such table", listed(tables),

@@ -294,8 +294,7 @@ class SweepReader {
   }
 
   std::optional<SweepValues> values_of(const Node& node, const std::string& key) {
-    constexpr const char* kForms =
-        "\"from:to:count\", \"from:to:count:log\" or a list of values";
+    constexpr const char* kForms = "\"from:to:count\", \"from:to:count:log\" or a list of values";
     if (const auto* list = node.as<List>()) {
       if (list->empty()) {
         complain(node, FaultCode::scene_wrong_count, key, "no values", kForms);
@@ -332,8 +331,7 @@ class SweepReader {
           return one.as<std::string>() != nullptr;
         });
     if (!sound) {
-      complain(node, FaultCode::scene_wrong_type, key, "found " + kind_of(node),
-               "a list of names");
+      complain(node, FaultCode::scene_wrong_type, key, "found " + kind_of(node), "a list of names");
       return result;
     }
     for (const Node& one : *list) result.push_back(*one.as<std::string>());

@@ -116,14 +116,14 @@ class SweepArrays {
   Hdf5Handle dataset(const std::string& name, hid_t type, const Hdf5Handle& space) const {
     const Hdf5Handle properties = file_.hold(H5Pcreate(H5P_DATASET_CREATE));
     file_.check(H5Pset_obj_track_times(properties, false));
-    file_.check(H5Pset_attr_creation_order(properties,
-                                           H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
+    file_.check(
+        H5Pset_attr_creation_order(properties, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
     // All of it is written.
     if (H5Tis_variable_str(type) <= 0) {
       file_.check(H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER));
     }
-    return file_.hold(H5Dcreate2(file_.root(), name.c_str(), type, space, H5P_DEFAULT, properties,
-                                 H5P_DEFAULT));
+    return file_.hold(
+        H5Dcreate2(file_.root(), name.c_str(), type, space, H5P_DEFAULT, properties, H5P_DEFAULT));
   }
 
   std::vector<std::size_t> all_dimensions() const {
@@ -199,8 +199,8 @@ class SweepArrays {
       name = plan_.axis_title(dimension.axes.front());
     }
     const SweepValues& values = plan_.axes()[dimension.axes.front()].values;
-    Hdf5Handle scale = dataset(name, zipped ? hid_t{H5T_STD_I64LE} : type_of(values),
-                               simple({dimension.count}));
+    Hdf5Handle scale =
+        dataset(name, zipped ? hid_t{H5T_STD_I64LE} : type_of(values), simple({dimension.count}));
     file_.check(H5DSset_scale(scale, name.c_str()));
     const auto number = static_cast<std::int32_t>(d);
     const Hdf5Handle space = file_.hold(H5Screate(H5S_SCALAR));
@@ -212,8 +212,7 @@ class SweepArrays {
     if (zipped) {
       std::vector<std::int64_t> numbers(dimension.count);
       std::iota(numbers.begin(), numbers.end(), std::int64_t{0});
-      file_.check(
-          H5Dwrite(scale, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()));
+      file_.check(H5Dwrite(scale, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()));
     } else {
       write_values(scale, values);
     }
@@ -244,8 +243,8 @@ class SweepArrays {
       std::size_t rest = first / inner;
       for (std::size_t d = ranged + 1; d-- > 0; rest /= shape_[d]) from[d] = rest % shape_[d];
       length[ranged] = std::min<std::size_t>(most, shape_[ranged] - from[ranged]);
-      file_.check(H5Sselect_hyperslab(space, H5S_SELECT_SET, from.data(), nullptr, length.data(),
-                                      nullptr));
+      file_.check(
+          H5Sselect_hyperslab(space, H5S_SELECT_SET, from.data(), nullptr, length.data(), nullptr));
       const std::size_t count = length[ranged] * inner;
       visit(first, space, count);
       first += count;

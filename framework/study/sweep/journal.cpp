@@ -205,7 +205,8 @@ void SweepJournal::read(std::size_t first, std::span<SweepRow> rows) const {
     const auto record = std::span(block).subspan(k * record_size_, record_size_);
     if (got < static_cast<std::ptrdiff_t>((k + 1) * record_size_) ||
         !decode(first + k, record, rows[k])) {
-      throw DamagedFile(fmt::format("{}: the row of point {} is missing", file_.string(), first + k));
+      throw DamagedFile(
+          fmt::format("{}: the row of point {} is missing", file_.string(), first + k));
     }
   }
 }

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/records/parameter.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/output/checkpoint.hpp"
 #include "framework/output/checksum.hpp"
@@ -50,6 +51,14 @@ std::string short_name(const RunResult& result, const std::string& path) {
   } catch (const InputError&) {
     return path;
   }
+}
+
+/// As tables of samples and of events have it.
+std::string unit_in_tables(const ResultQuantity& quantity) {
+  if (!quantity.unit.empty()) return quantity.unit;
+  if (quantity.dimension == dimension::force) return "force";
+  if (quantity.dimension == dimension::energy) return "energy";
+  return to_string(quantity.dimension);
 }
 
 bool sets_below(const std::vector<SweepAxis>& axes, std::string_view key) {
@@ -124,8 +133,8 @@ void SweepPlan::check_axis(const SweepAxis& axis, std::vector<Fault>& faults) co
     try {
       document_.read(registry_, settings);
     } catch (const InputError& error) {
-      const auto found = std::find_if(
-          error.faults().begin(), error.faults().end(), [](const Fault& fault) {
+      const auto found =
+          std::find_if(error.faults().begin(), error.faults().end(), [](const Fault& fault) {
             return fault.place.file.starts_with("--set") && is_wrong_anyway(fault.code);
           });
       if (found == error.faults().end()) continue;
@@ -175,7 +184,7 @@ void SweepPlan::find_observables(std::vector<Fault>& faults) {
       const std::vector<Observable> all = tomlin::observables(*result);
       const auto found = std::find_if(all.begin(), all.end(),
                                       [&](const Observable& one) { return one.path == path; });
-      observables_.push_back({path, short_name(*result, path), unit_of(*found->quantity),
+      observables_.push_back({path, short_name(*result, path), unit_in_tables(*found->quantity),
                               found->quantity->meaning});
       paths_.push_back(path);
     } catch (const InputError& error) {
@@ -201,10 +210,10 @@ void SweepPlan::name_columns() {
 
 std::string SweepPlan::axis_title(std::size_t axis) const {
   const std::string& name = axes()[axis].name;
-  const bool taken = std::find(std::begin(kTakenTitles), std::end(kTakenTitles), name) !=
-                         std::end(kTakenTitles) ||
-                     std::any_of(columns_.begin(), columns_.end(),
-                                 [&](const SweepColumn& column) { return column.name == name; });
+  const bool taken =
+      std::find(std::begin(kTakenTitles), std::end(kTakenTitles), name) != std::end(kTakenTitles) ||
+      std::any_of(columns_.begin(), columns_.end(),
+                  [&](const SweepColumn& column) { return column.name == name; });
   return taken ? "parameters." + name : name;
 }
 

@@ -216,7 +216,8 @@ std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
                          fmt::format("sweep {:x}, point {}", plan.identity(), point),
                          scene->run.checkpoint_every);
     }
-    const RunResult result = checkpoint ? resumed(scene, options, *checkpoint) : run(scene, options);
+    const RunResult result =
+        checkpoint ? resumed(scene, options, *checkpoint) : run(scene, options);
     if (result.status == RunStatus::interrupted) {
       if (checkpoint) checkpoint->write();
       return std::nullopt;

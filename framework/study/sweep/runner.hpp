@@ -53,8 +53,8 @@ struct SweepOptions {
 };
 
 /// The row of a point; nothing when it was stopped. What a scene refuses and how a run fails is in
-/// the row. With a folder, a run that is stopped or takes longer than `[run] checkpoint_every` leaves
-/// there what the next one resumes from.
+/// the row. With a folder, a run that is stopped or takes longer than `[run] checkpoint_every`
+/// leaves there what the next one resumes from.
 std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
                                   const std::atomic<bool>* stop = nullptr,
                                   const std::filesystem::path& checkpoints = {});

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/scene/scene_document.hpp"
 #include "tests/framework/scene/scene_fixture.hpp"
 
 namespace tomlin::test {
@@ -68,7 +69,8 @@ TEST(SweepValues, AreTheNearestDoubles) {
   const long double step = (std::log(70.0L) - std::log(static_cast<long double>(0.01))) / n;
   constexpr long double kHalf = 0.5L * (1.0L + 1e-2L);  // ulp, and what long doubles leave open
   for (int k = 0; k <= n; ++k) {
-    const long double exact = ((n - k) * static_cast<long double>(0.1) + k * static_cast<long double>(0.7)) / n;
+    const long double exact =
+        ((n - k) * static_cast<long double>(0.1) + k * static_cast<long double>(0.7)) / n;
     const double ulp = std::nextafter(linear[k], 1e3) - linear[k];
     EXPECT_LE(std::fabs(linear[k] - exact), kHalf * ulp + 1e-17L) << k;
     const long double power = std::exp(std::log(static_cast<long double>(0.01)) + k * step);
@@ -100,11 +102,20 @@ TEST(SweepValues, Lists) {
 
 TEST(SweepValues, WhatIsNoAxisSaysWhy) {
   const std::vector<std::pair<std::string, std::string>> wrong = {
-      {"", "no values"},         {"1,,2", "an empty value"},   {"1:2", "two ends"},
-      {"1:2:3:log:5", "two ends"}, {"a:2:3", "\"a\""},          {"1:nan:3", "\"nan\""},
-      {"1:2:1", "\"1\""},        {"1:2:2.5", "\"2.5\""},       {"1:2:-3", "\"-3\""},
-      {"0:2:3:log", "logarithm"}, {"-1:2:3:log", "logarithm"}, {"1:2:3:lg", "\"lg\""},
-      {"1:2:99999999999999999999", "number of points"}, {"1:2:200000000", "number of points"}};
+      {"", "no values"},
+      {"1,,2", "an empty value"},
+      {"1:2", "two ends"},
+      {"1:2:3:log:5", "two ends"},
+      {"a:2:3", "\"a\""},
+      {"1:nan:3", "\"nan\""},
+      {"1:2:1", "\"1\""},
+      {"1:2:2.5", "\"2.5\""},
+      {"1:2:-3", "\"-3\""},
+      {"0:2:3:log", "logarithm"},
+      {"-1:2:3:log", "logarithm"},
+      {"1:2:3:lg", "\"lg\""},
+      {"1:2:99999999999999999999", "number of points"},
+      {"1:2:200000000", "number of points"}};
   for (const auto& [text, why] : wrong) {
     auto read = SweepValues::parse(text);
     ASSERT_TRUE(std::holds_alternative<Wrong>(read)) << text;
@@ -126,10 +137,10 @@ SweepSettings settings_over(const std::vector<std::pair<std::string, std::string
 
 TEST(SweepDimensions, ZippedAxesAreOne) {
   std::vector<Fault> faults;
-  const auto dimensions = sweep_dimensions(
-      settings_over({{"a", "1,2"}, {"b", "1:3:3"}, {"c", "5,6"}, {"d", "1,2,3"}},
-                    {{"c", "a"}, {"b", "d"}}),
-      faults);
+  const auto dimensions =
+      sweep_dimensions(settings_over({{"a", "1,2"}, {"b", "1:3:3"}, {"c", "5,6"}, {"d", "1,2,3"}},
+                                     {{"c", "a"}, {"b", "d"}}),
+                       faults);
   EXPECT_TRUE(faults.empty());
   ASSERT_EQ(dimensions.size(), 2);
   EXPECT_EQ(dimensions[0].axes, (std::vector<std::size_t>{0, 2}));
@@ -161,9 +172,10 @@ TEST(SweepTable, IsCheckedAndLeftOut) {
   const std::string sweep =
       "over = { k = \"1:2:3\", \"run.integrator.dt\" = [1e-4, 2e-4], R = [\"k\", 2] }\n"
       "zip = [\"k\", \"v\"]\nobservables = [\"driver.mean_force.x\"]\n";
-  const std::string good = "over = { k = \"1:2:3\", run.integrator.dt = [1e-4, 2e-4], R = [1, 2] }\n"
-                           "zip = [[\"R\", \"run.integrator.dt\"]]\n"
-                           "observables = [\"driver.mean_force.x\"]\n";
+  const std::string good =
+      "over = { k = \"1:2:3\", run.integrator.dt = [1e-4, 2e-4], R = [1, 2] }\n"
+      "zip = [[\"R\", \"run.integrator.dt\"]]\n"
+      "observables = [\"driver.mean_force.x\"]\n";
   EXPECT_EQ(faults_of(kRun + good), "");
   EXPECT_NE(faults_of(kRun + sweep), "");
   const SceneDocument document(kRun + good, "ring.toml");
@@ -179,9 +191,7 @@ TEST(SweepTable, ItsFaultsComeWithThoseOfTheScene) {
   const auto faults = [](const std::string& sweep) { return abridged(faults_of(kRun + sweep)); };
   EXPECT_NE(faults("ovre = { k = [1] }").find("[scene.unknown_key] did you mean over"),
             std::string::npos);
-  EXPECT_NE(faults("over = { kk = [1] }").find("[scene.unknown_key] did you mean k"),
-            std::string::npos)
-      << faults("over = { kk = [1] }");
+  EXPECT_EQ(faults("over = { kk = [1] }"), "ring.toml:37:15: kk = [1] [scene.unknown_key]\n");
   EXPECT_NE(faults("over = { body.rnig.radius = [1] }").find("did you mean ring"),
             std::string::npos);
   for (const std::string wrong :
