@@ -340,22 +340,23 @@ Json run_schema() {
   return schema;
 }
 
-/// Names of `over` are free; those with dots may be tables in one another.
-Json sweep_schema() {
-  return table_schema(
-      sweep_layout(),
-      {{"over", {{"type", "object"}, {"additionalProperties", reference_to("sweep.values")}}},
-       {"zip", list_of({{"type", {"string", "array"}}, {"items", only("type", "string")}})},
-       {"observables", list_of(only("type", "string"))}});
-}
-
-/// "1e-4:1e-1:31:log", or a list of anything that a scene takes.
+/// "1e-4:1e-1:31:log", or a list of anything that a scene takes; names with dots may be tables in
+/// one another.
 Json sweep_values_schema() {
   Json schema = list_of(Json::object());
   schema["type"] = {"string", "array", "object"};
   schema["minLength"] = 1;
-  schema["additionalProperties"] = reference_to("sweep.values");
+  schema["additionalProperties"] =
+      only("$ref", "#/properties/sweep/properties/over/additionalProperties");
   return schema;
+}
+
+Json sweep_schema() {
+  return table_schema(
+      sweep_layout(),
+      {{"over", {{"type", "object"}, {"additionalProperties", sweep_values_schema()}}},
+       {"zip", list_of({{"type", {"string", "array"}}, {"items", only("type", "string")}})},
+       {"observables", list_of(only("type", "string"))}});
 }
 
 Json components_schema(const std::string& kind, int fewest, const char* what) {
@@ -395,7 +396,6 @@ std::string scene_schema(const Registry& registry) {
     sections[table.name] = described(table.summary, sections[table.name]);
   }
   Json definitions = Json::object();
-  definitions["sweep.values"] = sweep_values_schema();
   define_components(definitions, "body", registry.bodies(), body_layout);
   define_components(definitions, "force", registry.forces(), force_layout);
   define_components(definitions, "integrator", registry.integrators(), integrator_layout);

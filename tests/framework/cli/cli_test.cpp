@@ -207,7 +207,7 @@ TEST_F(Cli, DescribeShowsTheTablesOfAScene) {
       EXPECT_TRUE(contains(text.out, "\n  " + row["key"].get<std::string>() + " ["));
     }
   }
-  EXPECT_EQ(list["tables"].size(), 9U);
+  EXPECT_EQ(list["tables"].size(), 10U);
   EXPECT_GT(keys, 20U);
 }
 
