@@ -97,7 +97,7 @@ constexpr std::array kSweepResults = {kSweepSummaryFile, kSweepTableFile, kSweep
 /// With the checkpoints of points, while the sweep goes on.
 constexpr const char* kPointsFolder = "sweep.points";
 
-std::string default_folder(const std::string& scene_file) {
+std::string default_sweep_folder(const std::string& scene_file) {
   return fs::path(scene_file).stem().string() + ".sweep.out";
 }
 
@@ -296,7 +296,7 @@ bool holds_all_results(const RunFolder& folder) {
                      [&folder](const char* name) { return folder.holds(name); });
 }
 
-std::string where_results_are(const RunFolder& folder) {
+std::string where_the_sweep_is(const RunFolder& folder) {
   std::string files;
   for (const char* name : kSweepFiles) {
     if (folder.holds(name)) files += (files.empty() ? "" : ", ") + std::string(name);
@@ -317,7 +317,7 @@ int sweep(const SweepArguments& arguments) {
                                   : std::max<std::size_t>(1, std::thread::hardware_concurrency());
   if (arguments.dry_run) return print_result(sweep_plan_text(plan, threads));
 
-  const fs::path path = arguments.folder.value_or(default_folder(arguments.scene));
+  const fs::path path = arguments.folder.value_or(default_sweep_folder(arguments.scene));
   RunFolder folder(path, occupied(path, plan, arguments), kSweepFiles);
   refuse_to_lose_inputs(folder, plan.scene(), kSweepFiles);
   folder.own();
@@ -337,8 +337,8 @@ int sweep(const SweepArguments& arguments) {
   for (std::size_t k = 0; k < plan.points() && is_complete; ++k) is_complete = journal.has(k);
   if (had_all && is_complete && traced.empty()) {
     if (arguments.quiet) return kExitDone;
-    return print_result("finished already; nothing to do\n  results  " + where_results_are(folder) +
-                        "\n");
+    return print_result("finished already; nothing to do\n  results  " +
+                        where_the_sweep_is(folder) + "\n");
   }
   for (const char* name : kSweepResults) folder.remove(name);
   folder.write_file(kSceneFile, plan.scene_text());
@@ -366,7 +366,7 @@ int sweep(const SweepArguments& arguments) {
   folder.write_file(kSweepSummaryFile, sweep_json(plan, progress, known, threads));
   int status = kExitDone;
   if (!arguments.quiet) {
-    status = print_result(sweep_text(plan, progress, known, where_results_are(folder)));
+    status = print_result(sweep_text(plan, progress, known, where_the_sweep_is(folder)));
   }
   return counts ? status : kExitSignal + signals.caught();
 }
