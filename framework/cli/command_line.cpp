@@ -28,7 +28,6 @@ struct LaterCommand {
 };
 
 constexpr std::array kLaterCommands = {
-    LaterCommand{"sweep", "many runs over the values of parameters"},
     LaterCommand{"stability", "thresholds and equilibria"},
     LaterCommand{"merge", "the parts of a sweep into one"},
     LaterCommand{"export", "input files for LAMMPS"},
@@ -84,6 +83,8 @@ observables.csv with the friction trace, and scene.toml, the scene with every de
   tomlin describe NAME         one of them: equation, source, parameters, an example
   tomlin schema                with which editors complete and check scenes
   tomlin plot pt.out -o a.svg  the friction trace
+  tomlin sweep pt.toml --over v=1e-4:1e-1:31:log --observable driver.mean_force.x
+                               many runs over values of parameters, a table of results
   tomlin tradeoff pt.toml --observable driver.mean_force.x
                                measure the cost of accuracy and find the cheapest setting
 

@@ -5,6 +5,7 @@ namespace tomlin {
 /// The functions that return the records, in the order of `tomlin --help`.
 #define TOMLIN_COMMANDS(RECORD) \
   RECORD(run_command)           \
+  RECORD(sweep_command)         \
   RECORD(tradeoff_command)      \
   RECORD(compare_command)       \
   RECORD(explain_command)       \

@@ -36,6 +36,13 @@ void add_observable_option(CLI::App& parser, std::string& observable) {
       ->required();
 }
 
+void add_observable_option(CLI::App& parser, std::vector<std::string>& observables) {
+  parser.add_option("--observable", observables, "a dotted path in summary.json")
+      ->type_name("O")
+      ->option_text("O ...")
+      ->allow_extra_args(false);
+}
+
 CLI::Option* add_output_option(CLI::App& parser, std::optional<std::string>& output,
                                const char* kind, const std::string& help) {
   return parser.add_option("-o,--output", output, help)->type_name(kind);

@@ -28,6 +28,8 @@ void add_plugin_option(CLI::App& parser, std::vector<std::string>& plugins);
 void add_setting_options(CLI::App& parser, SettingOptions& options);
 void add_scene_options(CLI::App& parser, SceneOptions& options);
 void add_observable_option(CLI::App& parser, std::string& observable);
+/// Any number of them.
+void add_observable_option(CLI::App& parser, std::vector<std::string>& observables);
 /// -o, a folder or a file of that kind ("DIR", "FILE").
 CLI::Option* add_output_option(CLI::App& parser, std::optional<std::string>& output,
                                const char* kind, const std::string& help);

@@ -19,6 +19,8 @@ constexpr double kPlainEvery = 10.0;  // seconds
 constexpr double kFirstBefore = 2.0;  // of what comes before the run
 constexpr std::chrono::milliseconds kTerminalEvery{500};
 
+}  // namespace
+
 std::string duration_text(double seconds) {
   constexpr double kLongest = 1e9;  // thirty years
   if (!(seconds < kLongest)) return "very long";
@@ -28,8 +30,6 @@ std::string duration_text(double seconds) {
   if (hours > 0) return fmt::format("{}:{:02}:{:02}", hours, minutes, whole % 60);
   return fmt::format("{}:{:02}", minutes, whole % 60);
 }
-
-}  // namespace
 
 std::string progress_text(const RunProgress& progress) {
   const double fraction = std::clamp(progress.time / progress.duration, 0.0, 1.0);
@@ -82,9 +82,13 @@ void ProgressLine::end_what_is_before() {
 }
 
 void ProgressLine::show(const RunProgress& progress) {
+  show(progress_text(progress), progress.elapsed_seconds);
+}
+
+void ProgressLine::show(const std::string& text, double elapsed_seconds) {
   if (style_ == Style::silent) return;
   end_what_is_before();
-  write(progress_text(progress), progress.elapsed_seconds);
+  write(text, elapsed_seconds);
 }
 
 void ProgressLine::write(const std::string& text, double elapsed_seconds) {

@@ -15,6 +15,9 @@ class logger;
 
 namespace tomlin {
 
+/// "0:12", "1:02:03"
+std::string duration_text(double seconds);
+
 /// "37 %, time 370 of 1000, 0:12 elapsed, 0:20 remaining, 3.1e+06 steps/s"
 std::string progress_text(const RunProgress& progress);
 
@@ -32,6 +35,8 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   void show(const RunProgress& progress);
+  /// The same for anything else that takes long.
+  void show(const std::string& text, double elapsed_seconds);
   /// Clears the terminal's line.
   void finish();
 

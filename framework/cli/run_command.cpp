@@ -1,5 +1,4 @@
 #include <csignal>
-#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -19,16 +18,13 @@
 #include "framework/cli/result_text.hpp"
 #include "framework/cli/stop_signals.hpp"
 #include "framework/core/text/fault.hpp"
-#include "framework/output/output_size.hpp"
 #include "framework/output/resumption.hpp"
 #include "framework/output/run_folder.hpp"
-#include "framework/output/run_recorder.hpp"
 #include "framework/output/store_file.hpp"
 #include "framework/run/failure_fault.hpp"
 #include "framework/run/run.hpp"
-#include "framework/run/trial.hpp"
 #include "framework/standard_registry.hpp"
-#include "framework/study/accuracy.hpp"
+#include "framework/study/recorded_run.hpp"
 
 namespace tomlin {
 namespace fs = std::filesystem;
@@ -176,52 +172,30 @@ int run_scene(const RunArguments& arguments) {
     return already_over(folder, *scene, found, arguments.quiet);
   }
   folder.own(found.journal);
-  StoreFile store(folder, *scene, TOMLIN_VERSION,
-                  arguments.resume ? StoreFile::Before::read : StoreFile::Before::ignore);
-
-  // The recorder looks at it when the run begins, which is after the pilot.
-  if (scene->run.accuracy) {
-    if (const auto layout = layout_of(scene)) {
-      require_room(*scene, output_size(*scene, *layout), room_in(folder.path()));
-    }
-  }
-
   // A full disk or a reader that went away is an error that is reported, not the end.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
   StopSignals signals;
   ProgressLine progress(arguments.quiet ? ProgressLine::Style::silent : progress_style(),
                         scene->run.accuracy ? "pilot: looking for the integrator" : "");
-  // With an accuracy the program looks for the integrator; the same one when a run resumes.
-  ChosenIntegrator chosen;
-  chosen.scene = scene;
-  if (scene->run.accuracy) {
-    chosen = choose_integrator(scene, registry, &signals.stop(), kMostPilotWork, &store);
-    if (chosen.interrupted) return kExitSignal + signals.caught();
-  }
-  const std::vector<std::byte> state = std::move(found.state);
-  RunOptions options;
-  if (found.kind == Resumption::Kind::go_on) options.resume_from = &state;
-  RunRecorder recorder(folder, *scene, TOMLIN_VERSION, std::move(found),
-                       [&signals] { signals.request_stop(); });
-  options.sink = &recorder;
-  options.on_progress = [&progress](const RunProgress& now) { progress.show(now); };
+  RecordedRunOptions options;
+  options.program_version = TOMLIN_VERSION;
+  options.before = arguments.resume ? StoreFile::Before::read : StoreFile::Before::ignore;
   options.stop = &signals.stop();
-  options.store = &store;
-  RunResult result = run_as_bound(chosen.scene, options);
-  progress.finish();
-  if (scene->run.accuracy) estimate_errors(chosen, options, result);
+  options.on_progress = [&progress](const RunProgress& now) { progress.show(now); };
+  options.on_trouble = [&signals] { signals.request_stop(); };
+  options.on_end = [&progress] { progress.finish(); };
+  const RecordedRun run = record_run(folder, scene, registry, std::move(found), options);
+  if (run.stopped_before) return kExitSignal + signals.caught();
 
-  const auto numerical = result.failure;
-  const auto trouble = recorder.finish(result);
   int status = kExitDone;
   if (!arguments.quiet) {
-    status = print_result(result_text(*scene, result, where_results_are(folder)));
+    status = print_result(result_text(*scene, run.result, where_results_are(folder)));
   }
-  if (numerical) print_error_line(to_string(fault_of(*numerical, *chosen.scene)));
-  if (trouble) print_error(FaultCode::file_cannot_write, "tomlin", *trouble);
-  if (numerical || trouble) return kExitFailed;
-  if (result.status == RunStatus::interrupted) return kExitSignal + signals.caught();
+  if (run.failure) print_error_line(to_string(fault_of(*run.failure, *run.scene)));
+  if (run.trouble) print_error(FaultCode::file_cannot_write, "tomlin", *run.trouble);
+  if (run.failure || run.trouble) return kExitFailed;
+  if (run.result.status == RunStatus::interrupted) return kExitSignal + signals.caught();
   return status;
 }
 

@@ -340,6 +340,25 @@ Json run_schema() {
   return schema;
 }
 
+/// "1e-4:1e-1:31:log", or a list of anything that a scene takes; names with dots may be tables in
+/// one another.
+Json sweep_values_schema() {
+  Json schema = list_of(Json::object());
+  schema["type"] = {"string", "array", "object"};
+  schema["minLength"] = 1;
+  schema["additionalProperties"] =
+      only("$ref", "#/properties/sweep/properties/over/additionalProperties");
+  return schema;
+}
+
+Json sweep_schema() {
+  return table_schema(
+      sweep_layout(),
+      {{"over", {{"type", "object"}, {"additionalProperties", sweep_values_schema()}}},
+       {"zip", list_of({{"type", {"string", "array"}}, {"items", only("type", "string")}})},
+       {"observables", list_of(only("type", "string"))}});
+}
+
 Json components_schema(const std::string& kind, int fewest, const char* what) {
   return {{"description", what},
           {"type", "array"},
@@ -360,6 +379,7 @@ Json section_schema(const std::string& key) {
   if (key == "run") return run_schema();
   if (key == "measure") return table_schema(measure_layout());
   if (key == "output") return table_schema(output_layout());
+  if (key == "sweep") return sweep_schema();
   if (key == "plugins") {
     return {{"type", "array"}, {"items", {{"type", "string"}, {"minLength", 1}}}};
   }

@@ -19,6 +19,7 @@ struct SchemaArguments {
   std::optional<std::string> file;  ///< standard output without it
   std::vector<std::string> plugins;
   bool of_summary = false;
+  bool of_sweep = false;
   bool force = false;
 };
 
@@ -42,14 +43,17 @@ void add_options(CLI::App& parser, SchemaArguments& arguments) {
   add_output_option(parser, arguments.file, "FILE", "the file; standard output by default");
   parser.add_flag("--summary", arguments.of_summary,
                   "of summary.json, for programs that read results");
+  parser.add_flag("--sweep", arguments.of_sweep, "of sweep.json, likewise")
+      ->excludes(parser.get_option("--summary"));
   add_force_option(parser, arguments.force, "replace a file that is there");
 }
 
 void check(SchemaArguments& arguments) { refuse_empty(arguments.file, "-o"); }
 
 int write_schema(const SchemaArguments& arguments) {
-  const std::string schema = arguments.of_summary
-                                 ? summary_schema()
+  const std::string schema = arguments.of_summary ? summary_schema()
+                             : arguments.of_sweep
+                                 ? sweep_summary_schema()
                                  : scene_schema(registry_with_plugins(arguments.plugins, {}));
   if (!arguments.file) return print_result(schema);
   const std::filesystem::path file = *arguments.file;
@@ -58,7 +62,7 @@ int write_schema(const SchemaArguments& arguments) {
   OutputFile output(file);
   output.append(schema);
   output.publish();
-  if (arguments.of_summary) return print_result(file.string() + "\n");
+  if (arguments.of_summary || arguments.of_sweep) return print_result(file.string() + "\n");
   return print_result(file.string() +
                       ": a scene beside it names it in its first line\n  #:schema ./" +
                       file.filename().string() + "\n");

@@ -9,6 +9,7 @@
 
 #include "framework/core/text/fault_code.hpp"
 #include "framework/run/results.hpp"
+#include "framework/study/sweep/row.hpp"
 
 namespace tomlin {
 namespace {
@@ -105,6 +106,52 @@ std::string summary_schema() {
   for (const char* key : {"left_out", "references", "plugins"}) {
     properties[key] = {{"type", "array"}, {"items", object()}};
   }
+  return schema.dump(2) + "\n";
+}
+
+std::string sweep_summary_schema() {
+  const Json text = {{"type", "string"}};
+  const Json count = {{"type", "integer"}, {"minimum", 0}};
+  const auto all_of = [](Json properties) {
+    Json required = Json::array();
+    for (const auto& [key, value] : properties.items()) required.push_back(key);
+    return Json{{"type", "object"},
+                {"properties", std::move(properties)},
+                {"required", std::move(required)},
+                {"additionalProperties", false}};
+  };
+  const auto list_of_these = [](Json items) {
+    return Json{{"type", "array"}, {"items", std::move(items)}};
+  };
+  Json axis = all_of({{"name", text},
+                      {"count", count},
+                      {"dimension", count},
+                      {"spacing", {{"enum", {"list", "linear", "logarithmic"}}}}});
+  axis["properties"]["values"] = list_of_these({{"type", {"number", "string"}}});
+  axis["properties"]["from"] = {{"type", "number"}};
+  axis["properties"]["to"] = {{"type", "number"}};
+  axis["oneOf"] = {{{"required", {"values"}}}, {{"required", {"from", "to"}}}};
+  Json counts = object();
+  for (const std::string& status : words_of<SweepStatus>()) counts["properties"][status] = count;
+  counts["additionalProperties"] = false;
+  counts["description"] = "of points by their status; empty where the sweep was interrupted";
+  Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"},
+                 {"title", "sweep.json of tomlin"}};
+  schema.update(all_of(
+      {{"status", {{"enum", {"finished", "interrupted"}}}},
+       {"program", object()},
+       {"scene", object()},
+       {"sweep", {{"type", "string"}, {"description", "the same for the same sweep"}}},
+       {"axes", list_of_these(std::move(axis))},
+       {"observables", list_of_these(all_of(
+                           {{"path", text}, {"column", text}, {"unit", text}, {"meaning", text}}))},
+       {"points", count},
+       {"counts", std::move(counts)},
+       {"warnings", list_of_these(all_of({{"code", {{"enum", warning_ids()}}},
+                                          {"meaning", text},
+                                          {"points", count},
+                                          {"first", count}}))},
+       {"performance", object()}}));
   return schema.dump(2) + "\n";
 }
 

@@ -269,11 +269,13 @@ double largest_damping_rate(const Model& model) {
   return damping.largest();
 }
 
-/// Largest h with which y' = mode y does not grow.
-double stable_step_of(const IntegratorRecord& scheme, std::complex<double> mode) {
-  constexpr double kForever = std::numeric_limits<double>::infinity();
+constexpr double kForever = std::numeric_limits<double>::infinity();
+
+/// Largest h up to `most` with which y' = mode y does not grow.
+double stable_step_of(const IntegratorRecord& scheme, std::complex<double> mode,
+                      double most = kForever) {
   const double speed = std::abs(mode);
-  if (!(speed > 0.0)) return kForever;
+  if (!(speed > 0.0)) return most;
   // Growth of rounding, and of schemes that are neutral only to their order, is not instability.
   constexpr double kTolerated = 1.0 + 1e-9;
   const auto stable = [&](double h) { return scheme.growth(h * mode) <= kTolerated; };
@@ -281,23 +283,28 @@ double stable_step_of(const IntegratorRecord& scheme, std::complex<double> mode)
   constexpr double kMarch = 0.02;
   constexpr double kFarthest = 50.0;
   double high = kMarch;
-  while (high < kFarthest && stable(high / speed)) high += kMarch;
-  if (high >= kFarthest) return kForever;
+  while (high < kFarthest && stable(high / speed)) {
+    if (high / speed >= most) return most;
+    high += kMarch;
+  }
+  if (high >= kFarthest) return most;
   double low = high - kMarch;
   for (int pass = 0; pass < 60; ++pass) {
     const double middle = 0.5 * (low + high);
     (stable(middle / speed) ? low : high) = middle;
   }
-  return low / speed;
+  return std::min(most, low / speed);
 }
 
 /// The same for a damped oscillator, y'' = -omega^2 y - gamma y'.
-double stable_step_of(const IntegratorRecord& scheme, double omega, double gamma) {
-  if (scheme.stable_step != nullptr) return scheme.stable_step(omega, gamma);
+double stable_step_of(const IntegratorRecord& scheme, double omega, double gamma,
+                      double most = kForever) {
+  if (scheme.stable_step != nullptr) return std::min(most, scheme.stable_step(omega, gamma));
   using Complex = std::complex<double>;
   const Complex root = std::sqrt(Complex(0.25 * gamma * gamma - omega * omega, 0.0));
-  return std::min(stable_step_of(scheme, -0.5 * gamma + root),
-                  stable_step_of(scheme, -0.5 * gamma - root));
+  const double of_one = stable_step_of(scheme, -0.5 * gamma + root, most);
+  // Its conjugate grows alike.
+  return root.imag() != 0.0 ? of_one : stable_step_of(scheme, -0.5 * gamma - root, of_one);
 }
 
 /// Whether there are steps at which an undamped oscillation does not grow.
@@ -601,27 +608,26 @@ std::string Model::stiffest_force() {
 }
 
 double Model::stable_step(const IntegratorRecord& scheme) {
-  if (scheme.adaptive) return std::numeric_limits<double>::infinity();
+  if (scheme.adaptive) return kForever;
   Stiffness fastest = stiffness(scheme.splits_bonds);
   if (!system().view.inertial) return stable_step_of(scheme, -fastest.relaxation_rate);
   const OwnModes own = own_modes(*this);
   fastest.frequency = std::sqrt(fastest.frequency * fastest.frequency + own.square);
   fastest.damping_rate = std::max(largest_damping_rate(*this), own.rate);
   // Slower modes meet the same damping: the worst of a range of frequencies counts.
-  double largest = std::numeric_limits<double>::infinity();
+  double largest = kForever;
   constexpr int kModes = 16;
-  for (int k = 0; k <= kModes; ++k) {
+  for (int k = kModes; k >= 0; --k) {
     const double omega = fastest.frequency * k / kModes;
-    largest = std::min(largest, stable_step_of(scheme, omega, fastest.damping_rate));
+    largest = stable_step_of(scheme, omega, fastest.damping_rate, largest);
   }
   // Some motions meet less; none is safe to take for a scheme that only friction keeps from
   // growing.
   const double least = stable_without_friction(scheme) ? 0.0 : fastest.least_damping_rate;
-  return std::min(largest, stable_step_of(scheme, fastest.frequency, least));
+  return stable_step_of(scheme, fastest.frequency, least, largest);
 }
 
 double Model::longest_lasting_step(const IntegratorRecord& scheme) {
-  constexpr double kForever = std::numeric_limits<double>::infinity();
   constexpr double kGenerous = 2.0;
   if (scheme.growth == nullptr || !system().view.inertial) return kForever;
   const Stiffness fastest = stiffness();

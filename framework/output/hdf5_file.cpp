@@ -134,7 +134,7 @@ Hdf5Silence::Hdf5Silence() {
 
 Hdf5Silence::~Hdf5Silence() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
 
-Hdf5File::Hdf5File(const std::filesystem::path& file)
+Hdf5File::Hdf5File(const std::filesystem::path& file, Order order)
     : name_(file.string() + std::string(kUnfinished)), disk_{OutputFile(file), {}} {
   const Hdf5Silence silence;
   static const H5FD_class_t kDriver = driver();
@@ -147,6 +147,11 @@ Hdf5File::Hdf5File(const std::filesystem::path& file)
   const Hdf5Handle creation = hold(H5Pcreate(H5P_FILE_CREATE));
   // The same run leaves the same bytes, whenever it was.
   check(H5Pset_obj_track_times(creation, false));
+  if (order == Order::as_made) {
+    constexpr unsigned kAsMade = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
+    check(H5Pset_link_creation_order(creation, kAsMade));
+    check(H5Pset_attr_creation_order(creation, kAsMade));
+  }
   file_ = hold(H5Fcreate(name_.c_str(), H5F_ACC_TRUNC, creation, access));
 }
 

@@ -54,8 +54,11 @@ class Hdf5Silence {
 /// a write, remembers the reason and takes everything else without writing it.
 class Hdf5File {
  public:
+  /// How the members of a group and the attributes of an object are listed.
+  enum class Order { by_name, as_made };
+
   /// Opens NAME.part, which must not exist. Throws OutputError.
-  explicit Hdf5File(const std::filesystem::path& file);
+  explicit Hdf5File(const std::filesystem::path& file, Order order = Order::by_name);
   ~Hdf5File();
   Hdf5File(const Hdf5File&) = delete;
   Hdf5File& operator=(const Hdf5File&) = delete;

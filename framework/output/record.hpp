@@ -34,7 +34,8 @@ enum class RecordKind : std::uint32_t {
   rows = 2,
   events = 3,
   checkpoint = 4,
-  store = 5
+  store = 5,
+  sweep = 6
 };
 
 inline constexpr std::size_t kRecordHead = 16;      ///< bytes in front of the content

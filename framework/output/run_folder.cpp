@@ -125,7 +125,7 @@ void RunFolder::check_occupied() const {
 }
 
 bool RunFolder::holds_any_run() const {
-  return std::any_of(kFilesOfARun.begin(), kFilesOfARun.end(), [this](const char* name) {
+  return std::any_of(names_.begin(), names_.end(), [this](const std::string& name) {
     return holds(name) || holds(unfinished(name).string());
   });
 }

@@ -36,7 +36,7 @@ inline constexpr std::array kFilesOfARun = {kSummaryFile,    kTableFile,   kEven
 enum class Occupied {
   refuse,
   replace_results,  ///< replace the files of a run, touch nothing else
-  go_on,            ///< use it where there are files of a run, refuse it otherwise
+  go_on,            ///< use it where there are files of these names, refuse it otherwise
 };
 
 /// The folder that a run, or a study, writes its results to. Whoever has the journal in it locked

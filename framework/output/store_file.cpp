@@ -1,5 +1,6 @@
 #include "framework/output/store_file.hpp"
 
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,14 +13,22 @@ namespace tomlin {
 
 StoreFile::StoreFile(const RunFolder& folder, const Scene& scene,
                      const std::string& program_version, Before before)
-    : folder_(folder),
+    : folder_(&folder),
+      file_(folder.file(kStoreFile)),
       owner_(fmt::format("{} {:x}", program_version, scene_fingerprint(scene.effective_toml))) {
   for (const Library& library : scene.libraries) owner_ += " " + library.hash;
-  if (before == Before::read && folder_.holds(kStoreFile)) read();
+  if (before == Before::read) read();
+}
+
+StoreFile::StoreFile(std::filesystem::path file, std::string owner, Before before)
+    : file_(std::move(file)), owner_(std::move(owner)) {
+  if (before == Before::read) read();
 }
 
 void StoreFile::read() try {
-  const std::string file = folder_.file(kStoreFile).string();
+  std::error_code error;
+  if (!std::filesystem::exists(std::filesystem::symlink_status(file_, error))) return;
+  const std::string file = file_.string();
   const std::vector<std::byte> bytes = read_record_file(file);
   std::uint64_t checksum = kFirstChecksum;
   RecordReader record(file, record_content(file, bytes, checksum));
@@ -41,7 +50,7 @@ std::vector<std::byte> StoreFile::kept(const std::string& name) const {
 
 void StoreFile::keep(const std::string& name, std::vector<std::byte> bytes) {
   all_[name] = std::move(bytes);
-  if (!folder_.in_place()) return;
+  if (folder_ != nullptr && !folder_->in_place()) return;
   RecordWriter record(RecordKind::store);
   record.text(owner_);
   for (const auto& [kept, content] : all_) {
@@ -50,7 +59,7 @@ void StoreFile::keep(const std::string& name, std::vector<std::byte> bytes) {
   }
   std::uint64_t checksum = kFirstChecksum;
   try {
-    OutputFile output(folder_.file(kStoreFile));
+    OutputFile output(file_);
     output.append(record.seal(checksum));
     output.publish(OutputFile::Lasting::some_time_later);
   } catch (const OutputError&) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
@@ -20,6 +21,8 @@ class StoreFile : public RunStore {
 
   StoreFile(const RunFolder& folder, const Scene& scene, const std::string& program_version,
             Before before);
+  /// The same in any file: only what the same owner has kept there is read.
+  StoreFile(std::filesystem::path file, std::string owner, Before before);
 
   std::vector<std::byte> kept(const std::string& name) const override;
   void keep(const std::string& name, std::vector<std::byte> bytes) override;
@@ -27,7 +30,8 @@ class StoreFile : public RunStore {
  private:
   void read();
 
-  const RunFolder& folder_;
+  const RunFolder* folder_ = nullptr;  ///< where it is that of a run
+  std::filesystem::path file_;
   std::string owner_;  ///< whose it is: version, scene and plugins
   std::map<std::string, std::vector<std::byte>> all_;
 };

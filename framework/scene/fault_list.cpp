@@ -44,16 +44,22 @@ std::vector<Fault> FaultList::in_order() const {
   return faults;
 }
 
+void FaultList::take(Fault fault) { add({0, std::move(fault)}); }
+
 void FaultList::add(std::uint32_t setting, Place place, std::string value, Wrong wrong) {
+  add({setting,
+       Fault(wrong.code, std::move(place), std::move(wrong.key), std::move(value),
+             std::move(wrong.why), std::move(wrong.admissible), std::move(wrong.nearest))});
+}
+
+void FaultList::add(FoundFault found) {
   if (faults_.size() == kMostFaults) {
     std::vector<Fault> faults = in_order();
     faults.emplace_back(FaultCode::scene_too_many_faults, faults.back().place, "", "",
                         "further faults are not shown");
     throw InputError(std::move(faults));
   }
-  faults_.push_back({setting, Fault(wrong.code, std::move(place), std::move(wrong.key),
-                                    std::move(value), std::move(wrong.why),
-                                    std::move(wrong.admissible), std::move(wrong.nearest))});
+  faults_.push_back(std::move(found));
 }
 
 }  // namespace tomlin

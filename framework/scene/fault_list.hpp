@@ -49,12 +49,16 @@ class FaultList {
   /// A fault in the middle of an expression, `byte` into its text.
   void inside(const Node& text, std::size_t byte, Wrong wrong);
 
+  /// One of the file that was put together elsewhere.
+  void take(Fault fault);
+
   bool empty() const { return faults_.empty(); }
   /// Throws InputError with all of them by place, those of the file first.
   void throw_if_any() const;
 
  private:
   void add(std::uint32_t setting, Place place, std::string value, Wrong wrong);
+  void add(FoundFault found);
   std::vector<Fault> in_order() const;
 
   // A file of junk may hold a million faults; nobody reads them, and to find them all takes long.

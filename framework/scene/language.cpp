@@ -260,6 +260,19 @@ TableLayout output_layout() {
   return layout;
 }
 
+TableLayout sweep_layout() {
+  TableLayout layout;
+  layout.own_keys = {
+      {"over",
+       "names as in `--set` with their values, an axis each, the first one outermost: "
+       "{ v = \"1e-4:1e-1:31:log\", k = [1.0, 2.0] }"},
+      {"zip",
+       "names of `over` that make up one axis together: [\"k\", \"v\"], or a list of such lists"},
+      {"observables", "what is kept of each run: dotted paths as in summary.json"},
+  };
+  return layout;
+}
+
 std::vector<SceneTable> scene_tables() {
   return {{"scene", "what the scene is; may be absent", scene_layout()},
           {"scene.axes", "what the axes of figures call the units", axes_layout()},
@@ -270,7 +283,9 @@ std::vector<SceneTable> scene_tables() {
           {"run.until", "end when steady, in place of a duration", until_layout()},
           {"measure", "the window of means, work and extremes; the whole run without it",
            measure_layout()},
-          {"output", "what is written beside the summary", output_layout()}};
+          {"output", "what is written beside the summary", output_layout()},
+          {"sweep", "many runs over values of parameters; other commands only check it",
+           sweep_layout()}};
 }
 
 TableLayout body_layout(const BodyRecord& record) {
@@ -323,9 +338,9 @@ TableLayout integrator_layout(const IntegratorRecord& record) {
 }
 
 const std::vector<std::string>& top_level_keys() {
-  static const std::vector<std::string> keys = {"plugins", "scene", "parameters", "box",
-                                                "body",    "force", "observer",   "run",
-                                                "measure", "output"};
+  static const std::vector<std::string> keys = {"plugins", "scene",  "parameters", "box",
+                                                "body",    "force",  "observer",   "run",
+                                                "measure", "output", "sweep"};
   return keys;
 }
 
@@ -345,7 +360,6 @@ const std::vector<ReservedKey>& planned_words() {
       {"brownian", kBaths},
       {"thermostat", kBaths},
       {"nose_hoover", kBaths},
-      {"sweep", kMany},
       {"replicas", kMany},
       {"merge", kMany},
       {"stability", "thresholds and equilibria"},

@@ -45,6 +45,8 @@ TableLayout until_layout();
 TableLayout perturb_layout();
 TableLayout measure_layout();
 TableLayout output_layout();
+/// `[sweep]`, see sweep_settings.hpp.
+TableLayout sweep_layout();
 
 /// A table of a scene that is no component, with what it is for.
 struct SceneTable {
@@ -67,7 +69,7 @@ TableLayout observer_layout(const ObserverRecord& record);
 TableLayout integrator_layout(const IntegratorRecord& record);
 
 /// plugins, and the tables of a scene: scene, parameters, box, body, force, observer, run, measure,
-/// output; in the order of the effective scene.
+/// output, sweep; in the order of the effective scene.
 const std::vector<std::string>& top_level_keys();
 const std::vector<ReservedKey>& reserved_top_level_keys();
 

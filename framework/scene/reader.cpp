@@ -5,6 +5,7 @@
 #include "framework/scene/box_checks.hpp"
 #include "framework/scene/freedom_checks.hpp"
 #include "framework/scene/scene_draft.hpp"
+#include "framework/scene/sweep_settings.hpp"
 
 namespace tomlin {
 namespace {
@@ -55,6 +56,7 @@ std::shared_ptr<const Scene> read_document(const Table& document, const std::str
   read_run(draft);
   read_measure(draft);
   read_output(draft);
+  check_sweep(document, source, faults);
   faults.throw_if_any();
   write_effective_scene(draft);
   return draft.scene;

@@ -48,6 +48,20 @@ std::vector<NamedLibrary> SceneDocument::libraries() const {
   return named_libraries(*contents_, file_, source, faults);
 }
 
+std::optional<SweepSettings> SceneDocument::sweep() const {
+  if (fault_) throw InputError(*fault_);
+  const std::vector<Setting> none;
+  std::vector<Fault> faults;
+  auto settings = sweep_settings(*contents_, Source(file_, text_, none), faults);
+  if (!faults.empty()) throw InputError(std::move(faults));
+  return settings;
+}
+
+void SceneDocument::drop_sweep() {
+  if (!contents_) return;
+  std::erase_if(contents_->entries, [](const Entry& entry) { return entry.key == "sweep"; });
+}
+
 std::shared_ptr<const Scene> SceneDocument::read(const Registry& registry,
                                                  const std::vector<Setting>& settings) const {
   if (fault_) throw InputError(*fault_);

@@ -9,6 +9,7 @@
 #include "framework/scene/document.hpp"
 #include "framework/scene/libraries.hpp"
 #include "framework/scene/scene.hpp"
+#include "framework/scene/sweep_settings.hpp"
 
 namespace tomlin {
 
@@ -24,6 +25,10 @@ class SceneDocument {
   const Table* contents() const { return contents_ ? &*contents_ : nullptr; }
   /// The libraries that it names, which are to be loaded before it is read.
   std::vector<NamedLibrary> libraries() const;
+  /// Its `[sweep]`; nothing where there is none. Throws InputError with every fault found in it.
+  std::optional<SweepSettings> sweep() const;
+  /// Takes `[sweep]` out, which is otherwise checked whenever the scene is read.
+  void drop_sweep();
   /// The checked scene with these settings. Throws InputError with every fault found.
   std::shared_ptr<const Scene> read(const Registry& registry,
                                     const std::vector<Setting>& settings = {}) const;

@@ -22,6 +22,8 @@ constexpr const char* kAdmissiblePaths =
 
 /// Not a table, and read before settings are.
 constexpr const char* kPlugins = "plugins";
+/// Not a part of what a run does.
+constexpr const char* kSweep = "sweep";
 
 bool holds(const std::vector<std::string>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -110,8 +112,13 @@ class Application {
   }
 
   void set_in_section(const std::vector<std::string>& parts) {
+    if (parts[0] == kSweep) {
+      return refuse(FaultCode::command_invalid_value, "not set here",
+                    "the options of tomlin sweep, or the scene itself");
+    }
     std::vector<std::string> tables = top_level_keys();
-    std::erase(tables, kPlugins);
+    std::erase_if(tables,
+                  [](const std::string& name) { return name == kPlugins || name == kSweep; });
     if (!holds(tables, parts[0])) {
       if (refuse_planned(parts[0])) return;
       return refuse(FaultCode::scene_unknown_key, "there is no such table", listed(tables),

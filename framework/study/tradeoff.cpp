@@ -30,11 +30,7 @@ constexpr const char* kNotDetermined = "the result is not determined: no digit o
 
 /// The path in full. Throws for what is no result of a scene.
 std::string full_path(const std::shared_ptr<const Scene>& scene, const std::string& path) {
-  // Binding tells what there is; the run itself ends at once.
-  const std::atomic<bool> stop = true;
-  RunOptions options;
-  options.stop = &stop;
-  const RunResult result = Engine(scene, options).run();
+  const RunResult result = result_at_start(scene);
   observable(result, path, {.file = "--observable"});
   std::string full = path;
   for (const Observable& one : observables(result)) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "framework/core/text/fault.hpp"
+#include "framework/run/engine.hpp"
 #include "framework/run/side_run.hpp"
 #include "framework/study/methods.hpp"
 
@@ -100,6 +101,14 @@ TrialRun try_run(const std::shared_ptr<const Scene>& scene, const TrialLimits& l
     trial.why = condensed(error);
   }
   return trial;
+}
+
+RunResult result_at_start(const std::shared_ptr<const Scene>& scene) {
+  const std::atomic<bool> stop = true;
+  RunOptions options = options_to_bind();
+  options.stop = &stop;
+  options.all_observables = true;
+  return Engine(scene, options).run();
 }
 
 }  // namespace tomlin

@@ -32,7 +32,7 @@ constexpr double kBetter = 0.7;
 constexpr int kAtRest = 3;
 constexpr double kMoved = 0.03;
 /// Points that are fine enough before a method ends: the first may be so by chance.
-constexpr int kFineEnough = 2;
+constexpr int kMostFineEnough = 2;
 constexpr int kRefinements = 4;
 /// A setting that costs so many times more than one that keeps the tolerance is of no interest.
 constexpr std::uint64_t kCostly = 30;
@@ -153,7 +153,7 @@ class Walk {
     best_ = std::min(best_, error);
     at_rest_ = taken_ > 1 && std::abs(*found.value - last_) <= kMoved * error ? at_rest_ + 1 : 0;
     last_ = *found.value;
-    done_ = fine_ >= kFineEnough || idle_ >= kPatience || at_rest_ >= kAtRest;
+    done_ = fine_ >= kMostFineEnough || idle_ >= kPatience || at_rest_ >= kAtRest;
     if (!done_ && found.cost() / kCostly >= least_) {
       done_ = true;
       gap(TradeoffGap::Kind::costly,

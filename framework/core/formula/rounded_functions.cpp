@@ -36,4 +36,19 @@ double rounded_power(double x, double y) {
   return rounded(y < 0 ? 1 / result : result);
 }
 
+double rounded_linear_step(double a, double b, unsigned long k, unsigned long n) {
+  if (k == 0) return a;
+  if (k == n) return b;
+  const binary128::Number before = n - k;
+  return rounded((before * a + binary128::Number(k) * b) / n);
+}
+
+double rounded_logarithmic_step(double a, double b, unsigned long k, unsigned long n) {
+  if (k == 0) return a;
+  if (k == n) return b;
+  const binary128::Number before = n - k;
+  const binary128::Number after = k;
+  return rounded(binary128::exp((before * binary128::log(a) + after * binary128::log(b)) / n));
+}
+
 }  // namespace tomlin

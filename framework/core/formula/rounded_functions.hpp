@@ -28,4 +28,9 @@ double rounded_tanh(double x);
 /// x^y; x != 0 unless y >= 0, and y is integral where x < 0. x^0 = 1.
 double rounded_power(double x, double y);
 
+/// The k-th of n equal steps from a to b, 0 <= k <= n, n > 0: in their difference, or in their
+/// ratio where both are positive. The ends are a and b themselves.
+double rounded_linear_step(double a, double b, unsigned long k, unsigned long n);
+double rounded_logarithmic_step(double a, double b, unsigned long k, unsigned long n);
+
 }  // namespace tomlin

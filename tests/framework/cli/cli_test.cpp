@@ -35,7 +35,7 @@ TEST_F(Cli, HelpIsEverywhere) {
   const std::string help = tomlin({"--help"}).out;
   EXPECT_EQ(tomlin({"help"}).out, help);
   EXPECT_EQ(tomlin({"help", "run"}).out, tomlin({"run", "--help"}).out);
-  for (const char* name : {"sweep", "stability", "merge", "export", "report"}) {
+  for (const char* name : {"stability", "merge", "export", "report"}) {
     EXPECT_TRUE(contains(help, std::string("\n  ") + name + " ")) << name;
   }
 }
@@ -113,7 +113,7 @@ TEST_F(Cli, VersionIsANumber) {
 TEST_F(Cli, WhatItDoesNotKnowIsBadInput) {
   const std::string option = "tomlin: [command.unknown_option]";
   const std::string missing = "tomlin: [command.missing_argument]\n";
-  expect_refused({}, missing, {"run, tradeoff, compare, "});
+  expect_refused({}, missing, {"run, sweep, tradeoff, compare, "});
   expect_refused({"swep"}, "tomlin: [command.unknown] did you mean sweep\n", {"\"swep\""});
   expect_refused({"run", "tip.toml", "--frce"}, option + " did you mean --force\n",
                  {"tomlin run ", "--frce", "--set"});
@@ -128,10 +128,10 @@ TEST_F(Cli, WhatItDoesNotKnowIsBadInput) {
 
 TEST_F(Cli, WhatIsToComeSaysSo) {
   const std::string planned = "tomlin: [command.not_in_this_version]\n";
-  for (const std::string name : {"sweep", "stability", "merge", "export", "report"}) {
+  for (const std::string name : {"stability", "merge", "export", "report"}) {
     expect_refused({name}, planned, {"\"" + name + "\"", " version"});
   }
-  expect_refused({"sweep", "tip.toml", "--over", "v=1,2", "-o", "x"}, planned, {"\"sweep\""});
+  expect_refused({"merge", "a.out", "b.out", "-o", "x"}, planned, {"\"merge\""});
 }
 
 // ---- describe
@@ -207,7 +207,7 @@ TEST_F(Cli, DescribeShowsTheTablesOfAScene) {
       EXPECT_TRUE(contains(text.out, "\n  " + row["key"].get<std::string>() + " ["));
     }
   }
-  EXPECT_EQ(list["tables"].size(), 9U);
+  EXPECT_EQ(list["tables"].size(), 10U);
   EXPECT_GT(keys, 20U);
 }
 

@@ -129,6 +129,13 @@ BROKEN = [
     ("out of range, one of several", 'particle_mass = "1 / N"', "particle_mass = [1.0, -1.0]",
      ["body", 0, "particle_mass", 1]),
     ("negative seed", DURATION, DURATION + "\nseed = -1", ["run", "seed"]),
+    ("an unknown key of a sweep", "[parameters]", "[sweep]\novre = {}\n[parameters]", ["sweep"]),
+    ("a number for an axis", "[parameters]", "[sweep]\nover = { R = 1.0 }\n[parameters]",
+     ["sweep", "over", "R"]),
+    ("no values for an axis", "[parameters]", "[sweep]\nover = { run.duration = [] }\n[parameters]",
+     ["sweep", "over", "run", "duration"]),
+    ("a text for observables", "[parameters]",
+     '[sweep]\nobservables = "ring.turns"\n[parameters]', ["sweep", "observables"]),
     ("a body and bodies", 'body = "ring"', 'body = "ring"\nbodies = ["ring"]', ["force", 1]),
     ("two bodies of one that takes one", 'body = "ring"', 'bodies = ["ring", "tip"]',
      ["force", 1, "bodies"]),
@@ -161,6 +168,8 @@ BEYOND = [
     ("a window past the end", "from = 1.0", "from = 20.0"),
     ("mixed dimensions", "velocity = [1e-2, 0.0]", "velocity = [1e-2]"),
     ("as many masses as no particles", 'particle_mass = "1 / N"', "particle_mass = [1.0, 2.0]"),
+    ("a sweep over nothing", "[parameters]", "[sweep]\nover = { Q = [1] }\n[parameters]"),
+    ("a grid that is none", "[parameters]", '[sweep]\nover = { R = "1:2" }\n[parameters]'),
     ("a particle that is not there", 'pairs = "all"', "pairs = [[0, 9]]"),
     ("positions without samples", "every = 1.0", "trajectory = true"),
 ]
@@ -500,6 +509,39 @@ class Summaries(unittest.TestCase):
             planted = copy.deepcopy(self.summaries[0])
             plant(planted)
             self.assertFalse(self.validator.is_valid(planted), plant.__name__)
+
+
+class Sweeps(unittest.TestCase):
+    """`tomlin schema --sweep` against what sweeps leave."""
+
+    def test_they_validate_and_planted_faults_are_seen(self):
+        printed = subprocess.run([PROGRAM, "schema", "--sweep"], capture_output=True, check=True)
+        schema = json.loads(printed.stdout)
+        jsonschema.Draft7Validator.check_schema(schema)
+        validator = jsonschema.Draft7Validator(schema)
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run(
+                [PROGRAM, "sweep", SOURCE / "scenarios/prandtl_tomlinson/stick_slip.toml",
+                 "--over", "v=0.1:0.3:3", "--over", "run.dynamics=inertial,overdamped",
+                 "--over", "run.integrator.relative_tolerance=1e-6,-1",
+                 "--observable", "driver.mean_force.x", "-o", folder],
+                capture_output=True, check=True)
+            sweep = json.loads(pathlib.Path(folder, "sweep.json").read_text())
+        self.assertEqual([fault.message for fault in validator.iter_errors(sweep)], [])
+        self.assertEqual(sweep["counts"]["refused"], 6)
+        for key in sweep:
+            planted = copy.deepcopy(sweep)
+            del planted[key]
+            self.assertFalse(validator.is_valid(planted), key)
+        for path, value in ((("points",), 1.5), (("axes", 0, "spacing"), "cubic"),
+                            (("axes", 0, "from"), "0.1"), (("counts", "unknown"), 1),
+                            (("observables", 0, "unit"), 1), (("status",), "failed")):
+            planted = copy.deepcopy(sweep)
+            place = planted
+            for part in path[:-1]:
+                place = place[part]
+            place[path[-1]] = value
+            self.assertFalse(validator.is_valid(planted), path)
 
 
 if __name__ == "__main__":

@@ -77,7 +77,8 @@ TEST(Window, OfAnObliquePullIsOfWholePeriodsAlongAllAxes) {
     const RunResult found = run_text(R"(
 body = [{ name = "tip", type = "point", position = [0.0, 0.0], particle_mass = 1.0 }]
 force = [
-  { name = "driver", type = "driving_spring", stiffness = 2.0, velocity = )" + velocity + R"( },
+  { name = "driver", type = "driving_spring", stiffness = 2.0, velocity = )" +
+                                     velocity + R"( },
   { type = "viscous_damping", coefficient = 2.0 },
   { type = "lattice_substrate", lattice = "square", period = 1.0, amplitude = 0.05 },
 ]

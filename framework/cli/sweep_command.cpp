@@ -1,0 +1,381 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <csignal>
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "framework/cli/command.hpp"
+#include "framework/cli/exit_status.hpp"
+#include "framework/cli/inputs.hpp"
+#include "framework/cli/options.hpp"
+#include "framework/cli/plugins.hpp"
+#include "framework/cli/print_result.hpp"
+#include "framework/cli/progress.hpp"
+#include "framework/cli/stop_signals.hpp"
+#include "framework/cli/sweep_text.hpp"
+#include "framework/core/text/fault.hpp"
+#include "framework/output/record.hpp"
+#include "framework/output/run_folder.hpp"
+#include "framework/scene/text.hpp"
+#include "framework/study/sweep/files.hpp"
+#include "framework/study/sweep/journal.hpp"
+#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/runner.hpp"
+
+namespace tomlin {
+namespace fs = std::filesystem;
+namespace {
+
+struct SweepArguments : SceneOptions {
+  std::vector<std::string> over;
+  std::vector<std::string> zips;
+  std::vector<std::string> observables;
+  std::optional<std::string> folder;
+  std::size_t threads = 0;  ///< 0: one for each processor
+  std::optional<std::string> trace;
+  bool dry_run = false;
+  bool force = false;
+  bool quiet = false;
+};
+
+constexpr const char* kSweepFooter = R"(
+Runs the scene once for every combination of the values, in one process, and writes a table: a row
+for each point with the values, the observables and how the run ended. The last axis runs fastest.
+
+  --over v=1e-3,1e-2           a list; values as in --set, also words, lists and expressions
+  --over k=1:5:9               9 values from 1 to 5, equally spaced
+  --over v=1e-4:1e-1:31:log    31 values, equally spaced in the logarithm
+  --zip k,v                    these axes take their values together, and are one axis
+
+NAME is a parameter or a dotted path, as in --set. The ends of a grid are exact; the values between
+them are the doubles nearest to those of the formulas, on every machine.
+
+Examples:
+
+  tomlin sweep pt.toml --over v=1e-3:1e-1:21:log --observable driver.mean_force.x
+  tomlin sweep pt.toml --over v=1e-3,1e-2 --over run.integrator.dt=1e-2,5e-3 \
+      --observable driver.mean_force.x --observable events.slips --threads 2
+
+A scene may have the same in a table, which these options replace:
+
+  [sweep]
+  over = { v = "1e-3:1e-1:21:log", "run.integrator.dt" = [1e-2, 5e-3] }
+  observables = ["driver.mean_force.x"]
+
+A row has the bits of tomlin run with the same --set. A point that the scene refuses, or that fails,
+is a row with its reason. DIR then holds
+  sweep.csv       a row for each point
+  sweep.h5        the same as arrays over the axes, netCDF-4: xarray.open_dataset opens it
+  sweep.json      axes, observables, counts, warnings
+  scene.toml      the scene with all defaults and [sweep]
+  sweep.journal   a record for each point that has ended
+  sweep.points/   the results of tomlin run for the rows of --trace (0,5-7, or all); while the sweep
+                  goes on, checkpoints of points that take longer than [run] checkpoint_every
+
+Ctrl-C ends a sweep early. A sweep that was stopped or killed is continued by the same command:
+points with a row are not run again, those with a checkpoint resume from it, and the results have the
+bytes of a sweep that was left alone.
+
+Exit status: 0 every point has a row; 1 the results could not be written; 2 the input was not right,
+and nothing was written; 130 or 143 after an interrupt.)";
+
+constexpr std::array kSweepFiles = {kSweepSummaryFile, kSweepTableFile, kSweepArraysFile,
+                                    kSweepJournalFile, kSceneFile};
+constexpr std::array kSweepResults = {kSweepSummaryFile, kSweepTableFile, kSweepArraysFile};
+
+/// With the checkpoints of points, while the sweep goes on.
+constexpr const char* kPointsFolder = "sweep.points";
+
+std::string default_sweep_folder(const std::string& scene_file) {
+  return fs::path(scene_file).stem().string() + ".sweep.out";
+}
+
+void add_options(CLI::App& parser, SweepArguments& arguments) {
+  add_scene_options(parser, arguments);
+  parser.add_option("--over", arguments.over, "an axis: a name and its values")
+      ->type_name("NAME=VALUES")
+      ->option_text("NAME=VALUES ...")
+      ->allow_extra_args(false);
+  parser.add_option("--zip", arguments.zips, "axes that are one axis together")
+      ->type_name("NAME,NAME")
+      ->option_text("NAME,NAME ...")
+      ->allow_extra_args(false);
+  add_observable_option(parser, arguments.observables);
+  add_output_option(parser, arguments.folder, "DIR",
+                    "folder for the results; SCENE's stem + .sweep.out");
+  parser.add_option("--threads", arguments.threads, "how many; one for each processor by default")
+      ->type_name("N")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{4096}));
+  parser
+      .add_option("--trace", arguments.trace, "rows, counted from 0, whose full results are kept")
+      ->type_name("ROWS");
+  parser.add_flag("--dry-run", arguments.dry_run,
+                  "only show how many points there are and what they cost");
+  add_force_option(parser, arguments.force,
+                   "begin anew in DIR; only files that tomlin writes are replaced");
+  parser.add_flag("--quiet", arguments.quiet, "print errors only");
+}
+
+void check(SweepArguments& arguments) { read_settings(arguments); }
+
+/// What the options say of axes; adds a fault for each that says nothing.
+std::vector<SweepAxis> axes_of(const std::vector<std::string>& options,
+                               std::vector<Fault>& faults) {
+  const Place place{"--over"};
+  std::vector<SweepAxis> axes;
+  for (const std::string& option : options) {
+    const std::size_t equals = option.find('=');
+    const std::string name = option.substr(0, equals);
+    if (equals == std::string::npos || name.empty()) {
+      faults.emplace_back(FaultCode::command_missing_argument, place,
+                          option.empty() ? "\"\"" : shortened(option, kLongestShownValue), "",
+                          equals == std::string::npos ? "no values" : "no name", "NAME=VALUES");
+      continue;
+    }
+    const std::string given = option.substr(equals + 1);
+    const std::string shown = shortened(given, kLongestShownValue);
+    auto read = SweepValues::parse(given);
+    if (auto* values = std::get_if<SweepValues>(&read)) {
+      axes.push_back({name, std::move(*values), place, shown});
+      continue;
+    }
+    Wrong& wrong = std::get<Wrong>(read);
+    faults.emplace_back(wrong.code, place, name, shown, std::move(wrong.why),
+                        std::move(wrong.admissible), std::move(wrong.nearest));
+  }
+  return axes;
+}
+
+std::vector<std::string> names_in(const std::string& text) {
+  std::vector<std::string> names(1);
+  for (const char c : text) {
+    if (c == ',') {
+      names.emplace_back();
+    } else if (c != ' ') {
+      names.back() += c;
+    }
+  }
+  return names;
+}
+
+/// `[sweep]` of the scene with what the options replace. Axes are replaced together, zips with
+/// them.
+SweepSettings settings_of(const SceneDocument& document, const SweepArguments& arguments,
+                          std::vector<Fault>& faults) {
+  SweepSettings settings = document.sweep().value_or(SweepSettings{});
+  if (!arguments.over.empty()) {
+    settings.over = axes_of(arguments.over, faults);
+    settings.zips.clear();
+  }
+  if (!arguments.zips.empty()) {
+    settings.zips.clear();
+    for (const std::string& zip : arguments.zips) {
+      settings.zips.push_back({names_in(zip), Place{"--zip"}});
+    }
+  }
+  if (!arguments.observables.empty()) {
+    settings.observables = arguments.observables;
+    settings.observables_place = Place{"--observable"};
+  }
+  const auto missing = [&faults](const char* what, const char* admissible) {
+    faults.emplace_back(FaultCode::command_missing_argument, Place{"tomlin"}, "", "", what,
+                        admissible);
+  };
+  if (settings.over.empty() && arguments.over.empty()) {
+    missing("nothing to sweep over", "--over NAME=VALUES, or over in [sweep] of the scene");
+  }
+  if (settings.observables.empty()) {
+    missing("no observable",
+            "--observable O, a dotted path in summary.json, or observables in [sweep]");
+  }
+  return settings;
+}
+
+/// "all", or rows and ranges of them: "0,5-7". Adds a fault for what is neither.
+std::vector<std::size_t> rows_in(const std::string& text, std::size_t points,
+                                 std::vector<Fault>& faults) {
+  std::vector<std::size_t> rows;
+  const auto number = [points](std::string_view digits) -> std::optional<std::size_t> {
+    std::size_t row = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), row);
+    const bool whole = error == std::errc() && end == digits.data() + digits.size();
+    return whole && row < points ? std::optional(row) : std::nullopt;
+  };
+  for (const std::string& part : names_in(text)) {
+    const std::size_t dash = part.find('-');
+    const auto first = part == "all" ? 0 : number(part.substr(0, dash));
+    const auto last = part == "all"               ? points - 1
+                      : dash == std::string::npos ? first
+                                                  : number(part.substr(dash + 1));
+    if (!first || !last || *first > *last) {
+      faults.emplace_back(FaultCode::command_invalid_value, Place{"--trace"}, "",
+                          shortened(part, kLongestShownValue), "no row of this sweep",
+                          fmt::format("all, or rows from 0 to {}: 0,5-7", points - 1));
+      continue;
+    }
+    for (std::size_t row = *first; row <= *last; ++row) rows.push_back(row);
+  }
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  return rows;
+}
+
+/// Takes away what an earlier sweep has left of its points: nothing that others have put there.
+void remove_points(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> entries;
+  for (const auto& entry : fs::directory_iterator(folder, error)) entries.push_back(entry.path());
+  for (const fs::path& entry : entries) {
+    if (entry.extension() == ".store") fs::remove(entry, error);
+    if (!fs::is_directory(fs::symlink_status(entry, error))) continue;
+    for (const char* name : kFilesOfARun) fs::remove(entry / name, error);
+    fs::remove(entry, error);
+  }
+  fs::remove(folder, error);
+}
+
+/// Faults of options before those of a plan that is made without them.
+SweepPlan plan_of(SceneDocument document, const Registry& registry,
+                  const SweepArguments& arguments) {
+  std::vector<Fault> faults;
+  SweepSettings settings = settings_of(document, arguments, faults);
+  std::optional<SweepPlan> plan;
+  try {
+    plan.emplace(std::move(document), registry, arguments.settings, std::move(settings),
+                 TOMLIN_VERSION);
+  } catch (const InputError& error) {
+    faults.insert(faults.end(), error.faults().begin(), error.faults().end());
+  }
+  if (!faults.empty()) throw InputError(std::move(faults));
+  return *std::move(plan);
+}
+
+SweepJournal::Found found_in(const fs::path& folder, const SweepPlan& plan) {
+  try {
+    return SweepJournal::look(folder / kSweepJournalFile, plan);
+  } catch (const DamagedFile& error) {
+    refuse_input(FaultCode::file_damaged, "-o", folder.string(), error.what(),
+                 "another folder, or --force, which starts again");
+  }
+}
+
+/// A sweep that was begun with the same input is gone on with.
+Occupied occupied(const fs::path& folder, const SweepPlan& plan, const SweepArguments& arguments) {
+  if (arguments.force) return Occupied::replace_results;
+  std::error_code error;
+  if (!fs::exists(folder / kSweepJournalFile, error)) return Occupied::refuse;
+  switch (found_in(folder, plan)) {
+    case SweepJournal::Found::nothing:
+    case SweepJournal::Found::same_sweep:
+      return Occupied::go_on;
+    case SweepJournal::Found::other_sweep:
+      refuse_input(FaultCode::resume_other_scene, "-o", folder.string(),
+                   "this folder is of another sweep: of another scene, other axes or observables",
+                   "another folder, or --force, which replaces that sweep");
+    case SweepJournal::Found::other_version:
+      refuse_input(FaultCode::resume_other_version, "-o", folder.string(),
+                   "the sweep in this folder was begun with another version of tomlin",
+                   "that version, another folder, or --force, which starts again");
+  }
+  return Occupied::refuse;
+}
+
+bool holds_all_results(const RunFolder& folder) {
+  return std::all_of(kSweepFiles.begin(), kSweepFiles.end(),
+                     [&folder](const char* name) { return folder.holds(name); });
+}
+
+std::string where_the_sweep_is(const RunFolder& folder) {
+  std::string files;
+  for (const char* name : kSweepFiles) {
+    if (folder.holds(name)) files += (files.empty() ? "" : ", ") + std::string(name);
+  }
+  return (folder.path() / "").string() + ": " + files;
+}
+
+int sweep(const SweepArguments& arguments) {
+  SceneDocument document(arguments.scene);
+  const Registry registry = registry_with_plugins(arguments.plugins, {&document, 1});
+  const SweepPlan plan = plan_of(std::move(document), registry, arguments);
+  std::vector<Fault> faults;
+  std::vector<std::size_t> traced;
+  if (arguments.trace) traced = rows_in(*arguments.trace, plan.points(), faults);
+  if (!faults.empty()) throw InputError(std::move(faults));
+  const std::size_t threads = arguments.threads > 0
+                                  ? arguments.threads
+                                  : std::max<std::size_t>(1, std::thread::hardware_concurrency());
+  if (arguments.dry_run) return print_result(sweep_plan_text(plan, threads));
+
+  const fs::path path = arguments.folder.value_or(default_sweep_folder(arguments.scene));
+  RunFolder folder(path, occupied(path, plan, arguments), kSweepFiles);
+  refuse_to_lose_inputs(folder, plan.scene(), kSweepFiles);
+  folder.own();
+  // A full disk or a reader that went away is an error that is reported, not the end.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+  StopSignals signals;
+  if (arguments.force) {
+    folder.remove(kSweepJournalFile);
+    remove_points(folder.file(kPointsFolder));
+  }
+  SweepJournal journal(folder.file(kSweepJournalFile), plan);
+  // Where one of them is, it belongs to all rows.
+  const bool had_all = holds_all_results(folder);
+  ProgressLine progress_line(arguments.quiet ? ProgressLine::Style::silent : progress_style());
+  bool is_complete = true;
+  for (std::size_t k = 0; k < plan.points() && is_complete; ++k) is_complete = journal.has(k);
+  if (had_all && is_complete && traced.empty()) {
+    if (arguments.quiet) return kExitDone;
+    return print_result("finished already; nothing to do\n  results  " +
+                        where_the_sweep_is(folder) + "\n");
+  }
+  for (const char* name : kSweepResults) folder.remove(name);
+  folder.write_file(kSceneFile, plan.scene_text());
+
+  SweepOptions options;
+  options.threads = threads;
+  options.folder = folder.file(kPointsFolder);
+  options.traced = traced;
+  options.stop = &signals.stop();
+  options.on_progress = [&progress_line](const SweepProgress& now) {
+    progress_line.show(sweep_progress_text(now), now.seconds);
+  };
+  const SweepProgress progress = run_sweep(plan, journal, options);
+  progress_line.finish();
+
+  std::optional<SweepCounts> counts;
+  if (progress.complete()) {
+    std::error_code error;
+    fs::remove(folder.file(kPointsFolder), error);  // where it is empty
+    counts = count_rows(plan, journal);
+    write_sweep_table(folder.file(kSweepTableFile), plan, journal);
+    write_sweep_arrays(folder.file(kSweepArraysFile), plan, journal);
+  }
+  const SweepCounts* const known = counts ? &*counts : nullptr;
+  folder.write_file(kSweepSummaryFile, sweep_json(plan, progress, known, threads));
+  int status = kExitDone;
+  if (!arguments.quiet) {
+    status = print_result(sweep_text(plan, progress, known, where_the_sweep_is(folder)));
+  }
+  return counts ? status : kExitSignal + signals.caught();
+}
+
+}  // namespace
+
+CommandRecord sweep_command() {
+  return {"sweep", "many runs over values of parameters", kSweepFooter,
+          declared<SweepArguments>(add_options, check, sweep)};
+}
+
+}  // namespace tomlin

@@ -1,0 +1,226 @@
+#include "framework/cli/sweep_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "framework/cli/diagnostics.hpp"
+#include "framework/cli/explanation.hpp"
+#include "framework/cli/progress.hpp"
+#include "framework/core/system/instruction_set.hpp"
+#include "framework/core/text/fault.hpp"
+#include "framework/output/checksum.hpp"
+#include "framework/output/machine.hpp"
+#include "framework/study/methods.hpp"
+
+namespace tomlin {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Of the layout of sweep.json: another one when a key goes or means something else.
+constexpr int kSweepJsonFormat = 1;
+constexpr std::size_t kMostNamesOnALine = 4;
+
+double rate_of(const SweepProgress& progress) {
+  const auto done = static_cast<double>(progress.with_row() - progress.before);
+  return progress.seconds > 0.0 ? done / progress.seconds : 0.0;
+}
+
+/// "a, b and 3 more"
+template <class All, class Name>
+std::string some_of(const All& all, Name name) {
+  std::vector<std::string> shown;
+  for (const auto& one : all) {
+    if (shown.size() < kMostNamesOnALine) shown.push_back(name(one));
+  }
+  std::string text = fmt::format("{}", fmt::join(shown, ", "));
+  if (all.size() > shown.size()) text += fmt::format(" and {} more", all.size() - shown.size());
+  return text;
+}
+
+/// "31 x 4 = 124"
+std::string shape_text(const SweepPlan& plan) {
+  std::vector<std::size_t> counts;
+  for (const SweepDimension& dimension : plan.dimensions()) counts.push_back(dimension.count);
+  if (counts.size() == 1) return fmt::format("{}", plan.points());
+  return fmt::format("{} = {}", fmt::join(counts, " x "), plan.points());
+}
+
+std::string settings_text(const SweepPlan& plan, std::size_t point) {
+  std::vector<std::string> texts;
+  for (const Setting& setting : plan.settings_at(point)) {
+    texts.push_back(setting.path + " = " + setting.value);
+  }
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+std::string result_row(const char* name, const std::string& text) {
+  return fmt::format("  {:<12} {}\n", name, text);
+}
+
+std::string axes_and_observables(const SweepPlan& plan) {
+  return result_row("points", shape_text(plan)) +
+         result_row("over", some_of(plan.axes(), [](const SweepAxis& axis) { return axis.name; })) +
+         result_row("observables", some_of(plan.observables(),
+                                           [](const SweepObservable& one) { return one.name; }));
+}
+
+Json axis_entry(const SweepPlan& plan, std::size_t axis) {
+  const SweepAxis& from = plan.axes()[axis];
+  const SweepValues& values = from.values;
+  Json entry = {{"name", from.name}, {"count", values.size()}};
+  for (std::size_t d = 0; d < plan.dimensions().size(); ++d) {
+    const auto& axes = plan.dimensions()[d].axes;
+    if (std::find(axes.begin(), axes.end(), axis) != axes.end()) entry["dimension"] = d;
+  }
+  switch (values.spacing()) {
+    case SweepValues::Spacing::list:
+      entry["spacing"] = "list";
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        entry["values"].push_back(values.numeric() ? Json(values.number(k)) : Json(values.text(k)));
+      }
+      return entry;
+    case SweepValues::Spacing::linear:
+      entry["spacing"] = "linear";
+      break;
+    case SweepValues::Spacing::logarithmic:
+      entry["spacing"] = "logarithmic";
+      break;
+  }
+  entry["from"] = values.number(0);
+  entry["to"] = values.number(values.size() - 1);
+  return entry;
+}
+
+}  // namespace
+
+std::string sweep_progress_text(const SweepProgress& progress) {
+  const std::size_t done = progress.with_row();
+  const auto left = static_cast<double>(progress.points - done);
+  const double rate = rate_of(progress);
+  std::string text =
+      fmt::format("{} %, {} of {} points", done * 100 / std::max<std::size_t>(1, progress.points),
+                  done, progress.points);
+  for (const SweepStatus status : {SweepStatus::failed, SweepStatus::refused}) {
+    const std::size_t count = progress.done[static_cast<std::size_t>(status)];
+    if (count > 0) text += fmt::format(", {} {}", count, to_string(status));
+  }
+  return text + fmt::format(", {} elapsed, {} remaining, {:.2g} points/s",
+                            duration_text(progress.seconds),
+                            rate > 0.0 ? duration_text(left / rate) : "?", rate);
+}
+
+std::string sweep_text(const SweepPlan& plan, const SweepProgress& progress,
+                       const SweepCounts* counts, const std::string& where) {
+  std::string text;
+  if (counts == nullptr) {
+    text = fmt::format("interrupted with {} of {} points; the same command goes on\n",
+                       progress.with_row(), progress.points);
+  } else {
+    text = fmt::format("{} points finished", counts->of(SweepStatus::finished));
+    for (const SweepStatus status : {SweepStatus::failed, SweepStatus::refused}) {
+      if (counts->of(status) > 0) {
+        text += fmt::format(", {} {}", counts->of(status), to_string(status));
+      }
+    }
+    text += "\n";
+  }
+  text += axes_and_observables(plan);
+  if (counts != nullptr) {
+    if (!counts->reason.empty()) {
+      text += result_row(
+          "first", fmt::format("point {}, {}: {}", counts->first_without_numbers,
+                               settings_text(plan, counts->first_without_numbers), counts->reason));
+    }
+    for (const auto& [code, warned] : counts->warnings) {
+      text += result_row("warning", fmt::format("{} at {} points, the first is {}", id_of(code),
+                                                warned.points, warned.first));
+    }
+  }
+  text += result_row(
+      "time", fmt::format("{} for {} points, {:.3g} points/s", duration_text(progress.seconds),
+                          progress.with_row() - progress.before, rate_of(progress)));
+  return text + result_row("results", where);
+}
+
+std::string sweep_json(const SweepPlan& plan, const SweepProgress& progress,
+                       const SweepCounts* counts, std::size_t threads) {
+  const std::string scene = plan.scene_text();
+  Json json;
+  json["status"] = to_string(counts != nullptr ? RunStatus::finished : RunStatus::interrupted);
+  json["program"] = {
+      {"name", "tomlin"}, {"version", plan.program_version()}, {"format", kSweepJsonFormat}};
+  json["scene"] = {
+      {"name", plan.scene().name.empty() ? Json() : Json(plan.scene().name)},
+      {"xxh3_64", fmt::format("{:016x}", checksum_of(std::as_bytes(std::span(scene)), 0))}};
+  json["sweep"] = fmt::format("{:016x}", plan.identity());
+  json["axes"] = Json::array();
+  for (std::size_t axis = 0; axis < plan.axes().size(); ++axis) {
+    json["axes"].push_back(axis_entry(plan, axis));
+  }
+  json["observables"] = Json::array();
+  for (const SweepObservable& one : plan.observables()) {
+    json["observables"].push_back(
+        {{"path", one.path}, {"column", one.name}, {"unit", one.unit}, {"meaning", one.meaning}});
+  }
+  json["points"] = plan.points();
+  json["counts"] = Json::object();
+  if (counts != nullptr) {
+    for (std::size_t k = 0; k < kSweepStatuses; ++k) {
+      json["counts"][to_string(static_cast<SweepStatus>(k))] = counts->by_status[k];
+    }
+  }
+  json["warnings"] = Json::array();
+  if (counts != nullptr) {
+    for (const auto& [code, warned] : counts->warnings) {
+      json["warnings"].push_back({{"code", id_of(code)},
+                                  {"meaning", kind_of(code).meaning},
+                                  {"points", warned.points},
+                                  {"first", warned.first}});
+    }
+  }
+  const Machine machine = this_machine();
+  json["performance"] = {{"rows", progress.with_row()},
+                         {"rows_of_this_process", progress.with_row() - progress.before},
+                         {"wall_seconds", progress.seconds},
+                         {"points_per_second", rate_of(progress)},
+                         {"threads", threads},
+                         {"instruction_set", to_string(chosen_instruction_set())},
+                         {"processor", machine.processor},
+                         {"system", machine.system},
+                         {"scene_file", plan.scene().file}};
+  return json_text(json);
+}
+
+std::string sweep_plan_text(const SweepPlan& plan, std::size_t threads) {
+  std::string text = "nothing is run or written\n" + axes_and_observables(plan);
+  text += result_row("first", settings_text(plan, 0));
+  text += result_row("last", settings_text(plan, plan.points() - 1));
+  std::optional<std::string> refused;
+  for (const std::size_t point : {std::size_t{0}, plan.points() - 1}) {
+    try {
+      const Explanation explanation = explain(plan.scene_at(point));
+      if (!explanation.cost) {
+        refused = "a step of the trial failed or is too long";
+        continue;
+      }
+      const double all = explanation.cost->seconds * static_cast<double>(plan.points());
+      text += result_row(
+          "cost", fmt::format("about {:.3g} s for {} point, {} for all in {} threads",
+                              explanation.cost->seconds, point == 0 ? "the first" : "the last",
+                              duration_text(all / static_cast<double>(threads)), threads));
+      return text;
+    } catch (const InputError& error) {
+      refused = condensed(error);
+    }
+  }
+  return text + result_row("cost", "not known: first and last point are refused: " + *refused);
+}
+
+}  // namespace tomlin

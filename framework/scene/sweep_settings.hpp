@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "framework/core/text/fault.hpp"
+#include "framework/scene/document.hpp"
+#include "framework/scene/fault_list.hpp"
+
+/// `[sweep]`: which values a sweep gives to which names, and what it keeps of each run. A run has
+/// no use for it, so that it is no part of a Scene; `tomlin sweep` has the same as options.
+namespace tomlin {
+
+/// Points of a sweep, all axes together.
+inline constexpr std::size_t kMostSweepPoints = 100'000'000;
+
+/// The values that one name takes: a list, or a grid whose ends are given.
+class SweepValues {
+ public:
+  enum class Spacing { list, linear, logarithmic };
+
+  /// "a, b, c" or "from:to:count[:log]"; why it is neither.
+  static std::variant<SweepValues, Wrong> parse(std::string_view text);
+  /// Each as in `--set`; not empty.
+  static SweepValues listed(std::vector<std::string> texts);
+
+  Spacing spacing() const { return spacing_; }
+  std::size_t size() const { return count_; }
+  /// As `--set` takes it: a number with the digits that give back its bits, or what was written.
+  std::string text(std::size_t k) const;
+  /// All values are numbers, or expressions that no parameter is needed for.
+  bool numeric() const { return numeric_; }
+  /// Of a numeric axis. Those inside of a grid are the doubles nearest to
+  ///   linear       ((n - 1 - k) from + k to) / (n - 1)
+  ///   logarithmic  exp(((n - 1 - k) log from + k log to) / (n - 1)).
+  double number(std::size_t k) const;
+  /// "from:to:count[:log]" with the numbers' digits, or the texts of the list in quotes.
+  std::string canonical() const;
+
+ private:
+  Spacing spacing_ = Spacing::list;
+  std::size_t count_ = 0;
+  bool numeric_ = true;
+  double from_ = 0.0;
+  double to_ = 0.0;
+  std::vector<std::string> texts_;  ///< of a list
+  std::vector<double> numbers_;     ///< of a numeric list
+};
+
+/// One name with its values.
+struct SweepAxis {
+  std::string name;  ///< as in `--set`: a parameter or a dotted path
+  SweepValues values;
+  Place place;        ///< of what was written, for messages,
+  std::string shown;  ///< and the values as they were written there
+};
+
+/// Names that take their values together.
+struct SweepZip {
+  std::vector<std::string> names;
+  Place place;
+};
+
+struct SweepSettings {
+  std::vector<SweepAxis> over;  ///< the first one outermost
+  std::vector<SweepZip> zips;
+  std::vector<std::string> observables;
+  Place observables_place;
+};
+
+/// One dimension of a sweep: an axis, or some that are zipped.
+struct SweepDimension {
+  std::vector<std::size_t> axes;  ///< indices into SweepSettings::over
+  std::size_t count = 0;
+};
+
+/// The dimensions, the first one outermost: a zipped one where its first axis stands. Adds a fault
+/// for every name that comes twice, every zip without its axes or of different lengths, and for too
+/// many points.
+std::vector<SweepDimension> sweep_dimensions(const SweepSettings& settings,
+                                             std::vector<Fault>& faults);
+
+/// `[sweep]` of a document; nothing where there is none. Adds its faults.
+std::optional<SweepSettings> sweep_settings(const Table& document, const Source& source,
+                                            std::vector<Fault>& faults);
+
+/// The same for the sake of its faults, those of names that cannot be set included.
+void check_sweep(const Table& document, const Source& source, FaultList& faults);
+
+}  // namespace tomlin

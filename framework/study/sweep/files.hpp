@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "framework/core/text/fault_code.hpp"
+#include "framework/study/sweep/journal.hpp"
+#include "framework/study/sweep/plan.hpp"
+
+/// The results of a sweep, made once every point has a row. They depend on the rows alone, and take
+/// the same memory for any number of points. A file appears complete or not at all.
+namespace tomlin {
+
+inline constexpr const char* kSweepTableFile = "sweep.csv";
+inline constexpr const char* kSweepArraysFile = "sweep.h5";
+inline constexpr const char* kSweepSummaryFile = "sweep.json";
+
+/// What the rows come to.
+struct SweepCounts {
+  struct Warned {
+    std::size_t points = 0;
+    std::size_t first = 0;  ///< of them
+  };
+  std::array<std::size_t, kSweepStatuses> by_status = {};
+  std::map<FaultCode, Warned> warnings;
+  std::size_t first_without_numbers = 0;  ///< the first that failed or was refused, where there is
+  std::string reason;                     ///< one, and its reason
+
+  std::size_t of(SweepStatus status) const { return by_status[static_cast<std::size_t>(status)]; }
+};
+
+/// Throws DamagedFile.
+SweepCounts count_rows(const SweepPlan& plan, const SweepJournal& journal);
+
+/// Comma-separated values: a row per point in the order of the axes with the values of the axes,
+/// the columns of the plan, status and reason. Numbers have 17 significant digits, undefined ones
+/// are empty. Throws OutputError, DamagedFile.
+void write_sweep_table(const std::filesystem::path& file, const SweepPlan& plan,
+                       const SweepJournal& journal);
+
+/// netCDF-4: an HDF5 file with a dimension for each axis, called like it, whose values are the
+/// variable of that name; zipped axes share a dimension `point` (the next ones point_2, ...), along
+/// which each is a variable. Columns, status and reason are variables over all dimensions. Throws
+/// OutputError, DamagedFile.
+void write_sweep_arrays(const std::filesystem::path& file, const SweepPlan& plan,
+                        const SweepJournal& journal);
+
+}  // namespace tomlin

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "framework/output/descriptor.hpp"
+#include "framework/output/output_file.hpp"
+#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/row.hpp"
+
+namespace tomlin {
+
+inline constexpr const char* kSweepJournalFile = "sweep.journal";
+
+/// The rows of a sweep in a file: a header, then a record of fixed size for each point at its own
+/// place, then the reasons of those that have not finished. A record is seeded with the checksum of
+/// the header and holds the number of its point: one of another sweep, of another point, or that
+/// was written in part only, is no record, and its point is run again. Places that were never
+/// written take no room on the disk.
+class SweepJournal : public SweepRows {
+ public:
+  enum class Found { nothing, same_sweep, other_sweep, other_version };
+
+  /// What a file holds, which is left as it is. Throws DamagedFile.
+  static Found look(const std::filesystem::path& file, const SweepPlan& plan);
+
+  /// Goes on with the file where it is of the same sweep, and begins it anew otherwise. Throws
+  /// OutputError.
+  SweepJournal(std::filesystem::path file, const SweepPlan& plan);
+
+  bool has(std::size_t point) const override { return has_[point] != 0; }
+  void keep(std::size_t point, const SweepRow& row) override;
+
+  /// The rows of these points, which are there. Throws DamagedFile.
+  void read(std::size_t first, std::span<SweepRow> rows) const;
+
+ private:
+  std::size_t place(std::size_t point) const { return records_at_ + point * record_size_; }
+  bool decode(std::size_t point, std::span<const std::byte> record, SweepRow& row) const;
+  void find_rows();
+  [[noreturn]] void fail(int error) const;
+
+  std::filesystem::path file_;
+  Descriptor descriptor_;
+  std::size_t columns_ = 0;
+  std::uint64_t seed_ = 0;         ///< of the records: the header's checksum
+  std::size_t records_at_ = 0;     ///< bytes
+  std::size_t record_size_ = 0;    ///< likewise
+  std::vector<std::uint8_t> has_;  ///< [point]
+  std::mutex mutex_;
+  std::size_t end_ = 0;  ///< of the file, where the next reason goes
+};
+
+}  // namespace tomlin

@@ -1,0 +1,252 @@
+#include "framework/study/sweep/plan.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/core/records/parameter.hpp"
+#include "framework/core/text/fault.hpp"
+#include "framework/output/checkpoint.hpp"
+#include "framework/output/checksum.hpp"
+#include "framework/run/observables.hpp"
+#include "framework/scene/document.hpp"
+#include "framework/scene/effective.hpp"
+#include "framework/scene/text.hpp"
+#include "framework/study/trial_run.hpp"
+
+namespace tomlin {
+namespace {
+
+/// Points that are tried before all are taken to be refused.
+constexpr std::size_t kMostTried = 1000;
+/// Values of one axis whose faults are shown.
+constexpr std::size_t kMostWrongValues = 10;
+
+/// Columns of the results besides axes and observables.
+constexpr std::string_view kTakenTitles[] = {"status", "reason", "point"};
+
+/// Wrong whatever the other values of a scene are.
+bool is_wrong_anyway(FaultCode code) {
+  using enum FaultCode;
+  constexpr FaultCode kCodes[] = {
+      scene_encoding,    scene_unknown_key,       scene_unknown_name,
+      scene_wrong_type,  scene_unknown_choice,    scene_unknown_component,
+      expression_syntax, expression_unknown_name, scene_not_in_this_version,
+      scene_syntax,      command_invalid_value};
+  return std::find(std::begin(kCodes), std::end(kCodes), code) != std::end(kCodes);
+}
+
+/// "driver.work" of "drivers.driver.work", where that is found by it.
+std::string short_name(const RunResult& result, const std::string& path) {
+  const std::size_t dot = path.find('.');
+  if (dot == std::string::npos) return path;
+  const std::string name = path.substr(dot + 1);
+  try {
+    return full_path(result, name) == path ? name : path;
+  } catch (const InputError&) {
+    return path;
+  }
+}
+
+/// As tables of samples and of events have it.
+std::string unit_in_tables(const ResultQuantity& quantity) {
+  if (!quantity.unit.empty()) return quantity.unit;
+  if (quantity.dimension == dimension::force) return "force";
+  if (quantity.dimension == dimension::energy) return "energy";
+  return to_string(quantity.dimension);
+}
+
+bool sets_below(const std::vector<SweepAxis>& axes, std::string_view key) {
+  return std::any_of(axes.begin(), axes.end(), [key](const SweepAxis& axis) {
+    return axis.name.substr(0, key.size()) == key;
+  });
+}
+
+}  // namespace
+
+SweepPlan::SweepPlan(SceneDocument document, const Registry& registry,
+                     std::vector<Setting> settings, SweepSettings sweep,
+                     std::string program_version)
+    : document_(std::move(document)),
+      registry_(registry),
+      settings_(std::move(settings)),
+      sweep_(std::move(sweep)),
+      program_version_(std::move(program_version)) {
+  document_.drop_sweep();
+  scene_ = document_.read(registry_, settings_);
+  std::vector<Fault> faults;
+  dimensions_ = sweep_dimensions(sweep_, faults);
+  points_ = 1;
+  dimension_of_.resize(sweep_.over.size());
+  stride_.resize(dimensions_.size());
+  for (std::size_t d = dimensions_.size(); d-- > 0;) {
+    for (const std::size_t axis : dimensions_[d].axes) dimension_of_[axis] = d;
+    stride_[d] = points_;
+    points_ *= dimensions_[d].count;
+  }
+  check_axes(faults);
+  find_observables(faults);
+  if (!faults.empty()) throw InputError(std::move(faults));
+  name_columns();
+  identity_ = find_identity();
+}
+
+std::size_t SweepPlan::index(std::size_t axis, std::size_t point) const {
+  const std::size_t d = dimension_of_[axis];
+  return point / stride_[d] % dimensions_[d].count;
+}
+
+std::vector<Setting> SweepPlan::settings_at(std::size_t point) const {
+  std::vector<Setting> settings;
+  settings.reserve(axes().size());
+  for (std::size_t axis = 0; axis < axes().size(); ++axis) {
+    settings.push_back({axes()[axis].name, axes()[axis].values.text(index(axis, point))});
+  }
+  return settings;
+}
+
+std::shared_ptr<const Scene> SweepPlan::scene_at(std::size_t point) const {
+  std::vector<Setting> settings = settings_;
+  std::vector<Setting> more = settings_at(point);
+  settings.insert(settings.end(), std::make_move_iterator(more.begin()),
+                  std::make_move_iterator(more.end()));
+  return document_.read(registry_, settings);
+}
+
+void SweepPlan::check_axes(std::vector<Fault>& faults) const {
+  for (const SweepAxis& axis : axes()) check_axis(axis, faults);
+}
+
+/// The scene is valid: what is wrong with it now is the value or what it is a value of. A value
+/// that only does not go together with the others is left to its point.
+void SweepPlan::check_axis(const SweepAxis& axis, std::vector<Fault>& faults) const {
+  const std::size_t before = faults.size();
+  for (std::size_t k = 0; k < axis.values.size(); ++k) {
+    if (k > 0 && axis.values.numeric()) return;
+    std::vector<Setting> settings = settings_;
+    settings.push_back({axis.name, axis.values.text(k)});
+    try {
+      document_.read(registry_, settings);
+    } catch (const InputError& error) {
+      const auto found =
+          std::find_if(error.faults().begin(), error.faults().end(), [](const Fault& fault) {
+            return fault.place.file.starts_with("--set") && is_wrong_anyway(fault.code);
+          });
+      if (found == error.faults().end()) continue;
+      Fault fault = *found;
+      fault.place = axis.place;
+      fault.value = shortened(axis.values.text(k), kLongestShownValue);
+      faults.push_back(std::move(fault));
+      const bool of_name = found->code == FaultCode::scene_unknown_key ||
+                           found->code == FaultCode::scene_unknown_name ||
+                           found->code == FaultCode::command_invalid_value;
+      if (of_name || faults.size() == before + kMostWrongValues) return;
+    }
+  }
+}
+
+/// What there is to observe is known when a scene is bound: the scene itself, or a point where that
+/// is refused.
+void SweepPlan::find_observables(std::vector<Fault>& faults) {
+  std::optional<RunResult> result;
+  std::optional<InputError> refused;
+  try {
+    result = result_at_start(scene_);
+  } catch (const InputError& error) {
+    refused = error;
+  }
+  if (!faults.empty() && !result) return;
+  for (std::size_t point = 0; !result && point < std::min(points_, kMostTried); ++point) {
+    try {
+      result = result_at_start(scene_at(point));
+    } catch (const InputError&) {
+      continue;
+    }
+  }
+  if (!result) throw InputError(*refused);
+
+  const Place& place = sweep_.observables_place;
+  for (const std::string& given : sweep_.observables) {
+    try {
+      const std::string path = full_path(*result, given, place);
+      if (path.starts_with("performance.")) {
+        faults.emplace_back(FaultCode::command_invalid_value, place, given, "",
+                            "how fast a run was is not a result of it",
+                            "an observable of the scene");
+        continue;
+      }
+      if (std::find(paths_.begin(), paths_.end(), path) != paths_.end()) continue;
+      const std::vector<Observable> all = tomlin::observables(*result);
+      const auto found = std::find_if(all.begin(), all.end(),
+                                      [&](const Observable& one) { return one.path == path; });
+      observables_.push_back({path, short_name(*result, path), unit_in_tables(*found->quantity),
+                              found->quantity->meaning});
+      paths_.push_back(path);
+    } catch (const InputError& error) {
+      faults.insert(faults.end(), error.faults().begin(), error.faults().end());
+    }
+  }
+}
+
+void SweepPlan::name_columns() {
+  const auto add = [this](SweepColumn::Kind kind, const char* before) {
+    for (std::size_t k = 0; k < observables_.size(); ++k) {
+      columns_.push_back({kind, k, before + observables_[k].name});
+    }
+  };
+  add(SweepColumn::Kind::value, "");
+  if (scene_->run.accuracy || sets_below(axes(), "run.accuracy")) {
+    add(SweepColumn::Kind::error, "error.");
+  }
+  if (scene_->run.perturb || sets_below(axes(), "run.perturb")) {
+    add(SweepColumn::Kind::spread, "spread.");
+  }
+}
+
+std::string SweepPlan::axis_title(std::size_t axis) const {
+  const std::string& name = axes()[axis].name;
+  const bool taken =
+      std::find(std::begin(kTakenTitles), std::end(kTakenTitles), name) != std::end(kTakenTitles) ||
+      std::any_of(columns_.begin(), columns_.end(),
+                  [&](const SweepColumn& column) { return column.name == name; });
+  return taken ? "parameters." + name : name;
+}
+
+std::string SweepPlan::scene_text() const {
+  std::string text = scene_->effective_toml;
+  text += fmt::format("\n[sweep]\nobservables = [{}]\n", fmt::join(in_quotes(paths_), ", "));
+  if (!sweep_.zips.empty()) {
+    std::vector<std::string> groups;
+    for (const SweepZip& zip : sweep_.zips) {
+      groups.push_back(fmt::format("[{}]", fmt::join(in_quotes(zip.names), ", ")));
+    }
+    text += fmt::format("zip = [{}]\n", fmt::join(groups, ", "));
+  }
+  text += "\n[sweep.over]\n";
+  for (const SweepAxis& axis : axes()) {
+    std::string values = quoted_text(axis.values.canonical());
+    if (axis.values.spacing() == SweepValues::Spacing::list) {
+      std::vector<std::string> all;
+      for (std::size_t k = 0; k < axis.values.size(); ++k) {
+        all.push_back(value_text(parse_setting(axis.values.text(k), 0)));
+      }
+      values = fmt::format("[{}]", fmt::join(all, ", "));
+    }
+    text += quoted_text(axis.name) + " = " + values + "\n";
+  }
+  return text;
+}
+
+std::uint64_t SweepPlan::find_identity() const {
+  std::string text = program_version_ + "\n" + without_plugin_paths(scene_text()) + "\n";
+  for (const Library& library : scene_->libraries) text += library.hash + "\n";
+  for (const SweepColumn& column : columns_) text += column.name + "\n";
+  return checksum_of(std::as_bytes(std::span(text)), 0);
+}
+
+}  // namespace tomlin

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "framework/core/records/registry.hpp"
+#include "framework/scene/scene.hpp"
+#include "framework/scene/scene_document.hpp"
+#include "framework/scene/sweep_settings.hpp"
+
+/// A sweep: the same scene over many values of its parameters.
+///
+///   SweepPlan     what is run: points 0 .. n-1 in the order of the axes, the first one outermost,
+///                 each a list of settings as in `--set`, and the columns of the results. It is
+///                 immutable, and every process makes the same of the same input.
+///   SweepQueue    hands out the points that have no row yet, some at a time.
+///   run_sweep()   threads that take points from the queue, run them and keep their rows.
+///   SweepRows     where rows are kept: SweepJournal, fixed-size checked records in a file, each
+///                 at its own place, so that the order in which points end leaves no trace.
+///   write_...()   sweep.csv and sweep.h5, made from the rows in the order of the points.
+///
+/// A row depends on its point alone and has the bits of `tomlin run` with the point's settings.
+/// What computes rows can therefore be exchanged: lanes take batches of points of one structure
+/// from the queue; other processes get theirs from the queue of the first, which alone writes; a
+/// part of a sweep is a plan with some of the points, and two journals of one plan are merged
+/// record by record; points that are added later are one more dimension `point`.
+namespace tomlin {
+
+/// One result that is kept of each run.
+struct SweepObservable {
+  std::string path;     ///< in full: "drivers.driver.mean_force.x"
+  std::string name;     ///< of its column: "driver.mean_force.x"
+  std::string unit;     ///< "force"
+  std::string meaning;  ///< one line
+};
+
+/// A number of each row.
+struct SweepColumn {
+  enum class Kind {
+    value,
+    error,   ///< estimated, of the steps; with `[run] accuracy`
+    spread,  ///< between starts that hardly differ; with `[run] perturb`
+  } kind = Kind::value;
+  std::size_t observable = 0;  ///< index into SweepPlan::observables()
+  std::string name;            ///< "driver.mean_force.x", "error.driver.mean_force.x"
+};
+
+class SweepPlan {
+ public:
+  /// The registry must outlive the plan. `settings` are those of all points. Throws InputError with
+  /// the faults of all axes and observables together.
+  SweepPlan(SceneDocument document, const Registry& registry, std::vector<Setting> settings,
+            SweepSettings sweep, std::string program_version);
+
+  /// The scene with the settings of all points and without those of the axes.
+  const Scene& scene() const { return *scene_; }
+  const std::vector<SweepAxis>& axes() const { return sweep_.over; }
+  const std::vector<SweepDimension>& dimensions() const { return dimensions_; }
+  const std::vector<SweepObservable>& observables() const { return observables_; }
+  const std::vector<SweepColumn>& columns() const { return columns_; }
+  /// The paths of the observables.
+  const std::vector<std::string>& paths() const { return paths_; }
+  const std::string& program_version() const { return program_version_; }
+
+  /// Of all dimensions together.
+  std::size_t points() const { return points_; }
+  /// Which of its values an axis has at a point.
+  std::size_t index(std::size_t axis, std::size_t point) const;
+  /// What differs from the scene at a point.
+  std::vector<Setting> settings_at(std::size_t point) const;
+  /// Throws InputError where the point is refused.
+  std::shared_ptr<const Scene> scene_at(std::size_t point) const;
+
+  /// What an axis is called among the columns and the variables of the results: its name, unless
+  /// they have a column of that name.
+  std::string axis_title(std::size_t axis) const;
+  /// The scene with `[sweep]` as it was asked for: `tomlin sweep` of it is the same sweep.
+  std::string scene_text() const;
+  /// The same for the same program, scene, plugins, axes and observables, and for no other.
+  std::uint64_t identity() const { return identity_; }
+
+ private:
+  void check_axes(std::vector<Fault>& faults) const;
+  void check_axis(const SweepAxis& axis, std::vector<Fault>& faults) const;
+  void find_observables(std::vector<Fault>& faults);
+  void name_columns();
+  std::uint64_t find_identity() const;
+
+  SceneDocument document_;
+  const Registry& registry_;
+  std::vector<Setting> settings_;
+  SweepSettings sweep_;
+  std::string program_version_;
+  std::shared_ptr<const Scene> scene_;
+  std::vector<SweepDimension> dimensions_;
+  std::vector<std::size_t> dimension_of_;  ///< [axis]
+  std::vector<std::size_t> stride_;  ///< [dimension]: points from one of its values to the next
+  std::size_t points_ = 0;
+  std::vector<SweepObservable> observables_;
+  std::vector<std::string> paths_;
+  std::vector<SweepColumn> columns_;
+  std::uint64_t identity_ = 0;
+};
+
+}  // namespace tomlin

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "framework/output/store_file.hpp"
+#include "framework/run/run.hpp"
+
+namespace tomlin {
+
+/// What the run of one point can be resumed from: its checkpoints, and what it keeps of the choice
+/// of its integrator and of runs beside it. Nothing is written before the run has lasted as long as
+/// checkpoints are apart or is stopped, so that short points leave no file.
+class PointCheckpoint : public RunSink, public RunStore {
+ public:
+  /// What is in the file is of use to the same owner only. `every`: seconds.
+  PointCheckpoint(std::filesystem::path file, std::string owner, double every);
+
+  /// Where an earlier process has got to; empty: nowhere.
+  const std::vector<std::byte>& state() const { return state_; }
+  /// Forgets it where it is not of this program.
+  void forget_state() { state_.clear(); }
+  /// For a run that was stopped.
+  void write();
+  /// For one that has ended.
+  void remove();
+
+  void begin(const RunLayout& layout) override { (void)layout; }
+  void sample(const std::vector<double>& row) override { (void)row; }
+  void checkpoint(const RunState& state) override;
+  bool wants_samples() const override { return false; }
+
+  std::vector<std::byte> kept(const std::string& name) const override;
+  void keep(const std::string& name, std::vector<std::byte> bytes) override;
+
+ private:
+  std::filesystem::path file_;
+  double every_;
+  StoreFile store_;
+  std::vector<std::byte> state_;
+  std::map<std::string, std::vector<std::byte>> unwritten_;
+  std::chrono::steady_clock::time_point last_written_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace tomlin

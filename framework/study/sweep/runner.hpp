@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/row.hpp"
+
+namespace tomlin {
+
+/// The points that are still to be run, in their order. Safe to call from several threads.
+class SweepQueue {
+ public:
+  SweepQueue(std::size_t points, const SweepRows& rows) : points_(points), rows_(rows) {}
+
+  /// Up to so many points that have no row; none: the queue is empty.
+  std::vector<std::size_t> take(std::size_t most);
+
+ private:
+  std::mutex mutex_;
+  std::size_t points_;
+  const SweepRows& rows_;
+  std::size_t next_ = 0;
+};
+
+/// What has been done of a sweep in this process.
+struct SweepProgress {
+  std::size_t points = 0;                             ///< of the sweep
+  std::size_t before = 0;                             ///< that had a row when it began
+  std::array<std::size_t, kSweepStatuses> done = {};  ///< since then, by status
+  double seconds = 0.0;
+
+  std::size_t with_row() const;
+  bool complete() const { return with_row() == points; }
+};
+
+struct SweepOptions {
+  std::size_t threads = 1;
+  const std::atomic<bool>* stop = nullptr;  ///< set by a signal: rows so far are kept
+  /// A folder for the checkpoints of points that take long, NUMBER.store, and for traces, NUMBER/;
+  /// none: points start again.
+  std::filesystem::path folder = {};
+  /// Points of which all results of a run are left there as well.
+  std::vector<std::size_t> traced = {};
+  /// Called from the thread that called run_sweep(), twice a second.
+  std::function<void(const SweepProgress&)> on_progress = {};
+};
+
+/// The row of a point; nothing when it was stopped. What a scene refuses and how a run fails is in
+/// the row. With a folder, a run that is stopped or takes longer than `[run] checkpoint_every`
+/// leaves there what the next one resumes from.
+std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
+                                  const std::atomic<bool>* stop = nullptr,
+                                  const std::filesystem::path& checkpoints = {});
+
+/// Runs every point that has no row, and keeps what it gives. A point that is stopped leaves no
+/// row. Throws what SweepRows throws, once all threads have ended.
+SweepProgress run_sweep(const SweepPlan& plan, SweepRows& rows, const SweepOptions& options);
+
+}  // namespace tomlin

@@ -1,0 +1,272 @@
+#include <chrono>
+#include <csignal>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/framework/cli/cli_fixture.hpp"
+
+/// `tomlin sweep` as a user sees it.
+namespace tomlin::test {
+namespace {
+
+const std::vector<std::string> kSweptForce = {"--observable", "driver.mean_force.x"};
+
+class SweepCommand : public Cli {
+ protected:
+  /// `tomlin sweep tip.toml` with these options and the mean force.
+  Ended sweep(std::vector<std::string> options, const Conditions& conditions = {}) {
+    options.insert(options.begin(), {"sweep", "tip.toml"});
+    options.insert(options.end(), kSweptForce.begin(), kSweptForce.end());
+    return tomlin(options, conditions);
+  }
+  std::string results(const std::string& folder) {
+    return file(folder + "/sweep.csv") + file(folder + "/sweep.h5") + file(folder + "/scene.toml");
+  }
+};
+
+TEST_F(SweepCommand, LeavesATableAnArrayAndASummary) {
+  const Ended ended = sweep({"--over", "v=1e-2,2e-2", "--over", "run.integrator.dt=1e-2,2e-2,-1"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_TRUE(contains(ended.out, "4 points finished, 2 refused\n")) << ended.out;
+  EXPECT_LE(lines(ended.out), 10);
+  for (const char* name : {"sweep.csv", "sweep.h5", "sweep.json", "scene.toml", "sweep.journal"}) {
+    EXPECT_TRUE(exists(std::string("tip.sweep.out/") + name)) << name;
+  }
+  EXPECT_FALSE(exists("tip.sweep.out/run.journal"));
+  const std::string table = file("tip.sweep.out/sweep.csv");
+  EXPECT_EQ(lines(table), 7);
+  EXPECT_EQ(table.substr(0, table.find('\n')),
+            "v,run.integrator.dt,driver.mean_force.x [force],status,reason");
+  const Json json = Json::parse(file("tip.sweep.out/sweep.json"));
+  EXPECT_EQ(json["status"], "finished");
+  EXPECT_EQ(json["points"], 6);
+  EXPECT_EQ(json["counts"]["finished"], 4);
+  EXPECT_EQ(json["counts"]["refused"], 2);
+  EXPECT_EQ(json["axes"][0]["name"], "v");
+  EXPECT_EQ(json["axes"][0]["values"], (std::vector<double>{1e-2, 2e-2}));
+  EXPECT_EQ(json["observables"][0]["path"], "drivers.driver.mean_force.x");
+}
+
+/// The number of a row is that of the summary of a run, to the last digit.
+TEST_F(SweepCommand, ARowIsARun) {
+  ASSERT_EQ(sweep({"--over", "v=1e-2:5e-2:3:log", "--set", "force.driver.stiffness=3"}).status, 0);
+  const std::string table = file("tip.sweep.out/sweep.csv");
+  std::size_t at = table.find('\n') + 1;
+  for (int k = 0; k < 3; ++k) {
+    const std::string row = table.substr(at, table.find('\n', at) - at);
+    at = table.find('\n', at) + 1;
+    const std::string v = row.substr(0, row.find(','));
+    const std::string folder = "run" + std::to_string(k);
+    ASSERT_EQ(tomlin({"run", "tip.toml", "--set", "force.driver.stiffness=3", "--set", "v=" + v,
+                      "-o", folder, "--quiet"})
+                  .status,
+              0);
+    const double force = summary(folder)["drivers"]["driver"]["mean_force"][0];
+    const std::size_t begin = row.find(',') + 1;
+    EXPECT_EQ(std::stod(row.substr(begin)), force) << row;
+  }
+}
+
+TEST_F(SweepCommand, TheSceneMayHaveTheTable) {
+  write(folder_ / "tip.toml", std::string(kTip) +
+                                  "\n[sweep]\nover = { v = [1e-2, 2e-2], two_v = [1.0, 2.0] }\n"
+                                  "zip = [\"v\", \"two_v\"]\n"
+                                  "observables = [\"driver.mean_force.x\"]\n");
+  EXPECT_EQ(tomlin({"sweep", "tip.toml"}).status, 0);
+  EXPECT_EQ(lines(file("tip.sweep.out/sweep.csv")), 3);
+  // Options replace it.
+  const Ended other = tomlin({"sweep", "tip.toml", "--over", "v=1:3:4", "-o", "other"});
+  EXPECT_EQ(other.status, 0) << other.err;
+  EXPECT_EQ(lines(file("other/sweep.csv")), 5);
+  // Nothing of it is in a run.
+  EXPECT_EQ(tomlin({"run", "tip.toml", "-o", "run"}).status, 0);
+  EXPECT_FALSE(contains(file("run/scene.toml"), "sweep"));
+  // What is written is the same sweep.
+  EXPECT_EQ(tomlin({"sweep", "tip.sweep.out/scene.toml", "-o", "again"}).status, 0);
+  EXPECT_EQ(results("again"), results("tip.sweep.out"));
+}
+
+TEST_F(SweepCommand, TheSameBytesInAnyNumberOfThreads) {
+  const std::vector<std::string> axes = {"--over", "v=5e-3:5e-2:7", "--over",
+                                         "force.driver.stiffness=1,2,-1"};
+  for (const std::string threads : {"1", "2", "3"}) {
+    std::vector<std::string> options = axes;
+    options.insert(options.end(), {"--threads", threads, "-o", "t" + threads});
+    ASSERT_EQ(sweep(options).status, 0);
+  }
+  EXPECT_EQ(results("t2"), results("t1"));
+  EXPECT_EQ(results("t3"), results("t1"));
+}
+
+TEST_F(SweepCommand, AllFaultsTogetherAndNothingIsMade) {
+  expect_refused({"sweep", "tip.toml"},
+                 "tomlin: [command.missing_argument]\ntomlin: [command.missing_argument]\n",
+                 {"--over", "--observable"});
+  expect_refused({"sweep", "tip.toml", "--over", "two_w=1,2", "--over", "v=1:2:1", "--over", "v",
+                  "--over", "two_v=1,2,3", "--over", "force.drivr.stiffness=1,2", "--zip",
+                  "two_v,two_w", "--observable", "driver.maen_force.x"},
+                 "--over: [command.invalid_value]\n"
+                 "--over: v [command.missing_argument]\n"
+                 "--zip: zip = two_v,two_w [scene.wrong_count]\n"
+                 "--over: two_w = 1 [scene.unknown_key] did you mean two_v\n"
+                 "--over: force.drivr.stiffness = 1 [scene.unknown_name] did you mean driver\n"
+                 "--observable: driver.maen_force.x [observable.unknown] did you mean "
+                 "driver.mean_force.x\n",
+                 {"v = 1:2:1"});
+  EXPECT_EQ(sweep({"--over", "v=1,2", "--threads", "0"}).status, 2);
+  EXPECT_EQ(sweep({"--over", "v=1,2", "--set", "w=1"}).status, 2);
+}
+
+TEST_F(SweepCommand, DryRunMakesNothing) {
+  const auto before = all_files();
+  const Ended ended = sweep({"--over", "v=1e-3:1e-1:5:log", "--over", "two_v=1:2:3", "--dry-run"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  for (const char* part :
+       {"5 x 3 = 15", "v = 0.001, two_v = 1\n", "v = 0.1, two_v = 2\n", "cost"}) {
+    EXPECT_TRUE(contains(ended.out, part)) << part << "\n" << ended.out;
+  }
+  EXPECT_EQ(all_files(), before);
+}
+
+TEST_F(SweepCommand, AFolderOfAnotherSweepNeedsForce) {
+  ASSERT_EQ(sweep({"--over", "v=1e-2,2e-2", "-o", "a"}).status, 0);
+  const std::string first = results("a");
+  const Ended same = sweep({"--over", "v=1e-2,2e-2", "-o", "a"});
+  EXPECT_EQ(same.status, 0);
+  EXPECT_TRUE(contains(same.out, "finished already")) << same.out;
+  EXPECT_EQ(results("a"), first);
+  const Ended other = sweep({"--over", "v=1e-2,3e-2", "-o", "a"});
+  EXPECT_EQ(other.status, 2);
+  expect_error(other, "[resume.other_scene]", {"--force"});
+  EXPECT_EQ(results("a"), first);
+  EXPECT_EQ(sweep({"--over", "v=1e-2,3e-2", "-o", "a", "--force"}).status, 0);
+  EXPECT_NE(results("a"), first);
+  // A run's folder, and a run in a sweep's.
+  ASSERT_EQ(tomlin({"run", "tip.toml", "-o", "run", "--quiet"}).status, 0);
+  EXPECT_EQ(sweep({"--over", "v=1e-2,2e-2", "-o", "run"}).status, 2);
+  EXPECT_EQ(tomlin({"run", "tip.toml", "-o", "a"}).status, 2);
+  // A damaged journal.
+  std::string journal = file("a/sweep.journal");
+  journal[20] = static_cast<char>(journal[20] ^ 1);
+  write(folder_ / "a/sweep.journal", journal);
+  EXPECT_EQ(sweep({"--over", "v=1e-2,3e-2", "-o", "a"}).status, 2);
+  EXPECT_EQ(sweep({"--over", "v=1e-2,3e-2", "-o", "a", "--force"}).status, 0);
+}
+
+/// What is missing of the results is made again from the rows.
+TEST_F(SweepCommand, ResultsThatWereRemovedComeBack) {
+  ASSERT_EQ(sweep({"--over", "v=1e-2,2e-2", "-o", "a"}).status, 0);
+  const std::string first = results("a");
+  fs::remove(folder_ / "a/sweep.csv");
+  const Ended ended = sweep({"--over", "v=1e-2,2e-2", "-o", "a"});
+  EXPECT_EQ(ended.status, 0);
+  EXPECT_TRUE(contains(ended.out, "for 0 points")) << ended.out;
+  EXPECT_EQ(results("a"), first);
+}
+
+/// Full results of chosen points are those of a run, in any number of threads and after a kill.
+TEST_F(SweepCommand, TracesAreRuns) {
+  const std::vector<std::string> options = {"--over", "v=1e-2,2e-2,3e-2",       "--trace",   "0,2",
+                                            "--set",  "output.trajectory=true", "--threads", "2"};
+  const Ended ended = sweep(options);
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_FALSE(exists("tip.sweep.out/sweep.points/1"));
+  const std::string trace = "tip.sweep.out/sweep.points/2/";
+  ASSERT_EQ(
+      tomlin({"run", "tip.toml", "--set", "v=3e-2", "--set", "output.trajectory=true", "-o", "run"})
+          .status,
+      0);
+  for (const char* name : {"observables.csv", "events.csv", "trajectory.h5", "scene.toml"}) {
+    EXPECT_EQ(file(trace + name), file(std::string("run/") + name)) << name;
+  }
+  Json of_trace = Json::parse(file(trace + "summary.json"));
+  Json of_run = summary("run");
+  of_trace.erase("performance");
+  of_run.erase("performance");
+  EXPECT_EQ(of_trace, of_run);
+  // Later ones are added, and rows are not run again.
+  const std::string table = file("tip.sweep.out/sweep.csv");
+  std::vector<std::string> more = options;
+  more[3] = "all";
+  const Ended added = sweep(more);
+  EXPECT_EQ(added.status, 0) << added.err;
+  EXPECT_TRUE(contains(added.out, "for 0 points")) << added.out;
+  EXPECT_TRUE(exists("tip.sweep.out/sweep.points/1/summary.json"));
+  EXPECT_EQ(file("tip.sweep.out/sweep.csv"), table);
+  more[3] = "1,3,x,2-1";
+  const Ended wrong = sweep(more);
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_EQ(std::count(wrong.err.begin(), wrong.err.end(), '\n'), 3) << wrong.err;
+}
+
+TEST_F(SweepCommand, ASignalLeavesWhatIsDone) {
+  const std::vector<std::string> options = {"--over", "v=1e-3:1e-1:400", "--threads", "2", "-o",
+                                            "a"};
+  for (const int signal : {SIGINT, SIGTERM}) {
+    Conditions conditions;
+    conditions.then = [&](pid_t child) {
+      appears(folder_ / "a/scene.toml");
+      std::this_thread::sleep_for(std::chrono::milliseconds(150));
+      ::kill(child, signal);
+    };
+    const Ended ended = sweep(options, conditions);
+    EXPECT_EQ(ended.status, 128 + signal) << ended.err;
+    EXPECT_EQ(Json::parse(file("a/sweep.json"))["status"], "interrupted");
+    EXPECT_FALSE(exists("a/sweep.csv"));
+    EXPECT_FALSE(exists("a/sweep.h5"));
+  }
+  const int before = Json::parse(file("a/sweep.json"))["performance"]["rows"];
+  EXPECT_GT(before, 0);
+  EXPECT_EQ(sweep(options).status, 0);
+  const Json performance = Json::parse(file("a/sweep.json"))["performance"];
+  EXPECT_EQ(performance["rows_of_this_process"], 400 - before);
+  std::vector<std::string> other = options;
+  other.back() = "b";
+  EXPECT_EQ(sweep(other).status, 0);
+  EXPECT_EQ(results("a"), results("b"));
+}
+
+/// Killed again and again at random moments, and repeated: as if it had been left alone.
+TEST_F(SweepCommand, KilledAndRepeatedItIsTheSame) {
+  std::vector<std::string> options = {"--over",    "v=1e-3:1e-1:400",
+                                      "--over",    "force.driver.stiffness=2,3,-1",
+                                      "--threads", "2",
+                                      "-o",        "a"};
+  std::mt19937 random(7);
+  int kills = 0;
+  for (int k = 0; k < 12; ++k) {
+    Conditions conditions;
+    conditions.then = [&](pid_t child) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20 + random() % 150));
+      ::kill(child, SIGKILL);
+    };
+    const Ended ended = sweep(options, conditions);
+    if (ended.status == 0) break;
+    ASSERT_EQ(ended.status, 128 + SIGKILL) << ended.err;
+    ++kills;
+  }
+  EXPECT_GT(kills, 2);
+  EXPECT_EQ(sweep(options).status, 0);
+  options.back() = "b";
+  EXPECT_EQ(sweep(options).status, 0);
+  EXPECT_EQ(results("a"), results("b"));
+}
+
+TEST_F(SweepCommand, AFullDiskStopsWithAMessageAndGoesOnLater) {
+  const std::vector<std::string> options = {"--over", "v=1e-2:1e-1:60", "-o", "a"};
+  Conditions conditions;
+  conditions.largest_file = 4000;
+  const Ended full = sweep(options, conditions);
+  EXPECT_EQ(full.status, 1);
+  expect_error(full, "[file.cannot_write]", {"sweep.journal"});
+  EXPECT_FALSE(exists("a/sweep.csv"));
+  EXPECT_EQ(sweep(options).status, 0);
+  EXPECT_LT(Json::parse(file("a/sweep.json"))["performance"]["rows_of_this_process"], 60);
+}
+
+}  // namespace
+}  // namespace tomlin::test

@@ -1,0 +1,585 @@
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "framework/core/text/fault.hpp"
+#include "framework/run/observables.hpp"
+#include "framework/study/sweep/files.hpp"
+#include "framework/study/sweep/journal.hpp"
+#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/point_checkpoint.hpp"
+#include "framework/study/sweep/runner.hpp"
+#include "tests/framework/output/disk_limit.hpp"
+#include "tests/framework/output/temporary_folder.hpp"
+#include "tests/support/ring_scenes.hpp"
+
+/// Points of a sweep are runs: the same settings give the same bits.
+namespace tomlin::test {
+namespace {
+
+constexpr const char* kSweptTip = R"(
+[parameters]
+v = 1e-2
+k = 2.0
+V0 = 0.1
+seed = 1
+[[body]]
+name = "tip"
+type = "point"
+position = [0.5]
+particle_mass = 1.0
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = "k"
+velocity = ["v"]
+[[force]]
+type = "viscous_damping"
+coefficient = 2.0
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = "V0"
+period = 1.0
+[run]
+duration = 20.0
+integrator = { type = "rk4", dt = 2e-2 }
+)";
+
+struct SweptAxes {
+  std::vector<std::pair<std::string, std::string>> over;
+  std::vector<std::vector<std::string>> zips = {};
+};
+
+SweepSettings sweep_over(const SweptAxes& axes, std::vector<std::string> observables) {
+  SweepSettings settings;
+  for (const auto& [name, values] : axes.over) {
+    settings.over.push_back(
+        {name, std::get<SweepValues>(SweepValues::parse(values)), {"--over"}, values});
+  }
+  for (const auto& zip : axes.zips) settings.zips.push_back({zip, {"--zip"}});
+  settings.observables = std::move(observables);
+  settings.observables_place = {"--observable"};
+  return settings;
+}
+
+SweepPlan plan_over(const std::string& text, const SweptAxes& axes,
+                    std::vector<std::string> observables = {"driver.mean_force.x"},
+                    const std::vector<Setting>& settings = {}) {
+  return SweepPlan(SceneDocument(text, "test.toml"), standard(), settings,
+                   sweep_over(axes, std::move(observables)), "1.2.3");
+}
+
+std::vector<std::string> faults_of_plan(const std::string& text, const SweptAxes& axes,
+                                        const std::vector<std::string>& observables) {
+  try {
+    plan_over(text, axes, observables);
+  } catch (const InputError& error) {
+    return briefs(error);
+  }
+  return {};
+}
+
+/// Rows by point, in memory.
+class RowsInMemory : public SweepRows {
+ public:
+  bool has(std::size_t point) const override { return before.contains(point); }
+  void keep(std::size_t point, const SweepRow& row) override {
+    const std::lock_guard lock(mutex_);
+    EXPECT_TRUE(rows.emplace(point, row).second) << "twice: " << point;
+  }
+
+  std::set<std::size_t> before;
+  std::map<std::size_t, SweepRow> rows;
+
+ private:
+  std::mutex mutex_;
+};
+
+std::vector<std::uint64_t> bits_of(const std::vector<double>& numbers) {
+  std::vector<std::uint64_t> bits;
+  for (const double x : numbers) bits.push_back(std::bit_cast<std::uint64_t>(x));
+  return bits;
+}
+
+std::string content_of(const std::filesystem::path& path) { return content(path); }
+
+// ---- points
+
+TEST(SweepPlan, TheLastAxisRunsFastest) {
+  const SweepPlan plan = plan_over(
+      kSweptTip, {{{"v", "1e-2,2e-2"}, {"k", "1:3:3"}, {"V0", "0.1,0.2"}}, {{"v", "V0"}}});
+  ASSERT_EQ(plan.points(), 6);
+  std::string all;
+  for (std::size_t point = 0; point < plan.points(); ++point) {
+    for (const Setting& setting : plan.settings_at(point)) {
+      all += setting.path + "=" + setting.value + " ";
+    }
+    all += "\n";
+  }
+  EXPECT_EQ(all,
+            "v=1e-2 k=1 V0=0.1 \nv=1e-2 k=2 V0=0.1 \nv=1e-2 k=3 V0=0.1 \n"
+            "v=2e-2 k=1 V0=0.2 \nv=2e-2 k=2 V0=0.2 \nv=2e-2 k=3 V0=0.2 \n");
+  const auto parameters = plan.scene_at(4)->parameters;
+  EXPECT_EQ(parameters[0].second, 2e-2);
+  EXPECT_EQ(parameters[1].second, 2.0);
+  EXPECT_EQ(parameters[2].second, 0.2);
+}
+
+TEST(SweepPlan, AllFaultsTogether) {
+  EXPECT_EQ(
+      faults_of_plan(kSweptTip,
+                     {{{"lambda", "1,2"},
+                       {"run.integrator.td", "1e-3,1e-4"},
+                       {"run.dynamics", "inertial,overdmaped,quasistatic"},
+                       {"v", "1,2"},
+                       {"v", "3"}}},
+                     {"driver.mean_forc.x", "driver.mean_force.x", "performance.wall_seconds"}),
+      (std::vector<std::string>{
+          "v = 3 [scene.duplicate_key]", "lambda = 1 [scene.unknown_key]",
+          "run.integrator.td = 1e-3 [scene.unknown_key] did you mean dt",
+          "run.dynamics = overdmaped [scene.unknown_choice] did you mean overdamped",
+          "driver.mean_forc.x [observable.unknown] did you mean driver.mean_force.x",
+          "performance.wall_seconds [command.invalid_value]"}));
+}
+
+/// What only does not fit together is the point's own.
+TEST(SweepPlan, RefusedAndFailingPointsAreRows) {
+  const SweepPlan plan =
+      plan_over(kSweptTip, {{{"run.integrator.dt", "1e-2,-1,50,2e-2"}}}, {"driver.mean_force.x"});
+  RowsInMemory rows;
+  const SweepProgress progress = run_sweep(plan, rows, {});
+  EXPECT_TRUE(progress.complete());
+  ASSERT_EQ(rows.rows.size(), 4);
+  EXPECT_EQ(rows.rows[0].status, SweepStatus::finished);
+  EXPECT_EQ(rows.rows[1].status, SweepStatus::refused);
+  EXPECT_NE(rows.rows[1].reason, "");
+  EXPECT_NE(rows.rows[2].status, SweepStatus::finished);
+  EXPECT_NE(rows.rows[2].reason, "");
+  EXPECT_TRUE(std::isnan(rows.rows[2].numbers[0]));
+  EXPECT_EQ(rows.rows[3].status, SweepStatus::finished);
+  EXPECT_EQ(progress.done[0], 2);
+}
+
+TEST(SweepPlan, AnotherSweepHasAnotherIdentity) {
+  const auto identity = [](const SweptAxes& axes, const std::vector<std::string>& observables,
+                           const std::vector<Setting>& settings = {}) {
+    return plan_over(kSweptTip, axes, observables, settings).identity();
+  };
+  const std::vector<std::string> force = {"driver.mean_force.x"};
+  const auto first = identity({{{"v", "1,2"}}}, force);
+  EXPECT_EQ(first, identity({{{"v", "1,2"}}}, {"drivers.driver.mean_force.x"}));
+  const std::set<std::uint64_t> all = {
+      first,
+      identity({{{"v", "1,3"}}}, force),
+      identity({{{"v", "1:2:2"}}}, force),
+      identity({{{"k", "1,2"}}}, force),
+      identity({{{"v", "1,2"}}}, {"driver.max_force.x"}),
+      identity({{{"v", "1,2"}}}, force, {{"V0", "0.2"}}),
+      identity({{{"v", "1,2"}, {"k", "1,2"}}}, force),
+      identity({{{"k", "1,2"}, {"v", "1,2"}}}, force),
+      identity({{{"k", "1,2"}, {"v", "1,2"}}, {{"k", "v"}}}, force)};
+  EXPECT_EQ(all.size(), 9);
+}
+
+/// scene.toml means the same sweep.
+TEST(SweepPlan, TheSceneWithItsTableIsTheSameSweep) {
+  const SweepPlan plan = plan_over(
+      kSweptTip,
+      {{{"v", "1e-3:1e-1:5:log"},
+        {"run.dynamics", "inertial,overdamped"},
+        {"run.integrator", "{ type = \"rk4\", dt = 1e-2 },{ type = \"midpoint\", dt = 1e-3 }"},
+        {"V0", "0.1,k/20"}},
+       {{"run.dynamics", "V0"}}},
+      {"driver.mean_force.x", "events.slips"}, {{"k", "3"}});
+  SceneDocument again(plan.scene_text(), "scene.toml");
+  const auto settings = again.sweep();
+  ASSERT_TRUE(settings);
+  const SweepPlan other(again, standard(), {}, *settings, "1.2.3");
+  EXPECT_EQ(other.scene_text(), plan.scene_text());
+  EXPECT_EQ(other.identity(), plan.identity());
+}
+
+// ---- the same bits as single runs
+
+struct SweptCase {
+  const char* name;
+  std::string text;
+  SweptAxes axes;
+  std::vector<std::string> observables;
+};
+
+std::vector<SweptCase> cases() {
+  const std::string tip = kSweptTip;
+  const auto with = [&tip](const std::string& integrator, const std::string& more = "") {
+    std::string text = tip;
+    const std::string old = "integrator = { type = \"rk4\", dt = 2e-2 }";
+    return text.replace(text.find(old), old.size(), "integrator = " + integrator) + more;
+  };
+  const std::vector<std::string> force = {"driver.mean_force.x", "driver.max_force.x",
+                                          "tip.centre_of_mass.x", "events.slips", "time.steps"};
+  RingScene ring;
+  return {
+      {"tip", tip, {{{"v", "1e-2,5e-2"}, {"k", "1:3:3"}}}, force},
+      {"adaptive", with(adaptive(1e-8)), {{{"v", "1e-2,5e-2"}, {"V0", "0.05:0.2:3"}}}, force},
+      {"window",
+       with(adaptive(1e-8), "[measure]\nfrom = 3.0\nto = 15.0\nin = \"time\"\n"),
+       {{{"v", "5e-2,0.1"}}},
+       force},
+      {"until",
+       tip.substr(0, tip.find("[run]")) +
+           "[run]\nintegrator = { type = \"rk4\", dt = 1e-2 }\n"
+           "until = { steady = \"driver.mean_force.x\", tolerance = 1e-3, max = 200.0 }\n",
+       {{{"v", "0.1,0.2"}, {"k", "2,3"}}},
+       force},
+      {"number types",
+       tip,
+       {{{"run.number_type", "double,float,quadruple"}, {"v", "1e-2,5e-2"}}},
+       force},
+      {"dynamics",
+       tip,
+       {{{"run.dynamics", "inertial,overdamped,quasistatic"}, {"v", "1e-2,5e-2"}}},
+       {"driver.mean_force.x", "time.steps"}},
+      {"accuracy",
+       tip.substr(0, tip.find("[run]")) + "[run]\nduration = 30.0\naccuracy = 1e-3\n",
+       {{{"v", "5e-2,0.1"}}},
+       {"driver.mean_force.x", "driver.work"}},
+      {"perturb",
+       with("{ type = \"rk4\", dt = 2e-2 }\nperturb = { size = 1e-9, repeats = 2 }"),
+       {{{"v", "5e-2,0.1"}, {"run.seed", "0,1"}}},
+       {"driver.mean_force.x"}},
+      {"ring",
+       ring.text(),
+       {{{"body.ring.coordinates", "particles,rigid"}, {"force.driver.stiffness", "1,2"}}},
+       {"driver.mean_force.x", "ring.rotation"}},
+  };
+}
+
+TEST(Sweep, RowsHaveTheBitsOfSingleRuns) {
+  for (const SweptCase& one : cases()) {
+    const SweepPlan plan = plan_over(one.text, one.axes, one.observables);
+    RowsInMemory rows;
+    ASSERT_TRUE(run_sweep(plan, rows, {.threads = 3}).complete()) << one.name;
+    std::set<std::vector<std::uint64_t>> different;
+    for (std::size_t point = 0; point < plan.points(); ++point) {
+      const SweepRow& row = rows.rows[point];
+      ASSERT_EQ(row.status, SweepStatus::finished) << one.name << " " << row.reason;
+      const RunResult result = run_text(one.text, plan.settings_at(point));
+      std::vector<double> numbers;
+      for (const SweepColumn& column : plan.columns()) {
+        const std::string& path = plan.paths()[column.observable];
+        std::optional<double> number;
+        if (column.kind == SweepColumn::Kind::value) number = observable(result, path);
+        for (const ErrorEstimate& error : result.errors) {
+          if (column.kind == SweepColumn::Kind::error && error.path == path) number = error.error;
+        }
+        for (const DeterminedResult& found : result.determined) {
+          if (column.kind == SweepColumn::Kind::spread && found.path == path) number = found.spread;
+        }
+        numbers.push_back(number.value_or(std::numeric_limits<double>::quiet_NaN()));
+      }
+      EXPECT_EQ(bits_of(row.numbers), bits_of(numbers)) << one.name << ", point " << point;
+      EXPECT_FALSE(std::isnan(row.numbers[0])) << one.name;
+      different.insert(bits_of(row.numbers));
+    }
+    // A parameter that does not arrive would not be noticed where all rows are the same.
+    EXPECT_GT(different.size(), 1) << one.name;
+  }
+}
+
+TEST(Sweep, EstimatesAreColumns) {
+  const auto all = cases();
+  const auto plan_of_case = [&all](const std::string& name) {
+    const auto found = std::find_if(all.begin(), all.end(),
+                                    [&](const SweptCase& one) { return one.name == name; });
+    return plan_over(found->text, found->axes, found->observables);
+  };
+  const SweepPlan accuracy = plan_of_case("accuracy");
+  ASSERT_EQ(accuracy.columns().size(), 4);
+  EXPECT_EQ(accuracy.columns()[2].name, "error.driver.mean_force.x");
+  const auto row = run_point(accuracy, 0);
+  ASSERT_TRUE(row);
+  EXPECT_GT(row->numbers[2], 0.0);
+  const SweepPlan perturb = plan_of_case("perturb");
+  ASSERT_EQ(perturb.columns().size(), 2);
+  EXPECT_EQ(perturb.columns()[1].name, "spread.driver.mean_force.x");
+  const auto other = run_point(perturb, 0);
+  ASSERT_TRUE(other);
+  EXPECT_GT(other->numbers[1], 0.0);
+}
+
+TEST(Sweep, StopsWithoutARow) {
+  const SweepPlan plan = plan_over(kSweptTip, {{{"v", "1e-2,5e-2"}}}, {"driver.mean_force.x"},
+                                   {{"run.duration", "1e7"}});
+  RowsInMemory rows;
+  const std::atomic<bool> stop = true;
+  const SweepProgress progress = run_sweep(plan, rows, {.threads = 2, .stop = &stop});
+  EXPECT_TRUE(rows.rows.empty());
+  EXPECT_EQ(progress.with_row(), 0);
+}
+
+/// A point that is stopped half-way resumes, whatever its run consists of, and its row has the same
+/// bits.
+TEST(Sweep, PointsResumeFromTheirCheckpoint) {
+  for (const SweptCase& one : cases()) {
+    const TemporaryFolder folder;
+    const SweepPlan plan =
+        plan_over(one.text, one.axes, one.observables, {{"run.checkpoint_every", "1e-9"}});
+    const SweepRow due = *run_point(plan, 0);
+    const std::filesystem::path file = folder / "0.store";
+    std::optional<SweepRow> row;
+    int stops = 0;
+    for (; !row && stops < 40; ++stops) {
+      std::atomic<bool> stop = false;
+      std::thread stopper([&stop, stops] {
+        std::this_thread::sleep_for(std::chrono::microseconds(300 * (stops + 1)));
+        stop = true;
+      });
+      row = run_point(plan, 0, &stop, folder.path());
+      stopper.join();
+    }
+    if (!row) row = run_point(plan, 0, nullptr, folder.path());
+    ASSERT_TRUE(row) << one.name;
+    EXPECT_EQ(bits_of(row->numbers), bits_of(due.numbers)) << one.name << ", stops: " << stops;
+    EXPECT_FALSE(std::filesystem::exists(file)) << one.name;
+  }
+}
+
+/// A long run goes on rather than starting again.
+TEST(Sweep, WhatWasDoneOfAPointIsNotDoneAgain) {
+  const TemporaryFolder folder;
+  const SweepPlan plan =
+      plan_over(kSweptTip, {{{"v", "1e-2,2e-2"}}}, {"time.end"}, {{"run.duration", "1e9"}});
+  std::vector<double> times;
+  for (int k = 0; k < 2; ++k) {
+    std::atomic<bool> stop = false;
+    std::thread stopper([&stop] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      stop = true;
+    });
+    EXPECT_FALSE(run_point(plan, 0, &stop, folder.path()));
+    stopper.join();
+    PointCheckpoint kept(folder / "0.store", fmt::format("sweep {:x}, point 0", plan.identity()),
+                         60.0);
+    ASSERT_FALSE(kept.state().empty());
+    RunOptions options;
+    options.resume_from = &kept.state();
+    options.observables = plan.paths();
+    times.push_back(Engine(plan.scene_at(0), options).time());
+    // Of no use to another point.
+    EXPECT_TRUE(PointCheckpoint(folder / "0.store",
+                                fmt::format("sweep {:x}, point 1", plan.identity()), 60.0)
+                    .state()
+                    .empty());
+  }
+  EXPECT_GT(times[0], 0.0);
+  EXPECT_GT(times[1], times[0]);
+}
+
+TEST(Sweep, WhatHasARowIsNotRunAgain) {
+  const SweepPlan plan = plan_over(kSweptTip, {{{"v", "0.01:0.1:10"}}});
+  RowsInMemory rows;
+  rows.before = {0, 3, 9};
+  const SweepProgress progress = run_sweep(plan, rows, {.threads = 2});
+  EXPECT_EQ(rows.rows.size(), 7);
+  EXPECT_FALSE(rows.rows.contains(3));
+  EXPECT_EQ(progress.before, 3);
+  EXPECT_TRUE(progress.complete());
+}
+
+TEST(Sweep, WhatCannotBeKeptEndsIt) {
+  class FullRows : public RowsInMemory {
+    void keep(std::size_t point, const SweepRow& row) override {
+      if (point == 4) throw OutputError("no room");
+      RowsInMemory::keep(point, row);
+    }
+  };
+  const SweepPlan plan = plan_over(kSweptTip, {{{"v", "0.01:0.1:40"}}});
+  FullRows rows;
+  EXPECT_THROW(run_sweep(plan, rows, {.threads = 2}), OutputError);
+  EXPECT_LT(rows.rows.size(), 39);
+}
+
+// ---- the journal
+
+class SweepFiles : public testing::Test {
+ protected:
+  std::filesystem::path journal() const { return folder_ / kSweepJournalFile; }
+
+  /// Both tables.
+  std::string results(const SweepPlan& plan) {
+    const SweepJournal rows(journal(), plan);
+    write_sweep_table(folder_ / kSweepTableFile, plan, rows);
+    write_sweep_arrays(folder_ / kSweepArraysFile, plan, rows);
+    return content_of(folder_ / kSweepTableFile) + content_of(folder_ / kSweepArraysFile);
+  }
+
+  std::string swept(const SweepPlan& plan, std::size_t threads) {
+    std::filesystem::remove(journal());
+    SweepJournal rows(journal(), plan);
+    EXPECT_TRUE(run_sweep(plan, rows, {.threads = threads}).complete());
+    return results(plan);
+  }
+
+  std::size_t rows_of(const SweepPlan& plan) {
+    const SweepJournal rows(journal(), plan);
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < plan.points(); ++k) count += rows.has(k) ? 1 : 0;
+    return count;
+  }
+
+  TemporaryFolder folder_;
+};
+
+const SweptAxes kGrid = {{{"v", "0.02:0.1:5"}, {"run.integrator.dt", "2e-2,-1,1e-2"}}};
+
+TEST_F(SweepFiles, TheSameBytesInAnyNumberOfThreads) {
+  const SweepPlan plan = plan_over(kSweptTip, kGrid, {"driver.mean_force.x", "events.slips"});
+  const std::string alone = swept(plan, 1);
+  for (const std::size_t threads : {1, 2, 3}) EXPECT_EQ(swept(plan, threads), alone) << threads;
+  // In whatever order points end.
+  std::filesystem::remove(journal());
+  SweepJournal rows(journal(), plan);
+  for (std::size_t k = plan.points(); k-- > 0;) rows.keep(k, *run_point(plan, k));
+  EXPECT_EQ(results(plan), alone);
+}
+
+TEST_F(SweepFiles, TheTableIsInTheOrderOfTheAxes) {
+  const SweepPlan plan = plan_over(kSweptTip,
+                                   {{{"v", "0.1,0.2"},
+                                     {"run.dynamics", "inertial,overdamped"},
+                                     {"run.integrator.dt", "1e-2,-1"}}},
+                                   {"events.slips"});
+  swept(plan, 2);
+  const std::string table = content_of(folder_ / kSweepTableFile);
+  std::vector<std::string> lines;
+  for (std::size_t at = 0; at < table.size();) {
+    const std::size_t end = table.find('\n', at);
+    lines.push_back(table.substr(at, end - at));
+    at = end + 1;
+  }
+  ASSERT_EQ(lines.size(), 9);
+  EXPECT_EQ(lines[0], "v,run.dynamics,run.integrator.dt,events.slips [1],status,reason");
+  EXPECT_TRUE(lines[1].starts_with("0.10000000000000001,\"inertial\",0.01,")) << lines[1];
+  EXPECT_TRUE(lines[1].ends_with(",finished,")) << lines[1];
+  EXPECT_TRUE(lines[2].starts_with("0.10000000000000001,\"inertial\",-1,,refused,\"")) << lines[2];
+  EXPECT_TRUE(lines[3].starts_with("0.10000000000000001,\"overdamped\",0.01,")) << lines[3];
+  EXPECT_TRUE(lines[5].starts_with("0.20000000000000001,\"inertial\",0.01,")) << lines[5];
+}
+
+TEST_F(SweepFiles, RecordsAreFoundAgain) {
+  const SweepPlan plan = plan_over(kSweptTip, kGrid);
+  {
+    SweepJournal rows(journal(), plan);
+    for (const std::size_t k : {1, 4, 5, 14}) rows.keep(k, *run_point(plan, k));
+  }
+  const SweepJournal rows(journal(), plan);
+  EXPECT_EQ(rows_of(plan), 4);
+  EXPECT_TRUE(rows.has(4));
+  EXPECT_FALSE(rows.has(3));
+  for (const std::size_t k : {1, 5, 14}) {
+    const SweepRow due = *run_point(plan, k);
+    SweepRow row;
+    rows.read(k, {&row, 1});
+    EXPECT_EQ(bits_of(row.numbers), bits_of(due.numbers));
+    EXPECT_EQ(row.status, due.status);
+    EXPECT_EQ(row.reason, due.reason);
+    EXPECT_EQ(row.warnings, due.warnings);
+  }
+}
+
+/// A record at the place of another point, one of another sweep, and one with any byte changed are
+/// no records.
+TEST_F(SweepFiles, WhatIsNoRecordOfThePointIsRunAgain) {
+  const SweepPlan plan = plan_over(kSweptTip, {{{"v", "0.02:0.1:5"}}});
+  swept(plan, 1);
+  const std::string whole = content_of(journal());
+  // The file: a header and five records of one size.
+  std::filesystem::remove(journal());
+  { const SweepJournal rows(journal(), plan); }
+  const std::size_t header = content_of(journal()).size();
+  const std::size_t record = (whole.size() - header) / 5;
+  ASSERT_EQ(header + 5 * record, whole.size());
+
+  // Two that have changed places.
+  std::string changed = whole;
+  std::swap_ranges(changed.begin() + header, changed.begin() + header + record,
+                   changed.begin() + header + 2 * record);
+  write(journal(), changed);
+  EXPECT_EQ(rows_of(plan), 3);
+  // One over another.
+  changed = whole;
+  std::copy_n(whole.begin() + header + record, record, changed.begin() + header + 3 * record);
+  write(journal(), changed);
+  EXPECT_EQ(rows_of(plan), 4);
+  // Any byte.
+  for (std::size_t k = header; k < header + record; ++k) {
+    changed = whole;
+    changed[k] = static_cast<char>(changed[k] ^ 4);
+    write(journal(), changed);
+    EXPECT_EQ(rows_of(plan), 4) << k;
+  }
+  // A file that was cut off.
+  write(journal(), whole.substr(0, header + 2 * record + 7));
+  EXPECT_EQ(rows_of(plan), 2);
+  write(journal(), whole.substr(0, header / 2));
+  EXPECT_EQ(rows_of(plan), 0);
+
+  // Records of another sweep behind this one's header.
+  write(journal(), whole);
+  const std::string header_of_this = whole.substr(0, header);
+  const SweepPlan other = plan_over(kSweptTip, {{{"v", "0.02:0.2:5"}}});
+  EXPECT_EQ(SweepJournal::look(journal(), other), SweepJournal::Found::other_sweep);
+  swept(other, 1);
+  const std::string whole_of_other = content_of(journal());
+  ASSERT_EQ(whole_of_other.size(), whole.size());
+  write(journal(), header_of_this + whole_of_other.substr(header));
+  EXPECT_EQ(SweepJournal::look(journal(), plan), SweepJournal::Found::same_sweep);
+  EXPECT_EQ(rows_of(plan), 0);
+}
+
+/// A reason that is not what the record says makes it none.
+TEST_F(SweepFiles, ReasonsAreCheckedToo) {
+  const SweepPlan plan = plan_over(kSweptTip, {{{"run.integrator.dt", "-1,1e-2"}}});
+  swept(plan, 1);
+  std::string changed = content_of(journal());
+  changed.back() = static_cast<char>(changed.back() ^ 1);
+  write(journal(), changed);
+  EXPECT_EQ(rows_of(plan), 1);
+}
+
+TEST_F(SweepFiles, AnotherVersionIsAnotherFile) {
+  const SweepPlan plan = plan_over(kSweptTip, {{{"v", "1,2"}}});
+  { const SweepJournal rows(journal(), plan); }
+  const SweepPlan newer(SceneDocument(kSweptTip, "test.toml"), standard(), {},
+                        sweep_over({{{"v", "1,2"}}}, {"driver.mean_force.x"}), "1.2.4");
+  EXPECT_EQ(SweepJournal::look(journal(), newer), SweepJournal::Found::other_version);
+  EXPECT_EQ(SweepJournal::look(folder_ / "none", newer), SweepJournal::Found::nothing);
+}
+
+TEST_F(SweepFiles, AFullDiskIsAnError) {
+  const SweepPlan plan = plan_over(kSweptTip, {{{"v", "0.01:0.1:40"}}});
+  SweepJournal rows(journal(), plan);
+  {
+    const DiskLimit limit(1000);
+    EXPECT_THROW(run_sweep(plan, rows, {.threads = 2}), OutputError);
+  }
+  // What was kept before is not lost.
+  EXPECT_GT(rows_of(plan), 0);
+  EXPECT_LT(rows_of(plan), 40);
+}
+
+}  // namespace
+}  // namespace tomlin::test
