@@ -138,6 +138,28 @@ void DriverWatch::start() {
   numbers_[kSteepest] = -std::numeric_limits<double>::infinity();
 }
 
+void DriverWatch::turned() {
+  const std::int64_t wells = busy_[kWells];
+  const std::int64_t moved = force_.count() > 0 ? 1 : 0;
+  const double time = numbers_[kFirstTime];
+  const double force = numbers_[kFirstForce];
+  const double offset = numbers_[kWellOffset];
+  start();
+  numbers_[kFirstTime] = time;
+  numbers_[kFirstForce] = force;
+  numbers_[kWellOffset] = moved != 0 ? offset : -offset;
+  busy_[kWells] = wells;
+  busy_[kTurned] = wells * moved;
+}
+
+/// At the first point after a turn, whose force is along the new direction. What lay ahead of it
+/// lies behind.
+void DriverWatch::turn_wells(double time, double force) {
+  const double moved = way(numbers_[kFirstTime], numbers_[kFirstForce], time, -force);
+  numbers_[kWellOffset] = std::remainder(moved - numbers_[kWellOffset], period_);
+  busy_[kTurned] = 0;
+}
+
 void DriverWatch::look_for_stiffness(double time, double force) {
   numbers_[kSteepest] = -std::numeric_limits<double>::infinity();
   if (watches_slips()) begin_chord(time, force);
@@ -257,7 +279,7 @@ bool DriverWatch::is_relaxation() const {
 bool DriverWatch::in_well(double& well) const {
   const double moved =
       way(numbers_[kFirstTime], numbers_[kFirstForce], force_.time(0), force_.value(0));
-  const double place = (moved - well_offset_) / period_;
+  const double place = (moved - numbers_[kWellOffset]) / period_;
   well = std::nearbyint(place);
   return std::abs(place - well) < kInner;
 }

@@ -80,13 +80,13 @@ class DriverWatch {
   enum class Slips { looked_for, told };
   DriverWatch(std::size_t driver, const Drive& drive, double period, double precision, Slips slips);
 
-  static constexpr std::size_t kReals = LastPoints::kReals + 16;
-  static constexpr std::size_t kIntegers = LastPoints::kIntegers + 7;
+  static constexpr std::size_t kReals = LastPoints::kReals + 17;
+  static constexpr std::size_t kIntegers = LastPoints::kIntegers + 8;
   /// The point has wells, a period apart, this far from where it is at the start, along the pull;
   /// they hold it against the spring.
   void set_wells(double offset) {
     busy_[kWells] = 1;
-    well_offset_ = offset;
+    numbers_[kWellOffset] = offset;
   }
   std::size_t driver() const { return driver_; }
   bool watches_slips() const { return period_ > 0.0; }
@@ -97,8 +97,11 @@ class DriverWatch {
   double highest_peak() const { return numbers_[kHighest]; }
   void attach(double* reals, std::int64_t* integers);
   void start();
-  /// Its driver has turned round: what was going on is over, and wells are not counted any more.
-  void turned() { start(); }
+  /// What was going on is over; wells are not counted any more.
+  void restart() { start(); }
+  /// Its driver has turned round: what was going on is over, and wells are counted along the new
+  /// direction.
+  void turned();
   /// The point has come to rest after a slip: how steeply the force rises from here on.
   void look_for_stiffness(double time, double force);
   /// The largest slope of the force over the displacement of the pulled end since the last slip
@@ -116,6 +119,7 @@ class DriverWatch {
     const double rise = known ? force - force_.value(0) : 0.0;
     const double pulled = known ? stiffness_ * speed_ * (time - force_.time(0)) : 0.0;
     if (force_.count() == 0) {
+      if (busy_[kTurned] != 0) turn_wells(time, force);
       numbers_[kFirstTime] = time;
       numbers_[kFirstForce] = numbers_[kHighest] = force;
       busy_[kMoved] = busy_[kWells];
@@ -142,6 +146,7 @@ class DriverWatch {
 
  private:
   std::size_t sticking(const double* times, const double* forces, std::size_t count);
+  void turn_wells(double time, double force);
   void begin_chord(double time, double force);
   void restart_chord(double time, double force);
   void end_chord(double time, double force);
@@ -156,6 +161,7 @@ class DriverWatch {
     kBackForce,
     kFirstTime,  ///< of the first point since the start, from which wells are counted
     kFirstForce,
+    kWellOffset,  ///< of a well from the first point
     kWell,     ///< the one that the point was in last
     kHighest,  ///< force of the peaks so far, the first point included
     kChordTime,
@@ -164,7 +170,8 @@ class DriverWatch {
     kSteepest   ///< slope of chords since the last slip
   };
   /// kMoved: the force has fallen since the point was seen at rest in a well.
-  enum { kSlipping, kBack, kFast, kHasPeak, kMoved, kHasWell, kWells };
+  /// kTurned: the driver has turned round since the last point.
+  enum { kSlipping, kBack, kFast, kHasPeak, kMoved, kHasWell, kWells, kTurned };
   double way(double from, double force_from, double to, double force_to) const;
   void look(const Emit& emit, const Heat& heat);
   void look_for_slip(const Emit& emit, const Heat& heat);
@@ -180,7 +187,6 @@ class DriverWatch {
   double period_;
   double precision_;
   Slips slips_;
-  double well_offset_ = 0.0;  ///< where wells are known
   LastPoints force_;
   double* numbers_ = nullptr;
   std::int64_t* busy_ = nullptr;

@@ -222,7 +222,7 @@ void PullEvents::path_slip(const PathSlip& slip) {
   forget_peaks();
   emit_(event);
   for (DriverWatch& watch : watches_) {
-    watch.turned();
+    watch.restart();
     watch.look_for_stiffness(event.time, force_along(watch.driver(), slip.after));
   }
 }
