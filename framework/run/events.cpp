@@ -34,7 +34,7 @@ constexpr double kNoMotion = 1e-3;
 constexpr double kRoundings = 16.0;
 constexpr double kHopPart = 0.2;
 /// Points of heat after a moment, whose polynomial goes back to it.
-constexpr std::size_t kHeats = 4;
+constexpr std::size_t kHeats = LastPoints::kMost;
 constexpr int kHalvings = 60;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

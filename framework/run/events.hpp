@@ -125,7 +125,7 @@ class DriverWatch {
   using Heat = std::function<HeatAt(double)>;
   /// Heat is known only at the ends of steps that are so long that it is looked at after each in
   /// which something happens.
-  void set_long_steps() { long_steps_ = true; }
+  void set_long_steps() { long_steps_ = watches_slips(); }
   /// The force along the pull at one more moment. Mostly nothing happens: the point sticks, and the
   /// force rises no faster than the driver pulls.
   void add(double time, double force, const Emit& emit, const Heat& heat) {

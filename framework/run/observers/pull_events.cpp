@@ -170,8 +170,6 @@ PullEvents::PullEvents(const ObserverParts& parts)
     watches_.emplace_back(
         k, drive, period, precision,
         follows_path() ? DriverWatch::Slips::told : DriverWatch::Slips::looked_for);
-    const bool looks = watches_.back().watches_slips() && !follows_path();
-    if (looks && parts_.run.plan.dt == 0.0) watches_.back().set_long_steps();
     parts_.events.expect(EventKind::reversal);
     if (watches_.back().watches_slips()) parts_.events.expect(EventKind::slip);
   }
@@ -199,6 +197,8 @@ void PullEvents::attach(RunState& state) {
   if (follows_path()) peaks_ = state.reals("events.peaks");
   attach_watches(state, "events.drivers", watches_);
   work_.attach(state);
+  if (parts_.run.plan.dt > 0.0 || follows_path()) return;
+  for (DriverWatch& watch : watches_) watch.set_long_steps();
 }
 
 void PullEvents::start() {
