@@ -140,6 +140,7 @@ class PullEvents : public RunObserver {
   std::string_view name_;    ///< of the driver whose event is looked for
   DriverWatch::Emit emit_;
   DriverWatch::Heat heat_;
+  bool looks_for_slips_ = false;
   WorkOfSteps work_;
   SignalBlock states_;                ///< of a point: the steps that are looked at
   std::array<double, kBlock> works_;  ///< at their starts
@@ -171,7 +172,9 @@ PullEvents::PullEvents(const ObserverParts& parts)
         k, drive, period, precision,
         follows_path() ? DriverWatch::Slips::told : DriverWatch::Slips::looked_for);
     parts_.events.expect(EventKind::reversal);
-    if (watches_.back().watches_slips()) parts_.events.expect(EventKind::slip);
+    if (!watches_.back().watches_slips()) continue;
+    looks_for_slips_ = true;
+    parts_.events.expect(EventKind::slip);
   }
   emit_ = [this](const Event& event) {
     if (event.kind == EventKind::slip) slipped(event);
@@ -264,7 +267,7 @@ DriverWatch::HeatAt PullEvents::heat_at(double time) {
 }
 
 void PullEvents::steps(const SignalBlock& block) {
-  if (block.has_states() && !watches_.empty()) keep_states(block);
+  if (block.has_states() && looks_for_slips_) keep_states(block);
   // Of one driver alone, so that events come in the order of time.
   if (block.count > 1 && watches_.size() == 1 && !static_force_.any_open()) {
     watch_block(block);
