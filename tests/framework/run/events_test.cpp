@@ -371,7 +371,7 @@ TEST(Slips, LoseTheSameEnergyInEveryScheme) {
     expect_near(energies(fixed_step(0.02), {{"run.ledger", "true"}}), kOfTheSteps);
     expect_near(energies(fixed_step(0.02), {{"output.every", "0.1"}}), kOfTheSteps);
     expect_near(energies(adaptive(1e-9), {}), kOfTheSteps);
-    expect_near(exact, 1e-3);  // of long steps
+    expect_near(exact, kOfTheSteps);
   }
 }
 
@@ -402,27 +402,31 @@ struct Loop {
   }
 };
 
-/// The wells that a tip has come to the bottom of, by samples of its way.
-std::vector<int> wells_of(const Watched& run) {
-  std::vector<int> wells;
-  for (const double x : run.column("tip.centre_of_mass.x")) {
-    const double well = std::nearbyint(x - 0.5);
-    if (std::abs(x - 0.5 - well) > 0.2) continue;
-    if (wells.empty() || wells.back() != static_cast<int>(well)) {
-      wells.push_back(static_cast<int>(well));
-    }
+/// How often a tip has come to the bottom of another well, the next one along its driver's way, by
+/// samples. A driver that turns while the tip is on a barrier may leave it in the well behind.
+std::size_t changes_of_well(const Watched& run) {
+  const std::vector<double> tip = run.column("tip.centre_of_mass.x");
+  const std::vector<double> driver = run.column("driver.position.x");
+  std::size_t changes = 0;
+  double last = 0.0;  // it starts there
+  for (std::size_t k = 1; k < tip.size(); ++k) {
+    const double well = std::nearbyint(tip[k] - 0.5);
+    if (std::abs(tip[k] - 0.5 - well) > 0.2 || well == last) continue;
+    if ((well > last) == (driver[k] > driver[k - 1])) ++changes;
+    last = well;
   }
-  return wells;
+  return changes;
 }
 
 /// Strokes of 5.2 periods, of which the spring takes up 2 F_c/k before the tip follows: from well
 /// to well in both directions, at any speed. The first stroke begins in a well too.
 TEST(Slips, AreCountedInEveryStrokeOfALoop) {
-  for (const double velocity : {0.02, 0.1}) {
+  // The spring's stretch at a turn is another part of a period in each.
+  for (const auto& [velocity, stiffness] : {std::pair(0.02, 1.0), {0.1, 1.0}, {0.1, 1.4}}) {
     for (const std::string& integrator : {fixed_step(0.02), adaptive(1e-9)}) {
-      const Loop loop{.velocity = velocity};
+      const Loop loop{.velocity = velocity, .stiffness = stiffness};
       const Watched run(loop.text(integrator, kSampled), loop.turns());
-      const std::size_t changes = wells_of(run).size() - 1;
+      const std::size_t changes = changes_of_well(run);
       const std::vector<Event> slips = run.kept.of(EventKind::slip);
       EXPECT_GE(changes, 30u);
       EXPECT_EQ(slips.size(), changes) << velocity << integrator;
@@ -460,7 +464,7 @@ TEST(Slips, OfALoopGoOnFromAnyStep) {
     const auto scene = scene_of(loop.text(integrator), loop.turns());
     const RunResult expected = run_as_bound(scene);
     ASSERT_GE(*expected.driver(0)["slips"], 5.0);
-    for (std::uint64_t steps = 16; steps < expected.steps; steps += 48) {
+    for (std::uint64_t steps = 5; steps < expected.steps; steps += 43) {
       Engine engine(scene, {});
       engine.advance(steps);
       const std::vector<std::byte> bytes = engine.state().to_bytes();
