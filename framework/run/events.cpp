@@ -269,7 +269,7 @@ void DriverWatch::look_for_slip(const Emit& emit) {
   if (!slipping && f1 >= f0 && f1 > force_.value(2)) {
     numbers_[kPeakTime] = force_.when_slope_is(0.0, force_.time(2), now);
     numbers_[kPeakForce] = force_.at(numbers_[kPeakTime]);
-    numbers_[kPeakAlong] = along_at(numbers_[kPeakTime]);
+    numbers_[kPeakAlong] = along().at(numbers_[kPeakTime]);
     begin_heat(kPeakOpen);
     numbers_[kHighest] = std::max(numbers_[kHighest], numbers_[kPeakAlong]);
     busy_[kHasPeak] = 1;
@@ -282,7 +282,7 @@ void DriverWatch::look_for_slip(const Emit& emit) {
       if (busy_[kHasPeak] == 0) {
         numbers_[kPeakTime] = force_.time(1);
         numbers_[kPeakForce] = f1;
-        numbers_[kPeakAlong] = along_at(numbers_[kPeakTime]);
+        numbers_[kPeakAlong] = along().value(1);
         begin_heat(kPeakOpen);
       }
       busy_[kSlipping] = 1;
@@ -308,7 +308,7 @@ void DriverWatch::look_for_slip(const Emit& emit) {
   const bool stayed = busy_[kHasWell] == 0 || well == numbers_[kWell];
   if (busy_[kWells] == 0 ? !is_relaxation() : !stayed) {
     emit_slip(emit);
-    look_for_stiffness(now, along_at(now));
+    look_for_stiffness(now, along().value(0));
   }
   numbers_[kWell] = well;
   busy_[kHasWell] = busy_[kWells];
@@ -335,7 +335,8 @@ bool DriverWatch::in_well(double& well) const {
 void DriverWatch::look_for_passage(const Emit& emit, const Heat& heat) {
   if (busy_[kSlipping] != 0) return;
   const double now = force_.time(0);
-  const bool lowest = force_.value(1) <= force_.value(0) && force_.value(1) < force_.value(2);
+  const bool lowest =
+      force_.count() > 2 && force_.value(1) <= force_.value(0) && force_.value(1) < force_.value(2);
   const auto end_here = [&] {
     numbers_[kLastFast] = force_.when_slope_is(0.0, force_.time(2), now);
     numbers_[kEndForce] = force_.at(numbers_[kLastFast]);
@@ -349,7 +350,7 @@ void DriverWatch::look_for_passage(const Emit& emit, const Heat& heat) {
     if (!(numbers_[kLastFast] > numbers_[kPeakTime])) end_here();
     if (busy_[kPeakOpen] + busy_[kEndOpen] != 0) note_heat(heat);
     emit_slip(emit);
-    look_for_stiffness(now, along_at(now));
+    look_for_stiffness(now, along().value(0));
   }
   numbers_[kWell] = well;
   busy_[kHasWell] = 1;

@@ -172,8 +172,8 @@ class DriverWatch {
     return (busy_[kSlipping] | busy_[kBack] | busy_[kMoved] | busy_[kPeakOpen] | busy_[kEndOpen]) ==
            0;
   }
-  /// The force along the pull, on the polynomial.
-  double along_at(double time) const { return (factors_.empty() ? force_ : along_).at(time); }
+  /// Points of the force along the pull.
+  const LastPoints& along() const { return factors_.empty() ? force_ : along_; }
   std::size_t sticking(const double* times, const double* forces, std::size_t count);
   void turn_wells(double time, double force);
   void begin_chord(double time, double force);
