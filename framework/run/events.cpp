@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "framework/run/event_log.hpp"
 #include "framework/run/plan.hpp"
@@ -32,6 +33,8 @@ constexpr double kAtRest = 0.5;
 constexpr double kNoMotion = 1e-3;
 constexpr double kRoundings = 16.0;
 constexpr double kHopPart = 0.2;
+/// Points of heat after a moment, whose polynomial goes back to it.
+constexpr std::size_t kHeats = LastPoints::kMost;
 constexpr int kHalvings = 60;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -50,6 +53,29 @@ Event reversal(double from, double to, double way_back) {
 
 Event hop(double from, double to, double height) {
   return between(EventKind::hop, from, to, height);
+}
+
+}  // namespace
+
+namespace {
+
+/// Of a pull: force over displacement where only the components along it count. The axes' own where
+/// they are equal, without rounding.
+double stiffness_of_pull(const Drive& drive) {
+  double squares = 0.0;
+  double compliance = 0.0;
+  double first = 0.0;
+  bool equal = true;
+  for (std::size_t d = 0; d < drive.stiffness.size(); ++d) {
+    const double k = drive.stiffness[d];
+    const double v = drive.velocity[d];
+    if (v == 0.0 || !(k > 0.0)) continue;
+    if (first == 0.0) first = k;
+    equal = equal && k == first;
+    squares += v * v;
+    compliance += v * v / k;
+  }
+  return equal ? first : squares / compliance;
 }
 
 }  // namespace
@@ -118,24 +144,58 @@ double LastPoints::when_slope_is(double level, double from, double to) const {
 DriverWatch::DriverWatch(std::size_t driver, const Drive& drive, double period, double precision,
                          Slips slips)
     : driver_(driver),
-      speed_(speed_of(drive)),
-      stiffness_(drive.stiffness_along()),
+      speed_(pull_speed_of(drive)),
+      stiffness_(stiffness_of_pull(drive)),
       period_(period),
       precision_(precision),
-      slips_(slips) {}
+      slips_(slips) {
+  bool equal = true;
+  for (std::size_t d = 0; d < drive.stiffness.size(); ++d) {
+    const double k = drive.stiffness[d];
+    factors_.push_back(k > 0.0 ? stiffness_ / k : 0.0);
+    equal = equal && (drive.velocity[d] == 0.0 || !(k > 0.0) || k == stiffness_);
+  }
+  if (equal) factors_.clear();
+}
 
 void DriverWatch::attach(double* reals, std::int64_t* integers) {
-  force_ = LastPoints(reals, integers);
-  numbers_ = reals + LastPoints::kReals;
-  busy_ = integers + LastPoints::kIntegers;
+  for (LastPoints* points : {&force_, &along_, &heat_}) {
+    *points = LastPoints(std::exchange(reals, reals + LastPoints::kReals),
+                         std::exchange(integers, integers + LastPoints::kIntegers));
+  }
+  numbers_ = reals;
+  busy_ = integers;
 }
 
 void DriverWatch::start() {
-  force_.clear();
-  std::fill(numbers_, numbers_ + kReals - LastPoints::kReals, 0.0);
-  std::fill(busy_, busy_ + kIntegers - LastPoints::kIntegers, 0);
+  for (LastPoints* points : {&force_, &along_, &heat_}) points->clear();
+  std::fill(numbers_, numbers_ + kReals - 3 * LastPoints::kReals, 0.0);
+  std::fill(busy_, busy_ + kIntegers - 3 * LastPoints::kIntegers, 0);
+  numbers_[kNoted] = -std::numeric_limits<double>::infinity();
   numbers_[kChordEnd] = std::numeric_limits<double>::infinity();
   numbers_[kSteepest] = -std::numeric_limits<double>::infinity();
+}
+
+void DriverWatch::turned() {
+  const std::int64_t wells = busy_[kWells];
+  const std::int64_t moved = force_.count() > 0 ? 1 : 0;
+  const double time = numbers_[kFirstTime];
+  const double force = numbers_[kFirstForce];
+  const double offset = numbers_[kWellOffset];
+  start();
+  numbers_[kFirstTime] = time;
+  numbers_[kFirstForce] = force;
+  numbers_[kWellOffset] = moved != 0 ? offset : -offset;
+  busy_[kWells] = wells;
+  busy_[kTurned] = wells * moved;
+}
+
+/// At the first point after a turn, whose force is along the new direction. What lay ahead of it
+/// lies behind.
+void DriverWatch::turn_wells(double time, double force) {
+  const double moved = way(numbers_[kFirstTime], numbers_[kFirstForce], time, -force);
+  numbers_[kWellOffset] = std::remainder(moved - numbers_[kWellOffset], period_);
+  busy_[kTurned] = 0;
 }
 
 void DriverWatch::look_for_stiffness(double time, double force) {
@@ -167,7 +227,7 @@ double DriverWatch::way(double from, double force_from, double to, double force_
 
 /// Takes in the points from the first of a block on in which the point sticks; returns how many.
 std::size_t DriverWatch::sticking(const double* times, const double* forces, std::size_t count) {
-  if (force_.count() < 2 || busy_[kSlipping] + busy_[kBack] + busy_[kMoved] != 0) return 0;
+  if (force_.count() < 2 || !is_idle() || !factors_.empty()) return 0;
   const double slope = stiffness_ * speed_;
   double time = force_.time(0);
   double force = force_.value(0);
@@ -190,13 +250,18 @@ std::size_t DriverWatch::sticking(const double* times, const double* forces, std
 void DriverWatch::look(const Emit& emit, const Heat& heat) {
   if (watches_slips() && slips_ == Slips::looked_for) {
     if (busy_[kWells] != 0 && force_.value(0) < force_.value(1)) busy_[kMoved] = 1;
-    look_for_slip(emit, heat);
+    if (busy_[kSlipping] != 0) note_heat(heat);
+    look_for_slip(emit);
     if (busy_[kMoved] != 0) look_for_passage(emit, heat);
+    if (busy_[kPeakOpen] + busy_[kEndOpen] != 0) {
+      note_heat(heat);
+      if (long_steps_ || heat_.count() >= kHeats) settle_heat();
+    }
   }
   look_for_reversal(emit);
 }
 
-void DriverWatch::look_for_slip(const Emit& emit, const Heat& heat) {
+void DriverWatch::look_for_slip(const Emit& emit) {
   const double now = force_.time(0);
   const double f0 = force_.value(0);
   const double f1 = force_.value(1);
@@ -204,8 +269,9 @@ void DriverWatch::look_for_slip(const Emit& emit, const Heat& heat) {
   if (!slipping && f1 >= f0 && f1 > force_.value(2)) {
     numbers_[kPeakTime] = force_.when_slope_is(0.0, force_.time(2), now);
     numbers_[kPeakForce] = force_.at(numbers_[kPeakTime]);
-    numbers_[kPeakHeat] = heat();
-    numbers_[kHighest] = std::max(numbers_[kHighest], numbers_[kPeakForce]);
+    numbers_[kPeakAlong] = along().at(numbers_[kPeakTime]);
+    begin_heat(kPeakOpen);
+    numbers_[kHighest] = std::max(numbers_[kHighest], numbers_[kPeakAlong]);
     busy_[kHasPeak] = 1;
   }
   const double pulled = stiffness_ * speed_ * (now - force_.time(1));
@@ -216,7 +282,8 @@ void DriverWatch::look_for_slip(const Emit& emit, const Heat& heat) {
       if (busy_[kHasPeak] == 0) {
         numbers_[kPeakTime] = force_.time(1);
         numbers_[kPeakForce] = f1;
-        numbers_[kPeakHeat] = heat();
+        numbers_[kPeakAlong] = along().value(1);
+        begin_heat(kPeakOpen);
       }
       busy_[kSlipping] = 1;
     }
@@ -231,7 +298,8 @@ void DriverWatch::look_for_slip(const Emit& emit, const Heat& heat) {
     const double level = stiffness_ * speed_ * (1.0 + (forwards ? -kFastFactor : kFastFactor));
     numbers_[kLastFast] = force_.when_slope_is(level, force_.time(2), now);
     numbers_[kEndForce] = force_.at(numbers_[kLastFast]);
-    numbers_[kEndHeat] = heat();
+    settle_heat();
+    numbers_[kEndHeat] = heat_at(numbers_[kLastFast]);
   }
   if ((now - numbers_[kLastFast]) * speed_ < kCalmPart * period_) return;
   double well = 0.0;
@@ -240,7 +308,7 @@ void DriverWatch::look_for_slip(const Emit& emit, const Heat& heat) {
   const bool stayed = busy_[kHasWell] == 0 || well == numbers_[kWell];
   if (busy_[kWells] == 0 ? !is_relaxation() : !stayed) {
     emit_slip(emit);
-    look_for_stiffness(now, f0);
+    look_for_stiffness(now, along().value(0));
   }
   numbers_[kWell] = well;
   busy_[kHasWell] = busy_[kWells];
@@ -257,38 +325,76 @@ bool DriverWatch::is_relaxation() const {
 bool DriverWatch::in_well(double& well) const {
   const double moved =
       way(numbers_[kFirstTime], numbers_[kFirstForce], force_.time(0), force_.value(0));
-  const double place = (moved - well_offset_) / period_;
+  const double place = (moved - numbers_[kWellOffset]) / period_;
   well = std::nearbyint(place);
   return std::abs(place - well) < kInner;
 }
 
-/// At rest in another well: a slip that no speed has told of.
+/// At rest in another well: a slip that no speed has told of, which has ended where the force was
+/// lowest.
 void DriverWatch::look_for_passage(const Emit& emit, const Heat& heat) {
   if (busy_[kSlipping] != 0) return;
   const double now = force_.time(0);
+  const bool lowest =
+      force_.count() > 2 && force_.value(1) <= force_.value(0) && force_.value(1) < force_.value(2);
+  const auto end_here = [&] {
+    numbers_[kLastFast] = force_.when_slope_is(0.0, force_.time(2), now);
+    numbers_[kEndForce] = force_.at(numbers_[kLastFast]);
+    begin_heat(kEndOpen);
+  };
+  if (lowest) end_here();
   if (force_.slope_at(now) < (1.0 - kAtRest) * stiffness_ * speed_) return;
   double well = 0.0;
   if (!in_well(well)) return;
   if (busy_[kHasWell] != 0 && well > numbers_[kWell] && busy_[kHasPeak] != 0) {
-    numbers_[kLastFast] = force_.when_slope_is(0.0, force_.time(2), now);
-    numbers_[kEndForce] = force_.at(numbers_[kLastFast]);
-    numbers_[kEndHeat] = heat();
+    if (!(numbers_[kLastFast] > numbers_[kPeakTime])) end_here();
+    if (busy_[kPeakOpen] + busy_[kEndOpen] != 0) note_heat(heat);
     emit_slip(emit);
-    look_for_stiffness(now, force_.value(0));
+    look_for_stiffness(now, along().value(0));
   }
   numbers_[kWell] = well;
   busy_[kHasWell] = 1;
   busy_[kMoved] = 0;
 }
 
-void DriverWatch::emit_slip(const Emit& emit) const {
+/// Heat at a moment that has just passed is asked for. Where steps are short, none is at hand from
+/// before: the polynomial goes through the points that follow.
+void DriverWatch::begin_heat(int which) {
+  settle_heat();
+  if (!long_steps_) heat_.clear();
+  busy_[which] = 1;
+}
+
+void DriverWatch::note_heat(const Heat& heat) {
+  const double now = force_.time(0);
+  if (numbers_[kNoted] == now && heat_.count() > 0) return;
+  if (force_.count() > 1 && numbers_[kNoted] < force_.time(1)) heat_.clear();
+  const HeatAt here = heat(now);
+  if (heat_.count() == 0 || here.time > heat_.time(0)) heat_.add(here.time, here.heat);
+  numbers_[kNoted] = now;
+}
+
+void DriverWatch::settle_heat() {
+  if (busy_[kPeakOpen] != 0) numbers_[kPeakHeat] = heat_at(numbers_[kPeakTime]);
+  if (busy_[kEndOpen] != 0) numbers_[kEndHeat] = heat_at(numbers_[kLastFast]);
+  busy_[kPeakOpen] = busy_[kEndOpen] = 0;
+}
+
+/// Not back beyond long steps.
+double DriverWatch::heat_at(double time) const {
+  if (heat_.count() == 0) return kNone;
+  return heat_.at(long_steps_ ? std::max(time, heat_.time(heat_.count() - 1)) : time);
+}
+
+void DriverWatch::emit_slip(const Emit& emit) {
+  settle_heat();
   Event slip;
   slip.kind = EventKind::slip;
   slip.time = numbers_[kPeakTime];
   slip.duration = numbers_[kLastFast] - slip.time;
   slip.size = way(slip.time, numbers_[kPeakForce], numbers_[kLastFast], numbers_[kEndForce]);
   slip.energy_lost = numbers_[kEndHeat] - numbers_[kPeakHeat];
-  slip.peak_force = numbers_[kPeakForce];
+  slip.peak_force = numbers_[kPeakAlong];
   emit(slip);
 }
 
@@ -318,6 +424,7 @@ void DriverWatch::finish(double time, const Emit& emit) {
     if (busy_[kFast] != 0) {
       numbers_[kLastFast] = force_.time(0);
       numbers_[kEndForce] = force_.value(0);
+      busy_[kEndOpen] = 0;
       numbers_[kEndHeat] = kNone;
     }
     emit_slip(emit);

@@ -66,7 +66,8 @@ class LastPoints {
 };
 
 /// Slips and reversals of the point that a spring of steady speed pulls. Both follow from the
-/// spring's force along the pull: the point's velocity is v - (dF/dt)/k.
+/// spring's force along the pull: the point's velocity is v - (dF/dt)/k, where k is the same on all
+/// axes of the pull; else from k times the stretch along it, with 1/k = sum over axes n_d^2/k_d.
 ///   slip      from the maximum of F before the point runs faster than ten times v to the last
 ///             moment at which it does, when it has been slower for a fiftieth of a period. Where
 ///             wells are known it ends in one, another than it began in; and from well to well at
@@ -80,25 +81,33 @@ class DriverWatch {
   enum class Slips { looked_for, told };
   DriverWatch(std::size_t driver, const Drive& drive, double period, double precision, Slips slips);
 
-  static constexpr std::size_t kReals = LastPoints::kReals + 16;
-  static constexpr std::size_t kIntegers = LastPoints::kIntegers + 7;
+  static constexpr std::size_t kReals = 3 * LastPoints::kReals + 19;
+  static constexpr std::size_t kIntegers = 3 * LastPoints::kIntegers + 10;
   /// The point has wells, a period apart, this far from where it is at the start, along the pull;
   /// they hold it against the spring.
   void set_wells(double offset) {
     busy_[kWells] = 1;
-    well_offset_ = offset;
+    numbers_[kWellOffset] = offset;
   }
   std::size_t driver() const { return driver_; }
   bool watches_slips() const { return period_ > 0.0; }
+  /// Of the pull: its force over the displacement of the pulled point along it.
   double stiffness() const { return stiffness_; }
+  /// By axis, where the springs of an oblique pull differ: stiffness() over theirs. Forces with
+  /// these factors have the component along the pull that is stiffness() times the stretch along
+  /// it. Empty where that is the force.
+  const std::vector<double>& factors() const { return factors_; }
   double period() const { return period_; }
   bool slipping() const { return busy_[kSlipping] != 0; }
   /// When a slip is reported: the largest force of the peaks up to its own.
   double highest_peak() const { return numbers_[kHighest]; }
   void attach(double* reals, std::int64_t* integers);
   void start();
-  /// Its driver has turned round: what was going on is over, and wells are not counted any more.
-  void turned() { start(); }
+  /// What was going on is over; wells are not counted any more.
+  void restart() { start(); }
+  /// Its driver has turned round: what was going on is over, and wells are counted along the new
+  /// direction.
+  void turned();
   /// The point has come to rest after a slip: how steeply the force rises from here on.
   void look_for_stiffness(double time, double force);
   /// The largest slope of the force over the displacement of the pulled end since the last slip
@@ -107,27 +116,43 @@ class DriverWatch {
   double steepest() const { return numbers_[kSteepest]; }
 
   using Emit = std::function<void(const Event&)>;
-  /// Heat of the scene so far, but for a constant.
-  using Heat = std::function<double()>;
+  /// Heat of the scene so far, but for a constant, and when it was that.
+  struct HeatAt {
+    double time;
+    double heat;
+  };
+  /// At the moment that is added, or the first one after it whose state is known.
+  using Heat = std::function<HeatAt(double)>;
+  /// Heat is known only at the ends of steps that are so long that it is looked at after each in
+  /// which something happens.
+  void set_long_steps() { long_steps_ = watches_slips(); }
   /// The force along the pull at one more moment. Mostly nothing happens: the point sticks, and the
   /// force rises no faster than the driver pulls.
   void add(double time, double force, const Emit& emit, const Heat& heat) {
+    add(time, force, force, emit, heat);
+  }
+  /// Where there are factors: the force with them, then the force itself.
+  void add(double time, double force, double along, const Emit& emit, const Heat& heat) {
     const bool known = force_.count() >= 2;
     const double rise = known ? force - force_.value(0) : 0.0;
     const double pulled = known ? stiffness_ * speed_ * (time - force_.time(0)) : 0.0;
     if (force_.count() == 0) {
+      if (busy_[kTurned] != 0) turn_wells(time, force);
       numbers_[kFirstTime] = time;
-      numbers_[kFirstForce] = numbers_[kHighest] = force;
+      numbers_[kFirstForce] = force;
+      numbers_[kHighest] = along;
       busy_[kMoved] = busy_[kWells];
     }
     force_.add(time, force);
+    if (!factors_.empty()) along_.add(time, along);
     const bool sticks = rise > 0.0 && rise < pulled;
     if (!sticks) {
-      restart_chord(time, force);
+      restart_chord(time, along);
     } else if (time >= numbers_[kChordEnd]) {
-      end_chord(time, force);
+      end_chord(time, along);
     }
-    if (sticks && busy_[kSlipping] + busy_[kBack] + busy_[kMoved] == 0) return;
+    if (long_steps_ && !(sticks && rise > kFirmly * pulled)) note_heat(heat);
+    if (sticks && is_idle()) return;
     if (known) look(emit, heat);
   }
   /// The same for a block of points.
@@ -141,13 +166,23 @@ class DriverWatch {
   void finish(double time, const Emit& emit);
 
  private:
+  /// Of what the driver pulls, that the force rises by far from its maximum.
+  static constexpr double kFirmly = 0.5;
+  bool is_idle() const {
+    return (busy_[kSlipping] | busy_[kBack] | busy_[kMoved] | busy_[kPeakOpen] | busy_[kEndOpen]) ==
+           0;
+  }
+  /// Points of the force along the pull.
+  const LastPoints& along() const { return factors_.empty() ? force_ : along_; }
   std::size_t sticking(const double* times, const double* forces, std::size_t count);
+  void turn_wells(double time, double force);
   void begin_chord(double time, double force);
   void restart_chord(double time, double force);
   void end_chord(double time, double force);
   enum {
     kPeakTime,
     kPeakForce,
+    kPeakAlong,  ///< the force along the pull
     kPeakHeat,
     kLastFast,
     kEndForce,
@@ -156,23 +191,42 @@ class DriverWatch {
     kBackForce,
     kFirstTime,  ///< of the first point since the start, from which wells are counted
     kFirstForce,
-    kWell,     ///< the one that the point was in last
-    kHighest,  ///< force of the peaks so far, the first point included
+    kWellOffset,  ///< of a well from the first point
+    kWell,        ///< the one that the point was in last
+    kHighest,     ///< force along the pull of the peaks so far, the first point included
     kChordTime,
     kChordForce,
     kChordEnd,  ///< no sooner than this time; infinite where there is no chord
-    kSteepest   ///< slope of chords since the last slip
+    kSteepest,  ///< slope of chords since the last slip
+    kNoted      ///< when heat was noted last
   };
   /// kMoved: the force has fallen since the point was seen at rest in a well.
-  enum { kSlipping, kBack, kFast, kHasPeak, kMoved, kHasWell, kWells };
+  /// kTurned: the driver has turned round since the last point.
+  /// kPeakOpen, kEndOpen: their heat follows from points that are still to come.
+  enum {
+    kSlipping,
+    kBack,
+    kFast,
+    kHasPeak,
+    kMoved,
+    kHasWell,
+    kWells,
+    kTurned,
+    kPeakOpen,
+    kEndOpen
+  };
   double way(double from, double force_from, double to, double force_to) const;
   void look(const Emit& emit, const Heat& heat);
-  void look_for_slip(const Emit& emit, const Heat& heat);
+  void look_for_slip(const Emit& emit);
   void look_for_reversal(const Emit& emit);
   bool is_relaxation() const;
   bool in_well(double& well) const;
   void look_for_passage(const Emit& emit, const Heat& heat);
-  void emit_slip(const Emit& emit) const;
+  void emit_slip(const Emit& emit);
+  void begin_heat(int which);
+  void note_heat(const Heat& heat);
+  void settle_heat();
+  double heat_at(double time) const;
 
   std::size_t driver_;
   double speed_;
@@ -180,8 +234,11 @@ class DriverWatch {
   double period_;
   double precision_;
   Slips slips_;
-  double well_offset_ = 0.0;  ///< where wells are known
+  bool long_steps_ = false;
+  std::vector<double> factors_;
   LastPoints force_;
+  LastPoints along_;  ///< the force along the pull, where there are factors
+  LastPoints heat_;   ///< near the peak and the end of a slip
   double* numbers_ = nullptr;
   std::int64_t* busy_ = nullptr;
 };

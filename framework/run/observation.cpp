@@ -98,6 +98,7 @@ Observation::Observation(RunContext& run)
   block_signals_.assign(kBlock * signals_.count(), 0.0);
   block_.times = block_times_.data();
   block_.signals = block_signals_.data();
+  block_.rate_width = run.model.system().view.rates;
   const SystemView<double>& view = run.model.system().view;
   within_.position.assign(view.dofs + 2 * kGroup, 0.0);
   within_.velocity.assign(view.dofs + 2 * kGroup, 0.0);
@@ -120,6 +121,7 @@ void Observation::attach(RunState& state) {
   events_.attach(state);
   samples_.attach(state);
   for (const auto& observer : observers_) observer->attach(state);
+  is_point_ = run_.plan.dt > 0.0 && run_.integrator->has_point_block();
 }
 
 void Observation::start() {
@@ -146,13 +148,20 @@ void Observation::begin_step(double time) {
   const double* velocity = run_.plan.dt == 0.0 ? view.velocity : nullptr;
   for (RunObserver* observer : readers_) observer->read(0, view.position, velocity);
   block_times_[block_.count] = time;
+  point_position_ = view.position[0];
+  point_velocity_ = view.velocity[0];
   signals_.write_speeds(view.velocity, time, row());
 }
 
 void Observation::end_step() {
   if (!watches()) return;
   signals_.write_forces(run_.integrator->first_rates(), row());
-  const SignalBlock step = block_.step(block_.count++);
+  SignalBlock step = block_.step(block_.count++);
+  if (is_point_) {
+    step.positions = &point_position_;
+    step.velocities = &point_velocity_;
+    step.rates = run_.integrator->first_rates();
+  }
   for (RunObserver* observer : at_steps_) observer->steps(step);
 }
 
@@ -171,7 +180,11 @@ void Observation::point_block(std::int64_t first_step, std::size_t count,
     row()[signals_.speed_of(0)] = std::abs(starts.velocities[k]);
     signals_.write_forces(starts.rates + k * width, row());
   }
-  for (RunObserver* observer : at_steps_) observer->steps(block_);
+  SignalBlock block = block_;
+  block.positions = starts.positions;
+  block.velocities = starts.velocities;
+  block.rates = starts.rates;
+  for (RunObserver* observer : at_steps_) observer->steps(block);
   end_block();
 }
 

@@ -118,6 +118,9 @@ class Observation {
   SignalBlock block_;
   std::vector<double> block_times_;
   std::vector<double> block_signals_;
+  bool is_point_ = false;        ///< whose steps are taken in registers
+  double point_position_ = 0.0;  ///< of a single point, at the start of the step
+  double point_velocity_ = 0.0;
   SignalSpan span_;
   Within within_;
   bool dense_is_complete_ = false;  ///< of the last step

@@ -185,6 +185,15 @@ double speed_of(const Drive& drive) {
   return std::sqrt(squares);
 }
 
+double pull_speed_of(const Drive& drive) {
+  double squares = 0.0;
+  for (std::size_t d = 0; d < drive.velocity.size(); ++d) {
+    if (!(drive.stiffness_on(static_cast<int>(d)) > 0.0)) continue;
+    squares = std::fma(drive.velocity[d], drive.velocity[d], squares);
+  }
+  return squares > 0.0 ? std::sqrt(squares) : speed_of(drive);
+}
+
 bool drags(const Drive& drive) { return drive.steady && speed_of(drive) > 0.0; }
 
 bool pulls(const Drive& drive) { return drags(drive) && drive.stiffness_along() > 0.0; }

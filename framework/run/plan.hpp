@@ -30,6 +30,9 @@ RunPlan plan_run(const Model& model);
 
 /// Of the pulled end.
 double speed_of(const Drive& drive);
+/// Of it along the axes on which a spring acts, which is the pull: motion along others pulls
+/// nothing. Without a spring on any axis that it moves along, the same.
+double pull_speed_of(const Drive& drive);
 /// Whether it is a driver of steady velocity that is not zero.
 bool drags(const Drive& drive);
 /// Whether it also is a spring, whose force tells where what it pulls is.

@@ -11,7 +11,7 @@ Signals::Signals(const Model& model)
   for (const Model::Driver& driver : drivers()) {
     const std::vector<double>& velocity = driver.drive->velocity;
     start_velocity_.insert(start_velocity_.end(), velocity.begin(), velocity.end());
-    speed_.push_back(tomlin::speed_of(*driver.drive));
+    speed_.push_back(pull_speed_of(*driver.drive));
     along_.push_back(1.0 / speed_.back());
   }
 }

@@ -40,7 +40,7 @@ class Signals {
     }
     return power;
   }
-  /// Its force along its present velocity: along(driver) power(driver, signals).
+  /// Its force along its present pull: along(driver) power(driver, signals).
   double along(std::size_t driver) const { return along_[driver]; }
   double start_velocity(std::size_t driver, std::size_t axis) const {
     return start_velocity_[driver * axes_ + axis];
@@ -53,7 +53,7 @@ class Signals {
   const std::vector<Model::Driver>& drivers_;
   std::size_t axes_;
   std::vector<double> start_velocity_;  ///< [driver * dimension + axis]
-  std::vector<double> speed_;           ///< of each driver
+  std::vector<double> speed_;           ///< of each driver's pull
   std::vector<double> along_;
 };
 
@@ -63,9 +63,26 @@ struct SignalBlock {
   const double* times = nullptr;
   const double* signals = nullptr;  ///< [step][signal]
   std::size_t width = 0;            ///< signals of one step
+  // Of a single point on a line also its states and all rates.
+  const double* positions = nullptr;
+  const double* velocities = nullptr;
+  const double* rates = nullptr;  ///< [step][rate]
+  std::size_t rate_width = 0;
 
   const double* at(std::size_t step) const { return signals + step * width; }
-  SignalBlock step(std::size_t k) const { return {1, times + k, at(k), width}; }
+  bool has_states() const { return positions != nullptr; }
+  /// Of one step.
+  SignalBlock step(std::size_t k) const {
+    SignalBlock one = *this;
+    one.count = 1;
+    one.times += k;
+    one.signals = at(k);
+    if (!has_states()) return one;
+    one.positions += k;
+    one.velocities += k;
+    one.rates += k * rate_width;
+    return one;
+  }
 };
 
 /// Signals over a step, or a part of it: at its ends and at thirds between, through which a cubic

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "framework/core/system/aligned.hpp"
 #include "framework/run/energy_terms.hpp"
 #include "framework/run/events.hpp"
 #include "framework/run/observers/kinds.hpp"
@@ -25,11 +26,69 @@ double precision_of(NumberType number_type) {
   return number_type == NumberType::single_precision ? 1.2e-7 : 2.3e-16;
 }
 
+/// Of a single point on a line, whose steps are taken in blocks: the work that is done on the scene
+/// so far, at the starts of steps. It is integrated from its rates there, so that it does not
+/// depend on where blocks end: the formula of Adams and Moulton with four points, which has the
+/// order 4.
+class WorkOfSteps {
+ public:
+  explicit WorkOfSteps(const Model& model) {
+    for (const Model::Driver& driver : model.drivers()) {
+      powers_.push_back(driver.first_rate + model.dimension());
+    }
+    for (const Model::Force& force : model.forces()) {
+      if (force.traits.conservative && force.heat_rate != kNoRate) {
+        of_energies_.push_back(force.heat_rate);
+      }
+    }
+  }
+  static void declare(StateLayout& layout) {
+    layout.add_reals("events.work", LastPoints::kReals + 1);
+    layout.add_integers("events.work", LastPoints::kIntegers);
+  }
+  void attach(RunState& state) {
+    double* reals = state.reals("events.work");
+    power_ = LastPoints(reals, state.integers("events.work"));
+    work_ = reals + LastPoints::kReals;
+  }
+  void start() {
+    power_.clear();
+    *work_ = 0.0;
+  }
+  bool is_known() const { return power_.count() > 0; }
+  /// At the start of a step, with the rates there.
+  double add(double time, const double* rates) {
+    double power = 0.0;
+    for (const std::ptrdiff_t rate : powers_) power += rates[rate];
+    for (const std::ptrdiff_t rate : of_energies_) power -= rates[rate];
+    power_.add(time, power);
+    return *work_ += last_step();
+  }
+
+ private:
+  double last_step() const {
+    const std::size_t count = power_.count();
+    if (count < 2) return 0.0;
+    const double h = power_.time(0) - power_.time(1);
+    constexpr double kEqual = 1e-6;  // steps, but for rounding of times
+    const bool equal =
+        count >= 4 && std::abs(power_.time(0) - power_.time(3) - 3.0 * h) < kEqual * h;
+    if (!equal) return 0.5 * h * (power_.value(0) + power_.value(1));
+    return h / 24.0 *
+           (9.0 * power_.value(0) + 19.0 * power_.value(1) - 5.0 * power_.value(2) +
+            power_.value(3));
+  }
+
+  std::vector<std::ptrdiff_t> powers_;
+  std::vector<std::ptrdiff_t> of_energies_;
+  LastPoints power_;
+  double* work_ = nullptr;
+};
+
 class PullEvents : public RunObserver {
  public:
   explicit PullEvents(const ObserverParts& parts);
 
-  /// Heat is that of the whole scene, at the end of a step.
   ObserverNeeds needs() const override {
     return {.signals = !drivers_.empty(), .each_step = !watches_.empty()};
   }
@@ -53,8 +112,21 @@ class PullEvents : public RunObserver {
   double force_along(std::size_t driver, const double* signals) const {
     return parts_.signals.power(driver, signals) * parts_.signals.along(driver);
   }
+  /// That times the factors, if there are any.
+  double stretching(const DriverWatch& watch, const double* signals) const {
+    const std::size_t k = watch.driver();
+    if (watch.factors().empty()) return force_along(k, signals);
+    double power = 0.0;
+    for (std::size_t d = 0; d < parts_.axes(); ++d) {
+      power += watch.factors()[d] * parts_.signals.start_velocity(k, d) *
+               signals[parts_.signals.force_of(k, d)];
+    }
+    return power * parts_.signals.along(k);
+  }
   void watch(double time, const double* signals);
   void watch_block(const SignalBlock& block);
+  void keep_states(const SignalBlock& block);
+  DriverWatch::HeatAt heat_at(double time);
   void slipped(const Event& slip);
   void see_peaks(const SignalSpan& span);
   void forget_peaks();
@@ -68,13 +140,23 @@ class PullEvents : public RunObserver {
   std::string_view name_;    ///< of the driver whose event is looked for
   DriverWatch::Emit emit_;
   DriverWatch::Heat heat_;
+  bool looks_for_slips_ = false;
+  WorkOfSteps work_;
+  SignalBlock states_;                ///< of a point: the steps that are looked at
+  std::array<double, kBlock> works_;  ///< at their starts
+  DriverWatch::HeatAt at_end_;        ///< of a step, whose heat was asked for last
+  AlignedVector<double> position_;    // aligned: kernels read them
+  AlignedVector<double> velocity_;
 };
 
 PullEvents::PullEvents(const ObserverParts& parts)
     : parts_(parts),
       drivers_(parts.signals.drivers()),
       static_force_(parts, watches_),
-      slips_(parts) {
+      slips_(parts),
+      work_(parts.run.model),
+      works_{},
+      at_end_{std::numeric_limits<double>::quiet_NaN(), 0.0} {
   const double precision = precision_of(parts_.run.scene->run.number_type);
   const Model& model = parts_.run.model;
   if (follows_path()) parts_.events.expect(EventKind::slip);
@@ -83,19 +165,25 @@ PullEvents::PullEvents(const ObserverParts& parts)
     if (!pulls(drive)) continue;
     double period = 0.0;
     for (int d = 0; d < model.dimension(); ++d) {
-      if (drive.velocity[d] != 0.0) period = std::max(period, model.origin().unit[d]);
+      if (drive.velocity[d] == 0.0 || !(drive.stiffness_on(d) > 0.0)) continue;
+      period = std::max(period, model.origin().unit[d]);
     }
     watches_.emplace_back(
         k, drive, period, precision,
         follows_path() ? DriverWatch::Slips::told : DriverWatch::Slips::looked_for);
     parts_.events.expect(EventKind::reversal);
-    if (watches_.back().watches_slips()) parts_.events.expect(EventKind::slip);
+    if (!watches_.back().watches_slips()) continue;
+    looks_for_slips_ = true;
+    parts_.events.expect(EventKind::slip);
   }
   emit_ = [this](const Event& event) {
     if (event.kind == EventKind::slip) slipped(event);
     parts_.events.record(event, name_);
   };
-  heat_ = [this] { return heat_so_far(parts_.run); };
+  heat_ = [this](double time) { return heat_at(time); };
+  const SystemView<double>& view = model.system().view;
+  position_.assign(view.dofs + 2 * kGroup, 0.0);
+  velocity_.assign(view.dofs + 2 * kGroup, 0.0);
 }
 
 void PullEvents::declare(StateLayout& layout) const {
@@ -103,6 +191,7 @@ void PullEvents::declare(StateLayout& layout) const {
   slips_.declare(layout);
   if (follows_path()) layout.add_reals("events.peaks", drivers_.size());
   declare_watches(layout, "events.drivers", watches_);
+  WorkOfSteps::declare(layout);
 }
 
 void PullEvents::attach(RunState& state) {
@@ -110,11 +199,15 @@ void PullEvents::attach(RunState& state) {
   slips_.attach(state);
   if (follows_path()) peaks_ = state.reals("events.peaks");
   attach_watches(state, "events.drivers", watches_);
+  work_.attach(state);
+  if (parts_.run.plan.dt > 0.0 || follows_path()) return;
+  for (DriverWatch& watch : watches_) watch.set_long_steps();
 }
 
 void PullEvents::start() {
   static_force_.start();
   for (DriverWatch& watch : watches_) watch.start();
+  work_.start();
   forget_peaks();
 }
 
@@ -134,7 +227,7 @@ void PullEvents::placed() {
 void PullEvents::watch(double time, const double* signals) {
   for (DriverWatch& watch : watches_) {
     name_ = drivers_[watch.driver()].name;
-    watch.add(time, force_along(watch.driver(), signals), emit_, heat_);
+    watch.add(time, stretching(watch, signals), force_along(watch.driver(), signals), emit_, heat_);
   }
 }
 
@@ -148,7 +241,33 @@ void PullEvents::watch_block(const SignalBlock& block) {
   watch.add_block(block.times, forces.data(), block.count, emit_, heat_);
 }
 
+void PullEvents::keep_states(const SignalBlock& block) {
+  states_ = block;
+  for (std::size_t n = 0; n < block.count; ++n) {
+    works_[n] = work_.add(block.times[n], block.rates + n * block.rate_width);
+  }
+}
+
+/// Of a point at the start of a step; else at the end of the step that has been taken.
+DriverWatch::HeatAt PullEvents::heat_at(double time) {
+  RunContext& run = parts_.run;
+  if (!work_.is_known()) {
+    const double end = static_cast<double>(run.seen);
+    if (at_end_.time != end) at_end_ = {end, heat_so_far(run)};
+    return at_end_;
+  }
+  const auto n = static_cast<std::size_t>(
+      std::find(states_.times, states_.times + states_.count, time) - states_.times);
+  position_[0] = states_.positions[n];
+  velocity_[0] = states_.velocities[n];
+  return {time,
+          works_[n] - run.model.kinetic_energy(velocity_.data()) -
+              run.model.potential_energy(DoubleDouble(time), position_.data(), velocity_.data(),
+                                         run.model.system().view.integrals)};
+}
+
 void PullEvents::steps(const SignalBlock& block) {
+  if (block.has_states() && looks_for_slips_) keep_states(block);
   // Of one driver alone, so that events come in the order of time.
   if (block.count > 1 && watches_.size() == 1 && !static_force_.any_open()) {
     watch_block(block);
@@ -211,7 +330,7 @@ void PullEvents::path_slip(const PathSlip& slip) {
   for (DriverWatch& watch : watches_) {
     const std::size_t k = watch.driver();
     const double ahead =
-        (force_along(k, slip.before) - force_along(k, slip.after)) / watch.stiffness();
+        (stretching(watch, slip.before) - stretching(watch, slip.after)) / watch.stiffness();
     if (std::isnan(event.size) || std::abs(ahead) > std::abs(event.size)) {
       event.size = ahead;
       event.peak_force = peaks_[k];
@@ -222,7 +341,7 @@ void PullEvents::path_slip(const PathSlip& slip) {
   forget_peaks();
   emit_(event);
   for (DriverWatch& watch : watches_) {
-    watch.turned();
+    watch.restart();
     watch.look_for_stiffness(event.time, force_along(watch.driver(), slip.after));
   }
 }
@@ -237,6 +356,13 @@ void PullEvents::force_changed(std::string_view force) {
 void PullEvents::look_at_end(const RunMoment& end) {
   static_force_.note_slipping();
   parts_.run.seen = parts_.run.clock.now();  // a run that resumes at its end has taken no step
+  if (work_.is_known()) {
+    keep_states({.count = 1,
+                 .times = &end.time,
+                 .positions = end.position,
+                 .velocities = end.velocity,
+                 .rates = end.rates});
+  }
   watch(end.time, end.signals);
   static_force_.add_end(end.signals);
 }

@@ -81,7 +81,7 @@ void StaticForce::slipped(std::size_t driver, double held) {
 std::optional<double> StaticForce::of(std::size_t driver) const {
   const Drive& drive = *parts_.signals.drivers()[driver].drive;
   if (!drags(drive) || !forces_.any(driver)) return {};
-  return forces_.value(driver) / speed_of(drive);
+  return forces_.value(driver) / pull_speed_of(drive);
 }
 
 }  // namespace tomlin::observers
