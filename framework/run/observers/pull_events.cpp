@@ -181,7 +181,9 @@ PullEvents::PullEvents(const ObserverParts& parts)
     parts_.events.record(event, name_);
   };
   heat_ = [this](double time) { return heat_at(time); };
+  // A single point on a line has no more.
   const SystemView<double>& view = model.system().view;
+  if (!looks_for_slips_ || view.dofs > kGroup) return;
   position_.assign(view.dofs + 2 * kGroup, 0.0);
   velocity_.assign(view.dofs + 2 * kGroup, 0.0);
 }
