@@ -135,6 +135,7 @@ class SweepArrays {
   Hdf5Handle variable(const std::string& name, hid_t type,
                       const std::vector<std::size_t>& dimensions) const {
     std::vector<hsize_t> extent;
+    extent.reserve(dimensions.size());
     for (const std::size_t d : dimensions) extent.push_back(shape_[d]);
     Hdf5Handle made = dataset(name, type, simple(extent));
     for (std::size_t k = 0; k < dimensions.size(); ++k) {
@@ -166,12 +167,15 @@ class SweepArrays {
       const Hdf5Handle memory = simple({count});
       if (values.numeric()) {
         std::vector<double> numbers;
+        numbers.reserve(count);
         for (std::size_t k = 0; k < count; ++k) numbers.push_back(values.number(first + k));
         write_block(into, H5T_NATIVE_DOUBLE, memory, space, numbers.data());
       } else {
         std::vector<std::string> texts;
+        texts.reserve(count);
         for (std::size_t k = 0; k < count; ++k) texts.push_back(values.text(first + k));
         std::vector<const char*> pointers;
+        pointers.reserve(count);
         for (const std::string& text : texts) pointers.push_back(text.c_str());
         write_block(into, strings_, memory, space, pointers.data());
       }
