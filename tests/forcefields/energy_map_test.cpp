@@ -113,7 +113,7 @@ TEST(EnergyMap, OfAWaveItIsTheClosedForm) {
       EXPECT_NEAR(LatticeOfMap::energy(p, site_at(d, Vec<double, 1>{{u}})),
                   ratio * std::cos(kTau * u), kFewRoundings);
     }
-    // The error that the map tells of is that of the amplitude, at the largest of these cosines.
+    // The estimated error is that of the amplitude, at the largest of these cosines.
     double largest = 0.0;
     for (std::size_t k = 0; k < points; ++k) {
       largest =
@@ -149,8 +149,8 @@ Errors errors_of(const Surface& d) {
   return largest;
 }
 
-/// Fourth order in the energy, third in the force; and the map tells its error from its own values.
-TEST(EnergyMap, ErrorsFallWithTheSpacingAndAreTold) {
+/// Fourth order in the energy, third in the force; and the map estimates its error from its own values.
+TEST(EnergyMap, ErrorsFallWithTheSpacingAndAreEstimated) {
   Errors before;
   for (const std::size_t points : {32U, 64U, 128U}) {
     const Surface d = surface_of(grid_of(points, points), SurfaceLattice::square);
@@ -332,7 +332,7 @@ std::string tip_on(const std::string& keys, const std::string& position = "0.3, 
          "\n";
 }
 
-/// The first star of a hexagonal surface on a grid is that surface, to the error that is told.
+/// The first star of a hexagonal surface on a grid is that surface, to the estimated error.
 TEST(EnergyMap, InASceneItIsTheSurfaceThatItWasTakenFrom) {
   constexpr std::size_t kPoints = 64;
   NumberTable grid{kPoints, {}};
