@@ -149,19 +149,20 @@ Errors errors_of(const Surface& d) {
   return largest;
 }
 
-/// Fourth order in the energy, third in the force; and the map estimates its error from its own values.
+/// Fourth order in the energy, third in the force; and the map estimates its error from its own
+/// values.
 TEST(EnergyMap, ErrorsFallWithTheSpacingAndAreEstimated) {
   Errors before;
   for (const std::size_t points : {32U, 64U, 128U}) {
     const Surface d = surface_of(grid_of(points, points), SurfaceLattice::square);
     const Errors found = errors_of(d);
-    const PeriodicSpline::Error told = d.map->error();
-    // 900 random places hit neither maximum exactly; of several waves the told one is at grid
+    const PeriodicSpline::Error estimated = d.map->error();
+    // 900 random places hit neither maximum exactly; of several waves the estimated one is at grid
     // places.
-    EXPECT_GT(told.value, 0.8 * found.energy);
-    EXPECT_LT(told.value, 1.25 * found.energy);
-    EXPECT_GT(told.slope_u, 0.7 * found.slope);
-    EXPECT_LT(told.slope_u, 1.4 * found.slope);
+    EXPECT_GT(estimated.value, 0.8 * found.energy);
+    EXPECT_LT(estimated.value, 1.25 * found.energy);
+    EXPECT_GT(estimated.slope_u, 0.7 * found.slope);
+    EXPECT_LT(estimated.slope_u, 1.4 * found.slope);
     if (before.energy > 0.0) {
       EXPECT_NEAR(std::log2(before.energy / found.energy), 4.0, 0.3);
       EXPECT_NEAR(std::log2(before.slope / found.slope), 3.0, 0.3);
@@ -356,7 +357,7 @@ coefficient = 1.0
   const RunResult map =
       run_text(tip_on(lattice + inline_map(grid) + "energy_scale = 0.1\n", "0.3, 0.1", pulled));
   const RunResult waves = run_text(tip_on(lattice + "amplitude = 0.1\n", "0.3, 0.1", pulled));
-  constexpr double kErrorOfForces = 2e-5;  // told: 0.1 times 4e-5
+  constexpr double kErrorOfForces = 2e-5;  // estimated: 0.1 times 4e-5
   for (const char* path :
        {"tip.centre_of_mass.x", "tip.centre_of_mass.y", "driver.mean_force.x", "driver.work"}) {
     EXPECT_NEAR(observable(map, path).value(), observable(waves, path).value(), kErrorOfForces)
