@@ -253,5 +253,7 @@ SCENES = {
     "ring_rigid_implicit": scene(RIGID, RADAU9, 40.0, 0.7, LEDGER),
     "surface": scene(SURFACE, DOPRI5, 20.0, 0.7, LEDGER),
     "surface_float": scene(SURFACE, RK4.format(dt=1e-2), 10.0, 0.7, FLOAT),
+    "surface_from_map": scene(MAP, DOPRI5, 20.0, 0.7, LEDGER),
+    "surface_from_map_float": scene(MAP, RK4.format(dt=1e-2), 10.0, 0.7, FLOAT),
     "two_bodies": scene(PUSHED, DOPRI5, 10.0, 0.7, LEDGER),
 }
