@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -14,6 +15,8 @@
 #include "framework/scene/scene_document.hpp"
 #include "framework/standard_registry.hpp"
 #include "framework/study/accuracy.hpp"
+#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/runner.hpp"
 
 namespace {
 
@@ -411,6 +414,25 @@ void register_formulas() {
   register_variants("chain_1000", bonds_as_formula(chain("1000", "1.0"), "0.5*(r - 1)^2"), bonds);
 }
 
+// ---- a point of a sweep: what it costs besides its steps, of which it has one
+
+void BM_sweep_point(benchmark::State& state) {
+  SweepSettings sweep;
+  sweep.over.push_back({"force.driving_spring.stiffness",
+                        std::get<SweepValues>(SweepValues::parse("1:3:1000")),
+                        {"--over"},
+                        "1:3:1000"});
+  sweep.observables = {"driving_spring.mean_force.x"};
+  const SweepPlan plan(SceneDocument(kPt, "benchmark.toml"), registry(), {{"run.duration", "1e-2"}},
+                       sweep, "");
+  std::size_t point = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(run_point(plan, point++ % plan.points()));
+  state.counters["s_per_step"] =
+      benchmark::Counter(static_cast<double>(state.iterations()),
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(BM_sweep_point)->Name("pt sweep/tomlin");
+
 // ---- one force alone ----------------------------------------------------------------------------
 
 const std::string kGoldenChain = "type = \"chain\"\ncount = 1000\nspacing = 1.618033988749895\n";
@@ -479,6 +501,9 @@ void register_forces() {
                  "type = \"sinusoidal_substrate\"\namplitude = 0.05\nperiod = 1.0\n");
   register_force("substrate_1000", "as a formula",
                  "type = \"expression\"\nenergy = \"0.05 * cos(2*pi*x)\"\nperiod = 1.0\n");
+  register_force("substrate_1000", "as a formula with disorder",
+                 "type = \"expression\"\nenergy = \"0.05 * (1 + 0.1 * normal(7, i)) * "
+                 "cos(2*pi*(x + random(3, i)))\"\nperiod = 1.0\n");
   register_force("bonds_1000", "tomlin",
                  "type = \"harmonic_bonds\"\npairs = \"neighbours\"\nstiffness = 1.0\n");
   register_force(

@@ -25,6 +25,7 @@
 #include "framework/cli/stop_signals.hpp"
 #include "framework/cli/sweep_text.hpp"
 #include "framework/core/text/fault.hpp"
+#include "framework/output/output_file.hpp"
 #include "framework/output/record.hpp"
 #include "framework/output/run_folder.hpp"
 #include "framework/scene/text.hpp"
@@ -231,18 +232,28 @@ std::vector<std::size_t> rows_in(const std::string& text, std::size_t points,
   return rows;
 }
 
+void remove_if_empty(const fs::path& folder) {
+  std::error_code error;
+  if (fs::is_directory(fs::symlink_status(folder, error))) fs::remove(folder, error);
+}
+
 /// Takes away what an earlier sweep has left of its points: nothing that others have put there.
 void remove_points(const fs::path& folder) {
   std::error_code error;
+  if (!fs::is_directory(fs::symlink_status(folder, error))) return;
   std::vector<fs::path> entries;
   for (const auto& entry : fs::directory_iterator(folder, error)) entries.push_back(entry.path());
   for (const fs::path& entry : entries) {
-    if (entry.extension() == ".store") fs::remove(entry, error);
-    if (!fs::is_directory(fs::symlink_status(entry, error))) continue;
-    for (const char* name : kFilesOfARun) fs::remove(entry / name, error);
+    // K/ and K.store, and what a kill has left of the latter.
+    const std::string name = entry.filename().string();
+    const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
+    const std::string rest = digits == 0 ? "-" : name.substr(digits);
+    if (rest == ".store" || rest == unfinished(".store")) fs::remove(entry, error);
+    if (!rest.empty() || !fs::is_directory(fs::symlink_status(entry, error))) continue;
+    for (const char* file : kFilesOfARun) fs::remove(entry / file, error);
     fs::remove(entry, error);
   }
-  fs::remove(folder, error);
+  remove_if_empty(folder);
 }
 
 /// Faults of options before those of a plan that is made without them.
@@ -340,7 +351,9 @@ int sweep(const SweepArguments& arguments) {
     return print_result("finished already; nothing to do\n  results  " +
                         where_the_sweep_is(folder) + "\n");
   }
-  for (const char* name : kSweepResults) folder.remove(name);
+  if (!is_complete) {
+    for (const char* name : kSweepResults) folder.remove(name);
+  }
   folder.write_file(kSceneFile, plan.scene_text());
 
   SweepOptions options;
@@ -356,8 +369,7 @@ int sweep(const SweepArguments& arguments) {
 
   std::optional<SweepCounts> counts;
   if (progress.complete()) {
-    std::error_code error;
-    fs::remove(folder.file(kPointsFolder), error);  // where it is empty
+    remove_if_empty(folder.file(kPointsFolder));
     counts = count_rows(plan, journal);
     write_sweep_table(folder.file(kSweepTableFile), plan, journal);
     write_sweep_arrays(folder.file(kSweepArraysFile), plan, journal);
@@ -368,7 +380,8 @@ int sweep(const SweepArguments& arguments) {
   if (!arguments.quiet) {
     status = print_result(sweep_text(plan, progress, known, where_the_sweep_is(folder)));
   }
-  return counts ? status : kExitSignal + signals.caught();
+  const bool is_done = counts && progress.traces_left == 0;
+  return is_done ? status : kExitSignal + signals.caught();
 }
 
 }  // namespace

@@ -83,7 +83,8 @@ Json axis_entry(const SweepPlan& plan, std::size_t axis) {
     case SweepValues::Spacing::list:
       entry["spacing"] = "list";
       for (std::size_t k = 0; k < values.size(); ++k) {
-        entry["values"].push_back(values.numeric() ? Json(values.number(k)) : Json(values.text(k)));
+        entry["values"].push_back(values.numeric() ? Json(values.number(k))
+                                                   : Json(values.plain_text(k)));
       }
       return entry;
     case SweepValues::Spacing::linear:
@@ -130,6 +131,10 @@ std::string sweep_text(const SweepPlan& plan, const SweepProgress& progress,
       }
     }
     text += "\n";
+    if (progress.traces_left > 0) {
+      text += fmt::format("interrupted with {} traces left; the same command goes on\n",
+                          progress.traces_left);
+    }
   }
   text += axes_and_observables(plan);
   if (counts != nullptr) {
@@ -210,17 +215,21 @@ std::string sweep_plan_text(const SweepPlan& plan, std::size_t threads) {
         refused = "a step of the trial failed or is too long";
         continue;
       }
-      const double all = explanation.cost->seconds * static_cast<double>(plan.points());
+      // One point takes as long as it does, however many threads there are.
+      const std::size_t at_once = std::min(threads, plan.points());
+      const double all =
+          explanation.cost->seconds * static_cast<double>((plan.points() + at_once - 1) / at_once);
       text += result_row(
           "cost", fmt::format("about {:.3g} s for {} point, {} for all in {} threads",
                               explanation.cost->seconds, point == 0 ? "the first" : "the last",
-                              duration_text(all / static_cast<double>(threads)), threads));
+                              duration_text(all), at_once));
       return text;
     } catch (const InputError& error) {
       refused = condensed(error);
     }
   }
-  return text + result_row("cost", "not known: first and last point are refused: " + *refused);
+  return text +
+         result_row("cost", "not known: the first and the last point cannot be tried: " + *refused);
 }
 
 }  // namespace tomlin

@@ -47,6 +47,8 @@ std::uint64_t Housekeeping::steps() const {
 
 void Housekeeping::after_block() {
   follow();
+  const RunOutcome& outcome = run_.outcome;
+  if (outcome.ended && !outcome.interrupted && has_more_than_numbers()) return;
   if (run_.stopped()) {
     run_.outcome.interrupt();
     keep_checkpoint();
@@ -111,11 +113,15 @@ void Housekeeping::keep_checkpoint() {
 
 /// What a run until it is steady, and a path of equilibria, know at their end is not all in the
 /// numbers: they go on from the checkpoint before.
+bool Housekeeping::has_more_than_numbers() const {
+  return run_.path != nullptr || run_.plan.period > 0.0;
+}
+
 void Housekeeping::keep_end() {
   const RunSettings& settings = run_.scene->run;
   const bool more_follow = settings.perturb || settings.accuracy;
   if (run_.options.sink == nullptr || !more_follow || !run_.outcome.complete()) return;
-  if (run_.path != nullptr || run_.plan.period > 0.0) return;
+  if (has_more_than_numbers()) return;
   run_.clock.keep_cost(run_.model.system());
   run_.options.sink->checkpoint(run_.state);
 }

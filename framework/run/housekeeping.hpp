@@ -41,6 +41,7 @@ class Housekeeping {
   std::uint64_t steps() const;
 
  private:
+  bool has_more_than_numbers() const;
   using Clock = std::chrono::steady_clock;
   void follow();
   void look_at_clock();

@@ -30,11 +30,17 @@ std::string_view trimmed_text(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
-/// A number, or an expression without parameters.
+/// Up to here doubles hold every integer.
+constexpr std::int64_t kLargestInteger = std::int64_t{1} << 53;
+
+/// A number that a double holds, or an expression without parameters.
 std::optional<double> constant_of(std::string_view text) {
   const Node node = parse_setting(text, 0);
   if (const auto* number = node.as<double>()) return *number;
-  if (const auto* integer = node.as<std::int64_t>()) return static_cast<double>(*integer);
+  if (const auto* integer = node.as<std::int64_t>()) {
+    if (*integer > kLargestInteger || *integer < -kLargestInteger) return std::nullopt;
+    return static_cast<double>(*integer);
+  }
   const auto* expression = node.as<std::string>();
   if (expression == nullptr) return std::nullopt;
   const auto value = ParameterTable().evaluate(*expression);
@@ -70,6 +76,15 @@ std::vector<std::string> split_outside(std::string_view text, char mark) {
 
 std::string number_as_setting(double number) { return fmt::format("{}", number); }
 
+/// Whether a name of `--set` is another one or stands below it. A parameter has two names.
+bool sets_part_of(const std::string& name, const std::string& whole) {
+  const auto in_full = [](const std::string& one) {
+    return one.find('.') == std::string::npos ? "parameters." + one : one;
+  };
+  const std::string below = in_full(whole);
+  return (in_full(name) + ".").starts_with(below + ".");
+}
+
 Wrong wrong_axis(std::string why, std::string admissible = kAxisForms) {
   return {FaultCode::command_invalid_value, "", std::move(why), std::move(admissible)};
 }
@@ -94,7 +109,7 @@ std::variant<SweepValues, Wrong> SweepValues::parse(std::string_view text) {
   const auto to = constant_of(ends[1]);
   if (!from || !to || !std::isfinite(*from) || !std::isfinite(*to)) {
     const std::string& end = from && std::isfinite(*from) ? ends[1] : ends[0];
-    return wrong_axis(fmt::format("\"{}\" is not a finite number", end));
+    return wrong_axis(fmt::format("\"{}\" is not a finite number that a double holds", end));
   }
   values.from_ = *from;
   values.to_ = *to;
@@ -137,6 +152,16 @@ std::string SweepValues::text(std::size_t k) const {
   return spacing_ == Spacing::list ? texts_[k] : number_as_setting(number(k));
 }
 
+std::string SweepValues::plain_text(std::size_t k) const {
+  if (spacing_ != Spacing::list) return text(k);
+  const Node node = parse_setting(texts_[k], 0);
+  const auto* word = node.as<std::string>();
+  if (word == nullptr) return value_text(node);
+  const Node again = parse_setting(*word, 0);
+  const auto* same = again.as<std::string>();
+  return same != nullptr && *same == *word ? *word : value_text(node);
+}
+
 double SweepValues::number(std::size_t k) const {
   switch (spacing_) {
     case Spacing::list:
@@ -150,7 +175,11 @@ double SweepValues::number(std::size_t k) const {
 }
 
 std::string SweepValues::canonical() const {
-  if (spacing_ == Spacing::list) return fmt::format("{}", fmt::join(in_quotes(texts_), ","));
+  if (spacing_ == Spacing::list) {
+    std::vector<std::string> texts;
+    for (std::size_t k = 0; k < count_; ++k) texts.push_back(plain_text(k));
+    return fmt::format("{}", fmt::join(in_quotes(texts), ","));
+  }
   return fmt::format("{}:{}:{}:{}", from_, to_, count_,
                      spacing_ == Spacing::logarithmic ? "log" : "lin");
 }
@@ -160,9 +189,12 @@ std::vector<SweepDimension> sweep_dimensions(const SweepSettings& settings,
   const std::vector<SweepAxis>& over = settings.over;
   std::vector<std::string> names;
   for (const SweepAxis& axis : over) {
-    if (std::find(names.begin(), names.end(), axis.name) != names.end()) {
+    const bool taken = std::any_of(names.begin(), names.end(), [&axis](const std::string& name) {
+      return sets_part_of(axis.name, name) || sets_part_of(name, axis.name);
+    });
+    if (taken) {
       faults.emplace_back(FaultCode::scene_duplicate_key, axis.place, axis.name, axis.shown,
-                          "the name has an axis already");
+                          "another axis sets it, or a part of it, already");
     }
     names.push_back(axis.name);
   }
@@ -216,6 +248,11 @@ std::vector<SweepDimension> sweep_dimensions(const SweepSettings& settings,
       }
     }
     dimensions.push_back({{k}, over[k].values.size()});
+  }
+  if (dimensions.size() > kMostSweepDimensions) {
+    faults.emplace_back(FaultCode::scene_too_large, over.front().place, "", "",
+                        fmt::format("{} axes are too many", dimensions.size()),
+                        fmt::format("at most {}; --set for a single value", kMostSweepDimensions));
   }
   double points = 1.0;
   for (const SweepDimension& dimension : dimensions) points *= static_cast<double>(dimension.count);

@@ -15,6 +15,8 @@
 /// no use for it, so that it is no part of a Scene; `tomlin sweep` has the same as options.
 namespace tomlin {
 
+/// Dimensions of a sweep: an array has one more for the characters of texts, and readers take 32.
+inline constexpr std::size_t kMostSweepDimensions = 31;
 /// Points of a sweep, all axes together.
 inline constexpr std::size_t kMostSweepPoints = 100'000'000;
 
@@ -32,6 +34,8 @@ class SweepValues {
   std::size_t size() const { return count_; }
   /// As `--set` takes it: a number with the digits that give back its bits, or what was written.
   std::string text(std::size_t k) const;
+  /// The value in one form, however it was written: a word without quotes, "0.001" for "1e-3".
+  std::string plain_text(std::size_t k) const;
   /// All values are numbers, or expressions that no parameter is needed for.
   bool numeric() const { return numeric_; }
   /// Of a numeric axis. Those inside of a grid are the doubles nearest to

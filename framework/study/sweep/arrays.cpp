@@ -173,7 +173,7 @@ class SweepArrays {
       } else {
         std::vector<std::string> texts;
         texts.reserve(count);
-        for (std::size_t k = 0; k < count; ++k) texts.push_back(values.text(first + k));
+        for (std::size_t k = 0; k < count; ++k) texts.push_back(values.plain_text(first + k));
         std::vector<const char*> pointers;
         pointers.reserve(count);
         for (const std::string& text : texts) pointers.push_back(text.c_str());

@@ -93,7 +93,7 @@ std::optional<SweepHeader> header_in(const std::filesystem::path& path, const De
 }  // namespace
 
 SweepJournal::Found SweepJournal::look(const std::filesystem::path& file, const SweepPlan& plan) {
-  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW));
   if (!descriptor.open()) return Found::nothing;
   const auto header = header_in(file, descriptor);
   if (!header) return Found::nothing;
@@ -120,7 +120,8 @@ SweepJournal::SweepJournal(std::filesystem::path file, const SweepPlan& plan)
     same = false;  // begun anew
   }
   const int anew = same ? 0 : O_TRUNC;
-  descriptor_ = Descriptor(::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | anew, 0666));
+  descriptor_ =
+      Descriptor(::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | anew, 0666));
   if (!descriptor_.open()) fail(errno);
   if (!same) {
     if (const int error = write_at(descriptor_, bytes, 0)) fail(error);
@@ -136,7 +137,13 @@ void SweepJournal::keep(std::size_t point, const SweepRow& row) {
   for (std::size_t k = 0; k < kMostWarningCodes; ++k) {
     if (row.warnings[k]) start.warnings[k / kWordBits] |= std::uint64_t{1} << (k % kWordBits);
   }
-  const std::string_view reason = std::string_view(row.reason).substr(0, kLongestReason);
+  std::string_view reason = row.reason;
+  if (reason.size() > kLongestReason) {
+    // Not within a character of UTF-8.
+    std::size_t end = kLongestReason;
+    while (end > 0 && (static_cast<unsigned char>(reason[end]) & 0xC0U) == 0x80U) --end;
+    reason = reason.substr(0, end);
+  }
   const std::lock_guard lock(mutex_);
   if (!reason.empty()) {
     const auto bytes = std::as_bytes(std::span(reason));

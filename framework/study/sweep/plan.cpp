@@ -211,6 +211,7 @@ void SweepPlan::name_columns() {
 std::string SweepPlan::axis_title(std::size_t axis) const {
   const std::string& name = axes()[axis].name;
   const bool taken =
+      name.starts_with("point_") ||  // as dimensions of zipped axes
       std::find(std::begin(kTakenTitles), std::end(kTakenTitles), name) != std::end(kTakenTitles) ||
       std::any_of(columns_.begin(), columns_.end(),
                   [&](const SweepColumn& column) { return column.name == name; });

@@ -3,6 +3,10 @@
 #include <system_error>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "framework/output/output_file.hpp"
+
 namespace tomlin {
 namespace {
 
@@ -39,9 +43,15 @@ void PointCheckpoint::write() {
   last_written_ = std::chrono::steady_clock::now();
 }
 
-void PointCheckpoint::remove() {
+std::filesystem::path PointCheckpoint::file_of(const std::filesystem::path& folder,
+                                               std::size_t point) {
+  return folder / fmt::format("{}.store", point);
+}
+
+void PointCheckpoint::remove(const std::filesystem::path& file) {
   std::error_code error;
-  std::filesystem::remove(file_, error);
+  std::filesystem::remove(file, error);
+  std::filesystem::remove(unfinished(file), error);
 }
 
 }  // namespace tomlin

@@ -26,8 +26,10 @@ class PointCheckpoint : public RunSink, public RunStore {
   void forget_state() { state_.clear(); }
   /// For a run that was stopped.
   void write();
-  /// For one that has ended.
-  void remove();
+
+  static std::filesystem::path file_of(const std::filesystem::path& folder, std::size_t point);
+  /// Of a point that has a row, with what a kill has left unfinished of it.
+  static void remove(const std::filesystem::path& file);
 
   void begin(const RunLayout& layout) override { (void)layout; }
   void sample(const std::vector<double>& row) override { (void)row; }

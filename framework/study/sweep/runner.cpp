@@ -7,7 +7,6 @@
 #include <exception>
 #include <limits>
 #include <memory>
-#include <new>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -95,11 +94,12 @@ class SweepWork {
   SweepWork(const SweepPlan& plan, SweepRows& rows, const SweepOptions& options)
       : plan_(plan), rows_(rows), options_(options), queue_(plan.points(), rows) {
     progress_.points = plan.points();
+    progress_.traces_left = options.traced.size();
     for (std::size_t k = 0; k < plan.points(); ++k) progress_.before += rows.has(k) ? 1 : 0;
   }
 
   SweepProgress run() {
-    const std::size_t left = progress_.points - progress_.before;
+    const std::size_t left = progress_.points - progress_.before + options_.traced.size();
     const auto count = std::clamp<std::size_t>(options_.threads, 1, std::max<std::size_t>(1, left));
     running_ = count;
     std::vector<std::thread> threads;
@@ -127,16 +127,19 @@ class SweepWork {
 
   void work() {
     try {
-      trace();
       while (!halt_) {
         const std::vector<std::size_t> points = queue_.take(1);
         if (points.empty()) break;
         const auto row = run_point(plan_, points.front(), &halt_, options_.folder);
         if (!row) break;
         rows_.keep(points.front(), *row);
+        if (!options_.folder.empty()) {
+          PointCheckpoint::remove(PointCheckpoint::file_of(options_.folder, points.front()));
+        }
         const std::lock_guard lock(mutex_);
         ++progress_.done[static_cast<std::size_t>(row->status)];
       }
+      trace();
     } catch (...) {
       halt_ = true;
       const std::lock_guard lock(mutex_);
@@ -154,6 +157,8 @@ class SweepWork {
       if (k >= options_.traced.size()) return;
       const std::size_t point = options_.traced[k];
       if (!trace_point(plan_, point, options_.folder / fmt::format("{}", point), &halt_)) return;
+      const std::lock_guard lock(mutex_);
+      --progress_.traces_left;
     }
   }
 
@@ -212,7 +217,7 @@ std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
     options.observables = plan.paths();
     std::optional<PointCheckpoint> checkpoint;
     if (!checkpoints.empty()) {
-      checkpoint.emplace(checkpoints / fmt::format("{}.store", point),
+      checkpoint.emplace(PointCheckpoint::file_of(checkpoints, point),
                          fmt::format("sweep {:x}, point {}", plan.identity(), point),
                          scene->run.checkpoint_every);
     }
@@ -222,12 +227,9 @@ std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
       if (checkpoint) checkpoint->write();
       return std::nullopt;
     }
-    if (checkpoint) checkpoint->remove();
     return row_of(plan, result);
   } catch (const InputError& error) {
     return row_without_numbers(plan, SweepStatus::refused, condensed(error));
-  } catch (const std::bad_alloc&) {
-    return row_without_numbers(plan, SweepStatus::failed, "out of memory");
   }
 }
 

@@ -34,6 +34,7 @@ struct SweepProgress {
   std::size_t points = 0;                             ///< of the sweep
   std::size_t before = 0;                             ///< that had a row when it began
   std::array<std::size_t, kSweepStatuses> done = {};  ///< since then, by status
+  std::size_t traces_left = 0;                        ///< of those that were asked for
   double seconds = 0.0;
 
   std::size_t with_row() const;
@@ -53,8 +54,9 @@ struct SweepOptions {
 };
 
 /// The row of a point; nothing when it was stopped. What a scene refuses and how a run fails is in
-/// the row. With a folder, a run that is stopped or takes longer than `[run] checkpoint_every`
-/// leaves there what the next one resumes from.
+/// the row. A checkpoint of the point stays until its row is kept. Throws std::bad_alloc: another
+/// time, or in fewer threads, there may be the memory. With a folder, a run that is stopped or
+/// takes longer than `[run] checkpoint_every` leaves there what the next one resumes from.
 std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
                                   const std::atomic<bool>* stop = nullptr,
                                   const std::filesystem::path& checkpoints = {});

@@ -66,7 +66,7 @@ void write_sweep_table(const std::filesystem::path& file, const SweepPlan& plan,
       if (values.numeric()) {
         append_number(text, values.number(index));
       } else {
-        text += quoted_cell(values.text(index));
+        text += quoted_cell(values.plain_text(index));
       }
       text += ',';
     }

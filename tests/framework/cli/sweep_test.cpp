@@ -203,6 +203,61 @@ TEST_F(SweepCommand, TracesAreRuns) {
   EXPECT_EQ(std::count(wrong.err.begin(), wrong.err.end(), '\n'), 3) << wrong.err;
 }
 
+/// Only what tomlin has made is taken away, and a trace that cannot be written is not passed over.
+TEST_F(SweepCommand, WhatOthersHavePutAmongThePointsStays) {
+  const std::vector<std::string> options = {"--over", "v=1e-2,2e-2", "-o", "a"};
+  ASSERT_EQ(sweep(options).status, 0);
+  fs::create_directories(folder_ / "a/sweep.points/mine");
+  for (const char* name : {"notes.store", "mine/summary.json", "3.store", "3.store.part"}) {
+    write(folder_ / "a/sweep.points" / name, "x");
+  }
+  std::vector<std::string> forced = options;
+  forced.emplace_back("--force");
+  EXPECT_EQ(sweep(forced).status, 0);
+  EXPECT_TRUE(exists("a/sweep.points/notes.store"));
+  EXPECT_TRUE(exists("a/sweep.points/mine/summary.json"));
+  EXPECT_FALSE(exists("a/sweep.points/3.store"));
+  EXPECT_FALSE(exists("a/sweep.points/3.store.part"));
+  fs::remove_all(folder_ / "a/sweep.points");
+  write(folder_ / "a/sweep.points", "a file");
+  fs::remove(folder_ / "a/sweep.csv");
+  EXPECT_EQ(sweep(options).status, 0);
+  EXPECT_EQ(file("a/sweep.points"), "a file");
+  std::vector<std::string> traced = options;
+  traced.insert(traced.end(), {"--trace", "0"});
+  EXPECT_NE(sweep(traced).status, 0);
+}
+
+TEST_F(SweepCommand, AJournalThatIsALinkIsNotFollowed) {
+  fs::create_directories(folder_ / "a");
+  write(folder_ / "other", "");
+  fs::create_symlink(folder_ / "other", folder_ / "a/sweep.journal");
+  EXPECT_NE(sweep({"--over", "v=1e-2,2e-2", "-o", "a"}).status, 0);
+  EXPECT_EQ(file("other"), "");
+}
+
+/// Traces of a finished sweep that are stopped are no end, and its results stay.
+TEST_F(SweepCommand, StoppedTracesAreToldAndGoOn) {
+  const std::vector<std::string> options = {
+      "--over", "v=1e-2,2e-2", "-o", "a", "--threads", "1", "--set", "run.duration=2e4"};
+  ASSERT_EQ(sweep(options).status, 0);
+  const std::string first = results("a");
+  std::vector<std::string> traced = options;
+  traced.insert(traced.end(), {"--trace", "all"});
+  Conditions conditions;
+  conditions.then = [&](pid_t child) {
+    appears(folder_ / "a/sweep.points/0/run.journal");
+    ::kill(child, SIGTERM);
+  };
+  const Ended stopped = sweep(traced, conditions);
+  EXPECT_EQ(stopped.status, 128 + SIGTERM) << stopped.out;
+  EXPECT_TRUE(contains(stopped.out, "traces left")) << stopped.out;
+  EXPECT_EQ(results("a"), first);
+  EXPECT_EQ(sweep(traced).status, 0);
+  EXPECT_TRUE(exists("a/sweep.points/1/summary.json"));
+  EXPECT_EQ(results("a"), first);
+}
+
 TEST_F(SweepCommand, ASignalLeavesWhatIsDone) {
   const std::vector<std::string> options = {"--over", "v=1e-3:1e-1:400", "--threads", "2", "-o",
                                             "a"};

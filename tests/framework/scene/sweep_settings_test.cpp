@@ -100,6 +100,28 @@ TEST(SweepValues, Lists) {
   EXPECT_FALSE(values_of("1,k").numeric());
 }
 
+/// However a value is written, results have it in one form; runs get what was written.
+TEST(SweepValues, HaveOnePlainForm) {
+  const auto plain = [](const std::string& text) {
+    const SweepValues values = values_of(text);
+    std::vector<std::string> texts;
+    for (std::size_t k = 0; k < values.size(); ++k) texts.push_back(values.plain_text(k));
+    return texts;
+  };
+  EXPECT_EQ(plain("1e-3,k/200"), (std::vector<std::string>{"0.001", "k/200"}));
+  EXPECT_EQ(plain("rk4,\"rk4\",\"a,b\",\"1\""),
+            (std::vector<std::string>{"rk4", "rk4", "a,b", "\"1\""}));
+  EXPECT_EQ(values_of("1e-3,k").canonical(), values_of("0.001,k").canonical());
+}
+
+/// Beyond 2^53 doubles do not tell integers apart: lists keep what was written, grids are refused.
+TEST(SweepValues, LargeIntegersKeepTheirDigits) {
+  const std::string large = "9007199254740993,9007199254740992";
+  EXPECT_FALSE(values_of(large).numeric());
+  EXPECT_EQ(texts_in(large), (std::vector<std::string>{"9007199254740993", "9007199254740992"}));
+  EXPECT_TRUE(std::holds_alternative<Wrong>(SweepValues::parse("1:9007199254740993:3")));
+}
+
 TEST(SweepValues, WhatIsNoAxisSaysWhy) {
   const std::vector<std::pair<std::string, std::string>> wrong = {
       {"", "no values"},

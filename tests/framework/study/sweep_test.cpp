@@ -155,6 +155,24 @@ TEST(SweepPlan, AllFaultsTogether) {
           "performance.wall_seconds [command.invalid_value]"}));
 }
 
+/// A parameter has two names, and a table is more than its keys.
+TEST(SweepPlan, TwoAxesThatSetTheSameAreAFault) {
+  for (const auto& [one, other] : {std::pair{"v", "parameters.v"}, {"parameters.v", "v"}}) {
+    EXPECT_EQ(faults_of_plan(kSweptTip, {{{one, "1,2"}, {other, "3,4"}}}, {"driver.work"}),
+              std::vector<std::string>{std::string(other) + " = 3,4 [scene.duplicate_key]"});
+  }
+  EXPECT_EQ(faults_of_plan(kSweptTip,
+                           {{{"run.integrator", "{ type = \"rk4\", dt = 1e-2 }"},
+                             {"run.integrator.dt", "1e-2"}}},
+                           {"driver.work"}),
+            std::vector<std::string>{"run.integrator.dt = 1e-2 [scene.duplicate_key]"});
+  SweptAxes many;
+  for (int k = 0; k < 32; ++k) many.over.push_back({"body.tip.name" + std::to_string(k), "1"});
+  const auto faults = faults_of_plan(kSweptTip, many, {"driver.work"});
+  EXPECT_NE(std::find(faults.begin(), faults.end(), "[scene.too_large]"), faults.end())
+      << fmt::format("{}", fmt::join(faults, "\n"));
+}
+
 /// What only does not fit together is the point's own.
 TEST(SweepPlan, RefusedAndFailingPointsAreRows) {
   const SweepPlan plan =
@@ -353,6 +371,13 @@ TEST(Sweep, PointsResumeFromTheirCheckpoint) {
     if (!row) row = run_point(plan, 0, nullptr, folder.path());
     ASSERT_TRUE(row) << one.name;
     EXPECT_EQ(bits_of(row->numbers), bits_of(due.numbers)) << one.name << ", stops: " << stops;
+    // It is of use until the row is kept, and no longer.
+    EXPECT_TRUE(std::filesystem::exists(file)) << one.name;
+    RowsInMemory rows;
+    SweepOptions options;
+    options.folder = folder.path();
+    run_sweep(plan, rows, options);
+    EXPECT_EQ(bits_of(rows.rows[0].numbers), bits_of(due.numbers)) << one.name;
     EXPECT_FALSE(std::filesystem::exists(file)) << one.name;
   }
 }
