@@ -217,8 +217,8 @@ std::string sweep_plan_text(const SweepPlan& plan, std::size_t threads) {
       }
       // One point takes as long as it does, however many threads there are.
       const std::size_t at_once = std::min(threads, plan.points());
-      const double all =
-          explanation.cost->seconds * static_cast<double>((plan.points() + at_once - 1) / at_once);
+      const std::size_t rounds = (plan.points() + at_once - 1) / at_once;
+      const double all = explanation.cost->seconds * static_cast<double>(rounds);
       text += result_row(
           "cost", fmt::format("about {:.3g} s for {} point, {} for all in {} threads",
                               explanation.cost->seconds, point == 0 ? "the first" : "the last",
