@@ -52,9 +52,8 @@ Examples:
 DIR then holds what one sweep of all points leaves, with the same bytes but for performance in
 sweep.json. It may hold rows of the same sweep already, as from an earlier merge; the other folders
 stay as they are, with their traces. Where points are missing, their number and the first one are
-shown and DIR has no tables yet: merge again with the folders of these points, or run them with
-
-  tomlin sweep pt.sweep.out/scene.toml -o pt.sweep.out
+shown and DIR has no tables yet: merge the folders of these points into it later, or run the points
+there, by the command of the sweep without --shard and with -o DIR.
 
 Two folders with different rows for the same point are refused: the same program gives the same rows.
 
