@@ -28,6 +28,7 @@
 #include "framework/output/output_file.hpp"
 #include "framework/output/record.hpp"
 #include "framework/output/run_folder.hpp"
+#include "framework/output/sweep_files.hpp"
 #include "framework/scene/text.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/journal.hpp"
