@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numeric>
 #include <tuple>
 #include <variant>
 
@@ -88,6 +87,7 @@ class SweepDrawing {
     std::size_t axis = 0;
     std::size_t dimension = 0;
     std::vector<std::size_t> order;  ///< indices of its values, as they rise
+    std::vector<double> values;      ///< in this order
     bool logarithmic = false;
   };
 
@@ -104,33 +104,34 @@ class SweepDrawing {
     return std::nullopt;
   }
 
-  [[noreturn]] void refuse_name(const std::string& option, const std::string& name, std::string why,
+  [[noreturn]] void refuse_name(const std::string& name, std::string why,
                                 const std::vector<std::string>& known) const {
-    refuse_input(FaultCode::plot_no_data, sweep_.run.folder,
-                 shortened(option + " " + name, kLongestShownValue), std::move(why), listed(known),
-                 nearest_name(name, known).value_or(""));
+    refuse_input(FaultCode::plot_no_data, sweep_.run.folder, shortened(name, kLongestShownValue),
+                 std::move(why), listed(known), nearest_name(name, known).value_or(""));
   }
 
-  std::size_t axis_named(const std::string& name, const char* option) const {
+  std::size_t axis_named(const std::string& name) const {
     const auto axis = find_axis(name);
-    if (!axis) refuse_name(option, name, "the sweep has no such axis", axis_names());
+    if (!axis) refuse_name(name, "the sweep has no such axis", axis_names());
     return *axis;
   }
 
   /// A column by its name, or with the family of the result in front of it.
-  std::size_t observable_named(const std::string& name, const char* option) const {
-    const std::vector<std::string> names = sweep_.observables();
+  std::size_t observable_named(const std::string& name) const {
+    std::vector<std::string> names = sweep_.observables();
     for (const std::string& wanted : {name, name.substr(name.find('.') + 1)}) {
       const auto found = std::find(names.begin(), names.end(), wanted);
       if (found == names.end()) continue;
       return sweep_.axes.size() + static_cast<std::size_t>(found - names.begin());
     }
-    refuse_name(option, name, "the sweep has no such observable", names);
+    const std::vector<std::string> axes = axis_names();  // which --y may name as well
+    names.insert(names.end(), axes.begin(), axes.end());
+    refuse_name(name, "the sweep has no such observable", names);
   }
 
   void fix(const std::string& name, const std::string& value) {
     constexpr double kSameNumber = 5e-3;  // of a number: nobody writes all digits of a grid's
-    const std::size_t a = axis_named(name, "--at");
+    const std::size_t a = axis_named(name);
     const SweepValues& values = sweep_.axes[a].values;
     const auto read = SweepValues::parse(value);
     const auto* wanted = std::get_if<SweepValues>(&read);
@@ -140,6 +141,10 @@ class SweepDrawing {
       return std::abs(values.number(k) - wanted->number(0)) / std::abs(values.number(k));
     };
     std::optional<std::size_t>& nearest = fixed_[sweep_.dimension_of[a]];
+    if (nearest) {
+      refuse_input(FaultCode::command_conflict, sweep_.run.folder, "--at",
+                   fmt::format("two values for {}", name), "one");
+    }
     std::vector<std::string> known;
     double least = kSameNumber;
     for (std::size_t k = 0; k < values.size(); ++k) {
@@ -149,7 +154,7 @@ class SweepDrawing {
       least = found;
       nearest = k;
     }
-    if (!nearest) refuse_name("--at", name + "=" + value, "the axis has no such value", known);
+    if (!nearest) refuse_name(name + "=" + value, "the axis has no such value", known);
     title_ += fmt::format("{}{} = {}", title_.empty() ? "" : ", ", name, known[*nearest]);
   }
 
@@ -171,7 +176,8 @@ class SweepDrawing {
   [[noreturn]] void refuse_axes(const std::string& why) const {
     std::vector<std::string> all;
     for (const SweepAxis& axis : sweep_.axes) {
-      all.push_back(fmt::format("{} ({} values)", axis.name, axis.values.size()));
+      const std::size_t count = axis.values.size();
+      all.push_back(fmt::format("{} ({} value{})", axis.name, count, count == 1 ? "" : "s"));
     }
     refuse_input(FaultCode::command_missing_argument, sweep_.run.folder, "",
                  fmt::format("{}; the sweep is over {}", why, fmt::join(all, ", ")),
@@ -184,8 +190,7 @@ class SweepDrawing {
   }
 
   /// The axis of this name, or the first that is free and not along `other`.
-  Drawn drawn(const std::string& name, const char* option, char letter,
-              std::optional<std::size_t> other) const {
+  Drawn drawn(const std::string& name, char letter, std::optional<std::size_t> other) const {
     Drawn result;
     if (name.empty()) {
       const std::vector<std::size_t> free = free_axes();
@@ -195,28 +200,25 @@ class SweepDrawing {
       if (found == free.end()) refuse_axes(other ? "a map takes two axes" : "no axis is left");
       result.axis = *found;
     } else {
-      result.axis = axis_named(name, option);
+      result.axis = axis_named(name);
     }
     result.dimension = sweep_.dimension_of[result.axis];
     const SweepValues& values = sweep_.axes[result.axis].values;
     const auto refuse = [&](const char* why, const char* admissible) {
-      refuse_input(FaultCode::command_conflict, sweep_.run.folder,
-                   fmt::format("{} {}", option, name), why, admissible);
+      refuse_input(FaultCode::command_conflict, sweep_.run.folder, name, why, admissible);
     };
     if (fixed_[result.dimension]) refuse("--at gives this axis one value", "another axis");
     if (result.dimension == other) refuse("both axes have their values together", "another axis");
     if (!values.numeric()) refuse("its values are not numbers", "an axis of numbers");
     result.logarithmic = is_logarithmic(result.axis, letter);
-    result.order.resize(values.size());
-    std::iota(result.order.begin(), result.order.end(), std::size_t{0});
-    std::stable_sort(result.order.begin(), result.order.end(), [&](std::size_t i, std::size_t j) {
-      return values.number(i) < values.number(j);
-    });
+    std::vector<std::pair<double, std::size_t>> sorted;
+    for (std::size_t k = 0; k < values.size(); ++k) sorted.emplace_back(values.number(k), k);
+    std::sort(sorted.begin(), sorted.end());
+    for (const auto& [number, k] : sorted) {
+      result.order.push_back(k);
+      result.values.push_back(number);
+    }
     return result;
-  }
-
-  double number(const Drawn& along, std::size_t k) const {
-    return sweep_.axes[along.axis].values.number(k);
   }
 
   /// Points that are the first along these dimensions, and have the fixed values of the others.
@@ -261,7 +263,7 @@ class SweepDrawing {
                                   std::size_t start);
   std::string label_of_curve(const Drawn& x, std::size_t start) const;
   Figure map(bool upwards);
-  std::pair<std::vector<double>, FigureText> edges_of(const Drawn& along, const char* option) const;
+  std::pair<std::vector<double>, FigureText> edges_of(const Drawn& along) const;
   Curve minimum(const Drawn& x, const Drawn& y, const std::vector<double>& values);
 
   const StoredSweep& sweep_;
@@ -292,8 +294,8 @@ std::vector<Polyline> SweepDrawing::pieces_of(const std::vector<double>& numbers
                                               std::size_t start) {
   const bool log_y = is_log_y();
   std::vector<Polyline> pieces(1);
-  for (const std::size_t k : x.order) {
-    const Point point = {number(x, k), numbers[start + k * sweep_.stride[x.dimension]]};
+  for (std::size_t k = 0; k < x.order.size(); ++k) {
+    const Point point = {x.values[k], numbers[start + x.order[k] * sweep_.stride[x.dimension]]};
     const bool undefined = std::isnan(point.y);
     ++numbers_;
     const bool not_positive = (x.logarithmic && point.x <= 0.0) || (log_y && point.y <= 0.0);
@@ -312,7 +314,7 @@ std::vector<Polyline> SweepDrawing::pieces_of(const std::vector<double>& numbers
 Panel SweepDrawing::panel_of_curves(const std::vector<std::string>& names, const Drawn& x,
                                     const std::vector<std::size_t>& starts, double height) {
   std::vector<std::size_t> columns;
-  for (const std::string& name : names) columns.push_back(observable_named(name, "--y"));
+  for (const std::string& name : names) columns.push_back(observable_named(name));
   const auto unit = [&](std::size_t column) { return sweep_.table.columns()[column].unit; };
   for (const std::size_t column : columns) {
     if (unit(column) == unit(columns[0])) continue;
@@ -340,6 +342,7 @@ Panel SweepDrawing::panel_of_curves(const std::vector<std::string>& names, const
       curve.colour = static_cast<int>(panel.curves.size());
       curve.mark = x.order.size() > kMostMarks ? Mark::none : Mark::large_disc;
       curve.pieces = pieces_of(numbers[c], x, start);
+      if (curve.pieces.empty()) curve.label.clear();
       for (const Polyline& piece : curve.pieces) {
         for (const Point& point : piece) range.take(point.y);
       }
@@ -352,7 +355,7 @@ Panel SweepDrawing::panel_of_curves(const std::vector<std::string>& names, const
 }
 
 Figure SweepDrawing::curves() {
-  const Drawn x = drawn(request_.x, "--x", 'x', std::nullopt);
+  const Drawn x = drawn(request_.x, 'x', std::nullopt);
   const std::vector<std::size_t> starts = first_points({x.dimension}, kMostSweepCurves);
   if (starts.size() > kMostSweepCurves) {
     refuse_axes(fmt::format("more than {} curves", kMostSweepCurves));
@@ -392,17 +395,17 @@ Figure SweepDrawing::map(bool upwards) {
   std::optional<std::size_t> known;  // along one axis, while the other is looked for
   const std::string above = upwards ? request_.y[0][0] : "";
   if (upwards && request_.x.empty()) known = sweep_.dimension_of[*find_axis(above)];
-  const Drawn x = drawn(request_.x, "--x", 'x', known);
-  const Drawn y = drawn(above, "--y", 'y', x.dimension);
+  const Drawn x = drawn(request_.x, 'x', known);
+  const Drawn y = drawn(above, 'y', x.dimension);
   const std::vector<std::size_t> starts = first_points({x.dimension, y.dimension}, 1);
   if (starts.size() > 1) refuse_axes("a map has no third axis");
   Figure figure;
   Panel panel;
   Raster raster;
-  std::tie(raster.x_edges, figure.x_label) = edges_of(x, "--x");
-  std::tie(raster.y_edges, panel.y_label) = edges_of(y, "--y");
-  const std::size_t column = observable_named(
-      request_.value.empty() ? sweep_.observables().front() : request_.value, "--value");
+  std::tie(raster.x_edges, figure.x_label) = edges_of(x);
+  std::tie(raster.y_edges, panel.y_label) = edges_of(y);
+  const std::size_t column =
+      observable_named(request_.value.empty() ? sweep_.observables().front() : request_.value);
   const std::vector<double> numbers = sweep_.read({column})[0];
   for (const std::size_t j : y.order) {
     for (const std::size_t i : x.order) {
@@ -432,14 +435,11 @@ Figure SweepDrawing::map(bool upwards) {
 }
 
 /// Limits of the cells along an axis, and its label.
-std::pair<std::vector<double>, FigureText> SweepDrawing::edges_of(const Drawn& along,
-                                                                  const char* option) const {
-  std::vector<double> values;
-  for (const std::size_t k : along.order) values.push_back(number(along, k));
+std::pair<std::vector<double>, FigureText> SweepDrawing::edges_of(const Drawn& along) const {
+  const std::vector<double>& values = along.values;
   const std::string& name = sweep_.axes[along.axis].name;
   const auto refuse = [&](std::string why, const char* admissible) {
-    refuse_input(FaultCode::command_conflict, sweep_.run.folder, fmt::format("{} {}", option, name),
-                 std::move(why), admissible);
+    refuse_input(FaultCode::command_conflict, sweep_.run.folder, name, std::move(why), admissible);
   };
   if (std::adjacent_find(values.begin(), values.end()) != values.end()) {
     refuse("it has a value twice: a map has no place for it", "another axis; curves, by --y");
@@ -456,18 +456,18 @@ std::pair<std::vector<double>, FigureText> SweepDrawing::edges_of(const Drawn& a
 
 /// The point of the least value along one axis, for each value of the other.
 Curve SweepDrawing::minimum(const Drawn& x, const Drawn& y, const std::vector<double>& values) {
-  const std::size_t axis = axis_named(request_.minimum_along, "--minimum-along");
+  const std::size_t axis = axis_named(request_.minimum_along);
   if (axis != x.axis && axis != y.axis) {
-    refuse_name("--minimum-along", request_.minimum_along, "the map has no such axis",
+    refuse_name(request_.minimum_along, "the map has no such axis",
                 {sweep_.axes[x.axis].name, sweep_.axes[y.axis].name});
   }
   const bool along_x = axis == x.axis;
   const Drawn& along = along_x ? x : y;
   const Drawn& other = along_x ? y : x;
   Curve curve;
-  curve.label = "least along " + request_.minimum_along;
+  curve.label = "minimum along " + request_.minimum_along;
   curve.colour = kMinimumColour;
-  curve.mark = Mark::small_disc;
+  curve.mark = Mark::large_disc;
   curve.pieces.emplace_back();
   std::size_t at_an_end = 0;
   for (std::size_t k = 0; k < other.order.size(); ++k) {
@@ -483,8 +483,8 @@ Curve SweepDrawing::minimum(const Drawn& x, const Drawn& y, const std::vector<do
       continue;
     }
     if (*least == 0 || *least + 1 == along.order.size()) ++at_an_end;
-    const double here = number(along, along.order[*least]);
-    const double there = number(other, other.order[k]);
+    const double here = along.values[*least];
+    const double there = other.values[k];
     curve.pieces.back().push_back(along_x ? Point{here, there} : Point{there, here});
   }
   if (at_an_end > 0) {
