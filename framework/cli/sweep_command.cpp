@@ -26,6 +26,7 @@
 #include "framework/cli/sweep_text.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/output/run_folder.hpp"
+#include "framework/output/sweep_files.hpp"
 #include "framework/scene/text.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/journal.hpp"

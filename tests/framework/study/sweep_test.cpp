@@ -16,6 +16,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/core/text/fault.hpp"
+#include "framework/output/sweep_files.hpp"
 #include "framework/run/observables.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/journal.hpp"
