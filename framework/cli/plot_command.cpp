@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -522,13 +523,14 @@ Figure drawn_sweep(const PlotArguments& arguments, std::vector<std::string>& not
                   "a sweep is drawn alone, and its axes say what its figure is", "one folder");
   }
   check_options("", true, arguments);
-  const auto one_of = [](const char* option, bool first, bool second) {
-    if (!first || !second) return;
-    refuse_option(FaultCode::command_conflict, option, "given in two ways", "one of them");
-  };
-  one_of("--result, --y", !arguments.result.empty(), !arguments.y.empty());
-  one_of("--against, --x", !arguments.against.empty(), !arguments.x.empty());
   if (!arguments.against.empty()) require_option(arguments.result, "--result", "--against");
+  for (const auto& [option, given, other] :
+       {std::tuple{"--y", !arguments.y.empty(), arguments.result},
+        std::tuple{"--x", !arguments.x.empty(), arguments.against}}) {
+    if (!given || other.empty()) continue;
+    refuse_option(FaultCode::command_conflict, option, fmt::format("{} is in its place", other),
+                  "without --result and --against");
+  }
   SweepRequest request;
   request.x = arguments.against.empty() ? arguments.x : arguments.against;
   request.y = arguments.y;
