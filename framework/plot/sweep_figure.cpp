@@ -316,6 +316,7 @@ std::vector<Polyline> SweepDrawing::pieces_of(const std::vector<double>& numbers
 Panel SweepDrawing::panel_of_curves(const std::vector<std::string>& names, const Drawn& x,
                                     const std::vector<std::size_t>& starts, double height) {
   std::vector<std::size_t> columns;
+  columns.reserve(names.size());
   for (const std::string& name : names) columns.push_back(observable_named(name));
   const auto unit = [&](std::size_t column) { return sweep_.table.columns()[column].unit; };
   for (const std::size_t column : columns) {
