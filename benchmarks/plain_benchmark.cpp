@@ -28,6 +28,13 @@ void BM_plain_pt(benchmark::State& state) {
   run(state, model, 64, 1e-2);
 }
 
+void BM_plain_pt_replicas(benchmark::State& state) {
+  static TipReplicas replicas(64);
+  run(state, replicas, 64, 1e-2);
+  state.counters["s_per_step"].value *= static_cast<double>(replicas.x.size());
+}
+BENCHMARK(BM_plain_pt_replicas)->Name("pt replicas/hand-written");
+
 template <class Math>
 void BM_plain_pt_memory(benchmark::State& state) {
   static RememberingTip<Math> model;

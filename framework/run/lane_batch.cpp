@@ -8,6 +8,19 @@
 
 namespace tomlin {
 
+std::string why_not_in_lanes(const Model& model) {
+  const RunSettings& run = model.scene().run;
+  const IntegratorRecord& scheme = *run.integrator.record;
+  if (run.accuracy) return "accuracy makes several runs";
+  if (run.perturb) return "perturb makes several runs";
+  if (run.number_type != NumberType::double_precision) return "lanes are of double precision";
+  if (model.plan().quasistatic) return "the dynamics are quasistatic";
+  if (!scheme.in_lanes && scheme.adaptive_lanes == nullptr) {
+    return "the integrator " + scheme.name + " has no steps in lanes";
+  }
+  return LaneSystem::why_not(model);
+}
+
 std::size_t LaneBatch::good_width(Engine& like) {
   // Latencies of a small scene are hidden by other vectors; numbers of a large one fill the cache.
   constexpr std::size_t kMostVectors = 8;
@@ -97,6 +110,7 @@ bool LaneBatch::serve(std::size_t k) {
       integrator_->get_lane(system_.layout(), k, lane.run->state());
     }
     const std::int64_t taken = std::exchange(lane.taken, 0);
+    steps_ += static_cast<std::uint64_t>(taken);
     same = !lane.run->took(taken, lane.now, std::exchange(lane.evaluations, 0));
   }
   for (;;) {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "framework/core/system/scheme.hpp"
@@ -10,6 +11,10 @@
 #include "framework/run/engine.hpp"
 
 namespace tomlin {
+
+/// Why runs of a scene take all their steps by themselves; empty: they may be in a batch, unless
+/// what is asked of them needs every step.
+std::string why_not_in_lanes(const Model& model);
 
 /// Runs of one structure and scheme that take their plain steps together, in the lanes of vectors.
 /// All else a run does by itself, on its own numbers: its start, edges of the window, samples, the
@@ -31,6 +36,9 @@ class LaneBatch {
   void add(Engine& run);
   /// Until a run ends; returns those that have, which are no part of the batch any longer.
   std::vector<Engine*> advance();
+
+  /// Steps that were taken in lanes, of all runs.
+  std::uint64_t steps() const { return steps_; }
 
   /// How many lanes are worth it: vectors of small scenes are taken several at a time.
   static std::size_t good_width(Engine& like);
@@ -66,6 +74,7 @@ class LaneBatch {
   double dt_;
   std::vector<Lane> lanes_;
   std::size_t runs_ = 0;
+  std::uint64_t steps_ = 0;
   bool all_filled_ = false;   ///< lanes without a run have numbers that stay sound
   std::vector<double> most_;  ///< [lane] of the system: the longest step
   std::vector<AdaptiveLanes::Attempt> attempts_;

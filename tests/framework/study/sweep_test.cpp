@@ -396,6 +396,65 @@ TEST(Sweep, EstimatesAreColumns) {
   EXPECT_GT(other->numbers[1], 0.0);
 }
 
+/// Structures that alternate, several steps, refused points and failing ones: what goes into lanes
+/// together is no matter of the rows, and neither are threads.
+TEST(Sweep, BatchesOfAllKindsGiveTheRowsOfSingleRuns) {
+  RingScene ring;
+  ring.duration = 1.0;
+  ring.integrator = "{ type = \"rk4\", dt = \"h\" }";
+  const std::string text = "[parameters]\nh = 2e-3\n" + ring.text();
+  const SweepPlan plan = plan_over(text, {{{"force.driver.stiffness", "1,2,3"},
+                                           {"h", "2e-3,-1,1e-3"},
+                                           {"body.ring.count", "5,8,6,8,11"}}});
+  std::map<std::size_t, SweepRow> due;
+  std::set<SweepStatus> statuses;
+  for (std::size_t k = 0; k < plan.points(); ++k) {
+    due[k] = *run_point(plan, k);
+    statuses.insert(due[k].status);
+  }
+  EXPECT_EQ(statuses.size(), 2);
+  for (const std::size_t threads : {1, 2, 3}) {
+    RowsInMemory rows;
+    ASSERT_TRUE(run_sweep(plan, rows, {.threads = threads}).complete());
+    for (std::size_t k = 0; k < plan.points(); ++k) {
+      EXPECT_EQ(rows.rows[k].status, due[k].status) << k;
+      EXPECT_EQ(bits_of(rows.rows[k].numbers), bits_of(due[k].numbers)) << k;
+      EXPECT_EQ(rows.rows[k].reason, due[k].reason) << k;
+      EXPECT_EQ(rows.rows[k].warnings, due[k].warnings) << k;
+    }
+  }
+}
+
+/// A stop at any time, in lanes: points resume from where they were, and no row has another bit.
+TEST(Sweep, LanesResumeFromTheirCheckpoints) {
+  for (const std::string integrator : {"{ type = \"rk4\", dt = 1e-3 }", "{ type = \"dopri5\" }"}) {
+    const SweepPlan plan = plan_over(kSweptTip, {{{"v", "1e-2:5e-2:12"}}}, {"driver.mean_force.x"},
+                                     {{"run.integrator", integrator}, {"run.duration", "4000"}});
+    RowsInMemory due;
+    ASSERT_TRUE(run_sweep(plan, due, {}).complete());
+    const TemporaryFolder folder;
+    std::map<std::size_t, SweepRow> rows;
+    int stops = 0;
+    for (bool complete = false; !complete;) {
+      RowsInMemory now;
+      for (const auto& [point, row] : rows) now.before.insert(point);
+      std::atomic<bool> stop = false;
+      std::thread later([&stop] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(60));
+        stop = true;
+      });
+      complete = run_sweep(plan, now, {.stop = &stop, .folder = folder.path()}).complete();
+      later.join();
+      rows.insert(now.rows.begin(), now.rows.end());
+      if (!complete) ++stops;
+    }
+    EXPECT_GT(stops, 0) << integrator;
+    for (const auto& [point, row] : due.rows) {
+      EXPECT_EQ(bits_of(rows[point].numbers), bits_of(row.numbers)) << integrator << ", " << point;
+    }
+  }
+}
+
 TEST(Sweep, StopsWithoutARow) {
   const SweepPlan plan = plan_over(kSweptTip, {{{"v", "1e-2,5e-2"}}}, {"driver.mean_force.x"},
                                    {{"run.duration", "1e7"}});
