@@ -36,6 +36,7 @@ LaneBatch::LaneBatch(Engine& like, std::size_t most)
       system_(like.model(), padded(std::max<std::size_t>(most, 1))),
       dt_(like.context().plan.dt),
       lanes_(most),
+      grid_(system_.width(), 0.0),
       most_(system_.width(), 0.0),
       attempts_(system_.width()) {
   const RunContext& run = like.context();
@@ -89,6 +90,8 @@ std::vector<Engine*> LaneBatch::advance() {
 /// All numbers of a run.
 void LaneBatch::put(std::size_t k, Engine& run) {
   system_.put(k, run.model());
+  system_.set_time(k, run.model().anchor_time());
+  grid_[k] = static_cast<double>(run.context().clock.grid_steps());
   if (adaptive_) {
     const RunContext& context = run.context();
     adaptive_->put(k, run.model().system(), context.scene->run.integrator.description.get(),
@@ -119,7 +122,6 @@ bool LaneBatch::serve(std::size_t k) {
       lane.now = lane.run->context().clock.now();
       lane.due = lane.run->next_due();
       lane.idle = lane.run->idle_until();
-      lane.is_anchored = true;
       if (same) {
         system_.put_timed(k, lane.run->model());
       } else {
@@ -146,11 +148,19 @@ void LaneBatch::fill_empty_lanes() {
   all_filled_ = true;
 }
 
-void LaneBatch::follow_time(std::size_t k) {
-  Lane& lane = lanes_[k];
-  if (std::exchange(lane.is_anchored, true)) return;
-  lane.run->model().anchor(lane.now);
-  system_.put_timed(k, lane.run->model());
+/// Parameters are those of the next step in every lane whose run has nothing to do before.
+void LaneBatch::follow_time() {
+  if (system_.follows_by_kernel()) {
+    if (!adaptive_) system_.set_times(grid_.data(), dt_);
+    system_.follow_time();
+    return;
+  }
+  for (std::size_t k = 0; k < lanes_.size(); ++k) {
+    Lane& lane = lanes_[k];
+    if (lane.run == nullptr || lane.left == 0 || lane.within_step) continue;
+    lane.run->model().anchor(adaptive_ ? lane.now : two_prod(grid_[k], dt_));
+    system_.put_timed(k, lane.run->model());
+  }
 }
 
 /// Whole blocks, until a run has something to do. All have where a step has failed.
@@ -176,12 +186,9 @@ void LaneBatch::take_blocks() {
       lane.is_alone = taken < kBlock;
       if (lane.is_alone || system_.may_rebase(k)) lane.left = 0;
       serves = serves || lane.left == 0;
-      if (lane.left == 0) continue;
-      const std::int64_t steps = lane.run->context().clock.grid_steps() + lane.taken;
-      lane.now = two_prod(static_cast<double>(steps), dt_);
-      lane.is_anchored = false;
-      follow_time(k);
+      grid_[k] += static_cast<double>(taken);
     }
+    follow_time();
   }
 }
 
@@ -217,16 +224,13 @@ void LaneBatch::take_attempts() {
         ++lane.taken;
         --lane.left;
         lane.evaluations += evaluations;
-        lane.is_anchored = false;
-        if (lane.left > 0) {
-          follow_time(k);
-          lane.is_alone = !may_attempt(k);
-        }
+        system_.set_time(k, lane.now);
+        lane.is_alone = lane.left > 0 && !may_attempt(k);
         if (lane.is_alone) lane.left = 0;
       }
       serves = serves || lane.left == 0;
     }
-    all_filled_ = all_filled_ && !serves;
+    follow_time();
   }
 }
 

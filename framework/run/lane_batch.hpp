@@ -49,7 +49,6 @@ class LaneBatch {
     std::int64_t left = 0;          ///< steps until the run has something to do
     std::int64_t taken = 0;         ///< that the run does not know of
     std::uint64_t evaluations = 0;  ///< of those
-    bool is_anchored = false;       ///< its parameters are those of its next step
     bool is_alone = false;          ///< it takes the next step by itself
     bool within_step = false;       ///< an attempt was refused
     unsigned attempted = 0;         ///< evaluations of this step
@@ -64,7 +63,7 @@ class LaneBatch {
   void take_blocks();
   void take_attempts();
   bool may_attempt(std::size_t lane);
-  void follow_time(std::size_t lane);
+  void follow_time();
   void fill_empty_lanes();
 
   Engine& like_;
@@ -75,8 +74,9 @@ class LaneBatch {
   std::vector<Lane> lanes_;
   std::size_t runs_ = 0;
   std::uint64_t steps_ = 0;
-  bool all_filled_ = false;   ///< lanes without a run have numbers that stay sound
-  std::vector<double> most_;  ///< [lane] of the system: the longest step
+  bool all_filled_ = false;     ///< lanes without a run have numbers that stay sound
+  AlignedVector<double> grid_;  ///< [lane] of the system: steps of the grid
+  std::vector<double> most_;    ///< likewise: the longest step
   std::vector<AdaptiveLanes::Attempt> attempts_;
   RunState state_;  ///< of the fixed scheme's own numbers
 };
