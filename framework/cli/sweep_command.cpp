@@ -26,6 +26,7 @@
 #include "framework/cli/sweep_text.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/output/run_folder.hpp"
+#include "framework/output/sweep_files.hpp"
 #include "framework/scene/text.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/journal.hpp"
@@ -134,15 +135,17 @@ void add_options(CLI::App& parser, SweepArguments& arguments) {
 
 void check(SweepArguments& arguments) { read_settings(arguments); }
 
-/// What the options say of axes; adds a fault for each that says nothing.
-std::vector<SweepAxis> axes_of(const std::vector<std::string>& options,
-                               std::vector<Fault>& faults) {
+/// Reads what the options say of axes; adds a fault for each that says nothing.
+void read_axes(const std::vector<std::string>& options, SweepSettings& settings,
+               std::vector<Fault>& faults) {
   const Place place{"--over"};
-  std::vector<SweepAxis> axes;
+  settings.over.clear();
+  settings.unread.clear();
   for (const std::string& option : options) {
     const std::size_t equals = option.find('=');
     const std::string name = option.substr(0, equals);
     if (equals == std::string::npos || name.empty()) {
+      settings.unread.push_back(name);
       faults.emplace_back(FaultCode::command_missing_argument, place,
                           option.empty() ? "\"\"" : shortened(option, kLongestShownValue), "",
                           equals == std::string::npos ? "no values" : "no name", "NAME=VALUES");
@@ -152,14 +155,14 @@ std::vector<SweepAxis> axes_of(const std::vector<std::string>& options,
     const std::string shown = shortened(given, kLongestShownValue);
     auto read = SweepValues::parse(given);
     if (auto* values = std::get_if<SweepValues>(&read)) {
-      axes.push_back({name, std::move(*values), place, shown});
+      settings.over.push_back({name, std::move(*values), place, shown});
       continue;
     }
+    settings.unread.push_back(name);
     Wrong& wrong = std::get<Wrong>(read);
     faults.emplace_back(wrong.code, place, name, shown, std::move(wrong.why),
                         std::move(wrong.admissible), std::move(wrong.nearest));
   }
-  return axes;
 }
 
 std::vector<std::string> names_in(const std::string& text) {
@@ -178,9 +181,9 @@ std::vector<std::string> names_in(const std::string& text) {
 /// them.
 SweepSettings settings_of(const SceneDocument& document, const SweepArguments& arguments,
                           std::vector<Fault>& faults) {
-  SweepSettings settings = document.sweep().value_or(SweepSettings{});
+  SweepSettings settings = document.sweep(faults).value_or(SweepSettings{});
   if (!arguments.over.empty()) {
-    settings.over = axes_of(arguments.over, faults);
+    read_axes(arguments.over, settings, faults);
     settings.zips.clear();
   }
   if (!arguments.zips.empty()) {
@@ -197,10 +200,11 @@ SweepSettings settings_of(const SceneDocument& document, const SweepArguments& a
     faults.emplace_back(FaultCode::command_missing_argument, Place{"tomlin"}, "", "", what,
                         admissible);
   };
-  if (settings.over.empty() && arguments.over.empty()) {
+  if (settings.over.empty() && settings.unread.empty()) {
     missing("nothing to sweep over", "--over NAME=VALUES, or over in [sweep] of the scene");
   }
-  if (settings.observables.empty()) {
+  const auto of_observables = [](const Fault& fault) { return fault.key == "sweep.observables"; };
+  if (settings.observables.empty() && std::none_of(faults.begin(), faults.end(), of_observables)) {
     missing("no observable",
             "--observable O, a dotted path in summary.json, or observables in [sweep]");
   }
@@ -256,20 +260,12 @@ std::optional<SweepPart> shard_of(const std::string& text, std::vector<Fault>& f
   return std::nullopt;
 }
 
-/// Faults of options before those of a plan that is made without them.
 SweepPlan plan_of(SceneDocument document, const Registry& registry,
                   const SweepArguments& arguments) {
   std::vector<Fault> faults;
   SweepSettings settings = settings_of(document, arguments, faults);
-  std::optional<SweepPlan> plan;
-  try {
-    plan.emplace(std::move(document), registry, arguments.settings, std::move(settings),
-                 TOMLIN_VERSION);
-  } catch (const InputError& error) {
-    faults.insert(faults.end(), error.faults().begin(), error.faults().end());
-  }
-  if (!faults.empty()) throw InputError(std::move(faults));
-  return *std::move(plan);
+  return SweepPlan(std::move(document), registry, arguments.settings, std::move(settings),
+                   TOMLIN_VERSION, std::move(faults));
 }
 
 int sweep(const SweepArguments& arguments) {
@@ -292,12 +288,14 @@ int sweep(const SweepArguments& arguments) {
   const fs::path path = arguments.folder.value_or(default_sweep_folder(arguments.scene, shard));
   RunFolder folder(path, occupied_by_sweep(path, plan, arguments.force), kSweepFiles);
   refuse_to_lose_inputs(folder, plan.scene(), kSweepFiles, plan.scene_text());
+  if (arguments.force) refuse_to_lose_inputs(folder, plan.scene(), kFilesOfARun);
   folder.own();
   // A full disk or a reader that went away is an error that is reported, not the end.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
   StopSignals signals;
   if (arguments.force) {
+    folder.remove_run();
     folder.remove(kSweepJournalFile);
     remove_points(folder.file(kPointsFolder));
   }

@@ -220,6 +220,15 @@ void RunFolder::remove_results() {
   for (const char* name : kFilesOfARun) remove(unfinished(name).string());
 }
 
+void RunFolder::remove_run() {
+  remove_results();
+  for (const char* name : kFilesOfARun) {
+    const bool is_own = std::find(names_.begin(), names_.end(), name) != names_.end();
+    if (name != kJournalFile && !is_own) remove(name);
+  }
+  if (::ftruncate(lock_.number(), 0) != 0) throw OutputError(file(kJournalFile), errno);
+}
+
 void RunFolder::remove(std::string_view name) {
   if (::unlink(file(name).c_str()) != 0 && errno != ENOENT) {
     throw OutputError(fmt::format("cannot replace {}: {}", file(name).string(), message(errno)));

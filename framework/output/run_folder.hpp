@@ -66,6 +66,9 @@ class RunFolder {
   bool in_place() const;
   /// Takes away what an earlier run has found, and whatever is unfinished. Throws OutputError.
   void remove_results();
+  /// For a study: takes away what an earlier run has left, but for files of the study's own names
+  /// and the journal, which is emptied. Throws OutputError.
+  void remove_run();
   /// Takes a file away; it need not be there. Throws OutputError.
   void remove(std::string_view name);
   /// Writes a file whole or not at all. Throws OutputError.

@@ -48,13 +48,10 @@ std::vector<NamedLibrary> SceneDocument::libraries() const {
   return named_libraries(*contents_, file_, source, faults);
 }
 
-std::optional<SweepSettings> SceneDocument::sweep() const {
+std::optional<SweepSettings> SceneDocument::sweep(std::vector<Fault>& found) const {
   if (fault_) throw InputError(*fault_);
   const std::vector<Setting> none;
-  std::vector<Fault> faults;
-  auto settings = sweep_settings(*contents_, Source(file_, text_, none), faults);
-  if (!faults.empty()) throw InputError(std::move(faults));
-  return settings;
+  return sweep_settings(*contents_, Source(file_, text_, none), found);
 }
 
 void SceneDocument::drop_sweep() {

@@ -25,8 +25,9 @@ class SceneDocument {
   const Table* contents() const { return contents_ ? &*contents_ : nullptr; }
   /// The libraries that it names, which are to be loaded before it is read.
   std::vector<NamedLibrary> libraries() const;
-  /// Its `[sweep]`; nothing where there is none. Throws InputError with every fault found in it.
-  std::optional<SweepSettings> sweep() const;
+  /// Its `[sweep]`; nothing where there is none. Adds every fault found in it. Throws InputError
+  /// where the text has no valid syntax.
+  std::optional<SweepSettings> sweep(std::vector<Fault>& found) const;
   /// Takes `[sweep]` out, which is otherwise checked whenever the scene is read.
   void drop_sweep();
   /// The checked scene with these settings. Throws InputError with every fault found.

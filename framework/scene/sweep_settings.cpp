@@ -216,6 +216,8 @@ std::vector<SweepDimension> sweep_dimensions(const SweepSettings& settings,
     }
     const SweepAxis* first = nullptr;
     for (const std::string& name : zip.names) {
+      const auto& unread = settings.unread;
+      if (std::find(unread.begin(), unread.end(), name) != unread.end()) continue;
       const std::size_t k = index_of(name);
       if (k == over.size()) {
         complain(FaultCode::scene_unknown_name, fmt::format("there is no axis \"{}\"", name),
@@ -326,6 +328,8 @@ class SweepReader {
       } else if (auto values = values_of(entry.value, "sweep.over." + name)) {
         settings_.over.push_back({name, *std::move(values), source_.place(entry.value.where),
                                   source_.written(entry.value.where)});
+      } else {
+        settings_.unread.push_back(name);
       }
     }
   }

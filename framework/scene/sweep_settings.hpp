@@ -70,7 +70,8 @@ struct SweepZip {
 };
 
 struct SweepSettings {
-  std::vector<SweepAxis> over;  ///< the first one outermost
+  std::vector<SweepAxis> over;      ///< the first one outermost
+  std::vector<std::string> unread;  ///< axes that are left out: their values are wrong
   std::vector<SweepZip> zips;
   std::vector<std::string> observables;
   Place observables_place;

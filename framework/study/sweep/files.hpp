@@ -15,10 +15,6 @@
 /// the same memory for any number of points. A file appears complete or not at all.
 namespace tomlin {
 
-inline constexpr const char* kSweepTableFile = "sweep.csv";
-inline constexpr const char* kSweepArraysFile = "sweep.h5";
-inline constexpr const char* kSweepSummaryFile = "sweep.json";
-
 /// What the rows come to.
 struct SweepCounts {
   struct Warned {

@@ -15,8 +15,6 @@
 
 namespace tomlin {
 
-inline constexpr const char* kSweepJournalFile = "sweep.journal";
-
 /// The rows of a sweep in a file: a header, then a record of fixed size for each point at its own
 /// place, then the reasons of those that have not finished. A record is seeded with the checksum of
 /// the header and holds the number of its point: one of another sweep, of another point, or that

@@ -1,6 +1,7 @@
 #include "framework/study/sweep/plan.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <optional>
 #include <span>
@@ -31,14 +32,20 @@ constexpr std::size_t kMostWrongValues = 10;
 constexpr std::string_view kTakenTitles[] = {"status", "reason", "point"};
 
 /// Wrong whatever the other values of a scene are.
-bool is_wrong_anyway(FaultCode code) {
+bool is_wrong_anyway(const Fault& fault) {
   using enum FaultCode;
   constexpr FaultCode kCodes[] = {
       scene_encoding,    scene_unknown_key,       scene_unknown_name,
       scene_wrong_type,  scene_unknown_choice,    scene_unknown_component,
       expression_syntax, expression_unknown_name, scene_not_in_this_version,
       scene_syntax,      command_invalid_value};
-  return std::find(std::begin(kCodes), std::end(kCodes), code) != std::end(kCodes);
+  return std::find(std::begin(kCodes), std::end(kCodes), fault.code) != std::end(kCodes);
+}
+
+bool is_among(const InputError& error, const Fault& fault) {
+  return std::any_of(error.faults().begin(), error.faults().end(), [&fault](const Fault& other) {
+    return other.code == fault.code && to_string(other) == to_string(fault);
+  });
 }
 
 /// "driver.work" of "drivers.driver.work", where that is found by it.
@@ -71,29 +78,60 @@ bool sets_below(const std::vector<SweepAxis>& axes, std::string_view key) {
 
 SweepPlan::SweepPlan(SceneDocument document, const Registry& registry,
                      std::vector<Setting> settings, SweepSettings sweep,
-                     std::string program_version)
+                     std::string program_version, std::vector<Fault> faults)
     : document_(std::move(document)),
       registry_(registry),
       settings_(std::move(settings)),
       sweep_(std::move(sweep)),
       program_version_(std::move(program_version)) {
   document_.drop_sweep();
-  scene_ = document_.read(registry_, settings_);
-  std::vector<Fault> faults;
-  dimensions_ = sweep_dimensions(sweep_, faults);
-  points_ = 1;
-  dimension_of_.resize(sweep_.over.size());
-  stride_.resize(dimensions_.size());
-  for (std::size_t d = dimensions_.size(); d-- > 0;) {
-    for (const std::size_t axis : dimensions_[d].axes) dimension_of_[axis] = d;
-    stride_[d] = points_;
-    points_ *= dimensions_[d].count;
-  }
-  check_axes(faults);
-  find_observables(faults);
+  find_points(faults);
+  for (std::size_t axis = 0; axis < axes().size(); ++axis) check_axis(axis, faults);
+  find_scene(faults);
+  if (scene_) find_observables(faults);
   if (!faults.empty()) throw InputError(std::move(faults));
   name_columns();
   identity_ = find_identity();
+}
+
+void SweepPlan::find_points(std::vector<Fault>& faults) {
+  const std::size_t before = faults.size();
+  dimensions_ = sweep_dimensions(sweep_, faults);
+  dimension_of_.resize(sweep_.over.size());
+  stride_.resize(dimensions_.size());
+  std::size_t points = 1;
+  for (std::size_t d = dimensions_.size(); d-- > 0;) {
+    for (const std::size_t axis : dimensions_[d].axes) dimension_of_[axis] = d;
+    stride_[d] = points;
+    points *= dimensions_[d].count;
+  }
+  if (faults.size() == before) points_ = points;
+}
+
+/// What is wrong without the axes and at the first points as well is wrong with the scene itself.
+void SweepPlan::find_scene(std::vector<Fault>& faults) {
+  std::vector<Fault> always;
+  std::vector<Fault> of_first;
+  try {
+    scene_ = document_.read(registry_, settings_);
+    return;
+  } catch (const InputError& error) {
+    always = of_first = error.faults();
+  }
+  for (std::size_t point = 0; point < std::min(points_, kMostTried); ++point) {
+    try {
+      scene_ = scene_at(point);
+      return;
+    } catch (const InputError& error) {
+      if (point == 0) of_first = error.faults();
+      std::erase_if(always, [&error](const Fault& fault) { return !is_among(error, fault); });
+      if (std::any_of(always.begin(), always.end(), is_wrong_anyway)) break;
+    }
+  }
+  // An axis that is not right may be what the scene lacks.
+  if (points_ == 0 || !sweep_.unread.empty()) std::erase_if(always, std::not_fn(is_wrong_anyway));
+  if (always.empty() && faults.empty()) always = of_first;
+  faults.insert(faults.end(), always.begin(), always.end());
 }
 
 std::size_t SweepPlan::index(std::size_t axis, std::size_t point) const {
@@ -110,48 +148,63 @@ std::vector<Setting> SweepPlan::settings_at(std::size_t point) const {
   return settings;
 }
 
-std::shared_ptr<const Scene> SweepPlan::scene_at(std::size_t point) const {
+std::vector<Setting> SweepPlan::all_settings_at(std::size_t point) const {
   std::vector<Setting> settings = settings_;
   std::vector<Setting> more = settings_at(point);
   settings.insert(settings.end(), std::make_move_iterator(more.begin()),
                   std::make_move_iterator(more.end()));
-  return document_.read(registry_, settings);
+  return settings;
 }
 
-void SweepPlan::check_axes(std::vector<Fault>& faults) const {
-  for (const SweepAxis& axis : axes()) check_axis(axis, faults);
+std::shared_ptr<const Scene> SweepPlan::scene_at(std::size_t point) const {
+  return document_.read(registry_, all_settings_at(point));
 }
 
-/// The scene is valid: what is wrong with it now is the value or what it is a value of. A value
-/// that only does not go together with the others is left to its point.
-void SweepPlan::check_axis(const SweepAxis& axis, std::vector<Fault>& faults) const {
+/// What is wrong with setting n of these, whatever else the scene says.
+std::optional<Fault> SweepPlan::fault_of(const std::vector<Setting>& settings,
+                                         std::size_t n) const {
+  try {
+    document_.read(registry_, settings);
+  } catch (const InputError& error) {
+    Extent of_setting;
+    of_setting.setting = static_cast<std::uint32_t>(n + 1);
+    const std::string place = Source("", "", settings).place(of_setting).file;
+    const auto found =
+        std::find_if(error.faults().begin(), error.faults().end(), [&place](const Fault& fault) {
+          return fault.place.file == place && is_wrong_anyway(fault);
+        });
+    if (found != error.faults().end()) return *found;
+  }
+  return std::nullopt;
+}
+
+/// A value is wrong where it is so without the other axes and at the first point that has it. One
+/// that only does not go together with the others is left to its points.
+void SweepPlan::check_axis(std::size_t index, std::vector<Fault>& faults) const {
+  const SweepAxis& axis = axes()[index];
   const std::size_t before = faults.size();
   for (std::size_t k = 0; k < axis.values.size(); ++k) {
     if (k > 0 && axis.values.numeric()) return;
-    std::vector<Setting> settings = settings_;
-    settings.push_back({axis.name, axis.values.text(k)});
-    try {
-      document_.read(registry_, settings);
-    } catch (const InputError& error) {
-      const auto found =
-          std::find_if(error.faults().begin(), error.faults().end(), [](const Fault& fault) {
-            return fault.place.file.starts_with("--set") && is_wrong_anyway(fault.code);
-          });
-      if (found == error.faults().end()) continue;
-      Fault fault = *found;
-      fault.place = axis.place;
-      fault.value = shortened(axis.values.text(k), kLongestShownValue);
-      faults.push_back(std::move(fault));
-      const bool of_name = found->code == FaultCode::scene_unknown_key ||
-                           found->code == FaultCode::scene_unknown_name ||
-                           found->code == FaultCode::command_invalid_value;
-      if (of_name || faults.size() == before + kMostWrongValues) return;
+    std::vector<Setting> alone = settings_;
+    alone.push_back({axis.name, axis.values.text(k)});
+    std::optional<Fault> found = fault_of(alone, settings_.size());
+    if (found && points_ > 0) {
+      const std::size_t first = k * stride_[dimension_of_[index]];
+      found = fault_of(all_settings_at(first), settings_.size() + index);
     }
+    if (!found) continue;
+    const bool of_name = found->code == FaultCode::scene_unknown_key ||
+                         found->code == FaultCode::scene_unknown_name ||
+                         found->code == FaultCode::command_invalid_value;
+    found->place = axis.place;
+    found->value = shortened(axis.values.text(k), kLongestShownValue);
+    faults.push_back(*std::move(found));
+    if (of_name || faults.size() == before + kMostWrongValues) return;
   }
 }
 
-/// What there is to observe is known when a scene is bound: the scene itself, or a point where that
-/// is refused.
+/// What there is to observe is known when a scene is bound: that of names and texts, or that of a
+/// point where it is refused.
 void SweepPlan::find_observables(std::vector<Fault>& faults) {
   std::optional<RunResult> result;
   std::optional<InputError> refused;

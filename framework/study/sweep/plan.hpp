@@ -53,11 +53,12 @@ struct SweepColumn {
 class SweepPlan {
  public:
   /// The registry must outlive the plan. `settings` are those of all points. Throws InputError with
-  /// the faults of all axes and observables together.
+  /// the faults that were found before and those of the scene, the axes and the observables.
   SweepPlan(SceneDocument document, const Registry& registry, std::vector<Setting> settings,
-            SweepSettings sweep, std::string program_version);
+            SweepSettings sweep, std::string program_version, std::vector<Fault> faults = {});
 
-  /// The scene with the settings of all points and without those of the axes.
+  /// The scene with the settings of all points and without those of the axes; where only they make
+  /// it one, the scene of the first point that is not refused.
   const Scene& scene() const { return *scene_; }
   const std::vector<SweepAxis>& axes() const { return sweep_.over; }
   const std::vector<SweepDimension>& dimensions() const { return dimensions_; }
@@ -85,8 +86,11 @@ class SweepPlan {
   std::uint64_t identity() const { return identity_; }
 
  private:
-  void check_axes(std::vector<Fault>& faults) const;
-  void check_axis(const SweepAxis& axis, std::vector<Fault>& faults) const;
+  void find_points(std::vector<Fault>& faults);
+  void find_scene(std::vector<Fault>& faults);
+  void check_axis(std::size_t axis, std::vector<Fault>& faults) const;
+  std::vector<Setting> all_settings_at(std::size_t point) const;
+  std::optional<Fault> fault_of(const std::vector<Setting>& settings, std::size_t n) const;
   void find_observables(std::vector<Fault>& faults);
   void name_columns();
   std::uint64_t find_identity() const;
@@ -100,7 +104,7 @@ class SweepPlan {
   std::vector<SweepDimension> dimensions_;
   std::vector<std::size_t> dimension_of_;  ///< [axis]
   std::vector<std::size_t> stride_;  ///< [dimension]: points from one of its values to the next
-  std::size_t points_ = 0;
+  std::size_t points_ = 0;           ///< 0: the axes are not right
   std::vector<SweepObservable> observables_;
   std::vector<std::string> paths_;
   std::vector<SweepColumn> columns_;

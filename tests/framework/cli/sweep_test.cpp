@@ -117,6 +117,22 @@ TEST_F(SweepCommand, AllFaultsTogetherAndNothingIsMade) {
                  "--observable: driver.maen_force.x [observable.unknown] did you mean "
                  "driver.mean_force.x\n",
                  {"v = 1:2:1"});
+  // Those of the table, of options that replace a part of it, and of the scene; none is invented.
+  write(folder_ / "tip.toml",
+        std::string(kTip) +
+            "\n[sweep]\nover = { v = \"1:2\", two_v = [1.0, 2.0], \"run.until\" = "
+            "[] }\nzip = [\"v\", \"two_v\"]\nobservables = [1]\nzp = 1\n");
+  expect_refused({"sweep", "tip.toml", "--set", "force.driver.stiffness=a", "--observable",
+                  "driver.maen_force.x"},
+                 "tip.toml:42:14: sweep.over.v = \"1:2\" [scene.wrong_type]\n"
+                 "tip.toml:42:55: sweep.over.run.until = [] [scene.wrong_count]\n"
+                 "tip.toml:44:15: sweep.observables = [1] [scene.wrong_type]\n"
+                 "tip.toml:45:1: sweep.zp [scene.unknown_key] did you mean zip\n"
+                 "--set force.driver.stiffness=a: force.driver.stiffness = a "
+                 "[expression.unknown_name]\n");
+  const std::vector<std::string> no_options = {"sweep", "tip.toml"};
+  EXPECT_FALSE(contains(tomlin(no_options).err, "no observable"));
+  write(folder_ / "tip.toml", kTip);
   EXPECT_EQ(sweep({"--over", "v=1,2", "--threads", "0"}).status, 2);
   EXPECT_EQ(sweep({"--over", "v=1,2", "--set", "w=1"}).status, 2);
 }
@@ -149,6 +165,22 @@ TEST_F(SweepCommand, AFolderOfAnotherSweepNeedsForce) {
   ASSERT_EQ(tomlin({"run", "tip.toml", "-o", "run", "--quiet"}).status, 0);
   EXPECT_EQ(sweep({"--over", "v=1e-2,2e-2", "-o", "run"}).status, 2);
   EXPECT_EQ(tomlin({"run", "tip.toml", "-o", "a"}).status, 2);
+  // Of a run nothing stays that would be taken for the sweep's.
+  ASSERT_EQ(
+      tomlin({"run", "tip.toml", "-o", "b", "--quiet", "--set", "output.trajectory=true"}).status,
+      0);
+  write(folder_ / "b/run.journal", "of a run that was stopped");
+  write(folder_ / "b/run.checkpoint", "x");
+  write(folder_ / "b/notes", "mine");
+  EXPECT_EQ(sweep({"--over", "v=1e-2,2e-2", "-o", "b", "--force"}).status, 0);
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder_ / "b")) {
+    names.push_back(entry.path().filename());
+  }
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (std::vector<std::string>{"notes", "scene.toml", "sweep.csv", "sweep.h5",
+                                             "sweep.journal", "sweep.json"}));
+  EXPECT_EQ(results("b"), first);
   // A damaged journal.
   std::string journal = file("a/sweep.journal");
   journal[20] = static_cast<char>(journal[20] ^ 1);

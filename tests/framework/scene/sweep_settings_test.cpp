@@ -171,6 +171,18 @@ TEST(SweepDimensions, ZippedAxesAreOne) {
   EXPECT_EQ(dimensions[1].count, 3);
 }
 
+/// What is wrong with an axis has been said.
+TEST(SweepDimensions, AxesThatAreWrongAreNoFaultOfAZip) {
+  SweepSettings settings = settings_over({{"a", "1,2"}}, {{"a", "b"}});
+  settings.unread = {"b"};
+  std::vector<Fault> faults;
+  sweep_dimensions(settings, faults);
+  EXPECT_TRUE(faults.empty());
+  settings.unread = {"c"};
+  sweep_dimensions(settings, faults);
+  EXPECT_EQ(faults.size(), 1);
+}
+
 TEST(SweepDimensions, AllFaultsTogether) {
   std::vector<Fault> faults;
   sweep_dimensions(settings_over({{"a", "1,2"}, {"b", "1,2,3"}, {"a", "4"}, {"c", "1,2"}},
@@ -201,12 +213,14 @@ TEST(SweepTable, IsCheckedAndLeftOut) {
   EXPECT_EQ(faults_of(kRun + good), "");
   EXPECT_NE(faults_of(kRun + sweep), "");
   const SceneDocument document(kRun + good, "ring.toml");
-  const auto settings = document.sweep();
+  std::vector<Fault> found;
+  const auto settings = document.sweep(found);
+  EXPECT_TRUE(found.empty());
   ASSERT_TRUE(settings);
   ASSERT_EQ(settings->over.size(), 3);
   EXPECT_EQ(settings->over[1].name, "run.integrator.dt");
   EXPECT_EQ(settings->zips.size(), 1);
-  EXPECT_FALSE(SceneDocument(kRing, "ring.toml").sweep());
+  EXPECT_FALSE(SceneDocument(kRing, "ring.toml").sweep(found));
 }
 
 TEST(SweepTable, ItsFaultsComeWithThoseOfTheScene) {

@@ -16,6 +16,7 @@
 #include <gtest/gtest.h>
 
 #include "framework/core/text/fault.hpp"
+#include "framework/output/sweep_files.hpp"
 #include "framework/run/observables.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/journal.hpp"
@@ -156,6 +157,60 @@ TEST(SweepPlan, AllFaultsTogether) {
           "performance.wall_seconds [command.invalid_value]"}));
 }
 
+/// What the axes set is no part of the scene without them.
+TEST(SweepPlan, OnlyTheAxesNeedToMakeItAScene) {
+  std::string text = kSweptTip;
+  text.replace(text.find("duration = 20.0\n"), 16, "");
+  const SweepPlan plan = plan_over(text, {{{"run.duration", "-1,10,20"}, {"v", "1e-2,2e-2"}}});
+  RowsInMemory rows;
+  EXPECT_TRUE(run_sweep(plan, rows, {}).complete());
+  EXPECT_EQ(rows.rows[0].status, SweepStatus::refused);
+  for (const std::size_t point : {2, 5}) {
+    EXPECT_EQ(rows.rows[point].status, SweepStatus::finished);
+    const RunResult result = run_text(text, plan.settings_at(point));
+    EXPECT_EQ(rows.rows[point].numbers[0], *observable(result, "driver.mean_force.x"));
+  }
+  // The scene that is written has the values of the first point, and is the same sweep.
+  SceneDocument again(plan.scene_text(), "scene.toml");
+  std::vector<Fault> faults;
+  const auto settings = again.sweep(faults);
+  const SweepPlan other(again, standard(), {}, *settings, "1.2.3");
+  EXPECT_EQ(other.identity(), plan.identity());
+}
+
+/// A key may be one only with what another axis sets.
+TEST(SweepPlan, AValueIsWrongWhereNoOtherAxisMakesItRight) {
+  std::string text = kSweptTip;
+  const std::string old = "{ type = \"rk4\", dt = 2e-2 }";
+  text.replace(text.find(old), old.size(), "{ type = \"dopri5\" }");
+  const std::vector<std::string> work = {"driver.work"};
+  EXPECT_EQ(faults_of_plan(text, {{{"run.integrator.dt", "1e-2,2e-2"}}}, work),
+            std::vector<std::string>{"run.integrator.dt = 1e-2 [scene.unknown_key]"});
+  EXPECT_TRUE(faults_of_plan(text,
+                             {{{"run.integrator.type", "rk4"}, {"run.integrator.dt", "1e-2,2e-2"}}},
+                             work)
+                  .empty());
+}
+
+TEST(SweepPlan, FaultsOfTheSceneComeWithThoseOfAxes) {
+  std::string text = kSweptTip;
+  text.replace(text.find("particle_mass = 1.0"), 19, "particle_mas = 1.0");
+  text.replace(text.find("duration = 20.0\n"), 16, "");
+  EXPECT_EQ(faults_of_plan(text, {{{"run.duration", "1,2"}, {"lambda", "1,2"}}}, {"driver.work"}),
+            (std::vector<std::string>{
+                "lambda = 1 [scene.unknown_key]", "7:1 body.tip.particle_mass [scene.missing_key]",
+                "11:1 body.tip.particle_mas [scene.unknown_key] did you mean particle_mass"}));
+  // Where an axis is not right, nobody knows what the scene would lack with it.
+  EXPECT_EQ(faults_of_plan(text, {{{"run.duration", "1,2"}, {"v", "1"}, {"v", "2"}}}, {}),
+            (std::vector<std::string>{
+                "v = 2 [scene.duplicate_key]",
+                "11:1 body.tip.particle_mas [scene.unknown_key] did you mean particle_mass"}));
+  // Refused at every point, and for nothing but what the axis says.
+  text.replace(text.find("particle_mas ="), 14, "particle_mass =");
+  EXPECT_EQ(faults_of_plan(text, {{{"run.duration", "-1,-2"}}}, {"driver.work"}),
+            std::vector<std::string>{"run.duration = -1 [scene.out_of_range]"});
+}
+
 /// A parameter has two names, and a table is more than its keys.
 TEST(SweepPlan, TwoAxesThatSetTheSameAreAFault) {
   for (const auto& [one, other] : {std::pair{"v", "parameters.v"}, {"parameters.v", "v"}}) {
@@ -224,8 +279,9 @@ TEST(SweepPlan, TheSceneWithItsTableIsTheSameSweep) {
        {{"run.dynamics", "V0"}}},
       {"driver.mean_force.x", "events.slips"}, {{"k", "3"}});
   SceneDocument again(plan.scene_text(), "scene.toml");
-  const auto settings = again.sweep();
-  ASSERT_TRUE(settings);
+  std::vector<Fault> faults;
+  const auto settings = again.sweep(faults);
+  ASSERT_TRUE(settings && faults.empty());
   const SweepPlan other(again, standard(), {}, *settings, "1.2.3");
   EXPECT_EQ(other.scene_text(), plan.scene_text());
   EXPECT_EQ(other.identity(), plan.identity());
