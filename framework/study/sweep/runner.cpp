@@ -92,13 +92,12 @@ RunResult resumed(const std::shared_ptr<const Scene>& scene, RunOptions options,
 class SweepWork {
  public:
   SweepWork(const SweepPlan& plan, SweepRows& rows, const SweepOptions& options)
-      : plan_(plan), rows_(rows), options_(options), queue_(plan.points(), rows, options.part) {
-    progress_.points = options.part.size(plan.points());
-    progress_.traces_left = options.traced.size();
-    for (std::size_t k = 0; k < plan.points(); ++k) {
-      progress_.before += options.part.has(k) && rows.has(k) ? 1 : 0;
-    }
-  }
+      : plan_(plan),
+        rows_(rows),
+        options_(options),
+        own_queue_(plan.points(), rows, options.part),
+        queue_(options.queue != nullptr ? *options.queue : own_queue_),
+        progress_(progress_before(plan, rows, options)) {}
 
   SweepProgress run() {
     const std::size_t left = progress_.points - progress_.before + options_.traced.size();
@@ -183,7 +182,8 @@ class SweepWork {
   const SweepPlan& plan_;
   SweepRows& rows_;
   const SweepOptions& options_;
-  SweepQueue queue_;
+  SweepQueue own_queue_;
+  PointQueue& queue_;
   Clock::time_point started_ = Clock::now();
   std::atomic<bool> halt_ = false;
   std::atomic<std::size_t> traces_begun_ = 0;
@@ -203,6 +203,17 @@ std::vector<std::size_t> SweepQueue::take(std::size_t most) {
     if (part_.has(next_) && !rows_.has(next_)) taken.push_back(next_);
   }
   return taken;
+}
+
+SweepProgress progress_before(const SweepPlan& plan, const SweepRows& rows,
+                              const SweepOptions& options) {
+  SweepProgress progress;
+  progress.points = options.part.size(plan.points());
+  progress.traces_left = options.traced.size();
+  for (std::size_t k = 0; k < plan.points(); ++k) {
+    progress.before += options.part.has(k) && rows.has(k) ? 1 : 0;
+  }
+  return progress;
 }
 
 std::size_t SweepProgress::with_row() const {
