@@ -110,7 +110,9 @@ void SweepClient::refuse(const ProcessLink& link, const InputError& error) {
   if (!error.faults().empty()) greeting.code = error.faults().front().code;
   send(link, 0, {.kind = Kind::greeting, .greeting = greeting});
   const std::atomic<bool> stop = false;
-  SweepClient(link, stop, [] {}).say_farewell({});
+  SweepClient client(link, stop, [] {});
+  client.wait();  // for the stop
+  client.say_farewell({});
 }
 
 void SweepClient::run(const SweepPlan& plan, SweepOptions options,
