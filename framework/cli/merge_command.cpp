@@ -92,7 +92,8 @@ SweepPlan plan_in(const fs::path& folder, Registry& registry) {
   registry = registry_with_plugins({}, {&document, 1});
   std::vector<Fault> faults;
   std::optional<SweepSettings> settings = document.sweep(faults);
-  if (!settings && faults.empty()) {
+  if (!settings) {
+    if (!faults.empty()) throw InputError(std::move(faults));
     refuse_input(FaultCode::file_invalid, file, "", "a scene without [sweep]",
                  "the folder of a sweep");
   }

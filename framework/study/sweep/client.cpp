@@ -133,6 +133,7 @@ void SweepClient::run(const SweepPlan& plan, SweepOptions options,
   options.folder = folder();
   options.on_progress = [this](const SweepProgress&) { look_for_stop(); };
   const auto clients = static_cast<std::size_t>(link_.size - 1);
+  options.processes = clients;
   std::vector<std::size_t> traced;
   for (std::size_t k = static_cast<std::size_t>(link_.rank - 1); k < options.traced.size();
        k += clients) {

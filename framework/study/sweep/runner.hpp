@@ -58,6 +58,7 @@ struct SweepOptions {
   std::size_t threads = 1;
   SweepPart part = {};                      ///< the points that are run
   PointQueue* queue = nullptr;              ///< where they come from, if not from the plan
+  std::size_t processes = 1;                ///< that share them, with as many threads each
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal: rows so far are kept
   /// A folder for the checkpoints of points that take long, NUMBER.store, and for traces, NUMBER/;
   /// none: points start again.
@@ -67,14 +68,6 @@ struct SweepOptions {
   /// Called from the thread that called run_sweep(), twice a second.
   std::function<void(const SweepProgress&)> on_progress = {};
 };
-
-/// The row of a point; nothing when it was stopped. What a scene refuses and how a run fails is in
-/// the row. A checkpoint of the point stays until its row is kept. Throws std::bad_alloc: another
-/// time, or in fewer threads, there may be the memory. With a folder, a run that is stopped or
-/// takes longer than `[run] checkpoint_every` leaves there what the next one resumes from.
-std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
-                                  const std::atomic<bool>* stop = nullptr,
-                                  const std::filesystem::path& checkpoints = {});
 
 /// Nothing is done yet: what there is to do.
 SweepProgress progress_before(const SweepPlan& plan, const SweepRows& rows,
