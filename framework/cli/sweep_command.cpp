@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,6 +18,7 @@
 #include "framework/cli/command.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/inputs.hpp"
+#include "framework/cli/launcher.hpp"
 #include "framework/cli/options.hpp"
 #include "framework/cli/plugins.hpp"
 #include "framework/cli/print_result.hpp"
@@ -28,10 +30,12 @@
 #include "framework/output/run_folder.hpp"
 #include "framework/output/sweep_files.hpp"
 #include "framework/scene/text.hpp"
+#include "framework/study/sweep/client.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/journal.hpp"
 #include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/runner.hpp"
+#include "framework/study/sweep/server.hpp"
 
 namespace tomlin {
 namespace fs = std::filesystem;
@@ -90,6 +94,11 @@ in a folder of its own, and tomlin merge makes one sweep of the folders:
   tomlin sweep pt.toml --shard "$SLURM_ARRAY_TASK_ID/10"        # of an array job, 1-10
   tomlin merge pt.sweep.*-of-10.out -o pt.sweep.out
 
+With MPI they run one sweep together: process 0 hands out points and writes, and the others run them,
+each in one thread or --threads N:
+
+  mpirun -n 41 tomlin sweep pt.toml
+
 Ctrl-C ends a sweep early. A sweep that was stopped or killed is continued by the same command:
 points with a row are not run again, those with a checkpoint resume from it, and the results have the
 bytes of a sweep that was left alone.
@@ -116,7 +125,9 @@ void add_options(CLI::App& parser, SweepArguments& arguments) {
   add_observable_option(parser, arguments.observables);
   add_output_option(parser, arguments.folder, "DIR",
                     "folder for the results; SCENE's stem + .sweep.out, or .sweep.I-of-N.out");
-  parser.add_option("--threads", arguments.threads, "how many; one for each processor by default")
+  parser
+      .add_option("--threads", arguments.threads,
+                  "how many; one for each processor by default, one under mpirun")
       ->type_name("N")
       ->check(CLI::Range(std::size_t{1}, std::size_t{4096}));
   parser
@@ -268,31 +279,70 @@ SweepPlan plan_of(SceneDocument document, const Registry& registry,
                    TOMLIN_VERSION, std::move(faults));
 }
 
-int sweep(const SweepArguments& arguments) {
-  SceneDocument document(arguments.scene);
-  const Registry registry = registry_with_plugins(arguments.plugins, {&document, 1});
-  const SweepPlan plan = plan_of(std::move(document), registry, arguments);
-  std::vector<Fault> faults;
-  std::vector<std::size_t> traced;
-  if (arguments.trace) traced = rows_in(*arguments.trace, plan.points(), faults);
-  std::optional<SweepPart> shard;
-  if (arguments.shard) shard = shard_of(*arguments.shard, faults);
-  if (!faults.empty()) throw InputError(std::move(faults));
-  const SweepPart part = shard.value_or(SweepPart{});
-  std::erase_if(traced, [&part](std::size_t point) { return !part.has(point); });
-  const std::size_t threads = arguments.threads > 0
-                                  ? arguments.threads
-                                  : std::max<std::size_t>(1, std::thread::hardware_concurrency());
-  if (arguments.dry_run) return print_result(sweep_plan_text(plan, threads, shard));
+/// What the scene and the options come to.
+struct RequestedSweep {
+  /// Throws InputError.
+  explicit RequestedSweep(const SweepArguments& arguments)
+      : RequestedSweep(arguments, SceneDocument(arguments.scene)) {}
+  RequestedSweep(const SweepArguments& arguments, SceneDocument document)
+      : registry(registry_with_plugins(arguments.plugins, {&document, 1})),
+        plan(plan_of(std::move(document), registry, arguments)) {
+    std::vector<Fault> faults;
+    if (arguments.trace) traced = rows_in(*arguments.trace, plan.points(), faults);
+    if (arguments.shard) shard = shard_of(*arguments.shard, faults);
+    if (!faults.empty()) throw InputError(std::move(faults));
+    part = shard.value_or(SweepPart{});
+    std::erase_if(traced, [this](std::size_t point) { return !part.has(point); });
+    path = arguments.folder.value_or(default_sweep_folder(arguments.scene, shard));
+  }
+  RequestedSweep(const RequestedSweep&) = delete;
+  RequestedSweep& operator=(const RequestedSweep&) = delete;
 
-  const fs::path path = arguments.folder.value_or(default_sweep_folder(arguments.scene, shard));
+  Registry registry;
+  SweepPlan plan;
+  std::vector<std::size_t> traced;
+  std::optional<SweepPart> shard;
+  SweepPart part;
+  fs::path path;
+};
+
+// A full disk or a reader that went away is an error that is reported, not the end.
+void ignore_signals_of_writing() {
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+/// Runs points for process 0, which has the folder.
+void take_part(const ProcessLink& link, const RequestedSweep& requested, std::size_t threads) {
+  ignore_signals_of_writing();
+  StopSignals signals;
+  SweepClient client(link, signals.stop(), [&signals] { signals.request_stop(); });
+  SweepOptions options;
+  options.threads = threads;
+  options.traced = requested.traced;
+  client.run(requested.plan, options, [&requested] {
+    // Where the machines share no folder, points have no checkpoints.
+    std::error_code error;
+    const bool is_shared = fs::exists(requested.path / kSweepJournalFile, error);
+    return is_shared ? requested.path / kPointsFolder : fs::path();
+  });
+}
+
+/// `server`: of the processes that share the sweep; null: this one is alone.
+int sweep(const SweepArguments& arguments, const RequestedSweep& requested, std::size_t threads,
+          SweepServer* server) {
+  const SweepPlan& plan = requested.plan;
+  const std::vector<std::size_t>& traced = requested.traced;
+  std::optional<SweepPart> shard = requested.shard;
+  if (arguments.dry_run) return print_result(sweep_plan_text(plan, threads, shard));
+  if (server != nullptr) server->meet(plan);
+
+  const fs::path& path = requested.path;
   RunFolder folder(path, occupied_by_sweep(path, plan, arguments.force), kSweepFiles);
   refuse_to_lose_inputs(folder, plan.scene(), kSweepFiles, plan.scene_text());
   if (arguments.force) refuse_to_lose_inputs(folder, plan.scene(), kFilesOfARun);
   folder.own();
-  // A full disk or a reader that went away is an error that is reported, not the end.
-  std::signal(SIGXFSZ, SIG_IGN);
-  std::signal(SIGPIPE, SIG_IGN);
+  ignore_signals_of_writing();
   StopSignals signals;
   if (arguments.force) {
     folder.remove_run();
@@ -318,20 +368,22 @@ int sweep(const SweepArguments& arguments) {
 
   SweepOptions options;
   options.threads = threads;
-  options.part = part;
+  options.part = requested.part;
   options.folder = folder.file(kPointsFolder);
   options.traced = traced;
   options.stop = &signals.stop();
   options.on_progress = [&progress_line](const SweepProgress& now) {
     progress_line.show(sweep_progress_text(now), now.seconds);
   };
-  const SweepProgress progress = run_sweep(plan, journal, options);
+  const SweepProgress progress =
+      server != nullptr ? server->run(plan, journal, options) : run_sweep(plan, journal, options);
   progress_line.finish();
 
   std::optional<SweepCounts> counts;
   if (progress.complete()) {
     remove_if_empty(folder.file(kPointsFolder));
-    counts = shard ? count_rows(plan, journal, part) : write_sweep_results(folder, plan, journal);
+    counts = shard ? count_rows(plan, journal, requested.part)
+                   : write_sweep_results(folder, plan, journal);
   }
   const SweepCounts* const known = counts ? &*counts : nullptr;
   folder.write_file(kSweepSummaryFile, sweep_json(plan, progress, known, threads, shard));
@@ -340,7 +392,40 @@ int sweep(const SweepArguments& arguments) {
     status = print_result(sweep_text(plan, progress, known, where_the_sweep_is(folder), shard));
   }
   const bool is_done = counts && progress.traces_left == 0;
-  return is_done ? status : kExitSignal + signals.caught();
+  if (is_done) return status;
+  // Another process was stopped, and all with it.
+  return kExitSignal + (signals.caught() != 0 ? signals.caught() : SIGTERM);
+}
+
+int sweep(const SweepArguments& arguments) {
+  std::unique_ptr<const RequestedSweep> requested;
+  std::optional<InputError> refused;
+  try {
+    requested = std::make_unique<const RequestedSweep>(arguments);
+  } catch (const InputError& error) {
+    refused = error;  // by one process for all
+  }
+  // Shards that are started together share nothing.
+  const auto process = arguments.shard ? nullptr : LaunchedProcess::find();
+  if (!process) {
+    if (refused) throw InputError(*refused);
+    const std::size_t all = std::max<std::size_t>(1, std::thread::hardware_concurrency());
+    return sweep(arguments, *requested, arguments.threads > 0 ? arguments.threads : all, nullptr);
+  }
+  const ProcessLink& link = process->link();
+  const std::size_t threads = std::max<std::size_t>(1, arguments.threads);
+  if (link.rank == 0) {
+    SweepServer server(link);
+    if (refused) throw InputError(*refused);
+    const auto clients = static_cast<std::size_t>(link.size - 1);
+    return sweep(arguments, *requested, threads * clients, &server);
+  }
+  if (refused) {
+    SweepClient::refuse(link, *refused);
+  } else {
+    take_part(link, *requested, threads);
+  }
+  return kExitDone;
 }
 
 }  // namespace
