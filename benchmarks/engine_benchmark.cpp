@@ -480,15 +480,15 @@ void register_replicas() {
   };
   const Setting adaptive = {"run.integrator", "{ type = \"dopri5\" }"};
   const std::vector<Replicas> all = {
-      {"pt", kPt, 64, {{"run.duration", "1e3"}}},
-      {"rigid_ring_8", ring("rigid", "1e-2"), 16, {{"run.duration", "2e2"}}},
-      {"flexible_ring_8", ring("particles", "1e-4"), 16, {{"run.duration", "2"}}},
-      {"rigid_ring_8 dopri5", ring("rigid", "1e-2"), 16, {{"run.duration", "2e4"}, adaptive}},
+      {"pt", kPt, 64, {{"run.duration", "4e3"}}},
+      {"rigid_ring_8", ring("rigid", "1e-2"), 16, {{"run.duration", "1e3"}}},
+      {"flexible_ring_8", ring("particles", "1e-4"), 16, {{"run.duration", "10"}}},
+      {"rigid_ring_8 dopri5", ring("rigid", "1e-2"), 16, {{"run.duration", "5e4"}, adaptive}},
   };
   for (const Replicas& one : all) {
     for (const Taken taken : {Taken::in_lanes, Taken::alone}) {
       const std::string name =
-          one.model + " replicas/" + (taken == Taken::in_lanes ? "in lanes" : "one by one");
+          one.model + " replicas/" + (taken == Taken::in_lanes ? "tomlin" : "one by one");
       benchmark::RegisterBenchmark(name.c_str(), [one, taken](benchmark::State& state) {
         BM_replicas(state, one.scene, one.count, taken, one.settings);
       });
