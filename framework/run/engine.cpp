@@ -100,7 +100,7 @@ void Engine::Parts::begin() {
   run.model.start(noise ? &*noise : nullptr);
   if (noise && run.path != nullptr) run.path->disturb(noise->size, noise->seed, noise->stream);
   housekeeping.start();
-  StartFindings findings = check_start(run.model, run.plan);
+  StartFindings findings = check_start(run.model, run.plan, run.options.checks_step);
   run.stable_step = findings.stable_step;
   run.longest_step = findings.longest_step;
   run.outcome.failure = std::move(findings.failure);
