@@ -18,10 +18,10 @@ namespace {
 using Kind = SweepMessage::Kind;
 using Clock = std::chrono::steady_clock;
 
-/// What a process has of points in advance. Few, since other processes may be out of them at the
-/// end; enough that the way to the server costs little where points are short.
+/// What a process has of points in advance: so many that the way to the server costs little where
+/// points are short. The server gives fewer when few are left.
 constexpr double kSecondsInAdvance = 20e-3;
-constexpr double kMostInAdvance = 32;
+constexpr double kMostInAdvance = 256;
 
 }  // namespace
 
