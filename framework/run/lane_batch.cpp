@@ -15,6 +15,7 @@ std::string why_not_in_lanes(const Model& model) {
   if (run.perturb) return "perturb makes several runs";
   if (run.number_type != NumberType::double_precision) return "lanes are of double precision";
   if (model.plan().quasistatic) return "the dynamics are quasistatic";
+  if (!scheme.library.empty()) return "the integrator " + scheme.name + " is a plugin's";
   if (!scheme.in_lanes && scheme.adaptive_lanes == nullptr) {
     return "the integrator " + scheme.name + " has no steps in lanes";
   }
