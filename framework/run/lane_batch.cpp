@@ -102,21 +102,35 @@ void LaneBatch::put(std::size_t k, Engine& run) {
   }
 }
 
+/// Gives a run the steps that were taken for it. True where the lane has the run's numbers after
+/// that.
+bool LaneBatch::bring_back(std::size_t k) {
+  Lane& lane = lanes_[k];
+  if (lane.taken == 0) return false;
+  system_.get(k, lane.run->model());
+  if (adaptive_) {
+    adaptive_->get(k, lane.run->state());
+  } else {
+    integrator_->get_lane(system_.layout(), k, lane.run->state());
+  }
+  const std::int64_t taken = std::exchange(lane.taken, 0);
+  steps_ += static_cast<std::uint64_t>(taken);
+  return !lane.run->took(taken, lane.now, std::exchange(lane.evaluations, 0));
+}
+
+void LaneBatch::release() {
+  for (std::size_t k = 0; k < lanes_.size(); ++k) {
+    if (lanes_[k].run == nullptr) continue;
+    bring_back(k);
+    lanes_[k] = {};
+  }
+  runs_ = 0;
+}
+
 /// Lets a run do what it has to do. False: it has ended.
 bool LaneBatch::serve(std::size_t k) {
   Lane& lane = lanes_[k];
-  bool same = lane.taken > 0;  // numbers in the lane are those of the run
-  if (lane.taken > 0) {
-    system_.get(k, lane.run->model());
-    if (adaptive_) {
-      adaptive_->get(k, lane.run->state());
-    } else {
-      integrator_->get_lane(system_.layout(), k, lane.run->state());
-    }
-    const std::int64_t taken = std::exchange(lane.taken, 0);
-    steps_ += static_cast<std::uint64_t>(taken);
-    same = !lane.run->took(taken, lane.now, std::exchange(lane.evaluations, 0));
-  }
+  bool same = bring_back(k);
   for (;;) {
     if (lane.run->done()) return false;
     if (!lane.is_alone && (lane.left = lane.run->steps_for_lanes()) > 0) {

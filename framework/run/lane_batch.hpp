@@ -32,8 +32,16 @@ class LaneBatch {
   bool fits(Engine& run) const;
   bool is_full() const { return runs_ == lanes_.size(); }
   bool is_empty() const { return runs_ == 0; }
+  std::size_t room() const { return lanes_.size() - runs_; }
+  /// At most half the lanes are taken, and a narrower batch would have fewer; or so few runs are
+  /// left that each is faster by itself.
+  bool is_sparse() const {
+    return runs_ <= 2 || (2 * runs_ <= system_.width() && system_.width() > kGroup);
+  }
   /// Takes a run that fits, and which outlives its part in the batch.
   void add(Engine& run);
+  /// Gives the runs back as they are, each at the end of a step.
+  void release();
   /// Until a run ends; returns those that have, which are no part of the batch any longer.
   std::vector<Engine*> advance();
 
@@ -59,6 +67,7 @@ class LaneBatch {
   };
 
   bool serve(std::size_t lane);
+  bool bring_back(std::size_t lane);
   void put(std::size_t lane, Engine& run);
   void take_blocks();
   void take_attempts();

@@ -18,8 +18,6 @@ namespace tomlin {
 
 namespace {
 
-constexpr double kTau = 6.283185307179586476925286766559;
-
 /// Keys of warnings.
 constexpr const char* kIntegratorKey = "run.integrator";
 constexpr const char* kStepKey = "run.integrator.dt";

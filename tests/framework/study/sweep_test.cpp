@@ -425,11 +425,48 @@ TEST(Sweep, BatchesOfAllKindsGiveTheRowsOfSingleRuns) {
   }
 }
 
+/// What a spring is attached to is a matter of the structure: the first of its values decides
+/// nothing about the others.
+TEST(Sweep, SpringsOfOtherPointsShareNoLanes) {
+  std::string text = kSweptTip;
+  text.replace(text.find("type = \"point\"\nposition = [0.5]"), 33,
+               "type = \"chain\"\nspacing = 1.2\ncount = 4");
+  text.replace(
+      text.find("[[force]]"), 9,
+      "[[force]]\ntype = \"harmonic_bonds\"\npairs = \"neighbours\"\nstiffness = 1.0\n[[force]]");
+  const SweepPlan plan =
+      plan_over(text,
+                {{{"force.driver.attach", "{ particle = 0 },centre_of_mass,{ particle = 2 }"},
+                  {"v", "5e-2:9e-2:4"}}},
+                {"driver.mean_force.x"}, {{"run.duration", "100"}});
+  RowsInMemory rows;
+  ASSERT_TRUE(run_sweep(plan, rows, {}).complete());
+  std::set<std::uint64_t> different;
+  for (std::size_t k = 0; k < plan.points(); ++k) {
+    const SweepRow due = *run_point(plan, k);
+    ASSERT_EQ(due.status, SweepStatus::finished) << due.reason;
+    EXPECT_EQ(bits_of(rows.rows[k].numbers), bits_of(due.numbers)) << k;
+    different.insert(std::bit_cast<std::uint64_t>(due.numbers[0]));
+  }
+  EXPECT_EQ(different.size(), plan.points());
+}
+
+/// A point whose scene has no such observable is refused, in lanes too.
+TEST(Sweep, AnObservableThatSomePointsLackRefusesThem) {
+  const SweepPlan plan =
+      plan_over(kSweptTip, {{{"force.driver.name", "driver,other"}, {"v", "1e-2:4e-2:5"}}});
+  RowsInMemory rows;
+  ASSERT_TRUE(run_sweep(plan, rows, {}).complete());
+  for (std::size_t k = 0; k < plan.points(); ++k) {
+    EXPECT_EQ(rows.rows[k].status, k < 5 ? SweepStatus::finished : SweepStatus::refused) << k;
+  }
+}
+
 /// A stop at any time, in lanes: points resume from where they were, and no row has another bit.
 TEST(Sweep, LanesResumeFromTheirCheckpoints) {
   for (const std::string integrator : {"{ type = \"rk4\", dt = 1e-3 }", "{ type = \"dopri5\" }"}) {
     const SweepPlan plan = plan_over(kSweptTip, {{{"v", "1e-2:5e-2:12"}}}, {"driver.mean_force.x"},
-                                     {{"run.integrator", integrator}, {"run.duration", "4000"}});
+                                     {{"run.integrator", integrator}, {"run.duration", "40000"}});
     RowsInMemory due;
     ASSERT_TRUE(run_sweep(plan, due, {}).complete());
     const TemporaryFolder folder;
