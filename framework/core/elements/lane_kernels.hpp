@@ -117,7 +117,7 @@ TOMLIN_FLATTEN void site_over_lanes(const void* arguments, const Stage<double>& 
     std::size_t apart = w;  // from one parameter to the next
     if constexpr (varied) apart = stride * w;
     auto p = in_lanes<SiteParameters<E, Pack, D>>(numbers, apart);
-    LaneSum total[works ? D : 1];
+    LaneSum total[D];
     LaneSum power;
     for (std::size_t i = 0; i < count; ++i) {
       if constexpr (varied) p = in_lanes<SiteParameters<E, Pack, D>>(numbers + i * w, apart);
