@@ -291,8 +291,9 @@ TEST_F(SweepCommand, StoppedTracesAreToldAndGoOn) {
 }
 
 TEST_F(SweepCommand, ASignalLeavesWhatIsDone) {
-  const std::vector<std::string> options = {"--over", "v=1e-3:1e-1:400", "--threads", "2", "-o",
-                                            "a"};
+  // A second in all, in lanes, and the first rows after some hundredths of it.
+  const std::vector<std::string> options = {"--over", "v=1e-3:1e-1:4000", "--threads", "2",
+                                            "--set",  "run.duration=500", "-o",        "a"};
   for (const int signal : {SIGINT, SIGTERM}) {
     Conditions conditions;
     conditions.then = [&](pid_t child) {
@@ -310,7 +311,7 @@ TEST_F(SweepCommand, ASignalLeavesWhatIsDone) {
   EXPECT_GT(before, 0);
   EXPECT_EQ(sweep(options).status, 0);
   const Json performance = Json::parse(file("a/sweep.json"))["performance"];
-  EXPECT_EQ(performance["rows_of_this_process"], 400 - before);
+  EXPECT_EQ(performance["rows_of_this_process"], 4000 - before);
   std::vector<std::string> other = options;
   other.back() = "b";
   EXPECT_EQ(sweep(other).status, 0);
