@@ -320,7 +320,7 @@ TEST_F(SweepCommand, ASignalLeavesWhatIsDone) {
 
 /// Killed again and again at random moments, and repeated: as if it had been left alone.
 TEST_F(SweepCommand, KilledAndRepeatedItIsTheSame) {
-  std::vector<std::string> options = {"--over",    "v=1e-3:1e-1:400",
+  std::vector<std::string> options = {"--over",    "v=1e-3:1e-1:2000",
                                       "--over",    "force.driver.stiffness=2,3,-1",
                                       "--threads", "2",
                                       "-o",        "a"};
