@@ -31,6 +31,7 @@
 #include "framework/scene/text.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/journal.hpp"
+#include "framework/study/sweep/line_end.hpp"
 #include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/runner.hpp"
 
@@ -45,6 +46,7 @@ struct SweepArguments : SceneOptions {
   std::optional<std::string> folder;
   std::size_t threads = 0;  ///< 0: one for each processor
   std::optional<std::string> trace;
+  bool continues = false;
   bool dry_run = false;
   bool force = false;
   bool quiet = false;
@@ -58,6 +60,17 @@ for each point with the values, the observables and how the run ended. The last 
   --over k=1:5:9               9 values from 1 to 5, equally spaced
   --over v=1e-4:1e-1:31:log    31 values, equally spaced in the logarithm
   --zip k,v                    these axes take their values together, and are one axis
+
+With --continue-from-neighbour a point starts where the one before it along the last axis has ended,
+as in a measurement that goes up and down:
+
+  tomlin sweep pt.toml --over force.push.force=[0.0],[0.5],[1.0],[0.5],[0.0] \
+      --continue-from-neighbour --observable tip.centre_of_mass.x
+
+The first value of that axis starts from the scene's start, each next one with the positions,
+velocities and internal variables that the one before has ended with, its drivers where they were,
+at the velocities that the scene now gives them. Time, window and integrals begin at 0, reversals
+anew. A point whose neighbour has not finished is refused.
 
 NAME is a parameter or a dotted path, as in --set. The ends of a grid are exact; the values between
 them are the doubles nearest to those of the formulas, on every machine.
@@ -74,7 +87,7 @@ A scene may have the same in a table, which these options replace:
   over = { v = "1e-3:1e-1:21:log", "run.integrator.dt" = [1e-2, 5e-3] }
   observables = ["driver.mean_force.x"]
 
-A row has the bits of tomlin run with the same --set. A point that the scene refuses, or that fails,
+A row has the bits of tomlin run with the same --set, where it does not continue. A point that the scene refuses, or that fails,
 is a row with its reason. DIR then holds
   sweep.csv       a row for each point
   sweep.h5        the same as arrays over the axes, netCDF-4: xarray.open_dataset opens it
@@ -82,7 +95,8 @@ is a row with its reason. DIR then holds
   scene.toml      the scene with all defaults and [sweep]
   sweep.journal   a record for each point that has ended
   sweep.points/   the results of tomlin run for the rows of --trace (0,5-7, or all); while the sweep
-                  goes on, checkpoints of points that take longer than [run] checkpoint_every
+                  goes on, checkpoints of points that take longer than [run] checkpoint_every, and
+                  ends that others continue from
 
 Ctrl-C ends a sweep early. A sweep that was stopped or killed is continued by the same command:
 points with a row are not run again, those with a checkpoint resume from it, and the results have the
@@ -112,6 +126,8 @@ void add_options(CLI::App& parser, SweepArguments& arguments) {
       ->type_name("NAME,NAME")
       ->option_text("NAME,NAME ...")
       ->allow_extra_args(false);
+  parser.add_flag("--continue-from-neighbour", arguments.continues,
+                  "each point starts where the one before it along the last axis has ended");
   add_observable_option(parser, arguments.observables);
   add_output_option(parser, arguments.folder, "DIR",
                     "folder for the results; SCENE's stem + .sweep.out");
@@ -187,6 +203,7 @@ SweepSettings settings_of(const SceneDocument& document, const SweepArguments& a
       settings.zips.push_back({names_in(zip), Place{"--zip"}});
     }
   }
+  settings.continues = settings.continues || arguments.continues;
   if (!arguments.observables.empty()) {
     settings.observables = arguments.observables;
     settings.observables_place = Place{"--observable"};
@@ -247,11 +264,13 @@ void remove_points(const fs::path& folder) {
   std::vector<fs::path> entries;
   for (const auto& entry : fs::directory_iterator(folder, error)) entries.push_back(entry.path());
   for (const fs::path& entry : entries) {
-    // K/ and K.store, and what a kill has left of the latter.
+    // K/, K.store and K.line, and what a kill has left of the latter two.
     const std::string name = entry.filename().string();
     const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
     const std::string rest = digits == 0 ? "-" : name.substr(digits);
-    if (rest == ".store" || rest == unfinished(".store")) fs::remove(entry, error);
+    for (const char* suffix : {".store", kLineEndSuffix}) {
+      if (rest == suffix || rest == unfinished(suffix)) fs::remove(entry, error);
+    }
     if (!rest.empty() || !fs::is_directory(fs::symlink_status(entry, error))) continue;
     for (const char* file : kFilesOfARun) fs::remove(entry / file, error);
     fs::remove(entry, error);
@@ -317,6 +336,11 @@ int sweep(const SweepArguments& arguments) {
   std::vector<Fault> faults;
   std::vector<std::size_t> traced;
   if (arguments.trace) traced = rows_in(*arguments.trace, plan.points(), faults);
+  if (arguments.trace && plan.line() > 1) {
+    faults.emplace_back(FaultCode::command_conflict, Place{"--trace"}, "", "",
+                        "a point that continues from its neighbour is no run of its own",
+                        "no --continue-from-neighbour beside it");
+  }
   if (!faults.empty()) throw InputError(std::move(faults));
   const std::size_t threads = arguments.threads > 0
                                   ? arguments.threads

@@ -20,6 +20,7 @@
 #include "framework/run/observables.hpp"
 #include "framework/study/accuracy.hpp"
 #include "framework/study/methods.hpp"
+#include "framework/study/sweep/line_end.hpp"
 #include "framework/study/sweep/point_checkpoint.hpp"
 #include "framework/study/sweep/trace.hpp"
 
@@ -92,7 +93,7 @@ RunResult resumed(const std::shared_ptr<const Scene>& scene, RunOptions options,
 class SweepWork {
  public:
   SweepWork(const SweepPlan& plan, SweepRows& rows, const SweepOptions& options)
-      : plan_(plan), rows_(rows), options_(options), queue_(plan.points(), rows) {
+      : plan_(plan), rows_(rows), options_(options), queue_(plan, rows) {
     progress_.points = plan.points();
     progress_.traces_left = options.traced.size();
     for (std::size_t k = 0; k < plan.points(); ++k) progress_.before += rows.has(k) ? 1 : 0;
@@ -130,14 +131,7 @@ class SweepWork {
       while (!halt_) {
         const std::vector<std::size_t> points = queue_.take(1);
         if (points.empty()) break;
-        const auto row = run_point(plan_, points.front(), &halt_, options_.folder);
-        if (!row) break;
-        rows_.keep(points.front(), *row);
-        if (!options_.folder.empty()) {
-          PointCheckpoint::remove(PointCheckpoint::file_of(options_.folder, points.front()));
-        }
-        const std::lock_guard lock(mutex_);
-        ++progress_.done[static_cast<std::size_t>(row->status)];
+        if (plan_.line() > 1 ? !run_line(points) : !run_alone(points.front())) break;
       }
       trace();
     } catch (...) {
@@ -148,6 +142,52 @@ class SweepWork {
     const std::lock_guard lock(mutex_);
     --running_;
     ended_.notify_one();
+  }
+
+  /// False where it was stopped.
+  bool run_alone(std::size_t point) {
+    const auto row = run_point(plan_, point, &halt_, options_.folder);
+    if (row) keep(point, *row);
+    return row.has_value();
+  }
+
+  /// These points of a line, and again those before them whose end is not known any more. False
+  /// where it was stopped.
+  bool run_line(const std::vector<std::size_t>& points) {
+    const std::size_t first = points.front() / plan_.line() * plan_.line();
+    LineEnd end(plan_, first, points.front(), options_.folder);
+    for (std::size_t point = end.next();; point = end.next()) {
+      FinalState state;
+      const auto row = run_from(end.before(), point, state);
+      if (!row) {
+        end.write();
+        return false;
+      }
+      const bool is_last = point == points.back();
+      if (is_last) end.remove();
+      if (std::binary_search(points.begin(), points.end(), point)) keep(point, *row);
+      if (is_last) return true;
+      end.pass(std::move(state));
+    }
+  }
+
+  std::optional<SweepRow> run_from(const FinalState* before, std::size_t point, FinalState& end) {
+    if (before != nullptr && !before->known()) {
+      return row_without_numbers(
+          plan_, SweepStatus::refused,
+          fmt::format("the point before it, row {}, has not finished and left no end to start from",
+                      point - 1));
+    }
+    return run_point(plan_, point, &halt_, options_.folder, before, &end);
+  }
+
+  void keep(std::size_t point, const SweepRow& row) {
+    rows_.keep(point, row);
+    if (!options_.folder.empty()) {
+      PointCheckpoint::remove(PointCheckpoint::file_of(options_.folder, point));
+    }
+    const std::lock_guard lock(mutex_);
+    ++progress_.done[static_cast<std::size_t>(row.status)];
   }
 
   /// The traces that no other thread has begun.
@@ -197,8 +237,10 @@ class SweepWork {
 std::vector<std::size_t> SweepQueue::take(std::size_t most) {
   const std::lock_guard lock(mutex_);
   std::vector<std::size_t> taken;
-  for (; next_ < points_ && taken.size() < most; ++next_) {
-    if (!rows_.has(next_)) taken.push_back(next_);
+  while (next_ < points_ && taken.size() < most) {
+    for (const std::size_t end = next_ + line_; next_ < end; ++next_) {
+      if (!rows_.has(next_)) taken.push_back(next_);
+    }
   }
   return taken;
 }
@@ -209,12 +251,15 @@ std::size_t SweepProgress::with_row() const {
 
 std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
                                   const std::atomic<bool>* stop,
-                                  const std::filesystem::path& checkpoints) {
+                                  const std::filesystem::path& checkpoints,
+                                  const FinalState* start_from, FinalState* final_state) {
   try {
     const auto scene = plan.scene_at(point);
     RunOptions options;
     options.stop = stop;
     options.observables = plan.paths();
+    options.start_from = start_from;
+    options.final_state = final_state;
     std::optional<PointCheckpoint> checkpoint;
     if (!checkpoints.empty()) {
       checkpoint.emplace(PointCheckpoint::file_of(checkpoints, point),

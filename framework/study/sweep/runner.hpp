@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "framework/model/final_state.hpp"
 #include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/row.hpp"
 
@@ -17,14 +18,17 @@ namespace tomlin {
 /// The points that are still to be run, in their order. Safe to call from several threads.
 class SweepQueue {
  public:
-  SweepQueue(std::size_t points, const SweepRows& rows) : points_(points), rows_(rows) {}
+  SweepQueue(const SweepPlan& plan, const SweepRows& rows)
+      : points_(plan.points()), line_(plan.line()), rows_(rows) {}
 
-  /// Up to so many points that have no row; none: the queue is empty.
+  /// Up to so many points that have no row, and all others of the last one's line; none: the queue
+  /// is empty.
   std::vector<std::size_t> take(std::size_t most);
 
  private:
   std::mutex mutex_;
   std::size_t points_;
+  std::size_t line_;
   const SweepRows& rows_;
   std::size_t next_ = 0;
 };
@@ -44,8 +48,8 @@ struct SweepProgress {
 struct SweepOptions {
   std::size_t threads = 1;
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal: rows so far are kept
-  /// A folder for the checkpoints of points that take long, NUMBER.store, and for traces, NUMBER/;
-  /// none: points start again.
+  /// A folder for the checkpoints of points that take long, NUMBER.store, of lines, NUMBER.line,
+  /// and for traces, NUMBER/; none: points start again.
   std::filesystem::path folder = {};
   /// Points of which all results of a run are left there as well.
   std::vector<std::size_t> traced = {};
@@ -56,10 +60,13 @@ struct SweepOptions {
 /// The row of a point; nothing when it was stopped. What a scene refuses and how a run fails is in
 /// the row. A checkpoint of the point stays until its row is kept. Throws std::bad_alloc: another
 /// time, or in fewer threads, there may be the memory. With a folder, a run that is stopped or
-/// takes longer than `[run] checkpoint_every` leaves there what the next one resumes from.
+/// takes longer than `[run] checkpoint_every` leaves there what the next one resumes from. The last
+/// two as in RunOptions.
 std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
                                   const std::atomic<bool>* stop = nullptr,
-                                  const std::filesystem::path& checkpoints = {});
+                                  const std::filesystem::path& checkpoints = {},
+                                  const FinalState* start_from = nullptr,
+                                  FinalState* final_state = nullptr);
 
 /// Runs every point that has no row, and keeps what it gives. A point that is stopped leaves no
 /// row. Throws what SweepRows throws, once all threads have ended.
