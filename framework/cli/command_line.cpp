@@ -29,7 +29,6 @@ struct LaterCommand {
 
 constexpr std::array kLaterCommands = {
     LaterCommand{"stability", "thresholds and equilibria"},
-    LaterCommand{"merge", "the parts of a sweep into one"},
     LaterCommand{"export", "input files for LAMMPS"},
     LaterCommand{"report", "a web page of a run"},
 };

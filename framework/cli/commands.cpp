@@ -6,6 +6,7 @@ namespace tomlin {
 #define TOMLIN_COMMANDS(RECORD) \
   RECORD(run_command)           \
   RECORD(sweep_command)         \
+  RECORD(merge_command)         \
   RECORD(tradeoff_command)      \
   RECORD(compare_command)       \
   RECORD(explain_command)       \

@@ -38,27 +38,31 @@ std::vector<Input> inputs_of(const Scene& scene) {
 }
 
 /// A scene may be run again in the folder it was found in, but never be replaced by another.
-bool stays_the_same(const fs::path& file, const Scene& scene) {
-  if (file.filename() != kSceneFile) return false;
-  const std::size_t size = scene.effective_toml.size();
-  return read_text_file(file, size).text == scene.effective_toml;
+bool stays_the_same(const fs::path& file, const std::string& scene_text) {
+  return file.filename() == kSceneFile &&
+         read_text_file(file, scene_text.size()).text == scene_text;
 }
 
 }  // namespace
 
 void refuse_to_lose_inputs(const RunFolder& folder, const Scene& scene,
-                           std::span<const char* const> names) {
+                           std::span<const char* const> names, const std::string& scene_text) {
   for (const Input& input : inputs_of(scene)) {
     for (const char* name : names) {
       for (const fs::path& file : {folder.file(name), unfinished(folder.file(name))}) {
         std::error_code error;
-        if (!fs::equivalent(file, input.path, error) || stays_the_same(file, scene)) continue;
+        if (!fs::equivalent(file, input.path, error) || stays_the_same(file, scene_text)) continue;
         refuse_input(FaultCode::file_exists, "-o", folder.path().string(),
                      fmt::format("the results would replace {}: {}", input.what, file.string()),
                      "another folder");
       }
     }
   }
+}
+
+void refuse_to_lose_inputs(const RunFolder& folder, const Scene& scene,
+                           std::span<const char* const> names) {
+  refuse_to_lose_inputs(folder, scene, names, scene.effective_toml);
 }
 
 }  // namespace tomlin

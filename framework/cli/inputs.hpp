@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "framework/output/run_folder.hpp"
 #include "framework/scene/scene.hpp"
@@ -8,7 +9,10 @@
 namespace tomlin {
 
 /// Throws InputError where results with these names would replace what the scene reads, or the
-/// scene itself: only a run may, and then by the same text.
+/// scene itself: that may be replaced by the same text only, which is what `scene.toml` will hold.
+void refuse_to_lose_inputs(const RunFolder& folder, const Scene& scene,
+                           std::span<const char* const> names, const std::string& scene_text);
+/// The same where `scene.toml` is the effective scene.
 void refuse_to_lose_inputs(const RunFolder& folder, const Scene& scene,
                            std::span<const char* const> names);
 

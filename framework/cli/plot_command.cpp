@@ -35,7 +35,9 @@
 #include "framework/plot/result_figure.hpp"
 #include "framework/plot/slips_figure.hpp"
 #include "framework/plot/stored_run.hpp"
+#include "framework/plot/stored_sweep.hpp"
 #include "framework/plot/surface_figure.hpp"
+#include "framework/plot/sweep_figure.hpp"
 #include "framework/run/run.hpp"
 #include "framework/scene/text.hpp"
 #include "framework/standard_registry.hpp"
@@ -52,9 +54,10 @@ struct PlotArguments {
   std::vector<std::vector<std::string>> y;  ///< the same taken apart; empty: WHAT's own
   std::optional<double> from;
   std::optional<double> to;
-  std::vector<std::string> moments;  ///< --at as given
-  std::vector<double> at;            ///< the same as numbers
-  std::string driver;                ///< empty: the only one
+  std::vector<std::string> moments;                        ///< --at as given
+  std::vector<double> at;                                  ///< the same as numbers
+  std::vector<std::pair<std::string, std::string>> fixed;  ///< those that are NAME=VALUE
+  std::string driver;                                      ///< empty: the only one
   std::string body;
   std::string title;
   std::vector<std::string> labels;  ///< one for each DIR; empty: by what differs
@@ -65,7 +68,8 @@ struct PlotArguments {
   std::optional<std::size_t> bins;
   std::string result;
   std::string against;
-  std::string logarithmic;  ///< "x", "y" or "xy"; empty: no axis
+  std::string minimum_along;
+  std::string logarithmic;  ///< "x", "y", "xy" or "none"; empty: not given
   std::string extent;       ///< --size as given
   std::string font;         ///< --font as given
   std::optional<FigureSize> size;
@@ -104,6 +108,8 @@ constexpr std::array kSpecialFigures = {
 };
 constexpr std::string_view kOptionsOfCurves = "--x --y --from --to --log --driver --body --label ";
 constexpr std::string_view kOptionsOfResults = "--result --against --log ";
+constexpr std::string_view kOptionsOfSweeps =
+    "--x --y --value --minimum-along --at --result --against --log ";
 
 constexpr const char* kPlotFooter = R"(
 The first word is a folder; another folder that is called like a figure is written with a slash, ring/.
@@ -356,35 +362,43 @@ std::vector<std::string> labels_of(const std::vector<StoredRun>& runs,
 }
 
 /// Refuses options that the figure has no use for.
-void check_options(const std::string& what, const PlotArguments& arguments) {
+void check_options(const std::string& what, bool of_sweep, const PlotArguments& arguments) {
   const SpecialFigure* special = find_special(what);
   const bool results = !arguments.result.empty() || !arguments.against.empty();
-  const std::string_view admissible = special != nullptr ? special->options
-                                      : results          ? kOptionsOfResults
-                                                         : kOptionsOfCurves;
+  const std::string_view admissible = of_sweep             ? kOptionsOfSweeps
+                                      : special != nullptr ? special->options
+                                      : results            ? kOptionsOfResults
+                                                           : kOptionsOfCurves;
   const auto check = [&](const char* option, bool given) {
     if (!given || admissible.find(std::string(option) + " ") != std::string_view::npos) return;
     refuse_option(FaultCode::command_conflict, option,
-                  fmt::format("not for {}", special != nullptr ? special->name
-                                            : results          ? "results"
-                                                               : "curves"),
+                  fmt::format("not for {}", of_sweep             ? "sweeps"
+                                            : special != nullptr ? special->name
+                                            : results            ? "results"
+                                                                 : "curves"),
                   std::string(admissible.substr(0, admissible.size() - 1)));
   };
   check("--x", !arguments.x.empty());
   check("--y", !arguments.y.empty());
   check("--from", arguments.from.has_value());
   check("--to", arguments.to.has_value());
-  check("--at", !arguments.at.empty());
+  check("--at", !arguments.moments.empty());
   check("--driver", !arguments.driver.empty());
   check("--body", !arguments.body.empty());
   check("--label", !arguments.labels.empty());
   check("--value", !arguments.value.empty());
+  check("--minimum-along", !arguments.minimum_along.empty());
   check("--scan", !arguments.scan.empty());
   check("--pixels", arguments.pixels.has_value());
   check("--bins", arguments.bins.has_value());
   check("--result", !arguments.result.empty());
   check("--against", !arguments.against.empty());
   check("--log", !arguments.logarithmic.empty());
+  if (of_sweep ? !arguments.at.empty() : !arguments.fixed.empty()) {
+    refuse_option(FaultCode::command_invalid_value, "--at",
+                  of_sweep ? "a sweep has axes, and no moments" : "only a sweep has axes",
+                  of_sweep ? "NAME=VALUE" : "moments, which are numbers");
+  }
   if (!what.empty() && special == nullptr && (results || !arguments.y.empty())) {
     refuse_option(
         FaultCode::command_conflict, what,
@@ -502,8 +516,44 @@ Figure drawn(const std::vector<StoredRun>& runs, const std::string& what,
   return drawn_curves(runs, what, arguments, notes);
 }
 
+Figure drawn_sweep(const PlotArguments& arguments, std::vector<std::string>& notes) {
+  if (arguments.words.size() > 1) {
+    refuse_option(FaultCode::command_conflict, arguments.words[1],
+                  "a sweep is drawn alone, and its axes say what its figure is", "one folder");
+  }
+  check_options("", true, arguments);
+  const auto one_of = [](const char* option, bool first, bool second) {
+    if (!first || !second) return;
+    refuse_option(FaultCode::command_conflict, option, "given in two ways", "one of them");
+  };
+  one_of("--result, --y", !arguments.result.empty(), !arguments.y.empty());
+  one_of("--against, --x", !arguments.against.empty(), !arguments.x.empty());
+  if (!arguments.against.empty()) require_option(arguments.result, "--result", "--against");
+  SweepRequest request;
+  request.x = arguments.against.empty() ? arguments.x : arguments.against;
+  request.y = arguments.y;
+  if (!arguments.result.empty()) request.y = {{arguments.result}};
+  request.value = arguments.value;
+  request.minimum_along = arguments.minimum_along;
+  request.at = arguments.fixed;
+  if (!arguments.logarithmic.empty()) request.log = arguments.logarithmic;
+  request.width = arguments.width();
+  return sweep_figure(read_stored_sweep(arguments.words.front()), request, notes);
+}
+
+Figure drawn_runs(const PlotArguments& arguments, std::vector<std::string>& notes) {
+  const Words words = sorted(arguments.words);
+  check_options(words.what, false, arguments);
+  const bool with_samples = words.what != kSlipsFigure && arguments.result.empty();
+  std::vector<StoredRun> runs = read_runs(words.folders, with_samples, notes);
+  if (arguments.labels.empty()) runs = in_order_of_parameters(std::move(runs));
+  return drawn(runs, words.what, arguments, notes);
+}
+
 void add_options(CLI::App& parser, PlotArguments& arguments) {
-  parser.add_option("DIR", arguments.words, "folders of runs; and WHAT to draw, force by default")
+  parser
+      .add_option("DIR", arguments.words,
+                  "folders of runs, and WHAT to draw, force by default; or of one sweep")
       ->option_text("... [WHAT]")
       ->required();
   parser.add_option("-o,--output", arguments.file, "the picture: .svg, .png or .pdf")
@@ -519,7 +569,8 @@ void add_options(CLI::App& parser, PlotArguments& arguments) {
   parser.add_option("--to", arguments.to, "where it ends")->type_name("X");
   parser
       .add_option("--at", arguments.moments,
-                  "moments to show a ring at: times, or values of --x; five by default")
+                  "moments to show a ring at: times, or values of --x; five by default. Of a "
+                  "sweep NAME=VALUE: the one value of an axis that is shown")
       ->type_name("T[,T]")
       ->allow_extra_args(false);
   parser.add_option("--driver", arguments.driver, "which one, where there are several")
@@ -531,8 +582,13 @@ void add_options(CLI::App& parser, PlotArguments& arguments) {
       ->allow_extra_args(false);
   parser
       .add_option("--value", arguments.value,
-                  "what a raster shows; of slips size (by default), peak_force or energy")
+                  "what a raster or the map of a sweep shows; of slips size (by default), "
+                  "peak_force or energy")
       ->type_name("VALUE");
+  parser
+      .add_option("--minimum-along", arguments.minimum_along,
+                  "on the map of a sweep: a line through the points of least VALUE along this axis")
+      ->type_name("NAME");
   parser
       .add_option("--scan", arguments.scan,
                   "the samples of a raster at which X rises, or falls; both by default")
@@ -550,7 +606,9 @@ void add_options(CLI::App& parser, PlotArguments& arguments) {
   parser
       .add_option("--against", arguments.against, "the parameter or result that it is drawn over")
       ->type_name("NAME");
-  parser.add_option("--log", arguments.logarithmic, "logarithmic axes: x, y or xy")
+  parser
+      .add_option("--log", arguments.logarithmic,
+                  "logarithmic axes: x, y, xy or none; of a sweep as its grids are spaced")
       ->type_name("AXES");
   parser
       .add_option("--size", arguments.extent,
@@ -566,7 +624,12 @@ void check(PlotArguments& arguments) {
   for (const std::string& panel : arguments.panels) arguments.y.push_back(parts_of(panel, "--y"));
   for (const std::string& list : arguments.moments) {
     for (const std::string& moment : parts_of(list, "--at")) {
-      arguments.at.push_back(finite_number(moment, "--at"));
+      const std::size_t equals = moment.find('=');
+      if (equals == std::string::npos) {
+        arguments.at.push_back(finite_number(moment, "--at"));
+      } else {
+        arguments.fixed.emplace_back(moment.substr(0, equals), moment.substr(equals + 1));
+      }
     }
   }
   constexpr double kSmallestFigure = 50.0;  // points
@@ -587,9 +650,9 @@ void check(PlotArguments& arguments) {
                    fmt::format("1 to {}", kMostBins));
   }
   const std::string& axes = arguments.logarithmic;
-  if (!axes.empty() && axes != "x" && axes != "y" && axes != "xy") {
+  if (!axes.empty() && axes != "x" && axes != "y" && axes != "xy" && axes != "none") {
     refuse_command(FaultCode::command_invalid_value, fmt::format("--log: \"{}\"", axes),
-                   "x, y or xy");
+                   "x, y, xy or none");
   }
   if (!arguments.scan.empty() && !value_named<ScanDirection>(arguments.scan)) {
     refuse_command(FaultCode::command_invalid_value, fmt::format("--scan: \"{}\"", arguments.scan),
@@ -606,13 +669,10 @@ void check(PlotArguments& arguments) {
 int plot(const PlotArguments& arguments) {
   const PictureFormat format = format_of(arguments.file);
   refuse_unwritable(arguments.file);
-  const Words words = sorted(arguments.words);
-  check_options(words.what, arguments);
   std::vector<std::string> notes;
-  const bool with_samples = words.what != kSlipsFigure && arguments.result.empty();
-  std::vector<StoredRun> runs = read_runs(words.folders, with_samples, notes);
-  if (arguments.labels.empty()) runs = in_order_of_parameters(std::move(runs));
-  Figure figure = drawn(runs, words.what, arguments, notes);
+  const std::string& first = arguments.words.front();
+  const bool of_sweep = !holds_run(first) && holds_sweep(first);
+  Figure figure = of_sweep ? drawn_sweep(arguments, notes) : drawn_runs(arguments, notes);
   figure.title = arguments.title;
   figure.size = arguments.size;
   figure.font = arguments.named_font;

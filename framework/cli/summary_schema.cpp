@@ -153,6 +153,9 @@ std::string sweep_summary_schema() {
                                           {"points", count},
                                           {"first", count}}))},
        {"performance", object()}}));
+  schema["properties"]["shard"] = all_of({{"number", count}, {"of", count}, {"points", count}});
+  schema["properties"]["shard"]["description"] =
+      "of --shard: which part of the points this is, and how many; counts and warnings are its own";
   return schema.dump(2) + "\n";
 }
 

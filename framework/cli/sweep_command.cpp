@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <csignal>
 #include <cstddef>
@@ -23,15 +22,14 @@
 #include "framework/cli/print_result.hpp"
 #include "framework/cli/progress.hpp"
 #include "framework/cli/stop_signals.hpp"
+#include "framework/cli/sweep_folder.hpp"
 #include "framework/cli/sweep_text.hpp"
 #include "framework/core/text/fault.hpp"
-#include "framework/output/output_file.hpp"
-#include "framework/output/record.hpp"
 #include "framework/output/run_folder.hpp"
+#include "framework/output/sweep_files.hpp"
 #include "framework/scene/text.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/journal.hpp"
-#include "framework/study/sweep/line_end.hpp"
 #include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/runner.hpp"
 
@@ -47,6 +45,7 @@ struct SweepArguments : SceneOptions {
   std::size_t threads = 0;  ///< 0: one for each processor
   std::optional<std::string> trace;
   bool continues = false;
+  std::optional<std::string> shard;
   bool dry_run = false;
   bool force = false;
   bool quiet = false;
@@ -98,6 +97,12 @@ is a row with its reason. DIR then holds
                   goes on, checkpoints of points that take longer than [run] checkpoint_every, and
                   ends that others continue from
 
+Several machines can share a sweep. --shard I/N, I from 1 to N, runs one of every N successive points
+in a folder of its own, and tomlin merge makes one sweep of the folders:
+
+  tomlin sweep pt.toml --shard "$SLURM_ARRAY_TASK_ID/10"        # of an array job, 1-10
+  tomlin merge pt.sweep.*-of-10.out -o pt.sweep.out
+
 Ctrl-C ends a sweep early. A sweep that was stopped or killed is continued by the same command:
 points with a row are not run again, those with a checkpoint resume from it, and the results have the
 bytes of a sweep that was left alone.
@@ -105,15 +110,10 @@ bytes of a sweep that was left alone.
 Exit status: 0 every point has a row; 1 the results could not be written; 2 the input was not right,
 and nothing was written; 130 or 143 after an interrupt.)";
 
-constexpr std::array kSweepFiles = {kSweepSummaryFile, kSweepTableFile, kSweepArraysFile,
-                                    kSweepJournalFile, kSceneFile};
-constexpr std::array kSweepResults = {kSweepSummaryFile, kSweepTableFile, kSweepArraysFile};
-
-/// With the checkpoints of points, while the sweep goes on.
-constexpr const char* kPointsFolder = "sweep.points";
-
-std::string default_sweep_folder(const std::string& scene_file) {
-  return fs::path(scene_file).stem().string() + ".sweep.out";
+std::string default_sweep_folder(const std::string& scene_file,
+                                 const std::optional<SweepPart>& shard) {
+  const std::string stem = fs::path(scene_file).stem().string() + ".sweep.";
+  return shard ? stem + fmt::format("{}-of-{}.out", shard->index + 1, shard->of) : stem + "out";
 }
 
 void add_options(CLI::App& parser, SweepArguments& arguments) {
@@ -130,13 +130,17 @@ void add_options(CLI::App& parser, SweepArguments& arguments) {
                   "each point starts where the one before it along the last axis has ended");
   add_observable_option(parser, arguments.observables);
   add_output_option(parser, arguments.folder, "DIR",
-                    "folder for the results; SCENE's stem + .sweep.out");
+                    "folder for the results; SCENE's stem + .sweep.out, or .sweep.I-of-N.out");
   parser.add_option("--threads", arguments.threads, "how many; one for each processor by default")
       ->type_name("N")
       ->check(CLI::Range(std::size_t{1}, std::size_t{4096}));
   parser
       .add_option("--trace", arguments.trace, "rows, counted from 0, whose full results are kept")
       ->type_name("ROWS");
+  parser
+      .add_option("--shard", arguments.shard,
+                  "run this part only of N, I = 1 to N; for tomlin merge")
+      ->type_name("I/N");
   parser.add_flag("--dry-run", arguments.dry_run,
                   "only show how many points there are and what they cost");
   add_force_option(parser, arguments.force,
@@ -252,30 +256,25 @@ std::vector<std::size_t> rows_in(const std::string& text, std::size_t points,
   return rows;
 }
 
-void remove_if_empty(const fs::path& folder) {
-  std::error_code error;
-  if (fs::is_directory(fs::symlink_status(folder, error))) fs::remove(folder, error);
-}
-
-/// Takes away what an earlier sweep has left of its points: nothing that others have put there.
-void remove_points(const fs::path& folder) {
-  std::error_code error;
-  if (!fs::is_directory(fs::symlink_status(folder, error))) return;
-  std::vector<fs::path> entries;
-  for (const auto& entry : fs::directory_iterator(folder, error)) entries.push_back(entry.path());
-  for (const fs::path& entry : entries) {
-    // K/, K.store and K.line, and what a kill has left of the latter two.
-    const std::string name = entry.filename().string();
-    const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
-    const std::string rest = digits == 0 ? "-" : name.substr(digits);
-    for (const char* suffix : {".store", kLineEndSuffix}) {
-      if (rest == suffix || rest == unfinished(suffix)) fs::remove(entry, error);
-    }
-    if (!rest.empty() || !fs::is_directory(fs::symlink_status(entry, error))) continue;
-    for (const char* file : kFilesOfARun) fs::remove(entry / file, error);
-    fs::remove(entry, error);
-  }
-  remove_if_empty(folder);
+/// "2/10": the second of ten parts. Adds a fault for anything else.
+std::optional<SweepPart> shard_of(const std::string& text, const SweepPlan& plan,
+                                  std::vector<Fault>& faults) {
+  const auto number = [](std::string_view digits) {
+    std::size_t value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    const bool whole = error == std::errc() && end == digits.data() + digits.size();
+    return whole && value <= kMostSweepPoints ? value : 0;
+  };
+  const std::string_view view = text;
+  const std::size_t slash = std::min(view.find('/'), view.size());
+  const std::size_t shard = number(view.substr(0, slash));
+  const std::size_t shards = number(view.substr(std::min(slash + 1, view.size())));
+  if (shard >= 1 && shard <= shards) return SweepPart{shard - 1, shards, plan.line()};
+  faults.emplace_back(
+      FaultCode::command_invalid_value, Place{"--shard"}, shortened(text, kLongestShownValue), "",
+      "not one of several parts",
+      fmt::format("I/N with I from 1 to N, at most {}: 1/4, 2/4, 3/4, 4/4", kMostSweepPoints));
+  return std::nullopt;
 }
 
 SweepPlan plan_of(SceneDocument document, const Registry& registry,
@@ -286,49 +285,6 @@ SweepPlan plan_of(SceneDocument document, const Registry& registry,
                    TOMLIN_VERSION, std::move(faults));
 }
 
-SweepJournal::Found found_in(const fs::path& folder, const SweepPlan& plan) {
-  try {
-    return SweepJournal::look(folder / kSweepJournalFile, plan);
-  } catch (const DamagedFile& error) {
-    refuse_input(FaultCode::file_damaged, "-o", folder.string(), error.what(),
-                 "another folder, or --force, which starts again");
-  }
-}
-
-/// A sweep that was begun with the same input is gone on with.
-Occupied occupied(const fs::path& folder, const SweepPlan& plan, const SweepArguments& arguments) {
-  if (arguments.force) return Occupied::replace_results;
-  std::error_code error;
-  if (!fs::exists(folder / kSweepJournalFile, error)) return Occupied::refuse;
-  switch (found_in(folder, plan)) {
-    case SweepJournal::Found::nothing:
-    case SweepJournal::Found::same_sweep:
-      return Occupied::go_on;
-    case SweepJournal::Found::other_sweep:
-      refuse_input(FaultCode::resume_other_scene, "-o", folder.string(),
-                   "this folder is of another sweep: of another scene, other axes or observables",
-                   "another folder, or --force, which replaces that sweep");
-    case SweepJournal::Found::other_version:
-      refuse_input(FaultCode::resume_other_version, "-o", folder.string(),
-                   "the sweep in this folder was begun with another version of tomlin",
-                   "that version, another folder, or --force, which starts again");
-  }
-  return Occupied::refuse;
-}
-
-bool holds_all_results(const RunFolder& folder) {
-  return std::all_of(kSweepFiles.begin(), kSweepFiles.end(),
-                     [&folder](const char* name) { return folder.holds(name); });
-}
-
-std::string where_the_sweep_is(const RunFolder& folder) {
-  std::string files;
-  for (const char* name : kSweepFiles) {
-    if (folder.holds(name)) files += (files.empty() ? "" : ", ") + std::string(name);
-  }
-  return (folder.path() / "").string() + ": " + files;
-}
-
 int sweep(const SweepArguments& arguments) {
   SceneDocument document(arguments.scene);
   const Registry registry = registry_with_plugins(arguments.plugins, {&document, 1});
@@ -336,20 +292,24 @@ int sweep(const SweepArguments& arguments) {
   std::vector<Fault> faults;
   std::vector<std::size_t> traced;
   if (arguments.trace) traced = rows_in(*arguments.trace, plan.points(), faults);
+  std::optional<SweepPart> shard;
+  if (arguments.shard) shard = shard_of(*arguments.shard, plan, faults);
   if (arguments.trace && plan.line() > 1) {
     faults.emplace_back(FaultCode::command_conflict, Place{"--trace"}, "", "",
                         "a point that continues from its neighbour is no run of its own",
                         "no --continue-from-neighbour beside it");
   }
   if (!faults.empty()) throw InputError(std::move(faults));
+  const SweepPart part = shard.value_or(SweepPart{});
+  std::erase_if(traced, [&part](std::size_t point) { return !part.has(point); });
   const std::size_t threads = arguments.threads > 0
                                   ? arguments.threads
                                   : std::max<std::size_t>(1, std::thread::hardware_concurrency());
-  if (arguments.dry_run) return print_result(sweep_plan_text(plan, threads));
+  if (arguments.dry_run) return print_result(sweep_plan_text(plan, threads, shard));
 
-  const fs::path path = arguments.folder.value_or(default_sweep_folder(arguments.scene));
-  RunFolder folder(path, occupied(path, plan, arguments), kSweepFiles);
-  refuse_to_lose_inputs(folder, plan.scene(), kSweepFiles);
+  const fs::path path = arguments.folder.value_or(default_sweep_folder(arguments.scene, shard));
+  RunFolder folder(path, occupied_by_sweep(path, plan, arguments.force), kSweepFiles);
+  refuse_to_lose_inputs(folder, plan.scene(), kSweepFiles, plan.scene_text());
   if (arguments.force) refuse_to_lose_inputs(folder, plan.scene(), kFilesOfARun);
   folder.own();
   // A full disk or a reader that went away is an error that is reported, not the end.
@@ -372,6 +332,7 @@ int sweep(const SweepArguments& arguments) {
     return print_result("finished already; nothing to do\n  results  " +
                         where_the_sweep_is(folder) + "\n");
   }
+  if (had_all && is_complete) shard.reset();  // the results are those of the whole sweep
   if (!is_complete) {
     for (const char* name : kSweepResults) folder.remove(name);
   }
@@ -379,6 +340,7 @@ int sweep(const SweepArguments& arguments) {
 
   SweepOptions options;
   options.threads = threads;
+  options.part = part;
   options.folder = folder.file(kPointsFolder);
   options.traced = traced;
   options.stop = &signals.stop();
@@ -391,15 +353,13 @@ int sweep(const SweepArguments& arguments) {
   std::optional<SweepCounts> counts;
   if (progress.complete()) {
     remove_if_empty(folder.file(kPointsFolder));
-    counts = count_rows(plan, journal);
-    write_sweep_table(folder.file(kSweepTableFile), plan, journal);
-    write_sweep_arrays(folder.file(kSweepArraysFile), plan, journal);
+    counts = shard ? count_rows(plan, journal, part) : write_sweep_results(folder, plan, journal);
   }
   const SweepCounts* const known = counts ? &*counts : nullptr;
-  folder.write_file(kSweepSummaryFile, sweep_json(plan, progress, known, threads));
+  folder.write_file(kSweepSummaryFile, sweep_json(plan, progress, known, threads, shard));
   int status = kExitDone;
   if (!arguments.quiet) {
-    status = print_result(sweep_text(plan, progress, known, where_the_sweep_is(folder)));
+    status = print_result(sweep_text(plan, progress, known, where_the_sweep_is(folder), shard));
   }
   const bool is_done = counts && progress.traces_left == 0;
   return is_done ? status : kExitSignal + signals.caught();

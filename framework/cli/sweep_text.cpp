@@ -71,12 +71,44 @@ std::string continued_text(const SweepPlan& plan) {
                      plan.axes()[plan.dimensions().back().axes.front()].name);
 }
 
-std::string axes_and_observables(const SweepPlan& plan) {
-  return result_row("points", shape_text(plan)) +
+std::string shard_row(const SweepPlan& plan, const std::optional<SweepPart>& shard) {
+  if (!shard) return "";
+  return result_row("shard", fmt::format("{} of {}: {} of these points", shard->index + 1,
+                                         shard->of, shard->size(plan.points())));
+}
+
+std::string axes_and_observables(const SweepPlan& plan, const std::optional<SweepPart>& shard) {
+  return result_row("points", shape_text(plan)) + shard_row(plan, shard) +
          result_row("over", some_of(plan.axes(), [](const SweepAxis& axis) { return axis.name; }) +
                                 continued_text(plan)) +
          result_row("observables", some_of(plan.observables(),
                                            [](const SweepObservable& one) { return one.name; }));
+}
+
+/// "4 points finished, 1 failed"
+std::string counts_text(const SweepCounts& counts) {
+  std::string text = fmt::format("{} points finished", counts.of(SweepStatus::finished));
+  for (const SweepStatus status : {SweepStatus::failed, SweepStatus::refused}) {
+    if (counts.of(status) > 0) {
+      text += fmt::format(", {} {}", counts.of(status), to_string(status));
+    }
+  }
+  return text + "\n";
+}
+
+/// The first point without numbers, and the warnings.
+std::string remarks(const SweepPlan& plan, const SweepCounts& counts) {
+  std::string text;
+  if (!counts.reason.empty()) {
+    text += result_row(
+        "first", fmt::format("point {}, {}: {}", counts.first_without_numbers,
+                             settings_text(plan, counts.first_without_numbers), counts.reason));
+  }
+  for (const auto& [code, warned] : counts.warnings) {
+    text += result_row("warning", fmt::format("{} at {} points, the first is {}", id_of(code),
+                                              warned.points, warned.first));
+  }
+  return text;
 }
 
 Json axis_entry(const SweepPlan& plan, std::size_t axis) {
@@ -126,44 +158,50 @@ std::string sweep_progress_text(const SweepProgress& progress) {
 }
 
 std::string sweep_text(const SweepPlan& plan, const SweepProgress& progress,
-                       const SweepCounts* counts, const std::string& where) {
+                       const SweepCounts* counts, const std::string& where,
+                       const std::optional<SweepPart>& shard) {
   std::string text;
   if (counts == nullptr) {
     text = fmt::format("interrupted with {} of {} points; the same command goes on\n",
                        progress.with_row(), progress.points);
   } else {
-    text = fmt::format("{} points finished", counts->of(SweepStatus::finished));
-    for (const SweepStatus status : {SweepStatus::failed, SweepStatus::refused}) {
-      if (counts->of(status) > 0) {
-        text += fmt::format(", {} {}", counts->of(status), to_string(status));
-      }
-    }
-    text += "\n";
+    text = counts_text(*counts);
     if (progress.traces_left > 0) {
       text += fmt::format("interrupted with {} traces left; the same command goes on\n",
                           progress.traces_left);
     }
   }
-  text += axes_and_observables(plan);
-  if (counts != nullptr) {
-    if (!counts->reason.empty()) {
-      text += result_row(
-          "first", fmt::format("point {}, {}: {}", counts->first_without_numbers,
-                               settings_text(plan, counts->first_without_numbers), counts->reason));
-    }
-    for (const auto& [code, warned] : counts->warnings) {
-      text += result_row("warning", fmt::format("{} at {} points, the first is {}", id_of(code),
-                                                warned.points, warned.first));
-    }
-  }
+  text += axes_and_observables(plan, shard);
+  if (counts != nullptr) text += remarks(plan, *counts);
   text += result_row(
       "time", fmt::format("{} for {} points, {:.3g} points/s", duration_text(progress.seconds),
                           progress.with_row() - progress.before, rate_of(progress)));
   return text + result_row("results", where);
 }
 
+std::string merge_text(const SweepPlan& plan, const SweepProgress& progress,
+                       const SweepCounts* counts, std::size_t first_missing,
+                       const std::string& where) {
+  std::string text;
+  if (counts != nullptr) {
+    text = counts_text(*counts);
+  } else {
+    text = fmt::format("{} of {} points are missing\n", progress.points - progress.with_row(),
+                       progress.points);
+  }
+  text += axes_and_observables(plan, std::nullopt);
+  if (counts != nullptr) {
+    text += remarks(plan, *counts);
+  } else {
+    text += result_row("missing", fmt::format("first point {}, {}", first_missing,
+                                              settings_text(plan, first_missing)));
+  }
+  return text + result_row("results", where);
+}
+
 std::string sweep_json(const SweepPlan& plan, const SweepProgress& progress,
-                       const SweepCounts* counts, std::size_t threads) {
+                       const SweepCounts* counts, std::size_t threads,
+                       const std::optional<SweepPart>& shard) {
   const std::string scene = plan.scene_text();
   Json json;
   json["status"] = to_string(counts != nullptr ? RunStatus::finished : RunStatus::interrupted);
@@ -184,6 +222,10 @@ std::string sweep_json(const SweepPlan& plan, const SweepProgress& progress,
   }
   json["continue_from_neighbour"] = plan.line() > 1;
   json["points"] = plan.points();
+  if (shard) {
+    json["shard"] = {
+        {"number", shard->index + 1}, {"of", shard->of}, {"points", shard->size(plan.points())}};
+  }
   json["counts"] = Json::object();
   if (counts != nullptr) {
     for (std::size_t k = 0; k < kSweepStatuses; ++k) {
@@ -212,12 +254,20 @@ std::string sweep_json(const SweepPlan& plan, const SweepProgress& progress,
   return json_text(json);
 }
 
-std::string sweep_plan_text(const SweepPlan& plan, std::size_t threads) {
-  std::string text = "nothing is run or written\n" + axes_and_observables(plan);
-  text += result_row("first", settings_text(plan, 0));
-  text += result_row("last", settings_text(plan, plan.points() - 1));
+std::string sweep_plan_text(const SweepPlan& plan, std::size_t threads,
+                            const std::optional<SweepPart>& shard) {
+  std::string text = "nothing is run or written\n" + axes_and_observables(plan, shard);
+  const SweepPart part = shard.value_or(SweepPart{});
+  const std::size_t points = part.size(plan.points());
+  if (points == 0) return text;
+  std::size_t first = 0;
+  while (!part.has(first)) ++first;
+  std::size_t last = plan.points() - 1;
+  while (!part.has(last)) --last;
+  text += result_row("first", settings_text(plan, first));
+  text += result_row("last", settings_text(plan, last));
   std::optional<std::string> refused;
-  for (const std::size_t point : {std::size_t{0}, plan.points() - 1}) {
+  for (const std::size_t point : {first, last}) {
     try {
       const Explanation explanation = explain(plan.scene_at(point));
       if (!explanation.cost) {
@@ -225,13 +275,13 @@ std::string sweep_plan_text(const SweepPlan& plan, std::size_t threads) {
         continue;
       }
       // One point takes as long as it does, however many threads there are.
-      const std::size_t lines = plan.points() / plan.line();
+      const std::size_t lines = points / plan.line();
       const std::size_t at_once = std::min(threads, lines);
       const std::size_t rounds = (lines + at_once - 1) / at_once;
       const double all = explanation.cost->seconds * static_cast<double>(rounds * plan.line());
       text += result_row(
           "cost", fmt::format("about {:.3g} s for {} point, {} for all in {} threads",
-                              explanation.cost->seconds, point == 0 ? "the first" : "the last",
+                              explanation.cost->seconds, point == first ? "the first" : "the last",
                               duration_text(all), at_once));
       return text;
     } catch (const InputError& error) {

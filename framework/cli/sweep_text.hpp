@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include "framework/study/sweep/files.hpp"
+#include "framework/study/sweep/part.hpp"
 #include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/runner.hpp"
 
@@ -13,15 +15,24 @@ namespace tomlin {
 /// "37 %, 370 of 1000 points, 2 failed, 0:12 elapsed, 0:20 remaining, 31 points/s"
 std::string sweep_progress_text(const SweepProgress& progress);
 
-/// The result for people. `counts` are those of a complete sweep, else null.
+/// The result for people. `counts` are those of a complete sweep, or of a complete shard where
+/// there is one, else null.
 std::string sweep_text(const SweepPlan& plan, const SweepProgress& progress,
-                       const SweepCounts* counts, const std::string& where);
+                       const SweepCounts* counts, const std::string& where,
+                       const std::optional<SweepPart>& shard);
+
+/// The same of `tomlin merge`. `first_missing`: of the points without a row, unless there is none.
+std::string merge_text(const SweepPlan& plan, const SweepProgress& progress,
+                       const SweepCounts* counts, std::size_t first_missing,
+                       const std::string& where);
 
 /// sweep.json; nothing but `performance` depends on how the sweep came to its end.
 std::string sweep_json(const SweepPlan& plan, const SweepProgress& progress,
-                       const SweepCounts* counts, std::size_t threads);
+                       const SweepCounts* counts, std::size_t threads,
+                       const std::optional<SweepPart>& shard);
 
 /// For --dry-run: points, and what they cost by a trial of one of them.
-std::string sweep_plan_text(const SweepPlan& plan, std::size_t threads);
+std::string sweep_plan_text(const SweepPlan& plan, std::size_t threads,
+                            const std::optional<SweepPart>& shard);
 
 }  // namespace tomlin

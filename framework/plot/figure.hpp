@@ -49,6 +49,9 @@ struct Raster {
   std::vector<double> values;  ///< row by row from below; NaN: nothing is drawn there
   FigureText label;            ///< of the colour bar
   bool grey = false;           ///< shades of grey in place of colours
+  /// The limits of the columns and of the rows, where they are not of one width.
+  std::vector<double> x_edges = {};
+  std::vector<double> y_edges = {};
 };
 
 struct Panel {

@@ -117,7 +117,7 @@ void append_data(std::string& script, const std::string& name, const Curve& curv
   script += "END\n";
 }
 
-/// Centre of each pixel and its number.
+/// A point in each pixel, its limits where they are given, and its number.
 void append_raster(std::string& script, const std::string& name, const Raster& raster) {
   const std::size_t rows = raster.values.size() / raster.columns;
   const double width = (raster.x_to - raster.x_from) / static_cast<double>(raster.columns);
@@ -126,9 +126,14 @@ void append_raster(std::string& script, const std::string& name, const Raster& r
   for (std::size_t k = 0; k < raster.values.size(); ++k) {
     const std::size_t row = k / raster.columns;
     const std::size_t column = k % raster.columns;
-    fmt::format_to(std::back_inserter(script), "{} {} ",
-                   raster.x_from + (0.5 + static_cast<double>(column)) * width,
-                   raster.y_from + (0.5 + static_cast<double>(row)) * height);
+    if (raster.x_edges.empty()) {
+      fmt::format_to(std::back_inserter(script), "{} {} ",
+                     raster.x_from + (0.5 + static_cast<double>(column)) * width,
+                     raster.y_from + (0.5 + static_cast<double>(row)) * height);
+    } else {
+      fmt::format_to(std::back_inserter(script), "{0} {2} {0} {1} {2} {3} ", raster.x_edges[column],
+                     raster.x_edges[column + 1], raster.y_edges[row], raster.y_edges[row + 1]);
+    }
     const double value = raster.values[k];
     script += std::isnan(value) ? "NaN\n" : fmt::format("{:.9g}\n", value);
   }
@@ -223,7 +228,12 @@ void append_panel(std::string& script, const Figure& figure, std::size_t index,
   if (panel.raster) append_bar(script, *panel.raster, index, layout);
   script += "plot NaN notitle";
   if (panel.raster) {
-    script += ", \\\n     " + raster_name(index) + " using 1:2:3 with image notitle";
+    // Lines of their own colour cover the seams between boxes.
+    script += ", \\\n     " + raster_name(index) +
+              (panel.raster->x_edges.empty()
+                   ? " using 1:2:3 with image notitle"
+                   : " using 1:2:3:4:5:6:7 with boxxyerror lc palette lw 0.5 fs solid border "
+                     "notitle");
   }
   for (std::size_t c = 0; c < panel.curves.size(); ++c) {
     const Curve& curve = panel.curves[c];

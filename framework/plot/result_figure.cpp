@@ -60,18 +60,9 @@ double abscissa_of(const StoredRun& run, const std::string& path) {
 
 /// "mean force along x", or the parameter's name.
 FigureText label_of_number(const StoredRun& run, const std::string& path, bool may_be_parameter) {
-  if (may_be_parameter && parameter_of(run, path) != nullptr) {
-    return axis_text("", "{/:Italic " + literal_text(path) + "}", "");
-  }
+  if (may_be_parameter && parameter_of(run, path) != nullptr) return parameter_label(path);
   const std::string name = result_name(run, path);
-  const ResultQuantity* quantity = quantity_at(name);
-  if (quantity == nullptr) return axis_text(literal_text(path), "", "");
-  std::string words = quantity->key;
-  std::replace(words.begin(), words.end(), '_', ' ');
-  const bool has_axis = name.size() > 2 && value_named<Axis>(name.substr(name.size() - 1)) &&
-                        name[name.size() - 2] == '.';
-  if (has_axis) words += " along {/:Italic " + name.substr(name.size() - 1) + "}";
-  return axis_text(words, "", unit_name(run, unit_of(*quantity)));
+  return result_label(run, name.empty() ? path : name);
 }
 
 std::size_t values_of(const std::vector<StoredRun>& runs, const std::string& parameter) {
@@ -107,6 +98,21 @@ struct ResultExtent {
 };
 
 }  // namespace
+
+FigureText parameter_label(const std::string& name) {
+  return axis_text("", "{/:Italic " + literal_text(name) + "}", "");
+}
+
+FigureText result_label(const StoredRun& run, const std::string& name) {
+  const ResultQuantity* quantity = quantity_at(name);
+  if (quantity == nullptr) return axis_text(literal_text(name), "", "");
+  std::string words = quantity->key;
+  std::replace(words.begin(), words.end(), '_', ' ');
+  const bool has_axis = name.size() > 2 && value_named<Axis>(name.substr(name.size() - 1)) &&
+                        name[name.size() - 2] == '.';
+  if (has_axis) words += " along {/:Italic " + name.substr(name.size() - 1) + "}";
+  return axis_text(words, "", unit_name(run, unit_of(*quantity)));
+}
 
 Figure result_figure(const std::vector<StoredRun>& runs, const ResultRequest& request,
                      std::vector<std::string>& notes) {

@@ -23,4 +23,10 @@ struct ResultRequest {
 Figure result_figure(const std::vector<StoredRun>& runs, const ResultRequest& request,
                      std::vector<std::string>& notes);
 
+/// Beside an axis: "v" in italics.
+FigureText parameter_label(const std::string& name);
+
+/// "mean force along x" of "driver.mean_force.x", with the unit that the run's scene names.
+FigureText result_label(const StoredRun& run, const std::string& name);
+
 }  // namespace tomlin

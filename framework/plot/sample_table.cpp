@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -38,9 +39,10 @@ class Row {
   void cut(std::string_view text) {
     text_ = text;
     begins_.assign(1, 0);
-    for (std::size_t at = text.find(','); at != std::string_view::npos;
-         at = text.find(',', at + 1)) {
-      begins_.push_back(at + 1);
+    bool in_quotes = false;
+    for (std::size_t at = 0; at < text.size(); ++at) {
+      if (text[at] == '"') in_quotes = !in_quotes;
+      if (text[at] == ',' && !in_quotes) begins_.push_back(at + 1);
     }
     ++line_;
   }
@@ -87,14 +89,18 @@ std::ifstream opened(const std::string& file) {
 
 }  // namespace
 
-SampleTable::SampleTable(std::string file) : file_(std::move(file)) {
+SampleTable::SampleTable(std::string file, Rows rows) : file_(std::move(file)), rows_(rows) {
   std::ifstream stream = opened(file_);
   std::string header;
   std::getline(stream, header);
   Row row(file_, 0);
   row.cut(header);
   for (std::size_t k = 0; k < row.size(); ++k) columns_.push_back(column_of(row.field(k)));
-  if (columns_.front().name != "time") {
+  if (rows_ == Rows::points && columns_.back().name != "reason") {
+    refuse(FaultCode::file_invalid, {file_, 1, 1}, header, "this is not the table of a sweep",
+           "a header that ends with \"reason\"");
+  }
+  if (rows_ == Rows::samples && columns_.front().name != "time") {
     refuse(FaultCode::file_invalid, {file_, 1, 1}, header, "this is not a table of observables",
            "a header that begins with \"time [time]\"");
   }
@@ -122,11 +128,15 @@ std::vector<std::vector<double>> SampleTable::read(const std::vector<std::size_t
   while (std::getline(stream, line)) {
     row.cut(line);
     row.must_have(columns_.size());
-    for (std::size_t k = 0; k < columns.size(); ++k) result[k].push_back(row.number(columns[k]));
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      const bool undefined = rows_ == Rows::points && row.field(columns[k]).empty();
+      result[k].push_back(undefined ? std::numeric_limits<double>::quiet_NaN()
+                                    : row.number(columns[k]));
+    }
   }
   if (stream.bad()) refuse(FaultCode::file_cannot_read, {file_}, "", "the file cannot be read");
   if (!result.empty() && result.front().empty()) {
-    refuse(FaultCode::plot_no_data, {file_}, "", "there are no samples in it");
+    refuse(FaultCode::plot_no_data, {file_}, "", "there are no rows in it");
   }
   return result;
 }

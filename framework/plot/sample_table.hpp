@@ -9,7 +9,8 @@
 namespace tomlin {
 
 /// observables.csv, read back: a header `time [time],driver.force.x [force],...`, then a row per
-/// sample. Everything throws InputError, with line and column where there is one.
+/// sample. Or sweep.csv, with a row per point. Everything throws InputError, with line and column
+/// where there is one.
 class SampleTable {
  public:
   struct Column {
@@ -17,8 +18,13 @@ class SampleTable {
     std::string unit;  ///< "force"; empty when the header has none
   };
 
+  enum class Rows {
+    samples,
+    points,  ///< of a sweep: undefined numbers are empty, and read as NaN; words are in quotes
+  };
+
   /// Reads the header.
-  explicit SampleTable(std::string file);
+  explicit SampleTable(std::string file, Rows rows = Rows::samples);
 
   const std::string& file() const { return file_; }
   const std::vector<Column>& columns() const { return columns_; }
@@ -31,6 +37,7 @@ class SampleTable {
 
  private:
   std::string file_;
+  Rows rows_;
   std::vector<Column> columns_;
 };
 

@@ -363,7 +363,6 @@ const std::vector<ReservedKey>& planned_words() {
       {"thermostat", kBaths},
       {"nose_hoover", kBaths},
       {"replicas", kMany},
-      {"merge", kMany},
       {"stability", "thresholds and equilibria"},
       {"export", "input for other programs"},
       {"report", "a web page of a run"},

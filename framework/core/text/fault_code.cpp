@@ -372,7 +372,7 @@ constexpr FaultKind kKinds[] = {
     {FaultCode::command_unknown, "command.unknown", "There is no command of this name.",
      "tomlin rum", "`tomlin --help` lists the commands."},
     {FaultCode::command_not_in_this_version, "command.not_in_this_version",
-     "The command is planned; this version of the program does not implement it.", "tomlin merge",
+     "The command is planned; this version of the program does not implement it.", "tomlin stability",
      "Use a version that has it; `tomlin --help` lists the commands of this one."},
     {FaultCode::command_unknown_option, "command.unknown_option",
      "The command has no such option, or does not expect this argument.",

@@ -8,15 +8,12 @@
 
 #include "framework/core/text/fault_code.hpp"
 #include "framework/study/sweep/journal.hpp"
+#include "framework/study/sweep/part.hpp"
 #include "framework/study/sweep/plan.hpp"
 
 /// The results of a sweep, made once every point has a row. They depend on the rows alone, and take
 /// the same memory for any number of points. A file appears complete or not at all.
 namespace tomlin {
-
-inline constexpr const char* kSweepTableFile = "sweep.csv";
-inline constexpr const char* kSweepArraysFile = "sweep.h5";
-inline constexpr const char* kSweepSummaryFile = "sweep.json";
 
 /// What the rows come to.
 struct SweepCounts {
@@ -32,8 +29,8 @@ struct SweepCounts {
   std::size_t of(SweepStatus status) const { return by_status[static_cast<std::size_t>(status)]; }
 };
 
-/// Throws DamagedFile.
-SweepCounts count_rows(const SweepPlan& plan, const SweepJournal& journal);
+/// Of a part, all of whose points have a row. Throws DamagedFile.
+SweepCounts count_rows(const SweepPlan& plan, const SweepJournal& journal, SweepPart part = {});
 
 /// Comma-separated values: a row per point in the order of the axes with the values of the axes,
 /// the columns of the plan, status and reason. Numbers have 17 significant digits, undefined ones

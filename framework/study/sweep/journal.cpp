@@ -104,7 +104,7 @@ SweepJournal::Found SweepJournal::look(const std::filesystem::path& file, const 
   return same ? Found::same_sweep : Found::other_sweep;
 }
 
-SweepJournal::SweepJournal(std::filesystem::path file, const SweepPlan& plan)
+SweepJournal::SweepJournal(std::filesystem::path file, const SweepPlan& plan, Use use)
     : file_(std::move(file)), columns_(plan.columns().size()), has_(plan.points(), 0) {
   RecordWriter header = record_of(header_of(plan));
   seed_ = kFirstChecksum;
@@ -119,9 +119,9 @@ SweepJournal::SweepJournal(std::filesystem::path file, const SweepPlan& plan)
   } catch (const DamagedFile&) {
     same = false;  // begun anew
   }
-  const int anew = same ? 0 : O_TRUNC;
-  descriptor_ =
-      Descriptor(::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | anew, 0666));
+  if (use == Use::read && !same) fail(EINVAL);
+  const int how = use == Use::read ? O_RDONLY : O_RDWR | O_CREAT | (same ? 0 : O_TRUNC);
+  descriptor_ = Descriptor(::open(file_.c_str(), how | O_CLOEXEC | O_NOFOLLOW, 0666));
   if (!descriptor_.open()) fail(errno);
   if (!same) {
     if (const int error = write_at(descriptor_, bytes, 0)) fail(error);

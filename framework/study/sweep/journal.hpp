@@ -15,8 +15,6 @@
 
 namespace tomlin {
 
-inline constexpr const char* kSweepJournalFile = "sweep.journal";
-
 /// The rows of a sweep in a file: a header, then a record of fixed size for each point at its own
 /// place, then the reasons of those that have not finished. A record is seeded with the checksum of
 /// the header and holds the number of its point: one of another sweep, of another point, or that
@@ -25,13 +23,14 @@ inline constexpr const char* kSweepJournalFile = "sweep.journal";
 class SweepJournal : public SweepRows {
  public:
   enum class Found { nothing, same_sweep, other_sweep, other_version };
+  enum class Use { go_on, read };
 
   /// What a file holds, which is left as it is. Throws DamagedFile.
   static Found look(const std::filesystem::path& file, const SweepPlan& plan);
 
-  /// Goes on with the file where it is of the same sweep, and begins it anew otherwise. Throws
-  /// OutputError.
-  SweepJournal(std::filesystem::path file, const SweepPlan& plan);
+  /// Goes on with the file where it is of the same sweep, and begins it anew otherwise. To be read
+  /// only, it must be of the same sweep, and is left as it is. Throws OutputError.
+  SweepJournal(std::filesystem::path file, const SweepPlan& plan, Use use = Use::go_on);
 
   bool has(std::size_t point) const override { return has_[point] != 0; }
   void keep(std::size_t point, const SweepRow& row) override;

@@ -25,11 +25,13 @@
 ///
 /// A row depends on its point alone and has the bits of `tomlin run` with the point's settings.
 /// Where points continue from their neighbour, it depends on those before it in its line: all
-/// values of the last dimension for given others, which one thread runs one after the other. What
-/// computes rows can therefore be exchanged: lanes take batches of points of one structure from the
-/// queue; other processes get theirs from the queue of the first, which alone writes; a part of a
-/// sweep is a plan with some of the points, and two journals of one plan are merged record by
-/// record; points that are added later are one more dimension `point`.
+/// values of the last dimension for given others, which one thread runs one after the other.
+///
+/// What computes rows can therefore be exchanged: lanes take batches of points of one structure
+/// from the queue; other processes get theirs from the queue of the first, which alone writes;
+/// points that are added later are one more dimension `point`. A part of the points (SweepPart) may
+/// be run elsewhere with a journal of its own, and the journals of one plan are merged record by
+/// record (merge.hpp).
 namespace tomlin {
 
 /// One result that is kept of each run.

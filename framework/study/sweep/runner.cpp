@@ -93,10 +93,12 @@ RunResult resumed(const std::shared_ptr<const Scene>& scene, RunOptions options,
 class SweepWork {
  public:
   SweepWork(const SweepPlan& plan, SweepRows& rows, const SweepOptions& options)
-      : plan_(plan), rows_(rows), options_(options), queue_(plan, rows) {
-    progress_.points = plan.points();
+      : plan_(plan), rows_(rows), options_(options), queue_(plan, rows, options.part) {
+    progress_.points = options.part.size(plan.points());
     progress_.traces_left = options.traced.size();
-    for (std::size_t k = 0; k < plan.points(); ++k) progress_.before += rows.has(k) ? 1 : 0;
+    for (std::size_t k = 0; k < plan.points(); ++k) {
+      progress_.before += options.part.has(k) && rows.has(k) ? 1 : 0;
+    }
   }
 
   SweepProgress run() {
@@ -239,7 +241,7 @@ std::vector<std::size_t> SweepQueue::take(std::size_t most) {
   std::vector<std::size_t> taken;
   while (next_ < points_ && taken.size() < most) {
     for (const std::size_t end = next_ + line_; next_ < end; ++next_) {
-      if (!rows_.has(next_)) taken.push_back(next_);
+      if (part_.has(next_) && !rows_.has(next_)) taken.push_back(next_);
     }
   }
   return taken;

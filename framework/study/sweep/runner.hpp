@@ -10,16 +10,18 @@
 #include <vector>
 
 #include "framework/model/final_state.hpp"
+#include "framework/study/sweep/part.hpp"
 #include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/row.hpp"
 
 namespace tomlin {
 
-/// The points that are still to be run, in their order. Safe to call from several threads.
+/// The points of a part that are still to be run, in their order. Safe to call from several
+/// threads.
 class SweepQueue {
  public:
-  SweepQueue(const SweepPlan& plan, const SweepRows& rows)
-      : points_(plan.points()), line_(plan.line()), rows_(rows) {}
+  SweepQueue(const SweepPlan& plan, const SweepRows& rows, SweepPart part = {})
+      : points_(plan.points()), line_(plan.line()), rows_(rows), part_(part) {}
 
   /// Up to so many points that have no row, and all others of the last one's line; none: the queue
   /// is empty.
@@ -30,12 +32,13 @@ class SweepQueue {
   std::size_t points_;
   std::size_t line_;
   const SweepRows& rows_;
+  SweepPart part_;
   std::size_t next_ = 0;
 };
 
 /// What has been done of a sweep in this process.
 struct SweepProgress {
-  std::size_t points = 0;                             ///< of the sweep
+  std::size_t points = 0;                             ///< of the part that is run
   std::size_t before = 0;                             ///< that had a row when it began
   std::array<std::size_t, kSweepStatuses> done = {};  ///< since then, by status
   std::size_t traces_left = 0;                        ///< of those that were asked for
@@ -47,6 +50,7 @@ struct SweepProgress {
 
 struct SweepOptions {
   std::size_t threads = 1;
+  SweepPart part = {};                      ///< the points that are run
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal: rows so far are kept
   /// A folder for the checkpoints of points that take long, NUMBER.store, of lines, NUMBER.line,
   /// and for traces, NUMBER/; none: points start again.
@@ -68,8 +72,8 @@ std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
                                   const FinalState* start_from = nullptr,
                                   FinalState* final_state = nullptr);
 
-/// Runs every point that has no row, and keeps what it gives. A point that is stopped leaves no
-/// row. Throws what SweepRows throws, once all threads have ended.
+/// Runs every point of the part that has no row, and keeps what it gives. A point that is stopped
+/// leaves no row. Throws what SweepRows throws, once all threads have ended.
 SweepProgress run_sweep(const SweepPlan& plan, SweepRows& rows, const SweepOptions& options);
 
 }  // namespace tomlin

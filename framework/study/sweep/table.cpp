@@ -15,12 +15,15 @@ namespace {
 constexpr std::size_t kRowsAtOnce = 4096;
 
 template <class Visit>
-void for_each_row(const SweepPlan& plan, const SweepJournal& journal, Visit visit) {
-  std::vector<SweepRow> rows(std::min(kRowsAtOnce, plan.points()));
+void for_each_row(const SweepPlan& plan, const SweepJournal& journal, Visit visit,
+                  SweepPart part = {}) {
+  // Rows of other parts may be missing: then one at a time.
+  std::vector<SweepRow> rows(part.of == 1 ? std::min(kRowsAtOnce, plan.points()) : 1);
   for (std::size_t first = 0; first < plan.points(); first += rows.size()) {
-    const auto part = std::span(rows).first(std::min(rows.size(), plan.points() - first));
-    journal.read(first, part);
-    for (std::size_t k = 0; k < part.size(); ++k) visit(first + k, part[k]);
+    if (!part.has(first)) continue;
+    const auto block = std::span(rows).first(std::min(rows.size(), plan.points() - first));
+    journal.read(first, block);
+    for (std::size_t k = 0; k < block.size(); ++k) visit(first + k, block[k]);
   }
 }
 
@@ -32,9 +35,9 @@ std::string quoted_cell(std::string_view text) {
 
 }  // namespace
 
-SweepCounts count_rows(const SweepPlan& plan, const SweepJournal& journal) {
+SweepCounts count_rows(const SweepPlan& plan, const SweepJournal& journal, SweepPart part) {
   SweepCounts counts;
-  for_each_row(plan, journal, [&](std::size_t point, const SweepRow& row) {
+  const auto count = [&](std::size_t point, const SweepRow& row) {
     if (row.status != SweepStatus::finished && counts.reason.empty()) {
       counts.first_without_numbers = point;
       counts.reason = row.reason;
@@ -46,7 +49,8 @@ SweepCounts count_rows(const SweepPlan& plan, const SweepJournal& journal) {
       ++counts.warnings.try_emplace(static_cast<FaultCode>(code), SweepCounts::Warned{0, point})
             .first->second.points;
     }
-  });
+  };
+  for_each_row(plan, journal, count, part);
   return counts;
 }
 

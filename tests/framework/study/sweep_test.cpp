@@ -16,9 +16,11 @@
 #include <gtest/gtest.h>
 
 #include "framework/core/text/fault.hpp"
+#include "framework/output/sweep_files.hpp"
 #include "framework/run/observables.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/journal.hpp"
+#include "framework/study/sweep/part.hpp"
 #include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/point_checkpoint.hpp"
 #include "framework/study/sweep/runner.hpp"
@@ -477,6 +479,52 @@ TEST(Sweep, WhatHasARowIsNotRunAgain) {
   EXPECT_FALSE(rows.rows.contains(3));
   EXPECT_EQ(progress.before, 3);
   EXPECT_TRUE(progress.complete());
+}
+
+/// Each point is of one part, parts differ by one point at most, and each has points of every value
+/// of an axis, also where the number of its values is a multiple of that of the parts.
+TEST(Sweep, PartsShareThePoints) {
+  for (const std::size_t parts : {1, 2, 3, 4, 7, 40}) {
+    for (const std::size_t points : {1, 2, 3, 12, 36, 37}) {
+      std::vector<int> owners(points, 0);
+      for (std::size_t k = 0; k < parts; ++k) {
+        const SweepPart part{k, parts};
+        std::size_t count = 0;
+        for (std::size_t point = 0; point < points; ++point) {
+          if (!part.has(point)) continue;
+          ++count;
+          ++owners[point];
+        }
+        EXPECT_EQ(count, part.size(points)) << k << " of " << parts << ", " << points;
+        EXPECT_TRUE(count == points / parts || count == points / parts + 1);
+      }
+      EXPECT_EQ(owners, std::vector<int>(points, 1)) << parts << ", " << points;
+    }
+  }
+  constexpr std::size_t kValues = 4;  // of the innermost axis
+  for (std::size_t k = 0; k < kValues; ++k) {
+    std::set<std::size_t> values;
+    for (std::size_t point = 0; point < kValues * kValues; ++point) {
+      if (SweepPart{k, kValues}.has(point)) values.insert(point % kValues);
+    }
+    EXPECT_EQ(values.size(), kValues);
+  }
+}
+
+TEST(Sweep, APartRunsItsPointsAlone) {
+  const SweepPlan plan = plan_over(kSweptTip, {{{"v", "0.01:0.1:10"}}});
+  RowsInMemory rows;
+  rows.before = {0, 1};
+  SweepOptions options;
+  options.threads = 2;
+  options.part = {1, 3};  // 1, 3, 8
+  const SweepProgress progress = run_sweep(plan, rows, options);
+  EXPECT_TRUE(progress.complete());
+  EXPECT_EQ(progress.points, 3);
+  EXPECT_EQ(progress.before, 1);
+  EXPECT_EQ(rows.rows.size(), 2);
+  EXPECT_TRUE(rows.rows.contains(3));
+  EXPECT_TRUE(rows.rows.contains(8));
 }
 
 TEST(Sweep, WhatCannotBeKeptEndsIt) {

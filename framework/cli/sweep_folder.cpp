@@ -1,0 +1,93 @@
+#include "framework/cli/sweep_folder.hpp"
+
+#include <algorithm>
+#include <system_error>
+#include <vector>
+
+#include "framework/core/text/fault.hpp"
+#include "framework/output/output_file.hpp"
+#include "framework/output/record.hpp"
+#include "framework/study/sweep/line_end.hpp"
+
+namespace tomlin {
+namespace fs = std::filesystem;
+namespace {
+
+SweepJournal::Found found_in(const fs::path& folder, const SweepPlan& plan) {
+  try {
+    return SweepJournal::look(folder / kSweepJournalFile, plan);
+  } catch (const DamagedFile& error) {
+    refuse_input(FaultCode::file_damaged, "-o", folder.string(), error.what(),
+                 "another folder, or --force, which starts again");
+  }
+}
+
+}  // namespace
+
+Occupied occupied_by_sweep(const fs::path& folder, const SweepPlan& plan, bool force) {
+  if (force) return Occupied::replace_results;
+  std::error_code error;
+  if (!fs::exists(folder / kSweepJournalFile, error)) return Occupied::refuse;
+  switch (found_in(folder, plan)) {
+    case SweepJournal::Found::nothing:
+    case SweepJournal::Found::same_sweep:
+      return Occupied::go_on;
+    case SweepJournal::Found::other_sweep:
+      refuse_input(FaultCode::resume_other_scene, "-o", folder.string(),
+                   "this folder is of another sweep: of another scene, other axes or observables",
+                   "another folder, or --force, which replaces that sweep");
+    case SweepJournal::Found::other_version:
+      refuse_input(FaultCode::resume_other_version, "-o", folder.string(),
+                   "the sweep in this folder was begun with another version of tomlin",
+                   "that version, another folder, or --force, which starts again");
+  }
+  return Occupied::refuse;
+}
+
+bool holds_all_results(const RunFolder& folder) {
+  return std::all_of(kSweepFiles.begin(), kSweepFiles.end(),
+                     [&folder](const char* name) { return folder.holds(name); });
+}
+
+std::string where_the_sweep_is(const RunFolder& folder) {
+  std::string files;
+  for (const char* name : kSweepFiles) {
+    if (folder.holds(name)) files += (files.empty() ? "" : ", ") + std::string(name);
+  }
+  return (folder.path() / "").string() + ": " + files;
+}
+
+void remove_if_empty(const fs::path& folder) {
+  std::error_code error;
+  if (fs::is_directory(fs::symlink_status(folder, error))) fs::remove(folder, error);
+}
+
+void remove_points(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_directory(fs::symlink_status(folder, error))) return;
+  std::vector<fs::path> entries;
+  for (const auto& entry : fs::directory_iterator(folder, error)) entries.push_back(entry.path());
+  for (const fs::path& entry : entries) {
+    // K/, K.store and K.line, and what a kill has left of the latter two.
+    const std::string name = entry.filename().string();
+    const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
+    const std::string rest = digits == 0 ? "-" : name.substr(digits);
+    for (const char* suffix : {".store", kLineEndSuffix}) {
+      if (rest == suffix || rest == unfinished(suffix)) fs::remove(entry, error);
+    }
+    if (!rest.empty() || !fs::is_directory(fs::symlink_status(entry, error))) continue;
+    for (const char* file : kFilesOfARun) fs::remove(entry / file, error);
+    fs::remove(entry, error);
+  }
+  remove_if_empty(folder);
+}
+
+SweepCounts write_sweep_results(const RunFolder& folder, const SweepPlan& plan,
+                                const SweepJournal& journal) {
+  SweepCounts counts = count_rows(plan, journal);
+  write_sweep_table(folder.file(kSweepTableFile), plan, journal);
+  write_sweep_arrays(folder.file(kSweepArraysFile), plan, journal);
+  return counts;
+}
+
+}  // namespace tomlin

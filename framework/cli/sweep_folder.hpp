@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+
+#include "framework/output/run_folder.hpp"
+#include "framework/study/sweep/files.hpp"
+#include "framework/study/sweep/journal.hpp"
+#include "framework/study/sweep/plan.hpp"
+
+/// The folder of a sweep, as `sweep` and `merge` use it.
+namespace tomlin {
+
+inline constexpr std::array kSweepFiles = {kSweepSummaryFile, kSweepTableFile, kSweepArraysFile,
+                                           kSweepJournalFile, kSceneFile};
+inline constexpr std::array kSweepResults = {kSweepSummaryFile, kSweepTableFile, kSweepArraysFile};
+
+/// With the checkpoints of points, while the sweep goes on.
+inline constexpr const char* kPointsFolder = "sweep.points";
+
+/// A sweep that was begun with the same input is gone on with. Throws InputError where the folder
+/// is of another one.
+Occupied occupied_by_sweep(const std::filesystem::path& folder, const SweepPlan& plan, bool force);
+
+bool holds_all_results(const RunFolder& folder);
+/// "DIR/: sweep.json, sweep.csv"
+std::string where_the_sweep_is(const RunFolder& folder);
+
+/// Takes away what an earlier sweep has left of its points: nothing that others have put there.
+void remove_points(const std::filesystem::path& folder);
+void remove_if_empty(const std::filesystem::path& folder);
+
+/// The table and the arrays of a sweep all of whose points have a row.
+SweepCounts write_sweep_results(const RunFolder& folder, const SweepPlan& plan,
+                                const SweepJournal& journal);
+
+}  // namespace tomlin

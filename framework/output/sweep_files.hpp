@@ -1,0 +1,11 @@
+#pragma once
+
+namespace tomlin {
+
+// What a sweep leaves in its folder, besides kSceneFile.
+inline constexpr const char* kSweepTableFile = "sweep.csv";
+inline constexpr const char* kSweepArraysFile = "sweep.h5";
+inline constexpr const char* kSweepSummaryFile = "sweep.json";
+inline constexpr const char* kSweepJournalFile = "sweep.journal";
+
+}  // namespace tomlin
