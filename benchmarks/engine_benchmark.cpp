@@ -16,6 +16,7 @@
 #include "framework/standard_registry.hpp"
 #include "framework/study/accuracy.hpp"
 #include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/point_run.hpp"
 #include "framework/study/sweep/runner.hpp"
 
 namespace {

@@ -230,6 +230,7 @@ IntegratorRecord fixed_step_record() {
   record.make_description = &make_description<Description>;
   record.parameters = {parameter("dt", &Description::dt, dimension::time, "the step").in(positive)};
   record.growth = [](std::complex<double> z) { return std::abs(stability_function<Tableau>(z)); };
+  record.in_lanes = true;
   record.step = [](const void* d) { return static_cast<const Description*>(d)->dt; };
   record.complaints = [](const void*) { return std::vector<Complaint>(); };
   record.bind = {&bind_fixed_step<Tableau, tables, double>,

@@ -89,12 +89,15 @@ SweepPlan plan_in(const fs::path& folder, Registry& registry) {
   const std::string file = (folder / kSceneFile).string();
   SceneDocument document(file);
   registry = registry_with_plugins({}, {&document, 1});
-  std::optional<SweepSettings> settings = document.sweep();
+  std::vector<Fault> faults;
+  std::optional<SweepSettings> settings = document.sweep(faults);
   if (!settings) {
+    if (!faults.empty()) throw InputError(std::move(faults));
     refuse_input(FaultCode::file_invalid, file, "", "a scene without [sweep]",
                  "the folder of a sweep");
   }
-  return SweepPlan(std::move(document), registry, {}, *std::move(settings), TOMLIN_VERSION);
+  return SweepPlan(std::move(document), registry, {}, *std::move(settings), TOMLIN_VERSION,
+                   std::move(faults));
 }
 
 /// Why the journal of a folder cannot be merged; nothing where it can.

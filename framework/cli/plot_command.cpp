@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -121,6 +122,15 @@ them otherwise, in the order given.
 With --result and --against each DIR is a point: a result of summary.json over a parameter or another
 result. Runs that differ in a second parameter are on curves of their own.
 
+The folder of a sweep is drawn alone and without WHAT. Over one axis it is a curve of the first
+observable; --y names others, and panels, as above. Over two axes it is a map with a cell around each
+point and the first axis along x: --x and --y name other axes, --value another observable, and
+--minimum-along an axis: a line joins the points of least value along it, one for each value of the
+other axis. With an observable as --y, or --result and --against, it is curves over one axis, one for
+each value of the others. --at NAME=VALUE shows one value of an axis alone. Axes are logarithmic where
+the grids of their values are, unless --log is given. Where points have no number, cells stay white
+and curves break.
+
 A raster has the mean of all samples in each pixel: a row for each value of Y, or for each stroke
 along X, and two samples to a pixel on average, unless --pixels says otherwise. Pixels without a
 sample stay white. A potential is that of one particle on the periodic forces of scene.toml.
@@ -148,6 +158,10 @@ Examples:
       an image of the lateral force, from one run for each scan line.
   tomlin plot pt.out slips --value peak_force -o slips.svg
       how many slips there are of each peak force.
+  tomlin plot pt.sweep.out -o law.svg
+      an observable over the axis of a sweep.
+  tomlin plot map --x v --y lambda --value driver.mean_force.x --minimum-along lambda -o map.svg
+      a sweep over two axes as a map, and for each v where along lambda the mean force is least.
 
 gnuplot 5.4 draws (Debian: gnuplot-nox); TOMLIN_GNUPLOT names another one than the one in PATH. An
 earlier FILE is replaced. The same runs give the same SVG.
@@ -259,14 +273,14 @@ bool is_what(const std::string& word) {
   return find_special(word) != nullptr || find_figure_kind(word) != nullptr;
 }
 
-/// Folders of runs beside the one that is not there, in the same spelling.
+/// Folders of runs and sweeps beside the one that is not there, in the same spelling.
 std::vector<std::string> neighbours_of(const std::string& word) {
   const fs::path above = fs::path(word).parent_path();
   std::vector<std::string> names;
   std::error_code error;
   fs::directory_iterator entry(above.empty() ? fs::path(".") : above, error);
   for (int k = 0; !error && k < kMostNeighbours && entry != fs::directory_iterator(); ++k) {
-    if (holds_run(entry->path().string())) {
+    if (holds_run(entry->path().string()) || holds_sweep(entry->path().string())) {
       names.push_back((above / entry->path().filename()).string());
     }
     entry.increment(error);
@@ -287,7 +301,9 @@ std::vector<std::string> neighbours_of(const std::string& word) {
   known.insert(known.end(), folders.begin(), folders.end());
   refuse_option(
       FaultCode::file_invalid, word, "neither the folder of a run nor a figure",
-      fmt::format("folders that tomlin run has left, and one of {}", fmt::join(all_whats(), ", ")),
+      fmt::format(
+          "folders that tomlin run has left, and one of {}; or one that tomlin sweep has left",
+          fmt::join(all_whats(), ", ")),
       nearest_name(word, known).value_or(""));
 }
 
@@ -522,13 +538,14 @@ Figure drawn_sweep(const PlotArguments& arguments, std::vector<std::string>& not
                   "a sweep is drawn alone, and its axes say what its figure is", "one folder");
   }
   check_options("", true, arguments);
-  const auto one_of = [](const char* option, bool first, bool second) {
-    if (!first || !second) return;
-    refuse_option(FaultCode::command_conflict, option, "given in two ways", "one of them");
-  };
-  one_of("--result, --y", !arguments.result.empty(), !arguments.y.empty());
-  one_of("--against, --x", !arguments.against.empty(), !arguments.x.empty());
   if (!arguments.against.empty()) require_option(arguments.result, "--result", "--against");
+  for (const auto& [option, given, other] :
+       {std::tuple{"--y", !arguments.y.empty(), arguments.result},
+        std::tuple{"--x", !arguments.x.empty(), arguments.against}}) {
+    if (!given || other.empty()) continue;
+    refuse_option(FaultCode::command_conflict, option, fmt::format("{} is in its place", other),
+                  "without --result and --against");
+  }
   SweepRequest request;
   request.x = arguments.against.empty() ? arguments.x : arguments.against;
   request.y = arguments.y;
@@ -569,8 +586,8 @@ void add_options(CLI::App& parser, PlotArguments& arguments) {
   parser.add_option("--to", arguments.to, "where it ends")->type_name("X");
   parser
       .add_option("--at", arguments.moments,
-                  "moments to show a ring at: times, or values of --x; five by default. Of a "
-                  "sweep NAME=VALUE: the one value of an axis that is shown")
+                  "moments to show a ring at: times, or values of --x; five by default; of a "
+                  "sweep NAME=VALUE, the value of an axis that is shown")
       ->type_name("T[,T]")
       ->allow_extra_args(false);
   parser.add_option("--driver", arguments.driver, "which one, where there are several")
@@ -587,7 +604,7 @@ void add_options(CLI::App& parser, PlotArguments& arguments) {
       ->type_name("VALUE");
   parser
       .add_option("--minimum-along", arguments.minimum_along,
-                  "on the map of a sweep: a line through the points of least VALUE along this axis")
+                  "a line on the map of a sweep: where VALUE is least along this axis")
       ->type_name("NAME");
   parser
       .add_option("--scan", arguments.scan,
@@ -687,7 +704,7 @@ int plot(const PlotArguments& arguments) {
 }  // namespace
 
 CommandRecord plot_command() {
-  return {"plot", "draw a figure of finished runs", plot_footer(),
+  return {"plot", "draw a figure of finished runs, or of a sweep", plot_footer(),
           declared<PlotArguments>(add_options, check, plot)};
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "framework/output/run_folder.hpp"
+#include "framework/output/sweep_files.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/journal.hpp"
 #include "framework/study/sweep/plan.hpp"

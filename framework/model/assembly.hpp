@@ -39,6 +39,10 @@ class Assembly {
   const std::vector<Driver>& drivers() const { return drivers_; }
   const std::vector<LeftOut>& left_out() const { return forces_.left_out; }
   const PrescribedBodies<Real>& prescribed() const { return prescribed_; }
+  /// See Evaluation::lane_calls().
+  const std::vector<LaneCall>& lane_calls() const { return evaluation_->lane_calls(); }
+  /// Where the numbers of bodies stand in arrays with padding; see LaneSystem.
+  std::size_t mapped_size() const { return bodies_.mapped_size; }
   System<Real>& system() { return system_; }
   const System<Real>& system() const { return system_; }
   /// Where all operators' heat stands among the integrals, with the ledger.

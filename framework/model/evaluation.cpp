@@ -2,15 +2,24 @@
 
 #include <algorithm>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/elements/site_force.hpp"
 #include "framework/model/plugin_code.hpp"
 
 TOMLIN_DECLARE_TABLES(RigidKernels, RigidTable)
 
 namespace tomlin {
 namespace {
+
+/// Calls that only check the others.
+#ifdef NDEBUG
+constexpr std::size_t kChecks = 0;
+#else
+constexpr std::size_t kChecks = 1;
+#endif
 
 /// Particles of bodies that move as one get velocities where something reads them.
 template <class Real>
@@ -54,11 +63,11 @@ Evaluation<Real>::Evaluation(const AssemblyPlan& plan, AssembledBodies<Real>& bo
   ask_for_velocities(*plan.scene, bodies, forces);
   const std::vector<Pass<Real>> passes = passes_in_order(plan, forces);
   Regions set{std::vector<bool>(bodies.all.size()), std::vector<bool>(bodies.all.size())};
-#ifndef NDEBUG
-  operations_.push_back({&Evaluation::spoil, &written_});
-#endif
+  if constexpr (kChecks > 0) operations_.push_back({&Evaluation::spoil, &written_});
   prescribed.add_steering(operations_);
-  for (const auto& body : bodies.rigid) operations_.push_back({rigid.place[dimension - 1], &body});
+  for (std::size_t k = 0; k < bodies.rigid.size(); ++k) {
+    add_rigid(rigid.place[dimension - 1], bodies, k, rigid.place_lanes[dimension - 1], true);
+  }
   for (const bool centre : {true, false}) {
     for (const Pass<Real>& pass : passes) {
       if (pass.writes.front().centre == centre) add_pass(pass, bodies, dimension, set);
@@ -73,13 +82,21 @@ Evaluation<Real>::Evaluation(const AssemblyPlan& plan, AssembledBodies<Real>& bo
   }
   view.operations = operations_.data();
   view.operation_count = operations_.size();
+  const bool all_in_lanes =
+      lane_calls_.size() + kChecks == operations_.size() &&
+      std::all_of(lane_calls_.begin(), lane_calls_.end(),
+                  [](const LaneCall& call) { return call.form.kernel != nullptr; });
+  if (!all_in_lanes) lane_calls_.clear();
 }
 
 template <class Real>
 void Evaluation<Real>::add_zeros(const BodySlot<Real>& slot, int dimension, bool centre) {
   zeros_.push_back(centre ? Range{false, slot.centre, kGroup}
                           : Range{slot.mapped, slot.offset, slot.stride * dimension});
-  operations_.push_back({&write_zeros, &zeros_.back()});
+  LaneCall lanes;
+  lanes.form.kernel = &write_zeros_in_lanes;
+  lanes.single = &zeros_.back();
+  add_call({&write_zeros, &zeros_.back()}, std::move(lanes));
 }
 
 template <class Real>
@@ -87,8 +104,10 @@ void Evaluation<Real>::add_pass(const Pass<Real>& pass, const AssembledBodies<Re
                                 int dimension, Regions& set) {
   const bool fresh = std::none_of(pass.writes.begin(), pass.writes.end(),
                                   [&](const Region& region) { return set.of(region); });
+  LaneCall lanes{pass.lanes, pass.arguments};
   if (fresh && pass.set && pass.writes.size() == 1) {
-    operations_.push_back({pass.set, pass.arguments});
+    lanes.set = true;
+    add_call({pass.set, pass.arguments}, std::move(lanes));
   } else {
     for (const Region& region : pass.writes) {
       if (!set.of(region)) {
@@ -96,7 +115,7 @@ void Evaluation<Real>::add_pass(const Pass<Real>& pass, const AssembledBodies<Re
       }
       set.of(region) = true;
     }
-    operations_.push_back({pass.add, pass.arguments});
+    add_call({pass.add, pass.arguments}, std::move(lanes));
   }
   for (const Region& region : pass.writes) set.of(region) = true;
 }
@@ -116,7 +135,8 @@ void Evaluation<Real>::gather(const AssemblyPlan& plan, const AssembledBodies<Re
       prescribed.add_inertia(b, operations_);
     } else if (set.particles[b]) {
       const auto& into_centre = set.centre[b] ? rigid.gather_add : rigid.gather_set;
-      operations_.push_back({into_centre[dimension - 1], &bodies.rigid[k]});
+      add_rigid(into_centre[dimension - 1], bodies, k, rigid.gather_lanes[dimension - 1],
+                !set.centre[b]);
       set.centre[b] = true;
     }
   }
@@ -188,10 +208,44 @@ void Evaluation<Real>::add_point_forces(const std::vector<Pass<Real>>& passes,
 }
 
 template <class Real>
+void Evaluation<Real>::add_call(const Operation<Real>& operation, LaneCall lanes) {
+  operations_.push_back(operation);
+  if constexpr (std::is_same_v<Real, double>) lane_calls_.push_back(std::move(lanes));
+}
+
+template <class Real>
+void Evaluation<Real>::add_rigid(Kernel<Real> kernel, const AssembledBodies<Real>& bodies,
+                                 std::size_t k, Kernel<double> over_lanes, bool set) {
+  const RigidArguments<Real>& body = bodies.rigid[k];
+  LaneCall lanes;
+  if constexpr (std::is_same_v<Real, double>) {
+    // A prescribed body's coordinates are no part of the state.
+    if (body.coordinates == nullptr) lanes.form.kernel = over_lanes;
+    lanes.form.numbers = {bodies.reference[k]};
+    lanes.form.structure = structure_of(body.body, body.velocities ? 1 : 0);
+    lanes.form.scratch = bodies.reference[k].size();
+    lanes.single = &body;
+    lanes.set = set;
+    lanes.arms = static_cast<std::ptrdiff_t>(k);
+  }
+  add_call({kernel, &body}, std::move(lanes));
+}
+
+template <class Real>
 void Evaluation<Real>::write_zeros(const void* range, const Stage<Real>& stage) {
   const auto& a = *static_cast<const Range*>(range);
   Real* f = (a.mapped ? stage.mapped_force : stage.force) + a.offset;
   for (std::size_t i = 0; i < a.length; ++i) f[i] = Real(0.0);
+}
+
+template <class Real>
+void Evaluation<Real>::write_zeros_in_lanes(const void* arguments, const Stage<double>& stage) {
+  const auto& lanes = *static_cast<const LaneArguments*>(arguments);
+  const auto& a = *static_cast<const Range*>(lanes.single);
+  const std::size_t* const place = a.mapped ? lanes.mapped : lanes.coordinate;
+  const std::size_t first = place[a.offset] * lanes.width;
+  double* const f = a.mapped ? stage.mapped_force : stage.force;
+  std::fill(f + first, f + place[a.offset + a.length] * lanes.width, 0.0);
 }
 
 template <class Real>

@@ -5,12 +5,21 @@
 #include <vector>
 
 #include "framework/core/system/aligned.hpp"
+#include "framework/core/system/lanes.hpp"
 #include "framework/core/system/system.hpp"
 #include "framework/model/assembled_forces.hpp"
 #include "framework/model/friction_matrix.hpp"
 #include "framework/model/prescribed_bodies.hpp"
 
 namespace tomlin {
+
+/// A kernel call of an evaluation, as replicas in lanes make it.
+struct LaneCall {
+  LaneForm form;                 ///< without a kernel: there is none over replicas
+  const void* single = nullptr;  ///< the arguments of the call
+  bool set = false;
+  std::ptrdiff_t arms = -1;  ///< of calls with the same scratch: those of this rigid body
+};
 
 /// The kernel calls of one evaluation of all forces, in order: bodies that move as one place their
 /// particles; forces on rigid centres; forces on particles, cheap ones first; rigid bodies gather;
@@ -28,6 +37,9 @@ class Evaluation {
   /// Writes no numbers where the next evaluation has to write forces, so that a kernel that adds to
   /// what it should set shows.
   void spoil(const Stage<Real>& stage) const { spoil(&written_, stage); }
+
+  /// The calls that make one evaluation over replicas; of double. None where one is missing.
+  const std::vector<LaneCall>& lane_calls() const { return lane_calls_; }
 
  private:
   /// Numbers in one of the arrays of forces.
@@ -64,13 +76,18 @@ class Evaluation {
                  const SystemView<Real>& view);
   void add_point_forces(const std::vector<Pass<Real>>& passes,
                         const std::vector<AssembledForce<Real>>& forces, SystemView<Real>& view);
+  void add_call(const Operation<Real>& operation, LaneCall lanes = {});
+  void add_rigid(Kernel<Real> kernel, const AssembledBodies<Real>& bodies, std::size_t k,
+                 Kernel<double> over_lanes, bool set);
   static void write_zeros(const void* range, const Stage<Real>& stage);
+  static void write_zeros_in_lanes(const void* arguments, const Stage<double>& stage);
   static void spoil(const void* ranges, const Stage<Real>& stage);
   static void heat_of_drift(const void* drifted, const Stage<Real>& stage);
 
   std::vector<Operation<Real>> operations_;
-  std::deque<Range> zeros_;     ///< where no force acts
-  std::vector<Range> written_;  ///< all that kernels which set have to set
+  std::vector<LaneCall> lane_calls_;  ///< one for each of them, but for checks of debug builds
+  std::deque<Range> zeros_;           ///< where no force acts
+  std::vector<Range> written_;        ///< all that kernels which set have to set
   Drifted drifted_;
   std::vector<PointForce<Real>> point_forces_;
   std::vector<PointForce<Real>> direct_point_forces_;  ///< empty where they are the same

@@ -322,6 +322,7 @@ bool Model::rebase_if_due() {
     rebased = true;
   }
   if (!rebased) return false;
+  ++rebases_;
   place_origin();
   assembly_.rebase(origin_);
   if (follower_) {

@@ -63,6 +63,7 @@ class Model {
   const ObserveTable& observe() const { return observe_; }
   /// Where friction's heat stands among the rates when it is an operator, with the ledger.
   std::ptrdiff_t friction_rate() const { return assembly_.friction_rate(); }
+  const Assembly<double>& assembly() const { return assembly_; }
   System<double>& system() { return assembly_.system(); }
   const System<double>& system() const { return assembly_.system(); }
   const Origin& origin() const { return origin_; }
@@ -82,6 +83,8 @@ class Model {
   /// Move the origin when everything has moved by a cell or more. Cheap when nothing has. True when
   /// it did.
   bool rebase_if_due();
+  /// How often it did.
+  std::uint64_t rebases() const { return rebases_; }
 
   /// Stages count their time from here on.
   void anchor(const DoubleDouble& time) { begin_step(this, time.hi, time.lo); }
@@ -181,6 +184,7 @@ class Model {
   std::vector<AlignedVector<double>> shapes_;  ///< flexible bodies in the plane, see PlanarShape
   DoubleDouble anchor_;                        ///< the time from which stages count
   ModelFollower* follower_ = nullptr;
+  std::uint64_t rebases_ = 0;
   AlignedVector<double> rates_;
   std::unique_ptr<ForceTangent> tangent_;  ///< for schemes that ask for it
   std::int64_t* cells_ = nullptr;

@@ -95,6 +95,7 @@ class GuardedForce final : public BoundForce<Real> {
       if (pass.set != nullptr) pass.set = &call<Real, &GuardedPass<Real>::set>;
       if (pass.add != nullptr) pass.add = &call<Real, &GuardedPass<Real>::add>;
       pass.arguments = &own;
+      pass.lanes = {};  // guards are of single runs
     }
     return all;
   }

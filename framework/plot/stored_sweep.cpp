@@ -69,12 +69,13 @@ StoredSweep read_stored_sweep(const std::string& folder) {
   }
   const auto path = [&folder](const char* name) { return (fs::path(folder) / name).string(); };
   const SceneDocument document(path(kSceneFile));
-  std::optional<SweepSettings> settings = document.sweep();
+  std::vector<Fault> faults;
+  std::optional<SweepSettings> settings = document.sweep(faults);
+  if (!faults.empty()) throw InputError(std::move(faults));
   if (!settings) {
     refuse_input(FaultCode::file_invalid, path(kSceneFile), "", "there is no [sweep] in it",
                  "the scene.toml that the sweep has left");
   }
-  std::vector<Fault> faults;
   std::vector<SweepDimension> dimensions = sweep_dimensions(*settings, faults);
   if (!faults.empty()) throw InputError(std::move(faults));
   StoredSweep sweep = {{},

@@ -40,6 +40,8 @@ std::string shown_value(const SweepAxis& axis, std::size_t k) {
                                : axis.values.plain_text(k);
 }
 
+Mark mark_of(std::size_t points) { return points > kMostMarks ? Mark::none : Mark::large_disc; }
+
 /// Limits of cells around values that rise: halfway between neighbours, as the axis counts.
 std::vector<double> edges_around(std::vector<double> values, bool logarithmic) {
   if (values.size() == 1) {
@@ -314,6 +316,7 @@ std::vector<Polyline> SweepDrawing::pieces_of(const std::vector<double>& numbers
 Panel SweepDrawing::panel_of_curves(const std::vector<std::string>& names, const Drawn& x,
                                     const std::vector<std::size_t>& starts, double height) {
   std::vector<std::size_t> columns;
+  columns.reserve(names.size());
   for (const std::string& name : names) columns.push_back(observable_named(name));
   const auto unit = [&](std::size_t column) { return sweep_.table.columns()[column].unit; };
   for (const std::size_t column : columns) {
@@ -340,7 +343,7 @@ Panel SweepDrawing::panel_of_curves(const std::vector<std::string>& names, const
         curve.label = curve.label.empty() ? name : name + ", " + curve.label;
       }
       curve.colour = static_cast<int>(panel.curves.size());
-      curve.mark = x.order.size() > kMostMarks ? Mark::none : Mark::large_disc;
+      curve.mark = mark_of(x.order.size());
       curve.pieces = pieces_of(numbers[c], x, start);
       if (curve.pieces.empty()) curve.label.clear();
       for (const Polyline& piece : curve.pieces) {
@@ -467,7 +470,7 @@ Curve SweepDrawing::minimum(const Drawn& x, const Drawn& y, const std::vector<do
   Curve curve;
   curve.label = "minimum along " + request_.minimum_along;
   curve.colour = kMinimumColour;
-  curve.mark = Mark::large_disc;
+  curve.mark = mark_of(other.order.size());
   curve.pieces.emplace_back();
   std::size_t at_an_end = 0;
   for (std::size_t k = 0; k < other.order.size(); ++k) {

@@ -147,6 +147,15 @@ std::uint64_t EnergyBalance::look(RunContext& run) {
   return kAnyNumber;
 }
 
+double EnergyBalance::idle_until(double now) const {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  if (!twin_ || place_[kDropped] != 0) return kNever;
+  if (place_[kOpen] != 0) return now;
+  if (now >= to_) return kNever;
+  if (known_ != place_[kStratum]) return now;
+  return whole_ ? from_ : next_;
+}
+
 void EnergyBalance::open(RunContext& run) {
   twin_->take_up(run.state);
   const SystemView<double>& view = twin_->model().system().view;

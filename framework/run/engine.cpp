@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "framework/core/numbers/quad.hpp"
+#include "framework/model/lane_system.hpp"
 #include "framework/run/context.hpp"
 #include "framework/run/housekeeping.hpp"
 #include "framework/run/observables.hpp"
@@ -37,7 +38,12 @@ struct Engine::Parts {
   void take_up(RunState& other);
   void go_on();
   void advance(std::uint64_t steps);
+  std::int64_t steps_for_lanes();
+  bool took(std::int64_t steps);
+  void step_alone();
+  void look_if_due();
   RunResult run_all();
+  RunResult end();
   void read_rates();
   RunResult measured();
   void finish();
@@ -254,11 +260,59 @@ RunResult Engine::Parts::run_all() {
       advance(kBatch - taken() % kBatch);
       if (!run.outcome.interrupted) observation.look_now_and_then();
     }
+  });
+  return end();
+}
+
+RunResult Engine::Parts::end() {
+  run.attempt([this] {
     if (balance) balance->look(run);
   });
   housekeeping.keep_end();
   finish();
   return result();
+}
+
+/// Up to where run_all() would look at something.
+std::int64_t Engine::Parts::steps_for_lanes() {
+  if (run.outcome.done()) return 0;
+  auto most = static_cast<std::int64_t>(kBatch - taken() % kBatch);
+  if (balance) {
+    const double idle = balance->idle_until(run.clock.time()) - run.clock.time();
+    if (idle < static_cast<double>(most) * run.plan.dt) {
+      most = static_cast<std::int64_t>(std::max(0.0, idle / run.plan.dt));
+    }
+  }
+  const std::int64_t steps = std::min(stepping->steps_for_lanes(), most / kBlock * kBlock);
+  if (steps > 0) {
+    // A batch evaluates the start of the next step itself.
+    run.model.system().evaluations -= run.integrator->evaluations_ahead();
+    run.integrator->rebased();
+  }
+  return steps;
+}
+
+bool Engine::Parts::took(std::int64_t steps) {
+  const std::uint64_t rebased = run.model.rebases();
+  run.attempt([&] {
+    stepping->took(steps);
+    look_if_due();
+  });
+  return run.model.rebases() != rebased;
+}
+
+void Engine::Parts::step_alone() {
+  run.attempt([this] {
+    std::uint64_t most = kBatch - taken() % kBatch;
+    if (balance) most = std::min(most, balance->look(run));
+    stepping->advance(most);
+    look_if_due();
+  });
+}
+
+void Engine::Parts::look_if_due() {
+  if (run.outcome.interrupted) return;
+  if (run.outcome.done() || taken() % kBatch == 0) observation.look_now_and_then();
 }
 
 void Engine::Parts::read_rates() {
@@ -345,6 +399,28 @@ const std::optional<PluginError>& Engine::thrown() const { return parts_->run.ou
 void Engine::resume(const std::vector<std::byte>& numbers) { parts_->resume(numbers); }
 void Engine::take_up(RunState& other) { parts_->take_up(other); }
 void Engine::advance(std::uint64_t steps) { parts_->advance(steps); }
+std::int64_t Engine::steps_for_lanes() { return parts_->steps_for_lanes(); }
+bool Engine::took(std::int64_t steps, std::uint64_t evaluations) {
+  parts_->run.model.system().evaluations += evaluations;
+  return parts_->took(steps);
+}
+void Engine::anchor_ahead(std::int64_t steps) {
+  RunContext& run = parts_->run;
+  run.model.anchor(two_prod(static_cast<double>(run.clock.grid_steps() + steps), run.plan.dt));
+}
+std::string Engine::why_not_in_lanes() const {
+  const RunContext& run = parts_->run;
+  if (run.scene->run.number_type != NumberType::double_precision) return "not in double precision";
+  if (run.path != nullptr) return "the dynamics are quasistatic";
+  if (!run.scheme.in_lanes) return "the integrator " + run.scheme.name + " takes no lanes";
+  if (run.options.perturbation) return "noise is added to it";
+  if (parts_->observation.looks_within_steps() || parts_->observation.watches()) {
+    return "an observable needs what happens within steps: extremes, events or a user's observer";
+  }
+  return LaneSystem::why_not(run.model);
+}
+void Engine::step_alone() { parts_->step_alone(); }
+RunResult Engine::end() { return parts_->end(); }
 bool Engine::done() const { return parts_->run.outcome.done(); }
 bool Engine::failed() const { return parts_->run.outcome.failure.has_value(); }
 double Engine::time() const { return parts_->run.clock.time(); }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "framework/core/system/scheme.hpp"
@@ -51,6 +52,20 @@ class Engine {
   /// Take up to this many steps (fewer at the end of the run, or when one fails) with everything
   /// that a run does along the way. For benchmarks and tests.
   void advance(std::uint64_t steps);
+  /// For a batch that takes steps of several runs together (lane_batch.hpp): how many there are
+  /// before this run has to do anything itself, in whole blocks of kBlock; 0: step_alone().
+  std::int64_t steps_for_lanes();
+  /// They have been taken, or some of them, with so many evaluations; the state is the one after.
+  /// True where the origin has moved, and with it the state.
+  bool took(std::int64_t steps, std::uint64_t evaluations);
+  /// Anchors forces where the run will be after so many steps more.
+  void anchor_ahead(std::int64_t steps);
+  /// Why the run takes all its steps by itself; empty: it may be in a batch.
+  std::string why_not_in_lanes() const;
+  /// One step, or what is left of a block.
+  void step_alone();
+  /// The result of a run whose steps have all been taken.
+  RunResult end();
   bool done() const;
   bool failed() const;
   double time() const;

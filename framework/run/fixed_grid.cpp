@@ -55,6 +55,33 @@ void FixedGrid::advance(std::uint64_t most) {
   take_block(std::min({to_anchor, plain_left_, static_cast<std::int64_t>(most)}));
 }
 
+std::int64_t FixedGrid::steps_for_lanes() {
+  const Observation& observation = parts_.observation;
+  if (run_.clock.grid_steps() % kBlock != 0 || static_cast<double>(into_step()) != 0.0) return 0;
+  if (parts_.triggers.waiting() || observation.looks_within_steps() || observation.watches()) {
+    return 0;
+  }
+  if (parts_.observation.rotations().is_due_at_every_step()) return 0;
+  if (plain_left_ == 0 && run_.clock.grid_steps() < run_.plan.whole_steps) {
+    plain_left_ = std::max<std::int64_t>(0, plain_steps());
+  }
+  if (samples_each_step_ || plain_left_ < kBlock) return 0;
+  run_.since_anchor();
+  // Turns are counted after every block.
+  return parts_.observation.rotations().counts_turns() ? kBlock : plain_left_ / kBlock * kBlock;
+}
+
+void FixedGrid::took(std::int64_t steps) {
+  run_.clock.add(steps, steps);
+  run_.clock.keep_cost(run_.model.system());
+  run_.clock.set(two_prod(static_cast<double>(run_.clock.grid_steps()), run_.plan.dt));
+  run_.seen = run_.clock.now();
+  plain_left_ -= steps;
+  if (run_.clock.grid_steps() % kBlock != 0) return;
+  run_.since_anchor();
+  parts_.housekeeping.after_block();
+}
+
 /// How far the run is into a step of the grid; after blocks that is nothing.
 DoubleDouble FixedGrid::into_step() {
   if (on_grid_) return DoubleDouble(0.0);

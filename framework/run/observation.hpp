@@ -57,6 +57,8 @@ class Observation {
   /// Serves what is due within a step that has been taken; `next_since`: its end, after the anchor.
   /// False when a signal has come through between the samples of a very long step.
   bool serve(double due, const DoubleDouble& from, const DoubleDouble& to, double next_since);
+  /// Signals of every step are looked at.
+  bool watches() const { return !at_steps_.empty() || !at_blocks_.empty(); }
   /// Every step is looked into.
   bool looks_within_steps() const { return !at_nodes_.empty() || !at_ends_.empty(); }
   /// Integrates over the part of a step that lies in the window.
@@ -99,7 +101,6 @@ class Observation {
                   const double* integrals);
   void reach_edge(double time, const double* position, const double* velocity,
                   const double* integrals);
-  bool watches() const { return !at_steps_.empty() || !at_blocks_.empty(); }
   double* row() { return block_signals_.data() + block_.count * block_.width; }
 
   RunContext& run_;

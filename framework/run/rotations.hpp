@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -22,6 +23,11 @@ class Rotations {
   double turns_of(std::size_t body, const double* position) const;
   /// A flexible body turns fast: look() is needed after every step.
   bool is_due_at_every_step() const { return *steps_between_looks_ == 1; }
+  /// Some body has turns to be counted.
+  bool counts_turns() const {
+    return std::any_of(model_.bodies().begin(), model_.bodies().end(),
+                       [this](const Model::Body& body) { return counts_turns_of(body); });
+  }
   /// Counts whole turns; `turned(body, turns)` for each flexible body.
   template <class Turned>
   void look(Turned turned);

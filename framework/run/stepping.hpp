@@ -28,6 +28,11 @@ class Stepping {
   virtual ~Stepping() = default;
   /// One step of the run; on a grid up to `most` of them, where nothing falls between.
   virtual void advance(std::uint64_t most) = 0;
+  /// How many steps from here on have nothing to be served between them, for a batch of runs that
+  /// takes them together (lane_batch.hpp): whole blocks of kBlock. 0: the run goes on by itself.
+  virtual std::int64_t steps_for_lanes() { return 0; }
+  /// They have been taken, or some whole blocks of them; the numbers of the state are those after.
+  virtual void took(std::int64_t steps) { (void)steps; }
   /// The run continues from other numbers.
   virtual void state_changed() {}
 

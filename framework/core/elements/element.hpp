@@ -158,6 +158,13 @@ concept HasEnergy = requires(const typename E::template Parameters<double, D>& p
   E::energy(p, element);
 };
 
+/// A driver, whose power follows from its force.
+template <class E, int D>
+concept DoesWork = requires(const typename E::template Parameters<double, D>& p,
+                            const Site<double, D>& site, const Vec<double, D>& force) {
+  E::power(p, site, force);
+};
+
 /// The evaluator's force on a site, or its energy differentiated where it gives no force.
 template <class E, class T, int D>
 TOMLIN_INLINE Vec<T, D> force_on(const typename E::template Parameters<T, D>& p,

@@ -2,8 +2,10 @@
 
 #include <bit>
 #include <cstddef>
+#include <type_traits>
 
 #include "framework/core/elements/element.hpp"
+#include "framework/core/elements/lane_kernels.hpp"
 #include "framework/core/elements/nearest_image.hpp"
 #include "framework/core/numbers/math.hpp"
 #include "framework/core/numbers/number_types.hpp"
@@ -55,12 +57,6 @@ TOMLIN_INLINE SiteParameters<E, Packed<Real>, D> site_of_each(const Real* each,
   }
   return std::bit_cast<SiteParameters<E, Packed<Real>, D>>(numbers);
 }
-
-template <class E, int D>
-concept DoesWork = requires(const typename E::template Parameters<double, D>& p,
-                            const Site<double, D>& site, const Vec<double, D>& force) {
-  E::power(p, site, force);
-};
 
 /// Store `value`, or add it to what is there.
 template <bool set, class Real>
@@ -505,6 +501,12 @@ constexpr void fill_table(KernelTable<Real>& table) {
       if constexpr (E::reads.velocity) table.varied_heat[D - 1] = &heat_kernel<E, Real, D, true>;
     }
     if constexpr (D == 1 && !E::reads.table) table.point = &point_kernel<E, Real>;
+    // A table of numbers differs between replicas, and its kernel reads one.
+    if constexpr (std::is_same_v<Real, double> && !E::reads.table) {
+      table.lanes.site[D - 1] = &site_over_lanes<E, D, false>;
+      if (table.varied_site[D - 1]) table.lanes.varied_site[D - 1] = &site_over_lanes<E, D, true>;
+      if constexpr (E::reads.start) table.lanes.centre[D - 1] = &centre_over_lanes<E, D>;
+    }
   }
   if constexpr (HasForce<E, D, Pair> || HasEnergy<E, D, Pair>) {
     table.cyclic.set[D - 1] = &cyclic_kernel<E, Real, D, true>;
@@ -512,6 +514,11 @@ constexpr void fill_table(KernelTable<Real>& table) {
     table.chain.set[D - 1] = &chain_kernel<E, Real, D, true>;
     table.chain.add[D - 1] = &chain_kernel<E, Real, D, false>;
     table.pair_list.add[D - 1] = &pair_list_kernel<E, Real, D>;
+    if constexpr (std::is_same_v<Real, double>) {
+      table.lanes.cyclic[D - 1] = &cyclic_over_lanes<E, D>;
+      table.lanes.chain[D - 1] = &chain_over_lanes<E, D>;
+      table.lanes.pair_list[D - 1] = &pair_list_over_lanes<E, D>;
+    }
   }
 }
 

@@ -5,10 +5,10 @@
 namespace tomlin {
 inline namespace TOMLIN_TARGET {
 
-/// The way to the nearest image in a periodic box of this length.
+/// The way to the nearest image in a periodic box of this length, or of a length for each lane.
 template <class T, class Real>
-TOMLIN_INLINE T nearest_image(const T& apart, Real box) {
-  return apart - T(box) * floor(apart / T(box) + T(Real(0.5)));
+TOMLIN_INLINE T nearest_image(const T& apart, const Real& box) {
+  return apart - T(box) * floor(apart / T(box) + T(Scalar<T>(0.5)));
 }
 
 }  // namespace TOMLIN_TARGET

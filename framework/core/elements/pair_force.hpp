@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -62,14 +64,16 @@ class PairForce : public BoundForce<Real> {
     std::vector<Region> writes = {{body_.index, false}};
     switch (topology_) {
       case PairTopology::ring:
-        return {{tables_.cyclic.set[D - 1], tables_.cyclic.add[D - 1], &cyclic_, writes, rank_}};
+        return {{tables_.cyclic.set[D - 1], tables_.cyclic.add[D - 1], &cyclic_, writes, rank_,
+                 lane_form()}};
       case PairTopology::chain:
-        return {{tables_.chain.set[D - 1], tables_.chain.add[D - 1], &chain_, writes, rank_}};
+        return {{tables_.chain.set[D - 1], tables_.chain.add[D - 1], &chain_, writes, rank_,
+                 lane_form()}};
       case PairTopology::list:
         break;
     }
     if (other_.index != body_.index) writes.push_back({other_.index, false});
-    return {{nullptr, tables_.pair_list.add[D - 1], &list_.arguments, writes, rank_}};
+    return {{nullptr, tables_.pair_list.add[D - 1], &list_.arguments, writes, rank_, lane_form()}};
   }
 
   Real energy(const Stage<Real>& stage) const override {
@@ -138,6 +142,41 @@ class PairForce : public BoundForce<Real> {
  private:
   /// So short a way that nothing changes along it, and no number but its square.
   static constexpr double kBeside = sizeof(Real) < sizeof(double) ? 1e-18 : 1e-150;
+
+  LaneForm lane_form() const {
+    LaneForm form;
+    if constexpr (std::is_same_v<Real, double>) {
+      const std::span<const double> parameters = numbers_in(parameters_);
+      form.structure = structure_of(body_.slot, static_cast<std::ptrdiff_t>(pairs_.size()));
+      const std::vector<std::int64_t> second = structure_of(other_.slot, by_nearest_image_ ? 1 : 0);
+      form.structure.insert(form.structure.end(), second.begin(), second.end());
+      form.structure.push_back(static_cast<std::int64_t>(topology_));
+      for (const BoundPair<Real>& pair : pairs_) {
+        form.structure.push_back(static_cast<std::int64_t>(pair.i));
+        form.structure.push_back(static_cast<std::int64_t>(pair.j));
+      }
+      switch (topology_) {
+        case PairTopology::ring:
+          form.kernel = tables_.lanes.cyclic[D - 1];
+          form.numbers = {parameters, datum_};
+          form.scratch = cyclic_.rows * D * body_.slot.count;
+          break;
+        case PairTopology::chain:
+          form.kernel = tables_.lanes.chain[D - 1];
+          form.numbers = {parameters, chain_.wrap, datum_};
+          break;
+        case PairTopology::list:
+          form.kernel = tables_.lanes.pair_list[D - 1];
+          form.numbers = {parameters, list_.arguments.box, list_.data()};
+          if (list_.arguments.image) form.numbers.push_back(list_.images());
+          for (const double length : list_.arguments.box) form.structure.push_back(length > 0.0);
+          form.structure.push_back(list_.arguments.image != nullptr);
+          form.scratch = D * pairs_.size();
+          break;
+      }
+    }
+    return form;
+  }
 
   static bool are_together(const Pair<Real, D>& pair) {
     for (int d = 0; d < D; ++d) {

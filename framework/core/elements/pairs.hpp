@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -158,6 +159,9 @@ Vec<Real, D> separation_at_start(const Binding<Real>& binding, const BoundPair<R
 template <class Real>
 struct PairList {
   PairListArguments<Real> arguments;
+
+  std::span<const Real> data() const { return datum_; }
+  std::span<const Real> images() const { return image_; }
 
   /// `box`: along its axes separations are to the nearest image, in place of the pairs' own.
   void lay(const BoundBody<Real>& one, const BoundBody<Real>& other, int dimension,

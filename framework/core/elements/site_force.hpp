@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <iterator>
 #include <memory>
+#include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -74,6 +76,24 @@ Frame<Real, D> frame_at(const typename E::Description& description, const Origin
     frame.phase[axis] = Real(remainder_of(from_zero, period, periods)) / Real(period);
   }
   return frame;
+}
+
+/// Of a body, what replicas in lanes have alike.
+template <class Real>
+std::vector<std::int64_t> structure_of(const BodySlot<Real>& body, std::ptrdiff_t rate) {
+  std::vector<std::int64_t> numbers;
+  for (const std::size_t one : {body.offset, body.stride, body.count, body.centre}) {
+    numbers.push_back(static_cast<std::int64_t>(one));
+  }
+  numbers.insert(numbers.end(), {body.mapped ? 1 : 0, body.rigid ? 1 : 0, rate});
+  return numbers;
+}
+
+/// A structure that holds nothing but doubles.
+template <class Numbers>
+std::span<const double> numbers_in(const Numbers& numbers) {
+  static_assert(sizeof(Numbers) % sizeof(double) == 0);
+  return {reinterpret_cast<const double*>(&numbers), sizeof(Numbers) / sizeof(double)};
 }
 
 /// What sites of either kind share: parameters, frame, rates, bounds.
@@ -160,6 +180,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
                 const KernelTables& tables, int rank, const std::vector<double>& start = {})
       : Base(description, binding),
         kernels_(tables.on<Real>(binding.set).site),
+        lanes_(tables.on<Real>(binding.set).lanes),
         point_(tables.on<Real>(binding.set).point),
         heat_kernel_(tables.on<Real>(binding.set).heat[D - 1]),
         rank_(rank) {
@@ -185,8 +206,8 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
 
   std::vector<Pass<Real>> passes() override {
     const std::vector<Region> writes = {{this->body_.index, false}};
-    if (varies()) return {{nullptr, varied_kernel_, &arguments_, writes, rank_}};
-    return {{kernels_.set[D - 1], kernels_.add[D - 1], &arguments_, writes, rank_}};
+    if (varies()) return {{nullptr, varied_kernel_, &arguments_, writes, rank_, lane_form()}};
+    return {{kernels_.set[D - 1], kernels_.add[D - 1], &arguments_, writes, rank_, lane_form()}};
   }
 
   void rebase(const Origin& origin) override {
@@ -253,6 +274,17 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
 
  private:
   bool varies() const { return !variations_.empty(); }
+  LaneForm lane_form() const {
+    LaneForm form;
+    if constexpr (std::is_same_v<Real, double>) {
+      form.kernel = (varies() ? lanes_.varied_site : lanes_.site)[D - 1];
+      form.numbers = {
+          varies() ? std::span<const double>(by_number_) : numbers_in(this->with_frame_), start_};
+      form.structure = structure_of(this->body_.slot, arguments_.rate);
+      form.follows_time = this->depends_on_time();
+    }
+    return form;
+  }
   const SiteParameters<E, Real, D>& at(std::size_t particle) const {
     return varies() ? each_[particle] : this->with_frame_;
   }
@@ -310,6 +342,7 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   }
 
   const KernelPair<Real>& kernels_;
+  const LaneKernels& lanes_;
   PointKernel<Real> point_;
   Kernel<Real> heat_kernel_;
   int rank_;
@@ -338,6 +371,7 @@ class AttachedForce : public ForceOnSites<E, Real, D> {
                 const std::vector<double>& start = {})
       : Base(description, binding),
         kernels_(tables.on<Real>(binding.set).centre),
+        lanes_(tables.on<Real>(binding.set).lanes),
         point_(tables.on<Real>(binding.set).point),
         rank_(rank) {
     const BoundBody<Real>& body = this->body_;
@@ -371,7 +405,8 @@ class AttachedForce : public ForceOnSites<E, Real, D> {
              kernels_.add[D - 1],
              &arguments_,
              {{this->body_.index, arguments_.on_coordinates}},
-             rank_}};
+             rank_,
+             lane_form()}};
   }
 
   void place_rates(std::ptrdiff_t first) override { arguments_.rate = first; }
@@ -396,6 +431,19 @@ class AttachedForce : public ForceOnSites<E, Real, D> {
   }
 
  private:
+  LaneForm lane_form() const {
+    LaneForm form;
+    if constexpr (std::is_same_v<Real, double>) {
+      form.kernel = lanes_.centre[D - 1];
+      form.numbers = {numbers_in(this->with_frame_), arguments_.start, weight_};
+      form.structure = structure_of(this->body_.slot, arguments_.rate);
+      for (const std::size_t one : {arguments_.first, arguments_.last, arguments_.particle}) {
+        form.structure.push_back(static_cast<std::int64_t>(one));
+      }
+      form.follows_time = this->depends_on_time();
+    }
+    return form;
+  }
   Site<Real, D> site(const Stage<Real>& stage) const {
     Site<Real, D> site{};
     const BodySlot<Real>& slot = this->body_.slot;
@@ -421,6 +469,7 @@ class AttachedForce : public ForceOnSites<E, Real, D> {
 
  private:
   const KernelPair<Real>& kernels_;
+  const LaneKernels& lanes_;
   PointKernel<Real> point_;
   int rank_;
   AlignedVector<Real> weight_;

@@ -16,6 +16,7 @@
 #include "framework/core/system/flow.hpp"
 #include "framework/core/system/instruction_set.hpp"
 #include "framework/core/system/kernel_arguments.hpp"
+#include "framework/core/system/lanes.hpp"
 #include "framework/core/system/stage.hpp"
 
 /// What a force is once a scene is bound: complete, with every number resolved. The contracts of
@@ -83,6 +84,7 @@ struct Pass {
   const void* arguments = nullptr;
   std::vector<Region> writes;
   int rank = kRankCheap;
+  LaneForm lanes = {};  ///< the same call over replicas, where there is one
 };
 
 /// Receives second derivatives of the energy, element by element, in particle coordinates.

@@ -60,6 +60,9 @@ struct IntegratorRecord : ComponentRecord {
   bool splits_bonds = false;
   bool needs_tangent = false;      ///< solves equations with the forces' derivatives
   bool conservative_only = false;  ///< for scenes without friction and other loss
+  /// A fixed step does to every coordinate what it does to every other, and keeps nothing between
+  /// steps: arrays may hold the coordinates of several runs (framework/core/system/lanes.hpp).
+  bool in_lanes = false;
   /// Follows equilibria as the driver moves: for quasistatic dynamics, and for no other.
   bool follows_equilibria = false;
 

@@ -141,6 +141,16 @@ struct PointStarts {
   }
 };
 
+/// Kernels over replicas (lanes.hpp), for dimensions 1 to 3.
+struct LaneKernels {
+  Kernel<double> site[3] = {};
+  Kernel<double> varied_site[3] = {};
+  Kernel<double> centre[3] = {};
+  Kernel<double> cyclic[3] = {};
+  Kernel<double> chain[3] = {};
+  Kernel<double> pair_list[3] = {};  ///< adds
+};
+
 template <class Real>
 struct KernelTable {
   KernelPair<Real> site;
@@ -152,6 +162,7 @@ struct KernelTable {
   Kernel<Real> varied_site[3] = {};  ///< adds; with parameters that differ between particles
   Kernel<Real> varied_heat[3] = {};
   PointKernel<Real> point = nullptr;
+  LaneKernels lanes;  ///< of double
 };
 
 }  // namespace tomlin

@@ -61,17 +61,6 @@ struct SweepOptions {
   std::function<void(const SweepProgress&)> on_progress = {};
 };
 
-/// The row of a point; nothing when it was stopped. What a scene refuses and how a run fails is in
-/// the row. A checkpoint of the point stays until its row is kept. Throws std::bad_alloc: another
-/// time, or in fewer threads, there may be the memory. With a folder, a run that is stopped or
-/// takes longer than `[run] checkpoint_every` leaves there what the next one resumes from. The last
-/// two as in RunOptions.
-std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
-                                  const std::atomic<bool>* stop = nullptr,
-                                  const std::filesystem::path& checkpoints = {},
-                                  const FinalState* start_from = nullptr,
-                                  FinalState* final_state = nullptr);
-
 /// Runs every point of the part that has no row, and keeps what it gives. A point that is stopped
 /// leaves no row. Throws what SweepRows throws, once all threads have ended.
 SweepProgress run_sweep(const SweepPlan& plan, SweepRows& rows, const SweepOptions& options);

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/framework/cli/cli_fixture.hpp"
@@ -240,7 +241,7 @@ TEST_F(Plot, TheFigureHasTheSizeAndFontAskedFor) {
   expect_refused({"plot", "tip", "--font", "Times,1000", "-o", "a.svg"},
                  "tomlin: --font [command.invalid_value]\n", {"NAME,SIZE"});
   expect_refused({"plot", "tip", "--log", "z", "-o", "a.svg"},
-                 "tomlin: --log [command.invalid_value]\n", {"x, y or xy"});
+                 "tomlin: --log [command.invalid_value]\n", {"x, y, xy or none"});
 }
 
 TEST_F(Plot, AxesPanelsAndRangesAreChosen) {
@@ -312,6 +313,79 @@ TEST_F(Plot, OptionsThatDoNotGoTogetherAreRefused) {
                  "tomlin: --at [command.invalid_value]\n", {"\"x\""});
   expect_refused({"plot", "tip", "--y", "force,", "-o", "a.svg"},
                  "tomlin: --y [command.invalid_value]\n", {"\"force,\""});
+}
+
+/// Folders of sweeps in place of a run.
+class PlotOfSweep : public Plot {
+ protected:
+  void SetUp() override {
+    Plot::SetUp();
+    ASSERT_EQ(tomlin({"sweep", "tip.toml", "--set", "run.duration=30.0", "--set", "measure.to=1.2",
+                      "--over", "v=1e-1:1:4:log", "--over", "run.integrator.dt=1e-2,2e-2,-1",
+                      "--observable", "driver.mean_force.x", "-o", "map", "--quiet"})
+                  .status,
+              0);
+    ASSERT_EQ(tomlin({"sweep", "tip.toml", "--set", "run.duration=30.0", "--over", "v=1e-1:1:4:log",
+                      "--observable", "driver.mean_force.x", "-o", "line", "--quiet"})
+                  .status,
+              0);
+  }
+};
+
+TEST_F(PlotOfSweep, CurvesAndMapsAreDrawn) {
+  SKIP_WITHOUT_GNUPLOT();
+  for (const std::vector<std::string>& options :
+       {std::vector<std::string>{"line"},
+        {"map"},
+        {"map", "--minimum-along", "v"},
+        {"map", "--at", "run.integrator.dt=0.01", "--log", "xy"},
+        {"map", "--result", "driver.mean_force.x", "--against", "v"}}) {
+    for (const char* name : {"a.svg", "a.png", "a.pdf"}) {
+      std::vector<std::string> arguments = {"plot"};
+      arguments.insert(arguments.end(), options.begin(), options.end());
+      arguments.insert(arguments.end(), {"-o", name});
+      const Ended ended = tomlin(arguments);
+      EXPECT_EQ(ended.status, 0) << ended.err;
+      EXPECT_FALSE(contains(ended.err, "warning")) << ended.err;
+    }
+  }
+  // A number of the table is a cell, and one that is undefined is none.
+  const std::string script_of_map = script({"map"});
+  EXPECT_TRUE(contains(script_of_map, "set logscale x\n")) << script_of_map;
+  EXPECT_FALSE(contains(script_of_map, "set logscale y\n"));
+  std::size_t white = 0;
+  for (std::size_t at = 0; (at = script_of_map.find(" NaN\n", at)) != std::string::npos; ++at) {
+    ++white;
+  }
+  EXPECT_EQ(white, 4U);
+  const std::string of_line = script({"line"});
+  const std::string table = file("line/sweep.csv");
+  const std::size_t row = table.find('\n') + 1;
+  const std::size_t comma = table.find(',', row);
+  const double force = std::stod(table.substr(comma + 1));
+  EXPECT_TRUE(contains(of_line, fmt::format("\n{} {}\n", 0.1, force))) << of_line;
+}
+
+TEST_F(PlotOfSweep, WhatDoesNotFitIsRefused) {
+  const auto refused = [this](std::vector<std::string> arguments, const std::string& errors,
+                              const std::vector<std::string>& parts = {}) {
+    arguments.insert(arguments.begin(), "plot");
+    arguments.insert(arguments.end(), {"-o", "a.svg"});
+    expect_refused(arguments, errors, parts);
+  };
+  refused({"map", "line"}, "tomlin: line [command.conflict]\n");
+  refused({"map", "raster"}, "tomlin: raster [command.conflict]\n");
+  refused({"map", "--from", "1"}, "tomlin: --from [command.conflict]\n", {"--minimum-along"});
+  refused({"map", "--at", "1"}, "tomlin: --at [command.invalid_value]\n", {"NAME=VALUE"});
+  refused({"tip", "ring", "--at", "v=1"}, "tomlin: --at [command.invalid_value]\n", {"sweep"});
+  refused({"tip", "--minimum-along", "v"}, "tomlin: --minimum-along [command.conflict]\n");
+  refused({"map", "--against", "v"}, "tomlin: --result [command.missing_argument]\n");
+  refused({"map", "--result", "driver.mean_force.x", "--y", "v"},
+          "tomlin: --y [command.conflict]\n");
+  refused({"map", "--value", "driver.mean_forse.x"},
+          "map: driver.mean_forse.x [plot.no_data] did you mean driver.mean_force.x\n");
+  fs::remove(folder_ / "map/sweep.csv");
+  refused({"map"}, "map: [plot.no_data]\n", {"not finished", "`tomlin sweep`"});
 }
 
 TEST_F(Plot, WhatTheRunHasNotLeftIsNamed) {

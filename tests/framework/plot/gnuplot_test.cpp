@@ -127,6 +127,21 @@ TEST(GnuplotScript, ARasterHasItsPixelsAndABar) {
   EXPECT_FALSE(contains(gnuplot_script(figure, PictureFormat::svg), "'#440154'"));
 }
 
+TEST(GnuplotScript, CellsOfARasterMayDifferInSize) {
+  Figure figure = small_figure();
+  Raster raster{1.0, 100.0, 0.0, 2.0, 2, {1.0, std::nan(""), 3.0, 4.5}, {"force"}};
+  raster.x_edges = {1.0, 5.0, 100.0};
+  raster.y_edges = {0.0, 0.5, 2.0};
+  figure.panels[0].raster = raster;
+  const std::string script = gnuplot_script(figure, PictureFormat::svg);
+  EXPECT_TRUE(contains(script,
+                       "$panel0_raster << END\n1 0 1 5 0 0.5 1\n5 0 5 100 0 0.5 NaN\n"
+                       "1 0.5 1 5 0.5 2 3\n5 0.5 5 100 0.5 2 4.5\nEND\n"))
+      << script;
+  EXPECT_TRUE(contains(script, "$panel0_raster using 1:2:3:4:5:6:7 with boxxyerror"));
+  EXPECT_FALSE(contains(script, "with image"));
+}
+
 std::size_t keys_in(const std::string& script) {
   std::size_t count = 0;
   for (auto at = script.find("keyentry"); at != std::string::npos;

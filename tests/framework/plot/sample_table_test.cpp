@@ -1,5 +1,6 @@
 #include "framework/plot/sample_table.hpp"
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -74,6 +75,29 @@ TEST_F(SampleTableTest, SaysWhereATableIsDamaged) {
 TEST_F(SampleTableTest, AFileThatIsNotThereIsReported) {
   EXPECT_THROW(SampleTable{file()}, InputError);
   EXPECT_THROW(SampleTable{folder_.path().string()}, InputError);
+}
+
+TEST_F(SampleTableTest, ReadsTheTableOfASweep) {
+  const auto read = [this](const std::string& text) {
+    test::write(file(), text);
+    return SampleTable(file(), SampleTable::Rows::points).read({1, 2});
+  };
+  const std::string header = "type,v,f.x [force],status,reason\n";
+  const auto columns =
+      read(header + "\"a, \"\"b\"\"\",1,,refused,\"no, never\"\na,2,3,finished,\n");
+  EXPECT_EQ(columns[0], (std::vector<double>{1.0, 2.0}));
+  EXPECT_TRUE(std::isnan(columns[1][0]));
+  EXPECT_EQ(columns[1][1], 3.0);
+  const auto refused = [&](const std::string& text) {
+    try {
+      read(text);
+    } catch (const InputError& error) {
+      return test::brief(error.faults().front());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refused(header + "a,1,x,finished,\n"), "2:5 x [file.damaged]");
+  EXPECT_EQ(refused("time [time]\n0\n"), "1:1 time [time] [file.invalid]");
 }
 
 }  // namespace

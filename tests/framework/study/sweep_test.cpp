@@ -23,6 +23,7 @@
 #include "framework/study/sweep/part.hpp"
 #include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/point_checkpoint.hpp"
+#include "framework/study/sweep/point_run.hpp"
 #include "framework/study/sweep/runner.hpp"
 #include "tests/framework/output/disk_limit.hpp"
 #include "tests/framework/output/temporary_folder.hpp"

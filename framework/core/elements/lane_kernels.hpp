@@ -1,0 +1,376 @@
+#pragma once
+
+#include <bit>
+#include <cstddef>
+
+#include "framework/core/elements/element.hpp"
+#include "framework/core/elements/nearest_image.hpp"
+#include "framework/core/numbers/math.hpp"
+#include "framework/core/system/kernel_arguments.hpp"
+#include "framework/core/system/lanes.hpp"
+
+/// The loops over elements once more, over replicas (framework/core/system/lanes.hpp): eight
+/// replicas of one element at a time, particle after particle. They do the operations of the loops
+/// in kernels.hpp in the same order for each replica, so that the bits are the same.
+namespace tomlin {
+inline namespace TOMLIN_TARGET {
+
+/// The numbers of a body's particles in eight replicas: axis d of particle i stands at
+/// [(d * count + i) * width].
+struct LaneParticles {
+  const double* position;
+  const double* velocity;
+  double* force;
+  std::size_t count;
+  std::size_t width;
+
+  TOMLIN_INLINE LaneParticles(const LaneArguments& lanes, const BodySlot<double>& body,
+                              const Stage<double>& stage, std::size_t lane)
+      : count(body.count), width(lanes.width) {
+    const std::size_t at =
+        (body.mapped ? lanes.mapped : lanes.coordinate)[body.offset] * lanes.width + lane;
+    position = (body.mapped ? stage.mapped_position : stage.position) + at;
+    velocity = (body.mapped ? stage.mapped_velocity : stage.velocity) + at;
+    force = (body.mapped ? stage.mapped_force : stage.force) + at;
+  }
+
+  TOMLIN_INLINE std::size_t at(int axis, std::size_t particle) const {
+    return (static_cast<std::size_t>(axis) * count + particle) * width;
+  }
+  template <int D>
+  TOMLIN_INLINE Vec<Pack, D> place(std::size_t particle) const {
+    Vec<Pack, D> x;
+    for (int d = 0; d < D; ++d) x[d] = Pack::load(position + at(d, particle));
+    return x;
+  }
+};
+
+TOMLIN_INLINE void put_lanes(bool set, double* at, const Pack& value) {
+  if (set) {
+    value.store(at);
+  } else {
+    (Pack::load(at) + value).store(at);
+  }
+}
+
+/// The one rule of sums over particles, see sum() of a Pack.
+struct LaneSum {
+  Pack part[kGroup];
+
+  TOMLIN_INLINE LaneSum() {
+    for (Pack& one : part) one = Pack(0.0);
+  }
+  TOMLIN_INLINE void add(std::size_t particle, const Pack& x) {
+    part[particle % kGroup] = part[particle % kGroup] + x;
+  }
+  TOMLIN_INLINE void add_product(std::size_t particle, const Pack& a, const Pack& b) {
+    part[particle % kGroup] = fma(a, b, part[particle % kGroup]);
+  }
+  /// Parts that nothing was added to are zeros, which change no bit: no part is -0.
+  TOMLIN_INLINE Pack total(std::size_t particles) const {
+    if (particles == 1) return part[0];
+    const Pack low = (part[0] + part[4]) + (part[2] + part[6]);
+    return low + ((part[1] + part[5]) + (part[3] + part[7]));
+  }
+};
+
+/// The numbers of a structure that holds nothing else, in eight replicas.
+template <class Target>
+TOMLIN_INLINE Target in_lanes(const double* numbers, std::size_t stride) {
+  struct Numbers {
+    Pack value[sizeof(Target) / sizeof(Pack)];
+  } all;
+  for (Pack& value : all.value) {
+    value = Pack::load(numbers);
+    numbers += stride;
+  }
+  return std::bit_cast<Target>(all);
+}
+
+template <class E, int D>
+inline constexpr std::size_t kSiteNumbers = sizeof(SiteParameters<E, double, D>) / sizeof(double);
+template <class E, int D>
+inline constexpr std::size_t kPairNumbers = sizeof(typename E::template Parameters<double, D>) /
+                                            sizeof(double);
+
+// ---- sites
+
+/// Numbers: the parameters, [number] or [number * stride + particle]; then the starts, [axis *
+/// stride + particle].
+template <class E, int D, bool varied>
+TOMLIN_FLATTEN void site_over_lanes(const void* arguments, const Stage<double>& stage) {
+  constexpr bool works = DoesWork<E, D>;
+  const LaneArguments l = *static_cast<const LaneArguments*>(arguments);
+  const auto& a = *static_cast<const SiteArguments<double>*>(l.single);
+  const std::size_t count = a.body.count;
+  const std::size_t stride = a.body.stride;
+  const std::ptrdiff_t rate = a.rate;
+  const std::size_t w = l.width;
+  for (std::size_t lane = 0; lane < w; lane += kGroup) {
+    const LaneParticles body(l, a.body, stage, lane);
+    const double* numbers = l.numbers + lane;
+    const double* starts = numbers + kSiteNumbers<E, D> * w;
+    auto p = in_lanes<SiteParameters<E, Pack, D>>(numbers, varied ? stride * w : w);
+    LaneSum total[works ? D : 1];
+    LaneSum power;
+    for (std::size_t i = 0; i < count; ++i) {
+      if constexpr (varied) p = in_lanes<SiteParameters<E, Pack, D>>(numbers + i * w, stride * w);
+      Site<Pack, D> site;
+      site.position = body.place<D>(i);
+      for (int d = 0; d < D; ++d) {
+        if constexpr (E::reads.velocity)
+          site.velocity[d] = Pack::load(body.velocity + body.at(d, i));
+        if constexpr (E::reads.start) {
+          site.start[d] = Pack::load(starts + (static_cast<std::size_t>(d) * stride + i) * w);
+        }
+      }
+      site.elapsed = Pack(stage.elapsed);
+      site.frame = p.frame;
+      const Vec<Pack, D> force = force_on<E, Pack, D>(p.own, site);
+      for (int d = 0; d < D; ++d) put_lanes(l.set, body.force + body.at(d, i), force[d]);
+      if constexpr (works) {
+        for (int d = 0; d < D; ++d) total[d].add(i, force[d]);
+        power.add(i, E::power(p.own, site, force));
+      }
+    }
+    if constexpr (works) {
+      if (rate == kNoRate) continue;
+      double* rates = stage.rates + l.rate[rate] * w + lane;
+      for (int d = 0; d < D; ++d) {
+        total[d].total(count).store(rates + static_cast<std::size_t>(d) * w);
+      }
+      power.total(count).store(rates + static_cast<std::size_t>(D) * w);
+    }
+  }
+}
+
+// ---- the centre of mass of a body, or one particle of it
+
+template <int D>
+TOMLIN_INLINE Vec<Pack, D> attached_in_lanes(const CentreArguments<double>& a,
+                                             const LaneArguments& l, const double* of_centre,
+                                             const double* of_particles, const double* weights) {
+  const std::size_t w = l.width;
+  Vec<Pack, D> point;
+  for (int d = 0; d < D; ++d) {
+    const auto axis = static_cast<std::size_t>(d);
+    if (a.on_coordinates) {
+      point[d] = Pack::load(of_centre + axis * w);
+      continue;
+    }
+    const double* x = of_particles + axis * a.body.count * w;
+    if (a.single) {
+      point[d] = Pack::load(x + a.particle * w);
+      continue;
+    }
+    LaneSum mean;
+    for (std::size_t i = 0; i < a.body.count; ++i) {
+      mean.add_product(i, Pack::load(weights + i * w), Pack::load(x + i * w));
+    }
+    point[d] = mean.total(kGroup);
+  }
+  return point;
+}
+
+/// Numbers: the parameters, the start, the weights of all particles.
+template <class E, int D>
+TOMLIN_FLATTEN void centre_over_lanes(const void* arguments, const Stage<double>& stage) {
+  const LaneArguments l = *static_cast<const LaneArguments*>(arguments);
+  const CentreArguments<double> a = *static_cast<const CentreArguments<double>*>(l.single);
+  const std::size_t w = l.width;
+  for (std::size_t lane = 0; lane < w; lane += kGroup) {
+    const LaneParticles body(l, a.body, stage, lane);
+    const std::size_t at = a.on_coordinates ? l.coordinate[a.body.centre] * w + lane : 0;
+    const double* numbers = l.numbers + lane;
+    const double* starts = numbers + kSiteNumbers<E, D> * w;
+    const double* weights = starts + 3 * w;
+    const auto p = in_lanes<SiteParameters<E, Pack, D>>(numbers, w);
+    Site<Pack, D> site;
+    site.position = attached_in_lanes<D>(a, l, stage.position + at, body.position, weights);
+    if constexpr (E::reads.velocity) {
+      site.velocity = attached_in_lanes<D>(a, l, stage.velocity + at, body.velocity, weights);
+    }
+    for (int d = 0; d < D; ++d)
+      site.start[d] = Pack::load(starts + static_cast<std::size_t>(d) * w);
+    site.elapsed = Pack(stage.elapsed);
+    site.frame = p.frame;
+    const Vec<Pack, D> force = force_on<E, Pack, D>(p.own, site);
+
+    if (a.on_coordinates) {
+      for (int d = 0; d < D; ++d) {
+        put_lanes(l.set, stage.force + at + static_cast<std::size_t>(d) * w, force[d]);
+      }
+      // A planar body's rotation stands behind its place.
+      if constexpr (D == 2) put_lanes(l.set, stage.force + at + 2 * w, Pack(0.0));
+    } else {
+      for (int d = 0; d < D; ++d) {
+        for (std::size_t i = 0; i < a.body.count; ++i) {
+          double* to = body.force + body.at(d, i);
+          if (i >= a.first && i < a.last) {
+            put_lanes(l.set, to, Pack::load(weights + i * w) * force[d]);
+          } else if (l.set) {
+            Pack(0.0).store(to);
+          }
+        }
+      }
+    }
+    if constexpr (DoesWork<E, D>) {
+      if (a.rate == kNoRate) continue;
+      double* rates = stage.rates + l.rate[a.rate] * w + lane;
+      for (int d = 0; d < D; ++d) force[d].store(rates + static_cast<std::size_t>(d) * w);
+      E::power(p.own, site, force).store(rates + static_cast<std::size_t>(D) * w);
+    }
+  }
+}
+
+// ---- pairs
+
+/// The force on the first of two particles.
+template <class E, int D>
+TOMLIN_INLINE Vec<Pack, D> pair_in_lanes(const typename E::template Parameters<Pack, D>& p,
+                                         const Vec<Pack, D>& separation, const double* datum) {
+  Pair<Pack, D> pair;
+  pair.separation = separation;
+  pair.datum = Pack::load(datum);
+  return force_on<E, Pack, D>(p, pair);
+}
+
+/// Numbers: the parameters, then the pairs' own, [row * row_stride + particle]. Scratch:
+/// [row][axis] [particle].
+template <class E, int D>
+TOMLIN_FLATTEN void cyclic_over_lanes(const void* arguments, const Stage<double>& stage) {
+  const LaneArguments l = *static_cast<const LaneArguments*>(arguments);
+  const auto& a = *static_cast<const CyclicArguments<double>*>(l.single);
+  const std::size_t count = a.body.count;
+  const std::size_t rows = a.rows;
+  const std::size_t row_stride = a.row_stride;
+  const bool half_row_last = a.half_row_last;
+  const std::size_t w = l.width;
+  for (std::size_t lane = 0; lane < w; lane += kGroup) {
+    const LaneParticles body(l, a.body, stage, lane);
+    const double* numbers = l.numbers + lane;
+    const double* data = numbers + kPairNumbers<E, D> * w;
+    double* result = l.scratch + lane;
+    const auto p = in_lanes<typename E::template Parameters<Pack, D>>(numbers, w);
+    for (std::size_t row = 0; row < rows; ++row) {
+      double* of_row = result + row * static_cast<std::size_t>(D) * count * w;
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t j = i + row + 1 < count ? i + row + 1 : i + row + 1 - count;
+        const Vec<Pack, D> force = pair_in_lanes<E, D>(p, body.place<D>(j) - body.place<D>(i),
+                                                       data + (row * row_stride + i) * w);
+        for (int d = 0; d < D; ++d) force[d].store(of_row + body.at(d, i));
+      }
+    }
+    // As for one run: forwards row by row, then backwards from the furthest.
+    for (std::size_t i = 0; i < count; ++i) {
+      for (int d = 0; d < D; ++d) {
+        const double* of_axis = result + body.at(d, 0);
+        const std::size_t per_row = static_cast<std::size_t>(D) * count * w;
+        Pack total(0.0);
+        for (std::size_t row = 0; row < rows; ++row) {
+          total += Pack::load(of_axis + row * per_row + i * w);
+        }
+        for (std::size_t row = half_row_last ? rows - 1 : rows; row-- > 0;) {
+          const std::size_t j = i >= row + 1 ? i - row - 1 : i + count - row - 1;
+          total = total - Pack::load(of_axis + row * per_row + j * w);
+        }
+        put_lanes(l.set, body.force + body.at(d, i), total);
+      }
+    }
+  }
+}
+
+/// Numbers: the parameters, the way through a closed chain's end (three), the bonds' own.
+template <class E, int D>
+TOMLIN_FLATTEN void chain_over_lanes(const void* arguments, const Stage<double>& stage) {
+  const LaneArguments l = *static_cast<const LaneArguments*>(arguments);
+  const auto& a = *static_cast<const ChainArguments<double>*>(l.single);
+  const std::size_t count = a.body.count;
+  const bool closed = a.closed;
+  const std::size_t w = l.width;
+  for (std::size_t lane = 0; lane < w; lane += kGroup) {
+    const LaneParticles body(l, a.body, stage, lane);
+    const double* numbers = l.numbers + lane;
+    const double* wrap = numbers + kPairNumbers<E, D> * w;
+    const double* data = wrap + 3 * w;
+    const auto p = in_lanes<typename E::template Parameters<Pack, D>>(numbers, w);
+    Vec<Pack, D> none;
+    for (int d = 0; d < D; ++d) none[d] = Pack(0.0);
+    // The bond behind the first particle of a closed chain is that of the last.
+    Vec<Pack, D> closing = none;
+    if (closed) {
+      Vec<Pack, D> image;
+      for (int d = 0; d < D; ++d) {
+        image[d] = Pack::load(body.position + body.at(d, 0)) +
+                   Pack::load(wrap + static_cast<std::size_t>(d) * w);
+      }
+      closing = pair_in_lanes<E, D>(p, image - body.place<D>(count - 1), data + (count - 1) * w);
+    }
+    Vec<Pack, D> behind = closing;
+    Vec<Pack, D> here = body.place<D>(0);
+    for (std::size_t i = 0; i < count; ++i) {
+      Vec<Pack, D> force = closing;
+      if (i + 1 < count) {
+        const Vec<Pack, D> next = body.place<D>(i + 1);
+        force = pair_in_lanes<E, D>(p, next - here, data + i * w);
+        here = next;
+      }
+      for (int d = 0; d < D; ++d) {
+        put_lanes(l.set, body.force + body.at(d, i), force[d] - behind[d]);
+      }
+      behind = force;
+    }
+  }
+}
+
+/// Numbers: the parameters, the lengths of the box (three), the pairs' own and, where there are
+/// images, [axis][pair], both with their padding. Scratch: [axis][pair].
+template <class E, int D>
+TOMLIN_FLATTEN void pair_list_over_lanes(const void* arguments, const Stage<double>& stage) {
+  const LaneArguments l = *static_cast<const LaneArguments*>(arguments);
+  const PairListArguments<double> a = *static_cast<const PairListArguments<double>*>(l.single);
+  const std::size_t w = l.width;
+  const std::size_t row_length = (a.pairs + kGroup - 1) / kGroup * kGroup;
+  for (std::size_t lane = 0; lane < w; lane += kGroup) {
+    const LaneParticles first(l, a.first, stage, lane);
+    const LaneParticles second(l, a.second, stage, lane);
+    const double* numbers = l.numbers + lane;
+    const double* box = numbers + kPairNumbers<E, D> * w;
+    const double* data = box + 3 * w;
+    const double* image = data + row_length * w;
+    double* result = l.scratch + lane;
+    const auto p = in_lanes<typename E::template Parameters<Pack, D>>(numbers, w);
+    for (std::size_t k = 0; k < a.pairs; ++k) {
+      Vec<Pack, D> apart = second.place<D>(a.j[k]) - first.place<D>(a.i[k]);
+      for (int d = 0; d < D; ++d) {
+        const auto axis = static_cast<std::size_t>(d);
+        if (a.image) apart[d] = apart[d] + Pack::load(image + (axis * row_length + k) * w);
+        if (a.box[d] > 0.0) apart[d] = nearest_image(apart[d], Pack::load(box + axis * w));
+      }
+      const Vec<Pack, D> force = pair_in_lanes<E, D>(p, apart, data + k * w);
+      for (int d = 0; d < D; ++d) {
+        force[d].store(result + (static_cast<std::size_t>(d) * a.pairs + k) * w);
+      }
+    }
+    const auto share_out = [&](const LaneParticles& body, std::size_t rows, std::size_t first_row) {
+      for (int d = 0; d < D; ++d) {
+        const double* of_axis = result + static_cast<std::size_t>(d) * a.pairs * w;
+        for (std::size_t i = 0; i < rows; ++i) {
+          Pack total(0.0);
+          for (std::size_t k = a.row_start[first_row + i]; k < a.row_start[first_row + i + 1];
+               ++k) {
+            const std::ptrdiff_t pair = a.row[k];
+            total += pair > 0 ? Pack::load(of_axis + static_cast<std::size_t>(pair - 1) * w)
+                              : -Pack::load(of_axis + static_cast<std::size_t>(-pair - 1) * w);
+          }
+          put_lanes(false, body.force + body.at(d, i), total);
+        }
+      }
+    };
+    share_out(first, a.particles_first, 0);
+    if (!a.same_body) share_out(second, a.particles_second, a.particles_first);
+  }
+}
+
+}  // namespace TOMLIN_TARGET
+}  // namespace tomlin

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "framework/core/system/aligned.hpp"
+#include "framework/core/system/lanes.hpp"
+#include "framework/core/system/system.hpp"
+#include "framework/model/model.hpp"
+
+namespace tomlin {
+
+/// Models of one structure in the lanes of one system, which an integrator steps as it steps the
+/// system of one model (framework/core/system/lanes.hpp). The arrays have no padding but for lanes
+/// without a model, which repeat another one's numbers.
+class LaneSystem {
+ public:
+  /// Why a model is in no lanes; empty where it is.
+  static std::string why_not(const Model& model);
+
+  /// Of models of the structure of this one, which outlives it. Width: lanes, a multiple of kGroup.
+  LaneSystem(const Model& first, std::size_t width);
+  LaneSystem(const LaneSystem&) = delete;
+  LaneSystem& operator=(const LaneSystem&) = delete;
+
+  std::size_t width() const { return width_; }
+  System<double>& system() { return system_; }
+  bool fits(const Model& model) const;
+
+  /// Parameters and state of a model.
+  void put(std::size_t lane, const Model& model);
+  /// Of its parameters, those that follow from the time that its forces are anchored at.
+  void put_timed(std::size_t lane, const Model& model);
+  /// Its state.
+  void get(std::size_t lane, Model& model) const;
+  /// Arrays of an integrator: numbers of one run, over coordinates or over rates, and its lane.
+  void put_coordinates(std::size_t lane, const double* single, double* lanes) const;
+  void put_rates(std::size_t lane, const double* single, double* lanes) const;
+  void get_coordinates(std::size_t lane, const double* lanes, double* single) const;
+  void get_rates(std::size_t lane, const double* lanes, double* single) const;
+
+  /// True unless it is certain that Model::rebase_if_due() of the lane's model does nothing.
+  bool may_rebase(std::size_t lane) const;
+
+ private:
+  /// Numbers without padding: which of one run's they are, and where each of those stands.
+  struct Map {
+    std::vector<std::size_t> from;
+    std::vector<std::size_t> to;  ///< [number of one run]: how many stand before it; and at the end
+
+    void add(std::size_t first, std::size_t count);
+    void close(std::size_t size);
+    std::size_t size() const { return from.size(); }
+  };
+  struct Call {
+    LaneArguments arguments;
+    std::size_t numbers = 0;  ///< where they begin among all
+    std::size_t scratch = 0;
+    bool follows_time = false;
+  };
+  /// A coordinate that moves no less than what the origin follows: where it started and how far it
+  /// may go from there, of each lane.
+  struct Followed {
+    std::size_t coordinate = 0;
+    int axis = 0;  ///< -1: a rotation
+    std::size_t body = 0;
+    std::vector<double> start = {};
+    std::vector<double> unit = {};
+  };
+
+  void map_numbers(const Model& model);
+  void lay_calls();
+  double* take(std::size_t numbers);
+  void put_all(std::size_t lane, const Map& map, const double* single, double* lanes) const;
+
+  const Model& first_;
+  std::size_t width_;
+  Map coordinates_;
+  Map mapped_;
+  Map rates_;
+  std::vector<Call> calls_;
+  std::vector<Operation<double>> operations_;
+  std::vector<Followed> followed_;
+  AlignedVector<double> memory_;
+  std::size_t taken_ = 0;
+  double* numbers_ = nullptr;
+  double* inverse_mass_ = nullptr;
+  double* largest_move_ = nullptr;
+  System<double> system_;
+};
+
+}  // namespace tomlin

@@ -1,0 +1,135 @@
+#include "framework/study/sweep/point_run.hpp"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "framework/core/text/fault.hpp"
+#include "framework/run/observables.hpp"
+#include "framework/study/accuracy.hpp"
+#include "framework/study/methods.hpp"
+
+namespace tomlin {
+namespace {
+
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+
+SweepRow row_without_numbers(const SweepPlan& plan, SweepStatus status, std::string reason) {
+  SweepRow row;
+  row.status = status;
+  row.numbers.assign(plan.columns().size(), kNoNumber);
+  row.reason = std::move(reason);
+  return row;
+}
+
+std::optional<double> number_of(const RunResult& result, SweepColumn::Kind kind,
+                                const std::string& path) {
+  switch (kind) {
+    case SweepColumn::Kind::value:
+      return observable(result, path);
+    case SweepColumn::Kind::error:
+      for (const ErrorEstimate& estimate : result.errors) {
+        if (estimate.path == path) return estimate.error;
+      }
+      return std::nullopt;
+    case SweepColumn::Kind::spread:
+      for (const DeterminedResult& one : result.determined) {
+        if (full_path(result, one.path) == path) return one.spread;
+      }
+      return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+PointRun::PointRun(const SweepPlan& plan, std::size_t point, const std::atomic<bool>* stop,
+                   const std::filesystem::path& checkpoints)
+    : plan_(plan), point_(point), scene_(plan.scene_at(point)) {
+  options_.stop = stop;
+  options_.observables = plan.paths();
+  if (checkpoints.empty()) return;
+  file_ = PointCheckpoint::file_of(checkpoints, point);
+  checkpoint_.emplace(file_, fmt::format("sweep {:x}, point {}", plan.identity(), point),
+                      scene_->run.checkpoint_every);
+  options_.sink = &*checkpoint_;
+  options_.store = &*checkpoint_;
+}
+
+/// From its checkpoint, unless that is of a program with other numbers in its state.
+template <class Act>
+auto PointRun::resumed(Act act) {
+  RunOptions options = options_;
+  if (checkpoint_ && !checkpoint_->state().empty()) {
+    options.resume_from = &checkpoint_->state();
+    try {
+      return act(options);
+    } catch (const std::invalid_argument&) {
+      options.resume_from = nullptr;
+    }
+  }
+  return act(options);
+}
+
+std::optional<SweepRow> PointRun::run() {
+  if (engine_) return row_of(engine_->run());
+  return row_of(
+      resumed([this](const RunOptions& options) { return tomlin::run(scene_, options); }));
+}
+
+Engine* PointRun::engine() {
+  if (scene_->run.accuracy || scene_->run.perturb) return nullptr;
+  if (!engine_) {
+    engine_ = resumed(
+        [this](const RunOptions& options) { return std::make_unique<Engine>(scene_, options); });
+  }
+  return engine_.get();
+}
+
+std::optional<SweepRow> PointRun::end() { return row_of(engine_->end()); }
+
+void PointRun::remove_checkpoint() const {
+  if (!file_.empty()) PointCheckpoint::remove(file_);
+}
+
+std::optional<SweepRow> PointRun::row_of(const RunResult& result) {
+  if (result.status == RunStatus::interrupted) {
+    if (checkpoint_) checkpoint_->write();
+    return std::nullopt;
+  }
+  SweepRow row = row_without_numbers(plan_, SweepStatus::finished, "");
+  for (const Warning& warning : result.warnings) {
+    row.warnings.set(static_cast<std::size_t>(warning.code));
+  }
+  if (result.failure) {
+    row.status = SweepStatus::failed;
+    row.reason = to_string(*result.failure);
+    return row;
+  }
+  for (std::size_t k = 0; k < plan_.columns().size(); ++k) {
+    const SweepColumn& column = plan_.columns()[k];
+    const auto number = number_of(result, column.kind, plan_.paths()[column.observable]);
+    if (number && std::isfinite(*number)) row.numbers[k] = *number;
+  }
+  return row;
+}
+
+SweepRow row_of_refused(const SweepPlan& plan, const InputError& error) {
+  return row_without_numbers(plan, SweepStatus::refused, condensed(error));
+}
+
+std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,
+                                  const std::atomic<bool>* stop,
+                                  const std::filesystem::path& checkpoints) {
+  try {
+    return PointRun(plan, point, stop, checkpoints).run();
+  } catch (const InputError& error) {
+    return row_of_refused(plan, error);
+  }
+}
+
+}  // namespace tomlin

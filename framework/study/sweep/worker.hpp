@@ -1,0 +1,58 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/point_run.hpp"
+#include "framework/study/sweep/row.hpp"
+
+namespace tomlin {
+
+/// Where points come from, one after the other, and where their rows go.
+class PointSource {
+ public:
+  virtual ~PointSource() = default;
+  virtual std::optional<std::size_t> take() = 0;
+  virtual void keep(std::size_t point, const SweepRow& row) = 0;
+
+ protected:
+  PointSource() = default;
+};
+
+struct WorkerOptions {
+  const std::atomic<bool>* stop = nullptr;
+  std::filesystem::path checkpoints = {};  ///< a folder; none: points start again
+  std::size_t most_at_once = 1;            ///< points in lanes: a fair share of all
+};
+
+/// Runs points in one thread. Those of one structure, scheme and step are taken in lanes
+/// (LaneBatch), and what ends is replaced by the next; the others are run one by one. Rows do not
+/// depend on it.
+class SweepWorker {
+ public:
+  SweepWorker(const SweepPlan& plan, PointSource& source, WorkerOptions options)
+      : plan_(plan), source_(source), options_(std::move(options)) {}
+
+  /// Until there are no more points, or it is stopped: checkpoints are then written.
+  void work();
+
+ private:
+  using Waiting = std::deque<std::unique_ptr<PointRun>>;
+
+  bool stopped() const { return options_.stop != nullptr && options_.stop->load(); }
+  bool fetch();
+  void run_batch();
+  void keep(const PointRun& run, const std::optional<SweepRow>& row);
+
+  const SweepPlan& plan_;
+  PointSource& source_;
+  WorkerOptions options_;
+  Waiting waiting_;  ///< bound, for a batch of their structure
+};
+
+}  // namespace tomlin

@@ -1,0 +1,313 @@
+#include "framework/run/lane_batch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "framework/run/observables.hpp"
+#include "tests/support/ring_scenes.hpp"
+
+/// Runs in lanes have the bits that they have alone: of the whole state and of every result.
+namespace tomlin::test {
+namespace {
+
+struct LaneCase {
+  std::string name;
+  /// The text of replica k.
+  std::function<std::string(int)> text;
+  std::vector<std::string> observables = {"driver.mean_force.x"};
+};
+
+/// What differs between replicas: no two numbers alike, and no simple ratio.
+double own(int k, double from, double to) {
+  const double part = 0.5 + 0.5 * std::sin(1.0 + 2.3 * k);
+  return from + (to - from) * part;
+}
+
+std::string tip_of(int k) {
+  return TipScene{.velocity = own(k, 0.05, 0.4),
+                  .stiffness = own(k + 1, 0.5, 3.0),
+                  .damping = own(k + 2, 0.3, 2.0),
+                  .amplitude = own(k + 3, 0.05, 0.2),
+                  .period = own(k + 4, 0.8, 1.3),
+                  .duration = 20.0 + k,
+                  .more = "[measure]\nfrom = 5.0\n"}
+      .text();
+}
+
+std::string ring_of(int k, const std::string& coordinates) {
+  RingScene ring;
+  ring.coordinates = coordinates;
+  ring.velocity = own(k, 0.1, 0.6);
+  ring.decay = own(k + 1, 0.1, 2.0);
+  ring.period = own(k + 2, 0.7, 1.4);
+  ring.bonds = own(k + 3, 500.0, 900.0);
+  ring.duration = 2.0 + 0.25 * k;
+  return ring.text();
+}
+
+std::string chain_of(int k, const std::string& box, const std::string& pairs) {
+  return "[[body]]\nname = \"chain\"\ntype = \"chain\"\ncount = 11\nspacing = 1.0\n"
+         "particle_mass = " +
+         digits(own(k, 0.5, 2.0)) +
+         "\n"
+         "[[force]]\ntype = \"harmonic_bonds\"\npairs = " +
+         pairs + "\nstiffness = " + digits(own(k + 1, 1.0, 4.0)) +
+         "\n[[force]]\nname = \"driver\"\ntype = \"driving_spring\"\nstiffness = " +
+         digits(own(k + 2, 0.1, 0.5)) + "\nvelocity = [" + digits(own(k + 3, 0.2, 0.9)) +
+         "]\nattach = \"each_particle\"\n[[force]]\ntype = \"viscous_damping\"\ncoefficient = 0.4\n"
+         "[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = " +
+         digits(own(k + 4, 0.02, 0.2)) + "\nperiod = 1.0\n" + box +
+         "[run]\nduration = " + digits(10.0 + k) + "\nintegrator = { type = \"rk4\", dt = 0.02 }\n";
+}
+
+/// In space: a ball on two springs, one at a particle of a rigid body.
+std::string dumbbells_of(int k) {
+  return "[[body]]\nname = \"one\"\ntype = \"particles\"\npositions = [[0.0, 0.0, 0.5], [1.1, 0.0, "
+         "0.5], [0.3, 0.9, 0.6]]\nparticle_mass = 0.7\n"
+         "[[body]]\nname = \"other\"\ntype = \"particles\"\npositions = [[0.0, 0.2, 2.0], [1.2, "
+         "0.0, 2.1]]\nparticle_mass = 1.3\ncoordinates = \"rigid\"\n"
+         "[[force]]\ntype = \"harmonic_bonds\"\nbodies = [\"one\", \"other\"]\npairs = \"all\"\n"
+         "stiffness = " +
+         digits(own(k, 1.0, 3.0)) +
+         "\n[[force]]\ntype = \"morse_bonds\"\nbody = \"one\"\npairs = [[0, 1], [1, 2]]\ndepth = "
+         "1.0\n"
+         "inverse_width = " +
+         digits(own(k + 1, 0.4, 0.8)) +
+         "\n[[force]]\nname = \"driver\"\ntype = \"driving_spring\"\nbody = \"one\"\nattach = { "
+         "particle = 1 }\nstiffness = 2.0\nvelocity = [" +
+         digits(own(k + 2, 0.1, 0.4)) +
+         ", 0.0, 0.0]\n[[force]]\nname = \"pull\"\ntype = \"driving_spring\"\nbody = \"other\"\n"
+         "stiffness = [1.0, 0.0, 2.0]\nvelocity = [0.1, 0.0, 0.0]\n"
+         "[[force]]\nname = \"drag\"\ntype = \"viscous_damping\"\nbody = \"one\"\ncoefficient = "
+         "0.5\n"
+         "[[force]]\nname = \"drag of other\"\ntype = \"viscous_damping\"\nbody = "
+         "\"other\"\ncoefficient = " +
+         digits(own(k + 3, 0.3, 0.9)) + "\n[run]\nduration = " + digits(6.0 + k) +
+         "\nintegrator = { type = \"midpoint\", dt = 0.01 }\n";
+}
+
+const std::vector<LaneCase>& lane_cases() {
+  static const std::vector<LaneCase> cases = {
+      {"tip", &tip_of},
+      {"sampled_tip",
+       [](int k) { return tip_of(k) + "[output]\nevery = " + digits(own(k, 0.37, 1.1)) + "\n"; }},
+      {"flexible_ring", [](int k) { return ring_of(k, "particles"); }},
+      {"rigid_ring", [](int k) { return ring_of(k, "rigid"); }},
+      {"chain", [](int k) { return chain_of(k, "", "\"neighbours\""); }},
+      {"closed_chain",
+       [](int k) {
+         return chain_of(k, "[box]\nlengths = [11.0]\nperiodic = [true]\n", "\"neighbours\"");
+       }},
+      {"large_ring_of_pairs", [](int k) { return chain_of(k, "", "\"all\""); }},
+      {"dumbbells", &dumbbells_of},
+  };
+  return cases;
+}
+
+RunOptions asked_for(const LaneCase& one) {
+  RunOptions options;
+  options.observables = one.observables;
+  return options;
+}
+
+struct Ended {
+  std::vector<std::byte> state;
+  RunResult result;
+};
+
+Ended alone(const LaneCase& one, int k, const RunOptions& options) {
+  Engine engine(scene_of(one.text(k)), options);
+  RunResult result = engine.run();
+  return {engine.state().to_bytes(), std::move(result)};
+}
+
+/// Replicas 0 to n - 1 in so many lanes; those that find no room take the place of ones that end.
+std::vector<Ended> in_lanes(const LaneCase& one, int n, std::size_t lanes,
+                            const RunOptions& options) {
+  std::vector<std::unique_ptr<Engine>> engines;
+  for (int k = 0; k < n; ++k) {
+    engines.push_back(std::make_unique<Engine>(scene_of(one.text(k)), options));
+    EXPECT_EQ(engines.back()->why_not_in_lanes(), "") << one.name;
+  }
+  std::vector<Ended> ended(static_cast<std::size_t>(n));
+  LaneBatch batch(*engines.front(), lanes);
+  std::size_t next = 0;
+  while (next < engines.size() || !batch.is_empty()) {
+    for (; next < engines.size() && !batch.is_full(); ++next) {
+      EXPECT_TRUE(batch.fits(*engines[next])) << one.name << ", replica " << next;
+      batch.add(*engines[next]);
+    }
+    for (Engine* const engine : batch.advance()) {
+      const auto place = std::find_if(engines.begin(), engines.end(),
+                                      [&](const auto& some) { return some.get() == engine; });
+      RunResult result = engine->end();
+      ended[static_cast<std::size_t>(place - engines.begin())] = {engine->state().to_bytes(),
+                                                                  std::move(result)};
+    }
+  }
+  return ended;
+}
+
+void expect_same(const LaneCase& one, const Ended& a, const Ended& b, const std::string& where) {
+  EXPECT_EQ(a.state, b.state) << one.name << ", " << where;
+  EXPECT_EQ(a.result.status, b.result.status) << one.name << ", " << where;
+  EXPECT_EQ(a.result.steps, b.result.steps) << one.name << ", " << where;
+  EXPECT_EQ(a.result.force_evaluations, b.result.force_evaluations) << one.name << ", " << where;
+  EXPECT_EQ(a.result.warnings.size(), b.result.warnings.size()) << one.name << ", " << where;
+  for (const std::string& path : one.observables) {
+    EXPECT_EQ(observable(a.result, path), observable(b.result, path)) << one.name << ", " << where;
+  }
+}
+
+TEST(LaneBatch, RunsHaveTheBitsOfSingleRuns) {
+  for (const LaneCase& one : lane_cases()) {
+    const RunOptions options = asked_for(one);
+    constexpr int kReplicas = 9;
+    const std::vector<Ended> ended = in_lanes(one, kReplicas, kReplicas, options);
+    for (int k = 0; k < kReplicas; ++k) {
+      const Ended due = alone(one, k, options);
+      ASSERT_EQ(due.result.status, RunStatus::finished) << one.name;
+      expect_same(one, due, ended[static_cast<std::size_t>(k)], "replica " + std::to_string(k));
+    }
+  }
+}
+
+TEST(LaneBatch, AnyNumberOfLanesGivesTheSame) {
+  const LaneCase& one = lane_cases()[3];
+  const RunOptions options = asked_for(one);
+  constexpr int kReplicas = 8;
+  std::vector<Ended> due;
+  for (int k = 0; k < kReplicas; ++k) due.push_back(alone(one, k, options));
+  for (std::size_t lanes = 1; lanes <= kReplicas; ++lanes) {
+    const std::vector<Ended> ended = in_lanes(one, kReplicas, lanes, options);
+    for (std::size_t k = 0; k < ended.size(); ++k) {
+      expect_same(one, due[k], ended[k], std::to_string(lanes) + " lanes");
+    }
+  }
+}
+
+TEST(LaneBatch, OnEveryInstructionSet) {
+  for (const LaneCase& one : lane_cases()) {
+    RunOptions options = asked_for(one);
+    options.instruction_set = InstructionSet::baseline;
+    constexpr int kReplicas = 3;
+    std::vector<Ended> due;
+    for (int k = 0; k < kReplicas; ++k) due.push_back(alone(one, k, options));
+    for (const InstructionSet set :
+         {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
+      if (!is_supported(set)) continue;
+      options.instruction_set = set;
+      const std::vector<Ended> ended = in_lanes(one, kReplicas, kReplicas, options);
+      for (std::size_t k = 0; k < ended.size(); ++k) {
+        expect_same(one, due[k], ended[k], "replica " + std::to_string(k));
+      }
+    }
+  }
+}
+
+/// A driver that runs away at a step of its own, in the middle of a block, and at the first of one.
+TEST(LaneBatch, ARunThatFailsStaysAsItWasAndDisturbsNoOther) {
+  const LaneCase one = {"failing", [](int k) {
+                          TipScene tip{.velocity = 0.3, .duration = 40.0};
+                          if (k % 3 == 1) tip.velocity = own(k, 300.0, 900.0);
+                          if (k == 4) tip.stiffness = 1e7;  // unstable at once
+                          return tip.text();
+                        }};
+  const RunOptions options = asked_for(one);
+  constexpr int kReplicas = 8;
+  const std::vector<Ended> ended = in_lanes(one, kReplicas, kReplicas, options);
+  int failed = 0;
+  for (int k = 0; k < kReplicas; ++k) {
+    const Ended& here = ended[static_cast<std::size_t>(k)];
+    const Ended due = alone(one, k, options);
+    expect_same(one, due, here, "replica " + std::to_string(k));
+    ASSERT_EQ(due.result.failure.has_value(), here.result.failure.has_value());
+    if (!due.result.failure) continue;
+    ++failed;
+    EXPECT_EQ(to_string(*due.result.failure), to_string(*here.result.failure));
+  }
+  EXPECT_GE(failed, 2);
+  EXPECT_LT(failed, kReplicas);
+}
+
+/// A run that was resumed goes into lanes, and one from lanes is resumed alone.
+TEST(LaneBatch, StatesAreThoseOfSingleRuns) {
+  const LaneCase& one = lane_cases()[2];
+  const RunOptions options = asked_for(one);
+  Engine half(scene_of(one.text(0)), options);
+  half.advance(500);
+  Engine resumed(scene_of(one.text(0)), options);
+  resumed.resume(half.state().to_bytes());
+  Engine other(scene_of(one.text(1)), options);
+  LaneBatch batch(resumed, 2);
+  batch.add(resumed);
+  batch.add(other);
+  while (!batch.is_empty()) batch.advance();
+  resumed.end();
+  EXPECT_EQ(resumed.state().to_bytes(), alone(one, 0, options).state);
+}
+
+/// What the comparison above has to find: another replica's numbers, or a last digit.
+TEST(LaneBatch, ADifferenceIsSeen) {
+  const LaneCase& one = lane_cases()[0];
+  const RunOptions options = asked_for(one);
+  const std::vector<Ended> ended = in_lanes(one, 2, 2, options);
+  EXPECT_NE(ended[0].state, ended[1].state);
+  const LaneCase last_digit = {"last digit", [&one](int k) {
+                                 std::string text = one.text(0);
+                                 if (k == 1)
+                                   text.replace(text.find("0.01 }"), 6, "0.010000000000000002 }");
+                                 return text;
+                               }};
+  EXPECT_NE(alone(last_digit, 0, options).state, alone(last_digit, 1, options).state);
+  // Another step is another batch.
+  Engine like(scene_of(last_digit.text(0)), options);
+  Engine differs(scene_of(last_digit.text(1)), options);
+  EXPECT_FALSE(LaneBatch(like, 2).fits(differs));
+}
+
+TEST(LaneBatch, StructuresThatDifferDoNotFit) {
+  const RunOptions options = asked_for(lane_cases()[0]);
+  RingScene ring;
+  Engine like(scene_of(ring.text()), options);
+  LaneBatch batch(like, 8);
+  RingScene more = ring;
+  more.count = 9;
+  RingScene rigid = ring;
+  rigid.coordinates = "rigid";
+  RingScene midpoint = ring;
+  midpoint.integrator = "{ type = \"midpoint\", dt = 0.002 }";
+  RingScene stiff = ring;
+  stiff.bonds = 700.0;
+  for (const RingScene& other : {more, rigid, midpoint}) {
+    Engine engine(scene_of(other.text()), options);
+    EXPECT_FALSE(batch.fits(engine));
+  }
+  Engine fits(scene_of(stiff.text()), options);
+  EXPECT_TRUE(batch.fits(fits));
+}
+
+TEST(LaneBatch, WhatARunTakesByItselfHasAReason) {
+  const auto reason = [](const std::string& text, const std::vector<std::string>& observables) {
+    RunOptions options;
+    options.observables = observables;
+    return Engine(scene_of(text), options).why_not_in_lanes();
+  };
+  const std::vector<std::string> mean = {"driver.mean_force.x"};
+  EXPECT_EQ(reason(TipScene{}.text(), mean), "");
+  EXPECT_NE(reason(TipScene{}.text(), {"events.slips"}), "");
+  EXPECT_NE(reason(TipScene{.integrator = adaptive(1e-8)}.text(), mean), "");
+  EXPECT_NE(reason(TipScene{.integrator = verlet(0.01)}.text(), mean), "");
+  EXPECT_NE(reason(TipScene{.more = "number_type = \"float\"\n"}.text(), mean), "");
+  EXPECT_NE(reason(TipScene{.more = "ledger = true\n"}.text(), mean), "");
+}
+
+}  // namespace
+}  // namespace tomlin::test
