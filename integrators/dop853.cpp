@@ -6,6 +6,7 @@
 #include "framework/core/elements/kernel_tables.hpp"
 #include "integrators/dop853_kernels.hpp"
 #include "integrators/embedded.hpp"
+#include "integrators/embedded_lanes.hpp"
 
 TOMLIN_DECLARE_TABLES(Dop853Kernels, EmbeddedTable)
 
@@ -31,11 +32,19 @@ double growth(std::complex<double> z) {
 }
 
 template <class Real>
+EmbeddedScheme<Real> scheme_on(InstructionSet set) {
+  return {"dop853", Tableau::end, Tableau::slopes - Tableau::end - 1, kControl,
+          kernels::Dop853Kernels.on<Real>(set)};
+}
+
+template <class Real>
 std::unique_ptr<Integrator<Real>> bind(const void* description, System<Real>& system) {
-  const EmbeddedScheme<Real> scheme = {"dop853", Tableau::end, Tableau::slopes - Tableau::end - 1,
-                                       kControl, kernels::Dop853Kernels.on<Real>(system.set)};
   return std::make_unique<EmbeddedPair<Real>>(
-      scheme, *static_cast<const AdaptiveDescription*>(description), system);
+      scheme_on<Real>(system.set), *static_cast<const AdaptiveDescription*>(description), system);
+}
+
+std::unique_ptr<AdaptiveLanes> lanes(const LaneLayout& layout, System<double>& system) {
+  return std::make_unique<EmbeddedPairLanes>(scheme_on<double>(system.set), layout, system);
 }
 
 }  // namespace
@@ -53,6 +62,7 @@ IntegratorRecord dop853_record() {
   describe_adaptive(record, 1e-9);
   record.growth = &growth;
   record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
+  record.adaptive_lanes = &lanes;
   record.example = R"(# A tip that sticks and slips, to twelve digits.
 [[body]]
 type = "point"

@@ -362,8 +362,9 @@ struct Dop853Kernels : EmbeddedKernels<Dop853Tableau> {
 
   template <class Real>
   static constexpr EmbeddedTable<Real> kernels() {
-    return {&first<Real>,     &attempt<Real>,         &extra<Real>,
-            &extension<Real>, &extension_slope<Real>, &slope_within<Real>};
+    return EmbeddedKernels<Dop853Tableau>::with_lanes<Real>(
+        {&first<Real>, &attempt<Real>, &extra<Real>, &extension<Real>, &extension_slope<Real>,
+         &slope_within<Real>});
   }
 };
 

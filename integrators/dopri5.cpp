@@ -6,6 +6,7 @@
 #include "framework/core/elements/kernel_tables.hpp"
 #include "integrators/dopri5_kernels.hpp"
 #include "integrators/embedded.hpp"
+#include "integrators/embedded_lanes.hpp"
 
 TOMLIN_DECLARE_TABLES(Dopri5Kernels, EmbeddedTable)
 
@@ -24,11 +25,18 @@ double growth(std::complex<double> z) {
 }
 
 template <class Real>
+EmbeddedScheme<Real> scheme_on(InstructionSet set) {
+  return {"dopri5", Dopri5Tableau::end, 0, kControl, kernels::Dopri5Kernels.on<Real>(set)};
+}
+
+template <class Real>
 std::unique_ptr<Integrator<Real>> bind(const void* description, System<Real>& system) {
-  const EmbeddedScheme<Real> scheme = {"dopri5", Dopri5Tableau::end, 0, kControl,
-                                       kernels::Dopri5Kernels.on<Real>(system.set)};
   return std::make_unique<EmbeddedPair<Real>>(
-      scheme, *static_cast<const AdaptiveDescription*>(description), system);
+      scheme_on<Real>(system.set), *static_cast<const AdaptiveDescription*>(description), system);
+}
+
+std::unique_ptr<AdaptiveLanes> lanes(const LaneLayout& layout, System<double>& system) {
+  return std::make_unique<EmbeddedPairLanes>(scheme_on<double>(system.set), layout, system);
 }
 
 }  // namespace
@@ -46,6 +54,7 @@ IntegratorRecord dopri5_record() {
   describe_adaptive(record, 1e-9);
   record.growth = &growth;
   record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
+  record.adaptive_lanes = &lanes;
   record.example = R"(# A tip that sticks and slips.
 [[body]]
 type = "point"

@@ -80,8 +80,9 @@ struct Dopri5Kernels : EmbeddedKernels<Dopri5Tableau> {
 
   template <class Real>
   static constexpr EmbeddedTable<Real> kernels() {
-    return {&first<Real>,     &attempt<Real>,         nullptr,
-            &extension<Real>, &extension_slope<Real>, &extension_slope<Real>};
+    return EmbeddedKernels<Dopri5Tableau>::with_lanes<Real>(
+        {&first<Real>, &attempt<Real>, nullptr, &extension<Real>, &extension_slope<Real>,
+         &extension_slope<Real>});
   }
 };
 

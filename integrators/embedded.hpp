@@ -26,6 +26,30 @@ struct StepControl {
   double most_factor = 0.0;
 };
 
+inline constexpr double kSafetyOfStep = 0.9;
+inline constexpr double kLeastOldError = 1e-4;
+/// A remainder below this part of a step is taken along with it.
+inline constexpr double kStretchOfStep = 1.01;
+
+/// The next step after an attempt that was accepted.
+inline double next_after(const StepControl& law, double step, double error, double old_error,
+                         bool refused) {
+  double factor = law.most_factor;
+  if (error > 0.0) {
+    factor = kSafetyOfStep * (pow(error, -law.exponent) * pow(old_error, law.beta));
+  }
+  return step * std::clamp(factor, law.least_factor, refused ? 1.0 : law.most_factor);
+}
+
+/// The next attempt after one that was refused.
+inline double next_after_refusal(const StepControl& law, double step, double error) {
+  double factor = law.least_factor;
+  if (error > 1.0 && std::isfinite(error)) {
+    factor = std::max(law.least_factor, kSafetyOfStep * pow(error, -law.exponent));
+  }
+  return step * std::min(factor, kSafetyOfStep);
+}
+
 template <class Real>
 struct EmbeddedScheme {
   std::string name;
@@ -97,7 +121,7 @@ class EmbeddedPair : public Integrator<Real> {
     bool refused = false;
     for (;;) {
       next = std::min(next, d_.largest_step);
-      const bool ends = kStretch * next >= h && h <= d_.largest_step;
+      const bool ends = kStretchOfStep * next >= h && h <= d_.largest_step;
       const double trial_step = ends ? h : next;
       if (counts_[kTaken] + counts_[kRefused] >= d_.most_steps) {
         return {0.0, StepFault::too_many_steps};
@@ -106,16 +130,9 @@ class EmbeddedPair : public Integrator<Real> {
                                                    d_.absolute_tolerance, d_.relative_tolerance);
       system_.evaluations += trial.evaluations;
       if (trial.error <= 1.0 && trial.within_moves) {
-        double factor = kSafety;
-        if (trial.error > 0.0) {
-          factor *= pow(trial.error, -law.exponent) * pow(last_error, law.beta);
-        } else {
-          factor = law.most_factor;
-        }
-        factor = std::clamp(factor, law.least_factor, refused ? 1.0 : law.most_factor);
         // A step cut short by the end of the run says nothing against a longer one.
-        next =
-            std::max(trial_step * factor, ends && !refused ? std::min(next, d_.largest_step) : 0.0);
+        next = std::max(next_after(law, trial_step, trial.error, last_error, refused),
+                        ends && !refused ? next : 0.0);
         control_[kNext] = next;
         control_[kOldError] = std::max(trial.error, kLeastOldError);
         accept(trial_step);
@@ -124,11 +141,7 @@ class EmbeddedPair : public Integrator<Real> {
       }
       ++counts_[kRefused];
       refused = true;
-      double factor = law.least_factor;
-      if (trial.error > 1.0 && std::isfinite(trial.error)) {
-        factor = std::max(law.least_factor, kSafety * pow(trial.error, -law.exponent));
-      }
-      next = trial_step * std::min(factor, kSafety);
+      next = next_after_refusal(law, trial_step, trial.error);
       if (!(next >= d_.smallest_step)) {
         const bool sound = trial.within_moves && std::isfinite(trial.error);
         return {0.0, sound ? StepFault::step_too_small : StepFault::not_finite_or_too_far};
@@ -140,6 +153,7 @@ class EmbeddedPair : public Integrator<Real> {
   void forces_changed() override {
     if (counts_[kStarted] == kYes) counts_[kStarted] = kRefresh;
   }
+  bool is_started() const override { return counts_[kStarted] == kYes; }
 
   void finish_dense_from(double since) override {
     if (kernels_.extra == nullptr || extra_known_) return;
@@ -180,10 +194,6 @@ class EmbeddedPair : public Integrator<Real> {
 
  private:
   static constexpr std::size_t kGap = 3 * kGroup;
-  static constexpr double kSafety = 0.9;
-  static constexpr double kLeastOldError = 1e-4;
-  /// A remainder below this part of a step is taken along with it.
-  static constexpr double kStretch = 1.01;
   enum { kNext, kOldError };
   enum { kStarted, kTaken, kRefused };
   /// Whether the first stage of the next step is known. kRefresh: all but that.

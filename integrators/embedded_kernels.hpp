@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <type_traits>
 
 #include "framework/core/numbers/number_types.hpp"
 #include "framework/core/system/compensated.hpp"
@@ -48,6 +49,26 @@ struct EmbeddedStep {
   const Real* slope[kMostSlopes] = {};
 };
 
+/// An attempt over replicas in lanes (framework/core/system/lanes.hpp): arrays over lanes.
+struct EmbeddedLanes {
+  std::size_t width = 0;
+  std::size_t coordinates = 0;  ///< of each replica
+  std::size_t rates = 0;
+  /// [coordinate]: its number in the arrays of one run, modulo kGroup: where its error is summed.
+  const std::size_t* residue = nullptr;
+  const double* position_scale = nullptr;  ///< [coordinate * width + lane]
+  const double* velocity_scale = nullptr;
+  const double* absolute_tolerance = nullptr;
+  const double* relative_tolerance = nullptr;
+  const double* numbers = nullptr;  ///< that the tolerances apply to
+  const double* step = nullptr;
+  double* elapsed = nullptr;       ///< scratch
+  double* error = nullptr;         ///< as in EmbeddedTrial
+  double* within_moves = nullptr;  ///< 1 or 0
+  double* accepted = nullptr;      ///< likewise: error and moves allow the step
+  double* evaluations = nullptr;
+};
+
 template <class Real>
 struct EmbeddedTable {
   void (*first)(const SystemView<Real>& system, const EmbeddedArrays<Real>& arrays,
@@ -64,6 +85,12 @@ struct EmbeddedTable {
   void (*extension_slope)(const EmbeddedStep<Real>& step, double theta, double* slope) = nullptr;
   /// The same derivative from what every step has, extra slopes or not.
   void (*slope_within)(const EmbeddedStep<Real>& step, double theta, double* slope) = nullptr;
+  /// Over replicas in lanes: an attempt of each from its own state, with its own step; and the new
+  /// state in the lanes that accept it.
+  void (*attempt_in_lanes)(const SystemView<double>& system, const EmbeddedArrays<double>& arrays,
+                           const EmbeddedLanes& lanes) = nullptr;
+  void (*accept_in_lanes)(const SystemView<double>& system, const EmbeddedArrays<double>& arrays,
+                          const EmbeddedLanes& lanes) = nullptr;
 };
 
 inline namespace TOMLIN_TARGET {
@@ -91,16 +118,21 @@ template <class Row, int n, class Real>
 class Combination {
  public:
   TOMLIN_INLINE explicit Combination(Real h) { fill<0>(h); }
+  /// With a step for each lane.
+  TOMLIN_INLINE explicit Combination(const Packed<Real>& h) requires(
+      !std::is_same_v<Real, Packed<Real>>) {
+    fill<0>(h);
+  }
   TOMLIN_INLINE Packed<Real> of(Real* const* slope, std::size_t i) const {
     return add<1>(weight_[0] * Packed<Real>::load(slope[0] + i), slope, i);
   }
 
  private:
-  template <int j>
-  TOMLIN_INLINE void fill(Real h) {
+  template <int j, class Step>
+  TOMLIN_INLINE void fill(const Step& h) {
     if constexpr (j < n) {
       constexpr Real coefficient = Row::at(j).template as<Real>();
-      weight_[j] = Packed<Real>(h * coefficient);
+      weight_[j] = Packed<Real>(h * Step(coefficient));
       fill<j + 1>(h);
     }
   }
@@ -321,6 +353,178 @@ struct EmbeddedKernels {
     const EmbeddedArrays<Real> w = arrays;
     if (s.inertial) return attempt_of<true, Real>(s, w, Real(since), Real(h), absolute, relative);
     return attempt_of<false, Real>(s, w, Real(since), Real(h), absolute, relative);
+  }
+
+  // ---- over replicas in lanes: the same operations in the same order for each
+
+  template <int stage, bool inertial>
+  TOMLIN_INLINE static void put_stage_in_lanes(const SystemView<double>& s,
+                                               const EmbeddedArrays<double>& w,
+                                               const EmbeddedLanes& l) {
+    constexpr bool ends = stage == kEnd;
+    for (std::size_t lane = 0; lane < l.width; lane += kGroup) {
+      const Combination<StageRow<stage>, stage, double> combined(Pack::load(l.step + lane));
+      for (std::size_t k = 0; k < l.coordinates; ++k) {
+        const std::size_t i = k * l.width + lane;
+        (Pack::load(s.position + i) + combined.of(w.velocity, i)).store(w.position + i);
+        if constexpr (inertial) {
+          (Pack::load(s.velocity + i) + combined.of(w.acceleration, i))
+              .store(w.velocity[stage] + i);
+        }
+      }
+      for (std::size_t k = 0; ends && k < l.rates; ++k) {
+        const std::size_t i = k * l.width + lane;
+        (Pack::load(s.integrals + i) + combined.of(w.rates, i)).store(w.integrals + i);
+      }
+    }
+  }
+
+  template <int stage, bool inertial>
+  TOMLIN_INLINE static void evaluate_stage_in_lanes(const SystemView<double>& s,
+                                                    const EmbeddedArrays<double>& w,
+                                                    const EmbeddedLanes& l) {
+    constexpr double time = Tableau::c[stage].template as<double>();
+    for (std::size_t lane = 0; lane < l.width; lane += kGroup) {
+      (Pack(0.0) + Pack(time) * Pack::load(l.step + lane)).store(l.elapsed + lane);
+    }
+    Stage<double> at = stage_of(s, static_cast<const double*>(w.position),
+                                static_cast<const double*>(w.velocity[inertial ? stage : 0]),
+                                static_cast<const double*>(w.integrals), w.rates[stage], 0.0);
+    at.elapsed_in_lanes = l.elapsed;
+    evaluate(s, at);
+    put_slopes(s, inertial ? w.acceleration[stage] : w.velocity[stage]);
+  }
+
+  template <int stage, bool inertial>
+  TOMLIN_INLINE static void advance_in_lanes(const SystemView<double>& s,
+                                             const EmbeddedArrays<double>& w,
+                                             const EmbeddedLanes& l) {
+    if constexpr (stage < kEnd) {
+      put_stage_in_lanes<stage, inertial>(s, w, l);
+      evaluate_stage_in_lanes<stage, inertial>(s, w, l);
+      advance_in_lanes<stage + 1, inertial>(s, w, l);
+    }
+  }
+
+  template <class Row, int n, bool inertial>
+  TOMLIN_INLINE static Pack squares_in_lanes(const SystemView<double>& s,
+                                             const EmbeddedArrays<double>& w,
+                                             const EmbeddedLanes& l, std::size_t lane) {
+    const Combination<Row, n, double> combined(Pack::load(l.step + lane));
+    const Pack absolute = Pack::load(l.absolute_tolerance + lane);
+    const Pack relative = Pack::load(l.relative_tolerance + lane);
+    const Pack smallest(1e-300);
+    const OrderFreeSum<Pack> zero(Pack(0.0));
+    OrderFreeSum<Pack> sums[kGroup] = {zero, zero, zero, zero, zero, zero, zero, zero};
+    for (std::size_t k = 0; k < l.coordinates; ++k) {
+      const std::size_t i = k * l.width + lane;
+      const Pack ex = weighted(combined.of(w.velocity, i), Pack::load(s.position + i),
+                               Pack::load(w.position + i), Pack::load(l.position_scale + i),
+                               absolute, relative, smallest);
+      if constexpr (inertial) {
+        const Pack ev = weighted(combined.of(w.acceleration, i), Pack::load(s.velocity + i),
+                                 Pack::load(w.velocity[kEnd] + i), Pack::load(l.velocity_scale + i),
+                                 absolute, relative, smallest);
+        sums[l.residue[k]].add(fma(ex, ex, ev * ev));
+      } else {
+        sums[l.residue[k]].add(ex * ex);
+      }
+    }
+    const Pack low = (sums[0].total() + sums[4].total()) + (sums[2].total() + sums[6].total());
+    return low + ((sums[1].total() + sums[5].total()) + (sums[3].total() + sums[7].total()));
+  }
+
+  template <bool inertial>
+  TOMLIN_INLINE static void attempt_in_lanes_of(const SystemView<double>& s,
+                                                const EmbeddedArrays<double>& w,
+                                                const EmbeddedLanes& l) {
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      Pack::load(s.velocity + i).store(w.velocity[0] + i);
+    }
+    advance_in_lanes<1, inertial>(s, w, l);
+    put_stage_in_lanes<kEnd, inertial>(s, w, l);
+    if constexpr (!Tableau::two_errors) evaluate_stage_in_lanes<kEnd, inertial>(s, w, l);
+    bool any_accepted = false;
+    for (std::size_t lane = 0; lane < l.width; lane += kGroup) {
+      const Pack count = Pack::load(l.numbers + lane);
+      Pack error;
+      if constexpr (!Tableau::two_errors) {
+        error = sqrt(squares_in_lanes<ErrorRow, kEnd + 1, inertial>(s, w, l, lane) / count);
+      } else {
+        const Pack fine = squares_in_lanes<ErrorRow, kEnd, inertial>(s, w, l, lane);
+        const Pack coarse = squares_in_lanes<ThirdRow, kEnd, inertial>(s, w, l, lane);
+        const Pack both = fma(Pack(0.01), coarse, fine);
+        error = select(both == Pack(0.0), Pack(0.0), fine / sqrt(count * both));
+      }
+      auto within = first_lanes_of<Pack>(kGroup);
+      for (std::size_t k = 0; k < l.coordinates; ++k) {
+        const std::size_t i = k * l.width + lane;
+        const Pack move = abs(Pack::load(w.position + i) - Pack::load(s.position + i));
+        within = within & (move <= Pack::load(s.largest_move + i));
+      }
+      const auto accepted = within & (error <= Pack(1.0));
+      error.store(l.error + lane);
+      select(within, Pack(1.0), Pack(0.0)).store(l.within_moves + lane);
+      select(accepted, Pack(1.0), Pack(0.0)).store(l.accepted + lane);
+      const Pack all_stages(static_cast<double>(kEnd));
+      const Pack without_end(static_cast<double>(Tableau::two_errors ? kEnd - 1 : kEnd));
+      select(accepted, all_stages, without_end).store(l.evaluations + lane);
+      any_accepted = any_accepted || any(accepted);
+    }
+    if constexpr (Tableau::two_errors) {
+      if (!any_accepted) return;
+      evaluate_stage_in_lanes<kEnd, inertial>(s, w, l);
+      const double* slope = inertial ? w.acceleration[kEnd] : w.velocity[kEnd];
+      for (std::size_t lane = 0; lane < l.width; lane += kGroup) {
+        auto sound = first_lanes_of<Pack>(kGroup);
+        for (std::size_t k = 0; k < l.coordinates; ++k) {
+          sound = sound & (abs(Pack::load(slope + k * l.width + lane)) < Pack(__builtin_inf()));
+        }
+        // Of a lane that has accepted, they decide as moves do.
+        const Pack accepts = Pack::load(l.accepted + lane);
+        const auto was = accepts == Pack(1.0);
+        const Pack still = select(sound, accepts, Pack(0.0));
+        select(was, still, Pack::load(l.within_moves + lane)).store(l.within_moves + lane);
+        still.store(l.accepted + lane);
+      }
+    }
+  }
+
+  TOMLIN_FLATTEN static void attempt_in_lanes(const SystemView<double>& system,
+                                              const EmbeddedArrays<double>& arrays,
+                                              const EmbeddedLanes& lanes) {
+    const SystemView<double> s = system;
+    const EmbeddedArrays<double> w = arrays;
+    const EmbeddedLanes l = lanes;
+    return s.inertial ? attempt_in_lanes_of<true>(s, w, l) : attempt_in_lanes_of<false>(s, w, l);
+  }
+
+  TOMLIN_FLATTEN static void accept_in_lanes(const SystemView<double>& s,
+                                             const EmbeddedArrays<double>& w,
+                                             const EmbeddedLanes& l) {
+    for (std::size_t lane = 0; lane < l.width; lane += kGroup) {
+      const auto accepted = Pack::load(l.accepted + lane) == Pack(1.0);
+      const auto take = [&](const double* from, double* to, std::size_t count) {
+        for (std::size_t k = 0; k < count; ++k) {
+          const std::size_t i = k * l.width + lane;
+          select(accepted, Pack::load(from + i), Pack::load(to + i)).store(to + i);
+        }
+      };
+      take(w.position, s.position, l.coordinates);
+      take(w.velocity[kEnd], s.velocity, l.coordinates);
+      take(w.integrals, s.integrals, l.rates);
+      take(w.acceleration[kEnd], w.acceleration[0], l.coordinates);
+      take(w.rates[kEnd], w.rates[0], l.rates);
+    }
+  }
+
+  template <class Real>
+  static constexpr EmbeddedTable<Real> with_lanes(EmbeddedTable<Real> table) {
+    if constexpr (std::is_same_v<Real, double>) {
+      table.attempt_in_lanes = &attempt_in_lanes;
+      table.accept_in_lanes = &accept_in_lanes;
+    }
+    return table;
   }
 
   template <class Real>

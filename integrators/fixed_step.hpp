@@ -4,6 +4,7 @@
 #include <complex>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -183,6 +184,25 @@ class FixedStepDrift : public FixedStepBase<Real> {
 
   const Real* first_rates() const override { return start_rates_; }
   void forces_changed() override { *started_ = 0; }
+
+  bool is_started() const override { return *started_ != 0; }
+  void put_lane(const LaneLayout& layout, std::size_t lane, RunState& run) override {
+    if constexpr (std::is_same_v<Real, double>) {
+      layout.coordinates.put(run.reals(Base::name_ + ".first_slope"), lane, layout.width,
+                             arrays_.acceleration[0]);
+      layout.rates.put(run.reals(Base::name_ + ".first_rates"), lane, layout.width,
+                       arrays_.rates[0]);
+      *started_ = 1;
+    }
+  }
+  void get_lane(const LaneLayout& layout, std::size_t lane, RunState& run) const override {
+    if constexpr (std::is_same_v<Real, double>) {
+      layout.coordinates.get(arrays_.acceleration[0], lane, layout.width,
+                             run.reals(Base::name_ + ".first_slope"));
+      layout.rates.get(arrays_.rates[0], lane, layout.width,
+                       run.reals(Base::name_ + ".first_rates"));
+    }
+  }
 
   void finish_dense_from(double) override {}
 

@@ -16,6 +16,22 @@ constexpr std::size_t kGap = 3 * kGroup;
 /// The kernels of one run anchor their forces, those of a batch do not.
 void anchor_nothing(void*, double, double) {}
 
+void add_to(LaneMap& map, std::size_t first, std::size_t count) {
+  for (std::size_t k = first; k < first + count; ++k) map.from.push_back(k);
+}
+
+/// For each of so many numbers, and the end: how many of the map stand before it.
+std::vector<std::size_t> counted(LaneMap& map, std::size_t size) {
+  std::sort(map.from.begin(), map.from.end());
+  std::vector<std::size_t> before(size + 1, 0);
+  std::size_t count = 0;
+  for (std::size_t k = 0; k <= size; ++k) {
+    before[k] = count;
+    if (count < map.from.size() && map.from[count] == k) ++count;
+  }
+  return before;
+}
+
 std::size_t numbers_of(const LaneForm& form) {
   std::size_t total = 0;
   for (const auto& some : form.numbers) total += some.size();
@@ -26,7 +42,6 @@ std::size_t numbers_of(const LaneForm& form) {
 
 std::string LaneSystem::why_not(const Model& model) {
   const SystemView<double>& view = model.system().view;
-  if (!view.inertial) return "the integrator keeps slopes without inertia";
   if (view.own_count > 0) return "forces have internal variables";
   if (view.flow_count > 0) return "the integrator takes friction as an operator";
   if (model.system().tangent != nullptr || model.system().elastic != nullptr) {
@@ -44,22 +59,13 @@ std::string LaneSystem::why_not(const Model& model) {
   return "bodies are prescribed, or rigid ones move without inertia";
 }
 
-void LaneSystem::Map::add(std::size_t first, std::size_t count) {
-  for (std::size_t k = first; k < first + count; ++k) from.push_back(k);
-}
-
-void LaneSystem::Map::close(std::size_t size) {
-  std::sort(from.begin(), from.end());
-  to.assign(size + 1, 0);
-  std::size_t before = 0;
-  for (std::size_t k = 0; k <= size; ++k) {
-    to[k] = before;
-    if (before < from.size() && from[before] == k) ++before;
-  }
-}
-
-LaneSystem::LaneSystem(const Model& first, std::size_t width) : first_(first), width_(width) {
+LaneSystem::LaneSystem(const Model& first, std::size_t width) : first_(first) {
+  layout_.width = width;
   map_numbers(first);
+  const std::size_t w = width;
+  const std::size_t coordinates = layout_.coordinates.from.size();
+  const std::size_t rates = layout_.rates.from.size();
+  const std::size_t mapped = mapped_.from.size();
   const SystemView<double>& one = first.system().view;
   std::size_t numbers = 0;
   std::size_t scratch = 0;
@@ -67,22 +73,21 @@ LaneSystem::LaneSystem(const Model& first, std::size_t width) : first_(first), w
     numbers += numbers_of(call.form);
     scratch += call.form.scratch + kGap;
   }
-  const std::size_t total =
-      5 * coordinates_.size() + rates_.size() + 3 * mapped_.size() + numbers + scratch;
-  memory_.assign(total * width_ + 12 * kGap, 0.0);
+  const std::size_t total = 5 * coordinates + rates + 3 * mapped + numbers + scratch;
+  memory_.assign(total * w + 12 * kGap, 0.0);
   SystemView<double>& view = system_.view;
-  view.dofs = coordinates_.size() * width_;
-  view.rates = view.used_rates = rates_.size() * width_;
-  view.position = take(coordinates_.size());
-  view.velocity = take(coordinates_.size());
-  view.force = take(coordinates_.size());
-  view.integrals = take(rates_.size());
-  view.inverse_mass = inverse_mass_ = take(coordinates_.size());
-  view.largest_move = largest_move_ = take(coordinates_.size());
-  view.mapped_position = take(mapped_.size());
-  view.mapped_velocity = take(mapped_.size());
-  view.mapped_force = take(mapped_.size());
-  view.coordinates = one.coordinates * width_;
+  view.dofs = coordinates * w;
+  view.rates = view.used_rates = rates * w;
+  view.position = take(coordinates);
+  view.velocity = take(coordinates);
+  view.force = take(coordinates);
+  view.integrals = take(rates);
+  view.inverse_mass = inverse_mass_ = take(coordinates);
+  view.largest_move = largest_move_ = take(coordinates);
+  view.mapped_position = take(mapped);
+  view.mapped_velocity = take(mapped);
+  view.mapped_force = take(mapped);
+  view.coordinates = one.coordinates * w;
   view.inertial = one.inertial;
   numbers_ = take(numbers);
   lay_calls();
@@ -93,23 +98,24 @@ LaneSystem::LaneSystem(const Model& first, std::size_t width) : first_(first), w
 }
 
 double* LaneSystem::take(std::size_t numbers) {
-  return memory_.data() + std::exchange(taken_, taken_ + numbers * width_ + kGap);
+  return memory_.data() + std::exchange(taken_, taken_ + numbers * layout_.width + kGap);
 }
 
 void LaneSystem::map_numbers(const Model& model) {
   const auto dimension = static_cast<std::size_t>(model.dimension());
   for (const Model::Body& body : model.bodies()) {
     const BodySlot<double>& slot = body.bound.slot;
-    if (slot.rigid) coordinates_.add(slot.centre, dimension == 1 ? 1 : 3);
+    if (slot.rigid) add_to(layout_.coordinates, slot.centre, dimension == 1 ? 1 : 3);
     for (std::size_t d = 0; d < dimension; ++d) {
-      (slot.mapped ? mapped_ : coordinates_).add(slot.offset + d * slot.stride, slot.count);
+      add_to(slot.mapped ? mapped_ : layout_.coordinates, slot.offset + d * slot.stride,
+             slot.count);
     }
   }
   const SystemView<double>& view = model.system().view;
-  rates_.add(view.own, view.used_rates - view.own);
-  coordinates_.close(view.dofs);
-  mapped_.close(model.assembly().mapped_size());
-  rates_.close(view.rates);
+  add_to(layout_.rates, view.own, view.used_rates - view.own);
+  coordinates_before_ = counted(layout_.coordinates, view.dofs);
+  mapped_before_ = counted(mapped_, model.assembly().mapped_size());
+  rates_before_ = counted(layout_.rates, view.rates);
   for (int d = 0; d < model.dimension(); ++d) {
     // One that never moves keeps the origin where it is.
     const bool fixed = std::any_of(model.bodies().begin(), model.bodies().end(), [](const auto& b) {
@@ -119,20 +125,21 @@ void LaneSystem::map_numbers(const Model& model) {
     const BodySlot<double>& slot = model.bodies().front().bound.slot;
     const auto axis = static_cast<std::size_t>(d);
     const std::size_t at = slot.rigid ? slot.centre + axis : slot.offset + axis * slot.stride;
-    followed_.push_back({coordinates_.to[at], d, 0});
+    followed_.push_back({coordinates_before_[at], d, 0});
   }
   for (const Model::Body& body : model.bodies()) {
     const BodySlot<double>& slot = body.bound.slot;
     if (!slot.rigid || dimension != 2) continue;
-    followed_.push_back({coordinates_.to[slot.centre + kRotation], -1, body.bound.index});
+    followed_.push_back({coordinates_before_[slot.centre + kRotation], -1, body.bound.index});
   }
   for (Followed& one : followed_) {
-    one.start.assign(width_, 0.0);
-    one.unit.assign(width_, 1.0);
+    one.start.assign(width(), 0.0);
+    one.unit.assign(width(), 1.0);
   }
 }
 
 void LaneSystem::lay_calls() {
+  const std::size_t w = width();
   std::size_t numbers = 0;
   std::vector<double*> arms;
   for (const LaneCall& call : first_.assembly().lane_calls()) {
@@ -141,7 +148,7 @@ void LaneSystem::lay_calls() {
     own.follows_time = call.form.follows_time;
     LaneArguments& arguments = own.arguments;
     arguments.single = call.single;
-    arguments.numbers = numbers_ + numbers * width_;
+    arguments.numbers = numbers_ + numbers * w;
     numbers += numbers_of(call.form);
     if (call.arms >= 0) {
       const auto k = static_cast<std::size_t>(call.arms);
@@ -151,11 +158,11 @@ void LaneSystem::lay_calls() {
     } else if (call.form.scratch > 0) {
       arguments.scratch = take(call.form.scratch);
     }
-    arguments.width = width_;
+    arguments.width = w;
     arguments.set = call.set;
-    arguments.coordinate = coordinates_.to.data();
-    arguments.mapped = mapped_.to.data();
-    arguments.rate = rates_.to.data();
+    arguments.coordinate = coordinates_before_.data();
+    arguments.mapped = mapped_before_.data();
+    arguments.rate = rates_before_.data();
   }
   const std::vector<LaneCall>& from = first_.assembly().lane_calls();
   for (std::size_t k = 0; k < calls_.size(); ++k) {
@@ -191,31 +198,23 @@ bool LaneSystem::fits(const Model& model) const {
          std::equal(one.begin(), one.end(), other.begin(), other.end(), same);
 }
 
-void LaneSystem::put_all(std::size_t lane, const Map& map, const double* single,
-                         double* lanes) const {
-  double* to = lanes + lane;
-  for (const std::size_t k : map.from) {
-    *to = single[k];
-    to += width_;
-  }
-}
-
 void LaneSystem::put(std::size_t lane, const Model& model) {
   const SystemView<double>& from = model.system().view;
   SystemView<double>& view = system_.view;
-  put_all(lane, coordinates_, from.position, view.position);
-  put_all(lane, coordinates_, from.velocity, view.velocity);
-  put_all(lane, coordinates_, from.inverse_mass, inverse_mass_);
-  put_all(lane, coordinates_, from.largest_move, largest_move_);
-  put_all(lane, rates_, from.integrals, view.integrals);
-  put_all(lane, mapped_, from.mapped_position, view.mapped_position);
-  put_all(lane, mapped_, from.mapped_velocity, view.mapped_velocity);
+  layout_.coordinates.put(from.position, lane, width(), view.position);
+  layout_.coordinates.put(from.velocity, lane, width(), view.velocity);
+  layout_.coordinates.put(from.inverse_mass, lane, width(), inverse_mass_);
+  layout_.coordinates.put(from.largest_move, lane, width(), largest_move_);
+  layout_.rates.put(from.integrals, lane, width(), view.integrals);
+  mapped_.put(from.mapped_position, lane, width(), view.mapped_position);
+  mapped_.put(from.mapped_velocity, lane, width(), view.mapped_velocity);
+  const std::size_t w = width();
   double* to = numbers_ + lane;
   for (const LaneCall& call : model.assembly().lane_calls()) {
     for (const auto& numbers : call.form.numbers) {
       for (const double number : numbers) {
         *to = number;
-        to += width_;
+        to += w;
       }
     }
   }
@@ -229,48 +228,30 @@ void LaneSystem::put(std::size_t lane, const Model& model) {
 }
 
 void LaneSystem::put_timed(std::size_t lane, const Model& model) {
+  const std::size_t w = width();
   const std::vector<LaneCall>& from = model.assembly().lane_calls();
   for (std::size_t k = 0; k < calls_.size(); ++k) {
     if (!calls_[k].follows_time) continue;
-    double* to = numbers_ + calls_[k].numbers * width_ + lane;
+    double* to = numbers_ + calls_[k].numbers * w + lane;
     // The parameters come first; all else stays.
     for (const double number : from[k].form.numbers.front()) {
       *to = number;
-      to += width_;
+      to += w;
     }
   }
 }
 
 void LaneSystem::get(std::size_t lane, Model& model) const {
   const SystemView<double>& to = model.system().view;
-  get_coordinates(lane, system_.view.position, to.position);
-  get_coordinates(lane, system_.view.velocity, to.velocity);
-  get_rates(lane, system_.view.integrals, to.integrals);
-}
-
-void LaneSystem::put_coordinates(std::size_t lane, const double* single, double* lanes) const {
-  put_all(lane, coordinates_, single, lanes);
-}
-
-void LaneSystem::put_rates(std::size_t lane, const double* single, double* lanes) const {
-  put_all(lane, rates_, single, lanes);
-}
-
-void LaneSystem::get_coordinates(std::size_t lane, const double* lanes, double* single) const {
-  for (std::size_t k = 0; k < coordinates_.size(); ++k) {
-    single[coordinates_.from[k]] = lanes[k * width_ + lane];
-  }
-}
-
-void LaneSystem::get_rates(std::size_t lane, const double* lanes, double* single) const {
-  for (std::size_t k = 0; k < rates_.size(); ++k) {
-    single[rates_.from[k]] = lanes[k * width_ + lane];
-  }
+  const std::size_t w = width();
+  layout_.coordinates.get(system_.view.position, lane, w, to.position);
+  layout_.coordinates.get(system_.view.velocity, lane, w, to.velocity);
+  layout_.rates.get(system_.view.integrals, lane, w, to.integrals);
 }
 
 bool LaneSystem::may_rebase(std::size_t lane) const {
   return std::any_of(followed_.begin(), followed_.end(), [&](const Followed& one) {
-    const double at = system_.view.position[one.coordinate * width_ + lane];
+    const double at = system_.view.position[one.coordinate * width() + lane];
     return !(std::abs(at - one.start[lane]) < one.unit[lane]);
   });
 }

@@ -24,7 +24,8 @@ class LaneSystem {
   LaneSystem(const LaneSystem&) = delete;
   LaneSystem& operator=(const LaneSystem&) = delete;
 
-  std::size_t width() const { return width_; }
+  std::size_t width() const { return layout_.width; }
+  const LaneLayout& layout() const { return layout_; }
   System<double>& system() { return system_; }
   bool fits(const Model& model) const;
 
@@ -34,25 +35,10 @@ class LaneSystem {
   void put_timed(std::size_t lane, const Model& model);
   /// Its state.
   void get(std::size_t lane, Model& model) const;
-  /// Arrays of an integrator: numbers of one run, over coordinates or over rates, and its lane.
-  void put_coordinates(std::size_t lane, const double* single, double* lanes) const;
-  void put_rates(std::size_t lane, const double* single, double* lanes) const;
-  void get_coordinates(std::size_t lane, const double* lanes, double* single) const;
-  void get_rates(std::size_t lane, const double* lanes, double* single) const;
-
   /// True unless it is certain that Model::rebase_if_due() of the lane's model does nothing.
   bool may_rebase(std::size_t lane) const;
 
  private:
-  /// Numbers without padding: which of one run's they are, and where each of those stands.
-  struct Map {
-    std::vector<std::size_t> from;
-    std::vector<std::size_t> to;  ///< [number of one run]: how many stand before it; and at the end
-
-    void add(std::size_t first, std::size_t count);
-    void close(std::size_t size);
-    std::size_t size() const { return from.size(); }
-  };
   struct Call {
     LaneArguments arguments;
     std::size_t numbers = 0;  ///< where they begin among all
@@ -72,13 +58,14 @@ class LaneSystem {
   void map_numbers(const Model& model);
   void lay_calls();
   double* take(std::size_t numbers);
-  void put_all(std::size_t lane, const Map& map, const double* single, double* lanes) const;
 
   const Model& first_;
-  std::size_t width_;
-  Map coordinates_;
-  Map mapped_;
-  Map rates_;
+  LaneLayout layout_;
+  LaneMap mapped_;
+  /// Of one run's numbers: how many without padding stand before each, and before the end.
+  std::vector<std::size_t> coordinates_before_;
+  std::vector<std::size_t> mapped_before_;
+  std::vector<std::size_t> rates_before_;
   std::vector<Call> calls_;
   std::vector<Operation<double>> operations_;
   std::vector<Followed> followed_;

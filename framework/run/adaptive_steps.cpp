@@ -3,6 +3,11 @@
 #include <fmt/format.h>
 
 namespace tomlin {
+namespace {
+
+constexpr std::int64_t kStepsBetweenLooksAhead = 1 << 18;
+
+}  // namespace
 
 void AdaptiveSteps::advance(std::uint64_t) {
   const RunPlan& plan = run_.plan;
@@ -21,14 +26,32 @@ void AdaptiveSteps::advance(std::uint64_t) {
   if (run_.too_expensive() && !run_.outcome.done()) run_.outcome.interrupt();
 }
 
+/// To the end of a block.
+std::int64_t AdaptiveSteps::steps_for_lanes() {
+  const std::int64_t taken = run_.clock.steps();
+  if (!may_be_in_lanes() || taken % kStepsBetweenLooksAhead == 0) return 0;
+  run_.model.anchor(run_.clock.now());
+  return kBlock - taken % kBlock;
+}
+
+void AdaptiveSteps::took(std::int64_t steps, const DoubleDouble& time) {
+  run_.clock.add(steps, 0);
+  run_.clock.set(time);
+  run_.clock.keep_cost(run_.model.system());
+  run_.seen = time;
+  run_.model.anchor(time);
+  if (steps > 0 && run_.block_ends()) parts_.housekeeping.after_block();
+  if (run_.too_expensive() && !run_.outcome.done()) run_.outcome.interrupt();
+}
+
 /// Looked at every quarter of a million steps: a run that will be out of steps long before its end
 /// need not go on for hours.
 bool AdaptiveSteps::foresees_too_many_steps() {
-  constexpr std::int64_t kEvery = 1 << 18;
   constexpr double kSurely = 10.0;  // paces change
   const std::int64_t taken = run_.clock.steps();
   const IntegratorRecord& scheme = run_.scheme;
-  if (scheme.most_steps == nullptr || taken == 0 || taken % kEvery != 0) return false;
+  if (scheme.most_steps == nullptr || taken == 0 || taken % kStepsBetweenLooksAhead != 0)
+    return false;
   const void* description = run_.scene->run.integrator.description.get();
   const auto most = static_cast<double>(scheme.most_steps(description));
   const double foreseen = static_cast<double>(taken) * (run_.plan.duration / run_.clock.time());

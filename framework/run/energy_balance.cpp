@@ -147,10 +147,12 @@ std::uint64_t EnergyBalance::look(RunContext& run) {
   return kAnyNumber;
 }
 
-double EnergyBalance::idle_until(double now) const {
+double EnergyBalance::idle_until(const RunContext& run) const {
   constexpr double kNever = std::numeric_limits<double>::infinity();
+  const double now = run.clock.time();
   if (!twin_ || place_[kDropped] != 0) return kNever;
-  if (place_[kOpen] != 0) return now;
+  // On a grid a block has to end where the second engine has stopped.
+  if (place_[kOpen] != 0) return run.plan.dt > 0.0 ? now : sums_[kBlockEnd];
   if (now >= to_) return kNever;
   if (known_ != place_[kStratum]) return now;
   return whole_ ? from_ : next_;

@@ -55,7 +55,7 @@ class EnergyBalance {
   /// Before every step of the run, or as many as it said last; and at its end.
   std::uint64_t look(RunContext& run);
   /// Up to which time look() does nothing.
-  double idle_until(double now) const;
+  double idle_until(const RunContext& run) const;
   /// At the end of the run. Nothing where too few steps were looked at.
   std::optional<SampledWork> found() const;
 

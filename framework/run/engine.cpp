@@ -39,7 +39,7 @@ struct Engine::Parts {
   void go_on();
   void advance(std::uint64_t steps);
   std::int64_t steps_for_lanes();
-  bool took(std::int64_t steps);
+  bool took(std::int64_t steps, const DoubleDouble& time);
   void step_alone();
   void look_if_due();
   RunResult run_all();
@@ -277,13 +277,14 @@ RunResult Engine::Parts::end() {
 std::int64_t Engine::Parts::steps_for_lanes() {
   if (run.outcome.done()) return 0;
   auto most = static_cast<std::int64_t>(kBatch - taken() % kBatch);
-  if (balance) {
-    const double idle = balance->idle_until(run.clock.time()) - run.clock.time();
+  if (balance && run.plan.dt > 0.0) {
+    const double idle = balance->idle_until(run) - run.clock.time();
     if (idle < static_cast<double>(most) * run.plan.dt) {
       most = static_cast<std::int64_t>(std::max(0.0, idle / run.plan.dt));
     }
   }
-  const std::int64_t steps = std::min(stepping->steps_for_lanes(), most / kBlock * kBlock);
+  if (run.plan.dt > 0.0) most = most / kBlock * kBlock;
+  const std::int64_t steps = std::min(stepping->steps_for_lanes(), most);
   if (steps > 0) {
     // A batch evaluates the start of the next step itself.
     run.model.system().evaluations -= run.integrator->evaluations_ahead();
@@ -292,10 +293,10 @@ std::int64_t Engine::Parts::steps_for_lanes() {
   return steps;
 }
 
-bool Engine::Parts::took(std::int64_t steps) {
+bool Engine::Parts::took(std::int64_t steps, const DoubleDouble& time) {
   const std::uint64_t rebased = run.model.rebases();
   run.attempt([&] {
-    stepping->took(steps);
+    stepping->took(steps, time);
     look_if_due();
   });
   return run.model.rebases() != rebased;
@@ -400,19 +401,21 @@ void Engine::resume(const std::vector<std::byte>& numbers) { parts_->resume(numb
 void Engine::take_up(RunState& other) { parts_->take_up(other); }
 void Engine::advance(std::uint64_t steps) { parts_->advance(steps); }
 std::int64_t Engine::steps_for_lanes() { return parts_->steps_for_lanes(); }
-bool Engine::took(std::int64_t steps, std::uint64_t evaluations) {
+bool Engine::took(std::int64_t steps, const DoubleDouble& time, std::uint64_t evaluations) {
   parts_->run.model.system().evaluations += evaluations;
-  return parts_->took(steps);
+  return parts_->took(steps, time);
 }
-void Engine::anchor_ahead(std::int64_t steps) {
-  RunContext& run = parts_->run;
-  run.model.anchor(two_prod(static_cast<double>(run.clock.grid_steps() + steps), run.plan.dt));
+double Engine::next_due() const { return parts_->observation.next_due(); }
+double Engine::idle_until() const {
+  const auto& balance = parts_->balance;
+  return balance ? balance->idle_until(parts_->run) : std::numeric_limits<double>::infinity();
 }
 std::string Engine::why_not_in_lanes() const {
   const RunContext& run = parts_->run;
   if (run.scene->run.number_type != NumberType::double_precision) return "not in double precision";
   if (run.path != nullptr) return "the dynamics are quasistatic";
-  if (!run.scheme.in_lanes) return "the integrator " + run.scheme.name + " takes no lanes";
+  if (!run.scheme.in_lanes && run.scheme.adaptive_lanes == nullptr)
+    return "the integrator " + run.scheme.name + " takes no lanes";
   if (run.options.perturbation) return "noise is added to it";
   if (parts_->observation.looks_within_steps() || parts_->observation.watches()) {
     return "an observable needs what happens within steps: extremes, events or a user's observer";

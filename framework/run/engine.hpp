@@ -55,11 +55,14 @@ class Engine {
   /// For a batch that takes steps of several runs together (lane_batch.hpp): how many there are
   /// before this run has to do anything itself, in whole blocks of kBlock; 0: step_alone().
   std::int64_t steps_for_lanes();
-  /// They have been taken, or some of them, with so many evaluations; the state is the one after.
-  /// True where the origin has moved, and with it the state.
-  bool took(std::int64_t steps, std::uint64_t evaluations);
-  /// Anchors forces where the run will be after so many steps more.
-  void anchor_ahead(std::int64_t steps);
+  /// They have been taken, or some of them, up to a time and with so many evaluations; the state is
+  /// the one after. True where the origin has moved, and with it the state.
+  bool took(std::int64_t steps, const DoubleDouble& time, std::uint64_t evaluations);
+  /// Where steps are adaptive: the run goes on by itself with a step that would end at this time or
+  /// later,
+  double next_due() const;
+  /// and with one that begins at this time or later.
+  double idle_until() const;
   /// Why the run takes all its steps by itself; empty: it may be in a batch.
   std::string why_not_in_lanes() const;
   /// One step, or what is left of a block.

@@ -56,12 +56,8 @@ void FixedGrid::advance(std::uint64_t most) {
 }
 
 std::int64_t FixedGrid::steps_for_lanes() {
-  const Observation& observation = parts_.observation;
   if (run_.clock.grid_steps() % kBlock != 0 || static_cast<double>(into_step()) != 0.0) return 0;
-  if (parts_.triggers.waiting() || observation.looks_within_steps() || observation.watches()) {
-    return 0;
-  }
-  if (parts_.observation.rotations().is_due_at_every_step()) return 0;
+  if (!may_be_in_lanes()) return 0;
   if (plain_left_ == 0 && run_.clock.grid_steps() < run_.plan.whole_steps) {
     plain_left_ = std::max<std::int64_t>(0, plain_steps());
   }
@@ -71,7 +67,7 @@ std::int64_t FixedGrid::steps_for_lanes() {
   return parts_.observation.rotations().counts_turns() ? kBlock : plain_left_ / kBlock * kBlock;
 }
 
-void FixedGrid::took(std::int64_t steps) {
+void FixedGrid::took(std::int64_t steps, const DoubleDouble&) {
   run_.clock.add(steps, steps);
   run_.clock.keep_cost(run_.model.system());
   run_.clock.set(two_prod(static_cast<double>(run_.clock.grid_steps()), run_.plan.dt));

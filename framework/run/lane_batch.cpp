@@ -7,17 +7,12 @@
 #include "framework/run/context.hpp"
 
 namespace tomlin {
-namespace {
 
-std::size_t whole_vectors(std::size_t lanes) { return padded(std::max<std::size_t>(lanes, 1)); }
-
-}  // namespace
-
-std::size_t LaneBatch::good_width(const Engine& like) {
+std::size_t LaneBatch::good_width(Engine& like) {
   // Latencies of a small scene are hidden by other vectors; numbers of a large one fill the cache.
   constexpr std::size_t kMostVectors = 8;
   constexpr std::size_t kNumbers = 16;
-  const Model& model = const_cast<Engine&>(like).model();
+  const Model& model = like.model();
   const std::size_t numbers = model.coordinate_count() + model.assembly().mapped_size() / kGroup;
   return kGroup *
          std::clamp<std::size_t>(kNumbers / std::max<std::size_t>(numbers, 1), 1, kMostVectors);
@@ -25,12 +20,22 @@ std::size_t LaneBatch::good_width(const Engine& like) {
 
 LaneBatch::LaneBatch(Engine& like, std::size_t most)
     : like_(like),
-      system_(like.model(), whole_vectors(most)),
+      system_(like.model(), padded(std::max<std::size_t>(most, 1))),
       dt_(like.context().plan.dt),
-      lanes_(most) {
+      lanes_(most),
+      most_(system_.width(), 0.0),
+      attempts_(system_.width()) {
   const RunContext& run = like.context();
+  if (run.scheme.adaptive_lanes != nullptr) {
+    adaptive_ = run.scheme.adaptive_lanes(system_.layout(), system_.system());
+    return;
+  }
   const void* const description = run.scene->run.integrator.description.get();
   integrator_ = run.scheme.bind.in<double>()(description, system_.system());
+  StateLayout layout;
+  integrator_->declare(layout);
+  state_ = RunState(layout, 1);
+  integrator_->attach(state_);
 }
 
 bool LaneBatch::fits(Engine& run) const {
@@ -50,23 +55,34 @@ void LaneBatch::add(Engine& run) {
 std::vector<Engine*> LaneBatch::advance() {
   std::vector<Engine*> ended;
   while (runs_ > 0) {
-    std::int64_t steps = std::numeric_limits<std::int64_t>::max();
     for (std::size_t k = 0; k < lanes_.size(); ++k) {
       Lane& lane = lanes_[k];
-      if (lane.run == nullptr) continue;
-      if (lane.left == 0 && !serve(k)) {
-        ended.push_back(std::exchange(lane.run, nullptr));
-        --runs_;
-        all_filled_ = false;
-        continue;
-      }
-      steps = std::min(steps, lane.left);
+      if (lane.run == nullptr || lane.left > 0 || serve(k)) continue;
+      ended.push_back(std::exchange(lane.run, nullptr));
+      --runs_;
+      all_filled_ = false;
     }
     if (!ended.empty() || runs_ == 0) break;
     if (!all_filled_) fill_empty_lanes();
-    take_blocks(steps);
+    if (adaptive_) {
+      take_attempts();
+    } else {
+      take_blocks();
+    }
   }
   return ended;
+}
+
+/// All numbers of a run.
+void LaneBatch::put(std::size_t k, Engine& run) {
+  system_.put(k, run.model());
+  if (adaptive_) {
+    const RunContext& context = run.context();
+    adaptive_->put(k, run.model().system(), context.scene->run.integrator.description.get(),
+                   run.state());
+  } else {
+    integrator_->put_lane(system_.layout(), k, run.state());
+  }
 }
 
 /// Lets a run do what it has to do. False: it has ended.
@@ -75,24 +91,32 @@ bool LaneBatch::serve(std::size_t k) {
   bool same = lane.taken > 0;  // numbers in the lane are those of the run
   if (lane.taken > 0) {
     system_.get(k, lane.run->model());
-    const std::uint64_t evaluations = system_.system().evaluations;
-    same = !lane.run->took(std::exchange(lane.taken, 0), evaluations - lane.evaluations);
+    if (adaptive_) {
+      adaptive_->get(k, lane.run->state());
+    } else {
+      integrator_->get_lane(system_.layout(), k, lane.run->state());
+    }
+    const std::int64_t taken = std::exchange(lane.taken, 0);
+    same = !lane.run->took(taken, lane.now, std::exchange(lane.evaluations, 0));
   }
-  while (!lane.run->done()) {
-    if (!lane.alone && (lane.left = lane.run->steps_for_lanes()) > 0) break;
-    lane.alone = false;
+  for (;;) {
+    if (lane.run->done()) return false;
+    if (!lane.is_alone && (lane.left = lane.run->steps_for_lanes()) > 0) {
+      lane.now = lane.run->context().clock.now();
+      lane.due = lane.run->next_due();
+      lane.idle = lane.run->idle_until();
+      lane.is_anchored = true;
+      if (same) {
+        system_.put_timed(k, lane.run->model());
+      } else {
+        put(k, *lane.run);
+      }
+      if (may_attempt(k)) return true;
+    }
+    lane.is_alone = false;
     lane.run->step_alone();
     same = false;
   }
-  if (lane.run->done()) return false;
-  lane.evaluations = system_.system().evaluations;
-  lane.anchored = true;
-  if (same) {
-    system_.put_timed(k, lane.run->model());
-  } else {
-    system_.put(k, lane.run->model());
-  }
-  return true;
 }
 
 /// Lanes without a run repeat a run's numbers, so that nothing happens there that does not happen
@@ -102,45 +126,93 @@ void LaneBatch::fill_empty_lanes() {
                                  [](const Lane& lane) { return lane.run != nullptr; });
   for (std::size_t k = 0; k < system_.width(); ++k) {
     if (k < lanes_.size() && lanes_[k].run != nullptr) continue;
-    system_.put(k, some->run->model());
+    put(k, *some->run);
+    most_[k] = std::numeric_limits<double>::max();
   }
   all_filled_ = true;
 }
 
-void LaneBatch::follow_time() {
-  for (std::size_t k = 0; k < lanes_.size(); ++k) {
-    Lane& lane = lanes_[k];
-    if (lane.run == nullptr || std::exchange(lane.anchored, false)) continue;
-    lane.run->anchor_ahead(lane.taken);
-    system_.put_timed(k, lane.run->model());
-  }
+void LaneBatch::follow_time(std::size_t k) {
+  Lane& lane = lanes_[k];
+  if (std::exchange(lane.is_anchored, true)) return;
+  lane.run->model().anchor(lane.now);
+  system_.put_timed(k, lane.run->model());
 }
 
 /// Whole blocks, until a run has something to do. All have where a step has failed.
-void LaneBatch::take_blocks(std::int64_t steps) {
-  for (std::int64_t block = 0; block < steps / kBlock; ++block) {
-    follow_time();
+void LaneBatch::take_blocks() {
+  std::uint64_t& evaluations = system_.system().evaluations;
+  for (bool serves = false; !serves;) {
+    const std::uint64_t before = evaluations;
     std::int64_t taken = 0;
-    std::uint64_t& evaluations = system_.system().evaluations;
     for (; taken < kBlock; ++taken) {
+      const std::uint64_t before_step = evaluations;
       const double since = static_cast<double>(taken) * dt_;
-      const std::uint64_t before = evaluations;
       if (integrator_->step_from(since, dt_, false).fault == StepFault::none) continue;
-      evaluations = before;
+      evaluations = before_step;
       all_filled_ = false;
       break;
     }
-    bool serves = false;
     for (std::size_t k = 0; k < lanes_.size(); ++k) {
       Lane& lane = lanes_[k];
       if (lane.run == nullptr) continue;
       lane.taken += taken;
       lane.left -= taken;
-      lane.alone = taken < kBlock;
-      if (lane.alone || system_.may_rebase(k)) lane.left = 0;
+      lane.evaluations += evaluations - before;
+      lane.is_alone = taken < kBlock;
+      if (lane.is_alone || system_.may_rebase(k)) lane.left = 0;
+      serves = serves || lane.left == 0;
+      if (lane.left == 0) continue;
+      const std::int64_t steps = lane.run->context().clock.grid_steps() + lane.taken;
+      lane.now = two_prod(static_cast<double>(steps), dt_);
+      lane.is_anchored = false;
+      follow_time(k);
+    }
+  }
+}
+
+/// Whether the next step of a run is a plain one. One that was begun is.
+bool LaneBatch::may_attempt(std::size_t k) {
+  if (!adaptive_) return true;
+  const Lane& lane = lanes_[k];
+  const RunContext& run = lane.run->context();
+  const double rest = static_cast<double>(DoubleDouble(run.plan.duration) - lane.now);
+  most_[k] = std::min(run.longest_step, rest);
+  if (lane.within_step) return true;
+  const double end = static_cast<double>(lane.now + adaptive_->next_attempt(k, most_[k]));
+  return static_cast<double>(lane.now) < lane.idle && end < lane.due && end < run.plan.duration;
+}
+
+/// Attempts of all lanes, until a run has something to do.
+void LaneBatch::take_attempts() {
+  for (bool serves = false; !serves;) {
+    adaptive_->attempt(most_, attempts_);
+    for (std::size_t k = 0; k < lanes_.size(); ++k) {
+      Lane& lane = lanes_[k];
+      if (lane.run == nullptr) continue;
+      const AdaptiveLanes::Attempt& attempt = attempts_[k];
+      lane.attempted += attempt.evaluations;
+      lane.within_step = attempt.taken == 0.0 && attempt.fault == StepFault::none;
+      if (lane.within_step) continue;
+      const unsigned evaluations = std::exchange(lane.attempted, 0);
+      if (attempt.fault != StepFault::none) {
+        lane.is_alone = true;
+        lane.left = 0;
+      } else {
+        lane.now = lane.now + attempt.taken;
+        ++lane.taken;
+        --lane.left;
+        lane.evaluations += evaluations;
+        lane.is_anchored = false;
+        if (lane.left > 0) {
+          follow_time(k);
+          lane.is_alone = !may_attempt(k);
+        }
+        if (lane.is_alone) lane.left = 0;
+      }
       serves = serves || lane.left == 0;
     }
-    if (serves) return;
+    all_filled_ = all_filled_ && !serves;
   }
 }
 

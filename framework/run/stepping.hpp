@@ -31,8 +31,8 @@ class Stepping {
   /// How many steps from here on have nothing to be served between them, for a batch of runs that
   /// takes them together (lane_batch.hpp): whole blocks of kBlock. 0: the run goes on by itself.
   virtual std::int64_t steps_for_lanes() { return 0; }
-  /// They have been taken, or some whole blocks of them; the numbers of the state are those after.
-  virtual void took(std::int64_t steps) { (void)steps; }
+  /// They have been taken, or some of them, up to a time; the numbers of the state are those after.
+  virtual void took(std::int64_t steps, const DoubleDouble& time) = 0;
   /// The run continues from other numbers.
   virtual void state_changed() {}
 
@@ -51,6 +51,8 @@ class Stepping {
   /// One step with everything that may go with it: samples, edges of the window, events that change
   /// forces. False where the run has failed.
   bool take(const Step& step);
+  /// Nothing is looked at in or after every step.
+  bool may_be_in_lanes() const;
   /// One step of the scheme.
   StepReport step_scheme(double since, double h, bool dense);
 

@@ -7,7 +7,6 @@
 #include "framework/core/elements/nearest_image.hpp"
 #include "framework/core/numbers/math.hpp"
 #include "framework/core/system/kernel_arguments.hpp"
-#include "framework/core/system/lanes.hpp"
 
 /// The loops over elements once more, over replicas (framework/core/system/lanes.hpp): eight
 /// replicas of one element at a time, particle after particle. They do the operations of the loops
@@ -44,6 +43,11 @@ struct LaneParticles {
     return x;
   }
 };
+
+/// The time since the start of the step.
+TOMLIN_INLINE Pack elapsed_in(const Stage<double>& stage, std::size_t lane) {
+  return stage.elapsed_in_lanes ? Pack::load(stage.elapsed_in_lanes + lane) : Pack(stage.elapsed);
+}
 
 TOMLIN_INLINE void put_lanes(bool set, double* at, const Pack& value) {
   if (set) {
@@ -124,7 +128,7 @@ TOMLIN_FLATTEN void site_over_lanes(const void* arguments, const Stage<double>& 
           site.start[d] = Pack::load(starts + (static_cast<std::size_t>(d) * stride + i) * w);
         }
       }
-      site.elapsed = Pack(stage.elapsed);
+      site.elapsed = elapsed_in(stage, lane);
       site.frame = p.frame;
       const Vec<Pack, D> force = force_on<E, Pack, D>(p.own, site);
       for (int d = 0; d < D; ++d) put_lanes(l.set, body.force + body.at(d, i), force[d]);
@@ -192,7 +196,7 @@ TOMLIN_FLATTEN void centre_over_lanes(const void* arguments, const Stage<double>
     }
     for (int d = 0; d < D; ++d)
       site.start[d] = Pack::load(starts + static_cast<std::size_t>(d) * w);
-    site.elapsed = Pack(stage.elapsed);
+    site.elapsed = elapsed_in(stage, lane);
     site.frame = p.frame;
     const Vec<Pack, D> force = force_on<E, Pack, D>(p.own, site);
 

@@ -141,7 +141,20 @@ struct PointStarts {
   }
 };
 
-/// Kernels over replicas (lanes.hpp), for dimensions 1 to 3.
+/// What a kernel over replicas gets, see lanes.hpp.
+struct LaneArguments {
+  const void* single = nullptr;     ///< the arguments of one run of the same structure
+  const double* numbers = nullptr;  ///< [number * width + replica]
+  double* scratch = nullptr;        ///< likewise
+  std::size_t width = 0;            ///< replicas, a multiple of kGroup
+  bool set = false;                 ///< write the forces; else add to what is there
+  // Where a number of one run stands among the numbers without padding.
+  const std::size_t* coordinate = nullptr;
+  const std::size_t* mapped = nullptr;
+  const std::size_t* rate = nullptr;
+};
+
+/// Kernels over replicas, for dimensions 1 to 3.
 struct LaneKernels {
   Kernel<double> site[3] = {};
   Kernel<double> varied_site[3] = {};

@@ -23,17 +23,23 @@ struct LaneForm {
   bool follows_time = false;  ///< its numbers change where the run anchors its forces
 };
 
-/// What a kernel over replicas gets.
-struct LaneArguments {
-  const void* single = nullptr;     ///< the arguments of one run of the same structure
-  const double* numbers = nullptr;  ///< [number * width + replica]
-  double* scratch = nullptr;        ///< likewise
-  std::size_t width = 0;            ///< replicas, a multiple of kGroup
-  bool set = false;                 ///< write the forces; else add to what is there
-  // Where a number of one run stands among the numbers without padding.
-  const std::size_t* coordinate = nullptr;
-  const std::size_t* mapped = nullptr;
-  const std::size_t* rate = nullptr;
+/// Numbers of one run without their padding: where each of them stands.
+struct LaneMap {
+  std::vector<std::size_t> from;
+
+  void put(const double* single, std::size_t lane, std::size_t width, double* lanes) const {
+    for (std::size_t k = 0; k < from.size(); ++k) lanes[k * width + lane] = single[from[k]];
+  }
+  void get(const double* lanes, std::size_t lane, std::size_t width, double* single) const {
+    for (std::size_t k = 0; k < from.size(); ++k) single[from[k]] = lanes[k * width + lane];
+  }
+};
+
+/// What the arrays of replicas hold of each.
+struct LaneLayout {
+  std::size_t width = 0;
+  LaneMap coordinates;
+  LaneMap rates;
 };
 
 }  // namespace tomlin

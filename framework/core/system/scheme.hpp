@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "framework/core/numbers/double_double.hpp"
+#include "framework/core/system/lanes.hpp"
 #include "framework/core/system/state_layout.hpp"
 #include "framework/core/system/system.hpp"
 
@@ -82,6 +83,34 @@ struct WatchedIntegral {
   double stiffness = 0.0;  ///< by how much the rate changes where a coordinate does
 };
 
+/// An adaptive scheme over a system of replicas in lanes, each with its own tolerances, control and
+/// steps: they have the bits of Integrator::step_from() of a single run.
+class AdaptiveLanes {
+ public:
+  virtual ~AdaptiveLanes() = default;
+
+  /// What an attempt has come to: a step, a refusal (nothing taken, no fault), or the fault with
+  /// which the step fails. The state of a failed step is the one before it.
+  struct Attempt {
+    double taken = 0.0;
+    StepFault fault = StepFault::none;
+    unsigned evaluations = 0;
+  };
+
+  /// The scheme's own numbers of a run, from its state and its description; and back, between
+  /// steps. One without a run repeats another's.
+  virtual void put(std::size_t lane, const System<double>& run, const void* description,
+                   RunState& state) = 0;
+  virtual void get(std::size_t lane, RunState& state) const = 0;
+  /// The length of a lane's next attempt, where the step may take at most `most`.
+  virtual double next_attempt(std::size_t lane, double most) const = 0;
+  /// One attempt in each lane.
+  virtual void attempt(const std::vector<double>& most, std::vector<Attempt>& attempts) = 0;
+
+ protected:
+  AdaptiveLanes() = default;
+};
+
 /// Advances position, velocity and integrals of a system. All three are known at the same time at
 /// the end of every step.
 template <class Real>
@@ -148,6 +177,17 @@ class Integrator {
   /// Evaluations that are counted already and belong to the next step. They are lost with the
   /// state's bytes, and made again.
   virtual std::uint64_t evaluations_ahead() const { return 0; }
+
+  // Over a system of replicas in lanes (lanes.hpp): numbers of its own that a run has between
+  // steps, from the state of the run in a lane, and back. For schemes whose record says in_lanes.
+  virtual void put_lane(const LaneLayout& layout, std::size_t lane, RunState& run) {
+    (void)layout, (void)lane, (void)run;
+  }
+  virtual void get_lane(const LaneLayout& layout, std::size_t lane, RunState& run) const {
+    (void)layout, (void)lane, (void)run;
+  }
+  /// Of one run: whether these numbers are known. Before its first step they are not.
+  virtual bool is_started() const { return true; }
 
   /// For a scheme that follows equilibria; null for all others.
   virtual EquilibriumPath* path() { return nullptr; }

@@ -21,6 +21,8 @@ struct Stage {
   const Real* own = nullptr;  ///< state variables owned by forces
   Real* rates = nullptr;      ///< time derivatives: of own variables, then of running integrals
   Real elapsed{};             ///< time since the start of the step
+  /// Of replicas in lanes whose steps differ, each one's own; null: `elapsed` is that of all.
+  const Real* elapsed_in_lanes = nullptr;
 };
 
 /// A kernel reads its own plain arguments and a stage. It neither allocates nor throws.
