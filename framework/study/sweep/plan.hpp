@@ -75,7 +75,9 @@ class SweepPlan {
   std::size_t points() const { return points_; }
   /// Points that follow one another, each from the end of the one before it: all of the last
   /// dimension; 1 where they do not.
-  std::size_t line() const { return sweep_.continues ? dimensions_.back().count : 1; }
+  std::size_t line() const {
+    return sweep_.continues && !dimensions_.empty() ? dimensions_.back().count : 1;
+  }
   /// Which of its values an axis has at a point.
   std::size_t index(std::size_t axis, std::size_t point) const;
   /// What differs from the scene at a point.
