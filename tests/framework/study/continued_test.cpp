@@ -218,7 +218,7 @@ TEST(Continued, PeriodsMayDiffer) {
   const ContinuedRun first = continued(kContinuedTip, {{"v", "0.5"}});
   ASSERT_NE(first.end.origin.cells[0], 0);
   const std::vector<Setting> other = {
-      {"v", "0"}, {"force.sinusoidal_substrate.period", "0.75"}, {"run.duration", "1e-3"}};
+      {"v", "0"}, {"force.sinusoidal_substrate.period", "0.7"}, {"run.duration", "1e-3"}};
   const ContinuedRun second = continued(kContinuedTip, other, &first.end);
   const double moved = 1e-3 * 2.0;  // no faster than twice the driver
   const auto place = [](const FinalState& state) {
