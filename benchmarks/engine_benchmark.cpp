@@ -11,6 +11,7 @@
 
 #include "framework/model/single_force.hpp"
 #include "framework/run/engine.hpp"
+#include "framework/run/lane_batch.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/scene/scene_document.hpp"
 #include "framework/standard_registry.hpp"
@@ -434,6 +435,67 @@ void BM_sweep_point(benchmark::State& state) {
 }
 BENCHMARK(BM_sweep_point)->Name("pt sweep/tomlin");
 
+// ---- replicas, with what a sweep watches of them: the mean force. Time of a step of one.
+
+enum class Taken { in_lanes, alone };
+
+/// Replicas whose drivers differ in speed, to their end. What comes before the first step is not
+/// timed.
+void BM_replicas(benchmark::State& state, const std::string& scene, std::size_t count, Taken taken,
+                 const std::vector<Setting>& settings) {
+  RunOptions options;
+  options.observables = {"driving_spring.mean_force.x"};
+  std::uint64_t steps = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    std::vector<std::unique_ptr<Engine>> engines;
+    for (std::size_t k = 0; k < count; ++k) {
+      std::vector<Setting> own = settings;
+      own.push_back(
+          {"force.driving_spring.stiffness", std::to_string(2.0 + 0.01 * static_cast<double>(k))});
+      engines.push_back(
+          std::make_unique<Engine>(parse_scene(scene, "benchmark.toml", registry(), own), options));
+    }
+    state.ResumeTiming();
+    if (taken == Taken::alone) {
+      for (const auto& engine : engines) benchmark::DoNotOptimize(engine->run());
+    } else {
+      LaneBatch batch(*engines.front(), engines.size());
+      for (const auto& engine : engines) batch.add(*engine);
+      while (!batch.is_empty()) batch.advance();
+      for (const auto& engine : engines) benchmark::DoNotOptimize(engine->end());
+    }
+    for (const auto& engine : engines) steps += engine->steps();
+  }
+  state.counters["s_per_step"] = benchmark::Counter(
+      static_cast<double>(steps), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+void register_replicas() {
+  struct Replicas {
+    std::string model;
+    std::string scene;
+    std::size_t count;
+    std::vector<Setting> settings;
+  };
+  const Setting adaptive = {"run.integrator", "{ type = \"dopri5\" }"};
+  const std::vector<Replicas> all = {
+      {"pt", kPt, 64, {{"run.duration", "4e3"}}},
+      {"rigid_ring_8", ring("rigid", "1e-2"), 16, {{"run.duration", "1e3"}}},
+      {"flexible_ring_8", ring("particles", "1e-4"), 16, {{"run.duration", "10"}}},
+      {"rigid_ring_8 dopri5", ring("rigid", "1e-2"), 16, {{"run.duration", "5e4"}, adaptive}},
+  };
+  for (const Replicas& one : all) {
+    for (const Taken taken : {Taken::in_lanes, Taken::alone}) {
+      const std::string name =
+          one.model + " replicas/" + (taken == Taken::in_lanes ? "tomlin" : "one by one");
+      benchmark::RegisterBenchmark(name.c_str(), [one, taken](benchmark::State& state) {
+        BM_replicas(state, one.scene, one.count, taken, one.settings);
+      });
+    }
+  }
+}
+
 // ---- one force alone ----------------------------------------------------------------------------
 
 const std::string kGoldenChain = "type = \"chain\"\ncount = 1000\nspacing = 1.618033988749895\n";
@@ -562,6 +624,7 @@ std::vector<Variant> asked_for_one() {
   register_variants("chain_1000", chain("1000", "1.0"), plugins, registry_of_plugins());
   register_formulas();
   register_forces();
+  register_replicas();
   register_examples();
   return true;
 }();

@@ -10,12 +10,14 @@ using namespace tomlin::plain;
 // The model outlives the call, so that repetitions go on along the trajectory rather than time its
 // beginning again and again.
 template <class Model>
-void run(benchmark::State& state, Model& model, std::int64_t batch, double h) {
+void run(benchmark::State& state, Model& model, std::int64_t batch, double h,
+         std::int64_t replicas = 1) {
   for (auto _ : state) {
     model.advance(batch, h);
     benchmark::ClobberMemory();
   }
-  const double steps = static_cast<double>(state.iterations()) * static_cast<double>(batch);
+  const double steps =
+      static_cast<double>(state.iterations()) * static_cast<double>(batch * replicas);
   state.SetItemsProcessed(static_cast<std::int64_t>(steps));
   // An inverted rate is seconds per step, which is printed as such (57n: 57 nanoseconds).
   state.counters["s_per_step"] =
@@ -27,6 +29,12 @@ void BM_plain_pt(benchmark::State& state) {
   static PrandtlTomlinson<Math> model;
   run(state, model, 64, 1e-2);
 }
+
+void BM_plain_pt_replicas(benchmark::State& state) {
+  static TipReplicas replicas(64);
+  run(state, replicas, 64, 1e-2, static_cast<std::int64_t>(replicas.x.size()));
+}
+BENCHMARK(BM_plain_pt_replicas)->Name("pt replicas/plain");
 
 template <class Math>
 void BM_plain_pt_memory(benchmark::State& state) {

@@ -53,6 +53,64 @@ template <class Math>
   done += steps;
 }
 
+TipReplicas::TipReplicas(std::size_t count)
+    : stiffness(count, 2.0),
+      damping(count, 2.0 * std::numbers::sqrt2),
+      speed(count, 1e-3),
+      inverse_period(count, 1.0),
+      site(count, 2.0 * std::numbers::pi * 0.1),
+      inverse_mass(count, 1.0),
+      x(count, 0.0),
+      v(count, 0.0),
+      force_integral(count, 0.0) {
+  for (std::size_t i = 0; i < count; ++i) speed[i] *= 1.0 + 0.01 * static_cast<double>(i);
+}
+
+[[gnu::noinline]] void TipReplicas::advance(std::int64_t steps, double h) {
+  const Pack half(0.5 * h);
+  const Pack whole(h);
+  const Pack sixth(h / 6.0);
+  const Pack two(2.0);
+  for (std::int64_t n = done; n < done + steps; ++n) {
+    const double t = static_cast<double>(n) * h;
+    const Pack t1(t);
+    const Pack t2(t + 0.5 * h);
+    const Pack t4(t + h);
+    for (std::size_t i = 0; i < x.size(); i += 8) {
+      const auto of = [i](const std::vector<double>& all) { return Pack::load_unaligned(&all[i]); };
+      const Pack k = of(stiffness);
+      const Pack xi = of(damping);
+      const Pack moves = of(speed);
+      const Pack wave = of(inverse_period);
+      const Pack force = of(site);
+      const Pack per_mass = of(inverse_mass);
+      const Pack position = of(x);
+      const Pack velocity = of(v);
+      const auto acceleration = [&](const Pack& at, const Pack& moving, const Pack& spring) {
+        return fma(force, sin_turns(wave * at), spring - xi * moving) * per_mass;
+      };
+      const Pack f1 = k * (moves * t1 - position);
+      const Pack a1 = acceleration(position, velocity, f1);
+      const Pack x2 = fma(half, velocity, position);
+      const Pack v2 = fma(half, a1, velocity);
+      const Pack f2 = k * (moves * t2 - x2);
+      const Pack a2 = acceleration(x2, v2, f2);
+      const Pack x3 = fma(half, v2, position);
+      const Pack v3 = fma(half, a2, velocity);
+      const Pack f3 = k * (moves * t2 - x3);
+      const Pack a3 = acceleration(x3, v3, f3);
+      const Pack x4 = fma(whole, v3, position);
+      const Pack v4 = fma(whole, a3, velocity);
+      const Pack f4 = k * (moves * t4 - x4);
+      const Pack a4 = acceleration(x4, v4, f4);
+      fma(sixth, velocity + two * (v2 + v3) + v4, position).store_unaligned(&x[i]);
+      fma(sixth, a1 + two * (a2 + a3) + a4, velocity).store_unaligned(&v[i]);
+      fma(sixth, f1 + two * (f2 + f3) + f4, of(force_integral)).store_unaligned(&force_integral[i]);
+    }
+  }
+  done += steps;
+}
+
 template <class Math>
 [[gnu::noinline]] void RememberingTip<Math>::advance(std::int64_t steps, double h) {
   const Math math(period);

@@ -67,6 +67,17 @@ struct PrandtlTomlinson {
   void advance(std::int64_t steps, double h);
 };
 
+// Tips side by side in vectors, each with numbers of its own; [tip].
+struct TipReplicas {
+  explicit TipReplicas(std::size_t count);
+
+  std::vector<double> stiffness, damping, speed, inverse_period, site, inverse_mass;
+  std::vector<double> x, v, force_integral;
+  std::int64_t done = 0;
+
+  void advance(std::int64_t steps, double h);
+};
+
 // The same with a drag that remembers, a spring that a dashpot lets go: its stretch q is one more
 // unknown, q' = v - q / memory_time, and the drag (damping / memory_time) q.
 template <class Math>

@@ -19,6 +19,10 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/tomlin)
 # The program too, as tomlin::program, for the tests of others.
 set_target_properties(tomlin PROPERTIES EXPORT_NAME program)
 install(TARGETS tomlin EXPORT tomlin RUNTIME COMPONENT program)
+# Where the program looks for it, from its own folder.
+if(TARGET tomlin_mpi)
+  install(TARGETS tomlin_mpi LIBRARY DESTINATION lib/tomlin COMPONENT mpi)
+endif()
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 install(TARGETS ${targets} EXPORT tomlin INCLUDES DESTINATION ${header_folder})
 install(EXPORT tomlin FILE tomlinTargets.cmake NAMESPACE tomlin:: DESTINATION ${package_folder})

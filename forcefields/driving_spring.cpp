@@ -1,6 +1,8 @@
 #include "forcefields/driving_spring.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -82,6 +84,20 @@ class Driven : public Base, public PulledEnd {
   }
 
   bool depends_on_time() const override { return true; }
+
+  /// In lanes the pulled end follows from the time in a kernel, unless it may reverse.
+  std::vector<Pass<Real>> passes() override {
+    std::vector<Pass<Real>> all = Base::passes();
+    if constexpr (std::is_same_v<Real, double>) {
+      const auto* const first = reinterpret_cast<const double*>(&this->with_frame_);
+      for (int k = 0; k < D && reverse_.when.empty(); ++k) {
+        const double* const travel = &this->parameters_.travel[k];
+        all.front().lanes.travels.push_back({static_cast<std::size_t>(travel - first),
+                                             &velocity_[static_cast<std::size_t>(k)], &shift_[k]});
+      }
+    }
+    return all;
+  }
 
   /// Elapsed time and travel in twice double precision: a driver 1e9 periods on still knows its
   /// place within the cell to the last digit.

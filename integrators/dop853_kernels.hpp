@@ -362,7 +362,7 @@ struct Dop853Kernels : EmbeddedKernels<Dop853Tableau> {
 
   template <class Real>
   static constexpr EmbeddedTable<Real> kernels() {
-    return EmbeddedKernels<Dop853Tableau>::with_lanes<Real>(
+    return EmbeddedKernels<Dop853Tableau>::with_control<Real>(
         {&first<Real>, &attempt<Real>, &extra<Real>, &extension<Real>, &extension_slope<Real>,
          &slope_within<Real>});
   }

@@ -80,7 +80,7 @@ struct Dopri5Kernels : EmbeddedKernels<Dopri5Tableau> {
 
   template <class Real>
   static constexpr EmbeddedTable<Real> kernels() {
-    return EmbeddedKernels<Dopri5Tableau>::with_lanes<Real>(
+    return EmbeddedKernels<Dopri5Tableau>::with_control<Real>(
         {&first<Real>, &attempt<Real>, nullptr, &extension<Real>, &extension_slope<Real>,
          &extension_slope<Real>});
   }

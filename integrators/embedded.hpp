@@ -18,36 +18,22 @@
 /// Adaptive schemes around the kernels of an embedded pair: step control, failure, dense output.
 namespace tomlin {
 
-/// The next step is h clip(0.9 err^-exponent err_old^beta, least_factor, most_factor).
-struct StepControl {
-  double exponent = 0.0;
-  double beta = 0.0;
-  double least_factor = 0.0;
-  double most_factor = 0.0;
-};
-
-inline constexpr double kSafetyOfStep = 0.9;
 inline constexpr double kLeastOldError = 1e-4;
 /// A remainder below this part of a step is taken along with it.
 inline constexpr double kStretchOfStep = 1.01;
 
-/// The next step after an attempt that was accepted.
-inline double next_after(const StepControl& law, double step, double error, double old_error,
+/// The next step after an attempt that was accepted; `factor`: see EmbeddedTable::accepted_factor.
+inline double next_after(const StepControl& law, double step, double error, double factor,
                          bool refused) {
-  double factor = law.most_factor;
-  if (error > 0.0) {
-    factor = kSafetyOfStep * (pow(error, -law.exponent) * pow(old_error, law.beta));
-  }
+  if (!(error > 0.0)) factor = law.most_factor;
   return step * std::clamp(factor, law.least_factor, refused ? 1.0 : law.most_factor);
 }
 
-/// The next attempt after one that was refused.
-inline double next_after_refusal(const StepControl& law, double step, double error) {
-  double factor = law.least_factor;
-  if (error > 1.0 && std::isfinite(error)) {
-    factor = std::max(law.least_factor, kSafetyOfStep * pow(error, -law.exponent));
-  }
-  return step * std::min(factor, kSafetyOfStep);
+/// The next attempt after one that was refused; `factor`: see EmbeddedTable::refused_factor.
+inline double next_after_refusal(const StepControl& law, double step, double error, double factor) {
+  const bool is_known = error > 1.0 && std::isfinite(error);
+  const double wanted = is_known ? std::max(law.least_factor, factor) : law.least_factor;
+  return step * std::min(wanted, kSafetyOfStep);
 }
 
 template <class Real>
@@ -131,7 +117,8 @@ class EmbeddedPair : public Integrator<Real> {
       system_.evaluations += trial.evaluations;
       if (trial.error <= 1.0 && trial.within_moves) {
         // A step cut short by the end of the run says nothing against a longer one.
-        next = std::max(next_after(law, trial_step, trial.error, last_error, refused),
+        const double factor = kernels_.accepted_factor(law, trial.error, last_error);
+        next = std::max(next_after(law, trial_step, trial.error, factor, refused),
                         ends && !refused ? next : 0.0);
         control_[kNext] = next;
         control_[kOldError] = std::max(trial.error, kLeastOldError);
@@ -141,7 +128,8 @@ class EmbeddedPair : public Integrator<Real> {
       }
       ++counts_[kRefused];
       refused = true;
-      next = next_after_refusal(law, trial_step, trial.error);
+      next = next_after_refusal(law, trial_step, trial.error,
+                                kernels_.refused_factor(law, trial.error));
       if (!(next >= d_.smallest_step)) {
         const bool sound = trial.within_moves && std::isfinite(trial.error);
         return {0.0, sound ? StepFault::step_too_small : StepFault::not_finite_or_too_far};

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <type_traits>
 
+#include "framework/core/numbers/math.hpp"
 #include "framework/core/numbers/number_types.hpp"
 #include "framework/core/system/compensated.hpp"
 #include "framework/core/system/evaluate.hpp"
@@ -49,6 +50,16 @@ struct EmbeddedStep {
   const Real* slope[kMostSlopes] = {};
 };
 
+/// The next step is h clip(0.9 err^-exponent err_old^beta, least_factor, most_factor).
+struct StepControl {
+  double exponent = 0.0;
+  double beta = 0.0;
+  double least_factor = 0.0;
+  double most_factor = 0.0;
+};
+
+inline constexpr double kSafetyOfStep = 0.9;
+
 /// An attempt over replicas in lanes (framework/core/system/lanes.hpp): arrays over lanes.
 struct EmbeddedLanes {
   std::size_t width = 0;
@@ -67,6 +78,10 @@ struct EmbeddedLanes {
   double* within_moves = nullptr;  ///< 1 or 0
   double* accepted = nullptr;      ///< likewise: error and moves allow the step
   double* evaluations = nullptr;
+  StepControl law;
+  const double* old_error = nullptr;
+  double* accepted_factor = nullptr;  ///< as in EmbeddedTable
+  double* refused_factor = nullptr;
 };
 
 template <class Real>
@@ -85,6 +100,10 @@ struct EmbeddedTable {
   void (*extension_slope)(const EmbeddedStep<Real>& step, double theta, double* slope) = nullptr;
   /// The same derivative from what every step has, extra slopes or not.
   void (*slope_within)(const EmbeddedStep<Real>& step, double theta, double* slope) = nullptr;
+  /// What the step is multiplied by after an attempt, before it is limited: the accepted, and the
+  /// refused one.
+  double (*accepted_factor)(const StepControl& law, double error, double old_error) = nullptr;
+  double (*refused_factor)(const StepControl& law, double error) = nullptr;
   /// Over replicas in lanes: an attempt of each from its own state, with its own step; and the new
   /// state in the lanes that accept it.
   void (*attempt_in_lanes)(const SystemView<double>& system, const EmbeddedArrays<double>& arrays,
@@ -355,6 +374,23 @@ struct EmbeddedKernels {
     return attempt_of<false, Real>(s, w, Real(since), Real(h), absolute, relative);
   }
 
+  template <class T>
+  TOMLIN_INLINE static T accepted_factor_of(const StepControl& law, const T& error,
+                                            const T& old_error) {
+    return T(kSafetyOfStep) * (pow(error, T(-law.exponent)) * pow(old_error, T(law.beta)));
+  }
+  template <class T>
+  TOMLIN_INLINE static T refused_factor_of(const StepControl& law, const T& error) {
+    return T(kSafetyOfStep) * pow(error, T(-law.exponent));
+  }
+  TOMLIN_FLATTEN static double accepted_factor(const StepControl& law, double error,
+                                               double old_error) {
+    return accepted_factor_of<double>(law, error, old_error);
+  }
+  TOMLIN_FLATTEN static double refused_factor(const StepControl& law, double error) {
+    return refused_factor_of<double>(law, error);
+  }
+
   // ---- over replicas in lanes: the same operations in the same order for each
 
   template <int stage, bool inertial>
@@ -464,6 +500,9 @@ struct EmbeddedKernels {
       }
       const auto accepted = within & (error <= Pack(1.0));
       error.store(l.error + lane);
+      accepted_factor_of<Pack>(l.law, error, Pack::load(l.old_error + lane))
+          .store(l.accepted_factor + lane);
+      if (!all(accepted)) refused_factor_of<Pack>(l.law, error).store(l.refused_factor + lane);
       select(within, Pack(1.0), Pack(0.0)).store(l.within_moves + lane);
       select(accepted, Pack(1.0), Pack(0.0)).store(l.accepted + lane);
       const Pack all_stages(static_cast<double>(kEnd));
@@ -519,7 +558,9 @@ struct EmbeddedKernels {
   }
 
   template <class Real>
-  static constexpr EmbeddedTable<Real> with_lanes(EmbeddedTable<Real> table) {
+  static constexpr EmbeddedTable<Real> with_control(EmbeddedTable<Real> table) {
+    table.accepted_factor = &accepted_factor;
+    table.refused_factor = &refused_factor;
     if constexpr (std::is_same_v<Real, double>) {
       table.attempt_in_lanes = &attempt_in_lanes;
       table.accept_in_lanes = &accept_in_lanes;

@@ -32,7 +32,8 @@ class EmbeddedPairLanes : public AdaptiveLanes {
     const std::size_t m = system.view.rates;
     const std::size_t w = layout.width;
     const auto stages = static_cast<std::size_t>(scheme.end) + 1;
-    memory_.assign((2 * stages + 4) * (n + kGap) + (stages + 1) * (m + kGap) + 9 * (w + kGap), 0.0);
+    memory_.assign((2 * stages + 4) * (n + kGap) + (stages + 1) * (m + kGap) + 12 * (w + kGap),
+                   0.0);
     double* next = memory_.data();
     const auto take = [&next](std::size_t count) {
       return std::exchange(next, next + count + kGap);
@@ -50,6 +51,7 @@ class EmbeddedPairLanes : public AdaptiveLanes {
     relative_ = take(w);
     numbers_ = take(w);
     step_ = take(w);
+    old_error_ = take(w);
     for (const std::size_t k : layout.coordinates.from) residue_.push_back(k % kGroup);
     call_ = {.width = w,
              .coordinates = layout.coordinates.from.size(),
@@ -65,7 +67,11 @@ class EmbeddedPairLanes : public AdaptiveLanes {
              .error = take(w),
              .within_moves = take(w),
              .accepted = take(w),
-             .evaluations = take(w)};
+             .evaluations = take(w),
+             .law = scheme.control,
+             .old_error = old_error_,
+             .accepted_factor = take(w),
+             .refused_factor = take(w)};
   }
   EmbeddedPairLanes(const EmbeddedPairLanes&) = delete;
   EmbeddedPairLanes& operator=(const EmbeddedPairLanes&) = delete;
@@ -97,6 +103,7 @@ class EmbeddedPairLanes : public AdaptiveLanes {
            .taken = counts[1],
            .kept_refusals = counts[2],
            .refusals = counts[2]};
+    old_error_[lane] = control[1];
   }
 
   void get(std::size_t lane, RunState& state) const override {
@@ -161,9 +168,10 @@ class EmbeddedPairLanes : public AdaptiveLanes {
       return failed(k, {0.0, StepFault::too_many_steps, 0});
     }
     if (call_.accepted[k] == 1.0) {
-      const double next = next_after(control_law_, step_[k], error, own.old_error, own.refused);
+      const double next =
+          next_after(control_law_, step_[k], error, call_.accepted_factor[k], own.refused);
       own.next = own.kept_next = std::max(next, own.ends && !own.refused ? own.next : 0.0);
-      own.old_error = std::max(error, kLeastOldError);
+      own.old_error = old_error_[k] = std::max(error, kLeastOldError);
       own.kept_refusals = own.refusals;
       own.refused = false;
       ++own.taken;
@@ -172,7 +180,7 @@ class EmbeddedPairLanes : public AdaptiveLanes {
     }
     ++own.refusals;
     own.refused = true;
-    own.next = next_after_refusal(control_law_, step_[k], error);
+    own.next = next_after_refusal(control_law_, step_[k], error, call_.refused_factor[k]);
     if (own.next >= own.smallest_step) return result;
     const bool sound = call_.within_moves[k] == 1.0 && std::isfinite(error);
     result.fault = sound ? StepFault::step_too_small : StepFault::not_finite_or_too_far;
@@ -205,6 +213,7 @@ class EmbeddedPairLanes : public AdaptiveLanes {
   double* relative_ = nullptr;
   double* numbers_ = nullptr;
   double* step_ = nullptr;
+  double* old_error_ = nullptr;
 };
 
 }  // namespace tomlin

@@ -10,6 +10,7 @@
 #include "framework/core/records/force.hpp"
 #include "framework/core/system/instruction_set.hpp"
 #include "framework/model/model.hpp"
+#include "framework/run/lane_batch.hpp"
 #include "framework/run/trial.hpp"
 
 namespace tomlin {
@@ -109,6 +110,10 @@ void add_parts(Explanation& explanation, const Model& model) {
        samples ? fmt::format("every {:g}: {:.6g} rows", *scene.output.every,
                              std::floor(scene.run.duration / *scene.output.every + kNoStep) + 1)
                : "output.every = INTERVAL takes them"});
+  const std::string alone = why_not_in_lanes(model);
+  parts.push_back(
+      {"lanes", alone.empty(),
+       alone.empty() ? "in a sweep, for observables that are no extremes or events" : alone});
   parts.push_back({"trajectory", scene.output.trajectory, "output.trajectory = true writes it"});
 }
 

@@ -21,6 +21,7 @@
 #include "framework/core/text/fault.hpp"
 #include "framework/output/record.hpp"
 #include "framework/output/run_folder.hpp"
+#include "framework/output/sweep_files.hpp"
 #include "framework/scene/scene_document.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/journal.hpp"
@@ -164,10 +165,12 @@ int merge_into(const fs::path& path, const SweepPlan& plan,
                const std::deque<SweepJournal>& journals, const MergeArguments& arguments) {
   RunFolder folder(path, occupied_by_sweep(path, plan, arguments.force), kSweepFiles);
   refuse_to_lose_inputs(folder, plan.scene(), kSweepFiles, plan.scene_text());
+  if (arguments.force) refuse_to_lose_inputs(folder, plan.scene(), kFilesOfARun);
   folder.own();
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
   if (arguments.force) {
+    folder.remove_run();
     folder.remove(kSweepJournalFile);
     remove_points(folder.file(kPointsFolder));
   }

@@ -16,7 +16,9 @@
 #include "framework/core/text/fault.hpp"
 #include "framework/output/checksum.hpp"
 #include "framework/output/machine.hpp"
+#include "framework/run/lane_batch.hpp"
 #include "framework/study/methods.hpp"
+#include "framework/study/sweep/point_run.hpp"
 
 namespace tomlin {
 namespace {
@@ -254,6 +256,21 @@ std::string sweep_json(const SweepPlan& plan, const SweepProgress& progress,
   return json_text(json);
 }
 
+namespace {
+
+/// Whether points are taken in lanes, by one of them.
+std::string lanes_text(const SweepPlan& plan, std::size_t point) {
+  PointRun run(plan, point);
+  Engine* const engine = run.engine();
+  const std::string alone = engine == nullptr ? "accuracy or perturb makes several runs of each"
+                                              : engine->why_not_in_lanes();
+  if (!alone.empty()) return "none, points are run one by one: " + alone;
+  return fmt::format("points of one structure together, {} in a thread",
+                     LaneBatch::good_width(*engine));
+}
+
+}  // namespace
+
 std::string sweep_plan_text(const SweepPlan& plan, std::size_t threads,
                             const std::optional<SweepPart>& shard) {
   std::string text = "nothing is run or written\n" + axes_and_observables(plan, shard);
@@ -270,6 +287,7 @@ std::string sweep_plan_text(const SweepPlan& plan, std::size_t threads,
   for (const std::size_t point : {first, last}) {
     try {
       const Explanation explanation = explain(plan.scene_at(point));
+      const std::string lanes = lanes_text(plan, point);
       if (!explanation.cost) {
         refused = "a step of the trial failed or is too long";
         continue;
@@ -280,9 +298,10 @@ std::string sweep_plan_text(const SweepPlan& plan, std::size_t threads,
       const std::size_t rounds = (lines + at_once - 1) / at_once;
       const double all = explanation.cost->seconds * static_cast<double>(rounds * plan.line());
       text += result_row(
-          "cost", fmt::format("about {:.3g} s for {} point, {} for all in {} threads",
+          "cost", fmt::format("about {:.3g} s for {} point, {} for all one by one in {} threads",
                               explanation.cost->seconds, point == first ? "the first" : "the last",
                               duration_text(all), at_once));
+      text += result_row("lanes", lanes);
       return text;
     } catch (const InputError& error) {
       refused = condensed(error);

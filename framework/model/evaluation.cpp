@@ -95,6 +95,10 @@ void Evaluation<Real>::add_zeros(const BodySlot<Real>& slot, int dimension, bool
                           : Range{slot.mapped, slot.offset, slot.stride * dimension});
   LaneCall lanes;
   lanes.form.kernel = &write_zeros_in_lanes;
+  const Range& range = zeros_.back();
+  for (const std::size_t one : {range.offset, range.length, std::size_t{range.mapped ? 1U : 0U}}) {
+    lanes.form.structure.push_back(static_cast<std::int64_t>(one));
+  }
   lanes.single = &zeros_.back();
   add_call({&write_zeros, &zeros_.back()}, std::move(lanes));
 }

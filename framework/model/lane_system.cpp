@@ -5,13 +5,23 @@
 #include <cstdint>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "framework/core/elements/kernel_tables.hpp"
 #include "framework/core/elements/site_force.hpp"
+
+TOMLIN_DECLARE_DOUBLE_TABLES(TravelKernels, TravelTable)
 
 namespace tomlin {
 namespace {
 
 /// Between arrays, to keep them off powers of two.
 constexpr std::size_t kGap = 3 * kGroup;
+
+/// Coordinates and positions of a replica. The kernels of one run take eight particles at a time as
+/// well, and the numbers of eight large replicas are in no cache: a chain is as fast in lanes as by
+/// itself at about 100 particles (rk4, AVX-512).
+constexpr std::size_t kMostNumbers = 96;
 
 /// The kernels of one run anchor their forces, those of a batch do not.
 void anchor_nothing(void*, double, double) {}
@@ -47,6 +57,11 @@ std::string LaneSystem::why_not(const Model& model) {
   if (model.system().tangent != nullptr || model.system().elastic != nullptr) {
     return "the integrator needs derivatives of forces";
   }
+  const std::size_t numbers = view.dofs + model.assembly().mapped_size();
+  if (numbers > kMostNumbers) {
+    return fmt::format("more than {} coordinates and positions fill vectors by themselves",
+                       kMostNumbers);
+  }
   if (!model.assembly().lane_calls().empty()) return "";
   for (const Model::Force& force : model.forces()) {
     if (force.driver) return "the force \"" + force.name + "\" is a declared driver";
@@ -59,7 +74,8 @@ std::string LaneSystem::why_not(const Model& model) {
   return "bodies are prescribed, or rigid ones move without inertia";
 }
 
-LaneSystem::LaneSystem(const Model& first, std::size_t width) : first_(first) {
+LaneSystem::LaneSystem(const Model& first, std::size_t width)
+    : first_(first), travel_kernels_(kernels::TravelKernels.on(first.system().set)) {
   layout_.width = width;
   map_numbers(first);
   const std::size_t w = width;
@@ -149,6 +165,10 @@ void LaneSystem::lay_calls() {
     LaneArguments& arguments = own.arguments;
     arguments.single = call.single;
     arguments.numbers = numbers_ + numbers * w;
+    for (const LaneTravel& travel : call.form.travels) {
+      travels_.to.push_back(numbers_ + (numbers + travel.number) * w);
+    }
+    by_kernel_ = by_kernel_ && call.form.follows_time == !call.form.travels.empty();
     numbers += numbers_of(call.form);
     if (call.arms >= 0) {
       const auto k = static_cast<std::size_t>(call.arms);
@@ -163,6 +183,10 @@ void LaneSystem::lay_calls() {
     arguments.coordinate = coordinates_before_.data();
     arguments.mapped = mapped_before_.data();
     arguments.rate = rates_before_.data();
+  }
+  for (auto* const times : {&travels_.time_high, &travels_.time_low}) times->assign(w, 0.0);
+  for (auto* const some : {&travels_.velocity, &travels_.shift_high, &travels_.shift_low}) {
+    some->assign(travels_.to.size() * w, 0.0);
   }
   const std::vector<LaneCall>& from = first_.assembly().lane_calls();
   for (std::size_t k = 0; k < calls_.size(); ++k) {
@@ -181,7 +205,8 @@ bool LaneSystem::fits(const Model& model) const {
   const auto same = [](const LaneCall& x, const LaneCall& y) {
     const auto length = [](const auto& numbers) { return numbers.size(); };
     return x.form.kernel == y.form.kernel && x.form.structure == y.form.structure &&
-           x.set == y.set && x.arms == y.arms && x.form.scratch == y.form.scratch &&
+           x.set == y.set && x.arms == y.arms && x.form.travels.size() == y.form.travels.size() &&
+           x.form.scratch == y.form.scratch &&
            std::equal(x.form.numbers.begin(), x.form.numbers.end(), y.form.numbers.begin(),
                       y.form.numbers.end(), [&](const auto& some, const auto& others) {
                         return length(some) == length(others);
@@ -210,7 +235,14 @@ void LaneSystem::put(std::size_t lane, const Model& model) {
   mapped_.put(from.mapped_velocity, lane, width(), view.mapped_velocity);
   const std::size_t w = width();
   double* to = numbers_ + lane;
+  std::size_t place = lane;  // among travels
   for (const LaneCall& call : model.assembly().lane_calls()) {
+    for (const LaneTravel& travel : call.form.travels) {
+      travels_.velocity[place] = *travel.velocity;
+      travels_.shift_high[place] = travel.shift->hi;
+      travels_.shift_low[place] = travel.shift->lo;
+      place += w;
+    }
     for (const auto& numbers : call.form.numbers) {
       for (const double number : numbers) {
         *to = number;
@@ -225,6 +257,27 @@ void LaneSystem::put(std::size_t lane, const Model& model) {
     one.start[lane] = bound.slot.rigid ? bound.start_centre[axis] : bound.start[0][axis];
     one.unit[lane] = model.origin().unit[axis];
   }
+}
+
+void LaneSystem::set_time(std::size_t lane, const DoubleDouble& time) {
+  travels_.time_high[lane] = time.hi;
+  travels_.time_low[lane] = time.lo;
+}
+
+void LaneSystem::set_times(const double* count, double unit) {
+  travel_kernels_.products(count, unit, width(), travels_.time_high.data(),
+                           travels_.time_low.data());
+}
+
+void LaneSystem::follow_time() {
+  travel_kernels_.travel({.width = width(),
+                          .count = travels_.to.size(),
+                          .time_high = travels_.time_high.data(),
+                          .time_low = travels_.time_low.data(),
+                          .velocity = travels_.velocity.data(),
+                          .shift_high = travels_.shift_high.data(),
+                          .shift_low = travels_.shift_low.data(),
+                          .travel = travels_.to.data()});
 }
 
 void LaneSystem::put_timed(std::size_t lane, const Model& model) {

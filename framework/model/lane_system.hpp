@@ -8,6 +8,7 @@
 #include "framework/core/system/lanes.hpp"
 #include "framework/core/system/system.hpp"
 #include "framework/model/model.hpp"
+#include "framework/model/travel_kernels.hpp"
 
 namespace tomlin {
 
@@ -31,8 +32,16 @@ class LaneSystem {
 
   /// Parameters and state of a model.
   void put(std::size_t lane, const Model& model);
-  /// Of its parameters, those that follow from the time that its forces are anchored at.
+  // Parameters that follow from the time that forces are anchored at, in one of two ways.
+
+  /// False where a model has to be anchored: put_timed().
+  bool follows_by_kernel() const { return by_kernel_; }
   void put_timed(std::size_t lane, const Model& model);
+  /// Of a lane, and of all: count * unit.
+  void set_time(std::size_t lane, const DoubleDouble& time);
+  void set_times(const double* count, double unit);
+  /// Lanes follow the times that are set.
+  void follow_time();
   /// Its state.
   void get(std::size_t lane, Model& model) const;
   /// True unless it is certain that Model::rebase_if_due() of the lane's model does nothing.
@@ -44,6 +53,15 @@ class LaneSystem {
     std::size_t numbers = 0;  ///< where they begin among all
     std::size_t scratch = 0;
     bool follows_time = false;
+  };
+  /// Numbers of all lanes that follow from times, [travel * width + lane].
+  struct Travels {
+    AlignedVector<double> time_high;
+    AlignedVector<double> time_low;
+    AlignedVector<double> velocity;
+    AlignedVector<double> shift_high;
+    AlignedVector<double> shift_low;
+    std::vector<double*> to;
   };
   /// A coordinate that moves no less than what the origin follows: where it started and how far it
   /// may go from there, of each lane.
@@ -69,6 +87,9 @@ class LaneSystem {
   std::vector<Call> calls_;
   std::vector<Operation<double>> operations_;
   std::vector<Followed> followed_;
+  Travels travels_;
+  bool by_kernel_ = true;
+  const TravelTable& travel_kernels_;
   AlignedVector<double> memory_;
   std::size_t taken_ = 0;
   double* numbers_ = nullptr;

@@ -301,6 +301,15 @@ class GuardedIntegrator final : public Integrator<double> {
   std::uint64_t evaluations_ahead() const override {
     return owner_.guard([&] { return integrator_->evaluations_ahead(); });
   }
+  void put_lane(const LaneLayout& layout, std::size_t lane, RunState& run) override {
+    owner_.guard([&] { integrator_->put_lane(layout, lane, run); });
+  }
+  void get_lane(const LaneLayout& layout, std::size_t lane, RunState& run) const override {
+    owner_.guard([&] { integrator_->get_lane(layout, lane, run); });
+  }
+  bool is_started() const override {
+    return owner_.guard([&] { return integrator_->is_started(); });
+  }
   void watch(const std::vector<WatchedIntegral>& integrals,
              const std::vector<double>& along) override {
     owner_.guard([&] { integrator_->watch(integrals, along); });

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "framework/core/numbers/quad.hpp"
-#include "framework/model/lane_system.hpp"
 #include "framework/run/context.hpp"
 #include "framework/run/housekeeping.hpp"
+#include "framework/run/lane_batch.hpp"
 #include "framework/run/observables.hpp"
 #include "framework/run/observation.hpp"
 #include "framework/run/start_checks.hpp"
@@ -100,7 +100,7 @@ void Engine::Parts::begin() {
   run.model.start(noise ? &*noise : nullptr, run.options.start_from);
   if (noise && run.path != nullptr) run.path->disturb(noise->size, noise->seed, noise->stream);
   housekeeping.start();
-  StartFindings findings = check_start(run.model, run.plan);
+  StartFindings findings = check_start(run.model, run.plan, run.options.checks_step);
   run.stable_step = findings.stable_step;
   run.longest_step = findings.longest_step;
   run.outcome.failure = std::move(findings.failure);
@@ -412,15 +412,13 @@ double Engine::idle_until() const {
 }
 std::string Engine::why_not_in_lanes() const {
   const RunContext& run = parts_->run;
-  if (run.scene->run.number_type != NumberType::double_precision) return "not in double precision";
-  if (run.path != nullptr) return "the dynamics are quasistatic";
-  if (!run.scheme.in_lanes && run.scheme.adaptive_lanes == nullptr)
-    return "the integrator " + run.scheme.name + " takes no lanes";
+  std::string reason = tomlin::why_not_in_lanes(run.model);
+  if (!reason.empty()) return reason;
   if (run.options.perturbation) return "noise is added to it";
   if (parts_->observation.looks_within_steps() || parts_->observation.watches()) {
-    return "an observable needs what happens within steps: extremes, events or a user's observer";
+    return "an observable needs every step: extremes, events, heat or an observer of a plugin";
   }
-  return LaneSystem::why_not(run.model);
+  return "";
 }
 void Engine::step_alone() { parts_->step_alone(); }
 RunResult Engine::end() { return parts_->end(); }

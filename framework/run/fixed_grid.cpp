@@ -73,9 +73,9 @@ void FixedGrid::took(std::int64_t steps, const DoubleDouble&) {
   run_.clock.set(two_prod(static_cast<double>(run_.clock.grid_steps()), run_.plan.dt));
   run_.seen = run_.clock.now();
   plain_left_ -= steps;
-  if (run_.clock.grid_steps() % kBlock != 0) return;
-  run_.since_anchor();
-  parts_.housekeeping.after_block();
+  // In the middle of a block the run goes on from the block's start.
+  run_.anchor_here();
+  if (run_.clock.grid_steps() % kBlock == 0) parts_.housekeeping.after_block();
 }
 
 /// How far the run is into a step of the grid; after blocks that is nothing.

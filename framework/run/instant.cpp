@@ -3,15 +3,12 @@
 #include <string>
 #include <vector>
 
+#include "framework/core/numbers/constants.hpp"
 #include "framework/core/text/axis_names.hpp"
 #include "framework/core/text/nearest_name.hpp"
 
 namespace tomlin {
-namespace {
-
-constexpr double kTau = 6.283185307179586476925286766559;
-
-}  // namespace
+namespace {}  // namespace
 
 Instant::Instant(const Model& model, std::string_view path, const std::string& key,
                  const Place& place) {

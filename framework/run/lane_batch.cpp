@@ -8,6 +8,20 @@
 
 namespace tomlin {
 
+std::string why_not_in_lanes(const Model& model) {
+  const RunSettings& run = model.scene().run;
+  const IntegratorRecord& scheme = *run.integrator.record;
+  if (run.accuracy) return "accuracy makes several runs";
+  if (run.perturb) return "perturb makes several runs";
+  if (run.number_type != NumberType::double_precision) return "lanes are of double precision";
+  if (model.plan().quasistatic) return "the dynamics are quasistatic";
+  if (!scheme.library.empty()) return "the integrator " + scheme.name + " is a plugin's";
+  if (!scheme.in_lanes && scheme.adaptive_lanes == nullptr) {
+    return "the integrator " + scheme.name + " has no steps in lanes";
+  }
+  return LaneSystem::why_not(model);
+}
+
 std::size_t LaneBatch::good_width(Engine& like) {
   // Latencies of a small scene are hidden by other vectors; numbers of a large one fill the cache.
   constexpr std::size_t kMostVectors = 8;
@@ -23,6 +37,7 @@ LaneBatch::LaneBatch(Engine& like, std::size_t most)
       system_(like.model(), padded(std::max<std::size_t>(most, 1))),
       dt_(like.context().plan.dt),
       lanes_(most),
+      grid_(system_.width(), 0.0),
       most_(system_.width(), 0.0),
       attempts_(system_.width()) {
   const RunContext& run = like.context();
@@ -76,6 +91,8 @@ std::vector<Engine*> LaneBatch::advance() {
 /// All numbers of a run.
 void LaneBatch::put(std::size_t k, Engine& run) {
   system_.put(k, run.model());
+  system_.set_time(k, run.model().anchor_time());
+  grid_[k] = static_cast<double>(run.context().clock.grid_steps());
   if (adaptive_) {
     const RunContext& context = run.context();
     adaptive_->put(k, run.model().system(), context.scene->run.integrator.description.get(),
@@ -85,27 +102,41 @@ void LaneBatch::put(std::size_t k, Engine& run) {
   }
 }
 
+/// Gives a run the steps that were taken for it. True where the lane has the run's numbers after
+/// that.
+bool LaneBatch::bring_back(std::size_t k) {
+  Lane& lane = lanes_[k];
+  if (lane.taken == 0) return false;
+  system_.get(k, lane.run->model());
+  if (adaptive_) {
+    adaptive_->get(k, lane.run->state());
+  } else {
+    integrator_->get_lane(system_.layout(), k, lane.run->state());
+  }
+  const std::int64_t taken = std::exchange(lane.taken, 0);
+  steps_ += static_cast<std::uint64_t>(taken);
+  return !lane.run->took(taken, lane.now, std::exchange(lane.evaluations, 0));
+}
+
+void LaneBatch::release() {
+  for (std::size_t k = 0; k < lanes_.size(); ++k) {
+    if (lanes_[k].run == nullptr) continue;
+    bring_back(k);
+    lanes_[k] = {};
+  }
+  runs_ = 0;
+}
+
 /// Lets a run do what it has to do. False: it has ended.
 bool LaneBatch::serve(std::size_t k) {
   Lane& lane = lanes_[k];
-  bool same = lane.taken > 0;  // numbers in the lane are those of the run
-  if (lane.taken > 0) {
-    system_.get(k, lane.run->model());
-    if (adaptive_) {
-      adaptive_->get(k, lane.run->state());
-    } else {
-      integrator_->get_lane(system_.layout(), k, lane.run->state());
-    }
-    const std::int64_t taken = std::exchange(lane.taken, 0);
-    same = !lane.run->took(taken, lane.now, std::exchange(lane.evaluations, 0));
-  }
+  bool same = bring_back(k);
   for (;;) {
     if (lane.run->done()) return false;
     if (!lane.is_alone && (lane.left = lane.run->steps_for_lanes()) > 0) {
       lane.now = lane.run->context().clock.now();
       lane.due = lane.run->next_due();
       lane.idle = lane.run->idle_until();
-      lane.is_anchored = true;
       if (same) {
         system_.put_timed(k, lane.run->model());
       } else {
@@ -132,11 +163,19 @@ void LaneBatch::fill_empty_lanes() {
   all_filled_ = true;
 }
 
-void LaneBatch::follow_time(std::size_t k) {
-  Lane& lane = lanes_[k];
-  if (std::exchange(lane.is_anchored, true)) return;
-  lane.run->model().anchor(lane.now);
-  system_.put_timed(k, lane.run->model());
+/// Parameters are those of the next step in every lane whose run has nothing to do before.
+void LaneBatch::follow_time() {
+  if (system_.follows_by_kernel()) {
+    if (!adaptive_) system_.set_times(grid_.data(), dt_);
+    system_.follow_time();
+    return;
+  }
+  for (std::size_t k = 0; k < lanes_.size(); ++k) {
+    Lane& lane = lanes_[k];
+    if (lane.run == nullptr || lane.left == 0 || lane.within_step) continue;
+    lane.run->model().anchor(adaptive_ ? lane.now : two_prod(grid_[k], dt_));
+    system_.put_timed(k, lane.run->model());
+  }
 }
 
 /// Whole blocks, until a run has something to do. All have where a step has failed.
@@ -162,12 +201,9 @@ void LaneBatch::take_blocks() {
       lane.is_alone = taken < kBlock;
       if (lane.is_alone || system_.may_rebase(k)) lane.left = 0;
       serves = serves || lane.left == 0;
-      if (lane.left == 0) continue;
-      const std::int64_t steps = lane.run->context().clock.grid_steps() + lane.taken;
-      lane.now = two_prod(static_cast<double>(steps), dt_);
-      lane.is_anchored = false;
-      follow_time(k);
+      grid_[k] += static_cast<double>(taken);
     }
+    follow_time();
   }
 }
 
@@ -203,16 +239,13 @@ void LaneBatch::take_attempts() {
         ++lane.taken;
         --lane.left;
         lane.evaluations += evaluations;
-        lane.is_anchored = false;
-        if (lane.left > 0) {
-          follow_time(k);
-          lane.is_alone = !may_attempt(k);
-        }
+        system_.set_time(k, lane.now);
+        lane.is_alone = lane.left > 0 && !may_attempt(k);
         if (lane.is_alone) lane.left = 0;
       }
       serves = serves || lane.left == 0;
     }
-    all_filled_ = all_filled_ && !serves;
+    follow_time();
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "framework/core/system/scheme.hpp"
@@ -10,6 +11,10 @@
 #include "framework/run/engine.hpp"
 
 namespace tomlin {
+
+/// Why runs of a scene take all their steps by themselves; empty: they may be in a batch, unless
+/// what is asked of them needs every step.
+std::string why_not_in_lanes(const Model& model);
 
 /// Runs of one structure and scheme that take their plain steps together, in the lanes of vectors.
 /// All else a run does by itself, on its own numbers: its start, edges of the window, samples, the
@@ -27,10 +32,21 @@ class LaneBatch {
   bool fits(Engine& run) const;
   bool is_full() const { return runs_ == lanes_.size(); }
   bool is_empty() const { return runs_ == 0; }
+  std::size_t room() const { return lanes_.size() - runs_; }
+  /// At most half the lanes are taken, and a narrower batch would have fewer; or so few runs are
+  /// left that each is faster by itself.
+  bool is_sparse() const {
+    return runs_ <= 2 || (2 * runs_ <= system_.width() && system_.width() > kGroup);
+  }
   /// Takes a run that fits, and which outlives its part in the batch.
   void add(Engine& run);
+  /// Gives the runs back as they are, each at the end of a step.
+  void release();
   /// Until a run ends; returns those that have, which are no part of the batch any longer.
   std::vector<Engine*> advance();
+
+  /// Steps that were taken in lanes, of all runs.
+  std::uint64_t steps() const { return steps_; }
 
   /// How many lanes are worth it: vectors of small scenes are taken several at a time.
   static std::size_t good_width(Engine& like);
@@ -41,7 +57,6 @@ class LaneBatch {
     std::int64_t left = 0;          ///< steps until the run has something to do
     std::int64_t taken = 0;         ///< that the run does not know of
     std::uint64_t evaluations = 0;  ///< of those
-    bool is_anchored = false;       ///< its parameters are those of its next step
     bool is_alone = false;          ///< it takes the next step by itself
     bool within_step = false;       ///< an attempt was refused
     unsigned attempted = 0;         ///< evaluations of this step
@@ -52,11 +67,12 @@ class LaneBatch {
   };
 
   bool serve(std::size_t lane);
+  bool bring_back(std::size_t lane);
   void put(std::size_t lane, Engine& run);
   void take_blocks();
   void take_attempts();
   bool may_attempt(std::size_t lane);
-  void follow_time(std::size_t lane);
+  void follow_time();
   void fill_empty_lanes();
 
   Engine& like_;
@@ -66,8 +82,10 @@ class LaneBatch {
   double dt_;
   std::vector<Lane> lanes_;
   std::size_t runs_ = 0;
-  bool all_filled_ = false;   ///< lanes without a run have numbers that stay sound
-  std::vector<double> most_;  ///< [lane] of the system: the longest step
+  std::uint64_t steps_ = 0;
+  bool all_filled_ = false;     ///< lanes without a run have numbers that stay sound
+  AlignedVector<double> grid_;  ///< [lane] of the system: steps of the grid
+  std::vector<double> most_;    ///< likewise: the longest step
   std::vector<AdaptiveLanes::Attempt> attempts_;
   RunState state_;  ///< of the fixed scheme's own numbers
 };

@@ -255,6 +255,7 @@ struct RunOptions {
   const std::vector<std::byte>* resume_from = nullptr;
   RunStore* store = nullptr;   ///< for what is done besides the run proper
   bool watches_energy = true;  ///< warn where the energy balance does not close
+  bool checks_step = true;     ///< refuse a fixed step beyond the stability limit
 };
 
 /// For an engine that is bound and not run: no second one beside it.

@@ -20,7 +20,7 @@ struct StartFindings {
 };
 
 /// At the scene's start, with the model anchored at time 0. Moves the model's clock: anchor it
-/// anew.
-StartFindings check_start(Model& model, const RunPlan& plan);
+/// anew. `checks_step`: see RunOptions.
+StartFindings check_start(Model& model, const RunPlan& plan, bool checks_step = true);
 
 }  // namespace tomlin

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -143,6 +144,16 @@ class PairForce : public BoundForce<Real> {
   /// So short a way that nothing changes along it, and no number but its square.
   static constexpr double kBeside = sizeof(Real) < sizeof(double) ? 1e-18 : 1e-150;
 
+  /// Of which pairs there are in the list, and in which order (FNV-1a of 64 bits): the list itself
+  /// may be as large as all else.
+  std::int64_t hash_of_pairs() const {
+    std::uint64_t hash = 0xcbf29ce484222325;
+    for (const BoundPair<Real>& pair : pairs_) {
+      for (const std::size_t index : {pair.i, pair.j}) hash = (hash ^ index) * 0x100000001b3;
+    }
+    return static_cast<std::int64_t>(hash);
+  }
+
   LaneForm lane_form() const {
     LaneForm form;
     if constexpr (std::is_same_v<Real, double>) {
@@ -151,10 +162,6 @@ class PairForce : public BoundForce<Real> {
       const std::vector<std::int64_t> second = structure_of(other_.slot, by_nearest_image_ ? 1 : 0);
       form.structure.insert(form.structure.end(), second.begin(), second.end());
       form.structure.push_back(static_cast<std::int64_t>(topology_));
-      for (const BoundPair<Real>& pair : pairs_) {
-        form.structure.push_back(static_cast<std::int64_t>(pair.i));
-        form.structure.push_back(static_cast<std::int64_t>(pair.j));
-      }
       switch (topology_) {
         case PairTopology::ring:
           form.kernel = tables_.lanes.cyclic[D - 1];
@@ -171,6 +178,7 @@ class PairForce : public BoundForce<Real> {
           if (list_.arguments.image) form.numbers.push_back(list_.images());
           for (const double length : list_.arguments.box) form.structure.push_back(length > 0.0);
           form.structure.push_back(list_.arguments.image != nullptr);
+          form.structure.push_back(hash_of_pairs());
           form.scratch = D * pairs_.size();
           break;
       }

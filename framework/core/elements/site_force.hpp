@@ -440,6 +440,8 @@ class AttachedForce : public ForceOnSites<E, Real, D> {
       for (const std::size_t one : {arguments_.first, arguments_.last, arguments_.particle}) {
         form.structure.push_back(static_cast<std::int64_t>(one));
       }
+      form.structure.push_back(arguments_.single ? 1 : 0);
+      form.structure.push_back(arguments_.on_coordinates ? 1 : 0);
       form.follows_time = this->depends_on_time();
     }
     return form;

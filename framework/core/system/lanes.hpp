@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "framework/core/numbers/double_double.hpp"
 #include "framework/core/system/stage.hpp"
 
 /// Replicas in lanes: runs of one structure, each with numbers of its own, side by side in the
@@ -13,6 +14,14 @@
 /// padding that the arrays of one run have. Each replica gets the bits that it gets alone.
 namespace tomlin {
 
+/// A number of a call that follows from the time t that forces are anchored at: velocity * t -
+/// shift, computed in twice double precision, then rounded.
+struct LaneTravel {
+  std::size_t number = 0;  ///< which of the call's
+  const double* velocity = nullptr;
+  const DoubleDouble* shift = nullptr;
+};
+
 /// How one kernel call is made over replicas. The numbers are those of a run that is bound, and are
 /// read off it again whenever its parameters have changed.
 struct LaneForm {
@@ -20,7 +29,8 @@ struct LaneForm {
   std::vector<std::span<const double>> numbers = {};  ///< one after the other, as the kernel has it
   std::vector<std::int64_t> structure = {};  ///< indices, which all replicas of a batch have alike
   std::size_t scratch = 0;                   ///< numbers of each replica that the kernel writes
-  bool follows_time = false;  ///< its numbers change where the run anchors its forces
+  bool follows_time = false;  ///< its first numbers change where the run anchors its forces
+  std::vector<LaneTravel> travels = {};  ///< all that change; empty: they are read off the run
 };
 
 /// Numbers of one run without their padding: where each of them stands.

@@ -1,10 +1,9 @@
+#include "framework/core/numbers/constants.hpp"
 #include "framework/run/observers/kinds.hpp"
 
 /// What bodies do within the window: turns, rolling, mean velocity.
 namespace tomlin::observers {
 namespace {
-
-constexpr double kTau = 6.283185307179586476925286766559;
 
 const ResultQuantity kTurns{"turns", dimension::none, Shape::number, Scope::window,
                             "revolutions, counter-clockwise positive"};

@@ -1,12 +1,11 @@
 #include <cmath>
 
+#include "framework/core/numbers/constants.hpp"
 #include "framework/run/observers/kinds.hpp"
 
 /// Where a run ends: forces of drivers, places and velocities of bodies.
 namespace tomlin::observers {
 namespace {
-
-constexpr double kTau = 6.283185307179586476925286766559;
 
 const ResultQuantity kFinalForce{"final_force", dimension::force, Shape::vector, Scope::end,
                                  "force at the end"};

@@ -5,12 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/numbers/constants.hpp"
 #include "framework/core/text/axis_names.hpp"
 
 namespace tomlin::observers {
 namespace {
-
-constexpr double kTau = 6.283185307179586476925286766559;
 
 /// "position 8, clock 2, ...": numbers mean something only where the same fields are kept.
 std::string fields_of(const StateLayout& layout) {

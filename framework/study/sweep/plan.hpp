@@ -28,10 +28,10 @@
 /// values of the last dimension for given others, which one thread runs one after the other.
 ///
 /// What computes rows can therefore be exchanged: lanes take batches of points of one structure
-/// from the queue; other processes get theirs from the queue of the first, which alone writes;
-/// points that are added later are one more dimension `point`. A part of the points (SweepPart) may
-/// be run elsewhere with a journal of its own, and the journals of one plan are merged record by
-/// record (merge.hpp).
+/// from the queue; other processes (SweepClient) get theirs from the queue of the first one
+/// (SweepServer), which alone writes; points that are added later are one more dimension `point`. A
+/// part of the points (SweepPart) may be run elsewhere with a journal of its own, and the journals
+/// of one plan are merged record by record (merge.hpp).
 namespace tomlin {
 
 /// One result that is kept of each run.

@@ -47,6 +47,10 @@ std::optional<double> number_of(const RunResult& result, SweepColumn::Kind kind,
 
 }  // namespace
 
+SweepRow row_of_refused(const SweepPlan& plan, const InputError& error) {
+  return row_without_numbers(plan, SweepStatus::refused, condensed(error));
+}
+
 PointRun::PointRun(const SweepPlan& plan, std::size_t point, const std::atomic<bool>* stop,
                    const std::filesystem::path& checkpoints)
     : plan_(plan), point_(point), scene_(plan.scene_at(point)) {
@@ -75,10 +79,21 @@ auto PointRun::resumed(Act act) {
   return act(options);
 }
 
+/// What the scene refuses on the way, and observables that it does not have, make a row, too.
+template <class Act>
+std::optional<SweepRow> PointRun::row_unless_refused(Act act) {
+  try {
+    return row_of(act());
+  } catch (const InputError& error) {
+    return row_of_refused(plan_, error);
+  }
+}
+
 std::optional<SweepRow> PointRun::run() {
-  if (engine_) return row_of(engine_->run());
-  return row_of(
-      resumed([this](const RunOptions& options) { return tomlin::run(scene_, options); }));
+  return row_unless_refused([this] {
+    if (engine_) return engine_->run();
+    return resumed([this](const RunOptions& options) { return tomlin::run(scene_, options); });
+  });
 }
 
 Engine* PointRun::engine() {
@@ -90,7 +105,9 @@ Engine* PointRun::engine() {
   return engine_.get();
 }
 
-std::optional<SweepRow> PointRun::end() { return row_of(engine_->end()); }
+std::optional<SweepRow> PointRun::end() {
+  return row_unless_refused([this] { return engine_->end(); });
+}
 
 void PointRun::remove_checkpoint() const {
   if (!file_.empty()) PointCheckpoint::remove(file_);
@@ -116,10 +133,6 @@ std::optional<SweepRow> PointRun::row_of(const RunResult& result) {
     if (number && std::isfinite(*number)) row.numbers[k] = *number;
   }
   return row;
-}
-
-SweepRow row_of_refused(const SweepPlan& plan, const InputError& error) {
-  return row_without_numbers(plan, SweepStatus::refused, condensed(error));
 }
 
 std::optional<SweepRow> run_point(const SweepPlan& plan, std::size_t point,

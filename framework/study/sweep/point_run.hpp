@@ -43,6 +43,8 @@ class PointRun {
  private:
   template <class Act>
   auto resumed(Act act);
+  template <class Act>
+  std::optional<SweepRow> row_unless_refused(Act act);
   std::optional<SweepRow> row_of(const RunResult& result);
 
   const SweepPlan& plan_;

@@ -22,19 +22,19 @@ namespace {
 class SweepWork : private PointSource {
  public:
   SweepWork(const SweepPlan& plan, SweepRows& rows, const SweepOptions& options)
-      : plan_(plan), rows_(rows), options_(options), queue_(plan, rows, options.part) {
-    progress_.points = options.part.size(plan.points());
-    progress_.traces_left = options.traced.size();
-    for (std::size_t k = 0; k < plan.points(); ++k) {
-      progress_.before += options.part.has(k) && rows.has(k) ? 1 : 0;
-    }
-  }
+      : plan_(plan),
+        rows_(rows),
+        options_(options),
+        own_queue_(plan, rows, options.part),
+        queue_(options.queue != nullptr ? *options.queue : own_queue_),
+        progress_(progress_before(plan, rows, options)) {}
 
   SweepProgress run() {
     const std::size_t left = progress_.points - progress_.before + options_.traced.size();
     const auto count = std::clamp<std::size_t>(options_.threads, 1, std::max<std::size_t>(1, left));
     running_ = count;
-    most_at_once_ = (left + count - 1) / count;
+    const std::size_t sharers = count * options_.processes;
+    most_at_once_ = (left + sharers - 1) / sharers;
     std::vector<std::thread> threads;
     try {
       while (threads.size() < count) threads.emplace_back([this] { work(); });
@@ -126,7 +126,8 @@ class SweepWork : private PointSource {
   const SweepPlan& plan_;
   SweepRows& rows_;
   const SweepOptions& options_;
-  SweepQueue queue_;
+  SweepQueue own_queue_;
+  PointQueue& queue_;
   Clock::time_point started_ = Clock::now();
   std::atomic<bool> halt_ = false;
   std::atomic<std::size_t> traces_begun_ = 0;
@@ -149,6 +150,17 @@ std::vector<std::size_t> SweepQueue::take(std::size_t most) {
     }
   }
   return taken;
+}
+
+SweepProgress progress_before(const SweepPlan& plan, const SweepRows& rows,
+                              const SweepOptions& options) {
+  SweepProgress progress;
+  progress.points = options.part.size(plan.points());
+  progress.traces_left = options.traced.size();
+  for (std::size_t k = 0; k < plan.points(); ++k) {
+    progress.before += options.part.has(k) && rows.has(k) ? 1 : 0;
+  }
+  return progress;
 }
 
 std::size_t SweepProgress::with_row() const {

@@ -9,23 +9,30 @@
 #include <optional>
 #include <vector>
 
-#include "framework/model/final_state.hpp"
 #include "framework/study/sweep/part.hpp"
 #include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/row.hpp"
 
 namespace tomlin {
 
-/// The points of a part that are still to be run, in their order. Safe to call from several
-/// threads.
-class SweepQueue {
+/// Where threads get the points that they run. Safe to call from several threads.
+class PointQueue {
+ public:
+  virtual ~PointQueue() = default;
+  /// Up to so many points, and all others of the last one's line; none: the queue is empty.
+  virtual std::vector<std::size_t> take(std::size_t most) = 0;
+
+ protected:
+  PointQueue() = default;
+};
+
+/// The points of a part that are still to be run, in their order.
+class SweepQueue : public PointQueue {
  public:
   SweepQueue(const SweepPlan& plan, const SweepRows& rows, SweepPart part = {})
       : points_(plan.points()), line_(plan.line()), rows_(rows), part_(part) {}
 
-  /// Up to so many points that have no row, and all others of the last one's line; none: the queue
-  /// is empty.
-  std::vector<std::size_t> take(std::size_t most);
+  std::vector<std::size_t> take(std::size_t most) override;
 
  private:
   std::mutex mutex_;
@@ -51,6 +58,8 @@ struct SweepProgress {
 struct SweepOptions {
   std::size_t threads = 1;
   SweepPart part = {};                      ///< the points that are run
+  PointQueue* queue = nullptr;              ///< where they come from, if not from the plan
+  std::size_t processes = 1;                ///< that share them, with as many threads each
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal: rows so far are kept
   /// A folder for the checkpoints of points that take long, NUMBER.store, of lines, NUMBER.line,
   /// and for traces, NUMBER/; none: points start again.
@@ -60,6 +69,10 @@ struct SweepOptions {
   /// Called from the thread that called run_sweep(), twice a second.
   std::function<void(const SweepProgress&)> on_progress = {};
 };
+
+/// Nothing is done yet: what there is to do.
+SweepProgress progress_before(const SweepPlan& plan, const SweepRows& rows,
+                              const SweepOptions& options);
 
 /// Runs every point of the part that has no row, and keeps what it gives. A point that is stopped
 /// leaves no row. Throws what SweepRows throws, once all threads have ended.

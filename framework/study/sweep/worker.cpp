@@ -12,13 +12,15 @@ namespace {
 
 /// Runs of other structures that wait: enough to make batches where structures alternate.
 constexpr std::size_t kMostWaiting = 128;
+/// A vector of eight takes as long as about two runs by themselves.
+constexpr std::size_t kFewestInLanes = 3;
 
 }  // namespace
 
 void SweepWorker::work() {
   while (!stopped()) {
     if (waiting_.empty() && !fetch()) return;
-    if (!waiting_.empty()) run_batch();
+    if (!waiting_.empty()) run_first();
   }
 }
 
@@ -40,33 +42,68 @@ bool SweepWorker::fetch() {
   return true;
 }
 
-void SweepWorker::run_batch() {
-  std::vector<std::unique_ptr<PointRun>> running;
-  running.push_back(std::move(waiting_.front()));
+/// What waits and fits, up to so many, and what is fetched until there are as many.
+SweepWorker::Runs SweepWorker::gather(const LaneBatch& batch, std::size_t most) {
+  Runs found;
+  const std::size_t most_waiting = std::min(kMostWaiting, options_.most_at_once);
+  for (std::size_t k = 0; found.size() < most;) {
+    if (k == waiting_.size()) {
+      if (stopped() || waiting_.size() >= most_waiting || !fetch()) break;
+      continue;  // it may have been run
+    }
+    if (batch.fits(*waiting_[k]->engine())) {
+      found.push_back(std::move(waiting_[k]));
+      waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(k));
+    } else {
+      ++k;
+    }
+  }
+  return found;
+}
+
+/// The run that has waited longest, with those that fit.
+void SweepWorker::run_first() {
+  std::unique_ptr<PointRun> first = std::move(waiting_.front());
   waiting_.pop_front();
-  Engine& like = *running.front()->engine();
+  Engine& like = *first->engine();
   const std::size_t most = std::min(LaneBatch::good_width(like), options_.most_at_once);
-  LaneBatch batch(like, most);
-  std::unique_ptr<PointRun> prototype;  // outlives its part in the batch
+  Runs runs = gather(LaneBatch(like, 1), most - 1);
+  if (runs.size() + 1 < kFewestInLanes) {
+    keep(*first, first->run());
+    for (const auto& run : runs) keep(*run, run->run());
+    return;
+  }
+  run_batch(std::move(first), std::move(runs));
+}
+
+/// Until all have ended, or so few are left that fewer lanes, or none, take less time.
+void SweepWorker::run_batch(std::unique_ptr<PointRun> first, Runs runs) {
+  Engine& like = *first->engine();
+  LaneBatch batch(like, runs.size() + 1);
   batch.add(like);
+  for (const auto& run : runs) batch.add(*run->engine());
+  bool first_runs = true;
   while (!batch.is_empty()) {
-    for (auto next = waiting_.begin(); !batch.is_full() && next != waiting_.end();) {
-      if (!batch.fits(*(*next)->engine())) {
-        ++next;
+    for (Engine* const ended : batch.advance()) {
+      if (ended == &like) {
+        keep(*first, first->end());
+        first_runs = false;
         continue;
       }
-      batch.add(*(*next)->engine());
-      running.push_back(std::move(*next));
-      next = waiting_.erase(next);
-    }
-    if (!batch.is_full() && !stopped() && waiting_.size() < kMostWaiting && fetch()) continue;
-    for (Engine* const ended : batch.advance()) {
-      const auto run = std::find_if(running.begin(), running.end(),
+      const auto run = std::find_if(runs.begin(), runs.end(),
                                     [&](const auto& one) { return one->engine() == ended; });
       keep(**run, (*run)->end());
-      if (ended == &like) prototype = std::move(*run);
-      running.erase(run);
+      runs.erase(run);
     }
+    for (auto& run : gather(batch, batch.room())) {
+      batch.add(*run->engine());
+      runs.push_back(std::move(run));
+    }
+    if (batch.is_empty() || !batch.is_sparse()) continue;
+    batch.release();
+    if (first_runs) runs.push_back(std::move(first));
+    for (auto& run : runs) waiting_.push_front(std::move(run));
+    return;
   }
 }
 

@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <vector>
 
+#include "framework/run/lane_batch.hpp"
 #include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/point_run.hpp"
 #include "framework/study/sweep/row.hpp"
@@ -42,17 +44,19 @@ class SweepWorker {
   void work();
 
  private:
-  using Waiting = std::deque<std::unique_ptr<PointRun>>;
+  using Runs = std::vector<std::unique_ptr<PointRun>>;
 
   bool stopped() const { return options_.stop != nullptr && options_.stop->load(); }
   bool fetch();
-  void run_batch();
+  Runs gather(const LaneBatch& batch, std::size_t most);
+  void run_first();
+  void run_batch(std::unique_ptr<PointRun> first, Runs runs);
   void keep(const PointRun& run, const std::optional<SweepRow>& row);
 
   const SweepPlan& plan_;
   PointSource& source_;
   WorkerOptions options_;
-  Waiting waiting_;  ///< bound, for a batch of their structure
+  std::deque<std::unique_ptr<PointRun>> waiting_;  ///< bound, for a batch of their structure
 };
 
 }  // namespace tomlin

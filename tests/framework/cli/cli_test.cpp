@@ -113,7 +113,7 @@ TEST_F(Cli, VersionIsANumber) {
 TEST_F(Cli, WhatItDoesNotKnowIsBadInput) {
   const std::string option = "tomlin: [command.unknown_option]";
   const std::string missing = "tomlin: [command.missing_argument]\n";
-  expect_refused({}, missing, {"run, sweep, tradeoff, compare, "});
+  expect_refused({}, missing, {"run, sweep, merge, tradeoff, compare, "});
   expect_refused({"swep"}, "tomlin: [command.unknown] did you mean sweep\n", {"\"swep\""});
   expect_refused({"run", "tip.toml", "--frce"}, option + " did you mean --force\n",
                  {"tomlin run ", "--frce", "--set"});

@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/core/text/fault.hpp"
+#include "framework/output/sweep_files.hpp"
 #include "framework/scene/scene_document.hpp"
 #include "framework/standard_registry.hpp"
 #include "framework/study/sweep/journal.hpp"
@@ -191,7 +193,8 @@ TEST_F(MergeCommand, DifferentRowsOfAPointAreRefused) {
     fs::remove_all(path);
     fs::copy(folder_ / "whole", path);
     SceneDocument document((path / "scene.toml").string());
-    const auto settings = document.sweep();
+    std::vector<Fault> faults;
+    const auto settings = document.sweep(faults);
     const Registry registry = standard_registry();
     const SweepPlan plan(document, registry, {}, settings.value(), TOMLIN_VERSION);
     SweepJournal journal(path / kSweepJournalFile, plan);

@@ -396,6 +396,102 @@ TEST(Sweep, EstimatesAreColumns) {
   EXPECT_GT(other->numbers[1], 0.0);
 }
 
+/// Structures that alternate, several steps, refused points and failing ones: what goes into lanes
+/// together is no matter of the rows, and neither are threads.
+TEST(Sweep, BatchesOfAllKindsGiveTheRowsOfSingleRuns) {
+  RingScene ring;
+  ring.duration = 1.0;
+  ring.integrator = "{ type = \"rk4\", dt = \"h\" }";
+  const std::string text = "[parameters]\nh = 2e-3\n" + ring.text();
+  const SweepPlan plan = plan_over(text, {{{"force.driver.stiffness", "1,2,3"},
+                                           {"h", "2e-3,-1,1e-3"},
+                                           {"body.ring.count", "5,8,6,8,11"}}});
+  std::map<std::size_t, SweepRow> due;
+  std::set<SweepStatus> statuses;
+  for (std::size_t k = 0; k < plan.points(); ++k) {
+    due[k] = *run_point(plan, k);
+    statuses.insert(due[k].status);
+  }
+  EXPECT_EQ(statuses.size(), 2);
+  for (const std::size_t threads : {1, 2, 3}) {
+    RowsInMemory rows;
+    ASSERT_TRUE(run_sweep(plan, rows, {.threads = threads}).complete());
+    for (std::size_t k = 0; k < plan.points(); ++k) {
+      EXPECT_EQ(rows.rows[k].status, due[k].status) << k;
+      EXPECT_EQ(bits_of(rows.rows[k].numbers), bits_of(due[k].numbers)) << k;
+      EXPECT_EQ(rows.rows[k].reason, due[k].reason) << k;
+      EXPECT_EQ(rows.rows[k].warnings, due[k].warnings) << k;
+    }
+  }
+}
+
+/// What a spring is attached to is a matter of the structure: the first of its values decides
+/// nothing about the others.
+TEST(Sweep, SpringsOfOtherPointsShareNoLanes) {
+  std::string text = kSweptTip;
+  text.replace(text.find("type = \"point\"\nposition = [0.5]"), 33,
+               "type = \"chain\"\nspacing = 1.2\ncount = 4");
+  text.replace(
+      text.find("[[force]]"), 9,
+      "[[force]]\ntype = \"harmonic_bonds\"\npairs = \"neighbours\"\nstiffness = 1.0\n[[force]]");
+  const SweepPlan plan =
+      plan_over(text,
+                {{{"force.driver.attach", "{ particle = 0 },centre_of_mass,{ particle = 2 }"},
+                  {"v", "5e-2:9e-2:4"}}},
+                {"driver.mean_force.x"}, {{"run.duration", "100"}});
+  RowsInMemory rows;
+  ASSERT_TRUE(run_sweep(plan, rows, {}).complete());
+  std::set<std::uint64_t> different;
+  for (std::size_t k = 0; k < plan.points(); ++k) {
+    const SweepRow due = *run_point(plan, k);
+    ASSERT_EQ(due.status, SweepStatus::finished) << due.reason;
+    EXPECT_EQ(bits_of(rows.rows[k].numbers), bits_of(due.numbers)) << k;
+    different.insert(std::bit_cast<std::uint64_t>(due.numbers[0]));
+  }
+  EXPECT_EQ(different.size(), plan.points());
+}
+
+/// A point whose scene has no such observable is refused, in lanes too.
+TEST(Sweep, AnObservableThatSomePointsLackRefusesThem) {
+  const SweepPlan plan =
+      plan_over(kSweptTip, {{{"force.driver.name", "driver,other"}, {"v", "1e-2:4e-2:5"}}});
+  RowsInMemory rows;
+  ASSERT_TRUE(run_sweep(plan, rows, {}).complete());
+  for (std::size_t k = 0; k < plan.points(); ++k) {
+    EXPECT_EQ(rows.rows[k].status, k < 5 ? SweepStatus::finished : SweepStatus::refused) << k;
+  }
+}
+
+/// A stop at any time, in lanes: points resume from where they were, and no row has another bit.
+TEST(Sweep, LanesResumeFromTheirCheckpoints) {
+  for (const std::string integrator : {"{ type = \"rk4\", dt = 1e-3 }", "{ type = \"dopri5\" }"}) {
+    const SweepPlan plan = plan_over(kSweptTip, {{{"v", "1e-2:5e-2:12"}}}, {"driver.mean_force.x"},
+                                     {{"run.integrator", integrator}, {"run.duration", "40000"}});
+    RowsInMemory due;
+    ASSERT_TRUE(run_sweep(plan, due, {}).complete());
+    const TemporaryFolder folder;
+    std::map<std::size_t, SweepRow> rows;
+    int stops = 0;
+    for (bool complete = false; !complete;) {
+      RowsInMemory now;
+      for (const auto& [point, row] : rows) now.before.insert(point);
+      std::atomic<bool> stop = false;
+      std::thread later([&stop] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(60));
+        stop = true;
+      });
+      complete = run_sweep(plan, now, {.stop = &stop, .folder = folder.path()}).complete();
+      later.join();
+      rows.insert(now.rows.begin(), now.rows.end());
+      if (!complete) ++stops;
+    }
+    EXPECT_GT(stops, 0) << integrator;
+    for (const auto& [point, row] : due.rows) {
+      EXPECT_EQ(bits_of(rows[point].numbers), bits_of(row.numbers)) << integrator << ", " << point;
+    }
+  }
+}
+
 TEST(Sweep, StopsWithoutARow) {
   const SweepPlan plan = plan_over(kSweptTip, {{{"v", "1e-2,5e-2"}}}, {"driver.mean_force.x"},
                                    {{"run.duration", "1e7"}});
