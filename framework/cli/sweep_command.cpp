@@ -1,0 +1,460 @@
+#include <algorithm>
+#include <charconv>
+#include <csignal>
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "framework/cli/command.hpp"
+#include "framework/cli/exit_status.hpp"
+#include "framework/cli/inputs.hpp"
+#include "framework/cli/launcher.hpp"
+#include "framework/cli/options.hpp"
+#include "framework/cli/plugins.hpp"
+#include "framework/cli/print_result.hpp"
+#include "framework/cli/progress.hpp"
+#include "framework/cli/stop_signals.hpp"
+#include "framework/cli/sweep_folder.hpp"
+#include "framework/cli/sweep_text.hpp"
+#include "framework/core/text/fault.hpp"
+#include "framework/output/run_folder.hpp"
+#include "framework/output/sweep_files.hpp"
+#include "framework/scene/text.hpp"
+#include "framework/study/sweep/client.hpp"
+#include "framework/study/sweep/files.hpp"
+#include "framework/study/sweep/journal.hpp"
+#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/runner.hpp"
+#include "framework/study/sweep/server.hpp"
+
+namespace tomlin {
+namespace fs = std::filesystem;
+namespace {
+
+struct SweepArguments : SceneOptions {
+  std::vector<std::string> over;
+  std::vector<std::string> zips;
+  std::vector<std::string> observables;
+  std::optional<std::string> folder;
+  std::size_t threads = 0;  ///< 0: one for each processor
+  std::optional<std::string> trace;
+  bool continues = false;
+  std::optional<std::string> shard;
+  bool dry_run = false;
+  bool force = false;
+  bool quiet = false;
+};
+
+constexpr const char* kSweepFooter = R"(
+Runs the scene once for every combination of the values, in one process, and writes a table: a row
+for each point with the values, the observables and how the run ended. The last axis runs fastest.
+
+  --over v=1e-3,1e-2           a list; values as in --set, also words, lists and expressions
+  --over k=1:5:9               9 values from 1 to 5, equally spaced
+  --over v=1e-4:1e-1:31:log    31 values, equally spaced in the logarithm
+  --zip k,v                    these axes take their values together, and are one axis
+
+NAME is a parameter or a dotted path, as in --set. The ends of a grid are exact; the values between
+them are the doubles nearest to those of the formulas, on every machine.
+
+Examples:
+
+  tomlin sweep pt.toml --over v=1e-3:1e-1:21:log --observable driver.mean_force.x
+  tomlin sweep pt.toml --over v=1e-3,1e-2 --over run.integrator.dt=1e-2,5e-3 \
+      --observable driver.mean_force.x --observable events.slips --threads 2
+
+With --continue-from-neighbour a point starts where the one before it along the last axis has ended,
+as in a measurement that goes up and down:
+
+  tomlin sweep pt.toml --over F=0.1,0.4,0.7,0.4,0.1 --continue-from-neighbour \
+      --observable tip.mean_velocity.x
+
+The first value of that axis starts from the scene's start, each next one with the positions,
+velocities and internal variables that the one before has ended with, and its drivers where they
+were, at the velocities that the scene now gives them. Time, window and integrals begin at 0, and
+reversals anew. A point whose neighbour has not finished is refused.
+
+A scene may have the same in a table, which these options replace:
+
+  [sweep]
+  over = { v = "1e-3:1e-1:21:log", "run.integrator.dt" = [1e-2, 5e-3] }
+  observables = ["driver.mean_force.x"]
+
+A row has the bits of tomlin run with the same --set, unless it continues from another one. A point
+that the scene refuses, or that fails, is a row with its reason. DIR then holds
+  sweep.csv       a row for each point
+  sweep.h5        the same as arrays over the axes, netCDF-4: xarray.open_dataset opens it
+  sweep.json      axes, observables, counts, warnings
+  scene.toml      the scene with all defaults and [sweep]
+  sweep.journal   a record for each point that has ended
+  sweep.points/   the results of tomlin run for the rows of --trace (0,5-7, or all); while the sweep
+                  goes on, checkpoints of points that take longer than [run] checkpoint_every, and
+                  ends of points that others continue from
+
+Several machines can share a sweep. --shard I/N, I from 1 to N, runs one of every N successive points
+in a folder of its own, and tomlin merge makes one sweep of the folders:
+
+  tomlin sweep pt.toml --shard "$SLURM_ARRAY_TASK_ID/10"        # of an array job, 1-10
+  tomlin merge pt.sweep.*-of-10.out -o pt.sweep.out
+
+With MPI they run one sweep together: process 0 hands out points and writes, and the others run them,
+each in one thread or --threads N:
+
+  mpirun -n 41 tomlin sweep pt.toml
+
+Ctrl-C ends a sweep early. A sweep that was stopped or killed is continued by the same command:
+points with a row are not run again, those with a checkpoint resume from it, and the results have the
+bytes of a sweep that was left alone.
+
+Exit status: 0 every point has a row; 1 the results could not be written; 2 the input was not right,
+and nothing was written; 130 or 143 after an interrupt.)";
+
+std::string default_sweep_folder(const std::string& scene_file,
+                                 const std::optional<SweepPart>& shard) {
+  const std::string stem = fs::path(scene_file).stem().string() + ".sweep.";
+  return shard ? stem + fmt::format("{}-of-{}.out", shard->index + 1, shard->of) : stem + "out";
+}
+
+void add_options(CLI::App& parser, SweepArguments& arguments) {
+  add_scene_options(parser, arguments);
+  parser.add_option("--over", arguments.over, "an axis: a name and its values")
+      ->type_name("NAME=VALUES")
+      ->option_text("NAME=VALUES ...")
+      ->allow_extra_args(false);
+  parser.add_option("--zip", arguments.zips, "axes that are one axis together")
+      ->type_name("NAME,NAME")
+      ->option_text("NAME,NAME ...")
+      ->allow_extra_args(false);
+  parser.add_flag("--continue-from-neighbour", arguments.continues,
+                  "each point starts where the one before it along the last axis has ended");
+  add_observable_option(parser, arguments.observables);
+  add_output_option(parser, arguments.folder, "DIR",
+                    "folder for the results; SCENE's stem + .sweep.out, or .sweep.I-of-N.out");
+  parser
+      .add_option("--threads", arguments.threads,
+                  "how many; one for each processor by default, one under mpirun")
+      ->type_name("N")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{4096}));
+  parser
+      .add_option("--trace", arguments.trace, "rows, counted from 0, whose full results are kept")
+      ->type_name("ROWS");
+  parser
+      .add_option("--shard", arguments.shard,
+                  "run this part only of N, I = 1 to N; for tomlin merge")
+      ->type_name("I/N");
+  parser.add_flag("--dry-run", arguments.dry_run,
+                  "only show how many points there are and what they cost");
+  add_force_option(parser, arguments.force,
+                   "begin anew in DIR; only files that tomlin writes are replaced");
+  parser.add_flag("--quiet", arguments.quiet, "print errors only");
+}
+
+void check(SweepArguments& arguments) { read_settings(arguments); }
+
+/// Reads what the options say of axes; adds a fault for each that says nothing.
+void read_axes(const std::vector<std::string>& options, SweepSettings& settings,
+               std::vector<Fault>& faults) {
+  const Place place{"--over"};
+  settings.over.clear();
+  settings.unread.clear();
+  for (const std::string& option : options) {
+    const std::size_t equals = option.find('=');
+    const std::string name = option.substr(0, equals);
+    if (equals == std::string::npos || name.empty()) {
+      settings.unread.push_back(name);
+      faults.emplace_back(FaultCode::command_missing_argument, place,
+                          option.empty() ? "\"\"" : shortened(option, kLongestShownValue), "",
+                          equals == std::string::npos ? "no values" : "no name", "NAME=VALUES");
+      continue;
+    }
+    const std::string given = option.substr(equals + 1);
+    const std::string shown = shortened(given, kLongestShownValue);
+    auto read = SweepValues::parse(given);
+    if (auto* values = std::get_if<SweepValues>(&read)) {
+      settings.over.push_back({name, std::move(*values), place, shown});
+      continue;
+    }
+    settings.unread.push_back(name);
+    Wrong& wrong = std::get<Wrong>(read);
+    faults.emplace_back(wrong.code, place, name, shown, std::move(wrong.why),
+                        std::move(wrong.admissible), std::move(wrong.nearest));
+  }
+}
+
+std::vector<std::string> names_in(const std::string& text) {
+  std::vector<std::string> names(1);
+  for (const char c : text) {
+    if (c == ',') {
+      names.emplace_back();
+    } else if (c != ' ') {
+      names.back() += c;
+    }
+  }
+  return names;
+}
+
+/// `[sweep]` of the scene with what the options replace. Axes are replaced together, zips with
+/// them.
+SweepSettings settings_of(const SceneDocument& document, const SweepArguments& arguments,
+                          std::vector<Fault>& faults) {
+  SweepSettings settings = document.sweep(faults).value_or(SweepSettings{});
+  if (!arguments.over.empty()) {
+    read_axes(arguments.over, settings, faults);
+    settings.zips.clear();
+  }
+  if (!arguments.zips.empty()) {
+    settings.zips.clear();
+    for (const std::string& zip : arguments.zips) {
+      settings.zips.push_back({names_in(zip), Place{"--zip"}});
+    }
+  }
+  settings.continues = settings.continues || arguments.continues;
+  if (!arguments.observables.empty()) {
+    settings.observables = arguments.observables;
+    settings.observables_place = Place{"--observable"};
+  }
+  const auto missing = [&faults](const char* what, const char* admissible) {
+    faults.emplace_back(FaultCode::command_missing_argument, Place{"tomlin"}, "", "", what,
+                        admissible);
+  };
+  if (settings.over.empty() && settings.unread.empty()) {
+    missing("nothing to sweep over", "--over NAME=VALUES, or over in [sweep] of the scene");
+  }
+  const auto of_observables = [](const Fault& fault) { return fault.key == "sweep.observables"; };
+  if (settings.observables.empty() && std::none_of(faults.begin(), faults.end(), of_observables)) {
+    missing("no observable",
+            "--observable O, a dotted path in summary.json, or observables in [sweep]");
+  }
+  return settings;
+}
+
+/// "all", or rows and ranges of them: "0,5-7". Adds a fault for what is neither.
+std::vector<std::size_t> rows_in(const std::string& text, std::size_t points,
+                                 std::vector<Fault>& faults) {
+  std::vector<std::size_t> rows;
+  const auto number = [points](std::string_view digits) -> std::optional<std::size_t> {
+    std::size_t row = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), row);
+    const bool whole = error == std::errc() && end == digits.data() + digits.size();
+    return whole && row < points ? std::optional(row) : std::nullopt;
+  };
+  for (const std::string& part : names_in(text)) {
+    const std::size_t dash = part.find('-');
+    const auto first = part == "all" ? 0 : number(part.substr(0, dash));
+    const auto last = part == "all"               ? points - 1
+                      : dash == std::string::npos ? first
+                                                  : number(part.substr(dash + 1));
+    if (!first || !last || *first > *last) {
+      faults.emplace_back(FaultCode::command_invalid_value, Place{"--trace"}, "",
+                          shortened(part, kLongestShownValue), "no row of this sweep",
+                          fmt::format("all, or rows from 0 to {}: 0,5-7", points - 1));
+      continue;
+    }
+    for (std::size_t row = *first; row <= *last; ++row) rows.push_back(row);
+  }
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  return rows;
+}
+
+/// "2/10": the second of ten parts. Adds a fault for anything else.
+std::optional<SweepPart> shard_of(const std::string& text, const SweepPlan& plan,
+                                  std::vector<Fault>& faults) {
+  const auto number = [](std::string_view digits) {
+    std::size_t value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    const bool whole = error == std::errc() && end == digits.data() + digits.size();
+    return whole && value <= kMostSweepPoints ? value : 0;
+  };
+  const std::string_view view = text;
+  const std::size_t slash = std::min(view.find('/'), view.size());
+  const std::size_t shard = number(view.substr(0, slash));
+  const std::size_t shards = number(view.substr(std::min(slash + 1, view.size())));
+  if (shard >= 1 && shard <= shards) return SweepPart{shard - 1, shards, plan.line()};
+  faults.emplace_back(
+      FaultCode::command_invalid_value, Place{"--shard"}, shortened(text, kLongestShownValue), "",
+      "not one of several parts",
+      fmt::format("I/N with I from 1 to N, at most {}: 1/4, 2/4, 3/4, 4/4", kMostSweepPoints));
+  return std::nullopt;
+}
+
+SweepPlan plan_of(SceneDocument document, const Registry& registry,
+                  const SweepArguments& arguments) {
+  std::vector<Fault> faults;
+  SweepSettings settings = settings_of(document, arguments, faults);
+  return SweepPlan(std::move(document), registry, arguments.settings, std::move(settings),
+                   TOMLIN_VERSION, std::move(faults));
+}
+
+/// What the scene and the options come to.
+struct RequestedSweep {
+  /// Throws InputError.
+  explicit RequestedSweep(const SweepArguments& arguments)
+      : RequestedSweep(arguments, SceneDocument(arguments.scene)) {}
+  RequestedSweep(const SweepArguments& arguments, SceneDocument document)
+      : registry(registry_with_plugins(arguments.plugins, {&document, 1})),
+        plan(plan_of(std::move(document), registry, arguments)) {
+    std::vector<Fault> faults;
+    if (arguments.trace) traced = rows_in(*arguments.trace, plan.points(), faults);
+    if (arguments.shard) shard = shard_of(*arguments.shard, plan, faults);
+    if (arguments.trace && plan.line() > 1) {
+      faults.emplace_back(FaultCode::command_conflict, Place{"--trace"}, "", "",
+                          "a point that continues from its neighbour is no run of its own",
+                          "no --continue-from-neighbour beside it");
+    }
+    if (!faults.empty()) throw InputError(std::move(faults));
+    part = shard.value_or(SweepPart{});
+    std::erase_if(traced, [this](std::size_t point) { return !part.has(point); });
+    path = arguments.folder.value_or(default_sweep_folder(arguments.scene, shard));
+  }
+  RequestedSweep(const RequestedSweep&) = delete;
+  RequestedSweep& operator=(const RequestedSweep&) = delete;
+
+  Registry registry;
+  SweepPlan plan;
+  std::vector<std::size_t> traced;
+  std::optional<SweepPart> shard;
+  SweepPart part;
+  fs::path path;
+};
+
+// A full disk or a reader that went away is an error that is reported, not the end.
+void ignore_signals_of_writing() {
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+/// Runs points for process 0, which has the folder.
+void take_part(const ProcessLink& link, const RequestedSweep& requested, std::size_t threads) {
+  ignore_signals_of_writing();
+  StopSignals signals;
+  SweepClient client(link, signals.stop(), [&signals] { signals.request_stop(); });
+  SweepOptions options;
+  options.threads = threads;
+  options.traced = requested.traced;
+  client.run(requested.plan, options, [&requested] {
+    // Where the machines share no folder, points have no checkpoints.
+    std::error_code error;
+    const bool is_shared = fs::exists(requested.path / kSweepJournalFile, error);
+    return is_shared ? requested.path / kPointsFolder : fs::path();
+  });
+}
+
+/// `server`: of the processes that share the sweep; null: this one is alone.
+int sweep(const SweepArguments& arguments, const RequestedSweep& requested, std::size_t threads,
+          SweepServer* server) {
+  const SweepPlan& plan = requested.plan;
+  const std::vector<std::size_t>& traced = requested.traced;
+  std::optional<SweepPart> shard = requested.shard;
+  if (arguments.dry_run) return print_result(sweep_plan_text(plan, threads, shard));
+  if (server != nullptr) server->meet(plan);
+
+  const fs::path& path = requested.path;
+  RunFolder folder(path, occupied_by_sweep(path, plan, arguments.force), kSweepFiles);
+  refuse_to_lose_inputs(folder, plan.scene(), kSweepFiles, plan.scene_text());
+  if (arguments.force) refuse_to_lose_inputs(folder, plan.scene(), kFilesOfARun);
+  folder.own();
+  ignore_signals_of_writing();
+  StopSignals signals;
+  if (arguments.force) {
+    folder.remove_run();
+    folder.remove(kSweepJournalFile);
+    remove_points(folder.file(kPointsFolder));
+  }
+  SweepJournal journal(folder.file(kSweepJournalFile), plan);
+  // Where one of them is, it belongs to all rows.
+  const bool had_all = holds_all_results(folder);
+  ProgressLine progress_line(arguments.quiet ? ProgressLine::Style::silent : progress_style());
+  bool is_complete = true;
+  for (std::size_t k = 0; k < plan.points() && is_complete; ++k) is_complete = journal.has(k);
+  if (had_all && is_complete && traced.empty()) {
+    if (arguments.quiet) return kExitDone;
+    return print_result("finished already; nothing to do\n  results  " +
+                        where_the_sweep_is(folder) + "\n");
+  }
+  if (had_all && is_complete) shard.reset();  // the results are those of the whole sweep
+  if (!is_complete) {
+    for (const char* name : kSweepResults) folder.remove(name);
+  }
+  folder.write_file(kSceneFile, plan.scene_text());
+
+  SweepOptions options;
+  options.threads = threads;
+  options.part = requested.part;
+  options.folder = folder.file(kPointsFolder);
+  options.traced = traced;
+  options.stop = &signals.stop();
+  options.on_progress = [&progress_line](const SweepProgress& now) {
+    progress_line.show(sweep_progress_text(now), now.seconds);
+  };
+  const SweepProgress progress =
+      server != nullptr ? server->run(plan, journal, options) : run_sweep(plan, journal, options);
+  progress_line.finish();
+
+  std::optional<SweepCounts> counts;
+  if (progress.complete()) {
+    remove_if_empty(folder.file(kPointsFolder));
+    counts = shard ? count_rows(plan, journal, requested.part)
+                   : write_sweep_results(folder, plan, journal);
+  }
+  const SweepCounts* const known = counts ? &*counts : nullptr;
+  folder.write_file(kSweepSummaryFile, sweep_json(plan, progress, known, threads, shard));
+  int status = kExitDone;
+  if (!arguments.quiet) {
+    status = print_result(sweep_text(plan, progress, known, where_the_sweep_is(folder), shard));
+  }
+  const bool is_done = counts && progress.traces_left == 0;
+  if (is_done) return status;
+  // Another process was stopped, and all with it.
+  return kExitSignal + (signals.caught() != 0 ? signals.caught() : SIGTERM);
+}
+
+int sweep(const SweepArguments& arguments) {
+  std::unique_ptr<const RequestedSweep> requested;
+  std::optional<InputError> refused;
+  try {
+    requested = std::make_unique<const RequestedSweep>(arguments);
+  } catch (const InputError& error) {
+    refused = error;  // by one process for all
+  }
+  // Shards that are started together share nothing.
+  const auto process = arguments.shard ? nullptr : LaunchedProcess::find();
+  if (!process) {
+    if (refused) throw InputError(*refused);
+    const std::size_t all = std::max<std::size_t>(1, std::thread::hardware_concurrency());
+    return sweep(arguments, *requested, arguments.threads > 0 ? arguments.threads : all, nullptr);
+  }
+  const ProcessLink& link = process->link();
+  const std::size_t threads = std::max<std::size_t>(1, arguments.threads);
+  if (link.rank == 0) {
+    SweepServer server(link);
+    if (refused) throw InputError(*refused);
+    const auto clients = static_cast<std::size_t>(link.size - 1);
+    return sweep(arguments, *requested, threads * clients, &server);
+  }
+  if (refused) {
+    SweepClient::refuse(link, *refused);
+  } else {
+    take_part(link, *requested, threads);
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+CommandRecord sweep_command() {
+  return {"sweep", "many runs over values of parameters", kSweepFooter,
+          declared<SweepArguments>(add_options, check, sweep)};
+}
+
+}  // namespace tomlin
