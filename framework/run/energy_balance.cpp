@@ -82,7 +82,7 @@ EnergyBalance::EnergyBalance(const std::shared_ptr<const Scene>& scene, const Ru
   options_.instruction_set = options.instruction_set;
   options_.start_from = options.start_from;
   options_.watches_energy = false;
-  options_.checks_step = false;  // the run's own is checked
+  options_.checks_step = false;               // the run's own is checked
   options_.observables = {"energy.work_in"};  // it looks at steps for nothing else
 }
 

@@ -114,11 +114,13 @@ TOMLIN_FLATTEN void site_over_lanes(const void* arguments, const Stage<double>& 
     const LaneParticles body(l, a.body, stage, lane);
     const double* numbers = l.numbers + lane;
     const double* starts = numbers + kSiteNumbers<E, D> * w;
-    auto p = in_lanes<SiteParameters<E, Pack, D>>(numbers, varied ? stride * w : w);
-    LaneSum total[works ? D : 1];
+    std::size_t apart = w;  // from one parameter to the next
+    if constexpr (varied) apart = stride * w;
+    auto p = in_lanes<SiteParameters<E, Pack, D>>(numbers, apart);
+    LaneSum total[D];
     LaneSum power;
     for (std::size_t i = 0; i < count; ++i) {
-      if constexpr (varied) p = in_lanes<SiteParameters<E, Pack, D>>(numbers + i * w, stride * w);
+      if constexpr (varied) p = in_lanes<SiteParameters<E, Pack, D>>(numbers + i * w, apart);
       Site<Pack, D> site;
       site.position = body.place<D>(i);
       for (int d = 0; d < D; ++d) {
