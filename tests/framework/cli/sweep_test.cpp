@@ -291,8 +291,8 @@ TEST_F(SweepCommand, StoppedTracesAreToldAndGoOn) {
 }
 
 TEST_F(SweepCommand, ASignalLeavesWhatIsDone) {
-  const std::vector<std::string> options = {"--over", "v=1e-3:1e-1:400", "--threads", "2", "-o",
-                                            "a"};
+  const std::vector<std::string> options = {"--over", "v=1e-3:1e-1:400",  "--threads", "2",
+                                            "--set",  "run.duration=2e3", "-o",        "a"};
   for (const int signal : {SIGINT, SIGTERM}) {
     Conditions conditions;
     conditions.then = [&](pid_t child) {
