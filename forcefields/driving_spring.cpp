@@ -10,6 +10,7 @@
 
 #include "framework/core/elements/site_force.hpp"
 #include "framework/core/records/force.hpp"
+#include "framework/core/records/pulled_end.hpp"
 #include "framework/core/text/axis_names.hpp"
 #include "framework/core/text/fault_code.hpp"
 
@@ -51,7 +52,7 @@ std::vector<Complaint> complaints(const Description& d, const SceneOutline& scen
 
 /// Either kind of bound spring, with a pulled end that follows from the time alone.
 template <class Base, class Real, int D>
-class Driven : public Base {
+class Driven : public Base, public PulledEnd {
  public:
   template <class... Arguments>
   Driven(const Description& description, const Binding<Real>& binding, Arguments&&... arguments)
@@ -106,7 +107,7 @@ class Driven : public Base {
         drive_.velocity[k] = control_[kSign] * velocity_[k];
         this->parameters_.velocity[k] = Real(drive_.velocity[k]);
       }
-      const DoubleDouble travel = travelled(time, k) - shift_[k];
+      const DoubleDouble travel = travelled_on(k, time) - shift_[k];
       this->parameters_.travel[k] = from_double_double<Real>(travel);
       drive_.travel[k] = static_cast<double>(travel);
     }
@@ -122,12 +123,22 @@ class Driven : public Base {
 
   const Drive* drive() const override { return &drive_; }
 
+  std::vector<DoubleDouble> travelled(const DoubleDouble& time) const override {
+    std::vector<DoubleDouble> travel;
+    for (int k = 0; k < D; ++k) travel.push_back(travelled_on(k, time));
+    return travel;
+  }
+  void begin_at(const std::vector<DoubleDouble>& travel) override {
+    for (int k = 0; k < D; ++k) began_[k] = travel[static_cast<std::size_t>(k)];
+  }
+
   const Passing* waits_for() const override { return reverse_.when.empty() ? nullptr : &reverse_; }
   std::size_t control_count() const override { return waits_for() ? kTravel + 2 * D : 0; }
   void attach_control(double* control) override { control_ = control; }
   void start_control() override {
     if (control_ == nullptr) return;
     std::fill(control_, control_ + control_count(), 0.0);
+    for (int k = 0; k < D; ++k) keep_travel(k, began_[k]);
     control_[kSign] = 1.0;
     control_[kTimesLeft] = static_cast<double>(reverse_.times);
   }
@@ -135,11 +146,7 @@ class Driven : public Base {
 
   /// A new segment of its way: it starts here and now, backwards.
   void passed(const DoubleDouble& time) override {
-    for (int k = 0; k < D; ++k) {
-      const DoubleDouble travel = travelled(time, k);
-      control_[kTravel + 2 * k] = travel.hi;
-      control_[kTravel + 2 * k + 1] = travel.lo;
-    }
+    for (int k = 0; k < D; ++k) keep_travel(k, travelled_on(k, time));
     control_[kSince] = time.hi;
     control_[kSince + 1] = time.lo;
     control_[kSign] = -control_[kSign];
@@ -151,8 +158,16 @@ class Driven : public Base {
   /// how far the pulled end had come by then, high and low parts.
   enum { kSign, kTimesLeft, kSince, kTravel = kSince + 2 };
 
-  DoubleDouble travelled(const DoubleDouble& time, int k) const {
-    if (control_ == nullptr) return time * velocity_[k];
+  void keep_travel(int k, const DoubleDouble& travel) {
+    control_[kTravel + 2 * k] = travel.hi;
+    control_[kTravel + 2 * k + 1] = travel.lo;
+  }
+
+  DoubleDouble travelled_on(int k, const DoubleDouble& time) const {
+    if (control_ == nullptr) {
+      const DoubleDouble since_start = time * velocity_[k];
+      return began_[k] == DoubleDouble() ? since_start : began_[k] + since_start;
+    }
     const DoubleDouble since(control_[kSince], control_[kSince + 1]);
     const DoubleDouble before(control_[kTravel + 2 * k], control_[kTravel + 2 * k + 1]);
     return before + (time - since) * (control_[kSign] * velocity_[k]);
@@ -160,6 +175,7 @@ class Driven : public Base {
 
   std::vector<double> velocity_;  ///< as given
   Passing reverse_;
+  DoubleDouble began_[D];  ///< how far it had travelled at time 0
   double* control_ = nullptr;
   DoubleDouble shift_[D];
   Drive drive_;

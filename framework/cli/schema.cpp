@@ -356,6 +356,7 @@ Json sweep_schema() {
       sweep_layout(),
       {{"over", {{"type", "object"}, {"additionalProperties", sweep_values_schema()}}},
        {"zip", list_of({{"type", {"string", "array"}}, {"items", only("type", "string")}})},
+       {"continue_from_neighbour", only("type", "boolean")},
        {"observables", list_of(only("type", "string"))}});
 }
 

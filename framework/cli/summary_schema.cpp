@@ -145,6 +145,7 @@ std::string sweep_summary_schema() {
        {"axes", list_of_these(std::move(axis))},
        {"observables", list_of_these(all_of(
                            {{"path", text}, {"column", text}, {"unit", text}, {"meaning", text}}))},
+       {"continue_from_neighbour", {{"type", "boolean"}}},
        {"points", count},
        {"counts", std::move(counts)},
        {"warnings", list_of_these(all_of({{"code", {{"enum", warning_ids()}}},

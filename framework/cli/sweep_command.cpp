@@ -48,6 +48,7 @@ struct SweepArguments : SceneOptions {
   std::optional<std::string> folder;
   std::size_t threads = 0;  ///< 0: one for each processor
   std::optional<std::string> trace;
+  bool continues = false;
   std::optional<std::string> shard;
   bool dry_run = false;
   bool force = false;
@@ -72,21 +73,33 @@ Examples:
   tomlin sweep pt.toml --over v=1e-3,1e-2 --over run.integrator.dt=1e-2,5e-3 \
       --observable driver.mean_force.x --observable events.slips --threads 2
 
+With --continue-from-neighbour a point starts where the one before it along the last axis has ended,
+as in a measurement that goes up and down:
+
+  tomlin sweep pt.toml --over F=0.1,0.4,0.7,0.4,0.1 --continue-from-neighbour \
+      --observable tip.mean_velocity.x
+
+The first value of that axis starts from the scene's start, each next one with the positions,
+velocities and internal variables that the one before has ended with, and its drivers where they
+were, at the velocities that the scene now gives them. Time, window and integrals begin at 0, and
+reversals anew. A point whose neighbour has not finished is refused.
+
 A scene may have the same in a table, which these options replace:
 
   [sweep]
   over = { v = "1e-3:1e-1:21:log", "run.integrator.dt" = [1e-2, 5e-3] }
   observables = ["driver.mean_force.x"]
 
-A row has the bits of tomlin run with the same --set. A point that the scene refuses, or that fails,
-is a row with its reason. DIR then holds
+A row has the bits of tomlin run with the same --set, unless it continues from another one. A point
+that the scene refuses, or that fails, is a row with its reason. DIR then holds
   sweep.csv       a row for each point
   sweep.h5        the same as arrays over the axes, netCDF-4: xarray.open_dataset opens it
   sweep.json      axes, observables, counts, warnings
   scene.toml      the scene with all defaults and [sweep]
   sweep.journal   a record for each point that has ended
   sweep.points/   the results of tomlin run for the rows of --trace (0,5-7, or all); while the sweep
-                  goes on, checkpoints of points that take longer than [run] checkpoint_every
+                  goes on, checkpoints of points that take longer than [run] checkpoint_every, and
+                  ends of points that others continue from
 
 Several machines can share a sweep. --shard I/N, I from 1 to N, runs one of every N successive points
 in a folder of its own, and tomlin merge makes one sweep of the folders:
@@ -122,6 +135,8 @@ void add_options(CLI::App& parser, SweepArguments& arguments) {
       ->type_name("NAME,NAME")
       ->option_text("NAME,NAME ...")
       ->allow_extra_args(false);
+  parser.add_flag("--continue-from-neighbour", arguments.continues,
+                  "each point starts where the one before it along the last axis has ended");
   add_observable_option(parser, arguments.observables);
   add_output_option(parser, arguments.folder, "DIR",
                     "folder for the results; SCENE's stem + .sweep.out, or .sweep.I-of-N.out");
@@ -203,6 +218,7 @@ SweepSettings settings_of(const SceneDocument& document, const SweepArguments& a
       settings.zips.push_back({names_in(zip), Place{"--zip"}});
     }
   }
+  settings.continues = settings.continues || arguments.continues;
   if (!arguments.observables.empty()) {
     settings.observables = arguments.observables;
     settings.observables_place = Place{"--observable"};
@@ -252,7 +268,8 @@ std::vector<std::size_t> rows_in(const std::string& text, std::size_t points,
 }
 
 /// "2/10": the second of ten parts. Adds a fault for anything else.
-std::optional<SweepPart> shard_of(const std::string& text, std::vector<Fault>& faults) {
+std::optional<SweepPart> shard_of(const std::string& text, const SweepPlan& plan,
+                                  std::vector<Fault>& faults) {
   const auto number = [](std::string_view digits) {
     std::size_t value = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
@@ -263,7 +280,7 @@ std::optional<SweepPart> shard_of(const std::string& text, std::vector<Fault>& f
   const std::size_t slash = std::min(view.find('/'), view.size());
   const std::size_t shard = number(view.substr(0, slash));
   const std::size_t shards = number(view.substr(std::min(slash + 1, view.size())));
-  if (shard >= 1 && shard <= shards) return SweepPart{shard - 1, shards};
+  if (shard >= 1 && shard <= shards) return SweepPart{shard - 1, shards, plan.line()};
   faults.emplace_back(
       FaultCode::command_invalid_value, Place{"--shard"}, shortened(text, kLongestShownValue), "",
       "not one of several parts",
@@ -289,7 +306,12 @@ struct RequestedSweep {
         plan(plan_of(std::move(document), registry, arguments)) {
     std::vector<Fault> faults;
     if (arguments.trace) traced = rows_in(*arguments.trace, plan.points(), faults);
-    if (arguments.shard) shard = shard_of(*arguments.shard, faults);
+    if (arguments.shard) shard = shard_of(*arguments.shard, plan, faults);
+    if (arguments.trace && plan.line() > 1) {
+      faults.emplace_back(FaultCode::command_conflict, Place{"--trace"}, "", "",
+                          "a point that continues from its neighbour is no run of its own",
+                          "no --continue-from-neighbour beside it");
+    }
     if (!faults.empty()) throw InputError(std::move(faults));
     part = shard.value_or(SweepPart{});
     std::erase_if(traced, [this](std::size_t point) { return !part.has(point); });

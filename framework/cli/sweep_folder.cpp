@@ -7,6 +7,7 @@
 #include "framework/core/text/fault.hpp"
 #include "framework/output/output_file.hpp"
 #include "framework/output/record.hpp"
+#include "framework/study/sweep/line_end.hpp"
 
 namespace tomlin {
 namespace fs = std::filesystem;
@@ -67,11 +68,13 @@ void remove_points(const fs::path& folder) {
   std::vector<fs::path> entries;
   for (const auto& entry : fs::directory_iterator(folder, error)) entries.push_back(entry.path());
   for (const fs::path& entry : entries) {
-    // K/ and K.store, and what a kill has left of the latter.
+    // K/, K.store and K.line, and what a kill has left of the latter two.
     const std::string name = entry.filename().string();
     const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
     const std::string rest = digits == 0 ? "-" : name.substr(digits);
-    if (rest == ".store" || rest == unfinished(".store")) fs::remove(entry, error);
+    for (const char* suffix : {".store", kLineEndSuffix}) {
+      if (rest == suffix || rest == unfinished(suffix)) fs::remove(entry, error);
+    }
     if (!rest.empty() || !fs::is_directory(fs::symlink_status(entry, error))) continue;
     for (const char* file : kFilesOfARun) fs::remove(entry / file, error);
     fs::remove(entry, error);

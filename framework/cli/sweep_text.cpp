@@ -66,6 +66,13 @@ std::string result_row(const char* name, const std::string& text) {
   return fmt::format("  {:<12} {}\n", name, text);
 }
 
+/// Along which axis, where points continue.
+std::string continued_text(const SweepPlan& plan) {
+  if (plan.line() == 1) return "";
+  return fmt::format("; each point from the end of the one before along {}",
+                     plan.axes()[plan.dimensions().back().axes.front()].name);
+}
+
 std::string shard_row(const SweepPlan& plan, const std::optional<SweepPart>& shard) {
   if (!shard) return "";
   return result_row("shard", fmt::format("{} of {}: {} of these points", shard->index + 1,
@@ -74,7 +81,8 @@ std::string shard_row(const SweepPlan& plan, const std::optional<SweepPart>& sha
 
 std::string axes_and_observables(const SweepPlan& plan, const std::optional<SweepPart>& shard) {
   return result_row("points", shape_text(plan)) + shard_row(plan, shard) +
-         result_row("over", some_of(plan.axes(), [](const SweepAxis& axis) { return axis.name; })) +
+         result_row("over", some_of(plan.axes(), [](const SweepAxis& axis) { return axis.name; }) +
+                                continued_text(plan)) +
          result_row("observables", some_of(plan.observables(),
                                            [](const SweepObservable& one) { return one.name; }));
 }
@@ -214,6 +222,7 @@ std::string sweep_json(const SweepPlan& plan, const SweepProgress& progress,
     json["observables"].push_back(
         {{"path", one.path}, {"column", one.name}, {"unit", one.unit}, {"meaning", one.meaning}});
   }
+  json["continue_from_neighbour"] = plan.line() > 1;
   json["points"] = plan.points();
   if (shard) {
     json["shard"] = {
@@ -284,9 +293,10 @@ std::string sweep_plan_text(const SweepPlan& plan, std::size_t threads,
         continue;
       }
       // One point takes as long as it does, however many threads there are.
-      const std::size_t at_once = std::min(threads, points);
-      const std::size_t rounds = (points + at_once - 1) / at_once;
-      const double all = explanation.cost->seconds * static_cast<double>(rounds);
+      const std::size_t lines = points / plan.line();
+      const std::size_t at_once = std::min(threads, lines);
+      const std::size_t rounds = (lines + at_once - 1) / at_once;
+      const double all = explanation.cost->seconds * static_cast<double>(rounds * plan.line());
       text += result_row(
           "cost", fmt::format("about {:.3g} s for {} point, {} for all one by one in {} threads",
                               explanation.cost->seconds, point == first ? "the first" : "the last",

@@ -6,6 +6,7 @@
 
 #include "framework/core/numbers/random.hpp"
 #include "framework/core/numbers/sum.hpp"
+#include "framework/core/records/pulled_end.hpp"
 
 namespace tomlin {
 
@@ -15,8 +16,13 @@ namespace {
 template <class Real>
 class BodyStart {
  public:
-  BodyStart(const AssemblyPlan& plan, const Perturbation* noise, Real* position, Real* velocity)
-      : plan_(plan), noise_(noise), position_(position), velocity_(velocity) {}
+  BodyStart(const AssemblyPlan& plan, const Perturbation* noise, Real* position, Real* velocity,
+            const FinalState* from, const Origin& origin)
+      : plan_(plan), noise_(noise), position_(position), velocity_(velocity), from_(from) {
+    for (int d = 0; from != nullptr && d < plan.dimension(); ++d) {
+      shift_[d] = absolute_place(from->origin, d, 0.0) - absolute_place(origin, d, 0.0);
+    }
+  }
 
   /// What is written from here on is of this body.
   void take(const AssembledBody<Real>& body) {
@@ -47,8 +53,7 @@ class BodyStart {
       InterleavedSum<Real> mean;
       for (std::size_t i = 0; i < slot.count; ++i) mean.add(i, slot.share[i] * Real(speed(i, d)));
       const std::size_t at = slot.centre + d;
-      position_[at] = Real(body_->bound.start_centre[d]);
-      velocity_[at] = mean.total();
+      put(at, d, Real(body_->bound.start_centre[d]), mean.total());
       if (perturbed_ && !body_->held[d]) position_[at] = position_[at] + jitter(kCoordinate, d);
     }
     if (plan_.dimension() != 2) return;
@@ -59,8 +64,11 @@ class BodyStart {
     }
     const std::size_t at = slot.centre + kRotation;
     const bool spins = body_->inertia > 0.0 && !body_->rotation_held;
-    position_[at] = perturbed_ && turns ? jitter(kCoordinate, kRotation) / tau<Real>() : Real(0.0);
-    velocity_[at] = spins ? Real(spin.total()) / (tau<Real>() * Real(body_->inertia)) : Real(0.0);
+    put(at, kRotation, Real(0.0),
+        spins ? Real(spin.total()) / (tau<Real>() * Real(body_->inertia)) : Real(0.0));
+    if (perturbed_ && turns) {
+      position_[at] = position_[at] + jitter(kCoordinate, kRotation) / tau<Real>();
+    }
   }
 
   void write_particles() const {
@@ -68,8 +76,7 @@ class BodyStart {
     for (std::size_t i = 0; i < slot.count; ++i) {
       for (int d = 0; d < plan_.dimension(); ++d) {
         const std::size_t at = slot.offset + d * slot.stride + i;
-        position_[at] = Real(body_->bound.start[i][d]);
-        velocity_[at] = Real(speed(i, d));
+        put(at, d, Real(body_->bound.start[i][d]), Real(speed(i, d)));
         if (perturbed_ && !body_->held[d]) {
           position_[at] = position_[at] + jitter(kCoordinate, i * plan_.dimension() + d);
         }
@@ -79,6 +86,17 @@ class BodyStart {
 
  private:
   enum Kind : std::uint64_t { kCoordinate, kShape };
+
+  /// The scene's numbers, unless there are others. A rotation is not relative to an origin.
+  void put(std::size_t at, int d, Real position, Real velocity) const {
+    position_[at] = position;
+    velocity_[at] = velocity;
+    if (from_ == nullptr) return;
+    const bool turns = body_->bound.slot.rigid && d == kRotation && plan_.dimension() == 2;
+    position_[at] =
+        static_cast<Real>(turns ? from_->position[at] : from_->position[at] + shift_[d]);
+    velocity_[at] = static_cast<Real>(from_->velocity[at]);
+  }
 
   Real jitter(Kind kind, std::uint64_t k) const {
     return Real(noise_->size * uniform_symmetric({noise_->seed, noise_->stream},
@@ -95,6 +113,8 @@ class BodyStart {
   const Perturbation* noise_;
   Real* position_;
   Real* velocity_;
+  const FinalState* from_;
+  std::array<Quad, 3> shift_{};  ///< between the origins
   const AssembledBody<Real>* body_ = nullptr;
   const PerParticleVector* given_ = nullptr;
   bool perturbed_ = false;
@@ -164,8 +184,8 @@ void Assembly<Real>::assign_rates() {
 
 template <class Real>
 void Assembly<Real>::start(Real* position, Real* velocity, Real* integrals,
-                           const Perturbation* noise) {
-  BodyStart<Real> start(plan_, noise, position, velocity);
+                           const Perturbation* noise, const FinalState* from) {
+  BodyStart<Real> start(plan_, noise, position, velocity, from, origin_);
   auto reference = bodies_.reference.begin();
   for (const Body& body : bodies()) {
     const BodySlot<Real>& slot = body.bound.slot;
@@ -180,6 +200,61 @@ void Assembly<Real>::start(Real* position, Real* velocity, Real* integrals,
   for (std::size_t k = 0; k < system_.view.rates; ++k) integrals[k] = Real(0.0);
   for (const Force& force : forces()) {
     if (force.bound->own_count() > 0) force.bound->start_own(integrals);
+  }
+  if (from != nullptr) start_supports(*from, integrals);
+}
+
+template <class Real>
+void Assembly<Real>::start_supports(const FinalState& from, Real* own) {
+  for (std::size_t k = 0; k < from.own.size(); ++k) own[k] = static_cast<Real>(from.own[k]);
+  for (const Force& force : forces()) {
+    auto* const end = dynamic_cast<PulledEnd*>(force.bound.get());
+    const FinalState::Support* const support = from.support(force.name);
+    if (end == nullptr || support == nullptr) continue;
+    std::vector<DoubleDouble> travel;
+    for (int d = 0; d < dimension(); ++d) {
+      const Quad start = absolute_place(plan_.origin, d, force.drive()->start[d]);
+      travel.push_back(to_double_double(support->place[d] - start));
+    }
+    end->begin_at(travel);
+  }
+  for (const Body& body : bodies()) {
+    const FinalState::Support* const support = from.support(body.bound.name);
+    if (body.prescribed() && support) prescribed_.begin_at(body, support->place, origin_, own);
+  }
+}
+
+template <class Real>
+void Assembly<Real>::write_numbers(FinalState& state) const {
+  const SystemView<Real>& view = system_.view;
+  const auto write = [](const Real* x, const Real* rest, std::size_t count, std::vector<Quad>& to) {
+    to.assign(count, Quad(0.0));
+    for (std::size_t i = 0; i < count; ++i) {
+      to[i] = Quad(x[i]) + (rest == nullptr ? Quad(0.0) : Quad(rest[i]));
+    }
+  };
+  write(view.position, view.position_rest, view.dofs, state.position);
+  write(view.velocity, view.velocity_rest, view.dofs, state.velocity);
+  write(view.integrals, view.integrals_rest, view.own_count, state.own);
+}
+
+template <class Real>
+void Assembly<Real>::write_supports(const DoubleDouble& time, FinalState& state) const {
+  for (const Force& force : forces()) {
+    const auto* const end = dynamic_cast<const PulledEnd*>(force.bound.get());
+    if (end == nullptr) continue;
+    FinalState::Support& support = state.supports.emplace_back();
+    support.name = force.name;
+    const std::vector<DoubleDouble> travel = end->travelled(time);
+    for (int d = 0; d < dimension(); ++d) {
+      support.place.push_back(absolute_place(plan_.origin, d, force.drive()->start[d]) +
+                              to_quad(travel[d]));
+    }
+  }
+  for (const Body& body : bodies()) {
+    if (!body.prescribed()) continue;
+    state.supports.push_back(
+        {body.bound.name, prescribed_.place_of(body, time, origin_, state.own)});
   }
 }
 

@@ -11,6 +11,7 @@
 #include "framework/model/assembly_plan.hpp"
 #include "framework/model/coordinate_arrays.hpp"
 #include "framework/model/evaluation.hpp"
+#include "framework/model/final_state.hpp"
 #include "framework/model/friction_matrix.hpp"
 #include "framework/model/prescribed_bodies.hpp"
 
@@ -47,8 +48,14 @@ class Assembly {
   /// Where all operators' heat stands among the integrals, with the ledger.
   std::ptrdiff_t friction_rate() const { return friction_.rate; }
 
-  /// Fill these with the scene's start; cells of the origin stay as they are.
-  void start(Real* position, Real* velocity, Real* integrals, const Perturbation* noise);
+  /// Fill these with the scene's start, or where another run has ended; cells of the origin stay as
+  /// they are.
+  void start(Real* position, Real* velocity, Real* integrals, const Perturbation* noise,
+             const FinalState* from = nullptr);
+  /// The numbers of the present state.
+  void write_numbers(FinalState& state) const;
+  /// Where drivers are, for the numbers that have been written.
+  void write_supports(const DoubleDouble& time, FinalState& state) const;
   void declare_controls(StateLayout& layout) const { forces_.declare_controls(layout); }
   void attach_controls(RunState& state) { forces_.attach_controls(state); }
   void start_controls() { forces_.start_controls(); }
@@ -61,6 +68,7 @@ class Assembly {
 
  private:
   void assign_rates();
+  void start_supports(const FinalState& from, Real* own);
 
   // Each is laid over those before it; kernels hold pointers into them.
   AssemblyPlan plan_;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/records/pulled_end.hpp"
 #include "framework/model/plugin_code.hpp"
 #include "framework/model/scheme_checks.hpp"
 
@@ -37,6 +38,14 @@ BodyGeometry build(const SceneBody& body, int dimension) {
     for (std::size_t d = 0; d < axes; ++d) geometry.relative[i][d] += by.components[d];
   }
   return geometry;
+}
+
+/// The cells of an origin that is where a run has left its own, or less than a cell before it.
+std::int64_t cells_near(const FinalState& from, const Origin& origin, int axis) {
+  const double unit = origin.unit[axis];
+  if (unit == from.origin.unit[axis] || !(unit > 0.0)) return from.origin.cells[axis];
+  return static_cast<std::int64_t>(
+      static_cast<double>(absolute_place(from.origin, axis, 0.0) / Quad(unit)));
 }
 
 }  // namespace
@@ -175,20 +184,69 @@ void Model::attach(RunState& state) {
   if (follower_) follower_->rebase(origin_);
 }
 
-void Model::start(const Perturbation* noise) {
+void Model::start(const Perturbation* noise, const FinalState* from) {
   const SystemView<double>& view = system().view;
-  assembly_.start(view.position, view.velocity, view.integrals, noise);
-  assembly_.start_controls();
-  for (int d = 0; d < dimension(); ++d) cells_[d] = origin_.cells[d] = plan_.origin.cells[d];
+  if (from != nullptr) require_same_parts(*from);
+  for (int d = 0; d < dimension(); ++d) {
+    cells_[d] = from == nullptr ? plan_.origin.cells[d] : cells_near(*from, origin_, d);
+    origin_.cells[d] = cells_[d];
+  }
   place_origin();
   assembly_.rebase(origin_);
+  assembly_.start(view.position, view.velocity, view.integrals, noise, from);
+  assembly_.start_controls();
   if (follower_) {
-    follower_->start(noise);
     follower_->rebase(origin_);
+    follower_->start(noise, from);
   }
   if (view.inertial) return;
   evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates_.data());
   drift_velocity(view.velocity);
+}
+
+/// Of coordinates and internal variables, in their order.
+std::vector<std::string> Model::structure() const {
+  std::vector<std::string> parts = {fmt::format("{} dimensions", dimension())};
+  for (const Body& body : bodies()) {
+    parts.push_back(fmt::format("body {}: {} particles, {}", body.bound.name, body.bound.slot.count,
+                                to_string(body.bound.coordinates)));
+  }
+  parts.push_back(
+      fmt::format("{} numbers of prescribed motions", assembly_.prescribed().own_count()));
+  for (const Force& force : forces()) {
+    if (force.bound->own_count() == 0) continue;
+    parts.push_back(
+        fmt::format("force {}: {} internal variables", force.name, force.bound->own_count()));
+  }
+  return parts;
+}
+
+void Model::require_same_parts(const FinalState& from) const {
+  const auto refuse = [this](const std::string& key, std::string why) {
+    throw InputError({Fault(FaultCode::component_unsuitable, {scene_->file}, key, "",
+                            "cannot start where another run has ended: " + std::move(why))});
+  };
+  const std::vector<std::string> own = structure();
+  for (std::size_t k = 0; k < std::max(own.size(), from.structure.size()); ++k) {
+    const std::string mine = k < own.size() ? own[k] : "nothing more";
+    const std::string other = k < from.structure.size() ? from.structure[k] : "nothing more";
+    if (mine != other) refuse("", fmt::format("that had {}, and this has {}", other, mine));
+  }
+  for (const Force& force : forces()) {
+    if (force.drive() == nullptr || !force.bound->depends_on_time()) continue;
+    if (dynamic_cast<const PulledEnd*>(force.bound.get()) != nullptr) continue;
+    refuse("force." + force.name, "this driver follows from the time, which counts from 0 again");
+  }
+}
+
+FinalState Model::final_state(const DoubleDouble& time) const {
+  FinalState state;
+  state.structure = structure();
+  state.origin = origin_;
+  assembly_.write_numbers(state);
+  if (follower_) follower_->write_numbers(state);
+  assembly_.write_supports(time, state);
+  return state;
 }
 
 void Model::drift_velocity(double* velocity) const {

@@ -31,7 +31,8 @@ class ModelFollower {
   virtual void rebase(const Origin& origin) = 0;
   /// The state follows an origin that has moved by so many cells; the model's own has done so.
   virtual void shift_by(const std::array<std::int64_t, 3>& cells) = 0;
-  virtual void start(const Perturbation* noise) = 0;
+  virtual void start(const Perturbation* noise, const FinalState* from) = 0;
+  virtual void write_numbers(FinalState& state) const = 0;
 
  protected:
   ModelFollower() = default;
@@ -73,8 +74,11 @@ class Model {
   void declare(StateLayout& layout) const;
   /// Work on this state from now on, as it is.
   void attach(RunState& state);
-  /// Fill the attached state with the scene's start, disturbed when there is noise.
-  void start(const Perturbation* noise = nullptr);
+  /// Fill the attached state with the scene's start, or where another run has ended, disturbed when
+  /// there is noise. Throws InputError where that was of a scene that has not the same parts.
+  void start(const Perturbation* noise = nullptr, const FinalState* from = nullptr);
+  /// The attached state at this time, for another run to start from.
+  FinalState final_state(const DoubleDouble& time) const;
 
   /// Move the origin when everything has moved by a cell or more. Cheap when nothing has. True when
   /// it did.
@@ -157,6 +161,8 @@ class Model {
 
  private:
   Stiffness stiffness_at(double time, bool without_bonds);
+  std::vector<std::string> structure() const;
+  void require_same_parts(const FinalState& from) const;
   static AssemblyPlan plan_for(const Scene& scene, InstructionSet set);
   void build_tangent();
   static void begin_step(void* model, double time_high, double time_low);

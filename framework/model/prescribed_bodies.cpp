@@ -10,7 +10,7 @@ namespace tomlin {
 
 template <class Real>
 PrescribedBodies<Real>::PrescribedBodies(const AssemblyPlan& plan, AssembledBodies<Real>& bodies)
-    : first_cells_(plan.origin.cells) {
+    : first_origin_(plan.origin) {
   for (AssembledBody<Real>& body : bodies.all) {
     if (!body.prescribed()) continue;
     body.steering = steering_.size();
@@ -132,17 +132,49 @@ void PrescribedBodies<Real>::begin_step(const DoubleDouble& time, const Origin& 
     steering.anchor = time;
     for (int d = 0; d < 4; ++d) {
       if (!steering.has(d) || steering.own[d] >= 0) continue;
-      const double constant = steering.function(d).constant;
       if (d == 3) {
-        steering.travel[d] = from_double_double<Real>(time * constant) / tau<Real>();
+        steering.travel[d] = from_double_double<Real>(steering.travelled(d, time)) / tau<Real>();
         continue;
       }
-      const double moved = static_cast<double>(origin.cells[d] - first_cells_[d]);
-      const DoubleDouble travel = time * constant - DoubleDouble(moved) * origin.unit[d];
+      const double moved = static_cast<double>(origin.cells[d] - first_origin_.cells[d]);
+      const DoubleDouble travel =
+          steering.travelled(d, time) - DoubleDouble(moved) * origin.unit[d];
       steering.travel[d] = from_double_double<Real>(travel);
       drives_[k].travel[d] = static_cast<double>(travel);
     }
   }
+}
+
+template <class Real>
+std::vector<Quad> PrescribedBodies<Real>::place_of(const AssembledBody<Real>& body,
+                                                   const DoubleDouble& time, const Origin& origin,
+                                                   const std::vector<Quad>& own) const {
+  const Steering& steering = steering_[body.steering];
+  std::vector<Quad> place;
+  for (int d = 0; d < steering.axes; ++d) {
+    const Quad start = body.bound.start_centre[d];
+    place.push_back(steering.own[d] < 0 ? absolute_place(first_origin_, d, start) +
+                                              to_quad(steering.travelled(d, time))
+                                        : absolute_place(origin, d, start + own[steering.own[d]]));
+  }
+  if (steering.planar) place.push_back(to_quad(steering.travelled(3, time)));
+  return place;
+}
+
+template <class Real>
+void PrescribedBodies<Real>::begin_at(const AssembledBody<Real>& body,
+                                      const std::vector<Quad>& place, const Origin& origin,
+                                      Real* own) {
+  Steering& steering = steering_[body.steering];
+  for (int d = 0; d < steering.axes; ++d) {
+    const Quad start = body.bound.start_centre[d];
+    if (steering.own[d] < 0) {
+      steering.began[d] = to_double_double(place[d] - absolute_place(first_origin_, d, start));
+    } else {
+      own[steering.own[d]] = static_cast<Real>(place[d] - absolute_place(origin, d, start));
+    }
+  }
+  if (steering.planar) steering.began[3] = to_double_double(place.back());
 }
 
 template <class Real>

@@ -9,6 +9,7 @@
 
 #include "framework/core/records/bound_force.hpp"
 #include "framework/model/assembled_bodies.hpp"
+#include "framework/model/final_state.hpp"
 
 namespace tomlin {
 
@@ -44,6 +45,14 @@ class PrescribedBodies {
   /// The kernel that adds what accelerates a body to the force on it, if anything does.
   void add_inertia(std::size_t body, std::vector<Operation<Real>>& operations) const;
 
+  /// Where a body has come to, in the scene's own coordinates, with this origin and these internal
+  /// variables; a planar one's rotation after it, in rad.
+  std::vector<Quad> place_of(const AssembledBody<Real>& body, const DoubleDouble& time,
+                             const Origin& origin, const std::vector<Quad>& own) const;
+  /// It starts there, at time 0, and not where the scene says. Writes its internal variables.
+  void begin_at(const AssembledBody<Real>& body, const std::vector<Quad>& place,
+                const Origin& origin, Real* own);
+
   /// Stages count their time from here on, and places from this origin.
   void begin_step(const DoubleDouble& time, const Origin& origin);
 
@@ -60,9 +69,10 @@ class PrescribedBodies {
     const Motion* motion = nullptr;
     int axes = 0;
     bool planar = false;
-    Real start[3] = {};   ///< of the centre, relative to the present origin
-    Real speed[4] = {};   ///< x, y, z, turns: where they do not change
-    Real travel[4] = {};  ///< since the start, at the anchor
+    Real start[3] = {};     ///< of the centre, relative to the present origin
+    Real speed[4] = {};     ///< x, y, z, turns: where they do not change
+    Real travel[4] = {};    ///< since the start, at the anchor
+    DoubleDouble began[4];  ///< how far it had travelled at time 0; of a rotation in rad
     std::ptrdiff_t own[4] = {-1, -1, -1, -1};
     DoubleDouble anchor;
     Real coordinates[3] = {};  ///< as a rigid body's: in the plane x, y, turns
@@ -71,6 +81,11 @@ class PrescribedBodies {
     bool has(int k) const { return k < 3 ? k < axes : planar; }
     const TimeFunction& function(int k) const {
       return k < 3 ? motion->velocity[k] : motion->angular_velocity;
+    }
+    /// Where the velocity is constant.
+    DoubleDouble travelled(int k, const DoubleDouble& time) const {
+      const DoubleDouble since_start = time * function(k).constant;
+      return began[k] == DoubleDouble() ? since_start : began[k] + since_start;
     }
   };
   /// What accelerates a body, besides what the forces on it take: m dv/dt and the power of that and
@@ -88,7 +103,7 @@ class PrescribedBodies {
   static void steer(const void* arguments, const Stage<Real>& stage);
   static void accelerate(const void* arguments, const Stage<Real>& stage);
 
-  std::array<std::int64_t, 3> first_cells_;  ///< of the origin, at time 0
+  Origin first_origin_;  ///< which starts are relative to
   std::size_t own_count_ = 0;
   std::deque<Steering> steering_;
   std::deque<Steered> steered_;

@@ -80,6 +80,7 @@ std::optional<Warning> doubt_of_balance(const SampledWork& found, bool sampled) 
 EnergyBalance::EnergyBalance(const std::shared_ptr<const Scene>& scene, const RunOptions& options)
     : scene_(scene) {
   options_.instruction_set = options.instruction_set;
+  options_.start_from = options.start_from;
   options_.watches_energy = false;
   options_.checks_step = false;               // the run's own is checked
   options_.observables = {"energy.work_in"};  // it looks at steps for nothing else

@@ -97,7 +97,7 @@ Engine::Parts::Parts(const std::shared_ptr<const Scene>& scene, const RunOptions
 /// From the scene's start, or a checkpoint, to just before the first step.
 void Engine::Parts::begin() {
   const std::optional<Perturbation>& noise = run.options.perturbation;
-  run.model.start(noise ? &*noise : nullptr);
+  run.model.start(noise ? &*noise : nullptr, run.options.start_from);
   if (noise && run.path != nullptr) run.path->disturb(noise->size, noise->seed, noise->stream);
   housekeeping.start();
   StartFindings findings = check_start(run.model, run.plan, run.options.checks_step);
@@ -156,6 +156,8 @@ void Engine::Parts::declare_state() {
   triggers.declare(layout);
   housekeeping.declare(layout);
   if (until) until->declare(layout);
+  // Its checkpoints are of no use to a run from the scene's start.
+  if (run.options.start_from != nullptr) layout.add_integers("started_elsewhere", 1);
   if (balance) {
     layout.add_reals("energy_balance", EnergyBalance::reals());
     layout.add_integers("energy_balance", EnergyBalance::integers());
@@ -393,6 +395,7 @@ std::optional<SampledWork> Engine::sampled_work() const {
   return parts_->balance ? parts_->balance->found() : std::nullopt;
 }
 RunLayout Engine::layout() const { return parts_->observation.samples().layout(); }
+FinalState Engine::final_state() { return parts_->run.model.final_state(parts_->run.clock.now()); }
 const std::optional<PluginError>& Engine::thrown() const { return parts_->run.outcome.thrown; }
 void Engine::resume(const std::vector<std::byte>& numbers) { parts_->resume(numbers); }
 void Engine::take_up(RunState& other) { parts_->take_up(other); }

@@ -38,6 +38,8 @@ class Engine {
   std::optional<SampledWork> sampled_work() const;
   /// What a sink that wants samples gets.
   RunLayout layout() const;
+  /// Of a run that has finished, for another to start from.
+  FinalState final_state();
   /// What the code of a plugin has thrown, if it has.
   const std::optional<PluginError>& thrown() const;
 

@@ -84,10 +84,12 @@ class MirroredIntegrator : public Integrator<double>, public ModelFollower {
   std::uint64_t evaluations_ahead() const override { return scheme_->evaluations_ahead(); }
   std::uint64_t refused_steps() const override { return scheme_->refused_steps(); }
 
-  void start(const Perturbation* noise) override {
+  void start(const Perturbation* noise, const FinalState* from) override {
     SystemView<Real>& view = assembly_.system().view;
-    assembly_.start(view.position, view.velocity, view.integrals, noise);
+    assembly_.start(view.position, view.velocity, view.integrals, noise, from);
   }
+
+  void write_numbers(FinalState& state) const override { assembly_.write_numbers(state); }
 
   void begin_step(const DoubleDouble& time) override { assembly_.begin_step(time); }
 

@@ -68,6 +68,9 @@ std::string to_string(const RunFailure& failure) {
 RunResult run_as_bound(const std::shared_ptr<const Scene>& scene, const RunOptions& options) {
   Engine engine(scene, options);
   RunResult result = engine.run();
+  if (options.final_state != nullptr && result.status == RunStatus::finished) {
+    *options.final_state = engine.final_state();
+  }
   if (scene->run.perturb) determine(scene, options, result);
   return result;
 }

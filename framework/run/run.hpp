@@ -245,6 +245,11 @@ struct RunOptions {
   std::vector<std::string> observables = {};
   bool all_observables = false;              ///< whatever was asked for
   std::optional<Perturbation> perturbation;  ///< noise on the start; see also `[run] perturb`
+  /// Where to start in place of the scene's start: where another run has ended. Time and integrals
+  /// count from 0. Throws InputError where that was of a scene that has not the same parts. A run
+  /// that resumes is given the same.
+  const FinalState* start_from = nullptr;
+  FinalState* final_state = nullptr;  ///< filled where the run finishes
   /// The bytes of a checkpoint of the same scene: go on from there. Throws std::invalid_argument
   /// when they are not.
   const std::vector<std::byte>* resume_from = nullptr;

@@ -29,6 +29,7 @@ RunResult side_run(const std::shared_ptr<const Scene>& scene, RunOptions options
                    const std::string& name) {
   options.sink = nullptr;
   options.resume_from = nullptr;
+  options.final_state = nullptr;
   options.watches_energy = false;
   if (options.store == nullptr) return Engine(scene, options).run();
   Checkpoints checkpoints(*options.store, name);

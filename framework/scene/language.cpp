@@ -268,6 +268,8 @@ TableLayout sweep_layout() {
        "{ v = \"1e-4:1e-1:31:log\", k = [1.0, 2.0] }"},
       {"zip",
        "names of `over` that make up one axis together: [\"k\", \"v\"], or a list of such lists"},
+      {"continue_from_neighbour",
+       "a point starts where the one before it along the last axis has ended; false by default"},
       {"observables", "what is kept of each run: dotted paths as in summary.json"},
   };
   return layout;

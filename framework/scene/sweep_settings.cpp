@@ -286,6 +286,14 @@ class SweepReader {
         read_over(entry.value, "");
       } else if (entry.key == "zip") {
         read_zips(entry.value);
+      } else if (entry.key == "continue_from_neighbour") {
+        const bool* value = entry.value.as<bool>();
+        if (value != nullptr) {
+          settings_.continues = *value;
+        } else {
+          complain(entry.value, FaultCode::scene_wrong_type, "sweep.continue_from_neighbour",
+                   "found " + kind_of(entry.value), "true or false");
+        }
       } else if (entry.key == "observables") {
         settings_.observables = words(entry.value, "sweep.observables");
         settings_.observables_place = source_.place(entry.value.where);

@@ -73,6 +73,7 @@ struct SweepSettings {
   std::vector<SweepAxis> over;      ///< the first one outermost
   std::vector<std::string> unread;  ///< axes that are left out: their values are wrong
   std::vector<SweepZip> zips;
+  bool continues = false;  ///< a point starts where the one before it along the last axis has ended
   std::vector<std::string> observables;
   Place observables_place;
 };

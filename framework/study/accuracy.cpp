@@ -234,6 +234,7 @@ void estimate_errors(const ChosenIntegrator& chosen, const RunOptions& options, 
   for (const Companion& companion : chosen.companions) {
     TrialLimits limits;
     limits.stop = options.stop;
+    limits.start_from = options.start_from;
     limits.store = options.store;
     limits.all_observables = true;
     limits.name = finished.empty() ? "companion" : "second_companion";

@@ -89,6 +89,7 @@ TrialRun try_run(const std::shared_ptr<const Scene>& scene, const TrialLimits& l
     options.stop = &watchdog.stop();
     options.most_cost = limits.cost;
     options.perturbation = limits.perturbation;
+    options.start_from = limits.start_from;
     options.observables = limits.observables;
     options.all_observables = limits.all_observables;
     options.store = limits.store;

@@ -18,7 +18,8 @@ struct TrialLimits {
   std::uint64_t cost = std::numeric_limits<std::uint64_t>::max();
   const std::atomic<bool>* stop = nullptr;        ///< set by a signal
   std::optional<Perturbation> perturbation = {};  ///< noise on the start
-  std::vector<std::string> observables = {};      ///< see RunOptions
+  const FinalState* start_from = nullptr;         ///< see RunOptions
+  std::vector<std::string> observables = {};      ///< likewise
   bool all_observables = false;                   ///< likewise
   RunStore* store = nullptr;                      ///< where it keeps its checkpoints, if anywhere,
   std::string name = {};                          ///< and under which name

@@ -28,12 +28,17 @@ constexpr double kMostInAdvance = 256;
 /// The server's queue.
 class SweepClient::Queue : public PointQueue {
  public:
-  explicit Queue(SweepClient& client) : client_(client) {}
+  /// Of a plan with lines of so many points.
+  Queue(SweepClient& client, std::size_t line) : client_(client), line_(line) {}
 
   std::vector<std::size_t> take(std::size_t most) override {
     const std::lock_guard lock(client_.mutex_);
     if (ready_.empty() && !is_empty_) fetch(most);
-    const std::size_t count = std::min(most, ready_.size());
+    std::size_t count = std::min(most, ready_.size());
+    while (count > 0 && count < ready_.size() &&
+           ready_[count] / line_ == ready_[count - 1] / line_) {
+      ++count;
+    }
     std::vector<std::size_t> taken(ready_.begin(), ready_.begin() + static_cast<int>(count));
     ready_.erase(ready_.begin(), ready_.begin() + static_cast<int>(count));
     return taken;
@@ -55,6 +60,7 @@ class SweepClient::Queue : public PointQueue {
   }
 
   SweepClient& client_;
+  std::size_t line_;
   std::deque<std::size_t> ready_;
   bool is_empty_ = false;  ///< the server has no more
   std::size_t fetched_ = 0;
@@ -126,7 +132,7 @@ void SweepClient::run(const SweepPlan& plan, SweepOptions options,
     say_farewell(farewell);
     return;
   }
-  Queue queue(*this);
+  Queue queue(*this, plan.line());
   Rows rows(*this);
   options.queue = &queue;
   options.stop = &stop_;

@@ -7,16 +7,22 @@ namespace tomlin {
 /// Some of the points of a sweep; by default all. Of every `of` successive points each part has
 /// one, so that expensive points, which are neighbours as a rule, are spread over the parts; it is
 /// another one each time, since in a grid every so many points have the same value of an axis.
+/// Where points continue from their neighbour, whole lines take the place of points.
 struct SweepPart {
   std::size_t index = 0;  ///< 0 to of - 1
   std::size_t of = 1;     ///< parts
+  std::size_t line = 1;   ///< points that stay together, see SweepPlan
 
-  bool has(std::size_t point) const { return (point + point / of) % of == index; }
+  bool has(std::size_t point) const {
+    const std::size_t k = point / line;
+    return (k + k / of) % of == index;
+  }
   /// How many of so many points belong to it.
   std::size_t size(std::size_t points) const {
-    const std::size_t whole = points / of;
+    const std::size_t lines = points / line;
+    const std::size_t whole = lines / of;
     const std::size_t at = (index + of - whole % of) % of;  // among the last ones
-    return whole + (at < points % of ? 1 : 0);
+    return (whole + (at < lines % of ? 1 : 0)) * line;
   }
 };
 

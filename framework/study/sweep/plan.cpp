@@ -281,6 +281,7 @@ std::string SweepPlan::scene_text() const {
     }
     text += fmt::format("zip = [{}]\n", fmt::join(groups, ", "));
   }
+  if (sweep_.continues) text += "continue_from_neighbour = true\n";
   text += "\n[sweep.over]\n";
   for (const SweepAxis& axis : axes()) {
     std::string values = quoted_text(axis.values.canonical());

@@ -24,6 +24,9 @@
 ///   write_...()   sweep.csv and sweep.h5, made from the rows in the order of the points.
 ///
 /// A row depends on its point alone and has the bits of `tomlin run` with the point's settings.
+/// Where points continue from their neighbour, it depends on those before it in its line: all
+/// values of the last dimension for given others, which one thread runs one after the other.
+///
 /// What computes rows can therefore be exchanged: lanes take batches of points of one structure
 /// from the queue; other processes (SweepClient) get theirs from the queue of the first one
 /// (SweepServer), which alone writes; points that are added later are one more dimension `point`. A
@@ -70,6 +73,11 @@ class SweepPlan {
 
   /// Of all dimensions together.
   std::size_t points() const { return points_; }
+  /// Points that follow one another, each from the end of the one before it: all of the last
+  /// dimension; 1 where they do not.
+  std::size_t line() const {
+    return sweep_.continues && !dimensions_.empty() ? dimensions_.back().count : 1;
+  }
   /// Which of its values an axis has at a point.
   std::size_t index(std::size_t axis, std::size_t point) const;
   /// What differs from the scene at a point.

@@ -23,6 +23,11 @@ class PointRun {
            const std::filesystem::path& checkpoints = {});
 
   std::size_t point() const { return point_; }
+  /// Before anything else: where it starts and where its end goes, as in RunOptions.
+  void connect(const FinalState* start_from, FinalState* final_state) {
+    options_.start_from = start_from;
+    options_.final_state = final_state;
+  }
   /// The whole run, with all that the scene says. No row: it was stopped.
   std::optional<SweepRow> run();
 

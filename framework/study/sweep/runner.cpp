@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/study/sweep/line_run.hpp"
 #include "framework/study/sweep/trace.hpp"
 #include "framework/study/sweep/worker.hpp"
 
@@ -24,7 +25,7 @@ class SweepWork : private PointSource {
       : plan_(plan),
         rows_(rows),
         options_(options),
-        own_queue_(plan.points(), rows, options.part),
+        own_queue_(plan, rows, options.part),
         queue_(options.queue != nullptr ? *options.queue : own_queue_),
         progress_(progress_before(plan, rows, options)) {}
 
@@ -59,8 +60,12 @@ class SweepWork : private PointSource {
 
   void work() {
     try {
-      SweepWorker worker(plan_, *this, {&halt_, options_.folder, most_at_once_});
-      worker.work();
+      const WorkerOptions options{&halt_, options_.folder, most_at_once_};
+      if (plan_.line() > 1) {
+        run_lines(options);
+      } else {
+        SweepWorker(plan_, *this, options).work();
+      }
       trace();
     } catch (...) {
       halt_ = true;
@@ -70,6 +75,13 @@ class SweepWork : private PointSource {
     const std::lock_guard lock(mutex_);
     --running_;
     ended_.notify_one();
+  }
+
+  void run_lines(const WorkerOptions& options) {
+    for (;;) {
+      const std::vector<std::size_t> points = queue_.take(1);
+      if (points.empty() || !run_line(plan_, points, *this, options)) return;
+    }
   }
 
   std::optional<std::size_t> take() override {
@@ -132,8 +144,10 @@ class SweepWork : private PointSource {
 std::vector<std::size_t> SweepQueue::take(std::size_t most) {
   const std::lock_guard lock(mutex_);
   std::vector<std::size_t> taken;
-  for (; next_ < points_ && taken.size() < most; ++next_) {
-    if (part_.has(next_) && !rows_.has(next_)) taken.push_back(next_);
+  while (next_ < points_ && taken.size() < most) {
+    for (const std::size_t end = next_ + line_; next_ < end; ++next_) {
+      if (part_.has(next_) && !rows_.has(next_)) taken.push_back(next_);
+    }
   }
   return taken;
 }

@@ -19,7 +19,7 @@ namespace tomlin {
 class PointQueue {
  public:
   virtual ~PointQueue() = default;
-  /// Up to so many points; none: the queue is empty.
+  /// Up to so many points, and all others of the last one's line; none: the queue is empty.
   virtual std::vector<std::size_t> take(std::size_t most) = 0;
 
  protected:
@@ -29,14 +29,15 @@ class PointQueue {
 /// The points of a part that are still to be run, in their order.
 class SweepQueue : public PointQueue {
  public:
-  SweepQueue(std::size_t points, const SweepRows& rows, SweepPart part = {})
-      : points_(points), rows_(rows), part_(part) {}
+  SweepQueue(const SweepPlan& plan, const SweepRows& rows, SweepPart part = {})
+      : points_(plan.points()), line_(plan.line()), rows_(rows), part_(part) {}
 
   std::vector<std::size_t> take(std::size_t most) override;
 
  private:
   std::mutex mutex_;
   std::size_t points_;
+  std::size_t line_;
   const SweepRows& rows_;
   SweepPart part_;
   std::size_t next_ = 0;
@@ -60,8 +61,8 @@ struct SweepOptions {
   PointQueue* queue = nullptr;              ///< where they come from, if not from the plan
   std::size_t processes = 1;                ///< that share them, with as many threads each
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal: rows so far are kept
-  /// A folder for the checkpoints of points that take long, NUMBER.store, and for traces, NUMBER/;
-  /// none: points start again.
+  /// A folder for the checkpoints of points that take long, NUMBER.store, of lines, NUMBER.line,
+  /// and for traces, NUMBER/; none: points start again.
   std::filesystem::path folder = {};
   /// Points of which all results of a run are left there as well.
   std::vector<std::size_t> traced = {};

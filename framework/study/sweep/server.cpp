@@ -91,7 +91,7 @@ void SweepServer::meet(const SweepPlan& plan) {
 
 SweepProgress SweepServer::run(const SweepPlan& plan, SweepRows& rows,
                                const SweepOptions& options) {
-  SweepQueue queue(plan.points(), rows, options.part);
+  SweepQueue queue(plan, rows, options.part);
   SweepProgress progress = progress_before(plan, rows, options);
   const auto started = Clock::now();
   const auto elapsed = [&started] {

@@ -344,6 +344,73 @@ TEST_F(SweepCommand, KilledAndRepeatedItIsTheSame) {
   EXPECT_EQ(results("a"), results("b"));
 }
 
+/// A point starts where the one before it has ended: in any number of threads and parts, and when
+/// it is killed.
+TEST_F(SweepCommand, ContinuesFromTheNeighbour) {
+  const std::vector<std::string> axes = {"--over", "force.driver.stiffness=1,2,3,4", "--over",
+                                         "v=1e-2:5e-2:12"};
+  const auto with = [&](std::vector<std::string> more) {
+    std::vector<std::string> options = axes;
+    options.insert(options.end(), {"--continue-from-neighbour", "-o"});
+    options.insert(options.end(), more.begin(), more.end());
+    return options;
+  };
+  ASSERT_EQ(sweep(with({"a", "--threads", "1"})).status, 0);
+  const std::string whole = results("a");
+  EXPECT_TRUE(contains(file("a/scene.toml"), "continue_from_neighbour = true\n"));
+  EXPECT_EQ(Json::parse(file("a/sweep.json"))["continue_from_neighbour"], true);
+  for (const std::string threads : {"2", "3"}) {
+    ASSERT_EQ(sweep(with({"t", "--force", "--threads", threads})).status, 0);
+    EXPECT_EQ(results("t"), whole) << threads;
+  }
+  // The same by the table, and another one without.
+  ASSERT_EQ(tomlin({"sweep", "a/scene.toml", "-o", "table"}).status, 0);
+  EXPECT_EQ(results("table"), whole);
+  std::vector<std::string> alone = axes;
+  alone.insert(alone.end(), {"-o", "a"});
+  expect_error(sweep(alone), "[resume.other_scene]");
+  alone.back() = "alone";
+  ASSERT_EQ(sweep(alone).status, 0);
+  EXPECT_NE(file("alone/sweep.csv"), file("a/sweep.csv"));
+  EXPECT_EQ(Json::parse(file("alone/sweep.json"))["continue_from_neighbour"], false);
+  // Lines stay together in parts.
+  for (const std::string shard : {"1", "2", "3"}) {
+    ASSERT_EQ(sweep(with({"part" + shard, "--shard", shard + "/3"})).status, 0);
+  }
+  ASSERT_EQ(tomlin({"merge", "part1", "part2", "part3", "-o", "merged"}).status, 0);
+  EXPECT_EQ(results("merged"), whole);
+  // Killed, with checkpoints and without.
+  for (const std::string every : {"1e-3", "60"}) {
+    const auto options = with({"k", "--threads", "2", "--set", "run.checkpoint_every=" + every,
+                               "--set", "run.duration=2e3"});
+    const auto again = [&](const std::string& folder) {
+      std::vector<std::string> other = options;
+      *std::find(other.begin(), other.end(), "k") = folder;
+      return other;
+    };
+    fs::remove_all(folder_ / "k");
+    std::mt19937 random(11);
+    int kills = 0;
+    for (int k = 0; k < 12; ++k) {
+      Conditions conditions;
+      conditions.then = [&](pid_t child) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(20 + random() % 60));
+        ::kill(child, k % 2 == 0 ? SIGKILL : SIGTERM);
+      };
+      if (sweep(options, conditions).status == 0) break;
+      ++kills;
+    }
+    EXPECT_GT(kills, 1) << every;
+    ASSERT_EQ(sweep(options).status, 0);
+    EXPECT_FALSE(exists("k/sweep.points")) << every;
+    ASSERT_EQ(sweep(again("left_alone" + every)).status, 0);
+    EXPECT_EQ(results("k"), results("left_alone" + every)) << every;
+  }
+  const Ended traced = sweep(with({"b", "--trace", "0"}));
+  EXPECT_EQ(traced.status, 2);
+  expect_error(traced, "--trace: [command.conflict]");
+}
+
 TEST_F(SweepCommand, AFullDiskStopsWithAMessageAndGoesOnLater) {
   const std::vector<std::string> options = {"--over", "v=1e-2:1e-1:60", "-o", "a"};
   Conditions conditions;

@@ -232,8 +232,8 @@ TEST(SweepTable, ItsFaultsComeWithThoseOfTheScene) {
             std::string::npos);
   for (const std::string wrong :
        {"over = 1", "over = { k = 1.0 }", "over = { k = [] }", "over = { k = \"1:2\" }",
-        "observables = \"x\"", "observables = [1]", "zip = 1", "zip = [\"k\", \"v\"]",
-        "over = { sweep.x = [1] }"}) {
+        "observables = \"x\"", "observables = [1]", "continue_from_neighbour = 1", "zip = 1",
+        "zip = [\"k\", \"v\"]", "over = { sweep.x = [1] }"}) {
     EXPECT_NE(faults(wrong).find("ring.toml:"), std::string::npos) << wrong << "\n"
                                                                    << faults(wrong);
   }

@@ -59,11 +59,14 @@ integrator = { type = "rk4", dt = 2e-2 }
 )";
 
 SweepPlan shared_plan(const std::string& values = "0.01:0.1:20",
-                      const std::vector<Setting>& settings = {}) {
+                      const std::vector<Setting>& settings = {}, bool continues = false) {
   SweepSettings sweep;
   sweep.over.push_back({"v", std::get<SweepValues>(SweepValues::parse(values)), {"--over"}, ""});
   sweep.over.push_back(
       {"run.integrator.dt", std::get<SweepValues>(SweepValues::parse("2e-2,-1")), {"--over"}, ""});
+  // Lines of many points, then.
+  sweep.continues = continues;
+  if (continues) std::swap(sweep.over[0], sweep.over[1]);
   sweep.observables = {"driver.mean_force.x"};
   return SweepPlan(SceneDocument(kSharedTip, "test.toml"), standard(), settings, std::move(sweep),
                    "1.2.3");
@@ -158,6 +161,7 @@ struct SharedSweep {
   int clients = 2;
   std::string values = "0.01:0.1:20";
   std::vector<Setting> settings = {};
+  bool continues = false;
   SweepOptions options = {};
   std::map<int, std::string> values_of_others = {};  ///< of clients with another plan
   std::map<int, InputError> refused = {};            ///< of clients without a plan
@@ -171,7 +175,7 @@ struct SharedSweep {
     for (int rank = 1; rank <= clients; ++rank) {
       threads.emplace_back([this, rank, &boxes] { be_client(boxes.link(rank)); });
     }
-    const SweepPlan plan = shared_plan(values, settings);
+    const SweepPlan plan = shared_plan(values, settings, continues);
     try {
       SweepServer server(boxes.link(0));
       serve(server, plan);
@@ -192,7 +196,7 @@ struct SharedSweep {
     }
     const auto other = values_of_others.find(link.rank);
     const SweepPlan plan =
-        shared_plan(other == values_of_others.end() ? values : other->second, settings);
+        shared_plan(other == values_of_others.end() ? values : other->second, settings, continues);
     std::atomic<bool> stop = link.rank == stopped;
     SweepClient client(link, stop, [&stop] { stop = true; });
     client.run(plan, options, [this] { return folder; });
@@ -231,14 +235,19 @@ TEST(SweepProcesses, MessagesArriveAsTheyAre) {
   EXPECT_EQ(decoded(encoded(message)).points, message.points);
 }
 
+/// Whether points continue from their neighbour or not.
+class SweepProcessesOf : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Points, SweepProcessesOf, testing::Bool());
+
 /// In any number of processes and threads each point is run once, and the rows are those of one.
-TEST(SweepProcesses, HaveTheRowsOfOne) {
-  const SweepPlan plan = shared_plan();
+TEST_P(SweepProcessesOf, HaveTheRowsOfOne) {
+  const SweepPlan plan = shared_plan("0.01:0.1:20", {}, GetParam());
   SharedRows alone;
   run_sweep(plan, alone, {});
   for (const int clients : {1, 2, 5}) {
     for (const std::size_t threads : {1, 3}) {
       SharedSweep sweep;
+      sweep.continues = GetParam();
       sweep.clients = clients;
       sweep.options.threads = threads;
       SharedRows rows;

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "framework/core/numbers/double_double.hpp"
+#include "framework/core/numbers/quad.hpp"
+#include "framework/core/records/bound_force.hpp"
+
+namespace tomlin {
+
+/// Where a run has ended, for another one to start from, whose scene has the same bodies and
+/// internal variables: its parameters, dynamics and number type may be others. Quads hold the
+/// numbers of every type.
+struct FinalState {
+  /// What is pulled or moves as prescribed, in the scene's own coordinates; the rotation of a
+  /// planar body, in rad, comes after its axes.
+  struct Support {
+    std::string name;
+    std::vector<Quad> place;
+  };
+
+  std::vector<std::string> structure;  ///< what must be the same, a line each; empty: unknown
+  Origin origin;
+  std::vector<Quad> position;  ///< as coordinates, relative to the origin
+  std::vector<Quad> velocity;
+  std::vector<Quad> own;  ///< internal variables
+  std::vector<Support> supports;
+
+  bool known() const { return !structure.empty(); }
+  const Support* support(const std::string& name) const;
+};
+
+/// With all the digits that each of them has.
+inline Quad to_quad(const DoubleDouble& x) { return Quad(x.hi) + Quad(x.lo); }
+inline DoubleDouble to_double_double(Quad x) {
+  const auto high = static_cast<double>(x);
+  return {high, static_cast<double>(x - Quad(high))};
+}
+
+/// Of a place that is relative to the origin.
+Quad absolute_place(const Origin& origin, int axis, Quad relative);
+
+}  // namespace tomlin

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+
+#include "framework/model/final_state.hpp"
+#include "framework/output/store_file.hpp"
+#include "framework/study/sweep/plan.hpp"
+
+namespace tomlin {
+
+/// Of a file, NUMBER.line, with the number of the line's first point.
+inline constexpr const char* kLineEndSuffix = ".line";
+
+/// How far the points of a line have come, each of which starts where the one before it has ended:
+/// the next one, and the state that it starts from. It is written to a file when points have taken
+/// as long as checkpoints are apart, and when the sweep is stopped; what is lost is computed again.
+class LineEnd {
+ public:
+  /// Of the line that begins with the point `first` and is to go on before or at `most`. Without a
+  /// folder nothing is written.
+  LineEnd(const SweepPlan& plan, std::size_t first, std::size_t most,
+          const std::filesystem::path& folder);
+
+  /// The next point; the first one where no earlier process has left anything.
+  std::size_t next() const { return next_; }
+  /// Whom it starts from; null: from the scene's start.
+  const FinalState* before() const { return next_ == first_ ? nullptr : &state_; }
+
+  /// The next point has ended so; a state that is not known: it has not finished.
+  void pass(FinalState state);
+  /// Of a line that is stopped.
+  void write();
+  /// Of a line that ends.
+  void remove();
+
+ private:
+  std::size_t first_;
+  std::size_t next_;
+  FinalState state_;
+  std::filesystem::path file_;
+  double every_;
+  StoreFile store_;
+  std::chrono::steady_clock::time_point last_written_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace tomlin
