@@ -5,6 +5,7 @@
 #include "forcefields/driving_spring.hpp"
 #include "forcefields/expression.hpp"
 #include "forcefields/harmonic_bonds.hpp"
+#include "forcefields/langevin.hpp"
 #include "forcefields/lattice_substrate.hpp"
 #include "forcefields/memory_damping.hpp"
 #include "forcefields/morse_bonds.hpp"
@@ -21,6 +22,7 @@ void register_forcefields(Registry& registry) {
   registry.add(driving_spring_record());
   registry.add(expression_record());
   registry.add(harmonic_bonds_record());
+  registry.add(langevin_record());
   registry.add(lattice_substrate_record());
   registry.add(memory_damping_record());
   registry.add(morse_bonds_record());

@@ -16,6 +16,7 @@ namespace tomlin {
 
 struct ViscousDampingDescription {
   double coefficient = 0.0;
+  double temperature = 0.0;  ///< of langevin; an energy
 };
 
 ForceRecord viscous_damping_record();
@@ -40,6 +41,8 @@ struct ViscousDamping {
   static Vec<T, D> force(const Parameters<T, D>& p, const Site<T, D>& site) {
     return -p.coefficient * site.velocity;
   }
+
+  static double temperature(const Description& d) { return d.temperature; }
 
   template <class T, int D>
   static T friction(const Parameters<T, D>& p) {

@@ -35,7 +35,8 @@ class Composition : public Integrator<Real> {
         hermite_(system.view.dofs, system.view.rates) {
     const std::size_t n = system.view.dofs;
     const std::size_t m = system.view.rates;
-    memory_.assign(5 * (n + kGap) + 7 * (m + kGap), Real(0.0));
+    const std::size_t kinetic = system.view.kinetic_count;
+    memory_.assign(5 * (n + kGap) + 7 * (m + kGap) + kinetic + kGap, Real(0.0));
     Real* next = memory_.data();
     const auto take = [&next](std::size_t count) {
       return std::exchange(next, next + count + kGap);
@@ -53,6 +54,7 @@ class Composition : public Integrator<Real> {
     start_rates_ = take(m);
     arrays_.own_after = take(m);
     slopes_ = take(m);
+    arrays_.half_step_energy = take(kinetic);
   }
 
   void declare(StateLayout& layout) override {

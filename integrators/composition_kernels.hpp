@@ -24,7 +24,8 @@ struct CompositionArrays {
   Real* velocity_rest = nullptr;  ///< null unless compensated
   Real* own = nullptr;            ///< own variables at a stage
   Real* own_after = nullptr;      ///< those that operators change, after the last of their flows
-  std::uint64_t step = 0;         ///< number of the step
+  Real* half_step_energy = nullptr;  ///< kinetic, of each KineticIntegral
+  std::uint64_t step = 0;            ///< number of the step
 };
 
 template <class Real>

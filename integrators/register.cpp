@@ -1,11 +1,15 @@
 #include "integrators/register.hpp"
 
 #include "framework/core/records/integrator.hpp"
+#include "integrators/baoab.hpp"
 #include "integrators/blanes_moan.hpp"
 #include "integrators/continuation.hpp"
 #include "integrators/dop853.hpp"
 #include "integrators/dopri5.hpp"
+#include "integrators/euler_maruyama.hpp"
 #include "integrators/exponential_verlet.hpp"
+#include "integrators/gjf.hpp"
+#include "integrators/leimkuhler_matthews.hpp"
 #include "integrators/midpoint.hpp"
 #include "integrators/radau9.hpp"
 #include "integrators/rk4.hpp"
@@ -14,11 +18,15 @@
 namespace tomlin {
 
 void register_integrators(Registry& registry) {
+  registry.add(baoab_record());
   registry.add(blanes_moan_record());
   registry.add(continuation_record());
   registry.add(dop853_record());
   registry.add(dopri5_record());
+  registry.add(euler_maruyama_record());
   registry.add(exponential_verlet_record());
+  registry.add(gjf_record());
+  registry.add(leimkuhler_matthews_record());
   registry.add(midpoint_record());
   registry.add(radau9_record());
   registry.add(rk4_record());

@@ -55,6 +55,7 @@ IntegratorRecord velocity_verlet_record() {
   record.evaluations_per_step = 1;
   record.without_inertia = false;
   record.splits_friction = true;
+  record.takes_noise = true;
   record.make_description = &make_description<Description>;
   record.parameters = {parameter("dt", &Description::dt, dimension::time, "the step").in(positive)};
   record.stable_step = &stable_step;

@@ -32,6 +32,7 @@ struct AssembledBody {
   std::array<double, 2> pivot{};
   const Motion* motion = nullptr;  ///< of a prescribed body
   std::size_t steering = 0;        ///< which of the prescribed bodies it is
+  std::ptrdiff_t kinetic_rate = kNoRate;  ///< where its kinetic energy stands, see KineticIntegral
 
   bool rotates() const { return arms.size() > 1 && arms.front().size() == 2; }
   bool moves_as_one() const { return bound.slot.rigid; }

@@ -1,6 +1,7 @@
 #include "framework/model/assembled_forces.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -8,9 +9,7 @@
 #include "framework/model/plugin_code.hpp"
 
 namespace tomlin {
-namespace {
 
-/// A complaint about a force of the scene, at the key that it is about.
 Fault fault_of(const SceneForce& force, const Complaint& complaint) {
   Fault fault(complaint.code);
   fault.place = force.place_of(complaint.key);
@@ -23,6 +22,8 @@ Fault fault_of(const SceneForce& force, const Complaint& complaint) {
   fault.nearest = complaint.nearest;
   return fault;
 }
+
+namespace {
 
 Fault not_in_this_number_type(const RunSettings& run, const SceneForce& force) {
   const auto place = run.places.find("number_type");
@@ -78,6 +79,30 @@ bool taken_as_operator(const AssembledForce<Real>& force, const AssemblyPlan& pl
   });
 }
 
+/// Why there can be no noise of a force on its bodies; nothing where there can.
+template <class Real>
+std::optional<Complaint> why_no_noise(const SceneForce& from,
+                                      const std::vector<AssembledBody<Real>>& bodies,
+                                      std::vector<const SceneForce*>& thermostats) {
+  for (const std::size_t b : from.bodies) {
+    const AssembledBody<Real>& body = bodies[b];
+    if (body.bound.coordinates == Coordinates::fixed || body.prescribed()) {
+      return Complaint{"temperature",
+                       "the body \"" + body.bound.name + "\" does not move by forces: noise does "
+                       "nothing to it",
+                       "a body with coordinates \"particles\" or \"rigid\""};
+    }
+    if (thermostats[b] != nullptr) {
+      return Complaint{"temperature",
+                       "the force \"" + thermostats[b]->name + "\" is a thermostat of the body \"" +
+                           body.bound.name + "\" already",
+                       "one force with a temperature for each body"};
+    }
+    thermostats[b] = &from;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 template <class Real>
@@ -85,8 +110,16 @@ AssembledForces<Real>::AssembledForces(const AssemblyPlan& plan,
                                        const AssembledBodies<Real>& assembled) {
   const std::vector<AssembledBody<Real>>& bodies = assembled.all;
   std::vector<Fault> faults;
+  std::vector<const SceneForce*> thermostats(bodies.size());
   for (const SceneForce& from : plan.scene->forces) {
     const Traits traits = bound_by(from, "force", [&] { return from.traits(); });
+    if (traits.stochastic) {
+      if (auto complaint = why_no_noise(from, bodies, thermostats)) {
+        complaint->code = FaultCode::component_unsuitable;
+        faults.push_back(fault_of(from, *complaint));
+        continue;
+      }
+    }
     if (std::string why = why_left_out(from, traits, bodies); !why.empty()) {
       left_out.push_back({from.name, std::move(why)});
       continue;
@@ -106,6 +139,7 @@ AssembledForces<Real>::AssembledForces(const AssemblyPlan& plan,
     AssembledForce<Real> force;
     force.name = from.name;
     force.record = from.record;
+    force.given = &from;
     force.traits = traits;
     force.bodies = from.bodies;
     try {

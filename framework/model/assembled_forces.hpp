@@ -18,6 +18,7 @@ template <class Real>
 struct AssembledForce {
   std::string name;
   const ForceRecord* record = nullptr;
+  const SceneForce* given = nullptr;  ///< in the scene
   Traits traits;  ///< its properties, as the scene describes it
   std::unique_ptr<BoundForce<Real>> bound;
   std::vector<std::size_t> bodies;
@@ -40,6 +41,9 @@ struct ForceLeftOut {
   std::string force;
   std::string why;
 };
+
+/// A complaint about a force of the scene, at the key that it is about.
+Fault fault_of(const SceneForce& force, const Complaint& complaint);
 
 /// The forces of a scene, bound to its bodies.
 template <class Real>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "framework/core/numbers/normal_numbers.hpp"
 #include "framework/core/numbers/random.hpp"
 #include "framework/core/numbers/sum.hpp"
 #include "framework/core/records/pulled_end.hpp"
@@ -28,7 +29,9 @@ class BodyStart {
   void take(const AssembledBody<Real>& body) {
     body_ = &body;
     const SceneBody& from = plan_.scene->bodies[body.bound.index];
-    given_ = &from.record->common(from.description.get()).velocity;
+    const BodyDescription& common = from.record->common(from.description.get());
+    given_ = &common.velocity;
+    draw_velocities(common.start_temperature, from.name);
     perturbed_ = noise_ != nullptr &&
                  std::count(noise_->bodies.begin(), noise_->bodies.end(), body.bound.index) > 0;
   }
@@ -53,7 +56,9 @@ class BodyStart {
       InterleavedSum<Real> mean;
       for (std::size_t i = 0; i < slot.count; ++i) mean.add(i, slot.share[i] * Real(speed(i, d)));
       const std::size_t at = slot.centre + d;
-      put(at, d, Real(body_->bound.start_centre[d]), mean.total());
+      const Real thermal =
+          thermal_speed(static_cast<std::size_t>(d), body_->held[d] ? 0.0 : body_->total_mass);
+      put(at, d, Real(body_->bound.start_centre[d]), mean.total() + thermal);
       if (perturbed_ && !body_->held[d]) position_[at] = position_[at] + jitter(kCoordinate, d);
     }
     if (plan_.dimension() != 2) return;
@@ -65,7 +70,9 @@ class BodyStart {
     const std::size_t at = slot.centre + kRotation;
     const bool spins = body_->inertia > 0.0 && !body_->rotation_held;
     put(at, kRotation, Real(0.0),
-        spins ? Real(spin.total()) / (tau<Real>() * Real(body_->inertia)) : Real(0.0));
+        spins ? Real(spin.total()) / (tau<Real>() * Real(body_->inertia)) +
+                    thermal_speed(kRotation, body_->inertia) / tau<Real>()
+              : Real(0.0));
     if (perturbed_ && turns) {
       position_[at] = position_[at] + jitter(kCoordinate, kRotation) / tau<Real>();
     }
@@ -76,7 +83,9 @@ class BodyStart {
     for (std::size_t i = 0; i < slot.count; ++i) {
       for (int d = 0; d < plan_.dimension(); ++d) {
         const std::size_t at = slot.offset + d * slot.stride + i;
-        put(at, d, Real(body_->bound.start[i][d]), Real(speed(i, d)));
+        const Real thermal =
+            thermal_speed(d * slot.stride + i, body_->held[d] ? 0.0 : body_->bound.mass[i]);
+        put(at, d, Real(body_->bound.start[i][d]), Real(speed(i, d)) + thermal);
         if (perturbed_ && !body_->held[d]) {
           position_[at] = position_[at] + jitter(kCoordinate, i * plan_.dimension() + d);
         }
@@ -98,6 +107,24 @@ class BodyStart {
     velocity_[at] = static_cast<Real>(from_->velocity[at]);
   }
 
+  /// Normal numbers of the body's coordinates, where it starts with a temperature.
+  void draw_velocities(double temperature, const std::string& name) {
+    temperature_ = temperature;
+    if (!(temperature > 0.0)) return;
+    const RunSettings& run = plan_.scene->run;
+    const BodySlot<Real>& slot = body_->bound.slot;
+    normals_.assign(slot.rigid ? kGroup : slot.stride * plan_.dimension(), 0.0);
+    fill_normals<double>({static_cast<std::uint64_t>(run.seed),
+                          stream_of("start_temperature/" + name,
+                                    static_cast<std::uint64_t>(run.stream))},
+                         {}, normals_.size(), slot.rigid ? 3 : slot.count, normals_.data());
+  }
+
+  Real thermal_speed(std::size_t coordinate, double mass) const {
+    if (!(temperature_ > 0.0 && mass > 0.0)) return Real(0.0);
+    return Real(std::sqrt(temperature_ / mass) * normals_[coordinate]);
+  }
+
   Real jitter(Kind kind, std::uint64_t k) const {
     return Real(noise_->size * uniform_symmetric({noise_->seed, noise_->stream},
                                                  {body_->bound.index, kind, k, 0}));
@@ -117,6 +144,8 @@ class BodyStart {
   std::array<Quad, 3> shift_{};  ///< between the origins
   const AssembledBody<Real>* body_ = nullptr;
   const PerParticleVector* given_ = nullptr;
+  double temperature_ = 0.0;
+  std::vector<double> normals_;  ///< of the coordinates, in the order of their arrays
   bool perturbed_ = false;
 };
 
@@ -175,11 +204,31 @@ void Assembly<Real>::assign_rates() {
       friction_.rate = static_cast<std::ptrdiff_t>(rates++);
     }
   }
+  assign_kinetic(rates);
   SystemView<Real>& view = system_.view;
   view.own = padded(own);
   view.own_count = own;
   view.rates = padded(rates);
   view.used_rates = rates;
+}
+
+/// Of all bodies that move, where there is noise.
+template <class Real>
+void Assembly<Real>::assign_kinetic(std::size_t& rates) {
+  if (!plan_.half_step_velocities) return;
+  const bool noise = std::any_of(forces().begin(), forces().end(),
+                                 [](const Force& force) { return force.traits.stochastic; });
+  if (!noise) return;
+  for (Body& body : bodies_.all) {
+    const BodySlot<Real>& slot = body.bound.slot;
+    if (slot.mapped && !slot.rigid) continue;
+    body.kinetic_rate = static_cast<std::ptrdiff_t>(rates++);
+    kinetic_.push_back({slot.rigid ? slot.centre : slot.offset,
+                        slot.rigid ? kGroup : slot.stride * static_cast<std::size_t>(dimension()),
+                        body.kinetic_rate});
+  }
+  system_.view.kinetic = kinetic_.data();
+  system_.view.kinetic_count = kinetic_.size();
 }
 
 template <class Real>

@@ -68,6 +68,7 @@ class Assembly {
 
  private:
   void assign_rates();
+  void assign_kinetic(std::size_t& rates);
   void start_supports(const FinalState& from, Real* own);
 
   // Each is laid over those before it; kernels hold pointers into them.
@@ -79,6 +80,7 @@ class Assembly {
   AssembledForces<Real> forces_;
   PrescribedBodies<Real> prescribed_;
   std::vector<Driver> drivers_;
+  std::vector<KineticIntegral> kinetic_;
   FrictionMatrix<Real> friction_;
   std::optional<Evaluation<Real>> evaluation_;
 };

@@ -34,6 +34,7 @@ struct AssemblyPlan {
   bool splits_friction = false;
   bool quasistatic = false;  ///< no friction acts, on nothing
   bool ledger = false;
+  bool half_step_velocities = false;
   bool backwards = false;  ///< kernels in the opposite order: another sums the same, to rounding
 };
 

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "framework/core/numbers/math.hpp"
+#include "framework/core/numbers/normal_numbers.hpp"
 #include "framework/core/numbers/number_types.hpp"
 #include "framework/core/system/compensated.hpp"
 #include "framework/core/system/flow.hpp"
@@ -18,6 +20,12 @@
 ///       |    C          0      -tau S_y  |
 ///   G = |    0          C       tau S_x  |        S turns with the body; J does not
 ///       | -tau S_y   tau S_x    tau^2 J  |
+///
+/// With noise of temperature T, an energy, velocities are an Ornstein-Uhlenbeck process: a velocity
+/// (a mode, where centre and rotation are coupled) of which a flow keeps the part k receives a
+/// normal number of variance T/m (1 - k^2), m its mass, so that T is kept whatever the step and the
+/// rule that k follows. Source: D. T. Gillespie, Phys. Rev. E 54 (1996) 2084,
+/// doi:10.1103/PhysRevE.54.2084.
 namespace tomlin {
 
 template <class Real>
@@ -32,6 +40,8 @@ struct FrictionArguments {
   Real* keep = nullptr;  ///< scratch: exp(-h c/m) for the last h, in two parts
   Real* loss = nullptr;
   Real* known_h = nullptr;
+  const Real* temperature = nullptr;  ///< null: no noise
+  Real* spread = nullptr;             ///< scratch: its size for the last h
 
   // A body that moves as one.
   bool rotates = false;
@@ -41,7 +51,11 @@ struct FrictionArguments {
   Real second{};        ///< tau^2 J
   Real mass{};
   Real inertia{};                ///< tau^2 I
+  Real bath{};                   ///< temperature; 0: no noise
   Real* heat_of_body = nullptr;  ///< left by the mobility, for the ledger; null without one
+
+  RandomKey key;            ///< of the noise
+  Real* normals = nullptr;  ///< scratch: as long as the particles' arrays, or a group
 };
 
 /// All coordinates of free particles, for the heat of dynamics without inertia.
@@ -64,6 +78,9 @@ struct FrictionTable {
   /// Without inertia: generalised forces -> velocities of a body that moves as one, in place.
   Kernel<Real> mobility = nullptr;
   Kernel<Real> drift_heat = nullptr;
+  /// The body's part of Noise.
+  void (*fill)(const void* arguments, const RandomKey& key, std::uint64_t step,
+               Real* numbers) = nullptr;
 };
 
 inline namespace TOMLIN_TARGET {
@@ -128,7 +145,7 @@ struct FrictionKernels {
     stage.rates[a.rate] = heat;
   }
 
-  /// exp(-h rate) as keep + loss keep: for slow decay keep is 1 and loss exp(-h rate) - 1 to its
+  /// exp(-h rate), or that of the midpoint rule, as keep + loss keep: for slow decay keep is 1 and loss exp(-h rate) - 1 to its
   /// last digit (a factor near one, rounded, would be off by the same part in every step); for fast
   /// decay loss is 0.
   template <class Real>
@@ -136,8 +153,17 @@ struct FrictionKernels {
     Real keep;
     Real loss;
 
-    TOMLIN_INLINE Decay(Real rate, Real h) : keep(Real(1.0)), loss(Real(0.0)) {
+    TOMLIN_INLINE Decay(Real rate, Real h, bool midpoint) : keep(Real(1.0)), loss(Real(0.0)) {
       const Real x = h * rate;
+      if (midpoint) {
+        const Real half = Real(0.5) * x;
+        if (half < Real(0.35)) {
+          loss = -(x / (Real(1.0) + half));
+        } else {
+          keep = (Real(1.0) - half) / (Real(1.0) + half);
+        }
+        return;
+      }
       if (!(x < Real(0.35))) {
         keep = exp(-x);
         return;
@@ -151,6 +177,9 @@ struct FrictionKernels {
 
     /// exp(-h rate) - 1.
     TOMLIN_INLINE Real change() const { return fma(loss, keep, keep - Real(1.0)); }
+
+    /// Size of the noise of variance 1 - exp(-2 h rate).
+    TOMLIN_INLINE Real spread() const { return sqrt(-(change() * (Real(2.0) + change()))); }
   };
 
   /// v <- (keep + loss keep) v, of a group.
@@ -171,7 +200,7 @@ struct FrictionKernels {
     return T(Scalar<T>(0.5)) * mass * change * (before + after);
   }
 
-  /// v <- v exp(-h c/m).
+  /// v <- v exp(-h c/m), and noise.
   template <class Real>
   TOMLIN_FLATTEN static Real flow_of_particles(const void* arguments, const FlowStage<Real>& stage,
                                                Real h) {
@@ -182,11 +211,16 @@ struct FrictionKernels {
     const bool heats = stage.heat;
     if (!(*a.known_h == h)) {
       for (std::size_t i = 0; i < a.length; ++i) {
-        const Decay<Real> decay(a.coefficient[i] * a.inverse_mass[i], h);
+        const Decay<Real> decay(a.coefficient[i] * a.inverse_mass[i], h, stage.midpoint);
         a.keep[i] = decay.keep;
         a.loss[i] = decay.loss;
+        if (a.temperature == nullptr) continue;
+        a.spread[i] = decay.spread() * sqrt(a.temperature[i] * a.inverse_mass[i]);
       }
       *a.known_h = h;
+    }
+    if (a.temperature != nullptr) {
+      fill_normals(stage.key, {stage.step, stage.part, 0, 0}, a.length, a.body.count, a.normals);
     }
     const Group none(Real(0.0));
     Group heat = none;
@@ -194,6 +228,9 @@ struct FrictionKernels {
       const Group before = Group::load(v + i);
       const Group rest_before = rest == nullptr ? none : Group::load(rest + i);
       decay(v, rest, i, Group::load(a.keep + i), Group::load(a.loss + i));
+      if (a.temperature != nullptr) {
+        add_scaled(v, rest, i, Group::load(a.spread + i), Group::load(a.normals + i));
+      }
       if (!heats) continue;
       // What is held has no inverse mass, and loses nothing.
       const Group inverse = Group::load(a.inverse_mass + i);
@@ -206,7 +243,8 @@ struct FrictionKernels {
 
   /// As it moves freely but for friction, its rotation at rest. With S = 0 each axis decays alone.
   /// Else, along the free part q of the coupling between centre and rotation, in coordinates
-  /// sqrt(M) u_q and sqrt(I) w, friction is a symmetric matrix (a b, b d) with two modes.
+  /// sqrt(M) u_q and sqrt(I) w, friction is a symmetric matrix (a b, b d) with two modes, each with
+  /// noise of its own.
   template <class Real>
   TOMLIN_FLATTEN static Real flow_of_body(const void* arguments, const FlowStage<Real>& stage,
                                           Real h) {
@@ -220,7 +258,11 @@ struct FrictionKernels {
       rest_before[k] = rest == nullptr ? Real(0.0) : rest[k];
     }
     const bool planar = a.axes == 2;
-    const Decay<Real> centre(a.total / a.mass, h);
+    const Decay<Real> centre(a.total / a.mass, h, stage.midpoint);
+    const bool noisy = a.bath > Real(0.0);
+    if (noisy) fill_normals(stage.key, {stage.step, stage.part, 0, 0}, kGroup, 3, a.normals);
+    const Real* z = a.normals;
+    const Real speed = noisy ? sqrt(a.bath / a.mass) : Real(0.0);
     Real q[2] = {Real(0.0), Real(0.0)};
     if (a.rotates && (a.moment[0] != Real(0.0) || a.moment[1] != Real(0.0))) {
       Real sx;
@@ -247,20 +289,39 @@ struct FrictionKernels {
       const Real to_centre = sqrt(a.inertia / a.mass);
       const Real u = fma(q[0], v[0], q[1] * v[1]);
       const Real w = to_centre * v[2];
-      const Real fast_change = Decay<Real>(fast, h).change() * fma(cosine, u, sine * w);
-      const Real slow_change =
-          Decay<Real>(max(slow, Real(0.0)), h).change() * fnma(sine, u, cosine * w);
+      const Decay<Real> of_fast(fast, h, stage.midpoint);
+      const Decay<Real> of_slow(max(slow, Real(0.0)), h, stage.midpoint);
+      Real fast_change = of_fast.change() * fma(cosine, u, sine * w);
+      Real slow_change = of_slow.change() * fnma(sine, u, cosine * w);
+      if (noisy) {
+        fast_change = fma(speed * of_fast.spread(), z[0], fast_change);
+        slow_change = fma(speed * of_slow.spread(), z[1], slow_change);
+      }
       const Real along = fnma(sine, slow_change, cosine * fast_change);
       Real change[3];
       for (int d = 0; d < 2; ++d) {
         change[d] = fma(q[d], along, centre.change() * fnma(q[d], u, v[d]));
       }
       change[2] = fma(sine, fast_change, cosine * slow_change) / to_centre;
+      if (noisy && a.free[0] && a.free[1]) {
+        const Real across = speed * centre.spread() * z[2];
+        change[0] = fnma(q[1], across, change[0]);
+        change[1] = fma(q[0], across, change[1]);
+      }
       add_move(v, rest, 0, three_lanes(change[0], change[1], change[2]));
     } else {
-      const Decay<Real> turning(a.rotates ? a.second / a.inertia : Real(0.0), h);
+      const Decay<Real> turning(a.rotates ? a.second / a.inertia : Real(0.0), h, stage.midpoint);
       decay(v, rest, 0, three_lanes(centre.keep, centre.keep, planar ? turning.keep : centre.keep),
             three_lanes(centre.loss, centre.loss, planar ? turning.loss : centre.loss));
+      if (noisy) {
+        const Real along = speed * centre.spread();
+        const Real turn =
+            a.rotates ? sqrt(a.bath / a.inertia) * turning.spread() : Real(0.0);
+        const Real third = planar ? turn : a.free[2] ? along : Real(0.0);
+        add_move(v, rest, 0,
+                 three_lanes(a.free[0] ? along * z[0] : Real(0.0),
+                             a.free[1] ? along * z[1] : Real(0.0), third * z[2]));
+      }
     }
     Real heat(0.0);
     if (!stage.heat) return heat;
@@ -319,9 +380,22 @@ struct FrictionKernels {
   }
 
   template <class Real>
+  TOMLIN_FLATTEN static void fill(const void* arguments, const RandomKey& key, std::uint64_t step,
+                                  Real* numbers) {
+    const FrictionArguments<Real>& a = *static_cast<const FrictionArguments<Real>*>(arguments);
+    const RandomPlace place{step, 0, 0, 0};
+    if (a.body.rigid) {
+      fill_normals(key, place, kGroup, 3, numbers + a.body.centre);
+    } else {
+      fill_normals(key, place, a.length, a.body.count, numbers + a.body.offset);
+    }
+  }
+
+  template <class Real>
   static constexpr FrictionTable<Real> kernels() {
     return {&flow_of_particles<Real>, &flow_of_body<Real>, &drag_of_particles<Real>,
-            &drag_of_body<Real>,      &mobility<Real>,     &drift_heat<Real>};
+            &drag_of_body<Real>,      &mobility<Real>,     &drift_heat<Real>,
+            &fill<Real>};
   }
 };
 

@@ -1,6 +1,7 @@
 #include "framework/model/friction_matrix.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <utility>
 
@@ -15,18 +16,32 @@ TOMLIN_DECLARE_TABLES(FrictionKernels, FrictionTable)
 namespace tomlin {
 namespace {
 
-/// Collects the friction coefficients of particles.
+/// Collects the friction coefficients of particles, and those times temperatures.
 class CoefficientSink : public FrictionSink {
  public:
-  explicit CoefficientSink(std::vector<std::vector<double>>& coefficients)
-      : coefficients_(coefficients) {}
+  CoefficientSink(std::vector<std::vector<double>>& coefficients,
+                  std::vector<std::vector<double>>& warmth)
+      : coefficients_(coefficients), warmth_(warmth) {}
   void site(std::size_t body, std::size_t particle, double coefficient) override {
     coefficients_[body][particle] += coefficient;
+  }
+  void bath(std::size_t body, std::size_t particle, double coefficient,
+            double temperature) override {
+    warmth_[body].resize(coefficients_[body].size(), 0.0);
+    warmth_[body][particle] += coefficient * temperature;
   }
 
  private:
   std::vector<std::vector<double>>& coefficients_;
+  std::vector<std::vector<double>>& warmth_;
 };
+
+template <class Real>
+RandomKey key_of(const AssemblyPlan& plan, const AssembledForce<Real>& force) {
+  const RunSettings& run = plan.scene->run;
+  return {static_cast<std::uint64_t>(run.seed),
+          stream_of(force.name, static_cast<std::uint64_t>(run.stream))};
+}
 
 bool any_positive(const std::vector<double>& coefficients) {
   return std::any_of(coefficients.begin(), coefficients.end(), [](double c) { return c > 0.0; });
@@ -39,6 +54,8 @@ void FrictionMatrix<Real>::lay(const AssemblyPlan& plan, std::vector<AssembledBo
                                const std::vector<AssembledForce<Real>>& forces,
                                AlignedVector<Real>& inverse_mass, SystemView<Real>& view) {
   for (const auto& body : bodies) coefficients_.emplace_back(body.bound.slot.count, 0.0);
+  warmth_.resize(bodies.size());
+  thermostats_.resize(bodies.size());
   collect(plan, forces);
   mobility_.assign(view.dofs, Real(0.0));
   heat_of_bodies_.assign(bodies.size(), Real(0.0));
@@ -53,18 +70,21 @@ void FrictionMatrix<Real>::lay(const AssemblyPlan& plan, std::vector<AssembledBo
     } else {
       assign_particles(plan, body, inverse_mass.data(), arguments);
     }
+    if (!warmth_[body.bound.index].empty()) assign_noise(plan, body, arguments);
     if (plan.inertial && !any_positive(coefficients_[body.bound.index])) continue;
     friction_.push_back(arguments);
   }
   if (!faults_.empty()) throw InputError(std::move(faults_));
-  if (!plan.inertial) return;
+  if (!plan.inertial) {
+    lay_noise(plan, view);
+    return;
+  }
   const auto& table = kernels::FrictionKernels.on<Real>(plan.set);
   for (const FrictionArguments<Real>& arguments : friction_) {
     const bool one = arguments.body.rigid;
     flows_.push_back({one ? table.flow_of_body : table.flow_of_particles,
-                      one ? table.drag_of_body : table.drag_of_particles,
-                      &arguments,
-                      {}});
+                      one ? table.drag_of_body : table.drag_of_particles, &arguments,
+                      arguments.key});
   }
   view.flows = flows_.data();
   view.flow_count = flows_.size();
@@ -74,15 +94,18 @@ void FrictionMatrix<Real>::lay(const AssemblyPlan& plan, std::vector<AssembledBo
 template <class Real>
 void FrictionMatrix<Real>::collect(const AssemblyPlan& plan,
                                    const std::vector<AssembledForce<Real>>& forces) {
-  CoefficientSink sink(coefficients_);
+  CoefficientSink sink(coefficients_, warmth_);
   for (const AssembledForce<Real>& force : forces) {
     if (!force.is_operator) continue;
     Flow<Real> flow;
     if (plan.inertial && force.bound->flow(flow)) {
-      flow.key = {static_cast<std::uint64_t>(plan.scene->run.seed), stream_of(force.name)};
+      flow.key = key_of(plan, force);
       flows_.push_back(flow);
-    } else {
-      force.bound->friction(sink);
+      continue;
+    }
+    force.bound->friction(sink);
+    for (const std::size_t b : force.bodies) {
+      if (force.traits.stochastic) thermostats_[b] = &force;
     }
   }
 }
@@ -174,6 +197,95 @@ void FrictionMatrix<Real>::assign_particles(const AssemblyPlan& plan,
   arguments.keep = new_array(arguments.length, Real(0.0)).data();
   arguments.loss = new_array(arguments.length, Real(0.0)).data();
   arguments.known_h = new_array(kGroup, Real(-1.0)).data();
+}
+
+template <class Real>
+void FrictionMatrix<Real>::assign_noise(const AssemblyPlan& plan, const AssembledBody<Real>& body,
+                                        FrictionArguments<Real>& arguments) {
+  const BodySlot<Real>& slot = body.bound.slot;
+  const std::vector<double>& coefficient = coefficients_[body.bound.index];
+  const std::vector<double>& warmth = warmth_[body.bound.index];
+  const AssembledForce<Real>& thermostat = *thermostats_[body.bound.index];
+  arguments.key = key_of(plan, thermostat);
+  if (slot.rigid) {
+    double total = 0.0;
+    double friction = 0.0;
+    for (std::size_t i = 0; i < slot.count; ++i) {
+      total += warmth[i];
+      friction += coefficient[i];
+    }
+    const double temperature = total / friction;
+    constexpr double kSame = 1e-9;  // the temperatures of a bath, but for rounding
+    for (std::size_t i = 0; i < slot.count; ++i) {
+      if (std::abs(warmth[i] - temperature * coefficient[i]) <= kSame * total) continue;
+      refuse_noise(thermostat, "the temperature of its friction differs between particles",
+                   "one temperature on a rigid body, or coordinates = \"particles\"");
+      break;
+    }
+    arguments.bath = Real(temperature);
+    const bool off_centre =
+        arguments.moment[0] != Real(0.0) || arguments.moment[1] != Real(0.0);
+    if (!plan.inertial && arguments.rotates && off_centre) {
+      refuse_noise(thermostat,
+                   "its friction is not centred on the centre of mass: without inertia the noise "
+                   "would depend on the rotation",
+                   "equal coefficients for equal masses, or dynamics = \"inertial\"");
+    }
+    arguments.normals = new_array(kGroup, Real(0.0)).data();
+    return;
+  }
+  AlignedVector<Real>& temperature = new_array(arguments.length, Real(0.0));
+  for (std::size_t at = 0; at < arguments.length; ++at) {
+    const std::size_t i = at % slot.stride;
+    if (i < slot.count && arguments.coefficient[at] > Real(0.0)) {
+      temperature[at] = Real(warmth[i]) / Real(coefficient[i]);
+    }
+  }
+  arguments.temperature = temperature.data();
+  arguments.spread = new_array(arguments.length, Real(0.0)).data();
+  arguments.normals = new_array(arguments.length, Real(0.0)).data();
+}
+
+/// Without inertia: schemes displace coordinates by noise themselves.
+template <class Real>
+void FrictionMatrix<Real>::lay_noise(const AssemblyPlan& plan, SystemView<Real>& view) {
+  const auto& table = kernels::FrictionKernels.on<Real>(plan.set);
+  AlignedVector<Real>& scale = new_array(view.dofs, Real(0.0));
+  AlignedVector<Real>& friction = new_array(view.dofs, Real(0.0));
+  const auto place = [&](std::size_t at, const Real& coefficient, const Real& temperature) {
+    friction[at] = coefficient;
+    if (temperature > Real(0.0)) scale[at] = sqrt(Real(2.0) * temperature / coefficient);
+  };
+  for (const FrictionArguments<Real>& arguments : friction_) {
+    const BodySlot<Real>& slot = arguments.body;
+    if (slot.rigid) {
+      for (std::size_t d = 0; d < static_cast<std::size_t>(plan.dimension()); ++d) {
+        if (arguments.free[d]) place(slot.centre + d, arguments.total, arguments.bath);
+      }
+      if (arguments.rotates) place(slot.centre + kRotation, arguments.second, arguments.bath);
+    } else {
+      for (std::size_t at = 0; at < arguments.length; ++at) {
+        if (!(arguments.coefficient[at] > Real(0.0))) continue;
+        place(slot.offset + at, arguments.coefficient[at],
+              arguments.temperature == nullptr ? Real(0.0) : arguments.temperature[at]);
+      }
+    }
+    if (arguments.normals != nullptr) noises_.push_back({table.fill, &arguments, arguments.key});
+  }
+  if (noises_.empty()) return;
+  view.friction_rate = rate;
+  view.noises = noises_.data();
+  view.noise_count = noises_.size();
+  view.noise_scale = scale.data();
+  view.friction = friction.data();
+}
+
+template <class Real>
+void FrictionMatrix<Real>::refuse_noise(const AssembledForce<Real>& thermostat,
+                                        const std::string& why, const std::string& admissible) {
+  Complaint complaint{"temperature", why, admissible};
+  complaint.code = FaultCode::component_unsuitable;
+  faults_.push_back(fault_of(*thermostat.given, complaint));
 }
 
 template <class Real>

@@ -36,6 +36,12 @@ class FrictionMatrix {
  private:
   /// Of forces that are operators: the flows that they hand out, else their coefficients.
   void collect(const AssemblyPlan& plan, const std::vector<AssembledForce<Real>>& forces);
+  /// Noise of the bath that a body's friction stands for.
+  void assign_noise(const AssemblyPlan& plan, const AssembledBody<Real>& body,
+                    FrictionArguments<Real>& arguments);
+  void lay_noise(const AssemblyPlan& plan, SystemView<Real>& view);
+  void refuse_noise(const AssembledForce<Real>& thermostat, const std::string& why,
+                    const std::string& admissible);
   void assign_rigid(const AssemblyPlan& plan, AssembledBody<Real>& body, Real* inverse_mass,
                     FrictionArguments<Real>& arguments);
   void assign_particles(const AssemblyPlan& plan, const AssembledBody<Real>& body,
@@ -45,11 +51,15 @@ class FrictionMatrix {
   void miss(const AssemblyPlan& plan, const AssembledBody<Real>& body,
             const std::string& coordinate);
 
-  std::vector<std::vector<double>> coefficients_;  ///< of each body's particles
+  /// Of each body's particles.
+  std::vector<std::vector<double>> coefficients_;
+  std::vector<std::vector<double>> warmth_;  ///< coefficient times temperature; empty: no noise
+  std::vector<const AssembledForce<Real>*> thermostats_;  ///< of each body; null: none
   std::vector<Fault> faults_;
   std::deque<FrictionArguments<Real>> friction_;
   std::deque<AlignedVector<Real>> arrays_;
   std::vector<Flow<Real>> flows_;
+  std::vector<Noise<Real>> noises_;
   DriftHeatArguments<Real> drift_heat_;
   AlignedVector<Real> heat_of_bodies_;
   AlignedVector<Real> mobility_;

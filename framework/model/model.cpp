@@ -61,6 +61,7 @@ AssemblyPlan Model::plan_for(const Scene& scene, InstructionSet set) {
   plan.inertial = scene.run.dynamics == Dynamics::inertial || plan.quasistatic;
   plan.splits_friction = scene.run.integrator.record->splits_friction || plan.quasistatic;
   plan.ledger = scene.run.ledger;
+  plan.half_step_velocities = scene.run.integrator.record->half_step_velocities;
   for (const SceneBody& body : scene.bodies) {
     plan.geometry.push_back(bound_by(body, "body", [&] { return build(body, scene.dimension); }));
   }

@@ -1,6 +1,7 @@
 #include "framework/model/scheme_checks.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 #include <vector>
@@ -40,6 +41,13 @@ class SchemeChecks {
                return other.without_inertia && !other.follows_equilibria;
              }));
     }
+    if (scene_.run.dynamics != Dynamics::overdamped && !scheme_.with_inertia) {
+      refuse(FaultCode::integrator_unsuitable, "takes no dynamics with inertia",
+             integrators_that(scene_, [](const IntegratorRecord& other) {
+               return other.with_inertia && !other.follows_equilibria;
+             }));
+    }
+    check_noise();
     if (scheme_.splits_friction) check_split_friction();
     if (scheme_.splits_friction || scheme_.conservative_only) check_declared_drivers();
     check_operators();
@@ -59,6 +67,61 @@ class SchemeChecks {
     if (force.bound->own_count() == 0) return;
     refuse(FaultCode::integrator_unsuitable,
            "does not advance the variables of the force \"" + force.name + "\"", any_scene_);
+  }
+
+  /// Random numbers belong to the steps of a grid, and each to one operator in a step.
+  void check_noise() {
+    for (const Force& force : assembly_.forces()) {
+      if (!force.traits.stochastic) continue;
+      if (scene_.run.dynamics == Dynamics::quasistatic) {
+        faults_.emplace_back(FaultCode::component_unsuitable, place_of("dynamics"), "run.dynamics",
+                             "\"quasistatic\"",
+                             "follows equilibria without noise, and the force \"" + force.name +
+                                 "\" is stochastic",
+                             "\"inertial\" or \"overdamped\", or temperature = 0");
+      } else if (!scheme_.takes_noise) {
+        const bool inertial = scene_.run.dynamics == Dynamics::inertial;
+        refuse(FaultCode::integrator_unsuitable,
+               "draws no random numbers, and the force \"" + force.name + "\" is stochastic",
+               integrators_that(scene_, [inertial](const IntegratorRecord& other) {
+                 return other.takes_noise && (inertial ? other.with_inertia : other.without_inertia);
+               }));
+      }
+      for (const char* key : {"accuracy", "perturb", "until"}) {
+        if (!scene_.run.places.contains(key)) continue;
+        faults_.emplace_back(FaultCode::component_unsuitable, place_of(key),
+                             std::string("run.") + key, "",
+                             "compares runs that differ by little, and the force \"" + force.name +
+                                 "\" is stochastic",
+                             "other values of run.stream, which repeat the run with other noise");
+      }
+      check_samples(force);
+      return;
+    }
+  }
+
+  /// Between steps there is no path.
+  void check_samples(const Force& force) {
+    const OutputSettings& output = scene_.output;
+    if (!output.every || scheme_.step == nullptr) return;
+    const double dt = scheme_.step(scene_.run.integrator.description.get());
+    const double steps = *output.every / dt;
+    constexpr double kOnGrid = 1e-9;
+    if (std::round(steps) >= 1.0 && std::abs(steps - std::round(steps)) <= kOnGrid * steps) return;
+    const auto found = output.places.find("every");
+    faults_.emplace_back(
+        FaultCode::component_unsuitable, found == output.places.end() ? output.place : found->second,
+        "output.every", fmt::format("{}", *output.every),
+        fmt::format("no multiple of the step {}: the force \"{}\" is stochastic, and samples fall "
+                    "on steps",
+                    dt, force.name),
+        fmt::format("{} or {}", std::max(1.0, std::floor(steps)) * dt,
+                    (std::max(1.0, std::floor(steps)) + 1.0) * dt));
+  }
+
+  const Place& place_of(const char* key) const {
+    const auto found = scene_.run.places.find(key);
+    return found == scene_.run.places.end() ? scene_.run.place : found->second;
   }
 
   void check_split_friction() {
@@ -138,8 +201,7 @@ class SchemeChecks {
   }
 
   void check_dynamics() {
-    const auto found = scene_.run.places.find("dynamics");
-    const Place& place = found == scene_.run.places.end() ? scene_.run.place : found->second;
+    const Place& place = place_of("dynamics");
     for (const Force& force : assembly_.forces()) {
       if (!depends_on_velocity_otherwise(force)) continue;
       faults_.emplace_back(

@@ -377,7 +377,7 @@ RunResult Engine::Parts::result() {
     result.steps_per_second = static_cast<double>(housekeeping.steps()) / result.wall_seconds;
   }
   result.instruction_set = run.options.instruction_set;
-  result.groups = observation.results(rates.data());
+  observation.write_results(rates.data(), result);
   return result;
 }
 

@@ -61,6 +61,7 @@ void Housekeeping::after_block() {
 /// The origin follows the particles.
 void Housekeeping::follow() {
   observation_.look_at_rotations();
+  observation_.look_at_block_end();
   if (run_.model.rebase_if_due()) run_.integrator->rebased();
   if (disturb_every_ > 0.0 && run_.clock.time() >= *disturbed_ + disturb_every_) disturb();
 }

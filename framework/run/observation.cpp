@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "framework/run/blocking.hpp"
 #include "framework/run/energy_terms.hpp"
 #include "framework/run/observers/kinds.hpp"
 #include "framework/run/observers/observed_integrals.hpp"
@@ -27,7 +30,8 @@ std::span<const ObserverKind> observer_kinds() {
       force_means(), end_of_run(),      body_motion(),      extremes(),
       equilibrium(), pull_events(),     body_events(),      window_check(),
       work(),        friction_loops(),  event_counts(),     energy_ledger(),
-      long_bonds(),  force_deviation(), forces_on_bodies(),
+      long_bonds(),  force_deviation(), forces_on_bodies(), temperature(),
+      mean_errors(),
   };
   return kinds;
 }
@@ -92,6 +96,7 @@ Observation::Observation(RunContext& run)
     if (needs.readings) readers_.push_back(observer.get());
     if (needs.nodes) at_nodes_.push_back(observer.get());
     if (needs.ends) at_ends_.push_back(observer.get());
+    if (needs.blocks) at_block_ends_.push_back(observer.get());
   }
   block_.width = signals_.count();
   block_times_.assign(kBlock, 0.0);
@@ -279,6 +284,10 @@ void Observation::look_at_rotations() {
   });
 }
 
+void Observation::look_at_block_end() {
+  for (RunObserver* observer : at_block_ends_) observer->block_ended();
+}
+
 void Observation::look_now_and_then() {
   for (const auto& observer : observers_) observer->look_now_and_then();
 }
@@ -421,10 +430,24 @@ void Observation::finish(double* rates) {
   for (const auto& observer : observers_) observer->finish(end);
 }
 
-std::vector<ResultGroup> Observation::results(const double* rates) const {
+void Observation::write_results(const double* rates, RunResult& result) const {
   ResultTable table;
   for (const auto& observer : observers_) observer->results(table, rates);
-  return table.take(run_.options.all_observables ? Selection() : selection_);
+  result.errors = table.errors();
+  std::string unknown;
+  for (const ErrorEstimate& estimate : result.errors) {
+    if (estimate.error) continue;
+    unknown += (unknown.empty() ? "" : ", ") + estimate.path;
+  }
+  if (!unknown.empty()) {
+    result.warnings.push_back(
+        {FaultCode::run_error_not_estimated,
+         fmt::format("no statistical error of {}: the window is shorter than {:g} correlation "
+                     "times, or its blocks are too few",
+                     unknown, kFewestCorrelationTimes),
+         "measure"});
+  }
+  result.groups = table.take(run_.options.all_observables ? Selection() : selection_);
 }
 
 }  // namespace tomlin

@@ -46,6 +46,8 @@ class Observation {
   void force_changed(const std::string& force);
   void look_at_rotations();
   void look_now_and_then();
+  /// Every kBlock steps of the grid.
+  void look_at_block_end();
 
   /// The next sample or edge of the window.
   double next_due() const { return std::min(samples_.next_time(), window_.next_edge()); }
@@ -73,7 +75,8 @@ class Observation {
   void close_window();
   void stopped(double* rates);
   void finish(double* rates);
-  std::vector<ResultGroup> results(const double* rates) const;
+  /// Groups of results, errors and warnings that only they show.
+  void write_results(const double* rates, RunResult& result) const;
 
   MeasureWindow& window() { return window_; }
   Rotations& rotations() { return rotations_; }
@@ -116,6 +119,7 @@ class Observation {
   std::vector<RunObserver*> readers_;
   std::vector<RunObserver*> at_nodes_;
   std::vector<RunObserver*> at_ends_;
+  std::vector<RunObserver*> at_block_ends_;
   SignalBlock block_;
   std::vector<double> block_times_;
   std::vector<double> block_signals_;

@@ -46,11 +46,17 @@ class ResultTable {
   ResultGroup& group(std::string_view family, std::string_view name = "");
   ResultGroup& driver(const Model::Driver& driver) { return group("drivers", driver.name); }
   ResultGroup& body(const Model::Body& body) { return group("bodies", body.bound.name); }
+  /// Standard error of a result; nothing where it is unknown.
+  void add_error(std::string path, std::optional<double> error) {
+    errors_.push_back({std::move(path), error});
+  }
+  const std::vector<ErrorEstimate>& errors() const { return errors_; }
   /// Ordered by family: drivers, bodies, observers of the scene, then those of the whole run.
   std::vector<ResultGroup> take(const Selection& selection);
 
  private:
   std::vector<ResultGroup> groups_;
+  std::vector<ErrorEstimate> errors_;
 };
 
 /// A moment of a run at which its model has just been evaluated.
@@ -71,6 +77,7 @@ struct ObserverNeeds {
   bool readings = false;   ///< read()
   bool nodes = false;      ///< node(): states within every step
   bool ends = false;       ///< stepped(): the states after every step
+  bool blocks = false;     ///< block_ended()
 };
 
 /// Hooks are called in the order below; none need be overridden. What has to survive a checkpoint
@@ -104,6 +111,8 @@ class RunObserver {
   virtual void node(const RunMoment& moment, double weight) { (void)moment, (void)weight; }
   /// The start of the run, and the end of each step.
   virtual void stepped(const RunMoment& moment) { (void)moment; }
+  /// Every kBlock steps of the grid.
+  virtual void block_ended() {}
   /// An edge of the window.
   virtual void edge(const RunMoment& moment) { (void)moment; }
   virtual void next_window() {}

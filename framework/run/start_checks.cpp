@@ -151,8 +151,10 @@ void warn_of_idle_velocities(Check& check) {
       return std::any_of(vector.components.begin(), vector.components.end(),
                          [](double v) { return v != 0.0; });
     });
-    if (!any) continue;
-    const std::string key = fmt::format("body.{}.velocity", body.name);
+    const bool warm = body.record->common(body.description.get()).start_temperature > 0.0;
+    if (!any && !warm) continue;
+    const std::string key =
+        fmt::format("body.{}.{}", body.name, any ? "velocity" : "start_temperature");
     check.found.warnings.push_back(
         {FaultCode::scene_velocity_unused,
          fmt::format("{} means nothing without inertia: velocities follow from {}", key,

@@ -31,6 +31,9 @@ Triggers::Triggers(RunContext& run, const Rotations& rotations) : run_(run), rot
         {f, Instant(model, passing->when, key, force->place_of("reverse")), nullptr});
   }
   if (!any()) return;
+  stochastic_ =
+      std::any_of(model.forces().begin(), model.forces().end(),
+                  [](const Model::Force& force) { return force.traits.stochastic; });
   const SystemView<double>& view = model.system().view;
   rates_.assign(view.rates + 2 * kGroup, 0.0);
   turns_.assign(model.bodies().size(), 0.0);
@@ -136,6 +139,8 @@ std::optional<Triggers::Passed> Triggers::first_passed(const DoubleDouble& begin
     }
   }
   if (candidates.empty()) return std::nullopt;
+  // Between steps noise has no path: what happens takes effect at the end.
+  if (stochastic_) return Passed{candidates.front().first, 1.0};
   run_.integrator->finish_dense_from(since + h);
   Passed first;
   for (const auto& [t, side] : candidates) {

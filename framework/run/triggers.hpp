@@ -58,6 +58,7 @@ class Triggers {
   RunContext& run_;
   const Rotations& rotations_;
   std::vector<Trigger> triggers_;
+  bool stochastic_ = false;
   AlignedVector<double> rates_;  // aligned: kernels read them
   std::vector<double> turns_;
   Instant::State instant_;

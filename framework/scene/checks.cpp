@@ -22,7 +22,7 @@ namespace {
 // Keys of BodyDescription; a body's shape does not depend on them.
 bool is_common_key(std::string_view key) {
   return key == "particle_mass" || key == "velocity" || key == "displacement" ||
-         key == "coordinates";
+         key == "start_temperature" || key == "coordinates";
 }
 
 /// Whether all keys that a body's shape depends on were read.

@@ -87,6 +87,11 @@ class FreedomCheck {
     if (!prescribed && is_given("motion")) {
       complain("motion", "only a prescribed body has a motion", "coordinates = \"prescribed\"");
     }
+    if (!follows_forces(*coordinates_) && is_given("start_temperature")) {
+      complain("start_temperature",
+               fmt::format("a {} body does not move by forces", to_string(*coordinates_)),
+               "coordinates = \"particles\" or \"rigid\"");
+    }
     if (prescribed && is_given("velocity")) {
       complain("velocity", "a prescribed body has the velocity of its motion",
                "motion = { velocity = [..] }");

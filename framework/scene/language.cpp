@@ -172,6 +172,11 @@ TableLayout run_layout(bool until) {
       parameter("seed", &RunSettings::seed, dimension::none, "key of all random numbers")
           .in(non_negative)
           .by_default(std::int64_t{0}),
+      parameter("stream", &RunSettings::stream, dimension::none,
+                "of the noise of forces: runs with other streams repeat the run with independent "
+                "random numbers")
+          .in(non_negative)
+          .by_default(std::int64_t{0}),
       parameter("checkpoint_every", &RunSettings::checkpoint_every, dimension::none,
                 "wall time between checkpoints, in seconds")
           .in(positive)
@@ -352,15 +357,10 @@ const std::vector<ReservedKey>& reserved_top_level_keys() {
 }
 
 const std::vector<ReservedKey>& planned_words() {
-  static const char* const kBaths = "heat baths, and the noise that comes with them";
+  static const char* const kBaths = "further heat baths";
   static const char* const kMany = "many runs over values of parameters";
   static const char* const kPotentials = "potentials between atoms, cut off, with neighbour lists";
   static const std::vector<ReservedKey> words = {
-      {"temperature", kBaths},
-      {"noise", kBaths},
-      {"langevin", kBaths},
-      {"brownian", kBaths},
-      {"thermostat", kBaths},
       {"nose_hoover", kBaths},
       {"replicas", kMany},
       {"stability", "thresholds and equilibria"},

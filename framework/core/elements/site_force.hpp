@@ -267,7 +267,12 @@ class ParticleForce : public ForceOnSites<E, Real, D> {
   void friction(FrictionSink& sink) const override {
     if constexpr (Base::kHasFriction) {
       for (std::size_t i = 0; i < this->body_.slot.count; ++i) {
-        sink.site(this->body_.index, i, static_cast<double>(E::friction(at(i).own)));
+        const auto coefficient = static_cast<double>(E::friction(at(i).own));
+        sink.site(this->body_.index, i, coefficient);
+        if constexpr (requires(const typename E::Description& d) { E::temperature(d); }) {
+          const double temperature = E::temperature(description_at(i));
+          if (temperature > 0.0) sink.bath(this->body_.index, i, coefficient, temperature);
+        }
       }
     }
   }

@@ -1,5 +1,7 @@
 #include "framework/core/numbers/random.hpp"
 
+#include <string>
+
 #include <Random123/philox.h>
 
 namespace tomlin {
@@ -12,6 +14,11 @@ std::uint64_t stream_of(std::string_view name) {
   return stream;
 }
 
+std::uint64_t stream_of(std::string_view name, std::uint64_t repeat) {
+  if (repeat == 0) return stream_of(name);
+  return stream_of(std::string(name) + "/" + std::to_string(repeat));  // no name has a slash
+}
+
 namespace {
 
 r123::Philox4x64::ctr_type draw(const RandomKey& key, const RandomPlace& place) {
@@ -21,14 +28,24 @@ r123::Philox4x64::ctr_type draw(const RandomKey& key, const RandomPlace& place) 
   return generator(counter, words);
 }
 
+/// The middle of one of 2^52 equal parts of (0, 1): exact, and never an end.
+double uniform(std::uint64_t word) { return static_cast<double>(word >> 12) * 0x1p-52 + 0x1p-53; }
+
 }  // namespace
+
+void uniform_pairs(const RandomKey& key, const RandomPlace& place, std::size_t count,
+                   double* first, double* second) {
+  for (std::size_t k = 0; k < count; k += 2) {
+    const auto bits = draw(key, {place.a, place.b, place.c + k / 2, place.d});
+    for (std::size_t j = 0; j < 2 && k + j < count; ++j) {
+      first[k + j] = uniform(bits[2 * j]);
+      second[k + j] = uniform(bits[2 * j + 1]);
+    }
+  }
+}
 
 std::pair<double, double> uniform_pair(const RandomKey& key, const RandomPlace& place) {
   const auto bits = draw(key, place);
-  // The middle of one of 2^52 equal parts: exact, and never an end.
-  const auto uniform = [](std::uint64_t word) {
-    return static_cast<double>(word >> 12) * 0x1p-52 + 0x1p-53;
-  };
   return {uniform(bits[0]), uniform(bits[1])};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 #include <utility>
@@ -23,6 +24,14 @@ struct RandomPlace {
 
 /// The stream of what has this name, wherever it stands (FNV-1a, 64 bits; Fowler, Noll and Vo).
 std::uint64_t stream_of(std::string_view name);
+
+/// The stream of a component in one of the repeats of a run; that of repeat 0 is stream_of(name).
+std::uint64_t stream_of(std::string_view name, std::uint64_t repeat);
+
+/// Pairs of independent numbers, uniform in (0, 1): pair k is half of the block at {a, b, c + k/2,
+/// d}.
+void uniform_pairs(const RandomKey& key, const RandomPlace& place, std::size_t count,
+                   double* first, double* second);
 
 /// Two independent numbers, uniform in (0, 1).
 std::pair<double, double> uniform_pair(const RandomKey& key, const RandomPlace& place);

@@ -112,6 +112,11 @@ class FrictionSink {
  public:
   virtual ~FrictionSink() = default;
   virtual void site(std::size_t body, std::size_t particle, double coefficient) = 0;
+  /// Of friction with noise, after the coefficient: the temperature of its bath, an energy.
+  virtual void bath(std::size_t body, std::size_t particle, double coefficient,
+                    double temperature) {
+    (void)body, (void)particle, (void)coefficient, (void)temperature;
+  }
 
  protected:
   FrictionSink() = default;

@@ -58,6 +58,11 @@ struct IntegratorRecord : ComponentRecord {
   /// Takes operators (flow.hpp): friction, and whatever forces hand out, in place of the forces.
   /// Other forces that depend on velocity or have variables of their own are then refused.
   bool splits_friction = false;
+  /// Draws random numbers for forces with noise, at the steps of its grid.
+  bool takes_noise = false;
+  /// Its kinetic energies are those of velocities within steps (KineticIntegral).
+  bool half_step_velocities = false;
+  bool with_inertia = true;  ///< false: for overdamped scenes alone
   /// Takes bonds within bodies as an operator too, whose stiffness then limits no step.
   bool splits_bonds = false;
   bool needs_tangent = false;      ///< solves equations with the forces' derivatives
@@ -92,7 +97,7 @@ struct IntegratorRecord : ComponentRecord {
 
   /// True when no scene of particles is refused for what its forces are, with inertia or without.
   bool takes_any_scene() const {
-    return without_inertia && !splits_friction && !needs_tangent && !conservative_only &&
+    return without_inertia && with_inertia && !splits_friction && !needs_tangent && !conservative_only &&
            !follows_equilibria;
   }
 };

@@ -39,6 +39,9 @@ struct FlowStage {
   std::uint64_t step = 0;         ///< number of the step in the run
   std::uint64_t part = 0;         ///< which of an operator's flows in the step
   bool heat = false;              ///< false: what is returned does not matter
+  /// Linear friction by the implicit midpoint rule in place of its exact flow: a coordinate keeps
+  /// (1 - h gamma/2)/(1 + h gamma/2) of its velocity. Flows that forces hand out ignore it.
+  bool midpoint = false;
 };
 
 template <class Real>
@@ -50,6 +53,17 @@ struct Flow {
   Real (*drag)(const void* arguments, const Stage<Real>& stage) = nullptr;
   const void* arguments = nullptr;
   RandomKey key;  ///< for the stage; given by the model
+};
+
+/// Noise without inertia, where there are no velocities for an operator: independent normal numbers
+/// of mean 0 and variance 1, by which a scheme displaces coordinates.
+template <class Real>
+struct Noise {
+  /// Writes those of the step to numbers[i] for each coordinate i of its body, padding included.
+  void (*fill)(const void* arguments, const RandomKey& key, std::uint64_t step,
+               Real* numbers) = nullptr;
+  const void* arguments = nullptr;
+  RandomKey key;
 };
 
 }  // namespace tomlin

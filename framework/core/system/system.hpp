@@ -13,6 +13,14 @@
 /// A bound scene as integrators and kernels see it: plain arrays and a list of kernel calls.
 namespace tomlin {
 
+/// A running integral of a body's kinetic energy over the steps of a scheme that knows velocities
+/// within them (IntegratorRecord::half_step_velocities).
+struct KineticIntegral {
+  std::size_t first = 0;   ///< coordinates of the body
+  std::size_t length = 0;  ///< a multiple of a group
+  std::ptrdiff_t rate = kNoRate;
+};
+
 template <class Real>
 struct SystemView {
   std::size_t dofs = 0;  ///< length of position, velocity and force, padding included
@@ -47,6 +55,15 @@ struct SystemView {
   const Flow<Real>* flows = nullptr;
   std::size_t flow_count = 0;
   std::ptrdiff_t friction_rate = kNoRate;  ///< where their heat stands among the integrals, if kept
+
+  const KineticIntegral* kinetic = nullptr;  ///< none unless a force of the scene is stochastic
+  std::size_t kinetic_count = 0;
+
+  // Noise without inertia; none unless a force of the scene is stochastic.
+  const Noise<Real>* noises = nullptr;
+  std::size_t noise_count = 0;
+  const Real* noise_scale = nullptr;  ///< sqrt(2 kT/c) of each coordinate; zero where there is none
+  const Real* friction = nullptr;     ///< c: generalised friction coefficient of each coordinate
 
   /// The forces of a scene that is a single particle on a line; none otherwise.
   const PointForce<Real>* point_forces = nullptr;

@@ -21,6 +21,8 @@ ObserverKind event_counts();      ///< events
 ObserverKind energy_ledger();     ///< energy
 ObserverKind force_deviation();   ///< force_deviation, where it is asked for
 ObserverKind forces_on_bodies();  ///< forces, where they are asked for
+ObserverKind temperature();       ///< temperature of bodies, where there is noise
+ObserverKind mean_errors();       ///< statistical errors of means, where there is noise
 ObserverKind long_bonds();        ///< a warning of bonds as long as half the box
 
 }  // namespace tomlin::observers

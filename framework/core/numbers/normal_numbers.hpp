@@ -1,0 +1,50 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "framework/core/numbers/math.hpp"
+#include "framework/core/numbers/number_types.hpp"
+#include "framework/core/numbers/random.hpp"
+#include "framework/core/system/stage.hpp"
+
+/// Normal numbers, with the same bits on every instruction set: they depend on their key and their
+/// place alone (random.hpp).
+///
+///   z = sqrt(-2 log u) cos(2 pi w),  z' = sqrt(-2 log u) sin(2 pi w)
+///
+/// u, w uniform in (0, 1), to 53 digits: |z| < 8.6. In float and quadruple precision they are those
+/// of double. Source: G. E. P. Box and M. E. Muller, Ann. Math. Stat. 29 (1958) 610,
+/// doi:10.1214/aoms/1177706645.
+namespace tomlin {
+inline namespace TOMLIN_TARGET {
+
+/// `length` numbers, a multiple of a group, of mean 0 and variance 1. In each group only the first
+/// `used` are wanted: the others are some numbers. The blocks of a place count in its c.
+template <class Real>
+TOMLIN_INLINE void fill_normals(const RandomKey& key, RandomPlace place, std::size_t length,
+                                std::size_t used, Real* numbers) {
+  constexpr std::size_t kBlocks = kGroup / 2;  // for two groups of numbers
+  alignas(64) double radius[kGroup];
+  alignas(64) double angle[kGroup];
+  std::fill(radius, radius + kGroup, 0.5);
+  std::fill(angle, angle + kGroup, 0.5);
+  const auto put = [numbers](std::size_t from, const Pack& values) {
+    alignas(64) double part[kGroup];
+    values.store(part);
+    for (std::size_t k = 0; k < kGroup; ++k) numbers[from + k] = Real(part[k]);
+  };
+  for (std::size_t i = 0; i < length; i += 2 * kGroup, place.c += kBlocks) {
+    uniform_pairs(key, place, std::min(used, kGroup), radius, angle);
+    const Pack size = sqrt(Pack(-2.0) * log(Pack::load(radius)));
+    Pack sine(0.0);
+    Pack cosine(0.0);
+    sincos_turns(Pack::load(angle), sine, cosine);
+    put(i, size * cosine);
+    if (i + kGroup < length) put(i + kGroup, size * sine);
+  }
+}
+
+}  // namespace TOMLIN_TARGET
+}  // namespace tomlin

@@ -1,0 +1,49 @@
+#include "framework/run/blocking.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace tomlin {
+namespace {
+
+/// Fewer blocks do not show how much they scatter.
+constexpr std::size_t kFewestBlocks = 8;
+
+/// Variance of the mean, as if the numbers were independent.
+double variance_of_mean(const std::vector<double>& series) {
+  double mean = 0.0;
+  for (const double x : series) mean += x;
+  const auto n = static_cast<double>(series.size());
+  mean /= n;
+  double squares = 0.0;
+  for (const double x : series) squares += (x - mean) * (x - mean);
+  return squares / (n * (n - 1.0));
+}
+
+}  // namespace
+
+BlockedMean blocked_mean(std::span<const double> series) {
+  BlockedMean result;
+  std::vector<double> blocks(series.begin(), series.end());
+  const auto n = static_cast<double>(blocks.size());
+  if (n < kFewestCorrelationTimes) return result;
+  const double first = variance_of_mean(blocks);
+  if (!(first > 0.0)) return {.error = 0.0, .correlation_times = n};
+  for (double size = 1.0; blocks.size() >= kFewestBlocks; size *= 2.0) {
+    const double variance = variance_of_mean(blocks);
+    const double growth = variance / first;
+    if (size * size * size > 2.0 * n * growth * growth) {
+      result.correlation_times = growth > 1.0 ? n / growth : n;
+      if (result.correlation_times >= kFewestCorrelationTimes) result.error = std::sqrt(variance);
+      return result;
+    }
+    for (std::size_t k = 0; k < blocks.size() / 2; ++k) {
+      blocks[k] = 0.5 * (blocks[2 * k] + blocks[2 * k + 1]);
+    }
+    blocks.resize(blocks.size() / 2);
+  }
+  return result;
+}
+
+}  // namespace tomlin

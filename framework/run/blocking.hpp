@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+namespace tomlin {
+
+/// What is known of the mean of a correlated series.
+struct BlockedMean {
+  std::optional<double> error;      ///< standard error of the mean; nothing where it is unknown
+  double correlation_times = 0.0;  ///< lengths of the series by its integrated correlation time
+};
+
+/// The standard error of the mean of a series whose correlation time is not known, by blocking: the
+/// series is averaged over blocks of 2, 4, 8, ... until blocks are independent, the first size B
+/// with B^3 > 2 n (s_B/s_1)^4, s_B the standard error from blocks of B of the n numbers. Nothing
+/// where the series is shorter than kFewestCorrelationTimes.
+/// Source: H. Flyvbjerg and H. G. Petersen, J. Chem. Phys. 91 (1989) 461, doi:10.1063/1.457480; the
+/// size: R. M. Lee et al., Phys. Rev. E 83 (2011) 066706, doi:10.1103/PhysRevE.83.066706.
+BlockedMean blocked_mean(std::span<const double> series);
+
+inline constexpr double kFewestCorrelationTimes = 50.0;
+
+}  // namespace tomlin

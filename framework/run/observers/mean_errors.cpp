@@ -1,0 +1,218 @@
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "framework/core/text/axis_names.hpp"
+#include "framework/run/blocking.hpp"
+#include "framework/run/observers/kinds.hpp"
+#include "framework/run/plan.hpp"
+
+/// Statistical errors of means over the window, where there is noise: each mean over equal parts of
+/// the window is a series, whose scatter gives the error (blocking.hpp). A part is a period of the
+/// first driver that has one, else a block of steps; it doubles whenever there are too many.
+namespace tomlin::observers {
+namespace {
+
+constexpr std::size_t kMostParts = 1024;
+
+/// A mean: what has been gained of some integrals, or of a centre's way.
+struct Series {
+  std::string path;
+  std::string key;  ///< of its row
+  struct Term {
+    std::ptrdiff_t rate;
+    double weight;
+  };
+  std::vector<Term> terms;
+  std::size_t place = 0;  ///< body * dimension + axis, without terms
+};
+
+class MeanErrors : public RunObserver {
+ public:
+  explicit MeanErrors(const ObserverParts& parts) : parts_(parts) {
+    find_series();
+    const RunPlan& plan = parts.run.plan;
+    part_ = static_cast<double>(kBlock) * plan.dt;
+    for (const Model::Driver& driver : parts.run.model.drivers()) {
+      if (!drags(*driver.drive)) continue;
+      const auto period = time_of_period(parts.run.model, *driver.drive);
+      if (!period) continue;
+      part_ = std::max(part_, *period);
+      break;
+    }
+    now_.assign(series_.size(), 0.0);
+  }
+
+  ObserverNeeds needs() const override { return {.blocks = true}; }
+
+  void declare(StateLayout& layout) const override {
+    layout.add_reals("mean_errors.sums", (kMostParts + 1) * series_.size());
+    layout.add_reals("mean_errors.last", series_.size() + 2);
+    layout.add_integers("mean_errors.count", 1);
+  }
+  void attach(RunState& state) override {
+    sums_ = state.reals("mean_errors.sums");
+    last_ = state.reals("mean_errors.last");
+    last_time_ = last_ + series_.size();
+    length_ = last_time_ + 1;
+    count_ = state.integers("mean_errors.count");
+  }
+
+  /// The state's own integrals, at the edges those there.
+  void edge(const RunMoment& moment) override {
+    read(moment.position, moment.integrals);
+    if (*count_ != 0) {
+      follow(moment.time);
+      return;
+    }
+    *length_ = part_;
+    keep(now_);
+    remember(moment.time);
+  }
+
+  void block_ended() override {
+    if (*count_ == 0 || !parts_.window.is_open()) return;
+    const SystemView<double>& view = parts_.run.model.system().view;
+    read(view.position, view.integrals);
+    follow(parts_.run.clock.time());
+  }
+
+  void results(ResultTable& table, const double*) const override {
+    if (!parts_.window.is_over()) return;
+    for (std::size_t k = 0; k < series_.size(); ++k) {
+      if (!parts_.selection.wants(series_[k].key)) continue;
+      table.add_error(series_[k].path, blocked_mean(means_of(k)).error);
+    }
+  }
+
+ private:
+  void find_series() {
+    const Model& model = parts_.run.model;
+    for (const Model::Driver& driver : parts_.signals.drivers()) {
+      std::vector<Series::Term> along;
+      const double speed = drags(*driver.drive) ? speed_of(*driver.drive) : 0.0;
+      for (std::size_t d = 0; d < parts_.axes(); ++d) {
+        const auto rate = driver.first_rate + static_cast<std::ptrdiff_t>(d);
+        series_.push_back({fmt::format("drivers.{}.mean_force.{}", driver.name, kAxisNames[d]),
+                           "mean_force",
+                           {{rate, 1.0}}});
+        if (speed > 0.0) along.push_back({rate, driver.drive->velocity[d] / speed});
+      }
+      if (!along.empty()) {
+        series_.push_back({fmt::format("drivers.{}.mean_force_along", driver.name),
+                           "mean_force_along", std::move(along)});
+      }
+    }
+    const SystemView<double>& view = model.system().view;
+    std::size_t kinetic = 0;
+    for (std::size_t b = 0; b < model.bodies().size(); ++b) {
+      const Model::Body& body = model.bodies()[b];
+      if (body.bound.slot.mapped && !body.bound.slot.rigid) continue;
+      for (std::size_t d = 0; d < parts_.axes(); ++d) {
+        series_.push_back(
+            {fmt::format("bodies.{}.mean_velocity.{}", body.bound.name, kAxisNames[d]),
+             "mean_velocity",
+             {},
+             b * parts_.axes() + d});
+      }
+      if (body.kinetic_rate == kNoRate) continue;
+      const double* inverse = view.inverse_mass + view.kinetic[kinetic].first;
+      const auto free = std::count_if(inverse, inverse + view.kinetic[kinetic].length,
+                                      [](double inverse_mass) { return inverse_mass > 0.0; });
+      ++kinetic;
+      if (free == 0) continue;
+      series_.push_back({fmt::format("bodies.{}.temperature", body.bound.name),
+                         "temperature",
+                         {{body.kinetic_rate, 2.0 / static_cast<double>(free)}}});
+    }
+  }
+
+  void read(const double* position, const double* integrals) {
+    const Model& model = parts_.run.model;
+    for (std::size_t k = 0; k < series_.size(); ++k) {
+      const Series& one = series_[k];
+      now_[k] = 0.0;
+      for (const Series::Term& term : one.terms) now_[k] += term.weight * integrals[term.rate];
+      if (!one.terms.empty()) continue;
+      const std::size_t body = one.place / parts_.axes();
+      const auto axis = static_cast<int>(one.place % parts_.axes());
+      double centre[3];
+      model.centre(body, position, centre);
+      const DoubleDouble moved =
+          model.placed(axis, centre[axis]) - parts_.window.from().place(one.place);
+      now_[k] = static_cast<double>(moved);
+    }
+  }
+
+  /// Sums at the ends of parts up to now, interpolated between the times that are looked at.
+  void follow(double time) {
+    const double from = parts_.window.from().time;
+    std::vector<double> at(series_.size());
+    for (;;) {
+      const double end = from + static_cast<double>(*count_) * *length_;
+      if (!(end <= time)) break;
+      const double part = time > *last_time_ ? (end - *last_time_) / (time - *last_time_) : 1.0;
+      for (std::size_t k = 0; k < at.size(); ++k) at[k] = last_[k] + part * (now_[k] - last_[k]);
+      keep(at);
+    }
+    remember(time);
+  }
+
+  void remember(double time) {
+    std::copy(now_.begin(), now_.end(), last_);
+    *last_time_ = time;
+  }
+
+  void keep(const std::vector<double>& at) {
+    const std::size_t width = series_.size();
+    auto count = static_cast<std::size_t>(*count_);
+    if (count == kMostParts + 1) {
+      for (std::size_t j = 0; 2 * j <= kMostParts; ++j) {
+        std::copy_n(sums_ + 2 * j * width, width, sums_ + j * width);
+      }
+      count = kMostParts / 2 + 1;
+      *length_ *= 2.0;
+      *count_ = static_cast<std::int64_t>(count);
+      // This end is in the middle of a part now.
+      return;
+    }
+    std::copy(at.begin(), at.end(), sums_ + count * width);
+    *count_ = static_cast<std::int64_t>(count + 1);
+  }
+
+  std::vector<double> means_of(std::size_t k) const {
+    const std::size_t width = series_.size();
+    std::vector<double> means;
+    for (std::int64_t j = 0; j + 1 < *count_; ++j) {
+      const double* sum = sums_ + static_cast<std::size_t>(j) * width + k;
+      means.push_back((sum[width] - sum[0]) / *length_);
+    }
+    return means;
+  }
+
+  ObserverParts parts_;
+  std::vector<Series> series_;
+  std::vector<double> now_;
+  double part_ = 0.0;
+  double* sums_ = nullptr;  ///< [part][series], at the ends of parts
+  double* last_ = nullptr;
+  double* last_time_ = nullptr;
+  double* length_ = nullptr;  ///< of a part
+  std::int64_t* count_ = nullptr;
+};
+
+std::unique_ptr<RunObserver> make_mean_errors(const ObserverParts& parts) {
+  const std::vector<Model::Force>& forces = parts.run.model.forces();
+  const bool noise = std::any_of(forces.begin(), forces.end(),
+                                 [](const auto& force) { return force.traits.stochastic; });
+  if (!noise || parts.run.scene->run.until) return nullptr;
+  return std::make_unique<MeanErrors>(parts);
+}
+
+}  // namespace
+
+ObserverKind mean_errors() { return {.rows = {}, .make = make_mean_errors}; }
+
+}  // namespace tomlin::observers

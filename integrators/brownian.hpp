@@ -1,0 +1,167 @@
+#pragma once
+
+#include <cmath>
+#include <complex>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/records/integrator.hpp"
+#include "framework/core/system/scheme.hpp"
+#include "integrators/brownian_kernels.hpp"
+#include "integrators/hermite.hpp"
+
+TOMLIN_DECLARE_TABLES(BrownianKernels, BrownianTable)
+
+/// Schemes without inertia that displace coordinates by noise, one evaluation a step.
+namespace tomlin {
+
+struct BrownianDescription {
+  double dt = 0.0;
+};
+
+/// Of a step: the mean of the normal numbers of this step and the next, or those of this one.
+enum class BrownianNoise { of_the_step, averaged };
+
+template <class Real>
+class Brownian : public Integrator<Real> {
+ public:
+  Brownian(std::string name, BrownianNoise noise, System<Real>& system)
+      : Integrator<Real>(system),
+        name_(std::move(name)),
+        noise_(noise),
+        kernels_(kernels::BrownianKernels.on<Real>(system.set)),
+        hermite_(system.view.dofs, system.view.rates) {
+    const std::size_t n = system.view.dofs;
+    const std::size_t m = system.view.rates;
+    memory_.assign(5 * (n + kGap) + 2 * (m + kGap) + system.view.own + kGap, Real(0.0));
+    Real* next = memory_.data();
+    const auto take = [&next](std::size_t count) {
+      return std::exchange(next, next + count + kGap);
+    };
+    arrays_.move = take(n);
+    arrays_.position = take(n);
+    displacements_ = take(n);
+    this_step_ = take(n);
+    next_step_ = take(n);
+    arrays_.end_rates = take(m);
+    start_rates_ = take(m);
+    arrays_.own = take(system.view.own);
+    arrays_.noise = displacements_;
+  }
+
+  void declare(StateLayout& layout) override {
+    layout.add_numbers<Real>(name_ + ".slope", system_.view.dofs);
+    layout.add_numbers<Real>(name_ + ".rates", system_.view.rates);
+    layout.add_integers(name_ + ".started", 1);
+    layout.add_integers(name_ + ".step", 1);
+  }
+
+  void attach(RunState& state) override {
+    arrays_.slope = state.numbers<Real>(name_ + ".slope");
+    arrays_.rates = state.numbers<Real>(name_ + ".rates");
+    started_ = state.integers(name_ + ".started");
+    step_ = state.integers(name_ + ".step");
+  }
+
+  StepReport step_from(double since, double h, bool dense) override {
+    const SystemView<Real>& s = system_.view;
+    if (*started_ == 0) {
+      kernels_.first(s, arrays_, since);
+      std::copy(arrays_.slope, arrays_.slope + s.dofs, s.velocity);
+      system_.evaluations += 1;
+      *started_ = 1;
+    }
+    if (dense) {
+      hermite_.keep_start(s);
+      hermite_.keep_first(arrays_.slope, arrays_.rates);
+    }
+    std::copy(arrays_.rates, arrays_.rates + s.rates, start_rates_);
+    draw(static_cast<std::uint64_t>(*step_));
+    last_ = h;
+    system_.evaluations += 1;
+    if (!kernels_.step(s, arrays_, since, h)) return {0.0, StepFault::not_finite_or_too_far};
+    std::copy(arrays_.end_rates, arrays_.end_rates + s.rates, arrays_.rates);
+    ++*step_;
+    return {h, StepFault::none};
+  }
+
+  const Real* first_rates() const override { return start_rates_; }
+  void forces_changed() override { *started_ = 0; }
+  void finish_dense_from(double) override {}
+
+  void interpolate(double theta, double* position, double* velocity,
+                   double* integrals) const override {
+    hermite_.interpolate(theta, last_, system_.view, arrays_.slope, arrays_.rates, position,
+                         velocity, integrals);
+  }
+
+ private:
+  /// Between arrays, to keep them off powers of two.
+  static constexpr std::size_t kGap = 3 * kGroup;
+  using Integrator<Real>::system_;
+
+  void fill(std::uint64_t step, Real* numbers) {
+    for (std::size_t k = 0; k < system_.view.noise_count; ++k) {
+      const Noise<Real>& noise = system_.view.noises[k];
+      noise.fill(noise.arguments, noise.key, step, numbers);
+    }
+  }
+
+  void draw(std::uint64_t step) {
+    if (system_.view.noise_count == 0) return;
+    if (noise_ == BrownianNoise::of_the_step) {
+      fill(step, displacements_);
+      return;
+    }
+    if (known_ == step) {
+      std::swap(this_step_, next_step_);
+    } else {
+      fill(step, this_step_);
+    }
+    fill(step + 1, next_step_);
+    known_ = step + 1;
+    for (std::size_t i = 0; i < system_.view.dofs; ++i) {
+      displacements_[i] = Real(0.5) * (this_step_[i] + next_step_[i]);
+    }
+  }
+
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+
+  std::string name_;
+  BrownianNoise noise_;
+  const BrownianTable<Real>& kernels_;
+  HermiteOutput<Real> hermite_;
+  AlignedVector<Real> memory_;
+  BrownianArrays<Real> arrays_;
+  Real* displacements_ = nullptr;
+  Real* this_step_ = nullptr;
+  Real* next_step_ = nullptr;
+  std::uint64_t known_ = kNone;  ///< the step whose numbers next_step_ has
+  Real* start_rates_ = nullptr;
+  std::int64_t* started_ = nullptr;
+  std::int64_t* step_ = nullptr;  ///< so many have been taken
+  double last_ = 0.0;
+};
+
+/// The record of one of them, but for what only a reader needs.
+template <class Factories>
+IntegratorRecord brownian_record(std::string name, Factories factories) {
+  using Description = BrownianDescription;
+  IntegratorRecord record;
+  record.name = std::move(name);
+  record.evaluations_per_step = 1;
+  record.with_inertia = false;
+  record.takes_noise = true;
+  record.make_description = &make_description<Description>;
+  record.parameters = {parameter("dt", &Description::dt, dimension::time, "the step").in(positive)};
+  record.growth = [](std::complex<double> z) { return std::abs(1.0 + z); };
+  record.step = [](const void* d) { return static_cast<const Description*>(d)->dt; };
+  record.complaints = [](const void*) { return std::vector<Complaint>(); };
+  record.bind = factories;
+  return record;
+}
+
+}  // namespace tomlin

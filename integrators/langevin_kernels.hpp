@@ -1,0 +1,109 @@
+#pragma once
+
+#include "integrators/composition_kernels.hpp"
+#include "integrators/velocity_verlet_kernels.hpp"
+
+namespace tomlin {
+inline namespace TOMLIN_TARGET {
+
+/// A step of the velocity Verlet scheme with all operators in the middle of its drift: kick h/2,
+/// drift h/2, operators h, drift h/2, kick h/2. Linear friction by its exact flow, or by the
+/// midpoint rule.
+template <bool midpoint>
+struct LangevinKernels : CompositionKernels<VerletScheme> {
+  using Verlet = CompositionKernels<VerletScheme>;
+
+  /// Moves by h v, as far as the step has come. False when something moved too far.
+  template <class Real>
+  TOMLIN_INLINE static bool move(const SystemView<Real>& s, const CompositionArrays<Real>& w,
+                                 Real h, bool first) {
+    using Group = Packed<Real>;
+    auto sound = first_lanes_of<Group>(kGroup);
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      const Group way = Group(h) * Group::load(w.velocity + i);
+      const Group so_far = first ? way : Group::load(w.move + i) + way;
+      sound = sound & (abs(so_far) <= Group::load(s.largest_move + i));
+      so_far.store(w.move + i);
+      (Group::load(s.position + i) + so_far).store(w.position + i);
+    }
+    return all(sound);
+  }
+
+  template <class Real>
+  TOMLIN_INLINE static Real kinetic_energy(const SystemView<Real>& s,
+                                           const CompositionArrays<Real>& w,
+                                           const KineticIntegral& body) {
+    using Group = Packed<Real>;
+    const Group none(Real(0.0));
+    Group total = none;
+    for (std::size_t i = body.first; i < body.first + body.length; i += kGroup) {
+      const Group inverse = Group::load(s.inverse_mass + i);
+      const Group v = Group::load(w.velocity + i);
+      const auto moves = none < inverse;
+      total += select(moves, v * v / select(moves, inverse, Group(Real(1.0))), none);
+    }
+    return Real(0.5) * sum(total);
+  }
+
+  template <class Real>
+  TOMLIN_FLATTEN static bool step(const SystemView<Real>& system,
+                                  const CompositionArrays<Real>& arrays, double start,
+                                  double length) {
+    using Group = Packed<Real>;
+    const SystemView<Real> s = system;
+    const CompositionArrays<Real> w = arrays;
+    const Real h(length);
+    const Real half = Real(0.5) * h;
+
+    Verlet::copy<Real>(s.velocity, s.dofs, w.velocity);
+    if (kCompensated<Real>) Verlet::copy<Real>(s.velocity_rest, s.dofs, w.velocity_rest);
+    Verlet::copy<Real>(s.integrals, s.own, w.own_after);
+    Verlet::kick<Real>(s, w.force, half, w.velocity, w.velocity_rest);
+    if (!move(s, w, half, true)) return false;
+    FlowStage<Real> middle;
+    middle.position = w.position;
+    middle.inverse_mass = s.inverse_mass;
+    middle.velocity = w.velocity;
+    middle.velocity_rest = w.velocity_rest;
+    middle.own = w.own_after;
+    middle.step = w.step;
+    middle.heat = s.friction_rate != kNoRate;
+    middle.midpoint = midpoint;
+    const Real heat = apply_flows(s, middle, h, false);
+    for (std::size_t k = 0; k < s.kinetic_count; ++k) {
+      w.half_step_energy[k] = kinetic_energy(s, w, s.kinetic[k]);
+    }
+    if (!move(s, w, half, false)) return false;
+    // Own variables are operators', or follow from the time alone.
+    for (std::size_t i = 0; i < s.own; i += kGroup) {
+      fma(Group(h), Group::load(w.rates + i), Group::load(w.own_after + i)).store(w.own + i);
+    }
+    if (!Verlet::stage(s, w, w.end_rates, Real(start) + h)) return false;
+
+    for (std::size_t i = 0; i < s.dofs; i += kGroup) {
+      add_move(s.position, s.position_rest, i, Group::load(w.move + i));
+    }
+    Verlet::copy<Real>(s.force, s.dofs, w.force);
+    Verlet::kick<Real>(s, w.force, half, w.velocity, w.velocity_rest);
+    Verlet::copy<Real>(w.velocity, s.dofs, s.velocity);
+    if (kCompensated<Real>) Verlet::copy<Real>(w.velocity_rest, s.dofs, s.velocity_rest);
+    Verlet::copy<Real>(w.own_after, s.own, s.integrals);
+    Verlet::add_integrals(s, w, h);
+    if (s.friction_rate != kNoRate) add_one(s.integrals, s.integrals_rest, s.friction_rate, heat);
+    for (std::size_t k = 0; k < s.kinetic_count; ++k) {
+      add_one(s.integrals, s.integrals_rest, s.kinetic[k].rate, h * w.half_step_energy[k]);
+    }
+    return true;
+  }
+
+  template <class Real>
+  static constexpr CompositionTable<Real> kernels() {
+    return {&Verlet::first<Real>, &step<Real>, &Verlet::slopes<Real>};
+  }
+};
+
+struct BaoabKernels : LangevinKernels<false> {};
+struct GjfKernels : LangevinKernels<true> {};
+
+}  // namespace TOMLIN_TARGET
+}  // namespace tomlin
