@@ -95,7 +95,7 @@ class SchemeChecks {
                                  "\" is stochastic",
                              "other values of run.stream, which repeat the run with other noise");
       }
-      check_samples(force);
+      if (scheme_.takes_noise) check_samples(force);
       return;
     }
   }

@@ -33,15 +33,6 @@ class MeanErrors : public RunObserver {
  public:
   explicit MeanErrors(const ObserverParts& parts) : parts_(parts) {
     find_series();
-    const RunPlan& plan = parts.run.plan;
-    part_ = static_cast<double>(kBlock) * plan.dt;
-    for (const Model::Driver& driver : parts.run.model.drivers()) {
-      if (!drags(*driver.drive)) continue;
-      const auto period = time_of_period(parts.run.model, *driver.drive);
-      if (!period) continue;
-      part_ = std::max(part_, *period);
-      break;
-    }
     now_.assign(series_.size(), 0.0);
   }
 
@@ -67,7 +58,7 @@ class MeanErrors : public RunObserver {
       follow(moment.time);
       return;
     }
-    *length_ = part_;
+    *length_ = first_part();
     keep(now_);
     remember(moment.time);
   }
@@ -88,6 +79,16 @@ class MeanErrors : public RunObserver {
   }
 
  private:
+  double first_part() const {
+    const double block = static_cast<double>(kBlock) * parts_.run.plan.dt;
+    for (const Model::Driver& driver : parts_.run.model.drivers()) {
+      if (!drags(*driver.drive)) continue;
+      const auto period = time_of_period(parts_.run.model, *driver.drive);
+      if (period) return std::max(block, *period);
+    }
+    return block;
+  }
+
   void find_series() {
     const Model& model = parts_.run.model;
     for (const Model::Driver& driver : parts_.signals.drivers()) {
@@ -195,7 +196,6 @@ class MeanErrors : public RunObserver {
   ObserverParts parts_;
   std::vector<Series> series_;
   std::vector<double> now_;
-  double part_ = 0.0;
   double* sums_ = nullptr;  ///< [part][series], at the ends of parts
   double* last_ = nullptr;
   double* last_time_ = nullptr;
