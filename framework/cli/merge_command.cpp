@@ -98,8 +98,8 @@ SweepPlan plan_in(const fs::path& folder, Registry& registry) {
                  "the folder of a sweep");
   }
   if (settings->refine.what) {
-    refuse_input(FaultCode::command_conflict, file, "sweep.refine", "a sweep that is refined has no shards",
-                 "folders of --shard I/N");
+    refuse_input(FaultCode::command_conflict, file, "sweep.refine",
+                 "a sweep that is refined has no shards", "folders of --shard I/N");
   }
   return SweepPlan(std::move(document), registry, {}, *std::move(settings), TOMLIN_VERSION,
                    std::move(faults));

@@ -157,10 +157,8 @@ std::string sweep_summary_schema() {
   schema["properties"]["shard"] = all_of({{"number", count}, {"of", count}, {"points", count}});
   schema["properties"]["shard"]["description"] =
       "of --shard: which part of the points this is, and how many; counts and warnings are its own";
-  const Json two_numbers = {{"type", "array"},
-                            {"items", {{"type", "number"}}},
-                            {"minItems", 2},
-                            {"maxItems", 2}};
+  const Json two_numbers = {
+      {"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", 2}, {"maxItems", 2}};
   Json interval = all_of({{"status", {{"enum", words_of<BisectionStatus>()}}},
                           {"axes", map_of({{"type", {"number", "string"}}})}});
   interval["properties"]["interval"] = two_numbers;
@@ -172,7 +170,8 @@ std::string sweep_summary_schema() {
                                            {"to", {{"type", "number"}}},
                                            {"intervals", list_of_these(std::move(interval))}});
   schema["properties"]["refine"]["description"] =
-      "of --refine: intervals of the axis `along`, the observable at their two ends, and the values "
+      "of --refine: intervals of the axis `along`, the observable at their two ends, and the "
+      "values "
       "of the other axes";
   return schema.dump(2) + "\n";
 }

@@ -55,8 +55,7 @@ class RefinementReader {
     if (!is_right) return std::nullopt;
     const SweepValues& values = settings_.over[refinement.axis].values;
     for (std::size_t k = 1; k < values.size(); ++k) {
-      const std::size_t rounds =
-          refinement.rounds_between(values.number(k - 1), values.number(k));
+      const std::size_t rounds = refinement.rounds_between(values.number(k - 1), values.number(k));
       refinement.rounds = std::max(refinement.rounds, rounds);
     }
     double most = 1.0 + static_cast<double>(refinement.rounds);
@@ -75,9 +74,11 @@ class RefinementReader {
  private:
   void complain(FaultCode code, const SweepText& written, std::string why, std::string admissible,
                 std::string nearest = "") {
-    faults_.emplace_back(code, written.place, written.key,
-                         shortened(written.text, kLongestShownValue), std::move(why),
-                         std::move(admissible), std::move(nearest));
+    const std::string shown = shortened(written.text, kLongestShownValue);
+    const bool is_option = written.key.empty();
+    faults_.emplace_back(code, written.place, is_option ? shown : written.key,
+                         is_option ? "" : shown, std::move(why), std::move(admissible),
+                         std::move(nearest));
   }
 
   bool read_what(SweepRefinement& refinement) {
@@ -174,7 +175,8 @@ class RefinementReader {
 }  // namespace
 
 double SweepRefinement::middle(double from, double to) const {
-  return logarithmic ? rounded_logarithmic_step(from, to, 1, 2) : rounded_linear_step(from, to, 1, 2);
+  return logarithmic ? rounded_logarithmic_step(from, to, 1, 2)
+                     : rounded_linear_step(from, to, 1, 2);
 }
 
 std::size_t SweepRefinement::rounds_between(double from, double to) const {

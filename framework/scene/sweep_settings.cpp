@@ -305,8 +305,8 @@ class SweepReader {
       } else if (entry.key == "refine_along") {
         read_text(entry, settings_.refine.along, "a name of over in quotes");
       } else if (entry.key == "refine_to") {
-        const bool is_number = entry.value.as<double>() != nullptr ||
-                               entry.value.as<std::int64_t>() != nullptr;
+        const bool is_number =
+            entry.value.as<double>() != nullptr || entry.value.as<std::int64_t>() != nullptr;
         if (is_number) {
           settings_.refine.to = {value_text(entry.value), source_.place(entry.value.where),
                                  "sweep.refine_to"};

@@ -88,9 +88,8 @@ void SweepBisection::go_on(Bisection& bisection) {
       return;
     }
     const bool is_in_first_half =
-        refinement.level
-            ? (low.number < *refinement.level) != (middle.number < *refinement.level)
-            : difference_of(low, middle) >= difference_of(middle, high);
+        refinement.level ? (low.number < *refinement.level) != (middle.number < *refinement.level)
+                         : difference_of(low, middle) >= difference_of(middle, high);
     (is_in_first_half ? high : low) = middle;
     if (!refinement.level && difference_of(low, high) < kJumpKeeps * bisection.difference) {
       bisection.status = BisectionStatus::smooth;

@@ -12,8 +12,8 @@
 #include "framework/study/sweep/plan.hpp"
 
 /// The results of a sweep, made once every point has a row. They depend on the rows alone, and take
-/// the same memory for any number of points but for the order of those of a refinement (RowOrder). A
-/// file appears complete or not at all.
+/// the same memory for any number of points but for the order of those of a refinement (RowOrder).
+/// A file appears complete or not at all.
 namespace tomlin {
 
 /// What the rows come to.

@@ -246,8 +246,8 @@ void SweepPlan::find_observables(std::vector<Fault>& faults) {
   find_observable(*result, refinement_->observable, place, faults);
   if (!faults.empty()) return;
   const std::string path = full_path(*result, refinement_->observable, place);
-  refined_column_ = static_cast<std::size_t>(std::find(paths_.begin(), paths_.end(), path) -
-                                             paths_.begin());
+  refined_column_ =
+      static_cast<std::size_t>(std::find(paths_.begin(), paths_.end(), path) - paths_.begin());
 }
 
 /// One that is there already comes once.

@@ -31,7 +31,8 @@ RowOrder::RowOrder(const SweepPlan& plan) : plan_(plan) {
 void RowOrder::read(const SweepJournal& journal, std::size_t first,
                     std::span<SweepRow> rows) const {
   if (!plan_.refinement()) return journal.read(first, rows);
-  for (std::size_t k = 0; k < rows.size(); ++k) journal.read(points_[first + k], rows.subspan(k, 1));
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    journal.read(points_[first + k], rows.subspan(k, 1));
 }
 
 }  // namespace tomlin

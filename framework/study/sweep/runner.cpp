@@ -180,10 +180,11 @@ std::size_t SweepProgress::done_here() const {
 
 SweepProgress run_sweep(const SweepPlan& plan, SweepRows& rows, const SweepOptions& options) {
   SweepProgress progress;
-  do {
+  for (;;) {
     progress = SweepWork(plan, rows, options, progress).run();
-  } while (options.add_points && progress.complete() && options.add_points());
-  return progress;
+    if (!options.add_points || !progress.complete()) return progress;
+    if (!options.add_points()) return progress_before(plan, rows, options, progress);
+  }
 }
 
 }  // namespace tomlin

@@ -57,8 +57,8 @@ struct SweepProgress {
 
 struct SweepOptions {
   std::size_t threads = 1;
-  SweepPart part = {};                      ///< the points that are run
-  PointQueue* queue = nullptr;              ///< where they come from, if not from the plan
+  SweepPart part = {};          ///< the points that are run
+  PointQueue* queue = nullptr;  ///< where they come from, if not from the plan
   /// Called when all points have a row, to add some to the plan; false: none are missing.
   std::function<bool()> add_points = {};
   std::size_t processes = 1;                ///< that share them, with as many threads each

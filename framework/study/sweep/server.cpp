@@ -141,8 +141,9 @@ SweepProgress SweepServer::run(const SweepPlan& plan, SweepRows& rows,
       hand_out(mail->from, plan, queue->take(most));
     } else if (message.kind == Kind::ready && ++ready == clients() && !stopped_) {
       ready = 0;
-      if (progress.complete() && options.add_points && options.add_points()) {
-        progress = progress_before(plan, rows, options, progress);
+      const bool has_more = progress.complete() && options.add_points && options.add_points();
+      progress = progress_before(plan, rows, options, progress);
+      if (has_more) {
         queue.emplace(plan, rows, options.part);
         send_to_all(Kind::welcome);
       } else {

@@ -25,7 +25,8 @@ void for_each_row(const SweepPlan& plan, const SweepJournal& journal, Visit visi
     if (!part.has(first)) continue;
     const auto block = std::span(rows).first(std::min(rows.size(), order.size() - first));
     order.read(journal, first, block);
-    for (std::size_t k = 0; k < block.size(); ++k) visit(first + k, order.point(first + k), block[k]);
+    for (std::size_t k = 0; k < block.size(); ++k)
+      visit(first + k, order.point(first + k), block[k]);
   }
 }
 
