@@ -27,7 +27,7 @@ double width_between(double from, double to, bool logarithmic) {
   return logarithmic ? std::abs(rounded_log(to) - rounded_log(from)) : std::abs(to - from);
 }
 
-/// Reads what was written. Each function adds a fault where it returns nothing.
+/// Reads what was written; its functions return false where it is wrong.
 class RefinementReader {
  public:
   RefinementReader(const SweepSettings& settings, const std::vector<SweepDimension>& dimensions,
@@ -49,10 +49,10 @@ class RefinementReader {
                "no continue_from_neighbour beside it");
     }
     SweepRefinement refinement;
-    bool is_right = read_what(refinement);
-    if (!read_axis(refinement)) return std::nullopt;
-    is_right = read_width(refinement) && is_right;
-    if (!is_right) return std::nullopt;
+    const bool is_what_right = read_what(refinement);
+    const bool is_width_right = read_width(refinement);
+    if (!read_axis(refinement) || !check_width(refinement)) return std::nullopt;
+    if (!is_what_right || !is_width_right) return std::nullopt;
     const SweepValues& values = settings_.over[refinement.axis].values;
     for (std::size_t k = 1; k < values.size(); ++k) {
       const std::size_t rounds = refinement.rounds_between(values.number(k - 1), values.number(k));
@@ -84,8 +84,7 @@ class RefinementReader {
   bool read_what(SweepRefinement& refinement) {
     const std::string& text = refine_.what->text;
     const std::size_t equals = text.find('=');
-    refinement.observable = text.substr(0, equals);
-    if (refinement.observable.empty()) {
+    if (refined_observable(refine_).empty()) {
       complain(FaultCode::command_missing_argument, *refine_.what, "no observable",
                "OBSERVABLE, or OBSERVABLE=LEVEL");
       return false;
@@ -142,27 +141,33 @@ class RefinementReader {
     return true;
   }
 
+  /// 0 where none was given.
   bool read_width(SweepRefinement& refinement) {
-    const SweepAxis& axis = settings_.over[refinement.axis];
-    const double from = first_number(axis);
-    const double to = last_number(axis);
-    const double span = width_between(from, to, refinement.logarithmic);
-    refinement.width = kWidthByDefault * span;
-    const double largest = std::max(std::abs(from), std::abs(to));
-    const double least = kLeastWidth * (refinement.logarithmic ? 1.0 : largest);
-    if (!refine_.to) {
-      refinement.width = std::max(refinement.width, least);
-      return true;
-    }
+    if (!refine_.to) return true;
     const auto width = finite_constant(refine_.to->text);
-    if (width && *width >= least) {
+    if (width && *width > 0.0) {
       refinement.width = *width;
       return true;
     }
+    complain(FaultCode::command_invalid_value, *refine_.to, "not a finite number above 0",
+             "a width of the axis, or of its logarithm");
+    return false;
+  }
+
+  /// Once the axis is known.
+  bool check_width(SweepRefinement& refinement) {
+    const SweepAxis& axis = settings_.over[refinement.axis];
+    const double from = first_number(axis);
+    const double to = last_number(axis);
+    const double largest = std::max(std::abs(from), std::abs(to));
+    const double least = kLeastWidth * (refinement.logarithmic ? 1.0 : largest);
+    if (!refine_.to) {
+      const double span = width_between(from, to, refinement.logarithmic);
+      refinement.width = std::max(kWidthByDefault * span, least);
+    }
+    if (refinement.width >= least || refinement.width == 0.0) return true;
     complain(FaultCode::command_invalid_value, *refine_.to,
-             width ? "so narrow an interval has no numbers inside" : "not a finite number",
-             fmt::format("a width {}, from {:.2g}",
-                         refinement.logarithmic ? "of the logarithm" : "of the axis", least));
+             "so narrow an interval has no numbers inside", fmt::format("from {:.2g}", least));
     return false;
   }
 
@@ -173,6 +178,10 @@ class RefinementReader {
 };
 
 }  // namespace
+
+std::string refined_observable(const RefineSettings& refine) {
+  return refine.what ? refine.what->text.substr(0, refine.what->text.find('=')) : "";
+}
 
 double SweepRefinement::middle(double from, double to) const {
   return logarithmic ? rounded_logarithmic_step(from, to, 1, 2)

@@ -12,7 +12,6 @@ namespace tomlin {
 /// Which points a sweep adds between those of its axes, by bisection along one of them: where an
 /// observable crosses a level, or else where it jumps.
 struct SweepRefinement {
-  std::string observable;       ///< as it was written
   std::optional<double> level;  ///< none: where it jumps
   std::size_t axis = 0;         ///< of numbers that rise or fall
   bool logarithmic = false;     ///< the middle of an interval, and its width
@@ -23,6 +22,9 @@ struct SweepRefinement {
   /// How often an interval is halved.
   std::size_t rounds_between(double from, double to) const;
 };
+
+/// What is to be refined by, of "OBSERVABLE=LEVEL"; empty where nothing is.
+std::string refined_observable(const RefineSettings& refine);
 
 /// What `refine` and the keys beside it ask for; nothing where they do not or are wrong, for which
 /// faults are added.

@@ -241,11 +241,12 @@ void SweepPlan::find_observables(std::vector<Fault>& faults) {
   for (const std::string& given : sweep_.observables) {
     find_observable(*result, given, sweep_.observables_place, faults);
   }
-  if (!refinement_) return;
+  const std::string refined = refined_observable(sweep_.refine);
+  if (refined.empty()) return;
   const Place& place = sweep_.refine.what->place;
-  find_observable(*result, refinement_->observable, place, faults);
+  find_observable(*result, refined, place, faults);
   if (!faults.empty()) return;
-  const std::string path = full_path(*result, refinement_->observable, place);
+  const std::string path = full_path(*result, refined, place);
   refined_column_ =
       static_cast<std::size_t>(std::find(paths_.begin(), paths_.end(), path) - paths_.begin());
 }
