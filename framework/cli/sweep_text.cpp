@@ -95,8 +95,9 @@ std::string interval_text(const SweepPlan& plan, const Bisection& one) {
   return text;
 }
 
-/// What is refined, and the first intervals with a result.
-std::string refined_rows(const SweepPlan& plan, const std::vector<Bisection>& bisections) {
+/// What is refined, how many points were added, and the first intervals with a result.
+std::string refined_rows(const SweepPlan& plan, std::size_t added,
+                         const std::vector<Bisection>& bisections) {
   if (!plan.refinement()) return "";
   std::vector<std::size_t> counts(kWordTable<BisectionStatus>.size());
   std::string intervals;
@@ -108,7 +109,7 @@ std::string refined_rows(const SweepPlan& plan, const std::vector<Bisection>& bi
     ++shown;
     intervals += result_row(to_string(*one.status), interval_text(plan, one));
   }
-  std::string text = refined_text(plan);
+  std::string text = fmt::format("{}: {} points more", refined_text(plan), added);
   for (std::size_t k = 0; k < counts.size(); ++k) {
     if (counts[k] == 0) continue;
     text += fmt::format(", {} {}", counts[k], to_string(static_cast<BisectionStatus>(k)));
@@ -259,7 +260,8 @@ std::string sweep_text(const SweepPlan& plan, const SweepProgress& progress,
     }
   }
   text += axes_and_observables(plan, shard);
-  text += refined_rows(plan, bisections);
+  text +=
+      refined_rows(plan, progress.points - std::min(progress.points, plan.points()), bisections);
   if (counts != nullptr) text += remarks(plan, *counts);
   text += result_row(
       "time", fmt::format("{} for {} points, {:.3g} points/s", duration_text(progress.seconds),

@@ -529,7 +529,7 @@ class Sweeps(unittest.TestCase):
                  "--over", "v=0.1:0.3:3", "--over", "run.dynamics=inertial,overdamped",
                  "--over", "run.integrator.relative_tolerance=1e-6,-1",
                  "--observable", "driver.mean_force.x", "-o", folder,
-                 "--refine", "driver.mean_force.x=0.5", "--refine-along", "v"],
+                 "--refine", "driver.mean_force.x=1.3", "--refine-along", "v"],
                 capture_output=True, check=True)
             sweep = json.loads(pathlib.Path(folder, "sweep.json").read_text())
         self.assertEqual([fault.message for fault in validator.iter_errors(sweep)], [])
