@@ -63,6 +63,7 @@ void find_points(StoredSweep& sweep) {
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
   if (!rises) std::reverse(numbers.begin(), numbers.end());
   std::vector<std::string> texts;
+  texts.reserve(numbers.size());
   for (const double number : numbers) texts.push_back(number_as_setting(number));
   sweep.axes[refined].values = SweepValues::listed(std::move(texts));
   sweep.points = words[0].size();
@@ -72,13 +73,16 @@ void find_points(StoredSweep& sweep) {
     if (axes.front() == refined) sweep.dimensions[d].count = numbers.size();
     std::map<std::vector<std::string>, std::size_t> index_of;
     for (std::size_t k = 0; k < sweep.dimensions[d].count; ++k) {
-      std::vector<std::string> key;
-      for (const std::size_t axis : axes) key.push_back(word_of(sweep.axes[axis].values, k));
+      std::vector<std::string> key(axes.size());
+      std::transform(axes.begin(), axes.end(), key.begin(), [&sweep, k](std::size_t axis) {
+        return word_of(sweep.axes[axis].values, k);
+      });
       index_of.emplace(std::move(key), k);
     }
     for (std::size_t point = 0; point < sweep.points; ++point) {
-      std::vector<std::string> key;
-      for (const std::size_t axis : axes) key.push_back(words[axis][point]);
+      std::vector<std::string> key(axes.size());
+      std::transform(axes.begin(), axes.end(), key.begin(),
+                     [&words, point](std::size_t axis) { return words[axis][point]; });
       const auto found = index_of.find(key);
       if (found == index_of.end()) {
         refuse_input(FaultCode::file_damaged, sweep.table.file(), "",

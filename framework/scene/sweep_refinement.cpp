@@ -104,6 +104,7 @@ class RefinementReader {
     const SweepText& written = refine_.along ? *refine_.along : *refine_.what;
     if (refine_.along) {
       std::vector<std::string> names;
+      names.reserve(over.size());
       for (const SweepAxis& axis : over) names.push_back(axis.name);
       const auto found = std::find(names.begin(), names.end(), written.text);
       if (found == names.end()) {

@@ -8,7 +8,6 @@
 #include <string>
 #include <system_error>
 #include <thread>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -160,8 +159,8 @@ std::vector<std::size_t> SweepQueue::take(std::size_t most) {
 }
 
 SweepProgress progress_before(const SweepPlan& plan, const SweepRows& rows,
-                              const SweepOptions& options, SweepProgress so_far) {
-  SweepProgress progress = std::move(so_far);
+                              const SweepOptions& options, const SweepProgress& so_far) {
+  SweepProgress progress = so_far;
   progress.points = 0;
   progress.traces_left = options.traced.size();
   std::size_t with_row = 0;

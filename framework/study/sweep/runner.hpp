@@ -74,7 +74,7 @@ struct SweepOptions {
 
 /// What there is to do, after what has been done.
 SweepProgress progress_before(const SweepPlan& plan, const SweepRows& rows,
-                              const SweepOptions& options, SweepProgress so_far = {});
+                              const SweepOptions& options, const SweepProgress& so_far = {});
 
 /// Runs every point of the part that has no row, and keeps what it gives. A point that is stopped
 /// leaves no row. Throws what SweepRows throws, once all threads have ended.
