@@ -74,9 +74,8 @@ void find_points(StoredSweep& sweep) {
     std::map<std::vector<std::string>, std::size_t> index_of;
     for (std::size_t k = 0; k < sweep.dimensions[d].count; ++k) {
       std::vector<std::string> key(axes.size());
-      std::transform(axes.begin(), axes.end(), key.begin(), [&sweep, k](std::size_t axis) {
-        return word_of(sweep.axes[axis].values, k);
-      });
+      std::transform(axes.begin(), axes.end(), key.begin(),
+                     [&sweep, k](std::size_t axis) { return word_of(sweep.axes[axis].values, k); });
       index_of.emplace(std::move(key), k);
     }
     for (std::size_t point = 0; point < sweep.points; ++point) {

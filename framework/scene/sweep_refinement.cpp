@@ -127,7 +127,9 @@ class RefinementReader {
     };
     if (!axis.values.numeric()) return refuse("has values that are not numbers");
     if (axis.values.size() < 2) return refuse("has one value alone");
-    const bool rises = last_number(axis) > first_number(axis);
+    const double span = last_number(axis) - first_number(axis);
+    if (!std::isfinite(span)) return refuse("is wider than a double holds");
+    const bool rises = span > 0.0;
     for (std::size_t k = 1; k < axis.values.size(); ++k) {
       const double step = axis.values.number(k) - axis.values.number(k - 1);
       if (rises ? !(step > 0.0) : !(step < 0.0)) return refuse("has values in no order");

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "framework/core/records/registry.hpp"
-#include "framework/run/run.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/scene/scene_document.hpp"
 #include "framework/scene/sweep_refinement.hpp"
@@ -57,6 +56,8 @@ struct SweepColumn {
   std::string name;            ///< "driver.mean_force.x", "error.driver.mean_force.x"
 };
 
+struct RunResult;
+
 class SweepPlan {
  public:
   /// The registry must outlive the plan. `settings` are those of all points. Throws InputError with
@@ -83,7 +84,7 @@ class SweepPlan {
   std::size_t refined_column() const { return refined_column_; }
   /// Numbers that a point can have: those of the dimensions, then one for each round between each
   /// of these and the next one along the refined axis, whether there is such a point or not.
-  std::size_t numbers() const { return points_ + added_.size(); }
+  std::size_t point_numbers() const { return points_ + added_.size(); }
   /// The number of a point that a round adds.
   std::size_t number_between(std::size_t left, std::size_t round) const {
     return points_ + left * refinement_->rounds + round;

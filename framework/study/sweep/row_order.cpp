@@ -6,7 +6,7 @@ namespace tomlin {
 
 RowOrder::RowOrder(const SweepPlan& plan) : plan_(plan) {
   if (!plan.refinement()) return;
-  for (std::size_t point = 0; point < plan.numbers(); ++point) {
+  for (std::size_t point = 0; point < plan.point_numbers(); ++point) {
     if (plan.exists(point)) points_.push_back(point);
   }
   const std::size_t refined = plan.refinement()->axis;

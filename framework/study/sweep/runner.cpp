@@ -149,7 +149,7 @@ class SweepWork : private PointSource {
 std::vector<std::size_t> SweepQueue::take(std::size_t most) {
   const std::lock_guard lock(mutex_);
   std::vector<std::size_t> taken;
-  while (next_ < plan_.numbers() && taken.size() < most) {
+  while (next_ < plan_.point_numbers() && taken.size() < most) {
     for (const std::size_t end = next_ + plan_.line(); next_ < end; ++next_) {
       const bool is_mine = plan_.exists(next_) && part_.has(next_);
       if (is_mine && !rows_.has(next_)) taken.push_back(next_);
@@ -164,7 +164,7 @@ SweepProgress progress_before(const SweepPlan& plan, const SweepRows& rows,
   progress.points = 0;
   progress.traces_left = options.traced.size();
   std::size_t with_row = 0;
-  for (std::size_t k = 0; k < plan.numbers(); ++k) {
+  for (std::size_t k = 0; k < plan.point_numbers(); ++k) {
     if (!plan.exists(k) || !options.part.has(k)) continue;
     ++progress.points;
     with_row += rows.has(k) ? 1 : 0;

@@ -320,6 +320,20 @@ TEST(RefinedSweep, KilledAfterAnyRowItIsTheSame) {
   }
 }
 
+/// Along an axis that falls, too.
+TEST(RefinedSweep, RowsFallAsTheirAxisDoes) {
+  const TemporaryFolder folder;
+  RefinedSweep sweep(refined_plan(kPlacedParticle, {{{"p", "8:0:3"}}, kPlaceAt3, "", "0.5"}),
+                     folder.path());
+  sweep.run();
+  const RowOrder order(sweep.plan());
+  std::vector<double> places;
+  for (std::size_t row = 0; row < order.size(); ++row) {
+    places.push_back(sweep.plan().number(0, order.point(row)));
+  }
+  EXPECT_EQ(places, (std::vector<double>{8.0, 4.0, 3.0, 2.5, 2.0, 0.0}));
+}
+
 /// A record that is damaged is run again, and what depends on it is found again.
 TEST(RefinedSweep, ADamagedRecordIsRunAgain) {
   const RefinedAxes axes = {{{"p", "0:8:3"}}, kPlaceAt3, "", "0.25"};
@@ -376,15 +390,15 @@ TEST(RefinedSweep, AllFaultsTogether) {
             Found{"tip.centre_of_mas.x [observable.unknown] did you mean "
                   "tip.centre_of_mass.x"});
   EXPECT_EQ(refined_faults({{{"p", "0:8:3"}, {"qq", "1,2"}}, "tip.centre_of_mass.x=x", "pp", "-1"}),
-            (Found{"tip.centre_of_mass.x=x [command.invalid_value]", "pp [scene.unknown_name]",
-                   "qq = 1 [scene.unknown_key]"}));
+            (Found{"tip.centre_of_mass.x=x [command.invalid_value]", "-1 [command.invalid_value]",
+                   "pp [scene.unknown_name]", "qq = 1 [scene.unknown_key]"}));
   EXPECT_EQ(refined_faults({p, "=3"}), Found{"=3 [command.missing_argument]"});
   EXPECT_EQ(refined_faults({p, kPlaceAt3 + "e999"}).size(), 1);
   for (const std::string width : {"0", "-1", "1e-20", "nan", "x", "inf"}) {
     EXPECT_EQ(refined_faults({p, kPlaceAt3, "", width}), Found{width + " [command.invalid_value]"});
   }
   // Only an axis of numbers in their order has values between its values.
-  for (const std::string values : {"1", "1,3,2", "1,1", "1,2,2", "a,b"}) {
+  for (const std::string values : {"1", "1,3,2", "1,1", "1,2,2", "a,b", "-1e308,1e308"}) {
     EXPECT_EQ(refined_faults({{{"p", values}}, kPlaceAt3}).at(0), kPlaceAt3 + " [scene.conflict]")
         << values;
   }

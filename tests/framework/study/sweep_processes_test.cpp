@@ -286,7 +286,7 @@ TEST(SweepProcesses, RefineLikeOne) {
   const std::string refine = "driver.mean_force.x=0.2";
   const auto read_all = [](const SweepPlan& plan, const SweepJournal& journal) {
     std::map<std::string, std::string> rows;
-    for (std::size_t point = 0; point < plan.numbers(); ++point) {
+    for (std::size_t point = 0; point < plan.point_numbers(); ++point) {
       if (!plan.exists(point)) continue;
       SweepRow row;
       journal.read(point, {&row, 1});
