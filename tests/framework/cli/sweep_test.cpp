@@ -467,6 +467,16 @@ TEST_F(SweepCommand, IsRefined) {
   Json again = Json::parse(file("a/sweep.json"));
   EXPECT_EQ(again["refine"], refine);
   EXPECT_EQ(again["points"], json["points"]);
+  // A damaged record of an added point is no record, though all results are there.
+  const double of_it = refine["intervals"][0]["values"][0];
+  std::string journal = file("a/sweep.journal");
+  const std::string bytes(reinterpret_cast<const char*>(&of_it), sizeof of_it);
+  const std::size_t at = journal.find(bytes);
+  ASSERT_NE(at, std::string::npos);
+  journal[at] = static_cast<char>(~journal[at]);
+  write(folder_ / "a/sweep.journal", journal);
+  EXPECT_TRUE(contains(sweep(with({"-o", "a"})).out, "for 1 points"));
+  EXPECT_EQ(results("a"), whole);
   // Another level is another sweep.
   std::vector<std::string> other = with({"-o", "a"});
   other[5] = "driver.mean_force.x=1.1";
