@@ -41,15 +41,13 @@ struct HeldRing {
 };
 
 /// The interval of k in which a sweep that is refined finds a threshold, `tomlin sweep --refine`.
-Bisection refined_in_k(const char* scene, std::vector<Setting> settings, const std::string& k,
-                       const std::string& refine, double width) {
-  settings.push_back(kHeld);
+Bisection refined_in_k(SceneDocument scene, const std::vector<Setting>& settings,
+                       const std::string& k, const std::string& refine, double width) {
   SweepSettings sweep;
   sweep.over.push_back({"k", std::get<SweepValues>(SweepValues::parse(k)), {"--over"}, k});
   sweep.refine.what = {refine, {"--refine"}, ""};
   sweep.refine.to = {text_of(width), {"--refine-to"}, ""};
-  SweepPlan plan(SceneDocument(std::string(paths::source) + "/scenarios/" + scene), registry(),
-                 settings, std::move(sweep), "1.2.3");
+  SweepPlan plan(std::move(scene), registry(), settings, std::move(sweep), "1.2.3");
   const TemporaryFolder folder;
   SweepJournal journal(folder.path() / "journal", plan);
   SweepBisection bisection(plan, journal);
@@ -61,8 +59,12 @@ Bisection refined_in_k(const char* scene, std::vector<Setting> settings, const s
   return bisection.all().at(0);
 }
 
-const std::vector<Setting> kEquilibriaOfRing = {{"run.dynamics", "quasistatic"},
-                                                {"run.integrator", "{ type = \"continuation\" }"}};
+SceneDocument shipped(const char* scene) {
+  return SceneDocument(std::string(paths::source) + "/scenarios/" + scene);
+}
+
+const std::vector<Setting> kEquilibriaOfRing = {
+    kHeld, {"run.dynamics", "quasistatic"}, {"run.integrator", "{ type = \"continuation\" }"}};
 constexpr double kThresholdFromEquilibria = 1e-4;
 constexpr double kThresholdFromDynamics = 3e-3;
 
@@ -73,8 +75,8 @@ TEST(RollingRingFig4, BisectionOfSlipsFindsTheThreshold) {
     std::vector<Setting> settings = kEquilibriaOfRing;
     settings.insert(settings.end(),
                     {{"N", std::to_string(ring.count)}, {"R", text_of(ring.radius)}});
-    const Bisection found =
-        refined_in_k(kFig4, settings, "8:40:5", "events.slips=0.5", kThresholdFromEquilibria);
+    const Bisection found = refined_in_k(shipped(kFig4), settings, "8:40:5", "events.slips=0.5",
+                                         kThresholdFromEquilibria);
     const auto& [low, high] = found.ends;
     EXPECT_GT(low.number, high.number);
     EXPECT_LE(high.at - low.at, kThresholdFromEquilibria);
@@ -93,7 +95,7 @@ TEST(RollingRingFig4, BisectionOfSpeedsFindsTheThreshold) {
     std::vector<double> powers;
     for (const double v : {3e-4, 1e-4, 3e-5}) {
       const double level = c * std::pow(v, 0.6);
-      const Bisection found = refined_in_k(kFig4, {{"v", text_of(v)}}, "33:39:4",
+      const Bisection found = refined_in_k(shipped(kFig4), {kHeld, {"v", text_of(v)}}, "33:39:4",
                                            "ring.max_speed=" + text_of(level), kWidth);
       const auto& [low, high] = found.ends;
       at.push_back(low.at + (high.at - low.at) * (low.number - level) / (low.number - high.number));
@@ -263,6 +265,45 @@ TEST(RollingRingFig5a, ThresholdIsTheFoldOfThePathInBothDirections) {
   // Half the paper's threshold: it should stick and slip, and slides along its path.
   const auto result = run_shipped(kFig5a, {{"lambda", "0.05"}, {"k", "300"}, {"v", "1e-4"}});
   EXPECT_NEAR(max_speed(result) / 1e-4 / Path(300.0, 0.001, 50.0).fastest(), 1.0, 1e-4);
+}
+
+/// A particle at the height of the ring's centre, as the path of equilibria has it.
+constexpr const char* kParticleOfFig5a = R"(
+[parameters]
+k = 56.0
+[[body]]
+type = "point"
+position = [0.0, 0.001]
+particle_mass = 1.0
+[[force]]
+type = "driving_spring"
+stiffness = "k"
+velocity = [1.0, 0.0]
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 1.0
+period = 1.0
+decay = 50.0
+[run]
+dynamics = "quasistatic"
+duration = 2.5
+)";
+
+TEST(RollingRingFig5a, BisectionOfSlipsFindsTheThreshold) {
+  const auto threshold_of = [](SceneDocument scene, const std::vector<Setting>& settings) {
+    const auto [low, high] = refined_in_k(std::move(scene), settings, "50:60:3", "events.slips=0.5",
+                                          kThresholdFromEquilibria)
+                                 .ends;
+    return 0.5 * (low.at + high.at);
+  };
+  const double threshold = fold_threshold(0.001, 50.0);
+  EXPECT_NEAR(threshold_of(SceneDocument(kParticleOfFig5a, "tip.toml"), {}), threshold,
+              kThresholdFromEquilibria);
+  // The ring has a shape: particles are R above and below the centre, b R^2 = 5e-5 of what they
+  // feel.
+  std::vector<Setting> of_ring = kEquilibriaOfRing;
+  of_ring.push_back({"lambda", "0.05"});
+  EXPECT_NEAR(threshold_of(shipped(kFig5a), of_ring) / threshold, 1.0, 1e-4);
 }
 
 TEST(RollingRingFig5a, IsTheRingThatIsMovedByHand) {
