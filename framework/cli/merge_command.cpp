@@ -97,6 +97,10 @@ SweepPlan plan_in(const fs::path& folder, Registry& registry) {
     refuse_input(FaultCode::file_invalid, file, "", "a scene without [sweep]",
                  "the folder of a sweep");
   }
+  if (settings->refine.what) {
+    refuse_input(FaultCode::command_conflict, file, "sweep.refine",
+                 "a sweep that is refined has no shards", "folders of --shard I/N");
+  }
   return SweepPlan(std::move(document), registry, {}, *std::move(settings), TOMLIN_VERSION,
                    std::move(faults));
 }

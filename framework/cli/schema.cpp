@@ -352,12 +352,17 @@ Json sweep_values_schema() {
 }
 
 Json sweep_schema() {
-  return table_schema(
+  Json schema = table_schema(
       sweep_layout(),
       {{"over", {{"type", "object"}, {"additionalProperties", sweep_values_schema()}}},
        {"zip", list_of({{"type", {"string", "array"}}, {"items", only("type", "string")}})},
        {"continue_from_neighbour", only("type", "boolean")},
+       {"refine", {{"type", "string"}, {"minLength", 1}}},
+       {"refine_along", only("type", "string")},
+       {"refine_to", {{"type", {"number", "string"}}}},
        {"observables", list_of(only("type", "string"))}});
+  schema["dependencies"] = {{"refine_along", {"refine"}}, {"refine_to", {"refine"}}};
+  return schema;
 }
 
 Json components_schema(const std::string& kind, int fewest, const char* what) {

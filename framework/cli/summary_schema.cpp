@@ -9,6 +9,7 @@
 
 #include "framework/core/text/fault_code.hpp"
 #include "framework/run/results.hpp"
+#include "framework/study/sweep/bisection.hpp"
 #include "framework/study/sweep/row.hpp"
 
 namespace tomlin {
@@ -156,6 +157,22 @@ std::string sweep_summary_schema() {
   schema["properties"]["shard"] = all_of({{"number", count}, {"of", count}, {"points", count}});
   schema["properties"]["shard"]["description"] =
       "of --shard: which part of the points this is, and how many; counts and warnings are its own";
+  const Json two_numbers = {
+      {"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", 2}, {"maxItems", 2}};
+  Json interval = all_of({{"status", {{"enum", words_of<BisectionStatus>()}}},
+                          {"axes", map_of({{"type", {"number", "string"}}})}});
+  interval["properties"]["interval"] = two_numbers;
+  interval["properties"]["values"] = two_numbers;
+  interval["dependencies"] = {{"interval", {"values"}}, {"values", {"interval"}}};
+  schema["properties"]["refine"] = all_of({{"observable", text},
+                                           {"level", number_or_null()},
+                                           {"along", text},
+                                           {"to", {{"type", "number"}}},
+                                           {"intervals", list_of_these(std::move(interval))}});
+  schema["properties"]["refine"]["description"] =
+      "of --refine: intervals of the axis `along`, the observable at their two ends, and the "
+      "values "
+      "of the other axes";
   return schema.dump(2) + "\n";
 }
 

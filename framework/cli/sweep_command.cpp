@@ -9,6 +9,7 @@
 #include <string_view>
 #include <system_error>
 #include <thread>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -30,6 +31,7 @@
 #include "framework/output/run_folder.hpp"
 #include "framework/output/sweep_files.hpp"
 #include "framework/scene/text.hpp"
+#include "framework/study/sweep/bisection.hpp"
 #include "framework/study/sweep/client.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/journal.hpp"
@@ -49,6 +51,9 @@ struct SweepArguments : SceneOptions {
   std::size_t threads = 0;  ///< 0: one for each processor
   std::optional<std::string> trace;
   bool continues = false;
+  std::optional<std::string> refine;
+  std::optional<std::string> refine_along;
+  std::optional<std::string> refine_to;
   std::optional<std::string> shard;
   bool dry_run = false;
   bool force = false;
@@ -84,6 +89,19 @@ velocities and internal variables that the one before has ended with, and its dr
 were, at the velocities that the scene now gives them. Time, window and integrals begin at 0, and
 reversals anew. A point whose neighbour has not finished is refused.
 
+With --refine the sweep adds points to those of its axes, by bisection along one of them, the last
+one unless --refine-along names another:
+
+  tomlin sweep pt.toml --over k=1:5:9 --refine events.slips=0.5
+  tomlin sweep pt.toml --over k=1:5:9 --refine driver.mean_force.x --refine-to 1e-3
+
+With a level, between any two neighbours of which one is below the level and the other one is not;
+without a level, where the observable changes most between neighbours, for each combination of the
+other axes. There it is followed as long as the difference stays above half of what it was: else
+there is no jump, and sweep.json has the status "smooth" for it. Bisection ends when the interval is
+not wider than --refine-to, 1e-4 of the axis by default; on a logarithmic axis middle and width are
+those of the logarithm. sweep.json has each interval with the observable at both of its ends.
+
 A scene may have the same in a table, which these options replace:
 
   [sweep]
@@ -93,8 +111,9 @@ A scene may have the same in a table, which these options replace:
 A row has the bits of tomlin run with the same --set, unless it continues from another one. A point
 that the scene refuses, or that fails, is a row with its reason. DIR then holds
   sweep.csv       a row for each point
-  sweep.h5        the same as arrays over the axes, netCDF-4: xarray.open_dataset opens it
-  sweep.json      axes, observables, counts, warnings
+  sweep.h5        the same as arrays over the axes, netCDF-4: xarray.open_dataset opens it; with
+                  --refine over the points, which are no grid
+  sweep.json      axes, observables, counts, warnings, intervals of --refine
   scene.toml      the scene with all defaults and [sweep]
   sweep.journal   a record for each point that has ended
   sweep.points/   the results of tomlin run for the rows of --trace (0,5-7, or all); while the sweep
@@ -137,6 +156,16 @@ void add_options(CLI::App& parser, SweepArguments& arguments) {
       ->allow_extra_args(false);
   parser.add_flag("--continue-from-neighbour", arguments.continues,
                   "each point starts where the one before it along the last axis has ended");
+  parser
+      .add_option("--refine", arguments.refine,
+                  "add points where this observable crosses LEVEL, or else where it jumps")
+      ->type_name("O[=LEVEL]");
+  parser.add_option("--refine-along", arguments.refine_along, "the axis; the last one by default")
+      ->type_name("NAME");
+  parser
+      .add_option("--refine-to", arguments.refine_to,
+                  "how narrow an interval becomes; 1e-4 of the axis by default")
+      ->type_name("WIDTH");
   add_observable_option(parser, arguments.observables);
   add_output_option(parser, arguments.folder, "DIR",
                     "folder for the results; SCENE's stem + .sweep.out, or .sweep.I-of-N.out");
@@ -219,6 +248,12 @@ SweepSettings settings_of(const SceneDocument& document, const SweepArguments& a
     }
   }
   settings.continues = settings.continues || arguments.continues;
+  for (const auto& [given, option, into] :
+       {std::tuple{&arguments.refine, "--refine", &settings.refine.what},
+        std::tuple{&arguments.refine_along, "--refine-along", &settings.refine.along},
+        std::tuple{&arguments.refine_to, "--refine-to", &settings.refine.to}}) {
+    if (*given) *into = {**given, Place{option}, ""};
+  }
   if (!arguments.observables.empty()) {
     settings.observables = arguments.observables;
     settings.observables_place = Place{"--observable"};
@@ -231,7 +266,8 @@ SweepSettings settings_of(const SceneDocument& document, const SweepArguments& a
     missing("nothing to sweep over", "--over NAME=VALUES, or over in [sweep] of the scene");
   }
   const auto of_observables = [](const Fault& fault) { return fault.key == "sweep.observables"; };
-  if (settings.observables.empty() && std::none_of(faults.begin(), faults.end(), of_observables)) {
+  if (settings.observables.empty() && !settings.refine.what &&
+      std::none_of(faults.begin(), faults.end(), of_observables)) {
     missing("no observable",
             "--observable O, a dotted path in summary.json, or observables in [sweep]");
   }
@@ -312,6 +348,13 @@ struct RequestedSweep {
                           "a point that continues from its neighbour is no run of its own",
                           "no --continue-from-neighbour beside it");
     }
+    for (const auto& [option, is_given] : {std::pair{"--trace", arguments.trace.has_value()},
+                                           std::pair{"--shard", arguments.shard.has_value()}}) {
+      if (!is_given || !plan.refinement()) continue;
+      faults.emplace_back(FaultCode::command_conflict, Place{option}, "", "",
+                          "a sweep that is refined has more rows than its axes, and not known ones",
+                          "no refine beside it");
+    }
     if (!faults.empty()) throw InputError(std::move(faults));
     part = shard.value_or(SweepPart{});
     std::erase_if(traced, [this](std::size_t point) { return !part.has(point); });
@@ -335,7 +378,7 @@ void ignore_signals_of_writing() {
 }
 
 /// Runs points for process 0, which has the folder.
-void take_part(const ProcessLink& link, const RequestedSweep& requested, std::size_t threads) {
+void take_part(const ProcessLink& link, RequestedSweep& requested, std::size_t threads) {
   ignore_signals_of_writing();
   StopSignals signals;
   SweepClient client(link, signals.stop(), [&signals] { signals.request_stop(); });
@@ -351,9 +394,9 @@ void take_part(const ProcessLink& link, const RequestedSweep& requested, std::si
 }
 
 /// `server`: of the processes that share the sweep; null: this one is alone.
-int sweep(const SweepArguments& arguments, const RequestedSweep& requested, std::size_t threads,
+int sweep(const SweepArguments& arguments, RequestedSweep& requested, std::size_t threads,
           SweepServer* server) {
-  const SweepPlan& plan = requested.plan;
+  SweepPlan& plan = requested.plan;
   const std::vector<std::size_t>& traced = requested.traced;
   std::optional<SweepPart> shard = requested.shard;
   if (arguments.dry_run) return print_result(sweep_plan_text(plan, threads, shard));
@@ -377,6 +420,8 @@ int sweep(const SweepArguments& arguments, const RequestedSweep& requested, std:
   ProgressLine progress_line(arguments.quiet ? ProgressLine::Style::silent : progress_style());
   bool is_complete = true;
   for (std::size_t k = 0; k < plan.points() && is_complete; ++k) is_complete = journal.has(k);
+  SweepBisection bisection(plan, journal);
+  if (plan.refinement() && is_complete) is_complete = !bisection.add_points();
   if (had_all && is_complete && traced.empty()) {
     if (arguments.quiet) return kExitDone;
     return print_result("finished already; nothing to do\n  results  " +
@@ -394,6 +439,7 @@ int sweep(const SweepArguments& arguments, const RequestedSweep& requested, std:
   options.folder = folder.file(kPointsFolder);
   options.traced = traced;
   options.stop = &signals.stop();
+  if (plan.refinement()) options.add_points = [&bisection] { return bisection.add_points(); };
   options.on_progress = [&progress_line](const SweepProgress& now) {
     progress_line.show(sweep_progress_text(now), now.seconds);
   };
@@ -408,10 +454,12 @@ int sweep(const SweepArguments& arguments, const RequestedSweep& requested, std:
                    : write_sweep_results(folder, plan, journal);
   }
   const SweepCounts* const known = counts ? &*counts : nullptr;
-  folder.write_file(kSweepSummaryFile, sweep_json(plan, progress, known, threads, shard));
+  folder.write_file(kSweepSummaryFile,
+                    sweep_json(plan, progress, known, threads, shard, bisection.all()));
   int status = kExitDone;
   if (!arguments.quiet) {
-    status = print_result(sweep_text(plan, progress, known, where_the_sweep_is(folder), shard));
+    status = print_result(
+        sweep_text(plan, progress, known, where_the_sweep_is(folder), shard, bisection.all()));
   }
   const bool is_done = counts && progress.traces_left == 0;
   if (is_done) return status;
@@ -420,10 +468,10 @@ int sweep(const SweepArguments& arguments, const RequestedSweep& requested, std:
 }
 
 int sweep(const SweepArguments& arguments) {
-  std::unique_ptr<const RequestedSweep> requested;
+  std::unique_ptr<RequestedSweep> requested;
   std::optional<InputError> refused;
   try {
-    requested = std::make_unique<const RequestedSweep>(arguments);
+    requested = std::make_unique<RequestedSweep>(arguments);
   } catch (const InputError& error) {
     refused = error;  // by one process for all
   }

@@ -14,6 +14,7 @@
 #include "framework/cli/progress.hpp"
 #include "framework/core/system/instruction_set.hpp"
 #include "framework/core/text/fault.hpp"
+#include "framework/core/text/words.hpp"
 #include "framework/output/checksum.hpp"
 #include "framework/output/machine.hpp"
 #include "framework/run/lane_batch.hpp"
@@ -28,6 +29,7 @@ using Json = nlohmann::ordered_json;
 /// Of the layout of sweep.json: another one when a key goes or means something else.
 constexpr int kSweepJsonFormat = 1;
 constexpr std::size_t kMostNamesOnALine = 4;
+constexpr std::size_t kMostIntervalsShown = 4;
 
 double rate_of(const SweepProgress& progress) {
   const auto done = static_cast<double>(progress.with_row() - progress.before);
@@ -73,6 +75,48 @@ std::string continued_text(const SweepPlan& plan) {
                      plan.axes()[plan.dimensions().back().axes.front()].name);
 }
 
+std::string refined_text(const SweepPlan& plan) {
+  const SweepRefinement& refinement = *plan.refinement();
+  return fmt::format("{} where {} {}", plan.axes()[refinement.axis].name,
+                     plan.columns()[plan.refined_column()].name,
+                     refinement.level ? fmt::format("crosses {}", *refinement.level) : "jumps");
+}
+
+/// "k from 35.6765 (1) to 35.6768 (0), v = 0.001"
+std::string interval_text(const SweepPlan& plan, const Bisection& one) {
+  const std::size_t refined = plan.refinement()->axis;
+  const auto& [low, high] = one.ends;
+  std::string text = fmt::format("{} from {} ({:.6g}) to {} ({:.6g})", plan.axes()[refined].name,
+                                 low.at, low.number, high.at, high.number);
+  for (std::size_t axis = 0; axis < plan.axes().size(); ++axis) {
+    if (axis == refined) continue;
+    text += fmt::format(", {} = {}", plan.axes()[axis].name, plan.text(axis, one.first));
+  }
+  return text;
+}
+
+/// What is refined, how many points were added, and the first intervals with a result.
+std::string refined_rows(const SweepPlan& plan, std::size_t added,
+                         const std::vector<Bisection>& bisections) {
+  if (!plan.refinement()) return "";
+  std::vector<std::size_t> counts(kWordTable<BisectionStatus>.size());
+  std::string intervals;
+  std::size_t shown = 0;
+  for (const Bisection& one : bisections) {
+    if (!one.status) continue;
+    ++counts[static_cast<std::size_t>(*one.status)];
+    if (*one.status == BisectionStatus::none || shown == kMostIntervalsShown) continue;
+    ++shown;
+    intervals += result_row(to_string(*one.status), interval_text(plan, one));
+  }
+  std::string text = fmt::format("{}: {} points more", refined_text(plan), added);
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    if (counts[k] == 0) continue;
+    text += fmt::format(", {} {}", counts[k], to_string(static_cast<BisectionStatus>(k)));
+  }
+  return result_row("refined", text) + intervals;
+}
+
 std::string shard_row(const SweepPlan& plan, const std::optional<SweepPart>& shard) {
   if (!shard) return "";
   return result_row("shard", fmt::format("{} of {}: {} of these points", shard->index + 1,
@@ -104,7 +148,7 @@ std::string remarks(const SweepPlan& plan, const SweepCounts& counts) {
   if (!counts.reason.empty()) {
     text += result_row(
         "first", fmt::format("point {}, {}: {}", counts.first_without_numbers,
-                             settings_text(plan, counts.first_without_numbers), counts.reason));
+                             settings_text(plan, counts.point_without_numbers), counts.reason));
   }
   for (const auto& [code, warned] : counts.warnings) {
     text += result_row("warning", fmt::format("{} at {} points, the first is {}", id_of(code),
@@ -141,6 +185,47 @@ Json axis_entry(const SweepPlan& plan, std::size_t axis) {
   return entry;
 }
 
+/// The other axes' values, the interval and the observable at its ends.
+Json interval_entry(const SweepPlan& plan, const Bisection& one) {
+  Json entry = {{"status", to_string(*one.status)}, {"axes", Json::object()}};
+  const std::size_t refined = plan.refinement()->axis;
+  for (std::size_t axis = 0; axis < plan.axes().size(); ++axis) {
+    if (axis == refined) continue;
+    const SweepValues& values = plan.axes()[axis].values;
+    entry["axes"][plan.axes()[axis].name] =
+        values.numeric() ? Json(plan.number(axis, one.first))
+                         : Json(values.plain_text(plan.index(axis, one.first)));
+  }
+  if (*one.status == BisectionStatus::none) return entry;
+  entry["interval"] = {one.ends[0].at, one.ends[1].at};
+  entry["values"] = {one.ends[0].number, one.ends[1].number};
+  return entry;
+}
+
+Json refine_entry(const SweepPlan& plan, const std::vector<Bisection>& bisections) {
+  const SweepRefinement& refinement = *plan.refinement();
+  Json entry = {{"observable", plan.paths()[plan.refined_column()]},
+                {"level", refinement.level ? Json(*refinement.level) : Json()},
+                {"along", plan.axes()[refinement.axis].name},
+                {"to", refinement.width},
+                {"intervals", Json::array()}};
+  for (const Bisection& one : bisections) {
+    if (one.status) entry["intervals"].push_back(interval_entry(plan, one));
+  }
+  return entry;
+}
+
+/// If a level lies between all neighbours.
+std::size_t most_added(const SweepPlan& plan) {
+  const SweepRefinement& refinement = *plan.refinement();
+  const SweepValues& values = plan.axes()[refinement.axis].values;
+  std::size_t most = 0;
+  for (std::size_t k = 1; refinement.level && k < values.size(); ++k) {
+    most += refinement.rounds_between(values.number(k - 1), values.number(k));
+  }
+  return (refinement.level ? most : refinement.rounds) * (plan.points() / values.size());
+}
+
 }  // namespace
 
 std::string sweep_progress_text(const SweepProgress& progress) {
@@ -161,7 +246,8 @@ std::string sweep_progress_text(const SweepProgress& progress) {
 
 std::string sweep_text(const SweepPlan& plan, const SweepProgress& progress,
                        const SweepCounts* counts, const std::string& where,
-                       const std::optional<SweepPart>& shard) {
+                       const std::optional<SweepPart>& shard,
+                       const std::vector<Bisection>& bisections) {
   std::string text;
   if (counts == nullptr) {
     text = fmt::format("interrupted with {} of {} points; the same command goes on\n",
@@ -174,6 +260,8 @@ std::string sweep_text(const SweepPlan& plan, const SweepProgress& progress,
     }
   }
   text += axes_and_observables(plan, shard);
+  text +=
+      refined_rows(plan, progress.points - std::min(progress.points, plan.points()), bisections);
   if (counts != nullptr) text += remarks(plan, *counts);
   text += result_row(
       "time", fmt::format("{} for {} points, {:.3g} points/s", duration_text(progress.seconds),
@@ -203,7 +291,8 @@ std::string merge_text(const SweepPlan& plan, const SweepProgress& progress,
 
 std::string sweep_json(const SweepPlan& plan, const SweepProgress& progress,
                        const SweepCounts* counts, std::size_t threads,
-                       const std::optional<SweepPart>& shard) {
+                       const std::optional<SweepPart>& shard,
+                       const std::vector<Bisection>& bisections) {
   const std::string scene = plan.scene_text();
   Json json;
   json["status"] = to_string(counts != nullptr ? RunStatus::finished : RunStatus::interrupted);
@@ -223,7 +312,8 @@ std::string sweep_json(const SweepPlan& plan, const SweepProgress& progress,
         {{"path", one.path}, {"column", one.name}, {"unit", one.unit}, {"meaning", one.meaning}});
   }
   json["continue_from_neighbour"] = plan.line() > 1;
-  json["points"] = plan.points();
+  if (plan.refinement()) json["refine"] = refine_entry(plan, bisections);
+  json["points"] = plan.refinement() ? progress.points : plan.points();
   if (shard) {
     json["shard"] = {
         {"number", shard->index + 1}, {"of", shard->of}, {"points", shard->size(plan.points())}};
@@ -277,6 +367,10 @@ std::string sweep_plan_text(const SweepPlan& plan, std::size_t threads,
   const SweepPart part = shard.value_or(SweepPart{});
   const std::size_t points = part.size(plan.points());
   if (points == 0) return text;
+  if (plan.refinement()) {
+    text += result_row("refined", fmt::format("{}, which adds up to {} points", refined_text(plan),
+                                              most_added(plan)));
+  }
   std::size_t first = 0;
   while (!part.has(first)) ++first;
   std::size_t last = plan.points() - 1;

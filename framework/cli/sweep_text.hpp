@@ -3,7 +3,9 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "framework/study/sweep/bisection.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/part.hpp"
 #include "framework/study/sweep/plan.hpp"
@@ -19,7 +21,8 @@ std::string sweep_progress_text(const SweepProgress& progress);
 /// there is one, else null.
 std::string sweep_text(const SweepPlan& plan, const SweepProgress& progress,
                        const SweepCounts* counts, const std::string& where,
-                       const std::optional<SweepPart>& shard);
+                       const std::optional<SweepPart>& shard,
+                       const std::vector<Bisection>& bisections);
 
 /// The same of `tomlin merge`. `first_missing`: of the points without a row, unless there is none.
 std::string merge_text(const SweepPlan& plan, const SweepProgress& progress,
@@ -29,7 +32,8 @@ std::string merge_text(const SweepPlan& plan, const SweepProgress& progress,
 /// sweep.json; nothing but `performance` depends on how the sweep came to its end.
 std::string sweep_json(const SweepPlan& plan, const SweepProgress& progress,
                        const SweepCounts* counts, std::size_t threads,
-                       const std::optional<SweepPart>& shard);
+                       const std::optional<SweepPart>& shard,
+                       const std::vector<Bisection>& bisections = {});
 
 /// For --dry-run: points, and what they cost by a trial of one of them.
 std::string sweep_plan_text(const SweepPlan& plan, std::size_t threads,

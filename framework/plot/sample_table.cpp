@@ -39,6 +39,16 @@ std::size_t behind_quotes(std::string_view text, std::size_t at) {
   return at;
 }
 
+std::string without_quotes(std::string_view cell) {
+  if (cell.size() < 2 || cell.front() != '"') return std::string(cell);
+  std::string text;
+  for (std::size_t k = 1; k + 1 < cell.size(); ++k) {
+    if (cell[k] == '"') ++k;  // two of them are one
+    text += cell[k];
+  }
+  return text;
+}
+
 /// One row, cut into its fields without copying.
 class Row {
  public:
@@ -126,25 +136,43 @@ std::optional<std::size_t> SampleTable::find(std::string_view name) const {
   return static_cast<std::size_t>(found - columns_.begin());
 }
 
-std::vector<std::vector<double>> SampleTable::read(const std::vector<std::size_t>& columns) const {
+template <class Visit>
+void SampleTable::for_each_row(Visit visit) const {
   std::ifstream stream = opened(file_);
   std::string line;
   std::getline(stream, line);
-  std::vector<std::vector<double>> result(columns.size());
   Row row(file_, 1);
+  bool is_empty = true;
   while (std::getline(stream, line)) {
     row.cut(line);
     row.must_have(columns_.size());
+    visit(row);
+    is_empty = false;
+  }
+  if (stream.bad()) refuse(FaultCode::file_cannot_read, {file_}, "", "the file cannot be read");
+  if (is_empty) refuse(FaultCode::plot_no_data, {file_}, "", "there are no rows in it");
+}
+
+std::vector<std::vector<double>> SampleTable::read(const std::vector<std::size_t>& columns) const {
+  std::vector<std::vector<double>> result(columns.size());
+  for_each_row([&](const Row& row) {
     for (std::size_t k = 0; k < columns.size(); ++k) {
       const bool undefined = rows_ == Rows::points && row.field(columns[k]).empty();
       result[k].push_back(undefined ? std::numeric_limits<double>::quiet_NaN()
                                     : row.number(columns[k]));
     }
-  }
-  if (stream.bad()) refuse(FaultCode::file_cannot_read, {file_}, "", "the file cannot be read");
-  if (!result.empty() && result.front().empty()) {
-    refuse(FaultCode::plot_no_data, {file_}, "", "there are no rows in it");
-  }
+  });
+  return result;
+}
+
+std::vector<std::vector<std::string>> SampleTable::read_words(
+    const std::vector<std::size_t>& columns) const {
+  std::vector<std::vector<std::string>> result(columns.size());
+  for_each_row([&](const Row& row) {
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      result[k].push_back(without_quotes(row.field(columns[k])));
+    }
+  });
   return result;
 }
 

@@ -34,8 +34,13 @@ class SampleTable {
   /// These columns, whole, in this order. Reads the file row by row and keeps nothing else of it;
   /// every row must have as many fields as the header.
   std::vector<std::vector<double>> read(const std::vector<std::size_t>& columns) const;
+  /// The same as they are written, words without their quotes.
+  std::vector<std::vector<std::string>> read_words(const std::vector<std::size_t>& columns) const;
 
  private:
+  template <class Visit>
+  void for_each_row(Visit visit) const;
+
   std::string file_;
   Rows rows_;
   std::vector<Column> columns_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <set>
 #include <tuple>
 #include <variant>
 
@@ -74,7 +75,8 @@ class SweepDrawing {
     const auto many = std::count_if(free.begin(), free.end(), [this](std::size_t axis) {
       return sweep_.axes[axis].values.size() > 1;
     });
-    if (upwards || (request_.y.empty() && (has_map_options || many > 1))) return map(upwards);
+    const bool is_map = request_.y.empty() && (has_map_options || (many > 1 && !sweep_.refined));
+    if (upwards || is_map) return map(upwards);
     if (has_map_options) {
       refuse_input(FaultCode::command_conflict, "tomlin",
                    request_.value.empty() ? "--minimum-along" : "--value",
@@ -188,7 +190,7 @@ class SweepDrawing {
 
   bool is_logarithmic(std::size_t axis, char letter) const {
     if (request_.log) return request_.log->find(letter) != std::string::npos;
-    return sweep_.axes[axis].values.spacing() == SweepValues::Spacing::logarithmic;
+    return sweep_.logarithmic[axis];
   }
 
   /// The axis of this name, or the first that is free and not along `other`.
@@ -227,12 +229,17 @@ class SweepDrawing {
   std::vector<std::size_t> first_points(const std::vector<std::size_t>& along,
                                         std::size_t most) const {
     std::vector<std::size_t> points;
+    std::set<std::vector<std::size_t>> begun;  // of a refined sweep, lines by their other values
     for (std::size_t point = 0; point < sweep_.points && points.size() <= most; ++point) {
       bool taken = true;
+      std::vector<std::size_t> line;
       for (std::size_t d = 0; d < fixed_.size(); ++d) {
         const bool shown = std::find(along.begin(), along.end(), d) != along.end();
-        if (shown || fixed_[d]) taken = taken && sweep_.index(d, point) == fixed_[d].value_or(0);
+        const bool counts = fixed_[d] || (shown && !sweep_.refined);
+        if (counts) taken = taken && sweep_.index(d, point) == fixed_[d].value_or(0);
+        if (!shown) line.push_back(sweep_.index(d, point));
       }
+      if (sweep_.refined) taken = taken && begun.insert(std::move(line)).second;
       if (taken) points.push_back(point);
     }
     return points;
@@ -296,8 +303,13 @@ std::vector<Polyline> SweepDrawing::pieces_of(const std::vector<double>& numbers
                                               std::size_t start) {
   const bool log_y = is_log_y();
   std::vector<Polyline> pieces(1);
-  for (std::size_t k = 0; k < x.order.size(); ++k) {
-    const Point point = {x.values[k], numbers[start + x.order[k] * sweep_.stride[x.dimension]]};
+  std::vector<std::pair<double, std::size_t>> sorted;
+  for (const std::size_t point : sweep_.line(x.dimension, start)) {
+    sorted.emplace_back(sweep_.axes[x.axis].values.number(sweep_.index(x.dimension, point)), point);
+  }
+  std::sort(sorted.begin(), sorted.end());
+  for (const auto& [value, number] : sorted) {
+    const Point point = {value, numbers[number]};
     const bool undefined = std::isnan(point.y);
     ++numbers_;
     const bool not_positive = (x.logarithmic && point.x <= 0.0) || (log_y && point.y <= 0.0);
@@ -358,7 +370,10 @@ Panel SweepDrawing::panel_of_curves(const std::vector<std::string>& names, const
 }
 
 Figure SweepDrawing::curves() {
-  const Drawn x = drawn(request_.x, 'x', std::nullopt);
+  const bool is_refined_free =
+      sweep_.refined && !fixed_[sweep_.dimension_of[*sweep_.refined]] && request_.x.empty();
+  const Drawn x =
+      drawn(is_refined_free ? sweep_.axes[*sweep_.refined].name : request_.x, 'x', std::nullopt);
   const std::vector<std::size_t> starts = first_points({x.dimension}, kMostSweepCurves);
   if (starts.size() > kMostSweepCurves) {
     refuse_axes(fmt::format("more than {} curves", kMostSweepCurves));
@@ -395,6 +410,11 @@ Figure SweepDrawing::curves() {
 }
 
 Figure SweepDrawing::map(bool upwards) {
+  if (sweep_.refined) {
+    refuse_input(FaultCode::command_conflict, sweep_.run.folder, sweep_.axes[*sweep_.refined].name,
+                 "the sweep is refined along it, and its points make no grid for a map",
+                 "curves, by --y with an observable");
+  }
   std::optional<std::size_t> known;  // along one axis, while the other is looked for
   const std::string above = upwards ? request_.y[0][0] : "";
   if (upwards && request_.x.empty()) known = sweep_.dimension_of[*find_axis(above)];

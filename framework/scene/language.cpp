@@ -275,6 +275,13 @@ TableLayout sweep_layout() {
        "names of `over` that make up one axis together: [\"k\", \"v\"], or a list of such lists"},
       {"continue_from_neighbour",
        "a point starts where the one before it along the last axis has ended; false by default"},
+      {"refine",
+       "points between those of an axis, by bisection: where an observable crosses a level, "
+       "\"events.slips=0.5\", or jumps, \"driver.mean_force.x\"; none by default"},
+      {"refine_along", "the axis that is refined, one of numbers; the last one by default"},
+      {"refine_to",
+       "width of an interval that is not bisected any more, on a logarithmic axis of the "
+       "logarithm; 1e-4 of the axis by default"},
       {"observables", "what is kept of each run: dotted paths as in summary.json"},
   };
   return layout;

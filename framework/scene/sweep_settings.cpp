@@ -15,6 +15,7 @@
 #include "framework/scene/language.hpp"
 #include "framework/scene/parameter_table.hpp"
 #include "framework/scene/settings.hpp"
+#include "framework/scene/sweep_refinement.hpp"
 #include "framework/scene/table_reader.hpp"
 #include "framework/scene/text.hpp"
 
@@ -74,8 +75,6 @@ std::vector<std::string> split_outside(std::string_view text, char mark) {
   return parts;
 }
 
-std::string number_as_setting(double number) { return fmt::format("{}", number); }
-
 /// Whether a name of `--set` is another one or stands below it. A parameter has two names.
 bool sets_part_of(const std::string& name, const std::string& whole) {
   const auto in_full = [](const std::string& one) {
@@ -91,6 +90,13 @@ Wrong wrong_axis(std::string why, std::string admissible = kAxisForms) {
 
 }  // namespace
 
+std::string number_as_setting(double number) { return fmt::format("{}", number); }
+
+std::optional<double> finite_constant(std::string_view text) {
+  const auto number = constant_of(text);
+  return number && std::isfinite(*number) ? number : std::nullopt;
+}
+
 std::variant<SweepValues, Wrong> SweepValues::parse(std::string_view text) {
   const std::vector<std::string> ends = split_outside(text, ':');
   if (ends.size() == 1) {
@@ -105,10 +111,10 @@ std::variant<SweepValues, Wrong> SweepValues::parse(std::string_view text) {
     return wrong_axis("a grid has two ends and a number of points");
   }
   SweepValues values;
-  const auto from = constant_of(ends[0]);
-  const auto to = constant_of(ends[1]);
-  if (!from || !to || !std::isfinite(*from) || !std::isfinite(*to)) {
-    const std::string& end = from && std::isfinite(*from) ? ends[1] : ends[0];
+  const auto from = finite_constant(ends[0]);
+  const auto to = finite_constant(ends[1]);
+  if (!from || !to) {
+    const std::string& end = from ? ends[1] : ends[0];
     return wrong_axis(fmt::format("\"{}\" is not a finite number that a double holds", end));
   }
   values.from_ = *from;
@@ -140,8 +146,8 @@ SweepValues SweepValues::listed(std::vector<std::string> texts) {
   values.texts_ = std::move(texts);
   values.count_ = values.texts_.size();
   for (const std::string& text : values.texts_) {
-    const auto number = constant_of(text);
-    values.numeric_ = values.numeric_ && number && std::isfinite(*number);
+    const auto number = finite_constant(text);
+    values.numeric_ = values.numeric_ && number;
     if (values.numeric_) values.numbers_.push_back(*number);
   }
   if (!values.numeric_) values.numbers_.clear();
@@ -294,6 +300,19 @@ class SweepReader {
           complain(entry.value, FaultCode::scene_wrong_type, "sweep.continue_from_neighbour",
                    "found " + kind_of(entry.value), "true or false");
         }
+      } else if (entry.key == "refine") {
+        read_text(entry, settings_.refine.what, "an observable in quotes");
+      } else if (entry.key == "refine_along") {
+        read_text(entry, settings_.refine.along, "a name of over in quotes");
+      } else if (entry.key == "refine_to") {
+        const bool is_number =
+            entry.value.as<double>() != nullptr || entry.value.as<std::int64_t>() != nullptr;
+        if (is_number) {
+          settings_.refine.to = {value_text(entry.value), source_.place(entry.value.where),
+                                 "sweep.refine_to"};
+        } else {
+          read_text(entry, settings_.refine.to, "a number");
+        }
       } else if (entry.key == "observables") {
         settings_.observables = words(entry.value, "sweep.observables");
         settings_.observables_place = source_.place(entry.value.where);
@@ -309,6 +328,16 @@ class SweepReader {
                 std::string admissible) {
     faults_.emplace_back(code, source_.place(node.where), std::move(key),
                          source_.written(node.where), std::move(why), std::move(admissible));
+  }
+
+  void read_text(const Entry& entry, std::optional<SweepText>& into, const char* admissible) {
+    const std::string key = "sweep." + entry.key;
+    if (const auto* text = entry.value.as<std::string>()) {
+      into = {*text, source_.place(entry.value.where), key};
+    } else {
+      complain(entry.value, FaultCode::scene_wrong_type, key, "found " + kind_of(entry.value),
+               admissible);
+    }
   }
 
   void report_unknown(const Entry& entry) {
@@ -417,7 +446,7 @@ void check_sweep(const Table& document, const Source& source, FaultList& faults)
   std::vector<Fault> found;
   const auto settings = sweep_settings(document, source, found);
   if (!settings) return;
-  sweep_dimensions(*settings, found);
+  sweep_refinement(*settings, sweep_dimensions(*settings, found), found);
   for (const SweepAxis& axis : settings->over) {
     const std::vector<Setting> setting = {{axis.name, axis.values.text(0)}};
     const Source of_setting("", "", setting);

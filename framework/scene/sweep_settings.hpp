@@ -55,6 +55,12 @@ class SweepValues {
   std::vector<double> numbers_;     ///< of a numeric list
 };
 
+/// With the digits that give back its bits, as `--set` takes it.
+std::string number_as_setting(double number);
+
+/// A finite number, or an expression without parameters that gives one.
+std::optional<double> finite_constant(std::string_view text);
+
 /// One name with its values.
 struct SweepAxis {
   std::string name;  ///< as in `--set`: a parameter or a dotted path
@@ -69,11 +75,26 @@ struct SweepZip {
   Place place;
 };
 
+/// A text of a table or an option.
+struct SweepText {
+  std::string text;
+  Place place;
+  std::string key;  ///< for messages
+};
+
+/// Where points are added to those of the axes, as it was written; sweep_refinement() reads it.
+struct RefineSettings {
+  std::optional<SweepText> what;   ///< "OBSERVABLE" or "OBSERVABLE=LEVEL"
+  std::optional<SweepText> along;  ///< an axis
+  std::optional<SweepText> to;     ///< a width
+};
+
 struct SweepSettings {
   std::vector<SweepAxis> over;      ///< the first one outermost
   std::vector<std::string> unread;  ///< axes that are left out: their values are wrong
   std::vector<SweepZip> zips;
   bool continues = false;  ///< a point starts where the one before it along the last axis has ended
+  RefineSettings refine;
   std::vector<std::string> observables;
   Place observables_place;
 };

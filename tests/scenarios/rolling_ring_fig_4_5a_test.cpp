@@ -5,6 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/study/sweep/bisection.hpp"
+#include "framework/study/sweep/journal.hpp"
+#include "framework/study/sweep/runner.hpp"
+#include "tests/framework/output/temporary_folder.hpp"
 #include "tests/scenarios/rolling_ring_figures.hpp"
 
 /// Figs. 4 and 5a of Sircar and Patra: the threshold of smooth sliding.
@@ -35,6 +39,80 @@ struct HeldRing {
   int count;
   double radius;
 };
+
+/// The interval of k in which a sweep that is refined finds a threshold, `tomlin sweep --refine`.
+Bisection refined_in_k(SceneDocument scene, const std::vector<Setting>& settings,
+                       const std::string& k, const std::string& refine, double width) {
+  SweepSettings sweep;
+  sweep.over.push_back({"k", std::get<SweepValues>(SweepValues::parse(k)), {"--over"}, k});
+  sweep.refine.what = {refine, {"--refine"}, ""};
+  sweep.refine.to = {text_of(width), {"--refine-to"}, ""};
+  SweepPlan plan(std::move(scene), registry(), settings, std::move(sweep), "1.2.3");
+  const TemporaryFolder folder;
+  SweepJournal journal(folder.path() / "journal", plan);
+  SweepBisection bisection(plan, journal);
+  SweepOptions options;
+  options.add_points = [&bisection] { return bisection.add_points(); };
+  run_sweep(plan, journal, options);
+  EXPECT_EQ(bisection.all().size(), 1) << "one threshold";
+  EXPECT_EQ(bisection.all().at(0).status, BisectionStatus::found);
+  return bisection.all().at(0);
+}
+
+SceneDocument shipped(const char* scene) {
+  return SceneDocument(std::string(paths::source) + "/scenarios/" + scene);
+}
+
+const std::vector<Setting> kEquilibriaOfRing = {
+    kHeld, {"run.dynamics", "quasistatic"}, {"run.integrator", "{ type = \"continuation\" }"}};
+constexpr double kThresholdFromEquilibria = 1e-4;
+constexpr double kThresholdFromDynamics = 3e-3;
+
+/// Slips end at k_crit: the path of equilibria has no fold beyond it.
+TEST(RollingRingFig4, BisectionOfSlipsFindsTheThreshold) {
+  for (const HeldRing ring : {HeldRing{8, 0.1}, HeldRing{5, 0.5}}) {
+    const double threshold = 4.0 * kPi * kPi * std::abs(share(ring.count, ring.radius));
+    std::vector<Setting> settings = kEquilibriaOfRing;
+    settings.insert(settings.end(),
+                    {{"N", std::to_string(ring.count)}, {"R", text_of(ring.radius)}});
+    const Bisection found = refined_in_k(shipped(kFig4), settings, "8:40:5", "events.slips=0.5",
+                                         kThresholdFromEquilibria);
+    const auto& [low, high] = found.ends;
+    EXPECT_GT(low.number, high.number);
+    EXPECT_LE(high.at - low.at, kThresholdFromEquilibria);
+    EXPECT_NEAR(0.5 * (low.at + high.at), threshold, kThresholdFromEquilibria) << ring.radius;
+  }
+}
+
+/// From the largest speed at three velocities: at the threshold it grows as v^(3/5), so that k
+/// where it is c v^(3/5) goes to the threshold for any c, in powers of v^(2/5). The parabola
+/// through three of them has its value at v = 0 there, up to v^(6/5).
+TEST(RollingRingFig4, BisectionOfSpeedsFindsTheThreshold) {
+  const double threshold = 4.0 * kPi * kPi * std::abs(share(kParticles, 0.1));
+  constexpr double kWidth = 1e-4;
+  for (const double c : {1.0, 1.5}) {
+    std::vector<double> at;
+    std::vector<double> powers;
+    for (const double v : {3e-4, 1e-4, 3e-5}) {
+      const double level = c * std::pow(v, 0.6);
+      const Bisection found = refined_in_k(shipped(kFig4), {kHeld, {"v", text_of(v)}}, "33:39:4",
+                                           "ring.max_speed=" + text_of(level), kWidth);
+      const auto& [low, high] = found.ends;
+      at.push_back(low.at + (high.at - low.at) * (low.number - level) / (low.number - high.number));
+      powers.push_back(std::pow(v, 0.4));
+    }
+    double limit = 0.0;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      double weight = 1.0;
+      for (std::size_t j = 0; j < at.size(); ++j) {
+        if (j != i) weight *= powers[j] / (powers[j] - powers[i]);
+      }
+      limit += weight * at[i];
+    }
+    EXPECT_NEAR(limit, threshold, kThresholdFromDynamics) << "c = " << c;
+    EXPECT_GT(at.front() - threshold, 100.0 * kThresholdFromDynamics) << "no single speed shows it";
+  }
+}
 
 TEST(RollingRingFig4, ThresholdIsTheSumOverTheRing) {
   // (16) as printed is negative at R = 0.5 and does not hold for five particles.
@@ -187,6 +265,45 @@ TEST(RollingRingFig5a, ThresholdIsTheFoldOfThePathInBothDirections) {
   // Half the paper's threshold: it should stick and slip, and slides along its path.
   const auto result = run_shipped(kFig5a, {{"lambda", "0.05"}, {"k", "300"}, {"v", "1e-4"}});
   EXPECT_NEAR(max_speed(result) / 1e-4 / Path(300.0, 0.001, 50.0).fastest(), 1.0, 1e-4);
+}
+
+/// A particle at the height of the ring's centre, as the path of equilibria has it.
+constexpr const char* kParticleOfFig5a = R"(
+[parameters]
+k = 56.0
+[[body]]
+type = "point"
+position = [0.0, 0.001]
+particle_mass = 1.0
+[[force]]
+type = "driving_spring"
+stiffness = "k"
+velocity = [1.0, 0.0]
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 1.0
+period = 1.0
+decay = 50.0
+[run]
+dynamics = "quasistatic"
+duration = 2.5
+)";
+
+TEST(RollingRingFig5a, BisectionOfSlipsFindsTheThreshold) {
+  const auto threshold_of = [](SceneDocument scene, const std::vector<Setting>& settings) {
+    const auto [low, high] = refined_in_k(std::move(scene), settings, "50:60:3", "events.slips=0.5",
+                                          kThresholdFromEquilibria)
+                                 .ends;
+    return 0.5 * (low.at + high.at);
+  };
+  const double threshold = fold_threshold(0.001, 50.0);
+  EXPECT_NEAR(threshold_of(SceneDocument(kParticleOfFig5a, "tip.toml"), {}), threshold,
+              kThresholdFromEquilibria);
+  // The ring has a shape: particles are R above and below the centre, b R^2 = 5e-5 of what they
+  // feel.
+  std::vector<Setting> of_ring = kEquilibriaOfRing;
+  of_ring.push_back({"lambda", "0.05"});
+  EXPECT_NEAR(threshold_of(shipped(kFig5a), of_ring) / threshold, 1.0, 1e-4);
 }
 
 TEST(RollingRingFig5a, IsTheRingThatIsMovedByHand) {

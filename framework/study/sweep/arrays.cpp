@@ -17,6 +17,7 @@
 
 #include "framework/output/hdf5_file.hpp"
 #include "framework/study/sweep/files.hpp"
+#include "framework/study/sweep/row_order.hpp"
 
 namespace tomlin {
 namespace {
@@ -35,10 +36,20 @@ Hdf5Handle string_type(const Hdf5File& file) {
 class SweepArrays {
  public:
   SweepArrays(const std::filesystem::path& file, const SweepPlan& plan)
-      : plan_(plan), file_(file, Hdf5File::Order::as_made), strings_(string_type(file_)) {
+      : plan_(plan),
+        order_(plan),
+        file_(file, Hdf5File::Order::as_made),
+        strings_(string_type(file_)) {
     text_attribute(file_.root(), "Conventions", "CF-1.8");
     text_attribute(file_.root(), "title", plan.scene().name);
     text_attribute(file_.root(), "source", "tomlin " + plan.program_version());
+    if (plan.refinement()) {
+      shape_.push_back(order_.size());
+      add_scale("point", H5T_STD_I64LE);
+      write_numbers(scales_.front());
+      for (std::size_t axis = 0; axis < plan.axes().size(); ++axis) add_axis_of_points(axis);
+      return;
+    }
     for (const SweepDimension& dimension : plan.dimensions()) shape_.push_back(dimension.count);
     for (std::size_t d = 0; d < plan.dimensions().size(); ++d) add_dimension(d);
     for (std::size_t d = 0; d < plan.dimensions().size(); ++d) {
@@ -61,7 +72,7 @@ class SweepArrays {
 
     for_each_block([&](std::size_t first, const Hdf5Handle& place, std::size_t count) {
       std::vector<SweepRow> rows(count);
-      journal.read(first, rows);
+      order_.read(journal, first, rows);
       const Hdf5Handle memory = simple({count});
       std::vector<double> numbers(count);
       for (std::size_t k = 0; k < columns.size(); ++k) {
@@ -157,29 +168,42 @@ class SweepArrays {
     return made;
   }
 
-  void write_values(const Hdf5Handle& into, const SweepValues& values) const {
+  /// The values of an axis at `count` points.
+  void write_values(const Hdf5Handle& into, std::size_t axis, std::size_t count,
+                    const std::function<std::size_t(std::size_t)>& point_of) const {
+    const SweepValues& values = plan_.axes()[axis].values;
     const Hdf5Handle space = file_.hold(H5Dget_space(into));
-    for (std::size_t first = 0; first < values.size(); first += kElementsAtOnce) {
-      const std::size_t count = std::min(kElementsAtOnce, values.size() - first);
+    for (std::size_t first = 0; first < count; first += kElementsAtOnce) {
+      const std::size_t now = std::min(kElementsAtOnce, count - first);
       const hsize_t from[] = {first};
-      const hsize_t length[] = {count};
+      const hsize_t length[] = {now};
       file_.check(H5Sselect_hyperslab(space, H5S_SELECT_SET, from, nullptr, length, nullptr));
-      const Hdf5Handle memory = simple({count});
+      const Hdf5Handle memory = simple({now});
       if (values.numeric()) {
         std::vector<double> numbers;
-        numbers.reserve(count);
-        for (std::size_t k = 0; k < count; ++k) numbers.push_back(values.number(first + k));
+        numbers.reserve(now);
+        for (std::size_t k = 0; k < now; ++k) {
+          numbers.push_back(plan_.number(axis, point_of(first + k)));
+        }
         write_block(into, H5T_NATIVE_DOUBLE, memory, space, numbers.data());
       } else {
         std::vector<std::string> texts;
-        texts.reserve(count);
-        for (std::size_t k = 0; k < count; ++k) texts.push_back(values.plain_text(first + k));
+        texts.reserve(now);
+        for (std::size_t k = 0; k < now; ++k) {
+          texts.push_back(values.plain_text(plan_.index(axis, point_of(first + k))));
+        }
         std::vector<const char*> pointers;
-        pointers.reserve(count);
+        pointers.reserve(now);
         for (const std::string& text : texts) pointers.push_back(text.c_str());
         write_block(into, strings_, memory, space, pointers.data());
       }
     }
+  }
+
+  /// Those of its dimension.
+  void write_values(const Hdf5Handle& into, std::size_t axis) const {
+    write_values(into, axis, plan_.axes()[axis].values.size(),
+                 [this, axis](std::size_t k) { return k * plan_.stride(axis); });
   }
 
   void write_block(const Hdf5Handle& into, hid_t type, const Hdf5Handle& memory,
@@ -202,30 +226,42 @@ class SweepArrays {
     } else {
       name = plan_.axis_title(dimension.axes.front());
     }
-    const SweepValues& values = plan_.axes()[dimension.axes.front()].values;
-    Hdf5Handle scale =
-        dataset(name, zipped ? hid_t{H5T_STD_I64LE} : type_of(values), simple({dimension.count}));
-    file_.check(H5DSset_scale(scale, name.c_str()));
-    const auto number = static_cast<std::int32_t>(d);
-    const Hdf5Handle space = file_.hold(H5Screate(H5S_SCALAR));
-    {
-      const Hdf5Handle made = file_.hold(
-          H5Acreate2(scale, "_Netcdf4Dimid", H5T_STD_I32LE, space, H5P_DEFAULT, H5P_DEFAULT));
-      file_.check(H5Awrite(made, H5T_NATIVE_INT32, &number));
-    }
+    const std::size_t axis = dimension.axes.front();
+    add_scale(name, zipped ? hid_t{H5T_STD_I64LE} : type_of(plan_.axes()[axis].values));
     if (zipped) {
-      std::vector<std::int64_t> numbers(dimension.count);
-      std::iota(numbers.begin(), numbers.end(), std::int64_t{0});
-      file_.check(H5Dwrite(scale, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()));
+      write_numbers(scales_.back());
     } else {
-      write_values(scale, values);
+      write_values(scales_.back(), axis);
     }
+  }
+
+  /// Of the next dimension.
+  void add_scale(const std::string& name, hid_t type) {
+    const auto number = static_cast<std::int32_t>(scales_.size());
+    Hdf5Handle scale = dataset(name, type, simple({shape_[scales_.size()]}));
+    file_.check(H5DSset_scale(scale, name.c_str()));
+    const Hdf5Handle space = file_.hold(H5Screate(H5S_SCALAR));
+    const Hdf5Handle made = file_.hold(
+        H5Acreate2(scale, "_Netcdf4Dimid", H5T_STD_I32LE, space, H5P_DEFAULT, H5P_DEFAULT));
+    file_.check(H5Awrite(made, H5T_NATIVE_INT32, &number));
     scales_.push_back(std::move(scale));
   }
 
+  /// The numbers of the points of the last dimension that was added.
+  void write_numbers(const Hdf5Handle& scale) const {
+    std::vector<std::int64_t> numbers(shape_[scales_.size() - 1]);
+    std::iota(numbers.begin(), numbers.end(), std::int64_t{0});
+    file_.check(H5Dwrite(scale, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()));
+  }
+
+  void add_axis_of_points(std::size_t axis) const {
+    const Hdf5Handle made =
+        variable(plan_.axis_title(axis), type_of(plan_.axes()[axis].values), {0});
+    write_values(made, axis, order_.size(), [this](std::size_t k) { return order_.point(k); });
+  }
+
   void add_zipped_axis(std::size_t d, std::size_t axis) const {
-    const SweepValues& values = plan_.axes()[axis].values;
-    write_values(variable(plan_.axis_title(axis), type_of(values), {d}), values);
+    write_values(variable(plan_.axis_title(axis), type_of(plan_.axes()[axis].values), {d}), axis);
   }
 
   /// Parts of all points in their order, each with its place among the dimensions: the first
@@ -243,7 +279,7 @@ class SweepArrays {
     std::vector<hsize_t> from(shape_.size(), 0);
     std::vector<hsize_t> length = shape_;
     std::fill_n(length.begin(), ranged, hsize_t{1});
-    for (std::size_t first = 0; first < plan_.points();) {
+    for (std::size_t first = 0; first < order_.size();) {
       std::size_t rest = first / inner;
       for (std::size_t d = ranged + 1; d-- > 0; rest /= shape_[d]) from[d] = rest % shape_[d];
       length[ranged] = std::min<std::size_t>(most, shape_[ranged] - from[ranged]);
@@ -256,6 +292,7 @@ class SweepArrays {
   }
 
   const SweepPlan& plan_;
+  RowOrder order_;
   Hdf5File file_;
   Hdf5Handle strings_;  ///< their type
   std::vector<hsize_t> shape_;

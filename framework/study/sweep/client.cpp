@@ -28,15 +28,14 @@ constexpr double kMostInAdvance = 256;
 /// The server's queue.
 class SweepClient::Queue : public PointQueue {
  public:
-  /// Of a plan with lines of so many points.
-  Queue(SweepClient& client, std::size_t line) : client_(client), line_(line) {}
+  Queue(SweepClient& client, SweepPlan& plan) : client_(client), plan_(plan) {}
 
   std::vector<std::size_t> take(std::size_t most) override {
     const std::lock_guard lock(client_.mutex_);
     if (ready_.empty() && !is_empty_) fetch(most);
     std::size_t count = std::min(most, ready_.size());
     while (count > 0 && count < ready_.size() &&
-           ready_[count] / line_ == ready_[count - 1] / line_) {
+           ready_[count] / plan_.line() == ready_[count - 1] / plan_.line()) {
       ++count;
     }
     std::vector<std::size_t> taken(ready_.begin(), ready_.begin() + static_cast<int>(count));
@@ -54,13 +53,16 @@ class SweepClient::Queue : public PointQueue {
     send(client_.link_, 0, {.kind = Kind::request, .wanted = std::max(least, wanted)});
     const SweepMessage answer = client_.wait();
     ready_.assign(answer.points.begin(), answer.points.end());
+    for (std::size_t k = 0; k < answer.values.size(); ++k) {
+      if (answer.points[k] >= plan_.points()) plan_.add(answer.points[k], answer.values[k]);
+    }
     is_empty_ = ready_.empty();
     fetched_ = ready_.size();
     fetched_at_ = Clock::now();
   }
 
   SweepClient& client_;
-  std::size_t line_;
+  SweepPlan& plan_;
   std::deque<std::size_t> ready_;
   bool is_empty_ = false;  ///< the server has no more
   std::size_t fetched_ = 0;
@@ -104,6 +106,13 @@ void SweepClient::look_for_stop() {
   if (const auto mail = next_mail(link_)) heed(mail->message);
 }
 
+/// Whether the server adds points to those that have all been run.
+bool SweepClient::has_more() {
+  if (was_sent_home_) return false;
+  send(link_, 0, {.kind = Kind::ready});
+  return wait().kind == Kind::welcome;
+}
+
 /// The last message; that of the server is a stop.
 void SweepClient::say_farewell(const SweepFarewell& farewell) {
   send(link_, 0, {.kind = Kind::farewell, .farewell = farewell});
@@ -121,7 +130,7 @@ void SweepClient::refuse(const ProcessLink& link, const InputError& error) {
   client.say_farewell({});
 }
 
-void SweepClient::run(const SweepPlan& plan, SweepOptions options,
+void SweepClient::run(SweepPlan& plan, SweepOptions options,
                       const std::function<std::filesystem::path()>& folder) {
   SweepMessage greeting;
   greeting.kind = Kind::greeting;
@@ -132,9 +141,7 @@ void SweepClient::run(const SweepPlan& plan, SweepOptions options,
     say_farewell(farewell);
     return;
   }
-  Queue queue(*this, plan.line());
   Rows rows(*this);
-  options.queue = &queue;
   options.stop = &stop_;
   options.folder = folder();
   options.on_progress = [this](const SweepProgress&) { look_for_stop(); };
@@ -151,8 +158,12 @@ void SweepClient::run(const SweepPlan& plan, SweepOptions options,
     farewell = {why, fmt::format("process {}: {}", link_.rank, what)};
   };
   try {
-    const SweepProgress progress = run_sweep(plan, rows, options);
-    farewell.traces = options.traced.size() - progress.traces_left;
+    do {
+      Queue queue(*this, plan);
+      options.queue = &queue;
+      const SweepProgress progress = run_sweep(plan, rows, options);
+      farewell.traces = options.traced.size() - progress.traces_left;
+    } while (plan.refinement() && !stop_ && has_more());
     if (stop_) farewell.why = Why::stopped;
   } catch (const std::bad_alloc& error) {
     failed(Why::no_memory, error.what());

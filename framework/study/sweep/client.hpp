@@ -29,7 +29,7 @@ class SweepClient {
   /// Until the server has no more points, with the threads of the options. `folder`, which is asked
   /// for once the server has begun, and the traced points are as in SweepOptions; every process has
   /// its share of the latter. Errors are the server's to report.
-  void run(const SweepPlan& plan, SweepOptions options,
+  void run(SweepPlan& plan, SweepOptions options,
            const std::function<std::filesystem::path()>& folder);
 
  private:
@@ -40,6 +40,7 @@ class SweepClient {
   SweepMessage wait();
   void heed(const SweepMessage& message);
   void look_for_stop();
+  bool has_more();
   void say_farewell(const SweepFarewell& farewell);
 
   const ProcessLink& link_;

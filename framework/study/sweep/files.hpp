@@ -12,19 +12,21 @@
 #include "framework/study/sweep/plan.hpp"
 
 /// The results of a sweep, made once every point has a row. They depend on the rows alone, and take
-/// the same memory for any number of points. A file appears complete or not at all.
+/// the same memory for any number of points but for the order of those of a refinement (RowOrder).
+/// A file appears complete or not at all.
 namespace tomlin {
 
 /// What the rows come to.
 struct SweepCounts {
   struct Warned {
     std::size_t points = 0;
-    std::size_t first = 0;  ///< of them
+    std::size_t first = 0;  ///< row of the first of them
   };
   std::array<std::size_t, kSweepStatuses> by_status = {};
   std::map<FaultCode, Warned> warnings;
-  std::size_t first_without_numbers = 0;  ///< the first that failed or was refused, where there is
-  std::string reason;                     ///< one, and its reason
+  std::size_t first_without_numbers = 0;  ///< row of the first that failed or was refused, where
+  std::size_t point_without_numbers = 0;  ///< there is one, its point
+  std::string reason;                     ///< and its reason
 
   std::size_t of(SweepStatus status) const { return by_status[static_cast<std::size_t>(status)]; }
 };
@@ -40,7 +42,8 @@ void write_sweep_table(const std::filesystem::path& file, const SweepPlan& plan,
 
 /// netCDF-4: an HDF5 file with a dimension for each axis, called like it, whose values are the
 /// variable of that name; zipped axes share a dimension `point` (the next ones point_2, ...), along
-/// which each is a variable. Columns, status and reason are variables over all dimensions. Throws
+/// which each is a variable. Columns, status and reason are variables over all dimensions. With a
+/// refinement, points make no grid: all axes and columns are variables along `point`. Throws
 /// OutputError, DamagedFile.
 void write_sweep_arrays(const std::filesystem::path& file, const SweepPlan& plan,
                         const SweepJournal& journal);

@@ -39,7 +39,7 @@ struct SweepRecordStart {
 };
 
 SweepHeader header_of(const SweepPlan& plan) {
-  return {plan.program_version(), plan.identity(), plan.points(), plan.columns().size()};
+  return {plan.program_version(), plan.identity(), plan.point_numbers(), plan.columns().size()};
 }
 
 RecordWriter record_of(const SweepHeader& header) {
@@ -105,7 +105,7 @@ SweepJournal::Found SweepJournal::look(const std::filesystem::path& file, const 
 }
 
 SweepJournal::SweepJournal(std::filesystem::path file, const SweepPlan& plan, Use use)
-    : file_(std::move(file)), columns_(plan.columns().size()), has_(plan.points(), 0) {
+    : file_(std::move(file)), columns_(plan.columns().size()), has_(plan.point_numbers(), 0) {
   RecordWriter header = record_of(header_of(plan));
   seed_ = kFirstChecksum;
   const auto bytes = header.seal(seed_);
@@ -126,7 +126,7 @@ SweepJournal::SweepJournal(std::filesystem::path file, const SweepPlan& plan, Us
   if (!same) {
     if (const int error = write_at(descriptor_, bytes, 0)) fail(error);
   }
-  end_ = std::max(place(plan.points()), size_of(descriptor_));
+  end_ = std::max(place(plan.point_numbers()), size_of(descriptor_));
   if (same) find_rows();
 }
 
@@ -158,6 +158,7 @@ void SweepJournal::keep(std::size_t point, const SweepRow& row) {
   record.numbers(row.numbers);
   std::uint64_t checksum = seed_;
   if (const int error = write_at(descriptor_, record.seal(checksum), place(point))) fail(error);
+  has_[point] = 1;
 }
 
 bool SweepJournal::decode(std::size_t point, std::span<const std::byte> record,

@@ -67,7 +67,9 @@ std::vector<std::byte> encoded(const SweepMessage& message) {
       for (const std::size_t point : message.points) {
         record.number(static_cast<std::uint64_t>(point));
       }
+      record.numbers(message.values);
       break;
+    case Kind::ready:
     case Kind::welcome:
     case Kind::stop:
       break;
@@ -106,7 +108,10 @@ SweepMessage decoded(std::vector<std::byte> bytes) {
     case Kind::points:
       message.points.resize(record.count(sizeof(std::uint64_t)));
       for (std::size_t& point : message.points) point = record.number<std::uint64_t>();
+      if (record.left() > 0) message.values.resize(message.points.size());
+      record.numbers(message.values);
       break;
+    case Kind::ready:
     case Kind::welcome:
     case Kind::stop:
       break;

@@ -33,8 +33,9 @@ struct SweepMessage {
     greeting,  ///< from clients
     request,   ///< from clients: so many points are wanted
     row,       ///< from clients
+    ready,     ///< from clients, with a refinement: all points have been run
     farewell,  ///< from clients
-    welcome,   ///< from the server: begin
+    welcome,   ///< from the server: begin, or begin again: there are more points
     points,    ///< from the server: of a request; none are left
     stop       ///< from the server, and nothing after it
   } kind = Kind::stop;
@@ -44,6 +45,7 @@ struct SweepMessage {
   SweepRow row = {};
   SweepFarewell farewell = {};
   std::vector<std::size_t> points = {};
+  std::vector<double> values = {};  ///< of the refined axis at these points
 };
 
 std::vector<std::byte> encoded(const SweepMessage& message);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -27,6 +28,8 @@ namespace {
 constexpr std::size_t kMostTried = 1000;
 /// Values of one axis whose faults are shown.
 constexpr std::size_t kMostWrongValues = 10;
+
+constexpr double kNoPoint = std::numeric_limits<double>::quiet_NaN();
 
 /// Columns of the results besides axes and observables.
 constexpr std::string_view kTakenTitles[] = {"status", "reason", "point"};
@@ -105,7 +108,9 @@ void SweepPlan::find_points(std::vector<Fault>& faults) {
     stride_[d] = points;
     points *= dimensions_[d].count;
   }
+  refinement_ = sweep_refinement(sweep_, dimensions_, faults);
   if (faults.size() == before) points_ = points;
+  if (refinement_) added_.assign(points_ * refinement_->rounds, kNoPoint);
 }
 
 /// What is wrong without the axes and at the first points as well is wrong with the scene itself.
@@ -136,14 +141,24 @@ void SweepPlan::find_scene(std::vector<Fault>& faults) {
 
 std::size_t SweepPlan::index(std::size_t axis, std::size_t point) const {
   const std::size_t d = dimension_of_[axis];
-  return point / stride_[d] % dimensions_[d].count;
+  return left_of(point) / stride_[d] % dimensions_[d].count;
+}
+
+double SweepPlan::number(std::size_t axis, std::size_t point) const {
+  return is_added(axis, point) ? added_[point - points_]
+                               : axes()[axis].values.number(index(axis, point));
+}
+
+std::string SweepPlan::text(std::size_t axis, std::size_t point) const {
+  return is_added(axis, point) ? number_as_setting(added_[point - points_])
+                               : axes()[axis].values.text(index(axis, point));
 }
 
 std::vector<Setting> SweepPlan::settings_at(std::size_t point) const {
   std::vector<Setting> settings;
   settings.reserve(axes().size());
   for (std::size_t axis = 0; axis < axes().size(); ++axis) {
-    settings.push_back({axes()[axis].name, axes()[axis].values.text(index(axis, point))});
+    settings.push_back({axes()[axis].name, text(axis, point)});
   }
   return settings;
 }
@@ -223,26 +238,38 @@ void SweepPlan::find_observables(std::vector<Fault>& faults) {
   }
   if (!result) throw InputError(*refused);
 
-  const Place& place = sweep_.observables_place;
   for (const std::string& given : sweep_.observables) {
-    try {
-      const std::string path = full_path(*result, given, place);
-      if (path.starts_with("performance.")) {
-        faults.emplace_back(FaultCode::command_invalid_value, place, given, "",
-                            "how fast a run was is not a result of it",
-                            "an observable of the scene");
-        continue;
-      }
-      if (std::find(paths_.begin(), paths_.end(), path) != paths_.end()) continue;
-      const std::vector<Observable> all = tomlin::observables(*result);
-      const auto found = std::find_if(all.begin(), all.end(),
-                                      [&](const Observable& one) { return one.path == path; });
-      observables_.push_back({path, short_name(*result, path), unit_in_tables(*found->quantity),
-                              found->quantity->meaning});
-      paths_.push_back(path);
-    } catch (const InputError& error) {
-      faults.insert(faults.end(), error.faults().begin(), error.faults().end());
+    find_observable(*result, given, sweep_.observables_place, faults);
+  }
+  const std::string refined = refined_observable(sweep_.refine);
+  if (refined.empty()) return;
+  const Place& place = sweep_.refine.what->place;
+  find_observable(*result, refined, place, faults);
+  if (!faults.empty()) return;
+  const std::string path = full_path(*result, refined, place);
+  refined_column_ =
+      static_cast<std::size_t>(std::find(paths_.begin(), paths_.end(), path) - paths_.begin());
+}
+
+/// One that is there already comes once.
+void SweepPlan::find_observable(const RunResult& result, const std::string& given,
+                                const Place& place, std::vector<Fault>& faults) {
+  try {
+    const std::string path = full_path(result, given, place);
+    if (path.starts_with("performance.")) {
+      faults.emplace_back(FaultCode::command_invalid_value, place, given, "",
+                          "how fast a run was is not a result of it", "an observable of the scene");
+      return;
     }
+    if (std::find(paths_.begin(), paths_.end(), path) != paths_.end()) return;
+    const std::vector<Observable> all = tomlin::observables(result);
+    const auto found = std::find_if(all.begin(), all.end(),
+                                    [&](const Observable& one) { return one.path == path; });
+    observables_.push_back({path, short_name(result, path), unit_in_tables(*found->quantity),
+                            found->quantity->meaning});
+    paths_.push_back(path);
+  } catch (const InputError& error) {
+    faults.insert(faults.end(), error.faults().begin(), error.faults().end());
   }
 }
 
@@ -282,6 +309,12 @@ std::string SweepPlan::scene_text() const {
     text += fmt::format("zip = [{}]\n", fmt::join(groups, ", "));
   }
   if (sweep_.continues) text += "continue_from_neighbour = true\n";
+  if (refinement_) {
+    std::string what = paths_[refined_column_];
+    if (refinement_->level) what += fmt::format("={}", *refinement_->level);
+    text += fmt::format("refine = {}\nrefine_along = {}\nrefine_to = {}\n", quoted_text(what),
+                        quoted_text(axes()[refinement_->axis].name), refinement_->width);
+  }
   text += "\n[sweep.over]\n";
   for (const SweepAxis& axis : axes()) {
     std::string values = quoted_text(axis.values.canonical());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -10,13 +11,16 @@
 #include "framework/core/records/registry.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/scene/scene_document.hpp"
+#include "framework/scene/sweep_refinement.hpp"
 #include "framework/scene/sweep_settings.hpp"
 
 /// A sweep: the same scene over many values of its parameters.
 ///
 ///   SweepPlan     what is run: points 0 .. n-1 in the order of the axes, the first one outermost,
-///                 each a list of settings as in `--set`, and the columns of the results. It is
-///                 immutable, and every process makes the same of the same input.
+///                 each a list of settings as in `--set`, and the columns of the results. Every
+///                 process makes the same of the same input, and nothing is changed afterwards but
+///                 that points of a refinement are added.
+///   SweepBisection  adds them in rounds, by the rows of all points before.
 ///   SweepQueue    hands out the points that have no row yet, some at a time.
 ///   run_sweep()   threads that take points from the queue, run them and keep their rows.
 ///   SweepRows     where rows are kept: SweepJournal, fixed-size checked records in a file, each
@@ -29,9 +33,8 @@
 ///
 /// What computes rows can therefore be exchanged: lanes take batches of points of one structure
 /// from the queue; other processes (SweepClient) get theirs from the queue of the first one
-/// (SweepServer), which alone writes; points that are added later are one more dimension `point`. A
-/// part of the points (SweepPart) may be run elsewhere with a journal of its own, and the journals
-/// of one plan are merged record by record (merge.hpp).
+/// (SweepServer), which alone writes. A part of the points (SweepPart) may be run elsewhere with a
+/// journal of its own, and the journals of one plan are merged record by record (merge.hpp).
 namespace tomlin {
 
 /// One result that is kept of each run.
@@ -53,6 +56,8 @@ struct SweepColumn {
   std::string name;            ///< "driver.mean_force.x", "error.driver.mean_force.x"
 };
 
+struct RunResult;
+
 class SweepPlan {
  public:
   /// The registry must outlive the plan. `settings` are those of all points. Throws InputError with
@@ -73,13 +78,39 @@ class SweepPlan {
 
   /// Of all dimensions together.
   std::size_t points() const { return points_; }
+  /// Where points are added to them.
+  const std::optional<SweepRefinement>& refinement() const { return refinement_; }
+  /// Of the observable that decides where: index into columns().
+  std::size_t refined_column() const { return refined_column_; }
+  /// Numbers that a point can have: those of the dimensions, then one for each round between each
+  /// of these and the next one along the refined axis, whether there is such a point or not.
+  std::size_t point_numbers() const { return points_ + added_.size(); }
+  /// The number of a point that a round adds.
+  std::size_t number_between(std::size_t left, std::size_t round) const {
+    return points_ + left * refinement_->rounds + round;
+  }
+  bool exists(std::size_t point) const {
+    return point < points_ || !std::isnan(added_[point - points_]);
+  }
+  /// With this value of the refined axis. Threads may run other points meanwhile.
+  void add(std::size_t point, double value) { added_[point - points_] = value; }
+  /// The point of the dimensions itself, or the one on the left of an added one.
+  std::size_t left_of(std::size_t point) const {
+    return point < points_ ? point : (point - points_) / refinement_->rounds;
+  }
+  /// From one value of an axis to the next.
+  std::size_t stride(std::size_t axis) const { return stride_[dimension_of_[axis]]; }
   /// Points that follow one another, each from the end of the one before it: all of the last
   /// dimension; 1 where they do not.
   std::size_t line() const {
     return sweep_.continues && !dimensions_.empty() ? dimensions_.back().count : 1;
   }
-  /// Which of its values an axis has at a point.
+  /// Which of its values an axis has at a point; the refined one has none of them at points that
+  /// were added.
   std::size_t index(std::size_t axis, std::size_t point) const;
+  /// Its value there, as SweepValues has it.
+  double number(std::size_t axis, std::size_t point) const;
+  std::string text(std::size_t axis, std::size_t point) const;
   /// What differs from the scene at a point.
   std::vector<Setting> settings_at(std::size_t point) const;
   /// Throws InputError where the point is refused.
@@ -94,12 +125,17 @@ class SweepPlan {
   std::uint64_t identity() const { return identity_; }
 
  private:
+  bool is_added(std::size_t axis, std::size_t point) const {
+    return point >= points_ && refinement_->axis == axis;
+  }
   void find_points(std::vector<Fault>& faults);
   void find_scene(std::vector<Fault>& faults);
   void check_axis(std::size_t axis, std::vector<Fault>& faults) const;
   std::vector<Setting> all_settings_at(std::size_t point) const;
   std::optional<Fault> fault_of(const std::vector<Setting>& settings, std::size_t n) const;
   void find_observables(std::vector<Fault>& faults);
+  void find_observable(const RunResult& result, const std::string& given, const Place& place,
+                       std::vector<Fault>& faults);
   void name_columns();
   std::uint64_t find_identity() const;
 
@@ -113,6 +149,9 @@ class SweepPlan {
   std::vector<std::size_t> dimension_of_;  ///< [axis]
   std::vector<std::size_t> stride_;  ///< [dimension]: points from one of its values to the next
   std::size_t points_ = 0;           ///< 0: the axes are not right
+  std::optional<SweepRefinement> refinement_;
+  std::vector<double> added_;  ///< values of the refined axis; NaN where there is no point
+  std::size_t refined_column_ = 0;
   std::vector<SweepObservable> observables_;
   std::vector<std::string> paths_;
   std::vector<SweepColumn> columns_;

@@ -21,16 +21,18 @@ namespace {
 /// The threads of a sweep and what they have done.
 class SweepWork : private PointSource {
  public:
-  SweepWork(const SweepPlan& plan, SweepRows& rows, const SweepOptions& options)
+  SweepWork(const SweepPlan& plan, SweepRows& rows, const SweepOptions& options,
+            const SweepProgress& so_far)
       : plan_(plan),
         rows_(rows),
         options_(options),
         own_queue_(plan, rows, options.part),
         queue_(options.queue != nullptr ? *options.queue : own_queue_),
-        progress_(progress_before(plan, rows, options)) {}
+        seconds_before_(so_far.seconds),
+        progress_(progress_before(plan, rows, options, so_far)) {}
 
   SweepProgress run() {
-    const std::size_t left = progress_.points - progress_.before + options_.traced.size();
+    const std::size_t left = progress_.points - progress_.with_row() + options_.traced.size();
     const auto count = std::clamp<std::size_t>(options_.threads, 1, std::max<std::size_t>(1, left));
     running_ = count;
     const std::size_t sharers = count * options_.processes;
@@ -56,7 +58,9 @@ class SweepWork : private PointSource {
   static constexpr std::chrono::milliseconds kLookEvery{20};
   static constexpr std::chrono::milliseconds kShowEvery{500};
 
-  double elapsed() const { return std::chrono::duration<double>(Clock::now() - started_).count(); }
+  double elapsed() const {
+    return seconds_before_ + std::chrono::duration<double>(Clock::now() - started_).count();
+  }
 
   void work() {
     try {
@@ -129,6 +133,7 @@ class SweepWork : private PointSource {
   SweepQueue own_queue_;
   PointQueue& queue_;
   Clock::time_point started_ = Clock::now();
+  double seconds_before_;
   std::atomic<bool> halt_ = false;
   std::atomic<std::size_t> traces_begun_ = 0;
   std::mutex mutex_;
@@ -144,31 +149,41 @@ class SweepWork : private PointSource {
 std::vector<std::size_t> SweepQueue::take(std::size_t most) {
   const std::lock_guard lock(mutex_);
   std::vector<std::size_t> taken;
-  while (next_ < points_ && taken.size() < most) {
-    for (const std::size_t end = next_ + line_; next_ < end; ++next_) {
-      if (part_.has(next_) && !rows_.has(next_)) taken.push_back(next_);
+  while (next_ < plan_.point_numbers() && taken.size() < most) {
+    for (const std::size_t end = next_ + plan_.line(); next_ < end; ++next_) {
+      const bool is_mine = plan_.exists(next_) && part_.has(next_);
+      if (is_mine && !rows_.has(next_)) taken.push_back(next_);
     }
   }
   return taken;
 }
 
 SweepProgress progress_before(const SweepPlan& plan, const SweepRows& rows,
-                              const SweepOptions& options) {
-  SweepProgress progress;
-  progress.points = options.part.size(plan.points());
+                              const SweepOptions& options, const SweepProgress& so_far) {
+  SweepProgress progress = so_far;
+  progress.points = 0;
   progress.traces_left = options.traced.size();
-  for (std::size_t k = 0; k < plan.points(); ++k) {
-    progress.before += options.part.has(k) && rows.has(k) ? 1 : 0;
+  std::size_t with_row = 0;
+  for (std::size_t k = 0; k < plan.point_numbers(); ++k) {
+    if (!plan.exists(k) || !options.part.has(k)) continue;
+    ++progress.points;
+    with_row += rows.has(k) ? 1 : 0;
   }
+  progress.before = with_row - progress.done_here();
   return progress;
 }
 
-std::size_t SweepProgress::with_row() const {
-  return std::accumulate(done.begin(), done.end(), before);
+std::size_t SweepProgress::done_here() const {
+  return std::accumulate(done.begin(), done.end(), std::size_t{0});
 }
 
 SweepProgress run_sweep(const SweepPlan& plan, SweepRows& rows, const SweepOptions& options) {
-  return SweepWork(plan, rows, options).run();
+  SweepProgress progress;
+  for (;;) {
+    progress = SweepWork(plan, rows, options, progress).run();
+    if (!options.add_points || !progress.complete()) return progress;
+    if (!options.add_points()) return progress_before(plan, rows, options, progress);
+  }
 }
 
 }  // namespace tomlin

@@ -30,14 +30,13 @@ class PointQueue {
 class SweepQueue : public PointQueue {
  public:
   SweepQueue(const SweepPlan& plan, const SweepRows& rows, SweepPart part = {})
-      : points_(plan.points()), line_(plan.line()), rows_(rows), part_(part) {}
+      : plan_(plan), rows_(rows), part_(part) {}
 
   std::vector<std::size_t> take(std::size_t most) override;
 
  private:
   std::mutex mutex_;
-  std::size_t points_;
-  std::size_t line_;
+  const SweepPlan& plan_;
   const SweepRows& rows_;
   SweepPart part_;
   std::size_t next_ = 0;
@@ -51,14 +50,17 @@ struct SweepProgress {
   std::size_t traces_left = 0;                        ///< of those that were asked for
   double seconds = 0.0;
 
-  std::size_t with_row() const;
+  std::size_t done_here() const;
+  std::size_t with_row() const { return before + done_here(); }
   bool complete() const { return with_row() == points; }
 };
 
 struct SweepOptions {
   std::size_t threads = 1;
-  SweepPart part = {};                      ///< the points that are run
-  PointQueue* queue = nullptr;              ///< where they come from, if not from the plan
+  SweepPart part = {};          ///< the points that are run
+  PointQueue* queue = nullptr;  ///< where they come from, if not from the plan
+  /// Called when all points have a row, to add some to the plan; false: none are missing.
+  std::function<bool()> add_points = {};
   std::size_t processes = 1;                ///< that share them, with as many threads each
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal: rows so far are kept
   /// A folder for the checkpoints of points that take long, NUMBER.store, of lines, NUMBER.line,
@@ -70,9 +72,9 @@ struct SweepOptions {
   std::function<void(const SweepProgress&)> on_progress = {};
 };
 
-/// Nothing is done yet: what there is to do.
+/// What there is to do, after what has been done.
 SweepProgress progress_before(const SweepPlan& plan, const SweepRows& rows,
-                              const SweepOptions& options);
+                              const SweepOptions& options, const SweepProgress& so_far = {});
 
 /// Runs every point of the part that has no row, and keeps what it gives. A point that is stopped
 /// leaves no row. Throws what SweepRows throws, once all threads have ended.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -67,6 +68,18 @@ void SweepServer::note(const SweepFarewell& farewell) {
   stop();
 }
 
+void SweepServer::hand_out(int to, const SweepPlan& plan, std::vector<std::size_t> points) {
+  SweepMessage message;
+  message.kind = Kind::points;
+  if (plan.refinement()) {
+    for (const std::size_t point : points) {
+      message.values.push_back(plan.number(plan.refinement()->axis, point));
+    }
+  }
+  message.points = std::move(points);
+  send(link_, to, message);
+}
+
 void SweepServer::meet(const SweepPlan& plan) {
   std::vector<Fault> faults;
   MailPause pause;
@@ -91,7 +104,9 @@ void SweepServer::meet(const SweepPlan& plan) {
 
 SweepProgress SweepServer::run(const SweepPlan& plan, SweepRows& rows,
                                const SweepOptions& options) {
-  SweepQueue queue(plan, rows, options.part);
+  std::optional<SweepQueue> queue;
+  queue.emplace(plan, rows, options.part);
+  int ready = 0;  // clients that have no more points
   SweepProgress progress = progress_before(plan, rows, options);
   const auto started = Clock::now();
   const auto elapsed = [&started] {
@@ -123,7 +138,17 @@ SweepProgress SweepServer::run(const SweepPlan& plan, SweepRows& rows,
       const std::size_t left = progress.points - progress.with_row();
       const std::size_t share = left / (kShareOfTheRest * static_cast<std::size_t>(clients()));
       const std::size_t most = std::min(message.wanted, std::max<std::size_t>(1, share));
-      send(link_, mail->from, {.kind = Kind::points, .points = queue.take(most)});
+      hand_out(mail->from, plan, queue->take(most));
+    } else if (message.kind == Kind::ready && ++ready == clients() && !stopped_) {
+      ready = 0;
+      const bool has_more = progress.complete() && options.add_points && options.add_points();
+      progress = progress_before(plan, rows, options, progress);
+      if (has_more) {
+        queue.emplace(plan, rows, options.part);
+        send_to_all(Kind::welcome);
+      } else {
+        for (int rank = 1; rank < link_.size; ++rank) hand_out(rank, plan, {});
+      }
     }
   }
   if (trouble_) throw_trouble(*trouble_);

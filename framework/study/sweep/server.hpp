@@ -35,6 +35,7 @@ class SweepServer {
   void send_to_all(SweepMessage::Kind kind);
   void stop();
   void note(const SweepFarewell& farewell);
+  void hand_out(int to, const SweepPlan& plan, std::vector<std::size_t> points);
 
   const ProcessLink& link_;
   int gone_ = 0;          ///< clients that have said farewell

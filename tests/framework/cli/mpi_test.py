@@ -130,6 +130,19 @@ class WithMpi(Folder):
         for point in (0, 3, 6):
             self.assertTrue((self.folder / f"of_3/sweep.points/{point}/summary.json").exists())
 
+    def test_refined_in_rounds(self):
+        refine = ["--over", "run.integrator.dt=1e-2,-1.0", "--over", "v=1e-3:1e-1:5:log",
+                  "--refine", "driver.mean_force.x=0.25"]
+        self.one_process(*refine)
+        intervals = json.loads((self.folder / "one/sweep.json").read_text())["refine"]["intervals"]
+        self.assertEqual([one["status"] for one in intervals], ["found", "none"])
+        for processes, options in ((2, []), (4, []), (3, ["--threads", "2"])):
+            name = f"of_{processes}"
+            ended = self.run_command(*self.mpirun(processes, "tip.toml", "-o", name, *refine,
+                                                  *options))
+            self.assertEqual(ended.returncode, 0, ended.err)
+            self.assertEqual(self.results(name), self.results("one"))
+
     def test_processes_of_another_mpi_run_nothing(self):
         ended = self.run_command(PROGRAM, "sweep", "tip.toml", PMI_SIZE="4")
         self.assertEqual(ended.returncode, 2, ended.err)

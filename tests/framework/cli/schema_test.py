@@ -136,6 +136,8 @@ BROKEN = [
      ["sweep", "over", "run", "duration"]),
     ("a text for observables", "[parameters]",
      '[sweep]\nobservables = "ring.turns"\n[parameters]', ["sweep", "observables"]),
+    ("a width of nothing", "[parameters]", "[sweep]\nrefine_to = 0.1\n[parameters]", ["sweep"]),
+    ("a level alone", "[parameters]", "[sweep]\nrefine = 0.5\n[parameters]", ["sweep", "refine"]),
     ("a body and bodies", 'body = "ring"', 'body = "ring"\nbodies = ["ring"]', ["force", 1]),
     ("two bodies of one that takes one", 'body = "ring"', 'bodies = ["ring", "tip"]',
      ["force", 1, "bodies"]),
@@ -170,6 +172,8 @@ BEYOND = [
     ("as many masses as no particles", 'particle_mass = "1 / N"', "particle_mass = [1.0, 2.0]"),
     ("a sweep over nothing", "[parameters]", "[sweep]\nover = { Q = [1] }\n[parameters]"),
     ("a grid that is none", "[parameters]", '[sweep]\nover = { R = "1:2" }\n[parameters]'),
+    ("a level that is none", "[parameters]",
+     '[sweep]\nover = { R = [1, 2] }\nrefine = "ring.turns=x"\n[parameters]'),
     ("a particle that is not there", 'pairs = "all"', "pairs = [[0, 9]]"),
     ("positions without samples", "every = 1.0", "trajectory = true"),
 ]
@@ -524,18 +528,25 @@ class Sweeps(unittest.TestCase):
                 [PROGRAM, "sweep", SOURCE / "scenarios/prandtl_tomlinson/stick_slip.toml",
                  "--over", "v=0.1:0.3:3", "--over", "run.dynamics=inertial,overdamped",
                  "--over", "run.integrator.relative_tolerance=1e-6,-1",
-                 "--observable", "driver.mean_force.x", "-o", folder],
+                 "--observable", "driver.mean_force.x", "-o", folder,
+                 "--refine", "driver.mean_force.x=1.3", "--refine-along", "v"],
                 capture_output=True, check=True)
             sweep = json.loads(pathlib.Path(folder, "sweep.json").read_text())
         self.assertEqual([fault.message for fault in validator.iter_errors(sweep)], [])
         self.assertEqual(sweep["counts"]["refused"], 6)
-        for key in sweep:
+        self.assertEqual([one["status"] for one in sweep["refine"]["intervals"]],
+                         ["found", "none", "found", "none"])
+        for key in set(sweep) - {"refine"}:
             planted = copy.deepcopy(sweep)
             del planted[key]
             self.assertFalse(validator.is_valid(planted), key)
         for path, value in ((("points",), 1.5), (("axes", 0, "spacing"), "cubic"),
                             (("axes", 0, "from"), "0.1"), (("counts", "unknown"), 1),
-                            (("observables", 0, "unit"), 1), (("status",), "failed")):
+                            (("observables", 0, "unit"), 1), (("status",), "failed"),
+                            (("refine", "intervals", 0, "status"), "lost"),
+                            (("refine", "intervals", 0, "interval"), [1.0]),
+                            (("refine", "intervals", 1, "values"), [1.0, 2.0]),
+                            (("refine", "level"), "0.5")):
             planted = copy.deepcopy(sweep)
             place = planted
             for part in path[:-1]:

@@ -53,10 +53,16 @@ SWEEPS = {
              [("v", 2), ("run.integrator.dt", 3), ("run.dynamics", 2)]),
     "zipped": (["--over", "v=0.1,0.2,0.3", "--over", "k=1,2", "--over", "V0=0.1:0.3:3",
                 "--zip", "v,V0"], [("point", 3), ("k", 2)]),
+    # No grid: what bisection adds stands between its neighbours.
+    "refined": (["--over", "run.dynamics=inertial,overdamped", "--over", "v=0.1:0.9:3",
+                 "--refine", FORCE + "=1.0", "--refine-to", "0.1"], [("point", 10)]),
     # More than one block of rows, and in parts of the innermost axis.
     "long": (["--over", "k=1,2", "--over", "v=0.1:1:5000", "--set", "run.duration=2e-2"],
              [("k", 2), ("v", 5000)]),
 }
+
+
+REFINED = ("run.dynamics", "v")
 
 
 def rows_of(folder):
@@ -116,6 +122,13 @@ def check_h5py(name, folder, dimensions):
                 check(file[variable].dims[k][0] == file[axis], name, variable, axis)
         check(text(file[FORCE].attrs["units"]) == "force", name, "units")
         axes = [(axis, length, file[axis][()]) for axis, length in dimensions]
+        if name == "refined":
+            for axis in REFINED:
+                check(file[axis].dims[0][0] == file["point"], name, axis)
+                for value, row in zip(file[axis][()], rows_of(folder), strict=True):
+                    is_text = isinstance(value, (str, bytes))
+                    check(text(value) == row[axis] if is_text else f"{value:.17g}" == row[axis],
+                          name, axis, value, row)
         check_values(name, shape, rows_of(folder), axes, file[FORCE][()].ravel(),
                      file["status"][()].ravel(), file["reason"][()].ravel())
 
@@ -126,6 +139,9 @@ def check_xarray(name, folder, dimensions, engine):
         check(dict(data[FORCE].sizes) == dict(dimensions), name, engine, data[FORCE].sizes)
         check(data[FORCE].dims == tuple(axis for axis, _ in dimensions), name, engine)
         axes = [(axis, length, data[axis].values) for axis, length in dimensions]
+        if name == "refined":
+            for axis in REFINED:
+                check(data[axis].dims == ("point",), name, engine, axis)
         check_values(name, [length for _, length in dimensions], rows_of(folder), axes,
                      data[FORCE].values.ravel(), data["status"].values.ravel(),
                      data["reason"].values.ravel())

@@ -1,10 +1,12 @@
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <random>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/framework/cli/cli_fixture.hpp"
@@ -409,6 +411,141 @@ TEST_F(SweepCommand, ContinuesFromTheNeighbour) {
   const Ended traced = sweep(with({"b", "--trace", "0"}));
   EXPECT_EQ(traced.status, 2);
   expect_error(traced, "--trace: [command.conflict]");
+}
+
+/// The mean force falls to 1 and below as the driver becomes slower: bisection finds where.
+const std::vector<std::string> kRefinedForce = {"--over",   "force.driver.stiffness=1,2,-1",
+                                                "--over",   "v=1e-2:1:5:log",
+                                                "--refine", "driver.mean_force.x=1"};
+
+/// In any number of threads, by its table, and whenever it is stopped or killed.
+TEST_F(SweepCommand, IsRefined) {
+  const auto with = [](std::vector<std::string> more) {
+    more.insert(more.begin(), kRefinedForce.begin(), kRefinedForce.end());
+    return more;
+  };
+  const Ended ended = sweep(with({"-o", "a", "--threads", "1"}));
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_TRUE(contains(ended.out, "2 found, 1 none")) << ended.out;
+  const std::string whole = results("a");
+  const Json json = Json::parse(file("a/sweep.json"));
+  const Json& refine = json["refine"];
+  EXPECT_EQ(refine["observable"], "drivers.driver.mean_force.x");
+  EXPECT_EQ(refine["along"], "v");
+  ASSERT_EQ(refine["intervals"].size(), 3);
+  EXPECT_EQ(refine["intervals"][2]["status"], "none");
+  EXPECT_EQ(refine["intervals"][2]["axes"]["force.driver.stiffness"], -1.0);
+  for (const int k : {0, 1}) {
+    const Json& interval = refine["intervals"][k];
+    EXPECT_EQ(interval["axes"]["force.driver.stiffness"], k + 1.0);
+    EXPECT_LT(interval["values"][0], 1.0);
+    EXPECT_GE(interval["values"][1], 1.0);
+    const double low = interval["interval"][0];
+    const double high = interval["interval"][1];
+    EXPECT_LE(std::log(high / low), 1e-4 * std::log(100.0));
+    // A point is a run with these digits.
+    ASSERT_EQ(tomlin({"run", "tip.toml", "--set", fmt::format("v={}", low), "--set",
+                      fmt::format("force.driver.stiffness={}", k + 1), "-o", "run", "--force"})
+                  .status,
+              0);
+    EXPECT_EQ(summary("run")["drivers"]["driver"]["mean_force"][0], interval["values"][0]);
+  }
+  EXPECT_EQ(json["points"], lines(file("a/sweep.csv")) - 1);
+  EXPECT_EQ(json["points"], 15 + 2 * 12);  // a quarter of the axis, halved to 1e-4 of it
+
+  for (const std::string threads : {"2", "3"}) {
+    ASSERT_EQ(sweep(with({"-o", "t", "--force", "--threads", threads})).status, 0);
+    EXPECT_EQ(results("t"), whole) << threads;
+  }
+  ASSERT_EQ(tomlin({"sweep", "a/scene.toml", "-o", "table"}).status, 0);
+  EXPECT_EQ(results("table"), whole);
+  // Nothing is run again, be it complete or without its results.
+  EXPECT_TRUE(contains(sweep(with({"-o", "a"})).out, "finished already"));
+  fs::remove(folder_ / "a/sweep.h5");
+  EXPECT_TRUE(contains(sweep(with({"-o", "a"})).out, "for 0 points"));
+  EXPECT_EQ(results("a"), whole);
+  Json again = Json::parse(file("a/sweep.json"));
+  EXPECT_EQ(again["refine"], refine);
+  EXPECT_EQ(again["points"], json["points"]);
+  // A damaged record of an added point is no record, though all results are there.
+  const double of_it = refine["intervals"][0]["values"][0];
+  std::string journal = file("a/sweep.journal");
+  const std::string bytes(reinterpret_cast<const char*>(&of_it), sizeof of_it);
+  const std::size_t at = journal.find(bytes);
+  ASSERT_NE(at, std::string::npos);
+  journal[at] = static_cast<char>(~journal[at]);
+  write(folder_ / "a/sweep.journal", journal);
+  EXPECT_TRUE(contains(sweep(with({"-o", "a"})).out, "for 1 points"));
+  EXPECT_EQ(results("a"), whole);
+  // Another level is another sweep.
+  std::vector<std::string> other = with({"-o", "a"});
+  other[5] = "driver.mean_force.x=1.1";
+  expect_error(sweep(other), "[resume.other_scene]");
+  const Ended plot = tomlin({"plot", "a", "--value", "driver.mean_force.x", "-o", "a.svg"});
+  expect_error(plot, "[command.conflict]");
+
+  const Ended dry = sweep(with({"-o", "dry", "--dry-run"}));
+  EXPECT_TRUE(contains(dry.out, "adds up to 144 points")) << dry.out;
+  EXPECT_FALSE(exists("dry"));
+}
+
+TEST_F(SweepCommand, RefinedAndKilledItIsTheSame) {
+  // Some tenths of a second, most of them in rounds of one or two points.
+  std::vector<std::string> options = kRefinedForce;
+  options.insert(options.end(), {"--set", "run.duration=3000", "--threads", "2", "-o", "a"});
+  std::mt19937 random(11);
+  int kills = 0;
+  for (int k = 0; k < 20; ++k) {
+    Conditions conditions;
+    const int signal = k % 3 == 2 ? SIGTERM : SIGKILL;
+    conditions.then = [&](pid_t child) {
+      appears(folder_ / "a/scene.toml");
+      std::this_thread::sleep_for(std::chrono::milliseconds(random() % 60));
+      ::kill(child, signal);
+    };
+    const Ended ended = sweep(options, conditions);
+    if (ended.status == 0) break;
+    ASSERT_EQ(ended.status, 128 + signal) << ended.err;
+    ++kills;
+  }
+  EXPECT_GT(kills, 2);
+  EXPECT_EQ(sweep(options).status, 0);
+  EXPECT_FALSE(exists("a/sweep.points"));
+  options.back() = "b";
+  EXPECT_EQ(sweep(options).status, 0);
+  EXPECT_EQ(results("a"), results("b"));
+}
+
+TEST_F(SweepCommand, RefinementThatIsWrongIsRefused) {
+  expect_refused({"sweep", "tip.toml", "--over", "v=1,2", "--over", "force.drivr.stiffness=1,2",
+                  "--refine", "driver.maen_force.x=y", "--refine-along", "vv", "--refine-to", "0",
+                  "--observable", "tip.x"},
+                 "--refine: driver.maen_force.x=y [command.invalid_value]\n"
+                 "--refine-to: 0 [command.invalid_value]\n"
+                 "--refine-along: vv [scene.unknown_name]\n"
+                 "--over: force.drivr.stiffness = 1 [scene.unknown_name] did you mean driver\n"
+                 "--observable: tip.x [observable.unknown]\n"
+                 "--refine: driver.maen_force.x [observable.unknown] did you mean "
+                 "driver.mean_force.x\n");
+  const auto refused = [&](std::vector<std::string> more, const std::string& errors) {
+    more.insert(more.begin(), {"sweep", "tip.toml", "--over", "v=1,2"});
+    expect_refused(more, errors);
+  };
+  const std::string what = "driver.mean_force.x";
+  refused({"--observable", what, "--refine-to", "1"},
+          "--refine-to: 1 [command.missing_argument]\n");
+  refused({"--refine", what, "--shard", "1/2", "--trace", "all"},
+          "--trace: [command.conflict]\n--shard: [command.conflict]\n");
+  refused({"--refine", what, "--continue-from-neighbour"},
+          "--refine: driver.mean_force.x [command.conflict]\n");
+  refused({"--refine", what, "--over", "two_v=1,2", "--zip", "v,two_v"},
+          "--refine: driver.mean_force.x [scene.conflict]\n");
+  write(folder_ / "tip.toml", std::string(kTip) +
+                                  "\n[sweep]\nover = { v = [1.0, 2.0] }\nrefine = \"" + what +
+                                  "=1\"\nrefine_along = \"two_v\"\nrefine_to = -1\n");
+  expect_refused({"sweep", "tip.toml"},
+                 "tip.toml:45:13: sweep.refine_to = -1 [command.invalid_value]\n"
+                 "tip.toml:44:16: sweep.refine_along = two_v [scene.unknown_name]\n");
 }
 
 TEST_F(SweepCommand, AFullDiskStopsWithAMessageAndGoesOnLater) {

@@ -207,6 +207,48 @@ TEST_F(SweepFigure, ZippedAxesAreOne) {
   EXPECT_EQ(refused(zipped), "v [command.conflict]");
 }
 
+/// Points that bisection has added are on the curves of their lines, and in no map.
+TEST_F(SweepFigure, RefinedSweepsAreCurves) {
+  const std::string axes = "q = [\"a, b\", \"c\"]\nv = \"8:0:3\"\nk = [5.0, 7.0]\n";
+  const std::string refine = "refine = \"drivers.d.mean_force.x=3\"\nrefine_along = \"v\"\n";
+  const std::string rows =
+      "\"a, b\",8,5,1,finished,\n\"a, b\",8,7,2,finished,\n\"a, b\",6,7,9,finished,\n"
+      "\"a, b\",4,5,3,finished,\n\"a, b\",4,7,4,finished,\n\"a, b\",0,5,5,finished,\n"
+      "\"a, b\",0,7,6,finished,\n\"c\",8,5,7,finished,\n\"c\",8,7,8,finished,\n"
+      "\"c\",4,5,,failed,\"x\"\n\"c\",4,7,2,finished,\n\"c\",2,7,1,finished,\n"
+      "\"c\",0,5,0,finished,\n\"c\",0,7,3,finished,\n";
+  const std::string header = std::string("q,v,k,") + kForceOfSweep;
+  const StoredSweep refined = sweep(axes, header, rows, refine);
+  EXPECT_EQ(refined.points, 14U);
+  const Panel panel = figure(refined).panels[0];
+  ASSERT_EQ(panel.curves.size(), 4U);
+  EXPECT_EQ(panel.curves[0].label, "q = a, b, k = 5");
+  EXPECT_EQ(panel.curves[0].pieces, (std::vector<Polyline>{{{0.0, 5.0}, {4.0, 3.0}, {8.0, 1.0}}}));
+  EXPECT_EQ(panel.curves[1].pieces,
+            (std::vector<Polyline>{{{0.0, 6.0}, {4.0, 4.0}, {6.0, 9.0}, {8.0, 2.0}}}));
+  EXPECT_EQ(panel.curves[2].pieces, (std::vector<Polyline>{{{0.0, 0.0}}, {{8.0, 7.0}}}));
+  EXPECT_EQ(panel.curves[3].pieces,
+            (std::vector<Polyline>{{{0.0, 3.0}, {2.0, 1.0}, {4.0, 2.0}, {8.0, 8.0}}}));
+  request_.at = {{"q", "c"}, {"k", "7"}};
+  EXPECT_EQ(figure(refined).panels[0].curves.size(), 1U);
+  // Over another axis a point that has no other value of it is a curve by itself.
+  request_.x = "k";
+  request_.at = {{"q", "c"}};
+  const Panel over_k = figure(refined).panels[0];
+  ASSERT_EQ(over_k.curves.size(), 4U);
+  EXPECT_EQ(over_k.curves[2].label, "v = 2");
+  EXPECT_EQ(over_k.curves[2].pieces, (std::vector<Polyline>{{{7.0, 1.0}}}));
+  request_ = {};
+  request_.value = "d.mean_force.x";
+  EXPECT_EQ(refused(refined), "v [command.conflict]");
+  request_ = {};
+  request_.y = {{"k"}};
+  EXPECT_EQ(refused(refined), "v [command.conflict]");
+  EXPECT_EQ(test::brief(test::refusal_of(
+                [&] { sweep(axes, header, rows + "\"c\",0,8,3,finished,\n", refine); })),
+            "[file.damaged]");
+}
+
 TEST_F(SweepFigure, OfMoreAxesTheOthersAreFixed) {
   std::string rows;
   for (const int a : {1, 2}) {

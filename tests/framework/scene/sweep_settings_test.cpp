@@ -209,6 +209,7 @@ TEST(SweepTable, IsCheckedAndLeftOut) {
   const std::string good =
       "over = { k = \"1:2:3\", run.integrator.dt = [1e-4, 2e-4], R = [1, 2] }\n"
       "zip = [[\"R\", \"run.integrator.dt\"]]\n"
+      "refine = \"ring.turns=1/2\"\nrefine_along = \"k\"\nrefine_to = \"1e-3\"\n"
       "observables = [\"driver.mean_force.x\"]\n";
   EXPECT_EQ(faults_of(kRun + good), "");
   EXPECT_NE(faults_of(kRun + sweep), "");
@@ -233,7 +234,10 @@ TEST(SweepTable, ItsFaultsComeWithThoseOfTheScene) {
   for (const std::string wrong :
        {"over = 1", "over = { k = 1.0 }", "over = { k = [] }", "over = { k = \"1:2\" }",
         "observables = \"x\"", "observables = [1]", "continue_from_neighbour = 1", "zip = 1",
-        "zip = [\"k\", \"v\"]", "over = { sweep.x = [1] }"}) {
+        "zip = [\"k\", \"v\"]", "over = { sweep.x = [1] }", "refine_to = 1.0", "refine = 1",
+        "over = { k = [1, 2] }\nrefine = \"x=y\"", "over = { k = [1] }\nrefine = \"x\"",
+        "over = { k = [1, 2] }\nrefine = \"x\"\nrefine_to = 0",
+        "over = { k = [1, 2] }\nrefine = \"x\"\nrefine_along = \"v\""}) {
     EXPECT_NE(faults(wrong).find("ring.toml:"), std::string::npos) << wrong << "\n"
                                                                    << faults(wrong);
   }

@@ -22,7 +22,9 @@
 #include "framework/core/text/fault.hpp"
 #include "framework/output/output_file.hpp"
 #include "framework/output/record.hpp"
+#include "framework/study/sweep/bisection.hpp"
 #include "framework/study/sweep/client.hpp"
+#include "framework/study/sweep/journal.hpp"
 #include "framework/study/sweep/messages.hpp"
 #include "framework/study/sweep/process_link.hpp"
 #include "framework/study/sweep/runner.hpp"
@@ -59,8 +61,13 @@ integrator = { type = "rk4", dt = 2e-2 }
 )";
 
 SweepPlan shared_plan(const std::string& values = "0.01:0.1:20",
-                      const std::vector<Setting>& settings = {}, bool continues = false) {
+                      const std::vector<Setting>& settings = {}, bool continues = false,
+                      const std::string& refine = "") {
   SweepSettings sweep;
+  if (!refine.empty()) {
+    sweep.refine.what = {refine, {"--refine"}, ""};
+    sweep.refine.along = {"v", {"--refine-along"}, ""};
+  }
   sweep.over.push_back({"v", std::get<SweepValues>(SweepValues::parse(values)), {"--over"}, ""});
   sweep.over.push_back(
       {"run.integrator.dt", std::get<SweepValues>(SweepValues::parse("2e-2,-1")), {"--over"}, ""});
@@ -162,6 +169,7 @@ struct SharedSweep {
   std::string values = "0.01:0.1:20";
   std::vector<Setting> settings = {};
   bool continues = false;
+  std::string refine = "";
   SweepOptions options = {};
   std::map<int, std::string> values_of_others = {};  ///< of clients with another plan
   std::map<int, InputError> refused = {};            ///< of clients without a plan
@@ -169,13 +177,13 @@ struct SharedSweep {
   std::filesystem::path folder = {};                 ///< of the clients
 
   /// What `serve` does as process 0.
-  void run(const std::function<void(SweepServer&, const SweepPlan&)>& serve) {
+  void run(const std::function<void(SweepServer&, SweepPlan&)>& serve) {
     Mailboxes boxes(clients + 1);
     std::vector<std::thread> threads;
     for (int rank = 1; rank <= clients; ++rank) {
       threads.emplace_back([this, rank, &boxes] { be_client(boxes.link(rank)); });
     }
-    const SweepPlan plan = shared_plan(values, settings, continues);
+    SweepPlan plan = shared_plan(values, settings, continues, refine);
     try {
       SweepServer server(boxes.link(0));
       serve(server, plan);
@@ -195,8 +203,8 @@ struct SharedSweep {
       return;
     }
     const auto other = values_of_others.find(link.rank);
-    const SweepPlan plan =
-        shared_plan(other == values_of_others.end() ? values : other->second, settings, continues);
+    SweepPlan plan = shared_plan(other == values_of_others.end() ? values : other->second, settings,
+                                 continues, refine);
     std::atomic<bool> stop = link.rank == stopped;
     SweepClient client(link, stop, [&stop] { stop = true; });
     client.run(plan, options, [this] { return folder; });
@@ -233,6 +241,10 @@ TEST(SweepProcesses, MessagesArriveAsTheyAre) {
   message.kind = SweepMessage::Kind::points;
   message.points = {0, 7, ~std::size_t{0}};
   EXPECT_EQ(decoded(encoded(message)).points, message.points);
+  EXPECT_TRUE(decoded(encoded(message)).values.empty());
+  message.values = {0.1, -0.0, 1e300};
+  EXPECT_EQ(decoded(encoded(message)).values, message.values);
+  EXPECT_EQ(decoded(encoded(message)).points, message.points);
 }
 
 /// Whether points continue from their neighbour or not.
@@ -265,6 +277,54 @@ TEST_P(SweepProcessesOf, HaveTheRowsOfOne) {
       for (const auto& [point, row] : rows.rows) {
         EXPECT_EQ(bytes_of_row(row), bytes_of_row(alone.rows[point])) << point;
       }
+    }
+  }
+}
+
+/// Process 0 adds the points, whatever the others are.
+TEST(SweepProcesses, RefineLikeOne) {
+  const std::string refine = "driver.mean_force.x=0.2";
+  const auto read_all = [](const SweepPlan& plan, const SweepJournal& journal) {
+    std::map<std::string, std::string> rows;
+    for (std::size_t point = 0; point < plan.point_numbers(); ++point) {
+      if (!plan.exists(point)) continue;
+      SweepRow row;
+      journal.read(point, {&row, 1});
+      rows[plan.text(0, point) + " " + plan.text(1, point)] = bytes_of_row(row);
+    }
+    return rows;
+  };
+  const TemporaryFolder folder;
+  SweepPlan plan = shared_plan("0.01:0.3:4", {}, false, refine);
+  SweepJournal alone(folder.path() / "alone", plan);
+  SweepBisection bisection(plan, alone);
+  SweepOptions of_one;
+  of_one.add_points = [&bisection] { return bisection.add_points(); };
+  run_sweep(plan, alone, of_one);
+  const auto rows = read_all(plan, alone);
+  EXPECT_EQ(bisection.all().at(0).status, BisectionStatus::found);
+  EXPECT_EQ(rows.size(), 8 + 12);  // 1e-4 of the axis is a third of it, halved 12 times
+  for (const int clients : {1, 2, 5}) {
+    for (const bool has_grid : {false, true}) {
+      SharedSweep sweep;
+      sweep.values = "0.01:0.3:4";
+      sweep.refine = refine;
+      sweep.clients = clients;
+      sweep.run([&](SweepServer& server, SweepPlan& of_server) {
+        const std::string name = std::to_string(clients) + (has_grid ? "+" : "");
+        SweepJournal journal(folder.path() / name, of_server);
+        SweepBisection of_process_0(of_server, journal);
+        SweepOptions options;
+        // All rows of the grid are there already.
+        if (has_grid) run_sweep(of_server, journal, options);
+        options.add_points = [&of_process_0] { return of_process_0.add_points(); };
+        server.meet(of_server);
+        const SweepProgress progress = server.run(of_server, journal, options);
+        EXPECT_TRUE(progress.complete());
+        EXPECT_EQ(progress.points, 20);
+        EXPECT_EQ(progress.before, has_grid ? 8 : 0);
+        EXPECT_EQ(read_all(of_server, journal), rows);
+      });
     }
   }
 }
