@@ -357,6 +357,7 @@ Json sweep_schema() {
       {{"over", {{"type", "object"}, {"additionalProperties", sweep_values_schema()}}},
        {"zip", list_of({{"type", {"string", "array"}}, {"items", only("type", "string")}})},
        {"continue_from_neighbour", only("type", "boolean")},
+       {"repeats", {{"type", "integer"}, {"minimum", 2}}},
        {"refine", {{"type", "string"}, {"minLength", 1}}},
        {"refine_along", only("type", "string")},
        {"refine_to", {{"type", {"number", "string"}}}},

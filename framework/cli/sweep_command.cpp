@@ -51,6 +51,7 @@ struct SweepArguments : SceneOptions {
   std::size_t threads = 0;  ///< 0: one for each processor
   std::optional<std::string> trace;
   bool continues = false;
+  std::optional<std::string> repeats;
   std::optional<std::string> refine;
   std::optional<std::string> refine_along;
   std::optional<std::string> refine_to;
@@ -101,6 +102,11 @@ other axes. There it is followed as long as the difference stays above half of w
 there is no jump, and sweep.json has the status "smooth" for it. Bisection ends when the interval is
 not wider than --refine-to, 1e-4 of the axis by default; on a logarithmic axis middle and width are
 those of the logarithm. sweep.json has each interval with the observable at both of its ends.
+
+With --repeats each point is run several times with independent noise, of the streams 0, 1, ... of
+the scene's seed, which become the last axis, run.stream:
+
+  tomlin sweep thermal.toml --over v=1e-3:1:7:log --repeats 16 --observable driver.mean_force.x
 
 A scene may have the same in a table, which these options replace:
 
@@ -156,6 +162,10 @@ void add_options(CLI::App& parser, SweepArguments& arguments) {
       ->allow_extra_args(false);
   parser.add_flag("--continue-from-neighbour", arguments.continues,
                   "each point starts where the one before it along the last axis has ended");
+  parser
+      .add_option("--repeats", arguments.repeats,
+                  "run each point so many times, with independent noise")
+      ->type_name("N");
   parser
       .add_option("--refine", arguments.refine,
                   "add points where this observable crosses LEVEL, or else where it jumps")
@@ -248,6 +258,8 @@ SweepSettings settings_of(const SceneDocument& document, const SweepArguments& a
     }
   }
   settings.continues = settings.continues || arguments.continues;
+  if (arguments.repeats) settings.repeats = {*arguments.repeats, Place{"--repeats"}, ""};
+  add_repeats(settings, faults);
   for (const auto& [given, option, into] :
        {std::tuple{&arguments.refine, "--refine", &settings.refine.what},
         std::tuple{&arguments.refine_along, "--refine-along", &settings.refine.along},
@@ -343,6 +355,20 @@ struct RequestedSweep {
     std::vector<Fault> faults;
     if (arguments.trace) traced = rows_in(*arguments.trace, plan.points(), faults);
     if (arguments.shard) shard = shard_of(*arguments.shard, plan, faults);
+    if (arguments.repeats && !plan.has_noise_somewhere()) {
+      faults.emplace_back(FaultCode::command_conflict, Place{"--repeats"}, "", *arguments.repeats,
+                          "no force of the scene is stochastic: all repeats would be the same",
+                          "a force with noise, such as langevin");
+    }
+    const std::vector<std::size_t>& last = plan.dimensions().back().axes;
+    const bool other_streams = std::any_of(last.begin(), last.end(), [this](std::size_t axis) {
+      return plan.axes()[axis].name == "run.stream";
+    });
+    if (plan.line() > 1 && plan.has_noise_somewhere() && !other_streams) {
+      faults.emplace_back(FaultCode::command_conflict, Place{"--continue-from-neighbour"}, "", "",
+                          "each point would have the noise of the one that it continues from",
+                          "another run.stream at each point: an axis, zipped with the last one");
+    }
     if (arguments.trace && plan.line() > 1) {
       faults.emplace_back(FaultCode::command_conflict, Place{"--trace"}, "", "",
                           "a point that continues from its neighbour is no run of its own",

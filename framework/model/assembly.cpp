@@ -216,9 +216,7 @@ void Assembly<Real>::assign_rates() {
 template <class Real>
 void Assembly<Real>::assign_kinetic(std::size_t& rates) {
   if (!plan_.half_step_velocities) return;
-  const bool noise = std::any_of(forces().begin(), forces().end(),
-                                 [](const Force& force) { return force.traits.stochastic; });
-  if (!noise) return;
+  if (!has_noise(scene())) return;
   for (Body& body : bodies_.all) {
     const BodySlot<Real>& slot = body.bound.slot;
     if (slot.mapped && !slot.rigid) continue;

@@ -31,9 +31,7 @@ Triggers::Triggers(RunContext& run, const Rotations& rotations) : run_(run), rot
         {f, Instant(model, passing->when, key, force->place_of("reverse")), nullptr});
   }
   if (!any()) return;
-  stochastic_ =
-      std::any_of(model.forces().begin(), model.forces().end(),
-                  [](const Model::Force& force) { return force.traits.stochastic; });
+  stochastic_ = has_noise(*run.scene);
   const SystemView<double>& view = model.system().view;
   rates_.assign(view.rates + 2 * kGroup, 0.0);
   turns_.assign(model.bodies().size(), 0.0);

@@ -282,6 +282,8 @@ TableLayout sweep_layout() {
       {"refine_to",
        "width of an interval that is not bisected any more, on a logarithmic axis of the "
        "logarithm; 1e-4 of the axis by default"},
+      {"repeats",
+       "so many runs of each point, with independent noise: a last axis run.stream = 0, 1, ..."},
       {"observables", "what is kept of each run: dotted paths as in summary.json"},
   };
   return layout;

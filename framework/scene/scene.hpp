@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
@@ -186,6 +187,12 @@ struct Scene {
   std::string effective_toml;
   const Registry* registry = nullptr;  ///< that it was read with: outlives it, and stays in place
 };
+
+/// Whether one of its forces is stochastic.
+inline bool has_noise(const Scene& scene) {
+  return std::any_of(scene.forces.begin(), scene.forces.end(),
+                     [](const SceneForce& force) { return force.traits().stochastic; });
+}
 
 /// `--set PATH=VALUE`: a parameter's name or a dotted path (`run.integrator.dt`,
 /// `body.ring.coordinates`, `force.driver.stiffness`); a TOML value or else an expression. Setting

@@ -190,6 +190,23 @@ std::string SweepValues::canonical() const {
                      spacing_ == Spacing::logarithmic ? "log" : "lin");
 }
 
+void add_repeats(SweepSettings& settings, std::vector<Fault>& faults) {
+  if (!settings.repeats) return;
+  const SweepText given = *std::exchange(settings.repeats, std::nullopt);
+  std::size_t count = 0;
+  const char* const end = given.text.data() + given.text.size();
+  const auto [read, error] = std::from_chars(given.text.data(), end, count);
+  if (error != std::errc() || read != end || count < 2 || count > kMostSweepPoints) {
+    faults.emplace_back(FaultCode::command_invalid_value, given.place, given.key, given.text,
+                        "not a number of repeats",
+                        fmt::format("a whole number from 2 to {}", kMostSweepPoints));
+    return;
+  }
+  auto values = SweepValues::parse(fmt::format("0:{}:{}", count - 1, count));
+  settings.over.push_back(
+      {"run.stream", std::get<SweepValues>(std::move(values)), given.place, given.text});
+}
+
 std::vector<SweepDimension> sweep_dimensions(const SweepSettings& settings,
                                              std::vector<Fault>& faults) {
   const std::vector<SweepAxis>& over = settings.over;
@@ -299,6 +316,14 @@ class SweepReader {
         } else {
           complain(entry.value, FaultCode::scene_wrong_type, "sweep.continue_from_neighbour",
                    "found " + kind_of(entry.value), "true or false");
+        }
+      } else if (entry.key == "repeats") {
+        if (entry.value.as<std::int64_t>() != nullptr) {
+          settings_.repeats = {value_text(entry.value), source_.place(entry.value.where),
+                               "sweep.repeats"};
+        } else {
+          complain(entry.value, FaultCode::scene_wrong_type, "sweep.repeats",
+                   "found " + kind_of(entry.value), "a whole number");
         }
       } else if (entry.key == "refine") {
         read_text(entry, settings_.refine.what, "an observable in quotes");

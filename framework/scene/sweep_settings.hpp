@@ -95,9 +95,14 @@ struct SweepSettings {
   std::vector<SweepZip> zips;
   bool continues = false;  ///< a point starts where the one before it along the last axis has ended
   RefineSettings refine;
+  /// So many runs of each point, with noise of its own each: see add_repeats().
+  std::optional<SweepText> repeats;
   std::vector<std::string> observables;
   Place observables_place;
 };
+
+/// Makes of `repeats` the last axis, run.stream = 0, 1, ...; adds a fault where it is no such number.
+void add_repeats(SweepSettings& settings, std::vector<Fault>& faults);
 
 /// One dimension of a sweep: an axis, or some that are zipped.
 struct SweepDimension {

@@ -204,10 +204,7 @@ class MeanErrors : public RunObserver {
 };
 
 std::unique_ptr<RunObserver> make_mean_errors(const ObserverParts& parts) {
-  const std::vector<Model::Force>& forces = parts.run.model.forces();
-  const bool noise = std::any_of(forces.begin(), forces.end(),
-                                 [](const auto& force) { return force.traits.stochastic; });
-  if (!noise || parts.run.scene->run.until) return nullptr;
+  if (!has_noise(*parts.run.scene)) return nullptr;
   return std::make_unique<MeanErrors>(parts);
 }
 

@@ -280,11 +280,21 @@ void SweepPlan::name_columns() {
     }
   };
   add(SweepColumn::Kind::value, "");
-  if (scene_->run.accuracy || sets_below(axes(), "run.accuracy")) {
+  if (scene_->run.accuracy || sets_below(axes(), "run.accuracy") || has_noise_somewhere()) {
     add(SweepColumn::Kind::error, "error.");
   }
   if (scene_->run.perturb || sets_below(axes(), "run.perturb")) {
     add(SweepColumn::Kind::spread, "spread.");
+  }
+}
+
+bool SweepPlan::has_noise_somewhere() const {
+  if (has_noise(*scene_)) return true;
+  if (points_ == 0) return false;
+  try {
+    return has_noise(*scene_at(points_ - 1));
+  } catch (const InputError&) {
+    return false;
   }
 }
 

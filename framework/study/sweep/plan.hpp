@@ -49,7 +49,7 @@ struct SweepObservable {
 struct SweepColumn {
   enum class Kind {
     value,
-    error,   ///< estimated, of the steps; with `[run] accuracy`
+    error,   ///< estimated: of the steps, with `[run] accuracy`; statistical, where there is noise
     spread,  ///< between starts that hardly differ; with `[run] perturb`
   } kind = Kind::value;
   std::size_t observable = 0;  ///< index into SweepPlan::observables()
@@ -116,6 +116,8 @@ class SweepPlan {
   /// Throws InputError where the point is refused.
   std::shared_ptr<const Scene> scene_at(std::size_t point) const;
 
+  /// Of the scene, or at the last point.
+  bool has_noise_somewhere() const;
   /// What an axis is called among the columns and the variables of the results: its name, unless
   /// they have a column of that name.
   std::string axis_title(std::size_t axis) const;

@@ -14,9 +14,8 @@ namespace {
 
 /// Words, types and units that are planned. To switch one on, take it off this list.
 const std::vector<std::string> kPlanned = {
-    "temperature",   "noise",    "langevin",  "brownian", "thermostat",
-    "nose_hoover",   "replicas", "stability", "export",   "report",
-    "lennard_jones", "tersoff",  "cutoff",    "species",  "constraints"};
+    "nose_hoover",   "replicas", "stability", "export",  "report",
+    "lennard_jones", "tersoff",  "cutoff",    "species", "constraints"};
 
 void expect_not_yet(const std::string& what, const std::string& text,
                     const std::vector<Setting>& settings = {}) {
@@ -60,11 +59,6 @@ TEST(Planned, TypesOfEveryKind) {
 }
 
 TEST(Planned, Choices) {
-  for (const char* dynamics : {"langevin", "brownian"}) {
-    expect_not_yet(
-        dynamics,
-        replaced("duration = 1e4", std::string("duration = 1e4\ndynamics = \"") + dynamics + "\""));
-  }
   for (const char* units : {"metal", "real"}) {
     expect_not_yet(units, replaced("name = \"a ring\"", std::string("units = \"") + units + "\""));
   }
