@@ -502,6 +502,23 @@ const std::string kGoldenChain = "type = \"chain\"\ncount = 1000\nspacing = 1.61
 /// In the plane, where it bends: the particles of plain::Bending.
 const std::string kRing = "type = \"ring\"\ncount = 1000\nradius = 100.0\ncentre = [0.0, 0.0]\n";
 
+/// The scene in a bath, whose friction is that of the scene.
+std::string with_noise(std::string scene) {
+  const std::string friction = "type = \"viscous_damping\"";
+  return scene.replace(scene.find(friction), friction.size(),
+                       "type = \"langevin\"\ntemperature = 0.01");
+}
+
+/// Each step with its noise, and without.
+void register_noise(const std::string& model, const std::string& scene) {
+  const auto scheme = [](const char* name) {
+    return std::vector<Setting>{{"run.integrator.type", "\"" + std::string(name) + "\""}};
+  };
+  register_variants(model, scene, {{"baoab without noise", scheme("baoab"), 64}});
+  register_variants(model, with_noise(scene),
+                    {{"baoab", scheme("baoab"), 64}, {"gjf", scheme("gjf"), 64}});
+}
+
 void evaluate(benchmark::State& state, SingleForce& alone) {
   for (auto _ : state) benchmark::DoNotOptimize(alone.forces(0.0));
   state.counters["s_per_step"] =
@@ -622,6 +639,9 @@ std::vector<Variant> asked_for_one() {
   register_variants("pt", kPt, plugins, registry_of_plugins());
   register_variants("rigid_ring_8", ring("rigid", "1e-2"), plugins, registry_of_plugins());
   register_variants("chain_1000", chain("1000", "1.0"), plugins, registry_of_plugins());
+  register_noise("pt", kPt);
+  register_noise("rigid_ring_8", ring("rigid", "1e-2"));
+  register_noise("chain_1000", chain("1000", "1.0"));
   register_formulas();
   register_forces();
   register_replicas();

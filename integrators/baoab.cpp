@@ -44,9 +44,10 @@ std::unique_ptr<Integrator<Real>> bind(const void*, System<Real>& system) {
 IntegratorRecord baoab_record() {
   IntegratorRecord record;
   record.name = "baoab";
-  record.summary = "BAOAB splitting of Langevin dynamics: friction and noise exact, in the middle of a Verlet step";
-  record.equation =
-      "kick h/2, drift h/2, friction and noise h, drift h/2, kick h/2";
+  record.summary =
+      "BAOAB splitting of Langevin dynamics: friction and noise exact, in the middle of a Verlet "
+      "step";
+  record.equation = "kick h/2, drift h/2, friction and noise h, drift h/2, kick h/2";
   record.source =
       "B. Leimkuhler and C. Matthews, Appl. Math. Res. Express 2013, 34, doi:10.1093/amrx/abs010";
   record.order = 2;

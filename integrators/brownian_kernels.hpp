@@ -61,8 +61,7 @@ struct BrownianKernels {
 
   template <class Real>
   TOMLIN_FLATTEN static bool step(const SystemView<Real>& system,
-                                  const BrownianArrays<Real>& arrays, double start,
-                                  double length) {
+                                  const BrownianArrays<Real>& arrays, double start, double length) {
     using Group = Packed<Real>;
     const SystemView<Real> s = system;
     const BrownianArrays<Real> w = arrays;
@@ -82,9 +81,9 @@ struct BrownianKernels {
     for (std::size_t i = 0; i < s.own; i += kGroup) {
       fma(Group(h), Group::load(w.rates + i), Group::load(s.integrals + i)).store(w.own + i);
     }
-    evaluate(s, stage_of(s, static_cast<const Real*>(w.position),
-                         static_cast<const Real*>(s.velocity), static_cast<const Real*>(w.own),
-                         w.end_rates, Real(start) + h));
+    evaluate(s,
+             stage_of(s, static_cast<const Real*>(w.position), static_cast<const Real*>(s.velocity),
+                      static_cast<const Real*>(w.own), w.end_rates, Real(start) + h));
     for (std::size_t i = 0; i < s.dofs; i += kGroup) {
       const Group u = Group::load(s.force + i) * Group::load(s.inverse_mass + i);
       sound = sound & (abs(u) < Group(Real(__builtin_inf())));
@@ -110,8 +109,7 @@ struct BrownianKernels {
     }
     if (s.noise_count > 0 && s.friction_rate != kNoRate) {
       const Real by_rates = half * (w.rates[s.friction_rate] + w.end_rates[s.friction_rate]);
-      add_one(s.integrals, s.integrals_rest, s.friction_rate,
-              Real(0.5) * sum(along) - by_rates);
+      add_one(s.integrals, s.integrals_rest, s.friction_rate, Real(0.5) * sum(along) - by_rates);
     }
     return true;
   }

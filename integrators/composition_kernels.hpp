@@ -21,9 +21,9 @@ struct CompositionArrays {
   Real* move = nullptr;         ///< since the start of the step that is tried
   Real* position = nullptr;     ///< after it
   Real* velocity = nullptr;
-  Real* velocity_rest = nullptr;  ///< null unless compensated
-  Real* own = nullptr;            ///< own variables at a stage
-  Real* own_after = nullptr;      ///< those that operators change, after the last of their flows
+  Real* velocity_rest = nullptr;     ///< null unless compensated
+  Real* own = nullptr;               ///< own variables at a stage
+  Real* own_after = nullptr;         ///< those that operators change, after the last of their flows
   Real* half_step_energy = nullptr;  ///< kinetic, of each KineticIntegral
   std::uint64_t step = 0;            ///< number of the step
 };

@@ -37,9 +37,11 @@ std::unique_ptr<Integrator<Real>> bind(const void*, System<Real>& system) {
 IntegratorRecord gjf_record() {
   IntegratorRecord record;
   record.name = "gjf";
-  record.summary = "scheme of Gronbech-Jensen and Farago for Langevin dynamics: exact drift and diffusion";
+  record.summary =
+      "scheme of Gronbech-Jensen and Farago for Langevin dynamics: exact drift and diffusion";
   record.equation =
-      "kick h/2, drift h/2, v <- a v + b/m sqrt(2 c T h) z, drift h/2, kick h/2; a = (1 - h c/2m) b, b = "
+      "kick h/2, drift h/2, v <- a v + b/m sqrt(2 c T h) z, drift h/2, kick h/2; a = (1 - h c/2m) "
+      "b, b = "
       "1/(1 + h c/2m)";
   record.source =
       "N. Gronbech-Jensen and O. Farago, Mol. Phys. 111 (2013) 983, "

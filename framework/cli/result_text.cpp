@@ -35,18 +35,21 @@ struct Printed {
 };
 
 const Printed& printed_of(std::string_view family) {
-  static const Printed all[] = {
-      {"drivers",
-       {{"mean_force", "mean force"},
-        {"half_difference", "half difference"},
-        {"work_per_distance", "work/distance"},
-        {"static_force", "static force"}}},
-      {"bodies", {{"mean_velocity", "mean velocity"}, {"turns", "turns"}, {"rolling", "rolling"}}},
-      {"energy",
-       {{"work_in", "work in"},
-        {"heat_out", "heat out"},
-        {"stored_change", "stored"},
-        {"numerical_work", "numerical work"}}}};
+  static const Printed all[] = {{"drivers",
+                                 {{"mean_force", "mean force"},
+                                  {"half_difference", "half difference"},
+                                  {"work_per_distance", "work/distance"},
+                                  {"static_force", "static force"}}},
+                                {"bodies",
+                                 {{"mean_velocity", "mean velocity"},
+                                  {"turns", "turns"},
+                                  {"rolling", "rolling"},
+                                  {"temperature", "temperature"}}},
+                                {"energy",
+                                 {{"work_in", "work in"},
+                                  {"heat_out", "heat out"},
+                                  {"stored_change", "stored"},
+                                  {"numerical_work", "numerical work"}}}};
   return *std::find_if(std::begin(all), std::end(all),
                        [family](const Printed& one) { return one.family == family; });
 }
@@ -72,7 +75,10 @@ std::string about(const AccuracyResult& accuracy) {
 std::vector<std::string> shown_errors(const RunResult& result) {
   std::vector<std::string> shown;
   for (const ErrorEstimate& estimate : result.errors) {
-    if (!estimate.error || estimate.path.find(".mean_force.") == std::string::npos) continue;
+    const bool shows = estimate.path.find(".mean_force.") != std::string::npos ||
+                       estimate.path.find(".mean_velocity.") != std::string::npos ||
+                       estimate.path.ends_with(".temperature");
+    if (!estimate.error || !shows) continue;
     shown.push_back(fmt::format("{} within {:.1e}", estimate.path, *estimate.error));
   }
   return shown;

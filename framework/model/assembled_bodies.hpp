@@ -30,8 +30,8 @@ struct AssembledBody {
   /// From the centre to the point about which these responses are independent of each other: the
   /// centre of friction without inertia.
   std::array<double, 2> pivot{};
-  const Motion* motion = nullptr;  ///< of a prescribed body
-  std::size_t steering = 0;        ///< which of the prescribed bodies it is
+  const Motion* motion = nullptr;         ///< of a prescribed body
+  std::size_t steering = 0;               ///< which of the prescribed bodies it is
   std::ptrdiff_t kinetic_rate = kNoRate;  ///< where its kinetic energy stands, see KineticIntegral
 
   bool rotates() const { return arms.size() > 1 && arms.front().size() == 2; }

@@ -88,8 +88,9 @@ std::optional<Complaint> why_no_noise(const SceneForce& from,
     const AssembledBody<Real>& body = bodies[b];
     if (body.bound.coordinates == Coordinates::fixed || body.prescribed()) {
       return Complaint{"temperature",
-                       "the body \"" + body.bound.name + "\" does not move by forces: noise does "
-                       "nothing to it",
+                       "the body \"" + body.bound.name +
+                           "\" does not move by forces: noise does "
+                           "nothing to it",
                        "a body with coordinates \"particles\" or \"rigid\""};
     }
     if (thermostats[b] != nullptr) {

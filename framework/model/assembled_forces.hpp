@@ -19,7 +19,7 @@ struct AssembledForce {
   std::string name;
   const ForceRecord* record = nullptr;
   const SceneForce* given = nullptr;  ///< in the scene
-  Traits traits;  ///< its properties, as the scene describes it
+  Traits traits;                      ///< its properties, as the scene describes it
   std::unique_ptr<BoundForce<Real>> bound;
   std::vector<std::size_t> bodies;
   std::ptrdiff_t first_rate = kNoRate;  ///< where its force and power stand among the rates

@@ -114,10 +114,10 @@ class BodyStart {
     const RunSettings& run = plan_.scene->run;
     const BodySlot<Real>& slot = body_->bound.slot;
     normals_.assign(slot.rigid ? kGroup : slot.stride * plan_.dimension(), 0.0);
-    fill_normals<double>({static_cast<std::uint64_t>(run.seed),
-                          stream_of("start_temperature/" + name,
-                                    static_cast<std::uint64_t>(run.stream))},
-                         {}, normals_.size(), slot.rigid ? 3 : slot.count, normals_.data());
+    fill_normals<double>(
+        {static_cast<std::uint64_t>(run.seed),
+         stream_of("start_temperature/" + name, static_cast<std::uint64_t>(run.stream))},
+        {}, normals_.size(), slot.rigid ? 3 : slot.count, normals_.data());
   }
 
   Real thermal_speed(std::size_t coordinate, double mass) const {

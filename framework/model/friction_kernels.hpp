@@ -145,9 +145,9 @@ struct FrictionKernels {
     stage.rates[a.rate] = heat;
   }
 
-  /// exp(-h rate), or that of the midpoint rule, as keep + loss keep: for slow decay keep is 1 and loss exp(-h rate) - 1 to its
-  /// last digit (a factor near one, rounded, would be off by the same part in every step); for fast
-  /// decay loss is 0.
+  /// exp(-h rate), or that of the midpoint rule, as keep + loss keep: for slow decay keep is 1 and
+  /// loss exp(-h rate) - 1 to its last digit (a factor near one, rounded, would be off by the same
+  /// part in every step); for fast decay loss is 0.
   template <class Real>
   struct Decay {
     Real keep;
@@ -315,8 +315,7 @@ struct FrictionKernels {
             three_lanes(centre.loss, centre.loss, planar ? turning.loss : centre.loss));
       if (noisy) {
         const Real along = speed * centre.spread();
-        const Real turn =
-            a.rotates ? sqrt(a.bath / a.inertia) * turning.spread() : Real(0.0);
+        const Real turn = a.rotates ? sqrt(a.bath / a.inertia) * turning.spread() : Real(0.0);
         const Real third = planar ? turn : a.free[2] ? along : Real(0.0);
         add_move(v, rest, 0,
                  three_lanes(a.free[0] ? along * z[0] : Real(0.0),
@@ -393,8 +392,12 @@ struct FrictionKernels {
 
   template <class Real>
   static constexpr FrictionTable<Real> kernels() {
-    return {&flow_of_particles<Real>, &flow_of_body<Real>, &drag_of_particles<Real>,
-            &drag_of_body<Real>,      &mobility<Real>,     &drift_heat<Real>,
+    return {&flow_of_particles<Real>,
+            &flow_of_body<Real>,
+            &drag_of_particles<Real>,
+            &drag_of_body<Real>,
+            &mobility<Real>,
+            &drift_heat<Real>,
             &fill<Real>};
   }
 };

@@ -223,8 +223,7 @@ void FrictionMatrix<Real>::assign_noise(const AssemblyPlan& plan, const Assemble
       break;
     }
     arguments.bath = Real(temperature);
-    const bool off_centre =
-        arguments.moment[0] != Real(0.0) || arguments.moment[1] != Real(0.0);
+    const bool off_centre = arguments.moment[0] != Real(0.0) || arguments.moment[1] != Real(0.0);
     if (!plan.inertial && arguments.rotates && off_centre) {
       refuse_noise(thermostat,
                    "its friction is not centred on the centre of mass: without inertia the noise "

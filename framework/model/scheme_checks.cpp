@@ -71,20 +71,27 @@ class SchemeChecks {
 
   /// Random numbers belong to the steps of a grid, and each to one operator in a step.
   void check_noise() {
+    if (scene_.run.repeats > 1 && !has_noise(scene_)) {
+      faults_.emplace_back(FaultCode::component_unsuitable, place_of("repeats"), "run.repeats",
+                           fmt::format("{}", scene_.run.repeats),
+                           "no force is stochastic: all repeats would be the same",
+                           "1, or a force with noise, such as langevin");
+    }
     for (const Force& force : assembly_.forces()) {
       if (!force.traits.stochastic) continue;
       if (scene_.run.dynamics == Dynamics::quasistatic) {
-        faults_.emplace_back(FaultCode::component_unsuitable, place_of("dynamics"), "run.dynamics",
-                             "\"quasistatic\"",
-                             "follows equilibria without noise, and the force \"" + force.name +
-                                 "\" is stochastic",
-                             "\"inertial\" or \"overdamped\", or temperature = 0");
+        faults_.emplace_back(
+            FaultCode::component_unsuitable, place_of("dynamics"), "run.dynamics",
+            "\"quasistatic\"",
+            "follows equilibria without noise, and the force \"" + force.name + "\" is stochastic",
+            "\"inertial\" or \"overdamped\", or temperature = 0");
       } else if (!scheme_.takes_noise) {
         const bool inertial = scene_.run.dynamics == Dynamics::inertial;
         refuse(FaultCode::integrator_unsuitable,
                "draws no random numbers, and the force \"" + force.name + "\" is stochastic",
                integrators_that(scene_, [inertial](const IntegratorRecord& other) {
-                 return other.takes_noise && (inertial ? other.with_inertia : other.without_inertia);
+                 return other.takes_noise &&
+                        (inertial ? other.with_inertia : other.without_inertia);
                }));
       }
       for (const char* key : {"accuracy", "perturb", "until"}) {
@@ -110,8 +117,9 @@ class SchemeChecks {
     if (std::round(steps) >= 1.0 && std::abs(steps - std::round(steps)) <= kOnGrid * steps) return;
     const auto found = output.places.find("every");
     faults_.emplace_back(
-        FaultCode::component_unsuitable, found == output.places.end() ? output.place : found->second,
-        "output.every", fmt::format("{}", *output.every),
+        FaultCode::component_unsuitable,
+        found == output.places.end() ? output.place : found->second, "output.every",
+        fmt::format("{}", *output.every),
         fmt::format("no multiple of the step {}: the force \"{}\" is stochastic, and samples fall "
                     "on steps",
                     dt, force.name),

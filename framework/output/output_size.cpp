@@ -42,12 +42,14 @@ fs::path existing(fs::path path) {
   return path.empty() ? fs::path(".") : path;
 }
 
-/// Runs whose states are kept in run.store: perturbed starts, and companions that errors are
-/// estimated with.
+/// Runs whose states are kept in run.store: perturbed starts, repeats, and companions that errors
+/// are estimated with.
 double runs_beside(const Scene& scene) {
   constexpr double kCompanions = 2.0;
   if (scene.run.accuracy) return kCompanions;
-  return scene.run.perturb ? static_cast<double>(scene.run.perturb->repeats) : 0.0;
+  const std::int64_t repeats =
+      scene.run.perturb ? scene.run.perturb->repeats : scene.run.repeats - 1;
+  return static_cast<double>(repeats);
 }
 
 std::string sizes(const Scene& scene, const OutputSize& size) {

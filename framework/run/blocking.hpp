@@ -7,7 +7,7 @@ namespace tomlin {
 
 /// What is known of the mean of a correlated series.
 struct BlockedMean {
-  std::optional<double> error;      ///< standard error of the mean; nothing where it is unknown
+  std::optional<double> error;     ///< standard error of the mean; nothing where it is unknown
   double correlation_times = 0.0;  ///< lengths of the series by its integrated correlation time
 };
 

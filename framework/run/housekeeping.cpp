@@ -120,7 +120,7 @@ bool Housekeeping::has_more_than_numbers() const {
 
 void Housekeeping::keep_end() {
   const RunSettings& settings = run_.scene->run;
-  const bool more_follow = settings.perturb || settings.accuracy;
+  const bool more_follow = settings.perturb || settings.accuracy || settings.repeats > 1;
   if (run_.options.sink == nullptr || !more_follow || !run_.outcome.complete()) return;
   if (has_more_than_numbers()) return;
   run_.clock.keep_cost(run_.model.system());

@@ -13,6 +13,7 @@ std::string why_not_in_lanes(const Model& model) {
   const IntegratorRecord& scheme = *run.integrator.record;
   if (run.accuracy) return "accuracy makes several runs";
   if (run.perturb) return "perturb makes several runs";
+  if (run.repeats > 1) return "repeats make several runs";
   if (run.number_type != NumberType::double_precision) return "lanes are of double precision";
   if (model.plan().quasistatic) return "the dynamics are quasistatic";
   if (!scheme.library.empty()) return "the integrator " + scheme.name + " is a plugin's";

@@ -13,6 +13,7 @@
 #include "framework/model/model.hpp"
 #include "framework/run/determined.hpp"
 #include "framework/run/engine.hpp"
+#include "framework/run/repeats.hpp"
 
 namespace tomlin {
 
@@ -72,6 +73,7 @@ RunResult run_as_bound(const std::shared_ptr<const Scene>& scene, const RunOptio
     *options.final_state = engine.final_state();
   }
   if (scene->run.perturb) determine(scene, options, result);
+  if (scene->run.repeats > 1) average_over_repeats(scene, options, result);
   return result;
 }
 

@@ -177,6 +177,11 @@ TableLayout run_layout(bool until) {
                 "random numbers")
           .in(non_negative)
           .by_default(std::int64_t{0}),
+      parameter("repeats", &RunSettings::repeats, dimension::none,
+                "so many runs, of this stream and the next ones: results over the window are their "
+                "means, with standard errors")
+          .in({.low = 1.0, .high = 1e6, .low_open = false, .high_open = false})
+          .by_default(std::int64_t{1}),
       parameter("checkpoint_every", &RunSettings::checkpoint_every, dimension::none,
                 "wall time between checkpoints, in seconds")
           .in(positive)

@@ -101,7 +101,8 @@ struct RunSettings {
   NumberType number_type = NumberType::double_precision;
   bool ledger = false;
   std::int64_t seed = 0;
-  std::int64_t stream = 0;  ///< of the seed's random numbers: a repeat
+  std::int64_t stream = 0;   ///< of the seed's random numbers: a repeat
+  std::int64_t repeats = 1;  ///< runs with the noise of so many streams, whose results are averaged
   bool allow_unstable = false;
   /// Asked for in place of an integrator, relative to the size of each result; the integrator above
   /// is then one that could be taken, and whoever runs the scene looks for the cheapest.

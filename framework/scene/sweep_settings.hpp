@@ -101,7 +101,8 @@ struct SweepSettings {
   Place observables_place;
 };
 
-/// Makes of `repeats` the last axis, run.stream = 0, 1, ...; adds a fault where it is no such number.
+/// Makes of `repeats` the last axis, run.stream = 0, 1, ...; adds a fault where it is no such
+/// number.
 void add_repeats(SweepSettings& settings, std::vector<Fault>& faults);
 
 /// One dimension of a sweep: an axis, or some that are zipped.

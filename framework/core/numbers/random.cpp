@@ -33,8 +33,8 @@ double uniform(std::uint64_t word) { return static_cast<double>(word >> 12) * 0x
 
 }  // namespace
 
-void uniform_pairs(const RandomKey& key, const RandomPlace& place, std::size_t count,
-                   double* first, double* second) {
+void uniform_pairs(const RandomKey& key, const RandomPlace& place, std::size_t count, double* first,
+                   double* second) {
   for (std::size_t k = 0; k < count; k += 2) {
     const auto bits = draw(key, {place.a, place.b, place.c + k / 2, place.d});
     for (std::size_t j = 0; j < 2 && k + j < count; ++j) {

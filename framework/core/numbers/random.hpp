@@ -30,8 +30,8 @@ std::uint64_t stream_of(std::string_view name, std::uint64_t repeat);
 
 /// Pairs of independent numbers, uniform in (0, 1): pair k is half of the block at {a, b, c + k/2,
 /// d}.
-void uniform_pairs(const RandomKey& key, const RandomPlace& place, std::size_t count,
-                   double* first, double* second);
+void uniform_pairs(const RandomKey& key, const RandomPlace& place, std::size_t count, double* first,
+                   double* second);
 
 /// Two independent numbers, uniform in (0, 1).
 std::pair<double, double> uniform_pair(const RandomKey& key, const RandomPlace& place);

@@ -41,12 +41,12 @@ std::vector<Parameter> with_body_parameters(std::vector<Parameter> own) {
                                 "all particles, or one each; none by default")
                     .or_absent()
                     .for_each_particle());
-  own.push_back(parameter_of<D>("start_temperature", &BodyDescription::start_temperature,
-                                dimension::energy,
-                                "velocities at the start are drawn from the Maxwell distribution of "
-                                "this temperature, an energy, and added to `velocity`")
-                    .in(non_negative)
-                    .by_default(0.0));
+  own.push_back(
+      parameter_of<D>("start_temperature", &BodyDescription::start_temperature, dimension::energy,
+                      "velocities at the start are drawn from the Maxwell distribution of "
+                      "this temperature, an energy, and added to `velocity`")
+          .in(non_negative)
+          .by_default(0.0));
   own.push_back(
       parameter_of<D>("coordinates", &BodyDescription::coordinates, dimension::none,
                       "what may move: every particle, the body as a whole, nothing, or the body "

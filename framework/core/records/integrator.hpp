@@ -97,8 +97,8 @@ struct IntegratorRecord : ComponentRecord {
 
   /// True when no scene of particles is refused for what its forces are, with inertia or without.
   bool takes_any_scene() const {
-    return without_inertia && with_inertia && !splits_friction && !needs_tangent && !conservative_only &&
-           !follows_equilibria;
+    return without_inertia && with_inertia && !splits_friction && !needs_tangent &&
+           !conservative_only && !follows_equilibria;
   }
 };
 

@@ -286,12 +286,13 @@ constexpr FaultKind kKinds[] = {
      "Take the mean and the spread of many runs, or an observable that is determined.",
      Severity::warning},
     {FaultCode::run_perturb_failed, "run.perturb_failed",
-     "A run from a perturbed start failed; the digits are those of the other ones.",
+     "A run from a perturbed start, or a repeat, failed; the results are those of the other ones.",
      "tomlin run pt.toml --set 'run.perturb={size=1e300,repeats=2}'",
      "Take a smaller size in run.perturb, or a shorter step.", Severity::warning},
     {FaultCode::run_comparison_stopped, "run.comparison_stopped",
-     "The run itself is complete, and was stopped during the runs that it is compared with, from "
-     "perturbed starts or with a coarser integrator.",
+     "The run itself is complete, and was stopped during the runs beside it: from perturbed "
+     "starts, "
+     "with a coarser integrator, or repeats.",
      "An interrupt during the repetitions of run.perturb.", "Resume the run with --resume.",
      Severity::warning},
     {FaultCode::run_accuracy_not_reached, "run.accuracy_not_reached",
@@ -311,9 +312,10 @@ constexpr FaultKind kKinds[] = {
      "Name an integrator and its step.", Severity::warning},
     {FaultCode::run_error_not_estimated, "run.error_not_estimated",
      "The results have no estimated error: no coarser run is possible, it failed, or it would cost "
-     "too much.",
+     "too much; or, with noise, the window is shorter than 50 correlation times.",
      "A scene whose steps are limited by stability, so that a coarser run is not cheaper.",
-     "Estimate it by a run with half the step.", Severity::warning},
+     "Estimate it by a run with half the step; with noise, run longer, or take repeats.",
+     Severity::warning},
     {FaultCode::observable_unknown, "observable.unknown",
      "There is no observable of this name in the scene.",
      "tomlin run pt.toml --set 'measure.observables=[\"driver.mean_forse.x\"]'",

@@ -97,7 +97,7 @@ std::optional<SweepRow> PointRun::run() {
 }
 
 Engine* PointRun::engine() {
-  if (scene_->run.accuracy || scene_->run.perturb) return nullptr;
+  if (scene_->run.accuracy || scene_->run.perturb || scene_->run.repeats > 1) return nullptr;
   if (!engine_) {
     engine_ = resumed(
         [this](const RunOptions& options) { return std::make_unique<Engine>(scene_, options); });

@@ -1,0 +1,111 @@
+#include "framework/run/repeats.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "framework/core/text/axis_names.hpp"
+#include "framework/run/side_run.hpp"
+
+namespace tomlin {
+namespace {
+
+constexpr const char* kRepeatsKey = "run.repeats";  // of warnings
+
+/// A number over the window, in all repeats.
+struct Repeated {
+  std::size_t group;
+  std::size_t value;
+  std::size_t component;
+  std::string path;
+  std::vector<double> numbers;
+
+  double mean() const {
+    double sum = 0.0;
+    for (const double x : numbers) sum += x;
+    return sum / static_cast<double>(numbers.size());
+  }
+  /// Of the mean; nothing of a single number.
+  std::optional<double> error() const {
+    if (numbers.size() < 2) return std::nullopt;
+    const double middle = mean();
+    double squares = 0.0;
+    for (const double x : numbers) squares += (x - middle) * (x - middle);
+    const auto n = static_cast<double>(numbers.size());
+    return std::sqrt(squares / (n * (n - 1.0)));
+  }
+};
+
+std::vector<Repeated> repeated_numbers(const RunResult& result) {
+  std::vector<Repeated> all;
+  for (std::size_t g = 0; g < result.groups.size(); ++g) {
+    const ResultGroup& group = result.groups[g];
+    const std::string name = group.name.empty() ? "" : "." + group.name;
+    for (std::size_t v = 0; v < group.values.size(); ++v) {
+      const ResultQuantity& quantity = group.values[v].quantity();
+      if (quantity.scope != Scope::window || quantity.shape == Shape::count) continue;
+      for (std::size_t d = 0; d < group.values[v].count(); ++d) {
+        const std::string axis =
+            quantity.shape == Shape::vector ? fmt::format(".{}", kAxisNames[d]) : "";
+        all.push_back({g, v, d, group.family + name + "." + quantity.key + axis, {}});
+      }
+    }
+  }
+  return all;
+}
+
+void add_numbers(const RunResult& result, std::vector<Repeated>& all) {
+  for (Repeated& one : all) {
+    const auto number = result.groups[one.group].values[one.value].finite(one.component);
+    if (number) one.numbers.push_back(*number);
+  }
+}
+
+}  // namespace
+
+void average_over_repeats(const std::shared_ptr<const Scene>& scene, const RunOptions& options,
+                          RunResult& result) {
+  if (result.status != RunStatus::finished) return;
+  std::vector<Repeated> all = repeated_numbers(result);
+  add_numbers(result, all);
+  const auto warn = [&result](FaultCode code, std::string text) {
+    result.warnings.push_back({code, std::move(text), kRepeatsKey});
+  };
+  for (std::int64_t repeat = 1; repeat < scene->run.repeats; ++repeat) {
+    const auto other = std::make_shared<Scene>(*scene);
+    other->run.stream += repeat;
+    const RunResult found = side_run(other, options, fmt::format("repeat {}", repeat));
+    if (found.status == RunStatus::interrupted) {
+      result.status = RunStatus::interrupted;
+      warn(FaultCode::run_comparison_stopped,
+           fmt::format("stopped after {} of {} repeats", repeat, scene->run.repeats));
+      return;
+    }
+    if (found.failure) {
+      warn(FaultCode::run_perturb_failed,
+           fmt::format("repeat {} failed: {}", repeat, to_string(*found.failure)));
+      continue;
+    }
+    add_numbers(found, all);
+  }
+  result.errors.clear();
+  for (const Repeated& one : all) {
+    if (one.numbers.empty()) continue;
+    ResultValue& value = result.groups[one.group].values[one.value];
+    std::vector<double> numbers(value.count(), std::nan(""));
+    for (std::size_t d = 0; d < value.count(); ++d) {
+      if (const auto known = value.finite(d)) numbers[d] = *known;
+    }
+    numbers[one.component] = one.mean();
+    value.set(numbers);
+    result.errors.push_back({one.path, one.error()});
+  }
+  std::erase_if(result.warnings, [](const Warning& warning) {
+    return warning.code == FaultCode::run_error_not_estimated;
+  });
+}
+
+}  // namespace tomlin
