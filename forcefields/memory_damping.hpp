@@ -3,7 +3,7 @@
 #include "framework/core/elements/own_state.hpp"
 #include "framework/core/records/registry.hpp"
 
-/// Drag that remembers: generalised Langevin friction without its noise.
+/// Drag that remembers: generalised Langevin friction, with the noise of its bath or without.
 ///
 ///   F(t) = - integral_0^t K(t - s) v(s) ds,  K(t) = (c/tau) exp(-t/tau), per particle
 ///
@@ -16,6 +16,16 @@
 ///   q    the spring's stretch. The force's own variable is w q, one for each axis, with w = 1/tau:
 ///        a velocity, whose errors are held against the same tolerance as those of particles
 ///
+/// With a temperature T, an energy, the dashpot has its noise, which makes the coloured noise that
+/// belongs to the kernel, <R(t) R(t')> = T K(t - t'):
+///
+///   dq/dt = v - q/tau + sqrt(2 T/(k tau)) xi(t)
+///
+/// from q(0) = 0 on, so that the noise is stationary after some tau. Velocity and q together are an
+/// Ornstein-Uhlenbeck process, whose exact flow M over h it hands out as an operator, with noise of
+/// covariance S - M S M^T, S = diag(T/m, T/k) that of equilibrium: bodies of free particles, with
+/// inertia.
+///
 /// For tau -> 0 it is viscous damping. Several of them make a Prony series. The power -F.v changes
 /// its sign: the spring gives back some of what it took.
 /// Source: R. Zwanzig, J. Stat. Phys. 9, 215 (1973), doi:10.1007/BF01008729; H. Mori, Prog. Theor.
@@ -25,6 +35,7 @@ namespace tomlin {
 struct MemoryDampingDescription {
   double coefficient = 0.0;
   double memory_time = 0.0;
+  double temperature = 0.0;  ///< an energy; 0: no noise, and no operator
 };
 
 ForceRecord memory_damping_record();

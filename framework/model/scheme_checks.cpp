@@ -94,6 +94,11 @@ class SchemeChecks {
                         (inertial ? other.with_inertia : other.without_inertia);
                }));
       }
+      if (scheme_.takes_noise && !force.is_operator) {
+        refuse(FaultCode::integrator_unsuitable,
+               "has no noise of the force \"" + force.name + "\" on rigid bodies",
+               "coordinates = \"particles\", or the force langevin");
+      }
       for (const char* key : {"accuracy", "perturb", "until"}) {
         if (!scene_.run.places.contains(key)) continue;
         faults_.emplace_back(FaultCode::component_unsuitable, place_of(key),

@@ -1,0 +1,107 @@
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "framework/run/observables.hpp"
+#include "framework/run/run.hpp"
+#include "framework/scene/scene.hpp"
+#include "framework/standard_registry.hpp"
+
+// Coloured noise: drag that remembers, in a bath.
+
+namespace tomlin::test {
+namespace {
+
+constexpr double kBath = 0.3;
+/// Standard errors that a mean may be off: one in 16 000.
+constexpr double kFourSigma = 4.0;
+
+RunResult in_a_trap(const std::string& memory_time, std::int64_t stream) {
+  static const Registry registry = standard_registry();
+  const std::string text = R"([[body]]
+type = "point"
+name = "tip"
+position = [0.0]
+particle_mass = 2.0
+[[force]]
+type = "expression"
+name = "trap"
+energy = "0.5 * x^2"
+[[force]]
+type = "memory_damping"
+name = "bath"
+coefficient = 1.5
+temperature = 0.3
+memory_time = )" + memory_time +
+                           R"(
+[run]
+duration = 2e4
+ledger = true
+stream = )" + std::to_string(stream) +
+                           R"(
+integrator = { type = "baoab", dt = 0.2 }
+[measure]
+from = 100
+)";
+  return run(parse_scene(text, "memory.toml", registry), {});
+}
+
+double number(const RunResult& result, const std::string& path) {
+  return observable(result, path).value();
+}
+
+double error(const RunResult& result, const std::string& path) {
+  for (const ErrorEstimate& one : result.errors) {
+    if (one.path == path) return one.error.value();
+  }
+  ADD_FAILURE() << path;
+  return 0.0;
+}
+
+/// From short memories, friction, to long ones, a second spring.
+TEST(MemoryNoise, HasTheTemperatureOfItsBath) {
+  for (const char* memory_time : {"0.01", "0.5", "5.0"}) {
+    for (const std::int64_t stream : {0, 1}) {
+      SCOPED_TRACE(std::string(memory_time) + ", " + std::to_string(stream));
+      const RunResult result = in_a_trap(memory_time, stream);
+      ASSERT_EQ(result.status, RunStatus::finished);
+      EXPECT_NEAR(number(result, "bodies.tip.temperature"), kBath,
+                  kFourSigma * error(result, "bodies.tip.temperature"));
+      EXPECT_LT(error(result, "bodies.tip.temperature"), 0.03 * kBath);
+    }
+  }
+}
+
+TEST(MemoryNoise, IsRefusedWhereItHasNoFlow) {
+  static const Registry registry = standard_registry();
+  const std::string text = R"([[body]]
+type = "ring"
+name = "ring"
+count = 4
+radius = 1.0
+centre = [0.0, 1.0]
+particle_mass = 1.0
+coordinates = "rigid"
+[[force]]
+type = "memory_damping"
+name = "bath"
+coefficient = 1.5
+temperature = 0.3
+memory_time = 1.0
+[run]
+duration = 10
+integrator = { type = "baoab", dt = 0.1 }
+)";
+  try {
+    run(parse_scene(text, "memory.toml", registry), {});
+    FAIL() << "no fault";
+  } catch (const InputError& fault) {
+    EXPECT_NE(std::string(fault.what()).find("has no noise of the force \"bath\""),
+              std::string::npos)
+        << fault.what();
+  }
+}
+
+}  // namespace
+}  // namespace tomlin::test
