@@ -392,6 +392,44 @@ TEST(Slips, DoNotEndOnABarrier) {
   }
 }
 
+/// Where wells are not known, what is slow is a slip if it leads about half a period further: not
+/// the passage of one particle of several, and not what follows from the start.
+TEST(Slips, ThatAreSlowLeadHalfAPeriodFurther) {
+  constexpr double kSpeed = 0.01;
+  // At rest, then 5.5 times as fast as the driver for this far.
+  const auto slips_of = [](double size, double start) {
+    Drive drive;
+    drive.velocity = {kSpeed};
+    drive.stiffness = {1.0};
+    DriverWatch watch(0, drive, 1.0, 1e-16, DriverWatch::Slips::looked_for);
+    std::vector<double> reals(DriverWatch::kReals);
+    std::vector<std::int64_t> integers(DriverWatch::kIntegers);
+    watch.attach(reals.data(), integers.data());
+    watch.start();
+    watch.set_unknown_wells();
+    std::vector<double> found;
+    for (int k = 0; k < 1000; ++k) {
+      const double t = 0.1 * k;
+      const double fast = std::clamp(t - start, 0.0, size / 0.054);
+      watch.add(
+          t, kSpeed * t - 0.001 * t - 0.054 * fast,
+          [&](const Event& event) {
+            if (event.kind == EventKind::slip) found.push_back(event.size);
+          },
+          [](double time) {
+            return DriverWatch::HeatAt{time, 0.0};
+          });
+    }
+    return found;
+  };
+  constexpr double kOfAStep = 0.05;  // at most: corners of the way lie between two points
+  const auto slips = slips_of(0.7, 20.0);
+  ASSERT_EQ(slips.size(), 1u);
+  EXPECT_NEAR(slips.front(), 0.7, kOfAStep);
+  EXPECT_TRUE(slips_of(0.35, 20.0).empty());
+  EXPECT_TRUE(slips_of(0.7, 0.5).empty());
+}
+
 /// It only rolls to where it can stick: the static force is what the substrate can hold.
 TEST(Slips, AStartOnTopOfABarrierIsNone) {
   TipScene tip = slipping(1.5);
