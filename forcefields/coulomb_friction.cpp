@@ -21,7 +21,9 @@ ForceRecord coulomb_friction_record() {
           .in(non_negative),
       parameter("width", &Description::width, dimension::velocity,
                 "regularises the law at rest: below this velocity the friction is viscous, with "
-                "the coefficient force/width; nothing sticks entirely")
+                "the coefficient force/width; nothing sticks entirely. Steps in which the velocity "
+                "changes by more than the width leave schemes of any order at about the first "
+                "where the motion reverses")
           .in(positive)};
   record.example = R"(# A block slides to rest, after the time mass * velocity / force = 2.
 [[body]]

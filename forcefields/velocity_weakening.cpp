@@ -26,7 +26,8 @@ ForceRecord velocity_weakening_record() {
           .in(positive),
       parameter("width", &Description::width, dimension::velocity,
                 "regularises the law at rest: below this velocity the friction is viscous; far "
-                "below weakening_velocity")
+                "below weakening_velocity. Steps in which the velocity changes by more than the "
+                "width leave schemes of any order at about the first where the motion reverses")
           .in(positive)};
   record.example = R"(# A block, pulled by a spring, sticks and slips.
 [[body]]

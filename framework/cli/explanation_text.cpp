@@ -122,6 +122,7 @@ Json scales_json(const Explanation& e) {
                           {"frequency", force.frequency},
                           {"period", inverse(kTau, force.frequency)},
                           {"damping_rate", force.damping_rate},
+                          {"damping_rate_at_rest", force.rate_at_rest},
                           {"internal", force.internal},
                           {"between", force.between}});
   }
@@ -164,10 +165,17 @@ void add_frequencies(Sections& sections, const Scales& scales) {
     sections.row("fastest of all", oscillation(scales.frequency) + ", a bound on all together");
   }
   sections.section("damping rates, coefficient / mass");
+  bool dry = false;  // friction that is not linear
   for (const ForceScale& force : scales.forces) {
-    if (!(force.damping_rate > 0.0)) continue;
-    sections.row(force.force, fmt::format("{}, decay time {}", text_of(force.damping_rate),
-                                          text_of(1.0 / force.damping_rate)));
+    if (force.damping_rate > 0.0) {
+      sections.row(force.force, fmt::format("{}, decay time {}", text_of(force.damping_rate),
+                                            text_of(1.0 / force.damping_rate)));
+    }
+    if (!(force.rate_at_rest > 0.0)) continue;
+    dry = true;
+    sections.row(force.force,
+                 fmt::format("not linear: up to {} near rest, decay time {}",
+                             text_of(force.rate_at_rest), text_of(1.0 / force.rate_at_rest)));
   }
   const Damping& damping = scales.damping;
   if (damping.regime == Regime::no_oscillation) return;
@@ -177,6 +185,9 @@ void add_frequencies(Sections& sections, const Scales& scales) {
                         text_of(damping.rate / damping.critical), text_of(damping.critical),
                         damping.oscillator);
   }
+  if (dry)
+    ratio += damping.regime == Regime::undamped ? " but for friction that is not linear"
+                                                : "; without friction that is not linear";
   sections.row("regime", to_string(damping.regime) + ratio);
 }
 

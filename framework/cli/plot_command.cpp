@@ -34,6 +34,7 @@
 #include "framework/plot/quantities.hpp"
 #include "framework/plot/raster_figure.hpp"
 #include "framework/plot/result_figure.hpp"
+#include "framework/plot/sample_table.hpp"
 #include "framework/plot/slips_figure.hpp"
 #include "framework/plot/stored_run.hpp"
 #include "framework/plot/stored_sweep.hpp"
@@ -436,11 +437,22 @@ Figure drawn_body(const std::vector<StoredRun>& runs, const PlotArguments& argum
   return body_figure(runs, labels_of(runs, arguments), request, standard_registry(), notes);
 }
 
+/// What a figure is drawn over by default: time where no support of a run has a position, as that
+/// of a force that is a driver.
+std::string default_x(const std::vector<StoredRun>& runs, const FigureKind& kind) {
+  if (kind.x == "driver_position") {
+    for (const StoredRun& run : runs) {
+      if (owners_of(SampleTable(file_of(run, kTableFile)), "position.x").empty()) return "time";
+    }
+  }
+  return std::string(kind.x);
+}
+
 Figure drawn_curves(const std::vector<StoredRun>& runs, const std::string& what,
                     const PlotArguments& arguments, std::vector<std::string>& notes) {
   const FigureKind& kind = *find_figure_kind(what.empty() ? kWhatByDefault : what);
   CurvesRequest request;
-  request.x = arguments.x.empty() ? std::string(kind.x) : arguments.x;
+  request.x = arguments.x.empty() ? default_x(runs, kind) : arguments.x;
   request.y = arguments.y;
   if (request.y.empty()) request.y = {{std::string(kind.y)}};
   request.owners = {arguments.driver, arguments.body};

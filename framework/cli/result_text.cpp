@@ -66,6 +66,26 @@ std::string about(const ResultGroup& group) {
   return text;
 }
 
+/// The same of a group that has only the quantities which the scene asks for: all of them, and
+/// which have no value.
+std::string about_asked(const ResultGroup& group) {
+  const auto& names = printed_of(group.family).names;
+  std::string text = about(group);
+  std::string undefined;
+  for (const ResultValue& value : group.values) {
+    const ResultQuantity& quantity = value.quantity();
+    const bool printed = std::any_of(names.begin(), names.end(),
+                                     [&](const auto& name) { return name.first == quantity.key; });
+    if (!value.has_value()) {
+      undefined += fmt::format("{}no {} ({})", undefined.empty() ? "" : ", ", quantity.key,
+                               quantity.meaning);
+    } else if (!printed) {
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", quantity.key, text_of(value));
+    }
+  }
+  return text + (text.empty() || undefined.empty() ? "" : "; ") + undefined;
+}
+
 std::string about(const AccuracyResult& accuracy) {
   const std::string by = accuracy.companion.empty() ? "" : "; errors by " + accuracy.companion;
   return fmt::format("{:g} asked: {}{}", accuracy.asked, accuracy.integrator, by);
@@ -84,11 +104,16 @@ std::vector<std::string> shown_errors(const RunResult& result) {
   return shown;
 }
 
-void add_groups(Sections& sections, std::span<const ResultGroup> results) {
+void add_groups(Sections& sections, const Scene& scene, const RunResult& result,
+                std::string_view family) {
+  const auto results = result.family(family);
+  const bool ended_before = result.end_time < result.window_to;
+  const bool asked = !scene.measure.observables.empty() && !ended_before;
   const std::size_t shown = std::min(results.size(), kMostShown);
   for (std::size_t k = 0; k < shown; ++k) {
-    std::string text = about(results[k]);
-    sections.row(results[k].name, text.empty() ? "the run ended before the window" : text);
+    std::string text = asked ? about_asked(results[k]) : about(results[k]);
+    if (text.empty()) text = ended_before ? "the run ended before the window" : "no value";
+    sections.row(results[k].name, text);
   }
   if (results.size() > shown) {
     sections.row("...", fmt::format("and {} more", results.size() - shown));
@@ -109,8 +134,8 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
                                     result.steps_per_second, to_string(result.instruction_set)));
   sections.row("window",
                fmt::format("time {:.9g} to {:.9g}", result.window_from, result.window_to));
-  add_groups(sections, result.family("drivers"));
-  add_groups(sections, result.family("bodies"));
+  add_groups(sections, scene, result, "drivers");
+  add_groups(sections, scene, result, "bodies");
   const ResultGroup* energy = result.find("energy");
   if (energy != nullptr && (*energy)["work_in"]) sections.row("energy", about(*energy));
   if (result.accuracy) sections.row("accuracy", about(*result.accuracy));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "framework/core/records/force.hpp"
@@ -70,11 +71,31 @@ Damping damping_of(const Scales& scales) {
   return damping;
 }
 
+/// The bound on the slope of a friction over the mass that it damps: of rigid bodies the mean of
+/// their particles.
+double rate_at_rest_of(const Model& model, const Model::Force& force) {
+  const double bound = force.bound->friction_bound();
+  double rate = 0.0;
+  if (!(bound > 0.0) || !model.system().view.inertial) return rate;
+  for (const std::size_t b : force.bodies) {
+    const std::vector<double>& mass = model.bodies()[b].bound.mass;
+    const BodySlot<double>& slot = model.bodies()[b].bound.slot;
+    if (mass.empty() || (slot.mapped && !slot.rigid)) continue;
+    double least = *std::min_element(mass.begin(), mass.end());
+    if (slot.rigid) {
+      least = std::accumulate(mass.begin(), mass.end(), 0.0) / static_cast<double>(mass.size());
+    }
+    rate = std::max(rate, bound / least);
+  }
+  return rate;
+}
+
 double shortest_time_of(const Scales& scales) {
   double fastest = std::max({scales.frequency, scales.damping_rate, scales.relaxation_rate});
   for (const Sliding& sliding : scales.sliding) {
     fastest = std::max(fastest, sliding.washboard_frequency);
   }
+  for (const ForceScale& force : scales.forces) fastest = std::max(fastest, force.rate_at_rest);
   return fastest > 0.0 ? 1.0 / fastest : 0.0;
 }
 
@@ -118,7 +139,12 @@ Scales scales_of(const std::shared_ptr<const Scene>& scene) {
     SingleForce alone(*scene, k);
     if (!alone.built()) continue;
     const Model::Stiffness own = alone.model().stiffness();
-    ForceScale scale{alone.force().name, own.frequency, own.damping_rate, false, {}};
+    ForceScale scale{alone.force().name,
+                     own.frequency,
+                     own.damping_rate,
+                     rate_at_rest_of(alone.model(), alone.force()),
+                     false,
+                     {}};
     if (scene->forces[k].traits().internal) {
       for (const std::size_t b : alone.force().bodies) {
         scale.between.push_back(scene->bodies[b].name);

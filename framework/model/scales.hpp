@@ -18,6 +18,8 @@ struct ForceScale {
   std::string force;
   double frequency = 0.0;     ///< angular, sqrt(k/m): bound of its fastest motion; 0: no spring
   double damping_rate = 0.0;  ///< coefficient/mass, 1/time; 0: does not damp
+  /// The largest that friction which is not linear has, near rest as a rule; 0: there is none.
+  double rate_at_rest = 0.0;
   bool internal = false;      ///< acts within one body, whose centre of mass does not feel it
   std::vector<std::string> between;  ///< the bodies that it binds to each other; empty: it does not
 };
@@ -114,8 +116,8 @@ struct Scales {
   double damping_rate = 0.0;  ///< the largest
   /// Without inertia, in their place: curvature/friction of the fastest motion.
   double relaxation_rate = 0.0;
-  /// The least of 1/frequency, 1/damping rate, 1/relaxation rate and 1/washboard frequency;
-  /// 0: none.
+  /// The least of 1/frequency, 1/damping rate (of friction that is not linear the largest),
+  /// 1/relaxation rate and 1/washboard frequency; 0: none.
   double shortest_time = 0.0;
   std::string stiffest_force;      ///< behind the fastest motion or damping; may be empty
   std::vector<ForceScale> forces;  ///< those built, in the scene's order

@@ -1,5 +1,6 @@
 #include "framework/plot/gnuplot_script.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -162,8 +163,39 @@ void append_margins(std::string& script, double top, double bottom) {
 constexpr double kFewDecades = 2.5;
 constexpr double kDecade = 10.0;
 
+// A linear x axis whose ends need more digits to differ has numbers with these digits, and few of
+// them. Numbers that need more than a double has are left to gnuplot.
+constexpr int kDigits = 6;
+constexpr int kMostDigits = 15;
+constexpr double kFewTics = 6.0;       // at most; two at least
+constexpr double kClearOfEnds = 0.06;  // of the axis: a long number has room
+
+/// Digits that two numbers on an axis need to differ.
+int digits_between(double from, double to) {
+  const double size = std::max(std::abs(from), std::abs(to));
+  return static_cast<int>(std::ceil(std::log10(size / (to - from)))) + 2;
+}
+
+/// Numbers at whole multiples of 1, 2 or 5 times a power of ten.
+std::string few_tics(double from, double to, bool shown) {
+  const double least = (to - from) / kFewTics;
+  const double power = std::pow(kDecade, std::floor(std::log10(least)));
+  double step = kDecade * power;
+  for (const double factor : {5.0, 2.0, 1.0}) {
+    if (factor * power >= least) step = factor * power;
+  }
+  const double clear = kClearOfEnds * (to - from);
+  std::string list;
+  for (double k = std::ceil((from + clear) / step); k * step <= to - clear; k += 1.0) {
+    const std::string number = fmt::format("{:.{}g}", k * step, digits_between(from, to));
+    list +=
+        fmt::format("{}\"{}\" {:.17g}", list.empty() ? "" : ", ", shown ? number : "", k * step);
+  }
+  return list;
+}
+
 /// The numbers along an axis, unless they stand below another panel: gnuplot's own, but for a
-/// logarithmic axis too short for powers of ten.
+/// logarithmic axis too short for powers of ten, and a short linear one far from zero.
 std::string tics(const char* axis, bool logarithmic, double from, double to, bool shown) {
   const bool short_axis = from < to && std::log10(to / from) < kFewDecades;
   std::string list;
@@ -178,6 +210,10 @@ std::string tics(const char* axis, bool logarithmic, double from, double to, boo
         ++count;
       }
     }
+  } else if (!logarithmic && *axis == 'x' && from < to && digits_between(from, to) > kDigits &&
+             digits_between(from, to) <= kMostDigits) {
+    list = few_tics(from, to, shown);
+    count = static_cast<int>(std::count(list.begin(), list.end(), ',')) + 1;
   }
   const char* format = !shown ? "''" : logarithmic && !short_axis ? "'10^{%L}'" : "'%h'";
   return fmt::format("set {}tics {}\nset format {} {}\n", axis,

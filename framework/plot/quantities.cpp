@@ -25,7 +25,7 @@ constexpr std::array kQuantities = {
              Measure::signed_size, "size of the driver's force, with the sign of its x component"},
     Quantity{"position", "centre of mass", "{/:Italic x_c}", Owner::body, "centre_of_mass.x",
              Measure::component, "the centre of mass along x"},
-    Quantity{"height", "height", "{/:Italic y_c}", Owner::body, "centre_of_mass.y",
+    Quantity{"height", "centre of mass", "{/:Italic y_c}", Owner::body, "centre_of_mass.y",
              Measure::component, "the centre of mass along y"},
     Quantity{"rotation", "rotation", "{/:Italic φ}", Owner::body, "rotation", Measure::component,
              "rotation, unwrapped, counter-clockwise positive"},

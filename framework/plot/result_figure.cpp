@@ -78,7 +78,8 @@ std::vector<std::string> parameters_of_curves(const std::vector<StoredRun>& runs
                                               const std::string& against) {
   std::vector<std::string> names = differing_parameters(runs);
   auto along = std::find(names.begin(), names.end(), against);
-  if (along == names.end()) {
+  // A parameter that all runs have alike varies along no curve; along a result some parameter does.
+  if (along == names.end() && parameter_of(runs.front(), against) == nullptr) {
     along = std::max_element(names.begin(), names.end(),
                              [&](const std::string& a, const std::string& b) {
                                return values_of(runs, a) < values_of(runs, b);

@@ -266,6 +266,7 @@ Figure surface_figure(const StoredRun& run, const SurfaceRequest& request,
                  "the potential of one particle cannot be computed: " + error.faults().front().why,
                  "substrates that are the same for all particles");
   }
+  if (path.in_space) panel.title = fmt::format("z = {:g}", path.height);
   panel.raster->label = axis_text("potential energy", "{/:Italic V}", unit_name(run, "energy"));
   Curve curve;
   curve.label = "path";

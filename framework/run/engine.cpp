@@ -133,17 +133,17 @@ void Engine::Parts::check_observables() {
   if (measure.observables.empty() || !run.options.observables.empty()) return;
   const auto found = measure.places.find("observables");
   const Place& place = found == measure.places.end() ? measure.place : found->second;
-  const auto check = [&](const RunResult& result) {
-    for (const std::string& path : measure.observables) observable(result, path, place);
-  };
-  try {
-    check(result());
-  } catch (const InputError&) {
-    // The nearest name is one of all.
-    auto without = std::make_shared<Scene>(*run.scene);
-    without->measure.observables.clear();
-    check(Parts(without, options_to_bind()).result());
-    throw;
+  const RunResult asked = result();
+  for (const std::string& path : measure.observables) {
+    try {
+      observable(asked, path, place);
+    } catch (const InputError&) {
+      // The nearest name is one of all.
+      auto without = std::make_shared<Scene>(*run.scene);
+      without->measure.observables.clear();
+      observable(Parts(without, options_to_bind()).result(), path, place);
+      throw;
+    }
   }
 }
 

@@ -26,6 +26,10 @@ constexpr double kInner = 0.3;
 /// small over it, and the slope of a sinusoidal well is that at its bottom to less than a
 /// hundredth.
 constexpr double kChordPart = 0.05;
+/// Of a period: the point is in another well than before, where wells are not known. From its
+/// largest force to its lowest a tip passes half of the period of a weak substrate, and more of
+/// that of a strong one; less is the passage of some of a body's particles, or a swing.
+constexpr double kPassage = 0.45;
 /// Parts of the driver's speed: the point rests in a well, whose curvature is more than the
 /// spring's.
 constexpr double kAtRest = 0.5;
@@ -302,16 +306,17 @@ void DriverWatch::look_for_slip(const Emit& emit) {
     numbers_[kEndHeat] = heat_at(numbers_[kLastFast]);
   }
   if ((now - numbers_[kLastFast]) * speed_ < kCalmPart * period_) return;
-  double well = 0.0;
-  if (busy_[kWells] != 0 && !in_well(well)) return;  // on a barrier
+  const bool known = busy_[kWells] == kKnownWells;
+  double well = place();
+  if (known && !in_well(well)) return;  // on a barrier
   // What only swings in its well has not slipped, nor has what came to its first one.
   const bool stayed = busy_[kHasWell] == 0 || well == numbers_[kWell];
-  if (busy_[kWells] == 0 ? !is_relaxation() : !stayed) {
+  if (known ? !stayed : !is_relaxation()) {
     emit_slip(emit);
     look_for_stiffness(now, along().value(0));
   }
   numbers_[kWell] = well;
-  busy_[kHasWell] = busy_[kWells];
+  busy_[kHasWell] = busy_[kWells] != kNoWells ? 1 : 0;
   busy_[kSlipping] = busy_[kHasPeak] = 0;
 }
 
@@ -321,13 +326,25 @@ bool DriverWatch::is_relaxation() const {
   return (numbers_[kPeakTime] - numbers_[kFirstTime]) * speed_ < kLoadedPart * period_;
 }
 
-/// The well that the point is in, by its number from the start.
-bool DriverWatch::in_well(double& well) const {
+/// Of the point, in periods from the first well.
+double DriverWatch::place() const {
   const double moved =
       way(numbers_[kFirstTime], numbers_[kFirstForce], force_.time(0), force_.value(0));
-  const double place = (moved - numbers_[kWellOffset]) / period_;
-  well = std::nearbyint(place);
-  return std::abs(place - well) < kInner;
+  return (moved - numbers_[kWellOffset]) / period_;
+}
+
+/// The well that the point is in, by its number from the start.
+bool DriverWatch::in_well(double& well) const {
+  const double here = place();
+  well = std::nearbyint(here);
+  return std::abs(here - well) < kInner;
+}
+
+/// Where wells are not known: the point has passed from one to another at once.
+bool DriverWatch::is_passage() const {
+  const double size =
+      way(numbers_[kPeakTime], numbers_[kPeakForce], numbers_[kLastFast], numbers_[kEndForce]);
+  return size > kPassage * period_ && !is_relaxation();
 }
 
 /// At rest in another well: a slip that no speed has told of, which has ended where the force was
@@ -344,15 +361,20 @@ void DriverWatch::look_for_passage(const Emit& emit, const Heat& heat) {
   };
   if (lowest) end_here();
   if (force_.slope_at(now) < (1.0 - kAtRest) * stiffness_ * speed_) return;
-  double well = 0.0;
-  if (!in_well(well)) return;
-  if (busy_[kHasWell] != 0 && well > numbers_[kWell] && busy_[kHasPeak] != 0) {
+  const bool known = busy_[kWells] == kKnownWells;
+  double well = place();
+  if (known && !in_well(well)) return;
+  const bool first = busy_[kHasWell] == 0;
+  const bool further = !first && well > numbers_[kWell] + (known ? 0.0 : kPassage);
+  if (further && busy_[kHasPeak] != 0) {
     if (!(numbers_[kLastFast] > numbers_[kPeakTime])) end_here();
-    if (busy_[kPeakOpen] + busy_[kEndOpen] != 0) note_heat(heat);
-    emit_slip(emit);
-    look_for_stiffness(now, along().value(0));
+    if (known || is_passage()) {
+      if (busy_[kPeakOpen] + busy_[kEndOpen] != 0) note_heat(heat);
+      emit_slip(emit);
+      look_for_stiffness(now, along().value(0));
+    }
   }
-  numbers_[kWell] = well;
+  if (known || first || further) numbers_[kWell] = well;
   busy_[kHasWell] = 1;
   busy_[kMoved] = 0;
 }

@@ -72,7 +72,10 @@ class LastPoints {
 ///             moment at which it does, when it has been slower for a fiftieth of a period. Where
 ///             wells are known it ends in one, another than it began in; and from well to well at
 ///             any speed, when the point has come to less than half of v. What begins before the
-///             driver has moved a tenth of a period relaxes from the start and is no slip
+///             driver has moved a tenth of a period relaxes from the start and is no slip. Of a
+///             body that is held more strongly than its spring pulls it, but whose wells are not
+///             known, also at any speed what moves the point by about half a period or more, until
+///             it has come to less than half of v
 ///   reversal  from where its velocity along the pull turns negative to where it turns back
 class DriverWatch {
  public:
@@ -86,9 +89,11 @@ class DriverWatch {
   /// The point has wells, a period apart, this far from where it is at the start, along the pull;
   /// they hold it against the spring.
   void set_wells(double offset) {
-    busy_[kWells] = 1;
+    busy_[kWells] = kKnownWells;
     numbers_[kWellOffset] = offset;
   }
+  /// The point has wells that hold it against the spring, but where they are is not known.
+  void set_unknown_wells() { busy_[kWells] = kUnknownWells; }
   std::size_t driver() const { return driver_; }
   bool watches_slips() const { return period_ > 0.0; }
   /// Of the pull: its force over the displacement of the pulled point along it.
@@ -141,7 +146,7 @@ class DriverWatch {
       numbers_[kFirstTime] = time;
       numbers_[kFirstForce] = force;
       numbers_[kHighest] = along;
-      busy_[kMoved] = busy_[kWells];
+      busy_[kMoved] = busy_[kWells] != kNoWells ? 1 : 0;
     }
     force_.add(time, force);
     if (!factors_.empty()) along_.add(time, along);
@@ -168,6 +173,10 @@ class DriverWatch {
  private:
   /// Of what the driver pulls, that the force rises by far from its maximum.
   static constexpr double kFirmly = 0.5;
+  /// Values of busy_[kWells].
+  static constexpr std::int64_t kNoWells = 0;
+  static constexpr std::int64_t kKnownWells = 1;
+  static constexpr std::int64_t kUnknownWells = 2;
   bool is_idle() const {
     return (busy_[kSlipping] | busy_[kBack] | busy_[kMoved] | busy_[kPeakOpen] | busy_[kEndOpen]) ==
            0;
@@ -192,7 +201,7 @@ class DriverWatch {
     kFirstTime,  ///< of the first point since the start, from which wells are counted
     kFirstForce,
     kWellOffset,  ///< of a well from the first point
-    kWell,        ///< the one that the point was in last
+    kWell,        ///< the one that the point was in last; of unknown wells its place there
     kHighest,     ///< force along the pull of the peaks so far, the first point included
     kChordTime,
     kChordForce,
@@ -220,7 +229,9 @@ class DriverWatch {
   void look_for_slip(const Emit& emit);
   void look_for_reversal(const Emit& emit);
   bool is_relaxation() const;
+  double place() const;
   bool in_well(double& well) const;
+  bool is_passage() const;
   void look_for_passage(const Emit& emit, const Heat& heat);
   void emit_slip(const Emit& emit);
   void begin_heat(int which);

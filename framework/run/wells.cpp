@@ -27,26 +27,25 @@ int axis_of(const Drive& drive) {
 
 }  // namespace
 
-std::optional<double> way_to_well(Model& model, std::size_t body, const Model::Driver& driver,
-                                  double period, double duration) {
+std::optional<WellOfBody> well_of_body(Model& model, std::size_t body, const Model::Driver& driver,
+                                       double period, double duration) {
   const Model::Body& pulled = model.bodies()[body];
   const BodySlot<double>& slot = pulled.bound.slot;
   const int axis = axis_of(*driver.drive);
-  const bool alone = slot.count == 1 && !slot.mapped;
-  const bool held = slot.rigid && (!pulled.rotates() || pulled.rotation_held);
-  if (axis < 0 || !(alone || held)) return {};
+  if (axis < 0 || (slot.mapped && !slot.rigid)) return {};
 
   SystemView<double>& view = model.system().view;
-  const std::size_t place = slot.rigid ? slot.centre + static_cast<std::size_t>(axis)
-                                       : slot.offset + static_cast<std::size_t>(axis) * slot.stride;
-  const double start = view.position[place];
   std::vector<double> rates(view.rates + 2 * kGroup, 0.0);
   model.evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates.data());
   const double stiffness = driver.drive->stiffness_on(axis);
   const double stretch = rates[static_cast<std::size_t>(driver.first_rate + axis)] / stiffness;
+  // All that moves with the body.
+  const auto d = static_cast<std::size_t>(axis);
+  double* first = view.position + (slot.rigid ? slot.centre + d : slot.offset + d * slot.stride);
+  const std::vector<double> starts(first, first + (slot.rigid ? 1 : slot.count));
 
   double deepest = 0.0;
-  std::optional<double> way;
+  std::optional<double> distance;
   const double step = period / kLooks;
   std::vector<double> energy(kLooks + 2);  // but for the spring's
   for (int k = 0; k < kTimes; ++k) {
@@ -55,14 +54,14 @@ std::optional<double> way_to_well(Model& model, std::size_t body, const Model::D
     double size = 0.0;
     for (std::size_t i = 0; i < energy.size(); ++i) {
       const double moved = step * static_cast<double>(i);
-      view.position[place] = start + moved;
+      for (std::size_t n = 0; n < starts.size(); ++n) first[n] = starts[n] + moved;
       const double spring = 0.5 * stiffness * (pull - moved) * (pull - moved);
       const double all =
           model.potential_energy(DoubleDouble(time), view.position, view.velocity, view.integrals);
       energy[i] = all - spring;
       size = std::max({size, std::abs(all), spring});
     }
-    view.position[place] = start;
+    std::copy(starts.begin(), starts.end(), first);
     // A steady force tilts it.
     const double tilt = (energy[kLooks] - energy[0]) / kLooks;
     for (std::size_t i = 0; i < energy.size(); ++i) energy[i] -= tilt * static_cast<double>(i);
@@ -75,11 +74,13 @@ std::optional<double> way_to_well(Model& model, std::size_t body, const Model::D
     }
     if (!(concave > stiffness * step * step)) continue;
     deepest = depth;
-    way = step * static_cast<double>(low - energy.begin());
+    distance = step * static_cast<double>(low - energy.begin());
   }
   model.anchor(DoubleDouble(0.0));
-  if (!way) return {};
-  return driver.drive->velocity[static_cast<std::size_t>(axis)] > 0.0 ? *way : -*way;
+  if (!distance) return {};
+  const bool forwards = driver.drive->velocity[d] > 0.0;
+  const bool held = slot.rigid && (!pulled.rotates() || pulled.rotation_held);
+  return WellOfBody{forwards ? *distance : -*distance, held || (slot.count == 1 && !slot.mapped)};
 }
 
 }  // namespace tomlin

@@ -8,12 +8,19 @@
 /// Wells of the potential energy under a body that a spring pulls along one axis.
 namespace tomlin {
 
-/// Whether all forces but the spring hold the body more strongly than the spring pulls it:
-/// somewhere along a period, at the start or later, their energy is concave by more than the
-/// stiffness of the spring, so that the body is in one well or another (stick-slip parameter above
-/// 1). Then the way along the pull from where the body is to a well. Nothing where the body has
-/// other degrees of freedom than its place.
-std::optional<double> way_to_well(Model& model, std::size_t body, const Model::Driver& driver,
-                                  double period, double duration);
+/// The displacement along the pull from where a body is to a well. `known`: the body has no degrees
+/// of freedom but its position along the pull and across it, so that its other wells lie whole
+/// periods further on. Else its particles may pass one by one, or it may turn on its way.
+struct WellOfBody {
+  double distance = 0.0;
+  bool known = false;
+};
+
+/// Whether all forces but the spring hold the body more strongly than the spring pulls it: when it
+/// is moved as it is, their energy is concave by more than the stiffness of the spring somewhere
+/// along a period, at the start or later, so that it is in one well or another (stick-slip
+/// parameter above 1). Nothing where it is not.
+std::optional<WellOfBody> well_of_body(Model& model, std::size_t body, const Model::Driver& driver,
+                                       double period, double duration);
 
 }  // namespace tomlin

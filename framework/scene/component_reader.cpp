@@ -54,6 +54,31 @@ std::string read_name(SceneDraft& draft, const SceneSection& given,
   return "";
 }
 
+/// The particles of the one body that a force names, or of the only one.
+ValueReader::CountInExpressions count_for(const SceneDraft& draft, const SceneSection& given) {
+  const Node* node = given.table->find("body");
+  if (const Node* several = given.table->find("bodies")) {
+    const auto* list = several->as<List>();
+    if (list != nullptr && list->size() > 1) return {};
+    if (list != nullptr && !list->empty()) node = &list->front();
+  }
+  const auto* name = node ? node->as<std::string>() : nullptr;
+  const auto found = name ? draft.body_indices.find(*name) : draft.body_indices.end();
+  std::optional<std::int64_t> count;
+  if (found != draft.body_indices.end()) count = draft.bodies[found->second].count;
+  if (node == nullptr && draft.bodies.size() == 1) count = draft.bodies.front().count;
+  return {count, !count};
+}
+
+/// Keys with values that may differ between particles.
+std::vector<std::string> keys_of_particles(const std::vector<Parameter>& rows) {
+  std::vector<std::string> keys;
+  for (const Parameter& row : rows) {
+    if (row.per_particle) keys.push_back(row.key);
+  }
+  return keys;
+}
+
 /// Every component of a kind: name, type and rows, and then what `read_rest` reads of each.
 template <class Component, class Record, class Rest>
 void read_all(SceneDraft& draft, const std::string& kind, std::vector<Component>& components,
@@ -79,6 +104,9 @@ void read_all(SceneDraft& draft, const std::string& kind, std::vector<Component>
     component.name = read_name(draft, given, types, path);
     if (component.record != nullptr) {
       component.description = component.record->make_description();
+      draft.values.begin_component(
+          kind == "force" ? count_for(draft, given) : ValueReader::CountInExpressions(),
+          keys_of_particles(component.record->parameters));
       component.reading =
           draft.read(given, layout_of(*component.record), path, component.description.get());
       component.sound = component.reading.sound;
@@ -86,6 +114,7 @@ void read_all(SceneDraft& draft, const std::string& kind, std::vector<Component>
     read_rest(component, given);
     components.push_back(std::move(component));
   }
+  draft.values.begin_component({}, {});
 }
 
 /// `hold` and `motion`.

@@ -132,13 +132,15 @@ class Search {
     for (const SceneForce& force : scene_.forces) shortest = std::min(shortest, period_of(force));
     if (shortest < kNoLength) return take_length(shortest, "the shortest period");
     for (const SceneForce& force : scene_.forces) shortest = std::min(shortest, length_of(force));
+    const double of_forces = shortest;
     for (const SceneBody& body : scene_.bodies) {
       if (body.record->count(body.description.get()) > 1) {
         shortest = std::min(shortest, spacing_of(body));
       }
     }
     if (shortest < kNoLength) {
-      return take_length(shortest, "the shortest bond or distance of neighbours");
+      return take_length(shortest, shortest < of_forces ? "the shortest distance of neighbours"
+                                                        : "the shortest length of a force");
     }
     bool unknown = false;
     for (const SceneForce& force : scene_.forces) {

@@ -17,6 +17,9 @@ constexpr std::size_t kMostSuggestions = 200;
 // Keeps the message of a long cycle on a screen.
 constexpr std::size_t kLongestCycleShown = 12;
 
+/// Of particles, in expressions.
+constexpr std::string_view kCount = "count";
+
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t longest = 60;
   if (text.size() <= longest) return '\'' + std::string(text) + '\'';
@@ -126,9 +129,11 @@ ExpressionError ParameterTable::explain_unknown(std::string_view name, std::size
             .code = FaultCode::expression_unknown_name};
   }
   if (is_particle_variable(name)) {
+    const bool is_count = name == kCount;
     return {.column = column,
-            .why = "there is no parameter " + in_quotes(name) +
-                   ", and only what may differ between particles is over their index i and count",
+            .why = "there is no parameter " + in_quotes(name) + ", and " +
+                   (is_count ? "here is no force on one body whose particles it could count"
+                             : "this value is one for all particles"),
             .code = FaultCode::expression_unknown_name};
   }
   if (is_function(name)) {
@@ -304,11 +309,17 @@ std::vector<std::pair<std::string, double>> ParameterTable::values() const {
   return result;
 }
 
-std::variant<double, ExpressionError> ParameterTable::evaluate(std::string_view text) const {
-  const auto bound = bind(text, {});
+std::variant<double, ExpressionError> ParameterTable::evaluate(
+    std::string_view text, std::optional<std::int64_t> count) const {
+  const bool counted = count && !contains(kCount);
+  const std::span<const std::string_view> variables(&kCount, counted ? 1 : 0);
+  const auto bound = bind(text, variables);
   if (const auto* error = std::get_if<ExpressionError>(&bound)) return *error;
   return std::get<BoundExpression>(bound).expression.evaluate(
-      [this](std::string_view name) { return value(name); });
+      [&](std::string_view name) -> std::optional<double> {
+        if (counted && name == kCount) return static_cast<double>(*count);
+        return value(name);
+      });
 }
 
 std::variant<BoundExpression, ExpressionError> ParameterTable::bind(

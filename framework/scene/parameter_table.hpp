@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <span>
@@ -62,8 +63,10 @@ class ParameterTable {
   /// Resolved ones, in order.
   std::vector<std::pair<std::string, double>> values() const;
 
-  /// Value of an expression over the parameters, for any other key of a scene.
-  std::variant<double, ExpressionError> evaluate(std::string_view text) const;
+  /// Value of an expression over the parameters, for any other key of a scene; with a count of
+  /// particles also over `count`, unless a parameter has that name.
+  std::variant<double, ExpressionError> evaluate(std::string_view text,
+                                                 std::optional<std::int64_t> count = {}) const;
   /// An expression over the parameters and some variables, to be evaluated later.
   std::variant<BoundExpression, ExpressionError> bind(
       std::string_view text, std::span<const std::string_view> variables) const;

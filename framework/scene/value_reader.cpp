@@ -552,15 +552,26 @@ std::optional<double> ValueReader::evaluated(const Subject& subject, const Node&
   if (const auto* given = node.as<double>()) return *given;
   const auto* expression = node.as<std::string>();
   if (expression == nullptr) return wrong_kind(subject, node);
-  auto result = parameters_.evaluate(*expression);
+  auto result = parameters_.evaluate(*expression, count_.value);
   if (const auto* error = std::get_if<ExpressionError>(&result)) {
-    if (!error->consequence) {
+    const bool of_particles =
+        error->code == FaultCode::expression_unknown_name && names_particles(node);
+    if (!error->consequence && !(of_particles && count_.hidden)) {
       faults_.inside(node, error->column,
-                     {error->code, subject.key, error->why, "", error->nearest});
+                     {error->code, subject.key, error->why, of_particles ? keys_of_particles() : "",
+                      error->nearest});
     }
     return std::nullopt;
   }
   return std::get<double>(result);
+}
+
+/// Where an index of particles has a value, for messages.
+std::string ValueReader::keys_of_particles() const {
+  if (keys_of_particles_.empty() && !count_.value) return "";
+  if (keys_of_particles_.empty())
+    return "numbers and parameters: nothing here may differ between particles";
+  return "an expression over i in " + joined_with_or(keys_of_particles_);
 }
 
 bool ValueReader::in_range(const Subject& subject, const Node& node, double x) const {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "framework/core/records/parameter.hpp"
@@ -24,6 +25,18 @@ class ValueReader {
   /// Both must outlive the reader; the parameters are resolved.
   ValueReader(const ParameterTable& parameters, FaultList& faults)
       : parameters_(parameters), faults_(faults) {}
+
+  /// The number of particles of the one body that a component acts on: `count` in its expressions.
+  struct CountInExpressions {
+    std::optional<std::int64_t> value = {};
+    bool hidden = false;  ///< by a fault of the bodies, of which another one follows
+  };
+  /// From here on a component is read that has this count; for messages its keys with values that
+  /// may differ between particles.
+  void begin_component(CountInExpressions count, std::vector<std::string> keys) {
+    count_ = count;
+    keys_of_particles_ = std::move(keys);
+  }
 
   /// Nothing when the value is unfit; then the list has a fault that says why. At most one fault
   /// per key: the first.
@@ -69,6 +82,7 @@ class ValueReader {
   std::optional<Passing> passing(const Subject& subject, const Node& node) const;
 
   bool names_particles(const Node& node) const;
+  std::string keys_of_particles() const;
   std::optional<std::vector<double>> numbers_for_each(const Subject& subject, const Node& node,
                                                       std::int64_t count) const;
   std::optional<std::vector<SpaceVector>> vectors_for_each(const Subject& subject, const Node& node,
@@ -86,6 +100,8 @@ class ValueReader {
 
   const ParameterTable& parameters_;
   FaultList& faults_;
+  CountInExpressions count_;
+  std::vector<std::string> keys_of_particles_;
 };
 
 }  // namespace tomlin

@@ -1,7 +1,9 @@
 // scenarios/flake: a flake that cannot turn is a tip in two dimensions; one that can turn locks in.
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -111,6 +113,23 @@ TEST(Flake, ThatCannotTurnIsATip) {
 TEST(Flake, InStepHalfOfTheAtomsCancel) {
   for (const int n : {1, 2, 3, 5}) {
     EXPECT_NEAR(form_factor(hexagon(n, 0.0)), -3.0 * n * n, 1e-9);  // -N/2
+  }
+}
+
+/// The table of the page: the amplitude of a flake out of step does not grow with its size.
+TEST(Flake, OutOfStepTheRimIsLeft) {
+  constexpr double kOfTable = 5e-4;
+  constexpr int kAngles = 100;
+  const std::vector<std::pair<int, double>> at_30_degrees = {
+      {2, 0.985}, {3, 0.915}, {4, 0.392}, {6, 1.990}, {10, 1.172}};
+  for (const auto& [n, amplitude] : at_30_degrees) {
+    EXPECT_NEAR(std::abs(form_factor(hexagon(n, kPi / 6.0))), amplitude, kOfTable) << n;
+    double most = 0.0;
+    for (int k = 0; k <= kAngles; ++k) {
+      const double phi = 0.2 + (kPi / 6.0 - 0.2) * k / kAngles;
+      most = std::max(most, std::abs(form_factor(hexagon(n, phi))));
+    }
+    EXPECT_LT(most, 6.4) << n;
   }
 }
 

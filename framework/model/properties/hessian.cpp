@@ -10,6 +10,8 @@ namespace {
 /// Second derivatives in parts of the largest force over the longest difference: one at most for a
 /// wave, and some times that for terms of many partners that cancel.
 constexpr double kVisible = 100.0;
+/// Of the size of a slope: differences that have settled to this need not be shorter.
+constexpr double kSharp = 1e-6;
 
 /// Second derivatives times a direction, along another: translations for bodies that move as one.
 class Curvature : public HessianSink {
@@ -74,35 +76,51 @@ Direction translation(const ForceUnderTest& e, Random& random) {
   return direction;
 }
 
+/// A slope of the force by differences, and what it may be off.
+struct SlopeOfForce {
+  double value = 0.0;
+  double size = 0.0;
+  double allowed = 0.0;
+};
+
+/// By differences of one length; nothing where they have not settled.
+std::optional<SlopeOfForce> slope_along(ForceUnderTest& e, const State& state,
+                                        const Direction& along, const Direction& seen,
+                                        const Curvature& curvature, double longest) {
+  double most = 0.0;
+  const Slope slope = slope_of(
+      [&](double h) {
+        State moved = state;
+        for (std::size_t i = 0; i < e.count(); ++i) moved.x[i] += h * along[i];
+        const std::vector<double> forces = e.forces(moved);
+        most = std::max(most, effort(forces, seen));
+        return work(forces, seen);
+      },
+      longest);
+  const double rounding =
+      kRounding * (most + e.sensitivity(state) * static_cast<double>(e.count())) / slope.shortest;
+  const double size = curvature.size + std::abs(slope.best);
+  // More than a force of this size can have within a difference: there are waves in it.
+  if (curvature.size > kVisible * most / longest) return {};
+  if (!(slope.unsettled <= kSettled * size + rounding)) return {};
+  return SlopeOfForce{slope.best, size, kRounding * size + rounding + kTrust * slope.unsettled};
+}
+
 /// Slopes of the force by differences against second derivatives. False where none settle, as at a
 /// kink: nothing was compared.
 bool compare_curvature(ForceUnderTest& e, const State& state, const Direction& along,
                        const Direction& seen, const Curvature& curvature) {
-  const double sensitivity = e.sensitivity(state);
+  std::optional<SlopeOfForce> best;
   for (const double part : kShorter) {
     const double longest = part * kLongestDifference * e.length();
     if (!is_regular(e, state, along, seen, longest)) continue;
-    double most = 0.0;
-    const Slope slope = slope_of(
-        [&](double h) {
-          State moved = state;
-          for (std::size_t i = 0; i < e.count(); ++i) moved.x[i] += h * along[i];
-          const std::vector<double> forces = e.forces(moved);
-          most = std::max(most, effort(forces, seen));
-          return work(forces, seen);
-        },
-        longest);
-    const double rounding =
-        kRounding * (most + sensitivity * static_cast<double>(e.count())) / slope.shortest;
-    const double size = curvature.size + std::abs(slope.best);
-    // More than a force of this size can have within a difference: there are waves in it.
-    if (curvature.size > kVisible * most / longest) continue;
-    if (!(slope.unsettled <= kSettled * size + rounding)) continue;
-    e.note(curvature.sum, -slope.best, size, kRounding * size + rounding + kTrust * slope.unsettled,
-           state);
-    return true;
+    const auto slope = slope_along(e, state, along, seen, curvature, longest);
+    if (slope && (!best || slope->allowed < best->allowed)) best = slope;
+    if (best && best->allowed <= kSharp * best->size) break;
   }
-  return false;
+  if (!best) return false;
+  e.note(curvature.sum, -best->value, best->size, best->allowed, state);
+  return true;
 }
 
 }  // namespace

@@ -19,6 +19,8 @@ inline constexpr double kIrregular = 1e-3;
 inline constexpr double kShorter[] = {1.0, 0.05, 0.0025, 0.000125};
 /// Central differences at h, h/2, h/4, h/8 leave an error of order h^8.
 inline constexpr int kDifferences = 4;
+/// Another sequence begins at this part of the longest one, and has none of its differences.
+inline constexpr double kOtherLongest = 0.618033988749894848;
 /// The last two orders of the extrapolation differ by more than the last one is off.
 inline constexpr double kTrust = 10.0;
 /// An energy whose slope has not settled to this is not smooth enough to have one.
@@ -32,7 +34,7 @@ struct Slope {
 /// Slope at 0 by central differences, extrapolated to h = 0: row by row, each column an order of
 /// h^2 better (Romberg).
 template <class Function>
-Slope slope_of(Function&& f, double longest) {
+Slope slope_by(Function&& f, double longest) {
   std::array<std::array<double, kDifferences>, kDifferences> slope{};
   double h = longest;
   for (int row = 0; row < kDifferences; ++row, h *= 0.5) {
@@ -48,6 +50,16 @@ Slope slope_of(Function&& f, double longest) {
   const double unsettled = std::max(std::abs(best - slope[kDifferences - 1][kDifferences - 2]),
                                     std::abs(best - slope[kDifferences - 2][kDifferences - 2]));
   return {best, unsettled, 2.0 * h};
+}
+
+/// By two sequences of differences. Beyond a knot of a spline, where a high derivative jumps, one
+/// may settle by chance, but not both at the same slope.
+template <class Function>
+Slope slope_of(Function&& f, double longest) {
+  Slope slope = slope_by(f, longest);
+  const Slope other = slope_by(f, kOtherLongest * longest);
+  slope.unsettled = std::max(slope.unsettled, std::abs(slope.best - other.best));
+  return slope;
 }
 
 inline double work(const std::vector<double>& forces, const Direction& direction) {

@@ -221,8 +221,13 @@ void PullEvents::placed() {
     const Model::Driver& driver = drivers_[watch.driver()];
     const auto body = body_pulled_by(run.model, driver);
     if (!body) continue;
-    const auto way = way_to_well(run.model, *body, driver, watch.period(), run.plan.duration);
-    if (way) watch.set_wells(*way);
+    const auto well = well_of_body(run.model, *body, driver, watch.period(), run.plan.duration);
+    if (!well) continue;
+    if (well->known) {
+      watch.set_wells(well->distance);
+    } else {
+      watch.set_unknown_wells();
+    }
   }
 }
 

@@ -17,8 +17,9 @@ const ResultQuantity kDistance{"distance", dimension::length, Shape::number, Sco
 const ResultQuantity kDissipatedPerPeriod{"dissipated_per_period", dimension::energy, Shape::number,
                                           Scope::window,
                                           "work_in less stored_change, of the whole scene, while "
-                                          "the driver moves a period; with ledger = "
-                                          "true"};
+                                          "the driver moves a period; with ledger = true, and a "
+                                          "period that forces declare along the driver, or in = "
+                                          "\"driver_periods\" with a period in [measure]"};
 
 class Work : public RunObserver {
  public:

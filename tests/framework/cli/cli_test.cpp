@@ -298,6 +298,23 @@ TEST_F(Cli, PagesAreNotReplacedUnasked) {
 
 // ---- run
 
+/// What was asked for and has no value says what it needs; what has one is shown.
+TEST_F(Cli, ARunShowsWhatWasAskedFor) {
+  const auto shown = [this](const std::string& observables) {
+    const Ended ended =
+        tomlin({"run", "tip.toml", "--set", "measure.observables=[" + observables + "]", "--force",
+                "-o", "asked"});
+    EXPECT_EQ(ended.status, 0) << ended.err;
+    EXPECT_FALSE(contains(ended.out, "ended before the window")) << ended.out;
+    return ended.out;
+  };
+  EXPECT_TRUE(contains(shown("\"driver.dissipated_per_period\""), "ledger = true"));
+  EXPECT_TRUE(contains(shown("\"driver.distance\""), "  distance 1\n"));
+  const std::string both = shown("\"driver.mean_force.x\", \"driver.dissipated_per_period\"");
+  EXPECT_TRUE(contains(both, "  mean force ")) << both;
+  EXPECT_TRUE(contains(both, "; no dissipated_per_period (")) << both;
+}
+
 TEST_F(Cli, ARunLeavesItsFilesAndAShortResult) {
   const Ended ended = tomlin({"run", "tip.toml"});
   ASSERT_EQ(ended.status, 0) << ended.err;

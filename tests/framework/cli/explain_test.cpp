@@ -224,6 +224,42 @@ duration = 1.0
 integrator = { type = "rk4", dt = 1e-2 }
 )";
 
+/// Dry friction damps at no one rate, but limits steps; and the length of tolerances is named after
+/// what it is of.
+TEST_F(Explain, DryFrictionAndALengthOfAForceAreNamed) {
+  write(folder_ / "dry.toml", R"([[body]]
+type = "point"
+position = [0.0, 0.3, 0.9]
+particle_mass = 1.0
+[[force]]
+type = "coulomb_friction"
+force = 1.0
+width = 1e-3
+[[force]]
+type = "driving_spring"
+stiffness = 1.0
+velocity = [0.1, 0.0, 0.0]
+[[force]]
+type = "lattice_substrate"
+lattice = "honeycomb"
+misfit = 0.3
+period = 1.0
+amplitude = 0.1
+repulsion = 1.0
+repulsion_decay = 5.0
+[run]
+duration = 1.0
+integrator = { type = "dopri5" }
+)");
+  const std::string text = tomlin({"explain", "dry.toml"}).out;
+  for (const char* part :
+       {"not linear: up to 1000 near rest, decay time 0.001",
+        "regime                undamped but for friction that is not linear",
+        "shortest time scale   0.001,", "length 0.2, the shortest length of a force;"}) {
+    EXPECT_TRUE(contains(text, part)) << part << "\n" << text;
+  }
+}
+
 TEST_F(Explain, ABondBetweenTwoBodiesActsBetweenThem) {
   write(folder_ / "lever.toml", kLever);
   const std::string text = tomlin({"explain", "lever.toml"}).out;

@@ -92,6 +92,15 @@ TEST_F(Plot, EveryFigureOfARingIsDrawn) {
   }
 }
 
+/// A force that is a driver has no support: its trace is over time.
+TEST_F(Plot, ADriverWithoutASupportIsDrawnOverTime) {
+  SKIP_WITHOUT_GNUPLOT();
+  write(folder_ / "tip/observables.csv", "time [time],driver.force.x [force]\n0,1\n1,2\n");
+  const Ended ended = tomlin({"plot", "tip", "-o", "a.svg"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_TRUE(contains(script({"tip"}), "time {/:Italic t}"));
+}
+
 TEST_F(Plot, ALongRunGivesASmallPicture) {
   SKIP_WITHOUT_GNUPLOT();
   constexpr int kRows = 200000;

@@ -68,6 +68,23 @@ TEST(Scales, RegimeAgainstTheCriticalDamping) {
   EXPECT_NEAR(damping(1.01).critical, 2.0 * omega, 10 * kRounding);
 }
 
+/// Dry friction has no rate of its own, but near rest it is the fastest of all. A rigid body moves
+/// by the mean of its particles.
+TEST(Scales, DryFrictionIsFastestNearRest) {
+  const std::string friction =
+      "[[force]]\ntype = \"coulomb_friction\"\nforce = 0.5\nwidth = 1e-3\n";
+  for (const char* coordinates : {"particles", "rigid"}) {
+    const std::string ring = RingScene{.coordinates = coordinates}.text();
+    const Scales found = scales(friction + ring);
+    constexpr double kRate = 0.5 / 1e-3 * 8.0;  // of a mass of 1/8
+    EXPECT_NEAR(of(found, "coulomb_friction").rate_at_rest, kRate, kRounding * kRate);
+    EXPECT_EQ(of(found, "coulomb_friction").damping_rate, 0.0);
+    EXPECT_EQ(of(found, "viscous_damping").rate_at_rest, 0.0);
+    EXPECT_NEAR(found.shortest_time, 1.0 / kRate, kRounding);
+    EXPECT_EQ(found.damping.rate, scales(ring).damping.rate);
+  }
+}
+
 /// Stiff bonds shake within the ring; its place does not feel them.
 TEST(Scales, BondsAreNotWhatTheBodySlidesBy) {
   const Scales found = scales(RingScene{.bonds = 1e6}.text());

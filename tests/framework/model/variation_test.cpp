@@ -167,6 +167,46 @@ TEST(Varied, CountIsThatOfTheBody) {
             observable(typed, "ring.centre_of_mass.x").value());
 }
 
+/// Also where values cannot differ between particles, and in lists; of one body, not of several.
+TEST(Varied, CountIsKnownInEveryNumberOfAForce) {
+  const std::string forces = R"([[force]]
+type = "driving_spring"
+body = "ring"
+stiffness = "2 / count"
+velocity = ["count * 0.1", 0.0]
+[[force]]
+type = "lattice_substrate"
+lattice = "line"
+bodies = ["ring"]
+period = "1 + 0 * count"
+amplitudes = ["0.9 / count"]
+)";
+  const std::string text = with(kRigid, "AMPLITUDE", "0.1") + forces;
+  const auto shared = scene_of(text);
+  const auto typed =
+      scene_of(with(text, "count *", "9 *"), {{"force.driving_spring.stiffness", "2 / 9"},
+                                              {"force.lattice_substrate.amplitudes", "[0.1]"}});
+  const auto again = scene_of(shared->effective_toml);
+  for (const char* path : {"ring.centre_of_mass.x", "ring.rotation"}) {
+    EXPECT_EQ(observable(run(shared), path).value(), observable(run(typed), path).value());
+    EXPECT_EQ(observable(run(shared), path).value(), observable(run(again), path).value());
+  }
+  const auto refused = [&](const std::string& what, const std::string& by) {
+    try {
+      scene_of(with(text, what, by));
+      ADD_FAILURE() << by;
+    } catch (const InputError& error) {
+      ASSERT_EQ(error.faults().size(), 1u) << by;
+      EXPECT_EQ(error.faults().front().code, FaultCode::expression_unknown_name) << by;
+      EXPECT_NE(error.faults().front().admissible, "") << by << ": keys that may differ";
+    }
+  };
+  refused("2 / count", "2 / i");
+  refused("1 + 0 * count", "1 + 0 * i");
+  refused("radius = 0.7", "radius = \"count\"");
+  EXPECT_THROW(scene_of(with(text, "duration = 2.0", "duration = \"count\"")), InputError);
+}
+
 TEST(Varied, DisplacementsMoveParticlesFromTheirShape) {
   const auto scene = scene_of(R"(
 [[body]]

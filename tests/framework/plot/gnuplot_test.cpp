@@ -81,6 +81,25 @@ TEST(GnuplotScript, AShortLogarithmicAxisHasNumbersBetweenPowersOfTen) {
   EXPECT_TRUE(contains(gnuplot_script(figure, PictureFormat::svg), "set format x '10^{%L}'\n"));
 }
 
+/// All numbers along it were the same in six digits.
+TEST(GnuplotScript, AShortAxisFarFromZeroHasDigitsThatDiffer) {
+  Figure figure = small_figure();
+  figure.x_from = 0.64824922;
+  figure.x_to = 0.64824926;
+  const std::string script = gnuplot_script(figure, PictureFormat::svg);
+  for (const char* number :
+       {"\"0.64824923\" 0.648249", "\"0.64824924\" 0.648249", "\"0.64824925\" 0.648249"}) {
+    EXPECT_TRUE(contains(script, number)) << number << '\n' << script;
+  }
+  EXPECT_FALSE(contains(script, "\"0.64824926\"")) << "at the edge, where it would be cut";
+  figure.x_from = 0.64;
+  EXPECT_TRUE(contains(gnuplot_script(figure, PictureFormat::svg), "set xtics autofreq"));
+  // No digit of a double lies between.
+  figure.x_from = 1.0;
+  figure.x_to = 1.0 + 4e-16;
+  EXPECT_TRUE(contains(gnuplot_script(figure, PictureFormat::svg), "set xtics autofreq"));
+}
+
 TEST(GnuplotScript, HasTheSizeAndTheFont) {
   Figure figure = small_figure();
   figure.size = FigureSize{700.0, 500.0};

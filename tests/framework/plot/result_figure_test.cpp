@@ -53,6 +53,17 @@ TEST(ResultFigure, AnotherParameterMakesCurves) {
   EXPECT_TRUE(notes.empty());
 }
 
+/// Runs that differ in another parameter alone are not joined.
+TEST(ResultFigure, AParameterThatIsTheSameInAllRunsJoinsNone) {
+  std::vector<std::string> notes;
+  const Figure figure =
+      result_figure({run_at(1.0, 2.0, 0.3), run_at(3.0, 2.0, 0.2)}, {"d.mean_force.x", "k"}, notes);
+  ASSERT_EQ(figure.panels[0].curves.size(), 2U);
+  EXPECT_EQ(figure.panels[0].curves[0].label, "v = 1");
+  EXPECT_EQ(figure.panels[0].curves[1].label, "v = 3");
+  EXPECT_EQ(figure.panels[0].curves[1].pieces, (std::vector<Polyline>{{{2.0, 0.2}}}));
+}
+
 TEST(ResultFigure, LeavesOutWhatHasNoPlace) {
   std::vector<std::string> notes;
   const std::vector<StoredRun> runs = {run_at(1.0, 2.0, std::nan("")), run_at(2.0, 2.0, -1.0),

@@ -62,6 +62,30 @@ Figure surface_of(const std::string& scene, const SurfaceRequest& request = {}) 
   return surface_figure(folder.run(), request, standard_registry());
 }
 
+/// In space the potential is that at the height at which the path begins, and the figure says so.
+TEST(SurfaceFigure, InSpaceNamesItsHeight) {
+  EXPECT_EQ(surface_of(scene_with(kSubstrate)).panels[0].title, "");
+  test::RunFolderOfTexts folder(
+      "time [time],tip.centre_of_mass.x [length],tip.centre_of_mass.y [length],"
+      "tip.centre_of_mass.z [length]\n0,0,0,0.9\n1,1,0.5,0.8\n");
+  folder.add("scene.toml", R"([[body]]
+name = "tip"
+type = "point"
+position = [0.0, 0.0, 0.9]
+particle_mass = 1.0
+[[force]]
+type = "lattice_substrate"
+lattice = "square"
+period = 1.0
+amplitude = 0.1
+decay = 2.0
+[run]
+duration = 1.0
+integrator = { type = "rk4", dt = 0.1 }
+)");
+  EXPECT_EQ(surface_figure(folder.run(), {}, standard_registry()).panels[0].title, "z = 0.9");
+}
+
 /// The map is V = V_0 exp(-c y^2) cos(2 pi x / a) of one particle, not of the ring's five.
 TEST(SurfaceFigure, IsThePotentialOfOneParticle) {
   const Figure figure = surface_of(scene_with(kSubstrate));

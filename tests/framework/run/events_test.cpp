@@ -232,6 +232,105 @@ TEST(Slips, AreCountedFromWellToWellAtAnySpeed) {
   }
 }
 
+/// Tips in a row, each with its spring; a tip's period, and bonds that are relaxed in the wells.
+std::string row_of(const TipScene& tip, int count, bool bonds) {
+  std::string text = tip.text();
+  const auto replace = [&text](const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+  };
+  replace("type = \"point\"",
+          "type = \"chain\"\ncount = " + std::to_string(count) + "\nspacing = 1.0");
+  replace("position", "origin");
+  replace("velocity = [0]\n", "");
+  replace("type = \"driving_spring\"", "type = \"driving_spring\"\nattach = \"each_particle\"");
+  if (bonds) {
+    replace("[[force]]",
+            "[[force]]\ntype = \"harmonic_bonds\"\npairs = \"neighbours\"\nstiffness = 5.0\n"
+            "[[force]]");
+  }
+  return text;
+}
+
+/// A body whose particles do all the same slips as one of them does, at any speed: as often, as
+/// far, and each particle loses as much. At the second speed no test by speed sees its slips.
+TEST(Slips, OfAFlexibleBodyAreThoseOfEachParticle) {
+  constexpr int kCount = 3;
+  constexpr double kOfSteps = 1e-6;  // steps of either scheme, and heat between their ends
+  for (const double velocity : {0.01, 0.1}) {
+    for (const bool bonds : {false, true}) {
+      for (const std::string& integrator : {fixed_step(0.01), adaptive(1e-10)}) {
+        TipScene tip = slipping(4.0);
+        tip.velocity = velocity;
+        tip.duration = 8.0 / velocity;
+        tip.integrator = integrator;
+        const Watched one(tip.text());
+        const Watched row(row_of(tip, kCount, bonds));
+        const std::string which = digits(velocity) + integrator + (bonds ? " bonds" : "");
+        const auto slips = row.kept.of(EventKind::slip);
+        const auto of_one = one.kept.of(EventKind::slip);
+        ASSERT_EQ(slips.size(), of_one.size()) << which;
+        EXPECT_GE(slips.size(), 6u) << which;
+        for (std::size_t k = 0; k < slips.size(); ++k) {
+          EXPECT_NEAR(slips[k].time, of_one[k].time, kOfSteps * tip.duration) << which;
+          EXPECT_NEAR(slips[k].size, of_one[k].size, kOfSteps) << which;
+          EXPECT_NEAR(slips[k].energy_lost, kCount * of_one[k].energy_lost, kOfSteps) << which;
+          EXPECT_NEAR(slips[k].peak_force, kCount * of_one[k].peak_force, kOfSteps) << which;
+        }
+        EXPECT_NEAR(*row.result.driver(0)["effective_stiffness"],
+                    kCount * *one.result.driver(0)["effective_stiffness"], 0.02)
+            << which << "; of chords over a twentieth of a period";
+      }
+    }
+  }
+}
+
+/// However it swings between them, and none at the washboard resonance over a substrate that is too
+/// weak for wells, where it stops in every period.
+TEST(Slips, OfAFlexibleBodyAreOneAPeriod) {
+  constexpr double kPeriods = 12.0;
+  for (const double damping : {4.0, 1.5, 0.5}) {
+    TipScene tip = slipping(damping);
+    tip.velocity = 0.05;
+    tip.amplitude = 0.15;
+    tip.duration = kPeriods / tip.velocity;
+    const Watched row(row_of(tip, 2, true));
+    const auto slips = row.kept.of(EventKind::slip);
+    const double moved = row.column("tip.centre_of_mass.x").back() - 1.0;
+    EXPECT_NEAR(static_cast<double>(slips.size()), moved, 1.0) << damping;
+  }
+  TipScene tip = slipping(0.1);
+  tip.velocity = 1.0 / (2.0 * kPi);
+  tip.amplitude = 0.02;
+  tip.duration = 100.0 / tip.velocity;
+  EXPECT_EQ(Watched(row_of(tip, 2, true)).result.group("events")["slips"], 0u);
+}
+
+/// A ring that slides, or rolls over a substrate that only its lowest particles feel: flexible or
+/// rigid, it slips once a period, or once a particle, at speeds that no test by speed sees.
+TEST(Slips, OfARingAreAlikeInAllCoordinates) {
+  constexpr double kPeriods = 8.0;
+  for (const double decay : {0.0, 0.1}) {
+    for (const char* coordinates : {"particles", "rigid"}) {
+      RingScene ring;
+      ring.coordinates = coordinates;
+      ring.bonds = 100.0;
+      ring.velocity = 0.05;
+      ring.decay = decay;
+      ring.duration = kPeriods / ring.velocity;
+      ring.integrator = adaptive(1e-8);
+      std::string text = ring.text();
+      text.replace(text.find("2.0\nvelocity"), 3, "0.3");
+      text.replace(text.find("2 * sqrt(2)"), 11, "1");
+      const Watched run(text);
+      const auto slips = run.kept.of(EventKind::slip);
+      EXPECT_GE(slips.size(), 7u) << decay << coordinates;
+      EXPECT_LE(slips.size(), 8u) << decay << coordinates;
+    }
+  }
+}
+
 /// At the washboard resonance the tip of a stick-slip parameter of 0.8 stops in every period, and
 /// yet there is one well only. Its static force is then its largest, found between steps as that
 /// is.
@@ -291,6 +390,44 @@ TEST(Slips, DoNotEndOnABarrier) {
     constexpr double kOfAStep = 0.05;  // at most: corners of the way lie between two points
     EXPECT_NEAR(slips[0].size, wells ? 0.9 : 0.4, kOfAStep);
   }
+}
+
+/// Where wells are not known, what is slow is a slip if it leads about half a period further: not
+/// the passage of one particle of several, and not what follows from the start.
+TEST(Slips, ThatAreSlowLeadHalfAPeriodFurther) {
+  constexpr double kSpeed = 0.01;
+  // At rest, then 5.5 times as fast as the driver for this far.
+  const auto slips_of = [](double size, double start) {
+    Drive drive;
+    drive.velocity = {kSpeed};
+    drive.stiffness = {1.0};
+    DriverWatch watch(0, drive, 1.0, 1e-16, DriverWatch::Slips::looked_for);
+    std::vector<double> reals(DriverWatch::kReals);
+    std::vector<std::int64_t> integers(DriverWatch::kIntegers);
+    watch.attach(reals.data(), integers.data());
+    watch.start();
+    watch.set_unknown_wells();
+    std::vector<double> found;
+    for (int k = 0; k < 1000; ++k) {
+      const double t = 0.1 * k;
+      const double fast = std::clamp(t - start, 0.0, size / 0.054);
+      watch.add(
+          t, kSpeed * t - 0.001 * t - 0.054 * fast,
+          [&](const Event& event) {
+            if (event.kind == EventKind::slip) found.push_back(event.size);
+          },
+          [](double time) {
+            return DriverWatch::HeatAt{time, 0.0};
+          });
+    }
+    return found;
+  };
+  constexpr double kOfAStep = 0.05;  // at most: corners of the way lie between two points
+  const auto slips = slips_of(0.7, 20.0);
+  ASSERT_EQ(slips.size(), 1u);
+  EXPECT_NEAR(slips.front(), 0.7, kOfAStep);
+  EXPECT_TRUE(slips_of(0.35, 20.0).empty());
+  EXPECT_TRUE(slips_of(0.7, 0.5).empty());
 }
 
 /// It only rolls to where it can stick: the static force is what the substrate can hold.

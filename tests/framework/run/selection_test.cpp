@@ -111,6 +111,15 @@ TEST(Selection, KnowsTheNearestNameOfAll) {
   EXPECT_EQ(refused("time.steps"), "");
 }
 
+/// Not another one before it, that only those who ask for it have.
+TEST(Selection, NamesTheObservableThatIsWrong) {
+  const std::string only_asked = "forces.sinusoidal_substrate.on.tip.mean_force.x";
+  EXPECT_EQ(brief_refusal(tip_measuring({only_asked}, fixed_step(0.01)).text()), "");
+  EXPECT_EQ(
+      brief_refusal(tip_measuring({only_asked, "driver.mean_force"}, fixed_step(0.01)).text()),
+      "25:15 driver.mean_force [observable.unknown] did you mean driver.mean_force.x");
+}
+
 TEST(Selection, HoldsWhatTheRunItselfNeeds) {
   TipScene tip = {.duration = 400.0};
   tip.more = measuring({"driver.mean_force.x"});
