@@ -74,17 +74,18 @@ class SchemeChecks {
     for (const Force& force : assembly_.forces()) {
       if (!force.traits.stochastic) continue;
       if (scene_.run.dynamics == Dynamics::quasistatic) {
-        faults_.emplace_back(FaultCode::component_unsuitable, place_of("dynamics"), "run.dynamics",
-                             "\"quasistatic\"",
-                             "follows equilibria without noise, and the force \"" + force.name +
-                                 "\" is stochastic",
-                             "\"inertial\" or \"overdamped\", or temperature = 0");
-      } else if (!scheme_.takes_noise) {
+        faults_.emplace_back(
+            FaultCode::component_unsuitable, place_of("dynamics"), "run.dynamics",
+            "\"quasistatic\"",
+            "follows equilibria without noise, and the force \"" + force.name + "\" is stochastic",
+            "\"inertial\" or \"overdamped\", or temperature = 0");
+      } else if (!scheme_.takes_noise && !scene_.run.places.contains("accuracy")) {
         const bool inertial = scene_.run.dynamics == Dynamics::inertial;
         refuse(FaultCode::integrator_unsuitable,
                "draws no random numbers, and the force \"" + force.name + "\" is stochastic",
                integrators_that(scene_, [inertial](const IntegratorRecord& other) {
-                 return other.takes_noise && (inertial ? other.with_inertia : other.without_inertia);
+                 return other.takes_noise &&
+                        (inertial ? other.with_inertia : other.without_inertia);
                }));
       }
       for (const char* key : {"accuracy", "perturb", "until"}) {
@@ -110,8 +111,9 @@ class SchemeChecks {
     if (std::round(steps) >= 1.0 && std::abs(steps - std::round(steps)) <= kOnGrid * steps) return;
     const auto found = output.places.find("every");
     faults_.emplace_back(
-        FaultCode::component_unsuitable, found == output.places.end() ? output.place : found->second,
-        "output.every", fmt::format("{}", *output.every),
+        FaultCode::component_unsuitable,
+        found == output.places.end() ? output.place : found->second, "output.every",
+        fmt::format("{}", *output.every),
         fmt::format("no multiple of the step {}: the force \"{}\" is stochastic, and samples fall "
                     "on steps",
                     dt, force.name),

@@ -25,7 +25,10 @@ double variance_of_mean(const std::vector<double>& series) {
 
 BlockedMean blocked_mean(std::span<const double> series) {
   BlockedMean result;
-  std::vector<double> blocks(series.begin(), series.end());
+  // From the first on: equal numbers have no variance, whatever rounding makes of their mean.
+  std::vector<double> blocks;
+  blocks.reserve(series.size());
+  for (const double x : series) blocks.push_back(x - series.front());
   const auto n = static_cast<double>(blocks.size());
   if (n < kFewestCorrelationTimes) return result;
   const double first = variance_of_mean(blocks);

@@ -13,8 +13,8 @@
 #include "tests/support/scenes.hpp"
 
 // What schemes with noise promise, without statistics. On a free, a dragged and a harmonic particle
-// a step is y' = A y + B z + c with normal numbers z. The matrices are read off by unit states and by
-// the numbers z, which follow from key and step; the stationary covariance, the drift and the
+// a step is y' = A y + B z + c with normal numbers z. The matrices are read off by unit states and
+// by the numbers z, which follow from key and step; the stationary covariance, the drift and the
 // diffusion of the scheme are those of these matrices.
 
 namespace tomlin::test {
@@ -56,10 +56,10 @@ struct ProbeScene {
 
   bool overdamped() const { return standard().integrator(scheme)->with_inertia == false; }
   std::string text() const {
-    std::string all = "[[body]]\ntype = \"point\"\nposition = [0.0]\nparticle_mass = " +
-                      digits(kParticleMass) +
-                      "\n[[force]]\nname = \"bath\"\ntype = \"langevin\"\ncoefficient = " +
-                      digits(coefficient) + "\ntemperature = " + digits(kBathTemperature) + "\n";
+    std::string all =
+        "[[body]]\ntype = \"point\"\nposition = [0.0]\nparticle_mass = " + digits(kParticleMass) +
+        "\n[[force]]\nname = \"bath\"\ntype = \"langevin\"\ncoefficient = " + digits(coefficient) +
+        "\ntemperature = " + digits(kBathTemperature) + "\n";
     if (spring > 0.0) {
       all += "[[force]]\ntype = \"driving_spring\"\nvelocity = [0.0]\nstart = [0.0]\nstiffness = " +
              digits(spring) + "\n";
@@ -67,10 +67,11 @@ struct ProbeScene {
     if (force != 0.0) {
       all += "[[force]]\ntype = \"constant_force\"\nforce = [" + digits(force) + "]\n";
     }
-    return all + "[run]\nduration = 100.0\nallow_unstable = true\nseed = " +
-           std::to_string(kNoiseSeed) + "\nstream = " + std::to_string(kNoiseStream) +
-           (overdamped() ? "\ndynamics = \"overdamped\"" : "") +
-           "\nintegrator = { type = \"" + scheme + "\", dt = " + digits(kStepLength) + " }\n";
+    return all +
+           "[run]\nduration = 100.0\nallow_unstable = true\nseed = " + std::to_string(kNoiseSeed) +
+           "\nstream = " + std::to_string(kNoiseStream) +
+           (overdamped() ? "\ndynamics = \"overdamped\"" : "") + "\nintegrator = { type = \"" +
+           scheme + "\", dt = " + digits(kStepLength) + " }\n";
   }
 };
 
@@ -78,7 +79,9 @@ struct ProbeScene {
 class StepProbe {
  public:
   explicit StepProbe(const ProbeScene& scene)
-      : scheme_(scene.scheme), inertial_(!scene.overdamped()), engine_(scene_of(scene.text()), {}) {}
+      : scheme_(scene.scheme),
+        inertial_(!scene.overdamped()),
+        engine_(scene_of(scene.text()), {}) {}
 
   std::size_t size() const { return inertial_ ? 2 : 1; }
 
@@ -216,8 +219,8 @@ LinearStep linear_step(const ProbeScene& scene) {
 
 void expect_closed(double value, double exact, const std::string& what, double damped,
                    double turned = 0.0) {
-  EXPECT_NEAR(value / exact, 1.0, kClosedForm) << what << ", h gamma = " << damped
-                                               << ", h omega = " << turned;
+  EXPECT_NEAR(value / exact, 1.0, kClosedForm)
+      << what << ", h gamma = " << damped << ", h omega = " << turned;
 }
 
 /// By which drift and diffusion of the splittings with an exact flow of friction exceed the right
@@ -226,9 +229,9 @@ double too_fast(double damped) { return 0.5 * damped / std::tanh(0.5 * damped); 
 
 struct InertialScheme {
   std::string name;
-  std::function<double(double damped)> drift;      ///< and diffusion, by the exact ones
-  std::function<double(double turned)> position;   ///< variance, by T/(m omega^2)
-  std::function<double(double turned)> velocity;   ///< variance at the ends of steps, by T/m
+  std::function<double(double damped)> drift;     ///< and diffusion, by the exact ones
+  std::function<double(double turned)> position;  ///< variance, by T/(m omega^2)
+  std::function<double(double turned)> velocity;  ///< variance at the ends of steps, by T/m
 };
 
 const std::vector<InertialScheme>& inertial_schemes() {
@@ -249,10 +252,10 @@ TEST(LangevinScheme, DriftAndDiffusionOfAFreeParticle) {
   for (const InertialScheme& scheme : inertial_schemes()) {
     for (const double damped : kDamped) {
       const double coefficient = damped * kParticleMass / kStepLength;
-      const LinearStep step = linear_step(
-          {.scheme = scheme.name, .coefficient = coefficient, .force = kSteadyForce});
-      EXPECT_EQ(step.a(0, 0), 1.0);
-      EXPECT_EQ(step.a(1, 0), 0.0);
+      const LinearStep step =
+          linear_step({.scheme = scheme.name, .coefficient = coefficient, .force = kSteadyForce});
+      EXPECT_NEAR(step.a(0, 0), 1.0, kLinear);
+      EXPECT_NEAR(step.a(1, 0), 0.0, kLinear);
       expect_closed(step.diffusion(), kBathTemperature / coefficient * scheme.drift(damped),
                     scheme.name + ": diffusion", damped);
       expect_closed(step.drift(), kSteadyForce / coefficient * scheme.drift(damped),
@@ -264,8 +267,8 @@ TEST(LangevinScheme, DriftAndDiffusionOfAFreeParticle) {
 TEST(LangevinScheme, FreeVelocitiesHaveTheTemperature) {
   for (const InertialScheme& scheme : inertial_schemes()) {
     for (const double damped : kDamped) {
-      LinearStep step = linear_step(
-          {.scheme = scheme.name, .coefficient = damped * kParticleMass / kStepLength});
+      LinearStep step =
+          linear_step({.scheme = scheme.name, .coefficient = damped * kParticleMass / kStepLength});
       step.a = Matrix(step.a.bottomRightCorner(1, 1));
       step.b = Matrix(step.b.bottomRows(1));
       expect_closed(step.covariance()(0, 0), kBathTemperature / kParticleMass,
@@ -411,7 +414,8 @@ radius = 0.8
 particle_mass = [0.1, 0.7, 0.3, 0.2, 0.4]
 centre = [0.1, 0.8]
 coordinates = "rigid"
-)" + hold + R"(
+)" + hold +
+         R"(
 [[force]]
 name = "bath"
 type = "langevin"
@@ -426,8 +430,8 @@ integrator = { type = "baoab", dt = 0.1 }
 )";
 }
 
-/// Velocities of the centre and of the rotation, at rest otherwise: their covariance in the long run
-/// is T M^-1, centre and rotation independent of each other however friction couples them.
+/// Velocities of the centre and of the rotation, at rest otherwise: their covariance in the long
+/// run is T M^-1, centre and rotation independent of each other however friction couples them.
 TEST(LangevinScheme, RigidBodyWithFrictionOffItsCentre) {
   for (const std::string hold : {"", "hold = [\"y\"]", "hold = [\"rotation\"]"}) {
     FlowProbe probe(friction_off_centre(hold));
@@ -470,17 +474,16 @@ TEST(LangevinScheme, RigidBodyWithFrictionOffItsCentre) {
           LinearStep step{Matrix(n, n), Matrix(n, 3), Vector::Zero(n)};
           for (Eigen::Index i = 0; i < n; ++i) {
             for (Eigen::Index j = 0; j < n; ++j) {
-              step.a(i, j) = a(moving[static_cast<std::size_t>(i)],
-                               moving[static_cast<std::size_t>(j)]);
+              step.a(i, j) =
+                  a(moving[static_cast<std::size_t>(i)], moving[static_cast<std::size_t>(j)]);
             }
             step.b.row(i) = b.row(moving[static_cast<std::size_t>(i)]);
           }
           const Matrix s = step.covariance();
           for (Eigen::Index i = 0; i < n; ++i) {
             const auto at = [&](Eigen::Index k) {
-              return probe.view()
-                  .inverse_mass[centre + static_cast<std::size_t>(
-                                             moving[static_cast<std::size_t>(k)])];
+              return probe.view().inverse_mass[centre + static_cast<std::size_t>(
+                                                            moving[static_cast<std::size_t>(k)])];
             };
             for (Eigen::Index j = 0; j < n; ++j) {
               const double scale = kBathTemperature * std::sqrt(at(i) * at(j));
@@ -516,14 +519,17 @@ TEST(LangevinScheme, HeatIsTheEnergyTaken) {
   }
 }
 
-/// Every coordinate has numbers of its own, of all bodies that a force acts on.
+/// Every coordinate of every body has numbers of its own.
 TEST(LangevinScheme, EveryCoordinateHasNumbersOfItsOwn) {
   const std::string ring =
       "type = \"ring\"\nradius = 1.0\ncount = 20\nparticle_mass = 1.0\ncentre = [0.0, 2.0]\n";
+  const auto bath = [](const std::string& body) {
+    return "[[force]]\nname = \"bath_of_" + body + "\"\ntype = \"langevin\"\nbody = \"" + body +
+           "\"\ncoefficient = 1.0\ntemperature = 1.0\n";
+  };
   FlowProbe probe("[[body]]\nname = \"a\"\n" + ring + "[[body]]\nname = \"b\"\n" + ring +
-                  "[[body]]\nname = \"c\"\ncoordinates = \"rigid\"\n" + ring +
-                  "[[force]]\nname = \"bath\"\ntype = \"langevin\"\nbodies = [\"a\", \"b\", \"c\"]\n"
-                  "coefficient = 1.0\ntemperature = 1.0\n"
+                  "[[body]]\nname = \"c\"\ncoordinates = \"rigid\"\n" + ring + bath("a") +
+                  bath("b") + bath("c") +
                   "[run]\nduration = 1.0\nintegrator = { type = \"baoab\", dt = 0.1 }\n");
   ASSERT_EQ(probe.view().flow_count, 3U);
   std::vector<double> all;
@@ -532,8 +538,8 @@ TEST(LangevinScheme, EveryCoordinateHasNumbersOfItsOwn) {
     const std::size_t first = slot.rigid ? slot.centre : slot.offset;
     const std::size_t length = slot.rigid ? 3 : 2 * slot.stride;
     // Of a flow of infinite length nothing is left but the numbers.
-    const Vector to = probe.flow(k, first, Vector::Zero(static_cast<Eigen::Index>(length)), 1e3,
-                                 false, 5);
+    const Vector to =
+        probe.flow(k, first, Vector::Zero(static_cast<Eigen::Index>(length)), 1e3, false, 5);
     for (std::size_t i = 0; i < length; ++i) {
       const double inverse = probe.view().inverse_mass[first + i];
       if (inverse > 0.0) all.push_back(to[static_cast<Eigen::Index>(i)] / std::sqrt(inverse));

@@ -75,8 +75,8 @@ constexpr std::uint64_t kManySteps = 4000;
 
 TARGET_TEST(NormalNumbers, TheBitsOfEverySet) { EXPECT_EQ(normal_bits(), kNormalBits); }
 
-/// Published with the generator (kat_vectors of Random123): philox4x64 10, key and counter of zeros,
-/// of ones, and of the digits of pi.
+/// Published with the generator (kat_vectors of Random123): philox4x64 10, key and counter of
+/// zeros, of ones, and of the digits of pi.
 TARGET_TEST(NormalNumbers, PhiloxAsPublished) {
   struct Answer {
     RandomKey key;
@@ -140,7 +140,8 @@ TARGET_TEST(NormalNumbers, DoNotDependOnHowManyAreUsed) {
   }
 }
 
-/// Mean, variance, skewness and kurtosis of 1e6 numbers: their errors are (1, 2, 15, 96)^1/2 / 1000.
+/// Mean, variance, skewness and kurtosis of 1e6 numbers: their errors are (1, 2, 15, 96)^1/2 /
+/// 1000.
 TARGET_TEST(NormalNumbers, HaveTheMomentsOfNormalOnes) {
   NormalMoments moments;
   constexpr std::uint64_t kSteps = 1000000 / kNormalsAtOnce;
@@ -166,8 +167,7 @@ TARGET_TEST(NormalNumbers, OfDifferentPlacesAreIndependent) {
     of_steps.add(here, NormalBlock(kNormalKey, {step + 1, 0, 0, 0}));
     of_parts.add(here, NormalBlock(kNormalKey, {step, 1, 0, 0}));
     of_bodies.add(here, NormalBlock(kNormalKey, {step, 0, 0, 1}));
-    of_streams.add(here,
-                   NormalBlock({kNormalKey.seed, kNormalKey.stream + 1}, {step, 0, 0, 0}));
+    of_streams.add(here, NormalBlock({kNormalKey.seed, kNormalKey.stream + 1}, {step, 0, 0, 0}));
     of_seeds.add(here, NormalBlock({kNormalKey.seed + 1, kNormalKey.stream}, {step, 0, 0, 0}));
     NormalBlock shifted = here;
     for (std::size_t k = 0; k < kNormalsAtOnce; ++k) {
@@ -208,8 +208,8 @@ TARGET_TEST(NormalNumbers, NoSeedRepeatsTheNumbersOfAnother) {
 
 /// Streams of components and of repeats.
 TARGET_TEST(NormalNumbers, StreamsOfRepeats) {
-  EXPECT_EQ(stream_of("", 0), 0xcbf29ce484222325u);      // as published: FNV-1a of nothing,
-  EXPECT_EQ(stream_of("foobar"), 0x85944171f73967e8u);   // and of a word
+  EXPECT_EQ(stream_of("", 0), 0xcbf29ce484222325u);     // as published: FNV-1a of nothing,
+  EXPECT_EQ(stream_of("foobar"), 0x85944171f73967e8u);  // and of a word
   EXPECT_EQ(stream_of("bath", 0), stream_of("bath"));
   std::vector<std::uint64_t> all;
   for (const char* name : {"bath", "bath1", "other"}) {

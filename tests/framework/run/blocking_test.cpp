@@ -45,9 +45,9 @@ struct CorrelatedSeries {
   double exact_error(std::size_t count) const {
     const double f = kept();
     const auto n = static_cast<double>(count);
-    return std::sqrt(((1.0 + f) / (1.0 - f) -
-                      2.0 * f * (1.0 - std::pow(f, n)) / (n * (1.0 - f) * (1.0 - f))) /
-                     n);
+    return std::sqrt(
+        ((1.0 + f) / (1.0 - f) - 2.0 * f * (1.0 - std::pow(f, n)) / (n * (1.0 - f) * (1.0 - f))) /
+        n);
   }
 };
 

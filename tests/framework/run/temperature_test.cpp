@@ -51,11 +51,12 @@ const std::string kBondedChain = R"([[body]]
 name = "chain"
 type = "chain"
 count = 7
-start = [0.0]
-spacing = [1.0]
+origin = [0.0]
+spacing = 1.0
 particle_mass = [1.0, 0.4, 2.0, 1.0, 0.7, 1.0, 1.5]
 [[force]]
 type = "harmonic_bonds"
+pairs = "neighbours"
 stiffness = 20.0
 [[force]]
 name = "driver"
@@ -81,7 +82,7 @@ coordinates = ")" +
 [[force]]
 type = "harmonic_bonds"
 pairs = "all"
-stiffness = 10.0
+stiffness = 2.0
 [[force]]
 name = "driver"
 type = "driving_spring"
@@ -97,9 +98,9 @@ decay = 1.0
 
 std::string bath_run(const std::string& scheme, double dt, double duration, std::uint64_t stream,
                      const std::string& more = "") {
-  return "[run]\nseed = 4\nstream = " + std::to_string(stream) + "\nduration = " +
-         digits(duration) + "\nintegrator = { type = \"" + scheme + "\", dt = " + digits(dt) +
-         " }\n" + more;
+  return "[run]\nseed = 4\nstream = " + std::to_string(stream) +
+         "\nduration = " + digits(duration) + "\nintegrator = { type = \"" + scheme +
+         "\", dt = " + digits(dt) + " }\n" + more;
 }
 
 void expect_temperature(const std::string& what, const std::string& scene,
@@ -135,8 +136,9 @@ TEST(BathTemperature, OfARigidRing) {
 
 /// Friction without noise on the same body is a bath of temperature 0.
 TEST(BathTemperature, OfTwoBathsIsTheirMean) {
-  expect_temperature("chain", kBondedChain + bath_of(2.0 * kChainBath, "0.25") +
-                                  "[[force]]\ntype = \"viscous_damping\"\ncoefficient = 0.25\n",
+  expect_temperature("chain",
+                     kBondedChain + bath_of(2.0 * kChainBath, "0.25") +
+                         "[[force]]\ntype = \"viscous_damping\"\ncoefficient = 0.25\n",
                      "chain");
 }
 
@@ -199,9 +201,9 @@ TEST(StartTemperature, AddsToVelocities) {
 TEST(StartTemperature, HasNumbersOfItsOwn) {
   const std::string point =
       "type = \"point\"\nposition = [0.0]\nparticle_mass = 1.0\nstart_temperature = 1.0\n";
-  Engine engine(scene_of("[[body]]\nname = \"a\"\n" + point + "[[body]]\nname = \"b\"\n" + point +
-                         kFreeRun),
-                {});
+  Engine engine(
+      scene_of("[[body]]\nname = \"a\"\n" + point + "[[body]]\nname = \"b\"\n" + point + kFreeRun),
+      {});
   const SystemView<double>& view = engine.model().system().view;
   const double a = view.velocity[engine.model().bodies()[0].bound.slot.offset];
   const double b = view.velocity[engine.model().bodies()[1].bound.slot.offset];
@@ -232,8 +234,8 @@ const std::string kCorrugation =
 /// The bath takes what the driver gives; what is left is the error of the scheme.
 TEST(BathHeat, LedgerOfAPulledTip) {
   for (const std::string scheme : {"baoab", "gjf", "velocity_verlet"}) {
-    const RunResult result = run_text(pulled_tip(kCorrugation) +
-                                      bath_run(scheme, 0.02, 2000.0, 0, "ledger = true\n"));
+    const RunResult result =
+        run_text(pulled_tip(kCorrugation) + bath_run(scheme, 0.02, 2000.0, 0, "ledger = true\n"));
     ASSERT_EQ(result.status, RunStatus::finished);
     const ResultGroup& energy = result.group("energy");
     const double heat = energy["heat_out"][0];
