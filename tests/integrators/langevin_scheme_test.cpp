@@ -552,5 +552,23 @@ TEST(LangevinScheme, EveryCoordinateHasNumbersOfItsOwn) {
   }
 }
 
+/// Each particle has the temperature of its own bath; one of 0 only loses.
+TEST(LangevinScheme, TemperaturesOfParticles) {
+  FlowProbe probe(
+      "[[body]]\ntype = \"chain\"\ncount = 3\nspacing = 1.0\nparticle_mass = [1.0, 2.0, 0.5]\n"
+      "[[force]]\nname = \"bath\"\ntype = \"langevin\"\ntemperature = [0.0, 0.1, 0.4]\n"
+      "coefficient = [1.0, 0.3, 2.0]\n"
+      "[run]\nseed = 7\nstream = 3\nduration = 1.0\nintegrator = { type = \"baoab\", dt = 0.1 }\n");
+  alignas(64) double numbers[kGroup];
+  fill_normals(bath_key(), {5, 0, 0, 0}, kGroup, 3, numbers);
+  const Vector to = probe.flow(0, probe.body(0).bound.slot.offset, Vector::Zero(3), 1e3, false, 5);
+  const double temperature[] = {0.0, 0.1, 0.4};
+  const double mass[] = {1.0, 2.0, 0.5};
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(to[static_cast<Eigen::Index>(k)], std::sqrt(temperature[k] / mass[k]) * numbers[k],
+                kLinear);
+  }
+}
+
 }  // namespace
 }  // namespace tomlin::test

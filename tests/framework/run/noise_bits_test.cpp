@@ -168,22 +168,27 @@ TEST(NoiseBits, AreThoseOfEveryInstructionSet) {
   }
 }
 
-/// A step draws numbers of its own stream, seed and force.
+/// Numbers are those of the stream, the seed and the name: of noise, and of velocities at the
+/// start.
 TEST(NoiseBits, OfOtherStreamsDiffer) {
-  const std::string run = noisy_run("baoab");
-  std::vector<Motion> all;
-  const auto end_with = [&](const std::vector<Setting>& settings) {
-    all.push_back(motion_at_end(noisy_tip() + run, settings));
-  };
-  end_with({{"run.stream", "0"}});
-  end_with({{"run.stream", "1"}});
-  end_with({{"run.stream", "2"}});
-  end_with({{"run.seed", "7"}});
-  end_with({{"force.bath.name", "\"other\""}});
-  for (std::size_t a = 0; a < all.size(); ++a) {
-    for (std::size_t b = 0; b < a; ++b) EXPECT_FALSE(all[a] == all[b]) << a << ", " << b;
+  const std::vector<std::vector<Setting>> without = {
+      {{"body.tip.start_temperature", "0.0"}},  // noise alone
+      {{"force.bath.temperature", "0.0"}}};     // the start alone
+  for (std::size_t what = 0; what < without.size(); ++what) {
+    std::vector<Motion> all;
+    const auto end_with = [&](const std::string& path, const std::string& value) {
+      std::vector<Setting> settings = without[what];
+      settings.push_back({path, value});
+      return motion_at_end(noisy_tip() + noisy_run("baoab"), settings);
+    };
+    for (const char* stream : {"0", "1", "2"}) all.push_back(end_with("run.stream", stream));
+    all.push_back(end_with("run.seed", "7"));
+    if (what == 0) all.push_back(end_with("force.bath.name", "\"other\""));
+    for (std::size_t a = 0; a < all.size(); ++a) {
+      for (std::size_t b = 0; b < a; ++b) EXPECT_FALSE(all[a] == all[b]) << a << ", " << b;
+    }
+    EXPECT_TRUE(end_with("run.stream", "0") == all[0]);
   }
-  EXPECT_TRUE(motion_at_end(noisy_tip() + run) == all[0]);
 }
 
 /// With temperature 0 a langevin force is viscous damping, to the last bit.
