@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/numbers/constants.hpp"
 #include "framework/core/numbers/random.hpp"
 #include "framework/core/numbers/sum.hpp"
 
@@ -27,6 +29,7 @@ class CoefficientSink : public FrictionSink {
   }
   void bath(std::size_t body, std::size_t particle, double coefficient,
             double temperature) override {
+    if (!(coefficient > 0.0)) return;
     warmth_[body].resize(coefficients_[body].size(), 0.0);
     warmth_[body][particle] += coefficient * temperature;
   }
@@ -41,6 +44,16 @@ RandomKey key_of(const AssemblyPlan& plan, const AssembledForce<Real>& force) {
   const RunSettings& run = plan.scene->run;
   return {static_cast<std::uint64_t>(run.seed),
           stream_of(force.name, static_cast<std::uint64_t>(run.stream))};
+}
+
+/// Friction is centred on the centre of mass but for rounding in the number type.
+template <class Real>
+bool is_centred(const FrictionArguments<Real>& arguments) {
+  constexpr double kRounding = sizeof(Real) == sizeof(float) ? 1e-5 : 1e-12;
+  const double scale = std::sqrt(static_cast<double>(arguments.second * arguments.total)) / kTau;
+  return std::all_of(std::begin(arguments.moment), std::end(arguments.moment), [&](Real moment) {
+    return std::abs(static_cast<double>(moment)) <= kRounding * scale;
+  });
 }
 
 bool any_positive(const std::vector<double>& coefficients) {
@@ -223,8 +236,7 @@ void FrictionMatrix<Real>::assign_noise(const AssemblyPlan& plan, const Assemble
       break;
     }
     arguments.bath = Real(temperature);
-    const bool off_centre = arguments.moment[0] != Real(0.0) || arguments.moment[1] != Real(0.0);
-    if (!plan.inertial && arguments.rotates && off_centre) {
+    if (!plan.inertial && arguments.rotates && !is_centred(arguments)) {
       refuse_noise(thermostat,
                    "its friction is not centred on the centre of mass: without inertia the noise "
                    "would depend on the rotation",

@@ -85,7 +85,7 @@ class SchemeChecks {
             "\"quasistatic\"",
             "follows equilibria without noise, and the force \"" + force.name + "\" is stochastic",
             "\"inertial\" or \"overdamped\", or temperature = 0");
-      } else if (!scheme_.takes_noise) {
+      } else if (!scheme_.takes_noise && !scene_.run.places.contains("accuracy")) {
         const bool inertial = scene_.run.dynamics == Dynamics::inertial;
         refuse(FaultCode::integrator_unsuitable,
                "draws no random numbers, and the force \"" + force.name + "\" is stochastic",

@@ -25,24 +25,27 @@ double variance_of_mean(const std::vector<double>& series) {
 
 BlockedMean blocked_mean(std::span<const double> series) {
   BlockedMean result;
-  std::vector<double> blocks(series.begin(), series.end());
+  // From the first on: equal numbers have no variance, whatever rounding makes of their mean.
+  std::vector<double> blocks;
+  blocks.reserve(series.size());
+  for (const double x : series) blocks.push_back(x - series.front());
   const auto n = static_cast<double>(blocks.size());
   if (n < kFewestCorrelationTimes) return result;
   const double first = variance_of_mean(blocks);
   if (!(first > 0.0)) return {.error = 0.0, .correlation_times = n};
+  double variance = first;
+  double growth = 1.0;
   for (double size = 1.0; blocks.size() >= kFewestBlocks; size *= 2.0) {
-    const double variance = variance_of_mean(blocks);
-    const double growth = variance / first;
-    if (size * size * size > 2.0 * n * growth * growth) {
-      result.correlation_times = growth > 1.0 ? n / growth : n;
-      if (result.correlation_times >= kFewestCorrelationTimes) result.error = std::sqrt(variance);
-      return result;
-    }
+    variance = variance_of_mean(blocks);
+    growth = variance / first;
+    if (size * size * size > 2.0 * n * growth * growth) break;
     for (std::size_t k = 0; k < blocks.size() / 2; ++k) {
       blocks[k] = 0.5 * (blocks[2 * k] + blocks[2 * k + 1]);
     }
     blocks.resize(blocks.size() / 2);
   }
+  result.correlation_times = growth > 1.0 ? n / growth : n;
+  if (result.correlation_times >= kFewestCorrelationTimes) result.error = std::sqrt(variance);
   return result;
 }
 

@@ -34,6 +34,7 @@ class MeanErrors : public RunObserver {
   explicit MeanErrors(const ObserverParts& parts) : parts_(parts) {
     find_series();
     now_.assign(series_.size(), 0.0);
+    at_.assign(series_.size(), 0.0);
   }
 
   ObserverNeeds needs() const override { return {.blocks = true}; }
@@ -150,13 +151,12 @@ class MeanErrors : public RunObserver {
   /// Sums at the ends of parts up to now, interpolated between the times that are looked at.
   void follow(double time) {
     const double from = parts_.window.from().time;
-    std::vector<double> at(series_.size());
     for (;;) {
       const double end = from + static_cast<double>(*count_) * *length_;
       if (!(end <= time)) break;
       const double part = time > *last_time_ ? (end - *last_time_) / (time - *last_time_) : 1.0;
-      for (std::size_t k = 0; k < at.size(); ++k) at[k] = last_[k] + part * (now_[k] - last_[k]);
-      keep(at);
+      for (std::size_t k = 0; k < at_.size(); ++k) at_[k] = last_[k] + part * (now_[k] - last_[k]);
+      keep(at_);
     }
     remember(time);
   }
@@ -196,6 +196,7 @@ class MeanErrors : public RunObserver {
   ObserverParts parts_;
   std::vector<Series> series_;
   std::vector<double> now_;
+  std::vector<double> at_;  ///< scratch: at the end of a part
   double* sums_ = nullptr;  ///< [part][series], at the ends of parts
   double* last_ = nullptr;
   double* last_time_ = nullptr;

@@ -91,11 +91,20 @@ TEST(Allocations, ThereAreNoneBetweenTheFirstStepAndTheLast) {
       "[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = 0.1\nperiod = 1.0\n"
       "[run]\nduration = 5.0\nintegrator = { type = \"rk4\", dt = 0.01 }\n" +
       look;
+  const std::string noise =
+      "[[force]]\ntype = \"langevin\"\ncoefficient = 0.5\ntemperature = 1e-3\n";
+  const auto noisy = [&](const std::string& integrator, const std::string& more) {
+    return chain.substr(0, chain.find("[run]")) + noise +
+           "[run]\nduration = 5.0\nintegrator = " + integrator + more +
+           "\n[output]\nevery = 0.03\n" + look.substr(look.find("[measure]"));
+  };
   RingScene rigid_implicit = rigid;
   rigid_implicit.integrator = tip_implicit.integrator;
   for (const std::string& text :
        {tip.text(), tip_adaptive.text(), flexible.text(), large.text(), rigid.text(),
-        rigid_adaptive.text(), chain, tip_implicit.text(), rigid_implicit.text()}) {
+        rigid_adaptive.text(), chain, tip_implicit.text(), rigid_implicit.text(),
+        noisy("{ type = \"baoab\", dt = 0.01 }", ""),
+        noisy("{ type = \"euler_maruyama\", dt = 0.01 }", "\ndynamics = \"overdamped\"")}) {
     NullSink sink;
     RunOptions options;
     options.sink = &sink;
