@@ -18,7 +18,9 @@ class EventLog {
   void attach(RunState& state);
 
   /// The run looks for events of this kind: it has a count of them.
-  void expect(EventKind kind) { expected_[static_cast<std::size_t>(kind)] = true; }
+  void expect(EventKind kind, bool expected = true) {
+    expected_[static_cast<std::size_t>(kind)] = expected;
+  }
   bool expects(EventKind kind) const { return expected_[static_cast<std::size_t>(kind)]; }
   bool expects_any() const;
 

@@ -231,7 +231,7 @@ double DriverWatch::way(double from, double force_from, double to, double force_
 
 /// Takes in the points from the first of a block on in which the point sticks; returns how many.
 std::size_t DriverWatch::sticking(const double* times, const double* forces, std::size_t count) {
-  if (force_.count() < 2 || !is_idle() || !factors_.empty()) return 0;
+  if (noisy_ || force_.count() < 2 || !is_idle() || !factors_.empty()) return 0;
   const double slope = stiffness_ * speed_;
   double time = force_.time(0);
   double force = force_.value(0);
@@ -345,6 +345,29 @@ bool DriverWatch::is_passage() const {
   const double size =
       way(numbers_[kPeakTime], numbers_[kPeakForce], numbers_[kLastFast], numbers_[kEndForce]);
   return size > kPassage * period_ && !is_relaxation();
+}
+
+/// Where the point has been before it does not slip to again.
+void DriverWatch::look_for_next_well(double along, const Emit& emit) {
+  const double here = place();
+  if (busy_[kHasWell] == 0) {
+    numbers_[kWell] = std::nearbyint(here);
+    busy_[kHasWell] = 1;
+  }
+  if (busy_[kHasPeak] == 0 || along > numbers_[kPeakAlong]) {
+    numbers_[kPeakTime] = force_.time(0);
+    numbers_[kPeakForce] = force_.value(0);
+    numbers_[kPeakAlong] = along;
+    busy_[kHasPeak] = 1;
+  }
+  if (!(here >= numbers_[kWell] + 1.0)) return;
+  numbers_[kWell] = std::floor(here);
+  numbers_[kHighest] = std::max(numbers_[kHighest], numbers_[kPeakAlong]);
+  numbers_[kLastFast] = force_.time(0);
+  numbers_[kEndForce] = force_.value(0);
+  numbers_[kPeakHeat] = numbers_[kEndHeat] = kNone;
+  emit_slip(emit);
+  busy_[kHasPeak] = 0;
 }
 
 /// At rest in another well: a slip that no speed has told of, which has ended where the force was

@@ -77,6 +77,10 @@ class LastPoints {
 ///             known, also at any speed what moves the point by about half a period or more, until
 ///             it has come to less than half of v
 ///   reversal  from where its velocity along the pull turns negative to where it turns back
+/// A point that noise acts on never comes to rest, and its velocity says nothing:
+///   slip      where wells are known, from the largest force since the last slip to the moment at
+///             which the point first reaches the bottom of the next well; its heat is not known
+/// and reversals are not looked for.
 class DriverWatch {
  public:
   /// With `precision`, the unit roundoff of forces. Slips that a scheme tells of are not looked
@@ -94,8 +98,12 @@ class DriverWatch {
   }
   /// The point has wells that hold it against the spring, but where they are is not known.
   void set_unknown_wells() { busy_[kWells] = kUnknownWells; }
+  /// Noise acts on the point.
+  void set_noise() { noisy_ = true; }
   std::size_t driver() const { return driver_; }
   bool watches_slips() const { return period_ > 0.0; }
+  /// Under noise only of a point that has wells.
+  bool finds_slips() const { return watches_slips() && (!noisy_ || busy_[kWells] == kKnownWells); }
   /// Of the pull: its force over the displacement of the pulled point along it.
   double stiffness() const { return stiffness_; }
   /// By axis, where the springs of an oblique pull differ: stiffness() over theirs. Forces with
@@ -150,6 +158,10 @@ class DriverWatch {
     }
     force_.add(time, force);
     if (!factors_.empty()) along_.add(time, along);
+    if (noisy_) {
+      if (busy_[kWells] == kKnownWells) look_for_next_well(along, emit);
+      return;
+    }
     const bool sticks = rise > 0.0 && rise < pulled;
     if (!sticks) {
       restart_chord(time, along);
@@ -232,6 +244,7 @@ class DriverWatch {
   double place() const;
   bool in_well(double& well) const;
   bool is_passage() const;
+  void look_for_next_well(double along, const Emit& emit);
   void look_for_passage(const Emit& emit, const Heat& heat);
   void emit_slip(const Emit& emit);
   void begin_heat(int which);
@@ -246,6 +259,7 @@ class DriverWatch {
   double precision_;
   Slips slips_;
   bool long_steps_ = false;
+  bool noisy_ = false;
   std::vector<double> factors_;
   LastPoints force_;
   LastPoints along_;  ///< the force along the pull, where there are factors

@@ -160,6 +160,7 @@ PullEvents::PullEvents(const ObserverParts& parts)
   const double precision = precision_of(parts_.run.scene->run.number_type);
   const Model& model = parts_.run.model;
   if (follows_path()) parts_.events.expect(EventKind::slip);
+  const bool noisy = has_noise(*parts_.run.scene);
   for (std::size_t k = 0; k < drivers_.size(); ++k) {
     const Drive& drive = *drivers_[k].drive;
     if (!pulls(drive)) continue;
@@ -171,7 +172,11 @@ PullEvents::PullEvents(const ObserverParts& parts)
     watches_.emplace_back(
         k, drive, period, precision,
         follows_path() ? DriverWatch::Slips::told : DriverWatch::Slips::looked_for);
-    parts_.events.expect(EventKind::reversal);
+    if (noisy) {
+      watches_.back().set_noise();
+    } else {
+      parts_.events.expect(EventKind::reversal);
+    }
     if (!watches_.back().watches_slips()) continue;
     looks_for_slips_ = true;
     parts_.events.expect(EventKind::slip);
@@ -229,6 +234,9 @@ void PullEvents::placed() {
       watch.set_unknown_wells();
     }
   }
+  const bool any = std::any_of(watches_.begin(), watches_.end(),
+                               [](const DriverWatch& watch) { return watch.finds_slips(); });
+  if (!any) parts_.events.expect(EventKind::slip, false);
 }
 
 void PullEvents::watch(double time, const double* signals) {
@@ -387,7 +395,7 @@ void PullEvents::results(ResultTable& table, const double*) const {
     group.add(kStaticForce, static_force_.of(k));
     const bool looked_for = std::any_of(
         watches_.begin(), watches_.end(),
-        [k](const DriverWatch& watch) { return watch.driver() == k && watch.watches_slips(); });
+        [k](const DriverWatch& watch) { return watch.driver() == k && watch.finds_slips(); });
     slips_.add_rows(group, k, looked_for);
   }
 }

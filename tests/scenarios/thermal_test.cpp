@@ -1,0 +1,193 @@
+// scenarios/thermal: means of runs with noise against quadrature, the Smoluchowski equation and
+// theorems on work, within their own statistical errors.
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "framework/run/observables.hpp"
+#include "tests/scenarios/brownian_tip.hpp"
+#include "tests/scenarios/scenario_fixture.hpp"
+
+namespace tomlin::test {
+namespace {
+
+/// Of a normal number: one in 16000 is farther out. Seeds are fixed.
+constexpr double kSigmas = 4.0;
+
+struct Estimate {
+  double mean = 0.0;
+  double error = 0.0;
+};
+
+Estimate estimate_of(const std::vector<double>& values) {
+  const auto n = static_cast<double>(values.size());
+  double mean = 0.0;
+  for (const double x : values) mean += x / n;
+  double squares = 0.0;
+  for (const double x : values) squares += (x - mean) * (x - mean);
+  return {mean, std::sqrt(squares / (n * (n - 1.0)))};
+}
+
+/// Mean over streams, with the error that the runs state.
+Estimate mean_over_streams(const std::string& scene, const std::string& what, int streams,
+                           std::vector<Setting> settings) {
+  double sum = 0.0;
+  double squares = 0.0;
+  settings.push_back({"run.stream", ""});
+  for (int stream = 0; stream < streams; ++stream) {
+    settings.back().value = std::to_string(stream);
+    const RunResult result = run_shipped("thermal/" + scene, settings);
+    sum += observable(result, what).value();
+    for (const ErrorEstimate& one : result.errors) {
+      if (!one.path.ends_with(what)) continue;
+      squares += one.error.value() * one.error.value();
+    }
+  }
+  return {sum / streams, std::sqrt(squares) / streams};
+}
+
+Estimate washboard(double F, double T, int streams, std::vector<Setting> settings) {
+  settings.push_back({"F", text_of(F)});
+  settings.push_back({"T", text_of(T)});
+  return mean_over_streams("washboard.toml", "tip.mean_velocity.x", streams, settings);
+}
+
+TEST(Thermal, TheVelocityOnAWashboardIsTheStratonovichIntegral) {
+  constexpr double kAllTogether = 0.003;  // relative error of the mean over the twelve
+  constexpr double kLeastChi = 1.5;       // of 12 numbers: one in 10^4 below, and as many
+  constexpr double kMostChi = 39.0;       // above
+  double chi = 0.0;
+  double weights = 0.0;
+  double deviation = 0.0;
+  for (const double F : {0.3, 0.5, 0.7, 1.0}) {
+    for (const double T : {0.05, 0.1, 0.2}) {
+      const double exact = BrownianTip{.temperature = T, .force = F}.stratonovich_velocity();
+      const Estimate found = washboard(F, T, 4, {{"run.duration", "15000.0"}});
+      EXPECT_NEAR(found.mean, exact, kSigmas * found.error) << F << " " << T;
+      const double weight = exact * exact / (found.error * found.error);
+      chi += std::pow((found.mean - exact) / found.error, 2);
+      weights += weight;
+      deviation += weight * (found.mean / exact - 1.0);
+    }
+  }
+  const double error = 1.0 / std::sqrt(weights);
+  EXPECT_LT(error, kAllTogether);
+  EXPECT_NEAR(deviation / weights, 0.0, kSigmas * error);
+  EXPECT_GT(chi, kLeastChi);
+  EXPECT_LT(chi, kMostChi);
+}
+
+/// At a long step the schemes differ from the integral, each as its chain says: the mean velocity
+/// of `euler_maruyama` is of second order in the step, that of `leimkuhler_matthews` of first.
+TEST(Thermal, AtALongStepEachSchemeHasTheVelocityOfItsChain) {
+  constexpr double kStep = 0.05;
+  const BrownianTip tip{.temperature = 0.1, .force = 0.5};
+  const double exact = tip.stratonovich_velocity();
+  const auto error_at = [&](double h, bool averaged) {
+    return std::abs(tip.velocity_of_chain(h, averaged) - exact);
+  };
+  constexpr double kOfOrder = 0.1;
+  EXPECT_NEAR(std::log2(error_at(kStep, false) / error_at(0.5 * kStep, false)), 2.0, kOfOrder);
+  EXPECT_NEAR(std::log2(error_at(kStep, true) / error_at(0.5 * kStep, true)), 1.0, kOfOrder);
+  for (const bool averaged : {false, true}) {
+    const std::string name = averaged ? "leimkuhler_matthews" : "euler_maruyama";
+    const Estimate found =
+        washboard(0.5, 0.1, 4,
+                  {{"run.duration", "40000.0"},
+                   {"run.integrator", "{ type = \"" + name + "\", dt = " + text_of(kStep) + " }"}});
+    EXPECT_NEAR(found.mean, tip.velocity_of_chain(kStep, averaged), kSigmas * found.error) << name;
+    EXPECT_LT(kSigmas * found.error, 0.5 * error_at(kStep, true)) << name;
+  }
+}
+
+TEST(Thermal, TheMeanForceOfADrivenTipIsThatOfTheSmoluchowskiEquation) {
+  constexpr double kT = 0.02;
+  constexpr double kStick = 5.0;
+  constexpr double kRelativeError = 0.012;  // of what is compared
+  for (const auto& [v, periods] : {std::pair{0.01, 400}, std::pair{0.1, 2000}}) {
+    const std::vector<Setting> settings = {{"T", text_of(kT)},
+                                           {"s", text_of(kStick)},
+                                           {"v", text_of(v)},
+                                           {"N", std::to_string(periods)},
+                                           {"measure.observables", "[\"driver.mean_force.x\"]"}};
+    const Estimate found = mean_over_streams("tip.toml", "driver.mean_force.x", 4, settings);
+    const double k = parameter_of("thermal/tip.toml", "k", settings);
+    // Cells and steps: relative error 3e-4, smaller than the statistical one by far.
+    const double exact = SmoluchowskiTip(0.1, kT, k, v, 400, 1000).mean_force(3);
+    EXPECT_NEAR(found.mean, exact, kSigmas * found.error) << v;
+    EXPECT_LT(found.error, kRelativeError * exact) << v;
+  }
+}
+
+/// Works of the dragged trap, one for each stream; a start of its own goes with each.
+std::vector<double> works_of_trap(const std::vector<Setting>& settings) {
+  constexpr int kStreams = 600;
+  std::vector<double> works;
+  std::vector<Setting> all = settings;
+  all.push_back({"run.stream", ""});
+  all.push_back({"seed", ""});
+  for (int stream = 0; stream < kStreams; ++stream) {
+    all.back().value = all[all.size() - 2].value = std::to_string(stream);
+    works.push_back(observable(run_shipped("thermal/trap.toml", all), "trap.work").value());
+  }
+  return works;
+}
+
+/// The work is normally distributed, its variance twice its mean in units of T, and what holds for
+/// any work holds for it: <exp(-W/T)> = 1 (Jarzynski), P(-W) = P(W) exp(-W/T) (Crooks; dragging
+/// backwards is the mirror image).
+void expect_theorems(const std::vector<double>& works, double mean) {
+  const Estimate found = estimate_of(works);
+  EXPECT_NEAR(found.mean, mean,
+              kSigmas * std::sqrt(2.0 * mean / static_cast<double>(works.size())));
+
+  std::vector<double> squares;
+  for (const double W : works) squares.push_back((W - mean) * (W - mean));
+  const Estimate variance = estimate_of(squares);
+  EXPECT_NEAR(variance.mean, 2.0 * mean, kSigmas * variance.error);
+
+  std::vector<double> weights;
+  for (const double W : works) weights.push_back(std::exp(-W));
+  const Estimate jarzynski = estimate_of(weights);
+  EXPECT_NEAR(jarzynski.mean, 1.0, kSigmas * jarzynski.error);
+
+  for (const auto& [from, to] : {std::pair{0.0, 0.5}, std::pair{0.5, 1.0}, std::pair{1.0, 9.0}}) {
+    std::vector<double> differences;
+    for (const double W : works) {
+      const bool inside = std::abs(W) >= from && std::abs(W) < to;
+      differences.push_back(!inside ? 0.0 : W < 0.0 ? 1.0 : -std::exp(-W));
+    }
+    const Estimate crooks = estimate_of(differences);
+    EXPECT_NEAR(crooks.mean, 0.0, kSigmas * crooks.error) << from << " to " << to;
+  }
+}
+
+TEST(Thermal, TheWorkOfADraggedTrapObeysJarzynskiAndCrooks) {
+  // Units of the scene: k, xi, T and m are 1. The stretch e of the spring obeys, on average,
+  // m e'' + xi e' + k e = xi v; the work is k v times its integral.
+  const double v = parameter_of("thermal/trap.toml", "v");
+  const double tau = parameter_of("thermal/trap.toml", "tau");
+  expect_theorems(works_of_trap({{"run.dynamics", "\"overdamped\""},
+                                 {"body.particle.start_temperature", "0.0"},
+                                 {"run.integrator.type", "\"leimkuhler_matthews\""}}),
+                  v * v * (tau + std::expm1(-tau)));
+
+  using Complex = std::complex<double>;
+  const Complex one(-0.5, std::sqrt(0.75));
+  const Complex other = std::conj(one);
+  const Complex B = v * (1.0 + one) / (other - one);  // e = v + A exp(one t) + B exp(other t)
+  const Complex A = -v - B;
+  const auto integral = [tau](Complex rate) { return (std::exp(rate * tau) - 1.0) / rate; };
+  expect_theorems(works_of_trap({}),
+                  v * (v * tau + A * integral(one) + B * integral(other)).real());
+}
+
+}  // namespace
+}  // namespace tomlin::test
