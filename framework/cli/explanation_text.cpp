@@ -256,6 +256,32 @@ void add_sliding(Forms& forms, const Explanation& e) {
   }
 }
 
+/// What there is where a force has no period or its curvature no bound.
+void add_sliding_as_placed(Forms& forms, const Scales& scales) {
+  Json& list = forms.json["sliding_as_placed"] = Json::array();
+  for (const Sliding& sliding : scales.sliding_as_placed) {
+    const char* axis = axis_name(sliding.axis);
+    const double s = sliding.stick_slip_as_placed();
+    list.push_back(Json{{"body", sliding.body},
+                        {"driver", sliding.driver},
+                        {"substrate", sliding.substrate},
+                        {"axis", axis},
+                        {"period", positive(sliding.period)},
+                        {"stiffness", sliding.stiffness},
+                        {"stick_slip_as_placed", s}});
+    forms.text.section(fmt::format("{}: {} pulls over {} along {}", sliding.body, sliding.driver,
+                                   sliding.substrate, axis));
+    forms.text.row(
+        "stick-slip parameter",
+        fmt::format("s = {} = substrate curvature {} / driver stiffness {}; {}", text_of(s),
+                    text_of(sliding.curvature_as_placed), text_of(sliding.stiffness), verdict(s)));
+    forms.text.row(
+        "", "for the body as it is placed, moved without a change of shape" +
+                std::string(sliding.period > 0.0 ? "; the curvature depends on where it is"
+                                                 : fmt::format("; no period along {}", axis)));
+  }
+}
+
 void add_transmissions(Forms& forms, const Scales& scales) {
   Json& list = forms.json["transmissions"] = Json::array();
   for (const Transmission& one : scales.transmissions) {
@@ -420,6 +446,7 @@ void add_all(Forms& forms, const Explanation& e) {
   forms.json["scales"] = scales_json(e);
   add_frequencies(forms.text, e.scales);
   add_sliding(forms, e);
+  add_sliding_as_placed(forms, e.scales);
   add_transmissions(forms, e.scales);
   add_misfits(forms, e.scales);
   add_step(forms, e);

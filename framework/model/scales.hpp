@@ -20,7 +20,7 @@ struct ForceScale {
   double damping_rate = 0.0;  ///< coefficient/mass, 1/time; 0: does not damp
   /// The largest that friction which is not linear has, near rest as a rule; 0: there is none.
   double rate_at_rest = 0.0;
-  bool internal = false;      ///< acts within one body, whose centre of mass does not feel it
+  bool internal = false;  ///< acts within one body, whose centre of mass does not feel it
   std::vector<std::string> between;  ///< the bodies that it binds to each other; empty: it does not
 };
 
@@ -123,6 +123,10 @@ struct Scales {
   std::vector<ForceScale> forces;  ///< those built, in the scene's order
   Damping damping;
   std::vector<Sliding> sliding;
+  /// Likewise where a force has no period along the axis, as a turned lattice, or its curvature no
+  /// bound, as one that depends on height: what is known is the curvature as placed, over a period
+  /// or the length of a cell. The period is 0 where there is none, the curvature without a bound.
+  std::vector<Sliding> sliding_as_placed;
   std::vector<Transmission> transmissions;
   std::vector<Misfit> misfits;
 };

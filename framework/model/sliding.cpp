@@ -107,10 +107,14 @@ class Pull {
   /// By one driver, of the bodies under the substrate, along one axis.
   void add(const Model::Force& driver, int axis) {
     const Drive& drive = *driver.drive();
-    const double period = model_.scene().forces[place_].period(axis);
+    const SceneForce& from = model_.scene().forces[place_];
+    const double period = from.period(axis);
+    const double length =
+        period > 0.0 ? period : from.record->origin_cell(from.description.get(), axis);
     const double bound = substrate_.bound->curvature_bound_along(axis);
     const double velocity = drive.velocity.empty() ? 0.0 : drive.velocity[axis];
-    if (!(period > 0.0) || bound < 0.0 || velocity == 0.0) return;
+    const bool known = period > 0.0 && bound >= 0.0;
+    if (!(length > 0.0) || velocity == 0.0) return;
     if (!(drive.stiffness_on(axis) > 0.0)) return;
     for (const std::size_t b : substrate_.bodies) {
       const Model::Body& body = model_.bodies()[b];
@@ -122,13 +126,13 @@ class Pull {
       sliding.particles = body.bound.slot.count;
       sliding.period = period;
       sliding.stiffness = sliding.driver_stiffness = drive.stiffness_on(axis);
-      if (!acts_on(driver, b) && !add_bond(sliding, driver, b)) continue;
-      sliding.curvature = bound * static_cast<double>(body.bound.slot.count);
+      if (!acts_on(driver, b) && !(known && add_bond(sliding, driver, b))) continue;
+      sliding.curvature = std::max(0.0, bound) * static_cast<double>(body.bound.slot.count);
       SingleForce alone(model_.scene(), place_);
-      sliding.curvature_as_placed = slopes_of(alone, b, axis, period).largest();
-      sliding.washboard_frequency = kTau * std::abs(velocity) / period;
+      sliding.curvature_as_placed = slopes_of(alone, b, axis, length).largest();
+      if (period > 0.0) sliding.washboard_frequency = kTau * std::abs(velocity) / period;
       sliding.rolling_radius = body.rolling_radius;
-      scales_.sliding.push_back(std::move(sliding));
+      (known ? scales_.sliding : scales_.sliding_as_placed).push_back(std::move(sliding));
     }
   }
 

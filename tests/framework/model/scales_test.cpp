@@ -68,6 +68,38 @@ TEST(Scales, RegimeAgainstTheCriticalDamping) {
   EXPECT_NEAR(damping(1.01).critical, 2.0 * omega, 10 * kRounding);
 }
 
+/// A turned lattice has no period along the axis, one whose waves decay with height no bound on its
+/// curvature: as the tip is placed, on an atom, both have the curvature of the closed form.
+TEST(Scales, ALatticeWithoutAPeriodOrABoundHasItsCurvatureAsPlaced) {
+  constexpr double kAmplitude = 0.3;
+  constexpr double kDecay = 3.0;
+  constexpr double kHeight = 0.5;
+  constexpr double kSpring = 2.0;
+  const auto found = [&](const std::string& position, const std::string& rest) {
+    const std::string across = position == "0, 0" ? ", 0.0" : ", 0.0, 0.0";
+    return scales(
+        "[[body]]\nname = \"tip\"\ntype = \"point\"\nparticle_mass = 1.0\nposition = [" + position +
+        "]\n[[force]]\nname = \"driver\"\ntype = \"driving_spring\"\nvelocity = " + "[0.1" +
+        across + "]\nstiffness = " + digits(kSpring) +
+        "\n[[force]]\nname = \"surface\"\ntype = \"lattice_substrate\"\nlattice = "
+        "\"square\"\nperiod = 1.0\namplitude = " +
+        digits(kAmplitude) + "\n" + rest +
+        "[run]\nduration = 1.0\nintegrator = " + fixed_step(1e-3) + "\n");
+  };
+  const double curvature = kAmplitude * kTau * kTau;
+  const Scales turned = found("0, 0", "misfit = 0.3\n");
+  const Scales high = found("0, 0, " + digits(kHeight), "decay = " + digits(kDecay) + "\n");
+  EXPECT_TRUE(turned.sliding.empty() && high.sliding.empty());
+  ASSERT_EQ(turned.sliding_as_placed.size(), 1u);
+  ASSERT_EQ(high.sliding_as_placed.size(), 1u);
+  EXPECT_EQ(turned.sliding_as_placed.front().period, 0.0);
+  EXPECT_EQ(high.sliding_as_placed.front().period, 1.0);
+  EXPECT_NEAR(turned.sliding_as_placed.front().stick_slip_as_placed(), curvature / kSpring,
+              kScan * curvature);
+  EXPECT_NEAR(high.sliding_as_placed.front().stick_slip_as_placed(),
+              curvature * std::exp(-kDecay * kHeight) / kSpring, kScan * curvature);
+}
+
 /// Dry friction has no rate of its own, but near rest it is the fastest of all. A rigid body moves
 /// by the mean of its particles.
 TEST(Scales, DryFrictionIsFastestNearRest) {
