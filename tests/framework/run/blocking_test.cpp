@@ -179,7 +179,7 @@ TEST(Blocking, ErrorsOfMeansOverARun) {
   Coverage found;
   double squares = 0.0;
   for (std::uint64_t stream = 0; stream < kSeries; ++stream) {
-    const RunResult result = run_text(trapped(stream, 500.0));
+    const RunResult result = run_text(trapped(stream, 1000.0));
     const double off = result.driver(0)["mean_force"][0] - exact;
     squares += off * off;
     found.add(off, error_of(result, "drivers.driver.mean_force.x"));
