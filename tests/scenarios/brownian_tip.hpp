@@ -77,9 +77,10 @@ class SmoluchowskiTip {
  public:
   SmoluchowskiTip(double V0, double temperature, double k, double v, int cells, int steps)
       : V0_(V0), temperature_(temperature), k_(k), v_(v), steps_(steps) {
-    constexpr double kWidths = 9.0;  // thermal ones of the spring beyond what the substrate holds
+    constexpr double kWidths =
+        9.0;  // thermal ones of the spring beyond substrate and drag stretch it
     const double thermal = kWidths * std::sqrt(temperature / k);
-    low_ = -(2.0 * kPi * V0 / k + thermal);
+    low_ = -((2.0 * kPi * V0 + v) / k + thermal);
     width_ = (thermal + 1.0 - low_) / cells;
     const Eigen::ArrayXd y = places(cells);
     p_ = (-0.5 * k * y * y / temperature).exp();

@@ -126,6 +126,35 @@ TEST(Thermal, TheMeanForceOfADrivenTipIsThatOfTheSmoluchowskiEquation) {
   }
 }
 
+/// Mean peak force of the slips as (F_c - F)^(3/2), with its error.
+Estimate reduced_peak_force(double v) {
+  const double F_c = 0.2 * kPi;
+  const RunResult result =
+      run_shipped("thermal/tip.toml",
+                  {{"s", "30"}, {"T", "0.004"}, {"run.integrator.dt", "0.04"}, {"v", text_of(v)}});
+  const auto of_driver = [&](const char* key) { return *result.driver(0)[key]; };
+  const double slips = of_driver("slips");
+  // One for each period that the driver moves, but for those about to happen at either end.
+  EXPECT_NEAR(slips, 50.0, 1.0) << v;
+  const double below = F_c - of_driver("mean_slip_force");
+  return {std::pow(below, 1.5),
+          1.5 * std::sqrt(below) * of_driver("slip_force_deviation") / std::sqrt(slips)};
+}
+
+TEST(Thermal, ThePeakForceGrowsWithTheLogarithmOfTheVelocity) {
+  const Estimate slow = reduced_peak_force(3e-4);
+  const Estimate middle = reduced_peak_force(std::sqrt(3e-4 * 1e-2));
+  const Estimate fast = reduced_peak_force(1e-2);
+  EXPECT_NEAR(middle.mean, 0.5 * (slow.mean + fast.mean),
+              kSigmas * std::hypot(middle.error, 0.5 * slow.error, 0.5 * fast.error));
+  // The formula of Garg, without fluctuations of the spring's force: 3/4 sqrt(A) T with
+  // A = 2 pi^2 F_c. Peaks of a noisy force are higher, the more so the longer the tip waits.
+  const double slope = (slow.mean - fast.mean) / std::log(1e-2 / 3e-4);
+  const double without_fluctuations = 0.75 * std::sqrt(0.4 * kPi * kPi * kPi) * 0.004;
+  EXPECT_LT(slope, without_fluctuations);
+  EXPECT_GT(slope, 0.6 * without_fluctuations);
+}
+
 /// Works of the dragged trap, one for each stream; a start of its own goes with each.
 std::vector<double> works_of_trap(const std::vector<Setting>& settings) {
   constexpr int kStreams = 600;

@@ -247,5 +247,46 @@ TEST(SlipStatistics, ResumeFromAnyStep) {
   }
 }
 
+/// The scene's damping as a bath, at a tenth of the barrier.
+std::string in_a_bath(const TipScene& scene) {
+  std::string text = scene.text();
+  const std::string damping = "viscous_damping";
+  text.replace(text.find(damping), damping.size(), "langevin\"\ntemperature = 0.02 #");
+  return text;
+}
+
+TEST(SlipsUnderNoise, LeadFromWellToWellHoweverFastThePointShakes) {
+  constexpr double kPeriods = 12.0;
+  const TipScene scene = tip(10.0, 1e-2, kPeriods, R"({ type = "baoab", dt = 0.05 })");
+  KeptSamples kept;
+  RunOptions options;
+  options.sink = &kept;
+  const RunResult result = run(scene_of(in_a_bath(scene)), options);
+  ASSERT_EQ(result.status, RunStatus::finished);
+  const ResultGroup& driver = result.driver(0);
+  // Of the last periods the tip has not followed one or two.
+  EXPECT_GE(*driver["slips"], kPeriods - 3.0);
+  EXPECT_LE(*driver["slips"], kPeriods);
+  double before = 0.0;
+  double largest = 0.0;
+  for (const Event& slip : kept.events) {
+    ASSERT_EQ(slip.kind, EventKind::slip);  // noise reverses the point at every other step
+    EXPECT_GE(slip.time, before);
+    EXPECT_GT(slip.duration, 0.0);
+    EXPECT_TRUE(std::isnan(slip.energy_lost));
+    before = slip.time + slip.duration;
+    largest = std::max(largest, slip.peak_force);
+  }
+  EXPECT_LE(largest, driver["max_force"].at(0));
+  EXPECT_GT(*driver["mean_slip_force"], 0.5 * driver["max_force"].at(0));
+  EXPECT_EQ(*driver["static_force"], kept.events.front().peak_force);
+}
+
+TEST(SlipsUnderNoise, AreNotCountedWhereThereAreNoWells) {
+  const TipScene scene = tip(0.5, 1e-2, 4.0, R"({ type = "baoab", dt = 0.05 })");
+  const RunResult result = run(scene_of(in_a_bath(scene)));
+  EXPECT_FALSE(result.driver(0)["slips"].has_value());
+}
+
 }  // namespace
 }  // namespace tomlin::test
