@@ -7,7 +7,6 @@
 #include "framework/core/numbers/math.hpp"
 #include "framework/core/numbers/number_types.hpp"
 #include "framework/core/numbers/random.hpp"
-#include "framework/core/system/stage.hpp"
 
 /// Normal numbers, with the same bits on every instruction set: they depend on their key and their
 /// place alone (random.hpp).
@@ -25,24 +24,25 @@ inline namespace TOMLIN_TARGET {
 template <class Real>
 TOMLIN_INLINE void fill_normals(const RandomKey& key, RandomPlace place, std::size_t length,
                                 std::size_t used, Real* numbers) {
-  constexpr std::size_t kBlocks = kGroup / 2;  // for two groups of numbers
-  alignas(64) double radius[kGroup];
-  alignas(64) double angle[kGroup];
-  std::fill(radius, radius + kGroup, 0.5);
-  std::fill(angle, angle + kGroup, 0.5);
+  constexpr std::size_t kAtOnce = kLanes;       // a group
+  constexpr std::size_t kBlocks = kAtOnce / 2;  // for two groups of numbers
+  alignas(64) double radius[kAtOnce];
+  alignas(64) double angle[kAtOnce];
+  std::fill(radius, radius + kAtOnce, 0.5);
+  std::fill(angle, angle + kAtOnce, 0.5);
   const auto put = [numbers](std::size_t from, const Pack& values) {
-    alignas(64) double part[kGroup];
+    alignas(64) double part[kAtOnce];
     values.store(part);
-    for (std::size_t k = 0; k < kGroup; ++k) numbers[from + k] = Real(part[k]);
+    for (std::size_t k = 0; k < kAtOnce; ++k) numbers[from + k] = Real(part[k]);
   };
-  for (std::size_t i = 0; i < length; i += 2 * kGroup, place.c += kBlocks) {
-    uniform_pairs(key, place, std::min(used, kGroup), radius, angle);
+  for (std::size_t i = 0; i < length; i += 2 * kAtOnce, place.c += kBlocks) {
+    uniform_pairs(key, place, std::min(used, kAtOnce), radius, angle);
     const Pack size = sqrt(Pack(-2.0) * log(Pack::load(radius)));
     Pack sine(0.0);
     Pack cosine(0.0);
     sincos_turns(Pack::load(angle), sine, cosine);
     put(i, size * cosine);
-    if (i + kGroup < length) put(i + kGroup, size * sine);
+    if (i + kAtOnce < length) put(i + kAtOnce, size * sine);
   }
 }
 

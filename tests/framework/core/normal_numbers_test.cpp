@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "framework/core/system/stage.hpp"
 #include "tests/framework/core/math_bits.hpp"
 #include "tests/framework/core/target_test.hpp"
 

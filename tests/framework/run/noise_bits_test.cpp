@@ -21,7 +21,7 @@ struct NoisyScene {
 
 std::string noisy_run(const std::string& scheme, const std::string& more = "") {
   const bool inertial = standard().integrator(scheme)->with_inertia;
-  return "[run]\nseed = 6\nduration = 12.3\nledger = true\nintegrator = { type = \"" + scheme +
+  return "[run]\nseed = 6\nduration = 12.32\nledger = true\nintegrator = { type = \"" + scheme +
          "\", dt = 0.05 }\n" + (inertial ? "" : "dynamics = \"overdamped\"\n") + more +
          "[measure]\nin = \"time\"\nfrom = 1.5\nto = 11.0\n";
 }
