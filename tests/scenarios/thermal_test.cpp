@@ -157,7 +157,7 @@ TEST(Thermal, ThePeakForceGrowsWithTheLogarithmOfTheVelocity) {
 
 /// Works of the dragged trap, one for each stream; a start of its own goes with each.
 std::vector<double> works_of_trap(const std::vector<Setting>& settings) {
-  constexpr int kStreams = 600;
+  constexpr int kStreams = 1000;
   std::vector<double> works;
   std::vector<Setting> all = settings;
   all.push_back({"run.stream", ""});
