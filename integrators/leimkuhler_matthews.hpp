@@ -8,9 +8,9 @@
 ///   x_n+1 = x_n + h F(x_n, t_n)/c + sqrt(2 T h/c) (z_n + z_n+1)/2
 ///
 /// with normal numbers z_n of each coordinate and step, each used twice. Averages of positions at
-/// rest are of second order, of a harmonic oscillator exact: T/k. Drift and diffusion of free
-/// particles are exact. One evaluation a step; stable up to h lambda = 2, lambda the largest
-/// relaxation rate.
+/// rest are of second order, of a harmonic oscillator exact: T/k; with a current, as on a tilted
+/// washboard, of first order (scenarios/thermal). Drift and diffusion of free particles are exact.
+/// One evaluation a step; stable up to h lambda = 2, lambda the largest relaxation rate.
 ///
 /// Positions are the state. The velocities that are written are F/c, without noise. Running
 /// integrals: trapezoidal rule. Dense output: cubic Hermite.
