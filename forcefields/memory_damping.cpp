@@ -108,8 +108,7 @@ class ThermalMemory : public OwnStateForce<MemoryDamping, Real, D> {
         const Real root = sqrt(uu);
         const Real along = uv / root;
         u = u + root * normals_[0][k];
-        v = v + along * normals_[0][k] +
-            sqrt(max(vv - along * along, Real(0.0))) * normals_[1][k];
+        v = v + along * normals_[0][k] + sqrt(max(vv - along * along, Real(0.0))) * normals_[1][k];
       }
       if (!stage.heat) return;
       if (inverse > Real(0.0)) heat += Real(0.5) * (v0 - v) * (v0 + v) / inverse;

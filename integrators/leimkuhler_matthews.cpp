@@ -16,7 +16,8 @@ IntegratorRecord leimkuhler_matthews_record() {
   IntegratorRecord record = brownian_record(
       "leimkuhler_matthews", IntegratorFactories{&bind<double>, &bind<float>, &bind<Quad>});
   record.summary =
-      "scheme of Leimkuhler and Matthews for noise without inertia, averages of second order";
+      "scheme of Leimkuhler and Matthews for noise without inertia, averages at rest of second "
+      "order";
   record.equation = "x_n+1 = x_n + h F_n/c + sqrt(2 T h/c) (z_n + z_n+1)/2";
   record.source =
       "B. Leimkuhler and C. Matthews, Appl. Math. Res. Express 2013, 34, doi:10.1093/amrx/abs010; "

@@ -13,12 +13,12 @@ struct BlockedMean {
 
 /// The standard error of the mean of a series whose correlation time is not known, by blocking: the
 /// series is averaged over blocks of 2, 4, 8, ... until blocks are independent, the first size B
-/// with B^3 > 2 n (s_B/s_1)^4, s_B the standard error from blocks of B of the n numbers, and at most
-/// the largest of which there are eight blocks. Nothing where the series is shorter than
-/// kFewestCorrelationTimes. Measured over 3000 series of AR(1): intervals of one standard error hold
-/// the truth in 66 of 100 from 100 correlation times on, in 58 at 50.
-/// Source: H. Flyvbjerg and H. G. Petersen, J. Chem. Phys. 91 (1989) 461, doi:10.1063/1.457480; the
-/// size: R. M. Lee et al., Phys. Rev. E 83 (2011) 066706, doi:10.1103/PhysRevE.83.066706.
+/// with B^3 > 2 n (s_B/s_1)^4, s_B the standard error from blocks of B of the n numbers, and at
+/// most the largest of which there are eight blocks. Nothing where the series is shorter than
+/// kFewestCorrelationTimes. Measured over 3000 series of AR(1): intervals of one standard error
+/// hold the truth in 66 of 100 from 100 correlation times on, in 58 at 50. Source: H. Flyvbjerg and
+/// H. G. Petersen, J. Chem. Phys. 91 (1989) 461, doi:10.1063/1.457480; the size: R. M. Lee et al.,
+/// Phys. Rev. E 83 (2011) 066706, doi:10.1103/PhysRevE.83.066706.
 BlockedMean blocked_mean(std::span<const double> series);
 
 inline constexpr double kFewestCorrelationTimes = 50.0;
