@@ -7,8 +7,10 @@ namespace tomlin {
 inline namespace TOMLIN_TARGET {
 
 /// A step of the velocity Verlet scheme with all operators in the middle of its drift: kick h/2,
-/// drift h/2, operators h, drift h/2, kick h/2. Linear friction by its exact flow, or by the
-/// midpoint rule.
+/// drift h/2, operators h, drift h/2, kick h/2. Kinetic energies within a step are the mean of
+/// those before and after the operators: both have the temperature of equilibrium, and the mean has
+/// the heat that flows in a step from the right side and from the left. Linear friction by its
+/// exact flow, or by the midpoint rule.
 template <bool midpoint>
 struct LangevinKernels : CompositionKernels<VerletScheme> {
   using Verlet = CompositionKernels<VerletScheme>;
@@ -69,9 +71,20 @@ struct LangevinKernels : CompositionKernels<VerletScheme> {
     middle.step = w.step;
     middle.heat = s.friction_rate != kNoRate;
     middle.midpoint = midpoint;
-    const Real heat = apply_flows(s, middle, h, false);
     for (std::size_t k = 0; k < s.kinetic_count; ++k) {
-      w.half_step_energy[k] = kinetic_energy(s, w, s.kinetic[k]);
+      w.half_step_energy[k] = Real(0.5) * kinetic_energy(s, w, s.kinetic[k]);
+    }
+    Real heat(0.0);
+    if (s.flow_count > 1 && s.own_count > 0) {
+      // They may act on the same velocities: a symmetric composition.
+      heat = apply_flows(s, middle, half, false);
+      middle.part = 1;
+      heat = heat + apply_flows(s, middle, half, true);
+    } else {
+      heat = apply_flows(s, middle, h, false);
+    }
+    for (std::size_t k = 0; k < s.kinetic_count; ++k) {
+      w.half_step_energy[k] += Real(0.5) * kinetic_energy(s, w, s.kinetic[k]);
     }
     if (!move(s, w, half, false)) return false;
     // Own variables are operators', or follow from the time alone.

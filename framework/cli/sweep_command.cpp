@@ -104,7 +104,7 @@ not wider than --refine-to, 1e-4 of the axis by default; on a logarithmic axis m
 those of the logarithm. sweep.json has each interval with the observable at both of its ends.
 
 With --repeats each point is run several times with independent noise, of the streams 0, 1, ... of
-the scene's seed, which become the last axis, run.stream:
+the scene's seed, which become the first axis, run.stream:
 
   tomlin sweep thermal.toml --over v=1e-3:1:7:log --repeats 16 --observable driver.mean_force.x
 
@@ -344,6 +344,15 @@ SweepPlan plan_of(SceneDocument document, const Registry& registry,
                    TOMLIN_VERSION, std::move(faults));
 }
 
+/// An axis whose values have independent noise each.
+bool is_stream(const SweepAxis& axis) {
+  if (axis.name != "run.stream" && axis.name != "run.seed") return false;
+  std::vector<std::string> values;
+  for (std::size_t k = 0; k < axis.values.size(); ++k) values.push_back(axis.values.plain_text(k));
+  std::sort(values.begin(), values.end());
+  return std::adjacent_find(values.begin(), values.end()) == values.end();
+}
+
 /// What the scene and the options come to.
 struct RequestedSweep {
   /// Throws InputError.
@@ -355,14 +364,15 @@ struct RequestedSweep {
     std::vector<Fault> faults;
     if (arguments.trace) traced = rows_in(*arguments.trace, plan.points(), faults);
     if (arguments.shard) shard = shard_of(*arguments.shard, plan, faults);
-    if (arguments.repeats && !plan.has_noise_somewhere()) {
-      faults.emplace_back(FaultCode::command_conflict, Place{"--repeats"}, "", *arguments.repeats,
-                          "no force of the scene is stochastic: all repeats would be the same",
-                          "a force with noise, such as langevin");
+    for (const SweepAxis& axis : plan.axes()) {
+      if (axis.name != "run.stream" || plan.is_random_somewhere()) continue;
+      faults.emplace_back(FaultCode::command_conflict, axis.place, axis.name, axis.shown,
+                          "nothing of the scene is random: all repeats would be the same",
+                          "a force with noise, such as langevin, or a start_temperature");
     }
     const std::vector<std::size_t>& last = plan.dimensions().back().axes;
     const bool other_streams = std::any_of(last.begin(), last.end(), [this](std::size_t axis) {
-      return plan.axes()[axis].name == "run.stream";
+      return is_stream(plan.axes()[axis]);
     });
     if (plan.line() > 1 && plan.has_noise_somewhere() && !other_streams) {
       faults.emplace_back(FaultCode::command_conflict, Place{"--continue-from-neighbour"}, "", "",

@@ -71,11 +71,11 @@ class SchemeChecks {
 
   /// Random numbers belong to the steps of a grid, and each to one operator in a step.
   void check_noise() {
-    if (scene_.run.repeats > 1 && !has_noise(scene_)) {
+    if (scene_.run.repeats > 1 && !draws_by_stream(scene_)) {
       faults_.emplace_back(FaultCode::component_unsuitable, place_of("repeats"), "run.repeats",
                            fmt::format("{}", scene_.run.repeats),
-                           "no force is stochastic: all repeats would be the same",
-                           "1, or a force with noise, such as langevin");
+                           "nothing of the scene is random: all repeats would be the same",
+                           "1, or a force with noise, such as langevin, or a start_temperature");
     }
     for (const Force& force : assembly_.forces()) {
       if (!force.traits.stochastic) continue;
@@ -94,7 +94,7 @@ class SchemeChecks {
                         (inertial ? other.with_inertia : other.without_inertia);
                }));
       }
-      if (scheme_.takes_noise && !force.is_operator) {
+      if (scheme_.takes_noise && scheme_.splits_friction && !force.is_operator) {
         refuse(FaultCode::integrator_unsuitable,
                "has no noise of the force \"" + force.name + "\" on rigid bodies",
                "coordinates = \"particles\", or the force langevin");

@@ -28,7 +28,7 @@ SceneForce as_force(SceneForce force) {
 }  // namespace
 
 IntegratorRecord without_demands(IntegratorRecord scheme) {
-  scheme.without_inertia = true;
+  scheme.without_inertia = scheme.with_inertia = scheme.takes_noise = true;
   scheme.splits_friction = scheme.splits_bonds = false;
   scheme.needs_tangent = scheme.conservative_only = scheme.follows_equilibria = false;
   scheme.bind = {};  // it takes no steps

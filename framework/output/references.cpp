@@ -65,12 +65,7 @@ std::vector<CitedWork> references(const Scene& scene, const AccuracyResult* accu
   }
   if (scene.draws_random) all.add(kPhiloxSource, "random numbers of the scene");
   if (scene.run.perturb) all.add(kPhiloxSource, "perturb");
-  const auto warm = [](const SceneBody& body) {
-    return body.record->common(body.description.get()).start_temperature > 0.0;
-  };
-  if (has_noise(scene) || std::any_of(scene.bodies.begin(), scene.bodies.end(), warm)) {
-    all.add(kPhiloxSource, "noise");
-  }
+  if (draws_by_stream(scene)) all.add(kPhiloxSource, "noise");
   all.add(kProgramSource, "tomlin");
   return std::move(all).works();
 }

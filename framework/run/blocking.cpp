@@ -10,6 +10,11 @@ namespace {
 /// Fewer blocks do not show how much they scatter.
 constexpr std::size_t kFewestBlocks = 8;
 
+/// Of so many blocks; and a variance that is less than this part of that of shorter blocks is no
+/// chance.
+constexpr std::size_t kFewestSwings = 16;
+constexpr double kSwing = 0.25;
+
 /// Variance of the mean, as if the numbers were independent.
 double variance_of_mean(const std::vector<double>& series) {
   double mean = 0.0;
@@ -43,6 +48,15 @@ BlockedMean blocked_mean(std::span<const double> series) {
       blocks[k] = 0.5 * (blocks[2 * k] + blocks[2 * k + 1]);
     }
     blocks.resize(blocks.size() / 2);
+  }
+  // What swings back has a smaller error than independent numbers.
+  for (; growth <= 1.0 && blocks.size() >= 2 * kFewestSwings;) {
+    for (std::size_t k = 0; k < blocks.size() / 2; ++k) {
+      blocks[k] = 0.5 * (blocks[2 * k] + blocks[2 * k + 1]);
+    }
+    blocks.resize(blocks.size() / 2);
+    const double longer = variance_of_mean(blocks);
+    if (longer < kSwing * variance) variance = longer;
   }
   result.correlation_times = growth > 1.0 ? n / growth : n;
   if (result.correlation_times >= kFewestCorrelationTimes) result.error = std::sqrt(variance);

@@ -58,11 +58,13 @@ std::shared_ptr<const Scene> with_ledger(const Scene& scene) {
 
 }  // namespace
 
-std::optional<Warning> doubt_of_balance(const SampledWork& found, bool sampled) {
+std::optional<Warning> doubt_of_balance(const SampledWork& found, bool sampled, bool noise) {
   const double work = std::abs(found.work);
   const bool damped = std::abs(found.heat) > kNoHeat * found.stored;
-  const double scale =
+  double scale =
       std::max(work, damped ? std::abs(found.heat) : std::max(found.kinetic, found.stored));
+  // A bath gives and takes: the heat in sum may be next to nothing.
+  if (noise) scale = std::max({scale, found.kinetic, found.stored});
   const double numerical = std::abs(found.numerical);
   const double chance = std::max(kSurely * found.uncertainty, kRounding * found.stored);
   if (!(numerical > kNotSmall * scale && numerical > chance)) return {};

@@ -29,7 +29,7 @@ struct SampledWork {
 
 /// A warning where the numerical work is neither small beside work and heat nor the chance of a
 /// sample. Without heat it is held against the energy itself, too.
-std::optional<Warning> doubt_of_balance(const SampledWork& found, bool sampled);
+std::optional<Warning> doubt_of_balance(const SampledWork& found, bool sampled, bool noise);
 
 /// The balance of a run without a ledger, from short blocks of steps at random times, one in each
 /// of some equal parts of the window (stratified sampling). A second engine with a ledger takes the

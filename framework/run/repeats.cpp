@@ -76,7 +76,7 @@ void average_over_repeats(const std::shared_ptr<const Scene>& scene, const RunOp
   };
   for (std::int64_t repeat = 1; repeat < scene->run.repeats; ++repeat) {
     const auto other = std::make_shared<Scene>(*scene);
-    other->run.stream += repeat;
+    other->run.stream = scene->run.stream * scene->run.repeats + repeat;
     const RunResult found = side_run(other, options, fmt::format("repeat {}", repeat));
     if (found.status == RunStatus::interrupted) {
       result.status = RunStatus::interrupted;

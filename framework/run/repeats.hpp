@@ -6,9 +6,10 @@
 
 namespace tomlin {
 
-/// `[run] repeats`: repeats the run with the noise of the next streams and puts in the place of
-/// each number over the window its mean over all repeats, with the standard error of that mean.
-/// Counts, and what is known of the end of a run, stay those of the run as it is.
+/// `[run] repeats`: repeats the run with the noise of other streams, r + repeats * stream for r =
+/// 1, 2, ..., and puts in the place of each number over the window its mean over all repeats, with
+/// the standard error of that mean. Counts, and what is known of the end of a run, stay those of
+/// the run as it is.
 void average_over_repeats(const std::shared_ptr<const Scene>& scene, const RunOptions& options,
                           RunResult& result);
 

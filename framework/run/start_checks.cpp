@@ -361,6 +361,26 @@ void check_drag(Check& check) {
        "true");
 }
 
+/// Without inertia noise moves a coordinate by sqrt(2 T h/c) z in a step. A run is long, and z may
+/// be as large as kSurelyLess.
+void check_noise(Check& check) {
+  constexpr double kSurelyLess = 6.0;
+  const SystemView<double>& view = check.model.system().view;
+  if (view.noise_count == 0 || check.scene.run.allow_unstable) return;
+  double worst = 0.0;
+  for (std::size_t i = 0; i < view.dofs; ++i) {
+    worst = std::max(worst, view.noise_scale[i] / view.largest_move[i]);
+  }
+  const double step = 1.0 / (kSurelyLess * worst);
+  if (!(std::sqrt(check.plan.dt) > step)) return;
+  fail(FaultCode::run_step_unstable, check, "",
+       fmt::format("noise moves a coordinate by {:.2g} of the shortest length there (a period, or "
+                   "half a bond) in a step, in the root mean square",
+                   std::sqrt(check.plan.dt) * worst),
+       fmt::format("take a dt of at most {:.2g}, or insist with run.allow_unstable = true",
+                   step * step));
+}
+
 /// Friction and bonds do not let an explicit scheme take longer steps, however smooth the motion.
 void check_pace(Check& check) {
   if (check.scheme.most_steps == nullptr) return;
@@ -491,6 +511,7 @@ StartFindings check_start(Model& model, const RunPlan& plan, bool checks_step) {
   check_places(check);
   check_ways(check);
   check_drag(check);
+  check_noise(check);
   check_pace(check);
   warn_of_coarse_tolerance(check);
   warn_of_stiff_drivers(check);

@@ -69,6 +69,11 @@ class FreedomCheck {
     }
   }
 
+  bool is_warm() const {
+    const auto found = body_.reading.values.find("start_temperature");
+    return found != body_.reading.values.end() && std::get<double>(found->second) > 0.0;
+  }
+
   bool starts_along(std::size_t axis) const {
     const auto found = body_.reading.values.find("velocity");
     if (found == body_.reading.values.end()) return false;
@@ -87,7 +92,7 @@ class FreedomCheck {
     if (!prescribed && is_given("motion")) {
       complain("motion", "only a prescribed body has a motion", "coordinates = \"prescribed\"");
     }
-    if (!follows_forces(*coordinates_) && is_given("start_temperature")) {
+    if (!follows_forces(*coordinates_) && is_warm()) {
       complain("start_temperature",
                fmt::format("a {} body does not move by forces", to_string(*coordinates_)),
                "coordinates = \"particles\" or \"rigid\"");

@@ -175,11 +175,12 @@ TableLayout run_layout(bool until) {
       parameter("stream", &RunSettings::stream, dimension::none,
                 "of the noise of forces: runs with other streams repeat the run with independent "
                 "random numbers")
-          .in(non_negative)
+          .in({.low = 0.0, .high = 1e12, .low_open = false, .high_open = false})
           .by_default(std::int64_t{0}),
-      parameter("repeats", &RunSettings::repeats, dimension::none,
-                "so many runs, of this stream and the next ones: results over the window are their "
-                "means, with standard errors")
+      parameter(
+          "repeats", &RunSettings::repeats, dimension::none,
+          "so many runs with independent noise: results over the window are their means, with "
+          "standard errors")
           .in({.low = 1.0, .high = 1e6, .low_open = false, .high_open = false})
           .by_default(std::int64_t{1}),
       parameter("checkpoint_every", &RunSettings::checkpoint_every, dimension::none,
@@ -288,7 +289,7 @@ TableLayout sweep_layout() {
        "width of an interval that is not bisected any more, on a logarithmic axis of the "
        "logarithm; 1e-4 of the axis by default"},
       {"repeats",
-       "so many runs of each point, with independent noise: a last axis run.stream = 0, 1, ..."},
+       "so many runs of each point, with independent noise: a first axis run.stream = 0, 1, ..."},
       {"observables", "what is kept of each run: dotted paths as in summary.json"},
   };
   return layout;

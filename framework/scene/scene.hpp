@@ -195,6 +195,15 @@ inline bool has_noise(const Scene& scene) {
                      [](const SceneForce& force) { return force.traits().stochastic; });
 }
 
+/// Whether a run depends on `[run] stream`.
+inline bool draws_by_stream(const Scene& scene) {
+  return has_noise(scene) ||
+         std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const SceneBody& body) {
+           return body.record->common != nullptr &&
+                  body.record->common(body.description.get()).start_temperature > 0.0;
+         });
+}
+
 /// `--set PATH=VALUE`: a parameter's name or a dotted path (`run.integrator.dt`,
 /// `body.ring.coordinates`, `force.driver.stiffness`); a TOML value or else an expression. Setting
 /// `run.accuracy` takes the integrator away, which it stands in place of, and the other way round.

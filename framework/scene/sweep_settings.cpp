@@ -203,7 +203,8 @@ void add_repeats(SweepSettings& settings, std::vector<Fault>& faults) {
     return;
   }
   auto values = SweepValues::parse(fmt::format("0:{}:{}", count - 1, count));
-  settings.over.push_back(
+  settings.over.insert(
+      settings.over.begin(),
       {"run.stream", std::get<SweepValues>(std::move(values)), given.place, given.text});
 }
 
@@ -318,7 +319,11 @@ class SweepReader {
                    "found " + kind_of(entry.value), "true or false");
         }
       } else if (entry.key == "repeats") {
-        if (entry.value.as<std::int64_t>() != nullptr) {
+        const auto* count = entry.value.as<std::int64_t>();
+        if (count != nullptr && *count < 2) {
+          complain(entry.value, FaultCode::scene_out_of_range, "sweep.repeats", "out of range",
+                   "2 or more");
+        } else if (count != nullptr) {
           settings_.repeats = {value_text(entry.value), source_.place(entry.value.where),
                                "sweep.repeats"};
         } else {

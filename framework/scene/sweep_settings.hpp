@@ -101,7 +101,7 @@ struct SweepSettings {
   Place observables_place;
 };
 
-/// Makes of `repeats` the last axis, run.stream = 0, 1, ...; adds a fault where it is no such
+/// Makes of `repeats` the first axis, run.stream = 0, 1, ...; adds a fault where it is no such
 /// number.
 void add_repeats(SweepSettings& settings, std::vector<Fault>& faults);
 

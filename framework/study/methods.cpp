@@ -79,6 +79,11 @@ std::vector<ModelChange> model_changes(const Scene& scene) {
   return changes;
 }
 
+/// What has no advantage where there is no noise.
+bool is_for_noise(const IntegratorRecord& integrator) {
+  return integrator.half_step_velocities || !integrator.with_inertia;
+}
+
 Method rung_of(const Scene& scene, const ModelChange& model, const IntegratorRecord& integrator,
                NumberType number_type) {
   Method method;
@@ -132,6 +137,7 @@ std::vector<Method> methods_for(const Variants& variants) {
   for (const ModelChange& model : model_changes(scene)) {
     for (const auto& integrator : variants.registry().integrators()) {
       if (integrator->follows_equilibria != (model.dynamics == Dynamics::quasistatic)) continue;
+      if (is_for_noise(*integrator)) continue;
       for (const NumberType number_type :
            {NumberType::double_precision, NumberType::single_precision}) {
         const bool in_float = number_type == NumberType::single_precision;
@@ -150,6 +156,7 @@ std::vector<Method> methods_of_own_model(const Variants& variants) {
   std::vector<Method> methods;
   for (const auto& integrator : variants.registry().integrators()) {
     if (integrator->follows_equilibria != (own.dynamics == Dynamics::quasistatic)) continue;
+    if (is_for_noise(*integrator)) continue;
     methods.push_back(rung_of(scene, own, *integrator, scene.run.number_type));
     try_to_bind(variants, methods.back());
   }

@@ -187,6 +187,13 @@ class TradeoffStudy {
 
 Tradeoff measure_tradeoff(const std::shared_ptr<const Scene>& scene, const Registry& registry,
                           const TradeoffRequest& request) {
+  if (has_noise(*scene)) {
+    throw InputError(
+        {Fault(FaultCode::component_unsuitable, scene->run.place, "tradeoff", "",
+               "a force of the scene is stochastic: a result of one setting differs from "
+               "that of another by chance",
+               "tomlin sweep --over run.integrator.dt=... --repeats N")});
+  }
   return TradeoffStudy(scene, registry, request).measure();
 }
 

@@ -286,7 +286,7 @@ TEST(FlowRuns, RandomNumbersFollowFromSeedNameAndStep) {
   const auto end = [&](const std::string& text) { return end_of(run_with(thermal, text)); };
   const std::vector<double> due = end(scene(""));
   EXPECT_EQ(end(scene("")), due);
-  EXPECT_EQ(end(scene("[output]\nevery = 0.13\n")), due) << "samples";
+  EXPECT_EQ(end(scene("[output]\nevery = 0.14\n")), due) << "samples";
   EXPECT_NE(end(scene("seed = 1\n")), due);
   EXPECT_NE(end(scene("", "other")), due);
 

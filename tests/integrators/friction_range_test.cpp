@@ -79,7 +79,9 @@ void expect_right_or_refused(const Oscillator& o, const IntegratorRecord& scheme
 template <class Scene>
 void for_every_scheme(const Scene& scene) {
   for (const auto& scheme : standard().integrators()) {
-    if (scheme->follows_equilibria) continue;
+    // That of Gronbech-Jensen and Farago moves exactly as far, and stops by turning round in every
+    // step: langevin_scheme_test.cpp.
+    if (scheme->follows_equilibria || scheme->name == "gjf") continue;
     SCOPED_TRACE(scheme->name);
     for (int k = -6; k <= 6; ++k) {
       expect_right_or_refused(scene(std::pow(10.0, 0.5 * k)), *scheme);

@@ -74,7 +74,10 @@ inline std::shared_ptr<const Scene> arranged(const Arrangement& arrangement,
     for (int d = 1; d < arrangement.dimension; ++d) text += ", 0.1";
     text += "] }\n";
   }
-  text += "[run]\nduration = 1.0\nintegrator = { type = \"rk4\", dt = 1e-3 }\n";
+  // Noise is drawn by few.
+  const bool noise = traits_of(record, description.get()).stochastic;
+  text += "[run]\nduration = 1.0\nintegrator = { type = \"" +
+          std::string(noise ? "velocity_verlet" : "rk4") + "\", dt = 1e-3 }\n";
   auto scene = std::make_shared<Scene>(*scene_of(text));
   SceneForce& force = scene->forces.emplace_back();
   force.name = record.name;

@@ -11,11 +11,14 @@
 
 /// Statistical errors of means over the window, where there is noise: each mean over equal parts of
 /// the window is a series, whose scatter gives the error (blocking.hpp). A part is a period of the
-/// first driver that has one, else a block of steps; it doubles whenever there are too many.
+/// first driver that has one, where the window has enough of them, else a block of steps; it
+/// doubles whenever there are too many.
 namespace tomlin::observers {
 namespace {
 
 constexpr std::size_t kMostParts = 1024;
+/// In fewer parts than these no error can be told.
+constexpr double kFewestPeriods = 2.0 * kFewestCorrelationTimes;
 
 /// A mean: what has been gained of some integrals, or of a centre's way.
 struct Series {
@@ -85,7 +88,8 @@ class MeanErrors : public RunObserver {
     for (const Model::Driver& driver : parts_.run.model.drivers()) {
       if (!drags(*driver.drive)) continue;
       const auto period = time_of_period(parts_.run.model, *driver.drive);
-      if (period) return std::max(block, *period);
+      const bool enough = period && parts_.window.length() >= kFewestPeriods * *period;
+      if (enough) return std::max(block, *period);
     }
     return block;
   }

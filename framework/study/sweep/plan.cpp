@@ -288,15 +288,19 @@ void SweepPlan::name_columns() {
   }
 }
 
-bool SweepPlan::has_noise_somewhere() const {
-  if (has_noise(*scene_)) return true;
+template <class Holds>
+bool SweepPlan::somewhere(Holds holds) const {
+  if (holds(*scene_)) return true;
   if (points_ == 0) return false;
   try {
-    return has_noise(*scene_at(points_ - 1));
+    return holds(*scene_at(points_ - 1));
   } catch (const InputError&) {
     return false;
   }
 }
+
+bool SweepPlan::has_noise_somewhere() const { return somewhere(&has_noise); }
+bool SweepPlan::is_random_somewhere() const { return somewhere(&draws_by_stream); }
 
 std::string SweepPlan::axis_title(std::size_t axis) const {
   const std::string& name = axes()[axis].name;

@@ -118,6 +118,8 @@ class SweepPlan {
 
   /// Of the scene, or at the last point.
   bool has_noise_somewhere() const;
+  /// The same of what depends on `[run] stream`.
+  bool is_random_somewhere() const;
   /// What an axis is called among the columns and the variables of the results: its name, unless
   /// they have a column of that name.
   std::string axis_title(std::size_t axis) const;
@@ -127,6 +129,8 @@ class SweepPlan {
   std::uint64_t identity() const { return identity_; }
 
  private:
+  template <class Holds>
+  bool somewhere(Holds holds) const;
   bool is_added(std::size_t axis, std::size_t point) const {
     return point >= points_ && refinement_->axis == axis;
   }

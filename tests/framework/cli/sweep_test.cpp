@@ -73,6 +73,87 @@ TEST_F(SweepCommand, ARowIsARun) {
   }
 }
 
+constexpr const char* kWarmTip = R"([parameters]
+v = 0.1
+[[body]]
+type = "point"
+name = "tip"
+position = [0.0]
+particle_mass = 1.0
+[[force]]
+type = "driving_spring"
+name = "driver"
+stiffness = 2.0
+velocity = ["v"]
+[[force]]
+type = "langevin"
+name = "bath"
+coefficient = 1.0
+temperature = 0.1
+[run]
+duration = 20
+integrator = { type = "gjf", dt = 0.05 }
+)";
+
+/// Each repeat is a run with a stream of its own, and a run with repeats their mean.
+TEST_F(SweepCommand, Repeats) {
+  write(folder_ / "warm.toml", kWarmTip);
+  const auto warm = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"sweep", "warm.toml", "--observable", "driver.mean_force.x"});
+    return tomlin(more);
+  };
+  ASSERT_EQ(warm({"--over", "v=0.1,0.2", "--repeats", "3", "-o", "a"}).status, 0);
+  const std::string table = file("a/sweep.csv");
+  EXPECT_EQ(lines(table), 7);
+  EXPECT_EQ(table.substr(0, table.find('\n')),
+            "run.stream,v,driver.mean_force.x [force],error.driver.mean_force.x "
+            "[force],status,reason");
+  const Json axes = Json::parse(file("a/sweep.json"))["axes"];
+  EXPECT_EQ(axes[0]["values"], (std::vector<double>{0, 1, 2}));
+  ASSERT_EQ(tomlin({"sweep", "a/scene.toml", "-o", "again"}).status, 0);
+  EXPECT_EQ(results("again"), results("a"));
+
+  double sum = 0.0;
+  for (const std::string stream : {"0", "1", "2"}) {
+    ASSERT_EQ(tomlin({"run", "warm.toml", "--set", "run.stream=" + stream, "-o", "run" + stream,
+                      "--quiet"})
+                  .status,
+              0);
+    const double force = summary("run" + stream)["drivers"]["driver"]["mean_force"][0];
+    EXPECT_TRUE(contains(table, "\n" + stream + ",")) << table;
+    const std::string start = "\n" + stream + ",0.1";
+    const std::size_t row = table.find(start);
+    ASSERT_NE(row, std::string::npos);
+    EXPECT_EQ(std::stod(table.substr(table.find(',', row + start.size()) + 1)), force);
+    sum += force;
+  }
+  ASSERT_EQ(tomlin({"run", "warm.toml", "--set", "run.repeats=3", "-o", "mean", "--quiet"}).status,
+            0);
+  constexpr double kRounding = 1e-15;
+  const double mean = summary("mean")["drivers"]["driver"]["mean_force"][0];
+  EXPECT_NEAR(mean, sum / 3.0, kRounding * std::abs(mean) + kRounding);
+  EXPECT_GT(summary("mean")["error"]["drivers.driver.mean_force.x"].get<double>(), 0.0);
+}
+
+TEST_F(SweepCommand, RepeatsOfWhatIsNotRandomAreRefused) {
+  write(folder_ / "warm.toml", kWarmTip);
+  const Ended cold = sweep({"--over", "v=0.1,0.2", "--repeats", "3"});
+  EXPECT_EQ(cold.status, 2);
+  expect_error(cold, "[command.conflict]");
+  EXPECT_FALSE(exists("tip.sweep.out"));
+  for (const std::string wrong : {"1", "-3", "two", "1.5"}) {
+    const Ended ended = tomlin({"sweep", "warm.toml", "--over", "v=0.1,0.2", "--observable",
+                                "driver.mean_force.x", "--repeats", wrong});
+    EXPECT_EQ(ended.status, 2) << wrong;
+    expect_error(ended, "--repeats: [command.invalid_value]");
+  }
+  // The same noise at every point of a line.
+  const Ended same = tomlin({"sweep", "warm.toml", "--over", "v=0.1,0.2", "--observable",
+                             "driver.mean_force.x", "--continue-from-neighbour"});
+  EXPECT_EQ(same.status, 2);
+  expect_error(same, "--continue-from-neighbour: [command.conflict]");
+}
+
 TEST_F(SweepCommand, TheSceneMayHaveTheTable) {
   write(folder_ / "tip.toml", std::string(kTip) +
                                   "\n[sweep]\nover = { v = [1e-2, 2e-2], two_v = [1.0, 2.0] }\n"

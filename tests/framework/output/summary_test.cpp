@@ -53,7 +53,8 @@ RunResult planar_result() {
                              {"turns", {-1.125}},
                              {"rolling", {0.7853981633974483}},
                              {"mean_velocity", {1e-3, 0.0}},
-                             {"max_speed", {0.1}}}),
+                             {"max_speed", {0.1}},
+                             {"temperature", {0.3}}}),
                    group_of("events", "", 2,
                             {{"slips", {12.0}},
                              {"hops", {0.0}},
@@ -124,7 +125,7 @@ TEST(Summary, HasEveryKeyOfAFinishedRun) {
                                                        "force_deviation"}));
   EXPECT_EQ(keys(summary["bodies"]["ring"]),
             (Names{"centre_of_mass", "velocity", "rotation", "turns", "rolling", "mean_velocity",
-                   "max_speed"}));
+                   "max_speed", "temperature"}));
   EXPECT_EQ(keys(summary["events"]),
             (Names{"slips", "hops", "turns", "reversals", "driver_reversals", "ties"}));
   EXPECT_EQ(summary["events"]["slips"], 12);
@@ -270,7 +271,7 @@ TEST(Summary, OnlyPlanarBodiesRotate) {
   result.groups = {group_of("bodies", "ring", 1, {})};
   const Json summary = Json::parse(summary_json(scene, result));
   EXPECT_EQ(keys(summary["bodies"]["ring"]),
-            (Names{"centre_of_mass", "velocity", "mean_velocity", "max_speed"}));
+            (Names{"centre_of_mass", "velocity", "mean_velocity", "max_speed", "temperature"}));
 }
 
 TEST(Summary, EmptyListsAndTablesAreThere) {

@@ -99,6 +99,7 @@ count = "N"
 radius = "R"
 centre = [0.0, "R"]
 particle_mass = "1 / N"
+start_temperature = 0.0
 coordinates = "particles"
 
 [[force]]
@@ -124,6 +125,8 @@ duration = 10000.0
 number_type = "double"
 ledger = false
 seed = 0
+stream = 0
+repeats = 1
 checkpoint_every = 60.0
 allow_unstable = false
 
