@@ -136,10 +136,14 @@ class ThermalMemory : public OwnStateForce<MemoryDamping, Real, D> {
   mutable AlignedVector<Real> normals_[2];  ///< scratch of the flow
 };
 
+bool is_noisy(const MemoryDampingDescription& d) {
+  return d.temperature > 0.0 && d.coefficient > 0.0;
+}
+
 template <class Real>
 std::unique_ptr<BoundForce<Real>> bind_memory(const MemoryDampingDescription& d,
                                               const Binding<Real>& binding) {
-  if (!(d.temperature > 0.0)) {
+  if (!is_noisy(d)) {
     return bind_with_state<MemoryDamping, kernels::MemoryDamping, kRankCheap, Real>(d, binding);
   }
   return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
@@ -148,7 +152,7 @@ std::unique_ptr<BoundForce<Real>> bind_memory(const MemoryDampingDescription& d,
 }
 
 Traits traits_of_memory(const MemoryDampingDescription& d) {
-  return {.depends_on_velocity = true, .stochastic = d.temperature > 0.0};
+  return {.depends_on_velocity = true, .stochastic = is_noisy(d)};
 }
 
 }  // namespace
