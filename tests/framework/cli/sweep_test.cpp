@@ -108,8 +108,7 @@ TEST_F(SweepCommand, Repeats) {
   EXPECT_EQ(table.substr(0, table.find('\n')),
             "run.stream,v,driver.mean_force.x [force],error.driver.mean_force.x "
             "[force],status,reason");
-  const Json axes = Json::parse(file("a/sweep.json"))["axes"];
-  EXPECT_EQ(axes[0]["values"], (std::vector<double>{0, 1, 2}));
+  EXPECT_EQ(Json::parse(file("a/sweep.json"))["axes"][0]["name"], "run.stream");
   ASSERT_EQ(tomlin({"sweep", "a/scene.toml", "-o", "again"}).status, 0);
   EXPECT_EQ(results("again"), results("a"));
 
