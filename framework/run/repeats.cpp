@@ -50,7 +50,8 @@ std::vector<Repeated> repeated_numbers(const RunResult& result) {
       for (std::size_t d = 0; d < group.values[v].count(); ++d) {
         const std::string axis =
             quantity.shape == Shape::vector ? fmt::format(".{}", kAxisNames[d]) : "";
-        all.push_back({g, v, d, group.family + name + "." + quantity.key + axis, {}});
+        all.push_back(
+            {g, v, d, fmt::format("{}{}.{}{}", group.family, name, quantity.key, axis), {}});
       }
     }
   }

@@ -57,7 +57,7 @@ class MeanErrors : public RunObserver {
 
   /// The state's own integrals, at the edges those there.
   void edge(const RunMoment& moment) override {
-    read(moment.position, moment.integrals);
+    read_sums(moment.position, moment.integrals);
     if (*count_ != 0) {
       follow(moment.time);
       return;
@@ -70,7 +70,7 @@ class MeanErrors : public RunObserver {
   void block_ended() override {
     if (*count_ == 0 || !parts_.window.is_open()) return;
     const SystemView<double>& view = parts_.run.model.system().view;
-    read(view.position, view.integrals);
+    read_sums(view.position, view.integrals);
     follow(parts_.run.clock.time());
   }
 
@@ -135,7 +135,7 @@ class MeanErrors : public RunObserver {
     }
   }
 
-  void read(const double* position, const double* integrals) {
+  void read_sums(const double* position, const double* integrals) {
     const Model& model = parts_.run.model;
     for (std::size_t k = 0; k < series_.size(); ++k) {
       const Series& one = series_[k];
