@@ -1,12 +1,5 @@
 #include "integrators/baoab.hpp"
 
-#include <cmath>
-#include <limits>
-#include <memory>
-#include <vector>
-
-#include "framework/core/elements/kernel_tables.hpp"
-#include "framework/core/records/integrator.hpp"
 #include "integrators/composition.hpp"
 #include "integrators/langevin_kernels.hpp"
 
@@ -15,35 +8,16 @@ TOMLIN_DECLARE_TABLES(BaoabKernels, CompositionTable)
 namespace tomlin {
 namespace {
 
-using Description = CompositionDescription;
-
-/// Friction only ever helps.
-double stable_step(double frequency, double) {
-  return frequency > 0.0 ? 2.0 / frequency : std::numeric_limits<double>::infinity();
-}
-
-/// The speed under a steady force, and the diffusion coefficient, are right but for the factor
-/// (h gamma/2) coth(h gamma/2).
-double drag_error(double damped) {
-  const double half = 0.5 * damped;
-  return half > 0.0 ? half / std::tanh(half) - 1.0 : 0.0;
-}
-
-double step(const void* description) { return static_cast<const Description*>(description)->dt; }
-
-std::vector<Complaint> complaints(const void*) { return {}; }
-
-template <class Real>
-std::unique_ptr<Integrator<Real>> bind(const void*, System<Real>& system) {
-  const auto& table = kernels::BaoabKernels.on<Real>(system.set);
-  return std::make_unique<Composition<Real>>(CompositionScheme<Real>{"baoab", 1, table}, system);
-}
+struct Baoab {
+  static constexpr const char* name = "baoab";
+  static constexpr unsigned drifts = 1;
+  static constexpr double longest = 2.0;
+};
 
 }  // namespace
 
 IntegratorRecord baoab_record() {
-  IntegratorRecord record;
-  record.name = "baoab";
+  IntegratorRecord record = composition_record<Baoab, kernels::BaoabKernels>();
   record.summary =
       "BAOAB splitting of Langevin dynamics: friction and noise exact, in the middle of a Verlet "
       "step";
@@ -51,18 +25,10 @@ IntegratorRecord baoab_record() {
   record.source =
       "B. Leimkuhler and C. Matthews, Appl. Math. Res. Express 2013, 34, doi:10.1093/amrx/abs010";
   record.order = 2;
-  record.evaluations_per_step = 1;
-  record.without_inertia = false;
   record.splits_friction = true;
   record.takes_noise = true;
   record.half_step_velocities = true;
-  record.make_description = &make_description<Description>;
-  record.parameters = {parameter("dt", &Description::dt, dimension::time, "the step").in(positive)};
-  record.stable_step = &stable_step;
-  record.drag_error = &drag_error;
-  record.step = &step;
-  record.complaints = &complaints;
-  record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
+  record.drag_error = &verlet_drag_error;
   record.example = R"(# A particle drifts over a corrugation in a thermal bath.
 [[body]]
 type = "point"

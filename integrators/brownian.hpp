@@ -146,12 +146,18 @@ class Brownian : public Integrator<Real> {
   double last_ = 0.0;
 };
 
-/// The record of one of them, but for what only a reader needs.
-template <class Factories>
-IntegratorRecord brownian_record(std::string name, Factories factories) {
+template <class Scheme, class Real>
+std::unique_ptr<Integrator<Real>> bind_brownian(const void*, System<Real>& system) {
+  return std::make_unique<Brownian<Real>>(Scheme::name, Scheme::noise, system);
+}
+
+/// The record of one of them, which has a name and its noise, but for what only a reader needs.
+template <class Scheme>
+IntegratorRecord brownian_record() {
   using Description = BrownianDescription;
   IntegratorRecord record;
-  record.name = std::move(name);
+  record.name = Scheme::name;
+  record.order = 1;
   record.evaluations_per_step = 1;
   record.with_inertia = false;
   record.takes_noise = true;
@@ -160,7 +166,35 @@ IntegratorRecord brownian_record(std::string name, Factories factories) {
   record.growth = [](std::complex<double> z) { return std::abs(1.0 + z); };
   record.step = [](const void* d) { return static_cast<const Description*>(d)->dt; };
   record.complaints = [](const void*) { return std::vector<Complaint>(); };
-  record.bind = factories;
+  record.bind = {&bind_brownian<Scheme, double>, &bind_brownian<Scheme, float>,
+                 &bind_brownian<Scheme, Quad>};
+  record.example =
+      std::string(R"(# A particle without inertia drifts over a corrugation in a thermal bath.
+[[body]]
+type = "point"
+position = [0.0]
+particle_mass = 1.0
+
+[[force]]
+type = "constant_force"
+force = [0.5]
+
+[[force]]
+type = "langevin"
+coefficient = 1.0
+temperature = 0.2
+
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.1
+period = 1.0
+
+[run]
+dynamics = "overdamped"
+duration = 100.0
+integrator = { type = ")") +
+      Scheme::name + R"(", dt = 1e-2 }
+)";
   return record;
 }
 

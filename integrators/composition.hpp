@@ -1,9 +1,15 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/records/integrator.hpp"
 #include "framework/core/system/scheme.hpp"
 #include "integrators/composition_kernels.hpp"
 #include "integrators/hermite.hpp"
@@ -125,5 +131,41 @@ class Composition : public Integrator<Real> {
   std::int64_t* step_ = nullptr;  ///< so many have been taken
   double last_ = 0.0;
 };
+
+template <class Scheme, const TablesByType<CompositionTable>& tables, class Real>
+std::unique_ptr<Integrator<Real>> bind_composition(const void*, System<Real>& system) {
+  return std::make_unique<Composition<Real>>(
+      CompositionScheme<Real>{Scheme::name, Scheme::drifts, tables.template on<Real>(system.set)},
+      system);
+}
+
+/// The record of a scheme with its compiled kernels, but for its order, what it takes, and what
+/// only a reader needs. The scheme has a name, its drifts, and `longest`: times the angular
+/// frequency of an oscillator, the longest stable step at any friction.
+template <class Scheme, const TablesByType<CompositionTable>& tables>
+IntegratorRecord composition_record() {
+  using Description = CompositionDescription;
+  IntegratorRecord record;
+  record.name = Scheme::name;
+  record.evaluations_per_step = Scheme::drifts;
+  record.without_inertia = false;
+  record.make_description = &make_description<Description>;
+  record.parameters = {parameter("dt", &Description::dt, dimension::time, "the step").in(positive)};
+  record.stable_step = [](double frequency, double) {
+    return frequency > 0.0 ? Scheme::longest / frequency : std::numeric_limits<double>::infinity();
+  };
+  record.step = [](const void* d) { return static_cast<const Description*>(d)->dt; };
+  record.complaints = [](const void*) { return std::vector<Complaint>(); };
+  record.bind = {&bind_composition<Scheme, tables, double>,
+                 &bind_composition<Scheme, tables, float>, &bind_composition<Scheme, tables, Quad>};
+  return record;
+}
+
+/// Of Verlet steps with the exact flow of friction: under a steady force F their steady speed is
+/// (h F/2m) coth(h gamma/2), where F/(m gamma) is right.
+inline double verlet_drag_error(double damped) {
+  const double half = 0.5 * damped;
+  return half > 0.0 ? half / std::tanh(half) - 1.0 : 0.0;
+}
 
 }  // namespace tomlin

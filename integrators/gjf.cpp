@@ -1,12 +1,5 @@
 #include "integrators/gjf.hpp"
 
-#include <cmath>
-#include <limits>
-#include <memory>
-#include <vector>
-
-#include "framework/core/elements/kernel_tables.hpp"
-#include "framework/core/records/integrator.hpp"
 #include "integrators/composition.hpp"
 #include "integrators/langevin_kernels.hpp"
 
@@ -15,28 +8,16 @@ TOMLIN_DECLARE_TABLES(GjfKernels, CompositionTable)
 namespace tomlin {
 namespace {
 
-using Description = CompositionDescription;
-
-/// Friction only ever helps.
-double stable_step(double frequency, double) {
-  return frequency > 0.0 ? 2.0 / frequency : std::numeric_limits<double>::infinity();
-}
-
-double step(const void* description) { return static_cast<const Description*>(description)->dt; }
-
-std::vector<Complaint> complaints(const void*) { return {}; }
-
-template <class Real>
-std::unique_ptr<Integrator<Real>> bind(const void*, System<Real>& system) {
-  const auto& table = kernels::GjfKernels.on<Real>(system.set);
-  return std::make_unique<Composition<Real>>(CompositionScheme<Real>{"gjf", 1, table}, system);
-}
+struct Gjf {
+  static constexpr const char* name = "gjf";
+  static constexpr unsigned drifts = 1;
+  static constexpr double longest = 2.0;
+};
 
 }  // namespace
 
 IntegratorRecord gjf_record() {
-  IntegratorRecord record;
-  record.name = "gjf";
+  IntegratorRecord record = composition_record<Gjf, kernels::GjfKernels>();
   record.summary =
       "scheme of Gronbech-Jensen and Farago for Langevin dynamics: exact drift and diffusion";
   record.equation =
@@ -47,17 +28,9 @@ IntegratorRecord gjf_record() {
       "N. Gronbech-Jensen and O. Farago, Mol. Phys. 111 (2013) 983, "
       "doi:10.1080/00268976.2012.760055";
   record.order = 2;
-  record.evaluations_per_step = 1;
-  record.without_inertia = false;
   record.splits_friction = true;
   record.takes_noise = true;
   record.half_step_velocities = true;
-  record.make_description = &make_description<Description>;
-  record.parameters = {parameter("dt", &Description::dt, dimension::time, "the step").in(positive)};
-  record.stable_step = &stable_step;
-  record.step = &step;
-  record.complaints = &complaints;
-  record.bind = {&bind<double>, &bind<float>, &bind<Quad>};
   record.example = R"(# A particle drifts over a corrugation in a thermal bath, with long steps.
 [[body]]
 type = "point"

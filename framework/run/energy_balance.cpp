@@ -39,6 +39,9 @@ constexpr double kRounding = 1e-11;
 /// Blocks for a standard error.
 constexpr std::int64_t kFewest = 8;
 
+/// Work or heat of fewer times the mean energy than this is no flow through a body in a bath.
+constexpr double kNetFlow = 100.0;
+
 /// Of the places of blocks: the same in every run, so that results are reproducible.
 constexpr RandomKey kKey{0x656e65726779, 0};
 
@@ -61,10 +64,11 @@ std::shared_ptr<const Scene> with_ledger(const Scene& scene) {
 std::optional<Warning> doubt_of_balance(const SampledWork& found, bool sampled, bool noise) {
   const double work = std::abs(found.work);
   const bool damped = std::abs(found.heat) > kNoHeat * found.stored;
-  double scale =
+  const double scale =
       std::max(work, damped ? std::abs(found.heat) : std::max(found.kinetic, found.stored));
-  // A bath gives and takes: the heat in sum may be next to nothing.
-  if (noise) scale = std::max({scale, found.kinetic, found.stored});
+  // A bath gives and takes: what is left in sum is then chance, and no scale.
+  const double energy = std::max(found.kinetic, found.stored);
+  if (noise && std::max(work, std::abs(found.heat)) < kNetFlow * energy) return {};
   const double numerical = std::abs(found.numerical);
   const double chance = std::max(kSurely * found.uncertainty, kRounding * found.stored);
   if (!(numerical > kNotSmall * scale && numerical > chance)) return {};

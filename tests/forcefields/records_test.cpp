@@ -184,7 +184,7 @@ TEST(Names, TypeFileAndClassAgree) {
     EXPECT_NE(code.find("\"" + scheme->name + "\""), std::string::npos);
     EXPECT_TRUE(code.find("class " + name + " ") != std::string::npos ||
                 code.find(name + "Kernels") != std::string::npos ||
-                code.find("brownian_record(") != std::string::npos);
+                code.find("struct " + name + " {") != std::string::npos);
   }
   for (const auto& body : standard().bodies()) {
     const std::string header = contents(source / "framework/bodies" / (body->name + ".hpp"));

@@ -165,7 +165,8 @@ struct LinearStep {
     return left.transpose().fullPivLu().solve(a.topRightCorner(1, rest).transpose()).transpose();
   }
 
-  /// Of a particle that nothing holds: variance of the position grows by 2 D h in a step.
+  /// Diffusion coefficient D of a free particle: its mean square displacement grows by 2 D h a
+  /// step.
   double diffusion() const {
     Eigen::RowVectorXd weight = b.row(0);
     if (a.rows() > 1) weight += moves() * b.bottomRows(a.rows() - 1);

@@ -160,5 +160,26 @@ TEST(NoiseRefusals, ACoefficientOfZero) {
   EXPECT_EQ(result.body(0)["velocity"][0], 0.0);
 }
 
+/// Noise that moves a particle by more than a sixth of a period in a step, in the root mean square,
+/// sooner or later moves it by a period.
+TEST(NoiseRefusals, StepsInWhichNoiseMovesTooFar) {
+  const auto ended = [](const std::string& dt) {
+    return run_text(
+        "[[body]]\ntype = \"point\"\nposition = [0.0]\nparticle_mass = 1.0\n[[force]]\ntype = "
+        "\"sinusoidal_substrate\"\namplitude = 0.01\nperiod = 1.0\n[[force]]\nname = "
+        "\"bath\"\ntype = "
+        "\"langevin\"\ncoefficient = 1.0\ntemperature = 0.3\n[run]\ndynamics = \"overdamped\"\n"
+        "duration = 2.0\nintegrator = { type = \"euler_maruyama\", dt = " +
+        dt + " }\n");
+  };
+  // sqrt(2 T dt) = 1/6 at dt = 0.0463.
+  EXPECT_EQ(ended("0.045").status, RunStatus::finished);
+  const RunResult refused = ended("0.048");
+  ASSERT_TRUE(refused.failure);
+  EXPECT_EQ(refused.failure->code, FaultCode::run_step_unstable);
+  EXPECT_EQ(refused.failure->step, 0);
+  EXPECT_NE(refused.failure->what.find("noise"), std::string::npos) << refused.failure->what;
+}
+
 }  // namespace
 }  // namespace tomlin::test

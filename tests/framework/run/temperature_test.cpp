@@ -269,5 +269,40 @@ TEST(BathHeat, WithoutInertiaTheLedgerCloses) {
   }
 }
 
+// ---- heat that flows through the bath
+
+/// A particle dragged at its terminal velocity 1 through a cold bath: m v^2 = 1. Velocities before
+/// and after friction differ by h, so that the mean of their squares is 1 + h^2/4 and a little
+/// more; that of either alone would be off by h.
+TEST(BathTemperature, IsThatOfBothSidesOfTheFriction) {
+  constexpr double kStep = 0.1;
+  constexpr double kSecondOrder = 0.5 * kStep * kStep;
+  for (const std::string scheme : {"baoab", "gjf"}) {
+    const RunResult result = run_text(
+        "[[body]]\ntype = \"point\"\nposition = [0.0]\nvelocity = [1.0]\nparticle_mass = 1.0\n"
+        "[[force]]\ntype = \"constant_force\"\nforce = [1.0]\n" +
+        bath_of(1e-12, "1.0") +
+        "[run]\nduration = 50.0\nallow_unstable = true\nintegrator = { type = \"" + scheme +
+        "\", dt = " + digits(kStep) + " }\n[measure]\nfrom = 10.0\n");
+    EXPECT_NEAR(*result.body(0)["temperature"], 1.0, kSecondOrder) << scheme;
+  }
+}
+
+// ---- the energy balance
+
+/// In equilibrium the heat in sum is next to nothing: it is no scale for what the scheme adds.
+TEST(BathHeat, EquilibriumIsNoReasonToDoubtTheBalance) {
+  for (int stream = 0; stream < 20; ++stream) {
+    const RunResult result = run_text(
+        "[[body]]\ntype = \"point\"\nposition = [0.0]\nparticle_mass = 1.0\n[[force]]\ntype = "
+        "\"driving_spring\"\nstiffness = 1.0\nvelocity = [0.0]\n" +
+        bath_of(0.1, "1.0") + "[run]\nduration = 2000.0\nallow_unstable = true\nstream = " +
+        std::to_string(stream) + "\nintegrator = { type = \"baoab\", dt = 0.5 }\n");
+    for (const Warning& warning : result.warnings) {
+      EXPECT_NE(warning.code, FaultCode::run_energy_balance) << stream << ": " << warning.text;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tomlin::test
