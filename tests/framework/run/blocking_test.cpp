@@ -207,7 +207,8 @@ TEST(Blocking, WithoutNoiseThereIsNoStatisticalError) {
 }
 
 /// What swings back: y_k = z_k - z_k-1 has the mean (z_n - z_0)/n, of error sqrt(2)/n. With 16
-/// blocks at the least four times that can be known; as if independent it would be 32 times.
+/// blocks at the least four times that can be known; as if independent it would be sqrt(n) = 32
+/// times. Half of that is far from both, whatever 16 blocks scatter.
 TEST(Blocking, WhatSwingsBackHasASmallerError) {
   constexpr std::size_t kCount = 1024;
   const double exact = std::sqrt(2.0) / static_cast<double>(kCount);
@@ -218,7 +219,7 @@ TEST(Blocking, WhatSwingsBackHasASmallerError) {
     const BlockedMean mean = blocked_mean(series);
     ASSERT_TRUE(mean.error) << stream;
     EXPECT_GT(*mean.error, exact) << stream;
-    EXPECT_LT(*mean.error, 10.0 * exact) << stream;
+    EXPECT_LT(*mean.error, 16.0 * exact) << stream;
   }
 }
 
