@@ -124,8 +124,8 @@ class Driven : public Base, public PulledEnd {
   const Drive* drive() const override { return &drive_; }
 
   std::vector<DoubleDouble> travelled(const DoubleDouble& time) const override {
-    std::vector<DoubleDouble> travel;
-    for (int k = 0; k < D; ++k) travel.push_back(travelled_on(k, time));
+    std::vector<DoubleDouble> travel(D);
+    for (int k = 0; k < D; ++k) travel[static_cast<std::size_t>(k)] = travelled_on(k, time);
     return travel;
   }
   void begin_at(const std::vector<DoubleDouble>& travel) override {
