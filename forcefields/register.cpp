@@ -7,9 +7,11 @@
 #include "forcefields/harmonic_bonds.hpp"
 #include "forcefields/langevin.hpp"
 #include "forcefields/lattice_substrate.hpp"
+#include "forcefields/lennard_jones.hpp"
 #include "forcefields/memory_damping.hpp"
 #include "forcefields/morse_bonds.hpp"
 #include "forcefields/sinusoidal_substrate.hpp"
+#include "forcefields/tersoff.hpp"
 #include "forcefields/velocity_weakening.hpp"
 #include "forcefields/viscous_damping.hpp"
 #include "framework/core/records/force.hpp"
@@ -24,9 +26,11 @@ void register_forcefields(Registry& registry) {
   registry.add(harmonic_bonds_record());
   registry.add(langevin_record());
   registry.add(lattice_substrate_record());
+  registry.add(lennard_jones_record());
   registry.add(memory_damping_record());
   registry.add(morse_bonds_record());
   registry.add(sinusoidal_substrate_record());
+  registry.add(tersoff_record());
   registry.add(velocity_weakening_record());
   registry.add(viscous_damping_record());
 }

@@ -1,0 +1,259 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "framework/core/elements/bond_order_kernels.hpp"
+#include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/elements/neighbour_list.hpp"
+#include "framework/core/elements/site_force.hpp"
+#include "framework/core/numbers/sum.hpp"
+
+/// Bound bond-order potentials, made from an evaluator.
+namespace tomlin {
+
+using BondOrderTables = TablesByType<BondOrderTable>;
+
+/// The neighbours of each particle of a body, a row for each.
+template <class Real>
+class NeighbourRows {
+ public:
+  NeighbourRows(const BoundBody<Real>& body, double cutoff, const std::array<double, 3>& box)
+      : finder_(body, body, 3, cutoff, box, Search::in_stages),
+        periodic_(box[0] > 0.0 || box[1] > 0.0 || box[2] > 0.0),
+        neighbours_(padded(body.slot.count), Real(0.0)),
+        energy_(padded(body.slot.count)) {
+    arguments.update = {&NeighbourRows::update, this};
+    arguments.body = body.slot;
+    arguments.reach = Real(cutoff);
+    arguments.energy = energy_.data();
+  }
+  NeighbourRows(const NeighbourRows&) = delete;
+  NeighbourRows& operator=(const NeighbourRows&) = delete;
+
+  void forget() { finder_.forget(); }
+  void bring_up_to_date(const Stage<Real>& stage) { update(this, stage); }
+  std::size_t neighbours_of(std::size_t particle) const { return found_[particle].size(); }
+  const std::vector<Neighbour>& of(std::size_t particle) const { return found_[particle]; }
+  std::size_t most_rows() const { return most_rows_; }
+
+  BondOrderArguments<Real> arguments;
+
+ private:
+  static void update(void* list, const Stage<Real>& stage) {
+    auto& self = *static_cast<NeighbourRows*>(list);
+    if (self.finder_.begin(stage)) self.make();
+  }
+
+  void make() {
+    const std::size_t count = finder_.count();
+    const std::size_t groups = padded(count) / kGroup;
+    found_.resize(count);
+    row_start_.assign(groups + 1, 0);
+    most_rows_ = 0;
+    for (std::size_t g = 0; g < groups; ++g) {
+      std::size_t rows = 0;
+      for (std::size_t i = g * kGroup; i < (g + 1) * kGroup && i < count; ++i) {
+        found_[i] = finder_.of(i);
+        neighbours_[i] = Real(static_cast<double>(found_[i].size()));
+        rows = std::max(rows, found_[i].size());
+      }
+      most_rows_ = std::max(most_rows_, rows);
+      row_start_[g + 1] = row_start_[g] + static_cast<std::uint32_t>(rows);
+    }
+    const std::size_t slots = row_start_.back();
+    near_.assign(slots * kGroup, 0);
+    reverse_.resize(slots * kGroup);
+    if (periodic_) shift_.assign(3 * slots * kGroup, Real(0.0));
+    // What is no neighbour is its own reverse, at which there is no gradient.
+    for (std::size_t k = 0; k < reverse_.size(); ++k) reverse_[k] = static_cast<std::int64_t>(k);
+    for (std::size_t i = 0; i < count; ++i) lay(i, slots);
+    gradient_.resize(3 * slots * kGroup);
+    work_.resize(bond_order_work<Real>(most_rows_));
+    arguments.row_start = row_start_.data();
+    arguments.neighbours = neighbours_.data();
+    arguments.near = near_.data();
+    arguments.reverse = reverse_.data();
+    arguments.shift = periodic_ ? shift_.data() : nullptr;
+    arguments.slots = slots;
+    arguments.gradient = gradient_.data();
+    arguments.work = work_.data();
+  }
+
+  std::size_t place_of(std::size_t particle, std::size_t row) const {
+    return (row_start_[particle / kGroup] + row) * kGroup + particle % kGroup;
+  }
+
+  void lay(std::size_t i, std::size_t slots) {
+    for (std::size_t k = 0; k < found_[i].size(); ++k) {
+      const Neighbour& neighbour = found_[i][k];
+      const std::size_t place = place_of(i, k);
+      near_[place] = neighbour.particle;
+      if (periodic_) {
+        for (std::size_t d = 0; d < 3; ++d) {
+          shift_[d * slots * kGroup + place] = Real(neighbour.shift[d]);
+        }
+      }
+      const std::vector<Neighbour>& back = found_[neighbour.particle];
+      const auto me = std::lower_bound(
+          back.begin(), back.end(), i,
+          [](const Neighbour& one, std::size_t particle) { return one.particle < particle; });
+      if (me == back.end() || me->particle != i) continue;  // at the very edge of the list's reach
+      reverse_[place] = static_cast<std::int64_t>(
+          place_of(neighbour.particle, static_cast<std::size_t>(me - back.begin())));
+    }
+  }
+
+  NeighbourFinder<Real> finder_;
+  bool periodic_;
+  std::size_t most_rows_ = 0;
+  std::vector<std::vector<Neighbour>> found_;
+  std::vector<std::uint32_t> row_start_;
+  AlignedVector<Real> neighbours_;
+  AlignedVector<std::int64_t> near_;
+  AlignedVector<std::int64_t> reverse_;
+  AlignedVector<Real> shift_;
+  AlignedVector<Real> gradient_;
+  AlignedVector<Real> work_;
+  AlignedVector<Real> energy_;
+};
+
+/// The potential among all particles of a body, in three dimensions.
+template <class E, class Real>
+class BondOrderForce : public BoundForce<Real> {
+ public:
+  BondOrderForce(const typename E::Description& description, const Binding<Real>& binding,
+                 const BondOrderTables& tables)
+      : parameters_(E::template parameters<Real>(description)),
+        table_(tables.on<Real>(binding.set)),
+        body_(*binding.bodies.front()),
+        rows_(body_, E::reach(description), binding.box) {
+    rows_.arguments.parameters = &parameters_;
+  }
+
+  std::vector<Pass<Real>> passes() override {
+    return {{table_.set, table_.add, &rows_.arguments, {{body_.index, false}}, kRankTranscendental}};
+  }
+
+  void rebase(const Origin& origin) override {
+    (void)origin;
+    rows_.forget();
+  }
+
+  Real energy(const Stage<Real>& stage) const override {
+    rows_.bring_up_to_date(stage);
+    table_.energy(&rows_.arguments, stage);
+    InterleavedSum<Real> total;
+    for (std::size_t i = 0; i < body_.slot.count; ++i) total.add(i, rows_.arguments.energy[i]);
+    return total.total();
+  }
+
+  /// By the derivative of the gradient along each coordinate of each neighbour.
+  void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
+    rows_.bring_up_to_date(stage);
+    Rows rows;
+    for (std::size_t i = 0; i < body_.slot.count; ++i) {
+      const std::vector<Neighbour>& near = rows_.of(i);
+      for (std::size_t j = 0; j < near.size(); ++j) {
+        for (int b = 0; b < 3; ++b) {
+          rows.fill(*this, stage, i, j, b);
+          for (std::size_t k = 0; k < near.size(); ++k) {
+            for (int a = 0; a < 3; ++a) {
+              const auto value = static_cast<double>(rows.bonds[k].gradient[a].derivative[0]);
+              if (value == 0.0) continue;
+              add_block(sink, near[k].particle, a, near[j].particle, b, value);
+              add_block(sink, i, a, near[j].particle, b, -value);
+              add_block(sink, near[k].particle, a, i, b, -value);
+              add_block(sink, i, a, i, b, value);
+            }
+          }
+        }
+      }
+    }
+  }
+
+  std::string why_not_finite(const Stage<Real>& stage) const override {
+    rows_.bring_up_to_date(stage);
+    for (std::size_t i = 0; i < body_.slot.count; ++i) {
+      for (const Neighbour& near : rows_.of(i)) {
+        const auto apart = static_cast<double>(distance(way_to(stage, i, near)));
+        if (apart > 0.0) continue;
+        return fmt::format("particles {} and {} of \"{}\" coincide", i, near.particle, body_.name);
+      }
+    }
+    return {};
+  }
+
+ private:
+  /// The rows of one particle with their derivatives along a coordinate of one of its neighbours.
+  struct Rows {
+    using T = Dual<Real, 1>;
+    std::vector<BondRow<T>> bonds;
+    std::vector<AngleRow<T>> angles;
+
+    void fill(const BondOrderForce& force, const Stage<Real>& stage, std::size_t i,
+              std::size_t moved, int axis) {
+      const std::vector<Neighbour>& near = force.rows_.of(i);
+      bonds.resize(near.size());
+      angles.resize(near.size() * near.size());
+      for (std::size_t k = 0; k < near.size(); ++k) {
+        const Vec<Real, 3> way = force.way_to(stage, i, near[k]);
+        Vec<T, 3> wide;
+        for (int d = 0; d < 3; ++d) wide[d] = T(way[d]);
+        if (k == moved) wide[axis].derivative[0] = Real(1.0);
+        bonds[k].distance = sqrt(norm_squared(wide));
+        bonds[k].inverse_distance = T(Real(1.0)) / bonds[k].distance;
+        bonds[k].direction = bonds[k].inverse_distance * wide;
+      }
+      const OneSpecies<typename E::template Parameters<Real>> p{force.parameters_,
+                                                                E::weighted(force.parameters_)};
+      bond_order_energy<E, T>(near.size(), bonds.data(), angles.data(), p);
+    }
+  };
+
+  Vec<Real, 3> way_to(const Stage<Real>& stage, std::size_t i, const Neighbour& near) const {
+    const auto here = vector_at<3, Real>(body_.slot, stage.position, stage.mapped_position, i);
+    const auto there =
+        vector_at<3, Real>(body_.slot, stage.position, stage.mapped_position, near.particle);
+    Vec<Real, 3> way;
+    for (int d = 0; d < 3; ++d) way[d] = (there[d] - here[d]) + Real(near.shift[d]);
+    return way;
+  }
+
+  void add_block(HessianSink& sink, std::size_t i, int a, std::size_t j, int b,
+                 double value) const {
+    if (i == j) {
+      sink.site(body_.index, i, a, b, value);
+    } else {
+      sink.block(body_.index, i, a, body_.index, j, b, value);
+    }
+  }
+
+  typename E::template Parameters<Real> parameters_;
+  const BondOrderTable<Real>& table_;
+  BoundBody<Real> body_;
+  mutable NeighbourRows<Real> rows_;
+};
+
+template <class E, const BondOrderTables& tables, class Real>
+std::unique_ptr<BoundForce<Real>> bind_bond_order(const typename E::Description& d,
+                                                  const Binding<Real>& binding) {
+  return std::make_unique<BondOrderForce<E, Real>>(d, binding, tables);
+}
+
+/// The binding of a bond-order potential, in every number type.
+template <class E, const BondOrderTables& tables>
+ForceFactories on_bond_orders() {
+  return {of_description<&bind_bond_order<E, tables, double>>,
+          of_description<&bind_bond_order<E, tables, float>>,
+          of_description<&bind_bond_order<E, tables, Quad>>};
+}
+
+}  // namespace tomlin

@@ -1,0 +1,117 @@
+#pragma once
+
+#include "framework/core/elements/cutoff_arguments.hpp"
+#include "framework/core/elements/element.hpp"
+#include "framework/core/numbers/number_types.hpp"
+
+/// The loop over pairs within a cutoff.
+namespace tomlin {
+inline namespace TOMLIN_TARGET {
+
+/// True but in lane n.
+template <class Group>
+TOMLIN_INLINE Mask<Group> all_but_lane(std::size_t n) {
+  return first_lanes_of<Group>(static_cast<int>(n)) |
+         !first_lanes_of<Group>(static_cast<int>(n) + 1);
+}
+
+/// use(i, near, pair): all groups of pairs of each particle i, `near` those within the cutoff; then
+/// done(i).
+template <class E, class Real, int D, class Use, class Done>
+TOMLIN_INLINE void for_groups_of_pairs(const CutoffPairArguments<Real>& a,
+                                       const Stage<Real>& stage, Use&& use, Done&& done) {
+  using Group = Packed<Real>;
+  const Real* x = (a.one.mapped ? stage.mapped_position : stage.position) + a.one.offset;
+  const Real* others = (a.other.mapped ? stage.mapped_position : stage.position) + a.other.offset;
+  const Group cutoff_squared(a.cutoff_squared);
+  const std::size_t whole = a.other.count / kGroup * kGroup;
+  for (std::size_t i = 0; i < a.one.count; ++i) {
+    Vec<Group, D> here;
+    for (int d = 0; d < D; ++d) here[d] = Group(x[d * a.one.stride + i]);
+    for (std::uint32_t k = a.row_start[i]; k < a.row_start[i + 1]; ++k) {
+      const std::size_t j = a.first[k];
+      const Real* shift = a.shifts + 3 * a.shift[k];
+      Pair<Group, D> pair;
+      for (int d = 0; d < D; ++d) {
+        pair.separation[d] =
+            (Group::load(others + d * a.other.stride + j) - here[d]) + Group(shift[d]);
+      }
+      pair.datum = Group(Real(0.0));
+      Mask<Group> near = norm_squared(pair.separation) < cutoff_squared;
+      if (j == whole) near = near & first_lanes_of<Group>(static_cast<int>(a.other.count - j));
+      if (a.same_body && j == i / kGroup * kGroup) near = near & all_but_lane<Group>(i - j);
+      use(near, pair);
+    }
+    done(i);
+  }
+}
+
+template <class E, class Real, int D, bool set>
+TOMLIN_FLATTEN void cutoff_pair_kernel(const void* arguments, const Stage<Real>& stage) {
+  using Group = Packed<Real>;
+  const auto* const given = static_cast<const CutoffPairArguments<Real>*>(arguments);
+  given->update.run(given->update.list, stage);
+  const CutoffPairArguments<Real> a = *given;
+  const auto p = in_type<E, Group, Real, D>(
+      *static_cast<const typename E::template Parameters<Real, D>*>(a.parameters));
+  Real* f = (a.one.mapped ? stage.mapped_force : stage.force) + a.one.offset;
+  const Group none(Real(0.0));
+  Vec<Group, D> total;
+  for (int d = 0; d < D; ++d) total[d] = none;
+  for_groups_of_pairs<E, Real, D>(
+      a, stage,
+      [&](const Mask<Group>& near, const Pair<Group, D>& pair) {
+        const Vec<Group, D> force = force_on<E, Group, D>(p, pair);
+        for (int d = 0; d < D; ++d) total[d] = total[d] + select(near, force[d], none);
+      },
+      [&](std::size_t i) {
+        for (int d = 0; d < D; ++d) {
+          Real& to = f[d * a.one.stride + i];
+          const Real sum_of_all = sum(total[d]);
+          to = set ? sum_of_all : to + sum_of_all;
+          total[d] = none;
+        }
+      });
+  if constexpr (set) {
+    for (std::size_t i = a.one.count; i % kGroup != 0; ++i) {
+      for (int d = 0; d < D; ++d) f[d * a.one.stride + i] = Real(0.0);
+    }
+  }
+}
+
+template <class E, class Real, int D>
+TOMLIN_FLATTEN void cutoff_energy_kernel(const void* arguments, const Stage<Real>& stage) {
+  using Group = Packed<Real>;
+  const CutoffPairArguments<Real> a = *static_cast<const CutoffPairArguments<Real>*>(arguments);
+  const auto p = in_type<E, Group, Real, D>(
+      *static_cast<const typename E::template Parameters<Real, D>*>(a.parameters));
+  const Group none(Real(0.0));
+  Group total = none;
+  for_groups_of_pairs<E, Real, D>(
+      a, stage,
+      [&](const Mask<Group>& near, const Pair<Group, D>& pair) {
+        total = total + select(near, E::energy(p, pair), none);
+      },
+      [&](std::size_t i) {
+        a.energy[i] = sum(total);
+        total = none;
+      });
+}
+
+/// The kernels of an evaluator of pairs that ends at a cutoff.
+template <class E, class Real>
+constexpr CutoffPairTable<Real> cutoff_pair_table() {
+  CutoffPairTable<Real> table;
+  const auto fill = [&]<int D>() {
+    table.set[D - 1] = &cutoff_pair_kernel<E, Real, D, true>;
+    table.add[D - 1] = &cutoff_pair_kernel<E, Real, D, false>;
+    table.energy[D - 1] = &cutoff_energy_kernel<E, Real, D>;
+  };
+  fill.template operator()<1>();
+  fill.template operator()<2>();
+  fill.template operator()<3>();
+  return table;
+}
+
+}  // namespace TOMLIN_TARGET
+}  // namespace tomlin

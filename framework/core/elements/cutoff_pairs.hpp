@@ -1,0 +1,253 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "framework/core/elements/bonds.hpp"
+#include "framework/core/elements/cutoff_arguments.hpp"
+#include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/elements/neighbour_list.hpp"
+#include "framework/core/elements/site_force.hpp"
+#include "framework/core/numbers/sum.hpp"
+
+/// Bound forces between all pairs within a cutoff, made from an evaluator of pairs: within a body,
+/// or between two.
+namespace tomlin {
+
+using CutoffPairTables = TablesByType<CutoffPairTable>;
+
+/// For each particle of one body the groups of eight particles of another, or of the same, that
+/// hold its neighbours.
+template <class Real>
+class GroupList {
+ public:
+  GroupList(const BoundBody<Real>& one, const BoundBody<Real>& other, int dimension, double cutoff,
+            const std::array<double, 3>& box)
+      : finder_(one, other, dimension, cutoff, box, Search::by_cells), energy_(padded(one.slot.count)) {
+    arguments.update = {&GroupList::update, this};
+    arguments.one = one.slot;
+    arguments.other = other.slot;
+    arguments.same_body = one.index == other.index;
+    arguments.cutoff_squared = Real(cutoff) * Real(cutoff);
+    arguments.energy = energy_.data();
+  }
+  GroupList(const GroupList&) = delete;
+  GroupList& operator=(const GroupList&) = delete;
+
+  void forget() { finder_.forget(); }
+  void bring_up_to_date(const Stage<Real>& stage) { update(this, stage); }
+
+  /// Neighbours within the reach of the list, on average.
+  double neighbours_each() const {
+    return static_cast<double>(neighbours_) / static_cast<double>(finder_.count());
+  }
+
+  CutoffPairArguments<Real> arguments;
+
+ private:
+  static void update(void* list, const Stage<Real>& stage) {
+    auto& self = *static_cast<GroupList*>(list);
+    if (self.finder_.begin(stage)) self.make();
+  }
+
+  void make() {
+    row_start_.assign(1, 0);
+    first_.clear();
+    shift_.clear();
+    known_.clear();
+    shifts_.clear();
+    neighbours_ = 0;
+    for (std::size_t i = 0; i < finder_.count(); ++i) {
+      const std::size_t begin = first_.size();
+      for (const Neighbour& near : finder_.of(i)) {
+        ++neighbours_;
+        const auto group = static_cast<std::uint32_t>(near.particle / kGroup * kGroup);
+        const std::uint32_t shift = number_of(near.shift);
+        // A group at the side of the box is there with several images, each for other particles.
+        bool listed = false;
+        for (std::size_t k = first_.size(); k > begin && first_[k - 1] == group; --k) {
+          listed = listed || shift_[k - 1] == shift;
+        }
+        if (listed) continue;
+        first_.push_back(group);
+        shift_.push_back(shift);
+      }
+      row_start_.push_back(static_cast<std::uint32_t>(first_.size()));
+    }
+    arguments.row_start = row_start_.data();
+    arguments.first = first_.data();
+    arguments.shift = shift_.data();
+    arguments.shifts = shifts_.data();
+  }
+
+  std::uint32_t number_of(const std::array<double, 3>& shift) {
+    for (std::size_t k = 0; k < known_.size(); ++k) {
+      if (known_[k] == shift) return static_cast<std::uint32_t>(k);
+    }
+    known_.push_back(shift);
+    for (const double x : shift) shifts_.push_back(Real(x));
+    return static_cast<std::uint32_t>(known_.size() - 1);
+  }
+
+  NeighbourFinder<Real> finder_;
+  std::size_t neighbours_ = 0;
+  std::vector<std::uint32_t> row_start_;
+  std::vector<std::uint32_t> first_;
+  std::vector<std::uint32_t> shift_;
+  std::vector<std::array<double, 3>> known_;
+  AlignedVector<Real> shifts_;
+  AlignedVector<Real> energy_;
+};
+
+/// The evaluator between all pairs within the cutoff that its description states. Between two
+/// bodies each gets its force by a list of its own, but for one that is fixed.
+template <class E, class Real, int D>
+class CutoffPairForce : public BoundForce<Real> {
+ public:
+  using Parameters = typename E::template Parameters<Real, D>;
+
+  CutoffPairForce(const typename E::Description& description, const Binding<Real>& binding,
+                  const CutoffPairTables& tables, int rank)
+      : parameters_(E::template parameters<Real, D>(description)),
+        table_(tables.on<Real>(binding.set)),
+        one_(*binding.bodies.front()),
+        other_(*binding.bodies.back()),
+        rank_(rank) {
+    const double cutoff = E::cutoff(description);
+    add_list(one_, other_, cutoff, binding.box);
+    if (one_.index != other_.index) add_list(other_, one_, cutoff, binding.box);
+  }
+
+  std::vector<Pass<Real>> passes() override {
+    std::vector<Pass<Real>> all;
+    for (const auto& list : lists_) {
+      const BoundBody<Real>& body = &list == &lists_.front() ? first_listed() : other_;
+      all.push_back({table_.set[D - 1], table_.add[D - 1], &list->arguments,
+                     {{body.index, false}}, rank_});
+    }
+    return all;
+  }
+
+  void rebase(const Origin& origin) override {
+    (void)origin;
+    for (const auto& list : lists_) list->forget();
+  }
+
+  Real energy(const Stage<Real>& stage) const override {
+    GroupList<Real>& list = *lists_.front();
+    list.bring_up_to_date(stage);
+    table_.energy[D - 1](&list.arguments, stage);
+    InterleavedSum<Real> total;
+    for (std::size_t i = 0; i < list.arguments.one.count; ++i) {
+      total.add(i, list.arguments.energy[i]);
+    }
+    return list.arguments.same_body ? Real(0.5) * total.total() : total.total();
+  }
+
+  void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
+    const BoundBody<Real>& body = first_listed();
+    const BoundBody<Real>& other = body.index == one_.index ? other_ : one_;
+    const bool same = body.index == other.index;
+    for_pairs(stage, [&](std::size_t i, std::size_t j, const Pair<Real, D>& pair) {
+      if (same && j < i) return;
+      using T = Dual<Real, D>;
+      const auto force = force_on<E, T, D>(in_type<E, T, Real, D>(parameters_),
+                                           differentiable(pair));
+      for (int a = 0; a < D; ++a) {
+        for (int b = 0; b < D; ++b) {
+          sink.pair(body.index, i, other.index, j, a, b,
+                    static_cast<double>(force[a].derivative[b]));
+        }
+      }
+    });
+  }
+
+  std::string why_not_finite(const Stage<Real>& stage) const override {
+    std::string why;
+    const BoundBody<Real>& body = first_listed();
+    const BoundBody<Real>& other = body.index == one_.index ? other_ : one_;
+    for_pairs(stage, [&](std::size_t i, std::size_t j, const Pair<Real, D>& pair) {
+      const Vec<Real, D> force = force_on<E, Real, D>(parameters_, pair);
+      bool finite = true;
+      for (int d = 0; d < D; ++d) finite = finite && force[d] - force[d] == Real(0.0);
+      if (finite || !why.empty()) return;
+      why = fmt::format("particle {} of \"{}\" and particle {} of \"{}\" are {:.3g} apart", i,
+                        body.name, j, other.name,
+                        static_cast<double>(distance(pair.separation)));
+    });
+    return why;
+  }
+
+ private:
+  void add_list(const BoundBody<Real>& one, const BoundBody<Real>& other, double cutoff,
+                const std::array<double, 3>& box) {
+    if (one.coordinates == Coordinates::fixed) return;
+    lists_.push_back(std::make_unique<GroupList<Real>>(one, other, D, cutoff, box));
+    lists_.back()->arguments.parameters = &parameters_;
+  }
+
+  /// That whose neighbours the first list holds.
+  const BoundBody<Real>& first_listed() const {
+    return one_.coordinates == Coordinates::fixed ? other_ : one_;
+  }
+
+  /// All pairs within the cutoff, particle by particle of the first list; within a body twice.
+  template <class Use>
+  void for_pairs(const Stage<Real>& stage, Use&& use) const {
+    lists_.front()->bring_up_to_date(stage);
+    const CutoffPairArguments<Real>& a = lists_.front()->arguments;
+    for (std::size_t i = 0; i < a.one.count; ++i) {
+      const auto here = vector_at<D, Real>(a.one, stage.position, stage.mapped_position, i);
+      for (std::uint32_t k = a.row_start[i]; k < a.row_start[i + 1]; ++k) {
+        for (std::size_t j = a.first[k]; j < a.first[k] + kGroup && j < a.other.count; ++j) {
+          if (a.same_body && j == i) continue;
+          const auto there =
+              vector_at<D, Real>(a.other, stage.position, stage.mapped_position, j);
+          Pair<Real, D> pair{};
+          for (int d = 0; d < D; ++d) {
+            pair.separation[d] = (there[d] - here[d]) + a.shifts[3 * a.shift[k] + d];
+          }
+          if (norm_squared(pair.separation) < a.cutoff_squared) use(i, j, pair);
+        }
+      }
+    }
+  }
+
+  Parameters parameters_;
+  const CutoffPairTable<Real>& table_;
+  BoundBody<Real> one_;
+  BoundBody<Real> other_;
+  int rank_;
+  std::vector<std::unique_ptr<GroupList<Real>>> lists_;
+};
+
+template <class E, const CutoffPairTables& tables, int rank, class Real>
+std::unique_ptr<BoundForce<Real>> bind_within_cutoff(const typename E::Description& d,
+                                                     const Binding<Real>& binding) {
+  return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
+    return std::make_unique<CutoffPairForce<E, Real, D>>(d, binding, tables, rank);
+  });
+}
+
+template <class E>
+std::vector<Complaint> cutoff_complaints_of(const typename E::Description& d,
+                                            const SceneOutline& scene) {
+  return cutoff_complaints("cutoff", E::cutoff(d), scene);
+}
+
+/// The binding of a pair potential with a cutoff, in every number type.
+template <class E, const CutoffPairTables& tables, int rank = kRankPairs>
+ForceFactories within_cutoff() {
+  return {of_description<&bind_within_cutoff<E, tables, rank, double>>,
+          of_description<&bind_within_cutoff<E, tables, rank, float>>,
+          of_description<&bind_within_cutoff<E, tables, rank, Quad>>};
+}
+
+}  // namespace tomlin
