@@ -27,7 +27,8 @@ ForceRecord lennard_jones_record() {
   using Description = LennardJonesDescription;
   ForceRecord record = record_of<Description>();
   record.name = "lennard_jones";
-  record.summary = "attraction and repulsion of all pairs within a cutoff, in a body or between two";
+  record.summary =
+      "attraction and repulsion of all pairs within a cutoff, in a body or between two";
   record.equation =
       "V = 4 * epsilon * ((sigma/r)^12 - (sigma/r)^6) for r < cutoff, less what at_cutoff says";
   record.source =
@@ -40,7 +41,8 @@ ForceRecord lennard_jones_record() {
   record.bind = {of_description<&bind<double>>, of_description<&bind<float>>,
                  of_description<&bind<Quad>>};
   record.parameters = {
-      parameter("epsilon", &Description::epsilon, dimension::energy, "depth of the well").in(non_negative),
+      parameter("epsilon", &Description::epsilon, dimension::energy, "depth of the well")
+          .in(non_negative),
       parameter("sigma", &Description::sigma, dimension::length,
                 "where the energy passes zero; the well is at 2^(1/6) times this")
           .in(positive),

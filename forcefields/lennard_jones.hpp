@@ -60,8 +60,7 @@ struct LennardJonesPotential {
 
   template <class T, int D>
   static Parameters<T, D> parameters(const Description& d) {
-    Parameters<T, D> p{T(4.0) * T(d.epsilon), T(d.sigma) * T(d.sigma), T(0.0), T(0.0),
-                       T(d.cutoff)};
+    Parameters<T, D> p{T(4.0) * T(d.epsilon), T(d.sigma) * T(d.sigma), T(0.0), T(0.0), T(d.cutoff)};
     const T inverse_squared = T(1.0) / (p.cutoff * p.cutoff);
     if (d.at_cutoff != AtCutoff::cut) p.at_cutoff = value(p, inverse_squared);
     if (smooth) p.slope = slope_over_distance(p, inverse_squared) * p.cutoff;

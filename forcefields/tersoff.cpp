@@ -80,15 +80,15 @@ ForceRecord tersoff_record() {
       "J. Tersoff, Phys. Rev. B 39, 5566 (1989), doi:10.1103/PhysRevB.39.5566, eqs. (1) and (2); "
       "L. Lindsay and D. A. Broido, Phys. Rev. B 81, 205441 (2010), "
       "doi:10.1103/PhysRevB.81.205441";
-  record.element = Element::triple;
+  record.element = Element::surroundings;
   record.traits = {.conservative = true, .internal = true};
   record.complaints = of_description<&complaints>;
   record.bind = on_bond_orders<Tersoff, kernels::Tersoff>();
-  record.parameters = {
-      parameter("parameters", &Description::parameters, dimension::none,
-                "name of a published set, in eV and Angstrom: " + list_of_sets())
-          .one_of(names_of_sets())};
-  record.example = R"(# An equilateral triangle of carbon, in eV and Angstrom, released from a stretched state. The
+  record.parameters = {parameter("parameters", &Description::parameters, dimension::none,
+                                 "name of a published set, in eV and Angstrom: " + list_of_sets())
+                           .one_of(names_of_sets())};
+  record.example =
+      R"(# An equilateral triangle of carbon, in eV and Angstrom, released from a stretched state. The
 # particles' mass is in eV ps^2/Angstrom^2.
 [[body]]
 type = "particles"

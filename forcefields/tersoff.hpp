@@ -19,10 +19,11 @@
 ///   R, D              length
 ///   beta, n, gamma, c, d, h    pure numbers
 ///
-/// Sources: J. Tersoff, Phys. Rev. B 39, 5566 (1989), doi:10.1103/PhysRevB.39.5566, eqs. (1) and (2); Phys.
-/// Rev. B 37, 6991 (1988), doi:10.1103/PhysRevB.37.6991, for lambda3. Values for graphene: L. Lindsay and
-/// D. A. Broido, Phys. Rev. B 81, 205441 (2010), doi:10.1103/PhysRevB.81.205441.
-/// Valid for r > 0; the force is continuous, its derivative jumps at R - D and R + D.
+/// Sources: J. Tersoff, Phys. Rev. B 39, 5566 (1989), doi:10.1103/PhysRevB.39.5566, eqs. (1) and
+/// (2); Phys. Rev. B 37, 6991 (1988), doi:10.1103/PhysRevB.37.6991, for lambda3. Values for
+/// graphene: L. Lindsay and D. A. Broido, Phys. Rev. B 81, 205441 (2010),
+/// doi:10.1103/PhysRevB.81.205441. Valid for r > 0; the force is continuous, its derivative jumps
+/// at R - D and R + D.
 namespace tomlin {
 
 struct TersoffDescription {
@@ -71,10 +72,10 @@ struct Tersoff {
     T beta;
     T lambda2;
     T b;
-    T middle;         // R
-    T inner;          // R - D
-    T outer;          // R + D
-    T turns;          // 1/(4 D)
+    T middle;  // R
+    T inner;   // R - D
+    T outer;   // R + D
+    T turns;   // 1/(4 D)
     T lambda1;
     T a;
   };

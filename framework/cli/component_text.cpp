@@ -12,6 +12,8 @@ const char* to_string(Element element) {
       return "pairs of particles";
     case Element::triple:
       return "angles of three particles";
+    case Element::surroundings:
+      return "each particle and its neighbours";
     case Element::body:
       return "a body as a whole, or particles of it";
   }

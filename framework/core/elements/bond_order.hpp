@@ -139,7 +139,8 @@ class BondOrderForce : public BoundForce<Real> {
   }
 
   std::vector<Pass<Real>> passes() override {
-    return {{table_.set, table_.add, &rows_.arguments, {{body_.index, false}}, kRankTranscendental}};
+    return {
+        {table_.set, table_.add, &rows_.arguments, {{body_.index, false}}, kRankTranscendental}};
   }
 
   void rebase(const Origin& origin) override {

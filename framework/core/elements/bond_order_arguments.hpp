@@ -8,8 +8,8 @@
 /// What kernels of bond-order potentials get. Plain data only, see stage.hpp.
 namespace tomlin {
 
-/// Particles in groups of eight, a lane each, and rows of neighbours: row k holds the k-th neighbour
-/// of each particle of a group, in ascending order. A slot is a row of a group.
+/// Particles in groups of eight, a lane each, and rows of neighbours: row k holds the k-th
+/// neighbour of each particle of a group, in ascending order. A slot is a row of a group.
 template <class Real>
 struct BondOrderArguments {
   ListUpdate<Real> update;
@@ -17,8 +17,8 @@ struct BondOrderArguments {
   /// [(first * species + second) * species + third], or one where there is one species.
   const void* parameters = nullptr;
   std::size_t species = 1;
-  const std::int64_t* kind = nullptr;  ///< [particle, padded] its species
-  Real reach{};                        ///< beyond it nothing interacts
+  const std::int64_t* kind = nullptr;        ///< [particle, padded] its species
+  Real reach{};                              ///< beyond it nothing interacts
   const std::uint32_t* row_start = nullptr;  ///< [group + 1] first slot
   const Real* neighbours = nullptr;          ///< [particle, padded] how many
   const std::int64_t* near = nullptr;        ///< [slot][lane] the neighbour

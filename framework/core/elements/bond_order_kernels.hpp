@@ -130,8 +130,9 @@ TOMLIN_INLINE Packed<Real> gathered(const Real* from, const std::int64_t* index)
 #elif TOMLIN_TARGET_IS_AVX2
   if constexpr (std::is_same_v<Real, double>) {
     const hn::RebindToSigned<pack_detail::PartTag> indices;
-    return Pack(hn::GatherIndex(pack_detail::part_tag, from, hn::Load(indices, index)),
-                hn::GatherIndex(pack_detail::part_tag, from, hn::Load(indices, index + kGroup / 2)));
+    return Pack(
+        hn::GatherIndex(pack_detail::part_tag, from, hn::Load(indices, index)),
+        hn::GatherIndex(pack_detail::part_tag, from, hn::Load(indices, index + kGroup / 2)));
   }
 #endif
   alignas(64) Real lane[kGroup];
@@ -146,8 +147,8 @@ constexpr std::size_t bond_order_work(std::size_t rows) {
          kGroup;
 }
 
-/// The rows of each group of particles, from their places, and their energies: use(first slot, rows,
-/// bonds, energy).
+/// The rows of each group of particles, from their places, and their energies: use(first slot,
+/// rows, bonds, energy).
 template <class E, class Real, class Use>
 TOMLIN_INLINE void for_groups_of_bonds(const BondOrderArguments<Real>& a, const Stage<Real>& stage,
                                        Use&& use) {
@@ -208,8 +209,7 @@ TOMLIN_FLATTEN void bond_order_kernel(const void* arguments, const Stage<Real>& 
     for (int d = 0; d < 3; ++d) {
       const Real* gradient = a.gradient + d * axis_length;
       Group total(Real(0.0));
-      for (std::size_t slot = a.row_start[i / kGroup]; slot < a.row_start[i / kGroup + 1];
-           ++slot) {
+      for (std::size_t slot = a.row_start[i / kGroup]; slot < a.row_start[i / kGroup + 1]; ++slot) {
         total = total + (Group::load(gradient + slot * kGroup) -
                          gathered(gradient, a.reverse + slot * kGroup));
       }

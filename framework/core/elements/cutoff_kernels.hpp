@@ -18,8 +18,8 @@ TOMLIN_INLINE Mask<Group> all_but_lane(std::size_t n) {
 /// use(i, near, pair): all groups of pairs of each particle i, `near` those within the cutoff; then
 /// done(i).
 template <class E, class Real, int D, class Use, class Done>
-TOMLIN_INLINE void for_groups_of_pairs(const CutoffPairArguments<Real>& a,
-                                       const Stage<Real>& stage, Use&& use, Done&& done) {
+TOMLIN_INLINE void for_groups_of_pairs(const CutoffPairArguments<Real>& a, const Stage<Real>& stage,
+                                       Use&& use, Done&& done) {
   using Group = Packed<Real>;
   const Real* x = (a.one.mapped ? stage.mapped_position : stage.position) + a.one.offset;
   const Real* others = (a.other.mapped ? stage.mapped_position : stage.position) + a.other.offset;

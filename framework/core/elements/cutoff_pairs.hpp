@@ -30,7 +30,8 @@ class GroupList {
  public:
   GroupList(const BoundBody<Real>& one, const BoundBody<Real>& other, int dimension, double cutoff,
             const std::array<double, 3>& box)
-      : finder_(one, other, dimension, cutoff, box, Search::by_cells), energy_(padded(one.slot.count)) {
+      : finder_(one, other, dimension, cutoff, box, Search::by_cells),
+        energy_(padded(one.slot.count)) {
     arguments.update = {&GroupList::update, this};
     arguments.one = one.slot;
     arguments.other = other.slot;
@@ -129,8 +130,8 @@ class CutoffPairForce : public BoundForce<Real> {
     std::vector<Pass<Real>> all;
     for (const auto& list : lists_) {
       const BoundBody<Real>& body = &list == &lists_.front() ? first_listed() : other_;
-      all.push_back({table_.set[D - 1], table_.add[D - 1], &list->arguments,
-                     {{body.index, false}}, rank_});
+      all.push_back(
+          {table_.set[D - 1], table_.add[D - 1], &list->arguments, {{body.index, false}}, rank_});
     }
     return all;
   }
@@ -158,8 +159,8 @@ class CutoffPairForce : public BoundForce<Real> {
     for_pairs(stage, [&](std::size_t i, std::size_t j, const Pair<Real, D>& pair) {
       if (same && j < i) return;
       using T = Dual<Real, D>;
-      const auto force = force_on<E, T, D>(in_type<E, T, Real, D>(parameters_),
-                                           differentiable(pair));
+      const auto force =
+          force_on<E, T, D>(in_type<E, T, Real, D>(parameters_), differentiable(pair));
       for (int a = 0; a < D; ++a) {
         for (int b = 0; b < D; ++b) {
           sink.pair(body.index, i, other.index, j, a, b,
@@ -179,8 +180,7 @@ class CutoffPairForce : public BoundForce<Real> {
       for (int d = 0; d < D; ++d) finite = finite && force[d] - force[d] == Real(0.0);
       if (finite || !why.empty()) return;
       why = fmt::format("particle {} of \"{}\" and particle {} of \"{}\" are {:.3g} apart", i,
-                        body.name, j, other.name,
-                        static_cast<double>(distance(pair.separation)));
+                        body.name, j, other.name, static_cast<double>(distance(pair.separation)));
     });
     return why;
   }
@@ -208,8 +208,7 @@ class CutoffPairForce : public BoundForce<Real> {
       for (std::uint32_t k = a.row_start[i]; k < a.row_start[i + 1]; ++k) {
         for (std::size_t j = a.first[k]; j < a.first[k] + kGroup && j < a.other.count; ++j) {
           if (a.same_body && j == i) continue;
-          const auto there =
-              vector_at<D, Real>(a.other, stage.position, stage.mapped_position, j);
+          const auto there = vector_at<D, Real>(a.other, stage.position, stage.mapped_position, j);
           Pair<Real, D> pair{};
           for (int d = 0; d < D; ++d) {
             pair.separation[d] = (there[d] - here[d]) + a.shifts[3 * a.shift[k] + d];

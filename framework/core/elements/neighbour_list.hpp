@@ -110,9 +110,9 @@ class NeighbourFinder {
   /// that are fixed are looked at after the origin has moved only.
   bool begin(const Stage<Real>& stage) {
     if (valid_ && moved(places_, others_, stage) < skin_) return false;
-    const bool sorts = !valid_ || !in_stages_ ||
-                       !(moved(candidate_places_, candidate_others_, stage) <
-                         candidate_skin_ - skin_);
+    const bool sorts =
+        !valid_ || !in_stages_ ||
+        !(moved(candidate_places_, candidate_others_, stage) < candidate_skin_ - skin_);
     places_.take(one_, dimension_, stage);
     if (!same_ && (!valid_ || !other_fixed_)) others_.take(other_, dimension_, stage);
     const bool first = !valid_;

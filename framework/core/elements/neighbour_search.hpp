@@ -52,7 +52,7 @@ class NeighbourSearch {
       return cell != other.cell ? cell < other.cell : particle < other.particle;
     }
   };
-  std::vector<Entry> entries_;  ///< by cell, along x first
+  std::vector<Entry> entries_;                 ///< by cell, along x first
   std::vector<std::array<double, 3>> places_;  ///< of the entries
 };
 

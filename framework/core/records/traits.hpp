@@ -3,7 +3,7 @@
 namespace tomlin {
 
 /// What a force is evaluated on.
-enum class Element { site, pair, triple, body };
+enum class Element { site, pair, triple, surroundings, body };
 
 /// Properties that a force declares. `tomlin check` verifies each; integrators read them.
 struct Traits {

@@ -1,0 +1,289 @@
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "forcefields/lennard_jones.hpp"
+#include "forcefields/tersoff.hpp"
+#include "framework/core/numbers/sum.hpp"
+#include "framework/model/single_force.hpp"
+#include "tests/support/scenes.hpp"
+
+// Forces with a cutoff: their bits are those of sums over all pairs, whatever the neighbour lists
+// have been through; Tersoff's potential against its formula, written down once more.
+
+namespace tomlin::test {
+namespace {
+
+constexpr unsigned kSeeds[] = {3, 58, 1917};
+/// Some hundred roundings of energies and forces of order 1 to 100.
+constexpr double kRoundings = 1e-12;
+
+std::string list_of(const std::vector<std::array<double, 3>>& places) {
+  std::string list = "[";
+  for (const auto& x : places) {
+    list += "[" + digits(x[0]) + ", " + digits(x[1]) + ", " + digits(x[2]) + "], ";
+  }
+  return list + "]";
+}
+
+/// A simple cubic cluster of about so many particles, each displaced.
+std::vector<std::array<double, 3>> cluster(int side, double spacing, double disorder,
+                                           unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(-disorder, disorder);
+  std::vector<std::array<double, 3>> places;
+  for (int i = 0; i < side; ++i) {
+    for (int j = 0; j < side; ++j) {
+      for (int k = 0; k < side; ++k) {
+        places.push_back({spacing * i + uniform(random), spacing * j + uniform(random),
+                          spacing * k + uniform(random)});
+      }
+    }
+  }
+  return places;
+}
+
+std::string body(const std::string& name, const std::vector<std::array<double, 3>>& places,
+                 const std::string& more = "") {
+  return "[[body]]\nname = \"" + name + "\"\ntype = \"particles\"\nparticle_mass = 1.0\n" + more +
+         "positions = " + list_of(places) + "\n";
+}
+
+const std::string kRun = "[run]\nduration = 1.0\nintegrator = " + verlet(0.01) + "\n";
+
+std::string lennard_jones(const std::string& where, const std::string& at_cutoff = "smooth") {
+  return "[[force]]\ntype = \"lennard_jones\"\n" + where +
+         "\nepsilon = 0.7\nsigma = 0.9\ncutoff = 1.9\nat_cutoff = \"" + at_cutoff + "\"\n";
+}
+
+const std::string kTersoff =
+    "[[force]]\ntype = \"tersoff\"\nparameters = \"lindsay_broido_2010\"\n";
+
+std::vector<double> forces_of(SingleForce& force) {
+  const double* f = force.forces(0.0);
+  std::vector<double> all;
+  for (const auto& variable : force.variables()) all.push_back(f[variable.at]);
+  return all;
+}
+
+bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
+/// Forces along a random walk with short and long steps, by lists that are kept and by lists that
+/// are made at each place.
+void expect_bits_of_new_lists(const std::string& text, double step, unsigned seed) {
+  const auto scene = scene_of(text);
+  SingleForce kept(*scene, 0);
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  for (int k = 0; k < 60; ++k) {
+    for (const auto& variable : kept.variables()) {
+      kept.position(variable) += step * normal(random) * (k % 20 == 19 ? 30.0 : 1.0);
+    }
+    SingleForce fresh(*scene, 0);
+    for (const auto& variable : fresh.variables()) {
+      fresh.position(variable) = kept.position(variable);
+    }
+    const double energy = kept.energy(0.0);
+    ASSERT_EQ(energy, fresh.energy(0.0)) << "place " << k;
+    ASSERT_TRUE(same_bits(forces_of(kept), forces_of(fresh))) << "place " << k;
+  }
+}
+
+TEST(CutoffForces, HaveTheBitsOfNewListsWhereverTheyHaveBeen) {
+  const std::string box = "[box]\nlengths = [5.0, 4.6, 6.0]\nperiodic = [true, true, false]\n";
+  for (const unsigned seed : kSeeds) {
+    const auto places = cluster(4, 1.05, 0.1, seed);
+    for (const char* at_cutoff : {"cut", "shift", "smooth"}) {
+      expect_bits_of_new_lists(body("a", places) + lennard_jones("", at_cutoff) + kRun, 0.02, seed);
+    }
+    expect_bits_of_new_lists(box + body("a", places) + lennard_jones("") + kRun, 0.02, seed);
+    auto others = cluster(3, 1.3, 0.2, seed + 1);
+    for (auto& x : others) x[2] -= 3.5;
+    for (const char* more : {"", "coordinates = \"fixed\"\n"}) {
+      expect_bits_of_new_lists(box + body("a", places) + body("b", others, more) +
+                                   lennard_jones("bodies = [\"a\", \"b\"]") + kRun,
+                               0.02, seed);
+      expect_bits_of_new_lists(box + body("a", others, more) + body("b", places) +
+                                   lennard_jones("bodies = [\"a\", \"b\"]") + kRun,
+                               0.02, seed);
+    }
+    const auto carbon = cluster(4, 1.6, 0.15, seed);
+    expect_bits_of_new_lists(body("a", carbon) + kTersoff + kRun, 0.02, seed);
+    expect_bits_of_new_lists("[box]\nlengths = [6.5, 6.6, 6.7]\nperiodic = [true, true, true]\n" +
+                                 body("a", carbon) + kTersoff + kRun,
+                             0.02, seed);
+  }
+}
+
+/// The sum over all others, particle j in partial sum j modulo 8.
+template <class E>
+std::array<double, 3> sum_over_all(const std::vector<std::array<double, 3>>& places, std::size_t i,
+                                   const LennardJonesDescription& d, double box) {
+  const auto p = E::template parameters<double, 3>(d);
+  InterleavedSum<double> sums[3];
+  for (std::size_t j = 0; j < places.size(); ++j) {
+    if (j == i) continue;
+    Pair<double, 3> pair{};
+    for (int a = 0; a < 3; ++a) {
+      const double apart = places[j][a] - places[i][a];
+      pair.separation[a] = box > 0.0 ? apart - box * std::floor(apart / box + 0.5) : apart;
+    }
+    if (!(norm_squared(pair.separation) < d.cutoff * d.cutoff)) continue;
+    const Vec<double, 3> force = E::force(p, pair);
+    for (int a = 0; a < 3; ++a) sums[a].add(j, force[a]);
+  }
+  return {sums[0].total(), sums[1].total(), sums[2].total()};
+}
+
+TEST(CutoffForces, HaveTheBitsOfAllPairs) {
+  for (const unsigned seed : kSeeds) {
+    for (const double box : {0.0, 4.5}) {
+      for (const AtCutoff at_cutoff : {AtCutoff::cut, AtCutoff::smooth}) {
+        const auto places = cluster(4, 1.1, 0.15, seed);
+        const std::string in_box =
+            box > 0.0 ? "[box]\nlengths = [4.5, 4.5, 4.5]\nperiodic = [true, true, true]\n" : "";
+        const auto scene =
+            scene_of(in_box + body("a", places) + lennard_jones("", to_string(at_cutoff)) + kRun);
+        SingleForce force(*scene, 0);
+        const std::vector<double> found = forces_of(force);
+        LennardJonesDescription d;
+        d.epsilon = 0.7;
+        d.sigma = 0.9;
+        d.cutoff = 1.9;
+        d.at_cutoff = at_cutoff;
+        std::vector<double> expected(found.size());
+        for (std::size_t i = 0; i < places.size(); ++i) {
+          const auto sum = at_cutoff == AtCutoff::smooth
+                               ? sum_over_all<LennardJonesSmooth>(places, i, d, box)
+                               : sum_over_all<LennardJones>(places, i, d, box);
+          for (std::size_t a = 0; a < 3; ++a) expected[a * places.size() + i] = sum[a];
+        }
+        EXPECT_TRUE(same_bits(found, expected)) << "seed " << seed << ", box " << box;
+      }
+    }
+  }
+}
+
+/// Energies at contact, well and cutoff.
+TEST(LennardJones, HasItsWellAndEndsAsItIsTold) {
+  const auto energy_at = [](double r, const char* at_cutoff) {
+    const auto scene =
+        scene_of(body("a", {{0.0, 0.0, 0.0}, {r, 0.0, 0.0}}) + lennard_jones("", at_cutoff) + kRun);
+    SingleForce force(*scene, 0);
+    return force.energy(0.0);
+  };
+  const double well = 0.9 * std::pow(2.0, 1.0 / 6.0);
+  const double s6 = std::pow(0.9 / 1.9, 6);
+  const double at_end = 4.0 * 0.7 * s6 * (s6 - 1.0);
+  const double slope = -24.0 * 0.7 * s6 * (2.0 * s6 - 1.0) / 1.9;
+  EXPECT_NEAR(energy_at(0.9, "cut"), 0.0, kRoundings);
+  EXPECT_NEAR(energy_at(well, "cut"), -0.7, kRoundings);
+  EXPECT_NEAR(energy_at(well, "shift"), -0.7 - at_end, kRoundings);
+  EXPECT_NEAR(energy_at(well, "smooth"), -0.7 - at_end - (well - 1.9) * slope, kRoundings);
+  EXPECT_NEAR(energy_at(1.9 - 1e-9, "cut"), at_end, 1e-8);
+  EXPECT_NEAR(energy_at(1.9 - 1e-9, "shift"), 0.0, 1e-8);
+  EXPECT_NEAR(energy_at(1.9 - 1e-6, "smooth"), 0.0, 1e-10);
+  EXPECT_EQ(energy_at(1.9, "cut"), 0.0);
+}
+
+/// The formula as its paper has it, with the functions of the standard library.
+double tersoff_energy(const std::vector<std::array<double, 3>>& places, const TersoffNumbers& p) {
+  const auto distance_of = [&](std::size_t i, std::size_t j) {
+    return std::hypot(places[j][0] - places[i][0], places[j][1] - places[i][1],
+                      places[j][2] - places[i][2]);
+  };
+  const auto cutoff = [&](double r) {
+    if (r < p.r - p.half_width) return 1.0;
+    if (r > p.r + p.half_width) return 0.0;
+    return 0.5 - 0.5 * std::sin(M_PI / 2.0 * (r - p.r) / p.half_width);
+  };
+  double energy = 0.0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    for (std::size_t j = 0; j < places.size(); ++j) {
+      if (j == i) continue;
+      const double r = distance_of(i, j);
+      double zeta = 0.0;
+      for (std::size_t k = 0; k < places.size(); ++k) {
+        if (k == i || k == j) continue;
+        const double s = distance_of(i, k);
+        double dot = 0.0;
+        for (int a = 0; a < 3; ++a) {
+          dot += (places[j][a] - places[i][a]) * (places[k][a] - places[i][a]);
+        }
+        const double apart = p.cos_theta0 - dot / (r * s);
+        const double g =
+            p.gamma * (1.0 + p.c * p.c / (p.d * p.d) - p.c * p.c / (p.d * p.d + apart * apart));
+        zeta += cutoff(s) * g * std::exp(std::pow(p.lambda3 * (r - s), p.m));
+      }
+      const double b = std::pow(1.0 + std::pow(p.beta * zeta, p.n), -0.5 / p.n);
+      energy +=
+          0.5 * cutoff(r) * (p.a * std::exp(-p.lambda1 * r) - b * p.b * std::exp(-p.lambda2 * r));
+    }
+  }
+  return energy;
+}
+
+TEST(Tersoff, HasTheEnergyOfItsFormula) {
+  for (const unsigned seed : kSeeds) {
+    for (const double spacing : {1.5, 1.9, 2.4}) {
+      const auto places = cluster(3, spacing, 0.3, seed);
+      const auto scene = scene_of(body("a", places) + kTersoff + kRun);
+      SingleForce force(*scene, 0);
+      const double expected = tersoff_energy(places, numbers_of({"lindsay_broido_2010"}));
+      EXPECT_NEAR(force.energy(0.0), expected, kRoundings * 27.0 * 40.0);
+    }
+  }
+}
+
+/// Lindsay and Broido fitted it to graphene: their Table I has the lattice constant 2.492 Angstrom.
+TEST(Tersoff, HasGraphenesLatticeConstant) {
+  const auto energy_at = [](double a) {
+    const double b = a / std::sqrt(3.0);
+    std::vector<std::array<double, 3>> places;
+    constexpr int kAlong = 3;
+    constexpr int kAcross = 4;
+    for (int i = 0; i < kAcross; ++i) {
+      for (int j = 0; j < kAlong; ++j) {
+        const double x = a * i;
+        const double y = 3.0 * b * j;
+        places.push_back({x, y, 0.0});
+        places.push_back({x + a / 2.0, y + b / 2.0, 0.0});
+        places.push_back({x + a / 2.0, y + 1.5 * b, 0.0});
+        places.push_back({x, y + 2.0 * b, 0.0});
+      }
+    }
+    const std::string box = "[box]\nlengths = [" + digits(kAcross * a) + ", " +
+                            digits(kAlong * 3.0 * b) + ", 20.0]\nperiodic = [true, true, true]\n";
+    const auto scene = scene_of(box + body("a", places) + kTersoff + kRun);
+    SingleForce force(*scene, 0);
+    return force.energy(0.0) / static_cast<double>(places.size());
+  };
+  double low = 2.4;
+  double high = 2.6;
+  while (high - low > 1e-6) {
+    const double left = low + (high - low) / 3.0;
+    const double right = high - (high - low) / 3.0;
+    (energy_at(left) < energy_at(right) ? high : low) =
+        energy_at(left) < energy_at(right) ? right : left;
+  }
+  EXPECT_NEAR(low, 2.492, 0.0005);  // its last digit
+  EXPECT_NEAR(energy_at(low), -7.978, 0.01);
+}
+
+TEST(CutoffForces, AreRefusedInBoxesTooShortForThem) {
+  const auto two = cluster(2, 1.5, 0.0, 1);
+  const std::string box = "[box]\nlengths = [4.0, 9.0, 9.0]\nperiodic = [true, false, true]\n";
+  EXPECT_EQ(brief_refusal(box + body("a", two) + lennard_jones("") + kRun),
+            "test.toml:14:10: force.lennard_jones.cutoff [scene.out_of_range]");
+  EXPECT_EQ(brief_refusal(box + body("a", two) + kTersoff + kRun),
+            "test.toml:11:14: force.tersoff.parameters [scene.out_of_range]");
+}
+
+}  // namespace
+}  // namespace tomlin::test
