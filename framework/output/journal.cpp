@@ -15,7 +15,7 @@ namespace tomlin {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint32_t kJournalFormat = 1;
+constexpr std::uint32_t kJournalFormat = 2;
 constexpr std::size_t kBlock = std::size_t{1} << 16;  // bytes of samples or events in a record
 /// An event without its name.
 constexpr std::size_t kEventBytes =
@@ -44,7 +44,11 @@ RecordWriter header_record(const JournalHeader& header) {
     record.text(body.name);
     record.number(static_cast<std::uint64_t>(body.mass.size()));
     record.numbers(body.mass);
+    record.number(static_cast<std::uint64_t>(body.species.size()));
+    for (const std::int32_t species : body.species) record.number(species);
   }
+  record.number(static_cast<std::uint64_t>(layout.species.size()));
+  for (const std::string& name : layout.species) record.text(name);
   record.number(static_cast<std::int32_t>(layout.dimension));
   record.number(static_cast<std::uint64_t>(layout.box.size()));
   record.numbers(layout.box);
@@ -53,6 +57,17 @@ RecordWriter header_record(const JournalHeader& header) {
   record.number(static_cast<std::uint8_t>(layout.events));
   record.text(layout.state);
   return record;
+}
+
+/// One for each particle of a body that has species, and each with a name.
+bool has_valid_species(const RunLayout& layout) {
+  return std::all_of(layout.bodies.begin(), layout.bodies.end(), [&](const TrajectoryBody& body) {
+    const auto is_named = [&](std::int32_t species) {
+      return species >= 0 && static_cast<std::size_t>(species) < layout.species.size();
+    };
+    return (body.species.empty() || body.species.size() == body.mass.size()) &&
+           std::all_of(body.species.begin(), body.species.end(), is_named);
+  });
 }
 
 JournalHeader header_in(RecordReader record) {
@@ -70,12 +85,17 @@ JournalHeader header_in(RecordReader record) {
     column.name = record.text();
     column.unit = record.text();
   }
-  layout.bodies.resize(record.count(2 * kText));
+  layout.bodies.resize(record.count(3 * kText));
   for (TrajectoryBody& body : layout.bodies) {
     body.name = record.text();
     body.mass.resize(record.count(sizeof(double)));
     record.numbers(body.mass);
+    body.species.resize(record.count(sizeof(std::int32_t)));
+    for (std::int32_t& species : body.species) species = record.number<std::int32_t>();
   }
+  layout.species.resize(record.count(kText));
+  for (std::string& name : layout.species) name = record.text();
+  if (!has_valid_species(layout)) record.refuse("no such species");
   layout.dimension = record.number<std::int32_t>();
   if (layout.dimension < 0 || layout.dimension > 3) record.refuse("no such dimension");
   layout.box.resize(record.count(sizeof(double)));
