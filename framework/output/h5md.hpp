@@ -60,7 +60,8 @@ double h5md_bytes_besides(const RunLayout& layout, const TrajectoryFacts& facts)
 ///     species                  index of a name, where bodies have species; else as `body`
 ///   /parameters                attributes name and source of the scene; the scene itself
 ///     bodies                   names of the bodies
-///     species                  names of the species, where bodies have any; X of those that have none
+///     species                  names of the species, where bodies have any; X of those that have
+///     none
 ///
 /// Positions have three axes whatever the scene has, the missing ones zero, and edges come with
 /// every frame, since MDAnalysis reads nothing else. `step` counts samples. Reduced units have no

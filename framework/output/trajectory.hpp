@@ -81,9 +81,8 @@ inline constexpr const char* kNoSpecies = "X";
 inline const std::string& species_name(const RunLayout& layout, const TrajectoryBody& body,
                                        std::size_t particle) {
   static const std::string none = kNoSpecies;
-  return body.species.empty()
-             ? none
-             : layout.species[static_cast<std::size_t>(body.species[particle])];
+  return body.species.empty() ? none
+                              : layout.species[static_cast<std::size_t>(body.species[particle])];
 }
 
 /// The axes that the field's programs expect, whatever a scene has.

@@ -139,8 +139,8 @@ struct TrajectoryBody {
 
 /// What a run will send to its sink.
 struct RunLayout {
-  std::vector<SampleColumn> columns;   ///< of the table; empty: no samples come
-  std::vector<TrajectoryBody> bodies;  ///< with `[output] trajectory`; empty: no positions come
+  std::vector<SampleColumn> columns;      ///< of the table; empty: no samples come
+  std::vector<TrajectoryBody> bodies;     ///< with `[output] trajectory`; empty: no positions come
   std::vector<std::string> species = {};  ///< names of those that bodies have
   int dimension = 0;
   std::vector<double> box;     ///< lengths by axis; empty: there is none

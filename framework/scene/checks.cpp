@@ -296,8 +296,8 @@ std::optional<SceneOutline> outline_for(const std::vector<std::size_t>& indices,
   for (const std::size_t index : indices) {
     const BodyDraft& body = bodies[index];
     if (!body.sound || !body.count) return std::nullopt;
-    outline.bodies.push_back(
-        {body.name, *body.count, closed[index], neighbour_list(*body.record, body.description, box),
+    outline.bodies.push_back({body.name, *body.count, closed[index],
+                              neighbour_list(*body.record, body.description, box),
                               species_of(body)});
   }
   return outline;

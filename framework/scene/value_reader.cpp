@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "framework/core/text/nearest_name.hpp"
+#include "framework/core/text/xyz_file.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/language.hpp"
 #include "framework/scene/passing.hpp"
@@ -94,8 +95,8 @@ std::string admissible_values(const Parameter& row) {
         } else if constexpr (std::is_same_v<Kind, AngleSelection>) {
           return "\"neighbours\" or a list of triples of indices";
         } else if constexpr (std::is_same_v<Kind, NamePerParticle>) {
-          return "a name, or a list of one per particle: letters, digits, _ and -, the first a "
-                 "letter or _";
+          return "a name, or a list of one per particle: letters, digits, _ and -, the first no "
+                 "digit and no -";
         } else {
           static_assert(std::is_same_v<Kind, Passing>);
           return "{ when = OBSERVABLE, above = VALUE } or below, and times";
@@ -381,8 +382,8 @@ std::optional<NamePerParticle> ValueReader::names_of_particles(const Subject& su
     const auto* name = element.as<std::string>();
     if (name == nullptr) {
       wrong_kind(subject, element);
-    } else if (!is_component_name(*name)) {
-      wrong(FaultCode::scene_invalid_name, subject, element, "not a name");
+    } else if (!is_species_name(*name)) {
+      wrong(FaultCode::scene_invalid_name, subject, element, "not a name of a species");
     } else {
       result.names.push_back(*name);
       return true;

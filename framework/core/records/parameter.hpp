@@ -180,11 +180,10 @@ struct AngleSelection {
   friend bool operator==(const AngleSelection&, const AngleSelection&) = default;
 };
 
-using ParameterValue =
-    std::variant<double, std::int64_t, bool, std::string, SpaceVector, PerParticle,
-                 PerParticleVector, PairSelection, WordOrNumbers, Attachment, PointList,
-                 NumberTable, WordList, FlagList, Passing, Formula, FormulaList, AngleSelection,
-                 NamePerParticle>;
+using ParameterValue = std::variant<double, std::int64_t, bool, std::string, SpaceVector,
+                                    PerParticle, PerParticleVector, PairSelection, WordOrNumbers,
+                                    Attachment, PointList, NumberTable, WordList, FlagList, Passing,
+                                    Formula, FormulaList, AngleSelection, NamePerParticle>;
 
 /// One row of a parameter table; the member is reached through `assign` and `read`.
 struct Parameter {
