@@ -125,8 +125,9 @@ std::vector<IndexPair> neighbours(const Description& d, const std::array<double,
 std::string note(const Description& d) {
   const auto cells = cells_of(d);
   return fmt::format(
-      "{} x {} cells of {:.6g} x {:.6g}; a periodic box repeats it with the lengths {} along x and "
-      "{} along y",
+      "{} x {} cells of {:.6g} x {:.6g}; a periodic box repeats it with the lengths {:.12g} along "
+      "x and "
+      "{:.12g} along y",
       cells[0], cells[1], cell_length(d, 0), cell_length(d, 1), length_of(d, 0), length_of(d, 1));
 }
 

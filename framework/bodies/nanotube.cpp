@@ -208,7 +208,7 @@ std::string note(const Description& d) {
   return fmt::format(
       "radius {:.6g}; {} cells of {:.6g} with {} particles each; a periodic box repeats it with "
       "the "
-      "length {} along {}",
+      "length {:.12g} along {}",
       radius_of(d), cells_of(d), cell_length(d), Chirality(d).particles(), length_of(d),
       to_string(d.axis));
 }

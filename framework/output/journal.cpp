@@ -15,7 +15,7 @@ namespace tomlin {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint32_t kJournalFormat = 2;
+constexpr std::uint32_t kJournalFormat = 1;
 constexpr std::size_t kBlock = std::size_t{1} << 16;  // bytes of samples or events in a record
 /// An event without its name.
 constexpr std::size_t kEventBytes =
@@ -26,6 +26,15 @@ std::size_t row_bytes(const RunLayout& layout) { return layout.row() * sizeof(do
 /// A block holds a row at least.
 std::size_t row_block(const RunLayout& layout) {
   return std::max(kBlock, sizeof(std::uint64_t) + row_bytes(layout));
+}
+
+void append_species(const RunLayout& layout, RecordWriter& record) {
+  record.number(static_cast<std::uint64_t>(layout.species.size()));
+  for (const std::string& name : layout.species) record.text(name);
+  for (const TrajectoryBody& body : layout.bodies) {
+    record.number(static_cast<std::uint64_t>(body.species.size()));
+    for (const std::int32_t species : body.species) record.number(species);
+  }
 }
 
 RecordWriter header_record(const JournalHeader& header) {
@@ -44,11 +53,7 @@ RecordWriter header_record(const JournalHeader& header) {
     record.text(body.name);
     record.number(static_cast<std::uint64_t>(body.mass.size()));
     record.numbers(body.mass);
-    record.number(static_cast<std::uint64_t>(body.species.size()));
-    for (const std::int32_t species : body.species) record.number(species);
   }
-  record.number(static_cast<std::uint64_t>(layout.species.size()));
-  for (const std::string& name : layout.species) record.text(name);
   record.number(static_cast<std::int32_t>(layout.dimension));
   record.number(static_cast<std::uint64_t>(layout.box.size()));
   record.numbers(layout.box);
@@ -56,6 +61,7 @@ RecordWriter header_record(const JournalHeader& header) {
   for (const bool periodic : layout.periodic) record.number(static_cast<std::uint8_t>(periodic));
   record.number(static_cast<std::uint8_t>(layout.events));
   record.text(layout.state);
+  if (!layout.species.empty()) append_species(layout, record);
   return record;
 }
 
@@ -68,6 +74,16 @@ bool has_valid_species(const RunLayout& layout) {
     return (body.species.empty() || body.species.size() == body.mass.size()) &&
            std::all_of(body.species.begin(), body.species.end(), is_named);
   });
+}
+
+void read_species(RecordReader& record, RunLayout& layout) {
+  layout.species.resize(record.count(sizeof(std::uint64_t)));
+  for (std::string& name : layout.species) name = record.text();
+  for (TrajectoryBody& body : layout.bodies) {
+    body.species.resize(record.count(sizeof(std::int32_t)));
+    for (std::int32_t& species : body.species) species = record.number<std::int32_t>();
+  }
+  if (!has_valid_species(layout)) record.refuse("no such species");
 }
 
 JournalHeader header_in(RecordReader record) {
@@ -85,17 +101,12 @@ JournalHeader header_in(RecordReader record) {
     column.name = record.text();
     column.unit = record.text();
   }
-  layout.bodies.resize(record.count(3 * kText));
+  layout.bodies.resize(record.count(2 * kText));
   for (TrajectoryBody& body : layout.bodies) {
     body.name = record.text();
     body.mass.resize(record.count(sizeof(double)));
     record.numbers(body.mass);
-    body.species.resize(record.count(sizeof(std::int32_t)));
-    for (std::int32_t& species : body.species) species = record.number<std::int32_t>();
   }
-  layout.species.resize(record.count(kText));
-  for (std::string& name : layout.species) name = record.text();
-  if (!has_valid_species(layout)) record.refuse("no such species");
   layout.dimension = record.number<std::int32_t>();
   if (layout.dimension < 0 || layout.dimension > 3) record.refuse("no such dimension");
   layout.box.resize(record.count(sizeof(double)));
@@ -106,6 +117,7 @@ JournalHeader header_in(RecordReader record) {
   }
   layout.events = record.number<std::uint8_t>() != 0;
   layout.state = record.text();
+  if (record.left() > 0) read_species(record, layout);
   record.end();
   return header;
 }
