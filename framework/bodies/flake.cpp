@@ -1,6 +1,7 @@
 #include "framework/bodies/flake.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -211,7 +212,7 @@ std::vector<LatticeSite> later_neighbours(FlakeLattice lattice, bool above_middl
   return {};
 }
 
-std::vector<IndexPair> neighbours(const Description& d) {
+std::vector<IndexPair> neighbours(const Description& d, const std::array<double, 3>&) {
   const FlakeRows rows(d);
   std::vector<std::int64_t> first;  // particle of each row
   std::int64_t total = 0;

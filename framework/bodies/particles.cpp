@@ -1,13 +1,18 @@
 #include "framework/bodies/particles.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "framework/bodies/outline.hpp"
 #include "framework/core/records/fetched_numbers.hpp"
+#include "framework/core/text/xyz_file.hpp"
 
 namespace tomlin {
 namespace {
@@ -30,8 +35,59 @@ Complaint complaint_of(FaultCode code, std::string key, std::string why,
           .code = code};
 }
 
+/// The key of the scene comes first.
+void take_species(Description& d, std::vector<std::string> species) {
+  if (!d.species.names.empty() || species.empty()) return;
+  const bool equal =
+      std::adjacent_find(species.begin(), species.end(), std::not_equal_to<>()) == species.end();
+  if (equal) species.resize(1);
+  d.species.names = std::move(species);
+}
+
+void take_masses(Description& d, std::vector<double> masses) {
+  if (d.particle_mass.values.empty()) d.particle_mass.values = std::move(masses);
+}
+
+void take_velocities(Description& d, const std::vector<double>& velocities, std::size_t dimension) {
+  if (!d.velocity.values.empty()) return;
+  for (std::size_t k = 0; k < velocities.size(); k += dimension) {
+    const auto begin = velocities.begin() + static_cast<std::ptrdiff_t>(k);
+    d.velocity.values.push_back({{begin, begin + static_cast<std::ptrdiff_t>(dimension)}});
+  }
+}
+
+/// Fills in what a frame of the file holds, where the scene does not say it.
+std::vector<Complaint> fetch_xyz(Description& d, const std::filesystem::path& folder) {
+  FetchedText fetched = fetch_text(d.file, folder, "file");
+  if (!fetched.complaints.empty()) return fetched.complaints;
+  const std::int64_t wanted = std::isnan(d.frame) ? -1 : static_cast<std::int64_t>(d.frame);
+  if (!std::isnan(d.frame) && static_cast<double>(wanted) != d.frame) {
+    return {complaint_of(FaultCode::scene_out_of_range, "frame", "not a whole number")};
+  }
+  XyzFrame frame = parse_xyz(fetched.text, fetched.path.string(), wanted);
+  std::vector<Complaint> found;
+  for (std::string& fault : frame.faults) {
+    found.push_back(complaint_of(FaultCode::file_invalid, "file", std::move(fault)));
+  }
+  take_velocities(d, frame.velocities, frame.dimension);
+  take_species(d, std::move(frame.species));
+  take_masses(d, std::move(frame.masses));
+  d.positions = {frame.dimension, std::move(frame.positions)};
+  d.read_from = std::move(fetched.path);
+  d.file.clear();
+  d.frame = std::numeric_limits<double>::quiet_NaN();
+  return found;
+}
+
+bool is_xyz(const std::string& file) { return file.ends_with(".xyz") || file.ends_with(".extxyz"); }
+
 /// Fills in the positions that the file holds.
 std::vector<Complaint> fetch(Description& d, const std::filesystem::path& folder) {
+  if (is_xyz(d.file)) return fetch_xyz(d, folder);
+  if (!std::isnan(d.frame)) {
+    return {complaint_of(FaultCode::scene_conflict, "frame", "the file is none of extended XYZ",
+                         "a file whose name ends in .xyz or .extxyz")};
+  }
   FetchedNumbers fetched =
       fetch_numbers(d.file, folder, "file", kMostColumns, ", but space has at most 3 dimensions");
   d.positions = {fetched.file.columns, std::move(fetched.file.numbers)};
@@ -107,6 +163,10 @@ std::vector<Complaint> outline_complaints(const Description& d, int dimension) {
 }
 
 std::vector<Complaint> complaints(const Description& d, int dimension) {
+  if (d.particle_mass.values.empty()) {
+    return {complaint_of(FaultCode::scene_missing_key, "particle_mass", "missing",
+                         "a number > 0, or a list of one per particle; or a file with masses")};
+  }
   const std::string key = d.read_from.empty() ? "positions" : "file";
   if (d.positions.dimension != static_cast<std::size_t>(dimension)) {
     return {complaint_of(
@@ -128,22 +188,38 @@ std::vector<Complaint> complaints(const Description& d, int dimension) {
 }  // namespace
 
 BodyRecord particles_record() {
+  constexpr Interval kFrames{.low = -1e9, .high = 1e9};
   auto record = body_record<Description>(
       {parameter("positions", &Description::positions, dimension::length,
                  "a list of points; in one dimension of numbers")
            .or_absent(),
-       parameter("file", &Description::file, dimension::none,
-                 "in place of positions: a file with one particle per line, one column per "
-                 "dimension, # comments; its path is relative to the scene's folder")
+       parameter(
+           "file", &Description::file, dimension::none,
+           "in place of positions: a file with one particle per line, one column per "
+           "dimension, # comments; or, where its name ends in .xyz or .extxyz, extended XYZ, "
+           "whose species, velocities (velo) and masses are taken where the scene has no such "
+           "key, in the units of the scene. Its path is relative to the scene's folder")
+           .or_absent(),
+       parameter(
+           "frame", &Description::frame, dimension::none,
+           "which frame of a file of extended XYZ, a whole number: from 0 on, or -1 for the last, "
+           "-2 for the one before; the last by default")
+           .in(kFrames)
            .or_absent(),
        parameter("outline", &Description::outline, dimension::none,
                  "closed: the particles in order are the outline of a planar body, which joins the "
                  "last to the first and rolls by its perimeter per revolution")
            .by_default(ParticleOutline::open)});
+  for (Parameter& row : record.parameters) {
+    if (row.key == "particle_mass") {
+      row.optional = true;
+      row.doc += "; may be absent where a file of extended XYZ has masses";
+    }
+  }
   record.prepare = of_description<&prepare>;
   record.read_from = of_description<&read_from>;
   record.name = "particles";
-  record.summary = "particles at given positions, from a list or a file";
+  record.summary = "particles at given positions, from a list or a file, as of extended XYZ";
   record.equation = "x_i = positions[i]";
   record.source =
       "D. Frenkel and B. Smit, Understanding Molecular Simulation (Academic Press, 2002), "

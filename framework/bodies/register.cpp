@@ -3,6 +3,8 @@
 #include "framework/bodies/chain.hpp"
 #include "framework/bodies/ellipse.hpp"
 #include "framework/bodies/flake.hpp"
+#include "framework/bodies/graphene.hpp"
+#include "framework/bodies/nanotube.hpp"
 #include "framework/bodies/particles.hpp"
 #include "framework/bodies/point.hpp"
 #include "framework/bodies/polygon.hpp"
@@ -14,6 +16,8 @@ void register_bodies(Registry& registry) {
   registry.add(chain_record());
   registry.add(ellipse_record());
   registry.add(flake_record());
+  registry.add(graphene_record());
+  registry.add(nanotube_record());
   registry.add(particles_record());
   registry.add(point_record());
   registry.add(polygon_record());

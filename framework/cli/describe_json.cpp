@@ -41,7 +41,8 @@ const char* kind_name(const Parameter& row) {
                                         "passing",
                                         "formula",
                                         "formulas",
-                                        "angles"};
+                                        "angles",
+                                        "name_per_particle"};
   static_assert(kNames.size() == std::variant_size_v<ParameterValue>, "each kind has its name");
   return kNames[row.prototype.index()];
 }

@@ -48,6 +48,7 @@ void add_built(Explanation& explanation, Model& model) {
     body.particles = from.bound.slot.count;
     body.mass = from.total_mass;
     body.rolling_radius = from.rolling_radius;
+    body.note = scene.bodies[b].record->note(scene.bodies[b].description.get());
     count_coordinates(model, b, body);
     explanation.bodies.push_back(std::move(body));
   }

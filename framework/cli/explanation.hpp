@@ -26,6 +26,7 @@ struct Explanation {
     std::size_t coordinate_count = 0;
     std::size_t degrees_of_freedom = 0;  ///< coordinates that may move
     double rolling_radius = 0.0;         ///< 0: does not roll
+    std::string note;                    ///< what its record says of it; may be empty
   };
   struct Force {
     std::string name;

@@ -56,12 +56,14 @@ void add_bodies(Forms& forms, const Explanation& e) {
                                         {"coordinate_count", body.coordinate_count},
                                         {"degrees_of_freedom", body.degrees_of_freedom},
                                         {"rolling_radius", positive(body.rolling_radius)}});
+    if (!body.note.empty()) forms.json["bodies"].back()["note"] = body.note;
     forms.text.row(
         body.name,
         fmt::format("{}: {}, mass {}, {}: {}, {}", body.type,
                     counted(body.particles, "particle", "particles"), text_of(body.mass),
                     motion_of(body), counted(body.coordinate_count, "coordinate", "coordinates"),
                     counted(body.degrees_of_freedom, "degree of freedom", "degrees of freedom")));
+    if (!body.note.empty()) forms.text.row("", body.note);
   }
 }
 

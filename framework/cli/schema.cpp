@@ -116,6 +116,8 @@ Json passing(const Parameter& row) {
   return schema;
 }
 
+Json name_schema() { return {{"type", "string"}, {"pattern", kNamePattern}}; }
+
 Json formula() { return only("type", std::vector{"string", "number"}); }
 
 /// What a row admits.
@@ -164,6 +166,11 @@ Json value_schema(const Parameter& row) {
           Json angle = list_of(index(), 3);
           angle["minItems"] = 3;
           return word_or({"neighbours"}, list_of(std::move(angle)));
+        } else if constexpr (std::is_same_v<Kind, NamePerParticle>) {
+          Json names = list_of(name_schema());
+          names["type"] = {"string", "array"};
+          names["pattern"] = kNamePattern;
+          return names;
         } else {
           static_assert(std::is_same_v<Kind, Passing>);
           return passing(row);
@@ -209,8 +216,6 @@ Json table_schema(const TableLayout& layout, const Json& own = Json::object()) {
   }
   return object(std::move(properties), required);
 }
-
-Json name_schema() { return {{"type", "string"}, {"pattern", kNamePattern}}; }
 
 Json motion_schema() {
   return object({{"velocity", list_of(number(any_number), kMostDimensions)},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -35,6 +36,18 @@ bool names(const std::vector<std::string>& words, const char* word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
+template <class Real>
+void list_species(BoundBody<Real>& body, const NamePerParticle& given, std::size_t count,
+                  const std::vector<std::string>& names) {
+  body.species_names = names;
+  if (given.names.empty()) return;
+  std::map<std::string, std::int32_t> indices;
+  for (const std::string& name : names) {
+    indices.emplace(name, static_cast<std::int32_t>(indices.size()));
+  }
+  for (std::size_t i = 0; i < count; ++i) body.species.push_back(indices.at(given.of(i)));
+}
+
 /// All but its place in the arrays.
 template <class Real>
 AssembledBody<Real> described(const SceneBody& from, std::size_t index, const AssemblyPlan& plan) {
@@ -50,7 +63,8 @@ AssembledBody<Real> described(const SceneBody& from, std::size_t index, const As
   const BodyEnds ends = from.record->ends(from.description.get(), plan.dimension());
   body.bound.closed = ends.closed;
   body.bound.open_along = ends.open_along;
-  body.bound.neighbours = neighbour_list(*from.record, from.description);
+  body.bound.neighbours = neighbour_list(*from.record, from.description, plan.box);
+  list_species(body.bound, common.species, count, plan.scene->species);
   if (from.motion) body.motion = &*from.motion;
   for (int d = 0; d < plan.dimension(); ++d) body.held[d] = names(from.hold, kAxisNames[d]);
   body.rotation_held = names(from.hold, "rotation");

@@ -44,6 +44,9 @@ std::string head_of(const RunLayout& layout, const TrajectoryFacts& facts) {
   std::string head = fmt::format(
       "{}\nProperties=species:S:1:pos:R:3:body:I:1 {} bodies={} units={} ", layout.particles(),
       lattice_of(TrajectoryBox(layout)), in_quotes(bodies), facts.units);
+  if (layout.dimension < static_cast<int>(kTrajectoryAxes)) {
+    head += fmt::format("dimension={} ", layout.dimension);
+  }
   if (!facts.name.empty()) head += "scene=" + in_quotes(facts.name) + " ";
   return head + "time=";
 }
@@ -55,11 +58,15 @@ std::string end_of_line(std::size_t body) { return fmt::format(" {}\n", body); }
 
 std::size_t xyz_bytes_per_frame(const RunLayout& layout, const TrajectoryFacts& facts) {
   const auto axes = static_cast<std::size_t>(layout.dimension);
-  // "X", a blank and a number for each axis, a blank and a zero for each that is missing.
-  const std::size_t places = 1 + axes * (1 + kLongestNumber) + (kTrajectoryAxes - axes) * 2;
+  // A blank and a number for each axis, a blank and a zero for each that is missing.
+  const std::size_t places = axes * (1 + kLongestNumber) + (kTrajectoryAxes - axes) * 2;
   std::size_t bytes = head_of(layout, facts).size() + kLongestNumber + 1;
   for (std::size_t b = 0; b < layout.bodies.size(); ++b) {
-    bytes += layout.bodies[b].mass.size() * (places + end_of_line(b).size());
+    const TrajectoryBody& body = layout.bodies[b];
+    bytes += body.mass.size() * (places + end_of_line(b).size());
+    for (std::size_t i = 0; i < body.mass.size(); ++i) {
+      bytes += species_name(layout, body, i).size();
+    }
   }
   return bytes;
 }
@@ -76,7 +83,7 @@ void ExtendedXyzWriter::write(double time, std::span<const double> positions) {
   for (std::size_t b = 0; b < layout_.bodies.size(); ++b) {
     const std::string body = end_of_line(b);
     for (std::size_t i = 0; i < layout_.bodies[b].mass.size(); ++i) {
-      buffer_ += 'X';
+      buffer_ += species_name(layout_, layout_.bodies[b], i);
       for (std::size_t d = 0; d < kTrajectoryAxes; ++d) {
         buffer_ += ' ';
         append_number(buffer_, d < static_cast<std::size_t>(layout_.dimension) ? *place++ : 0.0);

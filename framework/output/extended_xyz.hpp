@@ -15,9 +15,10 @@ std::size_t xyz_bytes_per_frame(const RunLayout& layout, const TrajectoryFacts& 
 
 /// A trajectory as text, in extended XYZ (as ASE and OVITO read it): for each frame the number of
 /// particles, a line of facts, and a line per particle with 17 digits, which read back as the same
-/// bits. Columns are species (X, "not an element": readers know no other), three axes of position,
+/// bits. Columns are species (X, "not an element", where a body has none), three axes of position,
 /// the missing ones zero, and the index of the particle's body; the bodies' names stand in the
-/// line of facts. `Lattice` comes with a periodic box only; it has no length along other axes.
+/// line of facts, and `dimension` where axes are missing. `Lattice` comes with a periodic box only;
+/// it has no length along other axes. The body `particles` reads such files.
 class ExtendedXyzWriter : public TrajectoryWriter {
  public:
   ExtendedXyzWriter(const std::filesystem::path& file, const RunLayout& layout,

@@ -131,6 +131,15 @@ class Builder {
   const Hdf5File& file_;
 };
 
+/// And a name for particles that have none.
+std::vector<std::string> names_of_species(const RunLayout& layout) {
+  std::vector<std::string> names = layout.species;
+  if (std::find(names.begin(), names.end(), kNoSpecies) == names.end()) {
+    names.emplace_back(kNoSpecies);
+  }
+  return names;
+}
+
 }  // namespace
 
 // ---- series
@@ -221,9 +230,13 @@ double h5md_bytes_besides(const RunLayout& layout, const TrajectoryFacts& facts)
   constexpr double kSeries = 4.0;
   double bytes = kStructure + static_cast<double>(facts.scene.size() + facts.source.size());
   for (const TrajectoryBody& body : layout.bodies) {
-    // Mass, species and number of each particle.
-    bytes += static_cast<double>(body.mass.size() * 3 * sizeof(double) + body.name.size());
+    // Mass, species, body and number of each particle.
+    bytes += static_cast<double>(body.mass.size() * 4 * sizeof(double) + body.name.size());
   }
+  // Names take as much as the longest.
+  std::size_t longest = 1;
+  for (const std::string& name : layout.species) longest = std::max(longest, name.size());
+  bytes += static_cast<double>((layout.species.size() + 1) * longest);
   const double full = layout.most_samples * h5md_bytes_per_frame(layout);
   return bytes + std::min(full, kSeries * static_cast<double>(kChunkBytes));
 }
@@ -273,21 +286,30 @@ void H5mdWriter::describe_scene(const TrajectoryFacts& facts) {
   std::vector<std::string> bodies;
   for (const TrajectoryBody& body : layout_.bodies) bodies.push_back(body.name);
   build.texts_dataset(parameters, "bodies", bodies);
+  if (!layout_.species.empty()) {
+    build.texts_dataset(parameters, "species", names_of_species(layout_));
+  }
 }
 
 void H5mdWriter::list_particles(hid_t all) {
+  const std::vector<std::string> names = names_of_species(layout_);
+  const auto none = std::find(names.begin(), names.end(), kNoSpecies) - names.begin();
   std::vector<double> mass;
   std::vector<std::int64_t> species;
+  std::vector<std::int64_t> body_of;
   for (std::size_t b = 0; b < layout_.bodies.size(); ++b) {
-    const std::vector<double>& masses = layout_.bodies[b].mass;
-    mass.insert(mass.end(), masses.begin(), masses.end());
-    species.insert(species.end(), masses.size(), static_cast<std::int64_t>(b));
+    const TrajectoryBody& body = layout_.bodies[b];
+    mass.insert(mass.end(), body.mass.begin(), body.mass.end());
+    species.insert(species.end(), body.species.begin(), body.species.end());
+    body_of.insert(body_of.end(), body.mass.size(), static_cast<std::int64_t>(b));
+    species.resize(mass.size(), none);
   }
   std::vector<std::int64_t> id(mass.size());
   std::iota(id.begin(), id.end(), 0);
   const Builder build(hdf5_);
   build.text(build.list(all, "mass", mass), "dimension", "mass");
-  build.list(all, "species", species);
+  build.list(all, "species", layout_.species.empty() ? body_of : species);
+  build.list(all, "body", body_of);
   build.list(all, "id", id);
 }
 

@@ -28,6 +28,15 @@ std::size_t row_block(const RunLayout& layout) {
   return std::max(kBlock, sizeof(std::uint64_t) + row_bytes(layout));
 }
 
+void append_species(const RunLayout& layout, RecordWriter& record) {
+  record.number(static_cast<std::uint64_t>(layout.species.size()));
+  for (const std::string& name : layout.species) record.text(name);
+  for (const TrajectoryBody& body : layout.bodies) {
+    record.number(static_cast<std::uint64_t>(body.species.size()));
+    for (const std::int32_t species : body.species) record.number(species);
+  }
+}
+
 RecordWriter header_record(const JournalHeader& header) {
   RecordWriter record(RecordKind::journal);
   record.number(kJournalFormat);
@@ -52,7 +61,29 @@ RecordWriter header_record(const JournalHeader& header) {
   for (const bool periodic : layout.periodic) record.number(static_cast<std::uint8_t>(periodic));
   record.number(static_cast<std::uint8_t>(layout.events));
   record.text(layout.state);
+  if (!layout.species.empty()) append_species(layout, record);
   return record;
+}
+
+/// One for each particle of a body that has species, and each with a name.
+bool has_valid_species(const RunLayout& layout) {
+  return std::all_of(layout.bodies.begin(), layout.bodies.end(), [&](const TrajectoryBody& body) {
+    const auto is_named = [&](std::int32_t species) {
+      return species >= 0 && static_cast<std::size_t>(species) < layout.species.size();
+    };
+    return (body.species.empty() || body.species.size() == body.mass.size()) &&
+           std::all_of(body.species.begin(), body.species.end(), is_named);
+  });
+}
+
+void read_species(RecordReader& record, RunLayout& layout) {
+  layout.species.resize(record.count(sizeof(std::uint64_t)));
+  for (std::string& name : layout.species) name = record.text();
+  for (TrajectoryBody& body : layout.bodies) {
+    body.species.resize(record.count(sizeof(std::int32_t)));
+    for (std::int32_t& species : body.species) species = record.number<std::int32_t>();
+  }
+  if (!has_valid_species(layout)) record.refuse("no such species");
 }
 
 JournalHeader header_in(RecordReader record) {
@@ -86,6 +117,7 @@ JournalHeader header_in(RecordReader record) {
   }
   layout.events = record.number<std::uint8_t>() != 0;
   layout.state = record.text();
+  if (record.left() > 0) read_species(record, layout);
   record.end();
   return header;
 }

@@ -74,6 +74,17 @@ class TrajectoryFile : public ResultFile {
   std::unique_ptr<TrajectoryWriter> writer_;
 };
 
+/// The species of particles that have none, for programs of the field: "not an element".
+inline constexpr const char* kNoSpecies = "X";
+
+/// Of a particle of a body, by its name.
+inline const std::string& species_name(const RunLayout& layout, const TrajectoryBody& body,
+                                       std::size_t particle) {
+  static const std::string none = kNoSpecies;
+  return body.species.empty() ? none
+                              : layout.species[static_cast<std::size_t>(body.species[particle])];
+}
+
 /// The axes that the field's programs expect, whatever a scene has.
 inline constexpr std::size_t kTrajectoryAxes = 3;
 

@@ -133,13 +133,15 @@ struct SampleColumn {
 /// The particles of one body in a trajectory, one body after another.
 struct TrajectoryBody {
   std::string name;
-  std::vector<double> mass;  ///< [particle]
+  std::vector<double> mass;                ///< [particle]
+  std::vector<std::int32_t> species = {};  ///< [particle], indices of names; empty: it has none
 };
 
 /// What a run will send to its sink.
 struct RunLayout {
-  std::vector<SampleColumn> columns;   ///< of the table; empty: no samples come
-  std::vector<TrajectoryBody> bodies;  ///< with `[output] trajectory`; empty: no positions come
+  std::vector<SampleColumn> columns;      ///< of the table; empty: no samples come
+  std::vector<TrajectoryBody> bodies;     ///< with `[output] trajectory`; empty: no positions come
+  std::vector<std::string> species = {};  ///< names of those that bodies have
   int dimension = 0;
   std::vector<double> box;     ///< lengths by axis; empty: there is none
   std::vector<bool> periodic;  ///< by axis, with a box

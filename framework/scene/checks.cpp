@@ -21,7 +21,7 @@ namespace {
 
 // Keys of BodyDescription; a body's shape does not depend on them.
 bool is_common_key(std::string_view key) {
-  return key == "particle_mass" || key == "velocity" || key == "displacement" ||
+  return key == "particle_mass" || key == "species" || key == "velocity" || key == "displacement" ||
          key == "start_temperature" || key == "coordinates";
 }
 
@@ -136,7 +136,7 @@ std::optional<WrongValue> wrong_pairs(const PairSelection& pairs, const BodyDraf
 /// Throws where the pairs that a body lists as neighbours are none of its own.
 void check_neighbours(const BodyDraft& body) {
   const PairSelection listed{.kind = PairSelection::Kind::list,
-                             .list = body.record->neighbours(body.description.get())};
+                             .list = body.record->neighbours(body.description.get(), {})};
   if (const auto found = wrong_pairs(listed, body)) {
     throw std::out_of_range("its list of neighbours: " + found->why);
   }
@@ -182,6 +182,12 @@ std::optional<WrongValue> wrong_angles(const AngleSelection& angles, const BodyD
   return std::nullopt;
 }
 
+template <class Values>
+std::size_t entries_of(const Values& given) {
+  return given.values.size();
+}
+std::size_t entries_of(const NamePerParticle& given) { return given.names.size(); }
+
 /// Nothing when lists have one entry or one per particle, and indices name particles.
 std::optional<WrongValue> wrong_for_body(const ParameterValue& value, const BodyDraft& body) {
   const std::int64_t count = *body.count;
@@ -189,8 +195,9 @@ std::optional<WrongValue> wrong_for_body(const ParameterValue& value, const Body
       [&](const auto& given) -> std::optional<WrongValue> {
         using Kind = std::decay_t<decltype(given)>;
         if constexpr (std::is_same_v<Kind, PerParticle> ||
-                      std::is_same_v<Kind, PerParticleVector>) {
-          const std::size_t length = given.values.size();
+                      std::is_same_v<Kind, PerParticleVector> ||
+                      std::is_same_v<Kind, NamePerParticle>) {
+          const std::size_t length = entries_of(given);
           if (length <= 1 || length == static_cast<std::size_t>(count)) return std::nullopt;
           return WrongValue{FaultCode::scene_wrong_count,
                             fmt::format("{} entries, but the body has {} particle{}", length, count,
@@ -269,6 +276,14 @@ std::array<double, 3> periodic_lengths(const BoxSettings& box) {
   return lengths;
 }
 
+/// Each once.
+std::vector<std::string> species_of(const BodyDraft& body) {
+  std::vector<std::string> species = body.record->common(body.description.get()).species.names;
+  std::sort(species.begin(), species.end());
+  species.erase(std::unique(species.begin(), species.end()), species.end());
+  return species;
+}
+
 /// What there is to know of these bodies; nothing when one of them is unfit or was not found.
 std::optional<SceneOutline> outline_for(const std::vector<std::size_t>& indices,
                                         const std::vector<BodyDraft>& bodies,
@@ -281,8 +296,9 @@ std::optional<SceneOutline> outline_for(const std::vector<std::size_t>& indices,
   for (const std::size_t index : indices) {
     const BodyDraft& body = bodies[index];
     if (!body.sound || !body.count) return std::nullopt;
-    outline.bodies.push_back(
-        {body.name, *body.count, closed[index], neighbour_list(*body.record, body.description)});
+    outline.bodies.push_back({body.name, *body.count, closed[index],
+                              neighbour_list(*body.record, body.description, box),
+                              species_of(body)});
   }
   return outline;
 }

@@ -1,5 +1,7 @@
 // Drafts without faults become the scene's components and its effective text.
 
+#include <set>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -59,10 +61,15 @@ Node effective_component(const SceneDraft& draft, const Draft& component) {
 
 void describe_components(SceneDraft& draft) {
   Scene& scene = *draft.scene;
+  std::set<std::string> known;  // species
   for (const BodyDraft& body : draft.bodies) {
     scene.bodies.push_back(component_of<SceneBody>(body, draft.source));
     scene.bodies.back().hold = body.hold;
     scene.bodies.back().motion = body.motion;
+    const BodyDescription& common = body.record->common(body.description.get());
+    for (const std::string& name : common.species.names) {
+      if (known.insert(name).second) scene.species.push_back(name);
+    }
   }
   for (const ForceDraft& force : draft.forces) {
     scene.forces.push_back(component_of<SceneForce>(force, draft.source));

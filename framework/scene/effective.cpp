@@ -132,6 +132,14 @@ std::optional<Node> node_of(const AngleSelection& angles) {
   return node(std::move(list));
 }
 
+std::optional<Node> node_of(const NamePerParticle& species) {
+  if (species.names.empty()) return std::nullopt;
+  if (species.names.size() == 1) return node(species.names.front());
+  List list;
+  for (const std::string& name : species.names) list.push_back(node(name));
+  return node(std::move(list));
+}
+
 /// A number that is absent reads as NaN.
 std::optional<Node> node_of(double number) {
   if (std::isnan(number)) return std::nullopt;

@@ -381,7 +381,6 @@ const std::vector<ReservedKey>& planned_words() {
       {"stability", "thresholds and equilibria"},
       {"export", "input for other programs"},
       {"report", "a web page of a run"},
-      {"species", kPotentials},
       {"cutoff", kPotentials},
       {"lennard_jones", kPotentials},
       {"tersoff", kPotentials},

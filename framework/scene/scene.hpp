@@ -177,6 +177,7 @@ struct Scene {
   std::vector<std::pair<std::string, double>> parameters;  ///< resolved, in file order
   BoxSettings box;
   std::vector<SceneBody> bodies;
+  std::vector<std::string> species;  ///< that particles of its bodies are, each once
   std::vector<SceneForce> forces;
   std::vector<SceneObserver> observers;
   std::vector<Library> libraries;  ///< that it names, and those that were loaded for all scenes

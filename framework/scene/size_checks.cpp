@@ -43,7 +43,7 @@ class ExpressionText {
 
 /// What tells the number of particles; empty where that is no key.
 std::string count_key(const BodyDraft& body) {
-  for (const char* key : {"count", "size"}) {
+  for (const char* key : {"count", "size", "cells", "length"}) {
     if (body.reading.has(key)) return key;
   }
   return "";

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "framework/core/text/nearest_name.hpp"
+#include "framework/core/text/xyz_file.hpp"
 #include "framework/scene/effective.hpp"
 #include "framework/scene/language.hpp"
 #include "framework/scene/passing.hpp"
@@ -93,6 +94,9 @@ std::string admissible_values(const Parameter& row) {
           return "a list with a formula per dimension";
         } else if constexpr (std::is_same_v<Kind, AngleSelection>) {
           return "\"neighbours\" or a list of triples of indices";
+        } else if constexpr (std::is_same_v<Kind, NamePerParticle>) {
+          return "a name, or a list of one per particle: letters, digits, _ and -, the first no "
+                 "digit and no -";
         } else {
           static_assert(std::is_same_v<Kind, Passing>);
           return "{ when = OBSERVABLE, above = VALUE } or below, and times";
@@ -161,6 +165,8 @@ std::optional<ParameterValue> ValueReader::read_kind(const Subject& subject,
           return formula_list(subject, node);
         } else if constexpr (std::is_same_v<Kind, AngleSelection>) {
           return angle_selection(subject, node);
+        } else if constexpr (std::is_same_v<Kind, NamePerParticle>) {
+          return names_of_particles(subject, node);
         } else {
           static_assert(std::is_same_v<Kind, Passing>);
           return passing(subject, node);
@@ -366,6 +372,28 @@ std::optional<AngleSelection> ValueReader::angle_selection(const Subject& subjec
     }
     result.list.push_back(indices);
   }
+  return result;
+}
+
+std::optional<NamePerParticle> ValueReader::names_of_particles(const Subject& subject,
+                                                               const Node& node) const {
+  NamePerParticle result;
+  const auto take = [&](const Node& element) {
+    const auto* name = element.as<std::string>();
+    if (name == nullptr) {
+      wrong_kind(subject, element);
+    } else if (!is_species_name(*name)) {
+      wrong(FaultCode::scene_invalid_name, subject, element, "not a name of a species");
+    } else {
+      result.names.push_back(*name);
+      return true;
+    }
+    return false;
+  };
+  const auto* list = node.as<List>();
+  if (list == nullptr) return take(node) ? std::optional(result) : std::nullopt;
+  if (list->empty()) return wrong(FaultCode::scene_wrong_count, subject, node, "the list is empty");
+  if (!std::all_of(list->begin(), list->end(), take)) return std::nullopt;
   return result;
 }
 

@@ -79,6 +79,7 @@ class ValueReader {
   std::optional<Formula> formula(const Subject& subject, const Node& node) const;
   std::optional<FormulaList> formula_list(const Subject& subject, const Node& node) const;
   std::optional<AngleSelection> angle_selection(const Subject& subject, const Node& node) const;
+  std::optional<NamePerParticle> names_of_particles(const Subject& subject, const Node& node) const;
   std::optional<Passing> passing(const Subject& subject, const Node& node) const;
 
   bool names_particles(const Node& node) const;

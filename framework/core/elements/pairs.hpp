@@ -85,7 +85,6 @@ BoundPairs<Real> pairs_of(const PairSelection& selection, const Binding<Real>& b
       if (one.neighbours) {
         for (const auto& [i, j] : one.neighbours()) {
           add(static_cast<std::size_t>(i), static_cast<std::size_t>(j));
-          found.pairs.back().image = {};
         }
         break;
       }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -18,6 +19,7 @@ namespace tomlin {
 /// Keys that every body takes; a body's description derives from this.
 struct BodyDescription {
   PerParticle particle_mass;
+  NamePerParticle species;
   PerParticleVector velocity;
   PerParticleVector displacement;
   double start_temperature = 0.0;
@@ -31,6 +33,11 @@ std::vector<Parameter> with_body_parameters(std::vector<Parameter> own) {
                                 "mass of each particle: one number for all, or one each")
                     .in(positive)
                     .for_each_particle());
+  own.push_back(parameter_of<D>("species", &BodyDescription::species, dimension::none,
+                                "what each particle is, as \"C\": a name for all, or one each; "
+                                "potentials between atoms know their parameters by it, and "
+                                "trajectories have it")
+                    .or_absent());
   own.push_back(parameter_of<D>("velocity", &BodyDescription::velocity, dimension::velocity,
                                 "starting velocity: one vector for all particles, or one each; "
                                 "at rest by default")
@@ -77,6 +84,9 @@ struct BodyEnds {
 /// For bodies that nothing closes.
 inline BodyEnds open_ends(const void*, int) { return {}; }
 
+/// For bodies whose keys say all.
+inline std::string no_body_note(const void*) { return {}; }
+
 /// A fault that only shows when several keys are held against each other.
 struct Complaint {
   std::string key;
@@ -98,19 +108,24 @@ struct BodyRecord : ComponentRecord {
   /// Faults across keys for a scene of this dimension; empty when valid.
   std::vector<Complaint> (*complaints)(const void* description, int dimension) = nullptr;
   BodyEnds (*ends)(const void* description, int dimension) = &open_ends;
-  /// Where "neighbours" does not mean consecutive particles: the pairs that it means, each once.
-  /// Called for a valid description only.
-  std::vector<IndexPair> (*neighbours)(const void* description) = nullptr;
+  /// Where "neighbours" does not mean consecutive particles: the pairs that it means, each once, in
+  /// a box of these lengths, 0 along an axis that is not periodic. Called for a valid description
+  /// only.
+  std::vector<IndexPair> (*neighbours)(const void* description,
+                                       const std::array<double, 3>& box) = nullptr;
+  /// What `explain` says of the body besides its keys, as the lengths of a box that it fills.
+  std::string (*note)(const void* description) = &no_body_note;
   /// Called for a valid description only.
   BodyGeometry (*build)(const void* description, int dimension) = nullptr;
 };
 
 /// The neighbours of a body; the description is kept for as long as they may be asked for.
 inline NeighbourList neighbour_list(const BodyRecord& record,
-                                    std::shared_ptr<const void> description) {
+                                    std::shared_ptr<const void> description,
+                                    const std::array<double, 3>& box) {
   if (record.neighbours == nullptr) return nullptr;
-  return [list = record.neighbours, description = std::move(description)] {
-    return list(description.get());
+  return [list = record.neighbours, description = std::move(description), box] {
+    return list(description.get(), box);
   };
 }
 

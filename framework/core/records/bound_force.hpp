@@ -49,6 +49,8 @@ struct BoundBody {
   std::vector<std::vector<double>> start;  ///< [count][dimension], relative to the scene's origin
   std::vector<double> start_centre;        ///< [dimension], centre of mass
   NeighbourList neighbours;
+  std::vector<std::int32_t> species;           ///< [count], indices of names; empty: it has none
+  std::span<const std::string> species_names;  ///< of all species of the scene, each once
 };
 
 template <class Real>

@@ -10,6 +10,17 @@
 
 namespace tomlin {
 
+/// What stands in a file that a scene names, or why it cannot be had.
+struct FetchedText {
+  std::string text;
+  std::filesystem::path path;  ///< the folder included
+  std::vector<Complaint> complaints;
+};
+
+/// For `prepare`: the text of a file that `key` names, relative to the scene's folder.
+FetchedText fetch_text(const std::string& name, const std::filesystem::path& folder,
+                       const std::string& key);
+
 /// What a file holds that a scene names, or why not.
 struct FetchedNumbers {
   NumberFile file;

@@ -60,6 +60,7 @@ struct SceneOutline {
     std::int64_t count = 0;
     bool closed = false;  ///< "neighbours" joins its ends, by its shape or through the box
     NeighbourList neighbours = nullptr;
+    std::vector<std::string> species = {};  ///< that its particles are, each once; empty: none
   };
   std::vector<Body> bodies;  ///< those the force acts on, in the order named
 };

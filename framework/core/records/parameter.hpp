@@ -110,6 +110,15 @@ struct PerParticleVector {
   friend bool operator==(const PerParticleVector&, const PerParticleVector&) = default;
 };
 
+/// One name for all particles, or one each; empty when not given.
+struct NamePerParticle {
+  std::vector<std::string> names;
+  const std::string& of(std::size_t particle) const {
+    return names.size() == 1 ? names.front() : names[particle];
+  }
+  friend bool operator==(const NamePerParticle&, const NamePerParticle&) = default;
+};
+
 /// `positions = [[0.0, 1.0], ...]`; in one dimension `[0.0, 1.0]` too. Empty when not given.
 struct PointList {
   std::size_t dimension = 0;
@@ -171,10 +180,10 @@ struct AngleSelection {
   friend bool operator==(const AngleSelection&, const AngleSelection&) = default;
 };
 
-using ParameterValue =
-    std::variant<double, std::int64_t, bool, std::string, SpaceVector, PerParticle,
-                 PerParticleVector, PairSelection, WordOrNumbers, Attachment, PointList,
-                 NumberTable, WordList, FlagList, Passing, Formula, FormulaList, AngleSelection>;
+using ParameterValue = std::variant<double, std::int64_t, bool, std::string, SpaceVector,
+                                    PerParticle, PerParticleVector, PairSelection, WordOrNumbers,
+                                    Attachment, PointList, NumberTable, WordList, FlagList, Passing,
+                                    Formula, FormulaList, AngleSelection, NamePerParticle>;
 
 /// One row of a parameter table; the member is reached through `assign` and `read`.
 struct Parameter {

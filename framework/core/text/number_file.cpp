@@ -36,17 +36,9 @@ class RowReader {
     while (!rest_.empty() || after_comma) {
       const std::string_view word = take_word();
       if (word.empty()) return refused("is empty");
-      const auto end = word.data() + word.size();
-      // A sign that from_chars does not know.
-      const char* begin = word.data() + (word.size() > 1 && word[0] == '+' && word[1] != '-');
-      double number = 0.0;
-      const auto [stop, error] = std::from_chars(begin, end, number);
-      if (error == std::errc::result_out_of_range) {
-        return refused("is too large or too small for a double");
-      }
-      if (error != std::errc() || stop != end) return refused("is not a number");
-      if (!std::isfinite(number)) return refused("is not a finite number");
-      row.numbers.push_back(number);
+      std::string why;
+      row.numbers.push_back(parse_number(word, why));
+      if (!why.empty()) return refused(why);
       ++column_;
       after_comma = take_comma();
     }
@@ -54,7 +46,9 @@ class RowReader {
   }
 
  private:
-  Row refused(const char* why) const { return {{}, fmt::format("column {} {}", column_, why)}; }
+  Row refused(const std::string& why) const {
+    return {{}, fmt::format("column {} {}", column_, why)};
+  }
 
   void skip_spaces() {
     while (!rest_.empty() && is_space(rest_.front())) rest_.remove_prefix(1);
@@ -85,6 +79,22 @@ std::string columns(std::size_t count) {
 }
 
 }  // namespace
+
+double parse_number(std::string_view word, std::string& why) {
+  const auto end = word.data() + word.size();
+  // A sign that from_chars does not know.
+  const char* begin = word.data() + (word.size() > 1 && word[0] == '+' && word[1] != '-');
+  double number = 0.0;
+  const auto [stop, error] = std::from_chars(begin, end, number);
+  if (error == std::errc::result_out_of_range) {
+    why = "is too large or too small for a double";
+  } else if (error != std::errc() || stop != end) {
+    why = "is not a number";
+  } else if (!std::isfinite(number)) {
+    why = "is not a finite number";
+  }
+  return number;
+}
 
 NumberFile parse_numbers(std::string_view text, const std::string& name, std::size_t most_columns,
                          const std::string& why_most) {

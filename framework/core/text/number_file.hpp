@@ -7,6 +7,9 @@
 
 namespace tomlin {
 
+/// The number that a word is; `why` says what is wrong with it, empty where it is a finite number.
+double parse_number(std::string_view word, std::string& why);
+
 /// A file of rows of numbers, or the faults that keep it from being read.
 struct NumberFile {
   std::size_t columns = 0;

@@ -49,7 +49,7 @@ std::uint64_t pairs_of(const Scene& scene, const SceneForce& force) {
     const SceneBody& body = scene.bodies[b];
     const auto geometry = body.record->build(body.description.get(), scene.dimension);
     outline.bodies.push_back({body.name, static_cast<std::int64_t>(geometry.relative.size()), true,
-                              neighbour_list(*body.record, body.description)});
+                              neighbour_list(*body.record, body.description, {})});
   }
   return force.record->pairs(force.description.get(), outline);
 }

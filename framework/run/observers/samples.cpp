@@ -68,8 +68,9 @@ RunLayout Samples::layout() const {
   if (scene_ != nullptr) scene_->list_columns(columns);
   if (run.scene->output.trajectory) {
     for (const Model::Body& body : model.bodies()) {
-      layout.bodies.push_back({body.bound.name, body.bound.mass});
+      layout.bodies.push_back({body.bound.name, body.bound.mass, body.bound.species});
     }
+    layout.species = run.scene->species;
   }
   return layout;
 }

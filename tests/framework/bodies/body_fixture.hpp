@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -25,10 +26,17 @@ inline BodyGeometry shape_of(const std::string& type, const std::string& keys,
   return shape_in(*scene_of(one_body(type, keys), settings));
 }
 
-inline std::vector<IndexPair> bonds_of(const std::string& type, const std::string& keys) {
+inline std::vector<IndexPair> bonds_of(const std::string& type, const std::string& keys,
+                                       const std::array<double, 3>& box = {}) {
   const auto scene = scene_of(one_body(type, keys));
   const SceneBody& body = scene->bodies.front();
-  return body.record->neighbours(body.description.get());
+  return body.record->neighbours(body.description.get(), box);
+}
+
+inline std::string note_of(const std::string& type, const std::string& keys) {
+  const auto scene = scene_of(one_body(type, keys));
+  const SceneBody& body = scene->bodies.front();
+  return body.record->note(body.description.get());
 }
 
 /// The faults of a body of this type with these keys, which begin in line 3.

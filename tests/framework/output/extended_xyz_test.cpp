@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "framework/core/text/xyz_file.hpp"
 #include "framework/output/number_text.hpp"
 #include "tests/framework/output/disk_limit.hpp"
 #include "tests/framework/output/temporary_folder.hpp"
@@ -35,7 +36,7 @@ TEST(ExtendedXyz, IsOneFrameAfterAnother) {
   writer.finish();
   const std::string head =
       "4\nProperties=species:S:1:pos:R:3:body:I:1 Lattice=\"7.5 0 0 0 0 0 0 0 0\" pbc=\"T F F\" "
-      "bodies=\"ring tip\" units=reduced scene=\"a \\\"test\\\"\" ";
+      "bodies=\"ring tip\" units=reduced dimension=2 scene=\"a \\\"test\\\"\" ";
   EXPECT_EQ(content(folder / "t.xyz"),
             head + "time=0\nX 1 2 0 0\nX 0.10000000000000001 -4 0 0\nX 5 6 0 0\n" +
                 "X 7 8.0000000000000004e+300 0 1\n" + head +
@@ -74,6 +75,28 @@ TEST(ExtendedXyz, ReadsBackAsTheSameBits) {
     }
   }
   EXPECT_FALSE(std::getline(text, line));
+}
+
+TEST(ExtendedXyz, NamesSpeciesAndIsReadAsItWasWritten) {
+  const TemporaryFolder folder;
+  write_file(folder / "t.xyz", with_species(), 3);
+  const std::string text = content(folder / "t.xyz");
+  for (std::int64_t f = 0; f < 3; ++f) {
+    const XyzFrame frame = parse_xyz(text, "t.xyz", f);
+    ASSERT_EQ(frame.faults, std::vector<std::string>());
+    EXPECT_EQ(frame.dimension, 2U);
+    EXPECT_EQ(frame.species, (std::vector<std::string>{"H", "C", "C", "X"}));
+    ASSERT_EQ(frame.positions.size(), 8U);
+    for (std::size_t k = 0; k < 8; ++k) {
+      EXPECT_EQ(frame.positions[k], place_of(static_cast<std::size_t>(f), k));
+    }
+  }
+  EXPECT_GE(xyz_bytes_per_frame(with_species(), some_facts()), text.size() / 3);
+  RunLayout space = line_of(1);
+  space.dimension = 3;
+  write_file(folder / "space.xyz", space, 1);
+  EXPECT_EQ(content(folder / "space.xyz").find("dimension"), std::string::npos);
+  EXPECT_EQ(parse_xyz(content(folder / "space.xyz"), "t.xyz", -1).dimension, 3U);
 }
 
 TEST(ExtendedXyz, HasItsNameOnlyWhenItIsComplete) {

@@ -17,6 +17,7 @@ ELEMENTS = {  # per-particle elements: kinds of numbers, and dimensions behind [
     "mass": ("f", 0),
     "species": ("iu", 0),  # enumerations are integers too
     "id": ("iu", 0),
+    "body": ("iu", 0),  # of tomlin
     "charge": ("fiu", 0),
 }
 

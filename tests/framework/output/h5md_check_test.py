@@ -40,7 +40,7 @@ class Trajectory(unittest.TestCase):
         shutil.rmtree(cls.folder)
 
     def test_keeps_the_rules(self):
-        for name in ("two_bodies.h5", "line.h5"):
+        for name in ("two_bodies.h5", "species.h5", "line.h5"):
             self.assertEqual(h5md_check.faults(self.folder / name), [])
 
     def test_has_the_numbers_of_the_run(self):
@@ -57,9 +57,17 @@ class Trajectory(unittest.TestCase):
             self.assertEqual(list(particles["position/step"]), list(range(5)))
             self.assertEqual(list(particles["mass"]), [0.25, 0.5, 0.125, 2.0])
             self.assertEqual(list(particles["species"]), [0, 0, 0, 1])
+            self.assertEqual(list(particles["body"]), [0, 0, 0, 1])
+            self.assertNotIn("species", file["parameters"])
             self.assertEqual(list(particles["box"].attrs["boundary"]),
                              [b"periodic", b"none", b"none"])
             self.assertTrue(np.all(particles["box/edges/value"][()] == [7.5, 0.0, 0.0]))
+
+    def test_has_the_species_of_particles(self):
+        with h5py.File(self.folder / "species.h5", "r") as file:
+            self.assertEqual(list(file["parameters/species"]), [b"C", b"H", b"X"])
+            self.assertEqual(list(file[ALL]["species"]), [1, 0, 0, 2])
+            self.assertEqual(list(file[ALL]["body"]), [0, 0, 0, 1])
 
     def test_says_what_it_is(self):
         with h5py.File(self.folder / "two_bodies.h5", "r") as file:

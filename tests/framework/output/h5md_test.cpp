@@ -113,6 +113,17 @@ TEST(H5md, ReadsBackAsTheSameBits) {
   }
 }
 
+TEST(H5md, HasTheSpeciesOfParticles) {
+  const TemporaryFolder folder;
+  write_file(folder / "t.h5", with_species(), 2);
+  const Hdf5Handle file = opened(folder / "t.h5");
+  EXPECT_EQ(read<std::int64_t>(file, "/particles/all/species").values,
+            (std::vector<std::int64_t>{1, 0, 0, 2}));
+  EXPECT_EQ(read<std::int64_t>(file, "/particles/all/body").values,
+            (std::vector<std::int64_t>{0, 0, 0, 1}));
+  EXPECT_GE(H5Lexists(file, "/parameters/species", H5P_DEFAULT), 1);
+}
+
 /// Chunks end within the run, at its end, and within a frame.
 TEST(H5md, KeepsEveryFrameOfAnyShape) {
   struct Shape {

@@ -16,6 +16,8 @@ inline RunLayout small_layout() {
   RunLayout layout;
   layout.columns = {{"time", "time"}, {"driver.force.x", "force"}};
   layout.bodies = {{"tip", {1.0}}, {"chain", {0.5, 0.25}}};
+  layout.species = {"C", "H"};
+  layout.bodies.back().species = {1, 0};
   layout.dimension = 1;
   layout.box = {8.0};
   layout.periodic = {true};

@@ -40,6 +40,9 @@ TEST(Journal, ComesBackAsItWasWritten) {
   EXPECT_EQ(layout.columns[1].unit, "force");
   EXPECT_EQ(layout.bodies[1].name, "chain");
   EXPECT_EQ(layout.bodies[1].mass, (std::vector<double>{0.5, 0.25}));
+  EXPECT_EQ(layout.species, (std::vector<std::string>{"C", "H"}));
+  EXPECT_EQ(layout.bodies[0].species, std::vector<std::int32_t>());
+  EXPECT_EQ(layout.bodies[1].species, (std::vector<std::int32_t>{1, 0}));
   EXPECT_EQ(layout.dimension, 1);
   EXPECT_EQ(layout.box, std::vector<double>{8.0});
   EXPECT_EQ(layout.periodic, std::vector<bool>{true});

@@ -19,6 +19,14 @@ inline RunLayout two_bodies() {
   return layout;
 }
 
+/// The same with atoms in the ring.
+inline RunLayout with_species() {
+  RunLayout layout = two_bodies();
+  layout.species = {"C", "H"};
+  layout.bodies.front().species = {1, 0, 0};
+  return layout;
+}
+
 /// Particles on a line, one body, no box.
 inline RunLayout line_of(std::size_t particles) {
   RunLayout layout;

@@ -14,7 +14,8 @@ int main(int, char** arguments) {
   using namespace tomlin;
   using namespace tomlin::test;
   const std::filesystem::path folder = arguments[1];
-  for (const auto& [name, layout] : {std::pair{"two_bodies", two_bodies()}, {"line", line_of(3)}}) {
+  for (const auto& [name, layout] :
+       {std::pair{"two_bodies", two_bodies()}, {"species", with_species()}, {"line", line_of(3)}}) {
     for (const auto& [format, suffix] :
          {std::pair{TrajectoryFormat::h5md, ".h5"}, {TrajectoryFormat::xyz, ".xyz"}}) {
       const auto writer =

@@ -48,7 +48,9 @@ BodyGeometry build_dumbbell(const void* description, int dimension) {
   return geometry;
 }
 
-std::vector<IndexPair> bonded(const void*) { return {{0, asked_for("neighbours") ? 2 : 1}}; }
+std::vector<IndexPair> bonded(const void*, const std::array<double, 3>&) {
+  return {{0, asked_for("neighbours") ? 2 : 1}};
+}
 
 BodyRecord dumbbell_record() {
   BodyRecord record;
