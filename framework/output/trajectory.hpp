@@ -17,7 +17,7 @@ namespace tomlin {
 struct TrajectoryFacts {
   std::string name;     ///< of the scene; may be empty
   std::string source;   ///< the same
-  std::string units;    ///< "reduced"
+  UnitSystem units = UnitSystem::reduced;
   std::string scene;    ///< the effective scene, TOML
   std::string version;  ///< of the program
 };
