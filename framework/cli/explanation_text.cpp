@@ -61,8 +61,8 @@ void add_bodies(Forms& forms, const Explanation& e) {
     forms.text.row(
         body.name,
         fmt::format("{}: {}, mass {}, {}: {}, {}", body.type,
-                    counted(body.particles, "particle", "particles"), mass,
-                    motion_of(body), counted(body.coordinate_count, "coordinate", "coordinates"),
+                    counted(body.particles, "particle", "particles"), mass, motion_of(body),
+                    counted(body.coordinate_count, "coordinate", "coordinates"),
                     counted(body.degrees_of_freedom, "degree of freedom", "degrees of freedom")));
   }
 }
@@ -468,11 +468,11 @@ std::string explanation_text(const Explanation& e) {
   Sections text;
   Forms forms{json, text};
   add_all(forms, e);
-  return fmt::format("{}: {} dimension{}, {} dynamics, {} numbers, {}\n\n", title_of(scene),
-                     scene.dimension, scene.dimension == 1 ? "" : "s",
-                     to_string(scene.run.dynamics), to_string(scene.run.number_type),
-                     scene.units == UnitSystem::metal ? "metal units (eV, A, ps, u, K)"
-                                                      : "reduced units") +
+  return fmt::format(
+             "{}: {} dimension{}, {} dynamics, {} numbers, {}\n\n", title_of(scene),
+             scene.dimension, scene.dimension == 1 ? "" : "s", to_string(scene.run.dynamics),
+             to_string(scene.run.number_type),
+             scene.units == UnitSystem::metal ? "metal units (eV, A, ps, u, K)" : "reduced units") +
          text.text();
 }
 

@@ -88,8 +88,7 @@ std::string about_asked(const ResultGroup& group, UnitSystem units) {
       undefined += fmt::format("{}no {} ({})", undefined.empty() ? "" : ", ", quantity.key,
                                quantity.meaning);
     } else if (!printed) {
-      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", quantity.key,
-                          text_of(value, units));
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", quantity.key, text_of(value, units));
     }
   }
   return text + (text.empty() || undefined.empty() ? "" : "; ") + undefined;
@@ -123,7 +122,8 @@ void add_groups(Sections& sections, const Scene& scene, const RunResult& result,
   const bool asked = !scene.measure.observables.empty() && !ended_before;
   const std::size_t shown = std::min(results.size(), kMostShown);
   for (std::size_t k = 0; k < shown; ++k) {
-    std::string text = asked ? about_asked(results[k], scene.units) : about(results[k], scene.units);
+    std::string text =
+        asked ? about_asked(results[k], scene.units) : about(results[k], scene.units);
     if (text.empty()) text = ended_before ? "the run ended before the window" : "no value";
     sections.row(results[k].name, text);
   }
@@ -141,8 +141,8 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
       result.refused_steps > 0 ? fmt::format(" ({} refused)", result.refused_steps) : "";
   const std::string time = unit_behind(scene.units, dimension::time);
   sections.row(to_string(result.status),
-               fmt::format("at time {:.9g}{} after {} steps{}, {} force evaluations", result.end_time,
-                           time, result.steps, refused, result.force_evaluations));
+               fmt::format("at time {:.9g}{} after {} steps{}, {} force evaluations",
+                           result.end_time, time, result.steps, refused, result.force_evaluations));
   sections.row("speed", fmt::format("{:.3g} s, {:.3g} steps/s, {}", result.wall_seconds,
                                     result.steps_per_second, to_string(result.instruction_set)));
   sections.row("window",
@@ -150,7 +150,8 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
   add_groups(sections, scene, result, "drivers");
   add_groups(sections, scene, result, "bodies");
   const ResultGroup* energy = result.find("energy");
-  if (energy != nullptr && (*energy)["work_in"]) sections.row("energy", about(*energy, scene.units));
+  if (energy != nullptr && (*energy)["work_in"])
+    sections.row("energy", about(*energy, scene.units));
   if (result.accuracy) sections.row("accuracy", about(*result.accuracy));
   const std::vector<std::string> errors = shown_errors(result, scene.units);
   for (std::size_t k = 0; k < std::min(errors.size(), kMostShown); ++k) {

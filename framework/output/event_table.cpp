@@ -22,9 +22,9 @@ std::string cell(std::string_view text) {
 
 std::string header(UnitSystem units) {
   const std::string time = unit_in_tables(units, dimension::time);
-  return fmt::format(
-      "time [{}],event,name,duration [{}],size,energy_lost [{}],peak_force [{}]\n", time, time,
-      unit_in_tables(units, dimension::energy), unit_in_tables(units, dimension::force));
+  return fmt::format("time [{}],event,name,duration [{}],size,energy_lost [{}],peak_force [{}]\n",
+                     time, time, unit_in_tables(units, dimension::energy),
+                     unit_in_tables(units, dimension::force));
 }
 
 }  // namespace

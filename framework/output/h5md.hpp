@@ -68,10 +68,10 @@ double h5md_bytes_besides(const RunLayout& layout, const TrajectoryFacts& facts)
 ///
 /// Positions have three axes whatever the scene has, the missing ones zero, and edges come with
 /// every frame, since MDAnalysis reads nothing else. `step` counts samples. Datasets carry
-/// `dimension`, say "length". /h5md/modules/units names the `system` of units. "reduced" ones have no
-/// symbols, and no `unit`, since MDAnalysis refuses files with one that it does not know; those of
-/// "metal" are "Angstrom", "ps" and "u", the first two as MDAnalysis reads them. (The system "SI"
-/// that the module defines has no Angstrom.) Strings of any length, since h5py gives others as
+/// `dimension`, say "length". /h5md/modules/units names the `system` of units. "reduced" ones have
+/// no symbols, and no `unit`, since MDAnalysis refuses files with one that it does not know; those
+/// of "metal" are "Angstrom", "ps" and "u", the first two as MDAnalysis reads them. (The system
+/// "SI" that the module defines has no Angstrom.) Strings of any length, since h5py gives others as
 /// bytes, which MDAnalysis does not look up. Whose run it was is not known to the program. The same
 /// rows give the same bytes.
 class H5mdWriter : public TrajectoryWriter {

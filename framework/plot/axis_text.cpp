@@ -13,21 +13,20 @@ namespace tomlin {
 namespace {
 
 /// Dimensions that results spell out, by the key of `axes`.
-constexpr std::array kSpelled = {std::pair{"length/time", "velocity"},
-                                 std::pair{"mass*length/time^2", "force"},
-                                 std::pair{"mass*length^2/time^2", "energy"},
-                                 std::pair{"temperature", "energy"}};
+constexpr std::array kSpelled = {
+    std::pair{"length/time", "velocity"}, std::pair{"mass*length/time^2", "force"},
+    std::pair{"mass*length^2/time^2", "energy"}, std::pair{"temperature", "energy"}};
 
 /// The symbols of metal units, in tables and in figures.
 constexpr std::array kSymbols = {
-    std::pair{std::string_view("eV"), "eV"}, std::pair{std::string_view("u"), "u"},
+    std::pair{std::string_view("eV"), "eV"},      std::pair{std::string_view("u"), "u"},
     std::pair{std::string_view("A"), "\xC3\x85"}, std::pair{std::string_view("ps"), "ps"},
-    std::pair{std::string_view("K"), "K"}, std::pair{std::string_view("1"), "1"}};
+    std::pair{std::string_view("K"), "K"},        std::pair{std::string_view("1"), "1"}};
 
 constexpr std::array kWords = {
-    std::pair{"length", dimension::length},     std::pair{"time", dimension::time},
-    std::pair{"mass", dimension::mass},         std::pair{"velocity", dimension::velocity},
-    std::pair{"force", dimension::force},       std::pair{"energy", dimension::energy},
+    std::pair{"length", dimension::length},       std::pair{"time", dimension::time},
+    std::pair{"mass", dimension::mass},           std::pair{"velocity", dimension::velocity},
+    std::pair{"force", dimension::force},         std::pair{"energy", dimension::energy},
     std::pair{"stiffness", dimension::stiffness}, std::pair{"temperature", dimension::temperature}};
 
 /// "eV/\xC3\x85^{2}" of "eV/A^2", a symbol as tables of metal units have it; empty of a pure number

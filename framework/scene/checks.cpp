@@ -59,8 +59,8 @@ void update_effective(ComponentDraft<Record>& component) {
       effective.set(row.key, *before);
     } else if (row.optional && says_nothing(value)) {
       reading.values.erase(row.key);
-    } else if (auto node = to_node(
-                   in_scene_units(value, scene_unit(reading.units, row.dimension)))) {
+    } else if (auto node =
+                   to_node(in_scene_units(value, scene_unit(reading.units, row.dimension)))) {
       effective.set(row.key, *std::move(node));
       reading.values.insert_or_assign(row.key, std::move(value));
     }

@@ -114,10 +114,10 @@ void read_heading(SceneDraft& draft) {
   const UnitSystem units = draft.scene->units;
   const Entry* axes = given.table->find_entry("axes");
   if (units != UnitSystem::reduced && axes != nullptr) {
-    draft.faults.of_key(axes->where, {FaultCode::scene_conflict, "scene.axes",
-                                      fmt::format("units = \"{}\" have names already",
-                                                  to_string(units)),
-                                      "axes with reduced units alone"});
+    draft.faults.of_key(axes->where,
+                        {FaultCode::scene_conflict, "scene.axes",
+                         fmt::format("units = \"{}\" have names already", to_string(units)),
+                         "axes with reduced units alone"});
   }
   draft.values.set_units(units);
   draft.effective.set("scene", {std::move(reading.effective), {}});

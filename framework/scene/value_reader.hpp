@@ -43,8 +43,8 @@ class ValueReader {
     keys_of_particles_ = std::move(keys);
   }
 
-  /// In the units of the scene. Nothing when the value is unfit; then the list has a fault that says why. At most one fault
-  /// per key: the first.
+  /// In the units of the scene. Nothing when the value is unfit; then the list has a fault that
+  /// says why. At most one fault per key: the first.
   std::optional<ParameterValue> read(const Parameter& row, const Node& node,
                                      const std::string& key) const;
 

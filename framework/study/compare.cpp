@@ -75,10 +75,10 @@ void check_setups(const std::vector<std::shared_ptr<const Scene>>& scenes,
   for (std::size_t k = 1; k < scenes.size(); ++k) {
     const Scene& first = *scenes.front();
     if (scenes[k]->units != first.units) {
-      throw InputError({Fault(FaultCode::compare_different_setups, scenes[k]->run.place,
-                              "scene.units", to_string(scenes[k]->units),
-                              fmt::format("not comparable with {}", first.file),
-                              to_string(first.units))});
+      throw InputError(
+          {Fault(FaultCode::compare_different_setups, scenes[k]->run.place, "scene.units",
+                 to_string(scenes[k]->units), fmt::format("not comparable with {}", first.file),
+                 to_string(first.units))});
     }
     if (!same(setups[k].periods, setups.front().periods)) {
       refuse(*scenes[k], first, "lattice periods", setups[k].periods, setups.front().periods);

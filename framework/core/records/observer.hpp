@@ -20,8 +20,8 @@
 ///   events     detected at the ends of steps, from an internal state of the observer's own
 ///   results    computed at the end from the integrals and the internal state
 ///
-/// All numbers are in the engine's units (unit_system.hpp); where ObservedNumber spells a dimension,
-/// tables and summary have them in those of the scene.
+/// All numbers are in the engine's units (unit_system.hpp); where ObservedNumber spells a
+/// dimension, tables and summary have them in those of the scene.
 ///
 /// Integrals and internal states are part of checkpoints.
 namespace tomlin {

@@ -20,8 +20,8 @@
 /// same row reads a scene, validates, documents and writes the effective scene.
 namespace tomlin {
 
-/// Exponents of mass, length, time and temperature. In the engine Boltzmann's constant is 1, so that
-/// a temperature is an energy there; the scene's units say which one (unit_system.hpp).
+/// Exponents of mass, length, time and temperature. In the engine Boltzmann's constant is 1, so
+/// that a temperature is an energy there; the scene's units say which one (unit_system.hpp).
 struct Dimension {
   int mass = 0;
   int length = 0;

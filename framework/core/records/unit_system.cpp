@@ -16,9 +16,14 @@ double power(double x, int n) {
 }
 
 constexpr std::pair<std::string_view, Dimension> kNamedDimensions[] = {
-    {"1", dimension::none},           {"mass", dimension::mass},   {"length", dimension::length},
-    {"time", dimension::time},        {"force", dimension::force}, {"energy", dimension::energy},
-    {"velocity", dimension::velocity}, {"temperature", dimension::temperature}};
+    {"1", dimension::none},
+    {"mass", dimension::mass},
+    {"length", dimension::length},
+    {"time", dimension::time},
+    {"force", dimension::force},
+    {"energy", dimension::energy},
+    {"velocity", dimension::velocity},
+    {"temperature", dimension::temperature}};
 
 /// "length" or "time^2".
 std::optional<Dimension> factor_named(std::string_view text) {

@@ -41,8 +41,8 @@ double scene_unit(UnitSystem units, const Dimension& dimension);
 std::string unit_symbol(UnitSystem units, const Dimension& dimension);
 /// The same as tables have it: "force" and "energy" in reduced units.
 std::string unit_in_tables(UnitSystem units, const Dimension& dimension);
-/// The same for a unit as records of observers spell it, "length" or "mass/time^2"; any other, "rad"
-/// or "1/s", as it is.
+/// The same for a unit as records of observers spell it, "length" or "mass/time^2"; any other,
+/// "rad" or "1/s", as it is.
 std::string unit_in_tables(UnitSystem units, const std::string& unit);
 
 /// "mass*length/time^2", "1/time", "force", "energy"; nothing where the text names no dimension.

@@ -22,9 +22,9 @@ class SceneObservers : public RunObserver {
 
   bool any() const { return !last_.empty(); }
   void list_columns(std::vector<SampleColumn>& columns) const;
-  /// The numbers of all observers at a state that has just been evaluated, in the scene's units, and
-  /// their means. Returns
-  /// the end of the numbers; null where one is not finite, which ends the run.
+  /// The numbers of all observers at a state that has just been evaluated, in the scene's units,
+  /// and their means. Returns the end of the numbers; null where one is not finite, which ends the
+  /// run.
   double* sample(const RunMoment& moment, double* numbers);
 
  private:

@@ -257,7 +257,8 @@ void SweepPlan::find_observable(const RunResult& result, const std::string& give
     const std::vector<Observable> all = tomlin::observables(result);
     const auto found = std::find_if(all.begin(), all.end(),
                                     [&](const Observable& one) { return one.path == path; });
-    observables_.push_back({path, short_name(result, path), unit_in_tables(scene_->units, *found->quantity),
+    observables_.push_back({path, short_name(result, path),
+                            unit_in_tables(scene_->units, *found->quantity),
                             found->quantity->meaning});
     paths_.push_back(path);
   } catch (const InputError& error) {
