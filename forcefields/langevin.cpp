@@ -32,8 +32,9 @@ ForceRecord langevin_record() {
       parameter("coefficient", &Description::coefficient, dimension::friction,
                 "mass/time, per particle (not the rate, which is 1/time)")
           .in(non_negative),
-      parameter("temperature", &Description::temperature, dimension::energy,
-                "Boltzmann's constant times the temperature of the bath, an energy")
+      parameter("temperature", &Description::temperature, dimension::temperature,
+                "of the bath; in reduced units an energy: Boltzmann's constant times the "
+                "temperature")
           .in(non_negative)};
   record.example = R"(# A tip in a thermal bath, pulled over a corrugated surface.
 [[body]]

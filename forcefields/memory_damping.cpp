@@ -175,8 +175,9 @@ ForceRecord memory_damping_record() {
       parameter("memory_time", &Description::memory_time, dimension::time,
                 "of the exponential kernel; several of these forces make a Prony series")
           .in(positive),
-      parameter("temperature", &Description::temperature, dimension::energy,
-                "of the bath: Boltzmann's constant times its temperature; no noise by default")
+      parameter("temperature", &Description::temperature, dimension::temperature,
+                "of the bath, in reduced units an energy: Boltzmann's constant times its "
+                "temperature; no noise by default")
           .in(non_negative)
           .by_default(0.0)};
   record.traits_of = of_description<&traits_of_memory>;

@@ -113,10 +113,13 @@ std::string compare_json(const Comparison& comparison) {
 
 Figure compare_figure(const Comparison& comparison) {
   Figure figure;
-  figure.x_label = {"displacement of the driver [length]"};
+  const auto unit = [&](const Dimension& dimension) {
+    return unit_in_tables(comparison.units, dimension);
+  };
+  figure.x_label = {fmt::format("displacement of the driver [{}]", unit(dimension::length))};
   Panel panel;
   panel.height = kHeight;
-  panel.y_label = {"lateral force along the pull [force]"};
+  panel.y_label = {fmt::format("lateral force along the pull [{}]", unit(dimension::force))};
   for (std::size_t k = 0; k < comparison.models.size(); ++k) {
     const ComparedModel& model = comparison.models[k];
     if (model.way.empty()) continue;

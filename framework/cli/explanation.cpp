@@ -12,6 +12,7 @@
 #include "framework/model/model.hpp"
 #include "framework/run/lane_batch.hpp"
 #include "framework/run/trial.hpp"
+#include "framework/scene/engine_units.hpp"
 
 namespace tomlin {
 namespace {
@@ -46,7 +47,7 @@ void add_built(Explanation& explanation, Model& model) {
     body.type = scene.bodies[b].record->name;
     body.coordinates = from.bound.coordinates;
     body.particles = from.bound.slot.count;
-    body.mass = from.total_mass;
+    body.mass = scene_number(from.total_mass, scene_unit(scene.units, dimension::mass));
     body.rolling_radius = from.rolling_radius;
     body.note = scene.bodies[b].record->note(scene.bodies[b].description.get());
     count_coordinates(model, b, body);

@@ -22,7 +22,7 @@ struct Explanation {
     std::string type;
     Coordinates coordinates = Coordinates::particles;
     std::size_t particles = 0;
-    double mass = 0.0;  ///< of all particles together
+    double mass = 0.0;  ///< of all particles together, in the scene's unit
     std::size_t coordinate_count = 0;
     std::size_t degrees_of_freedom = 0;  ///< coordinates that may move
     double rolling_radius = 0.0;         ///< 0: does not roll

@@ -46,6 +46,7 @@ std::string motion_of(const Explanation::Body& body) {
 }
 
 void add_bodies(Forms& forms, const Explanation& e) {
+  const bool metal = e.scene->units == UnitSystem::metal;
   forms.json["bodies"] = Json::array();
   for (const Explanation::Body& body : e.bodies) {
     forms.json["bodies"].push_back(Json{{"name", body.name},
@@ -57,11 +58,12 @@ void add_bodies(Forms& forms, const Explanation& e) {
                                         {"degrees_of_freedom", body.degrees_of_freedom},
                                         {"rolling_radius", positive(body.rolling_radius)}});
     if (!body.note.empty()) forms.json["bodies"].back()["note"] = body.note;
+    const std::string mass = text_of(body.mass) + (metal ? " u" : "");
     forms.text.row(
         body.name,
         fmt::format("{}: {}, mass {}, {}: {}, {}", body.type,
-                    counted(body.particles, "particle", "particles"), text_of(body.mass),
-                    motion_of(body), counted(body.coordinate_count, "coordinate", "coordinates"),
+                    counted(body.particles, "particle", "particles"), mass, motion_of(body),
+                    counted(body.coordinate_count, "coordinate", "coordinates"),
                     counted(body.degrees_of_freedom, "degree of freedom", "degrees of freedom")));
     if (!body.note.empty()) forms.text.row("", body.note);
   }
@@ -442,7 +444,7 @@ void add_all(Forms& forms, const Explanation& e) {
                              {"dimension", scene.dimension},
                              {"dynamics", to_string(scene.run.dynamics)},
                              {"number_type", to_string(scene.run.number_type)},
-                             {"units", scene.units},
+                             {"units", to_string(scene.units)},
                              {"duration", scene.run.duration}};
   add_built(forms, e);
   forms.json["scales"] = scales_json(e);
@@ -468,9 +470,11 @@ std::string explanation_text(const Explanation& e) {
   Sections text;
   Forms forms{json, text};
   add_all(forms, e);
-  return fmt::format("{}: {} dimension{}, {} dynamics, {} numbers, {} units\n\n", title_of(scene),
-                     scene.dimension, scene.dimension == 1 ? "" : "s",
-                     to_string(scene.run.dynamics), to_string(scene.run.number_type), scene.units) +
+  return fmt::format(
+             "{}: {} dimension{}, {} dynamics, {} numbers, {}\n\n", title_of(scene),
+             scene.dimension, scene.dimension == 1 ? "" : "s", to_string(scene.run.dynamics),
+             to_string(scene.run.number_type),
+             scene.units == UnitSystem::metal ? "metal units (eV, A, ps, u, K)" : "reduced units") +
          text.text();
 }
 

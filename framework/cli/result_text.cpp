@@ -12,6 +12,7 @@
 
 #include "framework/cli/sections.hpp"
 #include "framework/output/references.hpp"
+#include "framework/run/results.hpp"
 #include "framework/scene/title.hpp"
 
 namespace tomlin {
@@ -21,11 +22,18 @@ constexpr std::size_t kMostShown = 6;  // drivers, bodies, warnings: the summary
 
 std::string text_of(double x) { return fmt::format("{:.9g}", x); }
 
-std::string text_of(const ResultValue& value) {
-  if (value.size() == 1) return text_of(value[0]);
+/// " eV/A"; empty in reduced units, which have no symbols.
+std::string unit_behind(UnitSystem units, const Dimension& dimension) {
+  const bool none = units == UnitSystem::reduced || dimension == dimension::none;
+  return none ? "" : " " + unit_symbol(units, dimension);
+}
+
+std::string text_of(const ResultValue& value, UnitSystem units) {
+  const std::string unit = unit_behind(units, value.quantity().dimension);
+  if (value.size() == 1) return text_of(value[0]) + unit;
   std::string text;
   for (const double x : value) text += (text.empty() ? "" : ", ") + text_of(x);
-  return "(" + text + ")";
+  return "(" + text + ")" + unit;
 }
 
 /// The quantities of each family that are printed, and what they are called.
@@ -55,22 +63,22 @@ const Printed& printed_of(std::string_view family) {
 }
 
 /// "mean force 0.1, static force 0.2": what is defined, by name.
-std::string about(const ResultGroup& group) {
+std::string about(const ResultGroup& group, UnitSystem units) {
   std::string text;
   for (const auto& [key, name] : printed_of(group.family).names) {
     const ResultValue* value = group.find(key);
     if (value == nullptr || !value->has_value()) continue;
     if (!text.empty()) text += ", ";
-    text += std::string(name) + " " + text_of(*value);
+    text += std::string(name) + " " + text_of(*value, units);
   }
   return text;
 }
 
 /// The same of a group that has only the quantities which the scene asks for: all of them, and
 /// which have no value.
-std::string about_asked(const ResultGroup& group) {
+std::string about_asked(const ResultGroup& group, UnitSystem units) {
   const auto& names = printed_of(group.family).names;
-  std::string text = about(group);
+  std::string text = about(group, units);
   std::string undefined;
   for (const ResultValue& value : group.values) {
     const ResultQuantity& quantity = value.quantity();
@@ -80,7 +88,7 @@ std::string about_asked(const ResultGroup& group) {
       undefined += fmt::format("{}no {} ({})", undefined.empty() ? "" : ", ", quantity.key,
                                quantity.meaning);
     } else if (!printed) {
-      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", quantity.key, text_of(value));
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", quantity.key, text_of(value, units));
     }
   }
   return text + (text.empty() || undefined.empty() ? "" : "; ") + undefined;
@@ -92,14 +100,17 @@ std::string about(const AccuracyResult& accuracy) {
 }
 
 /// "driver.mean_force.x +/- 3e-7", of the mean forces.
-std::vector<std::string> shown_errors(const RunResult& result) {
+std::vector<std::string> shown_errors(const RunResult& result, UnitSystem units) {
   std::vector<std::string> shown;
   for (const ErrorEstimate& estimate : result.errors) {
     const bool shows = estimate.path.find(".mean_force.") != std::string::npos ||
                        estimate.path.find(".mean_velocity.") != std::string::npos ||
                        estimate.path.ends_with(".temperature");
     if (!estimate.error || !shows) continue;
-    shown.push_back(fmt::format("{} within {:.1e}", estimate.path, *estimate.error));
+    const ResultQuantity* quantity = quantity_at(estimate.path);
+    shown.push_back(
+        fmt::format("{} within {:.1e}{}", estimate.path, *estimate.error,
+                    quantity == nullptr ? "" : unit_behind(units, quantity->dimension)));
   }
   return shown;
 }
@@ -111,7 +122,8 @@ void add_groups(Sections& sections, const Scene& scene, const RunResult& result,
   const bool asked = !scene.measure.observables.empty() && !ended_before;
   const std::size_t shown = std::min(results.size(), kMostShown);
   for (std::size_t k = 0; k < shown; ++k) {
-    std::string text = asked ? about_asked(results[k]) : about(results[k]);
+    std::string text =
+        asked ? about_asked(results[k], scene.units) : about(results[k], scene.units);
     if (text.empty()) text = ended_before ? "the run ended before the window" : "no value";
     sections.row(results[k].name, text);
   }
@@ -127,20 +139,23 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
   sections.section(title_of(scene));
   const std::string refused =
       result.refused_steps > 0 ? fmt::format(" ({} refused)", result.refused_steps) : "";
+  const std::string time = unit_behind(scene.units, dimension::time);
   sections.row(to_string(result.status),
-               fmt::format("at time {:.9g} after {} steps{}, {} force evaluations", result.end_time,
-                           result.steps, refused, result.force_evaluations));
+               fmt::format("at time {:.9g}{} after {} steps{}, {} force evaluations",
+                           result.end_time, time, result.steps, refused, result.force_evaluations));
   sections.row("speed", fmt::format("{:.3g} s, {:.3g} steps/s, {}", result.wall_seconds,
                                     result.steps_per_second, to_string(result.instruction_set)));
   sections.row("window",
-               fmt::format("time {:.9g} to {:.9g}", result.window_from, result.window_to));
+               fmt::format("time {:.9g} to {:.9g}{}", result.window_from, result.window_to, time));
   add_groups(sections, scene, result, "drivers");
   add_groups(sections, scene, result, "bodies");
   const ResultGroup* energy = result.find("energy");
-  if (energy != nullptr && (*energy)["work_in"]) sections.row("energy", about(*energy));
+  if (energy != nullptr && (*energy)["work_in"])
+    sections.row("energy", about(*energy, scene.units));
   if (result.accuracy) sections.row("accuracy", about(*result.accuracy));
-  for (std::size_t k = 0; k < std::min(shown_errors(result).size(), kMostShown); ++k) {
-    sections.row("error", shown_errors(result)[k]);
+  const std::vector<std::string> errors = shown_errors(result, scene.units);
+  for (std::size_t k = 0; k < std::min(errors.size(), kMostShown); ++k) {
+    sections.row("error", errors[k]);
   }
   for (std::size_t k = 0; k < std::min(result.determined.size(), kMostShown); ++k) {
     const DeterminedResult& found = result.determined[k];

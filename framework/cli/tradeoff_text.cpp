@@ -42,7 +42,8 @@ OutputTable table_of(const Tradeoff& tradeoff) {
   };
   add({.key = "rung", .csv = "rung", .quoted = true, .text = "rung"},
       [&](Point point) { return method_of(point).name; });
-  add_resolution(Resolution::step, "dt [time]");
+  const bool metal = tradeoff.units == UnitSystem::metal;
+  add_resolution(Resolution::step, metal ? "dt [ps]" : "dt [time]");
   add_resolution(Resolution::tolerance, "tolerance");
   add({.text = "", .width = 9},
       [&](Point point) { return to_string(method_of(point).resolution); });

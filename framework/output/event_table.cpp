@@ -10,8 +10,6 @@
 namespace tomlin {
 namespace {
 
-constexpr const char* kHeader =
-    "time [time],event,name,duration [time],size,energy_lost [energy],peak_force [force]\n";
 constexpr std::size_t kBuffer = std::size_t{1} << 16;  // bytes that are written at once
 
 /// Names with a comma, a quote or a line break stand in quotes.
@@ -22,14 +20,22 @@ std::string cell(std::string_view text) {
   return quoted + '"';
 }
 
+std::string header(UnitSystem units) {
+  const std::string time = unit_in_tables(units, dimension::time);
+  return fmt::format("time [{}],event,name,duration [{}],size,energy_lost [{}],peak_force [{}]\n",
+                     time, time, unit_in_tables(units, dimension::energy),
+                     unit_in_tables(units, dimension::force));
+}
+
 }  // namespace
 
-EventTable::EventTable(std::filesystem::path file) : file_(std::move(file)) {}
+EventTable::EventTable(std::filesystem::path file, UnitSystem units)
+    : file_(std::move(file)), units_(units) {}
 
 void EventTable::begin(const RunLayout& layout) {
   if (!layout.events) return;
   output_.emplace(file_);
-  buffer_ = kHeader;
+  buffer_ = header(units_);
 }
 
 void EventTable::event(const Event& event) {

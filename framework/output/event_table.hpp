@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "framework/core/records/unit_system.hpp"
 #include "framework/output/output_file.hpp"
 #include "framework/output/result_file.hpp"
 
@@ -15,7 +16,7 @@ namespace tomlin {
 class EventTable : public ResultFile {
  public:
   /// Nothing is opened before the run begins, and nothing ever where no events can happen.
-  explicit EventTable(std::filesystem::path file);
+  explicit EventTable(std::filesystem::path file, UnitSystem units = UnitSystem::reduced);
 
   void begin(const RunLayout& layout) override;
   void sample(const std::vector<double>& row) override { (void)row; }
@@ -26,6 +27,7 @@ class EventTable : public ResultFile {
   void flush();
 
   std::filesystem::path file_;
+  UnitSystem units_;
   std::optional<OutputFile> output_;
   std::string buffer_;
 };

@@ -43,7 +43,7 @@ std::string head_of(const RunLayout& layout, const TrajectoryFacts& facts) {
   }
   std::string head = fmt::format(
       "{}\nProperties=species:S:1:pos:R:3:body:I:1 {} bodies={} units={} ", layout.particles(),
-      lattice_of(TrajectoryBox(layout)), in_quotes(bodies), facts.units);
+      lattice_of(TrajectoryBox(layout)), in_quotes(bodies), to_string(facts.units));
   if (layout.dimension < static_cast<int>(kTrajectoryAxes)) {
     head += fmt::format("dimension={} ", layout.dimension);
   }

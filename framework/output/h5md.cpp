@@ -140,17 +140,26 @@ std::vector<std::string> names_of_species(const RunLayout& layout) {
   return names;
 }
 
+/// What a dataset's numbers are: their dimension and, where it has a symbol, their unit.
+void describe_numbers(const Builder& build, hid_t dataset, const NumbersOfDataset& numbers) {
+  if (numbers.dimension == dimension::none) return;
+  build.text(dataset, "dimension", to_string(numbers.dimension));
+  if (numbers.units == UnitSystem::reduced) return;
+  const std::string symbol = unit_symbol(numbers.units, numbers.dimension);
+  build.text_of_any_length(dataset, "unit", symbol == "A" ? "Angstrom" : symbol);
+}
+
 }  // namespace
 
 // ---- series
 
 template <class Number>
 Hdf5Series<Number>::Hdf5Series(const Hdf5File& file, std::string name, std::vector<hsize_t> shape,
-                               std::string dimension)
+                               const NumbersOfDataset& numbers)
     : file_(file),
       name_(std::move(name)),
       shape_(std::move(shape)),
-      dimension_(std::move(dimension)),
+      numbers_(numbers),
       per_frame_(std::accumulate(shape_.begin(), shape_.end(), std::size_t{1},
                                  std::multiplies<std::size_t>())),
       most_frames_(std::max<std::size_t>(1, kChunkBytes / (sizeof(Number) * per_frame_))) {}
@@ -182,7 +191,7 @@ void Hdf5Series<Number>::make_dataset(hid_t group) {
   file_.check(H5Pset_obj_track_times(properties, false));
   dataset_ = file_.hold(H5Dcreate2(group, name_.c_str(), file_type<Number>(), space, H5P_DEFAULT,
                                    properties, H5P_DEFAULT));
-  if (!dimension_.empty()) Builder(file_).text(dataset_, "dimension", dimension_);
+  describe_numbers(Builder(file_), dataset_, numbers_);
 }
 
 template <class Number>
@@ -246,17 +255,18 @@ H5mdWriter::H5mdWriter(const std::filesystem::path& file, const RunLayout& layou
     : TrajectoryWriter(file, layout),
       hdf5_(file),
       box_(layout),
-      places_(hdf5_, "value", {layout.particles(), kTrajectoryAxes}, "length"),
-      times_(hdf5_, "time", {}, "time"),
-      steps_(hdf5_, "step", {}, ""),
-      lengths_(hdf5_, "value", {kTrajectoryAxes}, "length") {
+      places_(hdf5_, "value", {layout.particles(), kTrajectoryAxes},
+              {dimension::length, facts.units}),
+      times_(hdf5_, "time", {}, {dimension::time, facts.units}),
+      steps_(hdf5_, "step", {}, {dimension::none, facts.units}),
+      lengths_(hdf5_, "value", {kTrajectoryAxes}, {dimension::length, facts.units}) {
   const Hdf5Silence silence;
   const Builder build(hdf5_);
   describe_file(facts);
   describe_scene(facts);
   const Hdf5Handle particles = build.group(hdf5_.root(), "particles");
   const Hdf5Handle all = build.group(particles, "all");
-  list_particles(all);
+  list_particles(all, facts.units);
   position_ = build.group(all, "position");
   describe_box(all);
 }
@@ -274,7 +284,7 @@ void H5mdWriter::describe_file(const TrajectoryFacts& facts) {
   const Hdf5Handle modules = build.group(h5md, "modules");
   const Hdf5Handle units = build.group(modules, "units");
   build.integers(units, "version", {1, 0});
-  build.text_of_any_length(units, "system", facts.units);
+  build.text_of_any_length(units, "system", to_string(facts.units));
 }
 
 void H5mdWriter::describe_scene(const TrajectoryFacts& facts) {
@@ -291,7 +301,7 @@ void H5mdWriter::describe_scene(const TrajectoryFacts& facts) {
   }
 }
 
-void H5mdWriter::list_particles(hid_t all) {
+void H5mdWriter::list_particles(hid_t all, UnitSystem units) {
   const std::vector<std::string> names = names_of_species(layout_);
   const auto none = std::find(names.begin(), names.end(), kNoSpecies) - names.begin();
   std::vector<double> mass;
@@ -307,7 +317,7 @@ void H5mdWriter::list_particles(hid_t all) {
   std::vector<std::int64_t> id(mass.size());
   std::iota(id.begin(), id.end(), 0);
   const Builder build(hdf5_);
-  build.text(build.list(all, "mass", mass), "dimension", "mass");
+  describe_numbers(build, build.list(all, "mass", mass), {dimension::mass, units});
   build.list(all, "species", layout_.species.empty() ? body_of : species);
   build.list(all, "body", body_of);
   build.list(all, "id", id);

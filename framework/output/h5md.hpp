@@ -12,15 +12,21 @@
 
 namespace tomlin {
 
+/// What the numbers of a dataset are.
+struct NumbersOfDataset {
+  Dimension dimension;
+  UnitSystem units = UnitSystem::reduced;
+};
+
 /// Numbers of each frame, in a dataset [frame][row][axis] (or fewer dimensions) that grows. It is
 /// made when the first chunk is full, or at the end, so that short runs leave short files.
 template <class Number>
 class Hdf5Series {
  public:
-  /// `shape` is that of one frame. Complaints, and the dataset's attribute `dimension`, if any, go
-  /// by the arguments.
+  /// `shape` is that of one frame. Complaints, and the dataset's attributes `dimension` and `unit`,
+  /// if any, go by the arguments.
   Hdf5Series(const Hdf5File& file, std::string name, std::vector<hsize_t> shape,
-             std::string dimension);
+             const NumbersOfDataset& numbers);
 
   /// Makes room for the next frame, to be filled by the caller.
   std::span<Number> next(hid_t group);
@@ -34,7 +40,7 @@ class Hdf5Series {
   const Hdf5File& file_;
   std::string name_;
   std::vector<hsize_t> shape_;
-  std::string dimension_;
+  NumbersOfDataset numbers_;
   std::size_t per_frame_;
   std::size_t most_frames_;  ///< that are held before they are written: a chunk
   std::vector<Number> held_;
@@ -64,10 +70,13 @@ double h5md_bytes_besides(const RunLayout& layout, const TrajectoryFacts& facts)
 ///     none
 ///
 /// Positions have three axes whatever the scene has, the missing ones zero, and edges come with
-/// every frame, since MDAnalysis reads nothing else. `step` counts samples. Reduced units have no
-/// symbols: /h5md/modules/units says `system` = "reduced", and datasets carry `dimension`, say
-/// "length", but no `unit`, since MDAnalysis refuses files with one that it does not know. Whose
-/// run it was is not known to the program. The same rows give the same bytes.
+/// every frame, since MDAnalysis reads nothing else. `step` counts samples. Datasets carry
+/// `dimension`, say "length". /h5md/modules/units names the `system` of units. "reduced" ones have
+/// no symbols, and no `unit`, since MDAnalysis refuses files with one that it does not know; those
+/// of "metal" are "Angstrom", "ps" and "u", the first two as MDAnalysis reads them. (The system
+/// "SI" that the module defines has no Angstrom.) Strings of any length, since h5py gives others as
+/// bytes, which MDAnalysis does not look up. Whose run it was is not known to the program. The same
+/// rows give the same bytes.
 class H5mdWriter : public TrajectoryWriter {
  public:
   H5mdWriter(const std::filesystem::path& file, const RunLayout& layout,
@@ -80,7 +89,7 @@ class H5mdWriter : public TrajectoryWriter {
   void write(double time, std::span<const double> positions) override;
   void describe_file(const TrajectoryFacts& facts);
   void describe_scene(const TrajectoryFacts& facts);
-  void list_particles(hid_t all);
+  void list_particles(hid_t all, UnitSystem units);
   void describe_box(hid_t all);
 
   Hdf5File hdf5_;

@@ -10,7 +10,7 @@ std::vector<std::unique_ptr<ResultFile>> result_files(const Scene& scene, const 
                                                       const std::string& program_version) {
   std::vector<std::unique_ptr<ResultFile>> files;
   files.push_back(std::make_unique<TableWriter>(folder.file(kTableFile)));
-  files.push_back(std::make_unique<EventTable>(folder.file(kEventsFile)));
+  files.push_back(std::make_unique<EventTable>(folder.file(kEventsFile), scene.units));
   if (scene.output.trajectory) {
     const TrajectoryFormat format = scene.output.trajectory_format;
     files.push_back(std::make_unique<TrajectoryFile>(folder.file(trajectory_file_name(format)),

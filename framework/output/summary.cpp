@@ -22,6 +22,7 @@
 #include "framework/run/results.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
+#include "framework/scene/engine_units.hpp"
 #include "framework/scene/language.hpp"
 
 namespace tomlin {
@@ -103,8 +104,9 @@ Json scene_entry(const Scene& scene) {
   const auto bytes = std::as_bytes(std::span<const char>(scene.effective_toml));
   Json entry = {{"name", text_or_null(scene.name)},
                 {"xxh3_64", fmt::format("{:016x}", checksum_of(bytes, 0))}};
-  static const TableLayout units = axes_layout();
-  for (const Parameter& row : units.rows) {
+  if (scene.units != UnitSystem::reduced) entry["units"] = to_string(scene.units);
+  static const TableLayout axes = axes_layout();
+  for (const Parameter& row : axes.rows) {
     const auto unit = std::get<std::string>(row.read(&scene.axes));
     if (!unit.empty()) entry["axes"][row.key] = unit;
   }
@@ -122,6 +124,10 @@ Json value_entry(const std::optional<Node>& node) {
 
 /// With all of its keys, those left to their defaults too; with an accuracy the one that was taken.
 Json integrator_entry(const Scene& scene, const RunResult& result) {
+  const auto value_of = [&](const Parameter& row) {
+    return in_scene_units(row.read(scene.run.integrator.description.get()),
+                          scene_unit(scene.units, row.dimension));
+  };
   const SceneIntegrator& asked = scene.run.integrator;
   const IntegratorRecord* scheme = result.accuracy      ? result.accuracy->scheme
                                    : scene.run.accuracy ? nullptr
@@ -135,7 +141,7 @@ Json integrator_entry(const Scene& scene, const RunResult& result) {
     if (written != nullptr) {
       entry[row.key] = value_entry(*written);
     } else if (!result.accuracy) {
-      entry[row.key] = value_entry(to_node(row.read(asked.description.get())));
+      entry[row.key] = value_entry(to_node(value_of(row)));
     } else {
       entry[row.key] = row.standard ? value_entry(to_node(*row.standard)) : Json();
     }

@@ -15,9 +15,9 @@ namespace tomlin {
 
 /// What a trajectory says of the run that it comes from.
 struct TrajectoryFacts {
-  std::string name;     ///< of the scene; may be empty
-  std::string source;   ///< the same
-  std::string units;    ///< "reduced"
+  std::string name;    ///< of the scene; may be empty
+  std::string source;  ///< the same
+  UnitSystem units = UnitSystem::reduced;
   std::string scene;    ///< the effective scene, TOML
   std::string version;  ///< of the program
 };

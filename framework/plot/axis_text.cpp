@@ -1,5 +1,6 @@
 #include "framework/plot/axis_text.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -12,9 +13,44 @@ namespace tomlin {
 namespace {
 
 /// Dimensions that results spell out, by the key of `axes`.
-constexpr std::array kSpelled = {std::pair{"length/time", "velocity"},
-                                 std::pair{"mass*length/time^2", "force"},
-                                 std::pair{"mass*length^2/time^2", "energy"}};
+constexpr std::array kSpelled = {
+    std::pair{"length/time", "velocity"}, std::pair{"mass*length/time^2", "force"},
+    std::pair{"mass*length^2/time^2", "energy"}, std::pair{"temperature", "energy"}};
+
+/// The symbols of metal units, in tables and in figures.
+constexpr std::array kSymbols = {
+    std::pair{std::string_view("eV"), "eV"},      std::pair{std::string_view("u"), "u"},
+    std::pair{std::string_view("A"), "\xC3\x85"}, std::pair{std::string_view("ps"), "ps"},
+    std::pair{std::string_view("K"), "K"},        std::pair{std::string_view("1"), "1"}};
+
+constexpr std::array kWords = {
+    std::pair{"length", dimension::length},       std::pair{"time", dimension::time},
+    std::pair{"mass", dimension::mass},           std::pair{"velocity", dimension::velocity},
+    std::pair{"force", dimension::force},         std::pair{"energy", dimension::energy},
+    std::pair{"stiffness", dimension::stiffness}, std::pair{"temperature", dimension::temperature}};
+
+/// "eV/\xC3\x85^{2}" of "eV/A^2", a symbol as tables of metal units have it; empty of a pure number
+/// and of any other text.
+std::string figure_symbol(std::string_view symbol) {
+  std::string text;
+  while (!symbol.empty()) {
+    const std::string_view word = symbol.substr(0, symbol.find_first_of("*/^"));
+    const auto found = std::find_if(kSymbols.begin(), kSymbols.end(),
+                                    [&](const auto& one) { return one.first == word; });
+    if (found == kSymbols.end()) return "";
+    text += found->second;
+    symbol.remove_prefix(word.size());
+    if (symbol.starts_with('^')) {
+      const std::string_view digits = symbol.substr(1, symbol.find_first_of("*/", 1) - 1);
+      text += fmt::format("^{{{}}}", digits);
+      symbol.remove_prefix(digits.size() + 1);
+    }
+    if (symbol.empty()) break;
+    text += symbol.front() == '*' ? ' ' : symbol.front();
+    symbol.remove_prefix(1);
+  }
+  return text == "1" ? "" : text;
+}
 
 std::string named_unit(const StoredRun& run, const std::string& key) {
   const auto found = run.units.find(key);
@@ -29,6 +65,15 @@ std::string in_brackets(const std::string& unit) {
 
 }  // namespace
 
+std::string dimension_words(const StoredRun& run, const std::string& unit) {
+  if (unit == "1") return "";
+  if (run.system == UnitSystem::reduced) return literal_text(unit);
+  for (const auto& [words, dimension] : kWords) {
+    if (unit == unit_symbol(run.system, dimension)) return words;
+  }
+  return "";
+}
+
 std::string literal_text(std::string_view plain) {
   constexpr std::string_view kMarkup = "\\{}_^@&~";
   std::string result;
@@ -41,6 +86,9 @@ std::string literal_text(std::string_view plain) {
 
 std::string unit_name(const StoredRun& run, std::string_view dimension) {
   if (dimension == "rad") return "rad";
+  if (run.system != UnitSystem::reduced) {
+    return figure_symbol(unit_in_tables(run.system, std::string(dimension)));
+  }
   std::string key(dimension);
   for (const auto& [spelled, short_name] : kSpelled) {
     if (dimension == spelled) key = short_name;

@@ -14,8 +14,12 @@ namespace tomlin {
 std::string literal_text(std::string_view plain);
 
 /// What the run's scene calls the unit of this dimension, as headers and results name dimensions:
-/// "length", "length/time", "mass*length/time^2". Empty where it has no name for it.
+/// "length", "length/time", "mass*length/time^2". Empty where it has no name for it. In metal units
+/// their symbols, of headers that have these, "eV/A", too; enhanced.
 std::string unit_name(const StoredRun& run, std::string_view dimension);
+
+/// "force": what the dimension of a header's unit is called, "force" or "eV/A"; empty of a number.
+std::string dimension_words(const StoredRun& run, const std::string& unit);
 
 /// "lateral force F_x / (V_0/a)": words and symbol, either may be empty, and the unit unless it is
 /// empty. All are enhanced.

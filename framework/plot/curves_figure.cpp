@@ -123,8 +123,7 @@ const Series& common_x(const std::vector<RunCurves>& all) {
 FigureText y_label(const StoredRun& run, const std::vector<Series>& panel, bool alone) {
   Series shown = panel.front();
   if (panel.size() > 1) {
-    const std::string dimension = shown.unit == "1" ? "" : shown.unit;
-    return axis_text(literal_text(dimension), "", unit_name(run, shown.unit));
+    return axis_text(dimension_words(run, shown.unit), "", unit_name(run, shown.unit));
   }
   if (!alone) shown.words.clear();
   return axis_label(run, shown);

@@ -130,6 +130,10 @@ StoredRun read_stored_run(const std::string& folder) {
   for (const auto& [key, value] : json.items()) {
     if (is_result(key)) add_results(run.results, key, value);
   }
+  const auto system = Json::json_pointer("/scene/units");
+  if (json.contains(system) && json[system].is_string()) {
+    run.system = value_named<UnitSystem>(json[system].get<std::string>()).value_or(run.system);
+  }
   const auto axes = Json::json_pointer("/scene/axes");
   if (json.contains(axes) && json[axes].is_object()) {
     for (const auto& [key, unit] : json[axes].items()) {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/core/records/unit_system.hpp"
 #include "framework/scene/scene_document.hpp"
 
 namespace tomlin {
@@ -19,6 +20,7 @@ struct StoredRun {
   /// As scene.toml has them, expressions included; empty where it cannot be read.
   std::map<std::string, std::string> written;
   std::shared_ptr<const SceneDocument> scene;  ///< scene.toml
+  UnitSystem system = UnitSystem::reduced;     ///< of the scene
   /// What the scene calls the units of axes, by its keys: "length", "force".
   std::map<std::string, std::string> units;
   /// The numbers of the summary by their dotted paths, "drivers.driver.mean_force.x"; NaN where one

@@ -28,19 +28,24 @@ bool holds_file(const std::string& folder, const char* name) {
   return fs::is_regular_file(fs::path(folder) / name, error);
 }
 
-/// `[scene] axes`: what the scene calls its units.
-std::map<std::string, std::string> units_of(const SceneDocument& document) {
-  std::map<std::string, std::string> units;
-  const Table* table = document.contents();
-  for (const char* key : {"scene", "axes"}) {
-    const Node* node = table == nullptr ? nullptr : table->find(key);
-    table = node == nullptr ? nullptr : node->as<Table>();
+/// A table in another; null where there is none.
+const Table* table_in(const Table* table, const char* key) {
+  const Node* node = table == nullptr ? nullptr : table->find(key);
+  return node == nullptr ? nullptr : node->as<Table>();
+}
+
+/// `[scene]` units and axes: the system of units, and what the scene calls them.
+void read_units(const SceneDocument& document, StoredRun& run) {
+  const Table* heading = table_in(document.contents(), "scene");
+  const Node* system = heading == nullptr ? nullptr : heading->find("units");
+  if (system != nullptr && system->as<std::string>() != nullptr) {
+    run.system = value_named<UnitSystem>(*system->as<std::string>()).value_or(run.system);
   }
-  if (table == nullptr) return units;
-  for (const Entry& entry : table->entries) {
-    if (const auto* unit = entry.value.as<std::string>()) units[entry.key] = *unit;
+  const Table* axes = table_in(heading, "axes");
+  if (axes == nullptr) return;
+  for (const Entry& entry : axes->entries) {
+    if (const auto* unit = entry.value.as<std::string>()) run.units[entry.key] = *unit;
   }
-  return units;
 }
 
 /// The words of an axis, as the table has them.
@@ -161,7 +166,7 @@ StoredSweep read_stored_sweep(const std::string& folder) {
                        {},
                        SampleTable(path(kSweepTableFile), SampleTable::Rows::points)};
   sweep.run.folder = folder;
-  sweep.run.units = units_of(document);
+  read_units(document, sweep.run);
   sweep.dimension_of.resize(sweep.axes.size());
   sweep.stride.resize(sweep.dimensions.size());
   for (std::size_t d = sweep.dimensions.size(); d-- > 0;) {

@@ -20,6 +20,7 @@
 #include "framework/plot/series_reader.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
+#include "framework/scene/engine_units.hpp"
 
 namespace tomlin {
 namespace {
@@ -98,11 +99,12 @@ bool is_uniform(const SceneForce& force) {
 
 /// The keys of a force as the scene has them, with the numbers that they have there: an expression
 /// may depend on the count of the particles.
-void write_numbers(const SceneForce& force, Table& table) {
+void write_numbers(const SceneForce& force, UnitSystem units, Table& table) {
   for (const Parameter& row : force.record->parameters) {
     if (table.find(row.key) == nullptr) continue;
     if (!can_vary(row)) continue;
-    const ParameterValue value = row.read(force.description.get());
+    const ParameterValue value =
+        in_scene_units(row.read(force.description.get()), scene_unit(units, row.dimension));
     if (auto number = to_node(value)) table.set(row.key, *std::move(number));
   }
 }
@@ -126,7 +128,7 @@ std::shared_ptr<const Scene> particle_scene(const StoredRun& run, const Scene& s
     Table table = *(*document.find("force")->as<List>())[force].as<Table>();
     std::erase_if(table.entries,
                   [](const Entry& entry) { return entry.key == "body" || entry.key == "bodies"; });
-    write_numbers(scene.forces[force], table);
+    write_numbers(scene.forces[force], scene.units, table);
     kept.push_back(node(std::move(table)));
   }
   document.set("force", node(std::move(kept)));

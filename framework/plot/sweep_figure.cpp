@@ -341,10 +341,9 @@ Panel SweepDrawing::panel_of_curves(const std::vector<std::string>& names, const
   const std::vector<std::vector<double>> numbers = sweep_.read(columns);
   Panel panel;
   panel.height = height;
-  panel.y_label = columns.size() == 1
-                      ? label_of_column(columns[0])
-                      : axis_text(literal_text(unit(columns[0]) == "1" ? "" : unit(columns[0])), "",
-                                  unit_name(sweep_.run, unit(columns[0])));
+  panel.y_label = columns.size() == 1 ? label_of_column(columns[0])
+                                      : axis_text(dimension_words(sweep_.run, unit(columns[0])), "",
+                                                  unit_name(sweep_.run, unit(columns[0])));
   NumberRange range;
   for (const std::size_t start : starts) {
     for (std::size_t c = 0; c < columns.size(); ++c) {

@@ -10,6 +10,7 @@
 #include "framework/run/observers/kinds.hpp"
 #include "framework/run/observers/observed_integrals.hpp"
 #include "framework/run/observers/scene_observers.hpp"
+#include "framework/run/results.hpp"
 
 namespace tomlin {
 namespace {
@@ -55,6 +56,18 @@ ResultGroup& ResultTable::group(std::string_view family, std::string_view name) 
     if (group.family == family && group.name == name) return group;
   }
   return groups_.emplace_back(ResultGroup{std::string(family), std::string(name), {}});
+}
+
+void ResultTable::convert_to(UnitSystem units) {
+  if (units == UnitSystem::reduced) return;
+  for (ResultGroup& group : groups_) {
+    for (ResultValue& value : group.values) value.convert_to(units);
+  }
+  for (ErrorEstimate& estimate : errors_) {
+    const ResultQuantity* quantity = quantity_at(estimate.path);
+    if (quantity == nullptr || !estimate.error) continue;
+    *estimate.error /= scene_unit(units, quantity->dimension);
+  }
 }
 
 std::vector<ResultGroup> ResultTable::take(const Selection& selection) {
@@ -433,6 +446,7 @@ void Observation::finish(double* rates) {
 void Observation::write_results(const double* rates, RunResult& result) const {
   ResultTable table;
   for (const auto& observer : observers_) observer->results(table, rates);
+  table.convert_to(run_.scene->units);
   result.errors = table.errors();
   std::string unknown;
   for (const ErrorEstimate& estimate : result.errors) {

@@ -51,6 +51,8 @@ class ResultTable {
     errors_.push_back({std::move(path), error});
   }
   const std::vector<ErrorEstimate>& errors() const { return errors_; }
+  /// Numbers of observers, which are in the engine's units, become those of a scene.
+  void convert_to(UnitSystem units);
   /// Ordered by family: drivers, bodies, observers of the scene, then those of the whole run.
   std::vector<ResultGroup> take(const Selection& selection);
 

@@ -11,6 +11,18 @@ std::string unit_of(const ResultQuantity& quantity) {
   return quantity.unit.empty() ? to_string(quantity.dimension) : quantity.unit;
 }
 
+std::string unit_in_tables(UnitSystem units, const ResultQuantity& quantity) {
+  const bool spelled = units == UnitSystem::reduced || quantity.dimension == dimension::none;
+  if (spelled && !quantity.unit.empty()) return quantity.unit;
+  return unit_in_tables(units, quantity.dimension);
+}
+
+void ResultValue::convert_to(UnitSystem units) {
+  const double unit = scene_unit(units, quantity_->dimension);
+  if (unit == 1.0) return;
+  for (double& number : numbers_) number /= unit;
+}
+
 void ResultValue::set(std::span<const double> numbers) {
   if (numbers.size() != count_) throw std::invalid_argument("numbers of another count");
   std::copy(numbers.begin(), numbers.end(), numbers_.begin());

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "framework/core/records/parameter.hpp"
+#include "framework/core/records/unit_system.hpp"
 #include "framework/core/text/words.hpp"
 
 /// What a run reports, declared once: a quantity is a row, and summary.json, dotted observables,
@@ -47,13 +48,15 @@ struct ResultQuantity {
   Shape shape = Shape::number;
   Scope scope = Scope::window;
   std::string meaning;    ///< one line
-  std::string unit = {};  ///< in place of the dimension's: "rad", "s"
+  std::string unit = {};  ///< in place of the dimension's name: "rad", "s"
   /// Quantities of the same group of which it is a sum or a difference: so is its error.
   std::vector<std::string> made_of = {};
 };
 
 /// "force", "length/time", "rad", "1".
 std::string unit_of(const ResultQuantity& quantity);
+/// As tables have it: "force", "energy", "length/time", "rad"; in metal units "eV/A".
+std::string unit_in_tables(UnitSystem units, const ResultQuantity& quantity);
 
 /// The value of a quantity. Numbers that are not finite are null in files.
 class ResultValue {
@@ -66,6 +69,8 @@ class ResultValue {
   /// Numbers that it has where it is defined: its axes, or 1.
   std::size_t count() const { return count_; }
   void set(std::span<const double> numbers);
+  /// Numbers in the engine's units become those of a scene.
+  void convert_to(UnitSystem units);
 
   bool has_value() const { return defined_; }
   explicit operator bool() const { return defined_; }

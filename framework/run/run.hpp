@@ -124,7 +124,8 @@ struct RunResult {
   const ResultGroup& member(std::string_view family, std::size_t k) const;
 };
 
-/// A column of observables.csv: "driver.force.x" and "force".
+/// A column of observables.csv: "driver.force.x" and "force", or "eV/A". All numbers of samples are
+/// in the units of the scene.
 struct SampleColumn {
   std::string name;
   std::string unit;
@@ -133,7 +134,7 @@ struct SampleColumn {
 /// The particles of one body in a trajectory, one body after another.
 struct TrajectoryBody {
   std::string name;
-  std::vector<double> mass;                ///< [particle]
+  std::vector<double> mass;                ///< [particle], in the units of the scene
   std::vector<std::int32_t> species = {};  ///< [particle], indices of names; empty: it has none
 };
 

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "framework/scene/effective.hpp"
+#include "framework/scene/engine_units.hpp"
 #include "framework/scene/size_checks.hpp"
 #include "framework/scene/text.hpp"
 
@@ -58,7 +59,8 @@ void update_effective(ComponentDraft<Record>& component) {
       effective.set(row.key, *before);
     } else if (row.optional && says_nothing(value)) {
       reading.values.erase(row.key);
-    } else if (auto node = to_node(value)) {
+    } else if (auto node =
+                   to_node(in_scene_units(value, scene_unit(reading.units, row.dimension)))) {
       effective.set(row.key, *std::move(node));
       reading.values.insert_or_assign(row.key, std::move(value));
     }

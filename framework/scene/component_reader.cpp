@@ -218,7 +218,7 @@ void read_particle_values(const SceneDraft& draft, Component& component,
                           std::optional<std::int64_t> count) {
   if (component.record == nullptr) return;
   read_deferred(component.reading, component.record->parameters, component.description.get(), count,
-                draft.values);
+                draft.values, draft.faults);
   component.sound = component.sound && component.reading.sound;
 }
 

@@ -111,6 +111,15 @@ void read_heading(SceneDraft& draft) {
   static const TableLayout layout = scene_layout();
   auto reading = draft.read(given, layout, "scene", draft.scene.get());
   if (auto axes = read_axes(draft, given)) reading.effective.set("axes", *std::move(axes));
+  const UnitSystem units = draft.scene->units;
+  const Entry* axes = given.table->find_entry("axes");
+  if (units != UnitSystem::reduced && axes != nullptr) {
+    draft.faults.of_key(axes->where,
+                        {FaultCode::scene_conflict, "scene.axes",
+                         fmt::format("units = \"{}\" have names already", to_string(units)),
+                         "axes with reduced units alone"});
+  }
+  draft.values.set_units(units);
   draft.effective.set("scene", {std::move(reading.effective), {}});
 }
 

@@ -112,10 +112,12 @@ TableLayout scene_layout() {
       parameter("source", &Scene::source, dimension::none,
                 "where it was taken from: works with their DOIs, parted by \"; \"")
           .by_default(""),
-      parameter("units", &Scene::units, dimension::none, "the system of units")
-          .one_of({"reduced"})
-          .not_yet({"metal", "real"})
-          .by_default("reduced"),
+      parameter(
+          "units", &Scene::units, dimension::none,
+          "the system of units: reduced or any consistent ones; or metal, in which numbers are "
+          "in eV, Angstrom, ps, u and K")
+          .not_yet({"real"})
+          .by_default(UnitSystem::reduced),
   };
   return layout;
 }

@@ -355,8 +355,9 @@ double power(double x, int n) {
 }  // namespace
 
 double NaturalUnits::of(const Dimension& dimension) const {
-  return power(mass, dimension.mass) * power(length, dimension.length) *
-         power(time, dimension.time);
+  const int energies = dimension.temperature;  // mass length^2/time^2
+  return power(mass, dimension.mass + energies) * power(length, dimension.length + 2 * energies) *
+         power(time, dimension.time - 2 * energies);
 }
 
 NaturalUnits natural_units(const Scene& scene) { return Search(scene).units(); }

@@ -17,6 +17,7 @@
 #include "framework/core/records/number_type.hpp"
 #include "framework/core/records/observer.hpp"
 #include "framework/core/records/registry.hpp"
+#include "framework/core/records/unit_system.hpp"
 #include "framework/core/records/variation.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/core/text/words.hpp"
@@ -156,8 +157,8 @@ struct BoxSettings {
   std::map<std::string, Place> places;
 };
 
-/// `axes = { length = "a", force = "V_0/a" }` of `[scene]`: what the axes of figures call the
-/// units. Empty: they have no name.
+/// `axes = { length = "a", force = "V_0/a" }` of `[scene]` in reduced units: what the axes of
+/// figures call the units. Empty: they have no name.
 struct AxisUnits {
   std::string length;
   std::string time;
@@ -171,7 +172,7 @@ struct Scene {
   std::string file;  ///< as given; for messages
   std::string name;
   std::string source;
-  std::string units = "reduced";
+  UnitSystem units = UnitSystem::reduced;  ///< of its file; descriptions are in the engine's
   AxisUnits axes;
   int dimension = 0;
   std::vector<std::pair<std::string, double>> parameters;  ///< resolved, in file order

@@ -5,6 +5,7 @@
 
 #include "framework/core/text/nearest_name.hpp"
 #include "framework/scene/effective.hpp"
+#include "framework/scene/engine_units.hpp"
 #include "framework/scene/text.hpp"
 
 namespace tomlin {
@@ -38,6 +39,23 @@ void TableReading::complain_inside(FaultList& faults, const std::string& key, st
   faults.inside(*value, byte, std::move(wrong));
 }
 
+namespace {
+
+/// The value of a row as descriptions have it; nothing where that is out of range, and reported.
+std::optional<ParameterValue> for_description(const Parameter& row, ParameterValue value,
+                                              const TableReading& reading, FaultList& faults) {
+  const double unit = scene_unit(reading.units, row.dimension);
+  if (unit == 1.0) return value;
+  value = in_engine_units(std::move(value), unit);
+  if (contains_all(row.interval, value)) return value;
+  reading.complain(faults, row.key,
+                   {FaultCode::scene_out_of_range, "", "out of range in the units of the engine",
+                    admissible_values(row)});
+  return std::nullopt;
+}
+
+}  // namespace
+
 TableReading read_table(const Table& table, const Extent& where, const TableLayout& layout,
                         std::string path, void* description, const ValueReader& values,
                         const Source& source, FaultList& faults) {
@@ -45,6 +63,7 @@ TableReading read_table(const Table& table, const Extent& where, const TableLayo
   reading.path = std::move(path);
   reading.where = where;
   reading.given = &table;
+  reading.units = values.units();
 
   for (const Entry& entry : table.entries) {
     reading.places[entry.key] = source.place(entry.value.where);
@@ -77,6 +96,11 @@ TableReading read_table(const Table& table, const Extent& where, const TableLayo
     } else {
       continue;
     }
+    value = for_description(row, *std::move(value), reading, faults);
+    if (!value) {
+      reading.sound = false;
+      continue;
+    }
     row.assign(description, *value);
     reading.values.emplace(row.key, *std::move(value));
   }
@@ -84,7 +108,8 @@ TableReading read_table(const Table& table, const Extent& where, const TableLayo
 }
 
 void read_deferred(TableReading& reading, const std::vector<Parameter>& rows, void* description,
-                   std::optional<std::int64_t> count, const ValueReader& values) {
+                   std::optional<std::int64_t> count, const ValueReader& values,
+                   FaultList& faults) {
   for (const Parameter& row : rows) {
     const auto& keys = reading.deferred;
     if (std::find(keys.begin(), keys.end(), row.key) == keys.end()) continue;
@@ -93,6 +118,7 @@ void read_deferred(TableReading& reading, const std::vector<Parameter>& rows, vo
       const Node& node = *reading.given->find(row.key);
       value = values.read_for_each(row, node, reading.path + "." + row.key, *count);
     }
+    if (value) value = for_description(row, *std::move(value), reading, faults);
     if (!value) {
       reading.sound = false;
       continue;

@@ -21,8 +21,10 @@ struct TableReading {
   std::string path;  ///< "body.ring", for messages
   Extent where;      ///< of the table
   const Table* given = nullptr;
-  std::map<std::string, ParameterValue> values;  ///< of the sound keys, defaults included
-  std::map<std::string, Place> places;           ///< of the keys that were given
+  UnitSystem units = UnitSystem::reduced;  ///< of its numbers
+  /// Of the sound keys, defaults included; in the engine's units, as the description.
+  std::map<std::string, ParameterValue> values;
+  std::map<std::string, Place> places;  ///< of the keys that were given
   Table effective;    ///< what was given with every default filled in, in declared order
   bool sound = true;  ///< no fault among its rows
   /// Of the rows that differ between particles: one value for each. `values` has what stands for
@@ -48,7 +50,7 @@ TableReading read_table(const Table& table, const Extent& where, const TableLayo
 
 /// Reads the deferred rows for a body of so many particles; not known: its faults are reported.
 void read_deferred(TableReading& reading, const std::vector<Parameter>& rows, void* description,
-                   std::optional<std::int64_t> count, const ValueReader& values);
+                   std::optional<std::int64_t> count, const ValueReader& values, FaultList& faults);
 
 /// "not in this version", or unknown with the nearest of the admissible keys.
 void report_key(const Entry& entry, const std::string& path, const TableLayout& layout,

@@ -4,12 +4,13 @@
 #include <optional>
 #include <string_view>
 
-/// Units where a number is expected: scenes have none, and a message says so instead of something
+/// Units where a number is expected: numbers have none, and a message says so instead of something
 /// about operators.
 namespace tomlin {
 
 inline constexpr std::string_view kNumbersHaveNoUnits =
-    "numbers have no units here: a scene is in reduced or any consistent ones";
+    "numbers have no units here: a scene is in reduced or any consistent ones, or in those of "
+    "[scene] units = \"metal\"";
 
 /// A number with a unit behind it, "2.5 nm", "1 N/m", "0.3eV/A^2".
 struct NumberWithUnit {

@@ -619,11 +619,11 @@ bool ValueReader::is_word(const Subject& subject, const Node& node, const std::s
   const ReservedKey* planned = planned_word(word);
   const bool not_yet =
       planned != nullptr || std::find(later.begin(), later.end(), word) != later.end();
-  // Whoever names a system of units has numbers in it, and they are taken as they are.
+  // Whoever names a system of units has numbers in it, and consistent ones are taken as they are.
   if (!not_yet && subject.key == "scene.units") {
     faults_.of_value(node, {FaultCode::scene_unknown_choice, subject.key, "no such choice",
-                            "\"reduced\", for SI and any other "
-                            "consistent units, too"});
+                            "\"reduced\", for SI and any other consistent units, too, or "
+                            "\"metal\": eV, Angstrom, ps, u, K"});
     return false;
   }
   const FaultCode code =

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "framework/core/records/parameter.hpp"
+#include "framework/core/records/unit_system.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/fault_list.hpp"
 #include "framework/scene/parameter_table.hpp"
@@ -26,6 +27,10 @@ class ValueReader {
   ValueReader(const ParameterTable& parameters, FaultList& faults)
       : parameters_(parameters), faults_(faults) {}
 
+  /// What the numbers of the scene are in; known once its heading has been read.
+  void set_units(UnitSystem units) { units_ = units; }
+  UnitSystem units() const { return units_; }
+
   /// The number of particles of the one body that a component acts on: `count` in its expressions.
   struct CountInExpressions {
     std::optional<std::int64_t> value = {};
@@ -38,8 +43,8 @@ class ValueReader {
     keys_of_particles_ = std::move(keys);
   }
 
-  /// Nothing when the value is unfit; then the list has a fault that says why. At most one fault
-  /// per key: the first.
+  /// In the units of the scene. Nothing when the value is unfit; then the list has a fault that
+  /// says why. At most one fault per key: the first.
   std::optional<ParameterValue> read(const Parameter& row, const Node& node,
                                      const std::string& key) const;
 
@@ -101,6 +106,7 @@ class ValueReader {
 
   const ParameterTable& parameters_;
   FaultList& faults_;
+  UnitSystem units_ = UnitSystem::reduced;
   CountInExpressions count_;
   std::vector<std::string> keys_of_particles_;
 };

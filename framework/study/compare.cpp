@@ -74,6 +74,12 @@ void check_setups(const std::vector<std::shared_ptr<const Scene>>& scenes,
                   const std::vector<Setup>& setups, std::vector<std::string>& notes) {
   for (std::size_t k = 1; k < scenes.size(); ++k) {
     const Scene& first = *scenes.front();
+    if (scenes[k]->units != first.units) {
+      throw InputError(
+          {Fault(FaultCode::compare_different_setups, scenes[k]->run.place, "scene.units",
+                 to_string(scenes[k]->units), fmt::format("not comparable with {}", first.file),
+                 to_string(first.units))});
+    }
     if (!same(setups[k].periods, setups.front().periods)) {
       refuse(*scenes[k], first, "lattice periods", setups[k].periods, setups.front().periods);
     }
@@ -235,6 +241,7 @@ Comparison compare_models(const std::vector<std::shared_ptr<const Scene>>& scene
   Comparison comparison;
   comparison.observable = request.observable;
   comparison.tolerance = request.tolerance;
+  comparison.units = scenes.front()->units;
   std::vector<Setup> setups;
   setups.reserve(scenes.size());
   for (const auto& scene : scenes) setups.push_back(setup_of(scene));

@@ -60,6 +60,7 @@ struct CompareRequest {
 
 struct Comparison {
   std::string observable;
+  UnitSystem units = UnitSystem::reduced;  ///< of all scenes
   double tolerance = 0.0;
   std::vector<ComparedModel> models;     ///< in the order given
   std::optional<std::size_t> reference;  ///< nothing when it failed

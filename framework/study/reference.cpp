@@ -67,7 +67,9 @@ class ReferenceSearch {
     for (const Method& method : methods) {
       if (may_be_reference(method)) candidates_.push_back(&method);
     }
-    found_.natural = natural_units(variants.scene()).of(dimension_of(measurer.observable()));
+    const Scene& scene = variants.scene();
+    const Dimension dimension = dimension_of(measurer.observable());
+    found_.natural = natural_units(scene).of(dimension) / scene_unit(scene.units, dimension);
   }
 
   std::optional<Reference> find(std::string& why) {

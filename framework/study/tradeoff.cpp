@@ -53,6 +53,7 @@ class TradeoffStudy {
         variants_(scene, registry),
         measurer_(variants_, full_path(scene, request.observable), request.budget, request.stop) {
     found_.observable = measurer_.observable();
+    found_.units = scene->units;
     found_.tolerance = request.tolerance;
     found_.budget = request.budget;
   }

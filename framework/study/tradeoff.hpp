@@ -74,6 +74,7 @@ struct Recommendation {
 
 struct Tradeoff {
   std::string observable;  ///< its path in full
+  UnitSystem units = UnitSystem::reduced;
   double tolerance = 0.0;
   double budget = 0.0;
   double seconds = 0.0;  ///< used

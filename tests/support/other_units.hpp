@@ -27,8 +27,9 @@ struct Units {
       for (int k = 0; k < std::abs(n); ++k) result = n < 0 ? result / x : result * x;
       return result;
     };
-    return power(mass, dimension.mass) * power(length, dimension.length) *
-           power(time, dimension.time);
+    const int energies = dimension.temperature;
+    return power(mass, dimension.mass + energies) * power(length, dimension.length + 2 * energies) *
+           power(time, dimension.time - 2 * energies);
   }
 };
 

@@ -49,9 +49,10 @@ std::vector<Parameter> with_body_parameters(std::vector<Parameter> own) {
                     .or_absent()
                     .for_each_particle());
   own.push_back(
-      parameter_of<D>("start_temperature", &BodyDescription::start_temperature, dimension::energy,
+      parameter_of<D>("start_temperature", &BodyDescription::start_temperature,
+                      dimension::temperature,
                       "velocities at the start are drawn from the Maxwell distribution of "
-                      "this temperature, an energy, and added to `velocity`")
+                      "this temperature, in reduced units an energy, and added to `velocity`")
           .in(non_negative)
           .by_default(0.0));
   own.push_back(

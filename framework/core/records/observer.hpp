@@ -20,6 +20,9 @@
 ///   events     detected at the ends of steps, from an internal state of the observer's own
 ///   results    computed at the end from the integrals and the internal state
 ///
+/// All numbers are in the engine's units (unit_system.hpp); where ObservedNumber spells a
+/// dimension, tables and summary have them in those of the scene.
+///
 /// Integrals and internal states are part of checkpoints.
 namespace tomlin {
 
@@ -55,7 +58,7 @@ struct ObservedWindow {
 /// One of the numbers that an observer gives.
 struct ObservedNumber {
   std::string name;  ///< "x", "length"
-  std::string unit;  ///< "length", "mass/time^2", "rad", "1"
+  std::string unit;  ///< "length", "mass/time^2", "energy", "rad", "1"
 };
 
 /// Records the events that an observer detects.

@@ -7,15 +7,13 @@
 namespace tomlin {
 namespace {
 
-std::string power_of(const char* unit, int exponent) {
+std::string power_of(std::string_view unit, int exponent) {
   return exponent == 1 ? std::string(unit) : fmt::format("{}^{}", unit, exponent);
 }
 
 }  // namespace
 
-std::string to_string(const Dimension& dimension) {
-  const std::pair<const char*, int> factors[] = {
-      {"mass", dimension.mass}, {"length", dimension.length}, {"time", dimension.time}};
+std::string product_of_powers(std::span<const std::pair<std::string_view, int>> factors) {
   std::string above;
   std::string below;
   for (const auto& [unit, exponent] : factors) {
@@ -24,6 +22,14 @@ std::string to_string(const Dimension& dimension) {
   }
   if (above.empty()) above = "1";
   return above + below;
+}
+
+std::string to_string(const Dimension& dimension) {
+  const std::pair<std::string_view, int> factors[] = {{"mass", dimension.mass},
+                                                      {"length", dimension.length},
+                                                      {"time", dimension.time},
+                                                      {"temperature", dimension.temperature}};
+  return product_of_powers(factors);
 }
 
 bool Interval::contains(double x) const {

@@ -6,7 +6,9 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -18,16 +20,20 @@
 /// same row reads a scene, validates, documents and writes the effective scene.
 namespace tomlin {
 
-/// Exponents of mass, length and time.
+/// Exponents of mass, length, time and temperature. In the engine Boltzmann's constant is 1, so
+/// that a temperature is an energy there; the scene's units say which one (unit_system.hpp).
 struct Dimension {
   int mass = 0;
   int length = 0;
   int time = 0;
+  int temperature = 0;
   friend bool operator==(const Dimension&, const Dimension&) = default;
 };
 
 /// "mass/time", "length", "1" for a pure number.
 std::string to_string(const Dimension& dimension);
+/// "a*b^2/c" of {a, 1}, {b, 2}, {c, -1}; "1" where all exponents are 0.
+std::string product_of_powers(std::span<const std::pair<std::string_view, int>> factors);
 
 namespace dimension {
 inline constexpr Dimension none{};
@@ -41,6 +47,7 @@ inline constexpr Dimension energy{1, 2, -2};
 inline constexpr Dimension stiffness{1, 0, -2};
 inline constexpr Dimension friction{1, 0, -1};
 inline constexpr Dimension inverse_area{0, -2, 0};
+inline constexpr Dimension temperature{0, 0, 0, 1};
 }  // namespace dimension
 
 /// Admissible values of a number; nan and inf are never admissible.

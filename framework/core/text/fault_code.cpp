@@ -55,7 +55,7 @@ constexpr FaultKind kKinds[] = {
      "Remove one, or add the other."},
     {FaultCode::scene_not_in_this_version, "scene.not_in_this_version",
      "The scene language reserves this word; this version of the program does not implement it.",
-     "tomlin run pt.toml --set scene.units=metal",
+     "tomlin run pt.toml --set scene.units=real",
      "Use what is admissible, or a version that has it."},
     {FaultCode::scene_too_many_faults, "scene.too_many_faults",
      "There are more faults than are shown.", "A file that is not a scene at all.",

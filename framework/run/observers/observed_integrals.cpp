@@ -78,7 +78,7 @@ Accumulator accumulator_of(const SceneObserver& from, const Model& model) {
       throw std::invalid_argument("\"" + number.name + "\" is reported twice");
     }
     accumulator.quantities.push_back(std::make_shared<const ResultQuantity>(
-        ResultQuantity{number.name, dimension::none, Shape::number, Scope::window,
+        ResultQuantity{number.name, dimension_of(number), Shape::number, Scope::window,
                        as_they_are ? "integral over the window" : "over the window", number.unit}));
   }
   return accumulator;

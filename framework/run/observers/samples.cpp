@@ -7,6 +7,7 @@
 
 #include "framework/core/numbers/constants.hpp"
 #include "framework/core/text/axis_names.hpp"
+#include "framework/scene/engine_units.hpp"
 
 namespace tomlin::observers {
 namespace {
@@ -51,24 +52,30 @@ RunLayout Samples::layout() const {
   const double intervals = run.plan.duration / *run.scene->output.every;
   layout.most_samples = std::floor(intervals * (1.0 + kRounding) + kNoStep) + 1.0;
   std::vector<SampleColumn>& columns = layout.columns;
-  const auto per_axis = [&](const std::string& name, const char* unit) {
-    for (int d = 0; d < model.dimension(); ++d)
-      columns.push_back({name + "." + kAxisNames[d], unit});
+  const UnitSystem units = run.scene->units;
+  const auto per_axis = [&](const std::string& name, const Dimension& dimension) {
+    for (int d = 0; d < model.dimension(); ++d) {
+      columns.push_back({name + "." + kAxisNames[d], unit_in_tables(units, dimension)});
+    }
   };
-  columns.push_back({"time", "time"});
-  for (const Model::Driver& driver : model.drivers()) per_axis(driver.name + ".force", "force");
+  columns.push_back({"time", unit_in_tables(units, dimension::time)});
   for (const Model::Driver& driver : model.drivers()) {
-    if (driver.drive->steady) per_axis(driver.name + ".position", "length");
+    per_axis(driver.name + ".force", dimension::force);
+  }
+  for (const Model::Driver& driver : model.drivers()) {
+    if (driver.drive->steady) per_axis(driver.name + ".position", dimension::length);
   }
   for (const Model::Body& body : model.bodies()) {
-    per_axis(body.bound.name + ".centre_of_mass", "length");
-    per_axis(body.bound.name + ".velocity", "length/time");
+    per_axis(body.bound.name + ".centre_of_mass", dimension::length);
+    per_axis(body.bound.name + ".velocity", dimension::velocity);
     if (body.rotates()) columns.push_back({body.bound.name + ".rotation", "rad"});
   }
   if (scene_ != nullptr) scene_->list_columns(columns);
   if (run.scene->output.trajectory) {
     for (const Model::Body& body : model.bodies()) {
       layout.bodies.push_back({body.bound.name, body.bound.mass, body.bound.species});
+      const double unit = scene_unit(units, dimension::mass);
+      for (double& mass : layout.bodies.back().mass) mass = scene_number(mass, unit);
     }
     layout.species = run.scene->species;
   }

@@ -10,7 +10,7 @@ namespace {
 std::shared_ptr<const ResultQuantity> quantity(const std::string& key, const ObservedNumber& number,
                                                Scope scope, const char* meaning) {
   return std::make_shared<const ResultQuantity>(
-      ResultQuantity{key, dimension::none, Shape::number, scope, meaning, number.unit});
+      ResultQuantity{key, dimension_of(number), Shape::number, scope, meaning, number.unit});
 }
 
 }  // namespace
@@ -29,6 +29,7 @@ SceneObservers::SceneObservers(const ObserverParts& parts) : parts_(parts), show
       watcher.quantities.push_back(quantity(number.name, number, Scope::end, "at the end"));
       watcher.quantities.push_back(quantity("mean_" + number.name, number, Scope::window,
                                             "mean over the samples in the window"));
+      units_.push_back(scene_unit(parts_.run.scene->units, dimension_of(number)));
     }
     numbers += watcher.columns.size();
     watchers_.push_back(std::move(watcher));
@@ -49,7 +50,8 @@ void SceneObservers::attach(RunState& state) {
 void SceneObservers::list_columns(std::vector<SampleColumn>& columns) const {
   for (const Watcher& watcher : watchers_) {
     for (const ObservedNumber& number : watcher.columns) {
-      columns.push_back({watcher.scene->name + "." + number.name, number.unit});
+      columns.push_back({watcher.scene->name + "." + number.name,
+                         unit_in_tables(parts_.run.scene->units, number.unit)});
     }
   }
 }
@@ -75,7 +77,8 @@ double* SceneObservers::sample(const RunMoment& moment, double* numbers) {
     next += watcher.columns.size();
   }
   keep_means(moment.time, numbers);
-  return numbers + last_.size();
+  for (const double unit : units_) *numbers++ /= unit;
+  return numbers;
 }
 
 /// Sums of what lies in the window, high and low parts.

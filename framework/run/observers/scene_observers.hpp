@@ -22,8 +22,9 @@ class SceneObservers : public RunObserver {
 
   bool any() const { return !last_.empty(); }
   void list_columns(std::vector<SampleColumn>& columns) const;
-  /// The numbers of all observers at a state that has just been evaluated, and their means. Returns
-  /// the end of the numbers; null where one is not finite, which ends the run.
+  /// The numbers of all observers at a state that has just been evaluated, in the scene's units,
+  /// and their means. Returns the end of the numbers; null where one is not finite, which ends the
+  /// run.
   double* sample(const RunMoment& moment, double* numbers);
 
  private:
@@ -41,6 +42,7 @@ class SceneObservers : public RunObserver {
   ShownScene shown_;
   std::vector<Watcher> watchers_;
   std::vector<double> last_;         ///< numbers where the run stops
+  std::vector<double> units_;        ///< of the scene, of each number
   double* sums_ = nullptr;           ///< over samples in the window: high and low parts
   std::int64_t* samples_ = nullptr;  ///< of them
 };

@@ -9,7 +9,7 @@
 namespace tomlin::observers {
 
 /// What observers of the scene are shown of a moment: particles' places and velocities, and the
-/// forces of drivers.
+/// forces of drivers, all in the engine's units.
 class ShownScene {
  public:
   explicit ShownScene(const ObserverParts& parts);
@@ -36,6 +36,11 @@ SceneOutline outline_of(const SceneObserver& observer, const Model& model);
 std::vector<ObservedNumber> listed(const SceneObserver& observer, const SceneOutline& outline,
                                    std::vector<ObservedNumber> (*list)(const void*,
                                                                        const SceneOutline&));
+
+/// The dimension of a number as its unit spells it; of "rad", say, none.
+inline Dimension dimension_of(const ObservedNumber& number) {
+  return dimension_named(number.unit).value_or(dimension::none);
+}
 
 /// Runs code of an observer, which may be a plugin's. Throws PluginError.
 template <class Action>

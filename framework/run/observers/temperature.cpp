@@ -7,9 +7,9 @@ namespace tomlin::observers {
 namespace {
 
 const ResultQuantity kTemperature{
-    "temperature", dimension::energy, Shape::number, Scope::window,
+    "temperature", dimension::temperature, Shape::number, Scope::window,
     "twice the mean kinetic energy, by the number of coordinates that move, from the velocities in "
-    "the middle of steps; an energy. Drift counts as heat"};
+    "the middle of steps; in reduced units an energy. Drift counts as heat"};
 
 class Temperature : public RunObserver {
  public:

@@ -63,14 +63,6 @@ std::string short_name(const RunResult& result, const std::string& path) {
   }
 }
 
-/// As tables of samples and of events have it.
-std::string unit_in_tables(const ResultQuantity& quantity) {
-  if (!quantity.unit.empty()) return quantity.unit;
-  if (quantity.dimension == dimension::force) return "force";
-  if (quantity.dimension == dimension::energy) return "energy";
-  return to_string(quantity.dimension);
-}
-
 bool sets_below(const std::vector<SweepAxis>& axes, std::string_view key) {
   return std::any_of(axes.begin(), axes.end(), [key](const SweepAxis& axis) {
     return axis.name.substr(0, key.size()) == key;
@@ -265,7 +257,8 @@ void SweepPlan::find_observable(const RunResult& result, const std::string& give
     const std::vector<Observable> all = tomlin::observables(result);
     const auto found = std::find_if(all.begin(), all.end(),
                                     [&](const Observable& one) { return one.path == path; });
-    observables_.push_back({path, short_name(result, path), unit_in_tables(*found->quantity),
+    observables_.push_back({path, short_name(result, path),
+                            unit_in_tables(scene_->units, *found->quantity),
                             found->quantity->meaning});
     paths_.push_back(path);
   } catch (const InputError& error) {

@@ -122,7 +122,7 @@ BROKEN = [
     ("wrong word in a list", CENTRE, CENTRE + '\nhold = ["w"]', ["body", 0, "hold", 0]),
     ("a word twice", CENTRE, CENTRE + '\nhold = ["x", "x"]', ["body", 0, "hold"]),
     ("a pair of three", 'pairs = "all"', "pairs = [[0, 1, 2]]", ["force", 0, "pairs", 0]),
-    ("a word of another version", "[parameters]", 'units = "metal"\n[parameters]',
+    ("a word of another version", "[parameters]", 'units = "real"\n[parameters]',
      ["scene", "units"]),
     ("out of range", "stiffness = 100.0", "stiffness = -1.0", ["force", 0, "stiffness"]),
     ("out of range, at its open end", DURATION, "duration = 0", ["run", "duration"]),

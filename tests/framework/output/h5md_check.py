@@ -4,10 +4,14 @@ specification (nongnu.org/h5md), and that nothing is kept in less than double pr
 As a script: h5md_check.py FILE... prints what is wrong and exits with 1 if anything is.
 """
 
+import re
 import sys
 
 import h5py
 import numpy as np
+
+FACTOR = r"[A-Za-z]+([+-]\d+)?"
+UNIT = re.compile(rf"(\d+(\.\d+)? )?{FACTOR}( {FACTOR})*")
 
 ELEMENTS = {  # per-particle elements: kinds of numbers, and dimensions behind [N]
     "position": ("fiu", 1),
@@ -91,6 +95,15 @@ class Checker:
         system = units.attrs.get("system")
         if not isinstance(system, str) or not system:
             self.fault(units, "system is not a scalar string of variable length")
+        self.file.visititems(self.check_unit)
+
+    def check_unit(self, _, item):
+        """Unit factors, parted by spaces: symbols with a signed power."""
+        unit = item.attrs.get("unit")
+        if unit is None:
+            return
+        if not isinstance(unit, str) or not UNIT.fullmatch(unit):
+            self.fault(item, f"unit is {unit!r}, not factors of symbols")
 
     # ---- /particles
 

@@ -1,7 +1,8 @@
 """Trajectories as others read them: by h5py, and by the rules of H5MD (h5md_check.py). That the
 rules are looked at shows by files that break each of them.
 
-    h5md_check_test.py SAMPLES    SAMPLES WRITES FOLDER with the files two_bodies.h5 and line.h5
+    h5md_check_test.py SAMPLES    SAMPLES WRITES FOLDER with the files two_bodies.h5, line.h5 and
+                                  metal.h5
 """
 
 import pathlib
@@ -40,7 +41,7 @@ class Trajectory(unittest.TestCase):
         shutil.rmtree(cls.folder)
 
     def test_keeps_the_rules(self):
-        for name in ("two_bodies.h5", "species.h5", "line.h5"):
+        for name in ("two_bodies.h5", "species.h5", "line.h5", "metal.h5"):
             self.assertEqual(h5md_check.faults(self.folder / name), [])
 
     def test_has_the_numbers_of_the_run(self):
@@ -80,6 +81,21 @@ class Trajectory(unittest.TestCase):
             for path, dimension in {"position/value": b"length", "position/time": b"time",
                                     "mass": b"mass", "box/edges/value": b"length"}.items():
                 self.assertEqual(file[ALL][path].attrs["dimension"], dimension)
+
+    def test_reduced_units_have_no_symbols(self):
+        with h5py.File(self.folder / "two_bodies.h5", "r") as file:
+            for path in ("position/value", "position/time", "mass", "box/edges/value"):
+                self.assertNotIn("unit", file[ALL][path].attrs)
+
+    def test_metal_units_have_symbols(self):
+        """As MDAnalysis looks them up: text, not bytes."""
+        with h5py.File(self.folder / "metal.h5", "r") as file:
+            self.assertEqual(file["h5md/modules/units"].attrs["system"], "metal")
+            for path, unit in {"position/value": "Angstrom", "position/time": "ps", "mass": "u",
+                               "box/edges/value": "Angstrom"}.items():
+                self.assertEqual(file[ALL][path].attrs["unit"], unit)
+            self.assertNotIn("unit", file[ALL]["position/step"].attrs)
+            self.assertEqual(file[ALL]["position/value"].attrs["dimension"], b"length")
 
     def test_without_a_box_has_no_edges(self):
         with h5py.File(self.folder / "line.h5", "r") as file:
@@ -137,6 +153,8 @@ class Trajectory(unittest.TestCase):
             "no version of the program": drop_attribute("h5md/creator", "version"),
             "no version of the module": drop_attribute("h5md/modules/units", "version"),
             "no system of units": drop_attribute("h5md/modules/units", "system"),
+            "a unit as bytes": put_attribute(f"{ALL}/mass", "unit", np.bytes_("u")),
+            "a unit that is a quotient": put_attribute(f"{ALL}/mass", "unit", "eV/A"),
             "no box": drop(f"{ALL}/box"),
             "no dimension": drop_attribute(f"{ALL}/box", "dimension"),
             "two axes": put_attribute(f"{ALL}/box", "dimension", np.int32(2)),

@@ -37,7 +37,7 @@ inline RunLayout line_of(std::size_t particles) {
 }
 
 inline TrajectoryFacts some_facts() {
-  return {"a \"test\"", "none", "reduced", "[run]\nduration = 1.0\n", "0.1.0"};
+  return {"a \"test\"", "none", UnitSystem::reduced, "[run]\nduration = 1.0\n", "0.1.0"};
 }
 
 /// Numbers with all their digits, different everywhere.

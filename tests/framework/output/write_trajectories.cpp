@@ -24,6 +24,11 @@ int main(int, char** arguments) {
       writer->finish();
     }
   }
+  TrajectoryFacts metal = some_facts();
+  metal.units = UnitSystem::metal;
+  H5mdWriter writer(folder / "metal.h5", two_bodies(), metal);
+  write_frames(writer, two_bodies(), 5);
+  writer.finish();
   const pid_t child = ::fork();
   if (child == 0) {
     H5mdWriter writer(folder / "killed.h5", line_of(1), some_facts());

@@ -79,8 +79,8 @@ TEST(BadScene, NotInThisVersion) {
   expect_faults({
       {kRing,
        R"(name = "a ring")",
-       R"(units = "metal")",
-       {R"(2:9 scene.units = "metal" [scene.not_in_this_version])"}},
+       R"(units = "real")",
+       {R"(2:9 scene.units = "real" [scene.not_in_this_version])"}},
       {kRing,
        "velocity = [1e-3, 0.0]",
        "velocity = [1e-3, 0.0]\nreverse = { above = 1 }",

@@ -1,0 +1,222 @@
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/framework/cli/cli_fixture.hpp"
+
+// Scenes in metal units through the program: what stands in tables, summaries, figures and on the
+// screen is in eV, Angstrom, ps, u and K, as what the scene gives.
+
+namespace tomlin::test {
+namespace {
+
+constexpr const char* kDimer = R"([scene]
+name = "a dimer in a bath"
+units = "metal"
+
+[parameters]
+T = 300
+
+[[body]]
+name = "dimer"
+type = "chain"
+count = 2
+spacing = 1.42
+particle_mass = [12.011, 28.0855]
+start_temperature = "T"
+
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 0.5
+velocity = [2.0]
+
+[[force]]
+name = "bond"
+type = "harmonic_bonds"
+stiffness = 3.0
+
+[[force]]
+name = "bath"
+type = "langevin"
+coefficient = 0.01
+temperature = "T"
+
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.2
+period = 2.46
+
+[run]
+duration = 40.0
+integrator = { type = "baoab", dt = 0.01 }
+ledger = true
+
+[measure]
+in = "time"
+from = 10.0
+to = 40.0
+
+[output]
+every = 0.5
+trajectory = true
+)";
+
+class MetalUnits : public Cli {
+ protected:
+  void SetUp() override { write(folder_ / "dimer.toml", kDimer); }
+  void TearDown() override { ::unsetenv("TOMLIN_GNUPLOT"); }
+
+  void run_dimer(const std::string& folder, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments = {"run", "dimer.toml", "-o", folder, "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Ended ended = tomlin(arguments);
+    ASSERT_EQ(ended.status, 0) << ended.err;
+  }
+
+  /// The script that gnuplot would get.
+  std::string script(std::vector<std::string> arguments) {
+    write(folder_ / "program", "#!/bin/sh\ncat");
+    fs::permissions(folder_ / "program", fs::perms::owner_all);
+    ::setenv("TOMLIN_GNUPLOT", (folder_ / "program").c_str(), 1);
+    arguments.insert(arguments.begin(), "plot");
+    arguments.insert(arguments.end(), {"-o", "script.svg"});
+    const Ended ended = tomlin(arguments);
+    EXPECT_EQ(ended.status, 0) << ended.err;
+    return ended.status == 0 ? file("script.svg") : "";
+  }
+};
+
+std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+TEST_F(MetalUnits, StandInHeaders) {
+  run_dimer("out");
+  EXPECT_EQ(first_line(file("out/observables.csv")),
+            "time [ps],driver.force.x [eV/A],driver.position.x [A],dimer.centre_of_mass.x [A],"
+            "dimer.velocity.x [A/ps]");
+  EXPECT_EQ(first_line(file("out/events.csv")),
+            "time [ps],event,name,duration [ps],size,energy_lost [eV],peak_force [eV/A]");
+}
+
+TEST_F(MetalUnits, StandInTheSummary) {
+  run_dimer("out");
+  const Json summary = this->summary("out");
+  EXPECT_EQ(summary["scene"]["units"], "metal");
+  EXPECT_EQ(summary["parameters"]["T"], 300);
+  // A window of 30 ps has a thousand correlation times; half of 300 K would be seen.
+  const double temperature = summary["bodies"]["dimer"]["temperature"];
+  EXPECT_GT(temperature, 200.0);
+  EXPECT_LT(temperature, 450.0);
+  const double error = summary["error"]["bodies.dimer.temperature"];
+  EXPECT_GT(error, 1.0);
+  EXPECT_LT(error, 60.0);
+}
+
+TEST_F(MetalUnits, ReducedOnesAreNotNamed) {
+  write(folder_ / "tip.toml", kTip);
+  ASSERT_EQ(tomlin({"run", "tip.toml", "-o", "tip", "--quiet"}).status, 0);
+  EXPECT_FALSE(summary("tip")["scene"].contains("units"));
+  EXPECT_TRUE(
+      contains(first_line(file("tip/observables.csv")), "time [time],driver.force.x [force]"));
+}
+
+TEST_F(MetalUnits, StandOnTheScreen) {
+  const Ended ended = tomlin({"run", "dimer.toml", "-o", "out"});
+  for (const char* part :
+       {"at time 40 ps after", "time 10 to 40 ps", " eV/A", " A/ps", " K", " eV"}) {
+    EXPECT_TRUE(contains(ended.out, part)) << part << "\n" << ended.out;
+  }
+  const Ended explained = tomlin({"explain", "dimer.toml"});
+  EXPECT_TRUE(contains(explained.out, "metal units (eV, A, ps, u, K)")) << explained.out;
+  EXPECT_TRUE(contains(explained.out, "mass 40.1 u")) << explained.out;
+  const Json json = Json::parse(tomlin({"explain", "dimer.toml", "--json"}).out);
+  EXPECT_EQ(json["scene"]["units"], "metal");
+  EXPECT_NEAR(json["bodies"][0]["mass"].get<double>(), 12.011 + 28.0855, 1e-13);
+}
+
+/// The scene that a run has left runs again, to the bit, and has the numbers that were given.
+TEST_F(MetalUnits, SceneIsRunAgain) {
+  run_dimer("out", {"--set", "T=250"});
+  const std::string scene = file("out/scene.toml");
+  for (const char* line : {"units = \"metal\"", "T = 250", "particle_mass = [12.011, 28.0855]"}) {
+    EXPECT_TRUE(contains(scene, line)) << scene;
+  }
+  ASSERT_EQ(tomlin({"run", "out/scene.toml", "-o", "again", "--quiet"}).status, 0);
+  EXPECT_EQ(file("again/scene.toml"), scene);
+  EXPECT_EQ(file("again/observables.csv"), file("out/observables.csv"));
+  EXPECT_EQ(file("again/events.csv"), file("out/events.csv"));
+  Json first = summary("out");
+  Json second = summary("again");
+  for (Json* one : {&first, &second}) one->erase("performance");
+  EXPECT_EQ(first, second);
+}
+
+/// Particles from a file: the effective scene states what stands in it.
+TEST_F(MetalUnits, ParticlesOfAFile) {
+  std::string text = kDimer;
+  const std::string from = "type = \"chain\"\ncount = 2\nspacing = 1.42\n";
+  text.replace(text.find(from), from.size(), "type = \"particles\"\nfile = \"dimer.dat\"\n");
+  write(folder_ / "dimer.toml", text);
+  write(folder_ / "dimer.dat", "0.0\n1.42\n");
+  run_dimer("out");
+  EXPECT_TRUE(contains(file("out/scene.toml"), "particle_mass = [12.011, 28.0855]"));
+  EXPECT_TRUE(contains(file("out/scene.toml"), "start_temperature = \"T\""));
+  ASSERT_EQ(tomlin({"run", "out/scene.toml", "-o", "again", "--quiet"}).status, 0);
+  EXPECT_EQ(file("again/observables.csv"), file("out/observables.csv"));
+}
+
+TEST_F(MetalUnits, SweptTemperaturesAreInKelvin) {
+  const Ended ended =
+      tomlin({"sweep", "dimer.toml", "--over", "T=100,300,900", "--observable", "dimer.temperature",
+              "--observable", "driver.mean_force.x", "-o", "sweep", "--quiet"});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  const std::string table = file("sweep/sweep.csv");
+  EXPECT_TRUE(contains(first_line(table), "T,dimer.temperature [K],driver.mean_force.x [eV/A]"))
+      << table;
+  EXPECT_TRUE(contains(first_line(table), "error.dimer.temperature [K]")) << table;
+  std::size_t at = table.find('\n') + 1;
+  for (const double expected : {100.0, 300.0, 900.0}) {
+    char* end = nullptr;
+    EXPECT_EQ(std::strtod(table.c_str() + at, &end), expected);
+    const double found = std::strtod(end + 1, nullptr);
+    // A window's mean scatters by a tenth; drift and slips count as heat.
+    EXPECT_GT(found, 0.7 * expected);
+    EXPECT_LT(found, 1.5 * expected + 30.0);
+    at = table.find('\n', at) + 1;
+  }
+  const std::string label = script({"sweep", "--y", "dimer.temperature"});
+  EXPECT_TRUE(contains(label, "/ K")) << label;
+}
+
+TEST_F(MetalUnits, StandOnAxes) {
+  run_dimer("out");
+  const std::string force = script({"out"});
+  EXPECT_TRUE(contains(force, "/ (eV/\xC3\x85)")) << force;
+  EXPECT_TRUE(contains(force, "/ \xC3\x85")) << force;
+  // Several curves' axis is called by their dimension.
+  const std::string two =
+      script({"out", "--x", "time", "--y", "dimer.centre_of_mass.x,driver.position.x"});
+  EXPECT_TRUE(contains(two, "length / \xC3\x85")) << two;
+  EXPECT_TRUE(contains(two, "/ ps")) << two;
+  const std::string result = script({"out", "--result", "dimer.temperature", "--against", "T"});
+  EXPECT_TRUE(contains(result, "temperature / K")) << result;
+  // Two systems have no axis in common.
+  write(folder_ / "tip.toml", kTip);
+  ASSERT_EQ(tomlin({"run", "tip.toml", "-o", "tip", "--quiet"}).status, 0);
+  EXPECT_EQ(tomlin({"plot", "out", "tip", "-o", "both.svg"}).status, 2);
+  EXPECT_EQ(tomlin({"plot", "tip", "out", "-o", "both.svg"}).status, 2);
+}
+
+TEST_F(MetalUnits, AreNamedWhereTheyAreUnknown) {
+  expect_refused({"run", "dimer.toml", "--set", "scene.units=SI", "-o", "out"},
+                 "--set scene.units=SI: scene.units = \"SI\" [scene.unknown_choice]\n",
+                 {"\"reduced\"", "\"metal\": eV, Angstrom, ps, u, K"});
+  expect_refused({"run", "dimer.toml", "--set", "scene.units=real", "-o", "out"},
+                 "--set scene.units=real: scene.units = \"real\" [scene.not_in_this_version]\n");
+}
+
+}  // namespace
+}  // namespace tomlin::test
