@@ -1,71 +1,250 @@
 #include "forcefields/tersoff.hpp"
 
+#include <algorithm>
 #include <array>
+#include <utility>
 
 #include "framework/core/elements/bond_order.hpp"
+#include "framework/core/records/fetched_numbers.hpp"
+#include "framework/core/text/number_file.hpp"
+#include "framework/core/text/xyz_file.hpp"
 
 TOMLIN_DECLARE_TABLES(Tersoff, BondOrderTable)
 
 namespace tomlin {
 namespace {
 
-/// A set of numbers with its paper.
+/// A published set, in the format of a file.
 struct NamedSet {
   const char* name;
   const char* source;
-  TersoffNumbers numbers;
+  const char* entries;
 };
 
-const std::array<NamedSet, 3>& named_sets() {
-  static const std::array<NamedSet, 3> kSets = {
-      {{"lindsay_broido_2010",
-        "carbon in graphene and nanotubes, Phys. Rev. B 81, 205441 (2010)",
-        {3.0, 1.0, 0.0, 38049.0, 4.3484, -0.930, 0.72751, 1.5724e-7, 2.2119, 430.0, 1.95, 0.15,
-         3.4879, 1393.6}},
-       {"tersoff_1989_carbon",
-        "carbon, Phys. Rev. B 39, 5566 (1989)",
-        {3.0, 1.0, 0.0, 38049.0, 4.3484, -0.57058, 0.72751, 1.5724e-7, 2.2119, 346.74, 1.95, 0.15,
-         3.4879, 1393.6}},
-       {"tersoff_1989_silicon",
-        "silicon, Phys. Rev. B 39, 5566 (1989)",
-        {3.0, 1.0, 0.0, 100390.0, 16.217, -0.59825, 0.78734, 1.1e-6, 1.7322, 471.18, 2.85, 0.15,
-         2.4799, 1830.8}}}};
-  return kSets;
-}
+constexpr std::array<NamedSet, 3> kNamedSets = {
+    {{"lindsay_broido_2010", "carbon in graphene and nanotubes, Phys. Rev. B 81, 205441 (2010)",
+      "C C C  3 1 0  38049 4.3484 -0.930  0.72751 1.5724e-7 2.2119 430.0  1.95 0.15  3.4879 "
+      "1393.6"},
+     {"tersoff_1989_carbon", "carbon, Phys. Rev. B 39, 5566 (1989)",
+      "C C C  3 1 0  38049 4.3484 -0.57058  0.72751 1.5724e-7 2.2119 346.74  1.95 0.15  3.4879 "
+      "1393.6"},
+     {"tersoff_1989_silicon", "silicon, Phys. Rev. B 39, 5566 (1989)",
+      "Si Si Si  3 1 0  100390 16.217 -0.59825  0.78734 1.1e-6 1.7322 471.18  2.85 0.15  2.4799 "
+      "1830.8"}}};
 
 std::vector<std::string> names_of_sets() {
   std::vector<std::string> names;
-  for (const NamedSet& set : named_sets()) names.emplace_back(set.name);
+  for (const NamedSet& set : kNamedSets) names.emplace_back(set.name);
   return names;
 }
 
 std::string list_of_sets() {
   std::string list;
-  for (const NamedSet& set : named_sets()) {
+  for (const NamedSet& set : kNamedSets) {
     list += fmt::format("{}\"{}\" ({})", list.empty() ? "" : "; ", set.name, set.source);
   }
   return list;
 }
 
-std::vector<Complaint> complaints(const TersoffDescription& d, const SceneOutline& scene) {
-  std::vector<Complaint> found =
-      cutoff_complaints("parameters", Tersoff::reach(d), scene, Search::in_stages);
-  if (scene.dimension != 3) {
-    found.push_back({.key = "parameters",
-                     .why = "the potential is one of three dimensions",
-                     .admissible = "a scene in three dimensions",
-                     .code = FaultCode::component_unsuitable});
+Complaint complaint(FaultCode code, const char* key, std::string why, std::string admissible = "") {
+  return {.key = key, .why = std::move(why), .admissible = std::move(admissible), .code = code};
+}
+
+/// Where a description says its numbers.
+const char* key_of(const TersoffDescription& d) {
+  if (!d.parameters.empty()) return "parameters";
+  return d.read_from.empty() ? "entries" : "file";
+}
+
+/// Reads the file, and what the entries are, wherever they are from.
+std::vector<Complaint> prepare(TersoffDescription& d, const std::filesystem::path& folder) {
+  const int given =
+      (d.parameters.empty() ? 0 : 1) + (d.file.empty() ? 0 : 1) + (d.entries.empty() ? 0 : 1);
+  constexpr const char* kOneOf = "one of parameters, file and entries";
+  if (given == 0) return {complaint(FaultCode::scene_missing_key, "parameters", "missing", kOneOf)};
+  if (given > 1) {
+    return {complaint(FaultCode::scene_conflict, d.parameters.empty() ? "file" : "parameters",
+                      "the numbers are given twice", kOneOf)};
+  }
+  std::string text = d.entries;
+  std::string name = "entries";
+  for (const NamedSet& set : kNamedSets) {
+    if (d.parameters == set.name) text = set.entries;
+  }
+  if (!d.file.empty()) {
+    FetchedText fetched = fetch_text(d.file, folder, "file");
+    if (!fetched.complaints.empty()) return std::move(fetched.complaints);
+    d.read_from = std::move(fetched.path);
+    name = d.read_from.string();
+    text = std::move(fetched.text);
+    d.entries = text;
+    d.file.clear();
+  }
+  std::vector<std::string> faults;
+  d.known = parse_tersoff(text, name, faults);
+  std::vector<Complaint> found;
+  for (std::string& fault : faults) {
+    found.push_back(complaint(FaultCode::file_invalid, key_of(d), std::move(fault)));
   }
   return found;
 }
 
+const TersoffEntry* entry_for(const TersoffDescription& d,
+                              const std::array<std::string, 3>& species) {
+  for (const TersoffEntry& entry : d.known) {
+    if (entry.species == species) return &entry;
+  }
+  return nullptr;
+}
+
+std::vector<Complaint> complaints(const TersoffDescription& d, const SceneOutline& scene) {
+  if (d.known.empty()) return {};  // there is a complaint already
+  if (scene.dimension != 3) {
+    return {complaint(FaultCode::component_unsuitable, key_of(d),
+                      "the potential is one of three dimensions", "a scene in three dimensions")};
+  }
+  const std::vector<std::string>& species = scene.bodies.front().species;
+  if (species.empty() && d.known.size() > 1) {
+    return {complaint(FaultCode::component_unsuitable, key_of(d),
+                      "there are numbers of several species, and the body has none",
+                      "species = \"" + d.known.front().species[0] + "\" in the body")};
+  }
+  double longest = 0.0;
+  const auto include = [&](const TersoffEntry& entry) {
+    longest = std::max(longest, entry.numbers.r + entry.numbers.half_width);
+  };
+  if (species.empty()) include(d.known.front());
+  for (const std::string& i : species) {
+    for (const std::string& j : species) {
+      for (const std::string& k : species) {
+        const TersoffEntry* entry = entry_for(d, {i, j, k});
+        if (entry == nullptr) {
+          return {complaint(FaultCode::component_unsuitable, key_of(d),
+                            fmt::format("there are no numbers for {} {} {}", i, j, k),
+                            "an entry for each triple of the body's species")};
+        }
+        include(*entry);
+      }
+    }
+  }
+  return cutoff_complaints(key_of(d), longest, scene, Search::in_stages);
+}
+
+/// Decay of the repulsion.
+double shortest_length(const TersoffDescription& d) {
+  double largest = 0.0;
+  for (const TersoffEntry& entry : d.known) largest = std::max(largest, entry.numbers.lambda1);
+  return largest > 0.0 ? 1.0 / largest : 0.0;
+}
+
+const std::filesystem::path& path_of(const TersoffDescription& d) { return d.read_from; }
+
+/// A word of a text and the line in which it stands.
+struct PlacedWord {
+  std::string_view word;
+  std::size_t line = 0;
+};
+
+std::vector<PlacedWord> words_of_lines(std::string_view text) {
+  std::vector<PlacedWord> words;
+  std::size_t line = 1;
+  for (std::size_t at = 0; at < text.size();) {
+    const char c = text[at];
+    if (c == '\n') ++line;
+    if (c == '#') {
+      at = std::min(text.find('\n', at), text.size());
+    } else if (c == ' ' || c == '\t' || c == '\r' || c == '\n') {
+      ++at;
+    } else {
+      const std::size_t end = std::min(text.find_first_of(" \t\r\n#", at), text.size());
+      words.push_back({text.substr(at, end - at), line});
+      at = end;
+    }
+  }
+  return words;
+}
+
+/// Why there is no such potential; empty where there is.
+std::string why_unsuitable(const TersoffNumbers& p) {
+  if (p.m != 1.0 && p.m != 3.0) return "m is neither 1 nor 3";
+  if (!(p.d > 0.0)) return "d is not positive";
+  if (!(p.n > 0.0)) return "n is not positive";
+  if (!(p.beta >= 0.0)) return "beta is negative";
+  if (!(p.gamma >= 0.0)) return "gamma is negative";
+  if (!(p.half_width > 0.0)) return "D is not positive";
+  if (!(p.r >= p.half_width)) return "R is less than D";
+  if (!(p.lambda1 >= 0.0 && p.lambda2 >= 0.0)) return "lambda1 or lambda2 is negative";
+  if (!(p.a >= 0.0 && p.b >= 0.0)) return "A or B is negative";
+  return "";
+}
+
 }  // namespace
 
-const TersoffNumbers& numbers_of(const TersoffDescription& description) {
-  for (const NamedSet& set : named_sets()) {
-    if (description.parameters == set.name) return set.numbers;
+std::vector<TersoffEntry> parse_tersoff(std::string_view text, const std::string& name,
+                                        std::vector<std::string>& faults) {
+  constexpr std::array kNumbers = {
+      &TersoffNumbers::m,       &TersoffNumbers::gamma, &TersoffNumbers::lambda3,
+      &TersoffNumbers::c,       &TersoffNumbers::d,     &TersoffNumbers::cos_theta0,
+      &TersoffNumbers::n,       &TersoffNumbers::beta,  &TersoffNumbers::lambda2,
+      &TersoffNumbers::b,       &TersoffNumbers::r,     &TersoffNumbers::half_width,
+      &TersoffNumbers::lambda1, &TersoffNumbers::a};
+  constexpr std::size_t kWords = 3 + kNumbers.size();
+  const std::vector<PlacedWord> words = words_of_lines(text);
+  const auto refuse = [&](std::size_t line, const std::string& why) {
+    faults.push_back(fmt::format("{}:{}: {}", name, line, why));
+  };
+  std::vector<TersoffEntry> entries;
+  if (words.empty()) refuse(1, "there are no entries");
+  for (std::size_t first = 0; first < words.size(); first += kWords) {
+    const std::size_t line = words[first].line;
+    if (words.size() - first < kWords) {
+      refuse(line, fmt::format("an entry has {} words, three species and {} numbers; here are {}",
+                               kWords, kNumbers.size(), words.size() - first));
+      break;
+    }
+    TersoffEntry entry;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::string_view species = words[first + k].word;
+      if (!is_species_name(species)) {
+        refuse(words[first + k].line, fmt::format("\"{}\" is not a name of a species", species));
+        return {};
+      }
+      entry.species[k] = std::string(species);
+    }
+    for (std::size_t k = 0; k < kNumbers.size(); ++k) {
+      const PlacedWord& word = words[first + 3 + k];
+      std::string why;
+      entry.numbers.*kNumbers[k] = parse_number(word.word, why);
+      if (why.empty()) continue;
+      refuse(word.line, fmt::format("\"{}\" {}", word.word, why));
+      return {};
+    }
+    if (const std::string why = why_unsuitable(entry.numbers); !why.empty()) refuse(line, why);
+    for (const TersoffEntry& before : entries) {
+      if (before.species == entry.species) refuse(line, "the same three species once more");
+    }
+    entries.push_back(std::move(entry));
   }
-  return named_sets().front().numbers;
+  return entries;
+}
+
+std::vector<TersoffNumbers> numbers_of(const TersoffDescription& description,
+                                       const std::vector<std::string>& species) {
+  if (species.empty()) {
+    if (description.known.empty()) return {};
+    return {description.known.front().numbers};
+  }
+  std::vector<TersoffNumbers> all;
+  for (const std::string& i : species) {
+    for (const std::string& j : species) {
+      for (const std::string& k : species) {
+        const TersoffEntry* entry = entry_for(description, {i, j, k});
+        if (entry == nullptr) return {};
+        all.push_back(entry->numbers);
+      }
+    }
+  }
+  return all;
 }
 
 ForceRecord tersoff_record() {
@@ -84,16 +263,30 @@ ForceRecord tersoff_record() {
   record.traits = {.conservative = true, .internal = true};
   record.complaints = of_description<&complaints>;
   record.bind = on_bond_orders<Tersoff, kernels::Tersoff>();
-  record.parameters = {parameter("parameters", &Description::parameters, dimension::none,
-                                 "name of a published set, in eV and Angstrom: " + list_of_sets())
-                           .one_of(names_of_sets())};
-  record.example =
-      R"(# An equilateral triangle of carbon, in eV and Angstrom, released from a stretched state. The
-# particles' mass is in eV ps^2/Angstrom^2.
+  record.prepare = of_description<&prepare>;
+  record.read_from = of_description<&path_of>;
+  record.length = of_description<&shortest_length>;
+  record.parameters = {
+      parameter("parameters", &Description::parameters, dimension::none,
+                "name of a published set, in eV and Angstrom: " + list_of_sets())
+          .one_of(names_of_sets())
+          .or_absent(),
+      parameter("file", &Description::file, dimension::none,
+                "in place of a name: a file in the format of LAMMPS, in the scene's units: three "
+                "species and m, gamma, lambda3, c, d, cos(theta_0), n, beta, lambda2, B, R, D, "
+                "lambda1, A, for each triple of the body's species")
+          .or_absent(),
+      parameter("entries", &Description::entries, dimension::none, "in place of a file: its text")
+          .or_absent()};
+  record.example = R"(# A triangle of carbon, released from a stretched state.
+[scene]
+units = "metal"
+
 [[body]]
 type = "particles"
 positions = [[0.0, 0.0, 0.0], [1.6, 0.0, 0.0], [0.8, 1.3856406460551018, 0.0]]
-particle_mass = 1.2448e-3
+species = "C"
+particle_mass = 12.011
 
 [[force]]
 type = "tersoff"

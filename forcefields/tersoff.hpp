@@ -1,6 +1,10 @@
 #pragma once
 
+#include <array>
+#include <filesystem>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "framework/core/elements/bond_order_kernels.hpp"
 #include "framework/core/records/registry.hpp"
@@ -26,11 +30,8 @@
 /// at R - D and R + D.
 namespace tomlin {
 
-struct TersoffDescription {
-  std::string parameters;
-};
-
-/// One set of numbers, in eV and Angstrom, in the order in which LAMMPS has them in a file.
+/// The numbers of one triple of species, in eV and Angstrom, in the order in which LAMMPS has them
+/// in a file.
 struct TersoffNumbers {
   double m = 3.0;
   double gamma = 1.0;
@@ -48,8 +49,30 @@ struct TersoffNumbers {
   double a = 0.0;
 };
 
-/// Of a description: by the name of its set.
-const TersoffNumbers& numbers_of(const TersoffDescription& description);
+/// Of the bond between the first and the second of these, in the presence of the third; the second
+/// and third are the same for what belongs to the bond alone.
+struct TersoffEntry {
+  std::array<std::string, 3> species;
+  TersoffNumbers numbers;
+};
+
+struct TersoffDescription {
+  std::string parameters;  ///< name of a set; empty: there are entries
+  std::string file;
+  std::string entries;              ///< text of a file
+  std::vector<TersoffEntry> known;  ///< of the set or of the entries
+  std::filesystem::path read_from;
+};
+
+/// The entries of a text in the format of LAMMPS' files: three species and fourteen numbers, over
+/// one line or more, # comments. `faults`: "NAME:LINE: why".
+std::vector<TersoffEntry> parse_tersoff(std::string_view text, const std::string& name,
+                                        std::vector<std::string>& faults);
+
+/// The numbers of all triples of these species, [(first * count + second) * count + third]; without
+/// names those of the one entry. Empty where one is missing.
+std::vector<TersoffNumbers> numbers_of(const TersoffDescription& description,
+                                       const std::vector<std::string>& species);
 
 ForceRecord tersoff_record();
 
@@ -81,8 +104,7 @@ struct Tersoff {
   };
 
   template <class T>
-  static Parameters<T> parameters(const Description& description) {
-    const TersoffNumbers& p = numbers_of(description);
+  static Parameters<T> parameters(const TersoffNumbers& p) {
     const T c_squared = T(p.c) * T(p.c);
     const T d_squared = T(p.d) * T(p.d);
     return {T(p.m == 3.0 ? 1.0 : 0.0),
@@ -105,9 +127,20 @@ struct Tersoff {
             T(p.a)};
   }
 
-  static double reach(const Description& description) {
-    const TersoffNumbers& p = numbers_of(description);
-    return p.r + p.half_width;
+  /// The parameters of all triples of these species.
+  template <class T>
+  static std::vector<Parameters<T>> table(const Description& description,
+                                          const std::vector<std::string>& species) {
+    std::vector<Parameters<T>> all;
+    for (const TersoffNumbers& p : numbers_of(description, species)) {
+      all.push_back(parameters<T>(p));
+    }
+    return all;
+  }
+
+  template <class T>
+  static T reach(const Parameters<T>& p) {
+    return p.outer;
   }
 
   template <class T>
@@ -197,7 +230,7 @@ struct Tersoff {
 
   template <class N>
   static N half_tau() {
-    return tau<N>() * N(Scalar<N>(0.5)) * N(Scalar<N>(1.0));
+    return tau<N>() * N(Scalar<N>(0.5));
   }
   template <class T, class M>
   static Mask<T> mask_of(const M& mask) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -131,11 +132,16 @@ class BondOrderForce : public BoundForce<Real> {
  public:
   BondOrderForce(const typename E::Description& description, const Binding<Real>& binding,
                  const BondOrderTables& tables)
-      : parameters_(E::template parameters<Real>(description)),
-        table_(tables.on<Real>(binding.set)),
+      : table_(tables.on<Real>(binding.set)),
         body_(*binding.bodies.front()),
-        rows_(body_, E::reach(description), binding.box) {
-    rows_.arguments.parameters = &parameters_;
+        kind_(padded(body_.slot.count), 0),
+        names_(list_kinds()),
+        parameters_(E::template table<Real>(description, names_)),
+        rows_(body_, reach(), binding.box) {
+    rows_.arguments.parameters = parameters_.data();
+    rows_.arguments.species = std::max<std::size_t>(1, names_.size());
+    rows_.arguments.kind = kind_.data();
+    rows_.arguments.weighted = weighted();
   }
 
   std::vector<Pass<Real>> passes() override {
@@ -193,6 +199,30 @@ class BondOrderForce : public BoundForce<Real> {
   }
 
  private:
+  /// The species that the body has, each once; fills in which is whose.
+  std::vector<std::string> list_kinds() {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < body_.species.size(); ++i) {
+      const std::string& name = body_.species_names[static_cast<std::size_t>(body_.species[i])];
+      const auto known = std::find(names.begin(), names.end(), name);
+      kind_[i] = known - names.begin();
+      if (known == names.end()) names.push_back(name);
+    }
+    return names;
+  }
+
+  double reach() const {
+    double longest = 0.0;
+    for (const auto& p : parameters_) {
+      longest = std::max(longest, static_cast<double>(E::reach(p)));
+    }
+    return longest;
+  }
+  bool weighted() const {
+    return std::any_of(parameters_.begin(), parameters_.end(),
+                       [](const auto& p) { return E::weighted(p); });
+  }
+
   /// The rows of one particle with their derivatives along a coordinate of one of its neighbours.
   struct Rows {
     using T = Dual<Real, 1>;
@@ -213,8 +243,14 @@ class BondOrderForce : public BoundForce<Real> {
         bonds[k].inverse_distance = T(Real(1.0)) / bonds[k].distance;
         bonds[k].direction = bonds[k].inverse_distance * wide;
       }
-      const OneSpecies<typename E::template Parameters<Real>> p{force.parameters_,
-                                                                E::weighted(force.parameters_)};
+      const auto& kind = force.kind_;
+      const auto species = static_cast<std::int64_t>(force.rows_.arguments.species);
+      const auto parameters_at = [&](std::size_t j, std::size_t k) {
+        const std::int64_t pair = kind[i] * species + kind[near[j].particle];
+        return force.parameters_[static_cast<std::size_t>(pair * species + kind[near[k].particle])];
+      };
+      const ManySpecies<typename E::template Parameters<Real>, decltype(parameters_at)> p{
+          parameters_at, force.rows_.arguments.weighted};
       bond_order_energy<E, T>(near.size(), bonds.data(), angles.data(), p);
     }
   };
@@ -237,9 +273,11 @@ class BondOrderForce : public BoundForce<Real> {
     }
   }
 
-  typename E::template Parameters<Real> parameters_;
   const BondOrderTable<Real>& table_;
   BoundBody<Real> body_;
+  AlignedVector<std::int64_t> kind_;
+  std::vector<std::string> names_;
+  std::vector<typename E::template Parameters<Real>> parameters_;
   mutable NeighbourRows<Real> rows_;
 };
 

@@ -17,6 +17,7 @@ struct BondOrderArguments {
   /// [(first * species + second) * species + third], or one where there is one species.
   const void* parameters = nullptr;
   std::size_t species = 1;
+  bool weighted = false;                     ///< w is not 1 everywhere
   const std::int64_t* kind = nullptr;        ///< [particle, padded] its species
   Real reach{};                              ///< beyond it nothing interacts
   const std::uint32_t* row_start = nullptr;  ///< [group + 1] first slot

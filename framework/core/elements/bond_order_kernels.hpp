@@ -1,5 +1,8 @@
 #pragma once
 
+#include <bit>
+#include <type_traits>
+
 #include "framework/core/elements/bond_order_arguments.hpp"
 #include "framework/core/elements/element.hpp"
 #include "framework/core/numbers/number_types.hpp"
@@ -50,6 +53,18 @@ struct OneSpecies {
 
   TOMLIN_INLINE const P& pair(std::size_t) const { return all; }
   TOMLIN_INLINE const P& triple(std::size_t, std::size_t) const { return all; }
+  TOMLIN_INLINE bool weighted() const { return is_weighted; }
+};
+
+/// Those of particles of several species: `at(j, k)` is the place of a triple in the table.
+template <class P, class At>
+struct ManySpecies {
+  static constexpr bool uniform = false;
+  At at;
+  bool is_weighted = false;
+
+  TOMLIN_INLINE P pair(std::size_t j) const { return at(j, j); }
+  TOMLIN_INLINE P triple(std::size_t j, std::size_t k) const { return at(j, k); }
   TOMLIN_INLINE bool weighted() const { return is_weighted; }
 };
 
@@ -140,6 +155,29 @@ TOMLIN_INLINE Packed<Real> gathered(const Real* from, const std::int64_t* index)
   return Packed<Real>::load(lane);
 }
 
+/// The parameters of the triples that particles from the i-th on make with the neighbours in two
+/// slots.
+template <class E, class Real>
+TOMLIN_INLINE auto gathered_parameters(const BondOrderArguments<Real>& a,
+                                       const typename E::template Parameters<Real>* table,
+                                       std::size_t i, std::size_t slot_j, std::size_t slot_k) {
+  using P = typename E::template Parameters<Packed<Real>>;
+  constexpr std::size_t n = sizeof(*table) / sizeof(Real);
+  const auto species = static_cast<std::int64_t>(a.species);
+  alignas(64) std::int64_t at[kGroup];
+  for (std::size_t l = 0; l < kGroup; ++l) {
+    const std::int64_t j = a.kind[a.near[slot_j * kGroup + l]];
+    const std::int64_t k = a.kind[a.near[slot_k * kGroup + l]];
+    at[l] = ((a.kind[i + l] * species + j) * species + k) * static_cast<std::int64_t>(n);
+  }
+  const Real* const numbers = reinterpret_cast<const Real*>(table);
+  struct Packs {
+    Packed<Real> value[n];
+  } packs;
+  for (std::size_t k = 0; k < n; ++k) packs.value[k] = gathered(numbers + k, at);
+  return std::bit_cast<P>(packs);
+}
+
 /// Scratch of one group with so many rows, in numbers.
 template <class Real>
 constexpr std::size_t bond_order_work(std::size_t rows) {
@@ -154,8 +192,10 @@ TOMLIN_INLINE void for_groups_of_bonds(const BondOrderArguments<Real>& a, const 
                                        Use&& use) {
   using Group = Packed<Real>;
   using P = typename E::template Parameters<Group>;
-  const auto& numbers = *static_cast<const typename E::template Parameters<Real>*>(a.parameters);
-  const OneSpecies<P> p{number_by_number<P, Group, Real>(numbers), E::weighted(numbers)};
+  const auto* const numbers =
+      static_cast<const typename E::template Parameters<Real>*>(a.parameters);
+  const bool uniform = a.species == 1;
+  const OneSpecies<P> one{number_by_number<P, Group, Real>(numbers[0]), a.weighted};
   const Real* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset;
   const std::size_t stride = a.body.stride;
   const std::size_t axis_length = a.slots * kGroup;
@@ -181,8 +221,15 @@ TOMLIN_INLINE void for_groups_of_bonds(const BondOrderArguments<Real>& a, const 
       bond.inverse_distance = Group(Real(1.0)) / bond.distance;
       bond.direction = bond.inverse_distance * way;
     }
-    const Group energy = bond_order_energy<E, Group>(rows, bonds, angles, p);
-    use(i, first, rows, bonds, energy);
+    if (uniform) {
+      use(i, first, rows, bonds, bond_order_energy<E, Group>(rows, bonds, angles, one));
+      continue;
+    }
+    const auto parameters_at = [&](std::size_t j, std::size_t k) {
+      return gathered_parameters<E, Real>(a, numbers, i, first + j, first + k);
+    };
+    const ManySpecies<P, decltype(parameters_at)> many{parameters_at, a.weighted};
+    use(i, first, rows, bonds, bond_order_energy<E, Group>(rows, bonds, angles, many));
   }
 }
 
