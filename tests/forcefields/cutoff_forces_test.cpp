@@ -18,9 +18,9 @@
 namespace tomlin::test {
 namespace {
 
-constexpr unsigned kSeeds[] = {3, 58, 1917};
+constexpr unsigned kSeedsOfClusters[] = {3, 58, 1917};
 /// Some hundred roundings of energies and forces of order 1 to 100.
-constexpr double kRoundings = 1e-12;
+constexpr double kHundredsOfRoundings = 1e-12;
 
 std::string list_of(const std::vector<std::array<double, 3>>& places) {
   std::string list = "[";
@@ -53,7 +53,7 @@ std::string body(const std::string& name, const std::vector<std::array<double, 3
          "positions = " + list_of(places) + "\n";
 }
 
-const std::string kRun = "[run]\nduration = 1.0\nintegrator = " + verlet(0.01) + "\n";
+const std::string kRunOfClusters = "[run]\nduration = 1.0\nintegrator = " + verlet(0.01) + "\n";
 
 std::string lennard_jones(const std::string& where, const std::string& at_cutoff = "smooth") {
   return "[[force]]\ntype = \"lennard_jones\"\n" + where +
@@ -101,26 +101,28 @@ void expect_bits_of_new_lists(const std::string& text, double step, unsigned see
 
 TEST(CutoffForces, HaveTheBitsOfNewListsWhereverTheyHaveBeen) {
   const std::string box = "[box]\nlengths = [5.0, 4.6, 6.0]\nperiodic = [true, true, false]\n";
-  for (const unsigned seed : kSeeds) {
+  for (const unsigned seed : kSeedsOfClusters) {
     const auto places = cluster(4, 1.05, 0.1, seed);
     for (const char* at_cutoff : {"cut", "shift", "smooth"}) {
-      expect_bits_of_new_lists(body("a", places) + lennard_jones("", at_cutoff) + kRun, 0.02, seed);
+      expect_bits_of_new_lists(body("a", places) + lennard_jones("", at_cutoff) + kRunOfClusters,
+                               0.02, seed);
     }
-    expect_bits_of_new_lists(box + body("a", places) + lennard_jones("") + kRun, 0.02, seed);
+    expect_bits_of_new_lists(box + body("a", places) + lennard_jones("") + kRunOfClusters, 0.02,
+                             seed);
     auto others = cluster(3, 1.3, 0.2, seed + 1);
     for (auto& x : others) x[2] -= 3.5;
     for (const char* more : {"", "coordinates = \"fixed\"\n"}) {
       expect_bits_of_new_lists(box + body("a", places) + body("b", others, more) +
-                                   lennard_jones("bodies = [\"a\", \"b\"]") + kRun,
+                                   lennard_jones("bodies = [\"a\", \"b\"]") + kRunOfClusters,
                                0.02, seed);
       expect_bits_of_new_lists(box + body("a", others, more) + body("b", places) +
-                                   lennard_jones("bodies = [\"a\", \"b\"]") + kRun,
+                                   lennard_jones("bodies = [\"a\", \"b\"]") + kRunOfClusters,
                                0.02, seed);
     }
     const auto carbon = cluster(4, 1.6, 0.15, seed);
-    expect_bits_of_new_lists(body("a", carbon) + kTersoff + kRun, 0.02, seed);
+    expect_bits_of_new_lists(body("a", carbon) + kTersoff + kRunOfClusters, 0.02, seed);
     expect_bits_of_new_lists("[box]\nlengths = [6.5, 6.6, 6.7]\nperiodic = [true, true, true]\n" +
-                                 body("a", carbon) + kTersoff + kRun,
+                                 body("a", carbon) + kTersoff + kRunOfClusters,
                              0.02, seed);
   }
 }
@@ -146,16 +148,19 @@ std::array<double, 3> sum_over_all(const std::vector<std::array<double, 3>>& pla
 }
 
 TEST(CutoffForces, HaveTheBitsOfAllPairs) {
-  for (const unsigned seed : kSeeds) {
+  for (const unsigned seed : kSeedsOfClusters) {
     for (const double box : {0.0, 4.5}) {
       for (const AtCutoff at_cutoff : {AtCutoff::cut, AtCutoff::smooth}) {
-        const auto places = cluster(4, 1.1, 0.15, seed);
+        auto places = cluster(4, 1.1, 0.15, seed);
         const std::string in_box =
             box > 0.0 ? "[box]\nlengths = [4.5, 4.5, 4.5]\nperiodic = [true, true, true]\n" : "";
-        const auto scene =
-            scene_of(in_box + body("a", places) + lennard_jones("", to_string(at_cutoff)) + kRun);
+        const auto scene = scene_of(in_box + body("a", places) +
+                                    lennard_jones("", to_string(at_cutoff)) + kRunOfClusters);
         SingleForce force(*scene, 0);
         const std::vector<double> found = forces_of(force);
+        for (std::size_t k = 0; k < force.variables().size(); ++k) {
+          places[k % places.size()][k / places.size()] = force.position(force.variables()[k]);
+        }
         LennardJonesDescription d;
         d.epsilon = 0.7;
         d.sigma = 0.9;
@@ -177,8 +182,8 @@ TEST(CutoffForces, HaveTheBitsOfAllPairs) {
 /// Energies at contact, well and cutoff.
 TEST(LennardJones, HasItsWellAndEndsAsItIsTold) {
   const auto energy_at = [](double r, const char* at_cutoff) {
-    const auto scene =
-        scene_of(body("a", {{0.0, 0.0, 0.0}, {r, 0.0, 0.0}}) + lennard_jones("", at_cutoff) + kRun);
+    const auto scene = scene_of(body("a", {{0.0, 0.0, 0.0}, {r, 0.0, 0.0}}) +
+                                lennard_jones("", at_cutoff) + kRunOfClusters);
     SingleForce force(*scene, 0);
     return force.energy(0.0);
   };
@@ -186,10 +191,11 @@ TEST(LennardJones, HasItsWellAndEndsAsItIsTold) {
   const double s6 = std::pow(0.9 / 1.9, 6);
   const double at_end = 4.0 * 0.7 * s6 * (s6 - 1.0);
   const double slope = -24.0 * 0.7 * s6 * (2.0 * s6 - 1.0) / 1.9;
-  EXPECT_NEAR(energy_at(0.9, "cut"), 0.0, kRoundings);
-  EXPECT_NEAR(energy_at(well, "cut"), -0.7, kRoundings);
-  EXPECT_NEAR(energy_at(well, "shift"), -0.7 - at_end, kRoundings);
-  EXPECT_NEAR(energy_at(well, "smooth"), -0.7 - at_end - (well - 1.9) * slope, kRoundings);
+  EXPECT_NEAR(energy_at(0.9, "cut"), 0.0, kHundredsOfRoundings);
+  EXPECT_NEAR(energy_at(well, "cut"), -0.7, kHundredsOfRoundings);
+  EXPECT_NEAR(energy_at(well, "shift"), -0.7 - at_end, kHundredsOfRoundings);
+  EXPECT_NEAR(energy_at(well, "smooth"), -0.7 - at_end - (well - 1.9) * slope,
+              kHundredsOfRoundings);
   EXPECT_NEAR(energy_at(1.9 - 1e-9, "cut"), at_end, 1e-8);
   EXPECT_NEAR(energy_at(1.9 - 1e-9, "shift"), 0.0, 1e-8);
   EXPECT_NEAR(energy_at(1.9 - 1e-6, "smooth"), 0.0, 1e-10);
@@ -234,13 +240,13 @@ double tersoff_energy(const std::vector<std::array<double, 3>>& places, const Te
 }
 
 TEST(Tersoff, HasTheEnergyOfItsFormula) {
-  for (const unsigned seed : kSeeds) {
+  for (const unsigned seed : kSeedsOfClusters) {
     for (const double spacing : {1.5, 1.9, 2.4}) {
       const auto places = cluster(3, spacing, 0.3, seed);
-      const auto scene = scene_of(body("a", places) + kTersoff + kRun);
+      const auto scene = scene_of(body("a", places) + kTersoff + kRunOfClusters);
       SingleForce force(*scene, 0);
       const double expected = tersoff_energy(places, kLindsayBroido);
-      EXPECT_NEAR(force.energy(0.0), expected, kRoundings * 27.0 * 40.0);
+      EXPECT_NEAR(force.energy(0.0), expected, kHundredsOfRoundings * 27.0 * 40.0);
     }
   }
 }
@@ -264,7 +270,7 @@ TEST(Tersoff, HasGraphenesLatticeConstant) {
     }
     const std::string box = "[box]\nlengths = [" + digits(kAcross * a) + ", " +
                             digits(kAlong * 3.0 * b) + ", 20.0]\nperiodic = [true, true, true]\n";
-    const auto scene = scene_of(box + body("a", places) + kTersoff + kRun);
+    const auto scene = scene_of(box + body("a", places) + kTersoff + kRunOfClusters);
     SingleForce force(*scene, 0);
     return force.energy(0.0) / static_cast<double>(places.size());
   };
@@ -283,10 +289,10 @@ TEST(Tersoff, HasGraphenesLatticeConstant) {
 TEST(CutoffForces, AreRefusedInBoxesTooShortForThem) {
   const auto two = cluster(2, 1.5, 0.0, 1);
   const std::string box = "[box]\nlengths = [4.0, 9.0, 9.0]\nperiodic = [true, false, true]\n";
-  EXPECT_EQ(brief_refusal(box + body("a", two) + lennard_jones("") + kRun),
-            "test.toml:14:10: force.lennard_jones.cutoff [scene.out_of_range]");
-  EXPECT_EQ(brief_refusal(box + body("a", two) + kTersoff + kRun),
-            "test.toml:11:14: force.tersoff.parameters [scene.out_of_range]");
+  EXPECT_EQ(brief_refusal(box + body("a", two) + lennard_jones("") + kRunOfClusters),
+            "14:10 force.lennard_jones.cutoff = 1.9 [scene.out_of_range]");
+  EXPECT_EQ(brief_refusal(box + body("a", two) + kTersoff + kRunOfClusters),
+            "11:14 force.tersoff.parameters = \"lindsay_broido_2010\" [scene.out_of_range]");
 }
 
 }  // namespace

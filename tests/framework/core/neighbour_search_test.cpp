@@ -12,9 +12,9 @@
 namespace tomlin {
 namespace {
 
-constexpr unsigned kSeeds[] = {1, 27, 20261126};
+constexpr unsigned kSeedsOfPlaces[] = {1, 27, 20261126};
 
-struct Case {
+struct BoxOfPlaces {
   int dimension;
   std::array<double, 3> box;  // 0: not periodic
   double spread;              // of the places, beyond the box too
@@ -23,7 +23,8 @@ struct Case {
 };
 
 /// Of all particles, by the nearest image.
-std::vector<Neighbour> all_within(double reach, const Case& c, const std::vector<double>& places,
+std::vector<Neighbour> all_within(double reach, const BoxOfPlaces& c,
+                                  const std::vector<double>& places,
                                   const std::array<double, 3>& place) {
   std::vector<Neighbour> found;
   for (std::size_t j = 0; j < c.count; ++j) {
@@ -44,7 +45,7 @@ std::vector<Neighbour> all_within(double reach, const Case& c, const std::vector
 }
 
 TEST(NeighbourSearch, FindsWhatLookingAtAllFinds) {
-  const Case cases[] = {
+  const BoxOfPlaces cases[] = {
       {1, {0.0, 0.0, 0.0}, 40.0, 0.0, 200},   {1, {11.0, 0.0, 0.0}, 60.0, 5.0, 100},
       {2, {0.0, 0.0, 0.0}, 12.0, -3.0, 300},  {2, {7.0, 0.0, 0.0}, 20.0, 1e4, 300},
       {2, {2.0, 4.2, 0.0}, 9.0, 0.0, 150},    {3, {0.0, 0.0, 0.0}, 5.0, 0.0, 400},
@@ -52,8 +53,8 @@ TEST(NeighbourSearch, FindsWhatLookingAtAllFinds) {
       {3, {4.5, 5.5, 0.0}, 6.0, -50.0, 400}};
   constexpr double kReach = 1.0;
   std::size_t neighbours = 0;
-  for (const Case& c : cases) {
-    for (const unsigned seed : kSeeds) {
+  for (const BoxOfPlaces& c : cases) {
+    for (const unsigned seed : kSeedsOfPlaces) {
       std::mt19937_64 random(seed);
       std::uniform_real_distribution<double> uniform(c.middle - c.spread / 2.0,
                                                      c.middle + c.spread / 2.0);
