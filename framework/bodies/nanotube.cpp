@@ -226,6 +226,7 @@ BodyGeometry build(const Description& d, int) {
   BodyGeometry geometry;
   geometry.anchor = centre_or_origin(d.centre);
   geometry.rolling_radius = radius;
+  geometry.rolling_axis = static_cast<int>(d.axis);
   geometry.relative.reserve(static_cast<std::size_t>(count(d)));
   for (std::int64_t c = 0; c < cells; ++c) {
     for (const TubeSite& site : cell.sites()) {

@@ -57,6 +57,12 @@ AssembledBody<Real> described(const SceneBody& from, std::size_t index, const As
   AssembledBody<Real> body;
   body.rolling_radius = geometry.rolling_radius;
   body.rolling_rise = geometry.rolling_rise;
+  if (geometry.rolling_axis >= 0) {
+    // With z, or else y, pointing up, as in the plane.
+    constexpr std::array<std::array<int, 2>, 3> kPlanes = {{{1, 2}, {0, 2}, {0, 1}}};
+    body.plane = kPlanes[static_cast<std::size_t>(geometry.rolling_axis)];
+    body.turns_in_space = common.coordinates == Coordinates::particles;
+  }
   body.bound.name = from.name;
   body.bound.index = index;
   body.bound.coordinates = common.coordinates;

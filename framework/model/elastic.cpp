@@ -287,7 +287,7 @@ std::vector<ElasticBody> elastic_bodies(Assembly<double>& assembly, std::string&
     elastic.stride = slot.stride;
     elastic.count = slot.count;
     elastic.axes = static_cast<int>(body.bound.start.front().size());
-    elastic.turns = bonded && body.rotates();
+    elastic.turns = bonded && body.rotates() && !body.turns_in_space;
     elastic.mass = body.bound.mass;
     for (const double mass : elastic.mass) {
       elastic.total_mass += mass;

@@ -143,7 +143,9 @@ void Model::keep_shapes() {
     const std::size_t length = padded(body.bound.slot.count);
     shapes_[b].assign(3 * length, 0.0);
     for (std::size_t i = 0; i < body.bound.slot.count; ++i) {
-      for (std::size_t d = 0; d < 2; ++d) shapes_[b][d * length + i] = body.arms[i][d];
+      for (std::size_t d = 0; d < 2; ++d) {
+        shapes_[b][d * length + i] = body.arms[i][static_cast<std::size_t>(body.plane[d])];
+      }
       shapes_[b][2 * length + i] = body.bound.mass[i];
     }
   }

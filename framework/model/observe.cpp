@@ -90,7 +90,9 @@ double Model::rotation(std::size_t b, const double* position) const {
   if (slot.mapped || !body.rotates()) return 0.0;
   const AlignedVector<double>& shape = shapes_[b];
   const std::size_t length = shape.size() / 3;
-  return observe_.rotation(slot, {shape.data(), shape.data() + length, shape.data() + 2 * length},
+  return observe_.rotation(slot,
+                           {shape.data(), shape.data() + length, shape.data() + 2 * length,
+                            body.plane[0], body.plane[1]},
                            position);
 }
 

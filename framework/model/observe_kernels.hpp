@@ -8,11 +8,14 @@
 
 namespace tomlin {
 
-/// How the particles of a body in the plane started, about its centre; padded with zeros.
+/// How the particles of a body started in the plane of two axes, about its centre; padded with
+/// zeros.
 struct PlanarShape {
   const double* x = nullptr;
   const double* y = nullptr;
   const double* mass = nullptr;
+  int axis_x = 0;
+  int axis_y = 1;
 };
 
 struct ObserveTable {
@@ -42,15 +45,15 @@ struct ObserveKernels {
 
   TOMLIN_FLATTEN static double rotation(const BodySlot<double>& slot, const PlanarShape& shape,
                                         const double* position) {
-    double middle[2];
-    mean(slot, position, 2, middle);
-    const double* x = position + slot.offset;
-    const double* y = x + slot.stride;
+    double middle[3];
+    mean(slot, position, shape.axis_y + 1, middle);
+    const double* x = position + slot.offset + shape.axis_x * slot.stride;
+    const double* y = position + slot.offset + shape.axis_y * slot.stride;
     Pack along(0.0);
     Pack across(0.0);
     for (std::size_t i = 0; i < slot.count; i += kGroup) {
-      const Pack rx = Pack::load(x + i) - Pack(middle[0]);
-      const Pack ry = Pack::load(y + i) - Pack(middle[1]);
+      const Pack rx = Pack::load(x + i) - Pack(middle[shape.axis_x]);
+      const Pack ry = Pack::load(y + i) - Pack(middle[shape.axis_y]);
       const Pack arm_x = Pack::load(shape.x + i);
       const Pack arm_y = Pack::load(shape.y + i);
       const Pack mass = Pack::load(shape.mass + i);

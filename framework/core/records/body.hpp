@@ -74,6 +74,8 @@ struct BodyGeometry {
   /// Largest less smallest distance of the outline from its centre: by so much the centre rises
   /// and sinks where the body rolls. 0 when it is round.
   double rolling_rise = 0.0;
+  /// Of a body in space that rolls: the axis about which it does; -1: none.
+  int rolling_axis = -1;
 };
 
 /// Whether "neighbours" joins the last particle to the first.

@@ -57,18 +57,19 @@ class BodyEvents : public RunObserver {
       const BodySlot<double>& slot = model_.bodies()[b].bound.slot;
       BodyReading& reading = readings_[place][k];
       if (slot.rigid) {
-        reading.height = height_of(position[slot.centre + 1]);
+        reading.height = height_of(position[slot.centre + 1], 1);
         reading.turns = model_.rotation(b, position);
         if (velocity == nullptr) continue;
         reading.rise = velocity[slot.centre + 1];
         reading.spin = velocity[slot.centre + kRotation];
       } else if (watches_[k].watches_hops()) {
+        const int up = model_.bodies()[b].plane[1];
         double mean[3];
-        model_.observe().mean(slot, position, 2, mean);
-        reading.height = height_of(mean[1]);
+        model_.observe().mean(slot, position, up + 1, mean);
+        reading.height = height_of(mean[up], up);
         if (velocity == nullptr) continue;
-        model_.observe().mean(slot, velocity, 2, mean);
-        reading.rise = mean[1];
+        model_.observe().mean(slot, velocity, up + 1, mean);
+        reading.rise = mean[up];
       }
     }
   }
@@ -112,9 +113,11 @@ class BodyEvents : public RunObserver {
   }
 
  private:
-  /// Hardly ever is there a cell along y.
-  double height_of(double y) const {
-    return model_.origin().cells[1] == 0 ? y : static_cast<double>(model_.placed(1, y));
+  /// Hardly ever is there a cell along this axis.
+  double height_of(double y, int axis) const {
+    return model_.origin().cells[static_cast<std::size_t>(axis)] == 0
+               ? y
+               : static_cast<double>(model_.placed(axis, y));
   }
 
   void look(double time, const std::vector<BodyReading>& readings) {

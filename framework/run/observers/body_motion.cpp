@@ -6,7 +6,8 @@ namespace tomlin::observers {
 namespace {
 
 const ResultQuantity kTurns{"turns", dimension::none, Shape::number, Scope::window,
-                            "revolutions, counter-clockwise positive"};
+                            "revolutions, counter-clockwise positive; of a tube in space seen with z, "
+                            "or else y, up and the other axis to the right"};
 const ResultQuantity kRolling{
     "rolling", dimension::none, Shape::number, Scope::window,
     "-R dphi/dx of a body with a closed outline, R = perimeter / (2 pi): 1 where it "
@@ -33,13 +34,14 @@ class BodyMotion : public RunObserver {
         }
         if (bodies[b].rotates()) {
           turns = window.turned(b);
-          const auto moved = static_cast<double>(window.moved(b, 0));
+          const auto along = static_cast<std::size_t>(bodies[b].plane[0]);
+          const auto moved = static_cast<double>(window.moved(b, along));
           if (bodies[b].rolling_radius > 0.0 && moved != 0.0) {
             rolling = bodies[b].rolling_radius * kTau * (0.0 - *turns) / moved;
           }
         }
       }
-      if (axes == 2) {
+      if (axes == 2 || bodies[b].turns_in_space) {
         group.add(kTurns, turns);
         group.add(kRolling, rolling);
       }

@@ -45,7 +45,7 @@ class EndOfRun : public RunObserver {
       group.add(kCentre, axes, centre);
       model.centre_velocity(b, view.velocity, numbers);
       group.add(kVelocity, axes, {numbers, numbers + axes});
-      if (axes != 2) continue;
+      if (axes != 2 && !body.turns_in_space) continue;
       std::optional<double> rotation;
       if (body.rotates()) rotation = kTau * parts_.rotations.turns_of(b, view.position);
       group.add(kRotation, rotation);
