@@ -106,6 +106,10 @@ class TubeCell {
         turn_(2 * tube.square),
         level_(3 * tube.symmetry),
         height_(6 * tube.square / tube.divisor) {
+    // The length of a cell in units of 3 b, to the nearest whole number.
+    const double length =
+        sqrt(static_cast<double>(tube.square)) / static_cast<double>(tube.divisor);
+    slabs_ = std::max<std::int64_t>(1, (static_cast<std::int64_t>(2.0 * length) + 1) / 2);
     const std::int64_t apart = tube.n - tube.m;
     // Particles of the second kind are at these heights, too, but for their own distance, which is
     // taken between those of the first kind so that the longer gap is between cells.
@@ -162,17 +166,15 @@ class TubeCell {
   }
 
   void add(std::int64_t height, std::int64_t angle, bool is_second) {
-    const double long_slabs =
-        sqrt(static_cast<double>(tube_.square)) / static_cast<double>(tube_.divisor);
-    const auto slabs = std::max<std::int64_t>(1, static_cast<std::int64_t>(long_slabs + 0.5));
     const std::int64_t above = height - std::min<std::int64_t>(second_, 0);
-    sites_.push_back({height, rest_of(angle, turn_), above * slabs / height_, is_second});
+    sites_.push_back({height, rest_of(angle, turn_), above * slabs_ / height_, is_second});
   }
 
   Chirality tube_;
   std::int64_t turn_;        ///< angle of a whole turn
   std::int64_t level_;       ///< height from one level of particles of a kind to the next
   std::int64_t height_;      ///< of a cell
+  std::int64_t slabs_ = 1;   ///< of a cell
   std::int64_t second_ = 0;  ///< height of the particles of the second kind above the first
   std::vector<TubeSite> sites_;
 };

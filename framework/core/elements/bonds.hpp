@@ -74,8 +74,10 @@ Parameter bonded_pairs() {
   return parameter(
       "pairs", &Description::pairs, dimension::none,
       "which pairs are bonded: \"all\", \"neighbours\" (each particle with the next; the last with "
-      "the first in a closed body such as a ring, and in a chain along a periodic axis; in a flake "
-      "the nearest neighbours of its lattice) or a list of index pairs; "
+      "the first in a closed body such as a ring, and in a chain along a periodic axis; in a "
+      "flake, "
+      "in graphene and in a nanotube the nearest neighbours of the lattice) or a list of index "
+      "pairs; "
       "between two bodies \"all\" is each particle of the first with each of the "
       "second, and the first index of a pair is in the first body; in a periodic box a "
       "bond keeps the images with which it starts, and is warned of where it becomes as long as "

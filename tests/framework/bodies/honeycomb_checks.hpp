@@ -36,7 +36,13 @@ inline std::vector<IndexPair> pairs_within(const Places& places, const std::vect
   std::vector<IndexPair> pairs;
   for (std::size_t i = 0; i < places.size(); ++i) {
     for (std::size_t j = i + 1; j < places.size(); ++j) {
-      if (length_of(to_nearest_image(places[i], places[j], box)) < distance) {
+      double square = 0.0;
+      for (std::size_t d = 0; d < box.size(); ++d) {
+        double apart = places[j][d] - places[i][d];
+        if (box[d] > 0.0) apart -= box[d] * std::round(apart / box[d]);
+        square += apart * apart;
+      }
+      if (square < distance * distance) {
         pairs.push_back({static_cast<std::int64_t>(i), static_cast<std::int64_t>(j)});
       }
     }
