@@ -52,6 +52,14 @@ LaneBatch::LaneBatch(Engine& like, std::size_t most)
   integrator_->declare(layout);
   state_ = RunState(layout, 1);
   integrator_->attach(state_);
+  if (run.lane_block == nullptr) return;
+  const SystemView<double>& view = system_.system().view;
+  constexpr auto kSteps = static_cast<std::size_t>(kBlock);
+  const std::size_t states = (kSteps + 1) * view.dofs;
+  row_memory_.assign(2 * states + (kSteps + 1) * view.rates, 0.0);
+  double* const first = row_memory_.data();
+  rows_ = {first, first + states, first + 2 * states, first + 2 * states + kSteps * view.rates};
+  shown_.assign(kSteps * (2 + like.model().system().view.rates), 0.0);
 }
 
 bool LaneBatch::fits(Engine& run) const {
@@ -65,6 +73,7 @@ void LaneBatch::add(Engine& run) {
                                  [](const Lane& lane) { return lane.run == nullptr; });
   *free = {};
   free->run = &run;
+  free->watches_steps = run.watches_steps();
   ++runs_;
 }
 
@@ -179,20 +188,64 @@ void LaneBatch::follow_time() {
   }
 }
 
+/// Of one block; returns how many there were before one failed.
+std::int64_t LaneBatch::take_steps() {
+  std::uint64_t& evaluations = system_.system().evaluations;
+  for (std::int64_t taken = 0; taken < kBlock; ++taken) {
+    const std::uint64_t before = evaluations;
+    const double since = static_cast<double>(taken) * dt_;
+    if (integrator_->step_from(since, dt_, false).fault == StepFault::none) continue;
+    evaluations = before;
+    return taken;
+  }
+  return kBlock;
+}
+
+/// One block; nothing of it when a step fails.
+bool LaneBatch::take_in_registers() {
+  const SystemView<double>& view = system_.system().view;
+  constexpr auto kSteps = static_cast<std::size_t>(kBlock);
+  std::copy_n(view.position, view.dofs, rows_.positions);
+  std::copy_n(view.velocity, view.dofs, rows_.velocities);
+  std::copy_n(view.integrals, view.rates, rows_.integrals);
+  if (!like_.context().lane_block(view, dt_, kSteps, rows_)) return false;
+  std::copy_n(rows_.positions + kSteps * view.dofs, view.dofs, view.position);
+  std::copy_n(rows_.velocities + kSteps * view.dofs, view.dofs, view.velocity);
+  std::copy_n(rows_.integrals, view.rates, view.integrals);
+  const auto evaluations = static_cast<std::uint64_t>(like_.context().scheme.evaluations_per_step);
+  system_.system().evaluations += kSteps * evaluations;
+  for (std::size_t k = 0; k < lanes_.size(); ++k) {
+    if (lanes_[k].run != nullptr && lanes_[k].watches_steps) show_steps(k);
+  }
+  return true;
+}
+
+/// Of the block that has been taken.
+void LaneBatch::show_steps(std::size_t k) {
+  constexpr auto kSteps = static_cast<std::size_t>(kBlock);
+  const std::size_t w = system_.width();
+  Engine& run = *lanes_[k].run;
+  const std::size_t apart = run.model().system().view.rates;
+  const PointStarts<double> starts{shown_.data(), shown_.data() + kSteps * apart,
+                                   shown_.data() + kSteps * (apart + 1)};
+  const LaneMap& rates = system_.layout().rates;
+  for (std::size_t step = 0; step < kSteps; ++step) {
+    starts.positions[step] = rows_.positions[step * w + k];
+    starts.velocities[step] = rows_.velocities[step * w + k];
+    rates.get(rows_.rates + step * rates.from.size() * w, k, w, starts.rates + step * apart);
+  }
+  run.watch(static_cast<std::int64_t>(grid_[k]), starts);
+}
+
 /// Whole blocks, until a run has something to do. All have where a step has failed.
 void LaneBatch::take_blocks() {
   std::uint64_t& evaluations = system_.system().evaluations;
   for (bool serves = false; !serves;) {
     const std::uint64_t before = evaluations;
-    std::int64_t taken = 0;
-    for (; taken < kBlock; ++taken) {
-      const std::uint64_t before_step = evaluations;
-      const double since = static_cast<double>(taken) * dt_;
-      if (integrator_->step_from(since, dt_, false).fault == StepFault::none) continue;
-      evaluations = before_step;
-      all_filled_ = false;
-      break;
-    }
+    const std::int64_t taken = rows_.positions == nullptr ? take_steps()
+                               : take_in_registers()      ? kBlock
+                                                          : 0;
+    if (taken < kBlock) all_filled_ = false;
     for (std::size_t k = 0; k < lanes_.size(); ++k) {
       Lane& lane = lanes_[k];
       if (lane.run == nullptr) continue;

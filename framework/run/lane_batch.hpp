@@ -54,6 +54,7 @@ class LaneBatch {
  private:
   struct Lane {
     Engine* run = nullptr;
+    bool watches_steps = false;
     std::int64_t left = 0;          ///< steps until the run has something to do
     std::int64_t taken = 0;         ///< that the run does not know of
     std::uint64_t evaluations = 0;  ///< of those
@@ -70,6 +71,9 @@ class LaneBatch {
   bool bring_back(std::size_t lane);
   void put(std::size_t lane, Engine& run);
   void take_blocks();
+  std::int64_t take_steps();
+  bool take_in_registers();
+  void show_steps(std::size_t lane);
   void take_attempts();
   bool may_attempt(std::size_t lane);
   void follow_time();
@@ -78,6 +82,10 @@ class LaneBatch {
   Engine& like_;
   LaneSystem system_;
   std::unique_ptr<Integrator<double>> integrator_;  ///< of fixed steps
+  // Of steps that are taken in registers.
+  AlignedVector<double> row_memory_;
+  LaneRows rows_;
+  AlignedVector<double> shown_;  ///< of one run
   std::unique_ptr<AdaptiveLanes> adaptive_;
   double dt_;
   std::vector<Lane> lanes_;

@@ -9,6 +9,7 @@
 
 #include "framework/core/records/body.hpp"
 #include "framework/core/records/registry.hpp"
+#include "framework/core/system/lane_block.hpp"
 
 /// Integrators as the registry knows them; what they see of a bound scene stands in
 /// framework/core/system/system.hpp.
@@ -73,6 +74,9 @@ struct IntegratorRecord : ComponentRecord {
   /// The same of an adaptive scheme: of the system of replicas that the layout describes.
   std::unique_ptr<AdaptiveLanes> (*adaptive_lanes)(const LaneLayout& layout,
                                                    System<double>& system) = nullptr;
+  /// The kernel that takes steps of single particles on a line in lanes in registers. Given where
+  /// forces are known too.
+  LaneBlockFinder lane_block = nullptr;
   /// Follows equilibria as the driver moves: for quasistatic dynamics, and for no other.
   bool follows_equilibria = false;
 
