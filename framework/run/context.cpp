@@ -36,18 +36,6 @@ void RunClock::keep_cost(const System<double>& system, std::uint64_t ahead) {
   counts_[kColumns] = static_cast<std::int64_t>(system.columns);
 }
 
-namespace {
-
-LaneBlock lane_block_of(const Model& model, const IntegratorRecord& scheme) {
-  const System<double>& system = model.system();
-  if (scheme.lane_block == nullptr || system.view.point_force_count == 0) return nullptr;
-  std::vector<Kernel<double>> forces;
-  for (const LaneCall& call : model.assembly().lane_calls()) forces.push_back(call.form.kernel);
-  return scheme.lane_block(system, forces);
-}
-
-}  // namespace
-
 RunContext::RunContext(const std::shared_ptr<const Scene>& scene_of_run,
                        const RunOptions& options_of_run)
     : scene(scene_of_run),
@@ -63,7 +51,6 @@ RunContext::RunContext(const std::shared_ptr<const Scene>& scene_of_run,
         guarded(std::move(integrator), model.system(), "integrator " + scheme.name, scheme.library);
   }
   path = integrator->path();
-  lane_block = lane_block_of(model, scheme);
   integrator->watch(watched_integrals(model), along_with_drivers(model));
 }
 

@@ -91,7 +91,6 @@ struct RunContext {
   const IntegratorRecord& scheme;
   std::unique_ptr<Integrator<double>> integrator;
   EquilibriumPath* path = nullptr;  ///< of a quasistatic run
-  LaneBlock lane_block = nullptr;   ///< takes steps of such runs together, in registers
   RunPlan plan;
   double stable_step = 0.0;
   /// Of an adaptive scheme, where it does not estimate the error itself.

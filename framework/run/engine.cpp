@@ -406,10 +406,10 @@ bool Engine::took(std::int64_t steps, const DoubleDouble& time, std::uint64_t ev
   return parts_->took(steps, time);
 }
 bool Engine::watches_steps() const { return parts_->observation.watches(); }
-void Engine::watch(std::int64_t first, const PointStarts<double>& starts) {
+void Engine::watch(std::int64_t first, std::size_t count, const PointStarts<double>& starts) {
   RunContext& run = parts_->run;
-  run.seen = two_prod(static_cast<double>(first + kBlock), run.plan.dt);
-  parts_->observation.point_block(first, kBlock, starts);
+  run.seen = two_prod(static_cast<double>(first + static_cast<std::int64_t>(count)), run.plan.dt);
+  parts_->observation.point_block(first, count, starts);
 }
 double Engine::next_due() const { return parts_->observation.next_due(); }
 double Engine::idle_until() const {
@@ -421,7 +421,7 @@ std::string Engine::why_not_in_lanes() const {
   std::string reason = tomlin::why_not_in_lanes(run.model);
   if (!reason.empty()) return reason;
   if (run.options.perturbation) return "noise is added to it";
-  const bool sees_steps = !watches_steps() || run.lane_block != nullptr;
+  const bool sees_steps = !watches_steps() || run.integrator->has_point_block();
   if (parts_->observation.looks_within_steps() || !sees_steps) {
     return "an observable needs every step: extremes, events, heat or an observer of a plugin";
   }

@@ -58,10 +58,10 @@ class Engine {
   /// They have been taken, or some of them, up to a time and with so many evaluations; the state is
   /// the one after. True where the origin has moved, and with it the state.
   bool took(std::int64_t steps, const DoubleDouble& time, std::uint64_t evaluations);
-  /// Steps of a single particle on a line have to be shown to watch() before took(), a block at a
-  /// time from its first step.
+  /// Steps have to be shown to watch() before took(), those of a block together, from the first of
+  /// them on: of a single particle on a line.
   bool watches_steps() const;
-  void watch(std::int64_t first, const PointStarts<double>& starts);
+  void watch(std::int64_t first, std::size_t count, const PointStarts<double>& starts);
   /// Where steps are adaptive: the run goes on by itself with a step that would end at this time or
   /// later,
   double next_due() const;

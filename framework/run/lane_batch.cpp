@@ -7,6 +7,19 @@
 #include "framework/run/context.hpp"
 
 namespace tomlin {
+namespace {
+
+constexpr auto kBlockSteps = static_cast<std::size_t>(kBlock);
+
+/// For steps of runs like this one.
+LaneBlock lane_block_of(const Model& model, const IntegratorRecord& scheme) {
+  if (scheme.lane_block == nullptr || model.system().view.point_force_count == 0) return nullptr;
+  std::vector<Kernel<double>> forces;
+  for (const LaneCall& call : model.assembly().lane_calls()) forces.push_back(call.form.kernel);
+  return scheme.lane_block(model.system(), forces);
+}
+
+}  // namespace
 
 std::string why_not_in_lanes(const Model& model) {
   const RunSettings& run = model.scene().run;
@@ -52,14 +65,15 @@ LaneBatch::LaneBatch(Engine& like, std::size_t most)
   integrator_->declare(layout);
   state_ = RunState(layout, 1);
   integrator_->attach(state_);
-  if (run.lane_block == nullptr) return;
+  lane_block_ = lane_block_of(like.model(), run.scheme);
+  if (!like.integrator().has_point_block()) return;
   const SystemView<double>& view = system_.system().view;
-  constexpr auto kSteps = static_cast<std::size_t>(kBlock);
-  const std::size_t states = (kSteps + 1) * view.dofs;
-  row_memory_.assign(2 * states + (kSteps + 1) * view.rates, 0.0);
+  const std::size_t states = (kBlockSteps + 1) * view.dofs;
+  row_memory_.assign(2 * states + (kBlockSteps + 1) * view.rates, 0.0);
   double* const first = row_memory_.data();
-  rows_ = {first, first + states, first + 2 * states, first + 2 * states + kSteps * view.rates};
-  shown_.assign(kSteps * (2 + like.model().system().view.rates), 0.0);
+  rows_ = {first, first + states, first + 2 * states,
+           first + 2 * states + kBlockSteps * view.rates};
+  shown_.assign(kBlockSteps * (2 + like.model().system().view.rates), 0.0);
 }
 
 bool LaneBatch::fits(Engine& run) const {
@@ -73,7 +87,7 @@ void LaneBatch::add(Engine& run) {
                                  [](const Lane& lane) { return lane.run == nullptr; });
   *free = {};
   free->run = &run;
-  free->watches_steps = run.watches_steps();
+  watches_steps_ = watches_steps_ || run.watches_steps();
   ++runs_;
 }
 
@@ -191,12 +205,15 @@ void LaneBatch::follow_time() {
 /// Of one block; returns how many there were before one failed.
 std::int64_t LaneBatch::take_steps() {
   std::uint64_t& evaluations = system_.system().evaluations;
-  for (std::int64_t taken = 0; taken < kBlock; ++taken) {
+  for (std::size_t taken = 0; taken < kBlockSteps; ++taken) {
     const std::uint64_t before = evaluations;
-    const double since = static_cast<double>(taken) * dt_;
-    if (integrator_->step_from(since, dt_, false).fault == StepFault::none) continue;
-    evaluations = before;
-    return taken;
+    if (watches_steps_) keep_start(taken);
+    const StepReport report = integrator_->step_from(static_cast<double>(taken) * dt_, dt_, false);
+    if (report.fault != StepFault::none) {
+      evaluations = before;
+      return static_cast<std::int64_t>(taken);
+    }
+    if (watches_steps_) keep_rates(taken);
   }
   return kBlock;
 }
@@ -204,37 +221,43 @@ std::int64_t LaneBatch::take_steps() {
 /// One block; nothing of it when a step fails.
 bool LaneBatch::take_in_registers() {
   const SystemView<double>& view = system_.system().view;
-  constexpr auto kSteps = static_cast<std::size_t>(kBlock);
-  std::copy_n(view.position, view.dofs, rows_.positions);
-  std::copy_n(view.velocity, view.dofs, rows_.velocities);
+  keep_start(0);
   std::copy_n(view.integrals, view.rates, rows_.integrals);
-  if (!like_.context().lane_block(view, dt_, kSteps, rows_)) return false;
-  std::copy_n(rows_.positions + kSteps * view.dofs, view.dofs, view.position);
-  std::copy_n(rows_.velocities + kSteps * view.dofs, view.dofs, view.velocity);
+  if (!lane_block_(view, dt_, kBlockSteps, rows_)) return false;
+  std::copy_n(rows_.positions + kBlockSteps * view.dofs, view.dofs, view.position);
+  std::copy_n(rows_.velocities + kBlockSteps * view.dofs, view.dofs, view.velocity);
   std::copy_n(rows_.integrals, view.rates, view.integrals);
   const auto evaluations = static_cast<std::uint64_t>(like_.context().scheme.evaluations_per_step);
-  system_.system().evaluations += kSteps * evaluations;
-  for (std::size_t k = 0; k < lanes_.size(); ++k) {
-    if (lanes_[k].run != nullptr && lanes_[k].watches_steps) show_steps(k);
-  }
+  system_.system().evaluations += kBlockSteps * evaluations;
   return true;
 }
 
-/// Of the block that has been taken.
-void LaneBatch::show_steps(std::size_t k) {
-  constexpr auto kSteps = static_cast<std::size_t>(kBlock);
+void LaneBatch::keep_start(std::size_t step) {
+  const SystemView<double>& view = system_.system().view;
+  std::copy_n(view.position, view.dofs, rows_.positions + step * view.dofs);
+  std::copy_n(view.velocity, view.dofs, rows_.velocities + step * view.dofs);
+}
+
+void LaneBatch::keep_rates(std::size_t step) {
+  const std::size_t rates = system_.system().view.rates;
+  std::copy_n(integrator_->first_rates(), rates, rows_.rates + step * rates);
+}
+
+/// Of the block, so many of which have been taken.
+void LaneBatch::show_steps(std::size_t k, std::size_t count) {
   const std::size_t w = system_.width();
   Engine& run = *lanes_[k].run;
   const std::size_t apart = run.model().system().view.rates;
-  const PointStarts<double> starts{shown_.data(), shown_.data() + kSteps * apart,
-                                   shown_.data() + kSteps * (apart + 1)};
-  const LaneMap& rates = system_.layout().rates;
-  for (std::size_t step = 0; step < kSteps; ++step) {
-    starts.positions[step] = rows_.positions[step * w + k];
-    starts.velocities[step] = rows_.velocities[step * w + k];
-    rates.get(rows_.rates + step * rates.from.size() * w, k, w, starts.rates + step * apart);
+  double* const positions = shown_.data();
+  double* const velocities = positions + kBlockSteps;
+  double* const rates = velocities + kBlockSteps;
+  const LaneMap& map = system_.layout().rates;
+  for (std::size_t step = 0; step < count; ++step) {
+    positions[step] = rows_.positions[step * w + k];
+    velocities[step] = rows_.velocities[step * w + k];
+    map.get(rows_.rates + step * map.from.size() * w, k, w, rates + step * apart);
   }
-  run.watch(static_cast<std::int64_t>(grid_[k]), starts);
+  run.watch(static_cast<std::int64_t>(grid_[k]), count, {rates, positions, velocities});
 }
 
 /// Whole blocks, until a run has something to do. All have where a step has failed.
@@ -242,13 +265,14 @@ void LaneBatch::take_blocks() {
   std::uint64_t& evaluations = system_.system().evaluations;
   for (bool serves = false; !serves;) {
     const std::uint64_t before = evaluations;
-    const std::int64_t taken = rows_.positions == nullptr ? take_steps()
-                               : take_in_registers()      ? kBlock
-                                                          : 0;
+    const std::int64_t taken = lane_block_ == nullptr ? take_steps()
+                               : take_in_registers()  ? kBlock
+                                                      : 0;
     if (taken < kBlock) all_filled_ = false;
     for (std::size_t k = 0; k < lanes_.size(); ++k) {
       Lane& lane = lanes_[k];
       if (lane.run == nullptr) continue;
+      if (lane.run->watches_steps()) show_steps(k, static_cast<std::size_t>(taken));
       lane.taken += taken;
       lane.left -= taken;
       lane.evaluations += evaluations - before;

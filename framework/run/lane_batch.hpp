@@ -54,7 +54,6 @@ class LaneBatch {
  private:
   struct Lane {
     Engine* run = nullptr;
-    bool watches_steps = false;
     std::int64_t left = 0;          ///< steps until the run has something to do
     std::int64_t taken = 0;         ///< that the run does not know of
     std::uint64_t evaluations = 0;  ///< of those
@@ -73,7 +72,9 @@ class LaneBatch {
   void take_blocks();
   std::int64_t take_steps();
   bool take_in_registers();
-  void show_steps(std::size_t lane);
+  void keep_start(std::size_t step);
+  void keep_rates(std::size_t step);
+  void show_steps(std::size_t lane, std::size_t count);
   void take_attempts();
   bool may_attempt(std::size_t lane);
   void follow_time();
@@ -82,10 +83,12 @@ class LaneBatch {
   Engine& like_;
   LaneSystem system_;
   std::unique_ptr<Integrator<double>> integrator_;  ///< of fixed steps
-  // Of steps that are taken in registers.
+  LaneBlock lane_block_ = nullptr;                  ///< takes a block of them in registers
+  // Of single particles on a line: a block of steps, and those of one run.
   AlignedVector<double> row_memory_;
   LaneRows rows_;
-  AlignedVector<double> shown_;  ///< of one run
+  AlignedVector<double> shown_;
+  bool watches_steps_ = false;  ///< one of the runs does
   std::unique_ptr<AdaptiveLanes> adaptive_;
   double dt_;
   std::vector<Lane> lanes_;

@@ -74,9 +74,6 @@ struct IntegratorRecord : ComponentRecord {
   /// The same of an adaptive scheme: of the system of replicas that the layout describes.
   std::unique_ptr<AdaptiveLanes> (*adaptive_lanes)(const LaneLayout& layout,
                                                    System<double>& system) = nullptr;
-  /// The kernel that takes steps of single particles on a line in lanes in registers. Given where
-  /// forces are known too.
-  LaneBlockFinder lane_block = nullptr;
   /// Follows equilibria as the driver moves: for quasistatic dynamics, and for no other.
   bool follows_equilibria = false;
 
@@ -98,6 +95,9 @@ struct IntegratorRecord : ComponentRecord {
   std::vector<Complaint> (*complaints)(const void* description) = nullptr;
 
   IntegratorFactories bind;
+  /// The kernel that takes steps of single particles on a line in lanes in registers. Given where
+  /// forces are known too.
+  LaneBlockFinder lane_block = nullptr;
 
   /// True when no scene of particles is refused for what its forces are, with inertia or without.
   bool takes_any_scene() const {
