@@ -46,8 +46,10 @@ class Engine {
   /// Go on from the numbers of another engine of the same scene: state().to_bytes(). Throws
   /// std::invalid_argument when they are not.
   void resume(const std::vector<std::byte>& numbers);
-  /// Go on from where another engine is, of the same scene but for what is observed and kept of it.
-  void take_up(RunState& other);
+  /// Go on from where another engine is, of the same scene but for what is observed and kept of it;
+  /// its state, which stays where it is, is named once.
+  void take_up_from(RunState& other);
+  void take_up();
 
   /// Take up to this many steps (fewer at the end of the run, or when one fails) with everything
   /// that a run does along the way. For benchmarks and tests.
