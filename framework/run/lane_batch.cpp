@@ -272,7 +272,9 @@ void LaneBatch::take_blocks() {
     for (std::size_t k = 0; k < lanes_.size(); ++k) {
       Lane& lane = lanes_[k];
       if (lane.run == nullptr) continue;
-      if (lane.run->watches_steps()) show_steps(k, static_cast<std::size_t>(taken));
+      if (watches_steps_ && lane.run->watches_steps()) {
+        show_steps(k, static_cast<std::size_t>(taken));
+      }
       lane.taken += taken;
       lane.left -= taken;
       lane.evaluations += evaluations - before;
