@@ -435,16 +435,18 @@ void BM_sweep_point(benchmark::State& state) {
 }
 BENCHMARK(BM_sweep_point)->Name("pt sweep/tomlin");
 
-// ---- replicas, with what a sweep watches of them: the mean force. Time of a step of one.
+// ---- replicas, with what a sweep watches of them: the mean force, or all of a tip. Time of a step
+// of one.
 
 enum class Taken { in_lanes, alone };
 
 /// Replicas whose drivers differ in speed, to their end. What comes before the first step is not
 /// timed.
 void BM_replicas(benchmark::State& state, const std::string& scene, std::size_t count, Taken taken,
-                 const std::vector<Setting>& settings) {
+                 const std::vector<Setting>& settings,
+                 const std::vector<std::string>& observables) {
   RunOptions options;
-  options.observables = {"driving_spring.mean_force.x"};
+  options.observables = observables;
   std::uint64_t steps = 0;
   for (auto _ : state) {
     state.PauseTiming();
@@ -477,10 +479,15 @@ void register_replicas() {
     std::string scene;
     std::size_t count;
     std::vector<Setting> settings;
+    std::vector<std::string> observables = {"driving_spring.mean_force.x"};
   };
+  const std::vector<std::string> watched = {
+      "driving_spring.mean_force.x", "driving_spring.max_force.x", "driving_spring.min_force.x",
+      "driving_spring.static_force", "events.slips"};
   const Setting adaptive = {"run.integrator", "{ type = \"dopri5\" }"};
   const std::vector<Replicas> all = {
       {"pt", kPt, 64, {{"run.duration", "4e3"}}},
+      {"pt watched", kPt, 64, {{"run.duration", "4e3"}}, watched},
       {"rigid_ring_8", ring("rigid", "1e-2"), 16, {{"run.duration", "1e3"}}},
       {"flexible_ring_8", ring("particles", "1e-4"), 16, {{"run.duration", "10"}}},
       {"rigid_ring_8 dopri5", ring("rigid", "1e-2"), 16, {{"run.duration", "5e4"}, adaptive}},
@@ -490,7 +497,7 @@ void register_replicas() {
       const std::string name =
           one.model + " replicas/" + (taken == Taken::in_lanes ? "tomlin" : "one by one");
       benchmark::RegisterBenchmark(name.c_str(), [one, taken](benchmark::State& state) {
-        BM_replicas(state, one.scene, one.count, taken, one.settings);
+        BM_replicas(state, one.scene, one.count, taken, one.settings, one.observables);
       });
     }
   }

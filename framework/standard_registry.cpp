@@ -2,6 +2,7 @@
 
 #include "forcefields/register.hpp"
 #include "framework/bodies/register.hpp"
+#include "framework/point_lanes.hpp"
 #include "integrators/register.hpp"
 
 namespace tomlin {
@@ -10,7 +11,7 @@ Registry standard_registry() {
   Registry registry;
   register_bodies(registry);
   register_forcefields(registry);
-  register_integrators(registry);
+  register_integrators(registry, {.rk4 = &rk4_block_of, .midpoint = &midpoint_block_of});
   return registry;
 }
 

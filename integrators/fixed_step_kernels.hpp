@@ -6,6 +6,7 @@
 #include "framework/core/numbers/number_types.hpp"
 #include "framework/core/system/compensated.hpp"
 #include "framework/core/system/evaluate.hpp"
+#include "framework/core/system/lane_block.hpp"
 #include "framework/core/system/system.hpp"
 #include "integrators/tableau_rows.hpp"
 
@@ -181,7 +182,6 @@ struct FixedStepKernels {
                                                 const PointStarts<double>& starts) {
     const SystemView<double> s = system;
     const PointParticle particle(s);
-    const Steps<kStages, double> steps(h);
     const double largest_move = s.largest_move[0];
     double x = s.position[0];
     double v = s.velocity[0];
@@ -193,25 +193,48 @@ struct FixedStepKernels {
       double* first_rates = starts.rates + taken * s.rates;
       starts.positions[taken] = x;
       starts.velocities[taken] = v;
-      double a[kStages];
-      a[0] = particle.acceleration(x, v, since, first_rates);
-      const double last_v = point_stages<1>(particle, x, v, v, since, h, a, stage_rates);
-      const auto acceleration = [&](auto j) TOMLIN_INLINE_LAMBDA { return a[j]; };
-      const double move = steps.move(v, last_v, acceleration);
-      const double change = Row<kStages>::of(acceleration);
-      if (!(abs(move) <= largest_move && abs(change) < __builtin_inf())) break;
-      x += move;
-      v = fma(steps.slope, change, v);
+      const auto step = point_step(particle, x, v, since, h, first_rates, stage_rates);
+      if (!step.sound(largest_move)) break;
+      x += step.move;
+      v = fma(step.slope, step.change, v);
       for (std::size_t k = 0; k < s.used_rates; ++k) {
-        const double rate = Row<kStages>::of([&](auto j) TOMLIN_INLINE_LAMBDA {
-          return j == 0 ? first_rates[k] : stage_rates[j][k];
-        });
-        s.integrals[k] = fma(steps.slope, rate, s.integrals[k]);
+        s.integrals[k] = fma(step.slope, point_rate(k, first_rates, stage_rates), s.integrals[k]);
       }
     }
     s.position[0] = x;
     s.velocity[0] = v;
     return taken;
+  }
+
+  /// The same of replicas in lanes; see LaneBlock. Eight particles at a time are a Replicas.
+  template <class Replicas>
+  TOMLIN_FLATTEN static bool lane_block(const SystemView<double>& system, double h,
+                                        std::size_t count, const LaneRows& rows) {
+    const SystemView<double> s = system;
+    const LaneRows to = rows;
+    const Replicas replicas(s);
+    auto sound = first_lanes_of<Pack>(kGroup);
+    for (std::size_t taken = 0; taken < count; ++taken) {
+      const double since = static_cast<double>(taken) * h;
+      for (std::size_t lane = 0; lane < s.dofs; lane += kGroup) {
+        double* const x = to.positions + taken * s.dofs + lane;
+        double* const v = to.velocities + taken * s.dofs + lane;
+        const Pack at = Pack::load(x);
+        const Pack velocity = Pack::load(v);
+        Pack rates[kMostFixedStages][Replicas::kRates];
+        const auto step =
+            point_step(replicas.particle(s, lane), at, velocity, since, h, rates[0], rates);
+        sound = sound & step.sound(Pack::load(s.largest_move + lane));
+        (at + step.move).store(x + s.dofs);
+        fma(step.slope, step.change, velocity).store(v + s.dofs);
+        for (std::size_t k = 0; k < Replicas::kRates; ++k) {
+          rates[0][k].store(to.rates + taken * s.rates + k * s.dofs + lane);
+          double* const integral = to.integrals + k * s.dofs + lane;
+          fma(step.slope, point_rate(k, rates[0], rates), Pack::load(integral)).store(integral);
+        }
+      }
+    }
+    return all(sound);
   }
 
   template <class Real>
@@ -338,18 +361,50 @@ struct FixedStepKernels {
     }
   }
 
+  /// By how much a step changes position and, over `slope`, velocity.
+  template <class Number>
+  struct PointStep {
+    Number move, change, slope;
+
+    TOMLIN_INLINE auto sound(const Number& largest_move) const {
+      return (abs(move) <= largest_move) & (abs(change) < Number(__builtin_inf()));
+    }
+  };
+
+  /// A step of a particle in registers. `rates` are those of the later stages.
+  template <class Particle, class Number, class Rates>
+  TOMLIN_INLINE static PointStep<Number> point_step(const Particle& particle, const Number& x,
+                                                    const Number& v, double since, double h,
+                                                    Number* first_rates, Rates& rates) {
+    const Steps<kStages, double> steps(h);
+    Number a[kStages];
+    a[0] = particle.acceleration(x, v, since, first_rates);
+    const Number last_v = point_stages<1>(particle, x, v, v, since, h, a, rates);
+    const auto acceleration = [&](auto j) TOMLIN_INLINE_LAMBDA { return a[j]; };
+    return {steps.move(v, last_v, acceleration), Row<kStages>::of(acceleration),
+            Number(steps.slope)};
+  }
+
+  /// Of an integral over the step.
+  template <class Number, class Rates>
+  TOMLIN_INLINE static Number point_rate(std::size_t k, const Number* first_rates,
+                                         const Rates& rates) {
+    return Row<kStages>::of(
+        [&](auto j) TOMLIN_INLINE_LAMBDA { return j == 0 ? first_rates[k] : rates[j][k]; });
+  }
+
   /// Accelerations of the stages from `stage` on; returns the velocity at the last.
-  template <int stage>
-  TOMLIN_INLINE static double point_stages(const PointParticle& particle, double x, double v,
-                                           double velocity, double since, double h,
-                                           double (&a)[kStages], double (*rates)[kGroup]) {
+  template <int stage, class Particle, class Number, class Rates>
+  TOMLIN_INLINE static Number point_stages(const Particle& particle, const Number& x,
+                                           const Number& v, const Number& velocity, double since,
+                                           double h, Number (&a)[kStages], Rates& rates) {
     if constexpr (stage == kStages) {
       return velocity;
     } else {
       const Steps<stage, double> steps(h);
       const auto acceleration = [&](auto j) TOMLIN_INLINE_LAMBDA { return a[j]; };
-      const double stage_x = steps.position(x, v, velocity, acceleration);
-      const double stage_v = fma(steps.slope, Row<stage>::of(acceleration), v);
+      const Number stage_x = steps.position(x, v, velocity, acceleration);
+      const Number stage_v = fma(Number(steps.slope), Row<stage>::of(acceleration), v);
       a[stage] = particle.acceleration(stage_x, stage_v, since + steps.time, rates[stage]);
       return point_stages<stage + 1>(particle, x, v, stage_v, since, h, a, rates);
     }

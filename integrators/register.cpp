@@ -1,5 +1,7 @@
 #include "integrators/register.hpp"
 
+#include <utility>
+
 #include "framework/core/records/integrator.hpp"
 #include "integrators/baoab.hpp"
 #include "integrators/blanes_moan.hpp"
@@ -17,7 +19,11 @@
 
 namespace tomlin {
 
-void register_integrators(Registry& registry) {
+void register_integrators(Registry& registry, const SchemesWithForces& compiled) {
+  IntegratorRecord midpoint = midpoint_record();
+  midpoint.lane_block = compiled.midpoint;
+  IntegratorRecord rk4 = rk4_record();
+  rk4.lane_block = compiled.rk4;
   registry.add(baoab_record());
   registry.add(blanes_moan_record());
   registry.add(continuation_record());
@@ -27,9 +33,9 @@ void register_integrators(Registry& registry) {
   registry.add(exponential_verlet_record());
   registry.add(gjf_record());
   registry.add(leimkuhler_matthews_record());
-  registry.add(midpoint_record());
+  registry.add(std::move(midpoint));
   registry.add(radau9_record());
-  registry.add(rk4_record());
+  registry.add(std::move(rk4));
   registry.add(velocity_verlet_record());
 }
 

@@ -107,11 +107,12 @@ void EnergyBalance::start(double from, double to, double dt) {
   steps_ = whole_ ? kFullBlock : dt > 0.0 ? kFixedSteps : kAdaptiveSteps;
 }
 
-void EnergyBalance::prepare() {
+void EnergyBalance::prepare(RunState& state) {
   try {
     twin_ = std::make_unique<Engine>(with_ledger(*scene_), options_);
     integrals_.assign(twin_->model().system().view.rates, 0.0);
     twin_->advance(1);  // what is allocated at the first step is
+    twin_->take_up_from(state);
     if (twin_->failed()) twin_ = nullptr;
   } catch (const InputError&) {
     twin_ = nullptr;  // a force that no ledger can be kept of under this scheme
@@ -166,7 +167,7 @@ double EnergyBalance::idle_until(const RunContext& run) const {
 }
 
 void EnergyBalance::open(RunContext& run) {
-  twin_->take_up(run.state);
+  twin_->take_up();
   const SystemView<double>& view = twin_->model().system().view;
   std::copy_n(view.integrals, view.rates, integrals_.data());
   const double begin = twin_->time();

@@ -50,7 +50,7 @@ class EnergyBalance {
   /// Of a window, with steps of dt; 0: adaptive.
   void start(double from, double to, double dt);
   /// Before the first step: makes the second engine. Without effect where no ledger can be kept.
-  void prepare();
+  void prepare(RunState& state);
 
   /// Before every step of the run, or as many as it said last; and at its end.
   std::uint64_t look(RunContext& run);

@@ -1,9 +1,12 @@
 #include "framework/run/engine.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstring>
 #include <iterator>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "framework/core/numbers/quad.hpp"
 #include "framework/run/context.hpp"
@@ -35,10 +38,12 @@ struct Engine::Parts {
   void begin();
   void check_observables();
   void resume(const std::vector<std::byte>& numbers);
-  void take_up(RunState& other);
+  void take_up_from(RunState& other);
+  void take_up();
   void go_on();
   void advance(std::uint64_t steps);
   std::int64_t steps_for_lanes();
+  std::int64_t steps_to_look(std::int64_t most) const;
   bool took(std::int64_t steps, const DoubleDouble& time);
   void step_alone();
   void look_if_due();
@@ -59,6 +64,14 @@ struct Engine::Parts {
   std::unique_ptr<Stepping> stepping;
   std::unique_ptr<EnergyBalance> balance;  ///< null where nothing is sampled
   AlignedVector<double> rates;             ///< when last read: at the end
+  /// A field of the state, and the same of the engine that is taken up: lengths in bytes.
+  struct TakenUp {
+    const std::byte* from = nullptr;
+    std::byte* to = nullptr;
+    std::size_t cleared = 0;
+    std::size_t copied = 0;
+  };
+  std::vector<TakenUp> taken_up;
 };
 
 Engine::Parts::Parts(const std::shared_ptr<const Scene>& scene, const RunOptions& options) try
@@ -118,7 +131,7 @@ void Engine::Parts::begin() {
   observation.samples().begin_sink();
   if (run.outcome.failure) return;
   observation.placed();
-  if (balance) balance->prepare();
+  if (balance) balance->prepare(run.state);
   if (run.options.resume_from != nullptr) {
     resume(*run.options.resume_from);
   } else {
@@ -202,42 +215,46 @@ void Engine::Parts::go_on() {
 
 /// Of running integrals, which it has others of, forces' own variables come first; the rest counts
 /// from here on.
-void Engine::Parts::take_up(RunState& other) {
-  const auto copy = [](const auto& fields, const auto& from, auto numbers_of, auto own_part) {
+void Engine::Parts::take_up_from(RunState& other) {
+  taken_up.clear();
+  const auto find = [this](const auto& fields, const auto& from, std::size_t own, auto numbers) {
     for (const StateLayout::Field& field : fields) {
       const auto same = std::find_if(from.begin(), from.end(), [&](const StateLayout::Field& one) {
         return one.name == field.name;
       });
       if (same == from.end()) continue;
-      const auto [source, target] = numbers_of(field.name);
+      const auto [source, target] = numbers(field.name);
+      TakenUp one{reinterpret_cast<const std::byte*>(source), reinterpret_cast<std::byte*>(target)};
       if (field.name.find("integrals") == std::string::npos) {
-        if (same->count == field.count) std::copy_n(source, field.count, target);
+        if (same->count == field.count) one.copied = field.count * sizeof(*target);
       } else if (!field.name.starts_with("window.")) {
-        std::fill_n(target, field.count, std::decay_t<decltype(*target)>{});
-        std::copy_n(source, own_part, target);
+        one.cleared = field.count * sizeof(*target);
+        one.copied = own * sizeof(*target);
       }
+      taken_up.push_back(one);
     }
   };
   const std::size_t own = run.model.system().view.own_count;
   const StateLayout& layout = run.state.layout();
-  copy(
-      layout.reals(), other.layout().reals(),
-      [&](const std::string& name) { return std::pair(other.reals(name), run.state.reals(name)); },
-      own);
-  copy(
-      layout.integers(), other.layout().integers(),
-      [&](const std::string& name) {
-        return std::pair(other.integers(name), run.state.integers(name));
-      },
-      own);
+  const StateLayout& from = other.layout();
+  find(layout.reals(), from.reals(), own, [&](const std::string& name) {
+    return std::pair(other.reals(name), run.state.reals(name));
+  });
+  find(layout.integers(), from.integers(), own, [&](const std::string& name) {
+    return std::pair(other.integers(name), run.state.integers(name));
+  });
   const bool in_float = run.scene->run.number_type == NumberType::single_precision;
-  const std::size_t number = in_float ? sizeof(float) : sizeof(Quad);
-  copy(
-      layout.raw(), other.layout().raw(),
-      [&](const std::string& name) {
-        return std::pair(other.numbers<std::byte>(name), run.state.numbers<std::byte>(name));
-      },
-      own * number);
+  find(layout.raw(), from.raw(), own * (in_float ? sizeof(float) : sizeof(Quad)),
+       [&](const std::string& name) {
+         return std::pair(other.numbers<std::byte>(name), run.state.numbers<std::byte>(name));
+       });
+}
+
+void Engine::Parts::take_up() {
+  for (const TakenUp& one : taken_up) {
+    std::memset(one.to, 0, one.cleared);
+    std::memcpy(one.to, one.from, one.copied);
+  }
   run.model.attach(run.state);
   run.integrator->forces_changed();
   go_on();
@@ -277,19 +294,30 @@ RunResult Engine::Parts::end() {
 std::int64_t Engine::Parts::steps_for_lanes() {
   if (run.outcome.done()) return 0;
   auto most = static_cast<std::int64_t>(kBatch - taken() % kBatch);
-  if (balance && run.plan.dt > 0.0) {
-    const double idle = balance->idle_until(run) - run.clock.time();
-    if (idle < static_cast<double>(most) * run.plan.dt) {
-      most = static_cast<std::int64_t>(std::max(0.0, idle / run.plan.dt));
-    }
-  }
-  if (run.plan.dt > 0.0) most = most / kBlock * kBlock;
+  if (run.plan.dt > 0.0) most = std::min(most / kBlock * kBlock, steps_to_look(most));
   const std::int64_t steps = std::min(stepping->steps_for_lanes(), most);
   if (steps > 0) {
     // A batch evaluates the start of the next step itself.
     run.model.system().evaluations -= run.integrator->evaluations_ahead();
     run.integrator->rebased();
   }
+  return steps;
+}
+
+/// Whole blocks before the energy balance is looked at: at the first end of a block from the time
+/// on that it names. Of more than so many it is only said that there are more.
+std::int64_t Engine::Parts::steps_to_look(std::int64_t most) const {
+  if (!balance) return most;
+  const double dt = run.plan.dt;
+  const double idle = balance->idle_until(run);
+  const double left = (idle - run.clock.time()) / dt;
+  if (left > static_cast<double>(most)) return most;
+  // The quotient may be wrong by a rounding.
+  auto steps = static_cast<std::int64_t>(std::max(0.0, left - 1.0)) / kBlock * kBlock;
+  const auto time_after = [&] {
+    return static_cast<double>(two_prod(static_cast<double>(run.clock.grid_steps() + steps), dt));
+  };
+  while (steps < most && time_after() < idle) steps += kBlock;
   return steps;
 }
 
@@ -398,12 +426,19 @@ RunLayout Engine::layout() const { return parts_->observation.samples().layout()
 FinalState Engine::final_state() { return parts_->run.model.final_state(parts_->run.clock.now()); }
 const std::optional<PluginError>& Engine::thrown() const { return parts_->run.outcome.thrown; }
 void Engine::resume(const std::vector<std::byte>& numbers) { parts_->resume(numbers); }
-void Engine::take_up(RunState& other) { parts_->take_up(other); }
+void Engine::take_up_from(RunState& other) { parts_->take_up_from(other); }
+void Engine::take_up() { parts_->take_up(); }
 void Engine::advance(std::uint64_t steps) { parts_->advance(steps); }
 std::int64_t Engine::steps_for_lanes() { return parts_->steps_for_lanes(); }
 bool Engine::took(std::int64_t steps, const DoubleDouble& time, std::uint64_t evaluations) {
   parts_->run.model.system().evaluations += evaluations;
   return parts_->took(steps, time);
+}
+bool Engine::watches_steps() const { return parts_->observation.watches(); }
+void Engine::watch(std::int64_t first, std::size_t count, const PointStarts<double>& starts) {
+  RunContext& run = parts_->run;
+  run.seen = two_prod(static_cast<double>(first + static_cast<std::int64_t>(count)), run.plan.dt);
+  parts_->observation.point_block(first, count, starts);
 }
 double Engine::next_due() const { return parts_->observation.next_due(); }
 double Engine::idle_until() const {
@@ -415,7 +450,8 @@ std::string Engine::why_not_in_lanes() const {
   std::string reason = tomlin::why_not_in_lanes(run.model);
   if (!reason.empty()) return reason;
   if (run.options.perturbation) return "noise is added to it";
-  if (parts_->observation.looks_within_steps() || parts_->observation.watches()) {
+  const bool sees_steps = !watches_steps() || run.integrator->has_point_block();
+  if (parts_->observation.looks_within_steps() || !sees_steps) {
     return "an observable needs every step: extremes, events, heat or an observer of a plugin";
   }
   return "";

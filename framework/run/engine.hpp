@@ -46,8 +46,10 @@ class Engine {
   /// Go on from the numbers of another engine of the same scene: state().to_bytes(). Throws
   /// std::invalid_argument when they are not.
   void resume(const std::vector<std::byte>& numbers);
-  /// Go on from where another engine is, of the same scene but for what is observed and kept of it.
-  void take_up(RunState& other);
+  /// Go on from where another engine is, of the same scene but for what is observed and kept of it;
+  /// its state, which stays where it is, is named once.
+  void take_up_from(RunState& other);
+  void take_up();
 
   /// Take up to this many steps (fewer at the end of the run, or when one fails) with everything
   /// that a run does along the way. For benchmarks and tests.
@@ -58,6 +60,10 @@ class Engine {
   /// They have been taken, or some of them, up to a time and with so many evaluations; the state is
   /// the one after. True where the origin has moved, and with it the state.
   bool took(std::int64_t steps, const DoubleDouble& time, std::uint64_t evaluations);
+  /// Steps have to be shown to watch() before took(), those of a block together, from the first of
+  /// them on: of a single particle on a line.
+  bool watches_steps() const;
+  void watch(std::int64_t first, std::size_t count, const PointStarts<double>& starts);
   /// Where steps are adaptive: the run goes on by itself with a step that would end at this time or
   /// later,
   double next_due() const;

@@ -7,6 +7,19 @@
 #include "framework/run/context.hpp"
 
 namespace tomlin {
+namespace {
+
+constexpr auto kBlockSteps = static_cast<std::size_t>(kBlock);
+
+/// For steps of runs like this one.
+LaneBlock lane_block_of(const Model& model, const IntegratorRecord& scheme) {
+  if (scheme.lane_block == nullptr || model.system().view.point_force_count == 0) return nullptr;
+  std::vector<Kernel<double>> forces;
+  for (const LaneCall& call : model.assembly().lane_calls()) forces.push_back(call.form.kernel);
+  return scheme.lane_block(model.system(), forces);
+}
+
+}  // namespace
 
 std::string why_not_in_lanes(const Model& model) {
   const RunSettings& run = model.scene().run;
@@ -52,6 +65,15 @@ LaneBatch::LaneBatch(Engine& like, std::size_t most)
   integrator_->declare(layout);
   state_ = RunState(layout, 1);
   integrator_->attach(state_);
+  lane_block_ = lane_block_of(like.model(), run.scheme);
+  if (!like.integrator().has_point_block()) return;
+  const SystemView<double>& view = system_.system().view;
+  const std::size_t states = (kBlockSteps + 1) * view.dofs;
+  row_memory_.assign(2 * states + (kBlockSteps + 1) * view.rates, 0.0);
+  double* const first = row_memory_.data();
+  rows_ = {first, first + states, first + 2 * states,
+           first + 2 * states + kBlockSteps * view.rates};
+  shown_.assign(kBlockSteps * (2 + like.model().system().view.rates), 0.0);
 }
 
 bool LaneBatch::fits(Engine& run) const {
@@ -65,6 +87,7 @@ void LaneBatch::add(Engine& run) {
                                  [](const Lane& lane) { return lane.run == nullptr; });
   *free = {};
   free->run = &run;
+  watches_steps_ = watches_steps_ || run.watches_steps();
   ++runs_;
 }
 
@@ -179,23 +202,79 @@ void LaneBatch::follow_time() {
   }
 }
 
+/// Of one block; returns how many there were before one failed.
+std::int64_t LaneBatch::take_steps() {
+  std::uint64_t& evaluations = system_.system().evaluations;
+  for (std::size_t taken = 0; taken < kBlockSteps; ++taken) {
+    const std::uint64_t before = evaluations;
+    if (watches_steps_) keep_start(taken);
+    const StepReport report = integrator_->step_from(static_cast<double>(taken) * dt_, dt_, false);
+    if (report.fault != StepFault::none) {
+      evaluations = before;
+      return static_cast<std::int64_t>(taken);
+    }
+    if (watches_steps_) keep_rates(taken);
+  }
+  return kBlock;
+}
+
+/// One block; nothing of it when a step fails.
+bool LaneBatch::take_in_registers() {
+  const SystemView<double>& view = system_.system().view;
+  keep_start(0);
+  std::copy_n(view.integrals, view.rates, rows_.integrals);
+  if (!lane_block_(view, dt_, kBlockSteps, rows_)) return false;
+  std::copy_n(rows_.positions + kBlockSteps * view.dofs, view.dofs, view.position);
+  std::copy_n(rows_.velocities + kBlockSteps * view.dofs, view.dofs, view.velocity);
+  std::copy_n(rows_.integrals, view.rates, view.integrals);
+  const auto evaluations = static_cast<std::uint64_t>(like_.context().scheme.evaluations_per_step);
+  system_.system().evaluations += kBlockSteps * evaluations;
+  return true;
+}
+
+void LaneBatch::keep_start(std::size_t step) {
+  const SystemView<double>& view = system_.system().view;
+  std::copy_n(view.position, view.dofs, rows_.positions + step * view.dofs);
+  std::copy_n(view.velocity, view.dofs, rows_.velocities + step * view.dofs);
+}
+
+void LaneBatch::keep_rates(std::size_t step) {
+  const std::size_t rates = system_.system().view.rates;
+  std::copy_n(integrator_->first_rates(), rates, rows_.rates + step * rates);
+}
+
+/// Of the block, so many of which have been taken.
+void LaneBatch::show_steps(std::size_t k, std::size_t count) {
+  const std::size_t w = system_.width();
+  Engine& run = *lanes_[k].run;
+  const std::size_t apart = run.model().system().view.rates;
+  double* const positions = shown_.data();
+  double* const velocities = positions + kBlockSteps;
+  double* const rates = velocities + kBlockSteps;
+  const LaneMap& map = system_.layout().rates;
+  for (std::size_t step = 0; step < count; ++step) {
+    positions[step] = rows_.positions[step * w + k];
+    velocities[step] = rows_.velocities[step * w + k];
+    map.get(rows_.rates + step * map.from.size() * w, k, w, rates + step * apart);
+  }
+  run.watch(static_cast<std::int64_t>(grid_[k]), count, {rates, positions, velocities});
+}
+
 /// Whole blocks, until a run has something to do. All have where a step has failed.
 void LaneBatch::take_blocks() {
   std::uint64_t& evaluations = system_.system().evaluations;
   for (bool serves = false; !serves;) {
     const std::uint64_t before = evaluations;
-    std::int64_t taken = 0;
-    for (; taken < kBlock; ++taken) {
-      const std::uint64_t before_step = evaluations;
-      const double since = static_cast<double>(taken) * dt_;
-      if (integrator_->step_from(since, dt_, false).fault == StepFault::none) continue;
-      evaluations = before_step;
-      all_filled_ = false;
-      break;
-    }
+    const std::int64_t taken = lane_block_ == nullptr ? take_steps()
+                               : take_in_registers()  ? kBlock
+                                                      : 0;
+    if (taken < kBlock) all_filled_ = false;
     for (std::size_t k = 0; k < lanes_.size(); ++k) {
       Lane& lane = lanes_[k];
       if (lane.run == nullptr) continue;
+      if (watches_steps_ && lane.run->watches_steps()) {
+        show_steps(k, static_cast<std::size_t>(taken));
+      }
       lane.taken += taken;
       lane.left -= taken;
       lane.evaluations += evaluations - before;

@@ -70,6 +70,11 @@ class LaneBatch {
   bool bring_back(std::size_t lane);
   void put(std::size_t lane, Engine& run);
   void take_blocks();
+  std::int64_t take_steps();
+  bool take_in_registers();
+  void keep_start(std::size_t step);
+  void keep_rates(std::size_t step);
+  void show_steps(std::size_t lane, std::size_t count);
   void take_attempts();
   bool may_attempt(std::size_t lane);
   void follow_time();
@@ -78,6 +83,12 @@ class LaneBatch {
   Engine& like_;
   LaneSystem system_;
   std::unique_ptr<Integrator<double>> integrator_;  ///< of fixed steps
+  LaneBlock lane_block_ = nullptr;                  ///< takes a block of them in registers
+  // Of single particles on a line: a block of steps, and those of one run.
+  AlignedVector<double> row_memory_;
+  LaneRows rows_;
+  AlignedVector<double> shown_;
+  bool watches_steps_ = false;  ///< one of the runs does
   std::unique_ptr<AdaptiveLanes> adaptive_;
   double dt_;
   std::vector<Lane> lanes_;

@@ -192,12 +192,17 @@ void Observation::point_block(std::int64_t first_step, std::size_t count,
                               const PointStarts<double>& starts) {
   if (!watches()) return;
   const std::size_t width = run_.model.system().view.rates;
-  for (block_.count = 0; block_.count < count; ++block_.count) {
-    const std::size_t k = block_.count;
-    block_times_[k] = static_cast<double>(first_step + static_cast<std::int64_t>(k)) * run_.plan.dt;
-    row()[signals_.speed_of(0)] = std::abs(starts.velocities[k]);
-    signals_.write_forces(starts.rates + k * width, row());
+  const std::size_t speed = signals_.speed_of(0);
+  const double dt = run_.plan.dt;
+  double* const times = block_times_.data();
+  double* signals = block_signals_.data();
+  for (std::size_t k = 0; k < count; ++k) {
+    times[k] = static_cast<double>(first_step + static_cast<std::int64_t>(k)) * dt;
+    signals[speed] = std::abs(starts.velocities[k]);
+    signals_.write_forces(starts.rates + k * width, signals);
+    signals += block_.width;
   }
+  block_.count = count;
   SignalBlock block = block_;
   block.positions = starts.positions;
   block.velocities = starts.velocities;

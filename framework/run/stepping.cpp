@@ -24,8 +24,8 @@ StepReport Stepping::step_scheme(double since, double h, bool dense) {
 bool Stepping::may_be_in_lanes() const {
   const Observation& observation = parts_.observation;
   return !parts_.triggers.waiting() && !observation.looks_within_steps() &&
-         !observation.watches() && !parts_.observation.rotations().is_due_at_every_step() &&
-         run_.integrator->is_started();
+         (!observation.watches() || run_.integrator->has_point_block()) &&
+         !parts_.observation.rotations().is_due_at_every_step() && run_.integrator->is_started();
 }
 
 bool Stepping::take(const Step& step) {

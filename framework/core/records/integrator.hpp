@@ -9,6 +9,7 @@
 
 #include "framework/core/records/body.hpp"
 #include "framework/core/records/registry.hpp"
+#include "framework/core/system/lane_block.hpp"
 
 /// Integrators as the registry knows them; what they see of a bound scene stands in
 /// framework/core/system/system.hpp.
@@ -94,6 +95,9 @@ struct IntegratorRecord : ComponentRecord {
   std::vector<Complaint> (*complaints)(const void* description) = nullptr;
 
   IntegratorFactories bind;
+  /// The kernel that takes steps of single particles on a line in lanes in registers. Given where
+  /// forces are known too.
+  LaneBlockFinder lane_block = nullptr;
 
   /// True when no scene of particles is refused for what its forces are, with inertia or without.
   bool takes_any_scene() const {

@@ -5,11 +5,14 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "framework/run/context.hpp"
 #include "framework/run/observables.hpp"
 #include "tests/support/ring_scenes.hpp"
 
@@ -41,6 +44,37 @@ std::string tip_of(int k) {
                   .more = "[measure]\nfrom = 5.0\n"}
       .text();
 }
+
+/// The damping before the spring, so that forces are added in another order.
+std::string damped_first(std::string text) {
+  const std::size_t spring = text.find("[[force]]\nname = \"driver\"");
+  const std::size_t damping = text.find("[[force]]\ntype = \"viscous_damping\"");
+  const std::size_t substrate = text.find("[[force]]\ntype = \"sinusoidal_substrate\"");
+  return text.substr(0, spring) + text.substr(damping, substrate - damping) +
+         text.substr(spring, damping - spring) + text.substr(substrate);
+}
+
+/// One force more, so that no kernel has all of them.
+std::string with_load(std::string text, int k) {
+  return text.insert(text.find("[run]"), "[[force]]\ntype = \"constant_force\"\nforce = [" +
+                                             digits(own(k, 0.01, 0.1)) + "]\n");
+}
+
+/// It sticks and slips.
+std::string slipping_tip_of(int k) {
+  return TipScene{.velocity = own(k, 0.05, 0.2),
+                  .stiffness = own(k + 1, 0.5, 1.5),
+                  .damping = own(k + 2, 0.5, 2.0),
+                  .amplitude = own(k + 3, 0.1, 0.3),
+                  .period = own(k + 4, 0.8, 1.3),
+                  .duration = 80.0 + k,
+                  .more = "[measure]\nfrom = 5.3\n"}
+      .text();
+}
+
+const std::vector<std::string> kWatched = {
+    "driver.max_force.x", "driver.min_force.x", "tip.max_speed",      "driver.static_force",
+    "events.slips",       "events.reversals",   "driver.mean_force.x"};
 
 std::string ring_of(int k, const std::string& coordinates) {
   RingScene ring;
@@ -109,6 +143,18 @@ const std::vector<LaneCase>& lane_cases() {
       {"tip", &tip_of},
       {"sampled_tip",
        [](int k) { return tip_of(k) + "[output]\nevery = " + digits(own(k, 0.37, 1.1)) + "\n"; }},
+      {"tip_damped_first", [](int k) { return damped_first(tip_of(k)); }},
+      {"midpoint_tip",
+       [](int k) { return with_run(tip_of(k), "{ type = \"midpoint\", dt = 0.01 }"); }},
+      {"loaded_tip", [](int k) { return with_load(tip_of(k), k); }},
+      {"watched_tip", &slipping_tip_of, kWatched},
+      {"watched_loaded_tip", [](int k) { return with_load(slipping_tip_of(k), k); }, kWatched},
+      {"watched_sampled_midpoint_tip",
+       [](int k) {
+         return with_run(damped_first(slipping_tip_of(k)), "{ type = \"midpoint\", dt = 0.01 }") +
+                "[output]\nevery = " + digits(own(k, 0.37, 1.1)) + "\n";
+       },
+       kWatched},
       {"flexible_ring", [](int k) { return ring_of(k, "particles"); }},
       {"rigid_ring", [](int k) { return ring_of(k, "rigid"); }},
       {"chain", [](int k) { return chain_of(k, "", "\"neighbours\""); }},
@@ -140,6 +186,11 @@ const std::vector<LaneCase>& lane_cases() {
   return cases;
 }
 
+const LaneCase& lane_case(const std::string& name) {
+  return *std::find_if(lane_cases().begin(), lane_cases().end(),
+                       [&](const LaneCase& one) { return one.name == name; });
+}
+
 RunOptions asked_for(const LaneCase& one) {
   RunOptions options;
   options.observables = one.observables;
@@ -161,10 +212,11 @@ Ended alone(const LaneCase& one, int k, const RunOptions& options) {
 
 /// Replicas 0 to n - 1 in so many lanes; those that find no room take the place of ones that end.
 std::vector<Ended> in_lanes(const LaneCase& one, int n, std::size_t lanes,
-                            const RunOptions& options) {
+                            const RunOptions& options, const Registry& registry = standard()) {
   std::vector<std::unique_ptr<Engine>> engines;
   for (int k = 0; k < n; ++k) {
-    engines.push_back(std::make_unique<Engine>(scene_of(one.text(k)), options));
+    engines.push_back(
+        std::make_unique<Engine>(parse_scene(one.text(k), "test.toml", registry), options));
     EXPECT_EQ(engines.back()->why_not_in_lanes(), "") << one.name;
   }
   std::vector<Ended> ended(static_cast<std::size_t>(n));
@@ -216,7 +268,7 @@ TEST(LaneBatch, RunsHaveTheBitsOfSingleRuns) {
 }
 
 TEST(LaneBatch, AnyNumberOfLanesGivesTheSame) {
-  const LaneCase& one = lane_cases()[3];
+  const LaneCase& one = lane_case("rigid_ring");
   const RunOptions options = asked_for(one);
   constexpr int kReplicas = 8;
   std::vector<Ended> due;
@@ -248,14 +300,7 @@ TEST(LaneBatch, OnEveryInstructionSet) {
   }
 }
 
-/// A driver that runs away at a step of its own, in the middle of a block, and at the first of one.
-TEST(LaneBatch, ARunThatFailsStaysAsItWasAndDisturbsNoOther) {
-  const LaneCase one = {"failing", [](int k) {
-                          TipScene tip{.velocity = 0.3, .duration = 40.0};
-                          if (k % 3 == 1) tip.velocity = own(k, 300.0, 900.0);
-                          if (k == 4) tip.stiffness = 1e7;  // unstable at once
-                          return tip.text();
-                        }};
+void expect_failures_as_alone(const LaneCase& one) {
   const RunOptions options = asked_for(one);
   constexpr int kReplicas = 8;
   const std::vector<Ended> ended = in_lanes(one, kReplicas, kReplicas, options);
@@ -271,6 +316,21 @@ TEST(LaneBatch, ARunThatFailsStaysAsItWasAndDisturbsNoOther) {
   }
   EXPECT_GE(failed, 2);
   EXPECT_LT(failed, kReplicas);
+}
+
+/// A driver that runs away at a step of its own, in the middle of a block, and at the first of one.
+TEST(LaneBatch, ARunThatFailsStaysAsItWasAndDisturbsNoOther) {
+  const auto text = [](int k) {
+    TipScene tip{.velocity = 0.3, .duration = 40.0};
+    if (k % 3 == 1) tip.velocity = own(k, 300.0, 900.0);
+    if (k == 4) tip.stiffness = 1e7;  // unstable at once
+    return tip.text();
+  };
+  for (const LaneCase& one :
+       {LaneCase{"failing", text}, LaneCase{"failing_watched", text, kWatched},
+        LaneCase{"failing_loaded", [&](int k) { return with_load(text(k), k); }, kWatched}}) {
+    expect_failures_as_alone(one);
+  }
 }
 
 /// Samples of the energy balance are taken at the same steps, and lead to the same warnings.
@@ -331,7 +391,7 @@ TEST(LaneBatch, AnAdaptiveRunThatFailsDisturbsNoOther) {
 
 /// A run that was resumed goes into lanes, and one from lanes is resumed alone.
 TEST(LaneBatch, StatesAreThoseOfSingleRuns) {
-  const LaneCase& one = lane_cases()[2];
+  const LaneCase& one = lane_case("flexible_ring");
   const RunOptions options = asked_for(one);
   Engine half(scene_of(one.text(0)), options);
   half.advance(500);
@@ -348,7 +408,7 @@ TEST(LaneBatch, StatesAreThoseOfSingleRuns) {
 
 /// What the comparison above has to find: another replica's numbers, or a last digit.
 TEST(LaneBatch, ADifferenceIsSeen) {
-  const LaneCase& one = lane_cases()[0];
+  const LaneCase& one = lane_case("tip");
   const RunOptions options = asked_for(one);
   const std::vector<Ended> ended = in_lanes(one, 2, 2, options);
   EXPECT_NE(ended[0].state, ended[1].state);
@@ -365,8 +425,98 @@ TEST(LaneBatch, ADifferenceIsSeen) {
   EXPECT_FALSE(LaneBatch(like, 2).fits(differs));
 }
 
+/// A tip on a spring, damped, on a sinusoidal substrate has a kernel with all of it.
+TEST(LaneBatch, StepsOfATipAreTakenInRegisters) {
+  const auto block_of = [](const std::string& name) -> LaneBlock {
+    Engine engine(scene_of(lane_case(name).text(0)), asked_for(lane_case(name)));
+    const LaneBlockFinder find = engine.context().scheme.lane_block;
+    if (find == nullptr) return nullptr;
+    std::vector<Kernel<double>> forces;
+    for (const LaneCall& call : engine.model().assembly().lane_calls()) {
+      forces.push_back(call.form.kernel);
+    }
+    return find(engine.model().system(), forces);
+  };
+  for (const char* const name : {"tip", "tip_damped_first", "midpoint_tip", "watched_tip"}) {
+    EXPECT_NE(block_of(name), nullptr) << name;
+  }
+  EXPECT_NE(block_of("tip"), block_of("tip_damped_first"));
+  EXPECT_NE(block_of("tip"), block_of("midpoint_tip"));
+  for (const char* const name : {"loaded_tip", "adaptive_tip", "chain", "rigid_ring"}) {
+    EXPECT_EQ(block_of(name), nullptr) << name;
+  }
+}
+
+/// A kernel of steps in registers with a fault, which stands behind the sound one.
+using Spoil = bool (*)(const SystemView<double>& lanes, std::size_t steps, const LaneRows& rows,
+                       bool sound);
+
+LaneBlock& sound_block() {
+  static LaneBlock block = nullptr;
+  return block;
+}
+
+template <Spoil spoil>
+LaneBlock spoilt_block_of(const System<double>& run, std::span<const Kernel<double>> forces) {
+  sound_block() = standard().integrator("rk4")->lane_block(run, forces);
+  return [](const SystemView<double>& lanes, double h, std::size_t steps, const LaneRows& rows) {
+    return spoil(lanes, steps, rows, sound_block()(lanes, h, steps, rows));
+  };
+}
+
+bool last_digit(const SystemView<double>& lanes, std::size_t steps, const LaneRows& rows,
+                bool sound) {
+  double& velocity = rows.velocities[steps * lanes.dofs + 1];
+  velocity = std::nextafter(velocity, 1e9);
+  return sound;
+}
+bool integral_of_neighbour(const SystemView<double>&, std::size_t, const LaneRows& rows,
+                           bool sound) {
+  rows.integrals[1] = rows.integrals[0];
+  return sound;
+}
+bool force_of_neighbour(const SystemView<double>& lanes, std::size_t, const LaneRows& rows,
+                        bool sound) {
+  rows.rates[5 * lanes.rates + 1] = rows.rates[5 * lanes.rates];
+  return sound;
+}
+bool failure_unseen(const SystemView<double>&, std::size_t, const LaneRows&, bool) { return true; }
+
+Registry with_block(LaneBlockFinder finder) {
+  Registry registry;
+  for (const auto& body : standard().bodies()) registry.add(*body);
+  for (const auto& force : standard().forces()) registry.add(*force);
+  IntegratorRecord scheme = *standard().integrator("rk4");
+  scheme.lane_block = finder;
+  registry.add(std::move(scheme));
+  return registry;
+}
+
+TEST(LaneBatch, AFaultOfAKernelInRegistersIsSeen) {
+  const LaneCase& watched = lane_case("watched_tip");
+  const LaneCase failing = {"failing", [](int k) {
+                              TipScene tip{.velocity = 0.3, .duration = 40.0};
+                              if (k == 1) tip.velocity = 600.0;
+                              return tip.text();
+                            }};
+  struct Planted {
+    LaneBlockFinder finder;
+    const LaneCase& one;
+  };
+  for (const Planted& planted : {Planted{&spoilt_block_of<last_digit>, watched},
+                                 Planted{&spoilt_block_of<integral_of_neighbour>, watched},
+                                 Planted{&spoilt_block_of<force_of_neighbour>, watched},
+                                 Planted{&spoilt_block_of<failure_unseen>, failing}}) {
+    const RunOptions options = asked_for(planted.one);
+    const Registry registry = with_block(planted.finder);
+    const std::vector<Ended> ended = in_lanes(planted.one, 3, 3, options, registry);
+    EXPECT_EQ(ended[0].state, alone(planted.one, 0, options).state);
+    EXPECT_NE(ended[1].state, alone(planted.one, 1, options).state);
+  }
+}
+
 TEST(LaneBatch, StructuresThatDifferDoNotFit) {
-  const RunOptions options = asked_for(lane_cases()[0]);
+  const RunOptions options = asked_for(lane_case("tip"));
   RingScene ring;
   Engine like(scene_of(ring.text()), options);
   LaneBatch batch(like, 8);
@@ -394,7 +544,11 @@ TEST(LaneBatch, WhatARunTakesByItselfHasAReason) {
   };
   const std::vector<std::string> mean = {"driver.mean_force.x"};
   EXPECT_EQ(reason(TipScene{}.text(), mean), "");
-  EXPECT_NE(reason(TipScene{}.text(), {"events.slips"}), "");
+  EXPECT_EQ(reason(TipScene{}.text(), {"events.slips"}), "");
+  EXPECT_EQ(reason(with_load(TipScene{}.text(), 0), {"events.slips"}), "");
+  EXPECT_NE(reason(ring_of(0, "rigid"), {"events.slips"}), "");
+  EXPECT_NE(reason(TipScene{.integrator = adaptive(1e-8)}.text(), {"events.slips"}), "");
+  EXPECT_NE(reason(TipScene{}.text(), {"driver.force_deviation.x"}), "");
   EXPECT_EQ(reason(TipScene{.integrator = adaptive(1e-8)}.text(), mean), "");
   EXPECT_NE(reason(TipScene{.integrator = verlet(0.01)}.text(), mean), "");
   EXPECT_NE(reason(TipScene{.more = "number_type = \"float\"\n"}.text(), mean), "");
