@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -41,8 +43,9 @@ class Composition : public Integrator<Real> {
         hermite_(system.view.dofs, system.view.rates) {
     const std::size_t n = system.view.dofs;
     const std::size_t m = system.view.rates;
-    const std::size_t kinetic = system.view.kinetic_count;
-    memory_.assign(5 * (n + kGap) + 7 * (m + kGap) + kinetic + kGap, Real(0.0));
+    const std::size_t kinetic =
+        system.view.kinetic_count * std::max<std::size_t>(system.view.lanes, 1);
+    memory_.assign(6 * (n + kGap) + 7 * (m + kGap) + kinetic + kGap, Real(0.0));
     Real* next = memory_.data();
     const auto take = [&next](std::size_t count) {
       return std::exchange(next, next + count + kGap);
@@ -61,6 +64,11 @@ class Composition : public Integrator<Real> {
     arrays_.own_after = take(m);
     slopes_ = take(m);
     arrays_.half_step_energy = take(kinetic);
+    mass_ = take(n);
+    for (std::size_t i = 0; i < n; ++i) know_mass(i);
+    arrays_.mass = mass_;
+    ahead_.assign(system.view.lanes, 0);
+    arrays_.ahead = ahead_.data();
   }
 
   void declare(StateLayout& layout) override {
@@ -103,6 +111,24 @@ class Composition : public Integrator<Real> {
   const Real* first_rates() const override { return start_rates_; }
   void forces_changed() override { *started_ = 0; }
 
+  bool is_started() const override { return *started_ != 0; }
+  void put_lane(const LaneLayout& layout, std::size_t lane, RunState& run) override {
+    if constexpr (std::is_same_v<Real, double>) {
+      layout.coordinates.put(run.reals(name_ + ".force"), lane, layout.width, arrays_.force);
+      layout.rates.put(run.reals(name_ + ".rates"), lane, layout.width, arrays_.rates);
+      for (std::size_t i = lane; i < system_.view.dofs; i += layout.width) know_mass(i);
+      ahead_[lane] = static_cast<std::uint64_t>(run.integers(name_ + ".step")[0] - *step_);
+      *started_ = 1;
+    }
+  }
+  void get_lane(const LaneLayout& layout, std::size_t lane, RunState& run) const override {
+    if constexpr (std::is_same_v<Real, double>) {
+      layout.coordinates.get(arrays_.force, lane, layout.width, run.reals(name_ + ".force"));
+      layout.rates.get(arrays_.rates, lane, layout.width, run.reals(name_ + ".rates"));
+      run.integers(name_ + ".step")[0] = *step_ + static_cast<std::int64_t>(ahead_[lane]);
+    }
+  }
+
   void finish_dense_from(double) override {
     kernels_.slopes(system_.view, arrays_, acceleration_, slopes_);
   }
@@ -118,12 +144,19 @@ class Composition : public Integrator<Real> {
   static constexpr std::size_t kGap = 3 * kGroup;
   using Integrator<Real>::system_;
 
+  void know_mass(std::size_t i) {
+    const Real inverse = system_.view.inverse_mass[i];
+    mass_[i] = inverse > Real(0.0) ? Real(1.0) / inverse : Real(0.0);
+  }
+
   std::string name_;
   unsigned drifts_;
   const CompositionTable<Real>& kernels_;
   HermiteOutput<Real> hermite_;
   AlignedVector<Real> memory_;
   CompositionArrays<Real> arrays_;
+  std::vector<std::uint64_t> ahead_;
+  Real* mass_ = nullptr;
   Real* acceleration_ = nullptr;
   Real* start_rates_ = nullptr;
   Real* slopes_ = nullptr;  ///< rates for dense output, the operators' among them
@@ -149,6 +182,7 @@ IntegratorRecord composition_record() {
   record.name = Scheme::name;
   record.evaluations_per_step = Scheme::drifts;
   record.without_inertia = false;
+  record.in_lanes = true;
   record.make_description = &make_description<Description>;
   record.parameters = {parameter("dt", &Description::dt, dimension::time, "the step").in(positive)};
   record.stable_step = [](double frequency, double) {

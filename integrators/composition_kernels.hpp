@@ -24,8 +24,10 @@ struct CompositionArrays {
   Real* velocity_rest = nullptr;     ///< null unless compensated
   Real* own = nullptr;               ///< own variables at a stage
   Real* own_after = nullptr;         ///< those that operators change, after the last of their flows
-  Real* half_step_energy = nullptr;  ///< kinetic, of each KineticIntegral
+  Real* half_step_energy = nullptr;  ///< kinetic, of each KineticIntegral; in lanes, of each lane
+  const Real* mass = nullptr;        ///< zero where nothing moves
   std::uint64_t step = 0;            ///< number of the step
+  const std::uint64_t* ahead = nullptr;  ///< in lanes, see FlowStage
 };
 
 template <class Real>
@@ -73,6 +75,7 @@ struct CompositionKernels {
     stage.velocity_rest = w.velocity_rest;
     stage.own = w.own_after;
     stage.step = w.step;
+    stage.ahead = w.ahead;
     stage.part = part;
     stage.heat = s.friction_rate != kNoRate;
     return apply_flows(s, stage, half, part == 1);

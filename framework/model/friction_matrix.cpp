@@ -96,8 +96,8 @@ void FrictionMatrix<Real>::lay(const AssemblyPlan& plan, std::vector<AssembledBo
   for (const FrictionArguments<Real>& arguments : friction_) {
     const bool one = arguments.body.rigid;
     flows_.push_back({one ? table.flow_of_body : table.flow_of_particles,
-                      one ? table.drag_of_body : table.drag_of_particles, &arguments,
-                      arguments.key});
+                      one ? table.drag_of_body : table.drag_of_particles, &arguments, arguments.key,
+                      one ? table.body_in_lanes : table.particles_in_lanes});
   }
   view.flows = flows_.data();
   view.flow_count = flows_.size();
@@ -255,6 +255,11 @@ void FrictionMatrix<Real>::assign_noise(const AssemblyPlan& plan, const Assemble
   arguments.temperature = temperature.data();
   arguments.spread = new_array(arguments.length, Real(0.0)).data();
   arguments.normals = new_array(arguments.length, Real(0.0)).data();
+  if (slot.count > 1) return;
+  arguments.together = arguments.axes == 1 ? 2 * kGroup : kGroup;
+  arguments.drawn = new_array(kNoiseParts * kMostDrawn, Real(0.0)).data();
+  constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  arguments.drawn_for = drawn_for_.emplace_back(kNoiseParts, kNone).data();
 }
 
 /// Without inertia: schemes displace coordinates by noise themselves.
@@ -281,7 +286,9 @@ void FrictionMatrix<Real>::lay_noise(const AssemblyPlan& plan, SystemView<Real>&
               arguments.temperature == nullptr ? Real(0.0) : arguments.temperature[at]);
       }
     }
-    if (arguments.normals != nullptr) noises_.push_back({table.fill, &arguments, arguments.key});
+    if (arguments.normals == nullptr) continue;
+    noises_.push_back(
+        {table.fill, &arguments, arguments.key, slot.rigid ? nullptr : table.fill_in_lanes});
   }
   if (noises_.empty()) return;
   view.friction_rate = rate;

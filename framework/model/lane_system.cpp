@@ -53,7 +53,13 @@ std::size_t numbers_of(const LaneForm& form) {
 std::string LaneSystem::why_not(const Model& model) {
   const SystemView<double>& view = model.system().view;
   if (view.own_count > 0) return "forces have internal variables";
-  if (view.flow_count > 0) return "the integrator takes friction as an operator";
+  for (std::size_t k = 0; k < view.flow_count; ++k) {
+    if (view.flows[k].in_lanes == nullptr) return "an operator has no kernel over lanes";
+  }
+  for (std::size_t k = 0; k < view.noise_count; ++k) {
+    if (view.noises[k].in_lanes == nullptr) return "noise on a rigid body without inertia";
+  }
+  if (view.friction_rate != kNoRate) return "the ledger integrates heats";
   if (model.system().tangent != nullptr || model.system().elastic != nullptr) {
     return "the integrator needs derivatives of forces";
   }
@@ -89,8 +95,8 @@ LaneSystem::LaneSystem(const Model& first, std::size_t width)
     numbers += numbers_of(call.form);
     scratch += call.form.scratch + kGap;
   }
-  const std::size_t total = 5 * coordinates + rates + 3 * mapped + numbers + scratch;
-  memory_.assign(total * w + 12 * kGap, 0.0);
+  const std::size_t total = 7 * coordinates + rates + 3 * mapped + numbers + scratch;
+  memory_.assign(total * w + 14 * kGap, 0.0);
   SystemView<double>& view = system_.view;
   view.dofs = coordinates * w;
   view.rates = view.used_rates = rates * w;
@@ -104,9 +110,13 @@ LaneSystem::LaneSystem(const Model& first, std::size_t width)
   view.mapped_velocity = take(mapped);
   view.mapped_force = take(mapped);
   view.coordinates = one.coordinates * w;
+  view.lanes = w;
   view.inertial = one.inertial;
+  view.noise_scale = noise_scale_ = take(coordinates);
+  view.friction = friction_of_noise_ = take(coordinates);
   numbers_ = take(numbers);
   lay_calls();
+  lay_friction();
   view.operations = operations_.data();
   view.operation_count = operations_.size();
   system_.set = first.system().set;
@@ -194,6 +204,77 @@ void LaneSystem::lay_calls() {
   }
 }
 
+/// Flows, noises and kinetic energies of the system: those of one model, over all lanes.
+void LaneSystem::lay_friction() {
+  const std::size_t w = width();
+  const SystemView<double>& one = first_.system().view;
+  const auto rows = [this](std::size_t from, std::size_t length) {
+    return coordinates_before_[from + length] - coordinates_before_[from];
+  };
+  const auto add = [&](const void* of_one) -> const FrictionLanes* {
+    const auto& like = *static_cast<const FrictionArguments<double>*>(of_one);
+    const std::size_t from = like.body.rigid ? like.body.centre : like.body.offset;
+    const std::size_t length = like.body.rigid ? kGroup : like.length;
+    return &friction_.emplace_back(like, w, coordinates_before_[from], rows(from, length)).lanes;
+  };
+  for (std::size_t k = 0; k < one.flow_count; ++k) {
+    Flow<double>& flow = flows_.emplace_back();
+    flow.run = one.flows[k].in_lanes;
+    flow.arguments = add(one.flows[k].arguments);
+  }
+  for (std::size_t k = 0; k < one.noise_count; ++k) {
+    Noise<double>& noise = noises_.emplace_back();
+    noise.fill = one.noises[k].in_lanes;
+    noise.arguments = add(one.noises[k].arguments);
+  }
+  const KineticIntegral* next = one.kinetic;
+  for (const Model::Body& body : first_.bodies()) {
+    if (body.kinetic_rate == kNoRate) continue;
+    const std::size_t all = rows(next->first, next->length);
+    kinetic_.push_back({coordinates_before_[next->first] * w, all * w,
+                        static_cast<std::ptrdiff_t>(rates_before_[next->rate] * w),
+                        body.bound.slot.rigid ? all : body.bound.slot.count});
+    ++next;
+  }
+  SystemView<double>& view = system_.view;
+  view.flows = flows_.data();
+  view.flow_count = flows_.size();
+  view.noises = noises_.data();
+  view.noise_count = noises_.size();
+  view.kinetic = kinetic_.data();
+  view.kinetic_count = kinetic_.size();
+}
+
+LaneSystem::Friction::Friction(const FrictionArguments<double>& like, std::size_t width,
+                               std::size_t first, std::size_t rows)
+    : run(width, &like),
+      is_new(width, 1),
+      keep(rows * width, 0.0),
+      loss(rows * width, 0.0),
+      spread(rows * width, 0.0),
+      next(kNoiseParts * width, 0) {
+  lanes.width = width;
+  lanes.first = first;
+  lanes.rows = rows;
+  lanes.noisy = like.temperature != nullptr;
+  lanes.together = like.together;
+  lanes.run = run.data();
+  lanes.any_new = &any_new;
+  lanes.is_new = is_new.data();
+  lanes.keep = keep.data();
+  lanes.loss = loss.data();
+  lanes.spread = spread.data();
+  if (lanes.noisy) normals.assign(kNoiseParts * (like.together + 1) * rows * width, 0.0);
+  lanes.normals = normals.data();
+  lanes.next = next.data();
+}
+
+void LaneSystem::Friction::put(std::size_t lane, const void* arguments) {
+  run[lane] = static_cast<const FrictionArguments<double>*>(arguments);
+  is_new[lane] = 1;
+  any_new = true;
+}
+
 bool LaneSystem::fits(const Model& model) const {
   const std::vector<LaneCall>& one = first_.assembly().lane_calls();
   const std::vector<LaneCall>& other = model.assembly().lane_calls();
@@ -212,6 +293,22 @@ bool LaneSystem::fits(const Model& model) const {
                         return length(some) == length(others);
                       });
   };
+  const auto same_friction = [](const void* x, const void* y) {
+    const auto& of_one = *static_cast<const FrictionArguments<double>*>(x);
+    const auto& of_other = *static_cast<const FrictionArguments<double>*>(y);
+    return structure_of(of_one.body, kNoRate) == structure_of(of_other.body, kNoRate) &&
+           (of_one.temperature == nullptr) == (of_other.temperature == nullptr);
+  };
+  if (a.flow_count != b.flow_count || a.noise_count != b.noise_count ||
+      a.kinetic_count != b.kinetic_count) {
+    return false;
+  }
+  for (std::size_t k = 0; k < a.flow_count; ++k) {
+    if (!same_friction(a.flows[k].arguments, b.flows[k].arguments)) return false;
+  }
+  for (std::size_t k = 0; k < a.noise_count; ++k) {
+    if (!same_friction(a.noises[k].arguments, b.noises[k].arguments)) return false;
+  }
   return a.dofs == b.dofs && a.used_rates == b.used_rates && a.own == b.own &&
          a.inertial == b.inertial && first_.system().set == model.system().set &&
          first_.assembly().mapped_size() == model.assembly().mapped_size() &&
@@ -233,6 +330,14 @@ void LaneSystem::put(std::size_t lane, const Model& model) {
   layout_.rates.put(from.integrals, lane, width(), view.integrals);
   mapped_.put(from.mapped_position, lane, width(), view.mapped_position);
   mapped_.put(from.mapped_velocity, lane, width(), view.mapped_velocity);
+  for (std::size_t k = 0; k < from.flow_count; ++k) friction_[k].put(lane, from.flows[k].arguments);
+  for (std::size_t k = 0; k < from.noise_count; ++k) {
+    friction_[k].put(lane, from.noises[k].arguments);
+  }
+  if (from.noise_count > 0) {
+    layout_.coordinates.put(from.noise_scale, lane, width(), noise_scale_);
+    layout_.coordinates.put(from.friction, lane, width(), friction_of_noise_);
+  }
   const std::size_t w = width();
   double* to = numbers_ + lane;
   std::size_t place = lane;  // among travels
