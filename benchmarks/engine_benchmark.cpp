@@ -9,8 +9,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "framework/core/elements/kernel_tables.hpp"
-#include "framework/model/friction_kernels.hpp"
+#include "framework/model/friction_tables.hpp"
 #include "framework/model/single_force.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/run/lane_batch.hpp"
@@ -21,8 +20,6 @@
 #include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/point_run.hpp"
 #include "framework/study/sweep/runner.hpp"
-
-TOMLIN_DECLARE_TABLES(FrictionKernels, FrictionTable)
 
 namespace {
 
@@ -547,7 +544,7 @@ void BM_normals(benchmark::State& state) {
   AlignedVector<double> normals((kTogether + 1) * kTips, 0.0);
   AlignedVector<double> numbers(kTips, 0.0);
   std::vector<std::uint64_t> next(kTips, 0);
-  const std::vector<std::uint64_t> ahead(kTips, 0);
+  std::vector<std::uint64_t> ahead(kTips, 0);
   bool any_new = false;
   FrictionLanes lanes;
   lanes.width = kTips;
@@ -556,14 +553,13 @@ void BM_normals(benchmark::State& state) {
   lanes.together = kTogether;
   lanes.run = run.data();
   lanes.any_new = &any_new;
+  lanes.ahead = ahead.data();
   lanes.normals = normals.data();
   lanes.next = next.data();
   const auto& table = kernels::FrictionKernels.on<double>(chosen_instruction_set());
-  FlowStage<double> stage;
-  stage.ahead = ahead.data();
+  std::uint64_t step = 0;
   for (auto _ : state) {
-    table.fill_in_lanes(&lanes, stage, numbers.data());
-    ++stage.step;
+    table.fill_in_lanes(&lanes, {}, step++, numbers.data());
     benchmark::ClobberMemory();
   }
   state.counters["s_per_step"] =

@@ -52,7 +52,6 @@ class Brownian : public Integrator<Real> {
     start_rates_ = take(m);
     arrays_.own = take(system.view.own);
     arrays_.noise = displacements_;
-    ahead_.assign(system.view.lanes, 0);
   }
 
   void declare(StateLayout& layout) override {
@@ -100,7 +99,8 @@ class Brownian : public Integrator<Real> {
     if constexpr (std::is_same_v<Real, double>) {
       layout.coordinates.put(run.reals(name_ + ".slope"), lane, layout.width, arrays_.slope);
       layout.rates.put(run.reals(name_ + ".rates"), lane, layout.width, arrays_.rates);
-      ahead_[lane] = static_cast<std::uint64_t>(run.integers(name_ + ".step")[0] - *step_);
+      ahead_.resize(layout.width, 0);
+      ahead_[lane] = *run.integers(name_ + ".step") - *step_;
       *started_ = 1;
       known_ = kNone;
     }
@@ -109,7 +109,7 @@ class Brownian : public Integrator<Real> {
     if constexpr (std::is_same_v<Real, double>) {
       layout.coordinates.get(arrays_.slope, lane, layout.width, run.reals(name_ + ".slope"));
       layout.rates.get(arrays_.rates, lane, layout.width, run.reals(name_ + ".rates"));
-      run.integers(name_ + ".step")[0] = *step_ + static_cast<std::int64_t>(ahead_[lane]);
+      *run.integers(name_ + ".step") = *step_ + ahead_[lane];
     }
   }
 
@@ -125,13 +125,9 @@ class Brownian : public Integrator<Real> {
   using Integrator<Real>::system_;
 
   void fill(std::uint64_t step, Real* numbers) {
-    FlowStage<Real> stage;
-    stage.step = step;
-    stage.ahead = ahead_.data();
     for (std::size_t k = 0; k < system_.view.noise_count; ++k) {
       const Noise<Real>& noise = system_.view.noises[k];
-      stage.key = noise.key;
-      noise.fill(noise.arguments, stage, numbers);
+      noise.fill(noise.arguments, noise.key, step, numbers);
     }
   }
 
@@ -167,8 +163,8 @@ class Brownian : public Integrator<Real> {
   std::uint64_t known_ = kNone;  ///< the step whose numbers next_step_ has
   Real* start_rates_ = nullptr;
   std::int64_t* started_ = nullptr;
-  std::int64_t* step_ = nullptr;      ///< so many have been taken
-  std::vector<std::uint64_t> ahead_;  ///< of replicas in lanes, see FlowStage
+  std::int64_t* step_ = nullptr;     ///< so many have been taken
+  std::vector<std::int64_t> ahead_;  ///< steps of each replica in lanes, less those in lanes
   double last_ = 0.0;
 };
 

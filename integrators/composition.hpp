@@ -43,8 +43,7 @@ class Composition : public Integrator<Real> {
         hermite_(system.view.dofs, system.view.rates) {
     const std::size_t n = system.view.dofs;
     const std::size_t m = system.view.rates;
-    const std::size_t kinetic =
-        system.view.kinetic_count * std::max<std::size_t>(system.view.lanes, 1);
+    const std::size_t kinetic = system.view.kinetic_count;
     memory_.assign(6 * (n + kGap) + 7 * (m + kGap) + kinetic + kGap, Real(0.0));
     Real* next = memory_.data();
     const auto take = [&next](std::size_t count) {
@@ -67,8 +66,6 @@ class Composition : public Integrator<Real> {
     mass_ = take(n);
     for (std::size_t i = 0; i < n; ++i) know_mass(i);
     arrays_.mass = mass_;
-    ahead_.assign(system.view.lanes, 0);
-    arrays_.ahead = ahead_.data();
   }
 
   void declare(StateLayout& layout) override {
@@ -114,18 +111,23 @@ class Composition : public Integrator<Real> {
   bool is_started() const override { return *started_ != 0; }
   void put_lane(const LaneLayout& layout, std::size_t lane, RunState& run) override {
     if constexpr (std::is_same_v<Real, double>) {
-      layout.coordinates.put(run.reals(name_ + ".force"), lane, layout.width, arrays_.force);
-      layout.rates.put(run.reals(name_ + ".rates"), lane, layout.width, arrays_.rates);
+      if (lanes_.empty()) begin_lanes(layout);
+      Lane& own = lanes_[lane];
+      own = {run.reals(name_ + ".force"), run.reals(name_ + ".rates"),
+             run.integers(name_ + ".step")};
+      own.ahead = *own.step - *step_;
+      layout.coordinates.put(own.force, lane, layout.width, arrays_.force);
+      layout.rates.put(own.rates, lane, layout.width, arrays_.rates);
       for (std::size_t i = lane; i < system_.view.dofs; i += layout.width) know_mass(i);
-      ahead_[lane] = static_cast<std::uint64_t>(run.integers(name_ + ".step")[0] - *step_);
       *started_ = 1;
     }
   }
-  void get_lane(const LaneLayout& layout, std::size_t lane, RunState& run) const override {
+  void get_lane(const LaneLayout& layout, std::size_t lane, RunState&) const override {
     if constexpr (std::is_same_v<Real, double>) {
-      layout.coordinates.get(arrays_.force, lane, layout.width, run.reals(name_ + ".force"));
-      layout.rates.get(arrays_.rates, lane, layout.width, run.reals(name_ + ".rates"));
-      run.integers(name_ + ".step")[0] = *step_ + static_cast<std::int64_t>(ahead_[lane]);
+      const Lane& own = lanes_[lane];
+      layout.coordinates.get(arrays_.force, lane, layout.width, own.force);
+      layout.rates.get(arrays_.rates, lane, layout.width, own.rates);
+      *own.step = *step_ + own.ahead;
     }
   }
 
@@ -144,6 +146,23 @@ class Composition : public Integrator<Real> {
   static constexpr std::size_t kGap = 3 * kGroup;
   using Integrator<Real>::system_;
 
+  /// A run in a lane: its numbers between steps, and how many more steps it has taken than the
+  /// lanes.
+  struct Lane {
+    double* force = nullptr;
+    double* rates = nullptr;
+    std::int64_t* step = nullptr;
+    std::int64_t ahead = 0;
+  };
+
+  void begin_lanes(const LaneLayout& layout) {
+    lanes_.resize(layout.width);
+    energies_.assign(system_.view.kinetic_count * layout.width, Real(0.0));
+    arrays_.lanes = layout.width;
+    arrays_.places = layout.coordinates.from.data();
+    arrays_.half_step_energy = energies_.data();
+  }
+
   void know_mass(std::size_t i) {
     const Real inverse = system_.view.inverse_mass[i];
     mass_[i] = inverse > Real(0.0) ? Real(1.0) / inverse : Real(0.0);
@@ -155,7 +174,8 @@ class Composition : public Integrator<Real> {
   HermiteOutput<Real> hermite_;
   AlignedVector<Real> memory_;
   CompositionArrays<Real> arrays_;
-  std::vector<std::uint64_t> ahead_;
+  std::vector<Lane> lanes_;
+  AlignedVector<Real> energies_;
   Real* mass_ = nullptr;
   Real* acceleration_ = nullptr;
   Real* start_rates_ = nullptr;

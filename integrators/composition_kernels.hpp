@@ -27,7 +27,9 @@ struct CompositionArrays {
   Real* half_step_energy = nullptr;  ///< kinetic, of each KineticIntegral; in lanes, of each lane
   const Real* mass = nullptr;        ///< zero where nothing moves
   std::uint64_t step = 0;            ///< number of the step
-  const std::uint64_t* ahead = nullptr;  ///< in lanes, see FlowStage
+  // Of replicas in lanes (lanes.hpp).
+  std::size_t lanes = 0;                ///< none: of one run
+  const std::size_t* places = nullptr;  ///< where coordinates stand in the arrays of one run
 };
 
 template <class Real>
@@ -75,7 +77,6 @@ struct CompositionKernels {
     stage.velocity_rest = w.velocity_rest;
     stage.own = w.own_after;
     stage.step = w.step;
-    stage.ahead = w.ahead;
     stage.part = part;
     stage.heat = s.friction_rate != kNoRate;
     return apply_flows(s, stage, half, part == 1);

@@ -46,35 +46,30 @@ struct LangevinKernels : CompositionKernels<VerletScheme> {
     return Real(0.5) * sum(total);
   }
 
-  /// The same of eight replicas, from `lane` on.
+  /// The same of eight replicas, from `lane` on, by the same rule of sums.
   TOMLIN_INLINE static Pack kinetic_energy_in_lanes(const CompositionArrays<double>& w,
-                                                    const KineticIntegral& body, std::size_t lanes,
-                                                    std::size_t lane) {
+                                                    const KineticIntegral& body, std::size_t lane) {
     LaneSum total;
-    std::size_t particle = 0;
-    for (std::size_t i = lane; i < body.length; i += lanes) {
-      const Pack v = Pack::load(w.velocity + body.first + i);
-      total.add(particle, v * v * Pack::load(w.mass + body.first + i));
-      particle = particle + 1 < body.row ? particle + 1 : 0;
+    const std::size_t* place = w.places + body.first / w.lanes;
+    for (std::size_t i = body.first + lane; i < body.first + body.length; i += w.lanes) {
+      const Pack v = Pack::load(w.velocity + i);
+      total.add(*place++, v * v * Pack::load(w.mass + i));
     }
-    return Pack(0.5) * total.total(body.row);
+    return Pack(0.5) * total.total(body.length / w.lanes);
   }
 
   /// Half of the kinetic energies at this moment: the first of two, or added to it.
   template <class Real>
   TOMLIN_INLINE static void keep_energies(const SystemView<Real>& s,
                                           const CompositionArrays<Real>& w, bool first) {
-    if constexpr (std::is_same_v<Real, double>) {
-      for (std::size_t k = 0; k < s.kinetic_count && s.lanes > 0; ++k) {
-        double* const energies = w.half_step_energy + k * s.lanes;
-        for (std::size_t lane = 0; lane < s.lanes; lane += kGroup) {
-          const Pack half = Pack(0.5) * kinetic_energy_in_lanes(w, s.kinetic[k], s.lanes, lane);
-          put_lanes(first, energies + lane, half);
+    for (std::size_t k = 0; k < s.kinetic_count; ++k) {
+      if constexpr (std::is_same_v<Real, double>) {
+        for (std::size_t lane = 0; lane < w.lanes; lane += kGroup) {
+          put_lanes(first, w.half_step_energy + k * w.lanes + lane,
+                    Pack(0.5) * kinetic_energy_in_lanes(w, s.kinetic[k], lane));
         }
       }
-      if (s.lanes > 0) return;
-    }
-    for (std::size_t k = 0; k < s.kinetic_count; ++k) {
+      if (w.lanes > 0) continue;
       const Real half = Real(0.5) * kinetic_energy(w, s.kinetic[k]);
       w.half_step_energy[k] = first ? half : w.half_step_energy[k] + half;
     }
@@ -85,13 +80,14 @@ struct LangevinKernels : CompositionKernels<VerletScheme> {
                                          const CompositionArrays<Real>& w, Real h) {
     for (std::size_t k = 0; k < s.kinetic_count; ++k) {
       const auto rate = static_cast<std::size_t>(s.kinetic[k].rate);
-      if (s.lanes == 0) add_one(s.integrals, s.integrals_rest, rate, h * w.half_step_energy[k]);
       if constexpr (std::is_same_v<Real, double>) {
-        for (std::size_t lane = 0; lane < s.lanes; lane += kGroup) {
-          const Pack energy = Pack::load(w.half_step_energy + k * s.lanes + lane);
+        for (std::size_t lane = 0; lane < w.lanes; lane += kGroup) {
+          const Pack energy = Pack::load(w.half_step_energy + k * w.lanes + lane);
           put_lanes(false, s.integrals + rate + lane, Pack(h) * energy);
         }
       }
+      if (w.lanes > 0) continue;
+      add_one(s.integrals, s.integrals_rest, rate, h * w.half_step_energy[k]);
     }
   }
 
@@ -117,7 +113,6 @@ struct LangevinKernels : CompositionKernels<VerletScheme> {
     middle.velocity_rest = w.velocity_rest;
     middle.own = w.own_after;
     middle.step = w.step;
-    middle.ahead = w.ahead;
     middle.heat = s.friction_rate != kNoRate;
     middle.midpoint = midpoint;
     keep_energies(s, w, true);

@@ -85,6 +85,7 @@ struct FrictionLanes {
   // What follows from those, once they are new.
   bool* any_new = nullptr;
   unsigned char* is_new = nullptr;  ///< of each replica
+  std::uint64_t* ahead = nullptr;   ///< where it is new: its step; then by how much that is ahead
   double* keep = nullptr;
   double* loss = nullptr;
   double* spread = nullptr;
@@ -114,11 +115,12 @@ struct FrictionTable {
   Kernel<Real> mobility = nullptr;
   Kernel<Real> drift_heat = nullptr;
   /// The body's part of Noise.
-  void (*fill)(const void* arguments, const FlowStage<Real>& stage, Real* numbers) = nullptr;
+  void (*fill)(const void* arguments, const RandomKey& key, std::uint64_t step,
+               Real* numbers) = nullptr;
   // The same over replicas; of double.
   Real (*particles_in_lanes)(const void* arguments, const FlowStage<Real>& stage, Real h) = nullptr;
   Real (*body_in_lanes)(const void* arguments, const FlowStage<Real>& stage, Real h) = nullptr;
-  void (*fill_in_lanes)(const void* arguments, const FlowStage<Real>& stage,
+  void (*fill_in_lanes)(const void* arguments, const RandomKey& key, std::uint64_t step,
                         Real* numbers) = nullptr;
 };
 
@@ -256,12 +258,13 @@ struct FrictionKernels {
   /// Of a single particle: the numbers that this step shares, axis d of the first step at [d *
   /// kGroup].
   template <class Real>
-  TOMLIN_INLINE static const Real* drawn_with(const FrictionArguments<Real>& a, std::uint64_t step,
+  TOMLIN_INLINE static const Real* drawn_with(const FrictionArguments<Real>& a,
+                                              const RandomKey& key, std::uint64_t step,
                                               std::uint64_t part) {
     Real* const drawn = a.drawn + part * kMostDrawn;
     if (a.drawn_for[part] != step / a.together) {
       a.drawn_for[part] = step / a.together;
-      fill_normals(a.key, {a.drawn_for[part], part, 0, 0},
+      fill_normals(key, {a.drawn_for[part], part, 0, 0},
                    std::max<std::size_t>(a.length, 2 * kGroup), kGroup, drawn);
     }
     return drawn;
@@ -269,13 +272,13 @@ struct FrictionKernels {
 
   /// The numbers of a step, in the order of the particles' arrays.
   template <class Real>
-  TOMLIN_INLINE static void draw(const FrictionArguments<Real>& a, std::uint64_t step,
-                                 std::uint64_t part, Real* numbers) {
+  TOMLIN_INLINE static void draw(const FrictionArguments<Real>& a, const RandomKey& key,
+                                 std::uint64_t step, std::uint64_t part, Real* numbers) {
     if (a.together == 1) {
-      fill_normals(a.key, {step, part, 0, 0}, a.length, a.body.count, numbers);
+      fill_normals(key, {step, part, 0, 0}, a.length, a.body.count, numbers);
       return;
     }
-    const Real* const drawn = drawn_with(a, step, part) + step % a.together;
+    const Real* const drawn = drawn_with(a, key, step, part) + step % a.together;
     for (std::size_t at = 0; at < a.length; at += kGroup) numbers[at] = drawn[at];
   }
 
@@ -289,7 +292,7 @@ struct FrictionKernels {
     Real* rest = stage.velocity_rest == nullptr ? nullptr : stage.velocity_rest + a.body.offset;
     const bool heats = stage.heat;
     know(a, h, stage.midpoint);
-    if (a.temperature != nullptr) draw(a, stage.step, stage.part, a.normals);
+    if (a.temperature != nullptr) draw(a, stage.key, stage.step, stage.part, a.normals);
     const Group none(Real(0.0));
     Group heat = none;
     for (std::size_t i = 0; i < a.length; i += kGroup) {
@@ -447,13 +450,13 @@ struct FrictionKernels {
   }
 
   template <class Real>
-  TOMLIN_FLATTEN static void fill(const void* arguments, const FlowStage<Real>& stage,
+  TOMLIN_FLATTEN static void fill(const void* arguments, const RandomKey& key, std::uint64_t step,
                                   Real* numbers) {
     const FrictionArguments<Real>& a = *static_cast<const FrictionArguments<Real>*>(arguments);
     if (a.body.rigid) {
-      fill_normals(a.key, {stage.step, stage.part, 0, 0}, kGroup, 3, numbers + a.body.centre);
+      fill_normals(key, {step, 0, 0, 0}, kGroup, 3, numbers + a.body.centre);
     } else {
-      draw(a, stage.step, stage.part, numbers + a.body.offset);
+      draw(a, key, step, 0, numbers + a.body.offset);
     }
   }
 
@@ -464,12 +467,14 @@ struct FrictionKernels {
     return row / a.body.count * a.body.stride + row % a.body.count;
   }
 
-  /// Replicas that are new begin with the step that is next. With friction, over h.
-  TOMLIN_INLINE static void take_new(const FrictionLanes& l, double h, bool midpoint) {
+  /// Replicas that are new begin with this step. With friction, over h.
+  TOMLIN_INLINE static void take_new(const FrictionLanes& l, std::uint64_t step, double h,
+                                     bool midpoint) {
     if (!*l.any_new) return;
     for (std::size_t w = 0; w < l.width; ++w) {
       if (l.is_new[w] == 0) continue;
       l.is_new[w] = 0;
+      l.ahead[w] -= step;
       for (std::size_t part = 0; part < kNoiseParts; ++part) l.next[part * l.width + w] = 0;
       if (!(h > 0.0)) continue;
       const FrictionArguments<double>& a = *l.run[w];
@@ -492,12 +497,12 @@ struct FrictionKernels {
     const std::size_t kept = l.together + 1;
     std::size_t at = step % kept;
     if (l.together == 1) {
-      draw(a, own, part, a.normals);
+      draw(a, a.key, own, part, a.normals);
       double* const to = normals + at * l.rows * l.width + w;
       for (std::size_t r = 0; r < l.rows; ++r) to[r * l.width] = a.normals[at_row(a, r)];
       return 1;
     }
-    const double* const drawn = drawn_with(a, own, part);
+    const double* const drawn = drawn_with(a, a.key, own, part);
     const std::size_t from = own % l.together;
     for (std::size_t k = from; k < l.together; ++k, at = at + 1 < kept ? at + 1 : 0) {
       double* const to = normals + at * l.rows * l.width + w;
@@ -507,26 +512,25 @@ struct FrictionKernels {
   }
 
   /// The numbers of a step, [row][replica].
-  TOMLIN_INLINE static const double* draw_in_lanes(const FrictionLanes& l,
-                                                   const FlowStage<double>& stage) {
+  TOMLIN_INLINE static const double* draw_in_lanes(const FrictionLanes& l, std::uint64_t step,
+                                                   std::uint64_t part) {
     const std::size_t kept = l.together + 1;
-    std::uint64_t* const next = l.next + stage.part * l.width;
-    double* const normals = l.normals + stage.part * kept * l.rows * l.width;
+    std::uint64_t* const next = l.next + part * l.width;
+    double* const normals = l.normals + part * kept * l.rows * l.width;
     bool due = false;
-    for (std::size_t w = 0; w < l.width; ++w) due |= next[w] <= stage.step;
+    for (std::size_t w = 0; w < l.width; ++w) due |= next[w] <= step;
     for (std::size_t w = 0; due && w < l.width; ++w) {
-      if (next[w] > stage.step) continue;
-      const std::uint64_t own = stage.step + stage.ahead[w];
-      next[w] = stage.step + draw_one(l, w, stage.step, own, stage.part, normals);
+      if (next[w] > step) continue;
+      next[w] = step + draw_one(l, w, step, step + l.ahead[w], part, normals);
     }
-    return normals + stage.step % kept * l.rows * l.width;
+    return normals + step % kept * l.rows * l.width;
   }
 
   TOMLIN_FLATTEN static double particles_in_lanes(const void* arguments,
                                                   const FlowStage<double>& stage, double h) {
     const FrictionLanes l = *static_cast<const FrictionLanes*>(arguments);
-    take_new(l, h, stage.midpoint);
-    const double* const normals = l.noisy ? draw_in_lanes(l, stage) : nullptr;
+    take_new(l, stage.step, h, stage.midpoint);
+    const double* const normals = l.noisy ? draw_in_lanes(l, stage.step, stage.part) : nullptr;
     double* const v = stage.velocity + l.first * l.width;
     for (std::size_t i = 0; i < l.rows * l.width; i += kGroup) {
       decay<double>(v, nullptr, i, Pack::load(l.keep + i), Pack::load(l.loss + i));
@@ -540,6 +544,7 @@ struct FrictionKernels {
   TOMLIN_FLATTEN static double body_in_lanes(const void* arguments, const FlowStage<double>& stage,
                                              double h) {
     const FrictionLanes l = *static_cast<const FrictionLanes*>(arguments);
+    take_new(l, stage.step, 0.0, false);
     for (std::size_t w = 0; w < l.width; ++w) {
       FrictionArguments<double> a = *l.run[w];
       a.body.centre = 0;
@@ -553,7 +558,7 @@ struct FrictionKernels {
       one.position = position;
       one.velocity = velocity;
       one.key = a.key;
-      one.step = stage.step + stage.ahead[w];
+      one.step = stage.step + l.ahead[w];
       flow_of_body<double>(&a, one, h);
       for (std::size_t r = 0; r < l.rows; ++r) {
         stage.velocity[(l.first + r) * l.width + w] = velocity[r];
@@ -562,11 +567,11 @@ struct FrictionKernels {
     return 0.0;
   }
 
-  TOMLIN_FLATTEN static void fill_in_lanes(const void* arguments, const FlowStage<double>& stage,
-                                           double* numbers) {
+  TOMLIN_FLATTEN static void fill_in_lanes(const void* arguments, const RandomKey&,
+                                           std::uint64_t step, double* numbers) {
     const FrictionLanes l = *static_cast<const FrictionLanes*>(arguments);
-    take_new(l, 0.0, false);
-    const double* const normals = draw_in_lanes(l, stage);
+    take_new(l, step, 0.0, false);
+    const double* const normals = draw_in_lanes(l, step, 0);
     std::copy(normals, normals + l.rows * l.width, numbers + l.first * l.width);
   }
 

@@ -8,12 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/elements/kernel_tables.hpp"
 #include "framework/core/numbers/constants.hpp"
 #include "framework/core/numbers/random.hpp"
 #include "framework/core/numbers/sum.hpp"
-
-TOMLIN_DECLARE_TABLES(FrictionKernels, FrictionTable)
+#include "framework/model/friction_tables.hpp"
 
 namespace tomlin {
 namespace {
@@ -96,8 +94,8 @@ void FrictionMatrix<Real>::lay(const AssemblyPlan& plan, std::vector<AssembledBo
   for (const FrictionArguments<Real>& arguments : friction_) {
     const bool one = arguments.body.rigid;
     flows_.push_back({one ? table.flow_of_body : table.flow_of_particles,
-                      one ? table.drag_of_body : table.drag_of_particles, &arguments, arguments.key,
-                      one ? table.body_in_lanes : table.particles_in_lanes});
+                      one ? table.drag_of_body : table.drag_of_particles, &arguments,
+                      arguments.key});
   }
   view.flows = flows_.data();
   view.flow_count = flows_.size();
@@ -286,9 +284,7 @@ void FrictionMatrix<Real>::lay_noise(const AssemblyPlan& plan, SystemView<Real>&
               arguments.temperature == nullptr ? Real(0.0) : arguments.temperature[at]);
       }
     }
-    if (arguments.normals == nullptr) continue;
-    noises_.push_back(
-        {table.fill, &arguments, arguments.key, slot.rigid ? nullptr : table.fill_in_lanes});
+    if (arguments.normals != nullptr) noises_.push_back({table.fill, &arguments, arguments.key});
   }
   if (noises_.empty()) return;
   view.friction_rate = rate;

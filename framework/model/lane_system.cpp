@@ -9,6 +9,7 @@
 
 #include "framework/core/elements/kernel_tables.hpp"
 #include "framework/core/elements/site_force.hpp"
+#include "framework/model/friction_tables.hpp"
 
 TOMLIN_DECLARE_DOUBLE_TABLES(TravelKernels, TravelTable)
 
@@ -42,6 +43,19 @@ std::vector<std::size_t> counted(LaneMap& map, std::size_t size) {
   return before;
 }
 
+const FrictionTable<double>& friction_table(const Model& model) {
+  return kernels::FrictionKernels.on<double>(model.system().set);
+}
+
+/// The kernel over lanes of one of a model's flows; null: it has none.
+auto flow_in_lanes(const Model& model, std::size_t k) -> decltype(Flow<double>::run) {
+  const FrictionTable<double>& table = friction_table(model);
+  const Flow<double>& flow = model.system().view.flows[k];
+  if (flow.run == table.flow_of_particles) return table.particles_in_lanes;
+  if (flow.run == table.flow_of_body) return table.body_in_lanes;
+  return nullptr;
+}
+
 std::size_t numbers_of(const LaneForm& form) {
   std::size_t total = 0;
   for (const auto& some : form.numbers) total += some.size();
@@ -54,10 +68,7 @@ std::string LaneSystem::why_not(const Model& model) {
   const SystemView<double>& view = model.system().view;
   if (view.own_count > 0) return "forces have internal variables";
   for (std::size_t k = 0; k < view.flow_count; ++k) {
-    if (view.flows[k].in_lanes == nullptr) return "an operator has no kernel over lanes";
-  }
-  for (std::size_t k = 0; k < view.noise_count; ++k) {
-    if (view.noises[k].in_lanes == nullptr) return "noise on a rigid body without inertia";
+    if (flow_in_lanes(model, k) == nullptr) return "an operator has no kernel over lanes";
   }
   if (view.friction_rate != kNoRate) return "the ledger integrates heats";
   if (model.system().tangent != nullptr || model.system().elastic != nullptr) {
@@ -110,7 +121,6 @@ LaneSystem::LaneSystem(const Model& first, std::size_t width)
   view.mapped_velocity = take(mapped);
   view.mapped_force = take(mapped);
   view.coordinates = one.coordinates * w;
-  view.lanes = w;
   view.inertial = one.inertial;
   view.noise_scale = noise_scale_ = take(coordinates);
   view.friction = friction_of_noise_ = take(coordinates);
@@ -219,22 +229,18 @@ void LaneSystem::lay_friction() {
   };
   for (std::size_t k = 0; k < one.flow_count; ++k) {
     Flow<double>& flow = flows_.emplace_back();
-    flow.run = one.flows[k].in_lanes;
+    flow.run = flow_in_lanes(first_, k);
     flow.arguments = add(one.flows[k].arguments);
   }
   for (std::size_t k = 0; k < one.noise_count; ++k) {
     Noise<double>& noise = noises_.emplace_back();
-    noise.fill = one.noises[k].in_lanes;
+    noise.fill = friction_table(first_).fill_in_lanes;
     noise.arguments = add(one.noises[k].arguments);
   }
-  const KineticIntegral* next = one.kinetic;
-  for (const Model::Body& body : first_.bodies()) {
-    if (body.kinetic_rate == kNoRate) continue;
-    const std::size_t all = rows(next->first, next->length);
-    kinetic_.push_back({coordinates_before_[next->first] * w, all * w,
-                        static_cast<std::ptrdiff_t>(rates_before_[next->rate] * w),
-                        body.bound.slot.rigid ? all : body.bound.slot.count});
-    ++next;
+  for (std::size_t k = 0; k < one.kinetic_count; ++k) {
+    const KineticIntegral& body = one.kinetic[k];
+    kinetic_.push_back({coordinates_before_[body.first] * w, rows(body.first, body.length) * w,
+                        static_cast<std::ptrdiff_t>(rates_before_[body.rate] * w)});
   }
   SystemView<double>& view = system_.view;
   view.flows = flows_.data();
@@ -249,6 +255,7 @@ LaneSystem::Friction::Friction(const FrictionArguments<double>& like, std::size_
                                std::size_t first, std::size_t rows)
     : run(width, &like),
       is_new(width, 1),
+      ahead(width, 0),
       keep(rows * width, 0.0),
       loss(rows * width, 0.0),
       spread(rows * width, 0.0),
@@ -261,6 +268,7 @@ LaneSystem::Friction::Friction(const FrictionArguments<double>& like, std::size_
   lanes.run = run.data();
   lanes.any_new = &any_new;
   lanes.is_new = is_new.data();
+  lanes.ahead = ahead.data();
   lanes.keep = keep.data();
   lanes.loss = loss.data();
   lanes.spread = spread.data();
@@ -269,7 +277,8 @@ LaneSystem::Friction::Friction(const FrictionArguments<double>& like, std::size_
   lanes.next = next.data();
 }
 
-void LaneSystem::Friction::put(std::size_t lane, const void* arguments) {
+void LaneSystem::Friction::put(std::size_t lane, const void* arguments, std::uint64_t steps) {
+  ahead[lane] = steps;
   run[lane] = static_cast<const FrictionArguments<double>*>(arguments);
   is_new[lane] = 1;
   any_new = true;
@@ -299,17 +308,15 @@ bool LaneSystem::fits(const Model& model) const {
     return structure_of(of_one.body, kNoRate) == structure_of(of_other.body, kNoRate) &&
            (of_one.temperature == nullptr) == (of_other.temperature == nullptr);
   };
-  if (a.flow_count != b.flow_count || a.noise_count != b.noise_count ||
-      a.kinetic_count != b.kinetic_count) {
-    return false;
+  bool alike = a.flow_count == b.flow_count && a.noise_count == b.noise_count &&
+               a.kinetic_count == b.kinetic_count;
+  for (std::size_t k = 0; alike && k < a.flow_count; ++k) {
+    alike = same_friction(a.flows[k].arguments, b.flows[k].arguments);
   }
-  for (std::size_t k = 0; k < a.flow_count; ++k) {
-    if (!same_friction(a.flows[k].arguments, b.flows[k].arguments)) return false;
+  for (std::size_t k = 0; alike && k < a.noise_count; ++k) {
+    alike = same_friction(a.noises[k].arguments, b.noises[k].arguments);
   }
-  for (std::size_t k = 0; k < a.noise_count; ++k) {
-    if (!same_friction(a.noises[k].arguments, b.noises[k].arguments)) return false;
-  }
-  return a.dofs == b.dofs && a.used_rates == b.used_rates && a.own == b.own &&
+  return alike && a.dofs == b.dofs && a.used_rates == b.used_rates && a.own == b.own &&
          a.inertial == b.inertial && first_.system().set == model.system().set &&
          first_.assembly().mapped_size() == model.assembly().mapped_size() &&
          std::equal(first_.bodies().begin(), first_.bodies().end(), model.bodies().begin(),
@@ -320,7 +327,7 @@ bool LaneSystem::fits(const Model& model) const {
          std::equal(one.begin(), one.end(), other.begin(), other.end(), same);
 }
 
-void LaneSystem::put(std::size_t lane, const Model& model) {
+void LaneSystem::put(std::size_t lane, const Model& model, std::uint64_t steps) {
   const SystemView<double>& from = model.system().view;
   SystemView<double>& view = system_.view;
   layout_.coordinates.put(from.position, lane, width(), view.position);
@@ -330,9 +337,10 @@ void LaneSystem::put(std::size_t lane, const Model& model) {
   layout_.rates.put(from.integrals, lane, width(), view.integrals);
   mapped_.put(from.mapped_position, lane, width(), view.mapped_position);
   mapped_.put(from.mapped_velocity, lane, width(), view.mapped_velocity);
-  for (std::size_t k = 0; k < from.flow_count; ++k) friction_[k].put(lane, from.flows[k].arguments);
-  for (std::size_t k = 0; k < from.noise_count; ++k) {
-    friction_[k].put(lane, from.noises[k].arguments);
+  // Of flows or, without inertia, of noises.
+  for (std::size_t k = 0; k < friction_.size(); ++k) {
+    friction_[k].put(lane, from.flow_count > 0 ? from.flows[k].arguments : from.noises[k].arguments,
+                     steps);
   }
   if (from.noise_count > 0) {
     layout_.coordinates.put(from.noise_scale, lane, width(), noise_scale_);

@@ -33,8 +33,8 @@ class LaneSystem {
   System<double>& system() { return system_; }
   bool fits(const Model& model) const;
 
-  /// Parameters and state of a model.
-  void put(std::size_t lane, const Model& model);
+  /// Parameters and state of a model, of which the integrator has taken so many steps.
+  void put(std::size_t lane, const Model& model, std::uint64_t steps);
   // Parameters that follow from the time that forces are anchored at, in one of two ways.
 
   /// False where a model has to be anchored: put_timed().
@@ -80,12 +80,13 @@ class LaneSystem {
   struct Friction {
     Friction(const FrictionArguments<double>& like, std::size_t width, std::size_t first,
              std::size_t rows);
-    void put(std::size_t lane, const void* arguments);
+    void put(std::size_t lane, const void* arguments, std::uint64_t steps);
 
     FrictionLanes lanes;
     std::vector<const FrictionArguments<double>*> run;
     bool any_new = false;
     std::vector<unsigned char> is_new;
+    std::vector<std::uint64_t> ahead;
     AlignedVector<double> keep;
     AlignedVector<double> loss;
     AlignedVector<double> spread;

@@ -37,10 +37,8 @@ struct FlowStage {
   Real* own = nullptr;            ///< variables of forces' own
   RandomKey key;                  ///< of the scene's seed and the operator
   std::uint64_t step = 0;         ///< number of the step in the run
-  /// Of replicas in lanes: each one's number of the step is ahead of `step` by this, modulo 2^64.
-  const std::uint64_t* ahead = nullptr;
-  std::uint64_t part = 0;  ///< which of an operator's flows in the step
-  bool heat = false;       ///< false: what is returned does not matter
+  std::uint64_t part = 0;         ///< which of an operator's flows in the step
+  bool heat = false;              ///< false: what is returned does not matter
   /// Linear friction by the implicit midpoint rule in place of its exact flow: a coordinate keeps
   /// (1 - h gamma/2)/(1 + h gamma/2) of its velocity. Flows that forces hand out ignore it.
   bool midpoint = false;
@@ -55,22 +53,17 @@ struct Flow {
   Real (*drag)(const void* arguments, const Stage<Real>& stage) = nullptr;
   const void* arguments = nullptr;
   RandomKey key;  ///< for the stage; given by the model
-  /// As `run`, over replicas in lanes and without heat: gets FrictionLanes (friction_kernels.hpp)
-  /// made from the arguments of each run. Null: there is none.
-  Real (*in_lanes)(const void* arguments, const FlowStage<Real>& stage, Real h) = nullptr;
 };
 
 /// Noise without inertia, where there are no velocities for an operator: independent normal numbers
 /// of mean 0 and variance 1, by which a scheme displaces coordinates.
 template <class Real>
 struct Noise {
-  /// Writes those of the stage's key and step to numbers[i] for each coordinate i of its body,
-  /// padding included.
-  void (*fill)(const void* arguments, const FlowStage<Real>& stage, Real* numbers) = nullptr;
+  /// Writes those of the step to numbers[i] for each coordinate i of its body, padding included.
+  void (*fill)(const void* arguments, const RandomKey& key, std::uint64_t step,
+               Real* numbers) = nullptr;
   const void* arguments = nullptr;
   RandomKey key;
-  /// The same over replicas in lanes, see Flow; keys are those of the runs.
-  void (*in_lanes)(const void* arguments, const FlowStage<Real>& stage, Real* numbers) = nullptr;
 };
 
 }  // namespace tomlin

@@ -19,7 +19,6 @@ struct KineticIntegral {
   std::size_t first = 0;   ///< coordinates of the body
   std::size_t length = 0;  ///< a multiple of a group
   std::ptrdiff_t rate = kNoRate;
-  std::size_t row = 0;  ///< in lanes: coordinates along each axis
 };
 
 template <class Real>
@@ -47,8 +46,6 @@ struct SystemView {
   const Real* largest_move = nullptr;     ///< in one step, per coordinate; infinite where unbounded
   const Real* tolerance_scale = nullptr;  ///< coordinate times this is a length or an angle in rad
   std::size_t coordinates = 0;            ///< without padding
-  /// Runs in lanes (lanes.hpp), whose numbers the arrays hold; 0: those of one run.
-  std::size_t lanes = 0;
 
   const Operation<Real>* operations = nullptr;  ///< one evaluation of all forces
   std::size_t operation_count = 0;

@@ -209,7 +209,7 @@ const std::vector<LaneCase>& lane_cases() {
        }},
       {"thermal_slow_chain",
        [](int k) {
-         return thermal(chain_of(k, "", "\"neighbours\""), k, "leimkuhler_matthews", 0.02,
+         return thermal(chain_of(k, "", "\"neighbours\""), k, "leimkuhler_matthews", 0.005,
                         kOverdamped);
        }},
       {"thermal_slow_tip_by_euler",
@@ -468,6 +468,27 @@ TEST(LaneBatch, NoiseDependsOnTheStepAndTheStreamAlone) {
   EXPECT_NE(two[0].state, two[1].state);
 }
 
+/// `repeats` of a run: in lanes where only a mean is asked for, one by one where events are, too.
+TEST(LaneBatch, RepeatsHaveTheMeanAndTheErrorOfRunsOneByOne) {
+  std::string text = thermal(tip_of(0), 0, "baoab", 0.02);
+  text.insert(text.find("[run]\n") + 6, "repeats = 12\n");
+  RunOptions mean;
+  mean.observables = {"driver.mean_force.x"};
+  ASSERT_EQ(Engine(scene_of(text), mean).why_not_in_lanes(), "");
+  ASSERT_NE(Engine(scene_of(text), {}).why_not_in_lanes(), "");
+  const RunResult together = run(scene_of(text), mean);
+  const RunResult apart = run(scene_of(text), {});
+  EXPECT_EQ(observable(together, "driver.mean_force.x"), observable(apart, "driver.mean_force.x"));
+  const auto error = [](const RunResult& result) {
+    for (const ErrorEstimate& one : result.errors) {
+      if (one.path == "drivers.driver.mean_force.x") return one.error;
+    }
+    return std::optional<double>();
+  };
+  EXPECT_GT(error(apart).value_or(0.0), 0.0);
+  EXPECT_EQ(error(together), error(apart));
+}
+
 /// What the comparison above has to find: another replica's numbers, or a last digit.
 TEST(LaneBatch, ADifferenceIsSeen) {
   const LaneCase& one = lane_cases()[0];
@@ -528,7 +549,7 @@ TEST(LaneBatch, WhatARunTakesByItselfHasAReason) {
   EXPECT_EQ(reason(coloured, mean), "forces have internal variables");
   EXPECT_EQ(
       reason(thermal(ring_of(0, "rigid"), 0, "leimkuhler_matthews", 0.002, kOverdamped), mean),
-      "noise on a rigid body without inertia");
+      "bodies are prescribed, or rigid ones move without inertia");
   EXPECT_NE(reason(TipScene{.more = "number_type = \"float\"\n"}.text(), mean), "");
   EXPECT_NE(reason(TipScene{.more = "ledger = true\n"}.text(), mean), "");
 }
