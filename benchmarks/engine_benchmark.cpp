@@ -486,13 +486,14 @@ void register_replicas() {
     std::string scene;
     std::size_t count;
     std::vector<Setting> settings;
+    bool alone = true;  ///< one by one, too
   };
   const Setting adaptive = {"run.integrator", "{ type = \"dopri5\" }"};
   const Setting baoab = {"run.integrator.type", "\"baoab\""};
   const std::vector<Replicas> all = {
       {"pt", kPt, 64, {{"run.duration", "4e3"}}},
-      {"pt baoab without noise", kPt, 64, {{"run.duration", "4e3"}, baoab}},
-      {"pt baoab", with_noise(kPt), 64, {{"run.duration", "4e3"}, baoab}},
+      {"pt baoab without noise", kPt, 64, {{"run.duration", "2e4"}, baoab}, false},
+      {"pt baoab", with_noise(kPt), 64, {{"run.duration", "2e4"}, baoab}, false},
       {"rigid_ring_8 baoab without noise",
        ring("rigid", "1e-2"),
        16,
@@ -507,6 +508,7 @@ void register_replicas() {
   };
   for (const Replicas& one : all) {
     for (const Taken taken : {Taken::in_lanes, Taken::alone}) {
+      if (taken == Taken::alone && !one.alone) continue;
       const std::string name =
           one.model + " replicas/" + (taken == Taken::in_lanes ? "tomlin" : "one by one");
       benchmark::RegisterBenchmark(name.c_str(), [one, taken](benchmark::State& state) {

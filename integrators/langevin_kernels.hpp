@@ -49,6 +49,10 @@ struct LangevinKernels : CompositionKernels<VerletScheme> {
   /// The same of eight replicas, from `lane` on, by the same rule of sums.
   TOMLIN_INLINE static Pack kinetic_energy_in_lanes(const CompositionArrays<double>& w,
                                                     const KineticIntegral& body, std::size_t lane) {
+    if (body.length == w.lanes) {
+      const Pack v = Pack::load(w.velocity + body.first + lane);
+      return Pack(0.5) * (v * v * Pack::load(w.mass + body.first + lane));
+    }
     LaneSum total;
     const std::size_t* place = w.places + body.first / w.lanes;
     for (std::size_t i = body.first + lane; i < body.first + body.length; i += w.lanes) {

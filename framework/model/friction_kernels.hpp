@@ -63,7 +63,7 @@ struct FrictionArguments {
   RandomKey key;            ///< of the noise
   Real* normals = nullptr;  ///< scratch: as long as the particles' arrays, or a group
   // Of a single particle, numbers that several steps share; for each part of a step.
-  std::size_t together = 1;  ///< so many steps
+  std::size_t together = 1;  ///< so many steps: kGroup, or twice that
   Real* drawn = nullptr;     ///< scratch: [part][kMostDrawn]
   std::uint64_t* drawn_for = nullptr;
 };
@@ -255,6 +255,13 @@ struct FrictionKernels {
     *a.known_h = h;
   }
 
+  /// Of a single particle: where the numbers that this step shares with others are.
+  template <class Real>
+  TOMLIN_INLINE static std::uint64_t shared_place(const FrictionArguments<Real>& a,
+                                                  std::uint64_t step) {
+    return a.together == kGroup ? step / kGroup : step / (2 * kGroup);
+  }
+
   /// Of a single particle: the numbers that this step shares, axis d of the first step at [d *
   /// kGroup].
   template <class Real>
@@ -262,10 +269,11 @@ struct FrictionKernels {
                                               const RandomKey& key, std::uint64_t step,
                                               std::uint64_t part) {
     Real* const drawn = a.drawn + part * kMostDrawn;
-    if (a.drawn_for[part] != step / a.together) {
-      a.drawn_for[part] = step / a.together;
-      fill_normals(key, {a.drawn_for[part], part, 0, 0},
-                   std::max<std::size_t>(a.length, 2 * kGroup), kGroup, drawn);
+    const std::uint64_t place = shared_place(a, step);
+    if (a.drawn_for[part] != place) {
+      a.drawn_for[part] = place;
+      fill_normals(key, {place, part, 0, 0}, std::max<std::size_t>(a.length, 2 * kGroup), kGroup,
+                   drawn);
     }
     return drawn;
   }
@@ -278,7 +286,7 @@ struct FrictionKernels {
       fill_normals(key, {step, part, 0, 0}, a.length, a.body.count, numbers);
       return;
     }
-    const Real* const drawn = drawn_with(a, key, step, part) + step % a.together;
+    const Real* const drawn = drawn_with(a, key, step, part) + (step & (a.together - 1));
     for (std::size_t at = 0; at < a.length; at += kGroup) numbers[at] = drawn[at];
   }
 
@@ -488,42 +496,72 @@ struct FrictionKernels {
     *l.any_new = false;
   }
 
-  /// Numbers of replica w from this step on, where it stands at step `own`. Returns of how many
-  /// steps.
+  /// Numbers of replica w, which stands at step `own`, from there on; the first are put at place
+  /// `at`. Returns of how many steps.
   TOMLIN_INLINE static std::size_t draw_one(const FrictionLanes& l, std::size_t w,
-                                            std::uint64_t step, std::uint64_t own,
-                                            std::uint64_t part, double* normals) {
+                                            std::uint64_t own, std::uint64_t part, std::size_t at,
+                                            double* normals) {
     const FrictionArguments<double>& a = *l.run[w];
-    const std::size_t kept = l.together + 1;
-    std::size_t at = step % kept;
+    const std::size_t length = l.rows * l.width;
     if (l.together == 1) {
       draw(a, a.key, own, part, a.normals);
-      double* const to = normals + at * l.rows * l.width + w;
+      double* const to = normals + at * length + w;
       for (std::size_t r = 0; r < l.rows; ++r) to[r * l.width] = a.normals[at_row(a, r)];
       return 1;
     }
     const double* const drawn = drawn_with(a, a.key, own, part);
-    const std::size_t from = own % l.together;
-    for (std::size_t k = from; k < l.together; ++k, at = at + 1 < kept ? at + 1 : 0) {
-      double* const to = normals + at * l.rows * l.width + w;
+    const std::size_t from = own & (l.together - 1);
+    for (std::size_t k = from; k < l.together; ++k) {
+      double* const to = normals + at * length + w;
       for (std::size_t r = 0; r < l.rows; ++r) to[r * l.width] = drawn[r * kGroup + k];
+      at = at < l.together ? at + 1 : 0;
     }
     return l.together - from;
+  }
+
+  /// What drawn_with() does for single particles on a line or in the plane, eight of them at once:
+  /// the scalar work of all first, whose latencies hide each other, then that of vectors.
+  TOMLIN_INLINE static void prepare(const FrictionLanes& l, std::uint64_t step, std::uint64_t part,
+                                    const std::uint64_t* next) {
+    for (std::size_t from = 0; from < l.width; from += kGroup) {
+      double* drawn[kGroup];
+      std::size_t count = 0;
+      for (std::size_t w = from; w < from + kGroup; ++w) {
+        const FrictionArguments<double>& a = *l.run[w];
+        const std::uint64_t place = shared_place(a, step + l.ahead[w]);
+        if (next[w] > step || a.drawn_for[part] == place) continue;
+        double* const to = a.drawn + part * kMostDrawn;
+        // Lanes without a run repeat one, which may be at another step: draw_one() sees to it.
+        if (std::find(drawn, drawn + count, to) != drawn + count) continue;
+        a.drawn_for[part] = place;
+        uniform_pairs(a.key, {place, part, 0, 0}, kGroup, to, to + kGroup);
+        drawn[count++] = to;
+      }
+      for (std::size_t k = 0; k < count; ++k) {
+        Pack z;
+        Pack other;
+        box_muller(drawn[k], drawn[k] + kGroup, z, other);
+        z.store(drawn[k]);
+        other.store(drawn[k] + kGroup);
+      }
+    }
   }
 
   /// The numbers of a step, [row][replica].
   TOMLIN_INLINE static const double* draw_in_lanes(const FrictionLanes& l, std::uint64_t step,
                                                    std::uint64_t part) {
     const std::size_t kept = l.together + 1;
+    const std::size_t at = step % kept;
     std::uint64_t* const next = l.next + part * l.width;
     double* const normals = l.normals + part * kept * l.rows * l.width;
     bool due = false;
     for (std::size_t w = 0; w < l.width; ++w) due |= next[w] <= step;
+    if (due && l.together > 1 && l.rows <= 2) prepare(l, step, part, next);
     for (std::size_t w = 0; due && w < l.width; ++w) {
       if (next[w] > step) continue;
-      next[w] = step + draw_one(l, w, step, step + l.ahead[w], part, normals);
+      next[w] = step + draw_one(l, w, step + l.ahead[w], part, at, normals);
     }
-    return normals + step % kept * l.rows * l.width;
+    return normals + at * l.rows * l.width;
   }
 
   TOMLIN_FLATTEN static double particles_in_lanes(const void* arguments,
