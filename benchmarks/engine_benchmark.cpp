@@ -9,6 +9,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "framework/model/friction_tables.hpp"
 #include "framework/model/single_force.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/run/lane_batch.hpp"
@@ -435,6 +436,13 @@ void BM_sweep_point(benchmark::State& state) {
 }
 BENCHMARK(BM_sweep_point)->Name("pt sweep/tomlin");
 
+/// The scene in a bath, whose friction is that of the scene.
+std::string with_noise(std::string scene) {
+  const std::string friction = "type = \"viscous_damping\"";
+  return scene.replace(scene.find(friction), friction.size(),
+                       "type = \"langevin\"\ntemperature = 0.01");
+}
+
 // ---- replicas, with what a sweep watches of them: the mean force, or all of a tip. Time of a step
 // of one.
 
@@ -455,6 +463,7 @@ void BM_replicas(benchmark::State& state, const std::string& scene, std::size_t 
       std::vector<Setting> own = settings;
       own.push_back(
           {"force.driving_spring.stiffness", std::to_string(2.0 + 0.01 * static_cast<double>(k))});
+      own.push_back({"run.stream", std::to_string(k)});
       engines.push_back(
           std::make_unique<Engine>(parse_scene(scene, "benchmark.toml", registry(), own), options));
     }
@@ -480,20 +489,33 @@ void register_replicas() {
     std::size_t count;
     std::vector<Setting> settings;
     std::vector<std::string> observables = {"driving_spring.mean_force.x"};
+    bool alone = true;  ///< one by one, too
   };
   const std::vector<std::string> watched = {
       "driving_spring.mean_force.x", "driving_spring.max_force.x", "driving_spring.min_force.x",
       "driving_spring.static_force", "events.slips"};
   const Setting adaptive = {"run.integrator", "{ type = \"dopri5\" }"};
+  const Setting baoab = {"run.integrator.type", "\"baoab\""};
   const std::vector<Replicas> all = {
       {"pt", kPt, 64, {{"run.duration", "4e3"}}},
       {"pt watched", kPt, 64, {{"run.duration", "4e3"}}, watched},
+      {"pt baoab without noise", kPt, 64, {{"run.duration", "2e4"}, baoab}, {"driving_spring.mean_force.x"}, false},
+      {"pt baoab", with_noise(kPt), 64, {{"run.duration", "2e4"}, baoab}, {"driving_spring.mean_force.x"}, false},
+      {"rigid_ring_8 baoab without noise",
+       ring("rigid", "1e-2"),
+       16,
+       {{"run.duration", "1e3"}, baoab}},
+      {"rigid_ring_8 baoab",
+       with_noise(ring("rigid", "1e-2")),
+       16,
+       {{"run.duration", "1e3"}, baoab}},
       {"rigid_ring_8", ring("rigid", "1e-2"), 16, {{"run.duration", "1e3"}}},
       {"flexible_ring_8", ring("particles", "1e-4"), 16, {{"run.duration", "10"}}},
       {"rigid_ring_8 dopri5", ring("rigid", "1e-2"), 16, {{"run.duration", "5e4"}, adaptive}},
   };
   for (const Replicas& one : all) {
     for (const Taken taken : {Taken::in_lanes, Taken::alone}) {
+      if (taken == Taken::alone && !one.alone) continue;
       const std::string name =
           one.model + " replicas/" + (taken == Taken::in_lanes ? "tomlin" : "one by one");
       benchmark::RegisterBenchmark(name.c_str(), [one, taken](benchmark::State& state) {
@@ -509,12 +531,51 @@ const std::string kGoldenChain = "type = \"chain\"\ncount = 1000\nspacing = 1.61
 /// In the plane, where it bends: the particles of plain::Bending.
 const std::string kRing = "type = \"ring\"\ncount = 1000\nradius = 100.0\ncentre = [0.0, 0.0]\n";
 
-/// The scene in a bath, whose friction is that of the scene.
-std::string with_noise(std::string scene) {
-  const std::string friction = "type = \"viscous_damping\"";
-  return scene.replace(scene.find(friction), friction.size(),
-                       "type = \"langevin\"\ntemperature = 0.01");
+/// Normal numbers for 64 tips, step after step. Time of a number.
+void BM_normals(benchmark::State& state) {
+  constexpr std::size_t kTips = 64;
+  constexpr std::size_t kTogether = 2 * kGroup;
+  std::vector<FrictionArguments<double>> tips(kTips);
+  std::vector<const FrictionArguments<double>*> run;
+  AlignedVector<double> drawn(kTips * kNoiseParts * kMostDrawn, 0.0);
+  std::vector<std::uint64_t> drawn_for(kTips * kNoiseParts, ~std::uint64_t{0});
+  for (std::size_t k = 0; k < kTips; ++k) {
+    FrictionArguments<double>& tip = tips[k];
+    tip.body.count = 1;
+    tip.length = tip.body.stride = kGroup;
+    tip.axes = 1;
+    tip.key = {17, k};
+    tip.together = kTogether;
+    tip.drawn = drawn.data() + k * kNoiseParts * kMostDrawn;
+    tip.drawn_for = drawn_for.data() + k * kNoiseParts;
+    run.push_back(&tip);
+  }
+  AlignedVector<double> normals((kTogether + 1) * kTips, 0.0);
+  AlignedVector<double> numbers(kTips, 0.0);
+  std::vector<std::uint64_t> next(kTips, 0);
+  std::vector<std::uint64_t> ahead(kTips, 0);
+  bool any_new = false;
+  FrictionLanes lanes;
+  lanes.width = kTips;
+  lanes.rows = 1;
+  lanes.noisy = true;
+  lanes.together = kTogether;
+  lanes.run = run.data();
+  lanes.any_new = &any_new;
+  lanes.ahead = ahead.data();
+  lanes.normals = normals.data();
+  lanes.next = next.data();
+  const auto& table = kernels::FrictionKernels.on<double>(chosen_instruction_set());
+  std::uint64_t step = 0;
+  for (auto _ : state) {
+    table.fill_in_lanes(&lanes, {}, step++, numbers.data());
+    benchmark::ClobberMemory();
+  }
+  state.counters["s_per_step"] =
+      benchmark::Counter(static_cast<double>(state.iterations() * kTips),
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
+BENCHMARK(BM_normals)->Name("normals of replicas/tomlin");
 
 /// Each step with its noise, and without.
 void register_noise(const std::string& model, const std::string& scene) {

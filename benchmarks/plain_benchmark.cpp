@@ -36,6 +36,20 @@ void BM_plain_pt_replicas(benchmark::State& state) {
 }
 BENCHMARK(BM_plain_pt_replicas)->Name("pt replicas/plain");
 
+// Time of a number.
+void BM_plain_normals(benchmark::State& state) {
+  static NormalReplicas normals(64);
+  std::uint64_t four = 0;
+  for (auto _ : state) {
+    normals.draw(four++);
+    benchmark::ClobberMemory();
+  }
+  state.counters["s_per_step"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * 4.0 * 64.0,
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(BM_plain_normals)->Name("normals of replicas/plain");
+
 template <class Math>
 void BM_plain_pt_memory(benchmark::State& state) {
   static RememberingTip<Math> model;

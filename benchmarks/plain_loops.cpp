@@ -111,6 +111,39 @@ TipReplicas::TipReplicas(std::size_t count)
   done += steps;
 }
 
+[[gnu::noinline]] void NormalReplicas::draw(std::uint64_t four) {
+  __extension__ using Product = unsigned __int128;
+  for (std::size_t first = 0; first < replicas; first += 8) {
+    double uniform[4][8];
+    for (std::size_t k = 0; k < 8; ++k) {
+      std::uint64_t word[4] = {four, 0, 0, 0};
+      std::uint64_t key[2] = {17, first + k};
+      for (int round = 0; round < 10; ++round) {
+        const Product a = static_cast<Product>(0xD2E7470EE14C6C93) * word[0];
+        const Product b = static_cast<Product>(0xCA5A826395121157) * word[2];
+        word[0] = static_cast<std::uint64_t>(b >> 64) ^ word[1] ^ key[0];
+        word[1] = static_cast<std::uint64_t>(b);
+        word[2] = static_cast<std::uint64_t>(a >> 64) ^ word[3] ^ key[1];
+        word[3] = static_cast<std::uint64_t>(a);
+        key[0] += 0x9E3779B97F4A7C15;
+        key[1] += 0xBB67AE8584CAA73B;
+      }
+      for (int j = 0; j < 4; ++j) {
+        uniform[j][k] = static_cast<double>(word[j] >> 12) * 0x1p-52 + 0x1p-53;
+      }
+    }
+    for (std::size_t pair = 0; pair < 2; ++pair) {
+      const Pack radius = Pack::load_unaligned(uniform[2 * pair]);
+      const Pack size = sqrt(Pack(-2.0) * log(radius));
+      Pack sine(0.0);
+      Pack cosine(0.0);
+      sincos_turns(Pack::load_unaligned(uniform[2 * pair + 1]), sine, cosine);
+      (size * cosine).store_unaligned(&numbers[2 * pair * replicas + first]);
+      (size * sine).store_unaligned(&numbers[(2 * pair + 1) * replicas + first]);
+    }
+  }
+}
+
 template <class Math>
 [[gnu::noinline]] void RememberingTip<Math>::advance(std::int64_t steps, double h) {
   const Math math(period);

@@ -78,6 +78,17 @@ struct TipReplicas {
   void advance(std::int64_t steps, double h);
 };
 
+// Normal numbers for replicas side by side, each with a key of its own: Philox 4x64-10 (Salmon,
+// Moraes, Dror, Shaw, SC '11, doi:10.1145/2063384.2063405) and Box-Muller, all four of a block.
+struct NormalReplicas {
+  explicit NormalReplicas(std::size_t count) : replicas(count), numbers(4 * count, 0.0) {}
+
+  std::size_t replicas;
+  std::vector<double> numbers;  // [step][replica], of four steps
+
+  void draw(std::uint64_t four);
+};
+
 // The same with a drag that remembers, a spring that a dashpot lets go: its stretch q is one more
 // unknown, q' = v - q / memory_time, and the drag (damping / memory_time) q.
 template <class Math>

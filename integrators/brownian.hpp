@@ -2,8 +2,10 @@
 
 #include <cmath>
 #include <complex>
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -92,6 +94,25 @@ class Brownian : public Integrator<Real> {
   void forces_changed() override { *started_ = 0; }
   void finish_dense_from(double) override {}
 
+  bool is_started() const override { return *started_ != 0; }
+  void put_lane(const LaneLayout& layout, std::size_t lane, RunState& run) override {
+    if constexpr (std::is_same_v<Real, double>) {
+      layout.coordinates.put(run.reals(name_ + ".slope"), lane, layout.width, arrays_.slope);
+      layout.rates.put(run.reals(name_ + ".rates"), lane, layout.width, arrays_.rates);
+      ahead_.resize(layout.width, 0);
+      ahead_[lane] = *run.integers(name_ + ".step") - *step_;
+      *started_ = 1;
+      known_ = kNone;
+    }
+  }
+  void get_lane(const LaneLayout& layout, std::size_t lane, RunState& run) const override {
+    if constexpr (std::is_same_v<Real, double>) {
+      layout.coordinates.get(arrays_.slope, lane, layout.width, run.reals(name_ + ".slope"));
+      layout.rates.get(arrays_.rates, lane, layout.width, run.reals(name_ + ".rates"));
+      *run.integers(name_ + ".step") = *step_ + ahead_[lane];
+    }
+  }
+
   void interpolate(double theta, double* position, double* velocity,
                    double* integrals) const override {
     hermite_.interpolate(theta, last_, system_.view, arrays_.slope, arrays_.rates, position,
@@ -142,7 +163,8 @@ class Brownian : public Integrator<Real> {
   std::uint64_t known_ = kNone;  ///< the step whose numbers next_step_ has
   Real* start_rates_ = nullptr;
   std::int64_t* started_ = nullptr;
-  std::int64_t* step_ = nullptr;  ///< so many have been taken
+  std::int64_t* step_ = nullptr;     ///< so many have been taken
+  std::vector<std::int64_t> ahead_;  ///< steps of each replica in lanes, less those in lanes
   double last_ = 0.0;
 };
 
@@ -161,6 +183,7 @@ IntegratorRecord brownian_record() {
   record.evaluations_per_step = 1;
   record.with_inertia = false;
   record.takes_noise = true;
+  record.in_lanes = true;
   record.make_description = &make_description<Description>;
   record.parameters = {parameter("dt", &Description::dt, dimension::time, "the step").in(positive)};
   record.growth = [](std::complex<double> z) { return std::abs(1.0 + z); };

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -42,7 +44,7 @@ class Composition : public Integrator<Real> {
     const std::size_t n = system.view.dofs;
     const std::size_t m = system.view.rates;
     const std::size_t kinetic = system.view.kinetic_count;
-    memory_.assign(5 * (n + kGap) + 7 * (m + kGap) + kinetic + kGap, Real(0.0));
+    memory_.assign(6 * (n + kGap) + 7 * (m + kGap) + kinetic + kGap, Real(0.0));
     Real* next = memory_.data();
     const auto take = [&next](std::size_t count) {
       return std::exchange(next, next + count + kGap);
@@ -61,6 +63,9 @@ class Composition : public Integrator<Real> {
     arrays_.own_after = take(m);
     slopes_ = take(m);
     arrays_.half_step_energy = take(kinetic);
+    mass_ = take(n);
+    for (std::size_t i = 0; i < n; ++i) know_mass(i);
+    arrays_.mass = mass_;
   }
 
   void declare(StateLayout& layout) override {
@@ -103,6 +108,29 @@ class Composition : public Integrator<Real> {
   const Real* first_rates() const override { return start_rates_; }
   void forces_changed() override { *started_ = 0; }
 
+  bool is_started() const override { return *started_ != 0; }
+  void put_lane(const LaneLayout& layout, std::size_t lane, RunState& run) override {
+    if constexpr (std::is_same_v<Real, double>) {
+      if (lanes_.empty()) begin_lanes(layout);
+      Lane& own = lanes_[lane];
+      own = {run.reals(name_ + ".force"), run.reals(name_ + ".rates"),
+             run.integers(name_ + ".step")};
+      own.ahead = *own.step - *step_;
+      layout.coordinates.put(own.force, lane, layout.width, arrays_.force);
+      layout.rates.put(own.rates, lane, layout.width, arrays_.rates);
+      for (std::size_t i = lane; i < system_.view.dofs; i += layout.width) know_mass(i);
+      *started_ = 1;
+    }
+  }
+  void get_lane(const LaneLayout& layout, std::size_t lane, RunState&) const override {
+    if constexpr (std::is_same_v<Real, double>) {
+      const Lane& own = lanes_[lane];
+      layout.coordinates.get(arrays_.force, lane, layout.width, own.force);
+      layout.rates.get(arrays_.rates, lane, layout.width, own.rates);
+      *own.step = *step_ + own.ahead;
+    }
+  }
+
   void finish_dense_from(double) override {
     kernels_.slopes(system_.view, arrays_, acceleration_, slopes_);
   }
@@ -118,12 +146,37 @@ class Composition : public Integrator<Real> {
   static constexpr std::size_t kGap = 3 * kGroup;
   using Integrator<Real>::system_;
 
+  /// A run in a lane: its numbers between steps, and how many more steps it has taken than the
+  /// lanes.
+  struct Lane {
+    double* force = nullptr;
+    double* rates = nullptr;
+    std::int64_t* step = nullptr;
+    std::int64_t ahead = 0;
+  };
+
+  void begin_lanes(const LaneLayout& layout) {
+    lanes_.resize(layout.width);
+    energies_.assign(system_.view.kinetic_count * layout.width, Real(0.0));
+    arrays_.lanes = layout.width;
+    arrays_.places = layout.coordinates.from.data();
+    arrays_.half_step_energy = energies_.data();
+  }
+
+  void know_mass(std::size_t i) {
+    const Real inverse = system_.view.inverse_mass[i];
+    mass_[i] = inverse > Real(0.0) ? Real(1.0) / inverse : Real(0.0);
+  }
+
   std::string name_;
   unsigned drifts_;
   const CompositionTable<Real>& kernels_;
   HermiteOutput<Real> hermite_;
   AlignedVector<Real> memory_;
   CompositionArrays<Real> arrays_;
+  std::vector<Lane> lanes_;
+  AlignedVector<Real> energies_;
+  Real* mass_ = nullptr;
   Real* acceleration_ = nullptr;
   Real* start_rates_ = nullptr;
   Real* slopes_ = nullptr;  ///< rates for dense output, the operators' among them
@@ -149,6 +202,7 @@ IntegratorRecord composition_record() {
   record.name = Scheme::name;
   record.evaluations_per_step = Scheme::drifts;
   record.without_inertia = false;
+  record.in_lanes = true;
   record.make_description = &make_description<Description>;
   record.parameters = {parameter("dt", &Description::dt, dimension::time, "the step").in(positive)};
   record.stable_step = [](double frequency, double) {

@@ -24,8 +24,12 @@ struct CompositionArrays {
   Real* velocity_rest = nullptr;     ///< null unless compensated
   Real* own = nullptr;               ///< own variables at a stage
   Real* own_after = nullptr;         ///< those that operators change, after the last of their flows
-  Real* half_step_energy = nullptr;  ///< kinetic, of each KineticIntegral
+  Real* half_step_energy = nullptr;  ///< kinetic, of each KineticIntegral; in lanes, of each lane
+  const Real* mass = nullptr;        ///< zero where nothing moves
   std::uint64_t step = 0;            ///< number of the step
+  // Of replicas in lanes (lanes.hpp).
+  std::size_t lanes = 0;                ///< none: of one run
+  const std::size_t* places = nullptr;  ///< where coordinates stand in the arrays of one run
 };
 
 template <class Real>

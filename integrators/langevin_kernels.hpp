@@ -1,5 +1,8 @@
 #pragma once
 
+#include <type_traits>
+
+#include "framework/core/elements/lane_kernels.hpp"
 #include "integrators/composition_kernels.hpp"
 #include "integrators/velocity_verlet_kernels.hpp"
 
@@ -32,19 +35,64 @@ struct LangevinKernels : CompositionKernels<VerletScheme> {
   }
 
   template <class Real>
-  TOMLIN_INLINE static Real kinetic_energy(const SystemView<Real>& s,
-                                           const CompositionArrays<Real>& w,
+  TOMLIN_INLINE static Real kinetic_energy(const CompositionArrays<Real>& w,
                                            const KineticIntegral& body) {
     using Group = Packed<Real>;
-    const Group none(Real(0.0));
-    Group total = none;
+    Group total(Real(0.0));
     for (std::size_t i = body.first; i < body.first + body.length; i += kGroup) {
-      const Group inverse = Group::load(s.inverse_mass + i);
       const Group v = Group::load(w.velocity + i);
-      const auto moves = none < inverse;
-      total += select(moves, v * v / select(moves, inverse, Group(Real(1.0))), none);
+      total += v * v * Group::load(w.mass + i);
     }
     return Real(0.5) * sum(total);
+  }
+
+  /// The same of eight replicas, from `lane` on, by the same rule of sums.
+  TOMLIN_INLINE static Pack kinetic_energy_in_lanes(const CompositionArrays<double>& w,
+                                                    const KineticIntegral& body, std::size_t lane) {
+    if (body.length == w.lanes) {
+      const Pack v = Pack::load(w.velocity + body.first + lane);
+      return Pack(0.5) * (v * v * Pack::load(w.mass + body.first + lane));
+    }
+    LaneSum total;
+    const std::size_t* place = w.places + body.first / w.lanes;
+    for (std::size_t i = body.first + lane; i < body.first + body.length; i += w.lanes) {
+      const Pack v = Pack::load(w.velocity + i);
+      total.add(*place++, v * v * Pack::load(w.mass + i));
+    }
+    return Pack(0.5) * total.total(body.length / w.lanes);
+  }
+
+  /// Half of the kinetic energies at this moment: the first of two, or added to it.
+  template <class Real>
+  TOMLIN_INLINE static void keep_energies(const SystemView<Real>& s,
+                                          const CompositionArrays<Real>& w, bool first) {
+    for (std::size_t k = 0; k < s.kinetic_count; ++k) {
+      if constexpr (std::is_same_v<Real, double>) {
+        for (std::size_t lane = 0; lane < w.lanes; lane += kGroup) {
+          put_lanes(first, w.half_step_energy + k * w.lanes + lane,
+                    Pack(0.5) * kinetic_energy_in_lanes(w, s.kinetic[k], lane));
+        }
+      }
+      if (w.lanes > 0) continue;
+      const Real half = Real(0.5) * kinetic_energy(w, s.kinetic[k]);
+      w.half_step_energy[k] = first ? half : w.half_step_energy[k] + half;
+    }
+  }
+
+  template <class Real>
+  TOMLIN_INLINE static void add_energies(const SystemView<Real>& s,
+                                         const CompositionArrays<Real>& w, Real h) {
+    for (std::size_t k = 0; k < s.kinetic_count; ++k) {
+      const auto rate = static_cast<std::size_t>(s.kinetic[k].rate);
+      if constexpr (std::is_same_v<Real, double>) {
+        for (std::size_t lane = 0; lane < w.lanes; lane += kGroup) {
+          const Pack energy = Pack::load(w.half_step_energy + k * w.lanes + lane);
+          put_lanes(false, s.integrals + rate + lane, Pack(h) * energy);
+        }
+      }
+      if (w.lanes > 0) continue;
+      add_one(s.integrals, s.integrals_rest, rate, h * w.half_step_energy[k]);
+    }
   }
 
   template <class Real>
@@ -71,9 +119,7 @@ struct LangevinKernels : CompositionKernels<VerletScheme> {
     middle.step = w.step;
     middle.heat = s.friction_rate != kNoRate;
     middle.midpoint = midpoint;
-    for (std::size_t k = 0; k < s.kinetic_count; ++k) {
-      w.half_step_energy[k] = Real(0.5) * kinetic_energy(s, w, s.kinetic[k]);
-    }
+    keep_energies(s, w, true);
     Real heat(0.0);
     if (s.flow_count > 1 && s.own_count > 0) {
       // They may act on the same velocities: a symmetric composition.
@@ -83,9 +129,7 @@ struct LangevinKernels : CompositionKernels<VerletScheme> {
     } else {
       heat = apply_flows(s, middle, h, false);
     }
-    for (std::size_t k = 0; k < s.kinetic_count; ++k) {
-      w.half_step_energy[k] += Real(0.5) * kinetic_energy(s, w, s.kinetic[k]);
-    }
+    keep_energies(s, w, false);
     if (!move(s, w, half, false)) return false;
     // Own variables are operators', or follow from the time alone.
     for (std::size_t i = 0; i < s.own; i += kGroup) {
@@ -103,9 +147,7 @@ struct LangevinKernels : CompositionKernels<VerletScheme> {
     Verlet::copy<Real>(w.own_after, s.own, s.integrals);
     Verlet::add_integrals(s, w, h);
     if (s.friction_rate != kNoRate) add_one(s.integrals, s.integrals_rest, s.friction_rate, heat);
-    for (std::size_t k = 0; k < s.kinetic_count; ++k) {
-      add_one(s.integrals, s.integrals_rest, s.kinetic[k].rate, h * w.half_step_energy[k]);
-    }
+    add_energies(s, w, h);
     return true;
   }
 

@@ -113,9 +113,10 @@ void add_parts(Explanation& explanation, const Model& model) {
                              std::floor(scene.run.duration / *scene.output.every + kNoStep) + 1)
                : "output.every = INTERVAL takes them"});
   const std::string alone = why_not_in_lanes(model);
-  parts.push_back(
-      {"lanes", alone.empty(),
-       alone.empty() ? "in a sweep, for observables that are no extremes or events" : alone});
+  parts.push_back({"lanes", alone.empty(),
+                   alone.empty()
+                       ? "in a sweep and of repeats, for observables that are no extremes or events"
+                       : alone});
   parts.push_back({"trajectory", scene.output.trajectory, "output.trajectory = true writes it"});
 }
 

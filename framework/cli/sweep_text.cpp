@@ -352,8 +352,9 @@ namespace {
 std::string lanes_text(const SweepPlan& plan, std::size_t point) {
   PointRun run(plan, point);
   Engine* const engine = run.engine();
-  const std::string alone = engine == nullptr ? "accuracy or perturb makes several runs of each"
-                                              : engine->why_not_in_lanes();
+  const std::string alone = engine == nullptr
+                                ? "accuracy, perturb or repeats make several runs of each"
+                                : engine->why_not_in_lanes();
   if (!alone.empty()) return "none, points are run one by one: " + alone;
   return fmt::format("points of one structure together, {} in a thread",
                      LaneBatch::good_width(*engine));

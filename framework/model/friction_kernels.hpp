@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "framework/core/numbers/math.hpp"
 #include "framework/core/numbers/normal_numbers.hpp"
@@ -26,6 +28,10 @@
 /// normal number of variance T/m (1 - k^2), m its mass, so that T is kept whatever the step and the
 /// rule that k follows. Source: D. T. Gillespie, Phys. Rev. E 54 (1996) 2084,
 /// doi:10.1103/PhysRevE.54.2084.
+///
+/// The normal numbers of particles are those of {step, part} (normal_numbers.hpp), one for each
+/// axis and particle. A single particle, which would leave most of them unused, takes those of
+/// {step / n, part} for n steps, one after the other: n = 16 on a line, else 8.
 namespace tomlin {
 
 template <class Real>
@@ -56,6 +62,36 @@ struct FrictionArguments {
 
   RandomKey key;            ///< of the noise
   Real* normals = nullptr;  ///< scratch: as long as the particles' arrays, or a group
+  // Of a single particle, numbers that several steps share; for each part of a step.
+  std::size_t together = 1;  ///< so many steps: kGroup, or twice that
+  Real* drawn = nullptr;     ///< scratch: [part][kMostDrawn]
+  std::uint64_t* drawn_for = nullptr;
+};
+
+/// Of a step's flows.
+inline constexpr std::size_t kNoiseParts = 2;
+/// Numbers of three axes, eight steps of each.
+inline constexpr std::size_t kMostDrawn = 3 * kGroup;
+
+/// The friction of a body in lanes (lanes.hpp). The rows are the body's coordinates, row r of
+/// replica w stands at [r * width + w].
+struct FrictionLanes {
+  std::size_t width = 0;
+  std::size_t first = 0;  ///< of its rows among all coordinates
+  std::size_t rows = 0;
+  bool noisy = false;
+  std::size_t together = 1;                               ///< as in FrictionArguments
+  const FrictionArguments<double>* const* run = nullptr;  ///< of each replica
+  // What follows from those, once they are new.
+  bool* any_new = nullptr;
+  unsigned char* is_new = nullptr;  ///< of each replica
+  std::uint64_t* ahead = nullptr;   ///< where it is new: its step; then by how much that is ahead
+  double* keep = nullptr;
+  double* loss = nullptr;
+  double* spread = nullptr;
+  /// Numbers of steps: [part][step modulo together + 1][row], so that the last step's remain.
+  double* normals = nullptr;
+  std::uint64_t* next = nullptr;  ///< [part][replica]: the step that has none yet
 };
 
 /// All coordinates of free particles, for the heat of dynamics without inertia.
@@ -81,6 +117,11 @@ struct FrictionTable {
   /// The body's part of Noise.
   void (*fill)(const void* arguments, const RandomKey& key, std::uint64_t step,
                Real* numbers) = nullptr;
+  // The same over replicas; of double.
+  Real (*particles_in_lanes)(const void* arguments, const FlowStage<Real>& stage, Real h) = nullptr;
+  Real (*body_in_lanes)(const void* arguments, const FlowStage<Real>& stage, Real h) = nullptr;
+  void (*fill_in_lanes)(const void* arguments, const RandomKey& key, std::uint64_t step,
+                        Real* numbers) = nullptr;
 };
 
 inline namespace TOMLIN_TARGET {
@@ -200,6 +241,55 @@ struct FrictionKernels {
     return T(Scalar<T>(0.5)) * mass * change * (before + after);
   }
 
+  /// What is kept of velocities over h, and the size of their noise, unless they are known.
+  template <class Real>
+  TOMLIN_INLINE static void know(const FrictionArguments<Real>& a, Real h, bool midpoint) {
+    if (*a.known_h == h) return;
+    for (std::size_t i = 0; i < a.length; ++i) {
+      const Decay<Real> decay(a.coefficient[i] * a.inverse_mass[i], h, midpoint);
+      a.keep[i] = decay.keep;
+      a.loss[i] = decay.loss;
+      if (a.temperature == nullptr) continue;
+      a.spread[i] = decay.spread() * sqrt(a.temperature[i] * a.inverse_mass[i]);
+    }
+    *a.known_h = h;
+  }
+
+  /// Of a single particle: where the numbers that this step shares with others are.
+  template <class Real>
+  TOMLIN_INLINE static std::uint64_t shared_place(const FrictionArguments<Real>& a,
+                                                  std::uint64_t step) {
+    return a.together == kGroup ? step / kGroup : step / (2 * kGroup);
+  }
+
+  /// Of a single particle: the numbers that this step shares, axis d of the first step at [d *
+  /// kGroup].
+  template <class Real>
+  TOMLIN_INLINE static const Real* drawn_with(const FrictionArguments<Real>& a,
+                                              const RandomKey& key, std::uint64_t step,
+                                              std::uint64_t part) {
+    Real* const drawn = a.drawn + part * kMostDrawn;
+    const std::uint64_t place = shared_place(a, step);
+    if (a.drawn_for[part] != place) {
+      a.drawn_for[part] = place;
+      fill_normals(key, {place, part, 0, 0}, std::max<std::size_t>(a.length, 2 * kGroup), kGroup,
+                   drawn);
+    }
+    return drawn;
+  }
+
+  /// The numbers of a step, in the order of the particles' arrays.
+  template <class Real>
+  TOMLIN_INLINE static void draw(const FrictionArguments<Real>& a, const RandomKey& key,
+                                 std::uint64_t step, std::uint64_t part, Real* numbers) {
+    if (a.together == 1) {
+      fill_normals(key, {step, part, 0, 0}, a.length, a.body.count, numbers);
+      return;
+    }
+    const Real* const drawn = drawn_with(a, key, step, part) + (step & (a.together - 1));
+    for (std::size_t at = 0; at < a.length; at += kGroup) numbers[at] = drawn[at];
+  }
+
   /// v <- v exp(-h c/m), and noise.
   template <class Real>
   TOMLIN_FLATTEN static Real flow_of_particles(const void* arguments, const FlowStage<Real>& stage,
@@ -209,19 +299,8 @@ struct FrictionKernels {
     Real* v = stage.velocity + a.body.offset;
     Real* rest = stage.velocity_rest == nullptr ? nullptr : stage.velocity_rest + a.body.offset;
     const bool heats = stage.heat;
-    if (!(*a.known_h == h)) {
-      for (std::size_t i = 0; i < a.length; ++i) {
-        const Decay<Real> decay(a.coefficient[i] * a.inverse_mass[i], h, stage.midpoint);
-        a.keep[i] = decay.keep;
-        a.loss[i] = decay.loss;
-        if (a.temperature == nullptr) continue;
-        a.spread[i] = decay.spread() * sqrt(a.temperature[i] * a.inverse_mass[i]);
-      }
-      *a.known_h = h;
-    }
-    if (a.temperature != nullptr) {
-      fill_normals(stage.key, {stage.step, stage.part, 0, 0}, a.length, a.body.count, a.normals);
-    }
+    know(a, h, stage.midpoint);
+    if (a.temperature != nullptr) draw(a, stage.key, stage.step, stage.part, a.normals);
     const Group none(Real(0.0));
     Group heat = none;
     for (std::size_t i = 0; i < a.length; i += kGroup) {
@@ -382,23 +461,173 @@ struct FrictionKernels {
   TOMLIN_FLATTEN static void fill(const void* arguments, const RandomKey& key, std::uint64_t step,
                                   Real* numbers) {
     const FrictionArguments<Real>& a = *static_cast<const FrictionArguments<Real>*>(arguments);
-    const RandomPlace place{step, 0, 0, 0};
     if (a.body.rigid) {
-      fill_normals(key, place, kGroup, 3, numbers + a.body.centre);
+      fill_normals(key, {step, 0, 0, 0}, kGroup, 3, numbers + a.body.centre);
     } else {
-      fill_normals(key, place, a.length, a.body.count, numbers + a.body.offset);
+      draw(a, key, step, 0, numbers + a.body.offset);
     }
+  }
+
+  // ---- in lanes
+
+  /// Of a row: where it stands in the particles' arrays of one run.
+  TOMLIN_INLINE static std::size_t at_row(const FrictionArguments<double>& a, std::size_t row) {
+    return row / a.body.count * a.body.stride + row % a.body.count;
+  }
+
+  /// Replicas that are new begin with this step. With friction, over h.
+  TOMLIN_INLINE static void take_new(const FrictionLanes& l, std::uint64_t step, double h,
+                                     bool midpoint) {
+    if (!*l.any_new) return;
+    for (std::size_t w = 0; w < l.width; ++w) {
+      if (l.is_new[w] == 0) continue;
+      l.is_new[w] = 0;
+      l.ahead[w] -= step;
+      for (std::size_t part = 0; part < kNoiseParts; ++part) l.next[part * l.width + w] = 0;
+      if (!(h > 0.0)) continue;
+      const FrictionArguments<double>& a = *l.run[w];
+      know(a, h, midpoint);
+      for (std::size_t r = 0; r < l.rows; ++r) {
+        l.keep[r * l.width + w] = a.keep[at_row(a, r)];
+        l.loss[r * l.width + w] = a.loss[at_row(a, r)];
+        if (l.noisy) l.spread[r * l.width + w] = a.spread[at_row(a, r)];
+      }
+    }
+    *l.any_new = false;
+  }
+
+  /// Numbers of replica w, which stands at step `own`, from there on; the first are put at place
+  /// `at`. Returns of how many steps.
+  TOMLIN_INLINE static std::size_t draw_one(const FrictionLanes& l, std::size_t w,
+                                            std::uint64_t own, std::uint64_t part, std::size_t at,
+                                            double* normals) {
+    const FrictionArguments<double>& a = *l.run[w];
+    const std::size_t length = l.rows * l.width;
+    if (l.together == 1) {
+      draw(a, a.key, own, part, a.normals);
+      double* const to = normals + at * length + w;
+      for (std::size_t r = 0; r < l.rows; ++r) to[r * l.width] = a.normals[at_row(a, r)];
+      return 1;
+    }
+    const double* const drawn = drawn_with(a, a.key, own, part);
+    const std::size_t from = own & (l.together - 1);
+    for (std::size_t k = from; k < l.together; ++k) {
+      double* const to = normals + at * length + w;
+      for (std::size_t r = 0; r < l.rows; ++r) to[r * l.width] = drawn[r * kGroup + k];
+      at = at < l.together ? at + 1 : 0;
+    }
+    return l.together - from;
+  }
+
+  /// What drawn_with() does for single particles on a line or in the plane, eight of them at once:
+  /// the scalar work of all first, whose latencies hide each other, then that of vectors.
+  TOMLIN_INLINE static void prepare(const FrictionLanes& l, std::uint64_t step, std::uint64_t part,
+                                    const std::uint64_t* next) {
+    for (std::size_t from = 0; from < l.width; from += kGroup) {
+      double* drawn[kGroup];
+      std::size_t count = 0;
+      for (std::size_t w = from; w < from + kGroup; ++w) {
+        const FrictionArguments<double>& a = *l.run[w];
+        const std::uint64_t place = shared_place(a, step + l.ahead[w]);
+        if (next[w] > step || a.drawn_for[part] == place) continue;
+        double* const to = a.drawn + part * kMostDrawn;
+        // Lanes without a run repeat one, which may be at another step: draw_one() sees to it.
+        if (std::find(drawn, drawn + count, to) != drawn + count) continue;
+        a.drawn_for[part] = place;
+        uniform_pairs(a.key, {place, part, 0, 0}, kGroup, to, to + kGroup);
+        drawn[count++] = to;
+      }
+      for (std::size_t k = 0; k < count; ++k) {
+        Pack z;
+        Pack other;
+        box_muller(drawn[k], drawn[k] + kGroup, z, other);
+        z.store(drawn[k]);
+        other.store(drawn[k] + kGroup);
+      }
+    }
+  }
+
+  /// The numbers of a step, [row][replica].
+  TOMLIN_INLINE static const double* draw_in_lanes(const FrictionLanes& l, std::uint64_t step,
+                                                   std::uint64_t part) {
+    const std::size_t kept = l.together + 1;
+    const std::size_t at = step % kept;
+    std::uint64_t* const next = l.next + part * l.width;
+    double* const normals = l.normals + part * kept * l.rows * l.width;
+    bool due = false;
+    for (std::size_t w = 0; w < l.width; ++w) due |= next[w] <= step;
+    if (due && l.together > 1 && l.rows <= 2) prepare(l, step, part, next);
+    for (std::size_t w = 0; due && w < l.width; ++w) {
+      if (next[w] > step) continue;
+      next[w] = step + draw_one(l, w, step + l.ahead[w], part, at, normals);
+    }
+    return normals + at * l.rows * l.width;
+  }
+
+  TOMLIN_FLATTEN static double particles_in_lanes(const void* arguments,
+                                                  const FlowStage<double>& stage, double h) {
+    const FrictionLanes l = *static_cast<const FrictionLanes*>(arguments);
+    take_new(l, stage.step, h, stage.midpoint);
+    const double* const normals = l.noisy ? draw_in_lanes(l, stage.step, stage.part) : nullptr;
+    double* const v = stage.velocity + l.first * l.width;
+    for (std::size_t i = 0; i < l.rows * l.width; i += kGroup) {
+      decay<double>(v, nullptr, i, Pack::load(l.keep + i), Pack::load(l.loss + i));
+      if (normals == nullptr) continue;
+      add_scaled<double>(v, nullptr, i, Pack::load(l.spread + i), Pack::load(normals + i));
+    }
+    return 0.0;
+  }
+
+  /// One after the other, as each is alone.
+  TOMLIN_FLATTEN static double body_in_lanes(const void* arguments, const FlowStage<double>& stage,
+                                             double h) {
+    const FrictionLanes l = *static_cast<const FrictionLanes*>(arguments);
+    take_new(l, stage.step, 0.0, false);
+    for (std::size_t w = 0; w < l.width; ++w) {
+      FrictionArguments<double> a = *l.run[w];
+      a.body.centre = 0;
+      alignas(64) double position[kGroup] = {};
+      alignas(64) double velocity[kGroup] = {};
+      for (std::size_t r = 0; r < l.rows; ++r) {
+        position[r] = stage.position[(l.first + r) * l.width + w];
+        velocity[r] = stage.velocity[(l.first + r) * l.width + w];
+      }
+      FlowStage<double> one = stage;
+      one.position = position;
+      one.velocity = velocity;
+      one.key = a.key;
+      one.step = stage.step + l.ahead[w];
+      flow_of_body<double>(&a, one, h);
+      for (std::size_t r = 0; r < l.rows; ++r) {
+        stage.velocity[(l.first + r) * l.width + w] = velocity[r];
+      }
+    }
+    return 0.0;
+  }
+
+  TOMLIN_FLATTEN static void fill_in_lanes(const void* arguments, const RandomKey&,
+                                           std::uint64_t step, double* numbers) {
+    const FrictionLanes l = *static_cast<const FrictionLanes*>(arguments);
+    take_new(l, step, 0.0, false);
+    const double* const normals = draw_in_lanes(l, step, 0);
+    std::copy(normals, normals + l.rows * l.width, numbers + l.first * l.width);
   }
 
   template <class Real>
   static constexpr FrictionTable<Real> kernels() {
-    return {&flow_of_particles<Real>,
-            &flow_of_body<Real>,
-            &drag_of_particles<Real>,
-            &drag_of_body<Real>,
-            &mobility<Real>,
-            &drift_heat<Real>,
-            &fill<Real>};
+    FrictionTable<Real> table = {&flow_of_particles<Real>,
+                                 &flow_of_body<Real>,
+                                 &drag_of_particles<Real>,
+                                 &drag_of_body<Real>,
+                                 &mobility<Real>,
+                                 &drift_heat<Real>,
+                                 &fill<Real>};
+    if constexpr (std::is_same_v<Real, double>) {
+      table.particles_in_lanes = &particles_in_lanes;
+      table.body_in_lanes = &body_in_lanes;
+      table.fill_in_lanes = &fill_in_lanes;
+    }
+    return table;
   }
 };
 

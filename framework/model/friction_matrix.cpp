@@ -8,12 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "framework/core/elements/kernel_tables.hpp"
 #include "framework/core/numbers/constants.hpp"
 #include "framework/core/numbers/random.hpp"
 #include "framework/core/numbers/sum.hpp"
-
-TOMLIN_DECLARE_TABLES(FrictionKernels, FrictionTable)
+#include "framework/model/friction_tables.hpp"
 
 namespace tomlin {
 namespace {
@@ -255,6 +253,11 @@ void FrictionMatrix<Real>::assign_noise(const AssemblyPlan& plan, const Assemble
   arguments.temperature = temperature.data();
   arguments.spread = new_array(arguments.length, Real(0.0)).data();
   arguments.normals = new_array(arguments.length, Real(0.0)).data();
+  if (slot.count > 1) return;
+  arguments.together = arguments.axes == 1 ? 2 * kGroup : kGroup;
+  arguments.drawn = new_array(kNoiseParts * kMostDrawn, Real(0.0)).data();
+  constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  arguments.drawn_for = drawn_for_.emplace_back(kNoiseParts, kNone).data();
 }
 
 /// Without inertia: schemes displace coordinates by noise themselves.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <string>
 #include <vector>
@@ -58,6 +59,7 @@ class FrictionMatrix {
   std::vector<Fault> faults_;
   std::deque<FrictionArguments<Real>> friction_;
   std::deque<AlignedVector<Real>> arrays_;
+  std::deque<std::vector<std::uint64_t>> drawn_for_;
   std::vector<Flow<Real>> flows_;
   std::vector<Noise<Real>> noises_;
   DriftHeatArguments<Real> drift_heat_;

@@ -9,6 +9,7 @@
 
 #include "framework/core/elements/kernel_tables.hpp"
 #include "framework/core/elements/site_force.hpp"
+#include "framework/model/friction_tables.hpp"
 
 TOMLIN_DECLARE_DOUBLE_TABLES(TravelKernels, TravelTable)
 
@@ -42,6 +43,19 @@ std::vector<std::size_t> counted(LaneMap& map, std::size_t size) {
   return before;
 }
 
+const FrictionTable<double>& friction_table(const Model& model) {
+  return kernels::FrictionKernels.on<double>(model.system().set);
+}
+
+/// The kernel over lanes of one of a model's flows; null: it has none.
+auto flow_in_lanes(const Model& model, std::size_t k) -> decltype(Flow<double>::run) {
+  const FrictionTable<double>& table = friction_table(model);
+  const Flow<double>& flow = model.system().view.flows[k];
+  if (flow.run == table.flow_of_particles) return table.particles_in_lanes;
+  if (flow.run == table.flow_of_body) return table.body_in_lanes;
+  return nullptr;
+}
+
 std::size_t numbers_of(const LaneForm& form) {
   std::size_t total = 0;
   for (const auto& some : form.numbers) total += some.size();
@@ -53,7 +67,10 @@ std::size_t numbers_of(const LaneForm& form) {
 std::string LaneSystem::why_not(const Model& model) {
   const SystemView<double>& view = model.system().view;
   if (view.own_count > 0) return "forces have internal variables";
-  if (view.flow_count > 0) return "the integrator takes friction as an operator";
+  for (std::size_t k = 0; k < view.flow_count; ++k) {
+    if (flow_in_lanes(model, k) == nullptr) return "an operator has no kernel over lanes";
+  }
+  if (view.friction_rate != kNoRate) return "the ledger integrates heats";
   if (model.system().tangent != nullptr || model.system().elastic != nullptr) {
     return "the integrator needs derivatives of forces";
   }
@@ -89,8 +106,8 @@ LaneSystem::LaneSystem(const Model& first, std::size_t width)
     numbers += numbers_of(call.form);
     scratch += call.form.scratch + kGap;
   }
-  const std::size_t total = 5 * coordinates + rates + 3 * mapped + numbers + scratch;
-  memory_.assign(total * w + 12 * kGap, 0.0);
+  const std::size_t total = 7 * coordinates + rates + 3 * mapped + numbers + scratch;
+  memory_.assign(total * w + 14 * kGap, 0.0);
   SystemView<double>& view = system_.view;
   view.dofs = coordinates * w;
   view.rates = view.used_rates = rates * w;
@@ -105,8 +122,11 @@ LaneSystem::LaneSystem(const Model& first, std::size_t width)
   view.mapped_force = take(mapped);
   view.coordinates = one.coordinates * w;
   view.inertial = one.inertial;
+  view.noise_scale = noise_scale_ = take(coordinates);
+  view.friction = friction_of_noise_ = take(coordinates);
   numbers_ = take(numbers);
   lay_calls();
+  lay_friction();
   view.operations = operations_.data();
   view.operation_count = operations_.size();
   system_.set = first.system().set;
@@ -194,6 +214,76 @@ void LaneSystem::lay_calls() {
   }
 }
 
+/// Flows, noises and kinetic energies of the system: those of one model, over all lanes.
+void LaneSystem::lay_friction() {
+  const std::size_t w = width();
+  const SystemView<double>& one = first_.system().view;
+  const auto rows = [this](std::size_t from, std::size_t length) {
+    return coordinates_before_[from + length] - coordinates_before_[from];
+  };
+  const auto add = [&](const void* of_one) -> const FrictionLanes* {
+    const auto& like = *static_cast<const FrictionArguments<double>*>(of_one);
+    const std::size_t from = like.body.rigid ? like.body.centre : like.body.offset;
+    const std::size_t length = like.body.rigid ? kGroup : like.length;
+    return &friction_.emplace_back(like, w, coordinates_before_[from], rows(from, length)).lanes;
+  };
+  for (std::size_t k = 0; k < one.flow_count; ++k) {
+    Flow<double>& flow = flows_.emplace_back();
+    flow.run = flow_in_lanes(first_, k);
+    flow.arguments = add(one.flows[k].arguments);
+  }
+  for (std::size_t k = 0; k < one.noise_count; ++k) {
+    Noise<double>& noise = noises_.emplace_back();
+    noise.fill = friction_table(first_).fill_in_lanes;
+    noise.arguments = add(one.noises[k].arguments);
+  }
+  for (std::size_t k = 0; k < one.kinetic_count; ++k) {
+    const KineticIntegral& body = one.kinetic[k];
+    kinetic_.push_back({coordinates_before_[body.first] * w, rows(body.first, body.length) * w,
+                        static_cast<std::ptrdiff_t>(rates_before_[body.rate] * w)});
+  }
+  SystemView<double>& view = system_.view;
+  view.flows = flows_.data();
+  view.flow_count = flows_.size();
+  view.noises = noises_.data();
+  view.noise_count = noises_.size();
+  view.kinetic = kinetic_.data();
+  view.kinetic_count = kinetic_.size();
+}
+
+LaneSystem::Friction::Friction(const FrictionArguments<double>& like, std::size_t width,
+                               std::size_t first, std::size_t rows)
+    : run(width, &like),
+      is_new(width, 1),
+      ahead(width, 0),
+      keep(rows * width, 0.0),
+      loss(rows * width, 0.0),
+      spread(rows * width, 0.0),
+      next(kNoiseParts * width, 0) {
+  lanes.width = width;
+  lanes.first = first;
+  lanes.rows = rows;
+  lanes.noisy = like.temperature != nullptr;
+  lanes.together = like.together;
+  lanes.run = run.data();
+  lanes.any_new = &any_new;
+  lanes.is_new = is_new.data();
+  lanes.ahead = ahead.data();
+  lanes.keep = keep.data();
+  lanes.loss = loss.data();
+  lanes.spread = spread.data();
+  if (lanes.noisy) normals.assign(kNoiseParts * (like.together + 1) * rows * width, 0.0);
+  lanes.normals = normals.data();
+  lanes.next = next.data();
+}
+
+void LaneSystem::Friction::put(std::size_t lane, const void* arguments, std::uint64_t steps) {
+  ahead[lane] = steps;
+  run[lane] = static_cast<const FrictionArguments<double>*>(arguments);
+  is_new[lane] = 1;
+  any_new = true;
+}
+
 bool LaneSystem::fits(const Model& model) const {
   const std::vector<LaneCall>& one = first_.assembly().lane_calls();
   const std::vector<LaneCall>& other = model.assembly().lane_calls();
@@ -212,7 +302,21 @@ bool LaneSystem::fits(const Model& model) const {
                         return length(some) == length(others);
                       });
   };
-  return a.dofs == b.dofs && a.used_rates == b.used_rates && a.own == b.own &&
+  const auto same_friction = [](const void* x, const void* y) {
+    const auto& of_one = *static_cast<const FrictionArguments<double>*>(x);
+    const auto& of_other = *static_cast<const FrictionArguments<double>*>(y);
+    return structure_of(of_one.body, kNoRate) == structure_of(of_other.body, kNoRate) &&
+           (of_one.temperature == nullptr) == (of_other.temperature == nullptr);
+  };
+  bool alike = a.flow_count == b.flow_count && a.noise_count == b.noise_count &&
+               a.kinetic_count == b.kinetic_count;
+  for (std::size_t k = 0; alike && k < a.flow_count; ++k) {
+    alike = same_friction(a.flows[k].arguments, b.flows[k].arguments);
+  }
+  for (std::size_t k = 0; alike && k < a.noise_count; ++k) {
+    alike = same_friction(a.noises[k].arguments, b.noises[k].arguments);
+  }
+  return alike && a.dofs == b.dofs && a.used_rates == b.used_rates && a.own == b.own &&
          a.inertial == b.inertial && first_.system().set == model.system().set &&
          first_.assembly().mapped_size() == model.assembly().mapped_size() &&
          std::equal(first_.bodies().begin(), first_.bodies().end(), model.bodies().begin(),
@@ -223,7 +327,7 @@ bool LaneSystem::fits(const Model& model) const {
          std::equal(one.begin(), one.end(), other.begin(), other.end(), same);
 }
 
-void LaneSystem::put(std::size_t lane, const Model& model) {
+void LaneSystem::put(std::size_t lane, const Model& model, std::uint64_t steps) {
   const SystemView<double>& from = model.system().view;
   SystemView<double>& view = system_.view;
   layout_.coordinates.put(from.position, lane, width(), view.position);
@@ -233,6 +337,15 @@ void LaneSystem::put(std::size_t lane, const Model& model) {
   layout_.rates.put(from.integrals, lane, width(), view.integrals);
   mapped_.put(from.mapped_position, lane, width(), view.mapped_position);
   mapped_.put(from.mapped_velocity, lane, width(), view.mapped_velocity);
+  // Of flows or, without inertia, of noises.
+  for (std::size_t k = 0; k < friction_.size(); ++k) {
+    friction_[k].put(lane, from.flow_count > 0 ? from.flows[k].arguments : from.noises[k].arguments,
+                     steps);
+  }
+  if (from.noise_count > 0) {
+    layout_.coordinates.put(from.noise_scale, lane, width(), noise_scale_);
+    layout_.coordinates.put(from.friction, lane, width(), friction_of_noise_);
+  }
   const std::size_t w = width();
   double* to = numbers_ + lane;
   std::size_t place = lane;  // among travels

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <deque>
 #include <string>
 #include <vector>
 
 #include "framework/core/system/aligned.hpp"
 #include "framework/core/system/lanes.hpp"
 #include "framework/core/system/system.hpp"
+#include "framework/model/friction_kernels.hpp"
 #include "framework/model/model.hpp"
 #include "framework/model/travel_kernels.hpp"
 
@@ -30,8 +33,8 @@ class LaneSystem {
   System<double>& system() { return system_; }
   bool fits(const Model& model) const;
 
-  /// Parameters and state of a model.
-  void put(std::size_t lane, const Model& model);
+  /// Parameters and state of a model, of which the integrator has taken so many steps.
+  void put(std::size_t lane, const Model& model, std::uint64_t steps);
   // Parameters that follow from the time that forces are anchored at, in one of two ways.
 
   /// False where a model has to be anchored: put_timed().
@@ -73,8 +76,27 @@ class LaneSystem {
     std::vector<double> unit = {};
   };
 
+  /// Friction on a body that is an operator, or noise without inertia.
+  struct Friction {
+    Friction(const FrictionArguments<double>& like, std::size_t width, std::size_t first,
+             std::size_t rows);
+    void put(std::size_t lane, const void* arguments, std::uint64_t steps);
+
+    FrictionLanes lanes;
+    std::vector<const FrictionArguments<double>*> run;
+    bool any_new = false;
+    std::vector<unsigned char> is_new;
+    std::vector<std::uint64_t> ahead;
+    AlignedVector<double> keep;
+    AlignedVector<double> loss;
+    AlignedVector<double> spread;
+    AlignedVector<double> normals;
+    std::vector<std::uint64_t> next;
+  };
+
   void map_numbers(const Model& model);
   void lay_calls();
+  void lay_friction();
   double* take(std::size_t numbers);
 
   const Model& first_;
@@ -86,6 +108,10 @@ class LaneSystem {
   std::vector<std::size_t> rates_before_;
   std::vector<Call> calls_;
   std::vector<Operation<double>> operations_;
+  std::deque<Friction> friction_;  ///< of flows, or of noises
+  std::vector<Flow<double>> flows_;
+  std::vector<Noise<double>> noises_;
+  std::vector<KineticIntegral> kinetic_;
   std::vector<Followed> followed_;
   Travels travels_;
   bool by_kernel_ = true;
@@ -95,6 +121,8 @@ class LaneSystem {
   double* numbers_ = nullptr;
   double* inverse_mass_ = nullptr;
   double* largest_move_ = nullptr;
+  double* noise_scale_ = nullptr;
+  double* friction_of_noise_ = nullptr;
   System<double> system_;
 };
 

@@ -64,7 +64,19 @@ std::int64_t FixedGrid::steps_for_lanes() {
   if (samples_each_step_ || plain_left_ < kBlock) return 0;
   run_.since_anchor();
   // Turns are counted after every block.
-  return parts_.observation.rotations().counts_turns() ? kBlock : plain_left_ / kBlock * kBlock;
+  if (parts_.observation.rotations().counts_turns()) return kBlock;
+  return std::min(plain_left_ / kBlock, blocks_before(parts_.observation.idle_until())) * kBlock;
+}
+
+/// As many as end before that time, but one at least.
+std::int64_t FixedGrid::blocks_before(double time) const {
+  const double dt = run_.plan.dt;
+  const std::int64_t taken = run_.clock.grid_steps();
+  if (!(time < run_.plan.duration)) return run_.plan.whole_steps / kBlock;
+  auto blocks = (static_cast<std::int64_t>(std::max(time, 0.0) / dt) - taken) / kBlock;
+  const auto end = [&] { return static_cast<double>(taken + blocks * kBlock) * dt; };
+  while (blocks > 1 && !(end() < time)) --blocks;
+  return std::max<std::int64_t>(blocks, 1);
 }
 
 void FixedGrid::took(std::int64_t steps, const DoubleDouble&) {

@@ -33,6 +33,7 @@ class FixedGrid : public Stepping {
   void take_one(const Step& step);
   DoubleDouble end_of_step() const;
   std::int64_t plain_steps();
+  std::int64_t blocks_before(double time) const;
   void take_block(std::int64_t most);
   std::int64_t point_block(std::int64_t most, StepFault& fault);
   std::optional<std::size_t> take_without_guard(std::size_t first, std::size_t most);

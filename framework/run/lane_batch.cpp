@@ -26,7 +26,6 @@ std::string why_not_in_lanes(const Model& model) {
   const IntegratorRecord& scheme = *run.integrator.record;
   if (run.accuracy) return "accuracy makes several runs";
   if (run.perturb) return "perturb makes several runs";
-  if (run.repeats > 1) return "repeats make several runs";
   if (run.number_type != NumberType::double_precision) return "lanes are of double precision";
   if (model.plan().quasistatic) return "the dynamics are quasistatic";
   if (!scheme.library.empty()) return "the integrator " + scheme.name + " is a plugin's";
@@ -114,7 +113,7 @@ std::vector<Engine*> LaneBatch::advance() {
 
 /// All numbers of a run.
 void LaneBatch::put(std::size_t k, Engine& run) {
-  system_.put(k, run.model());
+  system_.put(k, run.model(), static_cast<std::uint64_t>(run.context().clock.steps()));
   system_.set_time(k, run.model().anchor_time());
   grid_[k] = static_cast<double>(run.context().clock.grid_steps());
   if (adaptive_) {

@@ -306,6 +306,12 @@ void Observation::look_at_block_end() {
   for (RunObserver* observer : at_block_ends_) observer->block_ended();
 }
 
+double Observation::idle_until() const {
+  double time = std::numeric_limits<double>::infinity();
+  for (const RunObserver* observer : at_block_ends_) time = std::min(time, observer->idle_until());
+  return time;
+}
+
 void Observation::look_now_and_then() {
   for (const auto& observer : observers_) observer->look_now_and_then();
 }

@@ -48,6 +48,8 @@ class Observation {
   void look_now_and_then();
   /// Every kBlock steps of the grid.
   void look_at_block_end();
+  /// What is before this time, see RunObserver; infinite where ends of blocks are not looked at.
+  double idle_until() const;
 
   /// The next sample or edge of the window.
   double next_due() const { return std::min(samples_.next_time(), window_.next_edge()); }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -115,6 +116,8 @@ class RunObserver {
   virtual void stepped(const RunMoment& moment) { (void)moment; }
   /// Every kBlock steps of the grid.
   virtual void block_ended() {}
+  /// Ends of blocks before this time may be left out, but for the last of them.
+  virtual double idle_until() const { return -std::numeric_limits<double>::infinity(); }
   /// An edge of the window.
   virtual void edge(const RunMoment& moment) { (void)moment; }
   virtual void next_window() {}

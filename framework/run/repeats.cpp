@@ -1,13 +1,17 @@
 #include "framework/run/repeats.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "framework/core/text/axis_names.hpp"
+#include "framework/run/lane_batch.hpp"
 #include "framework/run/side_run.hpp"
 
 namespace tomlin {
@@ -65,6 +69,47 @@ void add_numbers(const RunResult& result, std::vector<Repeated>& all) {
   }
 }
 
+/// Fewer take less time one by one.
+constexpr std::size_t kFewestInLanes = 3;
+
+using Repeats = std::vector<std::unique_ptr<SideRun>>;
+
+/// Those from `first` on that run together.
+Repeats next_repeats(const std::shared_ptr<const Scene>& scene, const RunOptions& options,
+                     std::int64_t first) {
+  Repeats runs;
+  std::size_t most = 1;
+  RunOptions own = options;
+  for (std::int64_t repeat = first; repeat < scene->run.repeats && runs.size() < most; ++repeat) {
+    const auto other = std::make_shared<Scene>(*scene);
+    other->run.stream = scene->run.stream * scene->run.repeats + repeat;
+    runs.push_back(std::make_unique<SideRun>(other, own, fmt::format("repeat {}", repeat)));
+    own.on_progress = nullptr;  // that of the first is that of all
+    Engine& engine = runs.front()->engine();
+    if (runs.size() == 1 && engine.why_not_in_lanes().empty()) most = LaneBatch::good_width(engine);
+  }
+  return runs;
+}
+
+std::vector<RunResult> results_of(const Repeats& runs) {
+  std::vector<RunResult> results(runs.size());
+  if (runs.size() < kFewestInLanes) {
+    std::transform(runs.begin(), runs.end(), results.begin(),
+                   [](const auto& run) { return run->engine().run(); });
+    return results;
+  }
+  LaneBatch batch(runs.front()->engine(), runs.size());
+  for (const auto& run : runs) batch.add(run->engine());
+  while (!batch.is_empty()) {
+    for (Engine* const ended : batch.advance()) {
+      const auto run = std::find_if(runs.begin(), runs.end(),
+                                    [&](const auto& one) { return &one->engine() == ended; });
+      results[static_cast<std::size_t>(run - runs.begin())] = ended->end();
+    }
+  }
+  return results;
+}
+
 }  // namespace
 
 void average_over_repeats(const std::shared_ptr<const Scene>& scene, const RunOptions& options,
@@ -75,22 +120,22 @@ void average_over_repeats(const std::shared_ptr<const Scene>& scene, const RunOp
   const auto warn = [&result](FaultCode code, std::string text) {
     result.warnings.push_back({code, std::move(text), kRepeatsKey});
   };
-  for (std::int64_t repeat = 1; repeat < scene->run.repeats; ++repeat) {
-    const auto other = std::make_shared<Scene>(*scene);
-    other->run.stream = scene->run.stream * scene->run.repeats + repeat;
-    const RunResult found = side_run(other, options, fmt::format("repeat {}", repeat));
-    if (found.status == RunStatus::interrupted) {
-      result.status = RunStatus::interrupted;
-      warn(FaultCode::run_comparison_stopped,
-           fmt::format("stopped after {} of {} repeats", repeat, scene->run.repeats));
-      return;
+  for (std::int64_t repeat = 1; repeat < scene->run.repeats;) {
+    for (const RunResult& found : results_of(next_repeats(scene, options, repeat))) {
+      if (found.status == RunStatus::interrupted) {
+        result.status = RunStatus::interrupted;
+        warn(FaultCode::run_comparison_stopped,
+             fmt::format("stopped after {} of {} repeats", repeat, scene->run.repeats));
+        return;
+      }
+      if (found.failure) {
+        warn(FaultCode::run_perturb_failed,
+             fmt::format("repeat {} failed: {}", repeat, to_string(*found.failure)));
+      } else {
+        add_numbers(found, all);
+      }
+      ++repeat;
     }
-    if (found.failure) {
-      warn(FaultCode::run_perturb_failed,
-           fmt::format("repeat {} failed: {}", repeat, to_string(*found.failure)));
-      continue;
-    }
-    add_numbers(found, all);
   }
   result.errors.clear();
   for (const Repeated& one : all) {

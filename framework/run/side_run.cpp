@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "framework/run/engine.hpp"
@@ -25,25 +26,34 @@ class Checkpoints : public RunSink {
 
 }  // namespace
 
-RunResult side_run(const std::shared_ptr<const Scene>& scene, RunOptions options,
-                   const std::string& name) {
+SideRun::SideRun(const std::shared_ptr<const Scene>& scene, RunOptions options, std::string name)
+    : name_(std::move(name)) {
   options.sink = nullptr;
   options.resume_from = nullptr;
   options.final_state = nullptr;
   options.watches_energy = false;
-  if (options.store == nullptr) return Engine(scene, options).run();
-  Checkpoints checkpoints(*options.store, name);
-  options.sink = &checkpoints;
-  const std::vector<std::byte> kept = options.store->kept(name);
-  if (!kept.empty()) {
-    options.resume_from = &kept;
+  if (options.store != nullptr) {
+    checkpoints_ = std::make_unique<Checkpoints>(*options.store, name_);
+    options.sink = checkpoints_.get();
+    kept_ = options.store->kept(name_);
+  }
+  if (!kept_.empty()) {
+    options.resume_from = &kept_;
     try {
-      return Engine(scene, options).run();
+      engine_ = std::make_unique<Engine>(scene, options);
+      return;
     } catch (const std::invalid_argument&) {
       options.resume_from = nullptr;  // of a program with other numbers in its state
     }
   }
-  return Engine(scene, options).run();
+  engine_ = std::make_unique<Engine>(scene, options);
+}
+
+SideRun::~SideRun() = default;
+
+RunResult side_run(const std::shared_ptr<const Scene>& scene, RunOptions options,
+                   const std::string& name) {
+  return SideRun(scene, std::move(options), name).engine().run();
 }
 
 }  // namespace tomlin

@@ -43,9 +43,10 @@ RandomKey bath_key() { return {kNoiseSeed, stream_of("bath", kNoiseStream)}; }
 
 /// Of the only particle, on a line.
 double bath_number(std::uint64_t step, std::uint64_t part) {
-  alignas(64) double numbers[kGroup];
-  fill_normals(bath_key(), {step, part, 0, 0}, kGroup, 1, numbers);
-  return numbers[0];
+  constexpr std::size_t kTogether = 2 * kGroup;  // steps that share their numbers
+  alignas(64) double numbers[kTogether];
+  fill_normals(bath_key(), {step / kTogether, part, 0, 0}, kTogether, kGroup, numbers);
+  return numbers[step % kTogether];
 }
 
 struct ProbeScene {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "framework/core/numbers/math.hpp"
 #include "framework/core/numbers/number_types.hpp"
@@ -19,6 +20,16 @@
 namespace tomlin {
 inline namespace TOMLIN_TARGET {
 
+/// z and z' of eight pairs u, w.
+TOMLIN_INLINE void box_muller(const double* u, const double* w, Pack& z, Pack& other) {
+  const Pack size = sqrt(Pack(-2.0) * log(Pack::load(u)));
+  Pack sine(0.0);
+  Pack cosine(0.0);
+  sincos_turns(Pack::load(w), sine, cosine);
+  z = size * cosine;
+  other = size * sine;
+}
+
 /// `length` numbers, a multiple of a group, of mean 0 and variance 1. In each group only the first
 /// `used` are wanted: the others are some numbers. The blocks of a place count in its c.
 template <class Real>
@@ -28,21 +39,26 @@ TOMLIN_INLINE void fill_normals(const RandomKey& key, RandomPlace place, std::si
   constexpr std::size_t kBlocks = kAtOnce / 2;  // for two groups of numbers
   alignas(64) double radius[kAtOnce];
   alignas(64) double angle[kAtOnce];
-  std::fill(radius, radius + kAtOnce, 0.5);
-  std::fill(angle, angle + kAtOnce, 0.5);
+  if (used < kAtOnce) {
+    std::fill(radius, radius + kAtOnce, 0.5);
+    std::fill(angle, angle + kAtOnce, 0.5);
+  }
   const auto put = [numbers](std::size_t from, const Pack& values) {
-    alignas(64) double part[kAtOnce];
-    values.store(part);
-    for (std::size_t k = 0; k < kAtOnce; ++k) numbers[from + k] = Real(part[k]);
+    if constexpr (std::is_same_v<Real, double>) {
+      values.store_unaligned(numbers + from);
+    } else {
+      alignas(64) double part[kAtOnce];
+      values.store(part);
+      for (std::size_t k = 0; k < kAtOnce; ++k) numbers[from + k] = Real(part[k]);
+    }
   };
   for (std::size_t i = 0; i < length; i += 2 * kAtOnce, place.c += kBlocks) {
     uniform_pairs(key, place, std::min(used, kAtOnce), radius, angle);
-    const Pack size = sqrt(Pack(-2.0) * log(Pack::load(radius)));
-    Pack sine(0.0);
-    Pack cosine(0.0);
-    sincos_turns(Pack::load(angle), sine, cosine);
-    put(i, size * cosine);
-    if (i + kAtOnce < length) put(i + kAtOnce, size * sine);
+    Pack z;
+    Pack other;
+    box_muller(radius, angle, z, other);
+    put(i, z);
+    if (i + kAtOnce < length) put(i + kAtOnce, other);
   }
 }
 

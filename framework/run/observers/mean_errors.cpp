@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -11,8 +12,8 @@
 
 /// Statistical errors of means over the window, where there is noise: each mean over equal parts of
 /// the window is a series, whose scatter gives the error (blocking.hpp). A part is a period of the
-/// first driver that has one, where the window has enough of them, else a block of steps; it
-/// doubles whenever there are too many.
+/// first driver that has one, where the window has enough of them, else a block of steps; doubled
+/// until there are not too many.
 namespace tomlin::observers {
 namespace {
 
@@ -74,6 +75,12 @@ class MeanErrors : public RunObserver {
     follow(parts_.run.clock.time());
   }
 
+  /// What counts are the two ends of blocks around the end of a part.
+  double idle_until() const override {
+    if (*count_ == 0 || !parts_.window.is_open()) return std::numeric_limits<double>::infinity();
+    return end_of_part();
+  }
+
   void results(ResultTable& table, const double*) const override {
     if (!parts_.window.is_over()) return;
     for (std::size_t k = 0; k < series_.size(); ++k) {
@@ -83,7 +90,14 @@ class MeanErrors : public RunObserver {
   }
 
  private:
+  /// As long as parts end up in this window.
   double first_part() const {
+    double length = shortest_part();
+    while (length * static_cast<double>(kMostParts + 1) <= parts_.window.length()) length *= 2.0;
+    return length;
+  }
+
+  double shortest_part() const {
     const double block = static_cast<double>(kBlock) * parts_.run.plan.dt;
     for (const Model::Driver& driver : parts_.run.model.drivers()) {
       if (!drags(*driver.drive)) continue;
@@ -152,11 +166,14 @@ class MeanErrors : public RunObserver {
     }
   }
 
+  double end_of_part() const {
+    return parts_.window.from().time + static_cast<double>(*count_) * *length_;
+  }
+
   /// Sums at the ends of parts up to now, interpolated between the times that are looked at.
   void follow(double time) {
-    const double from = parts_.window.from().time;
     for (;;) {
-      const double end = from + static_cast<double>(*count_) * *length_;
+      const double end = end_of_part();
       if (!(end <= time)) break;
       const double part = time > *last_time_ ? (end - *last_time_) / (time - *last_time_) : 1.0;
       for (std::size_t k = 0; k < at_.size(); ++k) at_[k] = last_[k] + part * (now_[k] - last_[k]);

@@ -138,6 +138,40 @@ std::string with_run(std::string text, const std::string& integrator,
 
 constexpr const char* kOverdamped = "\ndynamics = \"overdamped\"";
 
+/// In a bath: with noise, each replica of a seed, a stream and a temperature of its own.
+std::string warmed(std::string text, int k, double temperature) {
+  const std::string friction = "type = \"viscous_damping\"";
+  for (std::size_t at = 0; (at = text.find(friction, at)) != std::string::npos;) {
+    text.replace(at, friction.size(),
+                 "type = \"langevin\"\ntemperature = " + digits(own(k, 0.5, 2.0) * temperature));
+  }
+  const std::string run = "[run]\n";
+  return text.replace(text.find(run), run.size(),
+                      run + "seed = " + std::to_string(k / 2) +
+                          "\nstream = " + std::to_string(k % 2 + 3 * k) + "\n");
+}
+
+std::string thermal(std::string text, int k, const std::string& scheme, double dt,
+                    const std::string& more = "") {
+  return warmed(
+      with_run(std::move(text), "{ type = \"" + scheme + "\", dt = " + digits(dt) + " }", more), k,
+      0.05);
+}
+
+/// In the plane, without and with what samples leave between steps.
+std::string tip_in_the_plane(int k) {
+  return "[[body]]\nname = \"tip\"\ntype = \"point\"\nposition = [0.1, 0.2]\nparticle_mass = "
+         "1.3\n[[force]]\nname = \"driver\"\ntype = \"driving_spring\"\nstiffness = 1.5\n"
+         "velocity = [0.2, " +
+         digits(own(k, 0.05, 0.2)) +
+         "]\n[[force]]\ntype = \"viscous_damping\"\ncoefficient = 0.9\n[[force]]\ntype = "
+         "\"sinusoidal_substrate\"\namplitude = 0.1\nperiod = 1.0\n[run]\nduration = " +
+         digits(15.0 + k) + "\nintegrator = { type = \"rk4\", dt = 0.02 }\n";
+}
+
+const std::vector<std::string> kWithTemperature = {"driver.mean_force.x", "tip.temperature"};
+const std::vector<std::string> kRingWithTemperature = {"driver.mean_force.x", "ring.temperature"};
+
 const std::vector<LaneCase>& lane_cases() {
   static const std::vector<LaneCase> cases = {
       {"tip", &tip_of},
@@ -182,6 +216,50 @@ const std::vector<LaneCase>& lane_cases() {
       {"adaptive_dumbbells",
        [](int k) { return with_run(dumbbells_of(k), adaptive(1e-8, "dop853")); }},
       {"adaptive_slow_tip", [](int k) { return with_run(tip_of(k), adaptive(1e-8), kOverdamped); }},
+      {"damped_tip", [](int k) { return with_run(tip_of(k), verlet(0.01)); }},
+      {"damped_chain",
+       [](int k) {
+         return with_run(chain_of(k, "", "\"neighbours\""), "{ type = \"gjf\", dt = 0.02 }");
+       }},
+      {"thermal_tip", [](int k) { return thermal(tip_of(k), k, "baoab", 0.02); }, kWithTemperature},
+      {"thermal_tip_by_gjf", [](int k) { return thermal(tip_of(k), k, "gjf", 0.03); },
+       kWithTemperature},
+      {"thermal_tip_by_verlet",
+       [](int k) { return thermal(tip_of(k), k, "velocity_verlet", 0.02); }},
+      {"thermal_sampled_tip",
+       [](int k) {
+         return thermal(tip_of(k), k, "baoab", 0.02) +
+                "[output]\nevery = " + digits(0.02 * (23 + 7 * k)) + "\n";
+       }},
+      {"thermal_tip_in_the_plane",
+       [](int k) { return thermal(tip_in_the_plane(k), k, "baoab", 0.02); }, kWithTemperature},
+      {"thermal_flexible_ring",
+       [](int k) {
+         return warmed(with_run(ring_of(k, "particles"), "{ type = \"baoab\", dt = 0.002 }"), k,
+                       1e-3);
+       },
+       kRingWithTemperature},
+      {"thermal_rigid_ring",
+       [](int k) {
+         return warmed(with_run(ring_of(k, "rigid"), "{ type = \"gjf\", dt = 0.002 }"), k, 1e-3);
+       },
+       kRingWithTemperature},
+      {"thermal_chain",
+       [](int k) { return thermal(chain_of(k, "", "\"neighbours\""), k, "baoab", 0.02); }},
+      {"thermal_slow_tip",
+       [](int k) { return thermal(tip_of(k), k, "leimkuhler_matthews", 0.02, kOverdamped); }},
+      {"thermal_slow_sampled_tip",
+       [](int k) {
+         return thermal(tip_of(k), k, "leimkuhler_matthews", 0.02, kOverdamped) +
+                "[output]\nevery = " + digits(0.02 * (23 + 7 * k)) + "\n";
+       }},
+      {"thermal_slow_chain",
+       [](int k) {
+         return thermal(chain_of(k, "", "\"neighbours\""), k, "leimkuhler_matthews", 0.005,
+                        kOverdamped);
+       }},
+      {"thermal_slow_tip_by_euler",
+       [](int k) { return thermal(tip_of(k), k, "euler_maruyama", 0.02, kOverdamped); }},
   };
   return cases;
 }
@@ -406,6 +484,71 @@ TEST(LaneBatch, StatesAreThoseOfSingleRuns) {
   EXPECT_EQ(resumed.state().to_bytes(), alone(one, 0, options).state);
 }
 
+const LaneCase& case_of(const std::string& name) {
+  return *std::find_if(lane_cases().begin(), lane_cases().end(),
+                       [&](const LaneCase& one) { return one.name == name; });
+}
+
+/// Two runs in lanes: the first, of which 500 steps were taken alone, and its neighbour. The state
+/// of the first at its end. `spoil` may change the integers of a field before.
+std::vector<std::byte> resumed_in_lanes(const LaneCase& one, const std::string& field = "",
+                                        std::int64_t by = 0) {
+  const RunOptions options = asked_for(one);
+  Engine half(scene_of(one.text(0)), options);
+  half.advance(500);
+  Engine resumed(scene_of(one.text(0)), options);
+  resumed.resume(half.state().to_bytes());
+  if (!field.empty()) *resumed.state().integers(field) += by;
+  Engine other(scene_of(one.text(1)), options);
+  LaneBatch batch(resumed, 2);
+  batch.add(resumed);
+  batch.add(other);
+  while (!batch.is_empty()) batch.advance();
+  resumed.end();
+  return resumed.state().to_bytes();
+}
+
+/// Noise goes on with the numbers of the step, of a run's own stream.
+TEST(LaneBatch, NoiseDependsOnTheStepAndTheStreamAlone) {
+  for (const char* name : {"thermal_tip", "thermal_tip_by_verlet", "thermal_tip_in_the_plane",
+                           "thermal_rigid_ring", "thermal_slow_tip"}) {
+    const LaneCase& one = case_of(name);
+    EXPECT_EQ(resumed_in_lanes(one), alone(one, 0, asked_for(one)).state) << name;
+  }
+  // Faults that this has to find: a counter that is off by one, a neighbour's stream.
+  const LaneCase& tip = case_of("thermal_tip");
+  EXPECT_NE(resumed_in_lanes(tip, "baoab.step", 1), resumed_in_lanes(tip));
+  const LaneCase other_stream = {"other stream", [&](int k) {
+                                   std::string text = tip.text(0);
+                                   const std::string stream = "stream = 0";
+                                   if (k == 1) text.replace(text.find(stream), 10, "stream = 1");
+                                   return text;
+                                 }};
+  const std::vector<Ended> two = in_lanes(other_stream, 2, 2, asked_for(tip));
+  EXPECT_NE(two[0].state, two[1].state);
+}
+
+/// `repeats` of a run: in lanes where only a mean is asked for, one by one where events are, too.
+TEST(LaneBatch, RepeatsHaveTheMeanAndTheErrorOfRunsOneByOne) {
+  std::string text = thermal(tip_of(0), 0, "baoab", 0.02);
+  text.insert(text.find("[run]\n") + 6, "repeats = 12\n");
+  RunOptions mean;
+  mean.observables = {"driver.mean_force.x"};
+  ASSERT_EQ(Engine(scene_of(text), mean).why_not_in_lanes(), "");
+  ASSERT_NE(Engine(scene_of(text), {}).why_not_in_lanes(), "");
+  const RunResult together = run(scene_of(text), mean);
+  const RunResult apart = run(scene_of(text), {});
+  EXPECT_EQ(observable(together, "driver.mean_force.x"), observable(apart, "driver.mean_force.x"));
+  const auto error = [](const RunResult& result) {
+    for (const ErrorEstimate& one : result.errors) {
+      if (one.path == "drivers.driver.mean_force.x") return one.error;
+    }
+    return std::optional<double>();
+  };
+  EXPECT_GT(error(apart).value_or(0.0), 0.0);
+  EXPECT_EQ(error(together), error(apart));
+}
+
 /// What the comparison above has to find: another replica's numbers, or a last digit.
 TEST(LaneBatch, ADifferenceIsSeen) {
   const LaneCase& one = lane_case("tip");
@@ -550,7 +693,17 @@ TEST(LaneBatch, WhatARunTakesByItselfHasAReason) {
   EXPECT_NE(reason(TipScene{.integrator = adaptive(1e-8)}.text(), {"events.slips"}), "");
   EXPECT_NE(reason(TipScene{}.text(), {"driver.force_deviation.x"}), "");
   EXPECT_EQ(reason(TipScene{.integrator = adaptive(1e-8)}.text(), mean), "");
-  EXPECT_NE(reason(TipScene{.integrator = verlet(0.01)}.text(), mean), "");
+  EXPECT_EQ(reason(TipScene{.integrator = verlet(0.01)}.text(), mean), "");
+  const std::string warm = thermal(tip_of(0), 0, "baoab", 0.02);
+  EXPECT_EQ(reason(warm, mean), "");
+  EXPECT_NE(reason(warm, {"events.slips"}), "");
+  const std::string remembering = "type = \"memory_damping\"\nmemory_time = 0.5";
+  std::string coloured = warm;
+  coloured.replace(coloured.find("type = \"langevin\""), 17, remembering);
+  EXPECT_EQ(reason(coloured, mean), "forces have internal variables");
+  EXPECT_EQ(
+      reason(thermal(ring_of(0, "rigid"), 0, "leimkuhler_matthews", 0.002, kOverdamped), mean),
+      "bodies are prescribed, or rigid ones move without inertia");
   EXPECT_NE(reason(TipScene{.more = "number_type = \"float\"\n"}.text(), mean), "");
   EXPECT_NE(reason(TipScene{.more = "ledger = true\n"}.text(), mean), "");
 }

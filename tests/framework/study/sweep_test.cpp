@@ -61,6 +61,15 @@ duration = 20.0
 integrator = { type = "rk4", dt = 2e-2 }
 )";
 
+/// In a bath of temperature T.
+std::string warm_tip() {
+  std::string text = kSweptTip;
+  const std::string friction = "type = \"viscous_damping\"";
+  text.replace(text.find(friction), friction.size(), "type = \"langevin\"\ntemperature = \"T\"");
+  text.replace(text.find("seed = 1"), 8, "T = 0.02");
+  return text.replace(text.find("\"rk4\""), 5, "\"baoab\"");
+}
+
 struct SweptAxes {
   std::vector<std::pair<std::string, std::string>> over;
   std::vector<std::vector<std::string>> zips = {};
@@ -340,6 +349,10 @@ std::vector<SweptCase> cases() {
        ring.text(),
        {{{"body.ring.coordinates", "particles,rigid"}, {"force.driver.stiffness", "1,2"}}},
        {"driver.mean_force.x", "ring.rotation"}},
+      {"noise",
+       warm_tip(),
+       {{{"T", "0.01,0.05"}, {"run.seed", "3,4"}, {"run.stream", "0:2:3"}}},
+       {"driver.mean_force.x", "tip.temperature"}},
   };
 }
 
@@ -464,10 +477,16 @@ TEST(Sweep, AnObservableThatSomePointsLackRefusesThem) {
 
 /// A stop at any time, in lanes: points resume from where they were, and no row has another bit.
 TEST(Sweep, LanesResumeFromTheirCheckpoints) {
-  const std::vector<std::pair<std::string, std::string>> cases = {
-      {"{ type = \"rk4\", dt = 1e-3 }", "3000"}, {"{ type = \"dopri5\" }", "30000"}};
-  for (const auto& [integrator, duration] : cases) {
-    const SweepPlan plan = plan_over(kSweptTip, {{{"v", "1e-2:5e-2:12"}}}, {"driver.mean_force.x"},
+  struct Stopped {
+    std::string text;
+    std::string integrator;
+    std::string duration;
+  };
+  const std::vector<Stopped> cases = {{kSweptTip, "{ type = \"rk4\", dt = 1e-3 }", "3000"},
+                                      {kSweptTip, "{ type = \"dopri5\" }", "30000"},
+                                      {warm_tip(), "{ type = \"baoab\", dt = 1e-3 }", "3000"}};
+  for (const auto& [text, integrator, duration] : cases) {
+    const SweepPlan plan = plan_over(text, {{{"v", "1e-2:5e-2:12"}}}, {"driver.mean_force.x"},
                                      {{"run.integrator", integrator}, {"run.duration", duration}});
     RowsInMemory due;
     ASSERT_TRUE(run_sweep(plan, due, {}).complete());
