@@ -18,8 +18,8 @@ struct AssembledBody {
   BoundBody<Real> bound;
   double rolling_radius = 0.0;
   double rolling_rise = 0.0;
-  /// In which it turns: rotations from the first axis to the second are positive, and it rolls along
-  /// the first.
+  /// In which it turns: rotations from the first axis to the second are positive, and it rolls
+  /// along the first.
   std::array<int, 2> plane = {0, 1};
   bool turns_in_space = false;  ///< flexible, about the axis that is across the plane
   double total_mass = 0.0;
@@ -38,9 +38,7 @@ struct AssembledBody {
   std::size_t steering = 0;               ///< which of the prescribed bodies it is
   std::ptrdiff_t kinetic_rate = kNoRate;  ///< where its kinetic energy stands, see KineticIntegral
 
-  bool rotates() const {
-    return arms.size() > 1 && (arms.front().size() == 2 || turns_in_space);
-  }
+  bool rotates() const { return arms.size() > 1 && (arms.front().size() == 2 || turns_in_space); }
   bool moves_as_one() const { return bound.slot.rigid; }
   bool prescribed() const { return motion != nullptr; }
 };

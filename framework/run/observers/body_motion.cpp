@@ -5,9 +5,10 @@
 namespace tomlin::observers {
 namespace {
 
-const ResultQuantity kTurns{"turns", dimension::none, Shape::number, Scope::window,
-                            "revolutions, counter-clockwise positive; of a tube in space seen with z, "
-                            "or else y, up and the other axis to the right"};
+const ResultQuantity kTurns{
+    "turns", dimension::none, Shape::number, Scope::window,
+    "revolutions, counter-clockwise positive; of a tube in space seen with z, "
+    "or else y, up and the other axis to the right"};
 const ResultQuantity kRolling{
     "rolling", dimension::none, Shape::number, Scope::window,
     "-R dphi/dx of a body with a closed outline, R = perimeter / (2 pi): 1 where it "
