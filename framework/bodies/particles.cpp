@@ -79,11 +79,28 @@ std::vector<Complaint> fetch_xyz(Description& d, const std::filesystem::path& fo
   return found;
 }
 
-bool is_xyz(const std::string& file) { return file.ends_with(".xyz") || file.ends_with(".extxyz"); }
+/// Whether a text begins as a file of bare columns does: with a comment, or with numbers of which
+/// one is no number of particles.
+bool has_bare_columns(std::string_view text) {
+  std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+  if (line.starts_with('#')) return true;
+  if (line.find_first_not_of("0123456789+-.eE, \t") != line.npos) return false;
+  const std::size_t first = line.find_first_not_of(" \t");
+  if (first == line.npos) return false;
+  line = line.substr(first, line.find_last_not_of(" \t") + 1 - first);
+  return line.find_first_not_of("0123456789") != line.npos;
+}
+
+/// By its name, unless it begins with bare columns.
+bool is_xyz(const std::string& file, const std::filesystem::path& folder) {
+  if (!file.ends_with(".xyz") && !file.ends_with(".extxyz")) return false;
+  const FetchedText fetched = fetch_text(file, folder, "file");
+  return !fetched.complaints.empty() || !has_bare_columns(fetched.text);
+}
 
 /// Fills in the positions that the file holds.
 std::vector<Complaint> fetch(Description& d, const std::filesystem::path& folder) {
-  if (is_xyz(d.file)) return fetch_xyz(d, folder);
+  if (is_xyz(d.file, folder)) return fetch_xyz(d, folder);
   if (!std::isnan(d.frame)) {
     return {complaint_of(FaultCode::scene_conflict, "frame", "the file is none of extended XYZ",
                          "a file whose name ends in .xyz or .extxyz")};
@@ -196,8 +213,9 @@ BodyRecord particles_record() {
        parameter(
            "file", &Description::file, dimension::none,
            "in place of positions: a file with one particle per line, one column per "
-           "dimension, # comments; or, where its name ends in .xyz or .extxyz, extended XYZ, "
-           "whose species, velocities (velo) and masses are taken where the scene has no such "
+           "dimension, # comments; or, where its name ends in .xyz or .extxyz and its first line "
+           "is a number of particles, extended XYZ, whose species, velocities (velo) and masses "
+           "are taken where the scene has no such "
            "key, in the units of the scene. Its path is relative to the scene's folder")
            .or_absent(),
        parameter(

@@ -186,6 +186,13 @@ TEST_F(ParticlesXyz, HaveOneSpeciesWhereAllAreAlike) {
             1U);
 }
 
+TEST_F(ParticlesXyz, BareColumnsMayHaveTheName) {
+  for (const char* text : {"0 0 0\n1 0 0\n", "# x y z\n0 0 0\n1 0 0\n", "0.5, 0, 0\n1, 0, 0\n"}) {
+    write_file("bare.xyz", text);
+    EXPECT_EQ(description(*scene("file = \"bare.xyz\"\nparticle_mass = 1")).positions.count(), 2U);
+  }
+}
+
 TEST_F(ParticlesXyz, FaultsHaveTheirPlaceInBothFiles) {
   write_file("m.xyz", "2\n\nC 0 0 0\nC 0 zero 0\n");
   EXPECT_EQ(faults("file = \"m.xyz\"\nparticle_mass = 1"),
