@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -17,8 +19,6 @@ namespace tomlin::observers {
 namespace {
 
 constexpr std::size_t kMostParts = 1024;
-/// In fewer parts than these no error can be told.
-constexpr double kFewestPeriods = 2.0 * kFewestCorrelationTimes;
 
 /// A mean: what has been gained of some integrals, or of a centre's way.
 struct Series {
@@ -38,6 +38,7 @@ class MeanErrors : public RunObserver {
     find_series();
     now_.assign(series_.size(), 0.0);
     at_.assign(series_.size(), 0.0);
+    means_.assign(kMostParts, 0.0);
   }
 
   ObserverNeeds needs() const override { return {.blocks = true}; }
@@ -62,7 +63,7 @@ class MeanErrors : public RunObserver {
       follow(moment.time);
       return;
     }
-    *length_ = first_part();
+    *length_ = part_of_window(parts_.run.model, parts_.run.plan.dt, parts_.window.length());
     keep(now_);
     remember(moment.time);
   }
@@ -78,22 +79,21 @@ class MeanErrors : public RunObserver {
     if (!parts_.window.is_over()) return;
     for (std::size_t k = 0; k < series_.size(); ++k) {
       if (!parts_.selection.wants(series_[k].key)) continue;
-      table.add_error(series_[k].path, blocked_mean(means_of(k)).error);
+      table.add_error(series_[k].path, error_of(k));
     }
+  }
+
+  bool estimates(std::string_view path) const override { return find(path) != series_.end(); }
+  std::vector<std::string> estimated() const override {
+    std::vector<std::string> paths;
+    for (const Series& one : series_) paths.push_back(one.path);
+    return paths;
+  }
+  std::optional<double> error_so_far(std::string_view path) const override {
+    return error_of(static_cast<std::size_t>(find(path) - series_.begin()));
   }
 
  private:
-  double first_part() const {
-    const double block = static_cast<double>(kBlock) * parts_.run.plan.dt;
-    for (const Model::Driver& driver : parts_.run.model.drivers()) {
-      if (!drags(*driver.drive)) continue;
-      const auto period = time_of_period(parts_.run.model, *driver.drive);
-      const bool enough = period && parts_.window.length() >= kFewestPeriods * *period;
-      if (enough) return std::max(block, *period);
-    }
-    return block;
-  }
-
   void find_series() {
     const Model& model = parts_.run.model;
     for (const Model::Driver& driver : parts_.signals.drivers()) {
@@ -187,21 +187,27 @@ class MeanErrors : public RunObserver {
     *count_ = static_cast<std::int64_t>(count + 1);
   }
 
-  std::vector<double> means_of(std::size_t k) const {
+  std::vector<Series>::const_iterator find(std::string_view path) const {
+    return std::find_if(series_.begin(), series_.end(),
+                        [path](const Series& one) { return one.path == path; });
+  }
+
+  std::optional<double> error_of(std::size_t k) const {
     const std::size_t width = series_.size();
-    std::vector<double> means;
-    for (std::int64_t j = 0; j + 1 < *count_; ++j) {
-      const double* sum = sums_ + static_cast<std::size_t>(j) * width + k;
-      means.push_back((sum[width] - sum[0]) / *length_);
+    std::size_t count = 0;
+    for (; static_cast<std::int64_t>(count) + 1 < *count_; ++count) {
+      const double* sum = sums_ + count * width + k;
+      means_[count] = (sum[width] - sum[0]) / *length_;
     }
-    return means;
+    return blocked_mean_in_place({means_.data(), count}).error;
   }
 
   ObserverParts parts_;
   std::vector<Series> series_;
   std::vector<double> now_;
-  std::vector<double> at_;  ///< scratch: at the end of a part
-  double* sums_ = nullptr;  ///< [part][series], at the ends of parts
+  std::vector<double> at_;             ///< scratch: at the end of a part
+  mutable std::vector<double> means_;  ///< scratch: over parts
+  double* sums_ = nullptr;             ///< [part][series], at the ends of parts
   double* last_ = nullptr;
   double* last_time_ = nullptr;
   double* length_ = nullptr;  ///< of a part
