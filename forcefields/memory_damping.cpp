@@ -42,17 +42,22 @@ struct MemoryFlow {
   }
 };
 
-/// With noise: velocities and own variables together.
+bool is_noisy(const MemoryDampingDescription& d) {
+  return d.temperature > 0.0 && d.coefficient > 0.0;
+}
+
+/// As an operator: velocities and own variables together, with noise or without.
 template <class Real, int D>
-class ThermalMemory : public OwnStateForce<MemoryDamping, Real, D> {
+class MemoryForce : public OwnStateForce<MemoryDamping, Real, D> {
   using Base = OwnStateForce<MemoryDamping, Real, D>;
 
  public:
-  ThermalMemory(const MemoryDampingDescription& d, const Binding<Real>& binding)
+  MemoryForce(const MemoryDampingDescription& d, const Binding<Real>& binding)
       : Base(d, binding, kernels::MemoryDamping, kRankCheap),
         slot_(binding.bodies.front()->slot),
         parameters_(MemoryDamping::parameters<Real, D>(d)),
         temperature_(d.temperature) {
+    if (!is_noisy(d)) return;
     for (auto& normals : normals_) normals.assign(D * slot_.stride, Real(0.0));
   }
 
@@ -79,11 +84,12 @@ class ThermalMemory : public OwnStateForce<MemoryDamping, Real, D> {
   }
 
   static Real run(const void* arguments, const FlowStage<Real>& stage, Real h) {
-    return static_cast<const ThermalMemory*>(arguments)->advance(stage, h);
+    return static_cast<const MemoryForce*>(arguments)->advance(stage, h);
   }
 
   Real advance(const FlowStage<Real>& stage, Real h) const {
-    for (std::uint64_t which = 0; which < 2; ++which) {
+    const bool noisy = !normals_[0].empty();
+    for (std::uint64_t which = 0; noisy && which < 2; ++which) {
       fill_normals<Real>(stage.key, {stage.step, stage.part, 0, which}, D * slot_.stride,
                          slot_.count, normals_[which].data());
     }
@@ -98,18 +104,7 @@ class ThermalMemory : public OwnStateForce<MemoryDamping, Real, D> {
       const MemoryFlow<Real> m(parameters_.rate, parameters_.pull * inverse, h);
       v = m.a * v0 + m.b * u0;
       u = m.c * v0 + m.d * u0;
-      // Covariance of the noise, and its root (L. Cholesky).
-      const Real sv = temperature_ * inverse;
-      const Real su = stored > Real(0.0) ? temperature_ / stored : Real(0.0);
-      const Real uu = max(su - (m.c * m.c * sv + m.d * m.d * su), Real(0.0));
-      const Real uv = -(m.a * m.c * sv + m.b * m.d * su);
-      const Real vv = max(sv - (m.a * m.a * sv + m.b * m.b * su), Real(0.0));
-      if (uu > Real(0.0)) {
-        const Real root = sqrt(uu);
-        const Real along = uv / root;
-        u = u + root * normals_[0][k];
-        v = v + along * normals_[0][k] + sqrt(max(vv - along * along, Real(0.0))) * normals_[1][k];
-      }
+      if (noisy) add_noise(m, inverse, k, u, v);
       if (!stage.heat) return;
       if (inverse > Real(0.0)) heat += Real(0.5) * (v0 - v) * (v0 + v) / inverse;
       heat += Real(0.5) * stored * (u0 - u) * (u0 + u);
@@ -117,8 +112,24 @@ class ThermalMemory : public OwnStateForce<MemoryDamping, Real, D> {
     return heat;
   }
 
+  /// Covariance of the noise, and its root (L. Cholesky).
+  void add_noise(const MemoryFlow<Real>& m, Real inverse, std::size_t k, Real& u, Real& v) const {
+    const Real stored = parameters_.stiffness;
+    const Real sv = temperature_ * inverse;
+    const Real su = stored > Real(0.0) ? temperature_ / stored : Real(0.0);
+    const Real uu = max(su - (m.c * m.c * sv + m.d * m.d * su), Real(0.0));
+    const Real uv = -(m.a * m.c * sv + m.b * m.d * su);
+    const Real vv = max(sv - (m.a * m.a * sv + m.b * m.b * su), Real(0.0));
+    if (uu > Real(0.0)) {
+      const Real root = sqrt(uu);
+      const Real along = uv / root;
+      u = u + root * normals_[0][k];
+      v = v + along * normals_[0][k] + sqrt(max(vv - along * along, Real(0.0))) * normals_[1][k];
+    }
+  }
+
   static Real drag(const void* arguments, const Stage<Real>& stage) {
-    const auto& self = *static_cast<const ThermalMemory*>(arguments);
+    const auto& self = *static_cast<const MemoryForce*>(arguments);
     Real power(0.0);
     self.for_coordinates([&](std::size_t, std::size_t at, std::size_t own) {
       const Real u = stage.own[own];
@@ -136,18 +147,11 @@ class ThermalMemory : public OwnStateForce<MemoryDamping, Real, D> {
   mutable AlignedVector<Real> normals_[2];  ///< scratch of the flow
 };
 
-bool is_noisy(const MemoryDampingDescription& d) {
-  return d.temperature > 0.0 && d.coefficient > 0.0;
-}
-
 template <class Real>
 std::unique_ptr<BoundForce<Real>> bind_memory(const MemoryDampingDescription& d,
                                               const Binding<Real>& binding) {
-  if (!is_noisy(d)) {
-    return bind_with_state<MemoryDamping, kernels::MemoryDamping, kRankCheap, Real>(d, binding);
-  }
   return for_dimension<Real>(binding.dimension, [&]<int D>() -> std::unique_ptr<BoundForce<Real>> {
-    return std::make_unique<ThermalMemory<Real, D>>(d, binding);
+    return std::make_unique<MemoryForce<Real, D>>(d, binding);
   });
 }
 

@@ -24,7 +24,8 @@
 /// from q(0) = 0 on, so that the noise is stationary after some tau. Velocity and q together are an
 /// Ornstein-Uhlenbeck process, whose exact flow M over h it hands out as an operator, with noise of
 /// covariance S - M S M^T, S = diag(T/m, T/k) that of equilibrium: bodies of free particles, with
-/// inertia.
+/// inertia. At temperature 0, as without the key, it hands out the same flow without noise, and any
+/// scheme that takes forces with variables of their own, or operators, takes it.
 ///
 /// For tau -> 0 it is viscous damping. Several of them make a Prony series. The power -F.v changes
 /// its sign: the spring gives back some of what it took.
@@ -35,7 +36,7 @@ namespace tomlin {
 struct MemoryDampingDescription {
   double coefficient = 0.0;
   double memory_time = 0.0;
-  double temperature = 0.0;  ///< an energy; 0: no noise, and no operator
+  double temperature = 0.0;  ///< an energy; 0: no noise
 };
 
 ForceRecord memory_damping_record();

@@ -173,6 +173,9 @@ std::unique_ptr<Integrator<Real>> bind_brownian(const void*, System<Real>& syste
   return std::make_unique<Brownian<Real>>(Scheme::name, Scheme::noise, system);
 }
 
+/// Of Euler steps, `relaxed` below 2: the variance is T/k / (1 - relaxed/2).
+inline double euler_variance_error(double relaxed) { return 0.5 * relaxed / (1.0 - 0.5 * relaxed); }
+
 /// The record of one of them, which has a name and its noise, but for what only a reader needs.
 template <class Scheme>
 IntegratorRecord brownian_record() {
@@ -187,6 +190,7 @@ IntegratorRecord brownian_record() {
   record.make_description = &make_description<Description>;
   record.parameters = {parameter("dt", &Description::dt, dimension::time, "the step").in(positive)};
   record.growth = [](std::complex<double> z) { return std::abs(1.0 + z); };
+  if (Scheme::noise == BrownianNoise::of_the_step) record.variance_error = &euler_variance_error;
   record.step = [](const void* d) { return static_cast<const Description*>(d)->dt; };
   record.complaints = [](const void*) { return std::vector<Complaint>(); };
   record.bind = {&bind_brownian<Scheme, double>, &bind_brownian<Scheme, float>,

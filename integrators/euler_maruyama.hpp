@@ -8,8 +8,8 @@
 ///
 /// Averages, and each path against the exact one (the noise does not depend on the place), are of
 /// first order: a harmonic oscillator of relaxation rate lambda has the variance of positions
-/// T/k / (1 - h lambda/2). Drift and diffusion of free particles are exact. Stable up to h lambda
-/// = 2.
+/// T/k / (1 - h lambda/2), which is warned of where it is wrong by a tenth. Drift and diffusion of
+/// free particles are exact. Stable below h lambda = 2.
 ///
 /// Positions are the state. The velocities that are written are F/c, without noise. Running
 /// integrals: trapezoidal rule. Dense output: cubic Hermite.

@@ -16,7 +16,9 @@
 /// of a harmonic oscillator the variance of positions, T/(m omega^2). Velocities before and after
 /// the middle of a step have exactly T/m, those at the ends of steps T/m (1 - (h omega)^2/4). All
 /// for any h gamma, and h omega below 2. Correlations in time are of second order: at h gamma > 2
-/// velocities change their sign from step to step (a < 0).
+/// velocities change their sign from step to step (a < 0). Nothing that is reported is wrong by
+/// that: the displacements after a velocity v add up to h v (1 + a)/(2 (1 - a)) = v/gamma, as is
+/// right, and means, variances and heat follow from displacements and from velocities of one time.
 ///
 /// One evaluation a step. Running integrals: trapezoidal rule. Dense output: cubic Hermite.
 ///

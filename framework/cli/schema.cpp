@@ -321,11 +321,16 @@ Json perturb_schema() {
   return table_schema(perturb_layout(), only("bodies", std::move(bodies)));
 }
 
+Json until_schema() {
+  return only("anyOf",
+              std::vector{table_schema(until_layout()), table_schema(until_error_layout())});
+}
+
 /// The length of a run comes from duration or until, its steps from an integrator or an accuracy.
 Json run_schema() {
   Json schema = table_schema(run_layout(true), {{"integrator", reference_to("integrator")},
                                                 {"perturb", perturb_schema()},
-                                                {"until", table_schema(until_layout())}});
+                                                {"until", until_schema()}});
   // A reference stands alone: what is beside it is not read.
   schema["properties"]["integrator"] = reference_to("integrator");
   Json quasistatic = requires_keys({"dynamics"});

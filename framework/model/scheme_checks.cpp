@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -77,6 +78,7 @@ class SchemeChecks {
                            "nothing of the scene is random: all repeats would be the same",
                            "1, or a force with noise, such as langevin, or a start_temperature");
     }
+    check_until_error();
     for (const Force& force : assembly_.forces()) {
       if (!force.traits.stochastic) continue;
       if (scene_.run.dynamics == Dynamics::quasistatic) {
@@ -100,7 +102,9 @@ class SchemeChecks {
                "coordinates = \"particles\", or the force langevin");
       }
       for (const char* key : {"accuracy", "perturb", "until"}) {
-        if (!scene_.run.places.contains(key)) continue;
+        if (!scene_.run.places.contains(key) ||
+            (std::string_view(key) == kUntil && waits_for_error()))
+          continue;
         faults_.emplace_back(FaultCode::component_unsuitable, place_of(key),
                              std::string("run.") + key, "",
                              "compares runs that differ by little, and the force \"" + force.name +
@@ -109,6 +113,24 @@ class SchemeChecks {
       }
       if (scheme_.takes_noise) check_samples(force);
       return;
+    }
+  }
+
+  bool waits_for_error() const { return scene_.run.until && !scene_.run.until->is_steady(); }
+
+  void check_until_error() {
+    if (!waits_for_error()) return;
+    if (!has_noise(scene_)) {
+      faults_.emplace_back(FaultCode::run_until_never, place_of(kUntil), "run.until", "",
+                           "no force of the scene is stochastic: its means have no statistical "
+                           "error",
+                           "a duration, or a force with noise, such as langevin");
+    }
+    if (scene_.run.repeats > 1) {
+      faults_.emplace_back(FaultCode::component_unsuitable, place_of("repeats"), "run.repeats",
+                           fmt::format("{}", scene_.run.repeats),
+                           "with run.until each repeat would end at a time of its own",
+                           "1, or no run.until");
     }
   }
 
@@ -224,6 +246,8 @@ class SchemeChecks {
           "\"inertial\"");
     }
   }
+
+  static constexpr const char* kUntil = "until";
 
   const Assembly<double>& assembly_;
   const Scene& scene_;

@@ -200,6 +200,13 @@ std::string summary_json(const Scene& scene, const RunResult& result) {
                         {"change", number(result.steady->change)}};
   }
 
+  if (result.until_error) {
+    summary["until"] = {{"of", result.until_error->path},
+                        {"asked", number(result.until_error->asked)},
+                        {"reached", result.until_error->reached},
+                        {"error", number(result.until_error->error)}};
+  }
+
   if (!result.determined.empty()) {
     summary["determined"] = Json::object();
     for (const DeterminedResult& found : result.determined) {

@@ -16,7 +16,7 @@ constexpr std::size_t kFewestSwings = 16;
 constexpr double kSwing = 0.25;
 
 /// Variance of the mean, as if the numbers were independent.
-double variance_of_mean(const std::vector<double>& series) {
+double variance_of_mean(std::span<const double> series) {
   double mean = 0.0;
   for (const double x : series) mean += x;
   const auto n = static_cast<double>(series.size());
@@ -26,16 +26,28 @@ double variance_of_mean(const std::vector<double>& series) {
   return squares / (n * (n - 1.0));
 }
 
+/// Means of neighbours.
+std::span<double> halved(std::span<double> blocks) {
+  for (std::size_t k = 0; k < blocks.size() / 2; ++k) {
+    blocks[k] = 0.5 * (blocks[2 * k] + blocks[2 * k + 1]);
+  }
+  return blocks.first(blocks.size() / 2);
+}
+
 }  // namespace
 
 BlockedMean blocked_mean(std::span<const double> series) {
+  std::vector<double> copy(series.begin(), series.end());
+  return blocked_mean_in_place(copy);
+}
+
+BlockedMean blocked_mean_in_place(std::span<double> blocks) {
   BlockedMean result;
-  // From the first on: equal numbers have no variance, whatever rounding makes of their mean.
-  std::vector<double> blocks;
-  blocks.reserve(series.size());
-  for (const double x : series) blocks.push_back(x - series.front());
   const auto n = static_cast<double>(blocks.size());
   if (n < kFewestCorrelationTimes) return result;
+  // From the first on: equal numbers have no variance, whatever rounding makes of their mean.
+  const double start = blocks.front();
+  for (double& x : blocks) x -= start;
   const double first = variance_of_mean(blocks);
   if (!(first > 0.0)) return {.error = 0.0, .correlation_times = n};
   double variance = first;
@@ -44,17 +56,11 @@ BlockedMean blocked_mean(std::span<const double> series) {
     variance = variance_of_mean(blocks);
     growth = variance / first;
     if (size * size * size > 2.0 * n * growth * growth) break;
-    for (std::size_t k = 0; k < blocks.size() / 2; ++k) {
-      blocks[k] = 0.5 * (blocks[2 * k] + blocks[2 * k + 1]);
-    }
-    blocks.resize(blocks.size() / 2);
+    blocks = halved(blocks);
   }
   // What swings back has a smaller error than independent numbers.
   for (; growth <= 1.0 && blocks.size() >= 2 * kFewestSwings;) {
-    for (std::size_t k = 0; k < blocks.size() / 2; ++k) {
-      blocks[k] = 0.5 * (blocks[2 * k] + blocks[2 * k + 1]);
-    }
-    blocks.resize(blocks.size() / 2);
+    blocks = halved(blocks);
     const double longer = variance_of_mean(blocks);
     if (longer < kSwing * variance) variance = longer;
   }

@@ -20,6 +20,8 @@ struct BlockedMean {
 /// H. G. Petersen, J. Chem. Phys. 91 (1989) 461, doi:10.1063/1.457480; the size: R. M. Lee et al.,
 /// Phys. Rev. E 83 (2011) 066706, doi:10.1103/PhysRevE.83.066706.
 BlockedMean blocked_mean(std::span<const double> series);
+/// The same without allocation; the numbers are lost.
+BlockedMean blocked_mean_in_place(std::span<double> series);
 
 inline constexpr double kFewestCorrelationTimes = 50.0;
 

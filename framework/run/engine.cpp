@@ -17,6 +17,7 @@
 #include "framework/run/start_checks.hpp"
 #include "framework/run/stepping.hpp"
 #include "framework/run/triggers.hpp"
+#include "framework/run/until_error.hpp"
 #include "framework/run/until_steady.hpp"
 
 namespace tomlin {
@@ -61,6 +62,7 @@ struct Engine::Parts {
   Triggers triggers;
   Housekeeping housekeeping;
   std::optional<UntilSteady> until;
+  std::optional<UntilError> until_error;
   std::unique_ptr<Stepping> stepping;
   std::unique_ptr<EnergyBalance> balance;  ///< null where nothing is sampled
   AlignedVector<double> rates;             ///< when last read: at the end
@@ -84,6 +86,10 @@ Engine::Parts::Parts(const std::shared_ptr<const Scene>& scene, const RunOptions
   observation.window().set(plan.window_from, plan.window_to);
   if (triggers.any()) observation.events().expect(EventKind::driver_reversal);
   if (plan.period > 0.0) until.emplace(run, observation.window());
+  if (scene->run.until && !until) {
+    until_error.emplace(run, observation);
+    housekeeping.call_after_blocks([this] { until_error->look(); });
+  }
   const SystemView<double>& view = run.model.system().view;
   if (options.watches_energy && !scene->run.ledger && run.path == nullptr &&
       view.dofs <= kMostForASecondEngine) {
@@ -127,6 +133,7 @@ void Engine::Parts::begin() {
   }
   triggers.start();
   if (until) until->start([this] { return result(); });
+  if (until_error) until_error->start(result());
   check_observables();
   observation.samples().begin_sink();
   if (run.outcome.failure) return;
@@ -365,6 +372,7 @@ void Engine::Parts::read_end() {
   observation.stopped(rates.data());
   if (!complete) return;
   if (until) until->finish();
+  if (until_error) until_error->finish();
   observation.finish(rates.data());
   if (!balance) return;
   if (const auto found = balance->found()) {
@@ -394,6 +402,7 @@ RunResult Engine::Parts::result() {
   result.force_evaluations = run.model.system().evaluations;
   result.jacobian_columns = run.model.system().columns;
   if (until) result.steady = until->result();
+  if (until_error) result.until_error = until_error->result();
   result.window_from = window.from().time;
   result.window_to = window.to().time;
   result.warnings = outcome.warnings;
@@ -450,6 +459,7 @@ std::string Engine::why_not_in_lanes() const {
   std::string reason = tomlin::why_not_in_lanes(run.model);
   if (!reason.empty()) return reason;
   if (run.options.perturbation) return "noise is added to it";
+  if (parts_->until_error) return "until looks at an error after every block of steps";
   const bool sees_steps = !watches_steps() || run.integrator->has_point_block();
   if (parts_->observation.looks_within_steps() || !sees_steps) {
     return "an observable needs every step: extremes, events, heat or an observer of a plugin";

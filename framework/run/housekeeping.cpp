@@ -47,6 +47,7 @@ std::uint64_t Housekeeping::steps() const {
 
 void Housekeeping::after_block() {
   follow();
+  if (after_blocks_) after_blocks_();
   const RunOutcome& outcome = run_.outcome;
   if (outcome.ended && !outcome.interrupted && has_more_than_numbers()) return;
   if (run_.stopped()) {
@@ -112,10 +113,10 @@ void Housekeeping::keep_checkpoint() {
   run_.options.sink->checkpoint(run_.state);
 }
 
-/// What a run until it is steady, and a path of equilibria, know at their end is not all in the
-/// numbers: they go on from the checkpoint before.
+/// What a run that ends on a condition, and a path of equilibria, know at their end is not all in
+/// the numbers: they go on from the checkpoint before.
 bool Housekeeping::has_more_than_numbers() const {
-  return run_.path != nullptr || run_.plan.period > 0.0;
+  return run_.path != nullptr || run_.scene->run.until.has_value();
 }
 
 void Housekeeping::keep_end() {

@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
+#include <utility>
 
 #include "framework/run/context.hpp"
 #include "framework/run/observation.hpp"
@@ -19,6 +21,9 @@ class Housekeeping {
   void start();
   /// The run resumes from a checkpoint.
   void resumed();
+
+  /// Called at the end of each block of steps, after what observes it.
+  void call_after_blocks(std::function<void()> action) { after_blocks_ = std::move(action); }
 
   /// After a step.
   void after_step() {
@@ -49,6 +54,7 @@ class Housekeeping {
 
   RunContext& run_;
   Observation& observation_;
+  std::function<void()> after_blocks_;
   double time_before_ = 0.0;       ///< where a resumed run went on from
   std::int64_t steps_before_ = 0;  ///< taken before that
   double* disturbed_ = nullptr;    ///< of a run that is disturbed: when last

@@ -454,6 +454,22 @@ void Observation::finish(double* rates) {
   for (const auto& observer : observers_) observer->finish(end);
 }
 
+std::vector<std::string> Observation::estimated() const {
+  std::vector<std::string> paths;
+  for (const auto& observer : observers_) {
+    const std::vector<std::string> more = observer->estimated();
+    paths.insert(paths.end(), more.begin(), more.end());
+  }
+  return paths;
+}
+
+std::optional<double> Observation::error_so_far(std::string_view path) const {
+  for (const auto& observer : observers_) {
+    if (observer->estimates(path)) return observer->error_so_far(path);
+  }
+  return std::nullopt;
+}
+
 void Observation::write_results(const double* rates, RunResult& result) const {
   ResultTable table;
   for (const auto& observer : observers_) observer->results(table, rates);
@@ -468,7 +484,7 @@ void Observation::write_results(const double* rates, RunResult& result) const {
     result.warnings.push_back(
         {FaultCode::run_error_not_estimated,
          fmt::format("no statistical error of {}: the window is shorter than {:g} correlation "
-                     "times, or its blocks are too few",
+                     "times, or has too few blocks or slips",
                      unknown, kFewestCorrelationTimes),
          "measure"});
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -77,6 +79,10 @@ class Observation {
   void close_window();
   void stopped(double* rates);
   void finish(double* rates);
+  /// Paths of all results whose statistical errors are estimated, and the error of one of them in
+  /// the window so far; nothing where it is unknown.
+  std::vector<std::string> estimated() const;
+  std::optional<double> error_so_far(std::string_view path) const;
   /// Groups of results, errors and warnings that only they show.
   void write_results(const double* rates, RunResult& result) const;
 

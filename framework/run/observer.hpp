@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -137,6 +138,18 @@ class RunObserver {
   /// it got.
   virtual void look_at_end(const RunMoment& end) { (void)end; }
   virtual void finish(const RunMoment& end) { (void)end; }
+  /// Paths of results whose statistical errors it estimates; whether one of them is; and its error
+  /// in the window so far, nothing where it is unknown. Without allocation, but for the first.
+  virtual std::vector<std::string> estimated() const { return {}; }
+  virtual bool estimates(std::string_view path) const {
+    (void)path;
+    return false;
+  }
+  virtual std::optional<double> error_so_far(std::string_view path) const {
+    (void)path;
+    return std::nullopt;
+  }
+
   /// Now, with these rates.
   virtual void results(ResultTable& table, const double* rates) const { (void)table, (void)rates; }
 

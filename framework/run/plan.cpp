@@ -9,10 +9,14 @@
 #include <fmt/format.h>
 
 #include "framework/model/plugin_code.hpp"
+#include "framework/run/blocking.hpp"
 
 namespace tomlin {
 
 namespace {
+
+/// In fewer periods of a driver than these no statistical error can be told.
+constexpr double kFewestPeriods = 2.0 * kFewestCorrelationTimes;
 
 /// How far past the end of the run a window may reach through rounding alone.
 constexpr double kWindowSlack = 1e-9;
@@ -69,9 +73,13 @@ std::int64_t whole_steps(double dt, double duration) {
                           "measure." + key, "", why, admissible)});
 }
 
+bool waits_for_steady(const Scene& scene) {
+  return scene.run.until && scene.run.until->is_steady();
+}
+
 /// Periods are counted for the window, or for a run until it is steady.
 FaultCode code_without_period(const Scene& scene) {
-  return scene.run.until ? FaultCode::run_until_never : FaultCode::run_invalid_window;
+  return waits_for_steady(scene) ? FaultCode::run_until_never : FaultCode::run_invalid_window;
 }
 
 /// The driver whose periods the window is counted in.
@@ -205,6 +213,17 @@ std::optional<double> time_of_period(const Model& model, const Drive& drive) {
   return passed.time();
 }
 
+double part_of_window(const Model& model, double dt, double length) {
+  const double block = static_cast<double>(kBlock) * dt;
+  for (const Model::Driver& driver : model.drivers()) {
+    if (!drags(*driver.drive)) continue;
+    const auto period = time_of_period(model, *driver.drive);
+    const bool enough = period && length >= kFewestPeriods * *period;
+    if (enough) return std::max(block, *period);
+  }
+  return block;
+}
+
 std::optional<std::size_t> body_pulled_by(const Model& model, const Model::Driver& driver) {
   for (const Model::Force& force : model.forces()) {
     if (force.name == driver.name) return force.bodies.front();
@@ -218,7 +237,7 @@ RunPlan plan_run(const Model& model) {
   RunPlan plan;
   plan.dt = bound_by(from, "integrator", [&] { return from.record->step(from.description.get()); });
   plan.duration = scene.run.duration;
-  if (scene.run.until) {
+  if (waits_for_steady(scene)) {
     plan.period = period_of_driver(model);
     plan_periods(*scene.run.until, plan);
   } else {

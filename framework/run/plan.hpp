@@ -17,10 +17,10 @@ inline constexpr double kNoStep = 1e-9;
 
 struct RunPlan {
   double dt = 0.0;        ///< step of the grid; 0: the scheme chooses its own
-  double duration = 0.0;  ///< whole periods with `[run] until`
+  double duration = 0.0;  ///< whole periods where the run is until it is steady
   double window_from = 0.0;
-  double window_to = 0.0;        ///< with `[run] until` those of the first period
-  double period = 0.0;           ///< with `[run] until`: of the driver, as a time; else 0
+  double window_to = 0.0;        ///< where the run is until it is steady, of the first period
+  double period = 0.0;           ///< of the driver, as a time, where it is; else 0
   std::int64_t whole_steps = 0;  ///< of the grid, that the run has room for
 };
 
@@ -40,6 +40,9 @@ bool pulls(const Drive& drive);
 /// In which a driver moves by `[measure] period`, or by the one period that forces declare along
 /// its way; nothing where there is no such period, or its velocity is not steady.
 std::optional<double> time_of_period(const Model& model, const Drive& drive);
+/// The times that means are taken over, for their statistical errors: a period of the first driver
+/// that has one, where a window of this length has enough of them, else a block of steps.
+double part_of_window(const Model& model, double dt, double length);
 /// What a spring pulls; nothing for a prescribed body.
 std::optional<std::size_t> body_pulled_by(const Model& model, const Model::Driver& driver);
 

@@ -59,6 +59,14 @@ struct SteadyResult {
   std::optional<double> change;
 };
 
+/// How a run until the error of a mean is small enough came out.
+struct UntilErrorResult {
+  std::string path;
+  bool reached = false;
+  double asked = 0.0;
+  std::optional<double> error;  ///< of the mean over the window; nothing where it is unknown
+};
+
 /// How far an observable is determined: its values in runs from slightly other starts.
 struct DeterminedResult {
   std::string path;
@@ -100,10 +108,11 @@ struct RunResult {
   /// What was measured: of each driver, each body, each observer, of events and, where the scene
   /// asks for them, of the energy and the equilibrium that a quasistatic run ends in.
   std::vector<ResultGroup> groups;
-  std::optional<SteadyResult> steady;        ///< with `[run] until`
-  std::vector<DeterminedResult> determined;  ///< with `[run] perturb`
-  std::optional<AccuracyResult> accuracy;    ///< with `[run] accuracy`
-  std::vector<ErrorEstimate> errors;         ///< likewise
+  std::optional<SteadyResult> steady;           ///< with `[run] until` and `steady`
+  std::optional<UntilErrorResult> until_error;  ///< with `[run] until` and `error`
+  std::vector<DeterminedResult> determined;     ///< with `[run] perturb`
+  std::optional<AccuracyResult> accuracy;       ///< with `[run] accuracy`
+  std::vector<ErrorEstimate> errors;            ///< likewise
   std::vector<Warning> warnings;
   std::vector<std::pair<std::string, std::string>> left_out;  ///< force and why it was not built
   double wall_seconds = 0.0;

@@ -50,7 +50,7 @@ Selection selection_of(const Scene& scene, const RunOptions& options) {
   std::vector<std::string> paths =
       options.observables.empty() ? scene.measure.observables : options.observables;
   if (paths.empty()) return {};
-  if (scene.run.until) paths.push_back(scene.run.until->steady);
+  if (scene.run.until) paths.push_back(scene.run.until->observable());
   if (scene.run.perturb) {
     const std::vector<std::string>& more = scene.run.perturb->observables;
     paths.insert(paths.end(), more.begin(), more.end());

@@ -220,10 +220,11 @@ void check_step(Check& check) {
   if (check.plan.dt == 0.0) return;
   check.found.stable_step = check.model.stable_step(check.scheme);
   const double longest = std::min(check.plan.dt, check.plan.duration);
-  if (longest <= check.found.stable_step * (1.0 + kNoStep)) return;
-  const std::string what =
-      fmt::format("dt = {:g} is beyond the stability limit of {}, about {:.4g}", check.plan.dt,
-                  check.scheme.name, check.found.stable_step);
+  if (is_stable(longest, check.found.stable_step)) return;
+  const bool beyond = longest > check.found.stable_step * (1.0 + kNoStep);
+  const std::string what = fmt::format("dt = {:g} is {} the stability limit of {}, about {:.4g}",
+                                       check.plan.dt, beyond ? "beyond" : "no shorter than",
+                                       check.scheme.name, check.found.stable_step);
   if (check.scene.run.allow_unstable) {
     check.found.warnings.push_back({FaultCode::integrator_beyond_stability, what, kStepKey});
     return;
@@ -361,6 +362,23 @@ void check_drag(Check& check) {
        "true");
 }
 
+/// Positions that scatter too widely in a well, of the largest relaxation rate in the scene.
+void warn_of_wide_distribution(Check& check) {
+  constexpr double kTooWide = 0.1;  // of the variance
+  if (check.model.system().view.noise_count == 0 || check.scheme.variance_error == nullptr) return;
+  const double rate = check.model.stiffness().relaxation_rate;
+  const double relaxed = check.plan.dt * rate;
+  if (!is_stable(check.plan.dt, check.found.stable_step)) return;
+  const double error = check.scheme.variance_error(relaxed);
+  if (!(error >= kTooWide)) return;
+  check.found.warnings.push_back(
+      {FaultCode::integrator_wide_distribution,
+       fmt::format("dt = {:g} is {:.2g} times the time 1/{:g} in which a coordinate relaxes: {} "
+                   "makes the variance of a position in a well too large, by up to {:.2g} of it",
+                   check.plan.dt, relaxed, rate, check.scheme.name, error),
+       kStepKey});
+}
+
 /// Without inertia noise moves a coordinate by sqrt(2 T h/c) z in a step. A run is long, and z may
 /// be as large as kSurelyLess.
 void check_noise(Check& check) {
@@ -481,6 +499,8 @@ void warn_of_short_window(Check& check) {
                      window / check.plan.window_to, rounding),
          "measure"});
   }
+  // Where the window ends is not known yet.
+  if (check.scene.run.until) return;
   // Of several drivers of different speeds one decides.
   std::vector<DriverWindow> windows;
   bool whole = false;
@@ -495,6 +515,8 @@ void warn_of_short_window(Check& check) {
 }
 
 }  // namespace
+
+bool is_stable(double step, double stable_step) { return step < stable_step * (1.0 - kNoStep); }
 
 StartFindings check_start(Model& model, const RunPlan& plan, bool checks_step) {
   Check check = {model, plan};
@@ -512,6 +534,7 @@ StartFindings check_start(Model& model, const RunPlan& plan, bool checks_step) {
   check_ways(check);
   check_drag(check);
   check_noise(check);
+  warn_of_wide_distribution(check);
   check_pace(check);
   warn_of_coarse_tolerance(check);
   warn_of_stiff_drivers(check);

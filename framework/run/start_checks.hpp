@@ -19,6 +19,10 @@ struct StartFindings {
   double longest_step = std::numeric_limits<double>::infinity();
 };
 
+/// Whether a fixed step is shorter than the limit: at the limit itself nothing decays, and an
+/// oscillation may grow with the number of steps.
+bool is_stable(double step, double stable_step);
+
 /// At the scene's start, with the model anchored at time 0. Moves the model's clock: anchor it
 /// anew. `checks_step`: see RunOptions.
 StartFindings check_start(Model& model, const RunPlan& plan, bool checks_step = true);

@@ -7,12 +7,11 @@
 
 #include "framework/run/context.hpp"
 #include "framework/run/engine.hpp"
+#include "framework/run/start_checks.hpp"
 
 namespace tomlin {
 namespace {
 
-/// Rounding of a step that stands at the limit, as the run tolerates it.
-constexpr double kRounding = 1e-9;
 /// Looks at the clock come ever more rarely, so that they do not count.
 constexpr std::uint64_t kMostBetweenLooks = 4096;
 
@@ -29,7 +28,7 @@ Trial try_out(const std::shared_ptr<const Scene>& scene, double seconds, Instruc
   Trial trial;
   trial.layout = engine.layout();
   trial.stable_step = dt > 0.0 ? engine.stable_step() : std::numeric_limits<double>::infinity();
-  trial.step_is_stable = std::min(dt, run.duration) <= trial.stable_step * (1.0 + kRounding);
+  trial.step_is_stable = is_stable(std::min(dt, run.duration), trial.stable_step);
   if (!trial.step_is_stable) return trial;
 
   const auto started = std::chrono::steady_clock::now();

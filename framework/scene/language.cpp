@@ -156,7 +156,9 @@ TableLayout run_layout(bool until) {
   TableLayout layout;
   layout.own_keys = {{"integrator", "the scheme: { type = ..., ... }"},
                      {"perturb", "repeats from perturbed starts: { size = ..., ... }"},
-                     {"until", "end when an observable is steady: { steady = ..., ... }"}};
+                     {"until",
+                      "end when an observable is steady or known well enough: { steady = ..., ... "
+                      "} or { error = ..., ... }"}};
   Parameter duration = parameter("duration", &RunSettings::duration, dimension::time,
                                  "length of the run; the last step is shortened to end exactly")
                            .in(positive);
@@ -217,6 +219,16 @@ TableLayout perturb_layout() {
   return layout;
 }
 
+namespace {
+
+Parameter latest_time() {
+  return optional_number("max", &UntilSettings::max, dimension::time,
+                         "the latest time at which the run ends; run.duration by default")
+      .in(positive);
+}
+
+}  // namespace
+
 TableLayout until_layout() {
   TableLayout layout;
   layout.rows = {
@@ -225,12 +237,39 @@ TableLayout until_layout() {
       parameter("tolerance", &UntilSettings::tolerance, dimension::none,
                 "largest estimated distance from its steady value, relative to it")
           .in(positive),
-      optional_number("max", &UntilSettings::max, dimension::time,
-                      "the latest time at which the run ends; run.duration by default")
-          .in(positive),
+      latest_time(),
   };
   return layout;
 }
+
+TableLayout until_error_layout() {
+  TableLayout layout;
+  for (const char* key : {"steady", "tolerance"}) {
+    layout.elsewhere.push_back({key, "the other condition, { steady = ..., tolerance = ... }"});
+  }
+  layout.rows = {
+      parameter("error", &UntilSettings::error, dimension::none,
+                "largest standard error of the mean, in the unit of the mean")
+          .in(positive),
+      parameter("of", &UntilSettings::of, dimension::none,
+                "the mean whose statistical error is looked at"),
+      latest_time(),
+  };
+  return layout;
+}
+
+namespace {
+
+/// Both conditions, of which a scene has one.
+TableLayout until_table() {
+  TableLayout table = until_layout();
+  const TableLayout other = until_error_layout();
+  table.rows.insert(table.rows.end() - 1, other.rows.begin(), other.rows.end() - 1);
+  for (Parameter& row : table.rows) row.optional = true;
+  return table;
+}
+
+}  // namespace
 
 TableLayout measure_layout() {
   TableLayout layout;
@@ -304,7 +343,9 @@ std::vector<SceneTable> scene_tables() {
           {"run", "how long, and by which equations, steps and numbers", run_layout()},
           {"run.perturb", "repeats from other starts: is the result determined at all?",
            perturb_layout()},
-          {"run.until", "end when steady, in place of a duration", until_layout()},
+          {"run.until",
+           "end when steady (steady, tolerance), or when a mean is known well enough (error, of)",
+           until_table()},
           {"measure", "the window of means, work and extremes; the whole run without it",
            measure_layout()},
           {"output", "what is written beside the summary", output_layout()},

@@ -42,6 +42,8 @@ TableLayout box_layout();
 /// With `until` a scene need not say how long it runs.
 TableLayout run_layout(bool until = false);
 TableLayout until_layout();
+/// Where `of` or `error` is in it.
+TableLayout until_error_layout();
 TableLayout perturb_layout();
 TableLayout measure_layout();
 TableLayout output_layout();

@@ -64,7 +64,15 @@ void read_measure(SceneDraft& draft) {
   const TableReading reading = draft.read(*given, layout, "measure", &measure);
   measure.place = draft.source.place(given->where);
   measure.places = reading.places;
-  if (!draft.scene->run.until) check_window(draft, reading);
+  const std::optional<UntilSettings>& until = draft.scene->run.until;
+  if (until && !until->is_steady() && given->table->find("to") != nullptr) {
+    reading.complain(draft.faults, "to",
+                     {FaultCode::scene_conflict, "",
+                      "run.until ends the window where the error of a mean is small enough",
+                      "no to; max in run.until is the latest time"});
+  } else if (!until || !until->is_steady()) {
+    check_window(draft, reading);
+  }
   if (reading.sound) check_periods(draft, reading);
   draft.effective.set("measure", {reading.effective, {}});
 }

@@ -36,10 +36,13 @@ std::optional<Node> read_perturb(SceneDraft& draft, const SceneSection& run) {
 std::optional<Node> read_until(SceneDraft& draft, const SceneSection& run) {
   const std::string path = "run.until";
   const Node& node = *run.table->find("until");
-  const auto given = draft.inside(node, path, "{ steady = ..., ... }");
+  const auto given = draft.inside(node, path, "{ steady = ..., ... } or { error = ..., ... }");
   if (!given) return std::nullopt;
   UntilSettings& until = draft.scene->run.until.emplace();
-  const auto reading = draft.read(*given, until_layout(), path, &until);
+  const bool of_error =
+      given->table->find("error") != nullptr || given->table->find("of") != nullptr;
+  const auto reading =
+      draft.read(*given, of_error ? until_error_layout() : until_layout(), path, &until);
   until.place = draft.source.place(node.where);
   until.places = reading.places;
   if (until.max) {

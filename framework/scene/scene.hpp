@@ -77,11 +77,17 @@ struct PerturbSettings {
 };
 
 /// `until = { steady = "driver.mean_force.x", tolerance = 1e-6, max = 1e5 }`: the run ends when an
-/// observable is the same from one driver period to the next.
+/// observable is the same from one driver period to the next. Or `until = { error = 0.01, of =
+/// "driver.mean_force.x" }`: when the statistical error of a mean is as small as this.
 struct UntilSettings {
-  std::string steady;  ///< the observable, over one period
+  std::string steady;  ///< the observable, over one period; empty with an error
   double tolerance = 0.0;
+  std::string of;             ///< the mean; empty with `steady`
+  double error = 0.0;         ///< its largest standard error, in its own unit
   std::optional<double> max;  ///< the latest time
+
+  bool is_steady() const { return of.empty(); }
+  const std::string& observable() const { return is_steady() ? steady : of; }
   Place place;
   std::map<std::string, Place> places;
 };

@@ -144,7 +144,10 @@ TEST(MemoryDamping, ConvergesWithTheOrderOfTheScheme) {
   const std::vector<Scheme> schemes = {
       {"rk4", fixed_step, 0.1, {3.8, 4.3}},
       {"dopri5", adaptive_held_to, 0.2, {4.7, 5.5}},
-      {"dop853", [](double h) { return adaptive_of("dop853", h); }, 0.8, {7.5, 9.0}}};
+      {"dop853", [](double h) { return adaptive_of("dop853", h); }, 0.8, {7.5, 9.0}},
+      {"velocity_verlet", verlet, 0.1, {1.9, 2.1}},
+      {"baoab", [](double h) { return held_to("baoab", h); }, 0.1, {1.9, 2.1}},
+      {"gjf", [](double h) { return held_to("gjf", h); }, 0.1, {1.9, 2.1}}};
   const Memory memory{0.9, 0.6};
   for (const Scheme& scheme : schemes) {
     SCOPED_TRACE(scheme.name);
@@ -253,8 +256,7 @@ TEST(MemoryDamping, RunsInEveryNumberType) {
 TEST(MemoryDamping, IsRefusedWhereItWouldBeWrong) {
   const Memory memory{0.5, 0.9};
   for (const char* integrator :
-       {"{ type = \"velocity_verlet\", dt = 0.01 }", "{ type = \"blanes_moan\", dt = 0.01 }",
-        "{ type = \"exponential_verlet\", dt = 0.01 }",
+       {"{ type = \"blanes_moan\", dt = 0.01 }", "{ type = \"exponential_verlet\", dt = 0.01 }",
         "{ type = \"radau9\", absolute_tolerance = 1e-8, relative_tolerance = 1e-8 }"}) {
     EXPECT_THROW(run_text(particle(0.0, 0.8) + memory_force(memory) + run_of(1.0, integrator)),
                  InputError)
@@ -263,6 +265,70 @@ TEST(MemoryDamping, IsRefusedWhereItWouldBeWrong) {
   EXPECT_THROW(run_text(particle(0.0, 0.8) + memory_force(memory) +
                         run_of(1.0, fixed_step(0.01), "dynamics = \"overdamped\"\n")),
                InputError);
+}
+
+/// Schemes that take operators take its exact flow: the velocity of a free particle is exact at any
+/// step.
+TEST(MemoryDamping, AsAnOperatorItIsExact) {
+  constexpr double kRounding = 1e-13;
+  for (const Memory& memory : kMemories) {
+    const Motion1D exact = free_particle(memory, 0.8, 5.0);
+    for (const std::string scheme : {"velocity_verlet", "baoab", "gjf"}) {
+      for (const double h : {0.5, 2.5}) {
+        const Motion1D found = end_of(particle(0.0, 0.8) + memory_force(memory) +
+                                      run_of(5.0, held_to(scheme, h), "ledger = true\n"));
+        EXPECT_NEAR(found.velocity, exact.velocity, kRounding) << scheme << " " << h;
+      }
+    }
+  }
+}
+
+/// A bath of temperature 0 is one without: the same bits in every scheme that takes it, and refused
+/// for the same reason by the others.
+TEST(MemoryDamping, TemperatureZeroIsNone) {
+  struct Pair {
+    std::string without;
+    std::string cold;
+  };
+  const std::string drag = "[[force]]\nname = \"bath\"\ncoefficient = 0.7\n";
+  const std::string memory = drag + "type = \"memory_damping\"\nmemory_time = 0.8\n";
+  const std::vector<Pair> pairs = {
+      {memory, memory + "temperature = 0.0\n"},
+      {drag + "type = \"viscous_damping\"\n", drag + "type = \"langevin\"\ntemperature = 0.0\n"}};
+  const auto codes_of = [](const std::string& scene) {
+    std::string codes;
+    try {
+      Engine engine(scene_of(scene), {});
+    } catch (const InputError& error) {
+      for (const Fault& fault : error.faults()) codes += std::string(id_of(fault.code)) + " ";
+    }
+    return codes;
+  };
+  int taken = 0;
+  int refused = 0;
+  for (const auto& record : standard().integrators()) {
+    if (record->follows_equilibria) continue;
+    for (const char* dynamics : {"inertial", "overdamped"}) {
+      for (const Pair& pair : pairs) {
+        SCOPED_TRACE(record->name + ", " + dynamics + "\n" + pair.cold);
+        const auto text = [&](const std::string& force) {
+          return particle(0.6, 0.3) + kTrapForce + force +
+                 run_of(3.0, held_to(record->name, 0.05),
+                        "dynamics = \"" + std::string(dynamics) + "\"\n");
+        };
+        const std::string why = codes_of(text(pair.without));
+        EXPECT_EQ(codes_of(text(pair.cold)), codes_of(text(pair.without)));
+        ++(why.empty() ? taken : refused);
+        if (!why.empty()) continue;
+        const Motion1D cold = end_of(text(pair.cold));
+        const Motion1D without = end_of(text(pair.without));
+        EXPECT_TRUE(same_bits(cold.position, without.position));
+        EXPECT_TRUE(same_bits(cold.velocity, without.velocity));
+      }
+    }
+  }
+  EXPECT_GT(taken, 15);
+  EXPECT_GT(refused, 10);
 }
 
 /// A memory shorter than the step would grow without bound: rk4 takes decays up to 2.785 of them.

@@ -73,5 +73,29 @@ TEST(StableStep, OfMidpointNeedsFriction) {
   EXPECT_GT(limit_of({"midpoint", 0.5}), 100.0 * without);
 }
 
+/// At the limit itself an oscillation does not decay, and with velocity_verlet it grows with the
+/// number of steps: k = m = 1, and without inertia k = c = 1.
+TEST(StableStep, TheLimitItselfIsRefused) {
+  for (const std::string scheme :
+       {"velocity_verlet", "baoab", "gjf", "rk4", "euler_maruyama", "leimkuhler_matthews"}) {
+    SCOPED_TRACE(scheme);
+    const bool inertial = standard().integrator(scheme)->with_inertia;
+    const auto outcome = [&](double step, const std::string& insists) {
+      std::string text = oscillator({scheme, inertial ? 0.0 : 1.0}).scene(held_to(scheme, step));
+      if (!inertial) text += "dynamics = \"overdamped\"\n";
+      return Engine(scene_of(text, {{"run.duration", digits(10.0 * step)},
+                                    {"run.allow_unstable", insists}}),
+                    {})
+          .run();
+    };
+    const double limit = scheme == "rk4" ? limit_of({scheme, 0.0}) : 2.0;
+    EXPECT_EQ(outcome(limit, "false").status, RunStatus::failed);
+    EXPECT_EQ(outcome(limit, "false").failure->code, FaultCode::run_step_unstable);
+    EXPECT_EQ(count_of(FaultCode::integrator_beyond_stability, outcome(limit, "true").warnings),
+              1U);
+    EXPECT_EQ(outcome(limit * (1.0 - 1e-6), "false").status, RunStatus::finished);
+  }
+}
+
 }  // namespace
 }  // namespace tomlin::test

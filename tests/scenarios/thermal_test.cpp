@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -153,6 +154,97 @@ TEST(Thermal, ThePeakForceGrowsWithTheLogarithmOfTheVelocity) {
   const double without_fluctuations = 0.75 * std::sqrt(0.4 * kPi * kPi * kPi) * 0.004;
   EXPECT_LT(slope, without_fluctuations);
   EXPECT_GT(slope, 0.6 * without_fluctuations);
+}
+
+/// Table I's ring at lambda = 0, rigid, by another scheme and other random numbers: its centre
+/// along x, and its angle. The substrate's energy is V0 S(phi) cos(2 pi x).
+class RingInABath {
+ public:
+  RingInABath(double temperature, unsigned seed)
+      : random_(seed), kick_(std::sqrt(2.0 * kXi * temperature * kStep)) {}
+
+  /// Over the periods from the second on.
+  double mean_force(int periods) {
+    const auto steps = static_cast<long>(std::llround(1.0 / (kV * kStep)));
+    double sum = 0.0;
+    for (long n = 0; n < (1 + periods) * steps; ++n) {
+      const double force = kK * (kV * kStep * static_cast<double>(n) - x_);
+      if (n >= steps) sum += force;
+      const double wave = std::cos(2.0 * kPi * x_);
+      u_ += kStep * (force - kXi * u_ + 2.0 * kPi * kV0 * S() * std::sin(2.0 * kPi * x_)) +
+            kick_ * normal_(random_);
+      w_ += kStep * (-kXi * w_ - kV0 * slope_of_S() * wave) + kick_ * normal_(random_);
+      x_ += kStep * u_;
+      phi_ += kStep * w_;
+    }
+    return sum / static_cast<double>(periods * steps);
+  }
+
+ private:
+  static constexpr double kV0 = 0.1, kK = 2.0, kV = 1e-3, kStep = 0.02;
+  static constexpr double kXi = 2.8284271247461903;
+
+  /// Of the four that are not mirror images.
+  double S() const {
+    double sum = 0.0;
+    for (int i = 0; i < 4; ++i) sum += std::cos(2.0 * kPi * std::cos(phi_ + 0.25 * kPi * i));
+    return sum / 4.0;
+  }
+  double slope_of_S() const {
+    double sum = 0.0;
+    for (int i = 0; i < 4; ++i) {
+      const double angle = phi_ + 0.25 * kPi * i;
+      sum += 2.0 * kPi * std::sin(angle) * std::sin(2.0 * kPi * std::cos(angle));
+    }
+    return sum / 4.0;
+  }
+
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+  double kick_;
+  double x_ = 0.0, u_ = 0.0, phi_ = 0.0, w_ = 0.0;
+};
+
+/// At a small temperature chance decides which way the ring turns, and temperature when: the force.
+TEST(Thermal, TheRingWithoutDecayTurnsEitherWay) {
+  constexpr int kPeriods = 9;
+  constexpr int kStreams = 40;
+  constexpr double kWhole = 0.05;  // of an eighth of a revolution, at a turn
+  constexpr double kOfOtherScheme = 0.005;
+  const RunResult cold = run_shipped("thermal/ring.toml", {{"T", "0.0"}});
+  EXPECT_NEAR(observable(cold, "driver.mean_force.x").value(), 4.0966e-3, 1e-6);
+  EXPECT_EQ(observable(cold, "ring.turns").value(), 0.0);
+  int stream = 0;
+  double before = INFINITY;
+  std::vector<double> rotations;
+  for (const double T : {1e-24, 1e-12, 1e-6}) {
+    std::vector<double> forces;
+    for (int k = 0; k < kStreams; ++k, ++stream) {
+      const RunResult result =
+          run_shipped("thermal/ring.toml", {{"T", text_of(T)}, {"run.stream", text_of(stream)}});
+      forces.push_back(observable(result, "driver.mean_force.x").value());
+      rotations.push_back(8.0 * observable(result, "ring.turns").value());
+      if (T < 1e-15) continue;  // some are turning when the window ends
+      EXPECT_NEAR(rotations.back(), std::round(rotations.back()), kWhole) << T;
+    }
+    const Estimate found = estimate_of(forces);
+    EXPECT_LT(found.mean + kSigmas * found.error, before) << T;
+    before = found.mean - kSigmas * found.error;
+    if (T < 1e-15) continue;
+    std::vector<double> others;
+    for (unsigned k = 0; k < 4; ++k) others.push_back(RingInABath(T, 7 + k).mean_force(kPeriods));
+    const Estimate other = estimate_of(others);
+    EXPECT_NEAR(found.mean, other.mean,
+                kSigmas * std::hypot(found.error, found.error * std::sqrt(kStreams / 4.0)) +
+                    kOfOtherScheme * found.mean)
+        << T;
+  }
+  // Eighteen fair coins of a half each: variance 4.5.
+  const Estimate rotation = estimate_of(rotations);
+  const auto count = static_cast<double>(rotations.size());
+  EXPECT_NEAR(rotation.mean, 0.0, kSigmas * std::sqrt(4.5 / count));
+  const double variance = rotation.error * rotation.error * count;
+  EXPECT_NEAR(variance / 4.5, 1.0, kSigmas * std::sqrt(2.0 / (count - 1.0)));
 }
 
 /// Works of the dragged trap, one for each stream; a start of its own goes with each.

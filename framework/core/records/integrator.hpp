@@ -89,6 +89,9 @@ struct IntegratorRecord : ComponentRecord {
   /// Relative error of the speed at which a steady force drags a coordinate, `damped` = step *
   /// damping rate; null: none, whatever the step.
   double (*drag_error)(double damped) = nullptr;
+  /// Relative error of the variance of positions in a harmonic well without inertia, `relaxed` =
+  /// step * relaxation rate of the well; null: none, whatever the step.
+  double (*variance_error)(double relaxed) = nullptr;
   /// The fixed step; 0 for an adaptive scheme.
   double (*step)(const void* description) = nullptr;
   /// Faults across keys; empty when valid.

@@ -145,6 +145,12 @@ constexpr FaultKind kKinds[] = {
      "Take a smaller dt, an integrator that treats friction with the forces, or dynamics = "
      "\"overdamped\".",
      Severity::warning},
+    {FaultCode::integrator_wide_distribution, "integrator.wide_distribution",
+     "With noise and without inertia the scheme makes the distribution of positions in a well too "
+     "wide at this step, by a tenth of the variance or more.",
+     "A thermal run by euler_maruyama with dt = 0.2 in a well of relaxation rate 1.",
+     "Take a smaller dt, or leimkuhler_matthews, which has the variance of harmonic wells exactly.",
+     Severity::warning},
     {FaultCode::integrator_unresolved_time, "integrator.unresolved_time",
      "A force or a prescribed motion depends on time and changes within a fixed step.",
      "A force sin(1000 * t) with steps of 0.1.", "Take a smaller dt or an adaptive integrator.",
@@ -184,8 +190,10 @@ constexpr FaultKind kKinds[] = {
      "tomlin run pt.toml --set run.duration=1e300", "Shorten the run, or lengthen the step."},
     {FaultCode::run_until_never, "run.until_never",
      "The condition of run.until cannot be evaluated in this scene.",
-     "until = { steady = ... } without a moving driver.",
-     "Give a duration instead, or a driver with a period."},
+     "until = { steady = ... } without a moving driver; until = { error = ..., of = ... } of what "
+     "has no statistical error.",
+     "Give a duration instead, or a driver with a period; with error, a mean of a scene with "
+     "noise."},
     {FaultCode::run_step_unstable, "run.step.unstable",
      "A coordinate became infinite or NaN, or moved too far in one step: the step is longer than "
      "is stable, or a force diverges.",
@@ -280,6 +288,12 @@ constexpr FaultKind kKinds[] = {
      "tomlin run pt.toml --set "
      "'run.until={steady=\"driver.mean_force.x\",tolerance=1e-9,max=200.0}'",
      "Raise max, or the tolerance.", Severity::warning},
+    {FaultCode::run_until_error_not_reached, "run.until_error_not_reached",
+     "The statistical error of the mean of run.until is larger than asked for at the latest time, "
+     "or is not known there.",
+     "A thermal run with until = { error = 1e-6, of = \"driver.mean_force.x\" } and a short "
+     "duration.",
+     "Raise the duration, or max, or ask for less.", Severity::warning},
     {FaultCode::run_not_determined, "run.not_determined",
      "Runs from slightly different starts share fewer than three digits of an observable.",
      "tomlin run pt.toml --set damping=0.02 --set 'run.perturb={size=0.1,repeats=3}'",

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,8 +20,6 @@ namespace tomlin::observers {
 namespace {
 
 constexpr std::size_t kMostParts = 1024;
-/// In fewer parts than these no error can be told.
-constexpr double kFewestPeriods = 2.0 * kFewestCorrelationTimes;
 
 /// A mean: what has been gained of some integrals, or of a centre's way.
 struct Series {
@@ -39,6 +39,7 @@ class MeanErrors : public RunObserver {
     find_series();
     now_.assign(series_.size(), 0.0);
     at_.assign(series_.size(), 0.0);
+    means_.assign(kMostParts, 0.0);
   }
 
   ObserverNeeds needs() const override { return {.blocks = true}; }
@@ -85,27 +86,28 @@ class MeanErrors : public RunObserver {
     if (!parts_.window.is_over()) return;
     for (std::size_t k = 0; k < series_.size(); ++k) {
       if (!parts_.selection.wants(series_[k].key)) continue;
-      table.add_error(series_[k].path, blocked_mean(means_of(k)).error);
+      table.add_error(series_[k].path, error_of(k));
     }
+  }
+
+  bool estimates(std::string_view path) const override { return find(path) != series_.end(); }
+  std::vector<std::string> estimated() const override {
+    std::vector<std::string> paths;
+    for (const Series& one : series_) paths.push_back(one.path);
+    return paths;
+  }
+  std::optional<double> error_so_far(std::string_view path) const override {
+    return error_of(static_cast<std::size_t>(find(path) - series_.begin()));
   }
 
  private:
-  /// As long as parts end up in this window.
+  /// As long as parts end up in this window; shorter ones where it may end before.
   double first_part() const {
-    double length = shortest_part();
+    const RunContext& run = parts_.run;
+    double length = part_of_window(run.model, run.plan.dt, parts_.window.length());
+    if (run.scene->run.until) return length;
     while (length * static_cast<double>(kMostParts + 1) <= parts_.window.length()) length *= 2.0;
     return length;
-  }
-
-  double shortest_part() const {
-    const double block = static_cast<double>(kBlock) * parts_.run.plan.dt;
-    for (const Model::Driver& driver : parts_.run.model.drivers()) {
-      if (!drags(*driver.drive)) continue;
-      const auto period = time_of_period(parts_.run.model, *driver.drive);
-      const bool enough = period && parts_.window.length() >= kFewestPeriods * *period;
-      if (enough) return std::max(block, *period);
-    }
-    return block;
   }
 
   void find_series() {
@@ -204,21 +206,27 @@ class MeanErrors : public RunObserver {
     *count_ = static_cast<std::int64_t>(count + 1);
   }
 
-  std::vector<double> means_of(std::size_t k) const {
+  std::vector<Series>::const_iterator find(std::string_view path) const {
+    return std::find_if(series_.begin(), series_.end(),
+                        [path](const Series& one) { return one.path == path; });
+  }
+
+  std::optional<double> error_of(std::size_t k) const {
     const std::size_t width = series_.size();
-    std::vector<double> means;
-    for (std::int64_t j = 0; j + 1 < *count_; ++j) {
-      const double* sum = sums_ + static_cast<std::size_t>(j) * width + k;
-      means.push_back((sum[width] - sum[0]) / *length_);
+    std::size_t count = 0;
+    for (; static_cast<std::int64_t>(count) + 1 < *count_; ++count) {
+      const double* sum = sums_ + count * width + k;
+      means_[count] = (sum[width] - sum[0]) / *length_;
     }
-    return means;
+    return blocked_mean_in_place({means_.data(), count}).error;
   }
 
   ObserverParts parts_;
   std::vector<Series> series_;
   std::vector<double> now_;
-  std::vector<double> at_;  ///< scratch: at the end of a part
-  double* sums_ = nullptr;  ///< [part][series], at the ends of parts
+  std::vector<double> at_;             ///< scratch: at the end of a part
+  mutable std::vector<double> means_;  ///< scratch: over parts
+  double* sums_ = nullptr;             ///< [part][series], at the ends of parts
   double* last_ = nullptr;
   double* last_time_ = nullptr;
   double* length_ = nullptr;  ///< of a part

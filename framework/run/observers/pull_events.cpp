@@ -104,6 +104,11 @@ class PullEvents : public RunObserver {
   void force_changed(std::string_view force) override;
   void look_at_end(const RunMoment& end) override;
   void finish(const RunMoment& end) override;
+  std::vector<std::string> estimated() const override { return slips_.estimated(); }
+  bool estimates(std::string_view path) const override { return slips_.estimates(path); }
+  std::optional<double> error_so_far(std::string_view path) const override {
+    return slips_.error_so_far(path);
+  }
   void results(ResultTable& table, const double* rates) const override;
 
  private:
@@ -398,6 +403,7 @@ void PullEvents::results(ResultTable& table, const double*) const {
         [k](const DriverWatch& watch) { return watch.driver() == k && watch.finds_slips(); });
     slips_.add_rows(group, k, looked_for);
   }
+  slips_.add_errors(table);
 }
 
 }  // namespace

@@ -98,6 +98,8 @@ BROKEN = [
     ("missing integrator", INTEGRATOR, "", ["run"]),
     ("neither duration nor max", DURATION,
      'until = { steady = "driver.mean_force.x", tolerance = 1e-3 }', ["run"]),
+    ("an error without its mean", DURATION, DURATION + "\nuntil = { error = 0.01 }",
+     ["run", "until"]),
     ("two ways to choose steps", DURATION, DURATION + "\naccuracy = 1e-3", ["run"]),
     ("no body", SCENE[SCENE.index("[[body]]"):SCENE.index("[[force]]")], "", []),
     ("no run", "[run]\n" + DURATION + "\n" + INTEGRATOR, "", []),

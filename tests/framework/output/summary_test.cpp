@@ -112,6 +112,10 @@ TEST(Summary, HasEveryKeyOfAFinishedRun) {
                                                        "slip_energy_deviation",
                                                        "min_slip_energy",
                                                        "max_slip_energy",
+                                                       "mean_waiting_time",
+                                                       "waiting_time_deviation",
+                                                       "min_waiting_time",
+                                                       "max_waiting_time",
                                                        "effective_stiffness",
                                                        "work",
                                                        "work_per_distance",
@@ -188,6 +192,19 @@ TEST(Summary, SaysHowARunUntilSteadyCameOut) {
   EXPECT_EQ(until["reached"], true);
   EXPECT_EQ(until["periods"], 5);
   EXPECT_EQ(until["change"], 1e-7);
+}
+
+TEST(Summary, SaysHowARunUntilAnErrorCameOut) {
+  RunResult result = planar_result();
+  result.until_error = UntilErrorResult{"driver.mean_force.x", true, 0.01, 0.009};
+  Json until = Json::parse(summary_json(planar_scene(), result))["until"];
+  EXPECT_EQ(keys(until), (Names{"of", "asked", "reached", "error"}));
+  EXPECT_EQ(until["of"], "driver.mean_force.x");
+  EXPECT_EQ(until["asked"], 0.01);
+  EXPECT_EQ(until["reached"], true);
+  EXPECT_EQ(until["error"], 0.009);
+  result.until_error->error.reset();
+  EXPECT_TRUE(Json::parse(summary_json(planar_scene(), result))["until"]["error"].is_null());
 }
 
 TEST(Summary, NumbersReadBackAsTheSameBits) {

@@ -125,6 +125,14 @@ const std::string kImplicit =
 const std::string kEighthOrder =
     "{ type = \"dop853\", absolute_tolerance = 1e-10, relative_tolerance = 1e-10 }";
 
+const std::string kBath = R"(
+[[force]]
+name = "bath"
+type = "langevin"
+coefficient = 0.7
+temperature = 0.02
+)";
+
 struct Named {
   const char* name;
   std::string text;
@@ -163,12 +171,28 @@ std::vector<Named> scenes() {
   };
 }
 
+/// With noise: none of its numbers is in a checkpoint.
+std::vector<Named> noisy_scenes() {
+  return {
+      {"tip in a bath, until its mean force is known",
+       kTipForces + kBath +
+           settings("1e5", "{ type = \"baoab\", dt = 1e-2 }",
+                    "ledger = true\nuntil = { error = 4e-3, of = \"driver.mean_force.x\" }\n")},
+      {"chain in a bath, overdamped",
+       kChain + kBath +
+           settings("600", "{ type = \"leimkuhler_matthews\", dt = 1e-2 }",
+                    "dynamics = \"overdamped\"\n")},
+  };
+}
+
 class Killed : public Cli {
  protected:
   Ended run_in(const std::string& folder, const std::function<void(pid_t)>& then = {}) {
     return tomlin({"run", "scene.toml", "-o", folder, "--resume", "--quiet"},
                   {.then = then, .environment = impatient()});
   }
+
+  void kill_and_resume(const std::vector<Named>& scenes_of_runs, int moments);
 
   /// The longest a run takes when nobody else wants the machine, in seconds.
   double time_alone(const std::string& folder) {
@@ -178,19 +202,20 @@ class Killed : public Cli {
   }
 };
 
-TEST_F(Killed, RunsEndWithTheSameBits) {
+/// Each is killed at so many moments; most of them lie within the runs.
+void Killed::kill_and_resume(const std::vector<Named>& scenes_of_runs, int moments) {
   std::mt19937 random(20240511);
   std::uniform_real_distribution<double> part(0.0, 1.1);
   constexpr int kSignals[] = {SIGKILL, SIGKILL, SIGTERM, SIGINT};
   constexpr int kMostTimes = 3;  // that one run is killed
   int stopped = 0;
   int points = 0;
-  for (const auto& [name, text] : scenes()) {
+  for (const auto& [name, text] : scenes_of_runs) {
     SCOPED_TRACE(name);
     write(folder_ / "scene.toml", text);
     fs::remove_all(folder_ / "alone");
     const double whole = time_alone("alone");
-    for (int point = 0; point < kill_points() && !HasFailure(); ++point) {
+    for (int point = 0; point < moments && !HasFailure(); ++point) {
       SCOPED_TRACE(point);
       ++points;
       fs::remove_all(folder_ / "killed");
@@ -212,8 +237,15 @@ TEST_F(Killed, RunsEndWithTheSameBits) {
       EXPECT_EQ(differing(folder_ / "alone", folder_ / "killed"), "");
     }
   }
-  // Most moments lie within the runs.
   EXPECT_GT(stopped, points / 2);
+}
+
+TEST_F(Killed, RunsEndWithTheSameBits) { kill_and_resume(scenes(), kill_points()); }
+
+/// A dozen moments; a hundred in the test `kills_with_noise`, of the label slow.
+TEST_F(Killed, NoisyRunsEndWithTheSameBits) {
+  const char* asked = std::getenv("TOMLIN_NOISY_KILL_POINTS");
+  kill_and_resume(noisy_scenes(), asked != nullptr ? std::atoi(asked) : 6);
 }
 
 /// The comparison above sees a single bit.

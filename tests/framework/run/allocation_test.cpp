@@ -11,9 +11,11 @@
 
 namespace {
 std::atomic<std::uint64_t> allocations{0};
+std::atomic<std::uint64_t> allocated{0};  // bytes
 
 void* counted(std::size_t size, std::size_t alignment) {
   allocations.fetch_add(1, std::memory_order_relaxed);
+  allocated.fetch_add(size, std::memory_order_relaxed);
   const std::size_t whole = (size + alignment - 1) / alignment * alignment;
   void* memory = std::aligned_alloc(alignment, whole > 0 ? whole : alignment);
   if (!memory) throw std::bad_alloc();
@@ -98,12 +100,17 @@ TEST(Allocations, ThereAreNoneBetweenTheFirstStepAndTheLast) {
            "[run]\nduration = 5.0\nintegrator = " + integrator + more +
            "\n[output]\nevery = 0.03\n" + look.substr(look.find("[measure]"));
   };
+  // Looks at the error from step 1300 on, and does not reach it.
+  std::string until_error =
+      noisy("{ type = \"baoab\", dt = 0.002 }",
+            "\nuntil = { error = 1e-9, of = \"driving_spring.mean_force.x\" }");
+  until_error.erase(until_error.find("to = 3.0"));
   RingScene rigid_implicit = rigid;
   rigid_implicit.integrator = tip_implicit.integrator;
   for (const std::string& text :
        {tip.text(), tip_adaptive.text(), flexible.text(), large.text(), rigid.text(),
         rigid_adaptive.text(), chain, tip_implicit.text(), rigid_implicit.text(),
-        noisy("{ type = \"baoab\", dt = 0.01 }", ""),
+        noisy("{ type = \"baoab\", dt = 0.01 }", ""), until_error,
         noisy("{ type = \"euler_maruyama\", dt = 0.01 }", "\ndynamics = \"overdamped\"")}) {
     NullSink sink;
     RunOptions options;
@@ -116,6 +123,69 @@ TEST(Allocations, ThereAreNoneBetweenTheFirstStepAndTheLast) {
     EXPECT_EQ(after - before, 0u) << text;
     EXPECT_GT(sink.samples, 100u);
     EXPECT_EQ(engine.time(), 5.0);
+  }
+}
+
+/// What it takes to bind and run a scene.
+struct Cost {
+  std::uint64_t allocations = 0;
+  std::uint64_t bytes = 0;
+  std::string state;  ///< names and sizes of the numbers of the run
+  std::uint64_t noises = 0;
+};
+
+Cost cost_of(const std::string& text) {
+  const auto scene = scene_of(text);
+  const std::uint64_t before = allocations;
+  const std::uint64_t bytes_before = allocated;
+  Engine engine(scene, options_to_bind());
+  engine.advance(20);
+  Cost cost{allocations - before, allocated - bytes_before, "", 0};
+  for (const auto& field : engine.state().layout().reals()) {
+    cost.state += field.name + " " + std::to_string(field.count) + ", ";
+  }
+  const SystemView<double>& view = engine.model().system().view;
+  cost.noises = view.noise_count + view.kinetic_count;
+  return cost;
+}
+
+/// A thermostat of temperature 0 takes what friction takes: nothing is allocated, kept or called
+/// for random numbers. The control: with a temperature there is more of all three.
+TEST(Allocations, WithoutNoiseNoGeneratorIsBuilt) {
+  const auto text = [](const std::string& force, const std::string& scheme) {
+    const bool inertial = standard().integrator(scheme)->with_inertia;
+    return "[[body]]\nname = \"chain\"\ntype = \"chain\"\ncount = 5\nspacing = 1.0\n"
+           "particle_mass = 1.0\n[[force]]\nname = \"driver\"\ntype = \"driving_spring\"\n"
+           "stiffness = 1.0\nvelocity = [0.1]\n[[force]]\nname = \"bath\"\ncoefficient = 1.0\n" +
+           force + "[run]\nduration = 1.0\n" + (inertial ? "" : "dynamics = \"overdamped\"\n") +
+           "integrator = { type = \"" + scheme + "\", dt = 0.01 }\n";
+  };
+  constexpr std::uint64_t kOfAParameter = 3;
+  for (const std::string scheme :
+       {"baoab", "gjf", "velocity_verlet", "leimkuhler_matthews", "euler_maruyama"}) {
+    SCOPED_TRACE(scheme);
+    const Cost friction = cost_of(text("type = \"viscous_damping\"\n", scheme));
+    const Cost cold = cost_of(text("type = \"langevin\"\ntemperature = 0.0\n", scheme));
+    // The temperature is one more number that the scene may vary from particle to particle.
+    EXPECT_LE(cold.allocations, friction.allocations + kOfAParameter);
+    EXPECT_LE(cold.bytes, friction.bytes + kOfAParameter * sizeof(double));
+    EXPECT_EQ(cold.state, friction.state);
+    EXPECT_EQ(cold.noises, 0U);
+    const Cost warm = cost_of(text("type = \"langevin\"\ntemperature = 0.1\n", scheme));
+    EXPECT_GT(warm.allocations, cold.allocations + kOfAParameter);
+    EXPECT_GT(warm.bytes, cold.bytes + 1000);
+    EXPECT_GT(warm.state.size(), cold.state.size());
+  }
+  for (const std::string scheme : {"baoab", "gjf", "velocity_verlet", "rk4"}) {
+    SCOPED_TRACE(scheme);
+    const std::string memory = "type = \"memory_damping\"\nmemory_time = 1.0\n";
+    const Cost without = cost_of(text(memory, scheme));
+    const Cost cold = cost_of(text(memory + "temperature = 0.0\n", scheme));
+    EXPECT_EQ(cold.allocations, without.allocations);
+    EXPECT_EQ(cold.bytes, without.bytes);
+    EXPECT_EQ(cold.state, without.state);
+    if (scheme == "rk4") continue;
+    EXPECT_GT(cost_of(text(memory + "temperature = 0.1\n", scheme)).bytes, cold.bytes);
   }
 }
 

@@ -181,5 +181,29 @@ TEST(NoiseRefusals, StepsInWhichNoiseMovesTooFar) {
   EXPECT_NE(refused.failure->what.find("noise"), std::string::npos) << refused.failure->what;
 }
 
+/// A harmonic well of relaxation rate 1: euler_maruyama has the variance T/k / (1 - dt/2) of it,
+/// wrong by a tenth at dt = 2/11.
+TEST(NoiseWarnings, ADistributionThatIsTooWide) {
+  const auto warns = [](const std::string& scheme, double dt, double temperature) {
+    const RunResult result = run_text(
+        "[[body]]\ntype = \"point\"\nposition = [0.0]\nparticle_mass = 1.0\n[[force]]\ntype = "
+        "\"driving_spring\"\nstiffness = 2.0\nvelocity = [0.0]\n[[force]]\nname = \"bath\"\n"
+        "type = \"langevin\"\ncoefficient = 2.0\ntemperature = " +
+        digits(temperature) + "\n[run]\ndynamics = \"overdamped\"\nduration = 10.0\n" +
+        "integrator = { type = \"" + scheme + "\", dt = " + digits(dt) + " }\n");
+    EXPECT_EQ(result.status, RunStatus::finished);
+    return count_of(FaultCode::integrator_wide_distribution, result.warnings);
+  };
+  constexpr double kLimit = 2.0 / 11.0;
+  EXPECT_EQ(warns("euler_maruyama", 1.001 * kLimit, 0.1), 1U);
+  EXPECT_EQ(warns("euler_maruyama", 0.999 * kLimit, 0.1), 0U);
+  EXPECT_EQ(warns("euler_maruyama", 1.5, 0.1), 1U);
+  EXPECT_EQ(warns("euler_maruyama", 1.001 * kLimit, 0.0), 0U);
+  EXPECT_EQ(warns("leimkuhler_matthews", 1.001 * kLimit, 0.1), 0U);
+  const auto error = standard().integrator("euler_maruyama")->variance_error;
+  ASSERT_NE(error, nullptr);
+  EXPECT_NEAR(error(kLimit), 0.1, 1e-15);
+}
+
 }  // namespace
 }  // namespace tomlin::test

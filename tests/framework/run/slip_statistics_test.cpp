@@ -1,10 +1,14 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "framework/run/blocked_series.hpp"
 #include "tests/support/ring_scenes.hpp"
 
 // Numbers of slips in the window, against the events that the run leaves, and the stiffness of what
@@ -71,13 +75,16 @@ TEST(SlipStatistics, AreThoseOfTheEventsInTheWindow) {
         "energy = \"0.02 * cos(2 * pi * x / 0.618)\"\n"
         "[measure]\nin = \"time\"\nfrom = 665.0\nto = 2385.0\n";
     const Kept run = run_kept(scene);
-    std::vector<double> lengths, forces, energies;
+    std::vector<double> lengths, forces, energies, waits;
+    double last = 0.0;
     std::size_t outside = 0;
     for (const Event& slip : run.kept.of(EventKind::slip)) {
       if (slip.time < 665.0 || slip.time > 2385.0) {
         ++outside;
         continue;
       }
+      if (!lengths.empty()) waits.push_back(slip.time - last);
+      last = slip.time;
       lengths.push_back(slip.size);
       forces.push_back(slip.peak_force);
       energies.push_back(slip.energy_lost);
@@ -88,6 +95,8 @@ TEST(SlipStatistics, AreThoseOfTheEventsInTheWindow) {
     expect_numbers(run.result, "slip_length", lengths);
     expect_numbers(run.result, "slip_force", forces);
     expect_numbers(run.result, "slip_energy", energies);
+    expect_numbers(run.result, "waiting_time", waits);
+    EXPECT_TRUE(run.result.errors.empty());  // there is no noise
     // They do differ.
     EXPECT_GT(*run.result.driver(0)["slip_force_deviation"], 1e-3);
   }
@@ -106,6 +115,7 @@ TEST(SlipStatistics, OfFewSlips) {
   EXPECT_NEAR(*one.driver(0)["mean_slip_length"], 0.9, 0.2);
   EXPECT_EQ(*one.driver(0)["mean_slip_length"], *one.driver(0)["max_slip_length"]);
   EXPECT_FALSE(one.driver(0)["slip_length_deviation"]);
+  EXPECT_FALSE(one.driver(0)["mean_waiting_time"]);
   // A body that is no spring's has none to look for.
   const std::string prescribed =
       "[[body]]\nname = \"tip\"\ntype = \"point\"\nparticle_mass = 1.0\nposition = [0.5]\n"
@@ -286,6 +296,129 @@ TEST(SlipsUnderNoise, AreNotCountedWhereThereAreNoWells) {
   const TipScene scene = tip(0.5, 1e-2, 4.0, R"({ type = "baoab", dt = 0.05 })");
   const RunResult result = run(scene_of(in_a_bath(scene)));
   EXPECT_FALSE(result.driver(0)["slips"].has_value());
+}
+
+// ---- errors
+
+/// A tip without inertia that slips now and then by the noise of its bath.
+std::string thermal_slips(std::uint64_t stream, double periods) {
+  return R"([[body]]
+name = "tip"
+type = "point"
+position = [0.5]
+particle_mass = 1.0
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 0.4
+velocity = [0.02]
+[[force]]
+name = "bath"
+type = "langevin"
+coefficient = 1.0
+temperature = 0.01
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.1
+period = 1.0
+[run]
+dynamics = "overdamped"
+integrator = { type = "euler_maruyama", dt = 0.04 }
+stream = )" +
+         std::to_string(stream) + "\nduration = " + digits(50.0 * periods) +
+         "\n[measure]\nin = \"time\"\nfrom = 100.0\n";
+}
+
+std::optional<double> error_of_mean(const RunResult& result, const std::string& key) {
+  for (const ErrorEstimate& one : result.errors) {
+    if (one.path == "drivers.driver." + key) return one.error;
+  }
+  ADD_FAILURE() << key;
+  return {};
+}
+
+/// Without inertia no heat is known of a slip in noise.
+const std::vector<std::string> kMeansOfSlips = {"mean_slip_length", "mean_slip_force",
+                                                "mean_waiting_time"};
+
+/// By blocks of the slips that the run tells of, and as means scatter over streams.
+TEST(SlipStatistics, ErrorsOfMeansInNoise) {
+  constexpr int kStreams = 24;
+  constexpr double kRounding = 1e-9;
+  // Of 24 streams the scatter has a standard deviation of 1 in 7, and blocks are about 16.
+  constexpr double kLeastRatio = 0.6;
+  constexpr double kMostRatio = 1.7;
+  std::map<std::string, std::vector<double>> means;
+  std::map<std::string, double> squares;
+  for (std::uint64_t stream = 0; stream < kStreams; ++stream) {
+    RunOptions options;
+    KeptSamples kept;
+    options.sink = &kept;
+    const RunResult result = run(scene_of(thermal_slips(stream, 122.0)), options);
+    for (const std::string& key : kMeansOfSlips) {
+      means[key].push_back(*result.driver(0)[key]);
+      squares[key] += std::pow(error_of_mean(result, key).value(), 2) / kStreams;
+    }
+    std::vector<double> forces;
+    for (const Event& slip : kept.of(EventKind::slip)) {
+      if (slip.time >= 100.0) forces.push_back(slip.peak_force);
+    }
+    ASSERT_GT(forces.size(), 100u);
+    EXPECT_NEAR(*error_of_mean(result, "mean_slip_force"), *blocked_mean(forces).error,
+                kRounding * *blocked_mean(forces).error);
+  }
+  for (const std::string& key : kMeansOfSlips) {
+    double mean = 0.0;
+    for (const double x : means[key]) mean += x / kStreams;
+    double scatter = 0.0;
+    for (const double x : means[key]) scatter += (x - mean) * (x - mean) / (kStreams - 1);
+    const double ratio = std::sqrt(squares[key] / scatter);
+    if (key == "mean_waiting_time") {
+      // One slip for each period: what one waits longer the next one waits shorter, so that the
+      // mean is known better than blocks show.
+      EXPECT_GT(ratio, kLeastRatio) << key;
+      continue;
+    }
+    EXPECT_GT(ratio, kLeastRatio) << key;
+    EXPECT_LT(ratio, kMostRatio) << key;
+  }
+}
+
+TEST(SlipStatistics, FewSlipsInNoiseHaveNoError) {
+  const RunResult result = run_text(thermal_slips(0, 30.0));
+  ASSERT_TRUE(result.driver(0)["mean_slip_force"]);
+  for (const std::string& key : kMeansOfSlips) EXPECT_FALSE(error_of_mean(result, key)) << key;
+  EXPECT_EQ(count_of(FaultCode::run_error_not_estimated, result.warnings), 1U);
+}
+
+TEST(SlipStatistics, BlocksOfALongSeries) {
+  std::vector<double> reals(BlockedSeries::kReals);
+  std::vector<std::int64_t> integers(BlockedSeries::kIntegers);
+  BlockedSeries series;
+  series.attach(reals.data(), integers.data());
+  std::vector<double> scratch(BlockedSeries::kBlocks);
+  std::vector<double> all;
+  std::uint64_t word = 1;
+  for (std::size_t count = 1; count <= 5000; ++count) {
+    word = word * 6364136223846793005ULL + 1442695040888963407ULL;
+    all.push_back(static_cast<double>(word >> 40) * 0x1p-24);
+    series.add(all.back());
+    if (count % 97 != 0 && count != BlockedSeries::kBlocks) continue;
+    std::size_t length = 1;
+    while (count / length > BlockedSeries::kBlocks) length *= 2;
+    std::vector<double> blocks;
+    for (std::size_t k = 0; k + length <= count; k += length) {
+      double sum = 0.0;
+      for (std::size_t j = 0; j < length; ++j) sum += all[k + j];
+      blocks.push_back(sum / static_cast<double>(length));
+    }
+    const BlockedMean expected = blocked_mean(blocks);
+    const BlockedMean found = series.mean(scratch);
+    ASSERT_EQ(found.error.has_value(), expected.error.has_value()) << count;
+    if (found.error) {
+      ASSERT_NEAR(*found.error, *expected.error, 1e-9 * *expected.error) << count;
+    }
+  }
 }
 
 }  // namespace

@@ -134,6 +134,15 @@ TEST(BadScene, Until) {
             Lines{"27:61 run.until.maxx [scene.unknown_key] did you mean max"});
   EXPECT_EQ(faults("{ " + valid + ", max = 0 }"),
             Lines{"27:67 run.until.max = 0 [scene.out_of_range]"});
+  const std::string of_error = "error = 0.01, of = \"driver.mean_force.x\"";
+  EXPECT_EQ(faults("{ " + of_error + " }"), Lines());
+  EXPECT_EQ(faults("{ " + of_error + ", max = 10 }"), Lines());
+  EXPECT_EQ(faults("{ error = 0.01 }"), Lines{"27:9 run.until.of [scene.missing_key]"});
+  EXPECT_EQ(faults("{ of = \"x\" }"), Lines{"27:9 run.until.error [scene.missing_key]"});
+  EXPECT_EQ(faults("{ " + of_error + ", steady = \"x\" }"),
+            Lines{"27:53 run.until.steady [scene.unknown_key]"});
+  EXPECT_EQ(faults("{ error = -1, of = \"x\" }"),
+            Lines{"27:19 run.until.error = -1 [scene.out_of_range]"});
 }
 
 TEST(BadScene, WrongTypesOfValues) {
