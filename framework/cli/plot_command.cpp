@@ -136,7 +136,7 @@ A raster has the mean of all samples in each pixel: a row for each value of Y, o
 along X, and two samples to a pixel on average, unless --pixels says otherwise. Pixels without a
 sample stay white. A potential is that of one particle on the periodic forces of scene.toml.
 
-An axis has a unit where the scene names it: [scene] axes = { length = "a" }.
+An axis has a unit where the scene names it, [scene] axes = { length = "a" }, and in metal units.
 
 Examples:
 
