@@ -9,6 +9,7 @@
 #include "forcefields/lattice_substrate.hpp"
 #include "forcefields/memory_damping.hpp"
 #include "forcefields/morse_bonds.hpp"
+#include "forcefields/nose_hoover_chain.hpp"
 #include "forcefields/sinusoidal_substrate.hpp"
 #include "forcefields/velocity_weakening.hpp"
 #include "forcefields/viscous_damping.hpp"
@@ -26,6 +27,7 @@ void register_forcefields(Registry& registry) {
   registry.add(lattice_substrate_record());
   registry.add(memory_damping_record());
   registry.add(morse_bonds_record());
+  registry.add(nose_hoover_chain_record());
   registry.add(sinusoidal_substrate_record());
   registry.add(velocity_weakening_record());
   registry.add(viscous_damping_record());

@@ -53,6 +53,7 @@ AssembledBody<Real> described(const SceneBody& from, std::size_t index, const As
   body.bound.neighbours = neighbour_list(*from.record, from.description);
   if (from.motion) body.motion = &*from.motion;
   for (int d = 0; d < plan.dimension(); ++d) body.held[d] = names(from.hold, kAxisNames[d]);
+  body.bound.held = body.held;
   body.rotation_held = names(from.hold, "rotation");
 
   // Positions relative to the origin, to the last digit however far away the body is.

@@ -43,6 +43,7 @@ struct BoundBody {
   std::size_t index = 0;
   Coordinates coordinates = Coordinates::particles;
   bool closed = false;
+  std::array<bool, 3> held{};  ///< axes along which none of its particles moves
   BodySlot<Real> slot;
   int open_along = -1;                     ///< a chain that the box closes: along this axis
   std::vector<double> mass;                ///< [count]
