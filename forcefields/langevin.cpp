@@ -10,7 +10,7 @@ namespace {
 
 Traits traits_at_temperature(const ViscousDampingDescription& d) {
   Traits traits = traits_of_sites<ViscousDamping>();
-  traits.stochastic = traits.thermostat = d.temperature > 0.0 && d.coefficient > 0.0;
+  traits.stochastic = d.temperature > 0.0 && d.coefficient > 0.0;
   return traits;
 }
 

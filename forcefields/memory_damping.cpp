@@ -152,7 +152,7 @@ std::unique_ptr<BoundForce<Real>> bind_memory(const MemoryDampingDescription& d,
 }
 
 Traits traits_of_memory(const MemoryDampingDescription& d) {
-  return {.depends_on_velocity = true, .stochastic = is_noisy(d), .thermostat = is_noisy(d)};
+  return {.depends_on_velocity = true, .stochastic = is_noisy(d)};
 }
 
 }  // namespace

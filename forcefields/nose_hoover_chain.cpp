@@ -1,10 +1,13 @@
 #include "forcefields/nose_hoover_chain.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <memory>
 #include <vector>
 
 #include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/numbers/sum.hpp"
 #include "framework/core/records/bound_force.hpp"
 #include "framework/core/records/force.hpp"
 
@@ -22,19 +25,18 @@ class BoundNoseHooverChain : public BoundForce<Real> {
     const BoundBody<Real>& body = *binding.bodies.front();
     const auto axes = static_cast<std::size_t>(binding.dimension);
     arguments_.body = body.slot;
-    arguments_.length = axes * body.slot.stride;
     arguments_.links = static_cast<std::size_t>(d.links);
-    mass_.assign(arguments_.length, Real(0.0));
-    double freedom = 0.0;
+    particle_mass_.assign(axes * body.slot.stride, Real(0.0));
     for (std::size_t axis = 0; axis < axes; ++axis) {
-      if (body.held[axis]) continue;
-      for (std::size_t i = 0; i < body.slot.count; ++i) {
-        mass_[axis * body.slot.stride + i] = Real(body.mass[i]);
-      }
-      freedom += static_cast<double>(body.slot.count);
+      std::transform(body.mass.begin(), body.mass.end(),
+                     particle_mass_.begin() + static_cast<std::ptrdiff_t>(axis * body.slot.stride),
+                     [](double mass) { return Real(mass); });
     }
-    arguments_.mass = mass_.data();
-    arguments_.freedom = Real(freedom);
+    arguments_.first = body.slot.offset;
+    arguments_.length = arguments_.particle_length = particle_mass_.size();
+    arguments_.mass = arguments_.particle_mass = particle_mass_.data();
+    if (body.slot.rigid) take_as_one(body, axes);
+    arguments_.freedom = Real(body.freedom);
     arguments_.temperature = Real(d.temperature);
     arguments_.frequency = tau<Real>() / Real(d.period);
     series_.assign((arguments_.links + 2) * (NoseHooverChain::kTerms<Real> + 1), Real(0.0));
@@ -64,9 +66,31 @@ class BoundNoseHooverChain : public BoundForce<Real> {
   }
 
  private:
+  /// Centre and rotation, which in the plane is the third coordinate, in turns.
+  void take_as_one(const BoundBody<Real>& body, std::size_t axes) {
+    InterleavedSum<double> total;
+    InterleavedSum<double> inertia;
+    for (std::size_t i = 0; i < body.slot.count; ++i) {
+      double square = 0.0;
+      for (std::size_t axis = 0; axis < axes; ++axis) {
+        const double arm = body.start[i][axis] - body.start_centre[axis];
+        square = std::fma(arm, arm, square);
+      }
+      total.add(i, body.mass[i]);
+      inertia.add(i, body.mass[i] * square);
+    }
+    mass_of_body_.assign(kGroup, Real(0.0));
+    std::fill_n(mass_of_body_.begin(), axes, Real(total.total()));
+    if (axes == 2) mass_of_body_[2] = tau<Real>() * tau<Real>() * Real(inertia.total());
+    arguments_.first = body.slot.centre;
+    arguments_.length = kGroup;
+    arguments_.mass = mass_of_body_.data();
+  }
+
   const NoseHooverTable<Real>& table_;
   std::size_t body_;
-  AlignedVector<Real> mass_;
+  AlignedVector<Real> particle_mass_;
+  AlignedVector<Real> mass_of_body_;
   AlignedVector<Real> series_;
   NoseHooverArguments<Real> arguments_;
   NoseHooverArguments<Real> heat_;
@@ -75,15 +99,6 @@ class BoundNoseHooverChain : public BoundForce<Real> {
 template <class Real>
 std::unique_ptr<BoundForce<Real>> bind_chain(const NoseHooverChainDescription& d,
                                              const Binding<Real>& binding) {
-  const BoundBody<Real>& body = *binding.bodies.front();
-  if (body.slot.mapped) {
-    Complaint complaint{"temperature",
-                        "it scales the velocities of particles, and those of the body \"" +
-                            body.name + "\" move as one",
-                        "coordinates = \"particles\", or the force langevin"};
-    complaint.code = FaultCode::component_unsuitable;
-    throw BindError(std::move(complaint));
-  }
   return std::make_unique<BoundNoseHooverChain<Real>>(d, binding);
 }
 
@@ -102,7 +117,8 @@ ForceRecord nose_hoover_chain_record() {
       "G. J. Martyna, M. L. Klein and M. Tuckerman, J. Chem. Phys. 97 (1992) 2635, "
       "doi:10.1063/1.463940; G. J. Martyna, M. E. Tuckerman, D. J. Tobias and M. L. Klein, Mol. "
       "Phys. 87 (1996) 1117, doi:10.1080/00268979600100761";
-  record.traits = {.depends_on_velocity = true, .thermostat = true};
+  record.traits.depends_on_velocity = true;
+  record.thermostat = true;
   record.parameters = {
       parameter("temperature", &Description::temperature, dimension::energy,
                 "Boltzmann's constant times the temperature of the body, an energy")

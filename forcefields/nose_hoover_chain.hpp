@@ -11,11 +11,11 @@
 #include "framework/core/system/kernel_arguments.hpp"
 #include "framework/core/system/stage.hpp"
 
-/// The Nose-Hoover chain: a deterministic thermostat of a body of free particles. A factor zeta_1
-/// drags or drives all of its velocities, as their kinetic energy is above or below that of the
-/// temperature; its fluctuations are kept at the temperature by a second one, and so on.
+/// The Nose-Hoover chain: a deterministic thermostat of a body. A factor zeta_1 drags or drives all
+/// of its velocities, as their kinetic energy is above or below that of the temperature; its
+/// fluctuations are kept at the temperature by a second one, and so on.
 ///
-///   dv_i/dt = -zeta_1 v_i
+///   dv_i/dt = -zeta_1 v_i             of particles, or of a rigid body's centre and rotation
 ///   deta_k/dt = zeta_k
 ///   Q_1 dzeta_1/dt = sum m_i v_i^2 - N T - Q_1 zeta_1 zeta_2
 ///   Q_k dzeta_k/dt = Q_{k-1} zeta_{k-1}^2 - T - Q_k zeta_k zeta_{k+1}      zeta_{M+1} = 0
@@ -23,7 +23,7 @@
 ///   T       temperature  an energy: Boltzmann's constant times the temperature
 ///   omega   2 pi/period
 ///   M       links        1: the thermostat of Nose and Hoover
-///   N       coordinates of the body that are free; those held are not counted
+///   N       coordinates of the body that move; those held are not counted
 ///   Q_1     N T/omega^2, and Q_k = T/omega^2 of the others
 ///
 /// An operator alone, on velocities and on its own variables eta_1 .. eta_M, zeta_1 .. zeta_M, all
@@ -57,9 +57,15 @@ ForceRecord nose_hoover_chain_record();
 template <class Real>
 struct NoseHooverArguments {
   BodySlot<Real> body;
-  std::size_t length = 0;      ///< of the arrays of all axes, padding included
-  const Real* mass = nullptr;  ///< [length]; zero where held, and in the padding
-  Real freedom{};              ///< N
+  // The body's coordinates, from the first on, padding included: those of free particles, or centre
+  // and rotation of a rigid body.
+  std::size_t first = 0;
+  std::size_t length = 0;
+  const Real* mass = nullptr;  ///< [length]; zero in the padding
+  // The particles' arrays of all axes: the same where they are free.
+  std::size_t particle_length = 0;
+  const Real* particle_mass = nullptr;
+  Real freedom{};  ///< N
   Real temperature{};
   Real frequency{};        ///< omega
   std::size_t links = 0;   ///< M
@@ -89,12 +95,12 @@ struct NoseHooverChain {
   static constexpr int kMostSteps = 100000;
 
   template <class Real>
-  TOMLIN_INLINE static Real twice_kinetic(const NoseHooverArguments<Real>& a, const Real* v) {
+  TOMLIN_INLINE static Real twice_kinetic(std::size_t length, const Real* mass, const Real* v) {
     using Group = Packed<Real>;
     Group total(Real(0.0));
-    for (std::size_t i = 0; i < a.length; i += kGroup) {
+    for (std::size_t i = 0; i < length; i += kGroup) {
       const Group here = Group::load(v + i);
-      total = fma(Group::load(a.mass + i) * here, here, total);
+      total = fma(Group::load(mass + i) * here, here, total);
     }
     return sum(total);
   }
@@ -215,46 +221,39 @@ struct NoseHooverChain {
     return change;
   }
 
+  /// On free particles, or on the coordinates of a rigid body, centre and rotation.
   template <class Real>
   TOMLIN_FLATTEN static Real flow(const void* arguments, const FlowStage<Real>& stage, Real h) {
     using Group = Packed<Real>;
     const auto a = *static_cast<const NoseHooverArguments<Real>*>(arguments);
-    Real* v = stage.velocity + a.body.offset;
-    Real* rest = stage.velocity_rest == nullptr ? nullptr : stage.velocity_rest + a.body.offset;
-    const Group change(advance(a, twice_kinetic<Real>(a, v), stage.own, h));
     const Group none(Real(0.0));
+    Real* v = stage.velocity + a.first;
+    Real* rest = stage.velocity_rest == nullptr ? nullptr : stage.velocity_rest + a.first;
+    const Real kinetic = twice_kinetic<Real>(a.length, a.mass, v);
+    const Group change(advance(a, kinetic, stage.own, h));
     Group heat = none;
     for (std::size_t i = 0; i < a.length; i += kGroup) {
-      const Group mass = Group::load(a.mass + i);
       const Group before = Group::load(v + i);
       const Group rest_before = rest == nullptr ? none : Group::load(rest + i);
-      add_scaled(v, rest, i, select(none < mass, change, none), before);
+      add_scaled(v, rest, i, change, before);
       const Group after = Group::load(v + i);
       const Group lost =
           (before - after) + (rest_before - (rest == nullptr ? none : Group::load(rest + i)));
-      heat += Group(Real(0.5)) * mass * lost * (before + after);
+      heat += Group(Real(0.5)) * Group::load(a.mass + i) * lost * (before + after);
     }
     return sum(heat);
   }
 
-  /// The same as a force; returns the power that it takes.
-  template <class Real, bool set>
-  TOMLIN_INLINE static Real act(const NoseHooverArguments<Real>& a, const Stage<Real>& stage) {
-    using Group = Packed<Real>;
-    const Real* v = stage.velocity + a.body.offset;
-    Real* force = stage.force + a.body.offset;
-    const Real* zeta = stage.own + a.own + a.links;
-    const Group first(zeta[0]);
-    for (std::size_t i = 0; i < a.length; i += kGroup) {
-      const Group pull = -(Group::load(a.mass + i) * (first * Group::load(v + i)));
-      (set ? pull : Group::load(force + i) + pull).store(force + i);
-    }
-    const Real kinetic = twice_kinetic<Real>(a, v);
+  /// The rates of its own variables, by those of the particles; returns the power that it takes.
+  template <class Real>
+  TOMLIN_INLINE static Real rates(const NoseHooverArguments<Real>& a, Real twice_kinetic,
+                                  const Real* own, Real* rates_of_all) {
+    const Real* const zeta = own + a.own + a.links;
     const Real square = a.frequency * a.frequency;
-    Real* rates = stage.rates + a.own;
+    Real* const rates = rates_of_all + a.own;
     for (std::size_t k = 0; k < a.links; ++k) {
       rates[k] = zeta[k];
-      Real rate = square * (kinetic / (a.freedom * a.temperature) - Real(1.0));
+      Real rate = square * (twice_kinetic / (a.freedom * a.temperature) - Real(1.0));
       if (k > 0) {
         const Real before = zeta[k - 1] * zeta[k - 1];
         rate = (k == 1 ? a.freedom * before : before) - square;
@@ -262,24 +261,46 @@ struct NoseHooverChain {
       if (k + 1 < a.links) rate = fnma(zeta[k], zeta[k + 1], rate);
       rates[a.links + k] = rate;
     }
-    return kinetic * zeta[0];
-  }
-
-  template <class Real>
-  TOMLIN_FLATTEN static Real drag(const void* arguments, const Stage<Real>& stage) {
-    return act<Real, false>(*static_cast<const NoseHooverArguments<Real>*>(arguments), stage);
+    return twice_kinetic * zeta[0];
   }
 
   template <class Real, bool set>
+  TOMLIN_INLINE static void pull(std::size_t length, const Real* mass, const Real* v, Real zeta,
+                                 Real* force) {
+    using Group = Packed<Real>;
+    const Group first(zeta);
+    for (std::size_t i = 0; i < length; i += kGroup) {
+      const Group by = -(Group::load(mass + i) * (first * Group::load(v + i)));
+      (set ? by : Group::load(force + i) + by).store(force + i);
+    }
+  }
+
+  /// As a force on the particles.
+  template <class Real, bool set>
   TOMLIN_FLATTEN static void force(const void* arguments, const Stage<Real>& stage) {
-    act<Real, set>(*static_cast<const NoseHooverArguments<Real>*>(arguments), stage);
+    const auto a = *static_cast<const NoseHooverArguments<Real>*>(arguments);
+    const Real* v = (a.body.mapped ? stage.mapped_velocity : stage.velocity) + a.body.offset;
+    Real* f = (a.body.mapped ? stage.mapped_force : stage.force) + a.body.offset;
+    pull<Real, set>(a.particle_length, a.particle_mass, v, stage.own[a.own + a.links], f);
+    rates<Real>(a, twice_kinetic<Real>(a.particle_length, a.particle_mass, v), stage.own,
+                stage.rates);
   }
 
   template <class Real>
   TOMLIN_FLATTEN static void heat(const void* arguments, const Stage<Real>& stage) {
     const auto a = *static_cast<const NoseHooverArguments<Real>*>(arguments);
+    const Real* v = (a.body.mapped ? stage.mapped_velocity : stage.velocity) + a.body.offset;
     stage.rates[a.heat_rate] =
-        twice_kinetic<Real>(a, stage.velocity + a.body.offset) * stage.own[a.own + a.links];
+        twice_kinetic<Real>(a.particle_length, a.particle_mass, v) * stage.own[a.own + a.links];
+  }
+
+  /// As a force on the coordinates.
+  template <class Real>
+  TOMLIN_FLATTEN static Real drag(const void* arguments, const Stage<Real>& stage) {
+    const auto a = *static_cast<const NoseHooverArguments<Real>*>(arguments);
+    const Real* v = stage.velocity + a.first;
+    pull<Real, false>(a.length, a.mass, v, stage.own[a.own + a.links], stage.force + a.first);
+    return rates<Real>(a, twice_kinetic<Real>(a.length, a.mass, v), stage.own, stage.rates);
   }
 
   template <class Real>

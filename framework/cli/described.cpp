@@ -54,12 +54,11 @@ std::vector<const Described*> those_of(const KindNames& kind, const std::vector<
   return found;
 }
 
-std::array<Declaration, 9> declared(const Traits& traits) {
+std::array<Declaration, 8> declared(const Traits& traits) {
   return {Declaration{"conservative", traits.conservative},
           Declaration{"depends on velocity", traits.depends_on_velocity},
           Declaration{"depends on time", traits.depends_on_time},
           Declaration{"stochastic", traits.stochastic},
-          Declaration{"thermostat", traits.thermostat},
           Declaration{"internal", traits.internal},
           Declaration{"periodic", traits.periodic},
           Declaration{"dissipative", traits.dissipative},

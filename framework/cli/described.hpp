@@ -35,7 +35,7 @@ std::vector<const Described*> those_of(const KindNames& kind, const std::vector<
 /// A declared property or an ability, and whether the component has it.
 using Declaration = std::pair<const char*, bool>;
 
-std::array<Declaration, 9> declared(const Traits& traits);
+std::array<Declaration, 8> declared(const Traits& traits);
 std::array<Declaration, 7> abilities(const IntegratorRecord& record);
 
 /// "pairs of particles, of 1 to 2 bodies": what a force is evaluated on.

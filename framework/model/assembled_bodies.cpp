@@ -53,7 +53,6 @@ AssembledBody<Real> described(const SceneBody& from, std::size_t index, const As
   body.bound.neighbours = neighbour_list(*from.record, from.description);
   if (from.motion) body.motion = &*from.motion;
   for (int d = 0; d < plan.dimension(); ++d) body.held[d] = names(from.hold, kAxisNames[d]);
-  body.bound.held = body.held;
   body.rotation_held = names(from.hold, "rotation");
 
   // Positions relative to the origin, to the last digit however far away the body is.
@@ -95,6 +94,17 @@ void check(const AssembledBody<Real>& body, const SceneBody& from, int dimension
   }
 }
 
+template <class Real>
+int freedom_of(const AssembledBody<Real>& body, int dimension) {
+  const BodySlot<Real>& slot = body.bound.slot;
+  if (slot.mapped && !slot.rigid) return 0;
+  int axes = 0;
+  for (int d = 0; d < dimension; ++d) axes += body.held[d] ? 0 : 1;
+  if (!slot.rigid) return axes * static_cast<int>(slot.count);
+  const bool turns = dimension == 2 && body.inertia > 0.0 && !body.rotation_held;
+  return axes + (turns ? 1 : 0);
+}
+
 }  // namespace
 
 /// First the sizes, since views point into arrays that must not move afterwards.
@@ -111,6 +121,7 @@ AssembledBodies<Real>::AssembledBodies(const AssemblyPlan& plan) {
   for (AssembledBody<Real>& body : all) {
     place(body, plan);
     if (body.bound.slot.rigid || body.prescribed()) keep_shape(body, dimension);
+    body.bound.freedom = freedom_of(body, dimension);
   }
 }
 

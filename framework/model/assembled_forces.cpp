@@ -79,15 +79,6 @@ bool taken_as_operator(const AssembledForce<Real>& force, const AssemblyPlan& pl
   });
 }
 
-template <class Real>
-bool nothing_free(const AssembledBody<Real>& body) {
-  const auto axes = static_cast<int>(body.bound.start_centre.size());
-  if (!std::all_of(body.held.begin(), body.held.begin() + axes, [](bool held) { return held; })) {
-    return false;
-  }
-  return !body.moves_as_one() || !body.rotates() || body.rotation_held;
-}
-
 /// Why a force cannot keep its bodies at a temperature, by noise or without; nothing where it can.
 template <class Real>
 std::optional<Complaint> why_no_thermostat(const SceneForce& from,
@@ -102,7 +93,7 @@ std::optional<Complaint> why_no_thermostat(const SceneForce& from,
                            "nothing to it",
                        "a body with coordinates \"particles\" or \"rigid\""};
     }
-    if (nothing_free(body)) {
+    if (body.bound.freedom == 0) {
       return Complaint{"temperature",
                        "all coordinates of the body \"" + body.bound.name +
                            "\" are held: a thermostat does nothing to it",
@@ -129,7 +120,7 @@ AssembledForces<Real>::AssembledForces(const AssemblyPlan& plan,
   std::vector<const SceneForce*> thermostats(bodies.size());
   for (const SceneForce& from : plan.scene->forces) {
     const Traits traits = bound_by(from, "force", [&] { return from.traits(); });
-    if (traits.stochastic || traits.thermostat) {
+    if (traits.stochastic || from.record->thermostat) {
       if (auto complaint = why_no_thermostat(from, bodies, thermostats)) {
         complaint->code = FaultCode::component_unsuitable;
         faults.push_back(fault_of(from, *complaint));

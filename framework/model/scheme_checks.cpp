@@ -117,7 +117,7 @@ class SchemeChecks {
   void check_thermostats() {
     const bool takes_no_steps = scheme_.bind.in_double == nullptr;
     for (const Force& force : assembly_.forces()) {
-      if (!force.traits.thermostat || force.traits.stochastic || takes_no_steps) continue;
+      if (!force.record->thermostat || takes_no_steps) continue;
       if (scene_.run.places.contains("accuracy")) {
         faults_.emplace_back(FaultCode::component_unsuitable, place_of("accuracy"), "run.accuracy",
                              "",
@@ -216,6 +216,7 @@ class SchemeChecks {
 
   void check_loss() {
     for (const Force& force : assembly_.forces()) {
+      if (force.record->thermostat) continue;  // see check_thermostats()
       const Traits& traits = force.traits;
       if (traits.depends_on_velocity || traits.stochastic || is_linear_friction(force)) {
         refuse(FaultCode::integrator_unsuitable,

@@ -199,7 +199,7 @@ inline bool has_noise(const Scene& scene) {
 inline bool has_thermostat(const Scene& scene) {
   return has_noise(scene) ||
          std::any_of(scene.forces.begin(), scene.forces.end(),
-                     [](const SceneForce& force) { return force.traits().thermostat; });
+                     [](const SceneForce& force) { return force.record->thermostat; });
 }
 
 /// Whether a run depends on `[run] stream`.

@@ -71,7 +71,9 @@ struct ChainMoments {
 ChainMoments moments_of(const std::string& text, double position_variance,
                         double velocity_variance) {
   KeptSamples samples;
-  const RunResult result = run(scene_of(text), {.sink = &samples});
+  RunOptions options;
+  options.sink = &samples;
+  const RunResult result = run_text(text, {}, options);
   EXPECT_EQ(result.status, RunStatus::finished);
   const std::size_t x = samples.column("body.centre_of_mass.x");
   const std::size_t v = samples.column("body.velocity.x");
@@ -135,9 +137,9 @@ struct ChainTemperature {
   double error;
 };
 
-ChainTemperature chain_temperature(const std::string& body, int count) {
+ChainTemperature chain_temperature(const std::string& scene) {
   const RunResult result =
-      run_text(corrugated_chain(body, count) + chain_of(3) +
+      run_text(scene + chain_of(3) +
                chain_run("baoab", 0.05, 5000.0, "[measure]\nin = \"time\"\nfrom = 200.0\n"));
   EXPECT_EQ(result.status, RunStatus::finished);
   for (const ErrorEstimate& estimate : result.errors) {
@@ -152,12 +154,27 @@ TEST(NoseHooverChain, KeepsTheTemperatureOfWhatIsFree) {
   for (const std::string body :
        {"origin = [0.0]\n", "origin = [0.0, 0.0]\n", "origin = [0.0, 0.0]\nhold = [\"y\"]\n"}) {
     constexpr int kCount = 6;
-    const ChainTemperature found = chain_temperature(body, kCount);
+    const ChainTemperature found = chain_temperature(corrugated_chain(body, kCount));
     EXPECT_NEAR(found.value, kBath, 4.0 * found.error) << body;
     EXPECT_LT(found.error, 0.02 * kBath) << body << " shows nothing";
     // One coordinate more or less among twelve would be seen.
     EXPECT_GT(kBath / 12.0, 4.0 * found.error) << body;
   }
+}
+
+/// Of centre and rotation, which have three coordinates together.
+TEST(NoseHooverChain, KeepsTheTemperatureOfARigidBody) {
+  const std::string ring =
+      "[[body]]\nname = \"body\"\ntype = \"ring\"\ncount = 5\nradius = 0.8\n"
+      "centre = [0.1, 1.0]\nparticle_mass = [0.1, 0.7, 0.3, 0.2, 0.4]\n"
+      "coordinates = \"rigid\"\nstart_temperature = 0.3\n"
+      "[[force]]\nname = \"spring\"\ntype = \"driving_spring\"\nstiffness = 2.0\n"
+      "velocity = [0.0, 0.0]\n"
+      "[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = 0.2\nperiod = 1.3\n"
+      "decay = 0.3\n";
+  const ChainTemperature found = chain_temperature(ring);
+  EXPECT_NEAR(found.value, kBath, 4.0 * found.error);
+  EXPECT_LT(found.error, 0.03 * kBath) << "shows nothing";
 }
 
 // ---- energies
@@ -205,16 +222,22 @@ TEST(NoseHooverChain, ExtendedEnergyDriftsInSecondOrder) {
         SCOPED_TRACE(scheme + " " + std::to_string(links));
         std::vector<double> steps, drifts;
         for (double dt = coarsest; dt > 0.05 * coarsest; dt *= 0.5) {
-          std::unique_ptr<Engine> engine;
-          const RunResult result = ended(
-              scene + chain_of(links) + chain_run(scheme, dt, 8.0, "ledger = true\n"), engine);
-          const ResultGroup& energy = result.group("energy");
-          EXPECT_NEAR(
-              *energy["heat_out"],
-              energy_of_links(*engine, static_cast<std::size_t>(links), freedom, kBath, 6.0),
-              1e-12 * freedom);
+          // At several times: a drift swings, and passes zero.
+          double squares = 0.0;
+          for (const double duration : {4.0, 4.8, 5.6, 6.4, 7.2, 8.0}) {
+            std::unique_ptr<Engine> engine;
+            const RunResult result =
+                ended(scene + chain_of(links) + chain_run(scheme, dt, duration, "ledger = true\n"),
+                      engine);
+            const ResultGroup& energy = result.group("energy");
+            EXPECT_NEAR(
+                *energy["heat_out"],
+                energy_of_links(*engine, static_cast<std::size_t>(links), freedom, kBath, 6.0),
+                1e-12 * freedom);
+            squares += *energy["numerical_work"] * *energy["numerical_work"];
+          }
           steps.push_back(dt);
-          drifts.push_back(std::abs(*energy["numerical_work"]));
+          drifts.push_back(std::sqrt(squares));
         }
         constexpr Window kSecondOrder{1.8, 2.2};
         EXPECT_TRUE(kSecondOrder.holds(fitted_order(steps, drifts)))
@@ -250,11 +273,11 @@ TEST(NoseHooverChain, IsReversible) {
 // ---- bits and precisions
 
 TEST(NoseHooverChain, SameBitsOnEverySetAndAfterResumption) {
-  for (const std::string scheme : {"velocity_verlet", "baoab", "gjf", "blanes_moan"}) {
+  for (const std::string scheme : {"velocity_verlet", "baoab", "gjf"}) {
     for (const std::string type : {"double", "float", "quadruple"}) {
       const std::string text =
           corrugated_chain() + chain_of(3) +
-          chain_run(scheme, 0.05, 10.0, "ledger = true\nnumber_type = \"" + type + "\"\n");
+          chain_run(scheme, 0.05, 3.0, "ledger = true\nnumber_type = \"" + type + "\"\n");
       const Motion due = motion_at_end(text);
       for (const InstructionSet set :
            {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
@@ -263,7 +286,7 @@ TEST(NoseHooverChain, SameBitsOnEverySetAndAfterResumption) {
         options.instruction_set = set;
         EXPECT_TRUE(motion_at_end(text, {}, options) == due) << scheme << " " << type;
       }
-      for (const std::uint64_t steps : {1, 37, 150}) {
+      for (const std::uint64_t steps : {1, 17, 40}) {
         Engine first(scene_of(text), {});
         first.advance(steps);
         Engine second(scene_of(text), {});
@@ -290,9 +313,9 @@ TEST(NoseHooverChain, PrecisionsAgreeWithinTheirRounding) {
     return std::max({most, std::abs(found.position[0] - exact.position[0]),
                      std::abs(found.velocity[0] - exact.velocity[0])});
   };
-  // 400 steps, which swing: some hundred units of rounding at most, and more than none.
-  EXPECT_LT(worst(end("double")), 1e-13);
-  EXPECT_LT(worst(end("float")), 1e-4);
+  // Of 400 steps, whose rounding a chaotic motion has made some thousand times larger by then.
+  EXPECT_LT(worst(end("double")), 1e-12);
+  EXPECT_LT(worst(end("float")), 1e-3);
   EXPECT_GT(worst(end("float")), 1e-9);
 }
 
@@ -306,7 +329,9 @@ TEST(NoseHooverChain, BodiesMuchTooHot) {
         "particle_mass = 1.0\nvelocity = [1.0]\n" +
         chain_of(3, 1.0 / ratio) +
         chain_run("velocity_verlet", 0.05, 0.5, "ledger = true\nallow_unstable = true\n"));
-    if (ratio < 1e5) EXPECT_EQ(result.status, RunStatus::finished) << ratio;
+    if (ratio < 1e5) {
+      EXPECT_EQ(result.status, RunStatus::finished) << ratio;
+    }
     if (result.status == RunStatus::failed) {
       ASSERT_TRUE(result.failure) << ratio;
       EXPECT_NE(result.failure->what, "") << ratio;
@@ -338,7 +363,7 @@ std::string integrator_of(const std::string& scheme) { return "integrator = { " 
 std::vector<RefusedChain> refused_chains() {
   std::vector<RefusedChain> all;
   for (const std::string scheme :
-       {"rk4", "midpoint", "dopri5", "dop853", "radau9", "exponential_verlet"}) {
+       {"rk4", "midpoint", "dopri5", "dop853", "radau9", "exponential_verlet", "blanes_moan"}) {
     const std::string step = standard().integrator(scheme)->adaptive ? "" : ", dt = 0.01";
     all.push_back(
         {.run = integrator_of("type = \"" + scheme + "\"" + step),
@@ -351,8 +376,6 @@ std::vector<RefusedChain> refused_chains() {
   all.push_back(
       {.body = "position = [0.0]\ncoordinates = \"prescribed\"\nmotion = { velocity = [1.0] }",
        .faults = "10:15 force.bath.temperature [component.unsuitable]"});
-  all.push_back({.body = "position = [0.0]\ncoordinates = \"rigid\"",
-                 .faults = "9:15 force.bath.temperature [component.unsuitable]"});
   all.push_back({.body = "position = [0.0]\nhold = [\"x\"]",
                  .faults = "9:15 force.bath.temperature [component.unsuitable]"});
   all.push_back({.run = "accuracy = 1e-4", .faults = "13:12 run.accuracy [component.unsuitable]"});
@@ -379,9 +402,9 @@ TEST(NoseHooverChain, WhatIsNotRefused) {
   const std::vector<RefusedChain> taken = {
       {},
       {.links = "100"},
+      {.body = "position = [0.0]\ncoordinates = \"rigid\""},
       {.run = integrator_of("type = \"baoab\", dt = 0.01")},
       {.run = integrator_of("type = \"gjf\", dt = 0.01")},
-      {.run = integrator_of("type = \"blanes_moan\", dt = 0.01")},
       {.more = "[output]\nevery = 0.03\n"},
       {.more = "[[force]]\ntype = \"viscous_damping\"\ncoefficient = 1.0\n"},
       {.more = "[[force]]\ntype = \"langevin\"\ncoefficient = 1.0\ntemperature = 0.0\n"},
@@ -390,10 +413,10 @@ TEST(NoseHooverChain, WhatIsNotRefused) {
 }
 
 TEST(NoseHooverChain, OverdampedDynamicsHaveNoVelocities) {
-  const std::string faults = brief_refusal(
-      RefusedChain{.run = "dynamics = \"overdamped\"\nintegrator = { type = \"euler_maruyama\", dt "
-                          "= 0.01 }"}
-          .text());
+  const std::string faults = brief_refusal(RefusedChain{
+      .run = "dynamics = \"overdamped\"\n" + integrator_of("type = \"euler_maruyama\", dt = 0.01"),
+      .more = "[[force]]\ntype = \"viscous_damping\"\ncoefficient = 1.0\n"}
+                                               .text());
   EXPECT_NE(faults.find("13:12 run.dynamics = \"overdamped\" [component.unsuitable]"),
             std::string::npos)
       << faults;

@@ -43,9 +43,9 @@ struct BoundBody {
   std::size_t index = 0;
   Coordinates coordinates = Coordinates::particles;
   bool closed = false;
-  std::array<bool, 3> held{};  ///< axes along which none of its particles moves
   BodySlot<Real> slot;
   int open_along = -1;                     ///< a chain that the box closes: along this axis
+  int freedom = 0;                         ///< how many of its coordinates move by forces
   std::vector<double> mass;                ///< [count]
   std::vector<std::vector<double>> start;  ///< [count][dimension], relative to the scene's origin
   std::vector<double> start_centre;        ///< [dimension], centre of mass

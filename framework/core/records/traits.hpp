@@ -11,7 +11,6 @@ struct Traits {
   bool depends_on_velocity = false;
   bool depends_on_time = false;
   bool stochastic = false;
-  bool thermostat = false;   ///< keeps its bodies at a temperature: one for each body
   bool internal = false;     ///< forces and torques on its bodies sum to zero
   bool periodic = false;     ///< unchanged when everything moves by its declared period
   bool dissipative = false;  ///< its power is never positive
