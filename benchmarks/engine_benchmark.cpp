@@ -587,14 +587,23 @@ void BM_normals(benchmark::State& state) {
 }
 BENCHMARK(BM_normals)->Name("normals of replicas/tomlin");
 
-/// Each step with its noise, and without.
-void register_noise(const std::string& model, const std::string& scene) {
+/// The scene at a temperature without noise.
+std::string with_links(const std::string& scene) {
+  const std::size_t run = scene.find("[run]");
+  return scene.substr(0, run) +
+         "[[force]]\ntype = \"nose_hoover_chain\"\ntemperature = 0.01\nperiod = 6.0\n" +
+         scene.substr(run);
+}
+
+/// Each step with its thermostat, and without.
+void register_thermostats(const std::string& model, const std::string& scene) {
   const auto scheme = [](const char* name) {
     return std::vector<Setting>{{"run.integrator.type", "\"" + std::string(name) + "\""}};
   };
   register_variants(model, scene, {{"baoab without noise", scheme("baoab"), 64}});
   register_variants(model, with_noise(scene),
                     {{"baoab", scheme("baoab"), 64}, {"gjf", scheme("gjf"), 64}});
+  register_variants(model, with_links(scene), {{"baoab with links", scheme("baoab"), 64}});
 }
 
 void evaluate(benchmark::State& state, SingleForce& alone) {
@@ -717,9 +726,9 @@ std::vector<Variant> asked_for_one() {
   register_variants("pt", kPt, plugins, registry_of_plugins());
   register_variants("rigid_ring_8", ring("rigid", "1e-2"), plugins, registry_of_plugins());
   register_variants("chain_1000", chain("1000", "1.0"), plugins, registry_of_plugins());
-  register_noise("pt", kPt);
-  register_noise("rigid_ring_8", ring("rigid", "1e-2"));
-  register_noise("chain_1000", chain("1000", "1.0"));
+  register_thermostats("pt", kPt);
+  register_thermostats("rigid_ring_8", ring("rigid", "1e-2"));
+  register_thermostats("chain_1000", chain("1000", "1.0"));
   register_formulas();
   register_forces();
   register_replicas();

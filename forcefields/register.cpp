@@ -10,6 +10,7 @@
 #include "forcefields/lennard_jones.hpp"
 #include "forcefields/memory_damping.hpp"
 #include "forcefields/morse_bonds.hpp"
+#include "forcefields/nose_hoover_chain.hpp"
 #include "forcefields/sinusoidal_substrate.hpp"
 #include "forcefields/tersoff.hpp"
 #include "forcefields/velocity_weakening.hpp"
@@ -29,6 +30,7 @@ void register_forcefields(Registry& registry) {
   registry.add(lennard_jones_record());
   registry.add(memory_damping_record());
   registry.add(morse_bonds_record());
+  registry.add(nose_hoover_chain_record());
   registry.add(sinusoidal_substrate_record());
   registry.add(tersoff_record());
   registry.add(velocity_weakening_record());

@@ -114,6 +114,17 @@ void check(const AssembledBody<Real>& body, const SceneBody& from, int dimension
   }
 }
 
+template <class Real>
+int freedom_of(const AssembledBody<Real>& body, int dimension) {
+  const BodySlot<Real>& slot = body.bound.slot;
+  if (slot.mapped && !slot.rigid) return 0;
+  int axes = 0;
+  for (int d = 0; d < dimension; ++d) axes += body.held[d] ? 0 : 1;
+  if (!slot.rigid) return axes * static_cast<int>(slot.count);
+  const bool turns = dimension == 2 && body.inertia > 0.0 && !body.rotation_held;
+  return axes + (turns ? 1 : 0);
+}
+
 }  // namespace
 
 /// First the sizes, since views point into arrays that must not move afterwards.
@@ -130,6 +141,7 @@ AssembledBodies<Real>::AssembledBodies(const AssemblyPlan& plan) {
   for (AssembledBody<Real>& body : all) {
     place(body, plan);
     if (body.bound.slot.rigid || body.prescribed()) keep_shape(body, dimension);
+    body.bound.freedom = freedom_of(body, dimension);
   }
 }
 

@@ -79,19 +79,25 @@ bool taken_as_operator(const AssembledForce<Real>& force, const AssemblyPlan& pl
   });
 }
 
-/// Why there can be no noise of a force on its bodies; nothing where there can.
+/// Why a force cannot keep its bodies at a temperature, by noise or without; nothing where it can.
 template <class Real>
-std::optional<Complaint> why_no_noise(const SceneForce& from,
-                                      const std::vector<AssembledBody<Real>>& bodies,
-                                      std::vector<const SceneForce*>& thermostats) {
+std::optional<Complaint> why_no_thermostat(const SceneForce& from,
+                                           const std::vector<AssembledBody<Real>>& bodies,
+                                           std::vector<const SceneForce*>& thermostats) {
   for (const std::size_t b : from.bodies) {
     const AssembledBody<Real>& body = bodies[b];
     if (body.bound.coordinates == Coordinates::fixed || body.prescribed()) {
       return Complaint{"temperature",
                        "the body \"" + body.bound.name +
-                           "\" does not move by forces: noise does "
+                           "\" does not move by forces: a thermostat does "
                            "nothing to it",
                        "a body with coordinates \"particles\" or \"rigid\""};
+    }
+    if (body.bound.freedom == 0) {
+      return Complaint{"temperature",
+                       "all coordinates of the body \"" + body.bound.name +
+                           "\" are held: a thermostat does nothing to it",
+                       "a body with a coordinate that is free"};
     }
     if (thermostats[b] != nullptr) {
       return Complaint{"temperature",
@@ -114,8 +120,8 @@ AssembledForces<Real>::AssembledForces(const AssemblyPlan& plan,
   std::vector<const SceneForce*> thermostats(bodies.size());
   for (const SceneForce& from : plan.scene->forces) {
     const Traits traits = bound_by(from, "force", [&] { return from.traits(); });
-    if (traits.stochastic) {
-      if (auto complaint = why_no_noise(from, bodies, thermostats)) {
+    if (traits.stochastic || from.record->thermostat) {
+      if (auto complaint = why_no_thermostat(from, bodies, thermostats)) {
         complaint->code = FaultCode::component_unsuitable;
         faults.push_back(fault_of(from, *complaint));
         continue;

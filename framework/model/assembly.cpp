@@ -212,11 +212,11 @@ void Assembly<Real>::assign_rates() {
   view.used_rates = rates;
 }
 
-/// Of all bodies that move, where there is noise.
+/// Of all bodies that move, where there is a thermostat.
 template <class Real>
 void Assembly<Real>::assign_kinetic(std::size_t& rates) {
   if (!plan_.half_step_velocities) return;
-  if (!has_noise(scene())) return;
+  if (!has_thermostat(scene())) return;
   for (Body& body : bodies_.all) {
     const BodySlot<Real>& slot = body.bound.slot;
     if (slot.mapped && !slot.rigid) continue;

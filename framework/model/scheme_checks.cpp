@@ -49,6 +49,7 @@ class SchemeChecks {
              }));
     }
     check_noise();
+    check_thermostats();
     if (scheme_.splits_friction) check_split_friction();
     if (scheme_.splits_friction || scheme_.conservative_only) check_declared_drivers();
     check_operators();
@@ -134,7 +135,31 @@ class SchemeChecks {
     }
   }
 
-  /// Between steps there is no path.
+  /// Without noise they are operators, and nothing else.
+  void check_thermostats() {
+    const bool takes_no_steps = scheme_.bind.in_double == nullptr;
+    for (const Force& force : assembly_.forces()) {
+      if (!force.record->thermostat || takes_no_steps) continue;
+      if (scene_.run.places.contains("accuracy")) {
+        faults_.emplace_back(FaultCode::component_unsuitable, place_of("accuracy"), "run.accuracy",
+                             "",
+                             "chooses among schemes that take no thermostat, and the force \"" +
+                                 force.name + "\" is one",
+                             "an integrator of fixed steps that takes operators");
+      } else if (scene_.run.dynamics == Dynamics::inertial && !scheme_.splits_friction) {
+        refuse(FaultCode::integrator_unsuitable,
+               "does not take the operator of the force \"" + force.name + "\", a thermostat",
+               integrators_that(scene_, [](const IntegratorRecord& other) {
+                 return other.splits_friction && !other.splits_bonds;
+               }));
+      } else if (scene_.run.dynamics == Dynamics::inertial) {
+        check_samples(force);
+      }
+      return;
+    }
+  }
+
+  /// Between steps noise has no path, and what a thermostat does none that the ledger knows.
   void check_samples(const Force& force) {
     const OutputSettings& output = scene_.output;
     if (!output.every || scheme_.step == nullptr) return;
@@ -147,9 +172,8 @@ class SchemeChecks {
         FaultCode::component_unsuitable,
         found == output.places.end() ? output.place : found->second, "output.every",
         fmt::format("{}", *output.every),
-        fmt::format("no multiple of the step {}: the force \"{}\" is stochastic, and samples fall "
-                    "on steps",
-                    dt, force.name),
+        fmt::format("no multiple of the step {}: the force \"{}\" is {}, and samples fall on steps",
+                    dt, force.name, force.traits.stochastic ? "stochastic" : "a thermostat"),
         fmt::format("{} or {}", std::max(1.0, std::floor(steps)) * dt,
                     (std::max(1.0, std::floor(steps)) + 1.0) * dt));
   }
@@ -214,6 +238,7 @@ class SchemeChecks {
 
   void check_loss() {
     for (const Force& force : assembly_.forces()) {
+      if (force.record->thermostat) continue;  // see check_thermostats()
       const Traits& traits = force.traits;
       if (traits.depends_on_velocity || traits.stochastic || is_linear_friction(force)) {
         refuse(FaultCode::integrator_unsuitable,

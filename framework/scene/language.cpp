@@ -415,18 +415,12 @@ const std::vector<ReservedKey>& reserved_top_level_keys() {
 }
 
 const std::vector<ReservedKey>& planned_words() {
-  static const char* const kBaths = "further heat baths";
   static const char* const kMany = "many runs over values of parameters";
-  static const char* const kPotentials = "potentials between atoms, cut off, with neighbour lists";
   static const std::vector<ReservedKey> words = {
-      {"nose_hoover", kBaths},
       {"replicas", kMany},
       {"stability", "thresholds and equilibria"},
       {"export", "input for other programs"},
       {"report", "a web page of a run"},
-      {"cutoff", kPotentials},
-      {"lennard_jones", kPotentials},
-      {"tersoff", kPotentials},
       {"constraints", "lengths that are held exactly"},
   };
   return words;

@@ -203,6 +203,13 @@ inline bool has_noise(const Scene& scene) {
                      [](const SceneForce& force) { return force.traits().stochastic; });
 }
 
+/// Whether bodies of it are kept at a temperature, by noise or without: results are means.
+inline bool has_thermostat(const Scene& scene) {
+  return has_noise(scene) ||
+         std::any_of(scene.forces.begin(), scene.forces.end(),
+                     [](const SceneForce& force) { return force.record->thermostat; });
+}
+
 /// Whether a run depends on `[run] stream`.
 inline bool draws_by_stream(const Scene& scene) {
   return has_noise(scene) ||

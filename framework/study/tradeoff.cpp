@@ -188,11 +188,11 @@ class TradeoffStudy {
 
 Tradeoff measure_tradeoff(const std::shared_ptr<const Scene>& scene, const Registry& registry,
                           const TradeoffRequest& request) {
-  if (has_noise(*scene)) {
+  if (has_thermostat(*scene)) {
     throw InputError(
         {Fault(FaultCode::component_unsuitable, scene->run.place, "tradeoff", "",
-               "a force of the scene is stochastic: a result of one setting differs from "
-               "that of another by chance",
+               "the scene has a thermostat: a result of one setting differs from that of another "
+               "by chance",
                "tomlin sweep --over run.integrator.dt=... --repeats N")});
   }
   return TradeoffStudy(scene, registry, request).measure();

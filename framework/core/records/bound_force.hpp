@@ -45,6 +45,7 @@ struct BoundBody {
   bool closed = false;
   BodySlot<Real> slot;
   int open_along = -1;                     ///< a chain that the box closes: along this axis
+  int freedom = 0;                         ///< how many of its coordinates move by forces
   std::vector<double> mass;                ///< [count]
   std::vector<std::vector<double>> start;  ///< [count][dimension], relative to the scene's origin
   std::vector<double> start_centre;        ///< [dimension], centre of mass

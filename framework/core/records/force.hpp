@@ -87,6 +87,8 @@ inline std::string no_note(const void*) { return {}; }
 struct ForceRecord : ComponentRecord {
   Element element = Element::site;
   Traits traits;
+  /// Keeps its bodies at a temperature without noise; one that is stochastic does so by noise.
+  bool thermostat = false;
   /// Where the traits, or the element, depend on what a scene asks for; null: as above.
   Traits (*traits_of)(const void* description) = nullptr;
   Element (*element_of)(const void* description) = nullptr;

@@ -56,7 +56,7 @@ struct SystemView {
   std::size_t flow_count = 0;
   std::ptrdiff_t friction_rate = kNoRate;  ///< where their heat stands among the integrals, if kept
 
-  const KineticIntegral* kinetic = nullptr;  ///< none unless a force of the scene is stochastic
+  const KineticIntegral* kinetic = nullptr;  ///< none unless the scene has a thermostat
   std::size_t kinetic_count = 0;
 
   // Noise without inertia; none unless a force of the scene is stochastic.

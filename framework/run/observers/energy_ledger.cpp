@@ -49,7 +49,7 @@ class EnergyLedger : public RunObserver {
         .kinetic = kinetic_,
         .stored = std::max(std::abs(at_end), std::abs(at_end - terms.stored)),
         .numerical = terms.numerical()};
-    if (auto doubt = doubt_of_balance(whole, false, has_noise(*run.scene))) {
+    if (auto doubt = doubt_of_balance(whole, false, has_thermostat(*run.scene))) {
       run.outcome.warnings.push_back(*std::move(doubt));
     }
   }

@@ -12,7 +12,7 @@
 #include "framework/run/observers/kinds.hpp"
 #include "framework/run/plan.hpp"
 
-/// Statistical errors of means over the window, where there is noise: each mean over equal parts of
+/// Statistical errors of means over the window, where there is a thermostat: each mean over equal parts of
 /// the window is a series, whose scatter gives the error (blocking.hpp). A part is a period of the
 /// first driver that has one, where the window has enough of them, else a block of steps; doubled
 /// until there are not too many.
@@ -234,7 +234,7 @@ class MeanErrors : public RunObserver {
 };
 
 std::unique_ptr<RunObserver> make_mean_errors(const ObserverParts& parts) {
-  if (!has_noise(*parts.run.scene)) return nullptr;
+  if (!has_thermostat(*parts.run.scene)) return nullptr;
   return std::make_unique<MeanErrors>(parts);
 }
 

@@ -165,7 +165,7 @@ PullEvents::PullEvents(const ObserverParts& parts)
   const double precision = precision_of(parts_.run.scene->run.number_type);
   const Model& model = parts_.run.model;
   if (follows_path()) parts_.events.expect(EventKind::slip);
-  const bool noisy = has_noise(*parts_.run.scene);
+  const bool noisy = has_thermostat(*parts_.run.scene);
   for (std::size_t k = 0; k < drivers_.size(); ++k) {
     const Drive& drive = *drivers_[k].drive;
     if (!pulls(drive)) continue;

@@ -116,6 +116,12 @@ type = "memory_damping"
 coefficient = 0.5
 memory_time = 2.0
 )";
+const std::string kThermostat = R"(
+[[force]]
+type = "nose_hoover_chain"
+temperature = 0.1
+period = 2.0
+)";
 const std::string kAdaptive =
     "{ type = \"dopri5\", absolute_tolerance = 1e-9, relative_tolerance = 1e-9 }";
 
@@ -154,6 +160,9 @@ std::vector<Named> scenes() {
        kTipForces + kMemory + settings("3e3", "{ type = \"rk4\", dt = 5e-3 }", "ledger = true\n")},
       {"tip with a memory, adaptive", kTipForces + kMemory + settings("4e3", kAdaptive)},
       {"tip, eighth order", kTipForces + settings("5e3", kEighthOrder)},
+      {"chain with a thermostat",
+       kChain + kThermostat +
+           settings("1000", "{ type = \"velocity_verlet\", dt = 1e-2 }", "ledger = true\n")},
       {"chain, overdamped",
        kChain + settings("800", "{ type = \"rk4\", dt = 1e-2 }", "dynamics = \"overdamped\"\n")},
       {"chain, float",

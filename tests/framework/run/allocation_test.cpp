@@ -95,23 +95,28 @@ TEST(Allocations, ThereAreNoneBetweenTheFirstStepAndTheLast) {
       look;
   const std::string noise =
       "[[force]]\ntype = \"langevin\"\ncoefficient = 0.5\ntemperature = 1e-3\n";
-  const auto noisy = [&](const std::string& integrator, const std::string& more) {
-    return chain.substr(0, chain.find("[run]")) + noise +
+  const std::string links =
+      "[[force]]\ntype = \"nose_hoover_chain\"\nperiod = 5.0\ntemperature = 1e-3\n";
+  const auto kept_warm = [&](const std::string& bath, const std::string& integrator,
+                             const std::string& more) {
+    return chain.substr(0, chain.find("[run]")) + bath +
            "[run]\nduration = 5.0\nintegrator = " + integrator + more +
            "\n[output]\nevery = 0.03\n" + look.substr(look.find("[measure]"));
   };
   // Looks at the error from step 1300 on, and does not reach it.
   std::string until_error =
-      noisy("{ type = \"baoab\", dt = 0.002 }",
-            "\nuntil = { error = 1e-9, of = \"driving_spring.mean_force.x\" }");
+      kept_warm(noise, "{ type = \"baoab\", dt = 0.002 }",
+                "\nuntil = { error = 1e-9, of = \"driving_spring.mean_force.x\" }");
   until_error.erase(until_error.find("to = 3.0"));
   RingScene rigid_implicit = rigid;
   rigid_implicit.integrator = tip_implicit.integrator;
   for (const std::string& text :
        {tip.text(), tip_adaptive.text(), flexible.text(), large.text(), rigid.text(),
         rigid_adaptive.text(), chain, tip_implicit.text(), rigid_implicit.text(),
-        noisy("{ type = \"baoab\", dt = 0.01 }", ""), until_error,
-        noisy("{ type = \"euler_maruyama\", dt = 0.01 }", "\ndynamics = \"overdamped\"")}) {
+         until_error, kept_warm(noise, "{ type = \"baoab\", dt = 0.01 }", ""),
+         kept_warm(links, "{ type = \"velocity_verlet\", dt = 0.01 }", ""),
+         kept_warm(noise, "{ type = \"euler_maruyama\", dt = 0.01 }",
+                   "\ndynamics = \"overdamped\"")}) {
     NullSink sink;
     RunOptions options;
     options.sink = &sink;
