@@ -113,10 +113,15 @@ void add_parts(Explanation& explanation, const Model& model) {
                              std::floor(scene.run.duration / *scene.output.every + kNoStep) + 1)
                : "output.every = INTERVAL takes them"});
   const std::string alone = why_not_in_lanes(model);
-  parts.push_back({"lanes", alone.empty(),
-                   alone.empty()
-                       ? "in a sweep and of repeats, for observables that are no extremes or events"
-                       : alone});
+  // Schemes that take steps of single particles on a line in registers show all of them.
+  const bool shows_steps = scene.run.integrator.record->lane_block != nullptr &&
+                           model.system().view.point_force_count > 0;
+  parts.push_back(
+      {"lanes", alone.empty(),
+       !alone.empty() ? alone
+       : shows_steps
+           ? "in a sweep and of repeats"
+           : "in a sweep and of repeats, for observables that are no extremes or events"});
   parts.push_back({"trajectory", scene.output.trajectory, "output.trajectory = true writes it"});
 }
 

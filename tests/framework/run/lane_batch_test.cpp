@@ -484,11 +484,6 @@ TEST(LaneBatch, StatesAreThoseOfSingleRuns) {
   EXPECT_EQ(resumed.state().to_bytes(), alone(one, 0, options).state);
 }
 
-const LaneCase& case_of(const std::string& name) {
-  return *std::find_if(lane_cases().begin(), lane_cases().end(),
-                       [&](const LaneCase& one) { return one.name == name; });
-}
-
 /// Two runs in lanes: the first, of which 500 steps were taken alone, and its neighbour. The state
 /// of the first at its end. `spoil` may change the integers of a field before.
 std::vector<std::byte> resumed_in_lanes(const LaneCase& one, const std::string& field = "",
@@ -512,11 +507,11 @@ std::vector<std::byte> resumed_in_lanes(const LaneCase& one, const std::string& 
 TEST(LaneBatch, NoiseDependsOnTheStepAndTheStreamAlone) {
   for (const char* name : {"thermal_tip", "thermal_tip_by_verlet", "thermal_tip_in_the_plane",
                            "thermal_rigid_ring", "thermal_slow_tip"}) {
-    const LaneCase& one = case_of(name);
+    const LaneCase& one = lane_case(name);
     EXPECT_EQ(resumed_in_lanes(one), alone(one, 0, asked_for(one)).state) << name;
   }
   // Faults that this has to find: a counter that is off by one, a neighbour's stream.
-  const LaneCase& tip = case_of("thermal_tip");
+  const LaneCase& tip = lane_case("thermal_tip");
   EXPECT_NE(resumed_in_lanes(tip, "baoab.step", 1), resumed_in_lanes(tip));
   const LaneCase other_stream = {"other stream", [&](int k) {
                                    std::string text = tip.text(0);
@@ -547,6 +542,18 @@ TEST(LaneBatch, RepeatsHaveTheMeanAndTheErrorOfRunsOneByOne) {
   };
   EXPECT_GT(error(apart).value_or(0.0), 0.0);
   EXPECT_EQ(error(together), error(apart));
+}
+
+/// What is compared of watched tips is not nothing.
+TEST(LaneBatch, WatchedTipsSlip) {
+  for (const char* const name : {"watched_tip", "watched_loaded_tip"}) {
+    const LaneCase& one = lane_case(name);
+    double slips = 0.0;
+    for (int k = 0; k < 9; ++k) {
+      slips += *observable(alone(one, k, asked_for(one)).result, "events.slips");
+    }
+    EXPECT_GT(slips, 9.0) << name;
+  }
 }
 
 /// What the comparison above has to find: another replica's numbers, or a last digit.
