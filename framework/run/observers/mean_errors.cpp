@@ -12,10 +12,10 @@
 #include "framework/run/observers/kinds.hpp"
 #include "framework/run/plan.hpp"
 
-/// Statistical errors of means over the window, where there is a thermostat: each mean over equal parts of
-/// the window is a series, whose scatter gives the error (blocking.hpp). A part is a period of the
-/// first driver that has one, where the window has enough of them, else a block of steps; doubled
-/// until there are not too many.
+/// Statistical errors of means over the window, where there is a thermostat: each mean over equal
+/// parts of the window is a series, whose scatter gives the error (blocking.hpp). A part is a
+/// period of the first driver that has one, where the window has enough of them, else a block of
+/// steps; doubled until there are not too many.
 namespace tomlin::observers {
 namespace {
 

@@ -2,7 +2,8 @@
 
 #include "framework/run/observers/kinds.hpp"
 
-/// Temperatures of bodies, where there is a thermostat and the scheme knows velocities within its steps.
+/// Temperatures of bodies, where there is a thermostat and the scheme knows velocities within its
+/// steps.
 namespace tomlin::observers {
 namespace {
 

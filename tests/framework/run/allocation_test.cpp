@@ -112,11 +112,11 @@ TEST(Allocations, ThereAreNoneBetweenTheFirstStepAndTheLast) {
   rigid_implicit.integrator = tip_implicit.integrator;
   for (const std::string& text :
        {tip.text(), tip_adaptive.text(), flexible.text(), large.text(), rigid.text(),
-        rigid_adaptive.text(), chain, tip_implicit.text(), rigid_implicit.text(),
-         until_error, kept_warm(noise, "{ type = \"baoab\", dt = 0.01 }", ""),
-         kept_warm(links, "{ type = \"velocity_verlet\", dt = 0.01 }", ""),
-         kept_warm(noise, "{ type = \"euler_maruyama\", dt = 0.01 }",
-                   "\ndynamics = \"overdamped\"")}) {
+        rigid_adaptive.text(), chain, tip_implicit.text(), rigid_implicit.text(), until_error,
+        kept_warm(noise, "{ type = \"baoab\", dt = 0.01 }", ""),
+        kept_warm(links, "{ type = \"velocity_verlet\", dt = 0.01 }", ""),
+        kept_warm(noise, "{ type = \"euler_maruyama\", dt = 0.01 }",
+                  "\ndynamics = \"overdamped\"")}) {
     NullSink sink;
     RunOptions options;
     options.sink = &sink;
