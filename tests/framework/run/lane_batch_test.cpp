@@ -222,6 +222,14 @@ const std::vector<LaneCase>& lane_cases() {
          return with_run(chain_of(k, "", "\"neighbours\""), "{ type = \"gjf\", dt = 0.02 }");
        }},
       {"thermal_tip", [](int k) { return thermal(tip_of(k), k, "baoab", 0.02); }, kWithTemperature},
+      // Errors of means are taken from parts of the window that are longer than a block of steps.
+      {"long_thermal_tip",
+       [](int k) {
+         std::string text = thermal(tip_of(k), k, "baoab", 0.02);
+         const std::size_t at = text.find("duration = ");
+         return text.replace(at, text.find('\n', at) - at, "duration = " + digits(900.0 + 37 * k));
+       },
+       kWithTemperature},
       {"thermal_tip_by_gjf", [](int k) { return thermal(tip_of(k), k, "gjf", 0.03); },
        kWithTemperature},
       {"thermal_tip_by_verlet",
