@@ -211,18 +211,19 @@ amplitude = 0.05
 period = 2.46
 [run]
 ledger = true
-duration = 1500.0
-integrator = {{ type = "baoab", dt = 0.01 }}
+duration = 600.0
+integrator = {{ type = "baoab", dt = 0.002 }}
 [measure]
 in = "time"
 from = 5.0
-to = 1500.0
+to = 600.0
 )",
                        units, 12.011 * mass, 28.0855 * mass, 12.011 * mass, 1.008 * mass,
                        12.011 * mass, 300.0 * kelvin, 150.0 * kelvin);
   };
   const RunResult metal = run_text(chain("metal", 1.0, 1.0));
   const RunResult engine = run_text(chain("reduced", kAtomicMassInMetal, kBoltzmannInMetal));
+  ASSERT_EQ(metal.status, RunStatus::finished);
   const std::vector<Observable> found = observables(metal);
   const std::vector<Observable> due = observables(engine);
   ASSERT_EQ(found.size(), due.size());
