@@ -88,7 +88,7 @@ TEST(XyzFile, FaultsNameTheLineAndTheColumn) {
   EXPECT_EQ(xyz_faults("3\n\nC 0 0 0\nC 0 0 1\n"), XyzLines{"4:"}) << "it ends too early";
   EXPECT_EQ(xyz_faults("1000000000000\n\nC 0 0 0\n"), XyzLines{"3:"});
   EXPECT_EQ(xyz_faults("1\n\nC 0 0 0\nC 0 0 1\n"), XyzLines{"4:"}) << "that is no second frame";
-  EXPECT_EQ(xyz_faults("1\n\nC 0 0\n"), XyzLines{"3:"}) << "column 4 is missing";
+  EXPECT_EQ(xyz_faults("1\n\nC 0 0\n"), XyzLines{"3:4"}) << "it is missing";
   EXPECT_EQ(xyz_faults("2\n\nC 0 x 0\n6 0 nan 0\n"), (XyzLines{"3:3", "4:1"}));
   EXPECT_EQ(xyz_faults("1\n\nC 0 1e999 0\n"), XyzLines{"3:3"});
   const auto with = [](const std::string& properties) {
@@ -101,7 +101,7 @@ TEST(XyzFile, FaultsNameTheLineAndTheColumn) {
         "pos:R:3:a:I:x", "mass:R:2:pos:R:3", "pos:R:3:velo:S:3", "", "pos:R:3:a:I:999999999999"}) {
     EXPECT_EQ(with(wrong), XyzLines{"2:"}) << wrong;
   }
-  EXPECT_EQ(with("species:S:1:pos:R:3:extra:R:1"), XyzLines{"3:"});
+  EXPECT_EQ(with("species:S:1:pos:R:3:extra:R:1"), XyzLines{"3:5"});
   EXPECT_EQ(with("a:S:1:pos:R:2:species:R:1"), XyzLines{"2:"});
   EXPECT_EQ(xyz_faults("1\nProperties=species:S:1:pos:R:3\nC 0 0 0 1\n"), XyzLines{"3:"});
   EXPECT_EQ(xyz_faults("1\nProperties=pos:R:3:mass:R:1\n0 0 0 0\n"), XyzLines{"3:4"});
