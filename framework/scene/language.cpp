@@ -381,7 +381,6 @@ const std::vector<ReservedKey>& planned_words() {
       {"nose_hoover", kBaths},
       {"replicas", kMany},
       {"stability", "thresholds and equilibria"},
-      {"export", "input for other programs"},
       {"report", "a web page of a run"},
       {"cutoff", kPotentials},
       {"lennard_jones", kPotentials},
