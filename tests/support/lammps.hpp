@@ -34,12 +34,12 @@ inline LammpsState run_lammps(const std::vector<LammpsFile>& files, long steps) 
         "include in.lmp\n"
         "print \"$(pe:%.17g)\" file energy.txt\n"
         "write_dump all custom atoms.txt xu yu zu fx fy fz modify sort id format float %.17g\n");
-  // Open MPI refuses root without these.
-  const std::string command =
-      "cd '" + folder.path().string() +
-      "' && OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMP_NUM_THREADS=1 timeout "
-      "300 lmp -in test.lmp -var steps " +
-      std::to_string(steps) + " -log none > log.txt 2>&1";
+  // Open MPI refuses root without these, and starts a daemon where it may.
+  const std::string command = "cd '" + folder.path().string() +
+                              "' && OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
+                              "OMPI_MCA_ess_singleton_isolated=1 "
+                              "OMP_NUM_THREADS=1 timeout 300 lmp -in test.lmp -var steps " +
+                              std::to_string(steps) + " -log none > log.txt 2>&1";
   if (std::system(command.c_str()) != 0) {
     throw std::runtime_error("lmp failed:\n" + content(folder / "log.txt") + "\n" +
                              files.back().text);

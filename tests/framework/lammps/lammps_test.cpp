@@ -1,3 +1,5 @@
+#include "tests/support/lammps.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,7 +12,6 @@
 #include "framework/core/numbers/constants.hpp"
 #include "framework/lammps/lammps_input.hpp"
 #include "framework/model/single_force.hpp"
-#include "tests/support/lammps.hpp"
 #include "tests/support/scenes.hpp"
 
 // LAMMPS computes the same energies and forces from what `tomlin export` writes, and its velocity
@@ -52,8 +53,9 @@ std::string particles(const std::string& name, const std::vector<Place3>& places
 
 std::string tersoff(const std::string& body = "",
                     const std::string& parameters = "lindsay_broido_2010") {
-  return "[[force]]\nname = \"bonds of " + parameters + body + "\"\ntype = \"tersoff\"\n" +
-         (body.empty() ? "" : "body = \"" + body + "\"\n") + "parameters = \"" + parameters + "\"\n";
+  return "[[force]]\nname = \"bonds_" + parameters + body + "\"\ntype = \"tersoff\"\n" +
+         (body.empty() ? "" : "body = \"" + body + "\"\n") + "parameters = \"" + parameters +
+         "\"\n";
 }
 
 std::string steps_of(double dt, int steps = 1) {
@@ -171,8 +173,9 @@ Difference difference(const std::string& text, const LammpsUnits& units = kLammp
   const LammpsState other = run_lammps(files, 0);
   EXPECT_EQ(own.force.size(), other.force.size());
   Difference found;
-  found.energy = std::abs(own.energy - other.energy) / std::max(std::abs(own.energy), 1e-300);
-  if (own.energy == other.energy) found.energy = 0.0;
+  if (own.energy != other.energy) {
+    found.energy = std::abs(own.energy - other.energy) / std::abs(own.energy);
+  }
   for (std::size_t i = 0; i < std::min(own.force.size(), other.force.size()); ++i) {
     for (std::size_t d = 0; d < 3; ++d) {
       found.force = std::max(found.force, std::abs(own.force[i][d] - other.force[i][d]));
@@ -201,7 +204,7 @@ TEST(Lammps, TersoffOfADisplacedTube) {
   };
   for (const Set& set : {Set{"lindsay_broido_2010", 1.44}, Set{"tersoff_1989_carbon", 1.46},
                          Set{"tersoff_1989_silicon", 2.3}}) {
-    const auto places = displaced(zigzag_tube(10, 8, set.bond), 0.05);
+    const auto places = displaced(zigzag_tube(10, 8, set.bond), 0.07);
     EXPECT_GT(expect_same(particles("tube", places) + tersoff("", set.name) + steps_of(1e-3)), 1.0)
         << set.name;
   }
@@ -210,10 +213,10 @@ TEST(Lammps, TersoffOfADisplacedTube) {
 /// Bonds in the taper, between R - D and R + D, and beyond it.
 TEST(Lammps, TersoffInTheTaper) {
   TOMLIN_NEEDS_LAMMPS();
-  for (const double stretch : {1.3, 1.36, 1.42}) {
-    const auto places = displaced(zigzag_tube(6, 6, 1.42 * stretch), 0.12);
+  for (const double stretch : {1.4, 1.44, 1.48}) {
+    const auto places = displaced(zigzag_tube(6, 6, 1.42 * stretch), 0.16);
     EXPECT_GE(pairs_within(places, 1.8, 2.1), 20);
-    EXPECT_GE(pairs_within(places, 2.1, 2.3), 5);
+    EXPECT_GE(pairs_within(places, 2.1, 2.4), 5);
     EXPECT_GT(expect_same(particles("tube", places) + tersoff() + steps_of(1e-3)), 1.0);
   }
 }
@@ -264,19 +267,19 @@ TEST(Lammps, APlantedFaultIsSeen) {
       if (at != std::string::npos) file.text.replace(at, 8, " 3.4879003 ");
     }
   };
-  const Difference found = difference(particles("tube", places) + tersoff() + steps_of(1e-3),
-                                      kLammpsReduced, planted);
+  const Difference found =
+      difference(particles("tube", places) + tersoff() + steps_of(1e-3), kLammpsReduced, planted);
   EXPECT_GT(found.energy, 10.0 * kSame);
   EXPECT_GT(found.force, 10.0 * kSame);
 }
 
 // ---- lennard_jones
 
-std::string lennard_jones(const std::string& bodies, const std::string& at_cutoff,
-                          double cutoff = 2.5) {
-  return "[[force]]\nname = \"" + at_cutoff + " of " + std::to_string(bodies.size()) +
-         "\"\ntype = \"lennard_jones\"\n" + bodies + "\nepsilon = 0.7\nsigma = 1.1\ncutoff = " +
-         digits(cutoff) + "\nat_cutoff = \"" + at_cutoff + "\"\n";
+std::string lennard_jones(const std::string& name, const std::string& bodies,
+                          const std::string& at_cutoff, double cutoff = 2.5) {
+  return "[[force]]\nname = \"" + name + "\"\ntype = \"lennard_jones\"\n" + bodies +
+         "\nepsilon = 0.7\nsigma = 1.1\ncutoff = " + digits(cutoff) + "\nat_cutoff = \"" +
+         at_cutoff + "\"\n";
 }
 
 std::vector<Place3> lump(int side, double spacing, double jitter_size, const Place3& at) {
@@ -298,15 +301,15 @@ TEST(Lammps, LennardJonesWithinAndBetween) {
                              particles("b", lump(3, 1.3, 0.1, {3.7, 0.3, 0.2}), mass) +
                              particles("c", lump(2, 1.2, 0.1, {0.2, 0.1, 3.8}), mass);
   for (const std::string at_cutoff : {"cut", "shift", "smooth"}) {
-    // Within one body, between two, in either order, and twice between the same.
-    for (const std::string force :
-         {lennard_jones("body = \"a\"", at_cutoff), lennard_jones("bodies = [\"a\", \"b\"]", at_cutoff),
-          lennard_jones("bodies = [\"c\", \"a\"]", at_cutoff),
-          lennard_jones("body = \"b\"", at_cutoff) +
-              lennard_jones("bodies = [\"c\", \"a\"]", at_cutoff, 3.1) +
-              lennard_jones("bodies = [\"a\", \"c\"] ", "cut", 1.9)}) {
-      EXPECT_GT(expect_same(bodies + force + steps_of(1e-3)), 1.0) << at_cutoff;
-    }
+    // Within one body; between two, in either order; several times between the same.
+    EXPECT_GT(
+        expect_same(bodies + lennard_jones("one", "body = \"b\"", at_cutoff) + steps_of(1e-3)),
+        1.0);
+    EXPECT_GT(
+        expect_same(bodies + lennard_jones("one", "bodies = [\"a\", \"b\"]", at_cutoff) +
+                    lennard_jones("two", "bodies = [\"c\", \"a\"]", at_cutoff, 3.1) +
+                    lennard_jones("three", "bodies = [\"a\", \"c\"]", "cut", 1.9) + steps_of(1e-3)),
+        1.0);
   }
 }
 
@@ -322,7 +325,7 @@ TEST(Lammps, LennardJonesInAPlane) {
   for (int i = 0; i < 36; ++i) masses += digits(1.0 + i % 3) + ", ";
   EXPECT_GT(expect_same("[box]\nlengths = [7.2, 7.3]\nperiodic = [true, false]\n" +
                         particles("a", places, masses + "]\n", 2) +
-                        lennard_jones("body = \"a\"", "smooth") + steps_of(1e-3)),
+                        lennard_jones("one", "body = \"a\"", "smooth") + steps_of(1e-3)),
             1.0);
 }
 
@@ -358,13 +361,13 @@ TEST(Lammps, BondsInEachDimension) {
     places = displaced(places, 0.2);
     const std::string body = particles("chain", places, "particle_mass = 2.0\n", dimension);
     const std::string harmonic =
-        bonds("harmonic_bonds", "pairs = \"neighbours\"\nstiffness = 3.0\nrest_lengths = 1.0");
+        bonds("harmonic_bonds",
+              "name = \"next\"\npairs = \"neighbours\"\nstiffness = 3.0\nrest_lengths = 1.0");
     const std::string morse = bonds(
         "morse_bonds", "pairs = \"all\"\ndepth = 0.8\ninverse_width = 0.9\nrest_lengths = 1.2");
-    const std::string initial = bonds(
-        "harmonic_bonds", "pairs = [[0, 4], [1, 8], [2, 3]]\nstiffness = 3.0\nname = \"a\"");
-    EXPECT_GT(expect_same(body + harmonic + steps_of(1e-2)), 0.1);
-    EXPECT_GT(expect_same(body + morse + steps_of(1e-2)), 0.1);
+    const std::string initial =
+        bonds("harmonic_bonds", "pairs = [[0, 4], [1, 8], [2, 3]]\nstiffness = 3.0\nname = \"a\"");
+    EXPECT_GT(expect_same(body + (dimension == 2 ? morse : harmonic) + steps_of(1e-2)), 0.1);
     EXPECT_GT(expect_same(body + harmonic + morse + initial + steps_of(1e-2)), 0.1);
   }
 }
@@ -383,7 +386,9 @@ spacing = 1.1
 displacement = [[0.1], [0.0], [-0.1], [0.2], [0.1], [0.0], [0.0], [-0.3], [0.0], [0.2]]
 particle_mass = 1.0
 )";
-  EXPECT_GT(expect_same(chain + bonds("harmonic_bonds", "stiffness = 2.0\nrest_lengths = 1.0") +
+  EXPECT_GT(expect_same(chain +
+                        bonds("harmonic_bonds",
+                              "pairs = \"neighbours\"\nstiffness = 2.0\nrest_lengths = 1.0") +
                         steps_of(1e-2)),
             0.1);
   const std::string two = particles("a", lump(2, 1.2, 0.1, {0.0, 0.0, 0.0})) +
@@ -423,18 +428,24 @@ TEST(Lammps, DriversAndForcesOnParticles) {
   for (const int dimension : {1, 2, 3}) {
     const std::string velocity = "velocity = " + first_of({0.3, -0.1, 0.2}, dimension) + "\n";
     const std::string start = "start = " + first_of({0.5, 1.5, -0.2}, dimension) + "\n";
-    const std::string spring = "[[force]]\ntype = \"driving_spring\"\nstiffness = 2.0\n" + velocity;
-    for (const std::string force :
-         {spring, spring + start, spring + start + "attach = \"each_particle\"\n",
-          spring + start + "attach = { particle = 3 }\n",
-          spring + start + "axes = [\"x\"]\n",
-          std::string("[[force]]\ntype = \"viscous_damping\"\ncoefficient = 0.7\n"),
-          "[[force]]\ntype = \"constant_force\"\nforce = " +
-              first_of({0.3, -0.7, 0.1}, dimension) + "\n",
-          std::string("[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = -0.3\nperiod = "
-                      "1.7\noffset = 0.2\n") +
-              (dimension > 1 ? "decay = 0.4\n" : "")}) {
-      expect_same(moving_ring(dimension) + force + steps_of(1e-2));
+    const auto spring = [&](const std::string& name, const std::string& more) {
+      return "[[force]]\nname = \"" + name + "\"\ntype = \"driving_spring\"\nstiffness = 2.0\n" +
+             velocity + more;
+    };
+    const std::string on_centre = spring("one", start);
+    const std::string on_particles = spring("two", start + "attach = \"each_particle\"\n") +
+                                     spring("three", start + "attach = { particle = 3 }\n") +
+                                     spring("four", start + "axes = [\"x\"]\n") +
+                                     spring("five", "");
+    const std::string fields =
+        "[[force]]\ntype = \"viscous_damping\"\ncoefficient = 0.7\n"
+        "[[force]]\ntype = \"constant_force\"\nforce = " +
+        first_of({0.3, -0.7, 0.1}, dimension) +
+        "\n[[force]]\ntype = \"sinusoidal_substrate\"\namplitude = -0.3\nperiod = 1.7\noffset = "
+        "0.2\n" +
+        (dimension > 1 ? "decay = 0.4\n" : "");
+    for (const std::string& forces : {on_centre, on_particles, fields}) {
+      EXPECT_GT(expect_same(moving_ring(dimension) + forces + steps_of(1e-2)), 0.1);
     }
   }
 }
@@ -515,16 +526,16 @@ TEST(Lammps, TheSameMotionOfDrivenBodies) {
       "particle_mass = 1.0\ncoordinates = \"prescribed\"\nmotion = { velocity = [0.2, -0.1, 0.0] "
       "}\n";
   const std::string forces =
-      lennard_jones("body = \"slider\"", "smooth") +
-      lennard_jones("bodies = [\"slider\", \"base\"]", "smooth") +
+      lennard_jones("within", "body = \"slider\"", "smooth") +
+      lennard_jones("between", "bodies = [\"slider\", \"base\"]", "smooth") +
       "[[force]]\ntype = \"driving_spring\"\nbody = \"slider\"\nstiffness = 4.0\nvelocity = [0.3, "
       "0.0, 0.0]\n" +
       steps_of(2e-3, 1000);
   for (const std::string& more : {base, moved}) {
-    EXPECT_LT(distance_at_end(slider + particles("base", lump(3, 1.2, 0.05, {0.1, 0.2, -3.6}), more) +
-                                  forces,
-                              1000),
-              kNear);
+    EXPECT_LT(
+        distance_at_end(
+            slider + particles("base", lump(3, 1.2, 0.05, {0.1, 0.2, -3.6}), more) + forces, 1000),
+        kNear);
   }
   const std::string chain = R"([box]
 lengths = [8.0]
@@ -538,6 +549,7 @@ velocity = [5.0]
 particle_mass = 1.0
 [[force]]
 type = "harmonic_bonds"
+pairs = "neighbours"
 stiffness = 2.0
 [[force]]
 type = "sinusoidal_substrate"
