@@ -59,7 +59,7 @@ void add_lennard_jones(const SceneForce& force, LammpsTerms& terms) {
   pairs.style = d.at_cutoff == AtCutoff::smooth ? "lj/smooth/linear" : "lj/cut";
   pairs.arguments = n(d.cutoff);
   if (d.at_cutoff == AtCutoff::shift) pairs.modify = "shift yes";
-  pairs.types = terms.atoms.bodies[low].types() + " " + terms.atoms.bodies[high].types();
+  pairs.types = terms.atoms.bodies[low].range() + " " + terms.atoms.bodies[high].range();
   pairs.coefficients = fmt::format("{} {} {}", n(d.epsilon), n(d.sigma), n(d.cutoff));
   pairs.cutoff = d.cutoff;
   pairs.bodies = {low, high};
@@ -67,38 +67,49 @@ void add_lennard_jones(const SceneForce& force, LammpsTerms& terms) {
   terms.pairs.push_back(std::move(pairs));
 }
 
-/// A set of numbers, for an element of a name that stands for nothing.
-std::string tersoff_file(const SceneForce& force) {
-  const TersoffNumbers& p = numbers_of(given<TersoffDescription>(force));
-  std::string text = "# " + lammps_comment(given<TersoffDescription>(force).parameters) +
-                     "\n# three elements, m, gamma, lambda3, c, d, cos theta0, n, beta, lambda2, "
-                     "B, R, D, lambda1, A\nX X X";
-  for (const double number : {p.m, p.gamma, p.lambda3, p.c, p.d, p.cos_theta0, p.n, p.beta,
-                              p.lambda2, p.b, p.r, p.half_width, p.lambda1, p.a}) {
-    text += fmt::format(" {}", number);
+/// A species as a file of LAMMPS names it, where NULL stands for none.
+std::string element_of(const std::string& species) { return species == "NULL" ? "NULL_" : species; }
+
+std::string tersoff_file(const SceneForce& force, bool has_species) {
+  const auto& d = given<TersoffDescription>(force);
+  std::string text =
+      "# " + title_of(force) + (d.parameters.empty() ? "" : ", " + lammps_comment(d.parameters)) +
+      "\n# three species, m, gamma, lambda3, c, d, cos theta0, n, beta, lambda2, B, R, D, lambda1, "
+      "A\n";
+  for (const TersoffEntry& entry : d.known) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      text += element_of(entry.species[has_species ? k : 0]) + " ";
+    }
+    const TersoffNumbers& p = entry.numbers;
+    const std::array numbers = {p.m,    p.gamma,   p.lambda3, p.c, p.d,          p.cos_theta0, p.n,
+                                p.beta, p.lambda2, p.b,       p.r, p.half_width, p.lambda1,    p.a};
+    text += fmt::format("{}\n", fmt::join(numbers, " "));
   }
-  return text + "\n";
+  return text;
 }
 
+/// Particles without species have the one entry that there is.
 void add_tersoff(const SceneForce& force, LammpsTerms& terms) {
-  const TersoffNumbers& p = numbers_of(given<TersoffDescription>(force));
-  const std::string file = id_of(force, terms) + ".tersoff";
+  const auto& d = given<TersoffDescription>(force);
+  const std::size_t body = force.bodies.front();
+  const bool has_species = !terms.atoms.bodies[body].types.front().species.empty();
   LammpsPairs pairs;
   pairs.style = "tersoff";
   pairs.types = "* *";
-  pairs.coefficients = file;
-  const std::size_t body = force.bodies.front();
+  pairs.coefficients = id_of(force, terms) + ".tersoff";
+  terms.files.push_back({pairs.coefficients, tersoff_file(force, has_species)});
   for (std::size_t b = 0; b < terms.atoms.bodies.size(); ++b) {
-    for (std::size_t k = 0; k < terms.atoms.bodies[b].masses.size(); ++k) {
-      pairs.coefficients += b == body ? " X" : " NULL";
+    for (const LammpsAtoms::Type& type : terms.atoms.bodies[b].types) {
+      const std::string& species = has_species ? type.species : d.known.front().species[0];
+      pairs.coefficients += " " + (b == body ? element_of(species) : "NULL");
     }
   }
-  pairs.cutoff = p.r + p.half_width;
+  for (const TersoffEntry& entry : d.known) {
+    pairs.cutoff = std::max(pairs.cutoff, entry.numbers.r + entry.numbers.half_width);
+  }
   pairs.bodies = {body, body};
-  pairs.comment =
-      title_of(force) + ", " + lammps_comment(given<TersoffDescription>(force).parameters);
+  pairs.comment = title_of(force);
   terms.pairs.push_back(std::move(pairs));
-  terms.files.push_back({file, tersoff_file(force)});
 }
 
 // ---- bonds
@@ -320,16 +331,17 @@ void add_damping(const SceneForce& force, LammpsTerms& terms) {
   const std::int64_t seed = 1 + ((terms.model.scene().run.seed % kSeeds) + kSeeds) % kSeeds;
   // Its friction is mass/damp for each mass; "scale" makes one coefficient of them.
   std::string scales;
-  for (std::size_t k = 1; k < atoms.masses.size(); ++k) {
+  const double first_mass = atoms.types.front().mass;
+  for (std::size_t k = 1; k < atoms.types.size(); ++k) {
     scales +=
-        fmt::format(" scale {} {}", atoms.first_type + k, n(atoms.masses[k] / atoms.masses[0]));
+        fmt::format(" scale {} {}", atoms.first_type + k, n(atoms.types[k].mass / first_mass));
   }
   terms.commands.push_back("# " + title_of(force) +
                            ": friction of the same coefficient, and noise of the same temperature "
                            "with other random numbers");
   terms.commands.push_back(fmt::format("fix {} {} langevin {} {} {} {}{}", id, group,
                                        n(temperature), n(temperature),
-                                       n(atoms.masses[0] / d.coefficient), seed, scales));
+                                       n(first_mass / d.coefficient), seed, scales));
 }
 
 struct LammpsTranslation {

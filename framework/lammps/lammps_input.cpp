@@ -81,13 +81,16 @@ LammpsAtoms atoms_of(const Model& model) {
   for (const Model::Body& body : model.bodies()) {
     LammpsAtoms::Body& own = atoms.bodies.emplace_back();
     own.first_atom = atoms.count + 1;
-    own.count = body.bound.slot.count;
     own.first_type = atoms.types + 1;
-    for (const double mass : body.bound.mass) {
-      const auto found = std::find(own.masses.begin(), own.masses.end(), mass);
-      own.type.push_back(own.first_type + static_cast<std::size_t>(found - own.masses.begin()));
-      if (found == own.masses.end()) own.masses.push_back(mass);
-      if (atoms.types + own.masses.size() > kMostTypes) {
+    for (std::size_t i = 0; i < body.bound.slot.count; ++i) {
+      const std::vector<std::int32_t>& species = body.bound.species;
+      const LammpsAtoms::Type type{
+          body.bound.mass[i],
+          species.empty() ? "" : body.bound.species_names[static_cast<std::size_t>(species[i])]};
+      const auto found = std::find(own.types.begin(), own.types.end(), type);
+      own.type.push_back(own.first_type + static_cast<std::size_t>(found - own.types.begin()));
+      if (found == own.types.end()) own.types.push_back(type);
+      if (atoms.types + own.types.size() > kMostTypes) {
         const SceneBody& from = model.scene().bodies[body.bound.index];
         throw InputError({Fault(FaultCode::component_unsuitable, from.place_of("particle_mass"),
                                 "body." + from.name + ".particle_mass", "",
@@ -95,8 +98,8 @@ LammpsAtoms atoms_of(const Model& model) {
                                 fmt::format("at most {} types in all", kMostTypes))});
       }
     }
-    atoms.count += own.count;
-    atoms.types += own.masses.size();
+    atoms.count += own.type.size();
+    atoms.types += own.types.size();
   }
   return atoms;
 }
@@ -199,10 +202,12 @@ std::string data_file(const LammpsTerms& terms, const LammpsStart& start, const 
   }
   text += "\nMasses\n\n";
   for (std::size_t b = 0; b < atoms.bodies.size(); ++b) {
-    for (std::size_t k = 0; k < atoms.bodies[b].masses.size(); ++k) {
-      text += fmt::format("{} {} # body {}\n", atoms.bodies[b].first_type + k,
-                          lammps_number(atoms.bodies[b].masses[k] / terms.units.mass),
-                          lammps_comment(scene.bodies[b].name));
+    for (std::size_t k = 0; k < atoms.bodies[b].types.size(); ++k) {
+      const auto& [mass, species] = atoms.bodies[b].types[k];
+      text +=
+          fmt::format("{} {} # body {}{}\n", atoms.bodies[b].first_type + k,
+                      lammps_number(mass / terms.units.mass), lammps_comment(scene.bodies[b].name),
+                      species.empty() ? "" : ", " + lammps_comment(species));
     }
   }
   text += terms.bonds.empty() ? "\nAtoms # atomic\n\n" : "\nAtoms # bond\n\n";
@@ -353,7 +358,7 @@ class LammpsScript {
   void write_groups() {
     for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
       std::string types;
-      for (std::size_t k = 0; k < terms_.atoms.bodies[b].masses.size(); ++k) {
+      for (std::size_t k = 0; k < terms_.atoms.bodies[b].types.size(); ++k) {
         types += fmt::format(" {}", terms_.atoms.bodies[b].first_type + k);
       }
       line("group {} type{}    # body {}", lammps_group(b), types,
@@ -468,9 +473,9 @@ class LammpsScript {
 
 }  // namespace
 
-std::string LammpsAtoms::Body::types() const {
-  if (masses.size() == 1) return std::to_string(first_type);
-  return fmt::format("{}*{}", first_type, first_type + masses.size() - 1);
+std::string LammpsAtoms::Body::range() const {
+  if (types.size() == 1) return std::to_string(first_type);
+  return fmt::format("{}*{}", first_type, first_type + types.size() - 1);
 }
 
 std::string lammps_group(std::size_t body) { return fmt::format("body{}", body + 1); }
@@ -498,7 +503,7 @@ std::string lammps_start(LammpsTerms& terms, int axis) {
 }
 
 LammpsUnits lammps_units(const Scene& scene) {
-  return scene.units == "metal" ? kLammpsMetal : kLammpsReduced;
+  return scene.units == UnitSystem::metal ? kLammpsMetal : kLammpsReduced;
 }
 
 std::vector<LammpsFile> lammps_input(const std::shared_ptr<const Scene>& scene,

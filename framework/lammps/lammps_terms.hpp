@@ -35,17 +35,21 @@ struct LammpsBond {
 };
 
 /// Atoms in the order of bodies and particles, from 1. Types, from 1: for each body one for each
-/// mass that its particles have.
+/// mass and species that its particles have.
 struct LammpsAtoms {
+  struct Type {
+    double mass = 0.0;    ///< in the engine's units
+    std::string species;  ///< empty: none
+    friend bool operator==(const Type&, const Type&) = default;
+  };
   struct Body {
     std::size_t first_atom = 0;
-    std::size_t count = 0;
     std::size_t first_type = 0;
-    std::vector<double> masses;     ///< of its types, in the engine's units
+    std::vector<Type> types;
     std::vector<std::size_t> type;  ///< of each particle
 
     /// "2*4", or "2" where there is but one.
-    std::string types() const;
+    std::string range() const;
   };
   std::vector<Body> bodies;
   std::size_t types = 0;

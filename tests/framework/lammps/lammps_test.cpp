@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -164,11 +165,12 @@ struct Difference {
 
 using ChangeOfFiles = std::function<void(std::vector<LammpsFile>&)>;
 
-Difference difference(const std::string& text, const LammpsUnits& units = kLammpsReduced,
+/// In these units, or else in those of the scene.
+Difference difference(const std::string& text, const std::optional<LammpsUnits>& units = {},
                       const ChangeOfFiles& change = {}) {
   const auto scene = scene_of(text);
   const OwnState own = own_state(*scene);
-  std::vector<LammpsFile> files = lammps_input(scene, units);
+  std::vector<LammpsFile> files = lammps_input(scene, units.value_or(lammps_units(*scene)));
   if (change) change(files);
   const LammpsState other = run_lammps(files, 0);
   EXPECT_EQ(own.force.size(), other.force.size());
@@ -186,11 +188,45 @@ Difference difference(const std::string& text, const LammpsUnits& units = kLammp
 }
 
 /// The largest force at the start that both agree on.
-double expect_same(const std::string& text, const LammpsUnits& units = kLammpsReduced) {
+double expect_same(const std::string& text, const std::optional<LammpsUnits>& units = {}) {
   const Difference found = difference(text, units);
   EXPECT_LE(found.energy, kSame) << text.substr(0, 2000);
   EXPECT_LE(found.force, kSame) << text.substr(0, 2000);
   return found.largest_force;
+}
+
+/// Places at the end of the scene's run, [atom][axis].
+std::vector<Place3> own_end(const std::string& text) {
+  Engine engine(scene_of(text), {});
+  EXPECT_EQ(engine.run().status, RunStatus::finished);
+  const Model& model = engine.model();
+  std::vector<Place3> places;
+  for (const Model::Body& body : model.bodies()) {
+    std::vector<double> own(body.bound.slot.count * model.dimension());
+    model.place_particles(body.bound.index, model.system().view.position, own.data());
+    for (std::size_t i = 0; i < body.bound.slot.count; ++i) {
+      Place3& x = places.emplace_back();
+      for (int d = 0; d < model.dimension(); ++d) x[d] = own[i * model.dimension() + d];
+    }
+  }
+  return places;
+}
+
+/// The largest distance along an axis between the ends of both runs.
+double distance_at_end(const std::string& text, long steps,
+                       const std::optional<LammpsUnits>& units = {}) {
+  const std::vector<Place3> own = own_end(text);
+  const auto scene = scene_of(text);
+  const LammpsState other =
+      run_lammps(lammps_input(scene, units.value_or(lammps_units(*scene))), steps);
+  EXPECT_EQ(own.size(), other.position.size());
+  double largest = 0.0;
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    for (std::size_t d = 0; d < 3; ++d) {
+      largest = std::max(largest, std::abs(own[i][d] - other.position[i][d]));
+    }
+  }
+  return largest;
 }
 
 // ---- tersoff
@@ -255,6 +291,46 @@ TEST(Lammps, TersoffOfTwoBodies) {
   ASSERT_GT(expect_same(particles("one", one) + particles("other", other) + tersoff("one") +
                         tersoff("other", "tersoff_1989_carbon") + steps_of(1e-3)),
             1.0);
+}
+
+/// Three species, all triples of which have numbers of their own, in the units of the scene and in
+/// two orders; atoms of two masses.
+TEST(Lammps, TersoffOfThreeSpecies) {
+  TOMLIN_NEEDS_LAMMPS();
+  const std::vector<std::string> names = {"B", "C", "N"};
+  std::string entries;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t triple = 9 * i + 3 * j + k;
+        const std::size_t bond = 3 * std::min(i, j) + std::max(i, j);  // the same either way
+        const auto near = [](double number, std::size_t which) {
+          return digits(number * (1.0 + 0.03 * jitter(which)));
+        };
+        entries += names[i] + " " + names[j] + " " + names[k] + (triple % 2 == 0 ? " 3 " : " 1 ") +
+                   near(1.0, triple + 100) + " " + near(1.3, triple + 200) + " " +
+                   near(38049.0, triple + 300) + " " + near(4.3484, triple + 400) + " " +
+                   near(-0.93, triple + 500) + " " + near(0.72751, triple + 600) + " " +
+                   near(1.5724e-7, triple + 700) + " " + near(2.2119, bond + 800) + " " +
+                   near(430.0, bond + 900) + " " + near(1.95, triple + 1000) + " " +
+                   near(0.15, triple + 1100) + " " + near(3.4879, bond + 1200) + " " +
+                   near(1393.6, bond + 1300) + "\n";
+      }
+    }
+  }
+  const auto places = displaced(zigzag_tube(8, 8, 1.5), 0.1);
+  std::string species = "species = [";
+  std::string masses = "particle_mass = [";
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    species += "\"" + names[i * i % 7 % 3] + "\", ";
+    masses += i % 5 == 0 ? "13.0, " : "11.5, ";
+  }
+  const std::string scene = "[scene]\nunits = \"metal\"\n" +
+                            particles("tube", places, species + "]\n" + masses + "]\n") +
+                            "[[force]]\ntype = \"tersoff\"\nentries = \"\"\"\n" + entries +
+                            "\"\"\"\n" + steps_of(1e-3, 200);
+  EXPECT_GT(expect_same(scene), 1.0);
+  EXPECT_LT(distance_at_end(scene, 200), 1e-10);
 }
 
 /// A number of the potential that is off by 1e-7 is seen.
@@ -464,38 +540,6 @@ TEST(Lammps, FrictionOfAThermostat) {
 
 // ---- motion
 
-/// Places at the end of the scene's run, [atom][axis].
-std::vector<Place3> own_end(const std::string& text) {
-  Engine engine(scene_of(text), {});
-  EXPECT_EQ(engine.run().status, RunStatus::finished);
-  const Model& model = engine.model();
-  std::vector<Place3> places;
-  for (const Model::Body& body : model.bodies()) {
-    std::vector<double> own(body.bound.slot.count * model.dimension());
-    model.place_particles(body.bound.index, model.system().view.position, own.data());
-    for (std::size_t i = 0; i < body.bound.slot.count; ++i) {
-      Place3& x = places.emplace_back();
-      for (int d = 0; d < model.dimension(); ++d) x[d] = own[i * model.dimension() + d];
-    }
-  }
-  return places;
-}
-
-/// The largest distance along an axis between the ends of both runs.
-double distance_at_end(const std::string& text, long steps,
-                       const LammpsUnits& units = kLammpsReduced) {
-  const std::vector<Place3> own = own_end(text);
-  const LammpsState other = run_lammps(lammps_input(scene_of(text), units), steps);
-  EXPECT_EQ(own.size(), other.position.size());
-  double largest = 0.0;
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    for (std::size_t d = 0; d < 3; ++d) {
-      largest = std::max(largest, std::abs(own[i][d] - other.position[i][d]));
-    }
-  }
-  return largest;
-}
-
 /// 1000 steps of half a femtosecond at several hundred kelvin: in metal units, too, where the
 /// rounded constants of LAMMPS are compensated.
 TEST(Lammps, TheSameMotionOfATube) {
@@ -507,6 +551,12 @@ TEST(Lammps, TheSameMotionOfATube) {
                             tersoff() + steps_of(5e-4, 1000);
   EXPECT_LT(distance_at_end(scene, 1000), kNear);
   EXPECT_LT(distance_at_end(scene, 1000, kLammpsMetal), kNear);
+  const std::string in_metal =
+      "[scene]\nunits = \"metal\"\n" +
+      particles("tube", zigzag_tube(10, 8, 1.44),
+                "particle_mass = 12.0107\nspecies = \"C\"\nstart_temperature = 700.0\n") +
+      tersoff() + steps_of(5e-4, 1000);
+  EXPECT_LT(distance_at_end(in_metal, 1000), kNear);
   // Uncompensated masses would be seen.
   LammpsUnits codata = kLammpsMetal;
   codata.mass = 1.03642696e-4 * (1.0 + 1e-7);
