@@ -29,7 +29,6 @@ struct LaterCommand {
 
 constexpr std::array kLaterCommands = {
     LaterCommand{"stability", "thresholds and equilibria"},
-    LaterCommand{"export", "input files for LAMMPS"},
     LaterCommand{"report", "a web page of a run"},
 };
 

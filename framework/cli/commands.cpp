@@ -14,6 +14,7 @@ namespace tomlin {
   RECORD(new_command)           \
   RECORD(describe_command)      \
   RECORD(schema_command)        \
+  RECORD(export_command)        \
   RECORD(plot_command)
 
 #define TOMLIN_DECLARE_RECORD(function) CommandRecord function();

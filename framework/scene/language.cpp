@@ -419,7 +419,6 @@ const std::vector<ReservedKey>& planned_words() {
   static const std::vector<ReservedKey> words = {
       {"replicas", kMany},
       {"stability", "thresholds and equilibria"},
-      {"export", "input for other programs"},
       {"report", "a web page of a run"},
       {"constraints", "lengths that are held exactly"},
   };

@@ -35,7 +35,7 @@ TEST_F(Cli, HelpIsEverywhere) {
   const std::string help = tomlin({"--help"}).out;
   EXPECT_EQ(tomlin({"help"}).out, help);
   EXPECT_EQ(tomlin({"help", "run"}).out, tomlin({"run", "--help"}).out);
-  for (const char* name : {"stability", "export", "report"}) {
+  for (const char* name : {"stability", "report"}) {
     EXPECT_TRUE(contains(help, std::string("\n  ") + name + " ")) << name;
   }
 }
@@ -128,7 +128,7 @@ TEST_F(Cli, WhatItDoesNotKnowIsBadInput) {
 
 TEST_F(Cli, WhatIsToComeSaysSo) {
   const std::string planned = "tomlin: [command.not_in_this_version]\n";
-  for (const std::string name : {"stability", "export", "report"}) {
+  for (const std::string name : {"stability", "report"}) {
     expect_refused({name}, planned, {"\"" + name + "\"", " version"});
   }
   expect_refused({"report", "a.out", "b.out", "-o", "x"}, planned, {"\"report\""});

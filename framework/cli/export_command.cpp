@@ -1,0 +1,89 @@
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "framework/cli/command.hpp"
+#include "framework/cli/inputs.hpp"
+#include "framework/cli/options.hpp"
+#include "framework/cli/plugins.hpp"
+#include "framework/cli/print_result.hpp"
+#include "framework/lammps/lammps_input.hpp"
+#include "framework/output/run_folder.hpp"
+#include "framework/scene/scene_document.hpp"
+
+namespace tomlin {
+namespace {
+
+struct ExportArguments : SceneOptions {
+  std::string to;
+  std::optional<std::string> folder;
+  bool force = false;
+};
+
+constexpr const char* kExportFooter = R"(
+Writes input for LAMMPS that gives the same energy and the same forces at the start as the scene:
+
+  data.lmp    box, masses, positions, velocities and bonds; a type of atoms for each body
+  in.lmp      units, potentials, fixes and the run, with comments
+  *.tersoff   the numbers of each force of this type
+
+What LAMMPS has no exact counterpart for is refused, all of it with its place in the scene.
+
+Examples:
+
+  tomlin export tube.toml --to lammps
+      writes to tube.lammps/ in the current folder.
+  tomlin export tube.toml --to lammps --set v=1e-3 -o slow
+  cd tube.lammps && lmp -in in.lmp
+  cd tube.lammps && lmp -in in.lmp -var steps 0
+      the energy and the forces at the start alone.
+
+Exit status: 0 done; 1 the files could not be written; 2 the input was not right, and nothing was
+written.)";
+
+void add_options(CLI::App& parser, ExportArguments& arguments) {
+  add_scene_options(parser, arguments);
+  parser.add_option("--to", arguments.to, "the program: lammps")->type_name("PROGRAM")->required();
+  add_output_option(parser, arguments.folder, "DIR",
+                    "folder for the files; SCENE's stem + .lammps");
+  add_force_option(parser, arguments.force,
+                   "DIR need not be empty; only files of these names are replaced");
+}
+
+void check(ExportArguments& arguments) {
+  if (arguments.to != "lammps") {
+    refuse_command(FaultCode::command_invalid_value,
+                   fmt::format("scenes are not written for \"{}\"", arguments.to), "--to lammps");
+  }
+  read_settings(arguments);
+}
+
+int export_scene(const ExportArguments& arguments) {
+  const SceneDocument document(arguments.scene);
+  const Registry registry = registry_with_plugins(arguments.plugins, {&document, 1});
+  const auto scene = document.read(registry, arguments.settings);
+  const std::vector<LammpsFile> files = lammps_input(scene, lammps_units(*scene));
+  std::vector<const char*> names;
+  names.reserve(files.size());
+  for (const LammpsFile& file : files) names.push_back(file.name.c_str());
+  const std::string standard = std::filesystem::path(arguments.scene).stem().string() + ".lammps";
+  RunFolder folder(arguments.folder.value_or(standard),
+                   arguments.force ? Occupied::replace_results : Occupied::refuse, names);
+  refuse_to_lose_inputs(folder, *scene, names);
+  folder.create();
+  for (const LammpsFile& file : files) folder.write_file(file.name, file.text);
+  return print_result(fmt::format("{}: {}\n  cd {} && lmp -in {}\n", (folder.path() / "").string(),
+                                  fmt::join(names, ", "), folder.path().string(), kLammpsInput));
+}
+
+}  // namespace
+
+CommandRecord export_command() {
+  return {"export", "write a scene as input for LAMMPS", kExportFooter,
+          declared<ExportArguments>(add_options, check, export_scene)};
+}
+
+}  // namespace tomlin
