@@ -134,15 +134,21 @@ TEST(BadScene, Until) {
             Lines{"27:61 run.until.maxx [scene.unknown_key] did you mean max"});
   EXPECT_EQ(faults("{ " + valid + ", max = 0 }"),
             Lines{"27:67 run.until.max = 0 [scene.out_of_range]"});
+  // The window ends with the run.
+  const auto of_errors = [](const std::string& until) {
+    const std::string open = replaced(kRing, "to = 10.0\n", "");
+    return briefs_of(replaced(open, "duration = 1e4", "duration = 1e4\nuntil = " + until));
+  };
   const std::string of_error = "error = 0.01, of = \"driver.mean_force.x\"";
-  EXPECT_EQ(faults("{ " + of_error + " }"), Lines());
-  EXPECT_EQ(faults("{ " + of_error + ", max = 10 }"), Lines());
-  EXPECT_EQ(faults("{ error = 0.01 }"), Lines{"27:9 run.until.of [scene.missing_key]"});
-  EXPECT_EQ(faults("{ of = \"x\" }"), Lines{"27:9 run.until.error [scene.missing_key]"});
-  EXPECT_EQ(faults("{ " + of_error + ", steady = \"x\" }"),
+  EXPECT_EQ(of_errors("{ " + of_error + " }"), Lines());
+  EXPECT_EQ(of_errors("{ " + of_error + ", max = 10 }"), Lines());
+  EXPECT_EQ(of_errors("{ error = 0.01 }"), Lines{"27:9 run.until.of [scene.missing_key]"});
+  EXPECT_EQ(of_errors("{ of = \"x\" }"), Lines{"27:9 run.until.error [scene.missing_key]"});
+  EXPECT_EQ(of_errors("{ " + of_error + ", steady = \"x\" }"),
             Lines{"27:53 run.until.steady [scene.unknown_key]"});
-  EXPECT_EQ(faults("{ error = -1, of = \"x\" }"),
+  EXPECT_EQ(of_errors("{ error = -1, of = \"x\" }"),
             Lines{"27:19 run.until.error = -1 [scene.out_of_range]"});
+  EXPECT_EQ(faults("{ " + of_error + " }"), Lines{"32:6 measure.to = 10.0 [scene.conflict]"});
 }
 
 TEST(BadScene, WrongTypesOfValues) {
