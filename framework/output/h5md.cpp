@@ -309,7 +309,7 @@ void H5mdWriter::list_particles(hid_t all) {
   const Builder build(hdf5_);
   build.text(build.list(all, "mass", mass), "dimension", "mass");
   build.list(all, "species", layout_.species.empty() ? body_of : species);
-  build.list(all, "body", body_of);
+  if (!layout_.species.empty()) build.list(all, "body", body_of);
   build.list(all, "id", id);
 }
 
