@@ -319,7 +319,7 @@ void H5mdWriter::list_particles(hid_t all, UnitSystem units) {
   const Builder build(hdf5_);
   describe_numbers(build, build.list(all, "mass", mass), {dimension::mass, units});
   build.list(all, "species", layout_.species.empty() ? body_of : species);
-  build.list(all, "body", body_of);
+  if (!layout_.species.empty()) build.list(all, "body", body_of);
   build.list(all, "id", id);
 }
 

@@ -62,8 +62,8 @@ double h5md_bytes_besides(const RunLayout& layout, const TrajectoryFacts& facts)
 ///   /particles/all             all bodies, one after another
 ///     position/{step,time,value[frame][particle][3]}
 ///     box                      dimension, boundary; edges/{step,time,value} where it is periodic
-///     mass, id, body           of each particle; `body` is the index of its body
-///     species                  index of a name, where bodies have species; else as `body`
+///     mass, species, id        of each particle; the species is the index of its body
+///     body                     where bodies have species: the same, and species that of a name
 ///   /parameters                attributes name and source of the scene; the scene itself
 ///     bodies                   names of the bodies
 ///     species                  names of the species, where bodies have any; X of those that have

@@ -58,7 +58,7 @@ class Trajectory(unittest.TestCase):
             self.assertEqual(list(particles["position/step"]), list(range(5)))
             self.assertEqual(list(particles["mass"]), [0.25, 0.5, 0.125, 2.0])
             self.assertEqual(list(particles["species"]), [0, 0, 0, 1])
-            self.assertEqual(list(particles["body"]), [0, 0, 0, 1])
+            self.assertNotIn("body", particles)
             self.assertNotIn("species", file["parameters"])
             self.assertEqual(list(particles["box"].attrs["boundary"]),
                              [b"periodic", b"none", b"none"])
