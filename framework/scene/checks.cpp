@@ -68,6 +68,21 @@ void update_effective(ComponentDraft<Record>& component) {
   reading.effective = std::move(effective);
 }
 
+/// What comes from a file is in the scene's units, as keys are.
+template <class Record>
+void convert_fetched(ComponentDraft<Record>& component) {
+  const TableReading& reading = component.reading;
+  for (const Parameter& row : component.record->parameters) {
+    const double unit = scene_unit(reading.units, row.dimension);
+    const bool waits = reading.effective.find(row.key) != nullptr && !reading.has(row.key);
+    if (unit == 1.0 || waits) continue;
+    ParameterValue value = row.read(component.description.get());
+    const auto known = reading.values.find(row.key);
+    if (known != reading.values.end() && known->second == value) continue;
+    row.assign(component.description.get(), in_engine_units(std::move(value), unit));
+  }
+}
+
 /// False when what the component refers to cannot be had.
 template <class Record>
 bool prepare(ComponentDraft<Record>& component, const std::filesystem::path& folder,
@@ -76,6 +91,7 @@ bool prepare(ComponentDraft<Record>& component, const std::filesystem::path& fol
   const auto complaints = component.record->prepare(component.description.get(), folder);
   report(complaints, component.reading, faults);
   if (complaints.empty()) {
+    convert_fetched(component);
     update_effective(component);
   } else {
     component.sound = component.reading.sound = false;

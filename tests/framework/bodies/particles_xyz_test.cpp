@@ -176,6 +176,16 @@ TEST_F(ParticlesXyz, YieldToTheKeysOfTheScene) {
   EXPECT_EQ(scene_of(read->effective_toml)->effective_toml, read->effective_toml);
 }
 
+TEST_F(ParticlesXyz, HaveMassesInTheUnitsOfTheScene) {
+  write_file("m.xyz", kMolecule);
+  const std::string metal = "[scene]\nunits = \"metal\"\n";
+  const auto from_file = scene("file = \"m.xyz\"", metal);
+  const auto from_key = scene("file = \"m.xyz\"\nparticle_mass = [16, 1, 1]", metal);
+  EXPECT_LT(description(*from_file).particle_mass.values[0], 0.01);  // eV ps^2/Angstrom^2
+  EXPECT_EQ(description(*from_file).particle_mass, description(*from_key).particle_mass);
+  EXPECT_EQ(from_file->effective_toml, from_key->effective_toml);
+}
+
 TEST_F(ParticlesXyz, HaveOneSpeciesWhereAllAreAlike) {
   write_file("c.XYZ.extxyz", "2\n\nC 0 0 0\nC 1 0 0\n1\n\nC 5 5 5\n");
   const auto read = scene("file = \"c.XYZ.extxyz\"\nparticle_mass = 1\nframe = 0");
