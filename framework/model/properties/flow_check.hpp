@@ -175,7 +175,8 @@ class FlowCheck {
       const Numbers whole = after(h);
       put(start_);
       for (const double part : {0.3, 0.7}) flow_.run(flow_.arguments, at_, part * h);
-      note_(difference(present(), whole), 0.0, kRounding * largest(start_) * growth(h, whole));
+      const double found = difference(present(), whole);
+      note_(found, 0.0, kRounding * largest(start_) * growth(h, whole));
     }
   }
   /// What the flow makes of rounding: 1 unless it is not linear, and drives neighbours apart.
