@@ -186,12 +186,13 @@ struct NoseHooverChain {
     constexpr int most = kTerms<Real>;
     Real* const eta = own + a.own;
     Real* const zeta = eta + a.links;
-    Real excess = twice_kinetic / (a.freedom * a.temperature) - Real(1.0);
+    const Real warmth = twice_kinetic / (a.freedom * a.temperature);
     Real change(0.0);
+    Real factor(1.0);  // 1 + change, to its last digit where it is small
     Real left = a.frequency * h;
     for (int taken = 0; left > Real(0.0); ++taken) {
       Real* row = a.series;
-      row[0] = excess;
+      row[0] = warmth * factor * factor - Real(1.0);
       for (std::size_t k = 0; k < a.links; ++k) {
         row += most + 1;
         row[0] = zeta[k] / a.frequency;
@@ -206,7 +207,6 @@ struct NoseHooverChain {
         return total;
       };
       row = a.series;
-      excess = excess + gain(row);
       for (std::size_t k = 0; k < a.links; ++k) {
         row += most + 1;
         zeta[k] = fma(a.frequency, gain(row), zeta[k]);
@@ -216,6 +216,7 @@ struct NoseHooverChain {
       }
       const Real more = gain(row + most + 1);
       change = change + fma(change, more, more);
+      factor = fma(factor, more, factor);
       left = left - time;
     }
     return change;

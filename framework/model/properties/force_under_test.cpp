@@ -37,6 +37,10 @@ constexpr double kDisplacement = 0.1;
 constexpr double kFar[] = {1e3, 1e6};
 constexpr double kHigh[] = {3.0, 10.0, 30.0};
 constexpr double kTouching[] = {1e-3, 1e-6};
+/// Change of the rates of own variables, in parts of the largest, by which they are others; and the
+/// shortest part of a unit of time.
+constexpr double kOthers = 2.0;
+constexpr double kShortest = 0x1p-60;
 /// Pairs and particles beyond which few states are looked at, and none in quadruple precision,
 /// where it would take minutes.
 constexpr double kMany = 2e3;
@@ -153,14 +157,29 @@ void ForceUnderTest::make_states() {
   for (const double distance : kTouching) {
     if (auto state = touching(distance, random)) extreme_.push_back(std::move(*state));
   }
-  // Own variables near what they come to within a unit of time.
+  // Own variables near what they come to within a unit of time, or until their rates are others.
   for (auto* states : {&near_, &extreme_}) {
     for (State& state : *states) {
       if (state.own.empty() || state.place == Place::start) continue;
       put(state);
       alone_.forces(state.time);
-      for (std::size_t k = 0; k < state.own.size(); ++k) {
-        state.own[k] += 0.5 * (1.0 + random.symmetric()) * alone_.rates()[k];
+      const std::vector<double> rates(alone_.rates(), alone_.rates() + state.own.size());
+      const std::vector<double> start = state.own;
+      std::vector<double> parts;
+      for (std::size_t k = 0; k < start.size(); ++k) {
+        parts.push_back(0.5 * (1.0 + random.symmetric()) * rates[k]);
+      }
+      for (double time = 1.0; time > kShortest; time *= 0.5) {
+        for (std::size_t k = 0; k < start.size(); ++k) state.own[k] = start[k] + time * parts[k];
+        put(state);
+        alone_.forces(state.time);
+        double size = 0.0;
+        double change = 0.0;
+        for (std::size_t k = 0; k < start.size(); ++k) {
+          size = std::max(size, std::abs(rates[k]));
+          change = std::max(change, std::abs(alone_.rates()[k] - rates[k]));
+        }
+        if (change <= kOthers * size) break;
       }
     }
   }
