@@ -328,9 +328,8 @@ TEST(Lammps, TersoffOfThreeSpecies) {
   const std::string scene = "[scene]\nunits = \"metal\"\n" +
                             particles("tube", places, species + "]\n" + masses + "]\n") +
                             "[[force]]\ntype = \"tersoff\"\nentries = \"\"\"\n" + entries +
-                            "\"\"\"\n" + steps_of(1e-3, 200);
+                            "\"\"\"\n" + steps_of(1e-3);
   EXPECT_GT(expect_same(scene), 1.0);
-  EXPECT_LT(distance_at_end(scene, 200), 1e-10);
 }
 
 /// A number of the potential that is off by 1e-7 is seen.
