@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 
@@ -88,9 +90,35 @@ std::string tersoff_file(const SceneForce& force, bool has_species) {
   return text;
 }
 
+/// LAMMPS takes the repulsion of two species from one of their two entries, which depends on the
+/// numbers of the atoms; here each has half of it. The key, and the species, where they differ.
+std::optional<std::string> unlike_repulsion(const TersoffDescription& d) {
+  for (const TersoffEntry& one : d.known) {
+    for (const TersoffEntry& other : d.known) {
+      const auto& [i, j, k] = one.species;
+      const TersoffNumbers& p = one.numbers;
+      const TersoffNumbers& q = other.numbers;
+      if (j != k || other.species != std::array{j, i, i}) continue;
+      if (p.a == q.a && p.lambda1 == q.lambda1 && p.r == q.r && p.half_width == q.half_width) {
+        continue;
+      }
+      return fmt::format("{} {} {} and {} {} {}", i, j, k, j, i, i);
+    }
+  }
+  return std::nullopt;
+}
+
 /// Particles without species have the one entry that there is.
 void add_tersoff(const SceneForce& force, LammpsTerms& terms) {
   const auto& d = given<TersoffDescription>(force);
+  if (const auto unlike = unlike_repulsion(d)) {
+    refuse(force, d.read_from.empty() ? "entries" : "file", "",
+           "A, lambda1, R or D of " + *unlike +
+               " differ, and LAMMPS takes the repulsion from one "
+               "of the two",
+           "the same numbers in both entries", terms);
+    return;
+  }
   const std::size_t body = force.bodies.front();
   const bool has_species = !terms.atoms.bodies[body].types.front().species.empty();
   LammpsPairs pairs;
