@@ -238,9 +238,10 @@ double h5md_bytes_besides(const RunLayout& layout, const TrajectoryFacts& facts)
   constexpr double kStructure = 65536.0;
   constexpr double kSeries = 4.0;
   double bytes = kStructure + static_cast<double>(facts.scene.size() + facts.source.size());
+  // Mass, number and species of each particle, and its body where that is no species.
+  const std::size_t numbers = layout.species.empty() ? 3 : 4;
   for (const TrajectoryBody& body : layout.bodies) {
-    // Mass, species, body and number of each particle.
-    bytes += static_cast<double>(body.mass.size() * 4 * sizeof(double) + body.name.size());
+    bytes += static_cast<double>(body.mass.size() * numbers * sizeof(double) + body.name.size());
   }
   // Names take as much as the longest.
   std::size_t longest = 1;
