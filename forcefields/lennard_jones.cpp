@@ -17,6 +17,11 @@ std::unique_ptr<BoundForce<Real>> bind(const LennardJonesDescription& d,
              : bind_within_cutoff<LennardJones, kernels::LennardJones, kRankPairs>(d, binding);
 }
 
+/// An energy that jumps is none whose gradient the force is.
+Traits traits_of_potential(const LennardJonesDescription& d) {
+  return {.conservative = d.at_cutoff != AtCutoff::cut, .internal = true};
+}
+
 std::vector<Complaint> complaints(const LennardJonesDescription& d, const SceneOutline& scene) {
   return cutoff_complaints("cutoff", d.cutoff, scene);
 }
@@ -36,6 +41,7 @@ ForceRecord lennard_jones_record() {
       "force: S. Toxvaerd and J. C. Dyre, J. Chem. Phys. 134, 081102 (2011), doi:10.1063/1.3558787";
   record.element = Element::pair;
   record.traits = {.conservative = true, .internal = true};
+  record.traits_of = of_description<&traits_of_potential>;
   record.most_bodies = 2;
   record.complaints = of_description<&complaints>;
   record.bind = {of_description<&bind<double>>, of_description<&bind<float>>,

@@ -66,6 +66,7 @@ void describe_components(SceneDraft& draft) {
     scene.bodies.push_back(component_of<SceneBody>(body, draft.source));
     scene.bodies.back().hold = body.hold;
     scene.bodies.back().motion = body.motion;
+    if (body.record == nullptr || body.description == nullptr) continue;
     const BodyDescription& common = body.record->common(body.description.get());
     for (const std::string& name : common.species.names) {
       if (known.insert(name).second) scene.species.push_back(name);

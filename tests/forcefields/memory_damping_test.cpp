@@ -320,10 +320,12 @@ TEST(MemoryDamping, TemperatureZeroIsNone) {
         EXPECT_EQ(codes_of(text(pair.cold)), codes_of(text(pair.without)));
         ++(why.empty() ? taken : refused);
         if (!why.empty()) continue;
-        const Motion1D cold = end_of(text(pair.cold));
-        const Motion1D without = end_of(text(pair.without));
-        EXPECT_TRUE(same_bits(cold.position, without.position));
-        EXPECT_TRUE(same_bits(cold.velocity, without.velocity));
+        const RunResult cold = run_text(text(pair.cold));
+        const RunResult without = run_text(text(pair.without));
+        EXPECT_EQ(cold.status, without.status);  // midpoint gains too much energy
+        for (const char* what : {"p.centre_of_mass.x", "p.velocity.x"}) {
+          EXPECT_TRUE(same_bits(observable(cold, what).value(), observable(without, what).value()));
+        }
       }
     }
   }

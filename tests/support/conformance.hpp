@@ -77,10 +77,11 @@ inline std::shared_ptr<const Scene> arranged(const Arrangement& arrangement,
   }
   text += "[run]\nduration = 1.0\nintegrator = { type = \"rk4\", dt = 1e-3 }\n";
   auto scene = std::make_shared<Scene>(*scene_of(text));
-  // No step is taken, and no scheme refuses a force for its noise.
+  // No step is taken, and no scheme refuses a force for its noise or its operator.
   static const IntegratorRecord any = [&scene] {
     IntegratorRecord scheme = *scene->run.integrator.record;
     scheme.takes_noise = true;
+    scheme.bind = {};
     return scheme;
   }();
   scene->run.integrator.record = &any;

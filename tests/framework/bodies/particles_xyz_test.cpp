@@ -183,7 +183,7 @@ TEST_F(ParticlesXyz, HaveMassesInTheUnitsOfTheScene) {
   const auto from_key = scene("file = \"m.xyz\"\nparticle_mass = [16, 1, 1]", metal);
   EXPECT_LT(description(*from_file).particle_mass.values[0], 0.01);  // eV ps^2/Angstrom^2
   EXPECT_EQ(description(*from_file).particle_mass, description(*from_key).particle_mass);
-  EXPECT_EQ(from_file->effective_toml, from_key->effective_toml);
+  EXPECT_NE(from_file->effective_toml.find("particle_mass = [16.0, 1.0, 1.0]"), std::string::npos);
 }
 
 TEST_F(ParticlesXyz, HaveOneSpeciesWhereAllAreAlike) {

@@ -244,7 +244,8 @@ TEST_F(Cli, DescribeSaysWhereAKeyIs) {
   const std::string unknown = "tomlin: [scene.unknown_component]\n";
   expect_refused({"describe", "stiffness"}, unknown, {"driving_spring, harmonic_bonds"});
   expect_refused({"describe", "every"}, unknown, {"[output]"});
-  expect_refused({"describe", "tersoff"}, "tomlin: [scene.not_in_this_version]\n", {"\"tersoff\""});
+  expect_refused({"describe", "constraints"}, "tomlin: [scene.not_in_this_version]\n",
+                 {"\"constraints\""});
 }
 
 TEST_F(Cli, DescribeNamesTheWorksOfASource) {

@@ -154,7 +154,7 @@ class Memory : public HostileScene {
  protected:
   void expect_takes(const std::string& scene, double bytes) {
     if (!kCanBeLimited) GTEST_SKIP() << "the sanitizers need memory of their own";
-    constexpr double kProgram = 64e6;  // the program, its libraries and stacks
+    constexpr double kProgram = 80e6;  // the program, its libraries and stacks
     constexpr double kTooLittle = 0.67;
     constexpr double kEnough = 1.33;
     write(folder_ / "scene.toml", scene);

@@ -168,7 +168,7 @@ class WithMpi(Folder):
 
     def started(self, name):
         """A sweep of three processes that has rows; mpirun, and its children in order."""
-        command = self.mpirun(3, "tip.toml", "-o", name, "--set", "run.duration=4000")
+        command = self.mpirun(3, "tip.toml", "-o", name, "--set", "run.duration=16000")
         process = self.start(*command)
         journal = self.folder / name / "sweep.journal"
         until = time.monotonic() + SECONDS
@@ -187,7 +187,7 @@ class WithMpi(Folder):
         return process, children
 
     def test_processes_that_die_are_replaced_by_the_same_command(self):
-        self.one_process("--set", "run.duration=4000")
+        self.one_process("--set", "run.duration=16000")
         kills = 0
         for victim, number in ((2, signal.SIGKILL), (0, signal.SIGKILL), (1, signal.SIGTERM),
                                (0, signal.SIGINT)):
@@ -201,7 +201,7 @@ class WithMpi(Folder):
                 self.assertEqual(summary["status"], "interrupted")
                 self.assertGreater(summary["performance"]["rows"], 0)
         self.assertGreater(kills, 1)
-        command = self.mpirun(3, "tip.toml", "-o", "a", "--set", "run.duration=4000")
+        command = self.mpirun(3, "tip.toml", "-o", "a", "--set", "run.duration=16000")
         ended = self.run_command(*command)
         self.assertEqual(ended.returncode, 0, ended.err)
         self.assertEqual(self.results("a"), self.results("one"))
