@@ -18,7 +18,8 @@ NeighbourSearch::NeighbourSearch(int dimension, double reach, const std::array<d
   for (int d = 0; d < dimension; ++d) {
     length_[d] = reach;
     if (!(box[d] > 0.0)) continue;
-    cells_[d] = std::clamp<std::int64_t>(static_cast<std::int64_t>(box[d] / reach), 1, kMiddle);
+    const double cells = std::clamp(box[d] / reach, 1.0, static_cast<double>(kMiddle));
+    cells_[d] = static_cast<std::int64_t>(cells);
     length_[d] = box[d] / static_cast<double>(cells_[d]);
   }
 }
