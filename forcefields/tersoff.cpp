@@ -89,35 +89,49 @@ std::vector<Complaint> prepare(TersoffDescription& d, const std::filesystem::pat
   return found;
 }
 
-const TersoffEntry* entry_for(const TersoffDescription& d,
+/// Of a description that has not been prepared, too: a set by its name.
+std::vector<TersoffEntry> entries_of(const TersoffDescription& d) {
+  if (!d.known.empty()) return d.known;
+  std::vector<std::string> faults;
+  for (const NamedSet& set : kNamedSets) {
+    if (d.parameters == set.name) return parse_tersoff(set.entries, set.name, faults);
+  }
+  return {};
+}
+
+const TersoffEntry* entry_for(const std::vector<TersoffEntry>& entries,
                               const std::array<std::string, 3>& species) {
-  for (const TersoffEntry& entry : d.known) {
+  for (const TersoffEntry& entry : entries) {
     if (entry.species == species) return &entry;
   }
   return nullptr;
 }
 
 std::vector<Complaint> complaints(const TersoffDescription& d, const SceneOutline& scene) {
-  if (d.known.empty()) return {};  // there is a complaint already
+  const std::vector<TersoffEntry> known = entries_of(d);
+  if (known.empty()) {
+    return {complaint(FaultCode::scene_missing_key, key_of(d), "there are no numbers",
+                      "one of parameters, file and entries")};
+  }
   if (scene.dimension != 3) {
     return {complaint(FaultCode::component_unsuitable, key_of(d),
                       "the potential is one of three dimensions", "a scene in three dimensions")};
   }
   const std::vector<std::string>& species = scene.bodies.front().species;
-  if (species.empty() && d.known.size() > 1) {
+  if (species.empty() && known.size() > 1) {
     return {complaint(FaultCode::component_unsuitable, key_of(d),
                       "there are numbers of several species, and the body has none",
-                      "species = \"" + d.known.front().species[0] + "\" in the body")};
+                      "species = \"" + known.front().species[0] + "\" in the body")};
   }
   double longest = 0.0;
   const auto include = [&](const TersoffEntry& entry) {
     longest = std::max(longest, entry.numbers.r + entry.numbers.half_width);
   };
-  if (species.empty()) include(d.known.front());
+  if (species.empty()) include(known.front());
   for (const std::string& i : species) {
     for (const std::string& j : species) {
       for (const std::string& k : species) {
-        const TersoffEntry* entry = entry_for(d, {i, j, k});
+        const TersoffEntry* entry = entry_for(known, {i, j, k});
         if (entry == nullptr) {
           return {complaint(FaultCode::component_unsuitable, key_of(d),
                             fmt::format("there are no numbers for {} {} {}", i, j, k),
@@ -133,7 +147,8 @@ std::vector<Complaint> complaints(const TersoffDescription& d, const SceneOutlin
 /// Decay of the repulsion.
 double shortest_length(const TersoffDescription& d) {
   double largest = 0.0;
-  for (const TersoffEntry& entry : d.known) largest = std::max(largest, entry.numbers.lambda1);
+  for (const TersoffEntry& entry : entries_of(d))
+    largest = std::max(largest, entry.numbers.lambda1);
   return largest > 0.0 ? 1.0 / largest : 0.0;
 }
 
@@ -230,15 +245,14 @@ std::vector<TersoffEntry> parse_tersoff(std::string_view text, const std::string
 
 std::vector<TersoffNumbers> numbers_of(const TersoffDescription& description,
                                        const std::vector<std::string>& species) {
-  if (species.empty()) {
-    if (description.known.empty()) return {};
-    return {description.known.front().numbers};
-  }
+  const std::vector<TersoffEntry> known = entries_of(description);
+  if (known.empty()) return {};
+  if (species.empty()) return {known.front().numbers};
   std::vector<TersoffNumbers> all;
   for (const std::string& i : species) {
     for (const std::string& j : species) {
       for (const std::string& k : species) {
-        const TersoffEntry* entry = entry_for(description, {i, j, k});
+        const TersoffEntry* entry = entry_for(known, {i, j, k});
         if (entry == nullptr) return {};
         all.push_back(entry->numbers);
       }

@@ -88,7 +88,7 @@ struct Tersoff {
     T gamma;
     T c_squared;
     T d_squared;
-    T most_of_angle;  // gamma (1 + c^2/d^2)
+    T ratio;  // gamma c^2/d^2
     T cos_theta0;
     T n;
     T exponent;  // -1/(2 n)
@@ -112,7 +112,7 @@ struct Tersoff {
             T(p.gamma),
             c_squared,
             d_squared,
-            T(p.gamma) * (T(1.0) + c_squared / d_squared),
+            T(p.gamma) * (c_squared / d_squared),
             T(p.cos_theta0),
             T(p.n),
             T(-0.5) / T(p.n),
@@ -196,13 +196,14 @@ struct Tersoff {
     return {select(alone, T(Scalar<T>(1.0)), value), select(alone, none, slope)};
   }
 
-  /// g, of the cosine
+  /// g, of the cosine: 1 + c^2 x^2/(d^2 (d^2 + x^2)), x = h - cosine, in which nothing cancels
   template <class N, class T>
   static Sloped<T> angle(const Parameters<N>& p, const T& cosine) {
     const T apart = p.cos_theta0 - cosine;
-    const T inverse = T(Scalar<T>(1.0)) / (apart * apart + p.d_squared);
+    const T squared = apart * apart;
+    const T inverse = T(Scalar<T>(1.0)) / (squared + p.d_squared);
     const T part = inverse * (p.gamma * p.c_squared);
-    return {p.most_of_angle - part, part * inverse * apart * N(Scalar<N>(-2.0))};
+    return {squared * inverse * p.ratio + p.gamma, part * inverse * apart * N(Scalar<N>(-2.0))};
   }
 
   /// The factor of a difference of two distances in zeta. Exponents end where LAMMPS ends them,

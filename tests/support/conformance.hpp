@@ -75,16 +75,16 @@ inline std::shared_ptr<const Scene> arranged(const Arrangement& arrangement,
     for (int d = 1; d < arrangement.dimension; ++d) text += ", 0.1";
     text += "] }\n";
   }
-  text += "[run]\nduration = 1.0\nintegrator = { type = \"rk4\", dt = 1e-3 }\n";
+  const std::string scheme = record.thermostat ? "velocity_verlet" : "rk4";
+  text += "[run]\nduration = 1.0\nintegrator = { type = \"" + scheme + "\", dt = 1e-3 }\n";
   auto scene = std::make_shared<Scene>(*scene_of(text));
-  // No step is taken, and no scheme refuses a force for its noise or its operator.
-  static const IntegratorRecord any = [&scene] {
-    IntegratorRecord scheme = *scene->run.integrator.record;
-    scheme.takes_noise = true;
-    scheme.bind = {};
-    return scheme;
+  // No step is taken, and no scheme refuses a force for its noise.
+  static const IntegratorRecord any = [] {
+    IntegratorRecord rk4 = *standard().integrator("rk4");
+    rk4.takes_noise = true;
+    return rk4;
   }();
-  scene->run.integrator.record = &any;
+  if (!record.thermostat) scene->run.integrator.record = &any;
   SceneForce& force = scene->forces.emplace_back();
   force.name = record.name;
   force.record = &record;

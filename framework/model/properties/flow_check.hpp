@@ -204,7 +204,7 @@ class FlowCheck {
   /// The error of rk4 has to fall as its order says, if not at once then with shorter steps, or be
   /// nothing but rounding.
   void look_at_march(double time) {
-    constexpr int kMostMarches = 640;
+    constexpr int kMostMarches = 10240;
     const Numbers whole = after(time);
     const double rounding = 100.0 * kRounding * largest(start_);
     double coarse = difference(marched(time, 20), whole);
