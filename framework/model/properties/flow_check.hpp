@@ -179,8 +179,8 @@ class FlowCheck {
       note_(found, 0.0, kRounding * largest(start_) * growth(h));
     }
   }
-  /// What the flow makes of rounding, at the start and later: 1 unless it is not linear, and drives
-  /// neighbours apart.
+  /// What the flow makes of rounding, at the start and later: more if it is not linear, and drives
+  /// neighbours apart; the steps that a flow takes round, too.
   double growth(double h) const {
     constexpr double kShake = 0x1p-24;
     double most = 0.0;
@@ -199,7 +199,7 @@ class FlowCheck {
       }
       most = std::max(most, difference(ends[0], ends[1]) / (kShake * largest(here)));
     }
-    return most > 2.0 ? 16.0 * most : 1.0;
+    return 16.0 * std::max(1.0, most);
   }
   /// The error of rk4 has to fall as its order says, if not at once then with shorter steps, or be
   /// nothing but rounding.
