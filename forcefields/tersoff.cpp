@@ -34,6 +34,7 @@ constexpr std::array<NamedSet, 3> kNamedSets = {
 
 std::vector<std::string> names_of_sets() {
   std::vector<std::string> names;
+  names.reserve(kNamedSets.size());
   for (const NamedSet& set : kNamedSets) names.emplace_back(set.name);
   return names;
 }
@@ -83,6 +84,7 @@ std::vector<Complaint> prepare(TersoffDescription& d, const std::filesystem::pat
   std::vector<std::string> faults;
   d.known = parse_tersoff(text, name, faults);
   std::vector<Complaint> found;
+  found.reserve(faults.size());
   for (std::string& fault : faults) {
     found.push_back(complaint(FaultCode::file_invalid, key_of(d), std::move(fault)));
   }

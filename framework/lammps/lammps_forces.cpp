@@ -323,7 +323,7 @@ void add_driving_spring(const SceneForce& force, LammpsTerms& terms) {
       terms.commands.push_back(
           fmt::format("variable {} equal \"{}*{}\"", whole, in_formula(stiffness), extension));
       terms.columns.push_back("v_" + whole);
-      formulas[k] = share + "v_" + whole;
+      formulas[k] = fmt::format("{}v_{}", share, whole);
       extension = fmt::format("v_{}/{}", whole, in_formula(stiffness));
     } else {
       formulas[k] = fmt::format("{}{}*{}", share, in_formula(stiffness), extension);
