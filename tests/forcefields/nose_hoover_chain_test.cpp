@@ -321,7 +321,7 @@ TEST(NoseHooverChain, PrecisionsAgreeWithinTheirRounding) {
 
 // ---- far from the temperature
 
-/// However much too hot a body is: finished, or failed with a cause; never a number that is none.
+/// At any start temperature a run finishes or fails with a cause, and no result is NaN.
 TEST(NoseHooverChain, BodiesMuchTooHot) {
   for (const double ratio : {1e2, 1e4, 1e6, 1e20, 1e200}) {
     const RunResult result = run_text(

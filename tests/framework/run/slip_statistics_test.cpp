@@ -341,7 +341,7 @@ std::optional<double> error_of_mean(const RunResult& result, const std::string& 
 const std::vector<std::string> kMeansOfSlips = {"mean_slip_length", "mean_slip_force",
                                                 "mean_waiting_time"};
 
-/// By blocks of the slips that the run tells of, and as means scatter over streams.
+/// The standard errors from blocks of slips agree with the scatter of means over streams.
 TEST(SlipStatistics, ErrorsOfMeansInNoise) {
   constexpr int kStreams = 24;
   constexpr double kRounding = 1e-9;
