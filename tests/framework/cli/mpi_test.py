@@ -51,6 +51,10 @@ over = { v = "1e-3:1e-1:40:log", "run.integrator.dt" = [1e-2, -1.0, 50.0] }
 observables = ["driver.mean_force.x", "events.slips"]
 """
 
+# Tens of batches of points that step together, a fraction of a second each, so that a sweep that is
+# stopped four times after its first batch has some left.
+LONG = ("--over", "v=1e-3:1e-1:400:log", "--set", "run.duration=16000")
+
 
 def environment(**more):
     """That of this process, without what a launcher may have set, where root may start mpirun."""
@@ -168,12 +172,12 @@ class WithMpi(Folder):
 
     def started(self, name):
         """A sweep of three processes that has rows; mpirun, and its children in order."""
-        command = self.mpirun(3, "tip.toml", "-o", name, "--set", "run.duration=16000")
-        process = self.start(*command)
+        process = self.start(*self.mpirun(3, "tip.toml", "-o", name, *LONG))
         journal = self.folder / name / "sweep.journal"
         until = time.monotonic() + SECONDS
         size = None
         while time.monotonic() < until:
+            self.assertIsNone(process.poll(), "the sweep ended before it could be stopped")
             time.sleep(0.02)
             if not journal.exists():
                 continue
@@ -187,7 +191,7 @@ class WithMpi(Folder):
         return process, children
 
     def test_processes_that_die_are_replaced_by_the_same_command(self):
-        self.one_process("--set", "run.duration=16000")
+        self.one_process(*LONG)
         kills = 0
         for victim, number in ((2, signal.SIGKILL), (0, signal.SIGKILL), (1, signal.SIGTERM),
                                (0, signal.SIGINT)):
@@ -201,8 +205,7 @@ class WithMpi(Folder):
                 self.assertEqual(summary["status"], "interrupted")
                 self.assertGreater(summary["performance"]["rows"], 0)
         self.assertGreater(kills, 1)
-        command = self.mpirun(3, "tip.toml", "-o", "a", "--set", "run.duration=16000")
-        ended = self.run_command(*command)
+        ended = self.run_command(*self.mpirun(3, "tip.toml", "-o", "a", *LONG))
         self.assertEqual(ended.returncode, 0, ended.err)
         self.assertEqual(self.results("a"), self.results("one"))
 
