@@ -62,10 +62,10 @@ class Composition : public Integrator<Real> {
     start_rates_ = take(m);
     arrays_.own_after = take(m);
     slopes_ = take(m);
-    arrays_.half_step_energy = take(kinetic);
     mass_ = take(n);
     for (std::size_t i = 0; i < n; ++i) know_mass(i);
     arrays_.mass = mass_;
+    arrays_.half_step_energy = take(kinetic);  // of any number: the last
   }
 
   void declare(StateLayout& layout) override {
