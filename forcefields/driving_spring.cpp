@@ -58,7 +58,8 @@ class Driven : public Base, public PulledEnd {
   Driven(const Description& description, const Binding<Real>& binding, Arguments&&... arguments)
       : Base(description, binding, std::forward<Arguments>(arguments)...),
         velocity_(description.velocity.components),
-        reverse_(description.reverse) {
+        reverse_(description.reverse),
+        starts_at_point_(description.start.components.empty()) {
     drive_.velocity = description.velocity.components;
     const bool many = description.attach.kind == Attachment::Kind::each_particle;
     const double springs = many ? static_cast<double>(this->body_.slot.count) : 1.0;
@@ -132,32 +133,43 @@ class Driven : public Base, public PulledEnd {
     for (int k = 0; k < D; ++k) began_[k] = travel[static_cast<std::size_t>(k)];
   }
 
+  void rests_at_first() override { rests_ = true; }
+  void set_out(const DoubleDouble& time, const std::vector<DoubleDouble>& travel) override {
+    for (int k = 0; k < D; ++k) keep_travel(k, travel[static_cast<std::size_t>(k)]);
+    keep_since(time);
+    control_[kSign] = 1.0;
+  }
+  bool starts_at_point() const override { return starts_at_point_; }
+
   const Passing* waits_for() const override { return reverse_.when.empty() ? nullptr : &reverse_; }
-  std::size_t control_count() const override { return waits_for() ? kTravel + 2 * D : 0; }
+  std::size_t control_count() const override { return waits_for() || rests_ ? kTravel + 2 * D : 0; }
   void attach_control(double* control) override { control_ = control; }
   void start_control() override {
     if (control_ == nullptr) return;
     std::fill(control_, control_ + control_count(), 0.0);
     for (int k = 0; k < D; ++k) keep_travel(k, began_[k]);
-    control_[kSign] = 1.0;
-    control_[kTimesLeft] = static_cast<double>(reverse_.times);
+    control_[kSign] = rests_ ? 0.0 : 1.0;
+    control_[kTimesLeft] = waits_for() ? static_cast<double>(reverse_.times) : 0.0;
   }
   bool waits() const override { return control_ != nullptr && control_[kTimesLeft] > 0.0; }
 
   /// A new segment of its way: it starts here and now, backwards.
   void passed(const DoubleDouble& time) override {
     for (int k = 0; k < D; ++k) keep_travel(k, travelled_on(k, time));
-    control_[kSince] = time.hi;
-    control_[kSince + 1] = time.lo;
+    keep_since(time);
     control_[kSign] = -control_[kSign];
     control_[kTimesLeft] -= 1.0;
   }
 
  private:
-  /// Of the control: the sign of the velocity, how often it may still turn, when it last did, and
-  /// how far the pulled end had come by then, high and low parts.
+  /// Of the control: the sign of the velocity (0: it has not set out), how often it may still turn,
+  /// when it last did, and how far the pulled end had come by then, high and low parts.
   enum { kSign, kTimesLeft, kSince, kTravel = kSince + 2 };
 
+  void keep_since(const DoubleDouble& time) {
+    control_[kSince] = time.hi;
+    control_[kSince + 1] = time.lo;
+  }
   void keep_travel(int k, const DoubleDouble& travel) {
     control_[kTravel + 2 * k] = travel.hi;
     control_[kTravel + 2 * k + 1] = travel.lo;
@@ -175,6 +187,8 @@ class Driven : public Base, public PulledEnd {
 
   std::vector<double> velocity_;  ///< as given
   Passing reverse_;
+  bool starts_at_point_ = false;
+  bool rests_ = false;     ///< until it sets out
   DoubleDouble began_[D];  ///< how far it had travelled at time 0
   double* control_ = nullptr;
   DoubleDouble shift_[D];
@@ -233,7 +247,8 @@ ForceRecord driving_spring_record() {
                 "\"centre_of_mass\", \"each_particle\" or { particle = i }")
           .by_default(Attachment{}),
       parameter("start", &Description::start, dimension::length,
-                "position of the pulled end at t = 0; the attached point by default")
+                "position of the pulled end when the spring becomes active, at t = 0 without "
+                "`active`; the attached point by default")
           .or_absent(),
       parameter("reverse", &Description::reverse, dimension::none,
                 "reverse when an observable passes a value: { when = "

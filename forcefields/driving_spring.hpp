@@ -13,7 +13,9 @@
 ///                  with attach = "each_particle" that of each particle's spring
 ///       axes       along which the spring acts; all by default
 ///   V   velocity   of the pulled end, per axis
-///   X0  start      the attached point at t = 0 by default (for each particle its own)
+///   X0  start      the attached point at t = 0 by default (for each particle its own); where the
+///                  spring is active from a time t0 on, the attached point then, and X0 + V (t -
+///                  t0)
 ///   x   attach     "centre_of_mass", "each_particle" or { particle = i }
 ///   reverse        V changes its sign when an observable passes a value; X(t) is continuous; with
 ///                  two limits and no `times` as long as the run lasts

@@ -121,7 +121,7 @@ struct LangevinKernels : CompositionKernels<VerletScheme> {
     middle.midpoint = midpoint;
     keep_energies(s, w, true);
     Real heat(0.0);
-    if (s.flow_count > 1 && s.own_count > 0) {
+    if (s.flow_count > 1 && s.flows_overlap) {
       // They may act on the same velocities: a symmetric composition.
       heat = apply_flows(s, middle, half, false);
       middle.part = 1;

@@ -233,7 +233,8 @@ Json own_keys_of(const ForceRecord& record) {
   return {{"name", name_schema()},
           {"body", only("type", "string")},
           {"bodies", std::move(bodies)},
-          {"driver", value_schema(driver_row())}};
+          {"driver", value_schema(driver_row())},
+          {"active", table_schema(active_layout())}};
 }
 
 Json own_keys_of(const IntegratorRecord&) { return Json::object(); }

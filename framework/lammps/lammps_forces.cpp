@@ -405,6 +405,11 @@ void add_lammps_force(const SceneForce& force, LammpsTerms& terms) {
            "one value for all", terms);
   }
   if (!force.variations.empty()) return;
+  if (force.active) {
+    refuse(force, "active", "", "acts between two times, which the input for one run does not say",
+           "forces that act at all times", terms);
+    return;
+  }
   const auto* const found =
       std::find_if(kTranslations.begin(), kTranslations.end(), [&force](const auto& one) {
         return force.record->library.empty() && force.record->name == one.force;

@@ -65,6 +65,24 @@ std::string why_no_driver(const AssembledForce<Real>& force, bool quasistatic) {
   return "";
 }
 
+/// Why a force cannot be active at some times only; empty where it can, or is so always.
+template <class Real>
+std::string why_always_active(const AssembledForce<Real>& force, const AssemblyPlan& plan) {
+  if (force.switched == nullptr) return "";
+  if (plan.quasistatic) return "quasistatic dynamics follow one energy from the start to the end";
+  if (force.given->driver && !force.traits.does_work) {
+    return "it is declared to be a driver, which acts at all times";
+  }
+  if (!plan.inertial && force.is_operator) {
+    return "without inertia velocities follow from friction, which acts at all times";
+  }
+  const IntegratorRecord& scheme = *plan.scene->run.integrator.record;
+  if (scheme.splits_bonds) {
+    return "the integrator \"" + scheme.name + "\" takes bonds and friction as one, at all times";
+  }
+  return "";
+}
+
 /// On bodies that move by forces; what is prescribed or fixed is dragged along as ever.
 template <class Real>
 bool taken_as_operator(const AssembledForce<Real>& force, const AssemblyPlan& plan,
@@ -160,7 +178,20 @@ AssembledForces<Real>::AssembledForces(const AssemblyPlan& plan,
     if (!library.empty()) {
       force.bound = guarded(std::move(force.bound), "force " + from.name, library);
     }
+    if (from.active) {
+      auto switched = std::make_unique<SwitchedForce<Real>>(std::move(force.bound),
+                                                            from.active->from, from.active->until);
+      force.switched = switched.get();
+      force.bound = std::move(switched);
+    }
     force.is_operator = taken_as_operator(force, plan, bodies);
+    if (std::string why = why_always_active(force, plan); !why.empty()) {
+      Complaint complaint{"active", std::move(why), "no active"};
+      complaint.code = FaultCode::component_unsuitable;
+      faults.push_back(fault_of(from, complaint));
+      continue;
+    }
+    if (force.switched && force.is_operator) force.switched->is_taken_as_operator();
     if (from.driver && !traits.does_work) {
       if (std::string why = why_no_driver(force, plan.quasistatic); !why.empty()) {
         Complaint complaint{"driver", std::move(why), "false"};

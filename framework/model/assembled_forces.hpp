@@ -10,6 +10,7 @@
 #include "framework/core/system/state_layout.hpp"
 #include "framework/model/assembled_bodies.hpp"
 #include "framework/model/declared_driver.hpp"
+#include "framework/model/switched_force.hpp"
 
 namespace tomlin {
 
@@ -26,6 +27,7 @@ struct AssembledForce {
   std::ptrdiff_t heat_rate = kNoRate;   ///< where its heat stands, with the ledger
   bool is_operator = false;             ///< taken by its flow, not evaluated as a force
   std::unique_ptr<DeclaredDriver<Real>> driver;  ///< where the scene declares it to be one
+  SwitchedForce<Real>* switched = nullptr;       ///< `bound`, where it is not active at all times
 
   const Drive* drive() const { return driver ? &driver->drive() : bound->drive(); }
   std::vector<Pass<Real>> passes() const {

@@ -255,7 +255,7 @@ template <class Real>
 void Assembly<Real>::start_supports(const FinalState& from, Real* own) {
   for (std::size_t k = 0; k < from.own.size(); ++k) own[k] = static_cast<Real>(from.own[k]);
   for (const Force& force : forces()) {
-    auto* const end = dynamic_cast<PulledEnd*>(force.bound.get());
+    auto* const end = pulled_end_of(force.bound.get());
     const FinalState::Support* const support = from.support(force.name);
     if (end == nullptr || support == nullptr) continue;
     std::vector<DoubleDouble> travel;
@@ -288,7 +288,7 @@ void Assembly<Real>::write_numbers(FinalState& state) const {
 template <class Real>
 void Assembly<Real>::write_supports(const DoubleDouble& time, FinalState& state) const {
   for (const Force& force : forces()) {
-    const auto* const end = dynamic_cast<const PulledEnd*>(force.bound.get());
+    const PulledEnd* const end = pulled_end_of(force.bound.get());
     if (end == nullptr) continue;
     FinalState::Support& support = state.supports.emplace_back();
     support.name = force.name;

@@ -54,6 +54,13 @@ bool is_centred(const FrictionArguments<Real>& arguments) {
   });
 }
 
+/// Friction of a splitting scheme that does not act at all times, by flows of its own.
+template <class Real>
+bool is_friction_at_times(const AssembledForce<Real>& force) {
+  Flow<Real> unused;
+  return force.switched != nullptr && force.is_operator && !force.switched->inner().flow(unused);
+}
+
 bool any_positive(const std::vector<double>& coefficients) {
   return std::any_of(coefficients.begin(), coefficients.end(), [](double c) { return c > 0.0; });
 }
@@ -64,12 +71,53 @@ template <class Real>
 void FrictionMatrix<Real>::lay(const AssemblyPlan& plan, std::vector<AssembledBody<Real>>& bodies,
                                const std::vector<AssembledForce<Real>>& forces,
                                AlignedVector<Real>& inverse_mass, SystemView<Real>& view) {
-  for (const auto& body : bodies) coefficients_.emplace_back(body.bound.slot.count, 0.0);
-  warmth_.resize(bodies.size());
-  thermostats_.resize(bodies.size());
-  collect(plan, forces);
   mobility_.assign(view.dofs, Real(0.0));
   heat_of_bodies_.assign(bodies.size(), Real(0.0));
+  begin(bodies);
+  collect(plan, forces);
+  lay_bodies(plan, bodies, inverse_mass);
+  std::vector<SwitchedForce<Real>*> switched(friction_.size(), nullptr);
+  for (const AssembledForce<Real>& force : forces) {
+    if (!is_friction_at_times(force)) continue;
+    begin(bodies);
+    collect(force);
+    lay_bodies(plan, bodies, inverse_mass);
+    switched.resize(friction_.size(), force.switched);
+  }
+  if (!faults_.empty()) throw InputError(std::move(faults_));
+  if (!plan.inertial) {
+    lay_noise(plan, view);
+    return;
+  }
+  const auto& table = kernels::FrictionKernels.on<Real>(plan.set);
+  view.flows_overlap = view.own_count > 0;
+  for (std::size_t k = 0; k < friction_.size(); ++k) {
+    const FrictionArguments<Real>& arguments = friction_[k];
+    const bool one = arguments.body.rigid;
+    const Flow<Real> flow = {one ? table.flow_of_body : table.flow_of_particles,
+                             one ? table.drag_of_body : table.drag_of_particles, &arguments,
+                             arguments.key};
+    flows_.push_back(switched[k] == nullptr ? flow : switched[k]->gated(flow));
+    view.flows_overlap = view.flows_overlap || switched[k] != nullptr;
+  }
+  view.flows = flows_.data();
+  view.flow_count = flows_.size();
+  view.friction_rate = rate;
+}
+
+/// Nothing has been collected.
+template <class Real>
+void FrictionMatrix<Real>::begin(const std::vector<AssembledBody<Real>>& bodies) {
+  coefficients_.clear();
+  for (const auto& body : bodies) coefficients_.emplace_back(body.bound.slot.count, 0.0);
+  warmth_.assign(bodies.size(), {});
+  thermostats_.assign(bodies.size(), nullptr);
+}
+
+template <class Real>
+void FrictionMatrix<Real>::lay_bodies(const AssemblyPlan& plan,
+                                      std::vector<AssembledBody<Real>>& bodies,
+                                      AlignedVector<Real>& inverse_mass) {
   for (AssembledBody<Real>& body : bodies) {
     const BodySlot<Real>& slot = body.bound.slot;
     if (slot.mapped && !slot.rigid) continue;
@@ -85,39 +133,29 @@ void FrictionMatrix<Real>::lay(const AssemblyPlan& plan, std::vector<AssembledBo
     if (plan.inertial && !any_positive(coefficients_[body.bound.index])) continue;
     friction_.push_back(arguments);
   }
-  if (!faults_.empty()) throw InputError(std::move(faults_));
-  if (!plan.inertial) {
-    lay_noise(plan, view);
-    return;
-  }
-  const auto& table = kernels::FrictionKernels.on<Real>(plan.set);
-  for (const FrictionArguments<Real>& arguments : friction_) {
-    const bool one = arguments.body.rigid;
-    flows_.push_back({one ? table.flow_of_body : table.flow_of_particles,
-                      one ? table.drag_of_body : table.drag_of_particles, &arguments,
-                      arguments.key});
-  }
-  view.flows = flows_.data();
-  view.flow_count = flows_.size();
-  view.friction_rate = rate;
 }
 
 template <class Real>
 void FrictionMatrix<Real>::collect(const AssemblyPlan& plan,
                                    const std::vector<AssembledForce<Real>>& forces) {
-  CoefficientSink sink(coefficients_, warmth_);
   for (const AssembledForce<Real>& force : forces) {
-    if (!force.is_operator) continue;
+    if (!force.is_operator || is_friction_at_times(force)) continue;
     Flow<Real> flow;
     if (plan.inertial && force.bound->flow(flow)) {
       flow.key = key_of(plan, force);
       flows_.push_back(flow);
       continue;
     }
-    force.bound->friction(sink);
-    for (const std::size_t b : force.bodies) {
-      if (force.traits.stochastic) thermostats_[b] = &force;
-    }
+    collect(force);
+  }
+}
+
+template <class Real>
+void FrictionMatrix<Real>::collect(const AssembledForce<Real>& force) {
+  CoefficientSink sink(coefficients_, warmth_);
+  force.bound->friction(sink);
+  for (const std::size_t b : force.bodies) {
+    if (force.traits.stochastic) thermostats_[b] = &force;
   }
 }
 

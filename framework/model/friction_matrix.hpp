@@ -35,8 +35,15 @@ class FrictionMatrix {
   std::ptrdiff_t rate = kNoRate;  ///< where all operators' heat stands among the integrals
 
  private:
-  /// Of forces that are operators: the flows that they hand out, else their coefficients.
+  /// Of forces that are operators and act at all times: the flows that they hand out, else their
+  /// coefficients.
   void collect(const AssemblyPlan& plan, const std::vector<AssembledForce<Real>>& forces);
+  /// Of one force, beside what there is of others.
+  void collect(const AssembledForce<Real>& force);
+  void begin(const std::vector<AssembledBody<Real>>& bodies);
+  /// The friction that has been collected, body by body.
+  void lay_bodies(const AssemblyPlan& plan, std::vector<AssembledBody<Real>>& bodies,
+                  AlignedVector<Real>& inverse_mass);
   /// Noise of the bath that a body's friction stands for.
   void assign_noise(const AssemblyPlan& plan, const AssembledBody<Real>& body,
                     FrictionArguments<Real>& arguments);

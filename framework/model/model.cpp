@@ -236,9 +236,67 @@ void Model::require_same_parts(const FinalState& from) const {
     if (mine != other) refuse("", fmt::format("that had {}, and this has {}", other, mine));
   }
   for (const Force& force : forces()) {
+    if (force.switched != nullptr) {
+      refuse("force." + force.name + ".active", "its times count from the start of the run");
+    }
     if (force.drive() == nullptr || !force.bound->depends_on_time()) continue;
-    if (dynamic_cast<const PulledEnd*>(force.bound.get()) != nullptr) continue;
+    if (pulled_end_of(force.bound.get()) != nullptr) continue;
     refuse("force." + force.name, "this driver follows from the time, which counts from 0 again");
+  }
+}
+
+double Model::next_switch() const {
+  double next = std::numeric_limits<double>::infinity();
+  for (const Force& force : forces()) {
+    if (force.switched != nullptr) next = std::min(next, force.switched->next_switch());
+  }
+  return next;
+}
+
+std::vector<std::string> Model::switch_forces(const DoubleDouble& time, double latest) {
+  std::vector<std::string> names;
+  for (const Force& force : forces()) {
+    if (force.switched == nullptr || !(force.switched->next_switch() <= latest)) continue;
+    const double before = energy_of(force, time);
+    force.switched->switch_over();
+    if (force.switched->is_active()) set_out(force, time);
+    force.switched->shift_energy(before - energy_of(force, time));
+    names.push_back(force.name);
+  }
+  return names;
+}
+
+double Model::energy_of(const Force& force, const DoubleDouble& time) {
+  const SystemView<double>& view = system().view;
+  evaluate_at(time, view.position, view.velocity, view.integrals, rates_.data());
+  const DoubleDouble anchored = anchor_;
+  anchor(time);
+  const double energy =
+      force.energy(stage(view.position, view.velocity, view.integrals, rates_.data()));
+  anchor(anchored);
+  return energy;
+}
+
+/// The pulled end of a driver that has become active moves from here on: from where the spring has
+/// no force, unless its place is given.
+void Model::set_out(const Force& force, const DoubleDouble& time) {
+  PulledEnd* const end = pulled_end_of(force.bound.get());
+  if (end == nullptr || force.first_rate == kNoRate) return;
+  const auto axes = static_cast<std::size_t>(dimension());
+  std::vector<DoubleDouble> travel(axes);
+  end->set_out(time, travel);
+  if (!end->starts_at_point()) return;
+  const SystemView<double>& view = system().view;
+  constexpr int kTwice = 2;  // the second time takes away what rounding has left
+  for (int k = 0; k < kTwice; ++k) {
+    evaluate_at(time, view.position, view.velocity, view.integrals, rates_.data());
+    for (std::size_t d = 0; d < axes; ++d) {
+      const double stiffness = force.drive()->stiffness_on(static_cast<int>(d));
+      if (!(stiffness > 0.0)) continue;
+      const double pull = rates_[static_cast<std::size_t>(force.first_rate) + d];
+      travel[d] = travel[d] - DoubleDouble(pull / stiffness);
+    }
+    end->set_out(time, travel);
   }
 }
 

@@ -80,6 +80,12 @@ class Model {
   /// The attached state at this time, for another run to start from.
   FinalState final_state(const DoubleDouble& time) const;
 
+  /// When a force becomes active or ceases to be, the next time; infinite: never again.
+  double next_switch() const;
+  /// Those do, at the attached state of this time, that were to until `latest`. Returns their
+  /// names.
+  std::vector<std::string> switch_forces(const DoubleDouble& time, double latest);
+
   /// Move the origin when everything has moved by a cell or more. Cheap when nothing has. True when
   /// it did.
   bool rebase_if_due();
@@ -167,6 +173,8 @@ class Model {
   void build_tangent();
   static void begin_step(void* model, double time_high, double time_low);
   void build_elastic();
+  double energy_of(const Force& force, const DoubleDouble& time);
+  void set_out(const Force& force, const DoubleDouble& time);
   void keep_shapes();
   void place_origin();
   double share_of_stiffness(const Force& force, const Stage<double>& here);

@@ -39,6 +39,7 @@ std::shared_ptr<const Scene> with_forces(const Scene& scene, std::vector<SceneFo
                                          const IntegratorRecord& scheme) {
   auto with = std::make_shared<Scene>(scene);
   with->forces = std::move(forces);
+  for (SceneForce& force : with->forces) force.active.reset();
   with->run.dynamics = Dynamics::inertial;
   with->run.integrator.record = &scheme;
   with->run.number_type = NumberType::double_precision;

@@ -18,9 +18,9 @@ void AdaptiveSteps::advance(std::uint64_t) {
   }
   if (foresees_too_many_steps()) return;
   if (run_.longest_step < rest) {
-    take({0.0, run_.longest_step, run_.clock.now() + run_.longest_step});
+    take(up_to_switch({0.0, run_.longest_step, run_.clock.now() + run_.longest_step}));
   } else {
-    take({0.0, rest, DoubleDouble(plan.duration)});
+    take(up_to_switch({0.0, rest, DoubleDouble(plan.duration)}));
   }
   // Steps may be few and expensive.
   if (run_.too_expensive() && !run_.outcome.done()) run_.outcome.interrupt();

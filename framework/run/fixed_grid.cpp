@@ -29,8 +29,8 @@ void FixedGrid::advance(std::uint64_t most) {
     if (rest <= kNoStep * plan.dt && (run_.clock.steps() > 0 || rest <= 0.0)) {
       run_.outcome.ended = true;
     } else {
-      take_one(
-          {run_.since_anchor() + static_cast<double>(into), rest, DoubleDouble(plan.duration)});
+      take_one(up_to_switch(
+          {run_.since_anchor() + static_cast<double>(into), rest, DoubleDouble(plan.duration)}));
     }
     return;
   }
@@ -38,7 +38,7 @@ void FixedGrid::advance(std::uint64_t most) {
     // An event has split this step of the grid: the rest of it.
     const DoubleDouble end = end_of_step();
     const double rest = static_cast<double>(end - run_.clock.now());
-    take_one({run_.since_anchor() + static_cast<double>(into), rest, end, true});
+    take_one(up_to_switch({run_.since_anchor() + static_cast<double>(into), rest, end, true}));
     return;
   }
   if (parts_.triggers.waiting() || parts_.observation.looks_within_steps()) {
@@ -47,7 +47,7 @@ void FixedGrid::advance(std::uint64_t most) {
     plain_left_ = std::max<std::int64_t>(0, plain_steps());
   }
   if (plain_left_ == 0 || parts_.observation.rotations().is_due_at_every_step()) {
-    take_one({run_.since_anchor(), plan.dt, end_of_step(), true});
+    take_one(up_to_switch({run_.since_anchor(), plan.dt, end_of_step(), true}));
     if (plain_left_ > 0) --plain_left_;
     return;
   }
@@ -119,8 +119,8 @@ std::int64_t FixedGrid::plain_steps() {
   samples_each_step_ =
       run_.integrator->has_point_block() &&
       parts_.observation.samples_each_step(plan.dt, static_cast<double>(taken + 1) * plan.dt);
-  const double due =
-      samples_each_step_ ? parts_.observation.next_edge() : parts_.observation.next_due();
+  const double due = std::min(due_switch(), samples_each_step_ ? parts_.observation.next_edge()
+                                                               : parts_.observation.next_due());
   const std::int64_t left = plan.whole_steps - taken;
   if (!(due < plan.duration)) return left - 1;  // the last may end on a sample
   auto before = static_cast<std::int64_t>(due / plan.dt) - taken;

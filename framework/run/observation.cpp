@@ -296,6 +296,11 @@ void Observation::force_changed(const std::string& force) {
   events_.record(event, force);
 }
 
+void Observation::force_switched(const std::string& force) {
+  signals_.set_directions();
+  for (const auto& observer : observers_) observer->force_switched(force);
+}
+
 void Observation::look_at_rotations() {
   rotations_.look([this](std::size_t body, double turns) {
     for (const auto& observer : observers_) observer->turned(body, turns);

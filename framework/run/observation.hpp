@@ -46,6 +46,8 @@ class Observation {
   void at_equilibrium();
   void path_slip(double energy_lost);
   void force_changed(const std::string& force);
+  /// A force has become active, or has ceased to be.
+  void force_switched(const std::string& force);
   void look_at_rotations();
   void look_now_and_then();
   /// Every kBlock steps of the grid.

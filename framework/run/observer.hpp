@@ -129,6 +129,8 @@ class RunObserver {
   virtual void path_slip(const PathSlip& slip) { (void)slip; }
   /// A force has changed at an event.
   virtual void force_changed(std::string_view force) { (void)force; }
+  /// A force has become active, or has ceased to be.
+  virtual void force_switched(std::string_view force) { (void)force; }
   /// Every thousand steps; the same ones in a run that is resumed.
   virtual void look_now_and_then() {}
 

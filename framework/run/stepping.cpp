@@ -68,6 +68,7 @@ bool Stepping::take(const Step& step) {
   if (observation.window_has_ended() && parts_.window_ended()) {
     observation.integrate(begin, arrived, next_since);
   }
+  if (due_switch() <= run_.clock.time()) switch_forces();
   if (whole) {
     parts_.housekeeping.after_step();
   } else {
@@ -102,6 +103,25 @@ void Stepping::fire(const Triggers::Passed& passed) {
   const std::string& force = parts_.triggers.fire(passed);
   run_.anchor_here();
   parts_.observation.force_changed(force);
+  run_.integrator->forces_changed();
+}
+
+Stepping::Step Stepping::up_to_switch(Step step) const {
+  const double next = run_.model.next_switch();
+  if (!(due_switch() < static_cast<double>(step.end) - 2.0 * kNoStep * run_.plan.dt)) return step;
+  step.end = DoubleDouble(next);
+  step.h = static_cast<double>(step.end - run_.clock.now());
+  step.to_grid = false;
+  return step;
+}
+
+/// What has been found out about the next step was of other forces.
+void Stepping::switch_forces() {
+  const double latest = run_.clock.time() + kNoStep * run_.plan.dt;
+  for (const std::string& force : run_.model.switch_forces(run_.clock.now(), latest)) {
+    parts_.observation.force_switched(force);
+  }
+  run_.anchor_here();
   run_.integrator->forces_changed();
 }
 

@@ -53,6 +53,10 @@ class Stepping {
   bool take(const Step& step);
   /// Nothing is looked at in or after every step.
   bool may_be_in_lanes() const;
+  /// The step, or as much of it as there is before a force becomes active or ceases to be.
+  Step up_to_switch(Step step) const;
+  /// The time of the next switch, less what is no step.
+  double due_switch() const { return run_.model.next_switch() - kNoStep * run_.plan.dt; }
   /// One step of the scheme.
   StepReport step_scheme(double since, double h, bool dense);
 
@@ -71,6 +75,7 @@ class Stepping {
   bool take_to_event(const Triggers::Passed& passed, const Step& step, const DoubleDouble& begin,
                      double length, const DoubleDouble& arrived);
   void fire(const Triggers::Passed& passed);
+  void switch_forces();
 };
 
 /// For the scheme of the run.

@@ -38,6 +38,8 @@ struct BodyDraft : ComponentDraft<BodyRecord> {
 struct ForceDraft : ComponentDraft<ForceRecord> {
   std::vector<std::size_t> bodies;  ///< those that could be found
   bool driver = false;
+  std::optional<ActiveSettings> active;
+  Table active_effective;  ///< with its defaults filled in
 };
 
 /// Its parameters that differ between particles.

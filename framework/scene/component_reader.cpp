@@ -144,6 +144,28 @@ void read_driver(SceneDraft& draft, ForceDraft& force, const SceneSection& given
   }
 }
 
+/// `active`.
+void read_active(SceneDraft& draft, ForceDraft& force, const SceneSection& given) {
+  const Node* node = given.table->find("active");
+  if (node == nullptr) return;
+  const std::string path = force.reading.path + ".active";
+  const auto table = draft.inside(*node, path, "{ from = TIME, until = TIME }");
+  if (!table) {
+    force.sound = false;
+    return;
+  }
+  ActiveSettings& active = force.active.emplace();
+  TableReading reading = draft.read(*table, active_layout(), path, &active);
+  force.sound = force.sound && reading.sound;
+  if (reading.sound && active.until && !(*active.until > active.from)) {
+    reading.complain(draft.faults, "until",
+                     {FaultCode::scene_out_of_range, path + ".until", "it is not after from",
+                      "a time after from, or none"});
+    force.sound = false;
+  }
+  force.active_effective = std::move(reading.effective);
+}
+
 /// A body whose own name is unfit is still the one that is meant by it; the first of several is.
 void note_name(SceneDraft& draft, const BodyDraft& body, const SceneSection& given) {
   const auto* written = text_at(given, "name");
@@ -277,6 +299,7 @@ void read_components(SceneDraft& draft) {
            [&](ForceDraft& force, const SceneSection& given) {
              read_bodies_of(draft, force, given, "acts on");
              read_driver(draft, force, given);
+             read_active(draft, force, given);
              prepare_force(force, folder_of(draft), draft.faults);
              const bool one = force.bodies.size() == 1;
              read_particle_values(draft, force,

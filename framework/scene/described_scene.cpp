@@ -2,6 +2,7 @@
 
 #include <set>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -54,6 +55,9 @@ Node effective_component(const SceneDraft& draft, const Draft& component) {
   if (const Node* driver = component.reading.given->find("driver")) {
     if (table.find("driver") == nullptr) table.set("driver", *driver);
   }
+  if constexpr (std::is_same_v<Draft, ForceDraft>) {
+    if (component.active) table.set("active", {component.active_effective, {}});
+  }
   return {std::move(table), {}};
 }
 
@@ -76,6 +80,7 @@ void describe_components(SceneDraft& draft) {
     scene.forces.push_back(component_of<SceneForce>(force, draft.source));
     scene.forces.back().bodies = force.bodies;
     scene.forces.back().driver = force.driver;
+    scene.forces.back().active = force.active;
     scene.forces.back().variations = variations_of(force);
   }
   for (const ObserverDraft& observer : draft.observers) {

@@ -66,6 +66,8 @@ TableLayout body_layout(const BodyRecord& record);
 Parameter hold_row();
 /// `driver`, which every force takes; assigns SceneForce::driver.
 Parameter driver_row();
+/// `active` of a force.
+TableLayout active_layout();
 TableLayout force_layout(const ForceRecord& record);
 TableLayout observer_layout(const ObserverRecord& record);
 TableLayout integrator_layout(const IntegratorRecord& record);

@@ -47,14 +47,22 @@ struct SceneBody : SceneComponent<BodyRecord> {
   std::optional<Motion> motion;   ///< of a prescribed body, and of no other
 };
 
+/// `active = { from = 200.0, until = 400.0 }` of a force: it acts between these times, and is not
+/// there before and after.
+struct ActiveSettings {
+  double from = 0.0;
+  std::optional<double> until;  ///< it stays active without
+};
+
 struct SceneForce : SceneComponent<ForceRecord> {
   Traits traits() const { return traits_of(*record, description.get()); }
   /// Along an axis; 0 where it declares none.
   double period(int axis) const { return record->period(description.get(), axis); }
 
-  std::vector<std::size_t> bodies;    ///< indices into Scene::bodies, in the order named
-  std::vector<Variation> variations;  ///< its parameters that differ between particles
-  bool driver = false;                ///< declared to be one, whatever force it is
+  std::vector<std::size_t> bodies;       ///< indices into Scene::bodies, in the order named
+  std::vector<Variation> variations;     ///< its parameters that differ between particles
+  bool driver = false;                   ///< declared to be one, whatever force it is
+  std::optional<ActiveSettings> active;  ///< at all times without
 };
 
 struct SceneObserver : SceneComponent<ObserverRecord> {

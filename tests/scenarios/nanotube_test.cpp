@@ -57,9 +57,10 @@ TEST(Nanotube, RollsOnTheSheet) {
                                                      {"rows", "10"},
                                                      {"v", text_of(kVelocity)},
                                                      {"run.integrator.dt", "2e-3"},
-                                                     {"run.duration", "2 * a / v"},
-                                                     {"measure.from", "a / v"},
-                                                     {"measure.to", "2 * a / v"}});
+                                                     {"equilibration", "2.0"},
+                                                     {"run.duration", "2.0 + 2 * a / v"},
+                                                     {"measure.from", "2.0 + a / v"},
+                                                     {"measure.to", "2.0 + 2 * a / v"}});
   const double dragging = 240.0 * 1e-3 * kVelocity;
   EXPECT_NEAR(observable(result, "tube.rolling").value(), 1.0, 0.02);
   EXPECT_NEAR(observable(result, "driver.mean_force.y").value() / (2.0 * dragging), 1.0, 0.05);

@@ -16,6 +16,12 @@ class PulledEnd {
   virtual std::vector<DoubleDouble> travelled(const DoubleDouble& time) const = 0;
   /// At time 0 it has travelled so far already. Before start_control().
   virtual void begin_at(const std::vector<DoubleDouble>& travel) = 0;
+  /// It rests where it starts until set_out(). Before its control is laid out.
+  virtual void rests_at_first() = 0;
+  /// It moves from this time on, having travelled so far.
+  virtual void set_out(const DoubleDouble& time, const std::vector<DoubleDouble>& travel) = 0;
+  /// The description does not say where it starts: with the attached point.
+  virtual bool starts_at_point() const = 0;
 
  protected:
   PulledEnd() = default;

@@ -54,6 +54,7 @@ struct SystemView {
   /// the scheme takes them.
   const Flow<Real>* flows = nullptr;
   std::size_t flow_count = 0;
+  bool flows_overlap = false;              ///< several act on the same velocities, or may
   std::ptrdiff_t friction_rate = kNoRate;  ///< where their heat stands among the integrals, if kept
 
   const KineticIntegral* kinetic = nullptr;  ///< none unless the scene has a thermostat

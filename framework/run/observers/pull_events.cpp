@@ -102,6 +102,7 @@ class PullEvents : public RunObserver {
   void span(const SignalSpan& span) override;
   void path_slip(const PathSlip& slip) override;
   void force_changed(std::string_view force) override;
+  void force_switched(std::string_view force) override;
   void look_at_end(const RunMoment& end) override;
   void finish(const RunMoment& end) override;
   std::vector<std::string> estimated() const override { return slips_.estimated(); }
@@ -370,6 +371,13 @@ void PullEvents::force_changed(std::string_view force) {
   forget_peaks();
   for (DriverWatch& watch : watches_) {
     if (drivers_[watch.driver()].name == force) watch.turned();
+  }
+}
+
+/// A driver that has become active begins afresh.
+void PullEvents::force_switched(std::string_view force) {
+  for (DriverWatch& watch : watches_) {
+    if (drivers_[watch.driver()].name == force) watch.start();
   }
 }
 

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "framework/run/energy_terms.hpp"
 #include "framework/run/observers/kinds.hpp"
 #include "framework/run/plan.hpp"
@@ -49,8 +51,8 @@ class Work : public RunObserver {
         const double speed = speed_of(*driver.drive);
         work = window.gained(driver.first_rate + axes) +
                inertia_lacking_in(parts_.run.model, driver, window).back();
-        if (driver.drive->steady) distance = speed * window.length();
-        if (driver.drive->steady && speed > 0.0) work_per_distance = *work / *distance;
+        if (driver.drive->steady) distance = speed * active_time(driver);
+        if (distance && *distance > 0.0) work_per_distance = *work / *distance;
         dissipated = dissipated_per_period(driver);
       }
       ResultGroup& group = table.driver(driver);
@@ -62,6 +64,18 @@ class Work : public RunObserver {
   }
 
  private:
+  /// How long the driver acts within the window.
+  double active_time(const Model::Driver& driver) const {
+    const MeasureWindow& window = parts_.window;
+    for (const SceneForce& force : parts_.run.scene->forces) {
+      if (force.name != driver.name || !force.active) continue;
+      const double until =
+          std::min(force.active->until.value_or(window.to().time), window.to().time);
+      return std::max(0.0, until - std::max(force.active->from, window.from().time));
+    }
+    return window.length();
+  }
+
   std::optional<double> dissipated_per_period(const Model::Driver& driver) const {
     const RunContext& run = parts_.run;
     const std::optional<double> period = time_of_period(run.model, *driver.drive);
