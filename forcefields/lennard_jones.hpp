@@ -57,6 +57,9 @@ struct LennardJonesPotential {
   };
 
   static double cutoff(const Description& d) { return d.cutoff; }
+  /// Of a particle: those that are nearer than half of this at the start are refused.
+  static double size(const Description& d) { return d.epsilon > 0.0 ? d.sigma : 0.0; }
+  static constexpr const char* what_size = "half of sigma";
 
   template <class T, int D>
   static Parameters<T, D> parameters(const Description& d) {

@@ -38,8 +38,16 @@ void count_coordinates(Model& model, std::size_t b, Explanation::Body& body) {
   }
 }
 
+/// Neighbour lists are made by an evaluation.
+void evaluate_start(Model& model) {
+  const SystemView<double>& view = model.system().view;
+  AlignedVector<double> rates(view.rates + 2 * kGroup, 0.0);
+  model.evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates.data());
+}
+
 void add_built(Explanation& explanation, Model& model) {
   const Scene& scene = *explanation.scene;
+  evaluate_start(model);
   for (std::size_t b = 0; b < model.bodies().size(); ++b) {
     const Model::Body& from = model.bodies()[b];
     Explanation::Body body;
@@ -54,7 +62,10 @@ void add_built(Explanation& explanation, Model& model) {
     explanation.bodies.push_back(std::move(body));
   }
   for (const Model::Force& from : model.forces()) {
-    Explanation::Force force{from.name, from.record->name, {}, {}, {}};
+    Explanation::Force force{from.name, from.record->name, {}, {}, {}, {}};
+    if (const auto* lists = dynamic_cast<const CountsNeighbours*>(from.bound.get())) {
+      force.neighbours = lists->count_neighbours();
+    }
     for (const SceneForce& force_of_scene : scene.forces) {
       if (force_of_scene.name != from.name) continue;
       force.element = element_of(*from.record, force_of_scene.description.get());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -45,9 +46,12 @@ class GroupList {
   void forget() { finder_.forget(); }
   void bring_up_to_date(const Stage<Real>& stage) { update(this, stage); }
 
-  /// Neighbours within the reach of the list, on average.
-  double neighbours_each() const {
-    return static_cast<double>(neighbours_) / static_cast<double>(finder_.count());
+  /// Neighbours within the reach of the list; pairs within a body are there twice.
+  NeighbourCount count() const {
+    return {static_cast<double>(neighbours_) / static_cast<double>(finder_.count()), most_,
+            arguments.same_body ? neighbours_ / 2 : neighbours_,
+            finder_.bytes() + bytes_of(row_start_) + bytes_of(first_) + bytes_of(shift_) +
+                bytes_of(known_) + bytes_of(shifts_) + bytes_of(energy_)};
   }
 
   CutoffPairArguments<Real> arguments;
@@ -65,10 +69,13 @@ class GroupList {
     known_.clear();
     shifts_.clear();
     neighbours_ = 0;
+    most_ = 0;
     for (std::size_t i = 0; i < finder_.count(); ++i) {
       const std::size_t begin = first_.size();
-      for (const Neighbour& near : finder_.of(i)) {
-        ++neighbours_;
+      const std::vector<Neighbour>& found = finder_.of(i);
+      neighbours_ += found.size();
+      most_ = std::max(most_, found.size());
+      for (const Neighbour& near : found) {
         const auto group = static_cast<std::uint32_t>(near.particle / kGroup * kGroup);
         const std::uint32_t shift = number_of(near.shift);
         // A group at the side of the box is there with several images, each for other particles.
@@ -99,6 +106,7 @@ class GroupList {
 
   NeighbourFinder<Real> finder_;
   std::size_t neighbours_ = 0;
+  std::size_t most_ = 0;
   std::vector<std::uint32_t> row_start_;
   std::vector<std::uint32_t> first_;
   std::vector<std::uint32_t> shift_;
@@ -110,7 +118,7 @@ class GroupList {
 /// The evaluator between all pairs within the cutoff that its description states. Between two
 /// bodies each gets its force by a list of its own, but for one that is fixed.
 template <class E, class Real, int D>
-class CutoffPairForce : public BoundForce<Real> {
+class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours {
  public:
   using Parameters = typename E::template Parameters<Real, D>;
 
@@ -122,6 +130,9 @@ class CutoffPairForce : public BoundForce<Real> {
         other_(*binding.bodies.back()),
         rank_(rank) {
     const double cutoff = E::cutoff(description);
+    size_ = E::size(description);
+    check_distances(starting(one_), starting(other_), D, binding.box, std::min(0.5 * size_, cutoff),
+                    E::what_size);
     add_list(one_, other_, cutoff, binding.box);
     if (one_.index != other_.index) add_list(other_, one_, cutoff, binding.box);
   }
@@ -139,6 +150,13 @@ class CutoffPairForce : public BoundForce<Real> {
   void rebase(const Origin& origin) override {
     (void)origin;
     for (const auto& list : lists_) list->forget();
+  }
+
+  /// Of the first list; memory is that of both.
+  NeighbourCount count_neighbours() const override {
+    NeighbourCount count = lists_.front()->count();
+    for (std::size_t k = 1; k < lists_.size(); ++k) count.bytes += lists_[k]->count().bytes;
+    return count;
   }
 
   Real energy(const Stage<Real>& stage) const override {
@@ -170,6 +188,9 @@ class CutoffPairForce : public BoundForce<Real> {
     });
   }
 
+  /// In a step no particle moves by more than half of this.
+  double shortest_bond() const override { return size_; }
+
   std::string why_not_finite(const Stage<Real>& stage) const override {
     std::string why;
     const BoundBody<Real>& body = first_listed();
@@ -179,8 +200,9 @@ class CutoffPairForce : public BoundForce<Real> {
       bool finite = true;
       for (int d = 0; d < D; ++d) finite = finite && force[d] - force[d] == Real(0.0);
       if (finite || !why.empty()) return;
-      why = fmt::format("particle {} of \"{}\" and particle {} of \"{}\" are {:.3g} apart", i,
-                        body.name, j, other.name, static_cast<double>(distance(pair.separation)));
+      why = fmt::format("{} and {} are {:.3g} apart", name_of(starting(body), i),
+                        name_of(starting(other), j),
+                        static_cast<double>(distance(pair.separation)));
     });
     return why;
   }
@@ -224,6 +246,7 @@ class CutoffPairForce : public BoundForce<Real> {
   BoundBody<Real> one_;
   BoundBody<Real> other_;
   int rank_;
+  double size_ = 0.0;
   std::vector<std::unique_ptr<GroupList<Real>>> lists_;
 };
 
