@@ -157,26 +157,24 @@ std::string of_species(const Model& model, const Model::CoordinateName& name) {
   return "";
 }
 
-/// A velocity that is no finite number, and why: a thermostat's flow has none for a body that is
-/// much too hot. False where all are finite.
-bool velocities_diverged(const Model& model, RunFailure& failure) {
+/// A thermostat whose flow over half a step has no finite value: the body is much too hot for it.
+const Model::Force* failing_thermostat(const Model& model, double h) {
   const SystemView<double>& s = model.system().view;
-  for (std::size_t i = 0; i < s.dofs; ++i) {
-    if (s.inverse_mass[i] == 0.0 || std::isfinite(s.velocity[i])) continue;
-    failure.body = model.name_of(i).body;
-    failure.what = "the velocities of the body are not finite numbers";
-    failure.cause = "the speed diverges";
-    for (const Model::Force& force : model.forces()) {
-      if (!force.record->thermostat || model.bodies()[force.bodies.front()].bound.name != failure.body)
-        continue;
-      failure.force = force.name;
-      failure.cause =
-          "the kinetic energy is too far from the temperature for this thermostat: the speed "
-          "diverges, or the body starts much too hot";
-    }
-    return true;
+  for (const Model::Force& force : model.forces()) {
+    Flow<double> flow;
+    if (!force.record->thermostat || force.traits.stochastic || !force.bound->flow(flow)) continue;
+    AlignedVector<double> velocity(s.velocity, s.velocity + s.dofs);
+    AlignedVector<double> own(s.integrals, s.integrals + s.own);
+    FlowStage<double> stage;
+    stage.position = s.position;
+    stage.inverse_mass = s.inverse_mass;
+    stage.velocity = velocity.data();
+    stage.own = own.data();
+    flow.run(flow.arguments, stage, 0.5 * h);
+    if (!std::all_of(velocity.begin(), velocity.end(), [](double v) { return std::isfinite(v); }))
+      return &force;
   }
-  return false;
+  return nullptr;
 }
 
 FaultCode code_of(StepFault fault) {
@@ -222,8 +220,16 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
         "a force law was evaluated outside of the range in which it is defined, or a motion jumps";
     return failure;
   }
-  if (fault == StepFault::not_finite_or_too_far && velocities_diverged(model, failure)) {
-    return failure;
+  if (fault == StepFault::not_finite_or_too_far) {
+    if (const Model::Force* thermostat = failing_thermostat(model, h)) {
+      failure.body = model.bodies()[thermostat->bodies.front()].bound.name;
+      failure.force = thermostat->name;
+      failure.what = "the velocities of the body would not be finite numbers";
+      failure.cause =
+          "the kinetic energy is too far from the temperature for this thermostat: the speed "
+          "diverges, or the body starts much too hot";
+      return failure;
+    }
   }
   const std::size_t worst = worst_coordinate(model, h);
   const Model::CoordinateName name = model.name_of(worst);
