@@ -173,7 +173,7 @@ TEST(NoseHooverChain, KeepsTheTemperatureInMetalUnits) {
       "integrator = { type = \"baoab\", dt = 2e-3 }\n[measure]\nin = \"time\"\nfrom = 10.0\n");
   ASSERT_EQ(result.status, RunStatus::finished);
   // Of 20 free coordinates in 190 ps, thousands of exchanges with the chain.
-  EXPECT_NEAR(*body_of(result, "body")["temperature"][0], 300.0, 6.0);
+  EXPECT_NEAR(body_of(result, "body")["temperature"][0], 300.0, 6.0);
 }
 
 /// Of centre and rotation, which have three coordinates together.
