@@ -34,7 +34,7 @@ struct Explanation {
     std::string type;
     std::vector<std::string> bodies;
     Element element = Element::site;
-    std::string note;  ///< what its record says of it; may be empty
+    std::string note;                          ///< what its record says of it; may be empty
     std::optional<NeighbourCount> neighbours;  ///< at the start; of a force with a cutoff
   };
   /// A part of the engine and whether the scene asks for it.

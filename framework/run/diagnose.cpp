@@ -266,12 +266,13 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
       failure.cause = "tolerances below what rounding allows, or a force that is not smooth";
       return failure;
     case StepFault::not_finite_or_too_far:
-      failure.what = finite ? fmt::format("a coordinate{} would move further in one step than is "
-                                          "allowed (a period, or half the shortest bond or size), "
-                                          "or become non-finite",
-                                          of_species(model, name))
-                            : fmt::format("an acceleration{} is not a finite number",
-                                          of_species(model, name));
+      failure.what =
+          finite ? fmt::format(
+                       "a coordinate{} would move further in one step than is "
+                       "allowed (a period, or half the shortest bond or size), "
+                       "or become non-finite",
+                       of_species(model, name))
+                 : fmt::format("an acceleration{} is not a finite number", of_species(model, name));
       break;
   }
   NotFinite found = not_finite(model, time, h);

@@ -200,9 +200,9 @@ class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours {
       bool finite = true;
       for (int d = 0; d < D; ++d) finite = finite && force[d] - force[d] == Real(0.0);
       if (finite || !why.empty()) return;
-      why = fmt::format("{} and {} are {:.3g} apart", name_of(starting(body), i),
-                        name_of(starting(other), j),
-                        static_cast<double>(distance(pair.separation)));
+      why =
+          fmt::format("{} and {} are {:.3g} apart", name_of(starting(body), i),
+                      name_of(starting(other), j), static_cast<double>(distance(pair.separation)));
     });
     return why;
   }

@@ -95,16 +95,17 @@ void check_distances(const StartingParticles& one, const StartingParticles& othe
     if (same || dimension < 3) break;
     const std::optional<int> axis = plane_passed(*flat, *body, least);
     if (!axis) continue;
-    through = fmt::format("\"{}\" passes through \"{}\", which lies in a plane across {}: ",
-                          body->name, flat->name, kAxisNames[*axis]);
+    through =
+        fmt::format("\"{}\" passes through \"{}\", which lies in a plane across {}: ", body->name,
+                    flat->name, kAxisNames[*axis]);
     break;
   }
-  throw BindError({.key = same ? "body" : "bodies",
-                   .why = fmt::format("{}{} and {} are {:.3g} apart at the start", through,
-                                      name_of(one, pair->one), name_of(other, pair->other),
-                                      pair->apart),
-                   .admissible = fmt::format("at least {:.3g}, {}", least, why),
-                   .code = FaultCode::body_invalid_coordinates});
+  throw BindError(
+      {.key = same ? "body" : "bodies",
+       .why = fmt::format("{}{} and {} are {:.3g} apart at the start", through,
+                          name_of(one, pair->one), name_of(other, pair->other), pair->apart),
+       .admissible = fmt::format("at least {:.3g}, {}", least, why),
+       .code = FaultCode::body_invalid_coordinates});
 }
 
 std::vector<Complaint> cutoff_complaints(const char* key, double cutoff, const SceneOutline& scene,

@@ -175,9 +175,9 @@ TEST_F(MolecularDynamics, ARunawayNamesAtomSpeciesAndForce) {
       const std::string step = std::string("dt = ") + dt;
       const std::string text = tube_scene_with(
           "every = 0.05", std::string("every = ") + dt,
-          tube_scene_with("dt = 1e-3", step,
-                          tube_scene_with("duration = 1.0",
-                                          "duration = 100.0\nallow_unstable = true", scene)));
+          tube_scene_with(
+              "dt = 1e-3", step,
+              tube_scene_with("duration = 1.0", "duration = 100.0\nallow_unstable = true", scene)));
       const Ended ended = run_of(text);
       EXPECT_EQ(ended.status, 1) << ended.err;
       EXPECT_FALSE(contains(ended.err, "file.cannot_write")) << ended.err;

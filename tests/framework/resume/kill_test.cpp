@@ -262,9 +262,9 @@ TEST_F(Killed, NoisyRunsEndWithTheSameBits) {
 /// `kills_of_molecular_dynamics`, of the label slow.
 TEST_F(Killed, MolecularDynamicsEndsWithTheSameBits) {
   const char* asked = std::getenv("TOMLIN_DYNAMICS_KILL_POINTS");
-  const std::string scene = tube_scene_with("duration = 1.0",
-                                            "duration = 10.0\ncheckpoint_every = 0.01",
-                                            tube_scene_with("every = 0.05", "every = 0.02"));
+  const std::string scene =
+      tube_scene_with("duration = 1.0", "duration = 10.0\ncheckpoint_every = 0.01",
+                      tube_scene_with("every = 0.05", "every = 0.02"));
   kill_and_resume({{"tube on a sheet", scene}}, asked != nullptr ? std::atoi(asked) : 15);
 }
 
