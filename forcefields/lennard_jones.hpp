@@ -1,5 +1,12 @@
 #pragma once
 
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "framework/core/elements/cutoff_kernels.hpp"
 #include "framework/core/records/parameter.hpp"
 #include "framework/core/records/registry.hpp"
@@ -16,6 +23,10 @@
 ///   sigma    length  where V = 0
 ///   r_c      length  cutoff
 ///
+/// Entries give epsilon and sigma for pairs of species. Mixing by H. A. Lorentz, Ann. Phys. 248
+/// (1881) 127, doi:10.1002/andp.18812480110, and D. Berthelot, C. R. Acad. Sci. (Paris) 126 (1898)
+/// 1703: sigma is the arithmetic mean of those of like pairs, epsilon the geometric one.
+///
 /// Source: J. E. Jones, Proc. R. Soc. Lond. A 106, 463 (1924), doi:10.1098/rspa.1924.0082; the
 /// shifted force: S. Toxvaerd and J. C. Dyre, J. Chem. Phys. 134, 081102 (2011),
 /// doi:10.1063/1.3558787.
@@ -31,12 +42,48 @@ constexpr auto word_table(AtCutoff) {
   return std::to_array<Word<AtCutoff>>({{cut, "cut"}, {shift, "shift"}, {smooth, "smooth"}});
 }
 
-struct LennardJonesDescription {
+/// What becomes of pairs of species that have no entry.
+enum class Mixing { none, lorentz_berthelot };
+
+constexpr auto word_table(Mixing) {
+  using enum Mixing;
+  return std::to_array<Word<Mixing>>(
+      {{none, "none"}, {lorentz_berthelot, "lorentz_berthelot"}});
+}
+
+/// The numbers of two species.
+struct LennardJonesEntry {
+  std::array<std::string, 2> species;
   double epsilon = 0.0;
   double sigma = 0.0;
+};
+
+struct LennardJonesDescription {
+  double epsilon = std::numeric_limits<double>::quiet_NaN();  // absent with entries
+  double sigma = std::numeric_limits<double>::quiet_NaN();
+  std::string entries;
+  Mixing mixing = Mixing::none;
   double cutoff = 0.0;
   AtCutoff at_cutoff = AtCutoff::smooth;
 };
+
+/// The entries of a text, four words each: two species, epsilon and sigma. Adds to `faults`, each
+/// with its line.
+std::vector<LennardJonesEntry> parse_lennard_jones(std::string_view text,
+                                                   std::vector<std::string>& faults);
+
+/// The numbers of a pair of species: those of its entry, or mixed; nothing where there are none.
+std::optional<LennardJonesEntry> lennard_jones_of(const std::vector<LennardJonesEntry>& known,
+                                                  Mixing mixing, const std::string& one,
+                                                  const std::string& other);
+
+/// Of every pair of species; empty where the description has no entries.
+std::vector<LennardJonesEntry> lennard_jones_of_all(const LennardJonesDescription& description,
+                                                    const std::vector<std::string>& one,
+                                                    const std::vector<std::string>& other);
+
+/// The shortest sigma of those that repel.
+double shortest_sigma(const LennardJonesDescription& description);
 
 ForceRecord lennard_jones_record();
 
@@ -57,6 +104,9 @@ struct LennardJonesPotential {
   };
 
   static double cutoff(const Description& d) { return d.cutoff; }
+  /// Of a particle: those that are nearer than half of this at the start are refused.
+  static double size(const Description& d) { return shortest_sigma(d); }
+  static constexpr const char* what_size = "half of sigma";
 
   template <class T, int D>
   static Parameters<T, D> parameters(const Description& d) {
@@ -65,6 +115,21 @@ struct LennardJonesPotential {
     if (d.at_cutoff != AtCutoff::cut) p.at_cutoff = value(p, inverse_squared);
     if (smooth) p.slope = slope_over_distance(p, inverse_squared) * p.cutoff;
     return p;
+  }
+
+  /// [species of one][species of other]; empty where all pairs are alike.
+  template <class T, int D>
+  static std::vector<Parameters<T, D>> by_species(const Description& d,
+                                                  const std::vector<std::string>& one,
+                                                  const std::vector<std::string>& other) {
+    std::vector<Parameters<T, D>> all;
+    for (const LennardJonesEntry& pair : lennard_jones_of_all(d, one, other)) {
+      Description alike = d;
+      alike.epsilon = pair.epsilon;
+      alike.sigma = pair.sigma;
+      all.push_back(parameters<T, D>(alike));
+    }
+    return all;
   }
 
   template <class T, int D>

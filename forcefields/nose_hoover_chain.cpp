@@ -120,8 +120,9 @@ ForceRecord nose_hoover_chain_record() {
   record.traits.depends_on_velocity = true;
   record.thermostat = true;
   record.parameters = {
-      parameter("temperature", &Description::temperature, dimension::energy,
-                "Boltzmann's constant times the temperature of the body, an energy")
+      parameter(
+          "temperature", &Description::temperature, dimension::temperature,
+          "of the body; in reduced units an energy: Boltzmann's constant times the temperature")
           .in(positive),
       parameter("period", &Description::period, dimension::time,
                 "of the exchange of energy with the first link, 2 pi sqrt(Q_1/(N T)): about that "

@@ -7,6 +7,7 @@
 #include "framework/core/elements/bond_order.hpp"
 #include "framework/core/records/fetched_numbers.hpp"
 #include "framework/core/text/number_file.hpp"
+#include "framework/core/text/placed_words.hpp"
 #include "framework/core/text/xyz_file.hpp"
 
 TOMLIN_DECLARE_TABLES(Tersoff, BondOrderTable)
@@ -155,31 +156,6 @@ double shortest_length(const TersoffDescription& d) {
 }
 
 const std::filesystem::path& path_of(const TersoffDescription& d) { return d.read_from; }
-
-/// A word of a text and the line in which it stands.
-struct PlacedWord {
-  std::string_view word;
-  std::size_t line = 0;
-};
-
-std::vector<PlacedWord> words_of_lines(std::string_view text) {
-  std::vector<PlacedWord> words;
-  std::size_t line = 1;
-  for (std::size_t at = 0; at < text.size();) {
-    const char c = text[at];
-    if (c == '\n') ++line;
-    if (c == '#') {
-      at = std::min(text.find('\n', at), text.size());
-    } else if (c == ' ' || c == '\t' || c == '\r' || c == '\n') {
-      ++at;
-    } else {
-      const std::size_t end = std::min(text.find_first_of(" \t\r\n#", at), text.size());
-      words.push_back({text.substr(at, end - at), line});
-      at = end;
-    }
-  }
-  return words;
-}
 
 /// Why there is no such potential; empty where there is.
 std::string why_unsuitable(const TersoffNumbers& p) {

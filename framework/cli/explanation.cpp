@@ -1,5 +1,6 @@
 #include "framework/cli/explanation.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -54,7 +55,7 @@ void add_built(Explanation& explanation, Model& model) {
     explanation.bodies.push_back(std::move(body));
   }
   for (const Model::Force& from : model.forces()) {
-    Explanation::Force force{from.name, from.record->name, {}, {}, {}};
+    Explanation::Force force{from.name, from.record->name, {}, {}, {}, {}};
     for (const SceneForce& force_of_scene : scene.forces) {
       if (force_of_scene.name != from.name) continue;
       force.element = element_of(*from.record, force_of_scene.description.get());
@@ -125,6 +126,27 @@ void add_parts(Explanation& explanation, const Model& model) {
   parts.push_back({"trajectory", scene.output.trajectory, "output.trajectory = true writes it"});
 }
 
+/// Those at the start: lists are made by an evaluation. Forces are in the order of the model.
+void count_neighbours(Explanation& explanation, Model& model) {
+  std::vector<const CountsNeighbours*> lists;
+  for (const Model::Force& force : model.forces()) {
+    lists.push_back(dynamic_cast<const CountsNeighbours*>(force.bound.get()));
+  }
+  if (std::all_of(lists.begin(), lists.end(), [](const auto* list) { return list == nullptr; }))
+    return;
+  StateLayout layout;
+  model.declare(layout);
+  RunState state(layout, 1);
+  model.attach(state);
+  model.start();
+  const SystemView<double>& view = model.system().view;
+  AlignedVector<double> rates(view.rates + 2 * kGroup, 0.0);
+  model.evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates.data());
+  for (std::size_t k = 0; k < lists.size(); ++k) {
+    if (lists[k] != nullptr) explanation.forces[k].neighbours = lists[k]->count_neighbours();
+  }
+}
+
 Explanation::Step step_of(const Scene& scene, const Trial& trial) {
   const SceneIntegrator& integrator = scene.run.integrator;
   Explanation::Step step;
@@ -177,6 +199,7 @@ Explanation explain(const std::shared_ptr<const Scene>& scene, double trial_seco
   Model model(scene);
   add_built(explanation, model);
   add_parts(explanation, model);
+  count_neighbours(explanation, model);
   explanation.scales = scales_of(scene);
   const Trial trial = try_out(scene, trial_seconds);
   explanation.step = step_of(*scene, trial);

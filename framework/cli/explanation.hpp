@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/core/records/neighbour_count.hpp"
 #include "framework/core/records/traits.hpp"
 #include "framework/core/text/warning.hpp"
 #include "framework/model/scales.hpp"
@@ -33,7 +34,8 @@ struct Explanation {
     std::string type;
     std::vector<std::string> bodies;
     Element element = Element::site;
-    std::string note;  ///< what its record says of it; may be empty
+    std::string note;                          ///< what its record says of it; may be empty
+    std::optional<NeighbourCount> neighbours;  ///< at the start; of a force with a cutoff
   };
   /// A part of the engine and whether the scene asks for it.
   struct Part {

@@ -69,6 +69,16 @@ void add_bodies(Forms& forms, const Explanation& e) {
   }
 }
 
+/// Of the force that was added last.
+void add_neighbours(Forms& forms, const NeighbourCount& count) {
+  forms.json["forces"].back()["neighbours"] = Json{
+      {"mean", count.mean}, {"most", count.most}, {"pairs", count.pairs}, {"bytes", count.bytes}};
+  forms.text.row("", fmt::format("{} neighbours of a particle within cutoff and skin, at most {}; "
+                                 "{} pairs, lists of {}",
+                                 text_of(count.mean), count.most, count.pairs,
+                                 bytes_text(static_cast<double>(count.bytes))));
+}
+
 void add_forces(Forms& forms, const Explanation& e) {
   forms.json["forces"] = Json::array();
   for (const Explanation::Force& force : e.forces) {
@@ -81,6 +91,7 @@ void add_forces(Forms& forms, const Explanation& e) {
     forms.text.row(force.name, fmt::format("{} on {}: acts on {}", force.type,
                                            fmt::join(force.bodies, ", "), acts_on));
     if (!force.note.empty()) forms.text.row("", force.note);
+    if (force.neighbours) add_neighbours(forms, *force.neighbours);
   }
 }
 

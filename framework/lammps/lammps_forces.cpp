@@ -61,8 +61,28 @@ void add_lennard_jones(const SceneForce& force, LammpsTerms& terms) {
   pairs.style = d.at_cutoff == AtCutoff::smooth ? "lj/smooth/linear" : "lj/cut";
   pairs.arguments = n(d.cutoff);
   if (d.at_cutoff == AtCutoff::shift) pairs.modify = "shift yes";
-  pairs.types = terms.atoms.bodies[low].range() + " " + terms.atoms.bodies[high].range();
-  pairs.coefficients = fmt::format("{} {} {}", n(d.epsilon), n(d.sigma), n(d.cutoff));
+  const auto coefficients = [&d](double epsilon, double sigma) {
+    return fmt::format("{} {} {}", n(epsilon), n(sigma), n(d.cutoff));
+  };
+  const LammpsAtoms::Body& one = terms.atoms.bodies[low];
+  const LammpsAtoms::Body& other = terms.atoms.bodies[high];
+  if (d.entries.empty()) {
+    pairs.types = one.range() + " " + other.range();
+    pairs.coefficients = coefficients(d.epsilon, d.sigma);
+  } else {
+    // A line for each pair of types, of which LAMMPS wants the lower number first.
+    for (std::size_t i = 0; i < one.types.size(); ++i) {
+      for (std::size_t j = low == high ? i : 0; j < other.types.size(); ++j) {
+        const auto pair =
+            lennard_jones_of_all(d, {one.types[i].species}, {other.types[j].species}).at(0);
+        pairs.more.push_back({fmt::format("{} {}", one.first_type + i, other.first_type + j),
+                              coefficients(pair.epsilon, pair.sigma)});
+      }
+    }
+    pairs.types = pairs.more.front()[0];
+    pairs.coefficients = pairs.more.front()[1];
+    pairs.more.erase(pairs.more.begin());
+  }
   pairs.cutoff = d.cutoff;
   pairs.bodies = {low, high};
   pairs.comment = fmt::format("{}, at the cutoff: {}", title_of(force), to_string(d.at_cutoff));

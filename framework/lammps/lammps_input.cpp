@@ -316,6 +316,9 @@ class LammpsScript {
       }
       line("# {}", pairs.comment);
       line("pair_coeff {} {} {}", pairs.types, style, pairs.coefficients);
+      for (const auto& [types, coefficients] : pairs.more) {
+        line("pair_coeff {} {} {}", types, style, coefficients);
+      }
       if (!pairs.modify.empty()) line("pair_modify pair {} {}", style, pairs.modify);
     }
     text_ += '\n';

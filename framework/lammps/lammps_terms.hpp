@@ -18,6 +18,8 @@ struct LammpsPairs {
   std::string modify;                   ///< of pair_modify; empty: none
   std::string types;                    ///< of pair_coeff: "1*2 3", "* *"
   std::string coefficients;             ///< behind the style there
+  /// Further lines of pair_coeff, types and coefficients.
+  std::vector<std::array<std::string, 2>> more = {};
   double cutoff = 0.0;                  ///< length
   std::array<std::size_t, 2> bodies{};  ///< that it acts between, the same twice within a body
   std::string comment;

@@ -75,14 +75,20 @@ std::string strongest_force(Model& model, std::size_t coordinate) {
   return strongest;
 }
 
-/// What a force that has no finite value here, or on the straight way of a step from here, says
-/// about it; empty when none knows.
-std::string why_not_finite(Model& model, const DoubleDouble& time, double h) {
+/// A force and what it says about having no finite value.
+struct NotFinite {
+  std::string force;
+  std::string why;
+};
+
+/// The force that has no finite value here, or on the straight way of a step from here; empty where
+/// none says so.
+NotFinite not_finite(Model& model, const DoubleDouble& time, double h) {
   SystemView<double>& s = model.system().view;
   AlignedVector<double> rates(s.rates + 2 * kGroup, 0.0);
   AlignedVector<double> place(s.position, s.position + s.dofs);
   place.resize(s.dofs + 2 * kGroup, 0.0);
-  std::string found;
+  NotFinite found;
   for (const double part : {0.0, 0.5, 1.0}) {
     const DoubleDouble then = time + DoubleDouble(part * h);
     model.anchor(then);  // where formulas count their time from; nothing goes on after a failure
@@ -92,9 +98,9 @@ std::string why_not_finite(Model& model, const DoubleDouble& time, double h) {
         s, static_cast<const double*>(place.data()), static_cast<const double*>(s.velocity),
         static_cast<const double*>(s.integrals), rates.data(), 0.0);
     for (const Model::Force& force : model.forces()) {
-      if (found.empty()) found = force.bound->why_not_finite(stage);
+      if (found.why.empty()) found = {force.name, force.bound->why_not_finite(stage)};
     }
-    if (!found.empty()) break;
+    if (!found.why.empty()) break;
   }
   model.evaluate_at(time, s.position, s.velocity, s.integrals, rates.data());
   return found;
@@ -140,6 +146,37 @@ bool particles_meet(const Model& model, const SystemView<double>& s, const std::
   return false;
 }
 
+/// " of a particle of species C"; empty where there is no such particle, or it has none.
+std::string of_species(const Model& model, const Model::CoordinateName& name) {
+  for (const Model::Body& body : model.bodies()) {
+    const BoundBody<double>& bound = body.bound;
+    if (bound.name != name.body || name.particle < 0 || bound.species.empty()) continue;
+    const auto index = static_cast<std::size_t>(bound.species[name.particle]);
+    return " of a particle of species " + bound.species_names[index];
+  }
+  return "";
+}
+
+/// A thermostat whose flow over half a step has no finite value: the body is much too hot for it.
+const Model::Force* failing_thermostat(const Model& model, double h) {
+  const SystemView<double>& s = model.system().view;
+  for (const Model::Force& force : model.forces()) {
+    Flow<double> flow;
+    if (!force.record->thermostat || force.traits.stochastic || !force.bound->flow(flow)) continue;
+    AlignedVector<double> velocity(s.velocity, s.velocity + s.dofs);
+    AlignedVector<double> own(s.integrals, s.integrals + s.own);
+    FlowStage<double> stage;
+    stage.position = s.position;
+    stage.inverse_mass = s.inverse_mass;
+    stage.velocity = velocity.data();
+    stage.own = own.data();
+    flow.run(flow.arguments, stage, 0.5 * h);
+    if (!std::all_of(velocity.begin(), velocity.end(), [](double v) { return std::isfinite(v); }))
+      return &force;
+  }
+  return nullptr;
+}
+
 FaultCode code_of(StepFault fault) {
   switch (fault) {
     case StepFault::too_many_steps:
@@ -183,6 +220,17 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
         "a force law was evaluated outside of the range in which it is defined, or a motion jumps";
     return failure;
   }
+  if (fault == StepFault::not_finite_or_too_far) {
+    if (const Model::Force* thermostat = failing_thermostat(model, h)) {
+      failure.body = model.bodies()[thermostat->bodies.front()].bound.name;
+      failure.force = thermostat->name;
+      failure.what = "the velocities of the body would not be finite numbers";
+      failure.cause =
+          "the kinetic energy is too far from the temperature for this thermostat: the speed "
+          "diverges, or the body starts much too hot";
+      return failure;
+    }
+  }
   const std::size_t worst = worst_coordinate(model, h);
   const Model::CoordinateName name = model.name_of(worst);
   const double acceleration = s.force[worst] * s.inverse_mass[worst];
@@ -218,19 +266,25 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
       failure.cause = "tolerances below what rounding allows, or a force that is not smooth";
       return failure;
     case StepFault::not_finite_or_too_far:
-      failure.what = finite ? "a coordinate would move further in one step than is allowed "
-                              "(a period, or half the shortest bond), or become non-finite"
-                            : "an acceleration is not a finite number";
+      failure.what =
+          finite ? fmt::format(
+                       "a coordinate{} would move further in one step than is "
+                       "allowed (a period, or half the shortest bond or size), "
+                       "or become non-finite",
+                       of_species(model, name))
+                 : fmt::format("an acceleration{} is not a finite number", of_species(model, name));
       break;
   }
+  NotFinite found = not_finite(model, time, h);
+  if (!found.why.empty()) failure.force = found.force;
   if (!scheme.adaptive && h > stable_step) {
     failure.cause =
         fmt::format("the step of {:g} is beyond the stability limit of {}, about {:.3g} here", h,
                     scheme.name, stable_step);
   } else if (particles_meet(model, s, name.body, h)) {
     failure.cause = "two particles of the body coincide, and a bond has no direction there";
-  } else if (std::string why = why_not_finite(model, time, h); !why.empty()) {
-    failure.cause = std::move(why);
+  } else if (!found.why.empty()) {
+    failure.cause = std::move(found.why);
   } else if (!finite) {
     failure.cause =
         "a force law was evaluated outside of the range in which it is defined, or its numbers "

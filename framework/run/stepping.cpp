@@ -11,11 +11,14 @@ namespace tomlin {
 
 StepReport Stepping::step_scheme(double since, double h, bool dense) {
   StepReport report = run_.step_from(since, h, dense);
-  // Schemes watch the coordinates; forces' own variables and prescribed ways are watched here.
+  // Schemes watch the coordinates and the forces; forces' own variables, prescribed ways, and what
+  // operators with variables of their own make of velocities are watched here.
   const SystemView<double>& view = run_.model.system().view;
+  const auto finite = [](double x) { return std::isfinite(x); };
+  const bool flows = view.flow_count > 0 && view.own_count > 0;
   if (report.fault == StepFault::none &&
-      !std::all_of(view.integrals, view.integrals + view.own_count,
-                   [](double x) { return std::isfinite(x); })) {
+      !(std::all_of(view.integrals, view.integrals + view.own_count, finite) &&
+        (!flows || std::all_of(view.velocity, view.velocity + view.dofs, finite)))) {
     report.fault = StepFault::not_finite_or_too_far;
   }
   return report;

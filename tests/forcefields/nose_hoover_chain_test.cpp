@@ -162,6 +162,20 @@ TEST(NoseHooverChain, KeepsTheTemperatureOfWhatIsFree) {
   }
 }
 
+/// A temperature in K, and periods in ps.
+TEST(NoseHooverChain, KeepsTheTemperatureInMetalUnits) {
+  const RunResult result = run_text(
+      "[scene]\nunits = \"metal\"\n[[body]]\nname = \"body\"\ntype = \"chain\"\ncount = 20\n"
+      "spacing = 1.5\nparticle_mass = 12.0\nstart_temperature = 600.0\n[[force]]\n"
+      "type = \"harmonic_bonds\"\npairs = \"neighbours\"\nstiffness = 5.0\n[[force]]\n"
+      "type = \"sinusoidal_substrate\"\namplitude = 0.05\nperiod = 2.0\n[[force]]\n"
+      "type = \"nose_hoover_chain\"\ntemperature = 300.0\nperiod = 0.1\n[run]\nduration = 200.0\n"
+      "integrator = { type = \"baoab\", dt = 2e-3 }\n[measure]\nin = \"time\"\nfrom = 10.0\n");
+  ASSERT_EQ(result.status, RunStatus::finished);
+  // Of 20 free coordinates in 190 ps, thousands of exchanges with the chain.
+  EXPECT_NEAR(body_of(result, "body")["temperature"][0], 300.0, 6.0);
+}
+
 /// Of centre and rotation, which have three coordinates together.
 TEST(NoseHooverChain, KeepsTheTemperatureOfARigidBody) {
   const std::string ring =

@@ -44,6 +44,21 @@ TEST(Conformance, ExamplesUseTheirComponentAndRun) {
   for (const auto& record : standard().integrators()) runs(*record);
 }
 
+/// So that metal units take them in K.
+TEST(Conformance, TemperaturesAreOfTheDimensionOfTemperature) {
+  int found = 0;
+  const auto check = [&](const ComponentRecord& record) {
+    for (const Parameter& row : record.parameters) {
+      if (!row.key.ends_with("temperature")) continue;
+      ++found;
+      EXPECT_EQ(row.dimension, dimension::temperature) << record.name << " " << row.key;
+    }
+  };
+  for (const auto& record : standard().bodies()) check(*record);
+  for (const auto& record : standard().forces()) check(*record);
+  EXPECT_GE(found, 3);
+}
+
 /// Of the component's example with another value; paths name a force by its type.
 std::vector<Fault> faults_with(const ComponentRecord& record, const std::string& path,
                                const std::string& value) {

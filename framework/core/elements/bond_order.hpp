@@ -43,7 +43,21 @@ class NeighbourRows {
   void bring_up_to_date(const Stage<Real>& stage) { update(this, stage); }
   std::size_t neighbours_of(std::size_t particle) const { return found_[particle].size(); }
   const std::vector<Neighbour>& of(std::size_t particle) const { return found_[particle]; }
-  std::size_t most_rows() const { return most_rows_; }
+  NeighbourCount count() const {
+    NeighbourCount all;
+    all.bytes = finder_.bytes() + bytes_of(row_start_) + bytes_of(neighbours_) + bytes_of(near_) +
+                bytes_of(reverse_) + bytes_of(shift_) + bytes_of(gradient_) + bytes_of(work_) +
+                bytes_of(energy_);
+    std::size_t neighbours = 0;
+    for (const std::vector<Neighbour>& near : found_) {
+      neighbours += near.size();
+      all.most = std::max(all.most, near.size());
+      all.bytes += bytes_of(near);
+    }
+    all.pairs = neighbours / 2;
+    all.mean = static_cast<double>(neighbours) / static_cast<double>(finder_.count());
+    return all;
+  }
 
   BondOrderArguments<Real> arguments;
 
@@ -128,7 +142,7 @@ class NeighbourRows {
 
 /// The potential among all particles of a body, in three dimensions.
 template <class E, class Real>
-class BondOrderForce : public BoundForce<Real> {
+class BondOrderForce : public BoundForce<Real>, public CountsNeighbours {
  public:
   BondOrderForce(const typename E::Description& description, const Binding<Real>& binding,
                  const BondOrderTables& tables)
@@ -138,6 +152,8 @@ class BondOrderForce : public BoundForce<Real> {
         names_(list_kinds()),
         parameters_(E::template table<Real>(description, names_)),
         rows_(body_, reach(), binding.box) {
+    check_distances(starting(body_), starting(body_), 3, binding.box, 0.25 * shortest_reach(),
+                    "a quarter of the shortest cutoff");
     rows_.arguments.parameters = parameters_.data();
     rows_.arguments.species = std::max<std::size_t>(1, names_.size());
     rows_.arguments.kind = kind_.data();
@@ -153,6 +169,8 @@ class BondOrderForce : public BoundForce<Real> {
     (void)origin;
     rows_.forget();
   }
+
+  NeighbourCount count_neighbours() const override { return rows_.count(); }
 
   Real energy(const Stage<Real>& stage) const override {
     rows_.bring_up_to_date(stage);
@@ -186,14 +204,25 @@ class BondOrderForce : public BoundForce<Real> {
     }
   }
 
+  /// In a step no particle moves by more than half of this.
+  double shortest_bond() const override { return shortest_reach(); }
+
   std::string why_not_finite(const Stage<Real>& stage) const override {
     rows_.bring_up_to_date(stage);
+    const StartingParticles body = starting(body_);
     for (std::size_t i = 0; i < body_.slot.count; ++i) {
       for (const Neighbour& near : rows_.of(i)) {
         const auto apart = static_cast<double>(distance(way_to(stage, i, near)));
         if (apart > 0.0) continue;
-        return fmt::format("particles {} and {} of \"{}\" coincide", i, near.particle, body_.name);
+        return fmt::format("{} and {} coincide", name_of(body, i), name_of(body, near.particle));
       }
+    }
+    table_.energy(&rows_.arguments, stage);
+    for (std::size_t i = 0; i < body_.slot.count; ++i) {
+      const Real energy = rows_.arguments.energy[i];
+      if (energy - energy == Real(0.0)) continue;
+      return fmt::format("{} has no finite energy with its {} neighbours", name_of(body, i),
+                         rows_.of(i).size());
     }
     return {};
   }
@@ -217,6 +246,13 @@ class BondOrderForce : public BoundForce<Real> {
       longest = std::max(longest, static_cast<double>(E::reach(p)));
     }
     return longest;
+  }
+  double shortest_reach() const {
+    double shortest = reach();
+    for (const auto& p : parameters_) {
+      shortest = std::min(shortest, static_cast<double>(E::reach(p)));
+    }
+    return shortest;
   }
   bool weighted() const {
     return std::any_of(parameters_.begin(), parameters_.end(),

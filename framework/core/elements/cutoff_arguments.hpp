@@ -26,6 +26,11 @@ struct CutoffPairArguments {
   BodySlot<Real> other;  ///< from which it comes
   bool same_body = false;
   const void* parameters = nullptr;
+  /// Where they differ between species: which species of `one` each of its particles is, and the
+  /// numbers of the parameters [species of `one`][number][particle of `other`, padded]. Else null.
+  const std::uint32_t* kind = nullptr;
+  const Real* numbers = nullptr;
+  std::size_t numbers_apart = 0;  ///< particles of `other`, padded
   Real cutoff_squared{};
   const std::uint32_t* row_start = nullptr;  ///< [particles of `one` + 1]
   const std::uint32_t* first = nullptr;      ///< [entry] first particle of the group

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <bit>
+#include <cstddef>
+
 #include "framework/core/elements/cutoff_arguments.hpp"
 #include "framework/core/elements/element.hpp"
 #include "framework/core/numbers/number_types.hpp"
@@ -15,8 +18,24 @@ TOMLIN_INLINE Mask<Group> all_but_lane(std::size_t n) {
          !first_lanes_of<Group>(static_cast<int>(n) + 1);
 }
 
-/// use(i, near, pair): all groups of pairs of each particle i, `near` those within the cutoff; then
-/// done(i).
+/// The parameters of the particle of a kind with eight others from j on, where they differ.
+template <class E, class Real, int D>
+TOMLIN_INLINE auto parameters_of_each(const CutoffPairArguments<Real>& a, std::size_t i,
+                                      std::size_t j) {
+  using Parameters = typename E::template Parameters<Packed<Real>, D>;
+  constexpr std::size_t n = sizeof(typename E::template Parameters<Real, D>) / sizeof(Real);
+  struct Numbers {
+    Packed<Real> value[n];
+  } numbers;
+  const Real* from = a.numbers + a.kind[i] * n * a.numbers_apart + j;
+  for (std::size_t k = 0; k < n; ++k) {
+    numbers.value[k] = Packed<Real>::load(from + k * a.numbers_apart);
+  }
+  return std::bit_cast<Parameters>(numbers);
+}
+
+/// use(near, pair, i, j): all groups of pairs of each particle i with eight from j on, `near` those
+/// within the cutoff; then done(i).
 template <class E, class Real, int D, class Use, class Done>
 TOMLIN_INLINE void for_groups_of_pairs(const CutoffPairArguments<Real>& a, const Stage<Real>& stage,
                                        Use&& use, Done&& done) {
@@ -40,7 +59,7 @@ TOMLIN_INLINE void for_groups_of_pairs(const CutoffPairArguments<Real>& a, const
       Mask<Group> near = norm_squared(pair.separation) < cutoff_squared;
       if (j == whole) near = near & first_lanes_of<Group>(static_cast<int>(a.other.count - j));
       if (a.same_body && j == i / kGroup * kGroup) near = near & all_but_lane<Group>(i - j);
-      use(near, pair);
+      use(near, pair, i, j);
     }
     done(i);
   }
@@ -58,20 +77,32 @@ TOMLIN_FLATTEN void cutoff_pair_kernel(const void* arguments, const Stage<Real>&
   const Group none(Real(0.0));
   Vec<Group, D> total;
   for (int d = 0; d < D; ++d) total[d] = none;
-  for_groups_of_pairs<E, Real, D>(
-      a, stage,
-      [&](const Mask<Group>& near, const Pair<Group, D>& pair) {
-        const Vec<Group, D> force = force_on<E, Group, D>(p, pair);
-        for (int d = 0; d < D; ++d) total[d] = total[d] + select(near, force[d], none);
-      },
-      [&](std::size_t i) {
-        for (int d = 0; d < D; ++d) {
-          Real& to = f[d * a.one.stride + i];
-          const Real sum_of_all = sum(total[d]);
-          to = set ? sum_of_all : to + sum_of_all;
-          total[d] = none;
-        }
-      });
+  const auto add = [&](const Mask<Group>& near, const Vec<Group, D>& force) {
+    for (int d = 0; d < D; ++d) total[d] = total[d] + select(near, force[d], none);
+  };
+  const auto done = [&](std::size_t i) {
+    for (int d = 0; d < D; ++d) {
+      Real& to = f[d * a.one.stride + i];
+      const Real sum_of_all = sum(total[d]);
+      to = set ? sum_of_all : to + sum_of_all;
+      total[d] = none;
+    }
+  };
+  if (a.numbers == nullptr) {
+    for_groups_of_pairs<E, Real, D>(
+        a, stage,
+        [&](const Mask<Group>& near, const Pair<Group, D>& pair, std::size_t, std::size_t) {
+          add(near, force_on<E, Group, D>(p, pair));
+        },
+        done);
+  } else {
+    for_groups_of_pairs<E, Real, D>(
+        a, stage,
+        [&](const Mask<Group>& near, const Pair<Group, D>& pair, std::size_t i, std::size_t j) {
+          add(near, force_on<E, Group, D>(parameters_of_each<E, Real, D>(a, i, j), pair));
+        },
+        done);
+  }
   if constexpr (set) {
     for (std::size_t i = a.one.count; i % kGroup != 0; ++i) {
       for (int d = 0; d < D; ++d) f[d * a.one.stride + i] = Real(0.0);
@@ -87,10 +118,13 @@ TOMLIN_FLATTEN void cutoff_energy_kernel(const void* arguments, const Stage<Real
       *static_cast<const typename E::template Parameters<Real, D>*>(a.parameters));
   const Group none(Real(0.0));
   Group total = none;
+  const bool differ = a.numbers != nullptr;
   for_groups_of_pairs<E, Real, D>(
       a, stage,
-      [&](const Mask<Group>& near, const Pair<Group, D>& pair) {
-        total = total + select(near, E::energy(p, pair), none);
+      [&](const Mask<Group>& near, const Pair<Group, D>& pair, std::size_t i, std::size_t j) {
+        const Group energy =
+            E::energy(differ ? parameters_of_each<E, Real, D>(a, i, j) : p, pair);
+        total = total + select(near, energy, none);
       },
       [&](std::size_t i) {
         a.energy[i] = sum(total);

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -45,9 +48,22 @@ class GroupList {
   void forget() { finder_.forget(); }
   void bring_up_to_date(const Stage<Real>& stage) { update(this, stage); }
 
-  /// Neighbours within the reach of the list, on average.
-  double neighbours_each() const {
-    return static_cast<double>(neighbours_) / static_cast<double>(finder_.count());
+  /// Neighbours within the reach of the list; pairs within a body are there twice.
+  NeighbourCount count() const {
+    return {static_cast<double>(neighbours_) / static_cast<double>(finder_.count()), most_,
+            arguments.same_body ? neighbours_ / 2 : neighbours_,
+            finder_.bytes() + bytes_of(row_start_) + bytes_of(first_) + bytes_of(shift_) +
+                bytes_of(known_) + bytes_of(shifts_) + bytes_of(energy_)};
+  }
+
+  /// Parameters that differ between species: which each particle of `one` is, and the numbers as
+  /// the arguments have them.
+  void set_species(std::vector<std::uint32_t> kind, AlignedVector<Real> numbers) {
+    kind_ = std::move(kind);
+    numbers_ = std::move(numbers);
+    arguments.kind = kind_.data();
+    arguments.numbers = numbers_.data();
+    arguments.numbers_apart = padded(arguments.other.count);
   }
 
   CutoffPairArguments<Real> arguments;
@@ -65,10 +81,13 @@ class GroupList {
     known_.clear();
     shifts_.clear();
     neighbours_ = 0;
+    most_ = 0;
     for (std::size_t i = 0; i < finder_.count(); ++i) {
       const std::size_t begin = first_.size();
-      for (const Neighbour& near : finder_.of(i)) {
-        ++neighbours_;
+      const std::vector<Neighbour>& found = finder_.of(i);
+      neighbours_ += found.size();
+      most_ = std::max(most_, found.size());
+      for (const Neighbour& near : found) {
         const auto group = static_cast<std::uint32_t>(near.particle / kGroup * kGroup);
         const std::uint32_t shift = number_of(near.shift);
         // A group at the side of the box is there with several images, each for other particles.
@@ -99,18 +118,37 @@ class GroupList {
 
   NeighbourFinder<Real> finder_;
   std::size_t neighbours_ = 0;
+  std::size_t most_ = 0;
   std::vector<std::uint32_t> row_start_;
   std::vector<std::uint32_t> first_;
   std::vector<std::uint32_t> shift_;
   std::vector<std::array<double, 3>> known_;
   AlignedVector<Real> shifts_;
   AlignedVector<Real> energy_;
+  std::vector<std::uint32_t> kind_;
+  AlignedVector<Real> numbers_;
+};
+
+/// The species of a body's particles, each once, and which of them each particle is.
+struct ListedSpecies {
+  std::vector<std::string> names;
+  std::vector<std::uint32_t> kind;  ///< [particle]
+
+  template <class Real>
+  explicit ListedSpecies(const BoundBody<Real>& body) : kind(body.slot.count, 0) {
+    for (std::size_t i = 0; i < body.species.size(); ++i) {
+      const std::string& name = body.species_names[static_cast<std::size_t>(body.species[i])];
+      const auto known = std::find(names.begin(), names.end(), name);
+      kind[i] = static_cast<std::uint32_t>(known - names.begin());
+      if (known == names.end()) names.push_back(name);
+    }
+  }
 };
 
 /// The evaluator between all pairs within the cutoff that its description states. Between two
 /// bodies each gets its force by a list of its own, but for one that is fixed.
 template <class E, class Real, int D>
-class CutoffPairForce : public BoundForce<Real> {
+class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours {
  public:
   using Parameters = typename E::template Parameters<Real, D>;
 
@@ -120,8 +158,15 @@ class CutoffPairForce : public BoundForce<Real> {
         table_(tables.on<Real>(binding.set)),
         one_(*binding.bodies.front()),
         other_(*binding.bodies.back()),
+        one_species_(one_),
+        other_species_(other_),
         rank_(rank) {
+    by_species_ = E::template by_species<Real, D>(description, one_species_.names,
+                                                  other_species_.names);
     const double cutoff = E::cutoff(description);
+    size_ = E::size(description);
+    check_distances(starting(one_), starting(other_), D, binding.box, std::min(0.5 * size_, cutoff),
+                    E::what_size);
     add_list(one_, other_, cutoff, binding.box);
     if (one_.index != other_.index) add_list(other_, one_, cutoff, binding.box);
   }
@@ -139,6 +184,13 @@ class CutoffPairForce : public BoundForce<Real> {
   void rebase(const Origin& origin) override {
     (void)origin;
     for (const auto& list : lists_) list->forget();
+  }
+
+  /// Of the first list; memory is that of both.
+  NeighbourCount count_neighbours() const override {
+    NeighbourCount count = lists_.front()->count();
+    for (std::size_t k = 1; k < lists_.size(); ++k) count.bytes += lists_[k]->count().bytes;
+    return count;
   }
 
   Real energy(const Stage<Real>& stage) const override {
@@ -160,7 +212,7 @@ class CutoffPairForce : public BoundForce<Real> {
       if (same && j < i) return;
       using T = Dual<Real, D>;
       const auto force =
-          force_on<E, T, D>(in_type<E, T, Real, D>(parameters_), differentiable(pair));
+          force_on<E, T, D>(in_type<E, T, Real, D>(parameters_of(i, j)), differentiable(pair));
       for (int a = 0; a < D; ++a) {
         for (int b = 0; b < D; ++b) {
           sink.pair(body.index, i, other.index, j, a, b,
@@ -170,17 +222,21 @@ class CutoffPairForce : public BoundForce<Real> {
     });
   }
 
+  /// In a step no particle moves by more than half of this.
+  double shortest_bond() const override { return size_; }
+
   std::string why_not_finite(const Stage<Real>& stage) const override {
     std::string why;
     const BoundBody<Real>& body = first_listed();
     const BoundBody<Real>& other = body.index == one_.index ? other_ : one_;
     for_pairs(stage, [&](std::size_t i, std::size_t j, const Pair<Real, D>& pair) {
-      const Vec<Real, D> force = force_on<E, Real, D>(parameters_, pair);
+      const Vec<Real, D> force = force_on<E, Real, D>(parameters_of(i, j), pair);
       bool finite = true;
       for (int d = 0; d < D; ++d) finite = finite && force[d] - force[d] == Real(0.0);
       if (finite || !why.empty()) return;
-      why = fmt::format("particle {} of \"{}\" and particle {} of \"{}\" are {:.3g} apart", i,
-                        body.name, j, other.name, static_cast<double>(distance(pair.separation)));
+      why =
+          fmt::format("{} and {} are {:.3g} apart", name_of(starting(body), i),
+                      name_of(starting(other), j), static_cast<double>(distance(pair.separation)));
     });
     return why;
   }
@@ -191,6 +247,40 @@ class CutoffPairForce : public BoundForce<Real> {
     if (one.coordinates == Coordinates::fixed) return;
     lists_.push_back(std::make_unique<GroupList<Real>>(one, other, D, cutoff, box));
     lists_.back()->arguments.parameters = &parameters_;
+    if (!by_species_.empty()) add_species(*lists_.back(), one.index == one_.index);
+  }
+
+  /// The parameters of each species with each particle of the other body.
+  void add_species(GroupList<Real>& list, bool forward) {
+    const ListedSpecies& one = forward ? one_species_ : other_species_;
+    const ListedSpecies& other = forward ? other_species_ : one_species_;
+    constexpr std::size_t n = sizeof(Parameters) / sizeof(Real);
+    const std::size_t apart = padded(other.kind.size());
+    AlignedVector<Real> numbers(one.names.size() * n * apart, Real(0.0));
+    struct Numbers {
+      Real value[n];
+    };
+    for (std::uint32_t kind = 0; kind < one.names.size(); ++kind) {
+      for (std::size_t j = 0; j < other.kind.size(); ++j) {
+        const auto from = std::bit_cast<Numbers>(
+            forward ? of_kinds(kind, other.kind[j]) : of_kinds(other.kind[j], kind));
+        for (std::size_t k = 0; k < n; ++k) {
+          numbers[(kind * n + k) * apart + j] = from.value[k];
+        }
+      }
+    }
+    list.set_species(one.kind, std::move(numbers));
+  }
+
+  const Parameters& of_kinds(std::uint32_t one, std::uint32_t other) const {
+    return by_species_[one * other_species_.names.size() + other];
+  }
+
+  /// Of a particle of the first list and its partner.
+  const Parameters& parameters_of(std::size_t i, std::size_t j) const {
+    if (by_species_.empty()) return parameters_;
+    if (first_listed().index != one_.index) std::swap(i, j);
+    return of_kinds(one_species_.kind[i], other_species_.kind[j]);
   }
 
   /// That whose neighbours the first list holds.
@@ -223,7 +313,12 @@ class CutoffPairForce : public BoundForce<Real> {
   const CutoffPairTable<Real>& table_;
   BoundBody<Real> one_;
   BoundBody<Real> other_;
+  ListedSpecies one_species_;
+  ListedSpecies other_species_;
+  /// [species of one][species of other]; empty where all pairs are alike.
+  std::vector<Parameters> by_species_;
   int rank_;
+  double size_ = 0.0;
   std::vector<std::unique_ptr<GroupList<Real>>> lists_;
 };
 

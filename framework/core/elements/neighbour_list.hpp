@@ -5,12 +5,15 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "framework/core/elements/cutoff_arguments.hpp"
 #include "framework/core/elements/neighbour_search.hpp"
 #include "framework/core/records/bound_force.hpp"
 #include "framework/core/records/force.hpp"
+#include "framework/core/records/neighbour_count.hpp"
 #include "framework/core/system/aligned.hpp"
 
 /// Neighbour lists of forces with a cutoff. A list holds all pairs within the cutoff and a skin
@@ -43,6 +46,35 @@ constexpr double reach_of(Search how) {
 /// images within reach.
 std::vector<Complaint> cutoff_complaints(const char* key, double cutoff, const SceneOutline& scene,
                                          Search how = Search::by_cells);
+
+template <class Vector>
+std::size_t bytes_of(const Vector& vector) {
+  return vector.size() * sizeof(typename Vector::value_type);
+}
+
+/// The particles of a body where a run starts.
+struct StartingParticles {
+  std::size_t body = 0;
+  std::string name;
+  const std::vector<std::vector<double>>& place;  ///< [particle][axis]
+  const std::vector<std::int32_t>& species;       ///< indices of names; empty: it has none
+  std::span<const std::string> species_names;
+};
+
+template <class Real>
+StartingParticles starting(const BoundBody<Real>& body) {
+  return {body.index, body.name, body.start, body.species, body.species_names};
+}
+
+/// For messages: `particle 3 of "tube" (C)`.
+std::string name_of(const StartingParticles& body, std::size_t particle);
+
+/// Refuses a start at which two particles are nearer to each other than `least`, which is shorter
+/// than any cutoff: the energy would be as large as in no experiment. The nearest pair is named,
+/// and whether one body passes through the plane in which the other lies. Throws a BindError;
+/// `why` says what `least` is.
+void check_distances(const StartingParticles& one, const StartingParticles& other, int dimension,
+                     const std::array<double, 3>& box, double least, const std::string& why);
 
 /// Places at which a list was made.
 class ListedPlaces {
@@ -77,6 +109,7 @@ class ListedPlaces {
   }
 
   const std::vector<double>& all() const { return places_; }
+  std::size_t bytes() const { return bytes_of(places_); }
   std::array<double, 3> of(std::size_t particle, std::size_t count, int dimension) const {
     std::array<double, 3> place{};
     for (int d = 0; d < dimension; ++d) place[d] = places_[d * count + particle];
@@ -149,6 +182,11 @@ class NeighbourFinder {
   }
 
   std::size_t count() const { return one_.count; }
+  std::size_t bytes() const {
+    return places_.bytes() + others_.bytes() + candidate_places_.bytes() +
+           candidate_others_.bytes() + bytes_of(candidates_) + bytes_of(candidate_start_) +
+           search_.bytes();
+  }
 
  private:
   double moved(const ListedPlaces& places, const ListedPlaces& others,

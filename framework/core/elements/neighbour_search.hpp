@@ -29,6 +29,11 @@ class NeighbourSearch {
   /// All within the reach of a place, itself too where it is one of them, in ascending order.
   void find(const std::array<double, 3>& place, std::vector<Neighbour>& found) const;
 
+  /// That its tables take.
+  std::size_t bytes() const {
+    return entries_.size() * sizeof(Entry) + places_.size() * sizeof(places_.front());
+  }
+
  private:
   /// Cells along one axis, counted from 0; of an axis that is not periodic around a middle.
   std::int64_t cell_along(int axis, double x) const;

@@ -112,9 +112,10 @@ constexpr FaultKind kKinds[] = {
      "Apply it to another body, or use another component."},
     {FaultCode::body_invalid_coordinates, "body.invalid_coordinates",
      "The coordinates, held axes, prescribed motion or initial state of a body contradict each "
-     "other.",
-     "A body with coordinates = \"prescribed\" and without motion.",
-     "Give each body one kind of coordinates, and motion only to prescribed bodies."},
+     "other, or particles start nearer to each other than their forces allow for.",
+     "A body with coordinates = \"prescribed\" and without motion; a nanotube through a sheet.",
+     "Give each body one kind of coordinates, and motion only to prescribed bodies; move bodies "
+     "apart."},
     {FaultCode::box_invalid, "box.invalid",
      "The periodic box does not fit the bodies, the forces or the lattice periods.",
      "A periodic length that is not a multiple of the substrate's period.",

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/framework/resume/resume_fixture.hpp"
+#include "tests/support/tube_scene.hpp"
 
 /// Runs that are killed at random moments, some again and again, end with the same bits in every
 /// file as runs that are left alone.
@@ -255,6 +256,16 @@ TEST_F(Killed, RunsEndWithTheSameBits) { kill_and_resume(scenes(), kill_points()
 TEST_F(Killed, NoisyRunsEndWithTheSameBits) {
   const char* asked = std::getenv("TOMLIN_NOISY_KILL_POINTS");
   kill_and_resume(noisy_scenes(), asked != nullptr ? std::atoi(asked) : 6);
+}
+
+/// Neighbour lists are no part of a checkpoint. A hundred moments in the test
+/// `kills_of_molecular_dynamics`, of the label slow.
+TEST_F(Killed, MolecularDynamicsEndsWithTheSameBits) {
+  const char* asked = std::getenv("TOMLIN_DYNAMICS_KILL_POINTS");
+  const std::string scene =
+      tube_scene_with("duration = 1.0", "duration = 10.0\ncheckpoint_every = 0.01",
+                      tube_scene_with("every = 0.05", "every = 0.02"));
+  kill_and_resume({{"tube on a sheet", scene}}, asked != nullptr ? std::atoi(asked) : 15);
 }
 
 /// The comparison above sees a single bit.

@@ -1,0 +1,26 @@
+#include "framework/core/text/placed_words.hpp"
+
+#include <algorithm>
+
+namespace tomlin {
+
+std::vector<PlacedWord> words_of_lines(std::string_view text) {
+  std::vector<PlacedWord> words;
+  std::size_t line = 1;
+  for (std::size_t at = 0; at < text.size();) {
+    const char c = text[at];
+    if (c == '\n') ++line;
+    if (c == '#') {
+      at = std::min(text.find('\n', at), text.size());
+    } else if (c == ' ' || c == '\t' || c == '\r' || c == '\n') {
+      ++at;
+    } else {
+      const std::size_t end = std::min(text.find_first_of(" \t\r\n#", at), text.size());
+      words.push_back({text.substr(at, end - at), line});
+      at = end;
+    }
+  }
+  return words;
+}
+
+}  // namespace tomlin
