@@ -25,7 +25,7 @@ std::string fields_of(const StateLayout& layout) {
 
 }  // namespace
 
-Samples::Samples(const ObserverParts& parts) : parts_(parts) {
+Samples::Samples(const ObserverParts& parts) : parts_(parts), forces_(parts) {
   const RunSink* sink = parts.run.options.sink;
   const bool asked = sink != nullptr && sink->wants_samples();
   wanted_ = asked && parts.run.scene->output.every.has_value();
@@ -70,6 +70,7 @@ RunLayout Samples::layout() const {
     per_axis(body.bound.name + ".velocity", dimension::velocity);
     if (body.rotates()) columns.push_back({body.bound.name + ".rotation", "rad"});
   }
+  for (const std::string& name : forces_.names()) per_axis(name + ".force", dimension::force);
   if (scene_ != nullptr) scene_->list_columns(columns);
   if (run.scene->output.trajectory) {
     for (const Model::Body& body : model.bodies()) {
@@ -111,7 +112,8 @@ bool Samples::is_due(double time) const {
 }
 
 bool Samples::are_taken_every(double time) const {
-  return wanted_ && scene_ == nullptr && *parts_.run.scene->output.every == time;
+  return wanted_ && scene_ == nullptr && forces_.names().empty() &&
+         *parts_.run.scene->output.every == time;
 }
 
 void Samples::take(const RunMoment& moment) {
@@ -138,6 +140,9 @@ void Samples::take(const RunMoment& moment) {
     model.centre_velocity(b, moment.velocity, numbers);
     for (int d = 0; d < axes; ++d) *next++ = numbers[d];
     if (model.bodies()[b].rotates()) *next++ = kTau * parts_.rotations.turns_of(b, moment.position);
+  }
+  if (!forces_.names().empty()) {
+    forces_.evaluate(moment, [&next](std::size_t, std::size_t, double force) { *next++ = force; });
   }
   if (scene_ != nullptr) {
     next = scene_->sample(moment, next);

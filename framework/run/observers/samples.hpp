@@ -5,6 +5,7 @@
 
 #include "framework/run/observer.hpp"
 #include "framework/run/observers/scene_observers.hpp"
+#include "framework/run/observers/total_forces.hpp"
 
 namespace tomlin::observers {
 
@@ -32,6 +33,7 @@ class Samples {
  private:
   ObserverParts parts_;
   SceneObservers* scene_ = nullptr;
+  TotalForces forces_;
   bool wanted_ = false;
   bool sink_has_begun_ = false;
   std::int64_t* next_ = nullptr;  ///< how many have been taken

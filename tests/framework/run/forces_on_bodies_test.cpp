@@ -43,6 +43,40 @@ TEST(ForcesOnBodies, OfADriverAreItsOwn) {
   }
 }
 
+/// Extremes, samples and the last of a driver's force on its body are those of the driver.
+TEST(ForcesOnBodies, OfADriverAreItsOwnAtEachMoment) {
+  const std::vector<std::string> paths = {
+      "driver.on.tip.max_force.x", "driver.on.tip.min_force.x", "driver.on.tip.final_force.x",
+      "driver.max_force.x",        "driver.min_force.x",        "driver.final_force.x"};
+  constexpr double kOfNodes =
+      1e-4;  // nodes lie within steps, of which there are 100 a unit of time
+  for (const std::string& scheme : kSchemes) {
+    const bool long_steps = scheme.find("dt") == std::string::npos;
+    const TipScene tip{.integrator = scheme,
+                       .more = "[output]\nevery = 0.3\n" + measure(paths, 2.0, 18.0)};
+    KeptSamples kept;
+    RunOptions options;
+    options.sink = &kept;
+    const RunResult result = run(scene_of(tip.text()), options);
+    const auto value = [&](const std::string& key) { return *observable(result, key); };
+    EXPECT_NEAR(value("driver.on.tip.final_force.x"), value("drivers.driver.final_force.x"),
+                kRounding)
+        << scheme;
+    EXPECT_GT(value("driver.on.tip.max_force.x"), value("driver.on.tip.min_force.x"));
+    if (!long_steps) {
+      EXPECT_NEAR(value("driver.on.tip.max_force.x"), value("drivers.driver.max_force.x"),
+                  kOfNodes);
+      EXPECT_NEAR(value("driver.on.tip.min_force.x"), value("drivers.driver.min_force.x"),
+                  kOfNodes);
+    }
+    const std::size_t own = kept.column("driver.force.x");
+    const std::size_t on_tip = kept.column("driver.on.tip.force.x");
+    ASSERT_GT(kept.rows.size(), 50u);
+    for (const auto& row : kept.rows)
+      EXPECT_NEAR(row[own], row[on_tip], kRounding) << scheme << row[0];
+  }
+}
+
 TEST(ForcesOnBodies, ChangeMomentumTogether) {
   for (const std::string& scheme : kSchemes) {
     for (const char* coordinates : {"rigid", "particles"}) {
