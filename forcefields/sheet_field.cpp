@@ -36,7 +36,7 @@ SheetLaw law_of(const Description& d) {
 /// The atoms of a sheet, of which the box continues x and y.
 template <class Real>
 SheetAtoms atoms_of(const BoundBody<Real>& sheet, const std::array<double, 3>& box) {
-  std::vector<PlanePoint> atoms;
+  std::vector<SheetPoint> atoms;
   for (const std::vector<double>& x : sheet.start) atoms.push_back({x[0], x[1]});
   SheetAtoms found(std::move(atoms), {box[0], box[1]});
   for (std::size_t i = 0; i < sheet.start.size(); ++i) {
@@ -60,7 +60,7 @@ std::shared_ptr<const SheetTable> table_of(const Description& d, const BoundBody
   for (int attempt = 0; attempt < kSheetAttempts; ++attempt) {
     SheetTable table =
         make_sheet_table(found.lattice, law_of(d), d.sigma, d.tolerance, attempt);
-    table.centre = {found.lattice.centre[0], found.lattice.centre[1], sheet.start[0][2]};
+    table.centre[2] = sheet.start[0][2];
     table.error = measure_sheet_error(table, atoms);
     if (table.error.relative <= d.tolerance) return std::make_shared<SheetTable>(std::move(table));
     best = std::min(best, table.error.relative);
@@ -97,7 +97,7 @@ class SheetForce : public ParticleForce<SheetField, Real, 3> {
 
   std::string note() const override {
     const SheetTable& table = *this->description_.sheet;
-    const auto length = [](const PlanePoint& a) { return std::hypot(a[0], a[1]); };
+    const auto length = [](const SheetPoint& a) { return std::hypot(a[0], a[1]); };
     return fmt::format(
         "lattice vectors of {:.6g} and {:.6g}, {} particles a cell; well at the height {:.6g}, "
         "{:.4g} deep; first harmonics {:.4g} there, falling by exp(-{:.4g} z); {} stars, {} "

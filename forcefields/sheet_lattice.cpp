@@ -23,17 +23,17 @@ constexpr double kParallel = 1e-3;
 /// a lattice that is longer one way by more than this is not found.
 constexpr double kReach = 6.0;
 
-double cross(const PlanePoint& a, const PlanePoint& b) { return a[0] * b[1] - a[1] * b[0]; }
-double square(const PlanePoint& a) { return a[0] * a[0] + a[1] * a[1]; }
+double cross(const SheetPoint& a, const SheetPoint& b) { return a[0] * b[1] - a[1] * b[0]; }
+double square(const SheetPoint& a) { return a[0] * a[0] + a[1] * a[1]; }
 
-PlanePoint moved(const PlanePoint& a, const PlanePoint& b, double sign) {
+SheetPoint moved(const SheetPoint& a, const SheetPoint& b, double sign) {
   return {a[0] + sign * b[0], a[1] + sign * b[1]};
 }
 
 /// Displacements from one atom to others, and to its own images, the shortest first; of each pair
 /// of opposite ones both.
-std::vector<PlanePoint> candidates(const SheetAtoms& atoms, std::size_t from) {
-  std::vector<PlanePoint> found;
+std::vector<SheetPoint> candidates(const SheetAtoms& atoms, std::size_t from) {
+  std::vector<SheetPoint> found;
   const double least = 1e-3 * atoms.spacing();
   const auto add = [&](std::size_t, double x, double y) {
     if (x * x + y * y > least * least) found.push_back({x, y});
@@ -52,7 +52,7 @@ std::vector<PlanePoint> candidates(const SheetAtoms& atoms, std::size_t from) {
 }
 
 /// Whether most atoms have another where the vector leads.
-bool repeats(const SheetAtoms& atoms, const PlanePoint& vector) {
+bool repeats(const SheetAtoms& atoms, const SheetPoint& vector) {
   std::size_t missing = 0;
   for (std::size_t i = 0; i < atoms.count() && 4 * missing <= atoms.count(); ++i) {
     if (!atoms.at(moved(atoms[i], vector, 1.0), kOnSite * atoms.spacing())) ++missing;
@@ -61,10 +61,10 @@ bool repeats(const SheetAtoms& atoms, const PlanePoint& vector) {
 }
 
 /// The shortest two lattice vectors that are not parallel; they span a cell as small as can be.
-std::optional<std::array<PlanePoint, 2>> shortest_vectors(const SheetAtoms& atoms,
+std::optional<std::array<SheetPoint, 2>> shortest_vectors(const SheetAtoms& atoms,
                                                           std::size_t from) {
-  std::vector<PlanePoint> vectors;
-  for (const PlanePoint& candidate : candidates(atoms, from)) {
+  std::vector<SheetPoint> vectors;
+  for (const SheetPoint& candidate : candidates(atoms, from)) {
     if (!vectors.empty()) {
       const double size = std::sqrt(square(vectors.front()) * square(candidate));
       if (!(std::abs(cross(vectors.front(), candidate)) > kParallel * size)) continue;
@@ -77,12 +77,12 @@ std::optional<std::array<PlanePoint, 2>> shortest_vectors(const SheetAtoms& atom
 
 /// The atom that has the fewest others where lattice vectors lead; nothing where none is missing.
 std::optional<std::size_t> displaced_atom(const SheetAtoms& atoms,
-                                          const std::array<PlanePoint, 2>& vectors) {
+                                          const std::array<SheetPoint, 2>& vectors) {
   std::optional<std::size_t> worst;
   int most = 0;
   for (std::size_t i = 0; i < atoms.count(); ++i) {
     int missing = 0;
-    for (const PlanePoint& vector : vectors) {
+    for (const SheetPoint& vector : vectors) {
       for (const double sign : {-1.0, 1.0}) {
         missing += !atoms.at(moved(atoms[i], vector, sign), kOnSite * atoms.spacing());
       }
@@ -95,7 +95,7 @@ std::optional<std::size_t> displaced_atom(const SheetAtoms& atoms,
 
 }  // namespace
 
-SheetAtoms::SheetAtoms(std::vector<PlanePoint> atoms, PlanePoint box)
+SheetAtoms::SheetAtoms(std::vector<SheetPoint> atoms, SheetPoint box)
     : atoms_(std::move(atoms)),
       box_(box),
       spacing_(std::sqrt(box[0] * box[1] / static_cast<double>(atoms_.size()))) {
@@ -115,7 +115,7 @@ SheetAtoms::SheetAtoms(std::vector<PlanePoint> atoms, PlanePoint box)
   }
 }
 
-std::array<long, 2> SheetAtoms::bin_of(const PlanePoint& place) const {
+std::array<long, 2> SheetAtoms::bin_of(const SheetPoint& place) const {
   std::array<long, 2> bin{};
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const double width = box_[axis] / static_cast<double>(bins_along_[axis]);
@@ -130,7 +130,7 @@ std::pair<std::size_t, double> SheetAtoms::wrapped(long bin, std::size_t axis) c
   return {static_cast<std::size_t>(bin - boxes * count), static_cast<double>(boxes) * box_[axis]};
 }
 
-std::optional<std::size_t> SheetAtoms::at(const PlanePoint& place, double reach) const {
+std::optional<std::size_t> SheetAtoms::at(const SheetPoint& place, double reach) const {
   std::optional<std::size_t> found;
   for_near(place, reach, [&](std::size_t i, double x, double y) {
     if (x * x + y * y <= reach * reach) found = i;
@@ -156,7 +156,7 @@ FoundLattice find_lattice(const SheetAtoms& atoms) {
   }
   const auto& [a1, a2] = lattice.vectors;
   lattice.area = cross(a1, a2);
-  const std::array<PlanePoint, 2> reciprocal = {
+  const std::array<SheetPoint, 2> reciprocal = {
       {{a2[1] / lattice.area, -a2[0] / lattice.area}, {-a1[1] / lattice.area, a1[0] / lattice.area}}};
   for (std::size_t j = 0; j < 2; ++j) {
     for (std::size_t axis = 0; axis < 2; ++axis) {
@@ -186,11 +186,11 @@ FoundLattice find_lattice(const SheetAtoms& atoms) {
   lattice.atoms = {{0.0, 0.0}};
   if (std::round(in_cell) < 2.0) return found;
   // The nearest atom that no lattice vector leads to.
-  for (const PlanePoint& to : candidates(atoms, 0)) {
-    PlanePoint half{};
+  for (const SheetPoint& to : candidates(atoms, 0)) {
+    SheetPoint half{};
     double off = 0.0;
     for (std::size_t j = 0; j < 2; ++j) {
-      const PlanePoint b = lattice.reciprocal(j);
+      const SheetPoint b = lattice.reciprocal(j);
       half[j] = 0.5 * (b[0] * to[0] + b[1] * to[1]);
       off = std::max(off, std::abs(2.0 * half[j] - std::round(2.0 * half[j])));
     }

@@ -10,23 +10,23 @@
 /// The lattice of a flat sheet of equal atoms in a periodic box, found from where they are.
 namespace tomlin {
 
-using PlanePoint = std::array<double, 2>;
+using SheetPoint = std::array<double, 2>;
 
 /// Atoms in the plane of a box that is periodic along x and y, sorted into square bins.
 class SheetAtoms {
  public:
-  SheetAtoms(std::vector<PlanePoint> atoms, PlanePoint box);
+  SheetAtoms(std::vector<SheetPoint> atoms, SheetPoint box);
 
   std::size_t count() const { return atoms_.size(); }
-  const PlanePoint& operator[](std::size_t i) const { return atoms_[i]; }
-  const PlanePoint& box() const { return box_; }
+  const SheetPoint& operator[](std::size_t i) const { return atoms_[i]; }
+  const SheetPoint& box() const { return box_; }
   /// Side of a square as large as an atom's share of the box.
   double spacing() const { return spacing_; }
 
   /// use(i, x, y): all images of atoms i whose displacement (x, y) from a place may be as short as
   /// `reach`, in an order that depends on the place alone; some are further away.
   template <class Use>
-  void for_near(const PlanePoint& place, double reach, Use&& use) const {
+  void for_near(const SheetPoint& place, double reach, Use&& use) const {
     const std::array<long, 2> low = bin_of({place[0] - reach, place[1] - reach});
     const std::array<long, 2> high = bin_of({place[0] + reach, place[1] + reach});
     for (long bx = low[0]; bx <= high[0]; ++bx) {
@@ -41,15 +41,15 @@ class SheetAtoms {
   }
 
   /// The atom of which an image is within `reach` of a place.
-  std::optional<std::size_t> at(const PlanePoint& place, double reach) const;
+  std::optional<std::size_t> at(const SheetPoint& place, double reach) const;
 
  private:
-  std::array<long, 2> bin_of(const PlanePoint& place) const;
+  std::array<long, 2> bin_of(const SheetPoint& place) const;
   /// Of a bin anywhere, that in the box, and how far its atoms are to be shifted.
   std::pair<std::size_t, double> wrapped(long bin, std::size_t axis) const;
 
-  std::vector<PlanePoint> atoms_;  ///< in the box, from 0 on
-  PlanePoint box_;
+  std::vector<SheetPoint> atoms_;  ///< in the box, from 0 on
+  SheetPoint box_;
   double spacing_;
   std::array<long, 2> bins_along_{};
   std::vector<std::vector<std::size_t>> bins_;
@@ -61,14 +61,14 @@ class SheetAtoms {
 /// Lengths of the box are whole numbers of lattice vectors, so that its reciprocal vectors are
 /// b_j = (turns[j][0]/box[0], turns[j][1]/box[1]) with whole `turns`.
 struct SheetLattice {
-  PlanePoint box{};
-  std::array<PlanePoint, 2> vectors{};           ///< a1, a2: the shortest two
+  SheetPoint box{};
+  std::array<SheetPoint, 2> vectors{};           ///< a1, a2: the shortest two
   std::array<std::array<double, 2>, 2> turns{};  ///< b_j.a_k = delta_jk
   double area = 0.0;                             ///< of a cell
-  std::vector<PlanePoint> atoms;                 ///< of a cell, from `centre`, in a1 and a2
-  PlanePoint centre{};
+  std::vector<SheetPoint> atoms;                 ///< of a cell, from `centre`, in a1 and a2
+  SheetPoint centre{};
 
-  PlanePoint reciprocal(std::size_t j) const {
+  SheetPoint reciprocal(std::size_t j) const {
     return {turns[j][0] / box[0], turns[j][1] / box[1]};
   }
 };

@@ -25,30 +25,30 @@ constexpr double kBeyondReach = 1e-3;
 /// In heights of the well, where repulsion is as strong as the largest attraction or so.
 constexpr double kDeepest = 0.9;
 
-struct Term {
+struct SheetTerm {
   int m = 0;
   int n = 0;
   double weight = 0.0;
 };
 
-struct Star {
+struct SheetStar {
   double square = 0.0;  ///< of |G|
-  std::vector<Term> terms;
+  std::vector<SheetTerm> terms;
   double size = 0.0;  ///< sum of |weight|
   int order = 0;
 };
 
 /// By |G|, complete up to the longest, without those that are extinct.
-std::vector<Star> stars_of(const SheetLattice& lattice) {
+std::vector<SheetStar> stars_of(const SheetLattice& lattice) {
   constexpr int kMost = SheetTable::kMostOrder;
-  const PlanePoint b1 = lattice.reciprocal(0);
-  const PlanePoint b2 = lattice.reciprocal(1);
-  struct Vector {
+  const SheetPoint b1 = lattice.reciprocal(0);
+  const SheetPoint b2 = lattice.reciprocal(1);
+  struct SheetWave {
     double square;
     int m;
     int n;
   };
-  std::vector<Vector> vectors;
+  std::vector<SheetWave> vectors;
   double complete = HUGE_VAL;
   for (int m = 0; m <= kMost + 1; ++m) {
     for (int n = -kMost - 1; n <= kMost + 1; ++n) {
@@ -64,32 +64,32 @@ std::vector<Star> stars_of(const SheetLattice& lattice) {
     }
   }
   std::stable_sort(vectors.begin(), vectors.end(),
-                   [](const Vector& a, const Vector& b) { return a.square < b.square; });
-  std::vector<Star> stars;
-  for (const Vector& vector : vectors) {
+                   [](const SheetWave& a, const SheetWave& b) { return a.square < b.square; });
+  std::vector<SheetStar> stars;
+  for (const SheetWave& vector : vectors) {
     if (vector.square >= complete * (1.0 - kSameLength)) break;
     if (stars.empty() || vector.square > stars.back().square * (1.0 + kSameLength)) {
       stars.push_back({.square = vector.square, .terms = {}});
     }
-    Star& star = stars.back();
+    SheetStar& star = stars.back();
     double weight = 0.0;
-    for (const PlanePoint& u : lattice.atoms) {
+    for (const SheetPoint& u : lattice.atoms) {
       weight += 2.0 * cos_turns(vector.m * u[0] + vector.n * u[1]);
     }
     star.terms.push_back({vector.m, vector.n, weight});
     star.size += std::abs(weight);
     star.order = std::max({star.order, vector.m, std::abs(vector.n)});
   }
-  std::erase_if(stars, [](const Star& star) { return star.size < kExtinct; });
+  std::erase_if(stars, [](const SheetStar& star) { return star.size < kExtinct; });
   if (stars.size() > kMostStars) stars.resize(kMostStars);
   return stars;
 }
 
 /// Value, slope and curvature along z.
-using Jet = std::array<double, 3>;
+using HeightJet = std::array<double, 3>;
 
 /// Of a pair whose squared distance is u, at the height z.
-void add_pair(const SheetLaw& law, double u, double z, double weight, Jet& sum) {
+void add_pair(const SheetLaw& law, double u, double z, double weight, HeightJet& sum) {
   const double inverse = 1.0 / u;
   const double part = law.sigma_squared * inverse;
   const double cube = part * part * part;
@@ -107,9 +107,9 @@ void add_pair(const SheetLaw& law, double u, double z, double weight, Jet& sum) 
 }
 
 /// f_s and its first two derivatives, by sums over one sublattice at the points of a cell.
-class Coefficients {
+class SheetCoefficients {
  public:
-  Coefficients(const SheetLattice& lattice, const SheetLaw& law, const std::vector<Star>& stars)
+  SheetCoefficients(const SheetLattice& lattice, const SheetLaw& law, const std::vector<SheetStar>& stars)
       : law_(law) {
     const auto& [a1, a2] = lattice.vectors;
     std::array<double, kCellPoints> cosines{};
@@ -125,8 +125,8 @@ class Coefficients {
         const double v = double(j) / kCellPoints;
         place(lattice, {u * a1[0] + v * a2[0], u * a1[1] + v * a2[1]});
         const double share = (alone ? 1.0 : 2.0) / (kCellPoints * kCellPoints);
-        for (const Star& star : stars) {
-          const Term& term = star.terms.front();
+        for (const SheetStar& star : stars) {
+          const SheetTerm& term = star.terms.front();
           const int turn = (term.m * i + term.n * j) % kCellPoints;
           weights_.push_back(share * cosines[(turn + kCellPoints) % kCellPoints]);
         }
@@ -134,10 +134,10 @@ class Coefficients {
     }
   }
 
-  std::vector<Jet> at(double z, std::size_t stars) const {
-    std::vector<Jet> all(stars);
+  std::vector<HeightJet> at(double z, std::size_t stars) const {
+    std::vector<HeightJet> all(stars);
     for (std::size_t k = 0; k + 1 < first_.size(); ++k) {
-      Jet sum{};
+      HeightJet sum{};
       for (std::size_t l = first_[k]; l < first_[k + 1]; ++l) {
         const double u = squares_[l] + z * z;
         if (u < law_.cutoff * law_.cutoff) add_pair(law_, u, z, 1.0, sum);
@@ -151,13 +151,13 @@ class Coefficients {
 
  private:
   /// Squared distances of the sublattice's atoms in the plane.
-  void place(const SheetLattice& lattice, const PlanePoint& from) {
+  void place(const SheetLattice& lattice, const SheetPoint& from) {
     const auto& [a1, a2] = lattice.vectors;
     const double most = law_.cutoff * law_.cutoff;
     // Coordinates in lattice vectors are at most |b_j| times a length.
     std::array<int, 2> reach{};
     for (std::size_t j = 0; j < 2; ++j) {
-      const PlanePoint b = lattice.reciprocal(j);
+      const SheetPoint b = lattice.reciprocal(j);
       reach[j] = static_cast<int>(law_.cutoff * std::sqrt(b[0] * b[0] + b[1] * b[1])) + 2;
     }
     if (first_.empty()) first_.push_back(0);
@@ -219,7 +219,7 @@ void describe_mean(SheetTable& table) {
 }
 
 /// From 1 to 0 over t = 0..1, twice continuously differentiable.
-Jet fading(double t) {
+HeightJet fading(double t) {
   if (t <= 0.0) return {1.0, 0.0, 0.0};
   if (t >= 1.0) return {0.0, 0.0, 0.0};
   return {1.0 - t * t * t * (10.0 - t * (15.0 - 6.0 * t)),
@@ -228,7 +228,7 @@ Jet fading(double t) {
 }
 
 /// Of the polynomial in t = 0..1 over an interval of this width.
-std::array<double, SheetTable::kCoefficients> quintic(const Jet& from, const Jet& to,
+std::array<double, SheetTable::kCoefficients> quintic(const HeightJet& from, const HeightJet& to,
                                                       double width) {
   const double slope = from[1] * width;
   const double half = 0.5 * from[2] * width * width;
@@ -245,8 +245,8 @@ std::array<double, SheetTable::kCoefficients> quintic(const Jet& from, const Jet
 
 /// Of each star, the last point of the table at which it is needed, so that those left out add up
 /// to at most `share` of what is allowed; 0 where it is at none.
-std::vector<std::size_t> last_needed(const SheetTable& table, const std::vector<Star>& stars,
-                                     const std::vector<std::vector<Jet>>& jets, double tolerance,
+std::vector<std::size_t> last_needed(const SheetTable& table, const std::vector<SheetStar>& stars,
+                                     const std::vector<std::vector<HeightJet>>& jets, double tolerance,
                                      double share) {
   const double step = (table.law.cutoff - table.nearest) / double(table.intervals);
   std::vector<std::size_t> last(stars.size(), 0);
@@ -258,8 +258,8 @@ std::vector<std::size_t> last_needed(const SheetTable& table, const std::vector<
     double left_out = 0.0;
     std::size_t s = stars.size();
     for (; s > needed; --s) {
-      const Star& star = stars[s - 1];
-      const Jet& f = jets[k][s - 1];
+      const SheetStar& star = stars[s - 1];
+      const HeightJet& f = jets[k][s - 1];
       const double lateral = kTau * std::sqrt(star.square) * std::abs(f[0]);
       left_out += star.size * std::max(std::abs(f[0]) / energy_allowed,
                                        std::max(lateral, std::abs(f[1])) / force_allowed);
@@ -275,26 +275,27 @@ std::vector<std::size_t> last_needed(const SheetTable& table, const std::vector<
 SheetTable make_sheet_table(const SheetLattice& lattice, const SheetLaw& law, double sigma,
                             double tolerance, int attempt) {
   SheetTable table;
+  table.centre = {lattice.centre[0], lattice.centre[1], 0.0};
   table.lattice = lattice;
   table.law = law;
   table.density = static_cast<double>(lattice.atoms.size()) / lattice.area;
   table.nearest = kNearestSheet * sigma;
   describe_mean(table);
-  const std::vector<Star> stars = stars_of(lattice);
-  const Coefficients coefficients(lattice, law, stars);
+  const std::vector<SheetStar> stars = stars_of(lattice);
+  const SheetCoefficients coefficients(lattice, law, stars);
 
   // Errors of a force by splines of this order fall with the fifth power of the width.
-  double width = 0.05 * sigma * pow(tolerance / 1e-4, 0.2);
-  double share = 0.5;
+  double width = 0.04 * sigma * pow(tolerance / 1e-4, 0.2);
+  double share = 2.0;
   for (int k = 0; k < attempt; ++k) {
-    width /= 1.3;
+    width /= 1.2;
     share /= 2.0;
   }
   const double range = law.cutoff - table.nearest;
   table.intervals = static_cast<std::size_t>(range / width) + 4;
   width = range / static_cast<double>(table.intervals);
 
-  std::vector<std::vector<Jet>> jets;
+  std::vector<std::vector<HeightJet>> jets;
   for (std::size_t k = 0; k < table.intervals; ++k) {
     jets.push_back(coefficients.at(table.nearest + double(k) * width, stars.size()));
   }
@@ -312,19 +313,19 @@ SheetTable make_sheet_table(const SheetLattice& lattice, const SheetLaw& law, do
     const double reach = table.nearest + (static_cast<double>(ends[s]) + kBeyondReach) * width;
     table.numbers.insert(table.numbers.end(), {reach, static_cast<double>(stars[s].order),
                                                static_cast<double>(stars[s].terms.size())});
-    for (const Term& term : stars[s].terms) {
+    for (const SheetTerm& term : stars[s].terms) {
       table.numbers.insert(table.numbers.end(), {double(term.m), double(term.n), term.weight});
     }
   }
   table.numbers[1] = static_cast<double>(table.numbers.size());
   const auto faded = [&](std::size_t k, std::size_t s) {
-    const Jet& f = jets[k][s];
+    const HeightJet& f = jets[k][s];
     if (last[s] + fade > table.intervals) return f;  // ends at the cutoff by itself
     const double length = static_cast<double>(fade);
-    const Jet part = fading((static_cast<double>(k) - static_cast<double>(last[s])) / length);
+    const HeightJet part = fading((static_cast<double>(k) - static_cast<double>(last[s])) / length);
     const double first = part[1] / (length * width);
     const double second = part[2] / (length * width * length * width);
-    return Jet{f[0] * part[0], f[1] * part[0] + f[0] * first,
+    return HeightJet{f[0] * part[0], f[1] * part[0] + f[0] * first,
                f[2] * part[0] + 2.0 * f[1] * first + f[0] * second};
   };
   for (std::size_t k = 0; k < table.intervals; ++k) {
@@ -335,7 +336,7 @@ SheetTable make_sheet_table(const SheetLattice& lattice, const SheetLaw& law, do
     }
   }
   if (!stars.empty()) {
-    const Jet f = coefficients.at(table.equilibrium, stars.size()).front();
+    const HeightJet f = coefficients.at(table.equilibrium, stars.size()).front();
     table.first = stars.front().terms.front().weight * f[0];
     table.first_decay = -f[1] / f[0];
   }
@@ -356,7 +357,7 @@ SheetError measure_sheet_error(const SheetTable& table, const SheetAtoms& atoms)
       const double x = (k + 0.5) * number;
       return x - std::floor(x);
     };
-    const PlanePoint place = {part(0.8191725133961645) * atoms.box()[0],
+    const SheetPoint place = {part(0.8191725133961645) * atoms.box()[0],
                               part(0.6710436067037893) * atoms.box()[1]};
     const double depth = part(0.5497004779019703);
     const double z = table.nearest + range * depth * depth;
@@ -368,7 +369,7 @@ SheetError measure_sheet_error(const SheetTable& table, const SheetAtoms& atoms)
     atoms.for_near(place, table.law.cutoff, [&](std::size_t, double x, double y) {
       const double u = x * x + y * y + z * z;
       if (!(u < table.law.cutoff * table.law.cutoff)) return;
-      Jet pair{};
+      HeightJet pair{};
       add_pair(table.law, u, z, 1.0, pair);
       const double scale = pair[1] / z;  // dV/dr / r
       energy += pair[0];
