@@ -1,7 +1,7 @@
 // A (10,0) nanotube under Tersoff's potential, 800 atoms in a periodic box, one step of velocity
 // Verlet: the engine, and a loop as a one-off program would have it, which knows that each atom has
-// three neighbours for ever. With a fixed sheet of graphene below it: the engine, by pairs and by the
-// field of the sheet, and the same loop with the harmonics of W. A. Steele, Surf. Sci. 36, 317
+// three neighbours for ever. With a fixed sheet of graphene below it: the engine, by pairs and by
+// the field of the sheet, and the same loop with the harmonics of W. A. Steele, Surf. Sci. 36, 317
 // (1973), in tables.
 #include <array>
 #include <cmath>
@@ -263,8 +263,8 @@ std::string scene(const std::string& contact) {
   };
   const std::string length = digits(length_of_box());
   const std::string width = digits(40 * std::numbers::sqrt3 * kBond);
-  std::string text = "[scene]\nunits = \"metal\"\n[box]\nlengths = [" + length +
-                     ", " + width + ", 60.0]\nperiodic = [true, true, false]\n[[body]]\nname = \"tube\"\n"
+  std::string text = "[scene]\nunits = \"metal\"\n[box]\nlengths = [" + length + ", " + width +
+                     ", 60.0]\nperiodic = [true, true, false]\n[[body]]\nname = \"tube\"\n"
                      "type = \"particles\"\nparticle_mass = 12.011\npositions = [" +
                      positions +
                      "]\n[[force]]\ntype = \"tersoff\"\nbody = \"tube\"\nparameters = "

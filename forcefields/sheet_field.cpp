@@ -58,8 +58,7 @@ std::shared_ptr<const SheetTable> table_of(const Description& d, const BoundBody
   }
   double best = HUGE_VAL;
   for (int attempt = 0; attempt < kSheetAttempts; ++attempt) {
-    SheetTable table =
-        make_sheet_table(found.lattice, law_of(d), d.sigma, d.tolerance, attempt);
+    SheetTable table = make_sheet_table(found.lattice, law_of(d), d.sigma, d.tolerance, attempt);
     table.centre[2] = sheet.start[0][2];
     table.error = measure_sheet_error(table, atoms);
     if (table.error.relative <= d.tolerance) return std::make_shared<SheetTable>(std::move(table));
@@ -146,10 +145,10 @@ std::vector<Complaint> complaints(const Description& d, const SceneOutline& scen
   }
   for (std::size_t axis = 0; axis < 2; ++axis) {
     if (scene.box[axis] > 0.0) continue;
-    return complain("bodies",
-                    fmt::format("the box is not periodic along {}, so that the sheet ends",
-                                kAxisNames[axis]),
-                    "a [box] that is periodic along x and y, or lennard_jones");
+    return complain(
+        "bodies",
+        fmt::format("the box is not periodic along {}, so that the sheet ends", kAxisNames[axis]),
+        "a [box] that is periodic along x and y, or lennard_jones");
   }
   if (d.at_cutoff != AtCutoff::smooth) {
     return complain("at_cutoff", "the force of each atom jumps, that of the harmonics does not",

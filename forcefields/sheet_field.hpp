@@ -112,7 +112,8 @@ struct SheetField {
       boxes[axis] = T(remainder_of(moved(axis), length, whole)) / T(length);
     }
     for (std::size_t j = 0; j < 2; ++j) {
-      p.phase[j] = T(table.lattice.turns[j][0]) * boxes[0] + T(table.lattice.turns[j][1]) * boxes[1];
+      p.phase[j] =
+          T(table.lattice.turns[j][0]) * boxes[0] + T(table.lattice.turns[j][1]) * boxes[1];
     }
     p.height = -from_double_double<T>(moved(2));
   }
@@ -131,13 +132,13 @@ struct SheetField {
     const T z = abs(way);
     const T q = p.sigma_squared / (z * z);
     const T cube = q * (q * q);
-    const T pair = fnma(z - p.cutoff, p.slope,
-                        fma(p.four_epsilon * cube, cube - T(1.0), -p.at_cutoff));
+    const T pair =
+        fnma(z - p.cutoff, p.slope, fma(p.four_epsilon * cube, cube - T(1.0), -p.at_cutoff));
     const Harmonics<T> sum = harmonics(p, site, z);
     Vec<T, D> force;
     for (int axis = 0; axis < 2; ++axis) {
-      force[axis] = within(
-          p, z, fma(p.slopes[1][axis], sum.pull[1], p.slopes[0][axis] * sum.pull[0]));
+      force[axis] =
+          within(p, z, fma(p.slopes[1][axis], sum.pull[1], p.slopes[0][axis] * sum.pull[0]));
     }
     const T away = within(p, z, fma(p.sheet * z, pair, -sum.slope));
     force[2] = away * copysign(T(1.0), way);
@@ -145,6 +146,40 @@ struct SheetField {
   }
 
  private:
+  /// Of Hermite's interpolation of fifth order at t = 0..1 between two knots: what a function, its
+  /// slope and half its curvature (by t) at either of them contribute, and by how much that changes
+  /// with t. Both intervals at a knot have the same numbers of it, so that function, slope and
+  /// curvature are continuous in every precision.
+  template <class T>
+  struct SplineWeights {
+    T from[SheetTable::kKnot], to[SheetTable::kKnot];
+    T from_slope[SheetTable::kKnot], to_slope[SheetTable::kKnot];
+
+    TOMLIN_INLINE explicit SplineWeights(const T& t) {
+      const T u = T(1.0) - t;
+      half(u, t, from, from_slope);
+      half(t, u, to, to_slope);
+      // The way from the other knot back to this one.
+      to[1] = -to[1];
+      to_slope[0] = -to_slope[0];
+      to_slope[2] = -to_slope[2];
+    }
+
+   private:
+    /// Of the knot to which t is the way.
+    TOMLIN_INLINE static void half(const T& u, const T& t, T* value, T* slope) {
+      const T squared = u * u;
+      const T cube = squared * u;
+      const T along = t * cube;
+      value[0] = cube * fma(t, fma(t, T(6.0), T(3.0)), T(1.0));
+      value[1] = along * fma(t, T(3.0), T(1.0));
+      value[2] = t * along;
+      slope[0] = T(-30.0) * (squared * (t * t));
+      slope[1] = squared * fma(t, fma(t, T(-15.0), T(2.0)), T(1.0));
+      slope[2] = (t * squared) * fma(t, T(-5.0), T(2.0));
+    }
+  };
+
   template <class T>
   struct Harmonics {
     T energy;
@@ -156,8 +191,7 @@ struct SheetField {
   template <class T, int D>
   TOMLIN_INLINE static T pairs(const Parameters<T, D>& p, const T& q) {
     const T square = q * q;
-    const T part = square * fma(square * q, T(0.1), T(-0.25));
-    return p.four_epsilon * p.sigma_squared * part;
+    return p.four_epsilon * p.sigma_squared * square * (fma(square, q, T(-2.5)) / T(10.0));
   }
 
   template <class T, int D>
@@ -185,14 +219,16 @@ struct SheetField {
     const T place = (z - p.nearest) * p.per_length;
     const T interval = min(floor(place), p.last);
     const T t = place - interval;
-    const TableIndex<T> row(interval *
-                            T(static_cast<Scalar<T>>(table[0] * double{SheetTable::kCoefficients})));
-    const double* spline = table + static_cast<std::ptrdiff_t>(table[1]);
+    const SplineWeights<T> weights(t);
+    const double row_length = table[0] * double{SheetTable::kKnot};
+    const TableIndex<T> row(interval * T(static_cast<Scalar<T>>(row_length)));
+    const double* here = table + static_cast<std::ptrdiff_t>(table[1]);
+    const double* next = here + static_cast<std::ptrdiff_t>(row_length);
     T sine[2][SheetTable::kMostOrder + 1];
     T cosine[2][SheetTable::kMostOrder + 1];
     for (int j = 0; j < 2; ++j) {
-      const T turn = fma(site.position[0], p.turns[j][0],
-                         fma(site.position[1], p.turns[j][1], p.phase[j]));
+      const T turn =
+          fma(site.position[0], p.turns[j][0], fma(site.position[1], p.turns[j][1], p.phase[j]));
       sincos_turns(turn, sine[j][1], cosine[j][1]);
       sine[j][0] = T(0.0);
       cosine[j][0] = T(1.0);
@@ -224,14 +260,16 @@ struct SheetField {
         pull[0] = fma(T(static_cast<Scalar<T>>(star[0])), e, pull[0]);
         pull[1] = fma(T(static_cast<Scalar<T>>(star[1])), e, pull[1]);
       }
-      T c[SheetTable::kCoefficients];
-      for (std::size_t k = 0; k < SheetTable::kCoefficients; ++k) c[k] = row.of(spline + k);
-      spline += SheetTable::kCoefficients;
-      const T value =
-          fma(t, fma(t, fma(t, fma(t, fma(t, c[5], c[4]), c[3]), c[2]), c[1]), c[0]);
-      const T by_t = fma(
-          t, fma(t, fma(t, fma(t, T(5.0) * c[5], T(4.0) * c[4]), T(3.0) * c[3]), T(2.0) * c[2]),
-          c[1]);
+      T value(0.0);
+      T by_t(0.0);
+      for (std::size_t k = 0; k < SheetTable::kKnot; ++k) {
+        const T from = row.of(here + k);
+        const T to = row.of(next + k);
+        value = fma(weights.from[k], from, fma(weights.to[k], to, value));
+        by_t = fma(weights.from_slope[k], from, fma(weights.to_slope[k], to, by_t));
+      }
+      here += SheetTable::kKnot;
+      next += SheetTable::kKnot;
       sum.energy = fma(value, wave, sum.energy);
       sum.slope = fma(by_t * p.per_length, wave, sum.slope);
       for (int j = 0; j < 2; ++j) sum.pull[j] = fma(value, pull[j], sum.pull[j]);

@@ -156,8 +156,8 @@ FoundLattice find_lattice(const SheetAtoms& atoms) {
   }
   const auto& [a1, a2] = lattice.vectors;
   lattice.area = cross(a1, a2);
-  const std::array<SheetPoint, 2> reciprocal = {
-      {{a2[1] / lattice.area, -a2[0] / lattice.area}, {-a1[1] / lattice.area, a1[0] / lattice.area}}};
+  const std::array<SheetPoint, 2> reciprocal = {{{a2[1] / lattice.area, -a2[0] / lattice.area},
+                                                 {-a1[1] / lattice.area, a1[0] / lattice.area}}};
   for (std::size_t j = 0; j < 2; ++j) {
     for (std::size_t axis = 0; axis < 2; ++axis) {
       const double length = lattice.box[axis];

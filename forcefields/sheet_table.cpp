@@ -48,7 +48,7 @@ std::vector<SheetStar> stars_of(const SheetLattice& lattice) {
     int m;
     int n;
   };
-  std::vector<SheetWave> vectors;
+  std::vector<SheetWave> waves;
   double complete = HUGE_VAL;
   for (int m = 0; m <= kMost + 1; ++m) {
     for (int n = -kMost - 1; n <= kMost + 1; ++n) {
@@ -59,26 +59,26 @@ std::vector<SheetStar> stars_of(const SheetLattice& lattice) {
       if (m > kMost || std::abs(n) > kMost) {
         complete = std::min(complete, square);
       } else {
-        vectors.push_back({square, m, n});
+        waves.push_back({square, m, n});
       }
     }
   }
-  std::stable_sort(vectors.begin(), vectors.end(),
+  std::stable_sort(waves.begin(), waves.end(),
                    [](const SheetWave& a, const SheetWave& b) { return a.square < b.square; });
   std::vector<SheetStar> stars;
-  for (const SheetWave& vector : vectors) {
-    if (vector.square >= complete * (1.0 - kSameLength)) break;
-    if (stars.empty() || vector.square > stars.back().square * (1.0 + kSameLength)) {
-      stars.push_back({.square = vector.square, .terms = {}});
+  for (const SheetWave& wave : waves) {
+    if (wave.square >= complete * (1.0 - kSameLength)) break;
+    if (stars.empty() || wave.square > stars.back().square * (1.0 + kSameLength)) {
+      stars.push_back({.square = wave.square, .terms = {}});
     }
     SheetStar& star = stars.back();
     double weight = 0.0;
     for (const SheetPoint& u : lattice.atoms) {
-      weight += 2.0 * cos_turns(vector.m * u[0] + vector.n * u[1]);
+      weight += 2.0 * cos_turns(wave.m * u[0] + wave.n * u[1]);
     }
-    star.terms.push_back({vector.m, vector.n, weight});
+    star.terms.push_back({wave.m, wave.n, weight});
     star.size += std::abs(weight);
-    star.order = std::max({star.order, vector.m, std::abs(vector.n)});
+    star.order = std::max({star.order, wave.m, std::abs(wave.n)});
   }
   std::erase_if(stars, [](const SheetStar& star) { return star.size < kExtinct; });
   if (stars.size() > kMostStars) stars.resize(kMostStars);
@@ -89,7 +89,7 @@ std::vector<SheetStar> stars_of(const SheetLattice& lattice) {
 using HeightJet = std::array<double, 3>;
 
 /// Of a pair whose squared distance is u, at the height z.
-void add_pair(const SheetLaw& law, double u, double z, double weight, HeightJet& sum) {
+void add_pair(const SheetLaw& law, double u, double z, HeightJet& sum) {
   const double inverse = 1.0 / u;
   const double part = law.sigma_squared * inverse;
   const double cube = part * part * part;
@@ -97,19 +97,20 @@ void add_pair(const SheetLaw& law, double u, double z, double weight, HeightJet&
   const double over_r = r * inverse;
   const double value =
       law.four_epsilon * cube * (cube - 1.0) - law.at_cutoff - (r - law.cutoff) * law.slope;
-  const double by_u = law.four_epsilon * inverse * cube * (3.0 - 6.0 * cube) -
-                      0.5 * law.slope * over_r;
+  const double by_u =
+      law.four_epsilon * inverse * cube * (3.0 - 6.0 * cube) - 0.5 * law.slope * over_r;
   const double by_uu = law.four_epsilon * inverse * inverse * cube * (42.0 * cube - 12.0) +
                        0.25 * law.slope * over_r * inverse;
-  sum[0] += weight * value;
-  sum[1] += weight * 2.0 * z * by_u;
-  sum[2] += weight * (2.0 * by_u + 4.0 * z * z * by_uu);
+  sum[0] += value;
+  sum[1] += 2.0 * z * by_u;
+  sum[2] += 2.0 * by_u + 4.0 * z * z * by_uu;
 }
 
 /// f_s and its first two derivatives, by sums over one sublattice at the points of a cell.
 class SheetCoefficients {
  public:
-  SheetCoefficients(const SheetLattice& lattice, const SheetLaw& law, const std::vector<SheetStar>& stars)
+  SheetCoefficients(const SheetLattice& lattice, const SheetLaw& law,
+                    const std::vector<SheetStar>& stars)
       : law_(law) {
     const auto& [a1, a2] = lattice.vectors;
     std::array<double, kCellPoints> cosines{};
@@ -140,7 +141,7 @@ class SheetCoefficients {
       HeightJet sum{};
       for (std::size_t l = first_[k]; l < first_[k + 1]; ++l) {
         const double u = squares_[l] + z * z;
-        if (u < law_.cutoff * law_.cutoff) add_pair(law_, u, z, 1.0, sum);
+        if (u < law_.cutoff * law_.cutoff) add_pair(law_, u, z, sum);
       }
       for (std::size_t s = 0; s < stars; ++s) {
         for (std::size_t d = 0; d < 3; ++d) all[s][d] += weights_[k * stars + s] * sum[d];
@@ -222,32 +223,15 @@ void describe_mean(SheetTable& table) {
 HeightJet fading(double t) {
   if (t <= 0.0) return {1.0, 0.0, 0.0};
   if (t >= 1.0) return {0.0, 0.0, 0.0};
-  return {1.0 - t * t * t * (10.0 - t * (15.0 - 6.0 * t)),
-          -30.0 * t * t * (1.0 - t) * (1.0 - t),
+  return {1.0 - t * t * t * (10.0 - t * (15.0 - 6.0 * t)), -30.0 * t * t * (1.0 - t) * (1.0 - t),
           -60.0 * t * (1.0 - t) * (1.0 - 2.0 * t)};
-}
-
-/// Of the polynomial in t = 0..1 over an interval of this width.
-std::array<double, SheetTable::kCoefficients> quintic(const HeightJet& from, const HeightJet& to,
-                                                      double width) {
-  const double slope = from[1] * width;
-  const double half = 0.5 * from[2] * width * width;
-  const double value_left = to[0] - from[0] - slope - half;
-  const double slope_left = to[1] * width - slope - 2.0 * half;
-  const double curvature_left = to[2] * width * width - 2.0 * half;
-  return {from[0],
-          slope,
-          half,
-          10.0 * value_left - 4.0 * slope_left + 0.5 * curvature_left,
-          -15.0 * value_left + 7.0 * slope_left - curvature_left,
-          6.0 * value_left - 3.0 * slope_left + 0.5 * curvature_left};
 }
 
 /// Of each star, the last point of the table at which it is needed, so that those left out add up
 /// to at most `share` of what is allowed; 0 where it is at none.
 std::vector<std::size_t> last_needed(const SheetTable& table, const std::vector<SheetStar>& stars,
-                                     const std::vector<std::vector<HeightJet>>& jets, double tolerance,
-                                     double share) {
+                                     const std::vector<std::vector<HeightJet>>& jets,
+                                     double tolerance, double share) {
   const double step = (table.law.cutoff - table.nearest) / double(table.intervals);
   std::vector<std::size_t> last(stars.size(), 0);
   std::size_t needed = 0;
@@ -326,13 +310,12 @@ SheetTable make_sheet_table(const SheetLattice& lattice, const SheetLaw& law, do
     const double first = part[1] / (length * width);
     const double second = part[2] / (length * width * length * width);
     return HeightJet{f[0] * part[0], f[1] * part[0] + f[0] * first,
-               f[2] * part[0] + 2.0 * f[1] * first + f[0] * second};
+                     f[2] * part[0] + 2.0 * f[1] * first + f[0] * second};
   };
-  for (std::size_t k = 0; k < table.intervals; ++k) {
+  for (std::size_t k = 0; k <= table.intervals; ++k) {
     for (std::size_t s = 0; s < used; ++s) {
-      std::array<double, SheetTable::kCoefficients> c{};
-      if (k < ends[s]) c = quintic(faded(k, s), faded(k + 1, s), width);
-      table.numbers.insert(table.numbers.end(), c.begin(), c.end());
+      const HeightJet f = k < ends[s] ? faded(k, s) : HeightJet{};
+      table.numbers.insert(table.numbers.end(), {f[0], f[1] * width, 0.5 * f[2] * width * width});
     }
   }
   if (!stars.empty()) {
@@ -349,6 +332,9 @@ SheetError measure_sheet_error(const SheetTable& table, const SheetAtoms& atoms)
   description.sheet = std::make_shared<SheetTable>(table);
   auto p = SheetField::parameters<double, 3>(description);
   SheetField::rebase<double, 3>(p, description, description.first_origin);
+  const LennardJonesSmooth::Parameters<double, 3> law = {
+      table.law.four_epsilon, table.law.sigma_squared, table.law.at_cutoff, table.law.slope,
+      table.law.cutoff};
   const double range = table.law.cutoff - table.nearest;
   SheetError worst;
   for (int k = 0; k < kPlaces; ++k) {
@@ -364,18 +350,15 @@ SheetError measure_sheet_error(const SheetTable& table, const SheetAtoms& atoms)
     const double side = k % 2 == 0 ? 1.0 : -1.0;
 
     double energy = 0.0;
-    Vec<double, 3> force;
-    for (int d = 0; d < 3; ++d) force[d] = 0.0;
+    Vec<double, 3> force{};
     atoms.for_near(place, table.law.cutoff, [&](std::size_t, double x, double y) {
-      const double u = x * x + y * y + z * z;
-      if (!(u < table.law.cutoff * table.law.cutoff)) return;
-      HeightJet pair{};
-      add_pair(table.law, u, z, 1.0, pair);
-      const double scale = pair[1] / z;  // dV/dr / r
-      energy += pair[0];
-      force[0] += scale * x;
-      force[1] += scale * y;
-      force[2] -= scale * z * side;
+      Pair<double, 3> pair{};
+      pair.separation[0] = x;
+      pair.separation[1] = y;
+      pair.separation[2] = -side * z;
+      if (!(norm_squared(pair.separation) < law.cutoff * law.cutoff)) return;
+      energy += LennardJonesSmooth::energy(law, pair);
+      force = force + LennardJonesSmooth::force(law, pair);
     });
 
     Site<double, 3> site{};

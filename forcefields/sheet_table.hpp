@@ -39,11 +39,11 @@ struct SheetError {
 };
 
 struct SheetTable {
-  static constexpr std::size_t kHead = 2;         ///< numbers before the first star
-  static constexpr std::size_t kStarHead = 3;     ///< of a star before its terms
-  static constexpr std::size_t kTerm = 3;         ///< m, n, weight
-  static constexpr std::size_t kCoefficients = 6; ///< of a spline between two points
-  static constexpr std::size_t kMostOrder = 12;   ///< of m and |n|
+  static constexpr std::size_t kHead = 2;        ///< numbers before the first star
+  static constexpr std::size_t kStarHead = 3;    ///< of a star before its terms
+  static constexpr std::size_t kTerm = 3;        ///< m, n, weight
+  static constexpr std::size_t kKnot = 3;        ///< f, its slope, half its curvature
+  static constexpr std::size_t kMostOrder = 12;  ///< of m and |n|
 
   /// Place, from the scene's first origin: where the lattice has its centre, and the height.
   std::array<double, 3> centre{};
@@ -52,9 +52,9 @@ struct SheetTable {
   double density = 0.0;  ///< atoms per area
   double nearest = 0.0;  ///< heights begin here
   std::size_t intervals = 0;
-  /// [0] stars, [1] where intervals begin; then for each star its reach, its highest order, the
-  /// number of its terms, and the terms; then for each interval of heights the six coefficients of
-  /// each star.
+  /// [0] stars, [1] where heights begin; then for each star its reach, its highest order, the
+  /// number of its terms, and the terms; then for each height, intervals + 1 of them, f of each
+  /// star, its slope and half its curvature by intervals.
   std::vector<double> numbers;
   SheetError error;
 
