@@ -208,6 +208,18 @@ struct SheetField {
   }
 
   template <class T, int D>
+  TOMLIN_INLINE static T turn(const Parameters<T, D>& p, const Site<T, D>& site, int j) {
+    return fma(site.position[0], p.turns[j][0], fma(site.position[1], p.turns[j][1], p.phase[j]));
+  }
+
+  /// Sine and cosine of the next multiple of an angle, behind those of this one.
+  template <class T>
+  TOMLIN_INLINE static void raise(T* sine, T* cosine, const T& sine1, const T& cosine1) {
+    sine[1] = fma(sine[0], cosine1, cosine[0] * sine1);
+    cosine[1] = fma(cosine[0], cosine1, -(sine[0] * sine1));
+  }
+
+  template <class T, int D>
   TOMLIN_INLINE static Harmonics<T> harmonics(const Parameters<T, D>& p, const Site<T, D>& site,
                                               const T& z) {
     Harmonics<T> sum{T(0.0), {T(0.0), T(0.0)}, T(0.0)};
@@ -224,41 +236,37 @@ struct SheetField {
     const TableIndex<T> row(interval * T(static_cast<Scalar<T>>(row_length)));
     const double* here = table + static_cast<std::ptrdiff_t>(table[1]);
     const double* next = here + static_cast<std::ptrdiff_t>(row_length);
-    T sine[2][SheetTable::kMostOrder + 1];
-    T cosine[2][SheetTable::kMostOrder + 1];
-    for (int j = 0; j < 2; ++j) {
-      const T turn =
-          fma(site.position[0], p.turns[j][0], fma(site.position[1], p.turns[j][1], p.phase[j]));
-      sincos_turns(turn, sine[j][1], cosine[j][1]);
-      sine[j][0] = T(0.0);
-      cosine[j][0] = T(1.0);
-    }
+    // Of m p1 at m, and of n p2 at kMiddle + n.
+    constexpr std::size_t kMiddle = SheetTable::kMostOrder;
+    T sine1[kMiddle + 1], cosine1[kMiddle + 1];
+    T sine2[2 * kMiddle + 1], cosine2[2 * kMiddle + 1];
+    sine1[0] = sine2[kMiddle] = T(0.0);
+    cosine1[0] = cosine2[kMiddle] = T(1.0);
+    sincos_turns(turn(p, site, 0), sine1[1], cosine1[1]);
+    sincos_turns(turn(p, site, 1), sine2[kMiddle + 1], cosine2[kMiddle + 1]);
+    sine2[kMiddle - 1] = -sine2[kMiddle + 1];
+    cosine2[kMiddle - 1] = cosine2[kMiddle + 1];
     std::size_t order = 1;
     for (std::size_t s = 0; s < stars; ++s) {
       if (!any(z < T(static_cast<Scalar<T>>(star[0])))) break;
       for (const auto needed = static_cast<std::size_t>(star[1]); order < needed; ++order) {
-        for (int j = 0; j < 2; ++j) {
-          T* c = cosine[j];
-          T* e = sine[j];
-          e[order + 1] = fma(e[order], c[1], c[order] * e[1]);
-          c[order + 1] = fma(c[order], c[1], -(e[order] * e[1]));
-        }
+        const std::size_t n = kMiddle + order;
+        raise(sine1 + order, cosine1 + order, sine1[1], cosine1[1]);
+        raise(sine2 + n, cosine2 + n, sine2[kMiddle + 1], cosine2[kMiddle + 1]);
+        sine2[kMiddle - order - 1] = -sine2[n + 1];
+        cosine2[kMiddle - order - 1] = cosine2[n + 1];
       }
       const auto terms = static_cast<std::size_t>(star[2]);
       star += SheetTable::kStarHead;
       T wave(0.0);
       T pull[2] = {T(0.0), T(0.0)};
       for (std::size_t k = 0; k < terms; ++k, star += SheetTable::kTerm) {
-        const auto m = static_cast<std::size_t>(star[0]);
-        const bool back = star[1] < 0.0;
-        const auto n = static_cast<std::size_t>(back ? -star[1] : star[1]);
-        const T second = back ? -sine[1][n] : sine[1][n];
-        const T weight(static_cast<Scalar<T>>(star[2]));
-        const T c = fma(cosine[0][m], cosine[1][n], -(sine[0][m] * second));
-        const T e = weight * fma(sine[0][m], cosine[1][n], cosine[0][m] * second);
-        wave = fma(weight, c, wave);
-        pull[0] = fma(T(static_cast<Scalar<T>>(star[0])), e, pull[0]);
-        pull[1] = fma(T(static_cast<Scalar<T>>(star[1])), e, pull[1]);
+        const auto m = static_cast<std::ptrdiff_t>(star[0]);
+        const auto n = static_cast<std::ptrdiff_t>(kMiddle) + static_cast<std::ptrdiff_t>(star[1]);
+        wave = fma(cosine1[m], cosine2[n], fnma(sine1[m], sine2[n], wave));
+        const T sine = fma(sine1[m], cosine2[n], cosine1[m] * sine2[n]);
+        pull[0] = fma(T(static_cast<Scalar<T>>(star[0])), sine, pull[0]);
+        pull[1] = fma(T(static_cast<Scalar<T>>(star[1])), sine, pull[1]);
       }
       T value(0.0);
       T by_t(0.0);

@@ -93,6 +93,20 @@ std::optional<std::size_t> displaced_atom(const SheetAtoms& atoms,
   return worst;
 }
 
+/// How near to the origin lattice vectors bring a place, given in parts of them.
+double shortest_image(const SheetLattice& lattice, const SheetPoint& place) {
+  const auto& [a1, a2] = lattice.vectors;
+  double shortest = HUGE_VAL;
+  for (const int i : {-1, 0, 1}) {
+    for (const int j : {-1, 0, 1}) {
+      const double u = place[0] - std::round(place[0]) + i;
+      const double v = place[1] - std::round(place[1]) + j;
+      shortest = std::min(shortest, std::hypot(u * a1[0] + v * a2[0], u * a1[1] + v * a2[1]));
+    }
+  }
+  return shortest;
+}
+
 }  // namespace
 
 SheetAtoms::SheetAtoms(std::vector<SheetPoint> atoms, SheetPoint box)
@@ -195,8 +209,19 @@ FoundLattice find_lattice(const SheetAtoms& atoms) {
       off = std::max(off, std::abs(2.0 * half[j] - std::round(2.0 * half[j])));
     }
     if (off < kParallel) continue;
-    lattice.centre = {atoms[0][0] + 0.5 * to[0], atoms[0][1] + 0.5 * to[1]};
-    lattice.atoms = {{-half[0], -half[1]}, half};
+    // The middle between the two and those half a lattice vector from there.
+    double furthest = -1.0;
+    for (const SheetPoint& shift :
+         {SheetPoint{0.0, 0.0}, SheetPoint{0.5, 0.0}, SheetPoint{0.0, 0.5}, SheetPoint{0.5, 0.5}}) {
+      const SheetPoint atom = {half[0] - shift[0], half[1] - shift[1]};
+      const double distance = shortest_image(lattice, atom);
+      // Of equal distances the first, whatever rounding makes of them.
+      if (!(distance > furthest * (1.0 + kParallel))) continue;
+      furthest = distance;
+      lattice.centre = {atoms[0][0] + 0.5 * to[0] + shift[0] * a1[0] + shift[1] * a2[0],
+                        atoms[0][1] + 0.5 * to[1] + shift[0] * a1[1] + shift[1] * a2[1]};
+      lattice.atoms = {{-atom[0], -atom[1]}, atom};
+    }
     break;
   }
   return found;

@@ -56,7 +56,8 @@ class SheetAtoms {
 };
 
 /// The lattice whose cell is as small as can be, with one atom or two in it. About `centre` it is
-/// symmetric: that is the atom, or the middle between the two (in graphene, of a bond).
+/// symmetric: of two atoms a cell that is the place furthest from them (in graphene the middle of a
+/// hexagon), or else the atom.
 ///
 /// Lengths of the box are whole numbers of lattice vectors, so that its reciprocal vectors are
 /// b_j = (turns[j][0]/box[0], turns[j][1]/box[1]) with whole `turns`.

@@ -12,8 +12,8 @@ namespace {
 
 /// Lengths of reciprocal vectors that differ by less than this part are equal.
 constexpr double kSameLength = 1e-6;
-/// A star whose weights are smaller is extinct.
-constexpr double kExtinct = 1e-9;
+/// Weights, of order 1, that differ by less are equal.
+constexpr double kSameWeight = 1e-9;
 constexpr std::size_t kMostStars = 32;
 /// Points of a cell along a lattice vector at which sums over atoms are taken: harmonics up to
 /// kMostOrder are told from their aliases, which begin at kCellPoints - kMostOrder.
@@ -25,16 +25,10 @@ constexpr double kBeyondReach = 1e-3;
 /// In heights of the well, where repulsion is as strong as the largest attraction or so.
 constexpr double kDeepest = 0.9;
 
-struct SheetTerm {
-  int m = 0;
-  int n = 0;
-  double weight = 0.0;
-};
-
 struct SheetStar {
   double square = 0.0;  ///< of |G|
-  std::vector<SheetTerm> terms;
-  double size = 0.0;  ///< sum of |weight|
+  double weight = 0.0;
+  std::vector<std::array<int, 2>> terms;  ///< m, n
   int order = 0;
 };
 
@@ -68,19 +62,22 @@ std::vector<SheetStar> stars_of(const SheetLattice& lattice) {
   std::vector<SheetStar> stars;
   for (const SheetWave& wave : waves) {
     if (wave.square >= complete * (1.0 - kSameLength)) break;
-    if (stars.empty() || wave.square > stars.back().square * (1.0 + kSameLength)) {
-      stars.push_back({.square = wave.square, .terms = {}});
-    }
-    SheetStar& star = stars.back();
     double weight = 0.0;
     for (const SheetPoint& u : lattice.atoms) {
       weight += 2.0 * cos_turns(wave.m * u[0] + wave.n * u[1]);
     }
-    star.terms.push_back({wave.m, wave.n, weight});
-    star.size += std::abs(weight);
-    star.order = std::max({star.order, wave.m, std::abs(wave.n)});
+    if (std::abs(weight) < kSameWeight) continue;  // extinct
+    const auto same = [&](const SheetStar& star) {
+      return wave.square <= star.square * (1.0 + kSameLength) &&
+             std::abs(weight - star.weight) < kSameWeight;
+    };
+    auto star = std::find_if(stars.begin(), stars.end(), same);
+    if (star == stars.end()) {
+      star = stars.insert(star, {.square = wave.square, .weight = weight, .terms = {}});
+    }
+    star->terms.push_back({wave.m, wave.n});
+    star->order = std::max({star->order, wave.m, std::abs(wave.n)});
   }
-  std::erase_if(stars, [](const SheetStar& star) { return star.size < kExtinct; });
   if (stars.size() > kMostStars) stars.resize(kMostStars);
   return stars;
 }
@@ -127,8 +124,8 @@ class SheetCoefficients {
         place(lattice, {u * a1[0] + v * a2[0], u * a1[1] + v * a2[1]});
         const double share = (alone ? 1.0 : 2.0) / (kCellPoints * kCellPoints);
         for (const SheetStar& star : stars) {
-          const SheetTerm& term = star.terms.front();
-          const int turn = (term.m * i + term.n * j) % kCellPoints;
+          const auto [m, n] = star.terms.front();
+          const int turn = (m * i + n * j) % kCellPoints;
           weights_.push_back(share * cosines[(turn + kCellPoints) % kCellPoints]);
         }
       }
@@ -245,8 +242,9 @@ std::vector<std::size_t> last_needed(const SheetTable& table, const std::vector<
       const SheetStar& star = stars[s - 1];
       const HeightJet& f = jets[k][s - 1];
       const double lateral = kTau * std::sqrt(star.square) * std::abs(f[0]);
-      left_out += star.size * std::max(std::abs(f[0]) / energy_allowed,
-                                       std::max(lateral, std::abs(f[1])) / force_allowed);
+      left_out += std::abs(star.weight) * double(star.terms.size()) *
+                  std::max(std::abs(f[0]) / energy_allowed,
+                           std::max(lateral, std::abs(f[1])) / force_allowed);
       if (left_out > share) break;
     }
     for (; needed < s; ++needed) last[needed] = k + 1;
@@ -297,8 +295,8 @@ SheetTable make_sheet_table(const SheetLattice& lattice, const SheetLaw& law, do
     const double reach = table.nearest + (static_cast<double>(ends[s]) + kBeyondReach) * width;
     table.numbers.insert(table.numbers.end(), {reach, static_cast<double>(stars[s].order),
                                                static_cast<double>(stars[s].terms.size())});
-    for (const SheetTerm& term : stars[s].terms) {
-      table.numbers.insert(table.numbers.end(), {double(term.m), double(term.n), term.weight});
+    for (const auto& [m, n] : stars[s].terms) {
+      table.numbers.insert(table.numbers.end(), {double(m), double(n)});
     }
   }
   table.numbers[1] = static_cast<double>(table.numbers.size());
@@ -315,12 +313,14 @@ SheetTable make_sheet_table(const SheetLattice& lattice, const SheetLaw& law, do
   for (std::size_t k = 0; k <= table.intervals; ++k) {
     for (std::size_t s = 0; s < used; ++s) {
       const HeightJet f = k < ends[s] ? faded(k, s) : HeightJet{};
-      table.numbers.insert(table.numbers.end(), {f[0], f[1] * width, 0.5 * f[2] * width * width});
+      const double weight = stars[s].weight;
+      table.numbers.insert(table.numbers.end(), {weight * f[0], weight * f[1] * width,
+                                                 weight * 0.5 * f[2] * width * width});
     }
   }
   if (!stars.empty()) {
     const HeightJet f = coefficients.at(table.equilibrium, stars.size()).front();
-    table.first = stars.front().terms.front().weight * f[0];
+    table.first = stars.front().weight * f[0];
     table.first_decay = -f[1] / f[0];
   }
   return table;

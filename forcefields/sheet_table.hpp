@@ -8,12 +8,13 @@
 
 /// The harmonics of the field of a sheet, as the loop over particles reads them.
 ///
-/// Harmonics of reciprocal vectors G = m b1 + n b2 that are equally long make a star. All atoms of
-/// the sheet being alike, those of a star depend on the height z above the sheet by one function:
+/// Harmonics of reciprocal vectors G = m b1 + n b2 that are equally long depend on the height z
+/// above the sheet by one function, since all atoms of the sheet are alike. Those of them whose
+/// weights by the atoms of a cell are equal, too, make a star:
 ///
-///   V(R, z) = V_0(z) + sum over stars s of f_s(z) W_s(R)
-///   W_s(R)  = sum over one of each pair G, -G of the star of weight cos(2 pi G.R)
-///   weight  = 2 sum over atoms u of the cell of cos(2 pi G.u),  R from the lattice's centre
+///   V(R, z) = V_0(z) + sum over stars s of f_s(z) W_s(R),  R from the lattice's centre
+///   W_s(R)  = sum over one of each pair G, -G of the star of cos(2 pi G.R)
+///   f_s(z)  = 2 sum over atoms u of the cell of cos(2 pi G.u) times the coefficient of one atom
 ///
 /// Each f_s is a spline of fifth order in z, twice continuously differentiable, zero from the reach
 /// of its star on. Stars stand in the order of |G|, and reaches fall.
@@ -41,7 +42,7 @@ struct SheetError {
 struct SheetTable {
   static constexpr std::size_t kHead = 2;        ///< numbers before the first star
   static constexpr std::size_t kStarHead = 3;    ///< of a star before its terms
-  static constexpr std::size_t kTerm = 3;        ///< m, n, weight
+  static constexpr std::size_t kTerm = 2;        ///< m, n
   static constexpr std::size_t kKnot = 3;        ///< f, its slope, half its curvature
   static constexpr std::size_t kMostOrder = 12;  ///< of m and |n|
 
