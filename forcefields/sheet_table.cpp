@@ -14,7 +14,7 @@ namespace {
 constexpr double kSameLength = 1e-6;
 /// Weights, of order 1, that differ by less are equal.
 constexpr double kSameWeight = 1e-9;
-constexpr std::size_t kMostStars = 32;
+constexpr std::size_t kMostStars = 64;
 /// Points of a cell along a lattice vector at which sums over atoms are taken: harmonics up to
 /// kMostOrder are told from their aliases, which begin at kCellPoints - kMostOrder.
 constexpr int kCellPoints = 32;
