@@ -11,6 +11,7 @@
 #include "forcefields/memory_damping.hpp"
 #include "forcefields/morse_bonds.hpp"
 #include "forcefields/nose_hoover_chain.hpp"
+#include "forcefields/sheet_field.hpp"
 #include "forcefields/sinusoidal_substrate.hpp"
 #include "forcefields/tersoff.hpp"
 #include "forcefields/velocity_weakening.hpp"
@@ -31,6 +32,7 @@ void register_forcefields(Registry& registry) {
   registry.add(memory_damping_record());
   registry.add(morse_bonds_record());
   registry.add(nose_hoover_chain_record());
+  registry.add(sheet_field_record());
   registry.add(sinusoidal_substrate_record());
   registry.add(tersoff_record());
   registry.add(velocity_weakening_record());

@@ -61,6 +61,9 @@ void add_built(Explanation& explanation, Model& model) {
       force.element = element_of(*from.record, force_of_scene.description.get());
       force.note = from.record->note(force_of_scene.description.get());
     }
+    if (std::string found = from.bound->note(); !found.empty()) {
+      force.note += (force.note.empty() ? "" : "; ") + found;
+    }
     for (const std::size_t b : from.bodies) force.bodies.push_back(scene.bodies[b].name);
     explanation.forces.push_back(std::move(force));
   }

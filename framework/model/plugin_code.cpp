@@ -152,6 +152,9 @@ class GuardedForce final : public BoundForce<Real> {
   std::string why_not_finite(const Stage<Real>& stage) const override {
     return guard([&] { return force_->why_not_finite(stage); });
   }
+  std::string note() const override {
+    return guard([&] { return force_->note(); });
+  }
   bool flow(Flow<Real>& flow) override {
     if (!guard([&] { return force_->flow(flow); })) return false;
     flow_ = {&owner_, flow};

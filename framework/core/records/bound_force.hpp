@@ -223,6 +223,10 @@ class BoundForce {
     return false;
   }
 
+  /// What `explain` says of the force besides what its record says: what it found out about its
+  /// bodies when it was bound, and how exact it is.
+  virtual std::string note() const { return {}; }
+
   // The operator contract: the exact flow of this force alone over a time, see flow.hpp.
 
   /// The flow, the same whenever it is asked for, for schemes that take operators; then none of its
