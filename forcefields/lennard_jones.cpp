@@ -61,10 +61,10 @@ std::vector<Complaint> complaints(const LennardJonesDescription& d, const SceneO
   if (!found.empty()) return found;
   for (const SceneOutline::Body* body : {&scene.bodies.front(), &scene.bodies.back()}) {
     if (!body->species.empty()) continue;
-    return {complaint_of(FaultCode::component_unsuitable, "entries",
-                         "there are numbers of species, and the body \"" + body->name +
-                             "\" has none",
-                         "species in the body, or epsilon and sigma")};
+    return {
+        complaint_of(FaultCode::component_unsuitable, "entries",
+                     "there are numbers of species, and the body \"" + body->name + "\" has none",
+                     "species in the body, or epsilon and sigma")};
   }
   for (const std::string& one : scene.bodies.front().species) {
     for (const std::string& other : scene.bodies.back().species) {
