@@ -55,6 +55,7 @@ std::vector<Complaint> complaints(const LennardJonesDescription& d, const SceneO
   std::vector<std::string> faults;
   const std::vector<LennardJonesEntry> known = parse_lennard_jones(d.entries, faults);
   std::vector<Complaint> found;
+  found.reserve(faults.size());
   for (std::string& fault : faults) {
     found.push_back(complaint_of(FaultCode::file_invalid, "entries", std::move(fault), ""));
   }
