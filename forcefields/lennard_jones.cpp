@@ -55,16 +55,17 @@ std::vector<Complaint> complaints(const LennardJonesDescription& d, const SceneO
   std::vector<std::string> faults;
   const std::vector<LennardJonesEntry> known = parse_lennard_jones(d.entries, faults);
   std::vector<Complaint> found;
+  found.reserve(faults.size());
   for (std::string& fault : faults) {
     found.push_back(complaint_of(FaultCode::file_invalid, "entries", std::move(fault), ""));
   }
   if (!found.empty()) return found;
   for (const SceneOutline::Body* body : {&scene.bodies.front(), &scene.bodies.back()}) {
     if (!body->species.empty()) continue;
-    return {complaint_of(FaultCode::component_unsuitable, "entries",
-                         "there are numbers of species, and the body \"" + body->name +
-                             "\" has none",
-                         "species in the body, or epsilon and sigma")};
+    return {
+        complaint_of(FaultCode::component_unsuitable, "entries",
+                     "there are numbers of species, and the body \"" + body->name + "\" has none",
+                     "species in the body, or epsilon and sigma")};
   }
   for (const std::string& one : scene.bodies.front().species) {
     for (const std::string& other : scene.bodies.back().species) {

@@ -47,8 +47,7 @@ enum class Mixing { none, lorentz_berthelot };
 
 constexpr auto word_table(Mixing) {
   using enum Mixing;
-  return std::to_array<Word<Mixing>>(
-      {{none, "none"}, {lorentz_berthelot, "lorentz_berthelot"}});
+  return std::to_array<Word<Mixing>>({{none, "none"}, {lorentz_berthelot, "lorentz_berthelot"}});
 }
 
 /// The numbers of two species.

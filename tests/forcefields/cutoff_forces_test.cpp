@@ -286,6 +286,83 @@ TEST(Tersoff, HasGraphenesLatticeConstant) {
   EXPECT_NEAR(energy_at(low), -7.978, 0.01);
 }
 
+// ---- lennard_jones by species
+
+std::string species_scene(const std::string& species, const std::string& numbers,
+                          const std::string& more = "") {
+  return "[[body]]\nname = \"a\"\ntype = \"particles\"\n"
+         "positions = [[0.0, 0.0], [1.1, 0.2], [0.3, 1.2], [1.3, 1.4], [2.4, 0.7]]\n" +
+         species + "particle_mass = 1.0\n[[force]]\ntype = \"lennard_jones\"\n" + numbers +
+         "cutoff = 2.0\n[run]\nduration = 0.5\nintegrator = { type = \"velocity_verlet\", dt = "
+         "1e-3 }\nledger = true\n" +
+         more;
+}
+
+const std::string kFiveSpecies = "species = [\"A\", \"B\", \"A\", \"B\", \"A\"]\n";
+
+/// Entries that are all alike have the bits of the numbers for all, in every number type.
+TEST(LennardJones, BySpeciesHasTheBitsOfNumbersForAll) {
+  for (const std::string number_type : {"double", "float", "quadruple"}) {
+    const std::string more = "number_type = \"" + number_type + "\"\n";
+    const RunResult alike =
+        run_text(species_scene(kFiveSpecies, "epsilon = 0.7\nsigma = 1.1\n", more));
+    const RunResult listed = run_text(
+        species_scene(kFiveSpecies, "entries = \"A A 0.7 1.1 B B 0.7 1.1 B A 0.7 1.1\"\n", more));
+    const RunResult mixed = run_text(species_scene(
+        kFiveSpecies, "entries = \"A A 0.7 1.1 B B 0.7 1.1\"\nmixing = \"lorentz_berthelot\"\n",
+        more));
+    const RunResult other = run_text(
+        species_scene(kFiveSpecies, "entries = \"A A 0.7 1.1 B B 0.7 1.1 B A 0.7 1.0\"\n", more));
+    const auto energy = [](const RunResult& result) {
+      return result.group("energy")["kinetic"][0];
+    };
+    EXPECT_EQ(energy(alike), energy(listed)) << number_type;
+    EXPECT_EQ(energy(alike), energy(mixed)) << number_type;
+    EXPECT_NE(energy(alike), energy(other)) << number_type;
+  }
+}
+
+/// The energy of a pair of two species is that of their mixed numbers, whichever comes first.
+TEST(LennardJones, APairOfTwoSpeciesHasMixedNumbers) {
+  for (const std::string species : {"[\"A\", \"B\"]", "[\"B\", \"A\"]"}) {
+    const auto found = run_text(
+        "[[body]]\ntype = \"particles\"\npositions = [[0.0], [1.2]]\nspecies = " + species +
+        "\nparticle_mass = 1.0\n[[force]]\ntype = \"lennard_jones\"\n"
+        "entries = \"A A 1.0 1.0 B B 4.0 1.5\"\nmixing = \"lorentz_berthelot\"\ncutoff = 4.0\n"
+        "at_cutoff = \"shift\"\n[run]\nduration = 1e-3\nledger = true\n"
+        "integrator = { type = \"velocity_verlet\", dt = 1e-3 }\n");
+    // epsilon = sqrt(1 * 4), sigma = 1.25.
+    const auto energy = [](double r) {
+      const double part = std::pow(1.25 / r, 6);
+      return 8.0 * part * (part - 1.0);
+    };
+    // A step moves the particles by some 1e-5.
+    EXPECT_NEAR(found.group("energy")["potential"][0], energy(1.2) - energy(4.0), 1e-3);
+  }
+}
+
+TEST(LennardJones, FaultsOfEntriesHaveTheirPlace) {
+  const auto faults = [](const std::string& numbers, const std::string& species = kFiveSpecies) {
+    return brief_refusal(species_scene(species, numbers));
+  };
+  const std::string key = "force.lennard_jones.";
+  EXPECT_EQ(faults("entries = \"A A 1 1 B B 1 1\"\n"),
+            "9:11 " + key + "entries = \"A A 1 1 B B 1 1\" [component.unsuitable]");
+  EXPECT_EQ(faults("entries = \"A A 1 1 B B 1\"\n"),
+            "9:11 " + key + "entries = \"A A 1 1 B B 1\" [file.invalid]");
+  EXPECT_EQ(faults("entries = \"A A 1 -1\"\n"),
+            "9:11 " + key + "entries = \"A A 1 -1\" [file.invalid]");
+  EXPECT_EQ(faults("entries = \"A A 1 1 B A 1 1 A B 1 1\"\n"),
+            "9:11 " + key + "entries = \"A A 1 1 B A 1 1 A B 1 1\" [file.invalid]");
+  EXPECT_EQ(faults("entries = \"A A 1 1\"\n", "velocity = [0.0, 0.0]\n"),
+            "9:11 " + key + "entries = \"A A 1 1\" [component.unsuitable]");
+  EXPECT_EQ(faults("entries = \"A A 1 1\"\nsigma = 1.0\n"),
+            "10:9 " + key + "sigma = 1.0 [scene.conflict]");
+  EXPECT_EQ(faults("epsilon = 1.0\n"), "7:1 " + key + "sigma [scene.missing_key]");
+  EXPECT_EQ(faults("epsilon = 1.0\nsigma = 1.0\nmixing = \"lorentz_berthelot\"\n"),
+            "11:10 " + key + "mixing = \"lorentz_berthelot\" [scene.conflict]");
+}
+
 TEST(CutoffForces, AreRefusedInBoxesTooShortForThem) {
   const auto two = cluster(2, 1.5, 0.0, 1);
   const std::string box = "[box]\nlengths = [4.0, 9.0, 9.0]\nperiodic = [true, false, true]\n";

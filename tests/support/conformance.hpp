@@ -11,6 +11,7 @@
 
 #include "framework/core/records/force.hpp"
 #include "framework/core/records/integrator.hpp"
+#include "framework/model/model.hpp"
 #include "framework/model/properties.hpp"
 #include "tests/support/random_description.hpp"
 #include "tests/support/scenes.hpp"
@@ -93,6 +94,17 @@ inline std::shared_ptr<const Scene> arranged(const Arrangement& arrangement,
   return scene;
 }
 
+/// Whether the force refuses these bodies as they stand, since particles are too large for it.
+inline bool starts_too_near(const std::shared_ptr<const Scene>& scene) {
+  try {
+    Model model(scene);
+  } catch (const InputError& error) {
+    if (error.faults().front().code == FaultCode::body_invalid_coordinates) return true;
+    throw;
+  }
+  return false;
+}
+
 /// The verified properties of a force over all scenes that it is shown.
 class Conformance {
  public:
@@ -130,8 +142,10 @@ class Conformance {
       for (const Arrangement& arrangement : arrangements_of(record_, count)) {
         const auto description = random_description(record_, arrangement, random);
         if (!description || where_.count(until) == 1) continue;
+        const auto scene = arranged(arrangement, record_, description, random);
+        if (starts_too_near(scene)) continue;
         if (seen) seen(description.get(), arrangement);
-        examine(*arranged(arrangement, record_, description, random), random());
+        examine(*scene, random());
       }
     }
   }

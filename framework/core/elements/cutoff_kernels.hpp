@@ -122,8 +122,7 @@ TOMLIN_FLATTEN void cutoff_energy_kernel(const void* arguments, const Stage<Real
   for_groups_of_pairs<E, Real, D>(
       a, stage,
       [&](const Mask<Group>& near, const Pair<Group, D>& pair, std::size_t i, std::size_t j) {
-        const Group energy =
-            E::energy(differ ? parameters_of_each<E, Real, D>(a, i, j) : p, pair);
+        const Group energy = E::energy(differ ? parameters_of_each<E, Real, D>(a, i, j) : p, pair);
         total = total + select(near, energy, none);
       },
       [&](std::size_t i) {

@@ -145,7 +145,11 @@ struct ListedSpecies {
   }
 };
 
-/// The evaluator between all pairs within the cutoff that its description states. Between two
+/// The evaluator between all pairs within the cutoff that its description states. Besides energy
+/// and force the evaluator has cutoff(description); size(description), half of which is how near
+/// particles may start and how far they move in a step, and what_size, which says so in messages;
+/// by_species(description, species of one, species of other), the parameters of each pair of
+/// species, empty where all pairs are alike. Between two
 /// bodies each gets its force by a list of its own, but for one that is fixed.
 template <class E, class Real, int D>
 class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours {
@@ -161,8 +165,8 @@ class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours {
         one_species_(one_),
         other_species_(other_),
         rank_(rank) {
-    by_species_ = E::template by_species<Real, D>(description, one_species_.names,
-                                                  other_species_.names);
+    by_species_ =
+        E::template by_species<Real, D>(description, one_species_.names, other_species_.names);
     const double cutoff = E::cutoff(description);
     size_ = E::size(description);
     check_distances(starting(one_), starting(other_), D, binding.box, std::min(0.5 * size_, cutoff),
@@ -262,8 +266,8 @@ class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours {
     };
     for (std::uint32_t kind = 0; kind < one.names.size(); ++kind) {
       for (std::size_t j = 0; j < other.kind.size(); ++j) {
-        const auto from = std::bit_cast<Numbers>(
-            forward ? of_kinds(kind, other.kind[j]) : of_kinds(other.kind[j], kind));
+        const auto from = std::bit_cast<Numbers>(forward ? of_kinds(kind, other.kind[j])
+                                                         : of_kinds(other.kind[j], kind));
         for (std::size_t k = 0; k < n; ++k) {
           numbers[(kind * n + k) * apart + j] = from.value[k];
         }

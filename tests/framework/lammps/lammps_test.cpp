@@ -388,6 +388,35 @@ TEST(Lammps, LennardJonesWithinAndBetween) {
   }
 }
 
+/// Numbers by species, all of them given or mixed, within a body and between two in either order.
+TEST(Lammps, LennardJonesBySpecies) {
+  TOMLIN_NEEDS_LAMMPS();
+  const auto of_species = [](const std::vector<std::string>& cycle, std::size_t count) {
+    std::string list = "particle_mass = 1.0\nspecies = [";
+    for (std::size_t i = 0; i < count; ++i) list += "\"" + cycle[i % cycle.size()] + "\", ";
+    return list + "]\n";
+  };
+  const std::string bodies =
+      particles("a", lump(3, 1.2, 0.1, {0.0, 0.0, 0.0}), of_species({"A", "B", "C", "B"}, 27)) +
+      particles("b", lump(2, 1.3, 0.1, {3.7, 0.3, 0.2}), of_species({"C", "A"}, 8));
+  const auto force = [](const std::string& name, const std::string& on,
+                        const std::string& entries) {
+    return "[[force]]\nname = \"" + name + "\"\ntype = \"lennard_jones\"\n" + on +
+           "\nentries = \"\"\"\n" + entries + "cutoff = 2.5\n";
+  };
+  const std::string mixed =
+      "A A 0.7 1.1\nB B 0.3 0.9\nC C 1.2 1.0\nB A 0.9 1.05\n\"\"\"\nmixing = "
+      "\"lorentz_berthelot\"\n";
+  const std::string given =
+      "A A 0.7 1.1\nB C 0.3 0.9\nC C 1.2 1.0\nB A 0.9 1.05\nC A 0.1 1.2\n\"\"\"\n";
+  for (const std::string& on :
+       {std::string("bodies = [\"a\", \"b\"]"), std::string("bodies = [\"b\", \"a\"]")}) {
+    EXPECT_GT(expect_same(bodies + force("within", "body = \"a\"", mixed) +
+                          force("between", on, given) + steps_of(1e-3)),
+              1.0);
+  }
+}
+
 /// In a plane, in a box, with particles of several masses.
 TEST(Lammps, LennardJonesInAPlane) {
   TOMLIN_NEEDS_LAMMPS();
