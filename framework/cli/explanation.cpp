@@ -133,7 +133,8 @@ void add_parts(Explanation& explanation, const Model& model) {
 void count_neighbours(Explanation& explanation, Model& model) {
   std::vector<const CountsNeighbours*> lists;
   for (const Model::Force& force : model.forces()) {
-    lists.push_back(dynamic_cast<const CountsNeighbours*>(force.bound.get()));
+    const BoundForce<double>& bound = force.switched ? force.switched->inner() : *force.bound;
+    lists.push_back(dynamic_cast<const CountsNeighbours*>(&bound));
   }
   if (std::all_of(lists.begin(), lists.end(), [](const auto* list) { return list == nullptr; }))
     return;

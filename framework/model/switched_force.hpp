@@ -63,6 +63,7 @@ class SwitchedForce final : public BoundForce<Real> {
   std::string why_not_finite(const Stage<Real>& stage) const override {
     return is_active() ? force_->why_not_finite(stage) : std::string();
   }
+  std::string note() const override { return force_->note(); }
   bool heat(std::ptrdiff_t rate, Operation<Real>& operation) override;
   bool flow(Flow<Real>& flow) override;
   bool is_friction() const override { return force_->is_friction(); }
