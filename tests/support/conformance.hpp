@@ -140,12 +140,15 @@ class Conformance {
     Random random(seed);
     for (const std::size_t count : counts) {
       for (const Arrangement& arrangement : arrangements_of(record_, count)) {
-        const auto description = random_description(record_, arrangement, random);
-        if (!description || where_.count(until) == 1) continue;
-        const auto scene = arranged(arrangement, record_, description, random);
-        if (starts_too_near(scene)) continue;
-        if (seen) seen(description.get(), arrangement);
-        examine(*scene, random());
+        for (int draw = 0; draw < kMostDraws; ++draw) {
+          const auto description = random_description(record_, arrangement, random);
+          if (!description || where_.count(until) == 1) break;
+          const auto scene = arranged(arrangement, record_, description, random);
+          if (starts_too_near(scene)) continue;
+          if (seen) seen(description.get(), arrangement);
+          examine(*scene, random());
+          break;
+        }
       }
     }
   }
@@ -163,6 +166,9 @@ class Conformance {
   }
 
  private:
+  /// Of parameters, until particles are no nearer than they allow.
+  static constexpr int kMostDraws = 20;
+
   const ForceRecord& record_;
   std::map<std::string, int> states_;         ///< of each property, at which it was looked at
   std::map<std::string, std::string> where_;  ///< of those that do not hold
