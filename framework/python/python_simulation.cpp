@@ -92,6 +92,7 @@ class Simulation {
 };
 
 Simulation::Simulation(SceneHandle scene) : scene_(std::move(scene)), as_run_(scene_.scene) {
+  const py::gil_scoped_release unlocked;
   if (as_run_->run.accuracy) as_run_ = choose_integrator(as_run_, *scene_.registry).scene;
   engine_ = std::make_unique<Engine>(as_run_, options(kept_, nullptr));
   std::size_t count = 0;
@@ -125,6 +126,10 @@ bool Simulation::advance(double to, std::uint64_t most_steps) {
       most = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(left));
     }
     engine_->step_alone(most);
+  }
+  // Whether a run is over shows where its next step would be.
+  if (!engine_->done() && engine_->time() >= engine_->context().plan.duration) {
+    engine_->step_alone();
   }
   return true;
 }

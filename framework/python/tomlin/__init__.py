@@ -9,7 +9,7 @@ TOML file, a text or a dict of plain Python values:
 >>> result.status
 'finished'
 >>> round(result["driver.mean_force.x"], 3)
-0.396
+0.478
 
 All numbers are in the units of the scene; angles are in rad. What a run leaves undefined is None.
 """

@@ -33,12 +33,13 @@ class SceneError(Error, ValueError):
     """Bad input: a scene, a setting, an axis of a sweep, an observable, a folder.
 
     >>> import tomlin
+    >>> tip = tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml")
     >>> try:
-    ...     tomlin.parse("[run]\\nduratoin = 1.0\\n")
+    ...     tip.set("run.duratoin", 1.0)
     ... except tomlin.SceneError as error:
     ...     fault = error.faults[0]
-    >>> fault.line, fault.key, fault.code, fault.nearest
-    (2, 'run.duratoin', 'scene.unknown_key', 'duration')
+    >>> fault.key, fault.code, fault.nearest
+    ('run.duratoin', 'scene.unknown_key', 'duration')
     """
 
     faults: list[Fault]  #: every fault that was found

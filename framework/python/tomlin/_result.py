@@ -114,9 +114,9 @@ class Result:
     >>> result["driver.mean_force.x"] == result.driver.mean_force.x
     True
     >>> result["driver.mean_force"]
-    Vector(0.395...,)
+    Vector(0.478...,)
     >>> result["events.slips"], result.events["event"].size
-    (8, 8)
+    (7, 7)
     >>> result["driver.mean_farce"]
     Traceback (most recent call last):
     tomlin._errors.QuantityError: observable: error: driver.mean_farce: ...
@@ -181,7 +181,7 @@ class Result:
 
     @cached_property
     def scene(self) -> Scene:
-        """The scene as it was run, with the integrator that an ``accuracy`` has chosen."""
+        """The scene that was run."""
         from tomlin._scene import Scene, load
 
         if self._run is not None:

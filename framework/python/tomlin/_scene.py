@@ -30,7 +30,7 @@ def load(path: str | os.PathLike[str], *, plugins: Sequence[str | os.PathLike[st
     <tomlin.Scene 'Prandtl-Tomlinson: stick-slip', scenarios/prandtl_tomlinson/stick_slip.toml>
     >>> tomlin.load("no_such_file.toml")
     Traceback (most recent call last):
-    tomlin._errors.SceneError: no_such_file.toml: error: cannot read: No such file or directory [file.cannot_read]
+    tomlin._errors.SceneError: no_such_file.toml:1:1: error: there is no such file [file.cannot_read]
     """
     return Scene(_core.read_file(os.fspath(path), [os.fspath(one) for one in plugins]))
 
@@ -242,7 +242,7 @@ def compare(scenes: Sequence[Scene], observable: str, *, tolerance: float = 1e-2
     >>> both = tomlin.compare([tip, tip.set("run.integrator", {"type": "rk4", "dt": 0.01})],
     ...                       "driver.mean_force.x")
     >>> [model.verdict for model in both.models]
-    ['reference', 'agrees']
+    ['agrees', 'reference']
     """
     if len(scenes) < 2:
         raise ValueError("one scene cannot be compared: two or more")
