@@ -49,7 +49,7 @@ class Simulation {
   int dimension() const { return scene_.scene->dimension; }
   std::size_t particles() const { return positions_.size() / static_cast<std::size_t>(dimension()); }
 
-  std::string save() const;
+  std::vector<std::byte> numbers();
   void restore(std::string_view bytes, std::size_t numbers, std::size_t events);
   /// Of a run that is not over, as if it were interrupted here.
   std::unique_ptr<RunHandle> result();
@@ -218,9 +218,16 @@ std::vector<std::pair<std::string, std::size_t>> Simulation::bodies() const {
   return all;
 }
 
-std::string Simulation::save() const {
-  const std::vector<std::byte> bytes = engine_->state().to_bytes();
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+/// All that the run goes on from.
+std::vector<std::byte> Simulation::numbers() {
+  RunContext& run = engine_->context();
+  if (run.outcome.ended && (run.path != nullptr || as_run_->run.until)) {
+    throw std::runtime_error(
+        "the run is over, and what it knows at its end is not all in its numbers: keep an earlier "
+        "state");
+  }
+  run.clock.keep_cost(run.model.system(), run.integrator->evaluations_ahead());
+  return run.state.to_bytes();
 }
 
 void Simulation::restore(std::string_view bytes, std::size_t numbers, std::size_t events) {
@@ -247,7 +254,7 @@ std::unique_ptr<RunHandle> Simulation::result() {
     if (!end_) end_ = std::make_unique<RunResult>(engine_->end());
     return handle_of(*end_);
   }
-  const std::vector<std::byte> state = engine_->state().to_bytes();
+  const std::vector<std::byte> state = numbers();
   MemorySink nothing;
   Engine other(as_run_, options(nothing, &state));
   other.context().outcome.interrupt();
@@ -304,8 +311,11 @@ void define_simulations(py::module_& module) {
       .def("save",
            [](Simulation& it) {
              const Simulation::Use use(it);
+             const std::vector<std::byte> state = it.numbers();
              const auto [numbers, events] = it.kept_size();
-             return py::make_tuple(py::bytes(it.save()), numbers, events);
+             return py::make_tuple(
+                 py::bytes(reinterpret_cast<const char*>(state.data()), state.size()), numbers,
+                 events);
            })
       .def("restore",
            [](Simulation& it, const py::bytes& bytes, std::size_t numbers, std::size_t events) {

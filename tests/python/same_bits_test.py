@@ -81,7 +81,7 @@ def test_steps_one_by_one_are_those_of_a_run(name):
     sim = scene.simulation()
     sim.advance(steps=7)
     sim.positions, sim.velocities, sim.forces
-    sim.advance(to=0.31 * sim.duration)
+    sim.advance(to=0.11 * sim.duration)
     before = sim.state
     sim.advance(steps=33)
     sim.state = before

@@ -11,6 +11,8 @@ from scenes import FLEXIBLE, PUSHED, RIGID, TIP, scene
 
 import tomlin
 
+ENDLESS = {"run.duration": 1e9, "run.integrator": {"type": "rk4", "dt": 0.01},
+           "measure.from": 0.0, "measure.to": 1e9, "measure.in": "time", "output.every": 1e6}
 RK4 = '{ type = "rk4", dt = 2e-3 }'
 
 
@@ -129,8 +131,7 @@ def test_fixed_steps_stop_where_they_should():
 
 
 def test_interrupt_between_steps(tip):
-    sim = tip.set({"run.duration": 1e9, "measure.from": 0.0, "measure.to": 1e9, "measure.in": "time",
-                   "output.every": 1e6}).simulation()
+    sim = tip.set(ENDLESS).simulation()
     threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
     with pytest.raises(KeyboardInterrupt):
         sim.advance()
@@ -140,8 +141,7 @@ def test_interrupt_between_steps(tip):
 
 
 def test_two_threads_are_not_let_in(tip):
-    sim = tip.set({"run.duration": 1e9, "measure.from": 0.0, "measure.to": 1e9, "measure.in": "time",
-                   "output.every": 1e6}).simulation()
+    sim = tip.set(ENDLESS).simulation()
     thread = threading.Thread(target=lambda: sim.advance(steps=3_000_000))
     thread.start()
     refused = 0

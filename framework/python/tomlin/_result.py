@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import os
 import re
@@ -247,9 +248,9 @@ class Result:
         file = self._folder / "observables.csv"
         if not file.exists():
             return samples_table(np.empty((0, 0)), {"columns": [], "bodies": []})
-        with file.open(encoding="utf-8", newline="") as stream:
-            columns = [_HEADING.fullmatch(one).groups() for one in next(csv.reader([next(stream)]))]
-            numbers = np.loadtxt(stream, delimiter=",", ndmin=2) if _has_more(stream) else []
+        head, _, rows = file.read_text(encoding="utf-8").partition("\n")
+        columns = [_HEADING.fullmatch(one).groups() for one in next(csv.reader([head]))]
+        numbers = np.loadtxt(io.StringIO(rows), delimiter=",", ndmin=2) if rows else np.empty((0, 0))
         table = samples_table(np.ascontiguousarray(numbers), {"columns": columns, "bodies": []})
         table.setflags(write=False)
         return table
@@ -338,13 +339,6 @@ def _find(node: Any, path: str) -> tuple[bool, Any]:
         if found:
             return True, value
     return False, None
-
-
-def _has_more(stream: Any) -> bool:
-    place = stream.tell()
-    more = bool(stream.readline())
-    stream.seek(place)
-    return more
 
 
 def open(folder: str | os.PathLike[str]) -> Result:

@@ -177,7 +177,8 @@ class Simulation:
 
     @property
     def state(self) -> State:
-        """All numbers of the run. Assigning it back takes the run to that moment, exactly."""
+        """All numbers of the run. Assigning it back takes the run to that moment, exactly. Raises
+        RuntimeError for a run ``until`` something, or a quasistatic one, that is over."""
         return State(self.time, *self._core.save(), self._scene.to_toml())
 
     @state.setter
