@@ -49,9 +49,10 @@ RecordedSweep record_sweep(RunFolder& folder, SweepPlan& plan, const RecordedSwe
                                      : write_sweep_results(folder, plan, journal);
   }
   recorded.bisections = bisection.all();
-  folder.write_file(kSweepSummaryFile,
-                    sweep_json(plan, recorded.progress, recorded.counts ? &*recorded.counts : nullptr,
-                               asked.threads, recorded.shard, recorded.bisections));
+  folder.write_file(
+      kSweepSummaryFile,
+      sweep_json(plan, recorded.progress, recorded.counts ? &*recorded.counts : nullptr,
+                 asked.threads, recorded.shard, recorded.bisections));
   return recorded;
 }
 

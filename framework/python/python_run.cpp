@@ -69,8 +69,8 @@ std::unique_ptr<RunHandle> run_in_folder(const SceneHandle& scene, const std::st
                                     : Occupied::refuse;
   RunFolder folder(path, occupied);
   refuse_to_lose_inputs(folder, *scene.scene, kFilesOfARun);
-  Resumption found = resume ? find_resumption(folder, *scene.scene, TOMLIN_VERSION)
-                            : start_again(folder);
+  Resumption found =
+      resume ? find_resumption(folder, *scene.scene, TOMLIN_VERSION) : start_again(folder);
   if (found.kind == Resumption::Kind::finished || found.kind == Resumption::Kind::failed) {
     remove_leftovers(folder);
     return nullptr;
@@ -156,8 +156,8 @@ py::dict layout_of(const MemorySink& kept) {
 py::list events_of(const MemorySink& kept) {
   py::list all;
   for (const KeptEvent& one : kept.events()) {
-    all.append(py::make_tuple(one.time, one.kind, one.name, one.duration, one.size,
-                              one.energy_lost, one.peak_force));
+    all.append(py::make_tuple(one.time, one.kind, one.name, one.duration, one.size, one.energy_lost,
+                              one.peak_force));
   }
   return all;
 }
@@ -171,8 +171,7 @@ void define_runs(py::module_& module) {
       .def("__str__", &progress_text);
   py::class_<RunHandle>(module, "Run")
       .def_property_readonly(
-          "status",
-          [](const RunHandle& it) { return std::string(to_string(it.result.status)); })
+          "status", [](const RunHandle& it) { return std::string(to_string(it.result.status)); })
       .def_property_readonly("failure",
                              [](const RunHandle& it) { return dict_of(it.result.failure); })
       .def_property_readonly("scene",
@@ -181,8 +180,7 @@ void define_runs(py::module_& module) {
                                scene.scene = it.as_run;
                                return scene;
                              })
-      .def("summary_json",
-           [](const RunHandle& it) { return summary_json(*it.as_run, it.result); })
+      .def("summary_json", [](const RunHandle& it) { return summary_json(*it.as_run, it.result); })
       .def("text",
            [](const RunHandle& it, const std::string& where) {
              return result_text(*it.as_run, it.result, where);

@@ -138,9 +138,10 @@ void define_scenes(py::module_& module) {
              return check_json(it.scene, seed);
            })
       .def("tradeoff_json", &tradeoff);
-  module.def("read_file", [standard](const std::string& file, const std::vector<std::string>& plugins) {
-    return read(std::make_shared<const SceneDocument>(file), plugins, standard);
-  });
+  module.def("read_file",
+             [standard](const std::string& file, const std::vector<std::string>& plugins) {
+               return read(std::make_shared<const SceneDocument>(file), plugins, standard);
+             });
   module.def("read_text", [standard](std::string text, std::string file,
                                      const std::vector<std::string>& plugins) {
     return read(std::make_shared<const SceneDocument>(std::move(text), std::move(file)), plugins,

@@ -47,7 +47,9 @@ class Simulation {
   std::vector<std::string> drivers() const;
   std::vector<std::pair<std::string, std::size_t>> bodies() const;
   int dimension() const { return scene_.scene->dimension; }
-  std::size_t particles() const { return positions_.size() / static_cast<std::size_t>(dimension()); }
+  std::size_t particles() const {
+    return positions_.size() / static_cast<std::size_t>(dimension());
+  }
 
   std::vector<std::byte> numbers();
   void restore(std::string_view bytes, std::size_t numbers, std::size_t events);
@@ -291,8 +293,8 @@ void define_simulations(py::module_& module) {
           "positions", [](const py::object& it) { return view_of(it, &Simulation::positions); })
       .def_property_readonly(
           "velocities", [](const py::object& it) { return view_of(it, &Simulation::velocities); })
-      .def_property_readonly(
-          "forces", [](const py::object& it) { return view_of(it, &Simulation::forces); })
+      .def_property_readonly("forces",
+                             [](const py::object& it) { return view_of(it, &Simulation::forces); })
       .def("driver_force",
            [](Simulation& it, std::size_t driver) {
              const Simulation::Use use(it);

@@ -61,7 +61,7 @@ struct SweepHandle {
   };
   SceneHandle scene;
   std::vector<Axis> axes;
-  std::vector<std::size_t> shape;  ///< one number, of points, with a refinement
+  std::vector<std::size_t> shape;                   ///< one number, of points, with a refinement
   std::vector<std::array<std::string, 3>> columns;  ///< name, unit, meaning
   std::vector<double> numbers;                      ///< [column][row]
   std::vector<std::string> status;                  ///< [row]; "missing" where it was stopped
@@ -108,15 +108,16 @@ SweepSettings settings_of(const SceneHandle& scene, const SweepRequest& request,
   if (request.repeats) settings.repeats = {*request.repeats, Place{"repeats"}, ""};
   add_repeats(settings, faults);
   if (request.refine) settings.refine.what = {*request.refine, Place{"refine"}, ""};
-  if (request.refine_along) settings.refine.along = {*request.refine_along, Place{"refine_along"}, ""};
+  if (request.refine_along)
+    settings.refine.along = {*request.refine_along, Place{"refine_along"}, ""};
   if (request.refine_to) settings.refine.to = {*request.refine_to, Place{"refine_to"}, ""};
   if (!request.observables.empty()) {
     settings.observables = request.observables;
     settings.observables_place = Place{"observables"};
   }
   if (settings.over.empty() && settings.unread.empty()) {
-    faults.emplace_back(FaultCode::command_missing_argument, place, "", "",
-                        "nothing to sweep over", "names and their values");
+    faults.emplace_back(FaultCode::command_missing_argument, place, "", "", "nothing to sweep over",
+                        "names and their values");
   }
   if (settings.observables.empty() && !settings.refine.what) {
     faults.emplace_back(FaultCode::command_missing_argument, Place{"observables"}, "", "",
@@ -146,9 +147,9 @@ void read_rows(const SweepPlan& plan, const SweepJournal& journal, SweepHandle& 
     SweepHandle::Axis axis;
     axis.name = plan.axis_title(a);
     const auto& dimensions = plan.dimensions();
-    while (grid && std::find(dimensions[axis.dimension].axes.begin(),
-                             dimensions[axis.dimension].axes.end(),
-                             a) == dimensions[axis.dimension].axes.end()) {
+    while (grid &&
+           std::find(dimensions[axis.dimension].axes.begin(), dimensions[axis.dimension].axes.end(),
+                     a) == dimensions[axis.dimension].axes.end()) {
       ++axis.dimension;
     }
     const SweepValues& values = plan.axes()[a].values;
@@ -235,10 +236,9 @@ py::list axes_of(const py::object& self) {
   py::list all;
   for (const SweepHandle::Axis& axis : handle.axes) {
     const py::object values =
-        axis.words.empty()
-            ? py::object(numbers_of(self, axis.numbers.data(),
-                                    {static_cast<py::ssize_t>(axis.numbers.size())}))
-            : py::object(py::cast(axis.words));
+        axis.words.empty() ? py::object(numbers_of(self, axis.numbers.data(),
+                                                   {static_cast<py::ssize_t>(axis.numbers.size())}))
+                           : py::object(py::cast(axis.words));
     all.append(py::make_tuple(axis.name, axis.dimension, values));
   }
   return all;
