@@ -44,7 +44,7 @@ SceneHandle with_settings(const SceneHandle& from, const Settings& settings) {
   SceneHandle handle = from;
   for (const auto& [path, value] : settings) {
     // The same as without the earlier value of that name, which would be refused beside it.
-    std::erase_if(handle.settings, [&](const Setting& one) { return one.path == path; });
+    std::erase_if(handle.settings, [&name = path](const Setting& one) { return one.path == name; });
     handle.settings.push_back({path, value});
   }
   handle.scene = handle.document->read(*handle.registry, handle.settings);

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tomlin import _core
-from tomlin._errors import Fault, OutputError, QuantityError, RunError
+from tomlin._errors import Fault, OutputError, QuantityError, RunError, SceneError
 from tomlin._record import Record, shown, table_html, wrapped
 
 if TYPE_CHECKING:
@@ -192,6 +192,12 @@ class Result:
     def __getitem__(self, path: str) -> Any:
         if not isinstance(path, str):
             raise TypeError(f"a dotted path, not {path!r}")
+        # A single number costs less than the whole summary.
+        if self._run is not None and "summary" not in self.__dict__:
+            try:
+                return self._run.observable(path)
+            except SceneError:
+                pass
         candidates = [path, f"drivers.{path}", f"bodies.{path}"]
         head, _, rest = path.partition(".")
         if head in ("error", "determined"):
@@ -201,8 +207,6 @@ class Result:
             if found:
                 return wrapped(value)
         if self._run is not None:
-            from tomlin._errors import SceneError
-
             try:
                 return self._run.observable(path)
             except SceneError as error:
