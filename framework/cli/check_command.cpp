@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "framework/cli/check_json.hpp"
 #include "framework/cli/command.hpp"
 #include "framework/cli/diagnostics.hpp"
 #include "framework/cli/exit_status.hpp"
@@ -278,6 +279,10 @@ int check_scene(const CheckArguments& arguments) {
 }
 
 }  // namespace
+
+std::string check_json(const std::shared_ptr<const Scene>& scene, std::uint64_t seed) {
+  return json_text(json_of(report_on(scene, seed)));
+}
 
 CommandRecord check_command() {
   return {"check", "validate a scene and verify the declared properties of its forces",

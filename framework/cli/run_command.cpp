@@ -121,8 +121,7 @@ void require_plugins_of_run(const RunArguments& arguments,
   require_same_libraries(arguments.folder.value_or(default_folder(arguments.scene)), libraries);
 }
 
-/// A run that has come to its end already. Killed at the last moment it may have left what it had
-/// no use for any more.
+/// A run that has come to its end already.
 int already_over(RunFolder& folder, const Scene& scene, const Resumption& found, bool quiet) {
   if (found.kind == Resumption::Kind::failed) {
     print_error(FaultCode::resume_impossible, scene.file,
@@ -130,9 +129,7 @@ int already_over(RunFolder& folder, const Scene& scene, const Resumption& found,
                     " has failed and would fail again: " + found.failure);
     return kExitFailed;
   }
-  for (const char* name : {kStoreFile, kCheckpointFile, kJournalFile}) {
-    if (folder.holds(name)) folder.remove(name);
-  }
+  remove_leftovers(folder);
   if (quiet) return kExitDone;
   return print_result("finished already; nothing to do\n  results  " + where_results_are(folder) +
                       "\n");

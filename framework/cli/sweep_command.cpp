@@ -24,6 +24,7 @@
 #include "framework/cli/plugins.hpp"
 #include "framework/cli/print_result.hpp"
 #include "framework/cli/progress.hpp"
+#include "framework/cli/recorded_sweep.hpp"
 #include "framework/cli/stop_signals.hpp"
 #include "framework/cli/sweep_folder.hpp"
 #include "framework/cli/sweep_text.hpp"
@@ -31,10 +32,7 @@
 #include "framework/output/run_folder.hpp"
 #include "framework/output/sweep_files.hpp"
 #include "framework/scene/text.hpp"
-#include "framework/study/sweep/bisection.hpp"
 #include "framework/study/sweep/client.hpp"
-#include "framework/study/sweep/files.hpp"
-#include "framework/study/sweep/journal.hpp"
 #include "framework/study/sweep/plan.hpp"
 #include "framework/study/sweep/runner.hpp"
 #include "framework/study/sweep/server.hpp"
@@ -433,9 +431,9 @@ void take_part(const ProcessLink& link, RequestedSweep& requested, std::size_t t
 int sweep(const SweepArguments& arguments, RequestedSweep& requested, std::size_t threads,
           SweepServer* server) {
   SweepPlan& plan = requested.plan;
-  const std::vector<std::size_t>& traced = requested.traced;
-  std::optional<SweepPart> shard = requested.shard;
-  if (arguments.dry_run) return print_result(sweep_plan_text(plan, threads, shard));
+  if (arguments.dry_run) {
+    return print_result(sweep_plan_text(plan, threads, requested.shard));
+  }
   if (server != nullptr) server->meet(plan);
 
   const fs::path& path = requested.path;
@@ -445,59 +443,30 @@ int sweep(const SweepArguments& arguments, RequestedSweep& requested, std::size_
   folder.own();
   ignore_signals_of_writing();
   StopSignals signals;
-  if (arguments.force) {
-    folder.remove_run();
-    folder.remove(kSweepJournalFile);
-    remove_points(folder.file(kPointsFolder));
-  }
-  SweepJournal journal(folder.file(kSweepJournalFile), plan);
-  // Where one of them is, it belongs to all rows.
-  const bool had_all = holds_all_results(folder);
   ProgressLine progress_line(arguments.quiet ? ProgressLine::Style::silent : progress_style());
-  bool is_complete = true;
-  for (std::size_t k = 0; k < plan.points() && is_complete; ++k) is_complete = journal.has(k);
-  SweepBisection bisection(plan, journal);
-  if (plan.refinement() && is_complete) is_complete = !bisection.add_points();
-  if (had_all && is_complete && traced.empty()) {
+  RecordedSweepOptions options;
+  options.threads = threads;
+  options.shard = requested.shard;
+  options.traced = requested.traced;
+  options.begins_anew = arguments.force;
+  options.server = server;
+  options.stop = &signals.stop();
+  options.on_progress = [&progress_line](const SweepProgress& now) {
+    progress_line.show(sweep_progress_text(now), now.seconds);
+  };
+  const RecordedSweep run = record_sweep(folder, plan, options);
+  progress_line.finish();
+  if (run.over_before) {
     if (arguments.quiet) return kExitDone;
     return print_result("finished already; nothing to do\n  results  " +
                         where_the_sweep_is(folder) + "\n");
   }
-  if (had_all && is_complete) shard.reset();  // the results are those of the whole sweep
-  if (!is_complete) {
-    for (const char* name : kSweepResults) folder.remove(name);
-  }
-  folder.write_file(kSceneFile, plan.scene_text());
-
-  SweepOptions options;
-  options.threads = threads;
-  options.part = requested.part;
-  options.folder = folder.file(kPointsFolder);
-  options.traced = traced;
-  options.stop = &signals.stop();
-  if (plan.refinement()) options.add_points = [&bisection] { return bisection.add_points(); };
-  options.on_progress = [&progress_line](const SweepProgress& now) {
-    progress_line.show(sweep_progress_text(now), now.seconds);
-  };
-  const SweepProgress progress =
-      server != nullptr ? server->run(plan, journal, options) : run_sweep(plan, journal, options);
-  progress_line.finish();
-
-  std::optional<SweepCounts> counts;
-  if (progress.complete()) {
-    remove_if_empty(folder.file(kPointsFolder));
-    counts = shard ? count_rows(plan, journal, requested.part)
-                   : write_sweep_results(folder, plan, journal);
-  }
-  const SweepCounts* const known = counts ? &*counts : nullptr;
-  folder.write_file(kSweepSummaryFile,
-                    sweep_json(plan, progress, known, threads, shard, bisection.all()));
   int status = kExitDone;
   if (!arguments.quiet) {
-    status = print_result(
-        sweep_text(plan, progress, known, where_the_sweep_is(folder), shard, bisection.all()));
+    status = print_result(sweep_text(plan, run.progress, run.counts ? &*run.counts : nullptr,
+                                     where_the_sweep_is(folder), run.shard, run.bisections));
   }
-  const bool is_done = counts && progress.traces_left == 0;
+  const bool is_done = run.counts && run.progress.traces_left == 0;
   if (is_done) return status;
   // Another process was stopped, and all with it.
   return kExitSignal + (signals.caught() != 0 ? signals.caught() : SIGTERM);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,6 +13,9 @@
 
 /// The HDF5 library with owners for its handles and exceptions for its complaints.
 namespace tomlin {
+
+/// The library serves one thread at a time: whoever writes files in threads holds this meanwhile.
+std::mutex& hdf5_mutex();
 
 /// Owns an HDF5 handle of any kind; an empty one is negative.
 class Hdf5Handle {

@@ -324,6 +324,12 @@ void require_same_libraries(const fs::path& folder, const std::vector<Library>& 
   }
 }
 
+void remove_leftovers(RunFolder& folder) {
+  for (const char* name : {kStoreFile, kCheckpointFile, kJournalFile}) {
+    if (folder.holds(name)) folder.remove(name);
+  }
+}
+
 Resumption start_again(const RunFolder& folder) {
   Resumption resumption;
   resumption.journal = own_existing(folder);

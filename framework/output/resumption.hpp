@@ -39,6 +39,10 @@ Resumption find_resumption(const RunFolder& folder, const Scene& scene,
 void require_same_libraries(const std::filesystem::path& folder,
                             const std::vector<Library>& libraries);
 
+/// Takes away what a run that has come to its end has no use for; one that was killed at the last
+/// moment may have left it. Throws OutputError.
+void remove_leftovers(RunFolder& folder);
+
 /// For --force: from the start, whatever the folder holds. Throws InputError when another program
 /// is writing to it.
 Resumption start_again(const RunFolder& folder);

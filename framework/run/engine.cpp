@@ -46,7 +46,7 @@ struct Engine::Parts {
   std::int64_t steps_for_lanes();
   std::int64_t steps_to_look(std::int64_t most) const;
   bool took(std::int64_t steps, const DoubleDouble& time);
-  void step_alone();
+  void step_alone(std::uint64_t limit);
   void look_if_due();
   RunResult run_all();
   RunResult end();
@@ -337,9 +337,9 @@ bool Engine::Parts::took(std::int64_t steps, const DoubleDouble& time) {
   return run.model.rebases() != rebased;
 }
 
-void Engine::Parts::step_alone() {
-  run.attempt([this] {
-    std::uint64_t most = kBatch - taken() % kBatch;
+void Engine::Parts::step_alone(std::uint64_t limit) {
+  run.attempt([this, limit] {
+    std::uint64_t most = std::min(limit, kBatch - taken() % kBatch);
     if (balance) most = std::min(most, balance->look(run));
     stepping->advance(most);
     look_if_due();
@@ -466,7 +466,7 @@ std::string Engine::why_not_in_lanes() const {
   }
   return "";
 }
-void Engine::step_alone() { parts_->step_alone(); }
+void Engine::step_alone(std::uint64_t most) { parts_->step_alone(most); }
 RunResult Engine::end() { return parts_->end(); }
 bool Engine::done() const { return parts_->run.outcome.done(); }
 bool Engine::failed() const { return parts_->run.outcome.failure.has_value(); }

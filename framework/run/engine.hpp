@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -71,8 +72,9 @@ class Engine {
   double idle_until() const;
   /// Why the run takes all its steps by itself; empty: it may be in a batch.
   std::string why_not_in_lanes() const;
-  /// One step, or what is left of a block.
-  void step_alone();
+  /// One step, or what is left of a block, up to so many steps: one after the other they make the
+  /// run that run() is.
+  void step_alone(std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
   /// The result of a run whose steps have all been taken.
   RunResult end();
   bool done() const;

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/output/hdf5_file.hpp"
 #include "framework/output/output_size.hpp"
 #include "framework/output/run_recorder.hpp"
 #include "framework/run/trial.hpp"
@@ -46,9 +47,7 @@ RecordedRun record_run(RunFolder& folder, const std::shared_ptr<const Scene>& sc
   if (asked.on_end) asked.on_end();
   if (scene->run.accuracy) estimate_errors(chosen, options, recorded.result);
   recorded.failure = recorded.result.failure;
-  // The library that writes trajectories serves one thread at a time.
-  static std::mutex one_at_a_time;
-  const std::lock_guard lock(one_at_a_time);
+  const std::lock_guard lock(hdf5_mutex());  // for the trajectory
   recorded.trouble = recorder.finish(recorded.result);
   return recorded;
 }

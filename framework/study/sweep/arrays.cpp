@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -304,6 +305,7 @@ class SweepArrays {
 
 void write_sweep_arrays(const std::filesystem::path& file, const SweepPlan& plan,
                         const SweepJournal& journal) {
+  const std::lock_guard lock(hdf5_mutex());
   const Hdf5Silence silence;
   SweepArrays arrays(file, plan);
   arrays.write(journal);

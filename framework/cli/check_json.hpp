@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "framework/scene/scene.hpp"
+
+namespace tomlin {
+
+/// What `tomlin check --json` says of a scene that can be read. `seed`: of the random states at
+/// which properties are verified. Throws InputError for everything that a run would refuse.
+std::string check_json(const std::shared_ptr<const Scene>& scene, std::uint64_t seed = 1);
+
+}  // namespace tomlin

@@ -1,0 +1,59 @@
+#include "framework/cli/recorded_sweep.hpp"
+
+#include "framework/cli/sweep_folder.hpp"
+#include "framework/cli/sweep_text.hpp"
+#include "framework/study/sweep/journal.hpp"
+
+namespace tomlin {
+
+RecordedSweep record_sweep(RunFolder& folder, SweepPlan& plan, const RecordedSweepOptions& asked) {
+  if (asked.begins_anew) {
+    folder.remove_run();
+    folder.remove(kSweepJournalFile);
+    remove_points(folder.file(kPointsFolder));
+  }
+  RecordedSweep recorded;
+  recorded.shard = asked.shard;
+  SweepJournal journal(folder.file(kSweepJournalFile), plan);
+  // Where one of them is, it belongs to all rows.
+  const bool had_all = holds_all_results(folder);
+  bool is_complete = true;
+  for (std::size_t k = 0; k < plan.points() && is_complete; ++k) is_complete = journal.has(k);
+  SweepBisection bisection(plan, journal);
+  if (plan.refinement() && is_complete) is_complete = !bisection.add_points();
+  recorded.over_before = had_all && is_complete && asked.traced.empty();
+  if (recorded.over_before) {
+    recorded.bisections = bisection.all();
+    return recorded;
+  }
+  if (had_all && is_complete) recorded.shard.reset();  // the results are those of the whole sweep
+  if (!is_complete) {
+    for (const char* name : kSweepResults) folder.remove(name);
+  }
+  folder.write_file(kSceneFile, plan.scene_text());
+
+  const SweepPart part = asked.shard.value_or(SweepPart{});
+  SweepOptions options;
+  options.threads = asked.threads;
+  options.part = part;
+  options.folder = folder.file(kPointsFolder);
+  options.traced = asked.traced;
+  options.stop = asked.stop;
+  if (plan.refinement()) options.add_points = [&bisection] { return bisection.add_points(); };
+  options.on_progress = asked.on_progress;
+  recorded.progress = asked.server != nullptr ? asked.server->run(plan, journal, options)
+                                              : run_sweep(plan, journal, options);
+  if (recorded.progress.complete()) {
+    remove_if_empty(folder.file(kPointsFolder));
+    recorded.counts = recorded.shard ? count_rows(plan, journal, part)
+                                     : write_sweep_results(folder, plan, journal);
+  }
+  recorded.bisections = bisection.all();
+  folder.write_file(
+      kSweepSummaryFile,
+      sweep_json(plan, recorded.progress, recorded.counts ? &*recorded.counts : nullptr,
+                 asked.threads, recorded.shard, recorded.bisections));
+  return recorded;
+}
+
+}  // namespace tomlin

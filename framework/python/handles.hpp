@@ -1,0 +1,134 @@
+#pragma once
+
+#include <atomic>
+#include <csignal>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include "framework/core/records/registry.hpp"
+#include "framework/run/run.hpp"
+#include "framework/scene/scene.hpp"
+#include "framework/scene/scene_document.hpp"
+
+/// What the extension module `tomlin._core` hands to Python. The package in tomlin/ wraps it: there
+/// are names, defaults, documentation and everything that needs no C++.
+namespace tomlin::python {
+
+namespace py = pybind11;
+
+/// A checked scene with all that it refers to and was read from.
+struct SceneHandle {
+  std::shared_ptr<const Registry> registry;
+  std::shared_ptr<const SceneDocument> document;
+  std::vector<Setting> settings;
+  std::shared_ptr<const Scene> scene;
+};
+
+/// An event that outlives its run.
+struct KeptEvent {
+  std::string kind;
+  std::string name;
+  double time = 0.0;
+  double duration = 0.0;
+  double size = 0.0;
+  double energy_lost = 0.0;
+  double peak_force = 0.0;
+};
+
+/// Keeps samples and events in memory.
+class MemorySink : public RunSink {
+ public:
+  void begin(const RunLayout& layout) override { layout_ = layout; }
+  void sample(const std::vector<double>& row) override;
+  void event(const Event& event) override;
+
+  const RunLayout& layout() const { return layout_; }
+  /// [sample][column, then particle and axis]
+  const std::vector<double>& samples() const { return samples_; }
+  const std::vector<KeptEvent>& events() const { return events_; }
+  /// Numbers of samples, and events.
+  std::pair<std::size_t, std::size_t> size() const { return {samples_.size(), events_.size()}; }
+  /// Forgets what came later.
+  void cut_to(const std::pair<std::size_t, std::size_t>& size);
+
+ private:
+  RunLayout layout_;
+  std::vector<double> samples_;
+  std::vector<KeptEvent> events_;
+};
+
+/// A run that has ended.
+struct RunHandle {
+  SceneHandle scene;
+  std::shared_ptr<const Scene> as_run;  ///< with the integrator that it was run with
+  RunResult result;
+  MemorySink kept;  ///< of a run without a folder
+};
+
+/// What a call shows to Python while it runs; holds the interpreter's lock for as long as that
+/// takes. An exception of the callable asks the run to stop, and is thrown by rethrow().
+class ProgressCall {
+ public:
+  explicit ProgressCall(py::object callable) : callable_(std::move(callable)) {}
+
+  explicit operator bool() const { return !callable_.is_none(); }
+  template <class... Arguments>
+  void operator()(std::atomic<bool>& stop, const Arguments&... arguments) {
+    const py::gil_scoped_acquire lock;
+    if (thrown_) return;
+    try {
+      callable_(arguments...);
+    } catch (py::error_already_set& error) {
+      thrown_ = std::make_unique<py::error_already_set>(error);
+      stop = true;
+    }
+  }
+  /// With the interpreter's lock.
+  void rethrow() {
+    if (thrown_) throw py::error_already_set(*thrown_);
+  }
+
+ private:
+  py::object callable_;
+  std::unique_ptr<py::error_already_set> thrown_;
+};
+
+/// In the main thread of the interpreter, Ctrl-C asks a run to stop while this lives, and does
+/// nothing else.
+class InterruptGuard {
+ public:
+  /// With the interpreter's lock.
+  InterruptGuard();
+  ~InterruptGuard();
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+  std::atomic<bool>& stop() { return stop_; }
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::atomic<bool>* outer_ = nullptr;
+  struct sigaction before_ = {};
+  bool is_set_ = false;
+};
+
+/// A read-only array of numbers that stand in memory of `owner`, which lives as long as the array.
+py::array numbers_of(py::handle owner, const double* numbers, std::vector<py::ssize_t> shape);
+
+/// Columns of samples, bodies of positions behind them, and the dimension.
+py::dict layout_of(const MemorySink& kept);
+/// A tuple for each: time, event, name, duration, size, energy lost, peak force.
+py::list events_of(const MemorySink& kept);
+
+void define_scenes(py::module_& module);
+void define_runs(py::module_& module);
+void define_simulations(py::module_& module);
+void define_sweeps(py::module_& module);
+
+}  // namespace tomlin::python

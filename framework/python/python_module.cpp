@@ -1,0 +1,111 @@
+#include <csignal>
+#include <exception>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include "framework/core/text/fault.hpp"
+#include "framework/core/text/fault_code.hpp"
+#include "framework/model/plugin_code.hpp"
+#include "framework/output/output_file.hpp"
+#include "framework/output/record.hpp"
+#include "framework/python/handles.hpp"
+
+namespace tomlin::python {
+namespace {
+
+// A signal handler reaches nothing but globals.
+std::atomic<std::atomic<bool>*> g_stop{nullptr};
+static_assert(std::atomic<std::atomic<bool>*>::is_always_lock_free);
+
+extern "C" void ask_to_stop(int) {
+  if (std::atomic<bool>* const stop = g_stop) *stop = true;
+}
+
+bool is_main_thread() {
+  const py::module_ threading = py::module_::import("threading");
+  return threading.attr("get_ident")().equal(threading.attr("main_thread")().attr("ident"));
+}
+
+py::dict dict_of(const Fault& fault) {
+  py::dict all;
+  all["code"] = std::string(id_of(fault.code));
+  all["file"] = fault.place.file;
+  all["line"] = fault.place.line;
+  all["column"] = fault.place.column;
+  all["key"] = fault.key;
+  all["value"] = fault.value;
+  all["message"] = fault.why;
+  all["admissible"] = fault.admissible;
+  all["nearest"] = fault.nearest;
+  all["text"] = to_string(fault);
+  return all;
+}
+
+/// Throws a class of tomlin/_errors.py.
+template <class Argument>
+void set_error(const char* name, const Argument& argument) {
+  const py::object type = py::module_::import("tomlin._errors").attr(name);
+  PyErr_SetObject(type.ptr(), type(argument).ptr());
+}
+
+void translate(std::exception_ptr thrown) {
+  try {
+    std::rethrow_exception(std::move(thrown));
+  } catch (const InputError& error) {
+    py::list faults;
+    for (const Fault& fault : error.faults()) faults.append(dict_of(fault));
+    set_error("SceneError", faults);
+  } catch (const OutputError& error) {
+    set_error("OutputError", std::string(error.what()));
+  } catch (const DamagedFile& error) {
+    set_error("OutputError", std::string(error.what()));
+  } catch (const PluginError& error) {
+    set_error("RunError", std::string(error.what()));
+  }
+}
+
+}  // namespace
+
+InterruptGuard::InterruptGuard() {
+  if (!is_main_thread()) return;
+  // To ignore the signal is the decision of whoever has started Python.
+  if (sigaction(SIGINT, nullptr, &before_) != 0 || before_.sa_handler == SIG_IGN) return;
+  outer_ = g_stop.exchange(&stop_);
+  struct sigaction action = {};
+  action.sa_handler = ask_to_stop;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  is_set_ = true;
+}
+
+InterruptGuard::~InterruptGuard() {
+  if (!is_set_) return;
+  sigaction(SIGINT, &before_, nullptr);
+  g_stop = outer_;
+}
+
+py::array numbers_of(py::handle owner, const double* numbers, std::vector<py::ssize_t> shape) {
+  static const double nothing = 0.0;
+  py::array array(py::dtype::of<double>(), std::move(shape), {},
+                  numbers == nullptr ? &nothing : numbers, owner);
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
+}  // namespace tomlin::python
+
+PYBIND11_MODULE(_core, module) {
+  using namespace tomlin::python;
+  module.doc() = "The C++ library of tomlin; the package tomlin is what to use.";
+  py::register_local_exception_translator(translate);
+  module.attr("version") = TOMLIN_VERSION;
+  define_scenes(module);
+  define_runs(module);
+  define_simulations(module);
+  define_sweeps(module);
+}

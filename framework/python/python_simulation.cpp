@@ -1,0 +1,344 @@
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "framework/python/handles.hpp"
+#include "framework/run/context.hpp"
+#include "framework/run/engine.hpp"
+#include "framework/study/pilot.hpp"
+
+namespace tomlin::python {
+namespace {
+
+/// A run that waits between steps.
+class Simulation {
+ public:
+  explicit Simulation(SceneHandle scene);
+
+  double time() const { return engine_->time(); }
+  std::uint64_t steps() const { return engine_->steps(); }
+  bool done() const { return engine_->done(); }
+  double duration() const { return engine_->context().plan.duration; }
+  /// Up to the first end of a step at this time or later, or through so many steps. False when it
+  /// was stopped by Ctrl-C.
+  bool advance(double to, std::uint64_t most_steps);
+
+  // Of all particles, [particle][axis], in memory that stays where it is.
+  const std::vector<double>& positions();
+  const std::vector<double>& velocities();
+  const std::vector<double>& forces();
+  std::vector<double> driver_force(std::size_t driver);
+  double kinetic_energy();
+  double potential_energy();
+
+  std::vector<std::string> drivers() const;
+  std::vector<std::pair<std::string, std::size_t>> bodies() const;
+  int dimension() const { return scene_.scene->dimension; }
+  std::size_t particles() const {
+    return positions_.size() / static_cast<std::size_t>(dimension());
+  }
+
+  std::vector<std::byte> numbers();
+  void restore(std::string_view bytes, std::size_t numbers, std::size_t events);
+  /// Of a run that is not over, as if it were interrupted here.
+  std::unique_ptr<RunHandle> result();
+  const MemorySink& kept() const { return kept_; }
+  std::pair<std::size_t, std::size_t> kept_size() const { return kept_.size(); }
+
+  /// One thread at a time.
+  class Use {
+   public:
+    explicit Use(Simulation& simulation) : busy_(simulation.busy_) {
+      if (busy_.exchange(true)) {
+        throw std::runtime_error("another thread is using this simulation");
+      }
+    }
+    ~Use() { busy_ = false; }
+    Use(const Use&) = delete;
+    Use& operator=(const Use&) = delete;
+
+   private:
+    std::atomic<bool>& busy_;
+  };
+
+ private:
+  void evaluate();
+  void read(const double* of_coordinates, const double* mapped, std::vector<double>& into) const;
+  RunOptions options(RunSink& sink, const std::vector<std::byte>* resume_from) const;
+  std::unique_ptr<RunHandle> handle_of(RunResult result) const;
+
+  SceneHandle scene_;
+  std::shared_ptr<const Scene> as_run_;
+  MemorySink kept_;
+  std::unique_ptr<Engine> engine_;
+  std::unique_ptr<RunResult> end_;  ///< of a run that is over
+  std::vector<double> positions_;
+  std::vector<double> velocities_;
+  std::vector<double> forces_;
+  std::vector<double> rates_;
+  std::vector<double> drift_;
+  std::atomic<bool> busy_{false};
+};
+
+Simulation::Simulation(SceneHandle scene) : scene_(std::move(scene)), as_run_(scene_.scene) {
+  const py::gil_scoped_release unlocked;
+  if (as_run_->run.accuracy) as_run_ = choose_integrator(as_run_, *scene_.registry).scene;
+  engine_ = std::make_unique<Engine>(as_run_, options(kept_, nullptr));
+  std::size_t count = 0;
+  for (const auto& [name, particles] : bodies()) count += particles;
+  count *= static_cast<std::size_t>(dimension());
+  for (std::vector<double>* all : {&positions_, &velocities_, &forces_}) all->assign(count, 0.0);
+  const SystemView<double>& view = engine_->model().system().view;
+  rates_.assign(view.rates + 2 * kGroup, 0.0);
+  drift_.assign(view.dofs, 0.0);
+}
+
+RunOptions Simulation::options(RunSink& sink, const std::vector<std::byte>* resume_from) const {
+  RunOptions all;
+  all.sink = &sink;
+  all.resume_from = resume_from;
+  return all;
+}
+
+bool Simulation::advance(double to, std::uint64_t most_steps) {
+  InterruptGuard guard;
+  const py::gil_scoped_release unlocked;
+  const double dt = engine_->context().plan.dt;
+  const double early = dt > 0.0 ? kNoStep * dt : 0.0;
+  const std::uint64_t last = engine_->steps() + std::min(most_steps, ~engine_->steps());
+  while (!engine_->done() && engine_->steps() < last && engine_->time() < to - early) {
+    if (guard.stop()) return false;
+    std::uint64_t most = last - engine_->steps();
+    // What adaptive schemes choose is not known: a step at a time.
+    const double left = dt > 0.0 ? std::ceil((to - early - engine_->time()) / dt) : 1.0;
+    if (left < static_cast<double>(most)) {
+      most = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(left));
+    }
+    engine_->step_alone(most);
+  }
+  // Whether a run is over shows where its next step would be.
+  if (!engine_->done() && engine_->time() >= engine_->context().plan.duration) {
+    engine_->step_alone();
+  }
+  return true;
+}
+
+void Simulation::evaluate() {
+  Model& model = engine_->model();
+  const SystemView<double>& view = model.system().view;
+  model.evaluate_at(engine_->context().clock.now(), view.position, view.velocity, view.integrals,
+                    rates_.data());
+}
+
+/// `mapped`: of bodies whose particles follow from few coordinates.
+void Simulation::read(const double* of_coordinates, const double* mapped,
+                      std::vector<double>& into) const {
+  const auto axes = static_cast<std::size_t>(dimension());
+  double* next = into.data();
+  for (const Model::Body& body : engine_->model().bodies()) {
+    const BodySlot<double>& slot = body.bound.slot;
+    const double* from = (slot.mapped ? mapped : of_coordinates) + slot.offset;
+    for (std::size_t i = 0; i < slot.count; ++i) {
+      for (std::size_t d = 0; d < axes; ++d) *next++ = from[d * slot.stride + i];
+    }
+  }
+}
+
+const std::vector<double>& Simulation::positions() {
+  evaluate();
+  Model& model = engine_->model();
+  double* next = positions_.data();
+  for (std::size_t b = 0; b < model.bodies().size(); ++b) {
+    next = model.place_particles(b, model.system().view.position, next);
+  }
+  return positions_;
+}
+
+const std::vector<double>& Simulation::velocities() {
+  evaluate();
+  const Model& model = engine_->model();
+  const SystemView<double>& view = model.system().view;
+  if (view.inertial) {
+    read(view.velocity, view.mapped_velocity, velocities_);
+  } else {
+    model.drift_velocity(drift_.data());
+    read(drift_.data(), view.mapped_velocity, velocities_);
+  }
+  return velocities_;
+}
+
+const std::vector<double>& Simulation::forces() {
+  evaluate();
+  const SystemView<double>& view = engine_->model().system().view;
+  read(view.force, view.mapped_force, forces_);
+  return forces_;
+}
+
+std::vector<double> Simulation::driver_force(std::size_t driver) {
+  evaluate();
+  const auto first = engine_->model().drivers().at(driver).first_rate;
+  const double* from = rates_.data() + first;
+  return {from, from + dimension()};
+}
+
+double Simulation::kinetic_energy() {
+  const Model& model = engine_->model();
+  return model.kinetic_energy(model.system().view.velocity);
+}
+
+double Simulation::potential_energy() {
+  Model& model = engine_->model();
+  const SystemView<double>& view = model.system().view;
+  return model.potential_energy(engine_->context().clock.now(), view.position, view.velocity,
+                                view.integrals);
+}
+
+std::vector<std::string> Simulation::drivers() const {
+  std::vector<std::string> names;
+  for (const Model::Driver& driver : engine_->model().drivers()) names.push_back(driver.name);
+  return names;
+}
+
+std::vector<std::pair<std::string, std::size_t>> Simulation::bodies() const {
+  std::vector<std::pair<std::string, std::size_t>> all;
+  for (const Model::Body& body : engine_->model().bodies()) {
+    all.emplace_back(body.bound.name, body.bound.slot.count);
+  }
+  return all;
+}
+
+/// All that the run goes on from.
+std::vector<std::byte> Simulation::numbers() {
+  RunContext& run = engine_->context();
+  if (run.outcome.ended && (run.path != nullptr || as_run_->run.until)) {
+    throw std::runtime_error(
+        "the run is over, and what it knows at its end is not all in its numbers: keep an earlier "
+        "state");
+  }
+  run.clock.keep_cost(run.model.system(), run.integrator->evaluations_ahead());
+  return run.state.to_bytes();
+}
+
+void Simulation::restore(std::string_view bytes, std::size_t numbers, std::size_t events) {
+  std::vector<std::byte> state(bytes.size());
+  std::memcpy(state.data(), bytes.data(), bytes.size());
+  const py::gil_scoped_release unlocked;
+  // An engine that has failed or ended does not go on.
+  engine_ = std::make_unique<Engine>(as_run_, options(kept_, &state));
+  kept_.cut_to({numbers, events});
+  end_.reset();
+}
+
+std::unique_ptr<RunHandle> Simulation::handle_of(RunResult result) const {
+  auto handle = std::make_unique<RunHandle>();
+  handle->scene = scene_;
+  handle->as_run = as_run_;
+  handle->result = std::move(result);
+  handle->kept = kept_;
+  return handle;
+}
+
+std::unique_ptr<RunHandle> Simulation::result() {
+  if (engine_->done()) {
+    if (!end_) end_ = std::make_unique<RunResult>(engine_->end());
+    return handle_of(*end_);
+  }
+  const std::vector<std::byte> state = numbers();
+  MemorySink nothing;
+  Engine other(as_run_, options(nothing, &state));
+  other.context().outcome.interrupt();
+  return handle_of(other.end());
+}
+
+py::array view_of(const py::object& self, const std::vector<double>& (Simulation::*read)()) {
+  auto& simulation = self.cast<Simulation&>();
+  const Simulation::Use use(simulation);
+  const std::vector<double>& numbers = (simulation.*read)();
+  return numbers_of(self, numbers.data(),
+                    {static_cast<py::ssize_t>(simulation.particles()), simulation.dimension()});
+}
+
+}  // namespace
+
+void define_simulations(py::module_& module) {
+  py::class_<Simulation>(module, "Simulation")
+      .def(py::init<SceneHandle>())
+      .def_property_readonly("time", &Simulation::time)
+      .def_property_readonly("steps", &Simulation::steps)
+      .def_property_readonly("done", &Simulation::done)
+      .def_property_readonly("duration", &Simulation::duration)
+      .def_property_readonly("drivers", &Simulation::drivers)
+      .def_property_readonly("bodies", &Simulation::bodies)
+      .def("advance",
+           [](Simulation& it, double to, std::uint64_t steps) {
+             const Simulation::Use use(it);
+             if (it.advance(to, steps)) return;
+             PyErr_SetNone(PyExc_KeyboardInterrupt);
+             throw py::error_already_set();
+           })
+      .def_property_readonly(
+          "positions", [](const py::object& it) { return view_of(it, &Simulation::positions); })
+      .def_property_readonly(
+          "velocities", [](const py::object& it) { return view_of(it, &Simulation::velocities); })
+      .def_property_readonly("forces",
+                             [](const py::object& it) { return view_of(it, &Simulation::forces); })
+      .def("driver_force",
+           [](Simulation& it, std::size_t driver) {
+             const Simulation::Use use(it);
+             return it.driver_force(driver);
+           })
+      .def_property_readonly("kinetic_energy",
+                             [](Simulation& it) {
+                               const Simulation::Use use(it);
+                               return it.kinetic_energy();
+                             })
+      .def_property_readonly("potential_energy",
+                             [](Simulation& it) {
+                               const Simulation::Use use(it);
+                               return it.potential_energy();
+                             })
+      .def("save",
+           [](Simulation& it) {
+             const Simulation::Use use(it);
+             const std::vector<std::byte> state = it.numbers();
+             const auto [numbers, events] = it.kept_size();
+             return py::make_tuple(
+                 py::bytes(reinterpret_cast<const char*>(state.data()), state.size()), numbers,
+                 events);
+           })
+      .def("restore",
+           [](Simulation& it, const py::bytes& bytes, std::size_t numbers, std::size_t events) {
+             const Simulation::Use use(it);
+             it.restore(std::string_view(bytes), numbers, events);
+           })
+      .def("result",
+           [](Simulation& it) {
+             const Simulation::Use use(it);
+             return it.result();
+           })
+      .def("samples",
+           [](Simulation& it) {
+             const Simulation::Use use(it);
+             const std::vector<double>& numbers = it.kept().samples();
+             const auto row = static_cast<py::ssize_t>(it.kept().layout().row());
+             const py::ssize_t rows = row > 0 ? static_cast<py::ssize_t>(numbers.size()) / row : 0;
+             return py::array_t<double>({rows, row}, numbers.data());
+           })
+      .def("layout", [](const Simulation& it) { return layout_of(it.kept()); })
+      .def("events", [](const Simulation& it) { return events_of(it.kept()); });
+}
+
+}  // namespace tomlin::python

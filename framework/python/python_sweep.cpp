@@ -1,0 +1,285 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "framework/cli/inputs.hpp"
+#include "framework/cli/recorded_sweep.hpp"
+#include "framework/cli/sweep_folder.hpp"
+#include "framework/cli/sweep_text.hpp"
+#include "framework/python/handles.hpp"
+#include "framework/scene/text.hpp"
+#include "framework/study/sweep/bisection.hpp"
+#include "framework/study/sweep/journal.hpp"
+#include "framework/study/sweep/plan.hpp"
+#include "framework/study/sweep/row_order.hpp"
+#include "framework/study/sweep/runner.hpp"
+
+namespace tomlin::python {
+namespace {
+
+/// What was asked for, as tomlin/_sweep.py gives it; texts are those of the options of the program.
+struct SweepRequest {
+  /// Values are a text, "1:5:9", or a list of texts.
+  using Values = std::variant<std::string, std::vector<std::string>>;
+  std::vector<std::pair<std::string, Values>> over;
+  std::vector<std::vector<std::string>> zips;
+  std::vector<std::string> observables;
+  std::optional<std::string> repeats;
+  std::optional<std::string> refine;
+  std::optional<std::string> refine_along;
+  std::optional<std::string> refine_to;
+  bool continues = false;
+  std::size_t threads = 0;            ///< 0: one for each processor
+  std::optional<std::string> folder;  ///< that everything is written to
+  std::string journal;                ///< without a folder: a file that is made for the rows
+  bool force = false;
+  py::object progress;
+};
+
+/// The rows of a sweep in the order of its results.
+struct SweepHandle {
+  struct Axis {
+    std::string name;
+    std::size_t dimension = 0;
+    std::vector<double> numbers;     ///< [row]
+    std::vector<std::string> words;  ///< [row]; of an axis that is not numeric
+  };
+  SceneHandle scene;
+  std::vector<Axis> axes;
+  std::vector<std::size_t> shape;                   ///< one number, of points, with a refinement
+  std::vector<std::array<std::string, 3>> columns;  ///< name, unit, meaning
+  std::vector<double> numbers;                      ///< [column][row]
+  std::vector<std::string> status;                  ///< [row]; "missing" where it was stopped
+  std::vector<std::string> reasons;                 ///< [row]
+  std::string summary;                              ///< sweep.json
+  bool complete = false;
+};
+
+SweepSettings settings_of(const SceneHandle& scene, const SweepRequest& request,
+                          std::vector<Fault>& faults) {
+  SweepSettings settings = scene.document->sweep(faults).value_or(SweepSettings{});
+  if (!request.over.empty()) {
+    settings.over.clear();
+    settings.unread.clear();
+    settings.zips.clear();
+  }
+  const Place place{"over"};
+  for (const auto& [name, given] : request.over) {
+    if (const auto* texts = std::get_if<std::vector<std::string>>(&given)) {
+      if (texts->empty()) {
+        faults.emplace_back(FaultCode::command_missing_argument, place, name, "", "no values",
+                            "at least one value");
+        settings.unread.push_back(name);
+        continue;
+      }
+      settings.over.push_back({name, SweepValues::listed(*texts), place, ""});
+      continue;
+    }
+    const auto& text = std::get<std::string>(given);
+    const std::string shown = shortened(text, kLongestShownValue);
+    auto read = SweepValues::parse(text);
+    if (auto* values = std::get_if<SweepValues>(&read)) {
+      settings.over.push_back({name, std::move(*values), place, shown});
+      continue;
+    }
+    settings.unread.push_back(name);
+    Wrong& wrong = std::get<Wrong>(read);
+    faults.emplace_back(wrong.code, place, name, shown, std::move(wrong.why),
+                        std::move(wrong.admissible), std::move(wrong.nearest));
+  }
+  if (!request.zips.empty()) settings.zips.clear();
+  for (const auto& zip : request.zips) settings.zips.push_back({zip, Place{"zip"}});
+  settings.continues = settings.continues || request.continues;
+  if (request.repeats) settings.repeats = {*request.repeats, Place{"repeats"}, ""};
+  add_repeats(settings, faults);
+  if (request.refine) settings.refine.what = {*request.refine, Place{"refine"}, ""};
+  if (request.refine_along)
+    settings.refine.along = {*request.refine_along, Place{"refine_along"}, ""};
+  if (request.refine_to) settings.refine.to = {*request.refine_to, Place{"refine_to"}, ""};
+  if (!request.observables.empty()) {
+    settings.observables = request.observables;
+    settings.observables_place = Place{"observables"};
+  }
+  if (settings.over.empty() && settings.unread.empty()) {
+    faults.emplace_back(FaultCode::command_missing_argument, place, "", "", "nothing to sweep over",
+                        "names and their values");
+  }
+  if (settings.observables.empty() && !settings.refine.what) {
+    faults.emplace_back(FaultCode::command_missing_argument, Place{"observables"}, "", "",
+                        "no observable", "a dotted path in the summary");
+  }
+  return settings;
+}
+
+SweepPlan plan_of(const SceneHandle& scene, const SweepRequest& request) {
+  std::vector<Fault> faults;
+  SweepSettings settings = settings_of(scene, request, faults);
+  return SweepPlan(*scene.document, *scene.registry, scene.settings, std::move(settings),
+                   TOMLIN_VERSION, std::move(faults));
+}
+
+/// Rows that are missing have no numbers.
+void read_rows(const SweepPlan& plan, const SweepJournal& journal, SweepHandle& handle) {
+  const RowOrder order(plan);
+  const std::size_t rows = order.size();
+  const bool grid = !plan.refinement();
+  if (grid) {
+    for (const SweepDimension& one : plan.dimensions()) handle.shape.push_back(one.count);
+  } else {
+    handle.shape = {rows};
+  }
+  for (std::size_t a = 0; a < plan.axes().size(); ++a) {
+    SweepHandle::Axis axis;
+    axis.name = plan.axis_title(a);
+    const auto& dimensions = plan.dimensions();
+    while (grid &&
+           std::find(dimensions[axis.dimension].axes.begin(), dimensions[axis.dimension].axes.end(),
+                     a) == dimensions[axis.dimension].axes.end()) {
+      ++axis.dimension;
+    }
+    const SweepValues& values = plan.axes()[a].values;
+    const std::size_t count = grid ? values.size() : rows;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (values.numeric()) {
+        axis.numbers.push_back(grid ? values.number(k) : plan.number(a, order.point(k)));
+      } else {
+        axis.words.push_back(values.plain_text(grid ? k : plan.index(a, order.point(k))));
+      }
+    }
+    handle.axes.push_back(std::move(axis));
+  }
+  for (const SweepColumn& column : plan.columns()) {
+    const SweepObservable& observable = plan.observables()[column.observable];
+    handle.columns.push_back({column.name, observable.unit, observable.meaning});
+  }
+  handle.numbers.assign(plan.columns().size() * rows, std::numeric_limits<double>::quiet_NaN());
+  handle.status.assign(rows, "missing");
+  handle.reasons.assign(rows, "");
+  SweepRow row;
+  for (std::size_t k = 0; k < rows; ++k) {
+    if (!journal.has(order.point(k))) continue;
+    order.read(journal, k, {&row, 1});
+    for (std::size_t c = 0; c < row.numbers.size(); ++c) {
+      handle.numbers[c * rows + k] = row.numbers[c];
+    }
+    handle.status[k] = to_string(row.status);
+    handle.reasons[k] = row.reason;
+  }
+}
+
+std::unique_ptr<SweepHandle> sweep(const SceneHandle& scene, SweepRequest request) {
+  InterruptGuard guard;
+  ProgressCall show(std::move(request.progress));
+  auto handle = std::make_unique<SweepHandle>();
+  handle->scene = scene;
+  const auto tell = [&](const SweepProgress& now) {
+    show(guard.stop(), sweep_progress_text(now), now.with_row(), now.points);
+  };
+  {
+    const py::gil_scoped_release unlocked;
+    SweepPlan plan = plan_of(scene, request);
+    const std::size_t all = std::max<std::size_t>(1, std::thread::hardware_concurrency());
+    const std::size_t threads = request.threads > 0 ? request.threads : all;
+    RecordedSweepOptions options;
+    options.threads = threads;
+    options.begins_anew = request.force;
+    options.stop = &guard.stop();
+    if (show) options.on_progress = tell;
+    if (request.folder) {
+      RunFolder folder(*request.folder, occupied_by_sweep(*request.folder, plan, request.force),
+                       kSweepFiles);
+      refuse_to_lose_inputs(folder, plan.scene(), kSweepFiles, plan.scene_text());
+      if (request.force) refuse_to_lose_inputs(folder, plan.scene(), kFilesOfARun);
+      folder.own();
+      const RecordedSweep recorded = record_sweep(folder, plan, options);
+      handle->complete = recorded.over_before || recorded.counts.has_value();
+      const SweepJournal journal(folder.file(kSweepJournalFile), plan, SweepJournal::Use::read);
+      read_rows(plan, journal, *handle);
+    } else {
+      SweepJournal journal(request.journal, plan);
+      SweepBisection bisection(plan, journal);
+      SweepOptions in_memory;
+      in_memory.threads = threads;
+      in_memory.stop = options.stop;
+      in_memory.on_progress = options.on_progress;
+      if (plan.refinement()) in_memory.add_points = [&] { return bisection.add_points(); };
+      const SweepProgress progress = run_sweep(plan, journal, in_memory);
+      handle->complete = progress.complete();
+      std::optional<SweepCounts> counts;
+      if (progress.complete()) counts = count_rows(plan, journal);
+      handle->summary = sweep_json(plan, progress, counts ? &*counts : nullptr, threads,
+                                   std::nullopt, bisection.all());
+      read_rows(plan, journal, *handle);
+    }
+  }
+  show.rethrow();
+  return handle;
+}
+
+py::list axes_of(const py::object& self) {
+  const auto& handle = self.cast<const SweepHandle&>();
+  py::list all;
+  for (const SweepHandle::Axis& axis : handle.axes) {
+    const py::object values =
+        axis.words.empty() ? py::object(numbers_of(self, axis.numbers.data(),
+                                                   {static_cast<py::ssize_t>(axis.numbers.size())}))
+                           : py::object(py::cast(axis.words));
+    all.append(py::make_tuple(axis.name, axis.dimension, values));
+  }
+  return all;
+}
+
+py::array column_of(const py::object& self, std::size_t column) {
+  const auto& handle = self.cast<const SweepHandle&>();
+  if (column >= handle.columns.size()) throw py::index_error("there is no such column");
+  const std::size_t rows = handle.status.size();
+  return numbers_of(self, handle.numbers.data() + column * rows,
+                    {handle.shape.begin(), handle.shape.end()});
+}
+
+}  // namespace
+
+void define_sweeps(py::module_& module) {
+  py::class_<SweepRequest>(module, "SweepRequest")
+      .def(py::init<>())
+      .def_readwrite("over", &SweepRequest::over)
+      .def_readwrite("zips", &SweepRequest::zips)
+      .def_readwrite("observables", &SweepRequest::observables)
+      .def_readwrite("repeats", &SweepRequest::repeats)
+      .def_readwrite("refine", &SweepRequest::refine)
+      .def_readwrite("refine_along", &SweepRequest::refine_along)
+      .def_readwrite("refine_to", &SweepRequest::refine_to)
+      .def_readwrite("continues", &SweepRequest::continues)
+      .def_readwrite("threads", &SweepRequest::threads)
+      .def_readwrite("folder", &SweepRequest::folder)
+      .def_readwrite("journal", &SweepRequest::journal)
+      .def_readwrite("force", &SweepRequest::force)
+      .def_readwrite("progress", &SweepRequest::progress);
+  py::class_<SweepHandle>(module, "Sweep")
+      .def_readonly("columns", &SweepHandle::columns)
+      .def_readonly("shape", &SweepHandle::shape)
+      .def_readonly("status", &SweepHandle::status)
+      .def_readonly("reasons", &SweepHandle::reasons)
+      .def_readonly("summary_json", &SweepHandle::summary)
+      .def_readonly("complete", &SweepHandle::complete)
+      .def("axes", &axes_of)
+      .def("column", &column_of);
+  module.def("sweep", &sweep);
+}
+
+}  // namespace tomlin::python

@@ -1,0 +1,101 @@
+"""The extension module: what the package is made of. Not an interface of its own."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+version: str
+
+class Progress:
+    time: float
+    duration: float
+    steps: int
+    elapsed_seconds: float
+
+class Scene:
+    file: str
+    name: str
+    source: str
+    dimension: int
+    units: str
+    axes: dict[str, str]
+    duration: float
+    parameters: dict[str, float]
+    text: str
+    effective_toml: str
+    def with_settings(self, settings: list[tuple[str, str]], /) -> Scene: ...
+    def explain_json(self, seconds: float, /) -> str: ...
+    def check_json(self, seed: int, /) -> str: ...
+    def tradeoff_json(self, observable: str, tolerance: float, budget: float,
+                      progress: Callable[[str], Any] | None, /) -> str: ...
+
+class Run:
+    status: str
+    failure: dict[str, Any] | None
+    scene: Scene
+    def summary_json(self) -> str: ...
+    def text(self, where: str, /) -> str: ...
+    def observable(self, path: str, /) -> float | None: ...
+    def quantities(self) -> list[tuple[str, float | None, str, str]]: ...
+    def samples(self) -> NDArray[np.float64]: ...
+    def layout(self) -> dict[str, Any]: ...
+    def events(self) -> list[tuple[float, str, str, float, float, float, float]]: ...
+
+class Simulation:
+    time: float
+    steps: int
+    done: bool
+    duration: float
+    drivers: list[str]
+    bodies: list[tuple[str, int]]
+    positions: NDArray[np.float64]
+    velocities: NDArray[np.float64]
+    forces: NDArray[np.float64]
+    kinetic_energy: float
+    potential_energy: float
+    def __init__(self, scene: Scene, /) -> None: ...
+    def advance(self, to: float, steps: int, /) -> None: ...
+    def driver_force(self, driver: int, /) -> list[float]: ...
+    def save(self) -> tuple[bytes, int, int]: ...
+    def restore(self, numbers: bytes, samples: int, events: int, /) -> None: ...
+    def result(self) -> Run: ...
+    def samples(self) -> NDArray[np.float64]: ...
+    def layout(self) -> dict[str, Any]: ...
+    def events(self) -> list[tuple[float, str, str, float, float, float, float]]: ...
+
+class SweepRequest:
+    over: list[tuple[str, str | list[str]]]
+    zips: list[list[str]]
+    observables: list[str]
+    repeats: str | None
+    refine: str | None
+    refine_along: str | None
+    refine_to: str | None
+    continues: bool
+    threads: int
+    folder: str | None
+    journal: str
+    force: bool
+    progress: Callable[..., Any] | None
+
+class Sweep:
+    columns: list[list[str]]
+    shape: list[int]
+    status: list[str]
+    reasons: list[str]
+    summary_json: str
+    complete: bool
+    def axes(self) -> list[tuple[str, int, NDArray[np.float64] | list[str]]]: ...
+    def column(self, column: int, /) -> NDArray[np.float64]: ...
+
+def read_file(file: str, plugins: list[str], /) -> Scene: ...
+def read_text(text: str, file: str, plugins: list[str], /) -> Scene: ...
+def run(scene: Scene, progress: Callable[[Progress], Any] | None, /) -> Run: ...
+def run_in_folder(scene: Scene, folder: str, resume: bool, force: bool,
+                  progress: Callable[[Progress], Any] | None, /) -> Run | None: ...
+def compare(scenes: list[Scene], observable: str, tolerance: float,
+            progress: Callable[[str], Any] | None,
+            /) -> tuple[str, list[tuple[NDArray[np.float64], NDArray[np.float64]]]]: ...
+def sweep(scene: Scene, request: SweepRequest, /) -> Sweep: ...

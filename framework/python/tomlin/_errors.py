@@ -1,0 +1,66 @@
+"""What tomlin raises."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+class Error(Exception):
+    """Everything that tomlin raises, but for wrong types of arguments."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault of the input. ``str(fault)`` is the line that the program prints."""
+
+    code: str  #: stable identifier, "scene.unknown_key"
+    file: str  #: the file, or the argument, where it was written
+    line: int  #: from 1; 0: unknown
+    column: int  #: from 1; 0: unknown
+    key: str  #: dotted path, "force.driver.stiffness"
+    value: str  #: as it was written; empty: there is none
+    message: str  #: what is wrong
+    admissible: str  #: what would be right; empty when obvious
+    nearest: str  #: nearest valid name; empty when there is none
+    text: str  #: all of it in one line
+
+    def __str__(self) -> str:
+        return self.text
+
+
+class SceneError(Error, ValueError):
+    """Bad input: a scene, a setting, an axis of a sweep, an observable, a folder.
+
+    >>> import tomlin
+    >>> tip = tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml")
+    >>> try:
+    ...     tip.set("run.duratoin", 1.0)
+    ... except tomlin.SceneError as error:
+    ...     fault = error.faults[0]
+    >>> fault.key, fault.code, fault.nearest
+    ('run.duratoin', 'scene.unknown_key', 'duration')
+    """
+
+    faults: list[Fault]  #: every fault that was found
+
+    def __init__(self, faults: list[dict[str, Any]] | list[Fault]):
+        self.faults = [one if isinstance(one, Fault) else Fault(**one) for one in faults]
+        super().__init__("\n".join(str(one) for one in self.faults))
+
+    def __reduce__(self):
+        return type(self), (self.faults,)
+
+
+class QuantityError(SceneError, KeyError):
+    """A result has no quantity of that name; the message has the nearest one."""
+
+    __str__ = Exception.__str__
+
+
+class OutputError(Error, OSError):
+    """A file could not be written or read."""
+
+
+class RunError(Error, RuntimeError):
+    """A run has failed, or the code of a plugin has thrown."""

@@ -1,0 +1,34 @@
+"""How far something is, shown to whoever asked."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from contextlib import contextmanager
+from typing import Any
+
+
+@contextmanager
+def shown(progress: bool | None | Callable[..., Any]):
+    """What the library is to call: None, the caller's own function, or one that writes a line."""
+    if not progress:
+        yield None
+        return
+    if callable(progress):
+        yield progress
+        return
+
+    width = 0
+
+    def write(now: Any, *_: Any) -> None:
+        nonlocal width
+        line = str(now)
+        sys.stderr.write("\r" + line.ljust(width))
+        sys.stderr.flush()
+        width = len(line)
+
+    try:
+        yield write
+    finally:
+        if width:
+            sys.stderr.write("\n")

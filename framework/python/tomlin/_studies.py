@@ -1,0 +1,92 @@
+"""What studies find, as objects."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tomlin._record import Record, table_html
+
+if TYPE_CHECKING:
+    from tomlin._scene import Scene
+
+
+class Explanation(Record):
+    """What ``tomlin explain --json`` says: ``bodies``, ``forces``, ``left_out``, ``scales``,
+    ``sliding``, ``misfits``, ``integrator``, ``cost``, ``output``, ``warnings``."""
+
+    def _repr_html_(self) -> str:
+        rows = {key: self[key] for key in ("integrator", "cost", "scales") if key in self}
+        return table_html(rows, self.scene.get("name") or "")
+
+
+class Check(Record):
+    """What ``tomlin check --json`` says: ``checks``, each with ``subject``, ``check``, ``ok``,
+    ``error`` and ``allowed``, and ``warnings``."""
+
+    @property
+    def holds(self) -> bool:
+        """Whether all checks hold."""
+        return bool(self["sound"])
+
+    @property
+    def failed(self) -> list[Record]:
+        """The checks that do not."""
+        return [one for one in self["checks"] if not one.ok]
+
+    def __bool__(self) -> bool:
+        return self.holds
+
+    def _repr_html_(self) -> str:
+        return table_html({f"{one.subject} {one.check}": one.text for one in self.failed},
+                          "all checks hold" if self.holds else "FAILED")
+
+
+class Tradeoff(Record):
+    """What ``tomlin tradeoff`` finds: ``reference``, ``points`` (a run each, with its method,
+    step or tolerance, value, error and cost), ``recommendation``."""
+
+    _scene: "Scene | None" = None
+
+    def recommended(self) -> "Scene":
+        """The scene with the recommended setting. Raises ValueError where there is none."""
+        recommendation = self.get("recommendation")
+        if not recommendation or self._scene is None:
+            raise ValueError("nothing is recommended")
+        return self._scene.set(dict(recommendation["settings"]))
+
+    def to_pandas(self) -> Any:
+        """The points as a DataFrame."""
+        import pandas
+
+        return pandas.DataFrame([dict(one) for one in self["points"]])
+
+
+class Comparison(Record):
+    """What ``tomlin compare`` finds: ``models``, each with ``value``, ``error``, ``difference`` and
+    ``verdict``; ``simplest``; ``notes``."""
+
+    _curves: list[tuple[np.ndarray, np.ndarray]] = []
+
+    @property
+    def curves(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """For each model the way of its driver and the force of it along its pull, at most a
+        thousand points; empty where it has no driver."""
+        return self._curves
+
+    def plot(self, ax: Any = None) -> Any:
+        """The forces of the drivers over their way, by matplotlib; returns the axes."""
+        from tomlin._plots import new_axes
+
+        ax = new_axes(ax)
+        for model, (way, force) in zip(self["models"], self._curves):
+            ax.plot(way, force, label=model.get("name") or model.get("file"))
+        ax.set_xlabel("displacement of the driver")
+        ax.set_ylabel("lateral force")
+        ax.legend()
+        return ax
+
+    def _repr_html_(self) -> str:
+        return table_html({one.get("name") or one.get("file"): f"{one.value} {one.verdict}"
+                           for one in self["models"]}, str(self.get("observable", "")))

@@ -1,0 +1,75 @@
+"""The wheel that `pip install .` makes, without the build that comes before it."""
+
+import base64
+import csv
+import hashlib
+import importlib.util
+import os
+import subprocess
+import sys
+import zipfile
+
+import pytest
+from conftest import BUILD, ROOT
+
+
+@pytest.fixture
+def backend(monkeypatch):
+    spec = importlib.util.spec_from_file_location(
+        "build_backend", ROOT / "framework" / "python" / "build_backend.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    monkeypatch.setattr(module, "build", lambda: None)
+    monkeypatch.setattr(module, "BUILD", BUILD)
+    return module
+
+
+def test_wheel_is_whole_and_works(backend, tmp_path):
+    name = backend.build_wheel(tmp_path)
+    with zipfile.ZipFile(tmp_path / name) as wheel:
+        names = wheel.namelist()
+        record = next(one for one in names if one.endswith("RECORD"))
+        rows = list(csv.reader(wheel.read(record).decode().splitlines()))
+        assert sorted(row[0] for row in rows) == sorted(names)
+        for path, digest, _ in rows:
+            if digest:
+                found = base64.urlsafe_b64encode(hashlib.sha256(wheel.read(path)).digest())
+                assert digest == "sha256=" + found.rstrip(b"=").decode()
+        wheel.extractall(tmp_path / "site")
+    assert {"tomlin/py.typed", "tomlin/_core.pyi", "tomlin/__init__.py"} <= set(names)
+    code = ("import tomlin, sys; print(tomlin.__file__); "
+            "print(tomlin.load(sys.argv[1]).set('v', 0.1).run().status)")
+    done = subprocess.run([sys.executable, "-c", code,
+                           str(ROOT / "scenarios/prandtl_tomlinson/stick_slip.toml")],
+                          cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(tmp_path / "site")},
+                          capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == [str(tmp_path / "site" / "tomlin" / "__init__.py"), "finished"]
+
+
+def test_editable_wheel_points_to_the_build(backend, tmp_path):
+    with zipfile.ZipFile(tmp_path / backend.build_editable(tmp_path)) as wheel:
+        assert wheel.read("tomlin.pth").decode().strip() == str(BUILD / "python")
+
+
+def test_stubs_name_what_there_is():
+    """Every name of the stub is in the module, and the other way round."""
+    import ast
+
+    from tomlin import _core
+
+    tree = ast.parse((ROOT / "framework/python/tomlin/_core.pyi").read_text(encoding="utf-8"))
+    stub = {}
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef):
+            stub[node.name] = {one.name if isinstance(one, ast.FunctionDef) else one.target.id
+                               for one in node.body}
+        elif isinstance(node, ast.FunctionDef):
+            stub[node.name] = set()
+        elif isinstance(node, ast.AnnAssign):
+            stub[node.target.id] = set()
+    assert set(stub) == {name for name in vars(_core) if not name.startswith("__")}
+    for name, members in stub.items():
+        thing = getattr(_core, name)
+        if isinstance(thing, type):
+            assert members - {"__init__"} == {one for one in vars(thing) if not one.startswith("_")}
