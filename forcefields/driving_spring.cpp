@@ -59,7 +59,8 @@ class Driven : public Base, public PulledEnd {
       : Base(description, binding, std::forward<Arguments>(arguments)...),
         velocity_(description.velocity.components),
         reverse_(description.reverse),
-        starts_at_point_(description.start.components.empty()) {
+        starts_at_point_(description.start.components.empty()),
+        of_each_(description.attach.kind == Attachment::Kind::each_particle) {
     drive_.velocity = description.velocity.components;
     const bool many = description.attach.kind == Attachment::Kind::each_particle;
     const double springs = many ? static_cast<double>(this->body_.slot.count) : 1.0;
@@ -140,6 +141,7 @@ class Driven : public Base, public PulledEnd {
     control_[kSign] = 1.0;
   }
   bool starts_at_point() const override { return starts_at_point_; }
+  bool is_of_each_particle() const override { return of_each_; }
 
   const Passing* waits_for() const override { return reverse_.when.empty() ? nullptr : &reverse_; }
   std::size_t control_count() const override { return waits_for() || rests_ ? kTravel + 2 * D : 0; }
@@ -188,6 +190,7 @@ class Driven : public Base, public PulledEnd {
   std::vector<double> velocity_;  ///< as given
   Passing reverse_;
   bool starts_at_point_ = false;
+  bool of_each_ = false;
   bool rests_ = false;     ///< until it sets out
   DoubleDouble began_[D];  ///< how far it had travelled at time 0
   double* control_ = nullptr;

@@ -205,7 +205,7 @@ ForceRecord sheet_field_record() {
                 "largest error of the energy of a particle, in parts of the depth of its well over "
                 "the sheet, and of its force, in parts of the largest attraction; in the "
                 "repulsion, where both are larger, in parts of themselves")
-          .in({.low = 0.0, .high = 0.1})};
+          .in({.low = 1e-8, .high = 0.1})};
   record.example = R"(# An atom pulled over graphene at the height that it takes by itself.
 [scene]
 units = "metal"

@@ -61,8 +61,16 @@ void add_built(Explanation& explanation, Model& model) {
       force.element = element_of(*from.record, force_of_scene.description.get());
       force.note = from.record->note(force_of_scene.description.get());
     }
-    if (std::string found = from.bound->note(); !found.empty()) {
-      force.note += (force.note.empty() ? "" : "; ") + found;
+    const auto add_note = [&force](const std::string& more) {
+      if (!more.empty()) force.note += (force.note.empty() ? "" : "; ") + more;
+    };
+    add_note(from.bound->note());
+    if (from.given->active) {
+      const double time = scene_unit(scene.units, dimension::time);
+      const auto& until = from.given->active->until;
+      add_note(fmt::format("active from {:g} {}", scene_number(from.given->active->from, time),
+                           until ? fmt::format("until {:g}", scene_number(*until, time))
+                                 : std::string("to the end")));
     }
     for (const std::size_t b : from.bodies) force.bodies.push_back(scene.bodies[b].name);
     explanation.forces.push_back(std::move(force));

@@ -65,7 +65,8 @@ std::string why_no_driver(const AssembledForce<Real>& force, bool quasistatic) {
   return "";
 }
 
-/// Why a force cannot be active at some times only; empty where it can, or is so always.
+/// Why a force cannot be active at some times only, or at these; empty where it can, or is so
+/// always.
 template <class Real>
 std::string why_always_active(const AssembledForce<Real>& force, const AssemblyPlan& plan) {
   if (force.switched == nullptr) return "";
@@ -76,7 +77,23 @@ std::string why_always_active(const AssembledForce<Real>& force, const AssemblyP
   if (!plan.inertial && force.is_operator) {
     return "without inertia velocities follow from friction, which acts at all times";
   }
-  const IntegratorRecord& scheme = *plan.scene->run.integrator.record;
+  const RunSettings& run = plan.scene->run;
+  if (run.until) {
+    return "run.until ends the run when a state of forces that act at all times is steady, or "
+           "known";
+  }
+  if (!(force.given->active->from < run.duration)) {
+    return "it would become active at the end of the run, or later";
+  }
+  if (force.bound->waits_for() != nullptr) {
+    return "its driver reverses, and does so at all times";
+  }
+  const PulledEnd* const end = pulled_end_of(force.bound.get());
+  const bool follows = end != nullptr && force.given->active->from > 0.0;
+  if (follows && end->is_of_each_particle() && end->starts_at_point()) {
+    return "where each particle's support starts is known at the start of the run only: give start";
+  }
+  const IntegratorRecord& scheme = *run.integrator.record;
   if (scheme.splits_bonds) {
     return "the integrator \"" + scheme.name + "\" takes bonds and friction as one, at all times";
   }

@@ -15,8 +15,8 @@ namespace tomlin {
 /// The scheme without what it asks of forces: friction that it takes as an operator is a force here
 /// like any other.
 IntegratorRecord without_demands(IntegratorRecord scheme);
-/// The scene with these forces, active at all times, to be looked at: dynamics, scheme and number type are matters of
-/// the run, not of forces. The scheme has to last as long.
+/// The scene with these forces, active at all times, to be looked at: dynamics, scheme and number
+/// type are matters of the run, not of forces. The scheme has to last as long.
 std::shared_ptr<const Scene> with_forces(const Scene& scene, std::vector<SceneForce> forces,
                                          const IntegratorRecord& scheme);
 

@@ -14,6 +14,8 @@ class Extremes {
   static void declare(StateLayout& layout, std::size_t signals);
   void attach(RunState& state, std::size_t signals);
   void start();
+  /// Values jump here: none lies between two that have been added.
+  void break_off() { flags_[kSeen] = 0; }
 
   /// Values at a time; those outside [from, to] only serve as neighbours.
   void add(double time, const double* values, bool inside);
@@ -48,6 +50,8 @@ class StaticForces {
   static void declare(StateLayout& layout, std::size_t signals);
   void attach(RunState& state, std::size_t signals);
   void start();
+  /// Values jump here: none lies between two that have been added.
+  void break_off() { *seen_ = 0; }
   /// A point of each signal, and which of them count; a maximum between points is that of the
   /// parabola through three.
   void add(double time, const double* values, const bool* counted);

@@ -71,7 +71,8 @@ bool Stepping::take(const Step& step) {
   if (observation.window_has_ended() && parts_.window_ended()) {
     observation.integrate(begin, arrived, next_since);
   }
-  if (due_switch() <= run_.clock.time()) switch_forces();
+  const double next_switch = run_.model.next_switch();
+  if (next_switch < run_.plan.duration && due_switch() <= run_.clock.time()) switch_forces();
   if (whole) {
     parts_.housekeeping.after_step();
   } else {

@@ -35,7 +35,9 @@ constexpr double kNearItsEnd = 0.05;
 class TimedForce {
  public:
   TimedForce(Model& model, const Model::Force& force)
-      : model_(model), force_(force), passes_(force.bound->passes()) {
+      : model_(model),
+        force_(force),
+        passes_(force.switched ? force.switched->inner().passes() : force.bound->passes()) {
     const SystemView<double>& view = model.system().view;
     const int axes = model.dimension();
     for (const Model::Body& body : model.bodies()) {

@@ -28,7 +28,7 @@ int axis_of(const Drive& drive) {
 }  // namespace
 
 std::optional<WellOfBody> well_of_body(Model& model, std::size_t body, const Model::Driver& driver,
-                                       double period, double duration) {
+                                       double period, const DoubleDouble& since, double duration) {
   const Model::Body& pulled = model.bodies()[body];
   const BodySlot<double>& slot = pulled.bound.slot;
   const int axis = axis_of(*driver.drive);
@@ -36,7 +36,7 @@ std::optional<WellOfBody> well_of_body(Model& model, std::size_t body, const Mod
 
   SystemView<double>& view = model.system().view;
   std::vector<double> rates(view.rates + 2 * kGroup, 0.0);
-  model.evaluate_at(DoubleDouble(0.0), view.position, view.velocity, view.integrals, rates.data());
+  model.evaluate_at(since, view.position, view.velocity, view.integrals, rates.data());
   const double stiffness = driver.drive->stiffness_on(axis);
   const double stretch = rates[static_cast<std::size_t>(driver.first_rate + axis)] / stiffness;
   // All that moves with the body.
@@ -49,15 +49,15 @@ std::optional<WellOfBody> well_of_body(Model& model, std::size_t body, const Mod
   const double step = period / kLooks;
   std::vector<double> energy(kLooks + 2);  // but for the spring's
   for (int k = 0; k < kTimes; ++k) {
-    const double time = duration * k / kTimes;
-    const double pull = stretch + driver.drive->velocity[static_cast<std::size_t>(axis)] * time;
+    const double later = (duration - static_cast<double>(since)) * k / kTimes;
+    const double pull = stretch + driver.drive->velocity[static_cast<std::size_t>(axis)] * later;
     double size = 0.0;
     for (std::size_t i = 0; i < energy.size(); ++i) {
       const double moved = step * static_cast<double>(i);
       for (std::size_t n = 0; n < starts.size(); ++n) first[n] = starts[n] + moved;
       const double spring = 0.5 * stiffness * (pull - moved) * (pull - moved);
       const double all =
-          model.potential_energy(DoubleDouble(time), view.position, view.velocity, view.integrals);
+          model.potential_energy(since + later, view.position, view.velocity, view.integrals);
       energy[i] = all - spring;
       size = std::max({size, std::abs(all), spring});
     }
@@ -76,7 +76,7 @@ std::optional<WellOfBody> well_of_body(Model& model, std::size_t body, const Mod
     deepest = depth;
     distance = step * static_cast<double>(low - energy.begin());
   }
-  model.anchor(DoubleDouble(0.0));
+  model.anchor(since);
   if (!distance) return {};
   const bool forwards = driver.drive->velocity[d] > 0.0;
   const bool held = slot.rigid && (!pulled.rotates() || pulled.rotation_held);

@@ -18,9 +18,9 @@ struct WellOfBody {
 
 /// Whether all forces but the spring hold the body more strongly than the spring pulls it: when it
 /// is moved as it is, their energy is concave by more than the stiffness of the spring somewhere
-/// along a period, at the start or later, so that it is in one well or another (stick-slip
-/// parameter above 1). Nothing where it is not.
+/// along a period, at the time `since`, whose state the model has, or later, so that it is in one
+/// well or another (stick-slip parameter above 1). Nothing where it is not.
 std::optional<WellOfBody> well_of_body(Model& model, std::size_t body, const Model::Driver& driver,
-                                       double period, double duration);
+                                       double period, const DoubleDouble& since, double duration);
 
 }  // namespace tomlin

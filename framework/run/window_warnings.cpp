@@ -41,6 +41,12 @@ DriverWindow driver_window(const Model& model, std::size_t driver, double from, 
   window.from = from;
   window.to = to;
   window.steady = drags(drive) && !reverses;
+  for (const SceneForce& force : model.scene().forces) {
+    if (force.name != name || !force.active) continue;
+    window.from = std::max(from, force.active->from);
+    window.to = std::min(to, force.active->until.value_or(to));
+    if (!(window.to > window.from)) return window;
+  }
   for (int d = 0; d < model.dimension(); ++d) {
     if (drive.velocity[d] == 0.0) continue;
     for (const SceneForce& force : model.scene().forces) {

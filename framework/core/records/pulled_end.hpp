@@ -22,6 +22,8 @@ class PulledEnd {
   virtual void set_out(const DoubleDouble& time, const std::vector<DoubleDouble>& travel) = 0;
   /// The description does not say where it starts: with the attached point.
   virtual bool starts_at_point() const = 0;
+  /// There is one for each particle.
+  virtual bool is_of_each_particle() const = 0;
 
  protected:
   PulledEnd() = default;

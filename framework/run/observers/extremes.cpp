@@ -34,6 +34,7 @@ class SignalExtremes : public RunObserver {
   void attach(RunState& state) override { extremes_.attach(state, parts_.signals.count()); }
   void start() override { extremes_.start(); }
   void next_window() override { extremes_.start(); }
+  void force_switched(std::string_view) override { extremes_.break_off(); }
   void edge(const RunMoment& moment) override { extremes_.include(moment.signals); }
 
   void steps(const SignalBlock& block) override {

@@ -103,6 +103,7 @@ class PullEvents : public RunObserver {
   void path_slip(const PathSlip& slip) override;
   void force_changed(std::string_view force) override;
   void force_switched(std::string_view force) override;
+  void find_wells(const DoubleDouble& now);
   void look_at_end(const RunMoment& end) override;
   void finish(const RunMoment& end) override;
   std::vector<std::string> estimated() const override { return slips_.estimated(); }
@@ -226,13 +227,23 @@ void PullEvents::start() {
 
 void PullEvents::placed() {
   if (follows_path()) return;
+  find_wells(DoubleDouble(0.0));
+  const bool any = std::any_of(watches_.begin(), watches_.end(),
+                               [](const DriverWatch& watch) { return watch.finds_slips(); });
+  const bool for_good = !std::isfinite(parts_.run.model.next_switch());
+  if (!any && for_good) parts_.events.expect(EventKind::slip, false);
+}
+
+/// Of the forces that are active now.
+void PullEvents::find_wells(const DoubleDouble& now) {
   RunContext& run = parts_.run;
   for (DriverWatch& watch : watches_) {
     if (!watch.watches_slips()) continue;
     const Model::Driver& driver = drivers_[watch.driver()];
     const auto body = body_pulled_by(run.model, driver);
     if (!body) continue;
-    const auto well = well_of_body(run.model, *body, driver, watch.period(), run.plan.duration);
+    const auto well =
+        well_of_body(run.model, *body, driver, watch.period(), now, run.plan.duration);
     if (!well) continue;
     if (well->known) {
       watch.set_wells(well->distance);
@@ -240,9 +251,6 @@ void PullEvents::placed() {
       watch.set_unknown_wells();
     }
   }
-  const bool any = std::any_of(watches_.begin(), watches_.end(),
-                               [](const DriverWatch& watch) { return watch.finds_slips(); });
-  if (!any) parts_.events.expect(EventKind::slip, false);
 }
 
 void PullEvents::watch(double time, const double* signals) {
@@ -374,11 +382,12 @@ void PullEvents::force_changed(std::string_view force) {
   }
 }
 
-/// A driver that has become active begins afresh.
-void PullEvents::force_switched(std::string_view force) {
-  for (DriverWatch& watch : watches_) {
-    if (drivers_[watch.driver()].name == force) watch.start();
-  }
+/// What is pulled, and over what, is another: it begins afresh.
+void PullEvents::force_switched(std::string_view) {
+  if (follows_path()) return;
+  static_force_.break_off();
+  for (DriverWatch& watch : watches_) watch.start();
+  find_wells(parts_.run.clock.now());
 }
 
 void PullEvents::look_at_end(const RunMoment& end) {

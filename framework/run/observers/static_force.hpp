@@ -20,6 +20,8 @@ class StaticForce {
   }
   void attach(RunState& state) { forces_.attach(state, parts_.signals.drivers().size()); }
   void start() { forces_.start(); }
+  /// Forces jump here: none lies between two that have been added.
+  void break_off() { forces_.break_off(); }
 
   bool any_open() const { return forces_.any_open(); }
   /// Before slips of a step are looked for. What a driver holds while what it pulls slips is no

@@ -81,7 +81,9 @@ class Work : public RunObserver {
     const std::optional<double> period = time_of_period(run.model, *driver.drive);
     if (!run.scene->run.ledger || !period) return {};
     const EnergyTerms terms = ledger_of(run.model, parts_.window);
-    return (terms.work - terms.stored) * (*period / parts_.window.length());
+    const double time = active_time(driver);
+    if (!(time > 0.0)) return {};
+    return (terms.work - terms.stored) * (*period / time);
   }
 
   ObserverParts parts_;

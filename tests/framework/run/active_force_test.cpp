@@ -6,6 +6,7 @@
 
 #include "framework/run/observables.hpp"
 #include "tests/support/order.hpp"
+#include "tests/support/ring_scenes.hpp"
 #include "tests/support/scenes.hpp"
 
 // Forces and operators that act between two times only, `active = { from, until }`, against closed
@@ -233,6 +234,27 @@ TEST(ActiveForce, GoesOnFromAnyStep) {
   }
 }
 
+/// A driver that begins to act later finds the same slips, that much later.
+TEST(ActiveForce, SlipsAreFoundOnceADriverActs) {
+  constexpr double kLater = 20.0;
+  constexpr double kOfSteps = 1e-9;
+  const auto run_from = [](double from) {
+    TipScene tip{.velocity = 0.05, .damping = 1.0, .position = 0.0, .duration = 100.0 + from};
+    std::string text = tip.text();
+    text.insert(text.find("[[force]]\ntype = \"viscous_damping\""),
+                "active = { from = " + digits(from) + " }\n");
+    return run_text(text);
+  };
+  const RunResult now = run_from(0.0);
+  const RunResult later = run_from(kLater);
+  EXPECT_GT(now.group("events")["slips"].value(), 3.0);
+  EXPECT_EQ(now.group("events")["slips"].value(), later.group("events")["slips"].value());
+  EXPECT_NEAR(now.driver(0)["static_force"].value(), later.driver(0)["static_force"].value(),
+              kOfSteps);
+  EXPECT_NEAR(now.driver(0)["max_force"].front(), later.driver(0)["max_force"].front(), kOfSteps);
+  EXPECT_NEAR(now.driver(0)["distance"].value(), later.driver(0)["distance"].value(), kOfSteps);
+}
+
 TEST(ActiveForce, StepsReturnToTheGrid) {
   const auto steps = [](double dt, const std::string& when) {
     return run_text(pulled(fixed_step(dt), when)).steps;
@@ -272,6 +294,15 @@ TEST(ActiveForce, WhatCannotBeIsRefused) {
       "[[force]]\ntype = \"constant_force\"\nforce = [1.0]\ndriver = true\n"
       "active = { until = 1.0 }\n";
   EXPECT_EQ(said("", {}, formula), "force.constant_force.active [component.unsuitable]");
+  EXPECT_EQ(said(active(5.0, 6.0)), key + " [component.unsuitable]");
+  EXPECT_EQ(said(active(1.0, 2.0), {{"force.driver.attach", "\"each_particle\""}}),
+            key + " [component.unsuitable]");
+  EXPECT_EQ(said(active(1.0, 2.0),
+                 {{"force.driver.reverse", "{ when = \"tip.centre_of_mass.x\", above = 1.0 }"}}),
+            key + " [component.unsuitable]");
+  EXPECT_EQ(said(active(1.0, 2.0),
+                 {{"run.until", "{ steady = \"driver.mean_force.x\", tolerance = 1e-3 }"}}),
+            key + " [component.unsuitable]");
   EXPECT_EQ(said(active(1.0, 2.0), {{"run.dynamics", "\"quasistatic\""}}),
             key + " [component.unsuitable]");
 }

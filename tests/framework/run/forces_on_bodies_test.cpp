@@ -48,6 +48,7 @@ TEST(ForcesOnBodies, OfADriverAreItsOwnAtEachMoment) {
   const std::vector<std::string> paths = {
       "driver.on.tip.max_force.x", "driver.on.tip.min_force.x", "driver.on.tip.final_force.x",
       "driver.max_force.x",        "driver.min_force.x",        "driver.final_force.x"};
+  constexpr double kRounding = 1e-13;  // of the time since the last step
   constexpr double kOfNodes =
       1e-4;  // nodes lie within steps, of which there are 100 a unit of time
   for (const std::string& scheme : kSchemes) {
