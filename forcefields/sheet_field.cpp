@@ -177,7 +177,7 @@ ForceRecord sheet_field_record() {
       "of V_LJ(r) - V_LJ(cutoff) - (r - cutoff) V_LJ'(cutoff), V_LJ(r) = 4 * epsilon * "
       "((sigma/r)^12 - (sigma/r)^6)";
   record.source =
-      "W. A. Steele, Surf. Sci. 36, 317 (1973), doi:10.1016/0039-6028(73)90264-1; the shifted "
+      "W. A. Steele, Surf. Sci. 36 (1973) 317, doi:10.1016/0039-6028(73)90264-1; the shifted "
       "force: S. Toxvaerd and J. C. Dyre, J. Chem. Phys. 134, 081102 (2011), "
       "doi:10.1063/1.3558787";
   record.element = Element::site;

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "forcefields/lennard_jones.hpp"
-#include "forcefields/sheet_table.hpp"
+#include "forcefields/sheet_field_table.hpp"
 #include "framework/core/elements/element.hpp"
 #include "framework/core/numbers/inverse_trigonometry.hpp"
 #include "framework/core/numbers/table_index.hpp"
@@ -20,7 +20,8 @@
 ///
 ///   V_c  energy    of a pair, as of lennard_jones with "smooth", r_c its cutoff
 ///   rho  1/area    atoms of the sheet per area
-///   f_s  energy    Fourier coefficients of the sums over atoms, as splines; see sheet_table.hpp
+///   f_s  energy    Fourier coefficients of the sums over atoms, as splines; see
+///   sheet_field_table.hpp
 ///
 /// Source: W. A. Steele, Surf. Sci. 36, 317 (1973), doi:10.1016/0039-6028(73)90264-1; here with a
 /// cutoff, for which there is no closed form but of V_0.

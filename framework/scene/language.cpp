@@ -337,22 +337,20 @@ TableLayout sweep_layout() {
 }
 
 std::vector<SceneTable> scene_tables() {
-  return {
-      {"scene", "what the scene is; may be absent", scene_layout()},
-      {"scene.axes", "what the axes of figures call the units", axes_layout()},
-      {"box", "its size, and where everything repeats; no box without it", box_layout()},
-      {"run", "how long, and by which equations, steps and numbers", run_layout()},
-      {"run.perturb", "repeats from other starts: is the result determined at all?",
-       perturb_layout()},
-      {"run.until",
-       "end when steady (steady, tolerance), or when a mean is known well enough (error, of)",
-       until_table()},
-      {"force.active", "when a force acts, of any type; at all times without it", active_layout()},
-      {"measure", "the window of means, work and extremes; the whole run without it",
-       measure_layout()},
-      {"output", "what is written beside the summary", output_layout()},
-      {"sweep", "many runs over values of parameters; other commands only check it",
-       sweep_layout()}};
+  return {{"scene", "what the scene is; may be absent", scene_layout()},
+          {"scene.axes", "what the axes of figures call the units", axes_layout()},
+          {"box", "its size, and where everything repeats; no box without it", box_layout()},
+          {"run", "how long, and by which equations, steps and numbers", run_layout()},
+          {"run.perturb", "repeats from other starts: is the result determined at all?",
+           perturb_layout()},
+          {"run.until",
+           "end when steady (steady, tolerance), or when a mean is known well enough (error, of)",
+           until_table()},
+          {"measure", "the window of means, work and extremes; the whole run without it",
+           measure_layout()},
+          {"output", "what is written beside the summary", output_layout()},
+          {"sweep", "many runs over values of parameters; other commands only check it",
+           sweep_layout()}};
 }
 
 TableLayout body_layout(const BodyRecord& record) {
@@ -402,7 +400,9 @@ TableLayout force_layout(const ForceRecord& record) {
       {"body", "the body it acts on; needless where there is one only"},
       {"bodies", "in place of body: a list, where a force acts between two"},
       {"driver", driver_row().doc},
-      {"active", "when it acts, { from = TIME, until = TIME }; at all times by default"}};
+      {"active",
+       "when it acts, { from = 0.0, until = TIME }: a driving spring whose start is not given from "
+       "where the attached point then is; at all times by default"}};
   return component_layout(record, keys, {});
 }
 

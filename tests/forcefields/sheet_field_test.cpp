@@ -468,7 +468,7 @@ TEST(SheetField, IsRefusedWhereThereIsNoSheet) {
 
 TEST(SheetField, SaysWhichToleranceCanBeReached) {
   const std::string place = atoms_at({{0.0, 0.0, 4.0}});
-  const std::string text = refusal(graphene() + place + field_of_sheet(1e-9) + kRunOfAtoms);
+  const std::string text = refusal(graphene() + place + field_of_sheet(2e-8) + kRunOfAtoms);
   const std::size_t at = text.find("admissible: ");
   ASSERT_NE(at, std::string::npos) << text;
   const double reachable = std::stod(text.substr(at + std::strlen("admissible: ")));

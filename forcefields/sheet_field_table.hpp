@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "forcefields/sheet_lattice.hpp"
+#include "forcefields/sheet_field_lattice.hpp"
 
 /// The harmonics of the field of a sheet, as the loop over particles reads them.
 ///

@@ -1,4 +1,4 @@
-#include "forcefields/sheet_table.hpp"
+#include "forcefields/sheet_field_table.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "forcefields/sheet_lattice.hpp"
+#include "forcefields/sheet_field_lattice.hpp"
 
 #include <algorithm>
 #include <cmath>
