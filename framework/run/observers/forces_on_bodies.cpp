@@ -10,22 +10,22 @@
 namespace tomlin::observers {
 namespace {
 
-const ResultQuantity kMeanForce{"mean_force", dimension::force, Shape::vector, Scope::window,
-                                "mean of the force on all of the body"};
-const ResultQuantity kMaxForce{"max_force", dimension::force, Shape::vector, Scope::window,
-                               "largest component along each axis, of those within steps that the "
-                               "mean is made of"};
-const ResultQuantity kMinForce{"min_force", dimension::force, Shape::vector, Scope::window,
-                               "smallest component along each axis"};
-const ResultQuantity kFinalForce{"final_force", dimension::force, Shape::vector, Scope::end,
-                                 "force on all of the body at the end"};
+const ResultQuantity kMeanOnBody{"mean_force", dimension::force, Shape::vector, Scope::window,
+                                 "mean of the force on all of the body"};
+const ResultQuantity kMaxOnBody{"max_force", dimension::force, Shape::vector, Scope::window,
+                                "largest component along each axis, of those within steps that the "
+                                "mean is made of"};
+const ResultQuantity kMinOnBody{"min_force", dimension::force, Shape::vector, Scope::window,
+                                "smallest component along each axis"};
+const ResultQuantity kFinalOnBody{"final_force", dimension::force, Shape::vector, Scope::end,
+                                  "force on all of the body at the end"};
 
 class ForcesOnBodies : public RunObserver {
  public:
   explicit ForcesOnBodies(const ObserverParts& parts)
       : parts_(parts), forces_(parts), count_(forces_.names().size() * parts.axes()) {
     for (const std::string& name : forces_.names()) {
-      for (const ResultQuantity* row : {&kMeanForce, &kMaxForce, &kMinForce}) {
+      for (const ResultQuantity* row : {&kMeanOnBody, &kMaxOnBody, &kMinOnBody}) {
         over_window_ = over_window_ || parts.selection.wants("forces", name, row->key);
       }
     }
@@ -81,10 +81,10 @@ class ForcesOnBodies : public RunObserver {
         least.push_back(numbers[kLeast]);
       }
       ResultGroup& group = table.group("forces", forces_.names()[k]);
-      group.add(kMeanForce, parts_.axes(), mean);
-      group.add(kMaxForce, parts_.axes(), most);
-      group.add(kMinForce, parts_.axes(), least);
-      group.add(kFinalForce, parts_.axes(), last);
+      group.add(kMeanOnBody, parts_.axes(), mean);
+      group.add(kMaxOnBody, parts_.axes(), most);
+      group.add(kMinOnBody, parts_.axes(), least);
+      group.add(kFinalOnBody, parts_.axes(), last);
     }
   }
 
@@ -110,7 +110,7 @@ std::unique_ptr<RunObserver> make_forces_on_bodies(const ObserverParts& parts) {
 }  // namespace
 
 ObserverKind forces_on_bodies() {
-  return {.rows = {{"forces", {&kMeanForce, &kMaxForce, &kMinForce, &kFinalForce}}},
+  return {.rows = {{"forces", {&kMeanOnBody, &kMaxOnBody, &kMinOnBody, &kFinalOnBody}}},
           .make = make_forces_on_bodies};
 }
 
