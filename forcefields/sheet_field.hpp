@@ -20,13 +20,12 @@
 ///
 ///   V_c  energy    of a pair, as of lennard_jones with "smooth", r_c its cutoff
 ///   rho  1/area    atoms of the sheet per area
-///   f_s  energy    Fourier coefficients of the sums over atoms, as splines; see
-///   sheet_field_table.hpp
+///   f_s  energy    Fourier coefficients of the sums over atoms, as splines (sheet_field_table.hpp)
 ///
-/// Source: W. A. Steele, Surf. Sci. 36, 317 (1973), doi:10.1016/0039-6028(73)90264-1; here with a
+/// Source: W. A. Steele, Surf. Sci. 36 (1973) 317, doi:10.1016/0039-6028(73)90264-1; here with a
 /// cutoff, for which there is no closed form but of V_0.
-/// Valid for z >= 0.6 sigma: nearer the force is no number. Energy and force differ from the sums
-/// over atoms by the tolerance; force and Hessian are exact derivatives of the energy.
+/// Valid for z >= 0.6 sigma: nearer the force is NaN, and a run fails. Energy and force differ from
+/// the sums over atoms by the tolerance; force and Hessian are exact derivatives of the energy.
 namespace tomlin {
 
 struct SheetFieldDescription : LennardJonesDescription {

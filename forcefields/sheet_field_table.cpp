@@ -16,7 +16,7 @@ constexpr double kSameLength = 1e-6;
 constexpr double kSameWeight = 1e-9;
 constexpr std::size_t kMostStars = 64;
 /// Points of a cell along a lattice vector at which sums over atoms are taken: harmonics up to
-/// kMostOrder are told from their aliases, which begin at kCellPoints - kMostOrder.
+/// kMostOrder are distinct from their aliases, which begin at kCellPoints - kMostOrder.
 constexpr int kCellPoints = 32;
 /// In sigma, over which a star fades out.
 constexpr double kFade = 0.3;

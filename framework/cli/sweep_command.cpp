@@ -214,17 +214,7 @@ void read_axes(const std::vector<std::string>& options, SweepSettings& settings,
                           equals == std::string::npos ? "no values" : "no name", "NAME=VALUES");
       continue;
     }
-    const std::string given = option.substr(equals + 1);
-    const std::string shown = shortened(given, kLongestShownValue);
-    auto read = SweepValues::parse(given);
-    if (auto* values = std::get_if<SweepValues>(&read)) {
-      settings.over.push_back({name, std::move(*values), place, shown});
-      continue;
-    }
-    settings.unread.push_back(name);
-    Wrong& wrong = std::get<Wrong>(read);
-    faults.emplace_back(wrong.code, place, name, shown, std::move(wrong.why),
-                        std::move(wrong.admissible), std::move(wrong.nearest));
+    add_axis(settings, name, option.substr(equals + 1), place, faults);
   }
 }
 

@@ -204,7 +204,7 @@ class GuardedForce final : public BoundForce<Real> {
     return owner_.guard(action);
   }
 
-  /// The same one whenever it is asked for: passes are told apart by their arguments.
+  /// The same one whenever it is asked for: passes are identified by their arguments.
   const GuardedPass<Real>& guarded_pass(const GuardedPass<Real>& wanted) {
     for (const GuardedPass<Real>& known : passes_) {
       if (known.set == wanted.set && known.add == wanted.add &&

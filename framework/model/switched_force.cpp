@@ -125,7 +125,7 @@ Real SwitchedForce<Real>::run_drag(const void* gated, const Stage<Real>& stage) 
   return Real(0.0);
 }
 
-/// The same one whenever it is asked for: passes are told apart by their arguments.
+/// The same one whenever it is asked for: passes are identified by their arguments.
 template <class Real>
 auto SwitchedForce<Real>::gate(Kernel<Real> run, const void* arguments) -> const Gate& {
   for (const Gate& known : gates_) {

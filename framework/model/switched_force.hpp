@@ -120,9 +120,5 @@ PulledEnd* pulled_end_of(BoundForce<Real>* force) {
   if (auto* const switched = dynamic_cast<SwitchedForce<Real>*>(force)) force = &switched->inner();
   return dynamic_cast<PulledEnd*>(force);
 }
-template <class Real>
-const PulledEnd* pulled_end_of(const BoundForce<Real>* force) {
-  return pulled_end_of(const_cast<BoundForce<Real>*>(force));  // NOLINT: it stays as it is
-}
 
 }  // namespace tomlin

@@ -90,17 +90,7 @@ SweepSettings settings_of(const SceneHandle& scene, const SweepRequest& request,
       settings.over.push_back({name, SweepValues::listed(*texts), place, ""});
       continue;
     }
-    const auto& text = std::get<std::string>(given);
-    const std::string shown = shortened(text, kLongestShownValue);
-    auto read = SweepValues::parse(text);
-    if (auto* values = std::get_if<SweepValues>(&read)) {
-      settings.over.push_back({name, std::move(*values), place, shown});
-      continue;
-    }
-    settings.unread.push_back(name);
-    Wrong& wrong = std::get<Wrong>(read);
-    faults.emplace_back(wrong.code, place, name, shown, std::move(wrong.why),
-                        std::move(wrong.admissible), std::move(wrong.nearest));
+    add_axis(settings, name, std::get<std::string>(given), place, faults);
   }
   if (!request.zips.empty()) settings.zips.clear();
   for (const auto& zip : request.zips) settings.zips.push_back({zip, Place{"zip"}});

@@ -11,8 +11,8 @@ namespace tomlin {
 
 StepReport Stepping::step_scheme(double since, double h, bool dense) {
   StepReport report = run_.step_from(since, h, dense);
-  // Schemes watch the coordinates and the forces; forces' own variables, prescribed ways, and what
-  // operators with variables of their own make of velocities are watched here.
+  // Schemes watch the coordinates and the forces; forces' own variables, prescribed motions, and
+  // velocities after operators with variables of their own are watched here.
   const SystemView<double>& view = run_.model.system().view;
   const auto finite = [](double x) { return std::isfinite(x); };
   const bool flows = view.flow_count > 0 && view.own_count > 0;

@@ -190,6 +190,20 @@ std::string SweepValues::canonical() const {
                      spacing_ == Spacing::logarithmic ? "log" : "lin");
 }
 
+void add_axis(SweepSettings& settings, const std::string& name, const std::string& values,
+              const Place& place, std::vector<Fault>& faults) {
+  const std::string shown = shortened(values, kLongestShownValue);
+  auto read = SweepValues::parse(values);
+  if (auto* axis = std::get_if<SweepValues>(&read)) {
+    settings.over.push_back({name, std::move(*axis), place, shown});
+    return;
+  }
+  settings.unread.push_back(name);
+  Wrong& wrong = std::get<Wrong>(read);
+  faults.emplace_back(wrong.code, place, name, shown, std::move(wrong.why),
+                      std::move(wrong.admissible), std::move(wrong.nearest));
+}
+
 void add_repeats(SweepSettings& settings, std::vector<Fault>& faults) {
   if (!settings.repeats) return;
   const SweepText given = *std::exchange(settings.repeats, std::nullopt);

@@ -101,6 +101,11 @@ struct SweepSettings {
   Place observables_place;
 };
 
+/// The axis `name` with these values, "a, b, c" or "from:to:count[:log]", as written at a place;
+/// among `unread`, with a fault, where they are neither.
+void add_axis(SweepSettings& settings, const std::string& name, const std::string& values,
+              const Place& place, std::vector<Fault>& faults);
+
 /// Makes of `repeats` the first axis, run.stream = 0, 1, ...; adds a fault where it is no such
 /// number.
 void add_repeats(SweepSettings& settings, std::vector<Fault>& faults);

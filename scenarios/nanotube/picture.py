@@ -56,16 +56,21 @@ def chosen(path, times):
     return found
 
 
+def dots(places, color, size):
+    """Dots of one colour, as one path of strokes without length."""
+    way = "".join(f"M{x:.1f} {y:.1f}h0" for x, y in places)
+    return (f'<path d="{way}" fill="none" stroke="{color}" stroke-width="{size}" '
+            f'stroke-linecap="round"/>')
+
+
 def panel(atoms, axes, left, top, low, high):
-    """Circles of atoms, those that are higher or nearer drawn last."""
-    across, up, depth = axes
+    """Atoms of the sheet, then those of the tube, which covers them from above, then the marked."""
+    across, up = axes
     lines = []
-    for body, place, marked in sorted(atoms, key=lambda atom: atom[1][depth]):
-        x = left + (place[across] - low[across]) * SCALE
-        y = top + (high[up] - place[up]) * SCALE
-        color = MARKED if marked else TUBE if body == 0 else SHEET
-        radius = 4.5 if marked else 2.4 if body == 0 else 1.6
-        lines.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{radius}" fill="{color}"/>')
+    for kind, (color, size) in enumerate(((SHEET, 3.2), (TUBE, 4.8), (MARKED, 9.0))):
+        places = [(left + (place[across] - low[across]) * SCALE, top + (high[up] - place[up]) * SCALE)
+                  for this, place in atoms if this == kind]
+        lines.append(dots(places, color, size))
     return lines
 
 
@@ -80,16 +85,16 @@ def draw(path, times):
         atoms = []
         for k, row in enumerate(rows):
             place = [float(x) for x in row[where:where + 3]]
-            first = row[body] == bodies[0]
-            atoms.append((0 if first else 1, place, first and k == MARKED_ATOM))
+            of_tube = row[body] == bodies[0]
+            atoms.append(((2 if k == MARKED_ATOM else 1) if of_tube else 0, place))
         low = [min(atom[1][d] for atom in atoms) for d in range(3)]
         high = [max(atom[1][d] for atom in atoms) for d in range(3)]
         width = (high[1] - low[1]) * SCALE
         front = (high[2] - low[2]) * SCALE
         above = (high[0] - low[0]) * SCALE
         lines.append(f'<text x="{left:.1f}" y="{MARGIN + 4:.1f}">{time:g} ps</text>')
-        lines += panel(atoms, (1, 2, 0), left, MARGIN + 12.0, low, high)
-        lines += panel(atoms, (1, 0, 2), left, MARGIN + 24.0 + front, low, high)
+        lines += panel(atoms, (1, 2), left, MARGIN + 12.0, low, high)
+        lines += panel(atoms, (1, 0), left, MARGIN + 24.0 + front, low, high)
         left += width + 2.0 * MARGIN
         height = max(height, 2.0 * MARGIN + 24.0 + front + above)
     return (f'<svg xmlns="http://www.w3.org/2000/svg" width="{left:.0f}" height="{height:.0f}" '

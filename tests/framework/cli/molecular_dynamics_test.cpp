@@ -150,7 +150,7 @@ TEST_F(MolecularDynamics, WhatIsNotRefused) {
   EXPECT_EQ(pair.status, 0) << pair.err;
 }
 
-/// Whether a text has a number that is none, as printed in any table.
+/// Whether a text contains nan or inf, as printed in a table.
 bool has_non_finite(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   for (const std::string word : {"nan", "inf"}) {
