@@ -87,9 +87,9 @@ TEST(Conformance, BodiesOfEverySize) {
     Conformance check(*record);
     check.examine_everywhere(99, counts);
     const bool in_space_alone = record->name == "tersoff";
-    constexpr int kOfEach = 7;         // scenes of so many particles, of a dozen arrangements
-    constexpr int kOfEachInSpace = 4;  // one in three of them
-    EXPECT_GT(check.examined(),
+    constexpr int kOfEach = 7;  // scenes of so many particles at least, of a dozen arrangements
+    constexpr int kOfEachInSpace = 4;  // all of those in three dimensions
+    EXPECT_GE(check.examined(),
               (in_space_alone ? kOfEachInSpace : kOfEach) * static_cast<int>(kLargestBody));
     Broken broken = check.broken();
     if (in_space_alone) {
