@@ -31,7 +31,13 @@ void count_coordinates(Model& model, std::size_t b, Explanation::Body& body) {
   };
   const auto axes = static_cast<std::size_t>(model.dimension());
   if (slot.rigid) {
-    for (std::size_t k = 0; k <= axes; ++k) count(slot.centre + k);
+    const std::size_t rotations = model.bodies()[b].rotor ? 3 : 1;
+    for (std::size_t k = 0; k < axes + rotations; ++k) count(slot.centre + k);
+    if (model.bodies()[b].rotor) {
+      const auto& moments = model.bodies()[b].moments;
+      body.degrees_of_freedom -=
+          static_cast<std::size_t>(std::count(moments.begin(), moments.end(), 0.0));
+    }
   } else if (!slot.mapped) {
     for (std::size_t d = 0; d < axes; ++d) {
       for (std::size_t i = 0; i < slot.count; ++i) count(slot.offset + d * slot.stride + i);

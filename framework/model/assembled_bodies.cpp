@@ -61,7 +61,8 @@ AssembledBody<Real> described(const SceneBody& from, std::size_t index, const As
     // With z, or else y, pointing up, as in the plane.
     constexpr std::array<std::array<int, 2>, 3> kPlanes = {{{1, 2}, {0, 2}, {0, 1}}};
     body.plane = kPlanes[static_cast<std::size_t>(geometry.rolling_axis)];
-    body.turns_in_space = common.coordinates == Coordinates::particles;
+    const bool rotates = common.coordinates == Coordinates::rigid && !names(from.hold, "rotation");
+    body.turns_in_space = common.coordinates == Coordinates::particles || rotates;
   }
   body.bound.name = from.name;
   body.bound.index = index;
@@ -93,15 +94,7 @@ AssembledBody<Real> described(const SceneBody& from, std::size_t index, const As
 }
 
 template <class Real>
-void check(const AssembledBody<Real>& body, const SceneBody& from, int dimension,
-           std::vector<Fault>& faults) {
-  const BodySlot<Real>& slot = body.bound.slot;
-  if (slot.rigid && dimension == 3 && !body.rotation_held && slot.count > 1) {
-    faults.emplace_back(FaultCode::scene_not_in_this_version, from.place_of("coordinates"),
-                        "body." + from.name + ".coordinates", "\"rigid\"",
-                        "rotations in space are not in this version",
-                        "hold = [\"rotation\"] beside it, or \"particles\"");
-  }
+void check(const AssembledBody<Real>& body, const SceneBody& from, std::vector<Fault>& faults) {
   if (!std::isfinite(body.total_mass)) {
     faults.emplace_back(FaultCode::scene_not_finite, from.place_of("particle_mass"),
                         "body." + from.name + ".particle_mass", "",
@@ -114,6 +107,28 @@ void check(const AssembledBody<Real>& body, const SceneBody& from, int dimension
   }
 }
 
+/// A body without extent (one particle) has no rotation to speak of.
+template <class Real>
+void find_principal_axes(AssembledBody<Real>& body) {
+  if (body.rotation_held || !(body.inertia > 0.0)) return;
+  std::array<InterleavedSum<double>, 9> sums;
+  for (std::size_t i = 0; i < body.arms.size(); ++i) {
+    const std::vector<double>& arm = body.arms[i];
+    const double square = arm[0] * arm[0] + arm[1] * arm[1] + arm[2] * arm[2];
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t b = 0; b < 3; ++b) {
+        sums[3 * a + b].add(i, body.bound.mass[i] * ((a == b ? square : 0.0) - arm[a] * arm[b]));
+      }
+    }
+  }
+  Matrix3 inertia;
+  for (std::size_t k = 0; k < inertia.size(); ++k) inertia[k] = sums[k].total();
+  const PrincipalAxes axes = principal_axes(inertia);
+  body.rotor = true;
+  body.moments = axes.moments;
+  body.orientation = axes.rotation;
+}
+
 template <class Real>
 int freedom_of(const AssembledBody<Real>& body, int dimension) {
   const BodySlot<Real>& slot = body.bound.slot;
@@ -121,11 +136,27 @@ int freedom_of(const AssembledBody<Real>& body, int dimension) {
   int axes = 0;
   for (int d = 0; d < dimension; ++d) axes += body.held[d] ? 0 : 1;
   if (!slot.rigid) return axes * static_cast<int>(slot.count);
+  if (body.rotor) {
+    return axes + static_cast<int>(std::count_if(body.moments.begin(), body.moments.end(),
+                                                 [](double moment) { return moment > 0.0; }));
+  }
   const bool turns = dimension == 2 && body.inertia > 0.0 && !body.rotation_held;
   return axes + (turns ? 1 : 0);
 }
 
 }  // namespace
+
+template <class Real>
+std::vector<double> AssembledBody<Real>::reference_arm(std::size_t particle) const {
+  const std::vector<double>& arm = arms[particle];
+  if (!rotor) return arm;
+  const Matrix3 axes = matrix_of(orientation);
+  std::vector<double> along(3);
+  for (std::size_t k = 0; k < 3; ++k) {
+    along[k] = axes[k] * arm[0] + axes[3 + k] * arm[1] + axes[6 + k] * arm[2];
+  }
+  return along;
+}
 
 /// First the sizes, since views point into arrays that must not move afterwards.
 template <class Real>
@@ -135,11 +166,12 @@ AssembledBodies<Real>::AssembledBodies(const AssemblyPlan& plan) {
   for (const SceneBody& from : plan.scene->bodies) {
     all.push_back(described<Real>(from, all.size(), plan));
     give_slot(all.back(), from, dimension);
-    check(all.back(), from, dimension, faults);
+    check(all.back(), from, faults);
   }
   if (!faults.empty()) throw InputError(std::move(faults));
   for (AssembledBody<Real>& body : all) {
     place(body, plan);
+    if (dimension == 3 && body.bound.slot.rigid) find_principal_axes(body);
     if (body.bound.slot.rigid || body.prescribed()) keep_shape(body, dimension);
     body.bound.freedom = freedom_of(body, dimension);
   }
@@ -208,17 +240,37 @@ void AssembledBodies<Real>::keep_shape(const AssembledBody<Real>& body, int dime
   arms_.emplace_back(dimension * slot.stride, Real(0.0));
   reference.emplace_back(dimension * slot.stride, Real(0.0));
   for (std::size_t i = 0; i < slot.count; ++i) {
-    for (int d = 0; d < dimension; ++d) {
-      reference.back()[d * slot.stride + i] = Real(body.arms[i][d]);
-    }
+    const std::vector<double> arm = body.reference_arm(i);
+    for (int d = 0; d < dimension; ++d) reference.back()[d * slot.stride + i] = Real(arm[d]);
   }
   RigidArguments<Real>& arguments = rigid.emplace_back();
   arguments.body = slot;
   arguments.reference = reference.back().data();
   arguments.arm = arms_.back().data();
   rigid_body.push_back(body.bound.index);
+  if (!body.rotor) return;
+  std::array<Real, 18>& axes = axes_.emplace_back();
+  arguments.axes = axes.data();
+  arguments.turned = axes.data() + 9;
+  const double most = *std::max_element(body.moments.begin(), body.moments.end());
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double moment = body.moments[k];
+    arguments.moments[k] = Real(moment);
+    arguments.inverse_moments[k] = moment > 0.0 ? Real(1.0) / Real(moment) : Real(0.0);
+    arguments.masses[k] = Real(moment > 0.0 ? moment : most);
+  }
+  orient(axes_.size() - 1, body.orientation);
 }
 
+template <class Real>
+void AssembledBodies<Real>::orient(std::size_t rotor, const Quaternion& orientation) {
+  const Matrix3 axes = matrix_of(orientation);
+  for (std::size_t k = 0; k < axes.size(); ++k) axes_[rotor][k] = Real(axes[k]);
+}
+
+template struct AssembledBody<double>;
+template struct AssembledBody<float>;
+template struct AssembledBody<Quad>;
 template class AssembledBodies<double>;
 template class AssembledBodies<float>;
 template class AssembledBodies<Quad>;

@@ -8,6 +8,7 @@
 #include "framework/core/records/bound_force.hpp"
 #include "framework/core/system/aligned.hpp"
 #include "framework/model/assembly_plan.hpp"
+#include "framework/model/principal_axes.hpp"
 #include "framework/model/rigid_kernels.hpp"
 
 namespace tomlin {
@@ -21,9 +22,13 @@ struct AssembledBody {
   /// In which it turns: rotations from the first axis to the second are positive, and it rolls
   /// along the first.
   std::array<int, 2> plane = {0, 1};
-  bool turns_in_space = false;  ///< flexible, about the axis that is across the plane
+  bool turns_in_space = false;  ///< about the axis that is across the plane, see Model::rotation()
   double total_mass = 0.0;
-  double inertia = 0.0;                   ///< about the centre, planar bodies
+  double inertia = 0.0;  ///< about the centre, planar bodies
+  /// Rigid, and rotates in space: see RigidArguments.
+  bool rotor = false;
+  std::array<double, 3> moments{};        ///< of inertia, of a rotor; 0 along a rod
+  Quaternion orientation{};               ///< of its principal axes at the start
   std::vector<std::vector<double>> arms;  ///< [count][dimension] at the start, about the centre
   std::array<bool, 3> held{};             ///< axes along which nothing moves
   bool rotation_held = false;
@@ -39,8 +44,12 @@ struct AssembledBody {
   std::ptrdiff_t kinetic_rate = kNoRate;  ///< where its kinetic energy stands, see KineticIntegral
 
   bool rotates() const { return arms.size() > 1 && (arms.front().size() == 2 || turns_in_space); }
+  /// Its rotation is a coordinate, or three.
+  bool has_free_rotation() const { return rotor || (rotates() && !rotation_held); }
   bool moves_as_one() const { return bound.slot.rigid; }
   bool prescribed() const { return motion != nullptr; }
+  /// A particle about the centre at the start, along the principal axes of a rotor.
+  std::vector<double> reference_arm(std::size_t particle) const;
 };
 
 /// The bodies of a scene: which part of the arrays is whose, masses, shapes, and the arguments with
@@ -59,6 +68,10 @@ class AssembledBodies {
   std::vector<std::size_t> rigid_body;     ///< whose each of them is
   std::deque<AlignedVector<Real>> reference;
 
+  std::size_t rotor_count() const { return axes_.size(); }
+  /// The principal axes of a rotor, the first of which is 0, at p = 0.
+  void orient(std::size_t rotor, const Quaternion& orientation);
+
  private:
   void give_slot(AssembledBody<Real>& body, const SceneBody& from, int dimension);
   void place(AssembledBody<Real>& body, const AssemblyPlan& plan);
@@ -66,6 +79,7 @@ class AssembledBodies {
 
   std::deque<AlignedVector<Real>> share_;  ///< mass fractions, one array a body
   std::deque<AlignedVector<Real>> arms_;
+  std::deque<std::array<Real, 18>> axes_;  ///< of rotors: at p = 0, and at p
 };
 
 }  // namespace tomlin

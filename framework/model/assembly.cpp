@@ -41,9 +41,10 @@ class BodyStart {
   void write_shape(AlignedVector<Real>& reference) const {
     const BodySlot<Real>& slot = body_->bound.slot;
     for (std::size_t i = 0; i < slot.count; ++i) {
+      const std::vector<double> start = body_->reference_arm(i);
       for (int d = 0; d < plan_.dimension(); ++d) {
         Real& arm = reference[d * slot.stride + i];
-        arm = Real(body_->arms[i][d]);
+        arm = Real(start[d]);
         if (perturbed_ && slot.rigid) arm = arm + jitter(kShape, i * plan_.dimension() + d);
       }
     }
@@ -61,6 +62,7 @@ class BodyStart {
       put(at, d, Real(body_->bound.start_centre[d]), mean.total() + thermal);
       if (perturbed_ && !body_->held[d]) position_[at] = position_[at] + jitter(kCoordinate, d);
     }
+    if (body_->rotor) write_rotation_in_space();
     if (plan_.dimension() != 2) return;
     InterleavedSum<double> spin;
     for (std::size_t i = 0; i < slot.count; ++i) {
@@ -75,6 +77,33 @@ class BodyStart {
               : Real(0.0));
     if (perturbed_ && turns) {
       position_[at] = position_[at] + jitter(kCoordinate, kRotation) / tau<Real>();
+    }
+  }
+
+  /// At p = 0, where dp/dt is the angular velocity.
+  void write_rotation_in_space() const {
+    const BodySlot<Real>& slot = body_->bound.slot;
+    std::array<InterleavedSum<double>, 3> spin;
+    for (std::size_t i = 0; i < slot.count; ++i) {
+      const std::vector<double>& arm = body_->arms[i];
+      for (int d = 0; d < 3; ++d) {
+        const int next = (d + 1) % 3;
+        const int last = (d + 2) % 3;
+        spin[d].add(
+            i, body_->bound.mass[i] * (arm[next] * speed(i, last) - arm[last] * speed(i, next)));
+      }
+    }
+    const Matrix3 axes = matrix_of(body_->orientation);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t d = 3 + k;
+      const double moment = body_->moments[k];
+      const double momentum =
+          axes[k] * spin[0].total() + axes[3 + k] * spin[1].total() + axes[6 + k] * spin[2].total();
+      const Real speed =
+          moment > 0.0 ? Real(momentum / moment) + thermal_speed(d, moment) : Real(0.0);
+      put(slot.centre + d, static_cast<int>(d), Real(0.0), speed);
+      if (perturbed_)
+        position_[slot.centre + d] = position_[slot.centre + d] + jitter(kCoordinate, d);
     }
   }
 
@@ -101,7 +130,7 @@ class BodyStart {
     position_[at] = position;
     velocity_[at] = velocity;
     if (from_ == nullptr) return;
-    const bool turns = body_->bound.slot.rigid && d == kRotation && plan_.dimension() == 2;
+    const bool turns = body_->bound.slot.rigid && d >= plan_.dimension();
     position_[at] =
         static_cast<Real>(turns ? from_->position[at] : from_->position[at] + shift_[d]);
     velocity_[at] = static_cast<Real>(from_->velocity[at]);
@@ -117,7 +146,7 @@ class BodyStart {
     fill_normals<double>(
         {static_cast<std::uint64_t>(run.seed),
          stream_of("start_temperature/" + name, static_cast<std::uint64_t>(run.stream))},
-        {}, normals_.size(), slot.rigid ? 3 : slot.count, normals_.data());
+        {}, normals_.size(), body_->rotor ? 6 : (slot.rigid ? 3 : slot.count), normals_.data());
   }
 
   Real thermal_speed(std::size_t coordinate, double mass) const {

@@ -61,6 +61,10 @@ class Assembly {
   void start_controls() { forces_.start_controls(); }
   /// Stages count their time from here on.
   void begin_step(const DoubleDouble& time);
+  std::size_t rotor_count() const { return bodies_.rotor_count(); }
+  void orient(std::size_t rotor, const Quaternion& orientation) {
+    bodies_.orient(rotor, orientation);
+  }
   /// The origin has moved; positions in the state are the caller's to shift.
   void rebase(const Origin& origin);
   /// See Evaluation::spoil().

@@ -40,6 +40,10 @@ CoordinateArrays<Real>::CoordinateArrays(const AssemblyPlan& plan, AssembledBodi
         body.response[d] = 1.0 / body.total_mass;
         ++view.coordinates;
       }
+      if (body.rotor) {
+        place_rotor(body);
+        view.coordinates += 3;
+      }
       if (dimension != 2) continue;
       largest_move_[slot.centre + kRotation] = Real(0.5);
       // A body without extent (one particle) has no rotation to speak of: it stays put.
@@ -67,6 +71,23 @@ CoordinateArrays<Real>::CoordinateArrays(const AssemblyPlan& plan, AssembledBodi
   view.mapped_position = mapped_position_.data();
   view.mapped_velocity = mapped_velocity_.data();
   view.mapped_force = mapped_force_.data();
+}
+
+/// A step of more than this, in rad, would come too near half a turn, for which p has no value.
+constexpr double kLargestRotation = 1.0;
+
+template <class Real>
+void CoordinateArrays<Real>::place_rotor(AssembledBody<Real>& body) {
+  const double most = *std::max_element(body.moments.begin(), body.moments.end());
+  double least = most;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t at = body.bound.slot.centre + 3 + k;
+    const double moment = body.moments[k] > 0.0 ? body.moments[k] : most;
+    inverse_mass[at] = Real(1.0) / Real(moment);
+    largest_move_[at] = Real(kLargestRotation);
+    least = std::min(least, moment);
+  }
+  body.response_of_rotation = 1.0 / least;
 }
 
 template <class Real>
@@ -104,6 +125,12 @@ void CoordinateArrays<Real>::scale_tolerances(const Scene& scene,
   std::fill(in_units, own, Real(1.0));
   std::fill(own, own + view.own, per_length * time);
   for (const AssembledBody<Real>& body : bodies) {
+    for (std::size_t d = 3; body.rotor && d < 6; ++d) {
+      const std::size_t at = body.bound.slot.centre + d;
+      scales[at] = Real(1.0);
+      in_units[at] = Real(units.length);
+      velocity[at] = time;
+    }
     if (!body.bound.slot.rigid || scene.dimension != 2) continue;
     const std::size_t at = body.bound.slot.centre + kRotation;
     scales[at] = tau<Real>();

@@ -35,6 +35,8 @@ class CoordinateArrays {
   AlignedVector<Real> inverse_mass;
 
  private:
+  void place_rotor(AssembledBody<Real>& body);
+
   AlignedVector<Real> largest_move_;
   AlignedVector<Real> tolerance_scale_;
   AlignedVector<Real> force_;

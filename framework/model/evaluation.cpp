@@ -66,7 +66,9 @@ Evaluation<Real>::Evaluation(const AssemblyPlan& plan, AssembledBodies<Real>& bo
   if constexpr (kChecks > 0) operations_.push_back({&Evaluation::spoil, &written_});
   prescribed.add_steering(operations_);
   for (std::size_t k = 0; k < bodies.rigid.size(); ++k) {
-    add_rigid(rigid.place[dimension - 1], bodies, k, rigid.place_lanes[dimension - 1], true);
+    const bool rotor = bodies.all[bodies.rigid_body[k]].rotor;
+    add_rigid(rotor ? rigid.place_rotor : rigid.place[dimension - 1], bodies, k,
+              rotor ? nullptr : rigid.place_lanes[dimension - 1], true);
   }
   for (const bool centre : {true, false}) {
     for (const Pass<Real>& pass : passes) {
@@ -138,9 +140,14 @@ void Evaluation<Real>::gather(const AssemblyPlan& plan, const AssembledBodies<Re
       operations_.push_back({rigid.react[dimension - 1], &bodies.rigid[k]});
       prescribed.add_inertia(b, operations_);
     } else if (set.particles[b]) {
-      const auto& into_centre = set.centre[b] ? rigid.gather_add : rigid.gather_set;
-      add_rigid(into_centre[dimension - 1], bodies, k, rigid.gather_lanes[dimension - 1],
-                !set.centre[b]);
+      if (bodies.all[b].rotor) {
+        const bool add = set.centre[b];
+        add_rigid(add ? rigid.gather_rotor_add : rigid.gather_rotor_set, bodies, k, nullptr, !add);
+      } else {
+        const auto& into_centre = set.centre[b] ? rigid.gather_add : rigid.gather_set;
+        add_rigid(into_centre[dimension - 1], bodies, k, rigid.gather_lanes[dimension - 1],
+                  !set.centre[b]);
+      }
       set.centre[b] = true;
     }
   }
@@ -149,10 +156,15 @@ void Evaluation<Real>::gather(const AssemblyPlan& plan, const AssembledBodies<Re
     if (slot.rigid && !set.centre[b]) add_zeros(slot, dimension, true);
     if (!slot.mapped && !set.particles[b]) add_zeros(slot, dimension, false);
     // Padding stays zero: a kernel that takes particles one by one never writes it.
-    if (slot.rigid) written_.push_back({false, slot.centre, dimension == 1 ? 1U : 3U});
+    const std::size_t coordinates = bodies.all[b].rotor ? 6 : (dimension == 1 ? 1 : 3);
+    if (slot.rigid) written_.push_back({false, slot.centre, coordinates});
     for (int d = 0; d < dimension && (!slot.mapped || set.particles[b]); ++d) {
       written_.push_back({slot.mapped, slot.offset + d * slot.stride, slot.count});
     }
+  }
+  for (std::size_t k = 0; k < bodies.rigid.size(); ++k) {
+    if (!bodies.all[bodies.rigid_body[k]].rotor) continue;
+    add_rigid(rigid.rotate, bodies, k, nullptr, false);
   }
 }
 

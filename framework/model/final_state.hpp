@@ -24,7 +24,8 @@ struct FinalState {
   Origin origin;
   std::vector<Quad> position;  ///< as coordinates, relative to the origin
   std::vector<Quad> velocity;
-  std::vector<Quad> own;  ///< internal variables
+  std::vector<Quad> own;             ///< internal variables
+  std::vector<double> orientations;  ///< of rotors, [rotor][4]
   std::vector<Support> supports;
 
   bool known() const { return !structure.empty(); }

@@ -80,6 +80,7 @@ std::string LaneSystem::why_not(const Model& model) {
                        kMostNumbers);
   }
   if (!model.assembly().lane_calls().empty()) return "";
+  if (model.has_rotors()) return "a rigid body rotates in space";
   for (const Model::Force& force : model.forces()) {
     if (force.driver) return "the force \"" + force.name + "\" is a declared driver";
     for (const Pass<double>& pass : force.passes()) {

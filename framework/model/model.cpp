@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "framework/core/elements/kernel_tables.hpp"
+#include "framework/core/numbers/rotation_vector.hpp"
 #include "framework/core/records/pulled_end.hpp"
 #include "framework/model/plugin_code.hpp"
 #include "framework/model/scheme_checks.hpp"
@@ -170,6 +171,7 @@ void Model::declare(StateLayout& layout) const {
   layout.add_reals("integrals", system().view.rates);
   layout.add_integers("origin_cells", 3);
   layout.add_integers("whole_turns", bodies().size());
+  if (has_rotors()) layout.add_reals("orientations", 4 * assembly_.rotor_count());
   assembly_.declare_controls(layout);
 }
 
@@ -180,8 +182,10 @@ void Model::attach(RunState& state) {
   view.integrals = state.reals("integrals");
   cells_ = state.integers("origin_cells");
   whole_turns_ = state.integers("whole_turns");
+  if (has_rotors()) orientations_ = state.reals("orientations");
   for (int d = 0; d < 3; ++d) origin_.cells[d] = cells_[d];
   place_origin();
+  orient();
   assembly_.attach_controls(state);
   assembly_.rebase(origin_);
   if (follower_) follower_->rebase(origin_);
@@ -195,6 +199,14 @@ void Model::start(const Perturbation* noise, const FinalState* from) {
     origin_.cells[d] = cells_[d];
   }
   place_origin();
+  double* orientation = orientations_;
+  for (const Body& body : bodies()) {
+    if (!body.rotor) continue;
+    orientation = std::copy(body.orientation.begin(), body.orientation.end(), orientation);
+  }
+  if (from != nullptr)
+    std::copy(from->orientations.begin(), from->orientations.end(), orientations_);
+  orient();
   assembly_.rebase(origin_);
   assembly_.start(view.position, view.velocity, view.integrals, noise, from);
   assembly_.start_controls();
@@ -304,6 +316,7 @@ FinalState Model::final_state(const DoubleDouble& time) const {
   FinalState state;
   state.structure = structure();
   state.origin = origin_;
+  state.orientations.assign(orientations_, orientations_ + 4 * assembly_.rotor_count());
   assembly_.write_numbers(state);
   if (follower_) follower_->write_numbers(state);
   assembly_.write_supports(time, state);
@@ -313,6 +326,42 @@ FinalState Model::final_state(const DoubleDouble& time) const {
 void Model::drift_velocity(double* velocity) const {
   const SystemView<double>& view = system().view;
   for (std::size_t i = 0; i < view.dofs; ++i) velocity[i] = view.force[i] * view.inverse_mass[i];
+}
+
+void Model::orient() {
+  for (std::size_t k = 0; k < assembly_.rotor_count(); ++k) {
+    Quaternion orientation;
+    std::copy_n(orientations_ + 4 * k, orientation.size(), orientation.begin());
+    assembly_.orient(k, orientation);
+  }
+}
+
+bool Model::reorient_if_due() {
+  /// In rad; p has no value for half a turn, and a step turns a body by a radian at most.
+  constexpr double kFar = 0.25;
+  bool changed = false;
+  double* orientation = orientations_;
+  for (const Body& body : bodies()) {
+    if (!body.rotor) continue;
+    double* const p = system().view.position + body.bound.slot.centre + 3;
+    double* const rate = system().view.velocity + body.bound.slot.centre + 3;
+    if (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] > kFar * kFar) {
+      const Vec<double, 3> spin =
+          angular_velocity<double>({{p[0], p[1], p[2]}}, {{rate[0], rate[1], rate[2]}});
+      Quaternion from;
+      std::copy_n(orientation, from.size(), from.begin());
+      const Quaternion to = rotated_by(from, {p[0], p[1], p[2]});
+      std::copy(to.begin(), to.end(), orientation);
+      for (int k = 0; k < 3; ++k) {
+        p[k] = 0.0;
+        rate[k] = spin[k];
+      }
+      changed = true;
+    }
+    orientation += 4;
+  }
+  if (changed) orient();
+  return changed;
 }
 
 bool Model::rebase_if_due() {

@@ -91,6 +91,10 @@ class Model {
   bool rebase_if_due();
   /// How often it did.
   std::uint64_t rebases() const { return rebases_; }
+  /// The orientations that rotors' coordinates are relative to follow the bodies; coordinates and
+  /// velocities change with them. Cheap when nothing has turned far. True where one did.
+  bool reorient_if_due();
+  bool has_rotors() const { return assembly_.rotor_count() > 0; }
 
   /// Stages count their time from here on.
   void anchor(const DoubleDouble& time) { begin_step(this, time.hi, time.lo); }
@@ -126,7 +130,7 @@ class Model {
 
   /// Kinetic and potential energy at a state; the potential energy leaves out what is held by
   /// nothing but the choice of zero, so that only differences of it count.
-  double kinetic_energy(const double* velocity) const;
+  double kinetic_energy(const double* position, const double* velocity) const;
   double potential_energy(const DoubleDouble& time, const double* position, const double* velocity,
                           const double* integrals);
 
@@ -173,6 +177,8 @@ class Model {
   void build_tangent();
   static void begin_step(void* model, double time_high, double time_low);
   void build_elastic();
+  void orient();
+  double rotation_of_rotor(const Body& body, const double* position) const;
   double energy_of(const Force& force, const DoubleDouble& time);
   void set_out(const Force& force, const DoubleDouble& time);
   void keep_shapes();
@@ -197,6 +203,7 @@ class Model {
   std::unique_ptr<ForceTangent> tangent_;  ///< for schemes that ask for it
   std::int64_t* cells_ = nullptr;
   std::int64_t* whole_turns_ = nullptr;
+  double* orientations_ = nullptr;  ///< [rotor][4], quaternions
 };
 
 }  // namespace tomlin

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "framework/core/numbers/angle.hpp"
+#include "framework/core/numbers/rotation_vector.hpp"
 #include "framework/core/numbers/sum.hpp"
 #include "framework/core/text/axis_names.hpp"
 #include "framework/model/model.hpp"
@@ -87,6 +89,7 @@ double Model::rotation(std::size_t b, const double* position) const {
   if (slot.rigid && dimension() == 2) {
     return static_cast<double>(whole_turns_[b]) + position[slot.centre + kRotation];
   }
+  if (body.rotor && body.turns_in_space) return rotation_of_rotor(body, position);
   if (slot.mapped || !body.rotates()) return 0.0;
   const AlignedVector<double>& shape = shapes_[b];
   const std::size_t length = shape.size() / 3;
@@ -96,14 +99,56 @@ double Model::rotation(std::size_t b, const double* position) const {
                            position);
 }
 
-double Model::kinetic_energy(const double* velocity) const {
+/// The best fit of a rotation in the plane to the particles, weighted by their masses: with their
+/// second moments D along the principal axes, sum m r x^T = A D R^T for start A and present R.
+double Model::rotation_of_rotor(const Body& body, const double* position) const {
+  const double* orientation = orientations_;
+  for (const Body& other : bodies()) {
+    if (&other == &body) break;
+    if (other.rotor) orientation += 4;
+  }
+  const double* p = position + body.bound.slot.centre + 3;
+  const Matrix3 start = matrix_of(body.orientation);
+  const Matrix3 anchor =
+      matrix_of({orientation[0], orientation[1], orientation[2], orientation[3]});
+  Matrix3 now;
+  rotate_axes<double>(anchor.data(), {{p[0], p[1], p[2]}}, now.data());
+  const auto [x, y, z] = body.moments;
+  const std::array<double, 3> second = {0.5 * (y + z - x), 0.5 * (z + x - y), 0.5 * (x + y - z)};
+  const auto moment = [&](int a, int b) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      sum += start[3 * static_cast<std::size_t>(a) + k] * second[k] *
+             now[3 * static_cast<std::size_t>(b) + k];
+    }
+    return sum;
+  };
+  const auto [a, b] = body.plane;
+  return angle_turns(moment(a, b) - moment(b, a), moment(a, a) + moment(b, b));
+}
+
+double Model::kinetic_energy(const double* position, const double* velocity) const {
   InterleavedSum<double> total;
   if (!system().view.inertial || plan_.quasistatic) return 0.0;
   for (std::size_t i = 0; i < system().view.dofs; ++i) {
     const double inverse_mass = system().view.inverse_mass[i];
     if (inverse_mass > 0.0) total.add(i, 0.5 * velocity[i] * velocity[i] / inverse_mass);
   }
-  return total.total();
+  double energy = total.total();
+  for (const Body& body : bodies()) {
+    if (!body.rotor) continue;
+    const std::size_t at = body.bound.slot.centre + 3;
+    const double* p = position + at;
+    const double* u = velocity + at;
+    const Vec<double, 3> spin =
+        angular_velocity<double>({{p[0], p[1], p[2]}}, {{u[0], u[1], u[2]}});
+    for (int k = 0; k < 3; ++k) {
+      const double apparent =
+          u[k] * u[k] / system().view.inverse_mass[at + static_cast<std::size_t>(k)];
+      energy += 0.5 * (body.moments[static_cast<std::size_t>(k)] * spin[k] * spin[k] - apparent);
+    }
+  }
+  return energy;
 }
 
 double Model::potential_energy(const DoubleDouble& time, const double* position,
@@ -131,6 +176,7 @@ Model::CoordinateName Model::name_of(std::size_t coordinate) const {
     const BodySlot<double>& slot = body.bound.slot;
     if (slot.rigid && coordinate >= slot.centre && coordinate < slot.centre + kGroup) {
       const std::size_t d = coordinate - slot.centre;
+      if (d > 2) return {body.bound.name, -1, std::string("rotation about ") + kAxisNames[d - 3]};
       return {body.bound.name, -1, d == 2 && dimension() == 2 ? "rotation" : kAxisNames[d]};
     }
     if (!slot.mapped && coordinate >= slot.offset &&

@@ -6,13 +6,16 @@
 #include "framework/core/elements/lane_kernels.hpp"
 #include "framework/core/numbers/math.hpp"
 #include "framework/core/numbers/number_types.hpp"
+#include "framework/core/numbers/rotation_vector.hpp"
 #include "framework/core/system/kernel_arguments.hpp"
 #include "framework/core/system/stage.hpp"
 
 namespace tomlin {
 
 /// A body that moves as one. Its coordinates are the centre and, in the plane, the rotation in
-/// turns; the rotation is counter-clockwise positive.
+/// turns; the rotation is counter-clockwise positive. One that rotates in space, a rotor, has after
+/// its centre the vector p by which its principal axes are rotated from an orientation that follows
+/// them now and then (rotation_vector.hpp); its velocity is dp/dt.
 template <class Real>
 struct RigidArguments {
   BodySlot<Real> body;
@@ -24,6 +27,12 @@ struct RigidArguments {
   const Real* coordinates = nullptr;
   const Real* speeds = nullptr;
   std::ptrdiff_t rate = kNoRate;  ///< where the force and the power of a prescribed body go
+  // Of a rotor, whose `reference` is along its principal axes:
+  const Real* axes = nullptr;    ///< [axis of space][principal axis], at p = 0
+  Real* turned = nullptr;        ///< the same at p; written by `place`, read by `gather`
+  Real moments[3] = {};          ///< of inertia; 0 along a rod
+  Real inverse_moments[3] = {};  ///< 0 along a rod
+  Real masses[3] = {};           ///< of the coordinates p: forces on them are mass times d2p/dt2
 };
 
 template <class Real>
@@ -35,6 +44,12 @@ struct RigidTable {
   Kernel<Real> gather_add[3] = {};
   /// Forces on particles -> the force that keeps up a prescribed motion, and its power.
   Kernel<Real> react[3] = {};
+  /// The same of a rotor: its torque is along the principal axes.
+  Kernel<Real> place_rotor = nullptr;
+  Kernel<Real> gather_rotor_set = nullptr;
+  Kernel<Real> gather_rotor_add = nullptr;
+  /// After all torques: Euler's equations, as forces on p.
+  Kernel<Real> rotate = nullptr;
   /// `place` and `gather` over replicas (framework/core/system/lanes.hpp): numbers are the
   /// reference; the scratch, rotated arms [axis][particle], is the same for both.
   Kernel<double> place_lanes[3] = {};
@@ -110,6 +125,90 @@ struct RigidKernels {
     const Group total = three_lanes(sum(force[0]), D > 1 ? sum(force[1]) : Real(0.0), third);
     Real* generalised = stage.force + a.body.centre;
     (set ? total : Group::load(generalised) + total).store(generalised);
+  }
+
+  /// x_i = c + R r_i,  v_i = c' + (R w) x (R r_i), R the principal axes now.
+  template <class Real>
+  TOMLIN_FLATTEN static void place_rotor(const void* arguments, const Stage<Real>& stage) {
+    using Group = Packed<Real>;
+    const RigidArguments<Real> a = *static_cast<const RigidArguments<Real>*>(arguments);
+    const Real* q = stage.position + a.body.centre;
+    const Real* u = stage.velocity + a.body.centre;
+    const Vec<Real, 3> p = {{q[3], q[4], q[5]}};
+    const Vec<Real, 3> w = angular_velocity(p, {{u[3], u[4], u[5]}});
+    Real m[9];
+    rotate_axes(a.axes, p, m);
+    Vec<Group, 3> spin;
+    for (int d = 0; d < 3; ++d) {
+      spin[d] = Group(m[3 * d] * w[0] + m[3 * d + 1] * w[1] + m[3 * d + 2] * w[2]);
+    }
+    for (int k = 0; k < 9; ++k) a.turned[k] = m[k];
+    const std::size_t stride = a.body.stride;
+    Real* x = stage.mapped_position + a.body.offset;
+    Real* v = stage.mapped_velocity + a.body.offset;
+    for (std::size_t i = 0; i < a.body.count; i += kGroup) {
+      Vec<Group, 3> r;
+      Vec<Group, 3> arm;
+      for (int d = 0; d < 3; ++d) r[d] = Group::load(a.reference + d * stride + i);
+      for (int d = 0; d < 3; ++d) {
+        arm[d] =
+            fma(Group(m[3 * d + 2]), r[2], fma(Group(m[3 * d + 1]), r[1], Group(m[3 * d]) * r[0]));
+        arm[d].store(a.arm + d * stride + i);
+        (Group(q[d]) + arm[d]).store(x + d * stride + i);
+      }
+      if (!a.velocities) continue;
+      const Vec<Group, 3> turning = cross(spin, arm);
+      for (int d = 0; d < 3; ++d) (Group(u[d]) + turning[d]).store(v + d * stride + i);
+    }
+  }
+
+  template <class Real, bool set>
+  TOMLIN_FLATTEN static void gather_rotor(const void* arguments, const Stage<Real>& stage) {
+    using Group = Packed<Real>;
+    const RigidArguments<Real> a = *static_cast<const RigidArguments<Real>*>(arguments);
+    const std::size_t stride = a.body.stride;
+    const Real* f = stage.mapped_force + a.body.offset;
+    Vec<Group, 3> force;
+    Vec<Group, 3> torque;
+    for (int d = 0; d < 3; ++d) force[d] = torque[d] = Group(Real(0.0));
+    for (std::size_t i = 0; i < a.body.count; i += kGroup) {
+      Vec<Group, 3> arm;
+      Vec<Group, 3> here;
+      for (int d = 0; d < 3; ++d) {
+        arm[d] = Group::load(a.arm + d * stride + i);
+        here[d] = Group::load(f + d * stride + i);
+      }
+      force += here;
+      torque += cross(arm, here);
+    }
+    Real* generalised = stage.force + a.body.centre;
+    const Vec<Real, 3> total = {{sum(torque[0]), sum(torque[1]), sum(torque[2])}};
+    const Real* m = a.turned;
+    for (int k = 0; k < 3; ++k) {
+      const Real along = m[k] * total[0] + m[3 + k] * total[1] + m[6 + k] * total[2];
+      generalised[k] = set ? sum(force[k]) : generalised[k] + sum(force[k]);
+      generalised[3 + k] = set ? along : generalised[3 + k] + along;
+    }
+    if (!set) return;
+    for (std::size_t k = 6; k < kGroup; ++k) generalised[k] = Real(0.0);
+  }
+
+  /// I dw/dt = torque - w x I w along the principal axes.
+  template <class Real>
+  TOMLIN_FLATTEN static void rotate(const void* arguments, const Stage<Real>& stage) {
+    const RigidArguments<Real> a = *static_cast<const RigidArguments<Real>*>(arguments);
+    const Real* q = stage.position + a.body.centre + 3;
+    const Real* velocity = stage.velocity + a.body.centre + 3;
+    Real* f = stage.force + a.body.centre + 3;
+    const Vec<Real, 3> p = {{q[0], q[1], q[2]}};
+    const Vec<Real, 3> u = {{velocity[0], velocity[1], velocity[2]}};
+    const Vec<Real, 3> w = angular_velocity(p, u);
+    const Vec<Real, 3> momentum = {{a.moments[0] * w[0], a.moments[1] * w[1], a.moments[2] * w[2]}};
+    const Vec<Real, 3> gyroscopic = cross(w, momentum);
+    Vec<Real, 3> angular;
+    for (int k = 0; k < 3; ++k) angular[k] = a.inverse_moments[k] * (f[k] - gyroscopic[k]);
+    const Vec<Real, 3> acceleration = acceleration_of_vector(p, u, angular);
+    for (int k = 0; k < 3; ++k) f[k] = a.masses[k] * acceleration[k];
   }
 
   template <class Real, int D>
@@ -218,7 +317,11 @@ struct RigidKernels {
         {&place<Real, 1>, &place<Real, 2>, &place<Real, 3>},
         {&gather<Real, 1, true>, &gather<Real, 2, true>, &gather<Real, 3, true>},
         {&gather<Real, 1, false>, &gather<Real, 2, false>, &gather<Real, 3, false>},
-        {&react<Real, 1>, &react<Real, 2>, &react<Real, 3>}};
+        {&react<Real, 1>, &react<Real, 2>, &react<Real, 3>},
+        &place_rotor<Real>,
+        &gather_rotor<Real, true>,
+        &gather_rotor<Real, false>,
+        &rotate<Real>};
     if constexpr (std::is_same_v<Real, double>) {
       for (int d = 0; d < 3; ++d) table.place_lanes[d] = kPlaceLanes[d];
       for (int d = 0; d < 3; ++d) table.gather_lanes[d] = kGatherLanes[d];

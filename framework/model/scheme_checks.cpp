@@ -48,6 +48,7 @@ class SchemeChecks {
                return other.with_inertia && !other.follows_equilibria;
              }));
     }
+    check_rotors();
     check_noise();
     check_thermostats();
     if (scheme_.splits_friction) check_split_friction();
@@ -69,6 +70,36 @@ class SchemeChecks {
     if (force.bound->own_count() == 0) return;
     refuse(FaultCode::integrator_unsuitable,
            "does not advance the variables of the force \"" + force.name + "\"", any_scene_);
+  }
+
+  /// Their coordinates of rotation have forces that depend on velocities (Euler's equations).
+  void check_rotors() {
+    for (const auto& body : assembly_.bodies()) {
+      if (!body.rotor) continue;
+      const std::string why = "the rigid body \"" + body.bound.name + "\" rotates in space, ";
+      const std::string held = "hold = [\"rotation\"], or coordinates = \"particles\"";
+      if (scene_.run.dynamics != Dynamics::inertial) {
+        faults_.emplace_back(FaultCode::component_unsuitable, place_of("dynamics"), "run.dynamics",
+                             fmt::format("\"{}\"", to_string(scene_.run.dynamics)),
+                             why + "which takes inertia", "\"inertial\", or " + held);
+      } else if (scheme_.splits_friction || scheme_.needs_tangent || scheme_.conservative_only) {
+        refuse(FaultCode::integrator_unsuitable,
+               why + "by forces that depend on its angular velocity",
+               integrators_that(scene_,
+                                [](const IntegratorRecord& other) {
+                                  return other.with_inertia && !other.splits_friction &&
+                                         !other.needs_tangent && !other.conservative_only &&
+                                         !other.follows_equilibria;
+                                }) +
+                   "; or " + held);
+      }
+      if (scene_.run.number_type != NumberType::double_precision) {
+        faults_.emplace_back(FaultCode::component_unsuitable, place_of("precision"),
+                             "run.precision", "", why + "in double precision alone",
+                             "\"double\", or " + held);
+      }
+      return;
+    }
   }
 
   /// Random numbers belong to the steps of a grid, and each to one operator in a step.

@@ -81,7 +81,8 @@ void SingleForce::list_variables() {
     const auto& slot = body.bound.slot;
     if (slot.rigid) {
       for (int d = 0; d < model_.dimension(); ++d) add(slot.centre + d, b, d, 1.0);
-      const double reach = body.rotates() ? farthest_arm(body) : 0.0;
+      // The rotations of a rotor are no gradient's: what acts on its particles is checked.
+      const double reach = body.rotates() && !body.rotor ? farthest_arm(body) : 0.0;
       if (reach > 0.0) add(slot.centre + model_.dimension(), b, -1, 1.0 / (kTau * reach));
     } else if (!slot.mapped) {
       for (int d = 0; d < model_.dimension(); ++d) {
@@ -120,7 +121,7 @@ SingleForce::Wrench SingleForce::wrench(std::size_t b) {
   };
   std::array<double, 3> x{};
   std::array<double, 3> f{};
-  if (slot.rigid) {
+  if (slot.rigid && !model_.bodies()[b].rotor) {
     for (int d = 0; d < model_.dimension(); ++d) {
       x[d] = position_[slot.centre + d];
       f[d] = view.force[slot.centre + d];

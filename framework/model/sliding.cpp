@@ -75,7 +75,7 @@ Slopes slopes_of(SingleForce& alone, std::size_t body, int axis, double period) 
 bool is_one_coordinate(const Model::Body& body, int axis) {
   if (!follows_forces(body.bound.coordinates) || body.held[static_cast<std::size_t>(axis)])
     return false;
-  if (body.rotates() && !body.rotation_held) return false;
+  if (body.has_free_rotation()) return false;
   return body.bound.slot.count == 1 || body.bound.slot.rigid;
 }
 
@@ -173,7 +173,7 @@ class Pull {
     const Model::Body& pulled = model_.bodies()[body];
     if (!is_one_coordinate(model_.bodies()[driven], sliding.axis)) return std::nullopt;
     if (pulled.held[static_cast<std::size_t>(sliding.axis)]) return std::nullopt;
-    if (pulled.rotates() && !pulled.rotation_held) return std::nullopt;
+    if (pulled.has_free_rotation()) return std::nullopt;
     std::optional<std::pair<std::string, double>> bond;
     std::vector<double> others;
     const std::vector<SceneForce>& forces = model_.scene().forces;

@@ -103,8 +103,14 @@ class ScaledHessian : public HessianSink {
       const int axes = model_.dimension();
       if (slot.rigid) {
         for (int d = 0; d < axes; ++d) root_.push_back(std::sqrt(body.response[d]));
-        root_.push_back(std::sqrt(body.response_of_rotation));
-        n += axes + 1;
+        if (body.rotor) {
+          for (const double moment : body.moments) {
+            root_.push_back(moment > 0.0 ? std::sqrt(1.0 / moment) : 0.0);
+          }
+        } else {
+          root_.push_back(std::sqrt(body.response_of_rotation));
+        }
+        n += axes + (body.rotor ? 3 : 1);
       } else if (slot.mapped) {
         first_.back() = kNone;
       } else {
@@ -119,45 +125,63 @@ class ScaledHessian : public HessianSink {
   }
 
   /// How a place follows from coordinates: by one of them, or by a rigid body's centre and
-  /// rotation.
+  /// rotation, or rotations. Those without one come last.
   struct Part {
     std::ptrdiff_t coordinate = kNone;
     double factor = 0.0;
   };
-  using Parts = std::array<Part, 2>;
+  using Parts = std::array<Part, 4>;
+  using Arm = std::array<double, 3>;  ///< how far a place moves by each rotation
 
   Parts parts(std::size_t b, std::size_t particle, int axis) const {
     const Model::Body& body = model_.bodies()[b];
     if (first_[b] == kNone) return {};
     if (body.bound.slot.rigid) return rigid_parts(b, axis, across(body, body.arms[particle], axis));
     return {
-        Part{first_[b] + static_cast<std::ptrdiff_t>(particle) * model_.dimension() + axis, 1.0},
-        Part{}};
+        Part{first_[b] + static_cast<std::ptrdiff_t>(particle) * model_.dimension() + axis, 1.0}};
   }
 
   Parts weighted_parts(std::size_t b, const double* weight, int axis) const {
     const Model::Body& body = model_.bodies()[b];
-    double arm = 0.0;
+    Arm arm{};
     for (std::size_t i = 0; i < body.arms.size(); ++i) {
-      arm += weight[i] * across(body, body.arms[i], axis);
+      const Arm of_particle = across(body, body.arms[i], axis);
+      for (std::size_t k = 0; k < arm.size(); ++k) arm[k] += weight[i] * of_particle[k];
     }
     return rigid_parts(b, axis, arm);
   }
 
-  Parts rigid_parts(std::size_t b, int axis, double arm) const {
-    return {Part{first_[b] + axis, 1.0}, Part{first_[b] + model_.dimension(), arm}};
+  Parts rigid_parts(std::size_t b, int axis, const Arm& arm) const {
+    const std::ptrdiff_t rotation = first_[b] + model_.dimension();
+    Parts parts = {Part{first_[b] + axis, 1.0}, Part{rotation, arm[0]}};
+    if (!model_.bodies()[b].rotor) return parts;
+    parts[2] = {rotation + 1, arm[1]};
+    parts[3] = {rotation + 2, arm[2]};
+    return parts;
   }
 
-  /// How far a place moves along an axis when the body turns by a small angle about its pivot.
-  static double across(const Model::Body& body, const std::vector<double>& arm, int axis) {
-    if (arm.size() != 2) return 0.0;
-    return axis == 0 ? body.pivot[1] - arm[1] : arm[0] - body.pivot[0];
+  /// How far a place moves along an axis when the body turns by a small angle: in the plane about
+  /// its pivot, in space about each of its principal axes.
+  static Arm across(const Model::Body& body, const std::vector<double>& arm, int axis) {
+    if (body.rotor) {
+      const Matrix3 axes = matrix_of(body.orientation);
+      const auto next = static_cast<std::size_t>((axis + 1) % 3);
+      const auto last = static_cast<std::size_t>((axis + 2) % 3);
+      Arm moved;
+      for (std::size_t k = 0; k < 3; ++k) {
+        moved[k] = axes[3 * next + k] * arm[last] - axes[3 * last + k] * arm[next];
+      }
+      return moved;
+    }
+    if (arm.size() != 2) return {};
+    return {axis == 0 ? body.pivot[1] - arm[1] : arm[0] - body.pivot[0]};
   }
 
   void add(const Parts& one, const Parts& other, double value) {
     for (const Part& i : one) {
+      if (i.coordinate == kNone) break;
       for (const Part& j : other) {
-        if (i.coordinate == kNone || j.coordinate == kNone) continue;
+        if (j.coordinate == kNone) break;
         const double scaled =
             value * i.factor * j.factor * root_[i.coordinate] * root_[j.coordinate];
         if (dense_) {
@@ -223,6 +247,10 @@ class DampingRates : public FrictionSink {
   /// Scaled by the roots of inverse mass and inertia on both sides; what is held has none.
   static void include_rigid(const Model::Body& body, const std::vector<double>& coefficient,
                             Extremes& all) {
+    if (body.rotor) {
+      include_rotor(body, coefficient, all);
+      return;
+    }
     Eigen::Matrix3d friction = Eigen::Matrix3d::Zero();
     const bool planar = body.arms.front().size() == 2;
     const double root_of_rotation = std::sqrt(body.response_of_rotation);
@@ -242,6 +270,34 @@ class DampingRates : public FrictionSink {
     if (planar) response[2] = body.response_of_rotation;
     const auto held = std::count(response.begin(), response.end(), 0.0);
     for (auto k = held; k < 3; ++k) all.include(std::max(0.0, solver.eigenvalues()[k]));
+  }
+
+  static void include_rotor(const Model::Body& body, const std::vector<double>& coefficient,
+                            Extremes& all) {
+    using Vector = Eigen::Matrix<double, 6, 1>;
+    using Matrix = Eigen::Matrix<double, 6, 6>;
+    Matrix friction = Matrix::Zero();
+    for (std::size_t i = 0; i < coefficient.size(); ++i) {
+      const std::vector<double> arm = body.reference_arm(i);
+      const Matrix3 axes = matrix_of(body.orientation);
+      for (std::size_t d = 0; d < 3; ++d) {
+        Vector moves = Vector::Zero();
+        moves[static_cast<Eigen::Index>(d)] = std::sqrt(body.response[d]);
+        for (std::size_t k = 0; k < 3; ++k) {
+          // e_k x arm along the principal axes, then its part along axis d of space.
+          const std::size_t next = (k + 1) % 3;
+          const std::size_t last = (k + 2) % 3;
+          const double by = axes[3 * d + last] * arm[next] - axes[3 * d + next] * arm[last];
+          if (body.moments[k] > 0.0)
+            moves[static_cast<Eigen::Index>(3 + k)] = by / std::sqrt(body.moments[k]);
+        }
+        friction += coefficient[i] * moves * moves.transpose();
+      }
+    }
+    const Eigen::SelfAdjointEigenSolver<Matrix> solver(friction, Eigen::EigenvaluesOnly);
+    const auto held = std::count(body.response.begin(), body.response.end(), 0.0) +
+                      std::count(body.moments.begin(), body.moments.end(), 0.0);
+    for (auto k = held; k < 6; ++k) all.include(std::max(0.0, solver.eigenvalues()[k]));
   }
 
   const Model& model_;

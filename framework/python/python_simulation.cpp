@@ -196,7 +196,7 @@ std::vector<double> Simulation::driver_force(std::size_t driver) {
 
 double Simulation::kinetic_energy() {
   const Model& model = engine_->model();
-  return model.kinetic_energy(model.system().view.velocity);
+  return model.kinetic_energy(model.system().view.position, model.system().view.velocity);
 }
 
 double Simulation::potential_energy() {

@@ -39,6 +39,7 @@ void disturb(const Perturbation& noise, std::uint64_t moment, Model& model) {
         for (std::size_t i = 0; i < slot.count; ++i) displace(slot.offset + d * slot.stride + i);
       }
     }
+    for (std::size_t d = 3; body.rotor && d < 6; ++d) displace(slot.centre + d);
     if (slot.rigid && model.dimension() == 2) displace(slot.centre + kRotation);
   }
 }

@@ -201,7 +201,7 @@ void EnergyBalance::open(RunContext& run) {
   sums_[kTime] += stands_for;
   sums_[kWork] += weight * terms.work;
   sums_[kHeat] += weight * terms.heat;
-  sums_[kKinetic] += stands_for * kinetic_energy(twin_->model(), view.velocity, end);
+  sums_[kKinetic] += stands_for * kinetic_energy(twin_->model(), view.position, view.velocity, end);
   sums_[kStored] += stands_for * std::abs(sums_[kBlockEnergy]);
   sums_[kBlockEnd] = end;
   sums_[kBlockLength] = length;

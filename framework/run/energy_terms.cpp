@@ -38,13 +38,14 @@ EnergyTerms ledger_of(const Model& model, const MeasureWindow& window) {
   return terms;
 }
 
-double kinetic_energy(const Model& model, const double* velocity, double time) {
-  return model.kinetic_energy(velocity) + prescribed_kinetic_energy(model, time);
+double kinetic_energy(const Model& model, const double* position, const double* velocity,
+                      double time) {
+  return model.kinetic_energy(position, velocity) + prescribed_kinetic_energy(model, time);
 }
 
 double stored_energy(Model& model, const DoubleDouble& time, const double* position,
                      const double* velocity, const double* integrals) {
-  return kinetic_energy(model, velocity, time.hi + time.lo) +
+  return kinetic_energy(model, position, velocity, time.hi + time.lo) +
          model.potential_energy(time, position, velocity, integrals);
 }
 
@@ -75,7 +76,7 @@ double heat_so_far(RunContext& run) {
       work -= view.integrals[force.heat_rate];
     }
   }
-  return work - model.kinetic_energy(view.velocity) -
+  return work - model.kinetic_energy(view.position, view.velocity) -
          model.potential_energy(run.seen, view.position, view.velocity, view.integrals);
 }
 

@@ -24,7 +24,8 @@ EnergyTerms energy_terms(const Model& model, const double* from_integrals,
 EnergyTerms ledger_of(const Model& model, const MeasureWindow& window);
 
 /// Kinetic energy at a time, prescribed bodies included.
-double kinetic_energy(const Model& model, const double* velocity, double time);
+double kinetic_energy(const Model& model, const double* position, const double* velocity,
+                      double time);
 /// Kinetic and potential energy at a state, but for a constant.
 double stored_energy(Model& model, const DoubleDouble& time, const double* position,
                      const double* velocity, const double* integrals);

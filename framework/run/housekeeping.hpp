@@ -30,7 +30,7 @@ class Housekeeping {
     if (run_.block_ends()) {
       after_block();
     } else if (observation_.rotations().is_due_at_every_step()) {
-      observation_.look_at_rotations();
+      follow_rotations();
     }
   }
   void after_block();
@@ -49,6 +49,7 @@ class Housekeeping {
   bool has_more_than_numbers() const;
   using Clock = std::chrono::steady_clock;
   void follow();
+  void follow_rotations();
   void look_at_clock();
   void disturb();
 

@@ -9,8 +9,8 @@
 
 namespace tomlin {
 
-/// Rotations of bodies from their start. Flexible ones have no coordinate of rotation: their whole
-/// turns are counted by looking often enough.
+/// Rotations of bodies from their start. Flexible ones have no coordinate of rotation, and those of
+/// rigid ones in space are short-lived: their whole turns are counted by looking often enough.
 class Rotations {
  public:
   explicit Rotations(const Model& model) : model_(model) {}
@@ -21,8 +21,9 @@ class Rotations {
 
   /// In turns, unwrapped.
   double turns_of(std::size_t body, const double* position) const;
-  /// A flexible body turns fast: look() is needed after every step.
-  bool is_due_at_every_step() const { return *steps_between_looks_ == 1; }
+  /// A flexible body turns fast, or a rigid one in space, where a block of steps could turn it too
+  /// far: look() is needed after every step.
+  bool is_due_at_every_step() const { return *steps_between_looks_ == 1 || model_.has_rotors(); }
   /// Some body has turns to be counted.
   bool counts_turns() const {
     return std::any_of(model_.bodies().begin(), model_.bodies().end(),
@@ -34,7 +35,7 @@ class Rotations {
 
  private:
   bool counts_turns_of(const Model::Body& body) const {
-    return !body.bound.slot.mapped && body.rotates();
+    return body.rotates() && (!body.bound.slot.mapped || body.rotor);
   }
   double look_at(std::size_t body);
 

@@ -243,7 +243,7 @@ void check_step(Check& check) {
 /// A moment of inertia that underflows or overflows would freeze the rotation without a word.
 void check_inertia(Check& check) {
   for (const Model::Body& body : check.model.bodies()) {
-    if (!body.bound.slot.rigid || !body.rotates() || body.rotation_held) continue;
+    if (!body.bound.slot.rigid || !(body.has_free_rotation())) continue;
     if (reach_of(body) == 0.0 || std::isnormal(body.inertia)) continue;
     fail(FaultCode::matrix_singular, check, body.bound.name,
          "its moment of inertia is beyond the range of numbers",

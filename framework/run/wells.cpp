@@ -79,7 +79,7 @@ std::optional<WellOfBody> well_of_body(Model& model, std::size_t body, const Mod
   model.anchor(since);
   if (!distance) return {};
   const bool forwards = driver.drive->velocity[d] > 0.0;
-  const bool held = slot.rigid && (!pulled.rotates() || pulled.rotation_held);
+  const bool held = slot.rigid && !pulled.has_free_rotation();
   return WellOfBody{forwards ? *distance : -*distance, held || (slot.count == 1 && !slot.mapped)};
 }
 

@@ -314,6 +314,16 @@ class Search {
               inertial ? "1/sqrt(stiffness/mass)" : "friction/stiffness");
   }
 
+  /// A rigid body does, by its own gyroscopic forces, however little friction there is.
+  bool rotates_in_space() const {
+    return std::any_of(scene_.bodies.begin(), scene_.bodies.end(), [this](const SceneBody& body) {
+      const void* description = body.description.get();
+      return scene_.dimension == 3 && body.record->count(description) > 1 &&
+             body.record->common(description).coordinates == Coordinates::rigid &&
+             std::find(body.hold.begin(), body.hold.end(), "rotation") == body.hold.end();
+    });
+  }
+
   void find_time() {
     const std::vector<Body> all = bodies();
     double lightest = kNoLength;
@@ -331,7 +341,12 @@ class Search {
         if (!(found_.time > 0.0)) find_swing(all, kind);
       }
       if (!(found_.time > 0.0) && damping > 0.0 && scene_.run.dynamics == Dynamics::inertial) {
-        take_time(1.0 / damping, lightest, "mass/friction");
+        const double motion = found_.length / speed();
+        if (rotates_in_space() && motion < 1.0 / damping) {
+          take_time(motion, lightest, "the length by the largest speed");
+        } else {
+          take_time(1.0 / damping, lightest, "mass/friction");
+        }
       }
     }
     const double mass = std::isnormal(lightest) ? lightest : 1.0;

@@ -45,9 +45,9 @@ integrator = )" +
 double energy_of(Engine& engine) {
   Model& model = engine.model();
   const SystemView<double>& view = model.system().view;
-  return model.kinetic_energy(view.velocity) + model.potential_energy(DoubleDouble(engine.time()),
-                                                                      view.position, view.velocity,
-                                                                      view.integrals);
+  return model.kinetic_energy(view.position, view.velocity) +
+         model.potential_energy(DoubleDouble(engine.time()), view.position, view.velocity,
+                                view.integrals);
 }
 
 double swing(Engine& engine, double start, int looks, std::uint64_t every) {

@@ -56,7 +56,7 @@ class BodyEvents : public RunObserver {
       const std::size_t b = watches_[k].body();
       const BodySlot<double>& slot = model_.bodies()[b].bound.slot;
       BodyReading& reading = readings_[place][k];
-      if (slot.rigid) {
+      if (slot.rigid && !model_.bodies()[b].rotor) {
         reading.height = height_of(position[slot.centre + 1], 1);
         reading.turns = model_.rotation(b, position);
         if (velocity == nullptr) continue;
@@ -64,12 +64,12 @@ class BodyEvents : public RunObserver {
         reading.spin = velocity[slot.centre + kRotation];
       } else if (watches_[k].watches_hops()) {
         const int up = model_.bodies()[b].plane[1];
-        double mean[3];
-        model_.observe().mean(slot, position, up + 1, mean);
-        reading.height = height_of(mean[up], up);
+        double centre[3];
+        model_.centre(b, position, centre);
+        reading.height = height_of(centre[up], up);
         if (velocity == nullptr) continue;
-        model_.observe().mean(slot, velocity, up + 1, mean);
-        reading.rise = mean[up];
+        model_.centre_velocity(b, velocity, centre);
+        reading.rise = centre[up];
       }
     }
   }
@@ -126,7 +126,7 @@ class BodyEvents : public RunObserver {
       const Model::Body& body = model_.bodies()[watch.body()];
       name_ = body.bound.name;
       if (watch.watches_hops()) watch.add_height(time, readings[k].height, emit_);
-      if (body.bound.slot.rigid) watch.add_turns(time, readings[k].turns, emit_);
+      if (body.bound.slot.rigid && !body.rotor) watch.add_turns(time, readings[k].turns, emit_);
     }
   }
 

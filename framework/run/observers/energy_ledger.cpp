@@ -33,7 +33,7 @@ class EnergyLedger : public RunObserver {
   void stopped(const RunMoment&) override {
     RunContext& run = parts_.run;
     const SystemView<double>& view = run.model.system().view;
-    kinetic_ = kinetic_energy(run.model, view.velocity, run.clock.time());
+    kinetic_ = kinetic_energy(run.model, view.position, view.velocity, run.clock.time());
     potential_ =
         run.model.potential_energy(run.clock.now(), view.position, view.velocity, view.integrals);
   }

@@ -290,7 +290,7 @@ DriverWatch::HeatAt PullEvents::heat_at(double time) {
   position_[0] = states_.positions[n];
   velocity_[0] = states_.velocities[n];
   return {time,
-          works_[n] - run.model.kinetic_energy(velocity_.data()) -
+          works_[n] - run.model.kinetic_energy(position_.data(), velocity_.data()) -
               run.model.potential_energy(DoubleDouble(time), position_.data(), velocity_.data(),
                                          run.model.system().view.integrals)};
 }

@@ -101,7 +101,7 @@ Invariants invariants_of(Engine& engine) {
   Model& model = engine.model();
   const SystemView<double>& view = model.system().view;
   Invariants found;
-  found.energy = model.kinetic_energy(view.velocity) +
+  found.energy = model.kinetic_energy(view.position, view.velocity) +
                  model.potential_energy(DoubleDouble(engine.time()), view.position, view.velocity,
                                         view.integrals);
   for (const Model::Body& body : model.bodies()) {

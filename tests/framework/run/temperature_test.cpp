@@ -150,7 +150,8 @@ void expect_start(const std::string& text, int moving, double temperature) {
   ScatteredMean found;
   for (int stream = 0; stream < kStreams; ++stream) {
     Engine engine(scene_of(text, {{"run.stream", std::to_string(stream)}}), {});
-    found.add(engine.model().kinetic_energy(engine.model().system().view.velocity));
+    found.add(engine.model().kinetic_energy(engine.model().system().view.position,
+                                            engine.model().system().view.velocity));
   }
   const double error = temperature * std::sqrt(0.5 * moving / kStreams);
   EXPECT_NEAR(found.mean(), 0.5 * moving * temperature, kFourStandardErrors * error);
