@@ -140,6 +140,13 @@ SingleForce::Wrench SingleForce::wrench(std::size_t b) {
     }
     act(x, f);
   }
+  if (!model_.bodies()[b].rotor) return total;
+  // The rest acts on its centre; the torques among its coordinates are forces on p.
+  for (std::size_t d = 0; d < 3; ++d) {
+    x[d] = position_[slot.centre + d];
+    f[d] = view.force[slot.centre + d] - total.force[d];
+  }
+  act(x, f);
   return total;
 }
 

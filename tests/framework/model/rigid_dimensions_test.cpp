@@ -91,10 +91,5 @@ TEST(RigidSpace, ItsCentreFollowsTheDriver) {
   }
 }
 
-TEST(RigidSpace, RotationMustBeHeld) {
-  EXPECT_EQ(brief_refusal(molecule("", fixed_step(0.01), "inertial")),
-            "7:15 body.block.coordinates = \"rigid\" [scene.not_in_this_version]");
-}
-
 }  // namespace
 }  // namespace tomlin::test
