@@ -66,5 +66,23 @@ TEST(Nanotube, RollsOnTheSheet) {
   EXPECT_NEAR(observable(result, "driver.mean_force.y").value() / (2.0 * dragging), 1.0, 0.05);
 }
 
+/// A rigid tube is the gear itself: its radius is that of the rolled up sheet, 2 pi R = n a, and
+/// the force N xi v (1 + 1).
+TEST(Nanotube, RigidTubeRollsAsAGear) {
+  constexpr double kOfTheStart = 1e-4;  // what is left of it after the rest and a period
+  for (const double v : {0.1, 0.2}) {
+    const RunResult result = run_shipped("nanotube/rigid.toml", {{"v", text_of(v)},
+                                                                 {"rest", "10.0"},
+                                                                 {"run.ledger", "true"}});
+    const double dragging = 240.0 * 1e-3 * v;
+    EXPECT_NEAR(observable(result, "tube.rolling").value(), 1.0, kOfTheStart);
+    EXPECT_NEAR(observable(result, "driver.mean_force.y").value() / (2.0 * dragging), 1.0,
+                kOfTheStart);
+    const double work = observable(result, "energy.work_in").value();
+    EXPECT_NEAR(observable(result, "energy.heat_out").value() / work, 1.0, kOfTheStart);
+    EXPECT_NEAR(observable(result, "energy.numerical_work").value() / work, 0.0, kOfTheStart);
+  }
+}
+
 }  // namespace
 }  // namespace tomlin::test
