@@ -25,6 +25,7 @@ class State:
     _numbers: bytes = field(repr=False)
     _samples: int = field(repr=False)
     _events: int = field(repr=False)
+    _is_over: bool = field(repr=False)
     _scene: str = field(repr=False)
 
 
@@ -177,9 +178,11 @@ class Simulation:
 
     @property
     def state(self) -> State:
-        """All numbers of the run. Assigning it back takes the run to that moment, exactly. Raises
-        RuntimeError for a run ``until`` something, or a quasistatic one, that is over."""
-        return State(self.time, *self._core.save(), self._scene.to_toml())
+        """All numbers of the run. Assigning it back takes the run to that moment, exactly. Where a
+        run ``until`` something, or a quasistatic one, was over, that takes the steps of its last
+        `advance` once more. Assigning raises ValueError for the state of another scene."""
+        numbers, samples, events, is_over = self._core.save()
+        return State(self.time, numbers, samples, events, is_over, self._scene.to_toml())
 
     @state.setter
     def state(self, state: State) -> None:
@@ -187,7 +190,7 @@ class Simulation:
             raise TypeError(f"a state of a simulation, not {type(state).__name__}")
         if state._scene != self._scene.to_toml():
             raise ValueError("the state is of another scene")
-        self._core.restore(state._numbers, state._samples, state._events)
+        self._core.restore(state._numbers, state._samples, state._events, state._is_over)
 
     def __repr__(self) -> str:
         return f"<tomlin.Simulation at time {self.time:g} of {self.duration:g}>"
