@@ -93,7 +93,7 @@ class Simulation {
   MemorySink kept_;
   std::unique_ptr<Engine> engine_;
   std::unique_ptr<RunResult> end_;  ///< of a run that is over
-  State before_;                    ///< of a run that has more than numbers: its last advance()
+  State before_;  ///< that what is over is made again from, where its numbers are not enough
   std::vector<double> positions_;
   std::vector<double> velocities_;
   std::vector<double> forces_;
@@ -248,7 +248,7 @@ std::vector<std::byte> Simulation::numbers() {
 
 Simulation::State Simulation::state() {
   const RunOutcome& outcome = engine_->context().outcome;
-  if (outcome.ended && has_more_than_numbers()) return before_;
+  if (end_ || (outcome.ended && has_more_than_numbers())) return before_;
   return {numbers(), kept_.size(), outcome.ended};
 }
 
@@ -274,7 +274,10 @@ std::unique_ptr<RunHandle> Simulation::handle_of(RunResult result) const {
 
 std::unique_ptr<RunHandle> Simulation::result() {
   if (engine_->done()) {
-    if (!end_) end_ = std::make_unique<RunResult>(engine_->end());
+    if (!end_) {
+      before_ = state();  // what is left open at the end is closed then
+      end_ = std::make_unique<RunResult>(engine_->end());
+    }
     return handle_of(*end_);
   }
   const std::vector<std::byte> state = numbers();
