@@ -16,8 +16,8 @@ namespace {
 const std::string kPulledTube = "nanotube/pull.toml";
 const std::string kTubeOnField = "nanotube/field.toml";
 const std::string kDraggedTube = "nanotube/dragged.toml";
-const std::string kRing = "nanotube/ring.toml";
-const std::string kRows = "nanotube/rows.toml";
+const std::string kTubeAsRing = "nanotube/ring.toml";
+const std::string kTubeAsRows = "nanotube/rows.toml";
 constexpr double kAtomsFriction = 1e-3;  // eV ps/Angstrom^2
 
 /// A free tube of which every particle goes straight on, as if it began to turn about its axis.
@@ -75,16 +75,15 @@ TEST(Nanotube, RollsOnTheSheet) {
   }
 }
 
-/// Without rotation every atom moves with the centre; what exceeds their friction by the pull goes
-/// into the way around the maxima of the energy.
+/// Without rotation every atom moves with the centre; what exceeds their friction by the pull is
+/// that of the way along the axis, around the maxima of the energy: 0.4 of it at low velocity.
 TEST(Nanotube, IsDraggedWhereItCannotTurn) {
-  constexpr double kVelocity = 0.05;
-  const RunResult result =
-      run_shipped(kDraggedTube, {{"cells", "6"}, {"rows", "10"}, {"v", text_of(kVelocity)}});
+  constexpr double kVelocity = 0.01;
+  const RunResult result = run_shipped(kDraggedTube, {{"cells", "6"}, {"rows", "10"}});
   const double ratio =
       observable(result, "driver.mean_force_along").value() / (240.0 * kAtomsFriction * kVelocity);
-  EXPECT_GT(ratio, 1.05);
-  EXPECT_LT(ratio, 1.6);
+  EXPECT_GT(ratio, 1.35);
+  EXPECT_LT(ratio, 1.45);
 }
 
 /// A gear turns once in ten periods of the sheet, and dissipates the friction of its centre and of
@@ -93,7 +92,7 @@ TEST(Nanotube, IsDraggedWhereItCannotTurn) {
 TEST(Nanotube, AsARingIsAGear) {
   constexpr double kTurns = -2.0 / 10.0;  // in the two periods of the window
   constexpr double kSteady = 1e-7;        // what is left of the start, and the scheme's tolerance
-  for (const std::string& scene : {kRing, kRows}) {
+  for (const std::string& scene : {kTubeAsRing, kTubeAsRows}) {
     const auto parameter = [&](const char* name) { return parameter_of(scene, name); };
     const double round = 2.0 * kPi * parameter("R") / (10.0 * parameter("a"));
     for (const double v : {0.005, 0.01}) {
@@ -102,8 +101,8 @@ TEST(Nanotube, AsARingIsAGear) {
       EXPECT_NEAR(observable(result, "tube.rolling").value(), round, 10.0 * kSteady) << scene;
       const double bound = parameter("atoms") * kAtomsFriction * v * (1.0 + round * round);
       const double ratio = observable(result, "driver.mean_force_along").value() / bound;
-      EXPECT_GT(ratio, scene == kRing ? 1.10 : 1.0) << scene;
-      EXPECT_LT(ratio, scene == kRing ? 1.20 : 1.01) << scene;
+      EXPECT_GT(ratio, scene == kTubeAsRing ? 1.10 : 1.0) << scene;
+      EXPECT_LT(ratio, scene == kTubeAsRing ? 1.20 : 1.01) << scene;
     }
   }
 }
@@ -131,8 +130,8 @@ double energy_on_sheet(const std::string& y, const std::string& z) {
 /// its mean.
 TEST(Nanotube, TheRingHasTheFirstHarmonicOfTheField) {
   constexpr double kHigherHarmonics = 5e-3;
-  const double f = parameter_of(kRing, "f");
-  const double kappa = parameter_of(kRing, "kappa");
+  const double f = parameter_of(kTubeAsRing, "f");
+  const double kappa = parameter_of(kTubeAsRing, "kappa");
   const auto harmonic = [](const std::string& z) {
     return (energy_on_sheet("a / 4", z) - energy_on_sheet("3 * a / 4", z)) / 4.0;
   };
@@ -140,7 +139,7 @@ TEST(Nanotube, TheRingHasTheFirstHarmonicOfTheField) {
   EXPECT_NEAR(lowest / f, 1.0, kHigherHarmonics);
   // The exponential is that of the well, at 3.4, and steepens towards the sheet.
   EXPECT_NEAR(std::log(lowest / harmonic("3.404")) / 0.291, kappa, 0.05 * kappa);
-  for (const std::string& scene : {kRing, kRows}) {
+  for (const std::string& scene : {kTubeAsRing, kTubeAsRows}) {
     EXPECT_EQ(parameter_of(scene, "V0"),
               parameter_of(scene, "atoms") * parameter_of(scene, "f") / 2);
   }

@@ -164,7 +164,7 @@ TEST(Compare, ScenesOfOtherDimensionsAreComparedAlongThePull) {
   EXPECT_EQ(test::briefs_of([&] {
               compared({scene(tip("0.1"), "tip.toml"), pulled_along_y("0.02")});
             }),
-            std::vector<std::string>{"24:1 driving velocity = 0, 0.02 [compare.different_setups]"});
+            std::vector<std::string>{"19:1 driving velocity = 0, 0.02 [compare.different_setups]"});
 }
 
 TEST(Compare, ErrorsLargerThanTheToleranceLeaveItOpen) {
