@@ -208,6 +208,8 @@ def test_interrupted_sweep_is_continued(tip, tmp_path):
         if part.complete:
             break
     assert part.complete and len(rows) > 1 and rows == sorted(rows)
+    with pytest.raises(tomlin.OutputError, match="of a sweep"):
+        tomlin.open(tmp_path / "sweep")
     whole = tomlin.sweep(scene, over, "driver.mean_force.x")
     assert (part["driver.mean_force.x"] == whole["driver.mean_force.x"]).all()
 

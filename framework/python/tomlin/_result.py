@@ -152,7 +152,10 @@ class Result:
         try:
             return dict(json.loads(file.read_text(encoding="utf-8")))
         except OSError as error:
-            raise OutputError(f"cannot read {file}: {error.strerror}") from None
+            hint = ""
+            if (self._folder / "sweep.json").exists():
+                hint = "; the folder is of a sweep, which tomlin.sweep(..., folder=...) reads again"
+            raise OutputError(f"cannot read {file}: {error.strerror}{hint}") from None
         except (ValueError, TypeError):
             raise OutputError(f"{file} is no summary of a run") from None
 
