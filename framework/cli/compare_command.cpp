@@ -37,8 +37,9 @@ each, and which is the simplest that agrees within T (relative; absolute where t
 A model agrees when it does so even if both errors are taken in full; where the errors alone are
 larger than T it is undecided.
 
-Models are comparable when their drivers have the same velocity and their forces the same periods;
-other scenes are refused. Another stiffness or amplitude is noted.
+Models are comparable when their drivers have the same velocity and their forces the same periods
+along it; other scenes are refused. Another stiffness or amplitude is noted, and so is another axis
+of the pull in scenes of other dimensions, or a scene that declares no period, as sheets of atoms.
 
 In --observable "driver" and "body" stand for the only driver and the only body of each scene.
 

@@ -184,4 +184,22 @@ void Hdf5File::fail() const {
                         : fmt::format("cannot write {}: HDF5: {}", name_, innermost_reason()));
 }
 
+Hdf5Numbers read_hdf5(const std::filesystem::path& file, const char* dataset) {
+  const std::lock_guard lock(hdf5_mutex());
+  const Hdf5Silence silence;
+  const auto check = [&](auto returned) {
+    if (returned >= 0) return returned;
+    throw OutputError(fmt::format("cannot read {}: HDF5: {}", file.string(), innermost_reason()));
+  };
+  const Hdf5Handle opened(check(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT)));
+  const Hdf5Handle numbers(check(H5Dopen2(opened, dataset, H5P_DEFAULT)));
+  const Hdf5Handle space(check(H5Dget_space(numbers)));
+  Hdf5Numbers found;
+  found.shape.resize(static_cast<std::size_t>(check(H5Sget_simple_extent_ndims(space))));
+  check(H5Sget_simple_extent_dims(space, found.shape.data(), nullptr));
+  found.numbers.resize(static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space))));
+  check(H5Dread(numbers, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, found.numbers.data()));
+  return found;
+}
+
 }  // namespace tomlin

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <hdf5.h>
 
@@ -39,6 +40,15 @@ class Hdf5Handle {
  private:
   hid_t id_ = -1;
 };
+
+/// Numbers of a dataset, the last index fastest.
+struct Hdf5Numbers {
+  std::vector<hsize_t> shape;
+  std::vector<double> numbers;
+};
+
+/// Reads a dataset by its path in a file, under hdf5_mutex(). Throws OutputError.
+Hdf5Numbers read_hdf5(const std::filesystem::path& file, const char* dataset);
 
 /// While one exists, the HDF5 library keeps its complaints to itself instead of printing them.
 class Hdf5Silence {

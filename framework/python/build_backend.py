@@ -73,6 +73,17 @@ def write_wheel(folder, files):
     return name
 
 
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    """Without which pip builds twice."""
+    info = pathlib.Path(metadata_directory) / f"tomlin-{version()}.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(metadata(), encoding="utf-8")
+    return info.name
+
+
+prepare_metadata_for_build_editable = prepare_metadata_for_build_wheel
+
+
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     build()
     package = BUILD / "python" / "tomlin"

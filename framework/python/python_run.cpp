@@ -12,6 +12,7 @@
 #include "framework/cli/inputs.hpp"
 #include "framework/cli/progress.hpp"
 #include "framework/cli/result_text.hpp"
+#include "framework/output/hdf5_file.hpp"
 #include "framework/output/output_file.hpp"
 #include "framework/output/output_size.hpp"
 #include "framework/output/resumption.hpp"
@@ -134,6 +135,18 @@ py::array samples_of(const py::object& self) {
   return numbers_of(self, numbers.data(), {rows, row});
 }
 
+/// Positions of a trajectory [frame, particle, axis], with three axes whatever the scene has.
+py::array positions_in(const std::string& file) {
+  auto read = std::make_unique<Hdf5Numbers>();
+  {
+    const py::gil_scoped_release unlocked;
+    *read = read_hdf5(file, "particles/all/position/value");
+  }
+  const Hdf5Numbers& found = *read;
+  const py::capsule owner(read.release(), [](void* it) { delete static_cast<Hdf5Numbers*>(it); });
+  return numbers_of(owner, found.numbers.data(), {found.shape.begin(), found.shape.end()});
+}
+
 }  // namespace
 
 py::dict layout_of(const MemorySink& kept) {
@@ -193,6 +206,7 @@ void define_runs(py::module_& module) {
       .def("events", [](const RunHandle& it) { return events_of(it.kept); });
   module.def("run", &run_in_memory);
   module.def("run_in_folder", &run_in_folder);
+  module.def("positions_in", &positions_in);
 }
 
 }  // namespace tomlin::python

@@ -51,12 +51,17 @@ class Simulation {
     return positions_.size() / static_cast<std::size_t>(dimension());
   }
 
-  std::vector<std::byte> numbers();
-  void restore(std::string_view bytes, std::size_t numbers, std::size_t events);
+  /// What restore() takes.
+  struct State {
+    std::vector<std::byte> numbers;
+    std::pair<std::size_t, std::size_t> kept;  ///< numbers of samples, and events, before it
+    bool is_over = false;                      ///< the run ended from here without a stop
+  };
+  State state();
+  void restore(const State& state);
   /// Of a run that is not over, as if it were interrupted here.
   std::unique_ptr<RunHandle> result();
   const MemorySink& kept() const { return kept_; }
-  std::pair<std::size_t, std::size_t> kept_size() const { return kept_.size(); }
 
   /// One thread at a time.
   class Use {
@@ -75,6 +80,9 @@ class Simulation {
   };
 
  private:
+  bool take_steps(double to, std::uint64_t most_steps, const std::atomic<bool>& stop);
+  bool has_more_than_numbers() const;
+  std::vector<std::byte> numbers();
   void evaluate();
   void read(const double* of_coordinates, const double* mapped, std::vector<double>& into) const;
   RunOptions options(RunSink& sink, const std::vector<std::byte>* resume_from) const;
@@ -85,6 +93,7 @@ class Simulation {
   MemorySink kept_;
   std::unique_ptr<Engine> engine_;
   std::unique_ptr<RunResult> end_;  ///< of a run that is over
+  State before_;  ///< that what is over is made again from, where its numbers are not enough
   std::vector<double> positions_;
   std::vector<double> velocities_;
   std::vector<double> forces_;
@@ -116,11 +125,16 @@ RunOptions Simulation::options(RunSink& sink, const std::vector<std::byte>* resu
 bool Simulation::advance(double to, std::uint64_t most_steps) {
   InterruptGuard guard;
   const py::gil_scoped_release unlocked;
+  if (has_more_than_numbers() && !done()) before_ = {numbers(), kept_.size(), true};
+  return take_steps(to, most_steps, guard.stop());
+}
+
+bool Simulation::take_steps(double to, std::uint64_t most_steps, const std::atomic<bool>& stop) {
   const double dt = engine_->context().plan.dt;
   const double early = dt > 0.0 ? kNoStep * dt : 0.0;
   const std::uint64_t last = engine_->steps() + std::min(most_steps, ~engine_->steps());
   while (!engine_->done() && engine_->steps() < last && engine_->time() < to - early) {
-    if (guard.stop()) return false;
+    if (stop) return false;
     std::uint64_t most = last - engine_->steps();
     // What adaptive schemes choose is not known: a step at a time.
     const double left = dt > 0.0 ? std::ceil((to - early - engine_->time()) / dt) : 1.0;
@@ -220,26 +234,33 @@ std::vector<std::pair<std::string, std::size_t>> Simulation::bodies() const {
   return all;
 }
 
+/// Quasistatic runs, and those until something, know more at their end than a checkpoint has.
+bool Simulation::has_more_than_numbers() const {
+  return engine_->context().path != nullptr || as_run_->run.until;
+}
+
 /// All that the run goes on from.
 std::vector<std::byte> Simulation::numbers() {
   RunContext& run = engine_->context();
-  if (run.outcome.ended && (run.path != nullptr || as_run_->run.until)) {
-    throw std::runtime_error(
-        "the run is over, and what it knows at its end is not all in its numbers: keep an earlier "
-        "state");
-  }
   run.clock.keep_cost(run.model.system(), run.integrator->evaluations_ahead());
   return run.state.to_bytes();
 }
 
-void Simulation::restore(std::string_view bytes, std::size_t numbers, std::size_t events) {
-  std::vector<std::byte> state(bytes.size());
-  std::memcpy(state.data(), bytes.data(), bytes.size());
+Simulation::State Simulation::state() {
+  const RunOutcome& outcome = engine_->context().outcome;
+  if (end_ || (outcome.ended && has_more_than_numbers())) return before_;
+  return {numbers(), kept_.size(), outcome.ended};
+}
+
+void Simulation::restore(const State& state) {
   const py::gil_scoped_release unlocked;
   // An engine that has failed or ended does not go on.
-  engine_ = std::make_unique<Engine>(as_run_, options(kept_, &state));
-  kept_.cut_to({numbers, events});
+  engine_ = std::make_unique<Engine>(as_run_, options(kept_, &state.numbers));
+  kept_.cut_to(state.kept);
   end_.reset();
+  if (!state.is_over) return;
+  before_ = state;
+  take_steps(std::numeric_limits<double>::infinity(), ~std::uint64_t{0}, false);
 }
 
 std::unique_ptr<RunHandle> Simulation::handle_of(RunResult result) const {
@@ -253,7 +274,10 @@ std::unique_ptr<RunHandle> Simulation::handle_of(RunResult result) const {
 
 std::unique_ptr<RunHandle> Simulation::result() {
   if (engine_->done()) {
-    if (!end_) end_ = std::make_unique<RunResult>(engine_->end());
+    if (!end_) {
+      before_ = state();  // what is left open at the end is closed then
+      end_ = std::make_unique<RunResult>(engine_->end());
+    }
     return handle_of(*end_);
   }
   const std::vector<std::byte> state = numbers();
@@ -313,16 +337,18 @@ void define_simulations(py::module_& module) {
       .def("save",
            [](Simulation& it) {
              const Simulation::Use use(it);
-             const std::vector<std::byte> state = it.numbers();
-             const auto [numbers, events] = it.kept_size();
+             const Simulation::State now = it.state();
+             const auto& numbers = now.numbers;
              return py::make_tuple(
-                 py::bytes(reinterpret_cast<const char*>(state.data()), state.size()), numbers,
-                 events);
+                 py::bytes(reinterpret_cast<const char*>(numbers.data()), numbers.size()),
+                 now.kept.first, now.kept.second, now.is_over);
            })
       .def("restore",
-           [](Simulation& it, const py::bytes& bytes, std::size_t numbers, std::size_t events) {
+           [](Simulation& it, const std::string& numbers, std::size_t samples, std::size_t events,
+              bool is_over) {
              const Simulation::Use use(it);
-             it.restore(std::string_view(bytes), numbers, events);
+             const auto* bytes = reinterpret_cast<const std::byte*>(numbers.data());
+             it.restore({{bytes, bytes + numbers.size()}, {samples, events}, is_over});
            })
       .def("result",
            [](Simulation& it) {

@@ -24,7 +24,7 @@ constexpr std::size_t kPoints = 1000;
 
 /// What makes models comparable, and what may differ.
 struct Setup {
-  std::vector<double> periods;   ///< of all forces along x, ascending, each once
+  std::vector<double> periods;   ///< of all forces along the pull, ascending, each once
   std::vector<double> velocity;  ///< of the only driver; empty where none moves steadily
   double stick_slip = 0.0;       ///< curvature over stiffness; 0: not known
   std::size_t coordinates = 0;
@@ -41,12 +41,6 @@ bool same(const std::vector<double>& a, const std::vector<double>& b) {
 
 Setup setup_of(const std::shared_ptr<const Scene>& scene) {
   Setup setup;
-  for (const SceneForce& force : scene->forces) {
-    const double period = force.record->period(force.description.get(), 0);
-    if (period > 0.0) setup.periods.push_back(period);
-  }
-  std::sort(setup.periods.begin(), setup.periods.end());
-  setup.periods.erase(std::unique(setup.periods.begin(), setup.periods.end()), setup.periods.end());
   const Model model(scene);
   setup.coordinates = model.coordinate_count();
   for (const Model::Driver& driver : model.drivers()) {
@@ -55,8 +49,24 @@ Setup setup_of(const std::shared_ptr<const Scene>& scene) {
   }
   // Only what they have in common: a tip on a line has no y.
   while (!setup.velocity.empty() && setup.velocity.back() == 0.0) setup.velocity.pop_back();
+  const auto axis = static_cast<int>(
+      std::max_element(setup.velocity.begin(), setup.velocity.end(),
+                       [](double a, double b) { return std::abs(a) < std::abs(b); }) -
+      setup.velocity.begin());
+  for (const SceneForce& force : scene->forces) {
+    const double period = force.record->period(force.description.get(), axis);
+    if (period > 0.0) setup.periods.push_back(period);
+  }
+  std::sort(setup.periods.begin(), setup.periods.end());
+  setup.periods.erase(std::unique(setup.periods.begin(), setup.periods.end()), setup.periods.end());
   for (const Sliding& sliding : scales_of(scene).sliding) setup.stick_slip = sliding.stick_slip();
   return setup;
+}
+
+double size_of(const std::vector<double>& vector) {
+  double square = 0.0;
+  for (const double part : vector) square += part * part;
+  return std::sqrt(square);
 }
 
 std::string listed(const std::vector<double>& numbers) {
@@ -80,11 +90,26 @@ void check_setups(const std::vector<std::shared_ptr<const Scene>>& scenes,
                  to_string(scenes[k]->units), fmt::format("not comparable with {}", first.file),
                  to_string(first.units))});
     }
-    if (!same(setups[k].periods, setups.front().periods)) {
-      refuse(*scenes[k], first, "lattice periods", setups[k].periods, setups.front().periods);
+    const std::vector<double>& periods = setups[k].periods;
+    const std::vector<double>& velocity = setups[k].velocity;
+    if (!same(periods, setups.front().periods)) {
+      // A sheet of atoms declares none.
+      if (!periods.empty() && !setups.front().periods.empty()) {
+        refuse(*scenes[k], first, "lattice periods", periods, setups.front().periods);
+      }
+      notes.push_back(fmt::format("declared lattice periods: {} in {}, {} in {}",
+                                  listed(setups.front().periods), first.file, listed(periods),
+                                  scenes[k]->file));
     }
-    if (!same(setups[k].velocity, setups.front().velocity)) {
-      refuse(*scenes[k], first, "driving velocity", setups[k].velocity, setups.front().velocity);
+    if (!same(velocity, setups.front().velocity)) {
+      // Axes of scenes of other dimensions may have other names.
+      if (scenes[k]->dimension == first.dimension ||
+          !same(size_of(velocity), size_of(setups.front().velocity))) {
+        refuse(*scenes[k], first, "driving velocity", velocity, setups.front().velocity);
+      }
+      notes.push_back(fmt::format("driving velocity: {} in {}, {} in {}",
+                                  listed(setups.front().velocity), first.file, listed(velocity),
+                                  scenes[k]->file));
     }
     if (scenes[k]->run.dynamics != first.run.dynamics) {
       notes.push_back(fmt::format("dynamics: {} in {}, {} in {}", to_string(first.run.dynamics),
@@ -118,9 +143,7 @@ std::string path_in(const RunResult& result, const std::string& path) {
 class Trace : public RunSink {
  public:
   explicit Trace(const std::vector<double>& velocity) {
-    double square = 0.0;
-    for (const double part : velocity) square += part * part;
-    speed_ = std::sqrt(square);
+    speed_ = size_of(velocity);
     for (std::size_t d = 0; d < velocity.size(); ++d) along_[d] = velocity[d] / speed_;
   }
 
@@ -153,6 +176,14 @@ class Trace : public RunSink {
   std::array<std::size_t, 3> columns_{};
 };
 
+/// Some thousand samples in a run, at ends of steps: there are schemes that know no others.
+double sampling_interval(const Scene& scene) {
+  const double every = scene.run.duration / static_cast<double>(4 * kPoints);
+  const auto& integrator = scene.run.integrator;
+  const double dt = integrator.record->step(integrator.description.get());
+  return dt > 0.0 ? std::max(1.0, std::round(every / dt)) * dt : every;
+}
+
 ComparedModel run_model(const std::shared_ptr<const Scene>& scene, const Setup& setup,
                         const CompareRequest& request) {
   ComparedModel model;
@@ -166,7 +197,7 @@ ComparedModel run_model(const std::shared_ptr<const Scene>& scene, const Setup& 
 
   // Samples do not change the steps, so the scene may have its own interval.
   auto sampled = std::make_shared<Scene>(*scene);
-  sampled->output.every = scene->run.duration / static_cast<double>(4 * kPoints);
+  sampled->output.every = sampling_interval(*scene);
   sampled->output.trajectory = false;
   Trace trace(setup.velocity);
   RunOptions options;

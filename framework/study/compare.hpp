@@ -16,11 +16,13 @@
 /// Models side by side: which is the simplest that still gives the answer?
 ///
 /// Models are comparable when they are driven alike over like substrates: the same driving velocity
-/// and the same lattice periods, to rounding. Driver stiffness and amplitude may differ, as they do
-/// for one tip and for N of them; what differs is said. The model with the most free coordinates is
-/// what the others are held against. One agrees when its observable is within the tolerance of
-/// that one's, the estimated errors of both included; where the errors alone are larger than the
-/// tolerance, that is undecided.
+/// and the same lattice periods along it, to rounding. Of scenes of different dimensions the speeds
+/// are compared, whatever the axis; and a scene that declares no period, such as a sheet of atoms,
+/// is compared with any. Driver stiffness and amplitude may differ, as they do for one tip and for
+/// N of them; what differs is said. The model with the most free coordinates is what the others are
+/// held against. One agrees when its observable is within the tolerance of that one's, the
+/// estimated errors of both included; where the errors alone are larger than the tolerance, that is
+/// undecided.
 namespace tomlin {
 
 struct ComparedModel {

@@ -15,9 +15,9 @@ print(ring.parameters)
 # %% Look at the particles between steps
 sim = ring.simulation()
 radius = ring.parameters["R"]
-frames = []
-sim.run(every=sim.duration / 50, call=lambda sim: frames.append(sim.positions.copy()))
-frames = np.array(frames)  # (frame, particle, axis)
+snapshots = []
+sim.run(every=sim.duration / 50, call=lambda sim: snapshots.append(sim.positions.copy()))
+frames = np.array(snapshots)  # (frame, particle, axis)
 centres = frames.mean(axis=1)
 distances = np.linalg.norm(frames - centres[:, None, :], axis=2)
 # A rigid body stays one, to rounding.

@@ -1,10 +1,12 @@
 """The wheel that `pip install .` makes, without the build that comes before it."""
 
+import ast
 import base64
 import csv
 import hashlib
 import importlib.util
 import os
+import re
 import subprocess
 import sys
 import zipfile
@@ -52,10 +54,55 @@ def test_editable_wheel_points_to_the_build(backend, tmp_path):
         assert wheel.read("tomlin.pth").decode().strip() == str(BUILD / "python")
 
 
+def test_metadata_are_those_of_the_wheel(backend, tmp_path):
+    info = backend.prepare_metadata_for_build_wheel(tmp_path)
+    with zipfile.ZipFile(tmp_path / backend.build_wheel(tmp_path)) as wheel:
+        assert wheel.read(f"{info}/METADATA") == (tmp_path / info / "METADATA").read_bytes()
+
+
+def test_types_are_right(tmp_path):
+    """Of the package, by mypy where it is installed, and of what users write with it."""
+    if importlib.util.find_spec("mypy") is None:
+        pytest.skip("there is no mypy")
+    command = [sys.executable, "-m", "mypy", "--ignore-missing-imports", "--cache-dir",
+               str(tmp_path / "cache")]
+    package = ROOT / "framework" / "python"
+    wrong = tmp_path / "wrong.py"
+    wrong.write_text("import tomlin\ntomlin.load('a.toml').run().status + 1\n")
+    scripts = [str(path) for path in ROOT.glob("scenarios/*/*_notebook.py")]
+    for files, is_right in (["--strict", str(package / "tomlin"), *scripts], True), ([str(wrong)], False):
+        done = subprocess.run([*command, *files], cwd=tmp_path, capture_output=True, text=True,
+                              env={**os.environ, "MYPYPATH": str(package)})
+        assert (done.returncode == 0) == is_right, done.stdout + done.stderr
+
+
+def arguments_of_stub(node):
+    return len(node.args.posonlyargs) + len(node.args.args)
+
+
+def arguments_of_module(function):
+    """By the signature that pybind11 writes into the documentation of what it makes."""
+    return len(re.findall(r"(?:self|arg\d+): ", function.__doc__.splitlines()[0]))
+
+
+def test_stubs_have_the_signatures_of_the_module():
+    from tomlin import _core
+
+    tree = ast.parse((ROOT / "framework/python/tomlin/_core.pyi").read_text(encoding="utf-8"))
+    checked = 0
+    for node in tree.body:
+        members = node.body if isinstance(node, ast.ClassDef) else [node]
+        owner = getattr(_core, node.name) if isinstance(node, ast.ClassDef) else _core
+        for one in members:
+            if isinstance(one, ast.FunctionDef):
+                found = arguments_of_module(getattr(owner, one.name))
+                assert arguments_of_stub(one) == found, f"{node.name}, {one.name}"
+                checked += 1
+    assert checked > 20
+
+
 def test_stubs_name_what_there_is():
     """Every name of the stub is in the module, and the other way round."""
-    import ast
-
     from tomlin import _core
 
     tree = ast.parse((ROOT / "framework/python/tomlin/_core.pyi").read_text(encoding="utf-8"))

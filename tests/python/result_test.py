@@ -75,6 +75,35 @@ def test_positions_among_samples():
     assert data["positions"].dims == ("time", "particle", "axis")
 
 
+@pytest.mark.parametrize("kind", ["h5md", "xyz"])
+def test_positions_of_runs_in_folders(kind, tmp_path):
+    from scenes import CHAIN, FLEXIBLE, scene
+
+    for k, body in enumerate((FLEXIBLE, CHAIN)):  # in two dimensions, and in one
+        ring = tomlin.parse(scene(body, '{ type = "rk4", dt = 2e-3 }', 2.0, 0.5)
+                            + f'trajectory = true\ntrajectory_format = "{kind}"\n')
+        whole = ring.run().samples
+        for result in (ring.run(folder=tmp_path / str(k)), tomlin.open(tmp_path / str(k))):
+            samples = result.samples
+            assert samples.dtype == whole.dtype and samples.units == whole.units
+            assert (samples == whole).all() and np.ptp(samples["positions"]) > 0.1
+            assert not samples.flags.writeable
+    file = next(tmp_path.glob("1/trajectory.*"))
+    content = file.read_bytes()
+    # Cut short; of other lines.
+    for damaged in (content[:len(content) // 2], b"1\n\n", b"no numbers\n" + content):
+        file.write_bytes(damaged)
+        with pytest.raises(tomlin.OutputError) as raised:
+            tomlin.open(tmp_path / "1").samples
+        assert str(tmp_path / "1") in str(raised.value)
+    table = tmp_path / "1" / "observables.csv"
+    file.unlink()
+    for damaged in (b"", b"time [time],x\n1,2\n", b"time [time]\n1,2\n", b"time [time]\nx\n"):
+        table.write_bytes(damaged)
+        with pytest.raises(tomlin.OutputError, match="no table"):
+            tomlin.open(tmp_path / "1").samples
+
+
 def test_no_samples_and_no_events():
     scene = tomlin.parse({
         "body": [{"name": "tip", "type": "point", "position": [0.0], "particle_mass": 1.0}],
@@ -114,8 +143,11 @@ def test_folder_open_resume_force(tip, tmp_path):
     with pytest.raises(tomlin.SceneError):
         tip.set("v", 0.02).run(folder=folder, resume=True)
     assert tip.set("v", 0.02).run(folder=folder, force=True).status == "finished"
-    with pytest.raises(tomlin.QuantityError):
-        opened["nothing.of.that.name"]
+    with pytest.raises(tomlin.QuantityError) as raised:
+        opened["driver.mean_farce.x"]
+    assert raised.value.faults[0].nearest == "driver.mean_force.x"
+    with pytest.raises(ValueError, match="folder"):
+        tip.run(resume=True)
     if os.geteuid() != 0:
         with pytest.raises((tomlin.SceneError, tomlin.OutputError)):
             tip.run(folder="/proc/none/run")
@@ -161,6 +193,25 @@ def test_interrupt_ends_a_sweep(tip, tmp_path):
     assert not part.complete and "interrupted" in repr(part)
     missing = part.status == "missing"
     assert missing.any() and np.isnan(part["driver.max_force.x"][missing]).all()
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_interrupted_sweep_is_continued(tip, tmp_path):
+    """Several times over, to the same bits as at once; rows that are there are not run again."""
+    scene = tip.set({"run.integrator": {"type": "rk4", "dt": 2e-4}})
+    over = {"v": np.linspace(0.01, 0.02, 100)}
+    rows = []
+    for _ in range(1000):
+        part = tomlin.sweep(scene, over, "driver.mean_force.x", folder=tmp_path / "sweep", threads=1,
+                            progress=interrupt)
+        rows.append((part.status == "finished").sum())
+        if part.complete:
+            break
+    assert part.complete and len(rows) > 1 and rows == sorted(rows)
+    with pytest.raises(tomlin.OutputError, match="of a sweep"):
+        tomlin.open(tmp_path / "sweep")
+    whole = tomlin.sweep(scene, over, "driver.mean_force.x")
+    assert (part["driver.mean_force.x"] == whole["driver.mean_force.x"]).all()
 
 
 def test_progress(tip):

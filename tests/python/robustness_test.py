@@ -85,6 +85,26 @@ def test_memory_is_flat(tip):
     assert memory() - before < 8e6
 
 
+def test_memory_of_folders_and_sweeps_is_flat(tip, tmp_path):
+    """What writes files and starts threads: 200 of each; 40 kB lost by each would be 8 MB."""
+    short = tip.set({"v": 0.1, "output.every": 1.0})
+
+    def use():
+        short.run(folder=tmp_path / "run", force=True, progress=lambda now: None)
+        tomlin.open(tmp_path / "run").samples
+        friction = tomlin.sweep(short, {"s": [4.0, 5.0]}, "driver.mean_force.x", threads=2)
+        friction["driver.mean_force.x"], friction.summary
+
+    for _ in range(60):
+        use()
+    gc.collect()
+    before = memory()
+    for _ in range(200):
+        use()
+    gc.collect()
+    assert memory() - before < 4e6
+
+
 def faulty(code, **environment):
     """In a process of its own: a library is loaded once, and reads its fault there."""
     library = PLUGINS / "libfaulty.so"
@@ -108,6 +128,34 @@ def test_plugin_that_throws_while_it_runs():
                   'print(sim.done)\n', FAULT="throw", FAULT_AFTER="100")
     assert done.returncode == 0, done.stderr + done.stdout
     assert "faulty" in done.stdout and "True" in done.stdout
+
+
+def test_plugin_that_throws_in_studies():
+    """Points of a sweep have failed, with its words; everything else raises them."""
+    done = faulty('import tomlin\n'
+                  'scene = tomlin.parse("""{scene}""")\n'
+                  'sweep = tomlin.sweep(scene, {{"force.faulty.strength": [1.0, 2.0]}},\n'
+                  '                     "tip.centre_of_mass.x")\n'
+                  'assert list(sweep.status) == ["failed", "failed"], sweep.status\n'
+                  'print(sweep.reasons[0])\n'
+                  'for call in (scene.check, lambda: scene.tradeoff("tip.centre_of_mass.x", budget=1.0),\n'
+                  '             lambda: tomlin.compare([scene, scene], "tip.centre_of_mass.x")):\n'
+                  '    try: call()\n'
+                  '    except tomlin.Error as error: print("typed")\n', FAULT="throw", FAULT_AFTER="100")
+    assert done.returncode == 0, done.stderr + done.stdout
+    assert "planned" in done.stdout and "typed" in done.stdout
+
+
+@pytest.mark.parametrize("fault", ["throw_binding", "nothing_bound"])
+def test_plugin_that_fails_to_bind(fault):
+    done = faulty('import tomlin\n'
+                  'calls = [lambda scene: scene.run(), lambda scene: scene.simulation(),\n'
+                  '         lambda scene: scene.explain(), lambda scene: scene.check()]\n'
+                  'for call in calls:\n'
+                  '    try: call(tomlin.parse("""{scene}"""))\n'
+                  '    except tomlin.Error as error: print("typed", error)\n', FAULT=fault)
+    assert done.returncode == 0, done.stderr + done.stdout
+    assert done.stdout.count("typed") == 4 and "faulty" in done.stdout
 
 
 def test_library_that_is_none(tmp_path):

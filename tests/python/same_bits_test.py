@@ -5,6 +5,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from conftest import ROOT
 from scenes import CHAIN, RIGID, SCENES, TIP, scene
 
 import tomlin
@@ -35,6 +36,7 @@ MORE = {
         "velocity = [0.05]",
         'velocity = [0.05]\nreverse = { when = "bodies.tip.centre_of_mass.x", above = 1.0 }'),
         '{ type = "rk4", dt = 1e-2 }', 60.0, 0.7),
+    "tip_quasistatic": (ROOT / "scenarios/load/tip.toml").read_text(encoding="utf-8"),
 }
 ALL = {**SCENES, **MORE}
 FILES = ("observables.csv", "events.csv", "scene.toml", "trajectory.xyz")

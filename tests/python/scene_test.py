@@ -46,6 +46,46 @@ def test_dict_and_text_are_the_same_scene():
     assert tomlin.parse(tomlin.parse(TEXT).to_dict()).to_toml() == tomlin.parse(TEXT).to_toml()
 
 
+def test_values_of_other_types():
+    from pathlib import Path
+
+    document = as_dict()
+    for mass in (np.float32(1), np.int8(1), np.longdouble(1), np.array(1.0), 1):
+        document["body"][0]["particle_mass"] = mass
+        assert tomlin.parse(document).to_dict() == tomlin.parse(TEXT).to_dict()
+    document["body"][0]["position"] = (0.0,)
+    document["run"]["ledger"] = np.bool_(True)
+    assert tomlin.parse(document).run()["energy.work_in"] > 0.0
+    document["body"] = [{"name": "tip", "type": "particles", "particle_mass": 1.0,
+                         "file": Path("none.xyz")}]
+    with pytest.raises(tomlin.SceneError, match="none.xyz"):
+        tomlin.parse(document)
+
+
+@pytest.mark.parametrize("value", [None, b"1.0", 1j, {1.0}, object(), [1.0, None], {"x": None}])
+def test_values_that_a_scene_has_not(tip, value):
+    document = as_dict()
+    document["body"][0]["particle_mass"] = value
+    with pytest.raises(TypeError, match="body.particle_mass"):
+        tomlin.parse(document)
+    with pytest.raises(TypeError, match="^v"):
+        tip.set("v", value)
+    with pytest.raises(TypeError, match="^v"):
+        tomlin.sweep(tip, {"v": [value]}, "driver.mean_force.x")
+
+
+@pytest.mark.parametrize("value", [True, [1.0], [[1.0]], {"x": 1.0}, float("nan"), "", 10**400])
+def test_values_of_the_wrong_kind_have_a_key(tip, value):
+    document = as_dict()
+    document["body"][0]["particle_mass"] = [value]
+    for call in (lambda: tomlin.parse(document), lambda: tip.set("m", value)):
+        with pytest.raises(tomlin.SceneError) as raised:
+            call()
+        fault = raised.value.faults[0]
+        assert fault.code and fault.message and fault.file
+        assert fault.code == "scene.syntax" or fault.key.split(".")[-1] in ("m", "particle_mass")
+
+
 def test_set_returns_a_new_scene(tip):
     other = tip.set("v", 0.02)
     assert (tip.parameters["v"], other.parameters["v"]) == (0.01, 0.02)
@@ -89,7 +129,11 @@ def test_texts_that_are_none(bad, code):
 @pytest.mark.parametrize("call", [
     lambda tip: tip.set("v", object()), lambda tip: tip.set("v", None), lambda tip: tip.set("v", {1: 2}),
     lambda tip: tip.run(progress=3, threads="two"), lambda tip: tomlin.parse(3),
-    lambda tip: tomlin.load(None), lambda tip: tomlin.sweep(tip, {"v": 1j}, "driver.mean_force.x"),
+    lambda tip: tomlin.load(None), lambda tip: tomlin.parse(b"x = 1"), lambda tip: tomlin.parse([1]),
+    lambda tip: tip.set(3, 4), lambda tip: tomlin.compare([tip, 3], "driver.mean_force.x"),
+    lambda tip: tomlin.sweep("tip", {"v": [0.1]}, "x"), lambda tip: tomlin.sweep(tip, [0.1], "x"),
+    lambda tip: tomlin.Simulation("tip"), lambda tip: tip.simulation().advance(steps=1.5),
+    lambda tip: tip.run(folder=3), lambda tip: tip.check(seed="a"), lambda tip: tomlin.sweep(tip, {"v": 1j}, "driver.mean_force.x"),
     lambda tip: tip.run()[3]])
 def test_wrong_types(tip, call):
     with pytest.raises((TypeError, AttributeError)):

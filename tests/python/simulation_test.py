@@ -10,6 +10,7 @@ import pytest
 from scenes import FLEXIBLE, PUSHED, RIGID, TIP, scene
 
 import tomlin
+from same_bits_test import MORE, comparable
 
 ENDLESS = {"run.duration": 1e9, "run.integrator": {"type": "rk4", "dt": 0.01},
            "measure.from": 0.0, "measure.to": 1e9, "measure.in": "time", "output.every": 1e6}
@@ -82,6 +83,33 @@ def test_states_are_exact_and_can_be_kept(tip):
         tip.set("v", 0.02).simulation().state = state
     with pytest.raises(TypeError):
         one.state = b"nothing"
+
+
+@pytest.mark.parametrize("looked_at", [False, True])
+@pytest.mark.parametrize("kind", ["plain", "until", "quasistatic"])
+def test_states_of_runs_that_are_over(tip, kind, looked_at):
+    if kind == "until":
+        tip = tomlin.parse(MORE["tip_steady"])
+    elif kind == "quasistatic":
+        tip = tomlin.load("scenarios/load/tip.toml")
+    sim = tip.simulation()
+    sim.advance(to=0.1 * sim.duration)
+    middle = sim.state
+    sim.advance()
+    if looked_at:
+        sim.result()
+    end = pickle.loads(pickle.dumps(sim.state))
+    whole = sim.result()
+    sim.state = end
+    assert sim.done and (sim.samples == whole.samples).all()
+    for other in (sim, tip.simulation()):
+        other.state = middle
+        assert not other.done
+        other.state = end
+        assert other.done and other.time == end.time == sim.time
+        found = other.result()
+        assert found.status == "finished"
+        assert comparable(found.summary) == comparable(whole.summary)
 
 
 def test_result_so_far_leaves_the_run_as_it_is(tip):

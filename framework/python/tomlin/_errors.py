@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
+
+from tomlin import _core
 
 
 class Error(Exception):
@@ -48,7 +52,7 @@ class SceneError(Error, ValueError):
         self.faults = [one if isinstance(one, Fault) else Fault(**one) for one in faults]
         super().__init__("\n".join(str(one) for one in self.faults))
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.faults,)
 
 
@@ -56,6 +60,25 @@ class QuantityError(SceneError, KeyError):
     """A result has no quantity of that name; the message has the nearest one."""
 
     __str__ = Exception.__str__
+
+
+def core_of(scene: Any) -> _core.Scene:
+    """Raises TypeError for what is no scene."""
+    core = getattr(scene, "_core", None)
+    if not isinstance(core, _core.Scene):
+        raise TypeError(f"a tomlin.Scene, not {type(scene).__name__}; tomlin.load reads files")
+    return core
+
+
+def no_such_name(name: str, known: Iterable[str], owner: str) -> QuantityError:
+    """Of a sweep or a result, with the nearest name."""
+    names = list(known)
+    nearest = next(iter(difflib.get_close_matches(name, names, 1)), "")
+    why = f"the {owner} has no such name"
+    admissible = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
+    hint = f'; did you mean "{nearest}"?' if nearest else f"; admissible: {admissible}"
+    return QuantityError([Fault("observable.unknown", owner, 0, 0, name, "", why, admissible, nearest,
+                                f"{owner}: error: {name}: {why}{hint}")])
 
 
 class OutputError(Error, OSError):

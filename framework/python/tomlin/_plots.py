@@ -7,6 +7,9 @@ import io
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
+
+from tomlin._errors import no_such_name
 
 if TYPE_CHECKING:
     from tomlin._result import Result
@@ -73,7 +76,7 @@ def plot_samples(result: Result, y: str | None, x: str | None, ax: Any, **option
     return ax
 
 
-def _is_logarithmic(values: np.ndarray) -> bool:
+def _is_logarithmic(values: NDArray[Any]) -> bool:
     if values.dtype.kind not in "fi" or len(values) < 3 or not (values > 0).all():
         return False
     ratios = values[1:] / values[:-1]
@@ -84,6 +87,8 @@ def plot_sweep(sweep: Sweep, y: str | None, x: str | None, ax: Any, **options: A
     axes = sweep.axes
     x = x or list(axes)[-1]
     y = y or next(iter(sweep.columns))
+    if x not in axes:
+        raise no_such_name(x, axes, "sweep")
     along = next(k for k, names in enumerate(sweep._of_dimension) if x in names)
     values = axes[x]
     numbers = np.moveaxis(np.asarray(sweep[y]), along, -1).reshape(-1, len(values))

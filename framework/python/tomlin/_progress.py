@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 
 @contextmanager
-def shown(progress: bool | None | Callable[..., Any]):
+def shown(progress: bool | None | Callable[..., Any]) -> Iterator[Callable[..., Any] | None]:
     """What the library is to call: None, the caller's own function, or one that writes a line."""
     if not progress:
         yield None

@@ -6,11 +6,12 @@ import html
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 _AXES = "xyz"
 
 
-class Vector(tuple):
+class Vector(tuple[Any, ...]):
     """A number per axis, which are also attributes.
 
     >>> force = Vector([0.4, 0.0])
@@ -24,14 +25,14 @@ class Vector(tuple):
             return self[axis]
         raise AttributeError(f"a vector of {len(self)} components has no {name!r}")
 
-    def __array__(self, dtype: Any = None) -> np.ndarray:
+    def __array__(self, dtype: Any = None) -> NDArray[Any]:
         return np.array([np.nan if one is None else one for one in self], dtype or float)
 
     def __repr__(self) -> str:
         return f"Vector{tuple.__repr__(self)}"
 
 
-class Record(dict):
+class Record(dict[str, Any]):
     """A dict whose keys are attributes as well.
 
     >>> record = Record({"window": {"from": 1.0, "to": 2.0}})
@@ -81,7 +82,7 @@ def shown(value: Any) -> str:
     return str(value)
 
 
-def table_html(rows: dict, caption: str = "") -> str:
+def table_html(rows: dict[str, Any], caption: str = "") -> str:
     """A small table of two columns."""
     body = "".join(f"<tr><td>{html.escape(str(key))}</td><td>{html.escape(shown(value))}</td></tr>"
                    for key, value in rows.items())

@@ -7,14 +7,16 @@ import io
 import json
 import os
 import re
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tomlin import _core
-from tomlin._errors import Fault, OutputError, QuantityError, RunError, SceneError
+from tomlin._errors import OutputError, QuantityError, RunError, SceneError, no_such_name
 from tomlin._record import Record, shown, table_html, wrapped
 
 if TYPE_CHECKING:
@@ -25,7 +27,7 @@ _EVENT_FIELDS = ("duration", "size", "energy_lost", "peak_force")
 _HEADING = re.compile(r"(.*) \[(.*)\]")
 
 
-class Table(np.ndarray):
+class Table(np.ndarray[Any, Any]):
     """A one-dimensional structured array: a row for each sample or event, a field for each column.
 
     ``table["time"]`` is a column, a plain array; ``units`` has the unit of each. The field
@@ -34,7 +36,7 @@ class Table(np.ndarray):
 
     units: dict[str, str]
 
-    def __new__(cls, array: np.ndarray, units: dict[str, str]) -> Table:
+    def __new__(cls, array: NDArray[Any], units: dict[str, str]) -> Table:
         table = np.asarray(array).view(cls)
         table.units = units
         return table
@@ -77,10 +79,10 @@ class Table(np.ndarray):
         return f"<table><caption>{len(self)} rows</caption><tr>{head}</tr>{cells}</table>"
 
 
-def samples_table(numbers: np.ndarray, layout: dict[str, Any]) -> Table:
+def samples_table(numbers: NDArray[np.float64], layout: dict[str, Any]) -> Table:
     """The memory of the samples as it is, seen as columns."""
     columns = layout["columns"]
-    fields: list[tuple] = [(name, "f8") for name, _ in columns]
+    fields: list[tuple[Any, ...]] = [(name, "f8") for name, _ in columns]
     units = dict(columns)
     particles = sum(count for _, count in layout["bodies"])
     if particles:
@@ -93,7 +95,7 @@ def samples_table(numbers: np.ndarray, layout: dict[str, Any]) -> Table:
     return Table(numbers.view(np.dtype(fields)).reshape(-1), units)
 
 
-def events_table(events: list[tuple]) -> Table:
+def events_table(events: Sequence[tuple[Any, ...]]) -> Table:
     """Columns time, event, name, duration, size, energy_lost and peak_force; NaN where a kind of
     event has no such number."""
     width = [max([1, *(len(one[k]) for one in events)]) for k in (1, 2)]
@@ -144,19 +146,23 @@ class Result:
     def summary(self) -> dict[str, Any]:
         """What ``summary.json`` says, as a dict of plain Python values; None is undefined."""
         if self._run is not None:
-            return json.loads(self._run.summary_json())
+            return dict(json.loads(self._run.summary_json()))
+        assert self._folder is not None
         file = self._folder / "summary.json"
         try:
-            return json.loads(file.read_text(encoding="utf-8"))
+            return dict(json.loads(file.read_text(encoding="utf-8")))
         except OSError as error:
-            raise OutputError(f"cannot read {file}: {error.strerror}") from None
-        except ValueError:
+            hint = ""
+            if (self._folder / "sweep.json").exists():
+                hint = "; the folder is of a sweep, which tomlin.sweep(..., folder=...) reads again"
+            raise OutputError(f"cannot read {file}: {error.strerror}{hint}") from None
+        except (ValueError, TypeError):
             raise OutputError(f"{file} is no summary of a run") from None
 
     @property
     def status(self) -> str:
         """"finished", "interrupted" or "failed"."""
-        return self._run.status if self._run is not None else self.summary["status"]
+        return self._run.status if self._run is not None else str(self.summary["status"])
 
     @property
     def failure(self) -> Record | None:
@@ -182,11 +188,13 @@ class Result:
 
     @cached_property
     def scene(self) -> Scene:
-        """The scene that was run."""
+        """The scene that was run, with the integrator that ``accuracy`` has chosen. Of a folder it
+        is read from its ``scene.toml``; raises `SceneError` where a plugin is not found again."""
         from tomlin._scene import Scene, load
 
         if self._run is not None:
             return Scene(self._run.scene)
+        assert self._folder is not None
         return load(self._folder / "scene.toml")
 
     def __getitem__(self, path: str) -> Any:
@@ -211,9 +219,7 @@ class Result:
                 return self._run.observable(path)
             except SceneError as error:
                 raise QuantityError(error.faults) from None
-        raise QuantityError([Fault("observable.unknown", "observable", 0, 0, path, "",
-                                   "there is no such result", "", "",
-                                   f"observable: error: {path}: there is no such result")])
+        raise no_such_name(path, _paths(self.summary), "result")
 
     def __contains__(self, path: object) -> bool:
         try:
@@ -238,8 +244,10 @@ class Result:
     @cached_property
     def samples(self) -> Table:
         """The samples in time, of scenes with ``[output] every``: a structured array of shape
-        (samples,), read-only. Of a run in memory it is the memory of the run itself, no copy; of
-        one with a folder it is read from ``observables.csv``, without positions.
+        (samples,), read-only, in the units of ``samples.units``; empty of other scenes. Of a run
+        in memory it is the memory of the run itself, no copy; of one with a folder it is read from
+        ``observables.csv`` and, with ``[output] trajectory``, from the file of the trajectory.
+        Raises `OutputError` for files that are damaged.
 
         >>> import tomlin
         >>> tip = tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml")
@@ -247,15 +255,16 @@ class Result:
         >>> samples.columns[:3], samples["driver.force.x"].shape
         (('time', 'driver.force.x', 'driver.position.x'), (801,))
         """
-        if self._folder is None:
+        if self._run is not None and self._folder is None:
             return samples_table(self._run.samples(), self._run.layout())
-        file = self._folder / "observables.csv"
-        if not file.exists():
-            return samples_table(np.empty((0, 0)), {"columns": [], "bodies": []})
-        head, _, rows = file.read_text(encoding="utf-8").partition("\n")
-        columns = [_HEADING.fullmatch(one).groups() for one in next(csv.reader([head]))]
-        numbers = np.loadtxt(io.StringIO(rows), delimiter=",", ndmin=2) if rows else np.empty((0, 0))
-        table = samples_table(np.ascontiguousarray(numbers), {"columns": columns, "bodies": []})
+        assert self._folder is not None
+        table = _samples_in(self._folder / "observables.csv")
+        positions = _positions_in(self._folder)
+        if positions is not None:
+            if len(positions) != len(table):
+                raise OutputError(f"{self._folder}: {len(table)} samples, but positions of "
+                                  f"{len(positions)}")
+            table = _with_positions(table, positions[:, :, :self.scene.dimension])
         table.setflags(write=False)
         return table
 
@@ -263,9 +272,11 @@ class Result:
     def event_table(self) -> Table:
         """Slips, hops, turns, reversals in the order of time: columns ``time``, ``event``,
         ``name`` (of the driver or the body), ``duration``, ``size``, ``energy_lost`` and
-        ``peak_force``, NaN where a kind has no such number. At most a million."""
-        if self._folder is None:
+        ``peak_force``, NaN where a kind has no such number; shape (events,), in the units of
+        ``event_table.units``. At most a million."""
+        if self._run is not None and self._folder is None:
             return events_table(self._run.events())
+        assert self._folder is not None
         file = self._folder / "events.csv"
         if not file.exists():
             return events_table([])
@@ -280,7 +291,8 @@ class Result:
         return self.event_table
 
     def quantities(self) -> dict[str, tuple[float | None, str, str]]:
-        """Value, unit and meaning of every declared quantity, by its path in full."""
+        """Value, unit and meaning of every declared quantity, by its path in full. Raises
+        `OutputError` for results that were opened, whose numbers are in `summary`."""
         if self._run is None:
             raise OutputError("of runs of this process only: summary.json has the numbers")
         return {path: (value, unit, meaning)
@@ -291,7 +303,8 @@ class Result:
 
         By default the force of the first driver along its pull, over the displacement of the
         driver's end or else over time: the friction trace, or the friction loop of a driver that
-        reverses. ``options`` are those of ``Axes.plot``.
+        reverses. ``options`` are those of ``Axes.plot``. Raises ValueError where there are no
+        samples, KeyError for a column that there is not, ImportError without matplotlib.
         """
         from tomlin._plots import plot_samples
 
@@ -328,6 +341,59 @@ class Result:
         from tomlin._plots import trace_html
 
         return table_html(self._rows(), str(self.summary.get("name") or "")) + trace_html(self)
+
+
+def _samples_in(file: Path) -> Table:
+    if not file.exists():
+        return samples_table(np.empty((0, 0)), {"columns": [], "bodies": []})
+    head, _, rows = file.read_text(encoding="utf-8").partition("\n")
+    headings = [_HEADING.fullmatch(one) for one in next(csv.reader([head]), [])]
+    try:
+        columns = [one.groups() for one in headings if one]
+        numbers = np.loadtxt(io.StringIO(rows), delimiter=",", ndmin=2) if rows else np.empty((0, 0))
+        if not columns or len(columns) != len(headings) or rows and numbers.shape[1] != len(columns):
+            raise ValueError
+    except ValueError:
+        raise OutputError(f"{file} is no table of samples") from None
+    return samples_table(np.ascontiguousarray(numbers), {"columns": columns, "bodies": []})
+
+
+def _positions_in(folder: Path) -> NDArray[np.float64] | None:
+    """Of the trajectory [sample, particle, axis], with three axes; None where there is none."""
+    if (folder / "trajectory.h5").exists():
+        return _core.positions_in(str(folder / "trajectory.h5"))
+    file = folder / "trajectory.xyz"
+    if not file.exists():
+        return None
+    with file.open(encoding="utf-8") as stream:
+        try:
+            # Each frame: the number of particles, a line about the frame, a line for each.
+            count = int(stream.readline())
+            stream.seek(0)
+            rows = (line for k, line in enumerate(stream) if k % (count + 2) > 1)
+            return np.array([line.split()[1:4] for line in rows], float).reshape(-1, count, 3)
+        except ValueError:
+            raise OutputError(f"{file} is no trajectory of a run") from None
+
+
+def _with_positions(table: Table, positions: NDArray[np.float64]) -> Table:
+    fields = [*((name, "f8") for name in table.columns), ("positions", "f8", positions.shape[1:])]
+    whole = np.empty(len(table), dtype=fields)
+    for name in table.columns:
+        whole[name] = table[name]
+    whole["positions"] = positions
+    return Table(whole, {**table.units, "positions": "length"})
+
+
+def _paths(node: Any, above: str = "") -> list[str]:
+    """Of all numbers, without the leading "drivers." and "bodies."."""
+    if isinstance(node, list) and 0 < len(node) <= len(_AXES):
+        return [f"{above}.{axis}" for axis, _ in zip(_AXES, node)]
+    if not isinstance(node, dict):
+        return [above]
+    return [path for key, value in node.items()
+            for path in _paths(value, f"{above}.{key}" if above else
+                               "" if key in ("drivers", "bodies") else key)]
 
 
 def _find(node: Any, path: str) -> tuple[bool, Any]:

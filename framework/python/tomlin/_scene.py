@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from tomlin import _core
+from tomlin._errors import core_of
 from tomlin._progress import shown
 from tomlin._record import table_html
 from tomlin._result import Result, open as open_folder
@@ -32,7 +33,7 @@ def load(path: str | os.PathLike[str], *, plugins: Sequence[str | os.PathLike[st
     Traceback (most recent call last):
     tomlin._errors.SceneError: no_such_file.toml:1:1: error: there is no such file [file.cannot_read]
     """
-    return Scene(_core.read_file(os.fspath(path), [os.fspath(one) for one in plugins]))
+    return Scene(_core.read_file(os.fspath(path), _paths(plugins)))
 
 
 def parse(scene: str | Mapping[str, Any], file: str = "scene.toml", *,
@@ -41,7 +42,8 @@ def parse(scene: str | Mapping[str, Any], file: str = "scene.toml", *,
 
     ``file`` stands in messages, and paths in the scene are relative to its folder. Texts where
     numbers are expected are expressions, as in a file. Raises `SceneError` with every fault, whose
-    lines are those of the text, and those of the text that a dict is written as.
+    lines are those of the text, and those of the text that a dict is written as; their keys are
+    dotted paths in either. Raises TypeError for values that TOML has no form of, such as None.
 
     >>> import tomlin
     >>> tip = tomlin.parse({
@@ -57,8 +59,17 @@ def parse(scene: str | Mapping[str, Any], file: str = "scene.toml", *,
     >>> round(tip.run()["driver.mean_force.x"], 9)
     1.5
     """
+    if not isinstance(scene, (str, Mapping)):
+        raise TypeError(f"a scene is a text or a dict, not {type(scene).__name__}; "
+                        "tomlin.load reads files")
     text = scene if isinstance(scene, str) else document_text(scene)
-    return Scene(_core.read_text(text, file, [os.fspath(one) for one in plugins]))
+    return Scene(_core.read_text(text, file, _paths(plugins)))
+
+
+def _paths(plugins: Sequence[str | os.PathLike[str]]) -> list[str]:
+    if isinstance(plugins, (str, os.PathLike)):
+        plugins = [plugins]
+    return [os.fspath(one) for one in plugins]
 
 
 class Scene:
@@ -74,8 +85,8 @@ class Scene:
         """The scene with another value, as with ``--set`` of the program, or with several.
 
         A name is that of a parameter or a dotted path (``run.integrator.dt``,
-        ``force.driver.stiffness``); a text is a word or an expression over the parameters. Raises
-        `SceneError`.
+        ``force.driver.stiffness``); a text is a word or an expression over the parameters, an array
+        or a tuple a list. Raises `SceneError`, or TypeError for a value that TOML has no form of.
 
         >>> import tomlin
         >>> tip = tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml")
@@ -92,7 +103,7 @@ class Scene:
         elif name is not None:
             given = {name: value, **given}
         return Scene(self._core.with_settings(
-            [(path, setting_text(one)) for path, one in given.items()]))
+            [(path, setting_text(one, path)) for path, one in given.items()]))
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -116,7 +127,7 @@ class Scene:
 
     @property
     def dimension(self) -> int:
-        """Number of axes, 1 to 3."""
+        """Number of axes of positions and forces, 1 to 3."""
         return self._core.dimension
 
     @property
@@ -160,7 +171,7 @@ class Scene:
         Ctrl-C, in the main thread, ends the run between two steps: the result then has the status
         "interrupted". A run that fails numerically raises nothing either: its status is "failed",
         and ``failure`` says why. Raises `SceneError` for what only shows when the scene is bound,
-        and `OutputError`.
+        and `OutputError` for files that cannot be written or read.
 
         >>> import tomlin
         >>> tip = tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml")
@@ -169,6 +180,8 @@ class Scene:
         """
         if threads is not None and threads < 1:
             raise ValueError(f"threads = {threads}: at least 1")
+        if folder is None and (resume or force):
+            raise ValueError("resume and force are about a folder, and none is given")
         with shown(progress) as show:
             if folder is None:
                 return Result._of_run(_core.run(self._core, show))
@@ -176,7 +189,8 @@ class Scene:
         return open_folder(folder) if run is None else Result._of_run(run, folder)
 
     def simulation(self) -> Simulation:
-        """The run as an object that takes steps when it is asked to."""
+        """The run as an object that takes steps when it is asked to. Raises `SceneError` for what
+        only shows when the scene is bound."""
         return Simulation(self)
 
     def explain(self, seconds: float = 0.1) -> Explanation:
@@ -191,7 +205,8 @@ class Scene:
         return Explanation(json.loads(self._core.explain_json(seconds)))
 
     def check(self, seed: int = 1) -> Check:
-        """Verifies what every force declares about itself, at random states of this scene.
+        """Verifies what every force declares about itself, at random states of this scene that
+        ``seed`` determines. Raises `SceneError` for what a run would refuse.
 
         >>> import tomlin
         >>> tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml").check().holds
@@ -203,7 +218,8 @@ class Scene:
                  progress: Progress = None) -> Tradeoff:
         """What accuracy of an observable costs, and the cheapest setting whose error is below
         ``tolerance`` (relative; where the observable is zero, in its unit). ``budget`` is in
-        seconds. Ctrl-C ends it with what is known (``interrupted``)."""
+        seconds. Ctrl-C ends it with what is known (``interrupted``). Raises `SceneError` for a
+        path that is no observable, ValueError for a tolerance or a budget that is not above 0."""
         _positive(tolerance=tolerance, budget=budget)
         with shown(progress) as show:
             text = self._core.tradeoff_json(observable, tolerance, budget, show)
@@ -217,7 +233,7 @@ class Scene:
     def _repr_html_(self) -> str:
         return table_html(self.parameters, self.name or self.file)
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return _from_effective, (self.to_toml(), self.file)
 
 
@@ -235,7 +251,8 @@ def compare(scenes: Sequence[Scene], observable: str, *, tolerance: float = 1e-2
             progress: Progress = None) -> Comparison:
     """Models side by side: which is the simplest whose observable agrees within ``tolerance`` with
     that of the model with the most coordinates? "driver" and "body" stand for the only ones of
-    each scene. Raises `SceneError` for scenes that are not comparable.
+    each scene. ``tolerance`` is relative. Raises `SceneError` for scenes that are not comparable,
+    ValueError for fewer than two of them.
 
     >>> import tomlin
     >>> tip = tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml").set("v", 0.1)
@@ -248,7 +265,8 @@ def compare(scenes: Sequence[Scene], observable: str, *, tolerance: float = 1e-2
         raise ValueError("one scene cannot be compared: two or more")
     _positive(tolerance=tolerance)
     with shown(progress) as show:
-        text, curves = _core.compare([one._core for one in scenes], observable, tolerance, show)
+        text, curves = _core.compare([core_of(one) for one in scenes], observable, tolerance, show)
     comparison = Comparison(json.loads(text))
     comparison._curves = curves
+    comparison._axes = scenes[0]._core.axes
     return comparison

@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tomlin import _core
+from tomlin._errors import core_of
 from tomlin._record import Record, Vector, table_html
 from tomlin._result import Result, Table, events_table, samples_table
 
@@ -19,12 +21,14 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class State:
     """All numbers of a run between two steps. It can be pickled, and given to any simulation of
-    the same scene."""
+    the same scene. Samples and events that were recorded before it are not among them: they stay
+    in the simulation that has made them."""
 
     time: float
     _numbers: bytes = field(repr=False)
     _samples: int = field(repr=False)
     _events: int = field(repr=False)
+    _is_over: bool = field(repr=False)
     _scene: str = field(repr=False)
 
 
@@ -54,7 +58,7 @@ class Simulation:
 
     def __init__(self, scene: Scene):
         self._scene = scene
-        self._core = _core.Simulation(scene._core)
+        self._core = _core.Simulation(core_of(scene))
 
     @property
     def scene(self) -> Scene:
@@ -69,6 +73,8 @@ class Simulation:
         """
         if steps is not None and steps < 0:
             raise ValueError(f"steps = {steps}: not negative")
+        if to is not None and to != to:
+            raise ValueError("to = nan: a time")
         self._core.advance(float("inf") if to is None else float(to),
                            2**63 if steps is None else steps)
 
@@ -104,7 +110,7 @@ class Simulation:
 
     @property
     def time(self) -> float:
-        """Time of the state."""
+        """Time of the state [time]."""
         return self._core.time
 
     @property
@@ -119,23 +125,23 @@ class Simulation:
 
     @property
     def duration(self) -> float:
-        """When the run ends, at the latest."""
+        """When the run ends, at the latest [time]."""
         return self._core.duration
 
     @property
-    def positions(self) -> np.ndarray:
+    def positions(self) -> NDArray[np.float64]:
         """Positions of all particles [length], of shape (particles, axes), in the coordinates of
         the scene; bodies one after the other, see ``bodies``. A read-only view."""
         return self._core.positions
 
     @property
-    def velocities(self) -> np.ndarray:
+    def velocities(self) -> NDArray[np.float64]:
         """Velocities [length/time], likewise. Without inertia those that follow from the forces;
         of rigid bodies then those at the last step."""
         return self._core.velocities
 
     @property
-    def forces(self) -> np.ndarray:
+    def forces(self) -> NDArray[np.float64]:
         """Forces on all particles [force], likewise: the sum of all forces of the scene, without
         what acts on the centre of a rigid body."""
         return self._core.forces
@@ -151,35 +157,39 @@ class Simulation:
 
     @property
     def driver_forces(self) -> Record:
-        """The force that each driver exerts, a `Vector` by its name."""
+        """The force that each driver exerts [force], a `Vector` of one number per axis by its
+        name."""
         return Record({name: Vector(self._core.driver_force(k))
                        for k, name in enumerate(self._core.drivers)})
 
     @property
     def kinetic_energy(self) -> float:
-        """Of all bodies; 0 without inertia."""
+        """Of all bodies [energy]; 0 without inertia."""
         return self._core.kinetic_energy
 
     @property
     def potential_energy(self) -> float:
-        """Of all forces that have one; only differences of it have a meaning."""
+        """Of all forces that have one [energy]; only differences of it have a meaning."""
         return self._core.potential_energy
 
     @property
     def samples(self) -> Table:
-        """The samples so far, of scenes with ``[output] every``: a copy."""
+        """The samples so far, of scenes with ``[output] every``: a copy of shape (samples,), as
+        `Result.samples`."""
         return samples_table(self._core.samples(), self._core.layout())
 
     @property
     def events(self) -> Table:
-        """The events so far: a copy."""
+        """The events so far: a copy of shape (events,), as `Result.event_table`."""
         return events_table(self._core.events())
 
     @property
     def state(self) -> State:
-        """All numbers of the run. Assigning it back takes the run to that moment, exactly. Raises
-        RuntimeError for a run ``until`` something, or a quasistatic one, that is over."""
-        return State(self.time, *self._core.save(), self._scene.to_toml())
+        """All numbers of the run. Assigning it back takes the run to that moment, exactly. Where a
+        run ``until`` something, or a quasistatic one, was over, that takes the steps of its last
+        `advance` once more. Assigning raises ValueError for the state of another scene."""
+        numbers, samples, events, is_over = self._core.save()
+        return State(self.time, numbers, samples, events, is_over, self._scene.to_toml())
 
     @state.setter
     def state(self, state: State) -> None:
@@ -187,7 +197,7 @@ class Simulation:
             raise TypeError(f"a state of a simulation, not {type(state).__name__}")
         if state._scene != self._scene.to_toml():
             raise ValueError("the state is of another scene")
-        self._core.restore(state._numbers, state._samples, state._events)
+        self._core.restore(state._numbers, state._samples, state._events, state._is_over)
 
     def __repr__(self) -> str:
         return f"<tomlin.Simulation at time {self.time:g} of {self.duration:g}>"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tomlin._record import Record, table_html
 
@@ -57,7 +58,7 @@ class Tradeoff(Record):
         return self._scene.set(dict(recommendation["settings"]))
 
     def to_pandas(self) -> Any:
-        """The points as a DataFrame."""
+        """The points as a DataFrame. Needs pandas."""
         import pandas
 
         return pandas.DataFrame([dict(one) for one in self["points"]])
@@ -67,23 +68,25 @@ class Comparison(Record):
     """What ``tomlin compare`` finds: ``models``, each with ``value``, ``error``, ``difference`` and
     ``verdict``; ``simplest``; ``notes``."""
 
-    _curves: list[tuple[np.ndarray, np.ndarray]] = []
+    _curves: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
+    _axes: dict[str, str] = {}
 
     @property
-    def curves(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """For each model the way of its driver and the force of it along its pull, at most a
-        thousand points; empty where it has no driver."""
+    def curves(self) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """For each model the displacement of its driver and its force along the pull, two arrays of
+        the same length, at most a thousand, in the units of the scenes; empty where it has no
+        driver."""
         return self._curves
 
     def plot(self, ax: Any = None) -> Any:
-        """The forces of the drivers over their way, by matplotlib; returns the axes."""
-        from tomlin._plots import new_axes
+        """The forces of the drivers over their displacement, by matplotlib; returns the axes."""
+        from tomlin._plots import label, new_axes
 
         ax = new_axes(ax)
         for model, (way, force) in zip(self["models"], self._curves):
             ax.plot(way, force, label=model.get("name") or model.get("file"))
-        ax.set_xlabel("displacement of the driver")
-        ax.set_ylabel("lateral force")
+        ax.set_xlabel(label("position", "length", self._axes))
+        ax.set_ylabel(label("force", "force", self._axes))
         ax.legend()
         return ax
 

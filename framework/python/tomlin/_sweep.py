@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tomlin import _core
-from tomlin._errors import QuantityError, Fault
+from tomlin._errors import core_of, no_such_name
 from tomlin._progress import shown
 from tomlin._record import Record, table_html
 from tomlin._text import setting_text
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from tomlin._scene import Progress, Scene
 
 
-class Sweep(Mapping):
+class Sweep(Mapping[str, Any]):
     """The results of a sweep: arrays by name, over the axes in the order in which they were given.
 
     ``sweep["v"]`` are the values of an axis, ``sweep["driver.mean_force.x"]`` those of an
@@ -32,7 +33,7 @@ class Sweep(Mapping):
     def __init__(self, core: _core.Sweep, scene: Scene, folder: Path | None):
         self._scene = scene
         self._folder = folder
-        self._axes: dict[str, np.ndarray] = {}
+        self._axes: dict[str, NDArray[Any]] = {}
         self._of_dimension: list[list[str]] = [[] for _ in core.shape]
         for name, dimension, values in core.axes():
             self._axes[name] = np.asarray(values)
@@ -48,17 +49,14 @@ class Sweep(Mapping):
         self.complete: bool = core.complete
         self._summary = core.summary_json
 
-    def __getitem__(self, name: str) -> np.ndarray:
+    def __getitem__(self, name: str) -> NDArray[Any]:
         for arrays in (self._axes, self._columns):
             if name in arrays:
                 return arrays[name]
         for name_in_full in (f"drivers.{name}", f"bodies.{name}"):
             if name_in_full in self._columns:
                 return self._columns[name_in_full]
-        text = f"{name}: the sweep has " + ", ".join(self)
-        raise QuantityError([Fault("observable.unknown", "sweep", 0, 0, name, "",
-                                   "the sweep has no such axis or observable",
-                                   ", ".join(self), "", text)])
+        raise no_such_name(name, self, "sweep")
 
     def __iter__(self) -> Iterator[str]:
         yield from self._axes
@@ -68,13 +66,14 @@ class Sweep(Mapping):
         return len(self._axes) + len(self._columns)
 
     @property
-    def axes(self) -> dict[str, np.ndarray]:
-        """The values of each axis."""
+    def axes(self) -> dict[str, NDArray[Any]]:
+        """The values of each axis: arrays of one dimension, of numbers or texts."""
         return dict(self._axes)
 
     @property
-    def columns(self) -> dict[str, np.ndarray]:
-        """The observables, and their errors and spreads where the scene asks for them."""
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The observables, and their errors and spreads where the scene asks for them: arrays of
+        the shape of the sweep, in `units`."""
         return dict(self._columns)
 
     @property
@@ -95,7 +94,9 @@ class Sweep(Mapping):
     @property
     def summary(self) -> Record:
         """What ``sweep.json`` says: counts, warnings, intervals of ``refine``."""
-        text = self._summary or (self._folder / "sweep.json").read_text(encoding="utf-8")
+        text = self._summary
+        if not text and self._folder is not None:
+            text = (self._folder / "sweep.json").read_text(encoding="utf-8")
         return Record(json.loads(text))
 
     def to_xarray(self) -> Any:
@@ -117,7 +118,7 @@ class Sweep(Mapping):
         return data
 
     def to_pandas(self) -> Any:
-        """A DataFrame with a row for each point. Needs pandas."""
+        """A DataFrame with a row for each point, its status and its reason. Needs pandas."""
         import pandas
 
         grid = np.indices(self.shape)
@@ -130,7 +131,8 @@ class Sweep(Mapping):
     def plot(self, y: str | None = None, x: str | None = None, ax: Any = None, **options: Any) -> Any:
         """Draws an observable over an axis by matplotlib, a curve for each combination of the
         others, and returns the axes. By default the first observable over the last axis, which is
-        logarithmic where its values are spaced so."""
+        logarithmic where its values are spaced so. Needs matplotlib; raises `QuantityError`
+        for names that the sweep has not."""
         from tomlin._plots import plot_sweep
 
         return plot_sweep(self, y, x, ax, **options)
@@ -164,7 +166,8 @@ def sweep(scene: Scene, over: Mapping[str, Any] | None = None,
     With a ``folder`` it leaves there what the program does, and continues a sweep of the same
     input that was stopped there; ``force`` begins anew. ``threads`` is one for each processor by
     default. A point that fails or is refused is NaN, with its reason. Ctrl-C leaves a sweep whose
-    ``complete`` is False. Raises `SceneError` and `OutputError`.
+    ``complete`` is False. Raises `SceneError` for axes and observables that are none, `OutputError`,
+    and TypeError for values that TOML has no form of.
 
     >>> import tomlin
     >>> tip = tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml")
@@ -176,10 +179,12 @@ def sweep(scene: Scene, over: Mapping[str, Any] | None = None,
     ...      == tip.set(s=5.0, v=0.1).run()["driver.mean_force.x"])
     True
     """
+    if over is not None and not isinstance(over, Mapping):
+        raise TypeError(f"over: a dict of names and values, not {type(over).__name__}")
     if threads is not None and threads < 1:
         raise ValueError(f"threads = {threads}: at least 1")
     request = _core.SweepRequest()
-    request.over = [(name, _values(values)) for name, values in (over or {}).items()]
+    request.over = [(name, _values(values, name)) for name, values in (over or {}).items()]
     request.zips = [list(one) for one in zip]
     request.observables = [observables] if isinstance(observables, str) else list(observables)
     request.repeats = None if repeats is None else str(repeats)
@@ -193,15 +198,15 @@ def sweep(scene: Scene, over: Mapping[str, Any] | None = None,
     with shown(progress) as show, tempfile.TemporaryDirectory(prefix="tomlin-") as scratch:
         request.journal = os.path.join(scratch, "sweep.journal")
         request.progress = show
-        core = _core.sweep(scene._core, request)
+        core = _core.sweep(core_of(scene), request)
     return Sweep(core, scene, None if folder is None else Path(folder))
 
 
-def _values(values: Any) -> str | list[str]:
+def _values(values: Any, name: str) -> str | list[str]:
     if isinstance(values, str):
         return values
     if hasattr(values, "tolist"):
         values = values.tolist()
     if isinstance(values, (int, float)):
         values = [values]
-    return [setting_text(one) for one in values]
+    return [setting_text(one, name) for one in values]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import numbers
+import os
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -24,12 +26,18 @@ def _key(key: Any) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """NumPy's scalars and arrays as Python's."""
-    return value.tolist() if hasattr(value, "tolist") else value
+    """NumPy's scalars and arrays as Python's, and paths as texts."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, os.PathLike):
+        value = os.fspath(value)
+    # What is longer than a double is a scalar of NumPy still.
+    return float(value) if type(value).__module__ == "numpy" and isinstance(
+        value, numbers.Real) else value
 
 
-def value_text(value: Any) -> str:
-    """A value on one line."""
+def value_text(value: Any, key: str = "") -> str:
+    """A value on one line. Raises TypeError, with the key, for one that TOML has no form of."""
     value = _plain(value)
     if isinstance(value, bool):
         return "true" if value else "false"
@@ -44,16 +52,23 @@ def value_text(value: Any) -> str:
     if isinstance(value, str):
         return _quoted(value)
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{_key(k)} = {value_text(v)}" for k, v in value.items()) + " }"
+        return "{ " + ", ".join(f"{_key(k)} = {value_text(v, _below(key, k))}"
+                                for k, v in value.items()) + " }"
     if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(value_text(one) for one in value) + "]"
-    raise TypeError(f"a scene has no values of type {type(value).__name__}: {value!r}")
+        return "[" + ", ".join(value_text(one, key) for one in value) + "]"
+    where = f"{key} = " if key else ""
+    raise TypeError(f"{where}{value!r}: a scene has no values of type {type(value).__name__}; "
+                    "admissible: numbers, texts, paths, True, False, lists, arrays and dicts")
 
 
-def setting_text(value: Any) -> str:
+def _below(key: str, name: Any) -> str:
+    return f"{key}.{name}" if key else str(name)
+
+
+def setting_text(value: Any, key: str = "") -> str:
     """A value as `--set` takes it: a text is a word or an expression."""
     value = _plain(value)
-    return value if isinstance(value, str) else value_text(value)
+    return value if isinstance(value, str) else value_text(value, key)
 
 
 def document_text(document: Mapping[str, Any]) -> str:
@@ -62,14 +77,15 @@ def document_text(document: Mapping[str, Any]) -> str:
     for key, value in document.items():
         value = _plain(value)
         if isinstance(value, Mapping):
-            tables.append(f"\n[{_key(key)}]\n{_lines(value)}")
+            tables.append(f"\n[{_key(key)}]\n{_lines(value, key)}")
         elif isinstance(value, (list, tuple)) and value and all(
                 isinstance(one, Mapping) for one in value):
-            tables += [f"\n[[{_key(key)}]]\n{_lines(one)}" for one in value]
+            tables += [f"\n[[{_key(key)}]]\n{_lines(one, key)}" for one in value]
         else:
-            values.append(f"{_key(key)} = {value_text(value)}\n")
+            values.append(f"{_key(key)} = {value_text(value, str(key))}\n")
     return "".join(values + tables)
 
 
-def _lines(table: Mapping[str, Any]) -> str:
-    return "".join(f"{_key(key)} = {value_text(value)}\n" for key, value in table.items())
+def _lines(table: Mapping[str, Any], above: str) -> str:
+    return "".join(f"{_key(key)} = {value_text(value, _below(above, key))}\n"
+                   for key, value in table.items())

@@ -86,6 +86,7 @@ SweepPlan::SweepPlan(SceneDocument document, const Registry& registry,
   if (scene_) find_observables(faults);
   if (!faults.empty()) throw InputError(std::move(faults));
   name_columns();
+  scene_text_ = write_scene();
   identity_ = find_identity();
 }
 
@@ -305,7 +306,7 @@ std::string SweepPlan::axis_title(std::size_t axis) const {
   return taken ? "parameters." + name : name;
 }
 
-std::string SweepPlan::scene_text() const {
+std::string SweepPlan::write_scene() const {
   std::string text = scene_->effective_toml;
   text += fmt::format("\n[sweep]\nobservables = [{}]\n", fmt::join(in_quotes(paths_), ", "));
   if (!sweep_.zips.empty()) {
@@ -324,8 +325,10 @@ std::string SweepPlan::scene_text() const {
   }
   text += "\n[sweep.over]\n";
   for (const SweepAxis& axis : axes()) {
-    std::string values = quoted_text(axis.values.canonical());
-    if (axis.values.spacing() == SweepValues::Spacing::list) {
+    std::string values;
+    if (axis.values.spacing() != SweepValues::Spacing::list) {
+      values = quoted_text(axis.values.canonical());
+    } else {
       std::vector<std::string> all;
       for (std::size_t k = 0; k < axis.values.size(); ++k) {
         all.push_back(value_text(parse_setting(axis.values.text(k), 0)));

@@ -124,7 +124,7 @@ class SweepPlan {
   /// they have a column of that name.
   std::string axis_title(std::size_t axis) const;
   /// The scene with `[sweep]` as it was asked for: `tomlin sweep` of it is the same sweep.
-  std::string scene_text() const;
+  const std::string& scene_text() const { return scene_text_; }
   /// The same for the same program, scene, plugins, axes and observables, and for no other.
   std::uint64_t identity() const { return identity_; }
 
@@ -143,6 +143,7 @@ class SweepPlan {
   void find_observable(const RunResult& result, const std::string& given, const Place& place,
                        std::vector<Fault>& faults);
   void name_columns();
+  std::string write_scene() const;
   std::uint64_t find_identity() const;
 
   SceneDocument document_;
@@ -161,6 +162,7 @@ class SweepPlan {
   std::vector<SweepObservable> observables_;
   std::vector<std::string> paths_;
   std::vector<SweepColumn> columns_;
+  std::string scene_text_;
   std::uint64_t identity_ = 0;
 };
 

@@ -139,6 +139,34 @@ TEST(Compare, WhatIsDrivenOtherwiseIsRefused) {
   EXPECT_EQ(faults(ring(), {}), Briefs{});
 }
 
+/// A sheet of atoms declares no period, and in space the pull may have another axis.
+TEST(Compare, ScenesOfOtherDimensionsAreComparedAlongThePull) {
+  const auto pulled_along_y = [](const std::string& velocity) {
+    return scene(
+        "[[body]]\ntype = \"point\"\nname = \"tip\"\nposition = [0.0, 0.0]\nparticle_mass = 1.0\n"
+        "[[force]]\nname = \"driver\"\ntype = \"driving_spring\"\nstiffness = 1.0\n"
+        "velocity = [0.0, " +
+            velocity +
+            "]\n"
+            "[[force]]\ntype = \"viscous_damping\"\ncoefficient = 1.0\n"
+            "[[force]]\ntype = \"nose_hoover_chain\"\ntemperature = 0.1\nperiod = 1.0\n"
+            "active = { until = 1.0 }\n"
+            "[run]\nduration = 300.1\n"  // a 4000th of it is no multiple of the step
+            "integrator = { type = \"velocity_verlet\", dt = 1e-2 }\n",
+        "along_y.toml");
+  };
+  const Comparison found = compare_models({scene(tip("0.1"), "tip.toml"), pulled_along_y("0.01")},
+                                          {"driver.mean_force_along", 1e-6});
+  ASSERT_EQ(found.models.size(), 2U);
+  EXPECT_NE(found.models[1].verdict, Verdict::failed);
+  EXPECT_GT(found.models[1].way.size(), 500U);
+  EXPECT_EQ(found.notes.size(), 3U);  // periods, velocity, curvature over stiffness
+  EXPECT_EQ(test::briefs_of([&] {
+              compared({scene(tip("0.1"), "tip.toml"), pulled_along_y("0.02")});
+            }),
+            std::vector<std::string>{"19:1 driving velocity = 0, 0.02 [compare.different_setups]"});
+}
+
 TEST(Compare, ErrorsLargerThanTheToleranceLeaveItOpen) {
   const std::vector<Setting> coarse = {{"run.integrator", test::adaptive(1e-3)}};
   const std::string same = test::digits(amplitude_of_ring());
