@@ -9,13 +9,14 @@
 //
 // Numbers of both stand in test_models.hpp.
 
-#include <KIM_ModelHeaders.hpp>
-#include <KIM_SharedLibrarySchema.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <vector>
+
+#include <KIM_ModelHeaders.hpp>
+#include <KIM_SharedLibrarySchema.hpp>
 
 #include "tests/framework/plugin/kim/test_models.hpp"
 
@@ -141,12 +142,13 @@ bool add_coordinated(const KIM::ModelComputeArguments* arguments, const Given& g
 int create_arguments(const KIM::ModelCompute*, KIM::ModelComputeArgumentsCreate* const arguments) {
   using namespace KIM::SUPPORT_STATUS;
   const bool no_forces = has_fault("no_forces");
-  int error = arguments->SetArgumentSupportStatus(KIM::COMPUTE_ARGUMENT_NAME::partialEnergy, required);
+  int error =
+      arguments->SetArgumentSupportStatus(KIM::COMPUTE_ARGUMENT_NAME::partialEnergy, required);
   error |= arguments->SetArgumentSupportStatus(KIM::COMPUTE_ARGUMENT_NAME::partialForces,
                                                no_forces ? notSupported : optional);
   if (has_fault("needs_derivatives")) {
-    error |= arguments->SetCallbackSupportStatus(KIM::COMPUTE_CALLBACK_NAME::ProcessDEDrTerm,
-                                                 required);
+    error |=
+        arguments->SetCallbackSupportStatus(KIM::COMPUTE_CALLBACK_NAME::ProcessDEDrTerm, required);
   }
   return error;
 }
@@ -155,7 +157,8 @@ int destroy_arguments(const KIM::ModelCompute*, KIM::ModelComputeArgumentsDestro
 int refresh(KIM::ModelRefresh*) { return 0; }
 int destroy(KIM::ModelDestroy*) { return 0; }
 
-int compute(const KIM::ModelCompute* const model, const KIM::ModelComputeArguments* const arguments) {
+int compute(const KIM::ModelCompute* const model,
+            const KIM::ModelComputeArguments* const arguments) {
   using namespace KIM::COMPUTE_ARGUMENT_NAME;
   Given g;
   const bool unknown = arguments->GetArgumentPointer(numberOfParticles, &g.count) != 0 ||
@@ -186,10 +189,9 @@ int create(KIM::ModelCreate* const model, const KIM::LengthUnit, const KIM::Ener
     return 1;
   }
   int error = model->SetModelNumbering(KIM::NUMBERING::zeroBased);
-  error |= model->SetUnits(KIM::LENGTH_UNIT::A,
-                           has_fault("units") ? KIM::ENERGY_UNIT::kcal_mol : KIM::ENERGY_UNIT::eV,
-                           KIM::CHARGE_UNIT::unused, KIM::TEMPERATURE_UNIT::unused,
-                           KIM::TIME_UNIT::unused);
+  error |= model->SetUnits(
+      KIM::LENGTH_UNIT::A, has_fault("units") ? KIM::ENERGY_UNIT::kcal_mol : KIM::ENERGY_UNIT::eV,
+      KIM::CHARGE_UNIT::unused, KIM::TEMPERATURE_UNIT::unused, KIM::TIME_UNIT::unused);
   error |= model->SetRoutinePointer(ComputeArgumentsCreate, cpp, 1, routine(&create_arguments));
   error |= model->SetRoutinePointer(Compute, cpp, 1, routine(&compute));
   error |= model->SetRoutinePointer(Refresh, cpp, 1, routine(&refresh));

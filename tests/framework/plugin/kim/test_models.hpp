@@ -17,8 +17,7 @@ inline constexpr double kSize[3] = {3.4, 3.5, 3.65};
 
 inline Value lennard_jones_at(double depth, double size, double r) {
   const double sixth = std::pow(size / r, 6);
-  return {4.0 * depth * (sixth * sixth - sixth),
-          -24.0 * depth * (2.0 * sixth * sixth - sixth) / r};
+  return {4.0 * depth * (sixth * sixth - sixth), -24.0 * depth * (2.0 * sixth * sixth - sixth) / r};
 }
 
 inline Value pair_energy(int one, int other, double r) {
