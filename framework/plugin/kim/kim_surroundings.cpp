@@ -37,6 +37,11 @@ Image image_in(std::uint64_t key) {
   return image;
 }
 
+/// Of an image that is in the box or next to it, from 0 to 26.
+int number_around(const Image& image) {
+  return (image[0] + 1) * 9 + (image[1] + 1) * 3 + (image[2] + 1);
+}
+
 double distance_squared(const double* one, const double* other) {
   double squared = 0.0;
   for (int d = 0; d < 3; ++d) squared += (other[d] - one[d]) * (other[d] - one[d]);
@@ -159,23 +164,31 @@ void Configuration::assemble_about(const Surroundings& around, std::uint32_t par
   list_neighbours(around, kMovingRoom);
 }
 
-/// What is within reach of those that contribute.
+/// What is within reach of those that contribute. Where all do, the images are those around the
+/// box, and each is noted once.
 void Configuration::see_others(const Surroundings& around, double reach) {
   others_.clear();
+  noted_.assign(around.count(), 0);
   for (const Key key : contributing_) {
     const std::uint32_t particle = particle_in(key);
     const Image image = image_in(key);
     const std::array<double, 3> here = around.place(particle, image);
     around.for_neighbours(particle, image, [&](std::uint32_t other, const Image& seen) {
       if (whole_ && seen == Image{}) return;
+      const std::uint32_t bit = whole_ ? 1U << number_around(seen) : 0U;
+      if ((noted_[other] & bit) != 0) return;
       if (distance_squared(here.data(), around.place(other, seen).data()) > reach * reach) return;
       const Key found = key_of(other, seen);
       if (!whole_ && std::binary_search(contributing_.begin(), contributing_.end(), found)) return;
+      noted_[other] |= bit;
       others_.push_back(found);
     });
   }
   std::sort(others_.begin(), others_.end());
   others_.erase(std::unique(others_.begin(), others_.end()), others_.end());
+  first_other_.assign(around.count() + 1, 0);
+  for (const Key key : others_) ++first_other_[particle_in(key) + 1];
+  for (std::size_t i = 0; i < around.count(); ++i) first_other_[i + 1] += first_other_[i];
 }
 
 void Configuration::place_all(const Surroundings& around) {
@@ -202,16 +215,14 @@ void Configuration::place_all(const Surroundings& around) {
 std::ptrdiff_t Configuration::number_of(std::uint32_t particle, const Image& image) const {
   if (whole_ && image == Image{}) return particle;
   const Key key = key_of(particle, image);
-  const auto find = [key](const std::vector<Key>& keys) -> std::ptrdiff_t {
-    const auto at = std::lower_bound(keys.begin(), keys.end(), key);
-    return at == keys.end() || *at != key ? -1 : at - keys.begin();
-  };
   if (!whole_) {
-    const std::ptrdiff_t at = find(contributing_);
-    if (at >= 0) return at;
+    const auto at = std::lower_bound(contributing_.begin(), contributing_.end(), key);
+    if (at != contributing_.end() && *at == key) return at - contributing_.begin();
   }
-  const std::ptrdiff_t at = find(others_);
-  return at < 0 ? -1 : at + static_cast<std::ptrdiff_t>(contributing_.size());
+  for (std::size_t k = first_other_[particle]; k < first_other_[particle + 1]; ++k) {
+    if (others_[k] == key) return static_cast<std::ptrdiff_t>(contributing_.size() + k);
+  }
+  return -1;
 }
 
 void Configuration::list_neighbours(const Surroundings& around, double room) {
@@ -250,8 +261,9 @@ void Configuration::list_neighbours(const Surroundings& around, double room) {
 
 std::size_t Configuration::bytes() const {
   std::size_t bytes = bytes_of(codes_) + bytes_of(contributing_) + bytes_of(others_) +
-                      bytes_of(particle_of_) + bytes_of(image_of_) + bytes_of(seen_.species) +
-                      bytes_of(seen_.contributing) + bytes_of(seen_.places);
+                      bytes_of(first_other_) + bytes_of(noted_) + bytes_of(particle_of_) +
+                      bytes_of(image_of_) + bytes_of(seen_.species) + bytes_of(seen_.contributing) +
+                      bytes_of(seen_.places);
   for (const ModelList& list : seen_.lists) {
     bytes += bytes_of(list.start) + bytes_of(list.neighbours);
   }

@@ -119,6 +119,8 @@ class Configuration {
   bool whole_ = false;      ///< all atoms contribute
   std::vector<Key> contributing_;
   std::vector<Key> others_;
+  std::vector<std::size_t> first_other_;  ///< [atom]: where its images begin among the others
+  std::vector<std::uint32_t> noted_;      ///< [atom]: which of 27 images are among the others
   std::vector<std::uint32_t> particle_of_;
   std::vector<Image> image_of_;
   SeenParticles seen_;

@@ -154,7 +154,6 @@ int create_arguments(const KIM::ModelCompute*, KIM::ModelComputeArgumentsCreate*
 }
 
 int destroy_arguments(const KIM::ModelCompute*, KIM::ModelComputeArgumentsDestroy*) { return 0; }
-int refresh(KIM::ModelRefresh*) { return 0; }
 int destroy(KIM::ModelDestroy*) { return 0; }
 
 int compute(const KIM::ModelCompute* const model,
@@ -194,7 +193,6 @@ int create(KIM::ModelCreate* const model, const KIM::LengthUnit, const KIM::Ener
       KIM::CHARGE_UNIT::unused, KIM::TEMPERATURE_UNIT::unused, KIM::TIME_UNIT::unused);
   error |= model->SetRoutinePointer(ComputeArgumentsCreate, cpp, 1, routine(&create_arguments));
   error |= model->SetRoutinePointer(Compute, cpp, 1, routine(&compute));
-  error |= model->SetRoutinePointer(Refresh, cpp, 1, routine(&refresh));
   error |= model->SetRoutinePointer(ComputeArgumentsDestroy, cpp, 1, routine(&destroy_arguments));
   error |= model->SetRoutinePointer(Destroy, cpp, 1, routine(&destroy));
   error |= model->SetSpeciesCode(KIM::SPECIES_NAME::Ar, 0);
