@@ -18,10 +18,10 @@ namespace {
 
 /// Atoms that start nearer than this are a mistake: no bond is as short.
 constexpr double kNearest = 0.5;  // Angstrom
-/// Second derivatives are differences of this length and of half of it, whose combination is off
-/// by its fourth power: some 1e-10 in parts of the largest, where what forces change over is some
-/// tenths of an Angstrom, and rounding leaves less.
-constexpr double kDifference = 1e-3;  // Angstrom
+/// Second derivatives are differences over this to either side: some 1e-10 off in parts of the
+/// largest, by rounding and by what is left out alike. Longer ones would pass over the knots of
+/// tables, which are as near as 5e-4 Angstrom and where second derivatives jump.
+constexpr double kDifference = 5e-6;  // Angstrom
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 using Bodies = std::vector<BoundBody<double>>;
@@ -107,20 +107,20 @@ class ModelAtWork {
   }
 
   /// The forces that the energies near an atom make on all, when it has moved along an axis; what
-  /// is not in these energies does not depend on the atom. `part` holds them.
-  bool evaluate_part(std::uint32_t atom, std::size_t axis, double move,
+  /// is not in these energies does not depend on the atom. `part` holds them. `move` becomes how
+  /// far it has gone, rounded.
+  bool evaluate_part(std::uint32_t atom, std::size_t axis, double& move,
                      std::vector<double>& on_atoms) {
     SeenParticles& seen = part.seen();
-    const auto shift = [&](double by) {
-      for (std::size_t k = 0; k < seen.count(); ++k) {
-        if (part.atom_of(k) == atom) seen.places[3 * k + axis] += by;
-      }
-    };
-    const std::vector<double> unmoved = seen.places;
-    shift(move);
+    unmoved_ = seen.places;
+    for (std::size_t k = 0; k < seen.count(); ++k) {
+      if (part.atom_of(k) == atom) seen.places[3 * k + axis] += move;
+    }
+    const auto itself = static_cast<std::size_t>(part.number_of(atom, {}));
+    move = seen.places[3 * itself + axis] - unmoved_[3 * itself + axis];
     double unused = 0.0;
     const bool done = model.compute(seen, unused, seen_force_);
-    seen.places = unmoved;
+    seen.places.swap(unmoved_);
     if (done) collect(part, on_atoms);
     return done;
   }
@@ -136,6 +136,7 @@ class ModelAtWork {
 
  private:
   std::vector<double> seen_force_;
+  std::vector<double> unmoved_;
 };
 
 class KimForce : public BoundForce<double>, public CountsNeighbours {
@@ -234,12 +235,10 @@ class KimForce : public BoundForce<double>, public CountsNeighbours {
   }
 
   void add_column(std::uint32_t atom, std::size_t axis, HessianSink& sink) const {
-    std::array<std::vector<double>, 4> at;
-    constexpr std::array<double, 4> kMoves = {-1.0, -0.5, 0.5, 1.0};
-    bool done = true;
-    for (std::size_t k = 0; k < at.size(); ++k) {
-      done = done && work_->evaluate_part(atom, axis, kMoves[k] * kDifference, at[k]);
-    }
+    double back = -kDifference;
+    double ahead = kDifference;
+    const bool done = work_->evaluate_part(atom, axis, back, behind_) &&
+                      work_->evaluate_part(atom, axis, ahead, before_);
     // Each atom that is seen, once. What a model cannot compute has no second derivative.
     seen_.clear();
     for (std::size_t k = 0; k < work_->part.seen().count(); ++k) {
@@ -250,13 +249,8 @@ class KimForce : public BoundForce<double>, public CountsNeighbours {
     const std::size_t body = body_of(atom).index;
     for (const std::uint32_t other : seen_) {
       for (std::size_t d = 0; d < 3; ++d) {
-        double value = kNoNumber;
-        if (done) {
-          const std::size_t n = 3 * other + d;
-          const double wide = (at[3][n] - at[0][n]) / (2.0 * kDifference);
-          const double narrow = (at[2][n] - at[1][n]) / kDifference;
-          value = (wide - 4.0 * narrow) / 3.0;
-        }
+        const std::size_t n = 3 * other + d;
+        const double value = done ? (behind_[n] - before_[n]) / (ahead - back) : kNoNumber;
         if (value == 0.0) continue;
         if (other == atom) {
           sink.site(body, within_body(atom), static_cast<int>(d), static_cast<int>(axis), value);
@@ -270,6 +264,9 @@ class KimForce : public BoundForce<double>, public CountsNeighbours {
 
   std::unique_ptr<ModelAtWork> work_;
   double shortest_ = 0.0;
+  // Where a column of second derivatives is made.
+  mutable std::vector<double> behind_;
+  mutable std::vector<double> before_;
   mutable std::vector<std::uint32_t> seen_;
 };
 

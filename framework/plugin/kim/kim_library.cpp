@@ -15,14 +15,15 @@
 namespace tomlin::kim {
 namespace {
 
-/// The last error that the library has written on this thread.
-std::string& last_entry() {
+/// The first error that the library, or a model, has written on this thread since this was emptied:
+/// what follows says where it led.
+std::string& first_entry() {
   thread_local std::string entry;
   return entry;
 }
 
 int keep_entry(const std::string& entry) {
-  last_entry() = entry;
+  if (first_entry().empty()) first_entry() = entry;
   return 0;
 }
 
@@ -44,7 +45,6 @@ std::unique_lock<std::mutex> only_one() {
     return true;
   }();
   (void)quiet;
-  last_entry().clear();
   return std::unique_lock(mutex);
 }
 
@@ -207,11 +207,12 @@ Loaded load_model(const std::string& name, ModelFacts& facts) {
     discard(loaded);
     return loaded;
   };
+  first_entry().clear();
   int accepted = 0;
   if (KIM::Model::Create(KIM::NUMBERING::zeroBased, KIM::LENGTH_UNIT::A, KIM::ENERGY_UNIT::eV,
                          KIM::CHARGE_UNIT::e, KIM::TEMPERATURE_UNIT::K, KIM::TIME_UNIT::ps, name,
                          &accepted, &loaded.model) != 0) {
-    return refuse(fmt::format("the model cannot be loaded: {}", said(last_entry())),
+    return refuse(fmt::format("the model cannot be loaded: {}", said(first_entry())),
                   "a model that is complete, with its driver");
   }
   if (accepted == 0) {
@@ -219,7 +220,8 @@ Loaded load_model(const std::string& name, ModelFacts& facts) {
                   "a model in eV and Angstrom, or one that converts units");
   }
   if (loaded.model->ComputeArgumentsCreate(&loaded.arguments) != 0) {
-    return refuse(fmt::format("the model cannot be used: {}", said(last_entry())), "another model");
+    return refuse(fmt::format("the model cannot be used: {}", said(first_entry())),
+                  "another model");
   }
   if (!offers(loaded, KIM::COMPUTE_ARGUMENT_NAME::partialForces) ||
       !offers(loaded, KIM::COMPUTE_ARGUMENT_NAME::partialEnergy)) {
@@ -330,7 +332,7 @@ bool PortableModel::compute(const SeenParticles& seen, double& energy,
   auto* const data = const_cast<SeenParticles*>(&seen);  // which the callback does not change
   energy = 0.0;
   forces.assign(seen.places.size(), 0.0);
-  last_entry().clear();
+  first_entry().clear();
   const bool failed =
       arguments_->SetArgumentPointer(numberOfParticles, &count) != 0 ||
       arguments_->SetArgumentPointer(particleSpeciesCodes, seen.species.data()) != 0 ||
@@ -342,7 +344,7 @@ bool PortableModel::compute(const SeenParticles& seen, double& energy,
           KIM::COMPUTE_CALLBACK_NAME::GetNeighborList, KIM::LANGUAGE_NAME::cpp,
           reinterpret_cast<KIM::Function*>(&give_neighbours), data) != 0 ||
       model_->Compute(arguments_) != 0;
-  if (failed) error_ = said(last_entry());
+  if (failed) error_ = said(first_entry());
   return !failed;
 }
 

@@ -92,8 +92,8 @@ std::string note_on_model(const KimModelDescription& d) {
   for (const double cutoff : facts.cutoffs) {
     lists += fmt::format("{}{:.6g}", lists.empty() ? "" : ", ", cutoff);
   }
-  std::string text = fmt::format("for {}; influence {:.6g} A, neighbour lists up to {} A",
-                                 words(facts.species), facts.influence_distance, lists);
+  std::string text = fmt::format("{} for {}; influence {:.6g} A, neighbour lists up to {} A",
+                                 d.model, words(facts.species), facts.influence_distance, lists);
   if (!facts.id.empty()) text += "; KIM-ID " + facts.id;
   if (!facts.citation.empty()) text += "; " + facts.citation;
   return text;

@@ -211,7 +211,6 @@ void Configuration::place_all(const Surroundings& around) {
   add(others_, 0);
 }
 
-/// Where an image stands among the particles; -1: it is not seen.
 std::ptrdiff_t Configuration::number_of(std::uint32_t particle, const Image& image) const {
   if (whole_ && image == Image{}) return particle;
   const Key key = key_of(particle, image);

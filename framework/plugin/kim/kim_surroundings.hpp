@@ -102,6 +102,8 @@ class Configuration {
   SeenParticles& seen() { return seen_; }
   /// Which atom a particle is an image of.
   std::uint32_t atom_of(std::size_t seen) const { return particle_of_[seen]; }
+  /// Where an image stands among the particles; -1: it is not seen.
+  std::ptrdiff_t number_of(std::uint32_t particle, const Image& image) const;
   std::size_t bytes() const;
 
  private:
@@ -110,7 +112,6 @@ class Configuration {
   void see_others(const Surroundings& around, double reach);
   void place_all(const Surroundings& around);
   void list_neighbours(const Surroundings& around, double room);
-  std::ptrdiff_t number_of(std::uint32_t particle, const Image& image) const;
 
   double reach_;
   std::vector<double> cutoffs_;

@@ -52,7 +52,7 @@ TEST(KimFaults, AreToldWithTheirPlace) {
               two_atoms("species = \"Ar\"") + kim_force("tomlin_test_pair", "[\"a\"]") + kShortRun),
       "15:9 force.kim_model.model = " + sound + "[scene.out_of_range]");
   EXPECT_EQ(refused(of_two("tomlin_test_pair", kMetal, "species = \"Ar\"", 0.4)),
-            "11:10 force.kim_model.bodies = [\"a\"] [body.invalid_coordinates]");
+            "9:1 force.kim_model.body [body.invalid_coordinates]");
   EXPECT_EQ(refused(kMetal +
                     "[[body]]\ntype = \"particles\"\npositions = [[0.0, 0.0], [4.0, 0.0]]\n"
                     "particle_mass = 1.0\nspecies = \"Ar\"\n[[force]]\ntype = \"kim_model\"\n"
@@ -85,7 +85,7 @@ TEST(KimFaults, ModelsThatCannotBeUsedAreRefused) {
 
 TEST(KimFaults, AModelsErrorEndsTheRun) {
   // The two approach each other from rest.
-  const std::string meet = "species = \"Ar\"\nvelocity = [[0.0, 0.0, 0.0], [-8.0, 0.0, 0.0]]";
+  const std::string meet = "species = \"Ar\"\nvelocity = [[0.0, 0.0, 0.0], [-16.0, 0.0, 0.0]]";
   const auto scene =
       kim_scene(of_two("tomlin_test_faulty", kMetal, meet), {{"run.duration", "1.0"}});
   {

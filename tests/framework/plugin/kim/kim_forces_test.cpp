@@ -128,7 +128,7 @@ TEST(KimModel, ARigidBodysForcesAreThoseOnItsParticles) {
   const Places places = crystal({3, 3, 2}, 3.65, 0.3, 12);
   const Places others = crystal({3, 3, 1}, 3.65, 0.2, 13, {0.4, 0.3, 7.3});
   const auto scene = kim_scene(
-      kMetal + atoms("a", places, "Ar", "Kr", "coordinates = \"rigid\"\n") +
+      kMetal + atoms("a", places, "Ar", "Kr", "coordinates = \"rigid\"\nhold = [\"rotation\"]\n") +
       atoms("b", others, "Kr", "Ar") + kim_force("tomlin_test_pair", "[\"a\", \"b\"]") +
       same_pairs("between", "[\"a\", \"b\"]") + same_pairs("within", "[\"b\"]") + kShortRun);
   Found expected = found_in(*scene, 1);
@@ -136,7 +136,7 @@ TEST(KimModel, ARigidBodysForcesAreThoseOnItsParticles) {
   const Found found = found_in(*scene, 0);
   ASSERT_EQ(found.forces.size(), expected.forces.size());
   for (std::size_t k = 0; k < found.forces.size(); ++k) {
-    EXPECT_NEAR(found.forces[k], expected.forces[k], 1e-9) << k;  // torques of arms of 5 A, too
+    EXPECT_NEAR(found.forces[k], expected.forces[k], kSameForce) << k;
   }
 }
 
@@ -373,7 +373,6 @@ TEST(KimModel, AForceThatIsNotFoldedBackIsSeen) {
   const Found planted = bench.compute(false);
   for (std::size_t d = 0; d < 3; ++d) {
     EXPECT_NEAR(total_along(sound, d), 0.0, kRoundings);
-    EXPECT_GT(std::abs(total_along(planted, d)), 1e-3);
   }
   EXPECT_GT(largest_difference(sound, planted), 1e-2);
 }

@@ -18,7 +18,7 @@ constexpr double kRoundingOfSums = 1e-12;
 
 std::string moving(const std::string& model, const std::string& more = "") {
   return kMetal + box_of(kBoxOfMotion, "[true, true, true]") +
-         atoms("a", crystal({5, 5, 5}, 4.1, 0.2, 21), "Ar", "Kr", "start_temperature = 60.0\n") +
+         atoms("a", crystal({5, 3, 3}, 4.1, 0.2, 21), "Ar", "Kr", "start_temperature = 60.0\n") +
          kim_force(model, "[\"a\"]") +
          "[run]\nduration = 0.4\nledger = true\nseed = 3\nintegrator = " + verlet(0.01) + "\n" +
          more;

@@ -68,9 +68,10 @@ TEST_F(KimPlugin, FaultsHaveTheirPlace) {
   write(folder_ / "argon.toml", scene_of_model("tomlin_test_pear", TOMLIN_KIM_PLUGIN, "0.1"));
   const Ended ended = tomlin({"run", "argon.toml"});
   EXPECT_EQ(ended.status, 2);
-  expect_error(ended,
-               "argon.toml:17:9: force.pot.model = \"tomlin_test_pear\" did you mean "
-               "tomlin_test_pair [scene.unknown_name]\n");
+  expect_error(
+      ended,
+      "argon.toml:17:9: force.pot.model = \"tomlin_test_pear\" [scene.unknown_name] did you "
+      "mean tomlin_test_pair\n");
   EXPECT_FALSE(exists("argon.out"));
 }
 
