@@ -249,7 +249,7 @@ class KimForce : public BoundForce<double>, public CountsNeighbours {
     const std::size_t body = body_of(atom).index;
     for (const std::uint32_t other : seen_) {
       for (std::size_t d = 0; d < 3; ++d) {
-        const std::size_t n = 3 * other + d;
+        const std::size_t n = 3 * std::size_t{other} + d;
         const double value = done ? (behind_[n] - before_[n]) / (ahead - back) : kNoNumber;
         if (value == 0.0) continue;
         if (other == atom) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <mutex>
 #include <stdexcept>
-#include <utility>
 
 #include <KIM_Log.hpp>
 #include <KIM_SimulatorHeaders.hpp>
@@ -201,9 +200,9 @@ std::vector<std::string> species_in(const KIM::Model& model) {
 /// A model that is installed, in the units of the engine; what is wrong is in the facts.
 Loaded load_model(const std::string& name, ModelFacts& facts) {
   Loaded loaded;
-  const auto refuse = [&](std::string why, std::string admissible) {
-    facts.why = std::move(why);
-    facts.admissible = std::move(admissible);
+  const auto refuse = [&](const std::string& why, const std::string& admissible) {
+    facts.why = why;
+    facts.admissible = admissible;
     discard(loaded);
     return loaded;
   };

@@ -8,7 +8,7 @@
 
 #include "framework/core/text/fault_code.hpp"
 
-namespace KIM {
+namespace KIM {  // NOLINT(readability-identifier-naming): the library's own
 class ComputeArguments;
 class Model;
 }  // namespace KIM

@@ -42,7 +42,7 @@ class Surroundings {
   std::array<double, 3> place(std::uint32_t particle, const Image& image) const {
     std::array<double, 3> at{};
     for (std::size_t d = 0; d < 3; ++d) {
-      at[d] = place_[3 * particle + d] + static_cast<double>(image[d]) * box_[d];
+      at[d] = place_[3 * std::size_t{particle} + d] + static_cast<double>(image[d]) * box_[d];
     }
     return at;
   }
@@ -58,7 +58,8 @@ class Surroundings {
         const Near& near = rows.near[k];
         Image seen;
         for (std::size_t d = 0; d < 3; ++d) {
-          const std::int64_t cells = cell_[3 * near.particle + d] - cell_[3 * particle + d];
+          const std::int64_t cells =
+              cell_[3 * std::size_t{near.particle} + d] - cell_[3 * std::size_t{particle} + d];
           seen[d] = static_cast<std::int8_t>(image[d] + near.image[d] + cells);
         }
         use(near.particle, seen);

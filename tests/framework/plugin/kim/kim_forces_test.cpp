@@ -12,6 +12,7 @@
 #include "framework/plugin/kim/kim_surroundings.hpp"
 #include "tests/framework/plugin/kim/kim_scenes.hpp"
 #include "tests/framework/plugin/kim/test_models.hpp"
+#include "tests/support/lammps.hpp"
 
 // Energies and forces of models by the KIM API: against the same potentials that are built in,
 // against their formulas, and against the slopes of their energies.
@@ -448,6 +449,65 @@ TEST(KimModel, CitesThePrimarySource) {
             "Some One (1999)");
   EXPECT_EQ(kim::citation_of("{\"species\" [\"Si\"]}"), "");
   EXPECT_EQ(kim::citation_of("\"source-citations\" [{\"author"), "");
+}
+
+// ---- LAMMPS, which has the KIM API, too
+
+bool lammps_has_kim() {
+  static const bool found =
+      has_lammps() && std::system("lmp -h 2>/dev/null | grep -qw KIM >/dev/null 2>&1") == 0;
+  return found;
+}
+
+/// A crystal in a periodic box, of argon and krypton.
+LammpsState by_lammps(const std::string& model, const Places& places,
+                      const std::array<double, 3>& box) {
+  std::string data = "atoms\n\n" + std::to_string(places.size()) + " atoms\n2 atom types\n";
+  for (std::size_t d = 0; d < 3; ++d) {
+    const std::string axis(1, "xyz"[d]);
+    data += "0 " + digits(box[d]) + " " + axis + "lo " + axis + "hi\n";
+  }
+  data += "\nAtoms\n\n";
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    data += std::to_string(i + 1) + (i % 3 == 1 ? " 2" : " 1");
+    for (const double x : places[i]) data += " " + digits(x);
+    data += "\n";
+  }
+  return run_lammps({{"atoms.data", data},
+                     {"in.lmp", "kim init " + model + " metal\nboundary p p p\n" +
+                                    "read_data atoms.data\nkim interactions Ar Kr\n"
+                                    "mass * 39.948\nrun 0\n"}},
+                    0);
+}
+
+TEST(KimModel, LammpsHasTheSameForces) {
+  if (!lammps_has_kim()) GTEST_SKIP() << "no LAMMPS with the KIM API";
+  with_kim();
+  const struct {
+    const char* model;
+    std::array<int, 3> cells;
+    double spacing;
+    std::array<double, 3> box;
+  } cases[] = {{"tomlin_test_pair", {4, 4, 4}, 3.65, kBox},
+               {"tomlin_test_coordinated", {7, 7, 7}, 2.95, kWideBox}};
+  for (const auto& one : cases) {
+    SCOPED_TRACE(one.model);
+    const Places places = crystal(one.cells, one.spacing, 0.3, 11);
+    const LammpsState theirs = by_lammps(one.model, places, one.box);
+    const auto scene =
+        kim_scene(kMetal + box_of(one.box, kPeriodic[0]) + atoms("a", places, "Ar", "Kr") +
+                  kim_force(one.model, "[\"a\"]") + kShortRun);
+    SingleForce alone(*scene, 0);
+    EXPECT_NEAR(alone.energy(0.0), theirs.energy, kSameEnergy * std::abs(theirs.energy));
+    const double* f = alone.forces(0.0);
+    const BodySlot<double>& slot = alone.model().bodies()[0].bound.slot;
+    ASSERT_EQ(theirs.force.size(), places.size());
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      for (std::size_t d = 0; d < 3; ++d) {
+        EXPECT_NEAR(f[slot.offset + d * slot.stride + i], theirs.force[i][d], kSameForce) << i;
+      }
+    }
+  }
 }
 
 // ---- models of openkim-models, where they are installed
