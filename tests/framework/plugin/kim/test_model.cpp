@@ -29,7 +29,7 @@ using tomlin::test::kCoordinationWeight;
 using tomlin::test::kPairCutoff;
 using tomlin::test::pair_energy;
 using tomlin::test::phi;
-using tomlin::test::Value;
+using tomlin::test::ValueAndSlope;
 
 enum Kind { pair, coordinated, faulty };
 constexpr Kind kKind = TOMLIN_TEST_MODEL_KIND;
@@ -102,7 +102,7 @@ bool add_pairs(const KIM::ModelComputeArguments* arguments, const Given& g) {
       if (has_fault("error_when_near") && s.distance < 3.0) return false;
       if (!(s.distance < kPairCutoff)) continue;
       const double share = g.contributing[j] != 0 ? 1.0 : 0.5;
-      const Value v = pair_energy(g.species[i], g.species[j], s.distance);
+      const ValueAndSlope v = pair_energy(g.species[i], g.species[j], s.distance);
       *g.energy += share * v.value;
       pull(g, i, j, s, share * v.slope);
     }
@@ -126,12 +126,12 @@ bool add_coordinated(const KIM::ModelComputeArguments* arguments, const Given& g
       for (int k = 0; k < around.count; ++k) {
         n += coordination(between(g, j, around.near[k]).distance).value;
       }
-      const Value v = phi(g.species[i] + g.species[j], s.distance);
+      const ValueAndSlope v = phi(g.species[i] + g.species[j], s.distance);
       *g.energy += v.value * (1.0 + kCoordinationWeight * n);
       pull(g, i, j, s, v.slope * (1.0 + kCoordinationWeight * n));
       for (int k = 0; k < around.count; ++k) {
         const Separation r = between(g, j, around.near[k]);
-        const Value f = coordination(r.distance);
+        const ValueAndSlope f = coordination(r.distance);
         pull(g, j, around.near[k], r, kCoordinationWeight * v.value * f.slope);
       }
     }
