@@ -23,12 +23,16 @@ install(TARGETS tomlin EXPORT tomlin RUNTIME COMPONENT program)
 if(TARGET tomlin_mpi)
   install(TARGETS tomlin_mpi LIBRARY DESTINATION lib/tomlin COMPONENT mpi)
 endif()
+if(TARGET tomlin_kim)
+  install(TARGETS tomlin_kim LIBRARY DESTINATION lib/tomlin COMPONENT kim)
+endif()
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 install(TARGETS ${targets} EXPORT tomlin INCLUDES DESTINATION ${header_folder})
 install(EXPORT tomlin FILE tomlinTargets.cmake NAMESPACE tomlin:: DESTINATION ${package_folder})
 
 install(DIRECTORY framework forcefields integrators DESTINATION ${header_folder}
-        FILES_MATCHING PATTERN "*.hpp" PATTERN "cli" EXCLUDE PATTERN "plot" EXCLUDE)
+        FILES_MATCHING PATTERN "*.hpp" PATTERN "cli" EXCLUDE PATTERN "plot" EXCLUDE
+        PATTERN "kim" EXCLUDE)
 install(FILES ${CMAKE_BINARY_DIR}/border/framework/plugin/border.hpp
         DESTINATION ${header_folder}/framework/plugin)
 configure_package_config_file(cmake/tomlinConfig.cmake.in
@@ -52,8 +56,8 @@ endforeach()
 # The pages, laid out as they link to each other, with the scenes that they run.
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
 install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-foreach(folder framework framework/bodies framework/plugin framework/run framework/scene
-               forcefields integrators tests)
+foreach(folder framework framework/bodies framework/plugin framework/plugin/kim framework/run
+               framework/scene forcefields integrators tests)
   file(GLOB pages CONFIGURE_DEPENDS ${folder}/*.md)
   install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder})
 endforeach()

@@ -31,6 +31,16 @@ if(TARGET tomlin_mpi)
   set(CPACK_COMPONENT_MPI_DESCRIPTION "Sweeps in processes that mpirun starts.")
 endif()
 
+if(TARGET tomlin_kim)
+  list(APPEND CPACK_COMPONENTS_ALL kim)
+  add_dependencies(packaged tomlin_kim)
+  set(CPACK_DEBIAN_KIM_PACKAGE_NAME tomlin-kim)
+  set(CPACK_DEBIAN_KIM_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_KIM_PACKAGE_DEPENDS "tomlin (= ${PROJECT_VERSION})")
+  set(CPACK_DEBIAN_KIM_PACKAGE_SUGGESTS openkim-models)
+  set(CPACK_COMPONENT_KIM_DESCRIPTION "Interatomic potentials by the KIM API.")
+endif()
+
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libtomlin-dev)
 string(JOIN ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
        "tomlin (= ${PROJECT_VERSION})" cmake g++ libeigen3-dev libboost-dev libhwy-dev

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "framework/core/numbers/quad.hpp"
+#include "framework/core/records/neighbour_count.hpp"
 
 namespace tomlin {
 
@@ -81,7 +82,7 @@ Real call_drag(const void* guarded_flow, const Stage<Real>& stage) {
 
 /// Every function of BoundForce is passed on.
 template <class Real>
-class GuardedForce final : public BoundForce<Real> {
+class GuardedForce : public BoundForce<Real> {
  public:
   GuardedForce(std::unique_ptr<BoundForce<Real>> force, Owner owner)
       : force_(std::move(force)), owner_(std::move(owner)) {}
@@ -198,12 +199,13 @@ class GuardedForce final : public BoundForce<Real> {
     guard([&] { force_->passed(time); });
   }
 
- private:
+ protected:
   template <class Action>
   auto guard(Action action) const {
     return owner_.guard(action);
   }
 
+ private:
   /// The same one whenever it is asked for: passes are identified by their arguments.
   const GuardedPass<Real>& guarded_pass(const GuardedPass<Real>& wanted) {
     for (const GuardedPass<Real>& known : passes_) {
@@ -220,6 +222,22 @@ class GuardedForce final : public BoundForce<Real> {
   std::deque<GuardedPass<Real>> passes_;  // kernels hold pointers into it
   mutable GuardedPoint<Real> point_;
   GuardedFlow<Real> flow_;
+};
+
+/// One that keeps neighbour lists, too.
+template <class Real>
+class GuardedForceWithLists final : public GuardedForce<Real>, public CountsNeighbours {
+ public:
+  GuardedForceWithLists(std::unique_ptr<BoundForce<Real>> force, const CountsNeighbours& lists,
+                        Owner owner)
+      : GuardedForce<Real>(std::move(force), std::move(owner)), lists_(lists) {}
+
+  NeighbourCount count_neighbours() const override {
+    return this->guard([&] { return lists_.count_neighbours(); });
+  }
+
+ private:
+  const CountsNeighbours& lists_;
 };
 
 /// Every function of EquilibriumPath is passed on.
@@ -347,8 +365,12 @@ std::unique_ptr<Integrator<double>> guarded(std::unique_ptr<Integrator<double>> 
 template <class Real>
 std::unique_ptr<BoundForce<Real>> guarded(std::unique_ptr<BoundForce<Real>> force,
                                           std::string component, std::string library) {
-  return std::make_unique<GuardedForce<Real>>(std::move(force),
-                                              Owner{std::move(component), std::move(library)});
+  Owner owner{std::move(component), std::move(library)};
+  if (const auto* lists = dynamic_cast<const CountsNeighbours*>(force.get())) {
+    return std::make_unique<GuardedForceWithLists<Real>>(std::move(force), *lists,
+                                                         std::move(owner));
+  }
+  return std::make_unique<GuardedForce<Real>>(std::move(force), std::move(owner));
 }
 
 template <class Real>

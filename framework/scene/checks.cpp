@@ -405,8 +405,9 @@ void check_forces(std::vector<ForceDraft>& forces, const std::vector<BodyDraft>&
     const auto counted = counted_bodies(force.bodies, bodies);
     if (!check_values(force.reading, dimension, counted, faults)) force.sound = false;
     if (!force.sound || !bodies_are_known) continue;
-    const auto outline = outline_for(force.bodies, bodies, closed, lengths, *dimension);
+    auto outline = outline_for(force.bodies, bodies, closed, lengths, *dimension);
     if (!outline) continue;
+    outline->units = force.reading.units;
     bool fits = false;
     const auto complaints = complaints_of(*force.record, [&] {
       auto found = complaints_of_each(force, *outline);

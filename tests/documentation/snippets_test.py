@@ -5,9 +5,10 @@
 
 Every block fenced as ```sh is run by bash from a folder that looks like the project's after
 ./dev build; a block fenced as ```sh long is not run, and ```sh library is left to library_test.py.
-A block fenced as ```toml is a whole scene, and is run by the program. Lines that start with ./dev
-are not run: their command must be one that `./dev help` names. The blocks of one page are run in
-order, in one folder. Pages that the program or the tests generate are left out.
+A block fenced as ```toml is a whole scene, and is run by the program; one fenced as ```toml kim is,
+where the plugin with models of the KIM API was built and the scene's model is installed. Lines that
+start with ./dev are not run: their command must be one that `./dev help` names. The blocks of one
+page are run in order, in one folder. Pages that the program or the tests generate are left out.
 
 Exit status: 0 all went well, 1 one did not, 2 bad arguments.
 """
@@ -27,6 +28,7 @@ SECONDS_PER_BLOCK = 300  # a snippet that takes longer has no place in an `sh` b
 
 FENCE = re.compile(r"^```(.*)$")
 DEV = re.compile(r"^\s*\./dev\b\s*(\S*)")
+KIM_MODEL = re.compile(r'^model = "(.*)"$', re.MULTILINE)
 
 
 class Block:
@@ -70,11 +72,22 @@ def lay_out(folder, source, program):
             (folder / entry.name).symlink_to(entry)
     (folder / "build" / "bin").mkdir(parents=True)
     (folder / "build" / "bin" / "tomlin").symlink_to(program)
+    (folder / "build" / "lib").symlink_to(program.parent.parent / "lib")
+
+
+def why_no_kim(block, folder):
+    """Why a scene with a model of the KIM API cannot be run here, or None."""
+    if not (folder / "build/lib/tomlin/libtomlin_kim.so").exists():
+        return "the plugin with kim_model is not built"
+    model = KIM_MODEL.search("\n".join(block.lines)).group(1)
+    listed = subprocess.run(["kim-api-collections-management", "list"], capture_output=True,
+                            text=True, check=False, cwd=folder).stdout.split()
+    return None if model in listed else f"no {model}: it is in openkim-models"
 
 
 def commands_of(block, folder, commands):
     """What bash is to run for a block, and why it cannot be; one of them is None."""
-    if block.info == "toml":
+    if block.info in ("toml", "toml kim"):
         scene = folder / f"scene_of_line_{block.line}.toml"
         scene.write_text("\n".join(block.lines) + "\n", encoding="utf-8")
         return f"build/bin/tomlin run {scene.name}", None
@@ -119,7 +132,10 @@ def check_page(page, source, program, commands):
         folder = pathlib.Path(name)
         lay_out(folder, source, program)
         for block in blocks:
-            if block.info not in ("sh", "toml"):
+            if block.info not in ("sh", "toml", "toml kim"):
+                continue
+            if block.info == "toml kim" and (why := why_no_kim(block, folder)):
+                print(f"{page}:{block.line}: skipped: {why}")
                 continue
             run += 1
             why = run_block(block, folder, commands)

@@ -12,6 +12,7 @@
 #include "framework/core/records/body.hpp"
 #include "framework/core/records/registry.hpp"
 #include "framework/core/records/traits.hpp"
+#include "framework/core/records/unit_system.hpp"
 
 /// Forces as the registry knows them. What a force becomes when a scene is bound stands in
 /// framework/core/records/bound_force.hpp.
@@ -63,6 +64,9 @@ struct SceneOutline {
     std::vector<std::string> species = {};  ///< that its particles are, each once; empty: none
   };
   std::vector<Body> bodies;  ///< those the force acts on, in the order named
+  /// Of the scene's file; `box` and descriptions are in the engine's units. For forces, not for
+  /// observers.
+  UnitSystem units = UnitSystem::reduced;
 };
 
 /// Thrown by a factory for what only shows when a scene is bound: how a key of the force does not
