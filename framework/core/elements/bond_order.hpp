@@ -68,16 +68,28 @@ class NeighbourRows {
     if (self.finder_.begin(stage)) self.make();
   }
 
+  /// Of a solid the neighbours are mostly those that it has had before.
   void make() {
     const std::size_t count = finder_.count();
-    const std::size_t groups = padded(count) / kGroup;
+    bool differ = found_.empty();
     found_.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::vector<Neighbour>& found = finder_.of(i);
+      if (found == found_[i]) continue;
+      found_[i] = found;
+      differ = true;
+    }
+    if (differ) lay_all();
+  }
+
+  void lay_all() {
+    const std::size_t count = found_.size();
+    const std::size_t groups = padded(count) / kGroup;
     row_start_.assign(groups + 1, 0);
     most_rows_ = 0;
     for (std::size_t g = 0; g < groups; ++g) {
       std::size_t rows = 0;
       for (std::size_t i = g * kGroup; i < (g + 1) * kGroup && i < count; ++i) {
-        found_[i] = finder_.of(i);
         neighbours_[i] = Real(static_cast<double>(found_[i].size()));
         rows = std::max(rows, found_[i].size());
       }

@@ -1,5 +1,7 @@
 #include "framework/core/system/thread_team.hpp"
 
+#include <sched.h>
+
 #include <algorithm>
 #include <csignal>
 #include <system_error>
@@ -22,8 +24,8 @@ void pause() {
 
 /// Waits until a number is no longer this one, at first without sleeping.
 void wait_for_change(const std::atomic<std::uint32_t>& number, std::uint32_t old) {
-  constexpr int kLooks = 1000;
-  constexpr int kLooksBetweenYields = 50;
+  constexpr int kLooks = 20'000;
+  constexpr int kLooksBetweenYields = 2000;
   for (int k = 1; k <= kLooks; ++k) {
     if (number.load(std::memory_order_acquire) != old) return;
     if (k % kLooksBetweenYields == 0) {
@@ -34,6 +36,24 @@ void wait_for_change(const std::atomic<std::uint32_t>& number, std::uint32_t old
   }
   number.wait(old, std::memory_order_acquire);
 }
+
+/// Keeps a thread off the processor of the one that it works for, if it may use another one: on a
+/// busy machine the system otherwise leaves it where it was woken up, to wait there for its turn.
+class OtherProcessors {
+ public:
+  OtherProcessors() { known_ = sched_getaffinity(0, sizeof allowed_, &allowed_) == 0; }
+
+  void leave(int processor) {
+    if (!known_ || processor < 0 || processor != sched_getcpu()) return;
+    cpu_set_t others = allowed_;
+    CPU_CLR(processor, &others);
+    if (CPU_COUNT(&others) > 0) sched_setaffinity(0, sizeof others, &others);
+  }
+
+ private:
+  cpu_set_t allowed_{};
+  bool known_ = false;
+};
 
 /// While it lives, threads are started that signals leave alone.
 class WithoutSignals {
@@ -79,6 +99,7 @@ void ThreadTeam::share(void* threads, std::size_t parts, TeamPart part, const vo
   self.part_ = part;
   self.work_ = work;
   self.done_.store(0, std::memory_order_relaxed);
+  self.processor_.store(sched_getcpu(), std::memory_order_relaxed);
   const std::uint32_t piece = self.pieces_.load(std::memory_order_relaxed) + 1;
   self.next_.store((std::uint64_t{piece} << (2 * kPartBits)) | (parts << kPartBits),
                    std::memory_order_release);
@@ -105,9 +126,11 @@ bool ThreadTeam::take_part(std::size_t member) {
 }
 
 void ThreadTeam::follow(std::size_t member) {
+  OtherProcessors processors;
   for (;;) {
     const std::uint32_t seen = pieces_.load(std::memory_order_acquire);
     if (ends_.load(std::memory_order_relaxed)) return;
+    processors.leave(processor_.load(std::memory_order_relaxed));
     while (take_part(member)) {
     }
     wait_for_change(pieces_, seen);

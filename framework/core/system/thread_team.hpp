@@ -12,8 +12,8 @@
 namespace tomlin {
 
 /// The threads of a Team, which live as long as this does. Between two pieces of work they look out
-/// for the next one for some ten microseconds and then sleep. One that is late is not waited for:
-/// the others take its parts. Sharing allocates nothing.
+/// for the next one for some tenths of a millisecond and then sleep. One that is late is not waited
+/// for: the others take its parts. Sharing allocates nothing.
 class ThreadTeam {
  public:
   /// So many members, of whom the calling thread is one; fewer where the system starts no more.
@@ -40,6 +40,7 @@ class ThreadTeam {
   alignas(kApart) std::atomic<std::uint32_t> done_{0};    ///< parts
   alignas(kApart) std::atomic<std::uint32_t> pieces_{0};  ///< of work so far; the last is the end
   std::atomic<bool> ends_{false};
+  std::atomic<int> processor_{-1};  ///< that the calling thread was on
   Team team_;
   std::vector<std::thread> threads_;
 };
