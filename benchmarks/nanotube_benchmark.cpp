@@ -366,8 +366,8 @@ tomlin::plain::TersoffTwin twin(const std::vector<Place>& places) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::vector<std::size_t>& of_it = near[near[i][k]];
       const auto me = std::find(of_it.begin(), of_it.end(), i) - of_it.begin();
-      made.back[k][i] = me * static_cast<std::int64_t>(made.count) +
-                        static_cast<std::int64_t>(near[i][k]);
+      made.back[k][i] =
+          me * static_cast<std::int64_t>(made.count) + static_cast<std::int64_t>(near[i][k]);
     }
   }
   return made;
@@ -376,12 +376,15 @@ tomlin::plain::TersoffTwin twin(const std::vector<Place>& places) {
 tomlin::plain::TersoffTwinKernel twin_kernel() {
   switch (tomlin::chosen_instruction_set()) {
 #if defined(TOMLIN_KERNELS_AVX512)
-    case tomlin::InstructionSet::avx512: return &tomlin::plain::tersoff_twin_avx512;
+    case tomlin::InstructionSet::avx512:
+      return &tomlin::plain::tersoff_twin_avx512;
 #endif
 #if defined(TOMLIN_KERNELS_AVX2)
-    case tomlin::InstructionSet::avx2: return &tomlin::plain::tersoff_twin_avx2;
+    case tomlin::InstructionSet::avx2:
+      return &tomlin::plain::tersoff_twin_avx2;
 #endif
-    default: return &tomlin::plain::tersoff_twin_baseline;
+    default:
+      return &tomlin::plain::tersoff_twin_baseline;
   }
 }
 
@@ -394,8 +397,8 @@ class EvaluatedTube {
 
   void evaluate() {
     const auto& view = engine_.model().system().view;
-    const auto stage = tomlin::stage_of(view, view.position, view.velocity, view.integrals,
-                                        rates_.data(), 0.0);
+    const auto stage =
+        tomlin::stage_of(view, view.position, view.velocity, view.integrals, rates_.data(), 0.0);
     for (std::size_t k = 0; k < view.operation_count; ++k) {
       view.operations[k].run(view.operations[k].arguments, stage);
     }

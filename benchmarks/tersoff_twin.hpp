@@ -87,7 +87,8 @@ TOMLIN_FLATTEN inline void twin_gradients(TersoffTwin& tube) {
         const auto within = b.distance <= Pack(kInner);
         const auto beyond = b.distance >= Pack(kOuter);
         b.cutoff = select(within, one, select(beyond, Pack(0.0), half - half * sine));
-        b.cutoff_slope = select(within | beyond, Pack(0.0), cosine * turns * Pack(-3.14159265358979));
+        b.cutoff_slope =
+            select(within | beyond, Pack(0.0), cosine * turns * Pack(-3.14159265358979));
       }
     }
     // Of neighbours 0 and 1, 0 and 2, 1 and 2.
@@ -118,11 +119,10 @@ TOMLIN_FLATTEN inline void twin_gradients(TersoffTwin& tube) {
       const Pack repulsion = exp(b.distance * Pack(-kLambda1)) * Pack(kA);
       const Pack attraction = exp(b.distance * Pack(-kLambda2)) * Pack(-kB);
       const Pack potential = fma(order, attraction, repulsion);
-      const Pack slope =
-          fma(order * attraction, Pack(-kLambda2), repulsion * Pack(-kLambda1));
+      const Pack slope = fma(order * attraction, Pack(-kLambda2), repulsion * Pack(-kLambda1));
       const Pack radial = half * fma(b.cutoff_slope, potential, b.cutoff * slope);
-      const Pack by_zeta = Pack(-0.25) * b.cutoff * attraction * order * power /
-                           ((power + one) * zeta);
+      const Pack by_zeta =
+          Pack(-0.25) * b.cutoff * attraction * order * power / ((power + one) * zeta);
       for (int d = 0; d < 3; ++d) b.gradient[d] = fma(radial, b.e[d], b.gradient[d]);
       for (int k = 0; k < 3; ++k) {
         if (k == j) continue;
@@ -153,8 +153,8 @@ TOMLIN_FLATTEN inline void twin_forces(TersoffTwin& tube) {
     for (std::size_t i = 0; i < n; i += kGroup) {
       Pack total(0.0);
       for (std::size_t j = 0; j < 3; ++j) {
-        total = total + (Pack::load(gradient + j * n + i) -
-                         gathered(gradient, tube.back[j].data() + i));
+        total = total +
+                (Pack::load(gradient + j * n + i) - gathered(gradient, tube.back[j].data() + i));
       }
       total.store(force + i);
     }

@@ -143,8 +143,7 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
   sections.row(to_string(result.status),
                fmt::format("at time {:.9g}{} after {} steps{}, {} force evaluations",
                            result.end_time, time, result.steps, refused, result.force_evaluations));
-  const std::string threads =
-      result.threads > 1 ? fmt::format(", {} threads", result.threads) : "";
+  const std::string threads = result.threads > 1 ? fmt::format(", {} threads", result.threads) : "";
   sections.row("speed",
                fmt::format("{:.3g} s, {:.3g} steps/s, {}{}", result.wall_seconds,
                            result.steps_per_second, to_string(result.instruction_set), threads));

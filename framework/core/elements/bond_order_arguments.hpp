@@ -30,7 +30,7 @@ struct BondOrderArguments {
   Real* gradient = nullptr;  ///< scratch [axis][slot][lane] of the energy of the particle
   Real* work = nullptr;      ///< scratch of one group, for each member of the team
   std::size_t work_apart = 0;
-  Real* energy = nullptr;    ///< scratch [particle, padded]
+  Real* energy = nullptr;  ///< scratch [particle, padded]
 };
 
 /// The kernels of a bond-order potential in three dimensions.

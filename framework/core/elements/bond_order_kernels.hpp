@@ -244,22 +244,21 @@ void bond_order_kernel(const void* arguments, const Stage<Real>& stage_of_all) {
   using Group = Packed<Real>;
   const auto* const given = static_cast<const BondOrderArguments<Real>*>(arguments);
   given->update.run(given->update.list, stage_of_all);
-  in_parts(given->team, given->body.count,
-           [a = *given, stage = stage_of_all](std::size_t begin, std::size_t end,
-                                              std::size_t member) {
-             const std::size_t axis_length = a.slots * kGroup;
-             for_groups_of_bonds<E, Real>(
-                 a, stage, begin, end, member,
-                 [&](std::size_t, std::size_t first, std::size_t rows, const BondRow<Group>* bonds,
-                     const Group&) {
-                   for (std::size_t k = 0; k < rows; ++k) {
-                     for (int d = 0; d < 3; ++d) {
-                       bonds[k].gradient[d].store(a.gradient + d * axis_length +
-                                                  (first + k) * kGroup);
-                     }
-                   }
-                 });
-           });
+  in_parts(
+      given->team, given->body.count,
+      [a = *given, stage = stage_of_all](std::size_t begin, std::size_t end, std::size_t member) {
+        const std::size_t axis_length = a.slots * kGroup;
+        for_groups_of_bonds<E, Real>(
+            a, stage, begin, end, member,
+            [&](std::size_t, std::size_t first, std::size_t rows, const BondRow<Group>* bonds,
+                const Group&) {
+              for (std::size_t k = 0; k < rows; ++k) {
+                for (int d = 0; d < 3; ++d) {
+                  bonds[k].gradient[d].store(a.gradient + d * axis_length + (first + k) * kGroup);
+                }
+              }
+            });
+      });
 
   Real* const forces =
       (given->body.mapped ? stage_of_all.mapped_force : stage_of_all.force) + given->body.offset;
@@ -286,14 +285,14 @@ template <class E, class Real>
 void bond_order_energy_kernel(const void* arguments, const Stage<Real>& stage_of_all) {
   using Group = Packed<Real>;
   const auto* const given = static_cast<const BondOrderArguments<Real>*>(arguments);
-  in_parts(given->team, given->body.count,
-           [a = *given, stage = stage_of_all](std::size_t begin, std::size_t end,
-                                              std::size_t member) {
-             for_groups_of_bonds<E, Real>(
-                 a, stage, begin, end, member,
-                 [&](std::size_t i, std::size_t, std::size_t, const BondRow<Group>*,
-                     const Group& energy) { energy.store(a.energy + i); });
-           });
+  in_parts(
+      given->team, given->body.count,
+      [a = *given, stage = stage_of_all](std::size_t begin, std::size_t end, std::size_t member) {
+        for_groups_of_bonds<E, Real>(
+            a, stage, begin, end, member,
+            [&](std::size_t i, std::size_t, std::size_t, const BondRow<Group>*,
+                const Group& energy) { energy.store(a.energy + i); });
+      });
 }
 
 /// The kernels of an evaluator of bond orders.

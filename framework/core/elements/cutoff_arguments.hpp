@@ -24,8 +24,8 @@ template <class Real>
 struct CutoffPairArguments {
   ListUpdate<Real> update;
   const Team* team = nullptr;  ///< null: one thread
-  BodySlot<Real> one;    ///< on which the force acts
-  BodySlot<Real> other;  ///< from which it comes
+  BodySlot<Real> one;          ///< on which the force acts
+  BodySlot<Real> other;        ///< from which it comes
   bool same_body = false;
   const void* parameters = nullptr;
   /// Where they differ between species: which species of `one` each of its particles is, and the

@@ -1,3 +1,5 @@
+#include "framework/core/system/thread_team.hpp"
+
 #include <atomic>
 #include <chrono>
 #include <cstddef>
@@ -6,8 +8,6 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-
-#include "framework/core/system/thread_team.hpp"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define TOMLIN_TEST_RESERVES_MEMORY 1

@@ -19,10 +19,11 @@
 namespace tomlin::test {
 namespace {
 
-/// Two free layers of 320 and 328 atoms, hot and moving against each other, above a fixed one: lists
-/// within a body and between two, pairs by species, a field. Whole groups of eight, and not.
+/// Two free layers of 320 and 328 atoms, hot and moving against each other, above a fixed one:
+/// lists within a body and between two, pairs by species, a field. Whole groups of eight, and not.
 std::string layers(const std::string& number_type) {
-  const auto layer = [](const std::string& name, const std::string& cells, const std::string& more) {
+  const auto layer = [](const std::string& name, const std::string& cells,
+                        const std::string& more) {
     return "[[body]]\nname = \"" + name +
            "\"\ntype = \"graphene\"\nbond_length = \"b\"\ncells = " + cells +
            "\nspecies = \"C\"\nparticle_mass = 12.011\n" + more;
@@ -32,22 +33,29 @@ std::string layers(const std::string& number_type) {
   };
   return "[scene]\nunits = \"metal\"\n[parameters]\nb = 1.4388\n[box]\nlengths = [\"10 * 3 * b\", "
          "\"8 * sqrt(3) * b\", 60.0]\nperiodic = [true, true, false]\n" +
-         layer("lower", "[10, 8]",
-               "centre = [0.3, 0.2, 3.4]\nstart_temperature = 900.0\nvelocity = [4.0, 0.0, 0.0]\n") +
+         layer(
+             "lower", "[10, 8]",
+             "centre = [0.3, 0.2, 3.4]\nstart_temperature = 900.0\nvelocity = [4.0, 0.0, 0.0]\n") +
          layer("upper", "[10, 8]",
-               "centre = [0.1, 0.5, 6.8]\nstart_temperature = 900.0\nvelocity = [-90.0, 0.0, 0.0]\n") +
+               "centre = [0.1, 0.5, 6.8]\nstart_temperature = 900.0\nvelocity = [-90.0, 0.0, "
+               "0.0]\n") +
          layer("sheet", "[10, 8]", "coordinates = \"fixed\"\n") +
          "[[body]]\nname = \"grains\"\ntype = \"chain\"\ncount = 261\nspacing = 0.15\norigin = "
          "[-20.0, 0.0, 12.0]\nspecies = \"Ar\"\nparticle_mass = 39.948\nvelocity = [0.0, 30.0, "
          "0.0]\n" +
-         force("tersoff", "name = \"one\"\nbody = \"lower\"\nparameters = \"lindsay_broido_2010\"\n") +
-         force("tersoff", "name = \"two\"\nbody = \"upper\"\nparameters = \"lindsay_broido_2010\"\n") +
-         force("lennard_jones", "name = \"between\"\nbodies = [\"lower\", \"upper\"]\nepsilon = "
-                                "0.0024\nsigma = 3.4\ncutoff = 5.0\n") +
-         force("lennard_jones", "name = \"gas\"\nbodies = [\"grains\", \"upper\"]\nentries = \"\"\""
-                                "\nAr C 0.005 3.4\n\"\"\"\ncutoff = 7.0\n") +
-         force("sheet_field", "bodies = [\"lower\", \"sheet\"]\nepsilon = 0.0024\nsigma = "
-                              "3.4\ncutoff = 8.0\ntolerance = 1e-3\n") +
+         force("tersoff",
+               "name = \"one\"\nbody = \"lower\"\nparameters = \"lindsay_broido_2010\"\n") +
+         force("tersoff",
+               "name = \"two\"\nbody = \"upper\"\nparameters = \"lindsay_broido_2010\"\n") +
+         force("lennard_jones",
+               "name = \"between\"\nbodies = [\"lower\", \"upper\"]\nepsilon = "
+               "0.0024\nsigma = 3.4\ncutoff = 5.0\n") +
+         force("lennard_jones",
+               "name = \"gas\"\nbodies = [\"grains\", \"upper\"]\nentries = \"\"\""
+               "\nAr C 0.005 3.4\n\"\"\"\ncutoff = 7.0\n") +
+         force("sheet_field",
+               "bodies = [\"lower\", \"sheet\"]\nepsilon = 0.0024\nsigma = "
+               "3.4\ncutoff = 8.0\ntolerance = 1e-3\n") +
          "[run]\nseed = 4\nduration = 0.03\nnumber_type = \"" + number_type +
          "\"\nledger = true\nintegrator = { type = \"velocity_verlet\", dt = 5e-4 }\n";
 }
