@@ -3,16 +3,21 @@
 // three neighbours for ever. With a fixed sheet of graphene below it: the engine, by pairs and by
 // the field of the sheet, and the same loop with the harmonics of W. A. Steele, Surf. Sci. 36, 317
 // (1973), in tables.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <numbers>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 
+#include "benchmarks/tersoff_twin.hpp"
+#include "framework/core/system/thread_team.hpp"
 #include "framework/run/engine.hpp"
 #include "framework/scene/scene.hpp"
 #include "framework/standard_registry.hpp"
@@ -326,5 +331,168 @@ void BM_plain_nanotube(benchmark::State& state) {
   count_steps(state);
 }
 BENCHMARK(BM_plain_nanotube)->Name("nanotube_800/plain")->Unit(benchmark::kMicrosecond);
+
+// ---- one evaluation of Tersoff's potential, beside a twin in vectors ----------------------------
+
+tomlin::plain::TersoffTwin twin(const std::vector<Place>& places) {
+  tomlin::plain::TersoffTwin made;
+  made.count = places.size();
+  std::vector<std::vector<std::size_t>> near(made.count);
+  for (std::size_t j = 0; j < 3; ++j) {
+    made.x[j].resize(made.count);
+    made.force[j].resize(made.count);
+    made.near[j].resize(made.count);
+    made.back[j].resize(made.count);
+    made.shift[j].resize(made.count);
+    made.gradient[j].resize(3 * made.count);
+    for (std::size_t i = 0; i < made.count; ++i) made.x[j][i] = places[i][j];
+  }
+  for (std::size_t i = 0; i < made.count; ++i) {
+    for (std::size_t j = 0; j < made.count; ++j) {
+      double way = places[j][0] - places[i][0];
+      const double shift = -length_of_box() * std::floor(way / length_of_box() + 0.5);
+      way += shift;
+      const double r = std::hypot(way, places[j][1] - places[i][1], places[j][2] - places[i][2]);
+      if (j == i || r > 1.9) continue;
+      const std::size_t k = near[i].size();
+      if (k == 3) throw std::logic_error("an atom has more than three neighbours");
+      near[i].push_back(j);
+      made.near[k][i] = static_cast<std::int64_t>(j);
+      made.shift[k][i] = shift;
+    }
+    if (near[i].size() != 3) throw std::logic_error("an atom has fewer than three neighbours");
+  }
+  for (std::size_t i = 0; i < made.count; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::vector<std::size_t>& of_it = near[near[i][k]];
+      const auto me = std::find(of_it.begin(), of_it.end(), i) - of_it.begin();
+      made.back[k][i] =
+          me * static_cast<std::int64_t>(made.count) + static_cast<std::int64_t>(near[i][k]);
+    }
+  }
+  return made;
+}
+
+tomlin::plain::TersoffTwinKernel twin_kernel() {
+  switch (tomlin::chosen_instruction_set()) {
+#if defined(TOMLIN_KERNELS_AVX512)
+    case tomlin::InstructionSet::avx512:
+      return &tomlin::plain::tersoff_twin_avx512;
+#endif
+#if defined(TOMLIN_KERNELS_AVX2)
+    case tomlin::InstructionSet::avx2:
+      return &tomlin::plain::tersoff_twin_avx2;
+#endif
+    default:
+      return &tomlin::plain::tersoff_twin_baseline;
+  }
+}
+
+/// One evaluation of the engine's tube: the force of Tersoff's potential is its only one.
+class EvaluatedTube {
+ public:
+  EvaluatedTube()
+      : engine_(tomlin::parse_scene(scene(""), "benchmark.toml", components_, {}), {}),
+        rates_(engine_.model().system().view.rates + 2 * tomlin::kGroup) {}
+
+  void evaluate() {
+    const auto& view = engine_.model().system().view;
+    const auto stage =
+        tomlin::stage_of(view, view.position, view.velocity, view.integrals, rates_.data(), 0.0);
+    for (std::size_t k = 0; k < view.operation_count; ++k) {
+      view.operations[k].run(view.operations[k].arguments, stage);
+    }
+  }
+  double force(std::size_t atom, std::size_t axis) {
+    return engine_.model().system().view.force[at(atom, axis)];
+  }
+  std::vector<Place> places() {
+    std::vector<Place> all(tube().size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      for (std::size_t d = 0; d < 3; ++d) {
+        all[i][d] = engine_.model().system().view.position[at(i, d)];
+      }
+    }
+    return all;
+  }
+
+ private:
+  std::size_t at(std::size_t atom, std::size_t axis) {
+    const auto& body = engine_.model().bodies().front().bound.slot;
+    return body.offset + axis * body.stride + atom;
+  }
+
+  tomlin::Registry components_ = tomlin::standard_registry();
+  tomlin::Engine engine_;
+  tomlin::AlignedVector<double> rates_;
+};
+
+void BM_tersoff(benchmark::State& state) {
+  // Leaked on purpose, as above.
+  auto& tube = *new EvaluatedTube;
+  for (auto _ : state) tube.evaluate();
+  count_steps(state);
+}
+BENCHMARK(BM_tersoff)->Name("tersoff_800/tomlin")->Unit(benchmark::kMicrosecond);
+
+void BM_tersoff_twin(benchmark::State& state) {
+  EvaluatedTube tube;
+  tube.evaluate();
+  tomlin::plain::TersoffTwin made = twin(tube.places());
+  const tomlin::plain::TersoffTwinKernel kernel = twin_kernel();
+  kernel(made);
+  double most = 0.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < made.count; ++i) {
+      most = std::max(most, std::abs(made.force[axis][i] - tube.force(i, axis)));
+    }
+  }
+  if (!(most < 1e-9)) state.SkipWithError("the forces of the twin differ from the engine's");
+  for (auto _ : state) kernel(made);
+  count_steps(state);
+}
+BENCHMARK(BM_tersoff_twin)->Name("tersoff_800/plain")->Unit(benchmark::kMicrosecond);
+
+// ---- threads ------------------------------------------------------------------------------------
+
+/// A free layer of graphene at 300 K over a fixed one, `cells` along each side: 4 cells^2 atoms.
+std::string layers(int cells) {
+  const std::string length = std::to_string(cells);
+  return "[scene]\nunits = \"metal\"\n[parameters]\nb = 1.4388\n[box]\nlengths = [\"" + length +
+         " * 3 * b\", \"" + length +
+         " * sqrt(3) * b\", 60.0]\nperiodic = [true, true, false]\n[[body]]\nname = "
+         "\"layer\"\ntype = \"graphene\"\nbond_length = \"b\"\ncells = [" +
+         length + ", " + length +
+         "]\ncentre = [0.4, 0.3, 3.4]\nparticle_mass = 12.011\nstart_temperature = "
+         "300.0\n[[body]]\nname = \"sheet\"\ntype = \"graphene\"\nbond_length = \"b\"\ncells = [" +
+         length + ", " + length +
+         "]\nparticle_mass = 12.011\ncoordinates = \"fixed\"\n[[force]]\ntype = "
+         "\"tersoff\"\nbody = \"layer\"\nparameters = \"lindsay_broido_2010\"\n[[force]]\ntype "
+         "= \"lennard_jones\"\nbodies = [\"layer\", \"sheet\"]\nepsilon = 0.002411\nsigma = "
+         "3.4\ncutoff = 10.0\n[run]\nseed = 1\nduration = 1e6\nintegrator = { type = "
+         "\"velocity_verlet\", dt = 1e-3 }\n";
+}
+
+void BM_layers(benchmark::State& state) {
+  static const tomlin::Registry components = tomlin::standard_registry();
+  const std::unique_ptr<tomlin::ThreadTeam> team =
+      tomlin::team_of(static_cast<std::size_t>(state.range(1)));
+  tomlin::RunOptions options;
+  options.watches_energy = false;
+  if (team) options.team = &team->team();
+  tomlin::Engine engine(tomlin::parse_scene(layers(static_cast<int>(state.range(0))),
+                                            "benchmark.toml", components, {}),
+                        options);
+  for (auto _ : state) engine.advance(1);
+  count_steps(state);
+}
+BENCHMARK(BM_layers)
+    ->Name("graphene on graphene (cells, threads)")
+    ->Args({16, 1})
+    ->Args({16, 2})
+    ->Args({50, 1})
+    ->Args({50, 2})
+    ->UseRealTime()
+    ->Unit(benchmark::kMicrosecond);
 
 }  // namespace

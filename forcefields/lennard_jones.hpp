@@ -142,8 +142,9 @@ struct LennardJonesPotential {
   template <class T, int D>
   static Vec<T, D> force(const Parameters<T, D>& p, const Pair<T, D>& pair) {
     const T squared = norm_squared(pair.separation);
-    T scale = slope_over_distance(p, T(1.0) / squared);
-    if constexpr (smooth) scale = scale - p.slope / sqrt(squared);
+    const T inverse_squared = T(1.0) / squared;
+    T scale = slope_over_distance(p, inverse_squared);
+    if constexpr (smooth) scale = scale - p.slope * sqrt(inverse_squared);
     return scale * pair.separation;
   }
 

@@ -7,7 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/elements/shared_sites.hpp"
 #include "framework/core/elements/site_force.hpp"
+#include "framework/core/records/shares_work.hpp"
 #include "framework/core/text/axis_names.hpp"
 
 TOMLIN_DECLARE_KERNELS(SheetField)
@@ -71,12 +73,20 @@ std::shared_ptr<const SheetTable> table_of(const Description& d, const BoundBody
 }
 
 template <class Real>
-class SheetForce : public ParticleForce<SheetField, Real, 3> {
+class SheetForce : public ParticleForce<SheetField, Real, 3>, public SharesWork {
   using Base = ParticleForce<SheetField, Real, 3>;
 
  public:
   SheetForce(const Description& d, const Binding<Real>& binding, std::string sheet)
       : Base(d, binding, kernels::SheetField, kRankTranscendental), sheet_(std::move(sheet)) {}
+
+  void share_with(const Team& team) override { team_ = &team; }
+
+  std::vector<Pass<Real>> passes() override {
+    std::vector<Pass<Real>> all = Base::passes();
+    if (team_ != nullptr) shared_.share(all.front(), *team_);
+    return all;
+  }
 
   std::string why_not_finite(const Stage<Real>& stage) const override {
     const SheetTable& table = *this->description_.sheet;
@@ -110,6 +120,8 @@ class SheetForce : public ParticleForce<SheetField, Real, 3> {
 
  private:
   std::string sheet_;
+  const Team* team_ = nullptr;
+  SharedSites<Real> shared_;
 };
 
 template <class Real>

@@ -151,15 +151,17 @@ struct Tersoff {
   /// f_C
   template <class N, class T>
   static Sloped<T> cutoff(const Parameters<N>& p, const T& r) {
+    const auto inside = r <= p.inner;
+    const auto outside = r >= p.outer;
+    const T one(Scalar<T>(1.0));
+    const T none(Scalar<T>(0.0));
+    // Mostly nothing is between: then the sine, a good part of the time, is not needed.
+    if (!any(!(inside | outside))) return {select(inside, one, none), none};
     T sine;
     T cosine;
     sincos_turns(T((r - p.middle) * p.turns), sine, cosine);
     const T half(Scalar<T>(0.5));
     const T slope = cosine * (p.turns * (-half_tau<N>()));
-    const auto inside = r <= p.inner;
-    const auto outside = r >= p.outer;
-    const T one(Scalar<T>(1.0));
-    const T none(Scalar<T>(0.0));
     return {select(inside, one, select(outside, none, T(half - half * sine))),
             select(inside | outside, none, slope)};
   }

@@ -143,8 +143,10 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
   sections.row(to_string(result.status),
                fmt::format("at time {:.9g}{} after {} steps{}, {} force evaluations",
                            result.end_time, time, result.steps, refused, result.force_evaluations));
-  sections.row("speed", fmt::format("{:.3g} s, {:.3g} steps/s, {}", result.wall_seconds,
-                                    result.steps_per_second, to_string(result.instruction_set)));
+  const std::string threads = result.threads > 1 ? fmt::format(", {} threads", result.threads) : "";
+  sections.row("speed",
+               fmt::format("{:.3g} s, {:.3g} steps/s, {}{}", result.wall_seconds,
+                           result.steps_per_second, to_string(result.instruction_set), threads));
   sections.row("window",
                fmt::format("time {:.9g} to {:.9g}{}", result.window_from, result.window_to, time));
   add_groups(sections, scene, result, "drivers");

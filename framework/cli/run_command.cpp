@@ -1,5 +1,6 @@
 #include <csignal>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -17,6 +18,7 @@
 #include "framework/cli/progress.hpp"
 #include "framework/cli/result_text.hpp"
 #include "framework/cli/stop_signals.hpp"
+#include "framework/core/system/thread_team.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/output/resumption.hpp"
 #include "framework/output/run_folder.hpp"
@@ -35,6 +37,7 @@ struct RunArguments : SceneOptions {
   bool resume = false;
   bool force = false;
   bool quiet = false;
+  std::size_t threads = 1;
 };
 
 constexpr const char* kRunFooter = R"(
@@ -142,6 +145,12 @@ void add_options(CLI::App& parser, RunArguments& arguments) {
   add_force_option(parser, arguments.force,
                    "DIR need not be empty; only files that tomlin writes are replaced");
   parser.add_flag("--quiet", arguments.quiet, "print errors only");
+  parser
+      .add_option("--threads", arguments.threads,
+                  "that share the evaluations of forces between particles; 1 by default. The "
+                  "results are the same")
+      ->type_name("N")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{4096}));
 }
 
 void check(RunArguments& arguments) {
@@ -179,6 +188,8 @@ int run_scene(const RunArguments& arguments) {
   options.program_version = TOMLIN_VERSION;
   options.before = arguments.resume ? StoreFile::Before::read : StoreFile::Before::ignore;
   options.stop = &signals.stop();
+  const std::unique_ptr<ThreadTeam> team = team_of(arguments.threads);
+  if (team) options.team = &team->team();
   options.on_progress = [&progress](const RunProgress& now) { progress.show(now); };
   options.on_trouble = [&signals] { signals.request_stop(); };
   options.on_end = [&progress] { progress.finish(); };

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/core/records/shares_work.hpp"
 #include "framework/model/plugin_code.hpp"
 
 namespace tomlin {
@@ -192,6 +193,11 @@ AssembledForces<Real>::AssembledForces(const AssemblyPlan& plan,
       continue;
     }
     const std::string& library = from.record->library;
+    // The code of a plugin is guarded in the thread of the run only.
+    if (plan.team != nullptr && library.empty()) {
+      auto* const sharing = dynamic_cast<SharesWork*>(force.bound.get());
+      if (sharing != nullptr) sharing->share_with(*plan.team);
+    }
     if (!library.empty()) {
       force.bound = guarded(std::move(force.bound), "force " + from.name, library);
     }

@@ -8,6 +8,7 @@
 #include "framework/core/records/body.hpp"
 #include "framework/core/records/bound_force.hpp"
 #include "framework/core/system/instruction_set.hpp"
+#include "framework/core/system/team.hpp"
 #include "framework/core/text/axis_names.hpp"
 #include "framework/scene/scene.hpp"
 
@@ -35,6 +36,7 @@ struct AssemblyPlan {
   bool quasistatic = false;  ///< no friction acts, on nothing
   bool ledger = false;
   bool half_step_velocities = false;
+  const Team* team = nullptr;  ///< of threads that share evaluations; null: one thread
   bool backwards = false;  ///< kernels in the opposite order: another sums the same, to rounding
 };
 

@@ -54,10 +54,11 @@ std::int64_t cells_near(const FinalState& from, const Origin& origin, int axis) 
 /// The unit of each axis is the longest period or cell that a force declares on it; the body with
 /// the lowest start decides how many of them the scene is away, so that the order of bodies does
 /// not.
-AssemblyPlan Model::plan_for(const Scene& scene, InstructionSet set) {
+AssemblyPlan Model::plan_for(const Scene& scene, InstructionSet set, const Team* team) {
   AssemblyPlan plan;
   plan.scene = &scene;
   plan.set = set;
+  plan.team = team;
   plan.quasistatic = scene.run.dynamics == Dynamics::quasistatic;
   plan.inertial = scene.run.dynamics == Dynamics::inertial || plan.quasistatic;
   plan.splits_friction = scene.run.integrator.record->splits_friction || plan.quasistatic;
@@ -89,9 +90,9 @@ AssemblyPlan Model::plan_for(const Scene& scene, InstructionSet set) {
   return plan;
 }
 
-Model::Model(std::shared_ptr<const Scene> scene, InstructionSet set)
+Model::Model(std::shared_ptr<const Scene> scene, InstructionSet set, const Team* team)
     : scene_(std::move(scene)),
-      plan_(plan_for(*scene_, set)),
+      plan_(plan_for(*scene_, set, team)),
       assembly_(plan_),
       observe_(kernels::ObserveKernels.on(set)),
       origin_(plan_.origin) {

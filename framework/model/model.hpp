@@ -40,8 +40,10 @@ class ModelFollower {
 
 class Model {
  public:
-  /// Binds a scene; throws InputError for faults that only show now.
-  explicit Model(std::shared_ptr<const Scene> scene, InstructionSet set = chosen_instruction_set());
+  /// Binds a scene; throws InputError for faults that only show now. A team of threads shares the
+  /// evaluations and outlives the model.
+  explicit Model(std::shared_ptr<const Scene> scene, InstructionSet set = chosen_instruction_set(),
+                 const Team* team = nullptr);
   ~Model();
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
@@ -173,7 +175,7 @@ class Model {
   Stiffness stiffness_at(double time, bool without_bonds);
   std::vector<std::string> structure() const;
   void require_same_parts(const FinalState& from) const;
-  static AssemblyPlan plan_for(const Scene& scene, InstructionSet set);
+  static AssemblyPlan plan_for(const Scene& scene, InstructionSet set, const Team* team);
   void build_tangent();
   static void begin_step(void* model, double time_high, double time_low);
   void build_elastic();

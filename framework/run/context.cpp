@@ -40,7 +40,7 @@ RunContext::RunContext(const std::shared_ptr<const Scene>& scene_of_run,
                        const RunOptions& options_of_run)
     : scene(scene_of_run),
       options(options_of_run),
-      model(scene, options.instruction_set),
+      model(scene, options.instruction_set, options.team),
       scheme(*scene->run.integrator.record) {
   const SceneIntegrator& from = scene->run.integrator;
   integrator = bound_by(from, "integrator", [&] {

@@ -86,6 +86,7 @@ std::optional<Warning> doubt_of_balance(const SampledWork& found, bool sampled, 
 EnergyBalance::EnergyBalance(const std::shared_ptr<const Scene>& scene, const RunOptions& options)
     : scene_(scene) {
   options_.instruction_set = options.instruction_set;
+  options_.team = options.team;
   options_.start_from = options.start_from;
   options_.watches_energy = false;
   options_.checks_step = false;               // the run's own is checked

@@ -414,6 +414,7 @@ RunResult Engine::Parts::result() {
     result.steps_per_second = static_cast<double>(housekeeping.steps()) / result.wall_seconds;
   }
   result.instruction_set = run.options.instruction_set;
+  if (run.options.team != nullptr) result.threads = run.options.team->members;
   observation.write_results(rates.data(), result);
   return result;
 }

@@ -31,6 +31,7 @@ const ResultQuantity kWindowRows[] = {
 const ResultQuantity kPerformanceRows[] = {
     {"wall_seconds", dimension::none, number, run, "duration of the run on this machine", "s"},
     {"steps_per_second", dimension::none, number, run, "steps by wall_seconds", "1/s"},
+    {"threads", dimension::none, count, run, "threads that shared the evaluations of forces"},
 };
 
 /// Rows of observers' kinds, by family.
@@ -104,6 +105,7 @@ std::vector<ResultGroup> groups_of_run(const RunResult& result) {
   ResultGroup performance = {"performance", "", {}};
   performance.add(kPerformanceRows[0], result.wall_seconds);
   performance.add(kPerformanceRows[1], result.steps_per_second);
+  performance.add(kPerformanceRows[2], number_of(result.threads));
   return {std::move(time), std::move(window), std::move(performance)};
 }
 

@@ -118,6 +118,7 @@ struct RunResult {
   double wall_seconds = 0.0;
   double steps_per_second = 0.0;
   InstructionSet instruction_set = InstructionSet::baseline;
+  std::size_t threads = 1;  ///< that shared the evaluations of forces
 
   /// All groups of a family: "drivers", "bodies", "observers".
   std::span<const ResultGroup> family(std::string_view name) const;
@@ -253,6 +254,9 @@ struct RunOptions {
   /// End as interrupted, a few steps later, when evaluations and columns come to more than this.
   std::uint64_t most_cost = std::numeric_limits<std::uint64_t>::max();
   InstructionSet instruction_set = chosen_instruction_set();
+  /// Threads that share the evaluations of forces with the calling one; the bits of results do not
+  /// depend on it. It outlives the run, and is that of one run at a time.
+  const Team* team = nullptr;
   /// Paths of the only observables that are wanted; empty: those of the scene's [measure].
   std::vector<std::string> observables = {};
   bool all_observables = false;              ///< whatever was asked for

@@ -42,6 +42,7 @@ RecordedRun record_run(RunFolder& folder, const std::shared_ptr<const Scene>& sc
   options.sink = &recorder;
   options.on_progress = asked.on_progress;
   options.stop = asked.stop;
+  options.team = asked.team;
   options.store = &store;
   recorded.result = run_as_bound(chosen.scene, options);
   if (asked.on_end) asked.on_end();

@@ -29,6 +29,7 @@ struct RecordedRunOptions {
   std::string program_version;
   StoreFile::Before before = StoreFile::Before::ignore;
   const std::atomic<bool>* stop = nullptr;
+  const Team* team = nullptr;  ///< see RunOptions
   std::function<void(const RunProgress&)> on_progress = {};
   std::function<void()> on_trouble = {};  ///< something cannot be written: stop
   std::function<void()> on_end = {};      ///< of the run proper, before its results are written

@@ -16,6 +16,7 @@
 #include "framework/core/elements/neighbour_list.hpp"
 #include "framework/core/elements/site_force.hpp"
 #include "framework/core/numbers/sum.hpp"
+#include "framework/core/records/shares_work.hpp"
 
 /// Bound bond-order potentials, made from an evaluator.
 namespace tomlin {
@@ -67,16 +68,28 @@ class NeighbourRows {
     if (self.finder_.begin(stage)) self.make();
   }
 
+  /// Of a solid the neighbours are mostly those that it has had before.
   void make() {
     const std::size_t count = finder_.count();
-    const std::size_t groups = padded(count) / kGroup;
+    bool differ = found_.empty();
     found_.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::vector<Neighbour>& found = finder_.of(i);
+      if (found == found_[i]) continue;
+      found_[i] = found;
+      differ = true;
+    }
+    if (differ) lay_all();
+  }
+
+  void lay_all() {
+    const std::size_t count = found_.size();
+    const std::size_t groups = padded(count) / kGroup;
     row_start_.assign(groups + 1, 0);
     most_rows_ = 0;
     for (std::size_t g = 0; g < groups; ++g) {
       std::size_t rows = 0;
       for (std::size_t i = g * kGroup; i < (g + 1) * kGroup && i < count; ++i) {
-        found_[i] = finder_.of(i);
         neighbours_[i] = Real(static_cast<double>(found_[i].size()));
         rows = std::max(rows, found_[i].size());
       }
@@ -91,7 +104,8 @@ class NeighbourRows {
     for (std::size_t k = 0; k < reverse_.size(); ++k) reverse_[k] = static_cast<std::int64_t>(k);
     for (std::size_t i = 0; i < count; ++i) lay(i, slots);
     gradient_.resize(3 * slots * kGroup);
-    work_.resize(bond_order_work<Real>(most_rows_));
+    arguments.work_apart = bond_order_work<Real>(most_rows_);
+    work_.resize(arguments.work_apart * (arguments.team == nullptr ? 1 : arguments.team->members));
     arguments.row_start = row_start_.data();
     arguments.neighbours = neighbours_.data();
     arguments.near = near_.data();
@@ -142,7 +156,7 @@ class NeighbourRows {
 
 /// The potential among all particles of a body, in three dimensions.
 template <class E, class Real>
-class BondOrderForce : public BoundForce<Real>, public CountsNeighbours {
+class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public SharesWork {
  public:
   BondOrderForce(const typename E::Description& description, const Binding<Real>& binding,
                  const BondOrderTables& tables)
@@ -151,6 +165,7 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours {
         kind_(padded(body_.slot.count), 0),
         names_(list_kinds()),
         parameters_(E::template table<Real>(description, names_)),
+        follows_(binding.origin),
         rows_(body_, reach(), binding.box) {
     check_distances(starting(body_), starting(body_), 3, binding.box, 0.25 * shortest_reach(),
                     "a quarter of the shortest cutoff");
@@ -165,9 +180,10 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours {
         {table_.set, table_.add, &rows_.arguments, {{body_.index, false}}, kRankTranscendental}};
   }
 
+  void share_with(const Team& team) override { rows_.arguments.team = &team; }
+
   void rebase(const Origin& origin) override {
-    (void)origin;
-    rows_.forget();
+    if (follows_.moved_to(origin)) rows_.forget();
   }
 
   NeighbourCount count_neighbours() const override { return rows_.count(); }
@@ -314,6 +330,7 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours {
   AlignedVector<std::int64_t> kind_;
   std::vector<std::string> names_;
   std::vector<typename E::template Parameters<Real>> parameters_;
+  ListedOrigin follows_;
   mutable NeighbourRows<Real> rows_;
 };
 

@@ -13,6 +13,7 @@ namespace tomlin {
 template <class Real>
 struct BondOrderArguments {
   ListUpdate<Real> update;
+  const Team* team = nullptr;  ///< null: one thread
   BodySlot<Real> body;
   /// [(first * species + second) * species + third], or one where there is one species.
   const void* parameters = nullptr;
@@ -27,8 +28,9 @@ struct BondOrderArguments {
   const Real* shift = nullptr;               ///< [axis][slot][lane] of its image; null: none
   std::size_t slots = 0;
   Real* gradient = nullptr;  ///< scratch [axis][slot][lane] of the energy of the particle
-  Real* work = nullptr;      ///< scratch of one group
-  Real* energy = nullptr;    ///< scratch [particle, padded]
+  Real* work = nullptr;      ///< scratch of one group, for each member of the team
+  std::size_t work_apart = 0;
+  Real* energy = nullptr;  ///< scratch [particle, padded]
 };
 
 /// The kernels of a bond-order potential in three dimensions.

@@ -85,8 +85,13 @@ TOMLIN_INLINE T bond_order_energy(std::size_t rows, BondRow<T>* bonds, AngleRow<
       if (k == j) continue;
       const auto& q = p.triple(j, k);
       AngleRow<T>& row = angles[j * rows + k];
-      row.cosine = dot(bond.direction, bonds[k].direction);
-      row.angle = E::angle(q, row.cosine);
+      if (Parameters::uniform && k < j) {
+        row.cosine = angles[k * rows + j].cosine;
+        row.angle = angles[k * rows + j].angle;
+      } else {
+        row.cosine = dot(bond.direction, bonds[k].direction);
+        row.angle = E::angle(q, row.cosine);
+      }
       row.cutoff = Parameters::uniform ? bonds[k].cutoff : E::cutoff(q, bonds[k].distance);
       T term = row.cutoff.value * row.angle.value;
       if (p.weighted()) {
@@ -185,10 +190,11 @@ constexpr std::size_t bond_order_work(std::size_t rows) {
          kGroup;
 }
 
-/// The rows of each group of particles, from their places, and their energies: use(first slot,
-/// rows, bonds, energy).
+/// The rows of each group of the particles from `begin` on, from their places, and their energies:
+/// use(first particle, first slot, rows, bonds, energy).
 template <class E, class Real, class Use>
 TOMLIN_INLINE void for_groups_of_bonds(const BondOrderArguments<Real>& a, const Stage<Real>& stage,
+                                       std::size_t begin, std::size_t end, std::size_t member,
                                        Use&& use) {
   using Group = Packed<Real>;
   using P = typename E::template Parameters<Group>;
@@ -200,10 +206,10 @@ TOMLIN_INLINE void for_groups_of_bonds(const BondOrderArguments<Real>& a, const 
   const std::size_t stride = a.body.stride;
   const std::size_t axis_length = a.slots * kGroup;
   const Group beyond(Real(2.0) * a.reach);
-  for (std::size_t i = 0; i < a.body.count; i += kGroup) {
+  for (std::size_t i = begin; i < end; i += kGroup) {
     const std::size_t first = a.row_start[i / kGroup];
     const std::size_t rows = a.row_start[i / kGroup + 1] - first;
-    auto* const bonds = reinterpret_cast<BondRow<Group>*>(a.work);
+    auto* const bonds = reinterpret_cast<BondRow<Group>*>(a.work + member * a.work_apart);
     auto* const angles = reinterpret_cast<AngleRow<Group>*>(bonds + rows);
     const Group count = Group::load(a.neighbours + i);
     Vec<Group, 3> here;
@@ -234,45 +240,59 @@ TOMLIN_INLINE void for_groups_of_bonds(const BondOrderArguments<Real>& a, const 
 }
 
 template <class E, class Real, bool set>
-TOMLIN_FLATTEN void bond_order_kernel(const void* arguments, const Stage<Real>& stage) {
+void bond_order_kernel(const void* arguments, const Stage<Real>& stage_of_all) {
   using Group = Packed<Real>;
   const auto* const given = static_cast<const BondOrderArguments<Real>*>(arguments);
-  given->update.run(given->update.list, stage);
-  const BondOrderArguments<Real> a = *given;
-  const std::size_t axis_length = a.slots * kGroup;
-  for_groups_of_bonds<E, Real>(
-      a, stage,
-      [&](std::size_t, std::size_t first, std::size_t rows, const BondRow<Group>* bonds,
-          const Group&) {
-        for (std::size_t k = 0; k < rows; ++k) {
-          for (int d = 0; d < 3; ++d) {
-            bonds[k].gradient[d].store(a.gradient + d * axis_length + (first + k) * kGroup);
-          }
-        }
+  given->update.run(given->update.list, stage_of_all);
+  in_parts(
+      given->team, given->body.count,
+      [a = *given, stage = stage_of_all](std::size_t begin, std::size_t end, std::size_t member) {
+        const std::size_t axis_length = a.slots * kGroup;
+        for_groups_of_bonds<E, Real>(
+            a, stage, begin, end, member,
+            [&](std::size_t, std::size_t first, std::size_t rows, const BondRow<Group>* bonds,
+                const Group&) {
+              for (std::size_t k = 0; k < rows; ++k) {
+                for (int d = 0; d < 3; ++d) {
+                  bonds[k].gradient[d].store(a.gradient + d * axis_length + (first + k) * kGroup);
+                }
+              }
+            });
       });
 
-  Real* f = (a.body.mapped ? stage.mapped_force : stage.force) + a.body.offset;
-  for (std::size_t i = 0; i < a.body.count; i += kGroup) {
-    for (int d = 0; d < 3; ++d) {
-      const Real* gradient = a.gradient + d * axis_length;
-      Group total(Real(0.0));
-      for (std::size_t slot = a.row_start[i / kGroup]; slot < a.row_start[i / kGroup + 1]; ++slot) {
-        total = total + (Group::load(gradient + slot * kGroup) -
-                         gathered(gradient, a.reverse + slot * kGroup));
-      }
-      Real* to = f + d * a.body.stride + i;
-      (set ? total : Group::load(to) + total).store(to);
-    }
-  }
+  Real* const forces =
+      (given->body.mapped ? stage_of_all.mapped_force : stage_of_all.force) + given->body.offset;
+  in_parts(given->team, given->body.count,
+           [a = *given, forces](std::size_t begin, std::size_t end, std::size_t) {
+             const std::size_t axis_length = a.slots * kGroup;
+             for (std::size_t i = begin; i < end; i += kGroup) {
+               const std::size_t last = a.row_start[i / kGroup + 1];
+               for (int d = 0; d < 3; ++d) {
+                 const Real* gradient = a.gradient + d * axis_length;
+                 Group total(Real(0.0));
+                 for (std::size_t slot = a.row_start[i / kGroup]; slot < last; ++slot) {
+                   total = total + (Group::load(gradient + slot * kGroup) -
+                                    gathered(gradient, a.reverse + slot * kGroup));
+                 }
+                 Real* to = forces + d * a.body.stride + i;
+                 (set ? total : Group::load(to) + total).store(to);
+               }
+             }
+           });
 }
 
 template <class E, class Real>
-TOMLIN_FLATTEN void bond_order_energy_kernel(const void* arguments, const Stage<Real>& stage) {
+void bond_order_energy_kernel(const void* arguments, const Stage<Real>& stage_of_all) {
   using Group = Packed<Real>;
-  const BondOrderArguments<Real> a = *static_cast<const BondOrderArguments<Real>*>(arguments);
-  for_groups_of_bonds<E, Real>(a, stage,
-                               [&](std::size_t i, std::size_t, std::size_t, const BondRow<Group>*,
-                                   const Group& energy) { energy.store(a.energy + i); });
+  const auto* const given = static_cast<const BondOrderArguments<Real>*>(arguments);
+  in_parts(
+      given->team, given->body.count,
+      [a = *given, stage = stage_of_all](std::size_t begin, std::size_t end, std::size_t member) {
+        for_groups_of_bonds<E, Real>(
+            a, stage, begin, end, member,
+            [&](std::size_t i, std::size_t, std::size_t, const BondRow<Group>*,
+                const Group& energy) { energy.store(a.energy + i); });
+      });
 }
 
 /// The kernels of an evaluator of bond orders.

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "framework/core/system/stage.hpp"
+#include "framework/core/system/team.hpp"
 
 /// What kernels of forces with a cutoff get. Plain data only, see stage.hpp.
 namespace tomlin {
@@ -22,8 +23,9 @@ struct ListUpdate {
 template <class Real>
 struct CutoffPairArguments {
   ListUpdate<Real> update;
-  BodySlot<Real> one;    ///< on which the force acts
-  BodySlot<Real> other;  ///< from which it comes
+  const Team* team = nullptr;  ///< null: one thread
+  BodySlot<Real> one;          ///< on which the force acts
+  BodySlot<Real> other;        ///< from which it comes
   bool same_body = false;
   const void* parameters = nullptr;
   /// Where they differ between species: which species of `one` each of its particles is, and the

@@ -34,17 +34,17 @@ TOMLIN_INLINE auto parameters_of_each(const CutoffPairArguments<Real>& a, std::s
   return std::bit_cast<Parameters>(numbers);
 }
 
-/// use(near, pair, i, j): all groups of pairs of each particle i with eight from j on, `near` those
-/// within the cutoff; then done(i).
+/// use(near, pair, i, j): all groups of pairs of each particle i from `begin` to `end` with eight
+/// from j on, `near` those within the cutoff; then done(i).
 template <class E, class Real, int D, class Use, class Done>
 TOMLIN_INLINE void for_groups_of_pairs(const CutoffPairArguments<Real>& a, const Stage<Real>& stage,
-                                       Use&& use, Done&& done) {
+                                       std::size_t begin, std::size_t end, Use&& use, Done&& done) {
   using Group = Packed<Real>;
   const Real* x = (a.one.mapped ? stage.mapped_position : stage.position) + a.one.offset;
   const Real* others = (a.other.mapped ? stage.mapped_position : stage.position) + a.other.offset;
   const Group cutoff_squared(a.cutoff_squared);
   const std::size_t whole = a.other.count / kGroup * kGroup;
-  for (std::size_t i = 0; i < a.one.count; ++i) {
+  for (std::size_t i = begin; i < end; ++i) {
     Vec<Group, D> here;
     for (int d = 0; d < D; ++d) here[d] = Group(x[d * a.one.stride + i]);
     for (std::uint32_t k = a.row_start[i]; k < a.row_start[i + 1]; ++k) {
@@ -59,18 +59,17 @@ TOMLIN_INLINE void for_groups_of_pairs(const CutoffPairArguments<Real>& a, const
       Mask<Group> near = norm_squared(pair.separation) < cutoff_squared;
       if (j == whole) near = near & first_lanes_of<Group>(static_cast<int>(a.other.count - j));
       if (a.same_body && j == i / kGroup * kGroup) near = near & all_but_lane<Group>(i - j);
-      use(near, pair, i, j);
+      if (any(near)) use(near, pair, i, j);  // what it would add otherwise is zero
     }
     done(i);
   }
 }
 
+/// The forces on the particles from `begin` to `end`.
 template <class E, class Real, int D, bool set>
-TOMLIN_FLATTEN void cutoff_pair_kernel(const void* arguments, const Stage<Real>& stage) {
+TOMLIN_INLINE void add_cutoff_forces(const CutoffPairArguments<Real>& a, const Stage<Real>& stage,
+                                     std::size_t begin, std::size_t end) {
   using Group = Packed<Real>;
-  const auto* const given = static_cast<const CutoffPairArguments<Real>*>(arguments);
-  given->update.run(given->update.list, stage);
-  const CutoffPairArguments<Real> a = *given;
   const auto p = in_type<E, Group, Real, D>(
       *static_cast<const typename E::template Parameters<Real, D>*>(a.parameters));
   Real* f = (a.one.mapped ? stage.mapped_force : stage.force) + a.one.offset;
@@ -90,37 +89,49 @@ TOMLIN_FLATTEN void cutoff_pair_kernel(const void* arguments, const Stage<Real>&
   };
   if (a.numbers == nullptr) {
     for_groups_of_pairs<E, Real, D>(
-        a, stage,
+        a, stage, begin, end,
         [&](const Mask<Group>& near, const Pair<Group, D>& pair, std::size_t, std::size_t) {
           add(near, force_on<E, Group, D>(p, pair));
         },
         done);
   } else {
     for_groups_of_pairs<E, Real, D>(
-        a, stage,
+        a, stage, begin, end,
         [&](const Mask<Group>& near, const Pair<Group, D>& pair, std::size_t i, std::size_t j) {
           add(near, force_on<E, Group, D>(parameters_of_each<E, Real, D>(a, i, j), pair));
         },
         done);
   }
   if constexpr (set) {
-    for (std::size_t i = a.one.count; i % kGroup != 0; ++i) {
+    for (std::size_t i = end; i % kGroup != 0; ++i) {
       for (int d = 0; d < D; ++d) f[d * a.one.stride + i] = Real(0.0);
     }
   }
 }
 
+template <class E, class Real, int D, bool set>
+void cutoff_pair_kernel(const void* arguments, const Stage<Real>& stage_of_all) {
+  const auto* const given = static_cast<const CutoffPairArguments<Real>*>(arguments);
+  given->update.run(given->update.list, stage_of_all);
+  in_parts(given->team, given->one.count,
+           [a = *given, stage = stage_of_all](std::size_t begin, std::size_t end, std::size_t) {
+             const std::size_t last = end < a.one.count ? end : a.one.count;
+             add_cutoff_forces<E, Real, D, set>(a, stage, begin, last);
+           });
+}
+
 template <class E, class Real, int D>
-TOMLIN_FLATTEN void cutoff_energy_kernel(const void* arguments, const Stage<Real>& stage) {
+TOMLIN_INLINE void find_cutoff_energies(const CutoffPairArguments<Real>& a,
+                                        const Stage<Real>& stage, std::size_t begin,
+                                        std::size_t end) {
   using Group = Packed<Real>;
-  const CutoffPairArguments<Real> a = *static_cast<const CutoffPairArguments<Real>*>(arguments);
   const auto p = in_type<E, Group, Real, D>(
       *static_cast<const typename E::template Parameters<Real, D>*>(a.parameters));
   const Group none(Real(0.0));
   Group total = none;
   const bool differ = a.numbers != nullptr;
   for_groups_of_pairs<E, Real, D>(
-      a, stage,
+      a, stage, begin, end,
       [&](const Mask<Group>& near, const Pair<Group, D>& pair, std::size_t i, std::size_t j) {
         const Group energy = E::energy(differ ? parameters_of_each<E, Real, D>(a, i, j) : p, pair);
         total = total + select(near, energy, none);
@@ -129,6 +140,16 @@ TOMLIN_FLATTEN void cutoff_energy_kernel(const void* arguments, const Stage<Real
         a.energy[i] = sum(total);
         total = none;
       });
+}
+
+template <class E, class Real, int D>
+void cutoff_energy_kernel(const void* arguments, const Stage<Real>& stage_of_all) {
+  const auto* const given = static_cast<const CutoffPairArguments<Real>*>(arguments);
+  in_parts(given->team, given->one.count,
+           [a = *given, stage = stage_of_all](std::size_t begin, std::size_t end, std::size_t) {
+             const std::size_t last = end < a.one.count ? end : a.one.count;
+             find_cutoff_energies<E, Real, D>(a, stage, begin, last);
+           });
 }
 
 /// The kernels of an evaluator of pairs that ends at a cutoff.

@@ -19,6 +19,7 @@
 #include "framework/core/elements/neighbour_list.hpp"
 #include "framework/core/elements/site_force.hpp"
 #include "framework/core/numbers/sum.hpp"
+#include "framework/core/records/shares_work.hpp"
 
 /// Bound forces between all pairs within a cutoff, made from an evaluator of pairs: within a body,
 /// or between two.
@@ -152,7 +153,7 @@ struct ListedSpecies {
 /// species, empty where all pairs are alike. Between two
 /// bodies each gets its force by a list of its own, but for one that is fixed.
 template <class E, class Real, int D>
-class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours {
+class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours, public SharesWork {
  public:
   using Parameters = typename E::template Parameters<Real, D>;
 
@@ -164,6 +165,7 @@ class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours {
         other_(*binding.bodies.back()),
         one_species_(one_),
         other_species_(other_),
+        follows_(binding.origin),
         rank_(rank) {
     by_species_ =
         E::template by_species<Real, D>(description, one_species_.names, other_species_.names);
@@ -185,8 +187,12 @@ class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours {
     return all;
   }
 
+  void share_with(const Team& team) override {
+    for (const auto& list : lists_) list->arguments.team = &team;
+  }
+
   void rebase(const Origin& origin) override {
-    (void)origin;
+    if (!follows_.moved_to(origin)) return;
     for (const auto& list : lists_) list->forget();
   }
 
@@ -321,6 +327,7 @@ class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours {
   ListedSpecies other_species_;
   /// [species of one][species of other]; empty where all pairs are alike.
   std::vector<Parameters> by_species_;
+  ListedOrigin follows_;
   int rank_;
   double size_ = 0.0;
   std::vector<std::unique_ptr<GroupList<Real>>> lists_;

@@ -120,6 +120,22 @@ class ListedPlaces {
   std::vector<double> places_;  ///< [axis][particle]
 };
 
+/// The origin that the places of lists are relative to.
+class ListedOrigin {
+ public:
+  explicit ListedOrigin(const Origin& origin) : cells_(origin.cells) {}
+
+  /// True where it is another one.
+  bool moved_to(const Origin& origin) {
+    if (origin.cells == cells_) return false;
+    cells_ = origin.cells;
+    return true;
+  }
+
+ private:
+  std::array<std::int64_t, 3> cells_;
+};
+
 /// When the list of neighbours that particles of one body have in another, or in the same, has to
 /// be made again, and the search for them.
 template <class Real>

@@ -98,7 +98,8 @@ void NeighbourSearch::find(const std::array<double, 3>& place,
       double squared = 0.0;
       for (int d = 0; d < dimension_; ++d) {
         double apart = places_[k][d] - place[d];
-        if (cells_[d] > 0) {
+        // Within the reach, at most half of a box, it is the nearest image already.
+        if (cells_[d] > 0 && !(std::abs(apart) < reach_)) {
           near.shift[d] = -box_[d] * std::floor(apart / box_[d] + 0.5);
           apart += near.shift[d];
         }

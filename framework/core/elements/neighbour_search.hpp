@@ -14,6 +14,8 @@ namespace tomlin {
 struct Neighbour {
   std::uint32_t particle = 0;
   std::array<double, 3> shift{};
+
+  bool operator==(const Neighbour&) const = default;
 };
 
 /// Of particles in one, two or three dimensions. Lengths in one unit; along a periodic axis the

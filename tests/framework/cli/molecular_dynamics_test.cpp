@@ -1,5 +1,6 @@
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/framework/cli/cli_fixture.hpp"
@@ -133,6 +134,38 @@ TEST_F(MolecularDynamics, FaultsHaveTheirPlace) {
     }
     EXPECT_FALSE(fs::exists(folder_ / "out"));
   }
+}
+
+TEST_F(MolecularDynamics, ThreadsAreANumber) {
+  for (const char* wrong : {"0", "-1", "two", "5000", "1.5"}) {
+    const Ended ended = run_of(kTubeOnSheet, {"--threads", wrong});
+    EXPECT_EQ(ended.status, 2) << wrong;
+    EXPECT_TRUE(contains(ended.err, "--threads")) << ended.err;
+    EXPECT_TRUE(contains(ended.err, "[command.invalid_value]")) << ended.err;
+    EXPECT_FALSE(fs::exists(folder_ / "out"));
+  }
+}
+
+TEST_F(MolecularDynamics, ThreadsChangeNoFile) {
+  // A tube of 320 atoms, of which two threads have a part each.
+  std::string scene = tube_scene_with("chirality = [5, 0]", "chirality = [40, 0]");
+  scene = tube_scene_with("0.0, 5.2]", "0.0, 19.2]", scene);
+  scene = tube_scene_with("\"4 * a\"", "\"16 * a\"", scene);
+  scene = tube_scene_with("cells = [2, 4]", "cells = [2, 16]", scene);
+  scene = tube_scene_with("duration = 1.0", "duration = 0.1", scene);
+  const auto summary = [this] {
+    Json all = Json::parse(file("out/summary.json"));
+    const Json threads = all["performance"]["threads"];
+    all.erase("performance");
+    return std::pair(all.dump(), threads);
+  };
+  EXPECT_EQ(run_of(scene).status, 0);
+  const auto alone = summary();
+  const std::string table = file("out/observables.csv");
+  EXPECT_EQ(alone.second, 1);
+  EXPECT_EQ(run_of(scene, {"--threads", "3"}).status, 0);
+  EXPECT_EQ(summary(), std::pair(alone.first, Json(3)));
+  EXPECT_EQ(file("out/observables.csv"), table);
 }
 
 /// The same scene, and with atoms as near as they may be.

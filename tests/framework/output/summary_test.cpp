@@ -138,8 +138,9 @@ TEST(Summary, HasEveryKeyOfAFinishedRun) {
   EXPECT_EQ(summary["warning_codes"], Json({"run.few_slips"}));
   EXPECT_EQ(summary["left_out"],
             Json::parse(R"([{"force": "springs", "why": "inside a rigid body"}])"));
-  EXPECT_EQ(keys(summary["performance"]), (Names{"wall_seconds", "steps_per_second", "scene_file",
-                                                 "instruction_set", "processor", "system"}));
+  EXPECT_EQ(keys(summary["performance"]),
+            (Names{"wall_seconds", "steps_per_second", "threads", "scene_file", "instruction_set",
+                   "processor", "system"}));
   EXPECT_EQ(summary["performance"]["instruction_set"], "baseline");
 }
 
