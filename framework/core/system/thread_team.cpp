@@ -24,8 +24,8 @@ void pause() {
 
 /// Waits until a number is no longer this one, at first without sleeping.
 void wait_for_change(const std::atomic<std::uint32_t>& number, std::uint32_t old) {
-  constexpr int kLooks = 4000;
-  constexpr int kLooksBetweenYields = 100;
+  constexpr int kLooks = 20'000;
+  constexpr int kLooksBetweenYields = 2000;
   for (int k = 1; k <= kLooks; ++k) {
     if (number.load(std::memory_order_acquire) != old) return;
     if (k % kLooksBetweenYields == 0) {
