@@ -12,6 +12,7 @@
 #include "framework/cli/inputs.hpp"
 #include "framework/cli/progress.hpp"
 #include "framework/cli/result_text.hpp"
+#include "framework/core/system/thread_team.hpp"
 #include "framework/output/hdf5_file.hpp"
 #include "framework/output/output_file.hpp"
 #include "framework/output/output_size.hpp"
@@ -44,13 +45,16 @@ void MemorySink::cut_to(const std::pair<std::size_t, std::size_t>& size) {
 
 namespace {
 
-std::unique_ptr<RunHandle> run_in_memory(const SceneHandle& scene, const py::object& progress) {
+std::unique_ptr<RunHandle> run_in_memory(const SceneHandle& scene, std::size_t threads,
+                                         const py::object& progress) {
   InterruptGuard guard;
   ProgressCall show(progress);
   auto handle = std::make_unique<RunHandle>();
   handle->scene = scene;
   handle->as_run = scene.scene;
+  const std::unique_ptr<ThreadTeam> team = team_of(threads);
   RunOptions options;
+  if (team) options.team = &team->team();
   options.sink = &handle->kept;
   options.stop = &guard.stop();
   if (show) options.on_progress = [&](const RunProgress& now) { show(guard.stop(), now); };
@@ -64,7 +68,8 @@ std::unique_ptr<RunHandle> run_in_memory(const SceneHandle& scene, const py::obj
 
 /// Nothing where the run in the folder had ended before.
 std::unique_ptr<RunHandle> run_in_folder(const SceneHandle& scene, const std::string& path,
-                                         bool resume, bool force, const py::object& progress) {
+                                         bool resume, bool force, std::size_t threads,
+                                         const py::object& progress) {
   const Occupied occupied = resume  ? Occupied::go_on
                             : force ? Occupied::replace_results
                                     : Occupied::refuse;
@@ -79,7 +84,9 @@ std::unique_ptr<RunHandle> run_in_folder(const SceneHandle& scene, const std::st
   folder.own(found.journal);
   InterruptGuard guard;
   ProgressCall show(progress);
+  const std::unique_ptr<ThreadTeam> team = team_of(threads);
   RecordedRunOptions options;
+  if (team) options.team = &team->team();
   options.program_version = TOMLIN_VERSION;
   options.before = resume ? StoreFile::Before::read : StoreFile::Before::ignore;
   options.stop = &guard.stop();

@@ -327,3 +327,17 @@ def test_points_that_are_refused(tip):
 def test_summary_is_plain(tip):
     json.dumps(tip.run().summary)
     assert pickle.loads(pickle.dumps(tip)).to_toml() == tip.to_toml()
+
+
+def test_threads_share_a_run_of_many_atoms():
+    """320 atoms are divided; no number depends on how many threads there are."""
+    tube = tomlin.load("scenarios/nanotube/pull.toml").set(
+        {"equilibration": 0.01, "run.duration": 0.02, "measure.from": 0.0, "measure.to": 0.02,
+         "output.every": 0.005})
+    alone = tube.run()
+    for threads in (2, 3):
+        shared = tube.run(threads=threads)
+        assert shared.samples.tobytes() == alone.samples.tobytes()
+        assert shared["driver.mean_force.y"] == alone["driver.mean_force.y"]
+    with pytest.raises(ValueError, match="1 to 4096"):
+        tube.run(threads=0)

@@ -150,9 +150,8 @@ TEST(Nanotube, TheRingHasTheFirstHarmonicOfTheField) {
 TEST(Nanotube, RigidTubeRollsAsAGear) {
   constexpr double kOfTheStart = 1e-4;  // what is left of it after the rest and a period
   for (const double v : {0.1, 0.2}) {
-    const RunResult result = run_shipped("nanotube/rigid.toml", {{"v", text_of(v)},
-                                                                 {"rest", "10.0"},
-                                                                 {"run.ledger", "true"}});
+    const RunResult result = run_shipped(
+        "nanotube/rigid.toml", {{"v", text_of(v)}, {"rest", "10.0"}, {"run.ledger", "true"}});
     const double dragging = 240.0 * 1e-3 * v;
     EXPECT_NEAR(observable(result, "tube.rolling").value(), 1.0, kOfTheStart);
     EXPECT_NEAR(observable(result, "driver.mean_force.y").value() / (2.0 * dragging), 1.0,
