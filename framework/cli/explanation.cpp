@@ -33,10 +33,9 @@ void count_coordinates(Model& model, std::size_t b, Explanation::Body& body) {
   if (slot.rigid) {
     const std::size_t rotations = model.bodies()[b].rotor ? 3 : 1;
     for (std::size_t k = 0; k < axes + rotations; ++k) count(slot.centre + k);
+    // A rod does not turn about itself.
     if (model.bodies()[b].rotor) {
-      const auto& moments = model.bodies()[b].moments;
-      body.degrees_of_freedom -=
-          static_cast<std::size_t>(std::count(moments.begin(), moments.end(), 0.0));
+      body.degrees_of_freedom = static_cast<std::size_t>(model.bodies()[b].bound.freedom);
     }
   } else if (!slot.mapped) {
     for (std::size_t d = 0; d < axes; ++d) {

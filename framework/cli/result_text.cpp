@@ -152,8 +152,8 @@ std::string result_text(const Scene& scene, const RunResult& result, const std::
   add_groups(sections, scene, result, "drivers");
   add_groups(sections, scene, result, "bodies");
   const ResultGroup* energy = result.find("energy");
-  if (energy != nullptr && (*energy)["work_in"])
-    sections.row("energy", about(*energy, scene.units));
+  const bool any = energy != nullptr && !about(*energy, scene.units).empty();
+  if (any) sections.row("energy", about(*energy, scene.units));
   if (result.accuracy) sections.row("accuracy", about(*result.accuracy));
   const std::vector<std::string> errors = shown_errors(result, scene.units);
   for (std::size_t k = 0; k < std::min(errors.size(), kMostShown); ++k) {

@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "framework/core/numbers/sum.hpp"
 
 namespace tomlin {
@@ -57,11 +59,22 @@ AssembledBody<Real> described(const SceneBody& from, std::size_t index, const As
   AssembledBody<Real> body;
   body.rolling_radius = geometry.rolling_radius;
   body.rolling_rise = geometry.rolling_rise;
+  body.rotation_held = names(from.hold, "rotation");
+  if (common.coordinates == Coordinates::rigid && plan.dimension() == 3) {
+    constexpr std::array kRotations = {"rotation_x", "rotation_y", "rotation_z"};
+    body.free_rotations =
+        static_cast<int>(std::count_if(kRotations.begin(), kRotations.end(),
+                                       [&](const char* name) { return !names(from.hold, name); }));
+    for (std::size_t d = 0; d < kRotations.size(); ++d) {
+      body.rotation_free[d] = !names(from.hold, kRotations[d]);
+    }
+    body.rotation_held = body.rotation_held || body.free_rotations == 0;
+  }
   if (geometry.rolling_axis >= 0) {
     // With z, or else y, pointing up, as in the plane.
     constexpr std::array<std::array<int, 2>, 3> kPlanes = {{{1, 2}, {0, 2}, {0, 1}}};
     body.plane = kPlanes[static_cast<std::size_t>(geometry.rolling_axis)];
-    const bool rotates = common.coordinates == Coordinates::rigid && !names(from.hold, "rotation");
+    const bool rotates = common.coordinates == Coordinates::rigid && !body.rotation_held;
     body.turns_in_space = common.coordinates == Coordinates::particles || rotates;
   }
   body.bound.name = from.name;
@@ -74,7 +87,6 @@ AssembledBody<Real> described(const SceneBody& from, std::size_t index, const As
   list_species(body.bound, common.species, count, plan.scene->species);
   if (from.motion) body.motion = &*from.motion;
   for (int d = 0; d < plan.dimension(); ++d) body.held[d] = names(from.hold, kAxisNames[d]);
-  body.rotation_held = names(from.hold, "rotation");
 
   // Positions relative to the origin, to the last digit however far away the body is.
   body.bound.start.assign(count, std::vector<double>(plan.dimension(), 0.0));
@@ -93,8 +105,39 @@ AssembledBody<Real> described(const SceneBody& from, std::size_t index, const As
   return body;
 }
 
+/// Whether its image in a periodic box is about as near to it as its own particles are to each
+/// other along the axis.
 template <class Real>
-void check(const AssembledBody<Real>& body, const SceneBody& from, std::vector<Fault>& faults) {
+bool is_continued(const AssembledBody<Real>& body, int axis, double box) {
+  constexpr double kNear = 1.5;
+  std::vector<double> places;
+  for (const auto& start : body.bound.start)
+    places.push_back(start[static_cast<std::size_t>(axis)]);
+  std::sort(places.begin(), places.end());
+  double widest = 0.0;
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    widest = std::max(widest, places[i] - places[i - 1]);
+  }
+  return box > 0.0 && widest > 0.0 && box - (places.back() - places.front()) <= kNear * widest;
+}
+
+template <class Real>
+void check(const AssembledBody<Real>& body, const SceneBody& from, const AssemblyPlan& plan,
+           std::vector<Fault>& faults) {
+  for (int d = 0; d < plan.dimension() && body.bound.slot.rigid && !body.rotation_held; ++d) {
+    const std::size_t axis = static_cast<std::size_t>(d);
+    if (plan.dimension() != 3 || !is_continued(body, d, plan.box[axis])) continue;
+    const bool about_axis = body.free_rotations == 1 && body.rotation_free[axis];
+    if (about_axis) continue;
+    faults.emplace_back(
+        FaultCode::component_unsuitable, from.place_of("coordinates"),
+        "body." + from.name + ".coordinates", "\"rigid\"",
+        fmt::format("the periodic box continues it along {}: it may only rotate about this axis",
+                    kAxisNames[axis]),
+        fmt::format("hold = [\"rotation_{}\", \"rotation_{}\"] beside it",
+                    kAxisNames[(axis + 1) % 3], kAxisNames[(axis + 2) % 3]));
+    break;
+  }
   if (!std::isfinite(body.total_mass)) {
     faults.emplace_back(FaultCode::scene_not_finite, from.place_of("particle_mass"),
                         "body." + from.name + ".particle_mass", "",
@@ -106,6 +149,9 @@ void check(const AssembledBody<Real>& body, const SceneBody& from, std::vector<F
                         "a position nearer the origin");
   }
 }
+
+/// A smaller moment, as a part of the largest, is that of a rod about its axis.
+constexpr double kThin = 1e-12;
 
 /// A body without extent (one particle) has no rotation to speak of.
 template <class Real>
@@ -123,10 +169,27 @@ void find_principal_axes(AssembledBody<Real>& body) {
   }
   Matrix3 inertia;
   for (std::size_t k = 0; k < inertia.size(); ++k) inertia[k] = sums[k].total();
-  const PrincipalAxes axes = principal_axes(inertia);
+  // One that rotates about an axis of space keeps that axis, whatever its tensor of inertia is.
+  constexpr Quaternion kUnturned = {1.0, 0.0, 0.0, 0.0};
+  body.orientation = body.free_rotations == 3 ? principal_axes(inertia) : kUnturned;
   body.rotor = true;
-  body.moments = axes.moments;
-  body.orientation = axes.rotation;
+  // From the arms themselves: the tensor's differences would lose a thin body's smallest moment.
+  std::array<InterleavedSum<double>, 3> moments;
+  for (std::size_t i = 0; i < body.arms.size(); ++i) {
+    const std::vector<double> arm = body.reference_arm(i);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double one = arm[(k + 1) % 3];
+      const double other = arm[(k + 2) % 3];
+      moments[k].add(i, body.bound.mass[i] * (one * one + other * other));
+    }
+  }
+  for (std::size_t k = 0; k < 3; ++k) body.moments[k] = moments[k].total();
+  const double most = *std::max_element(body.moments.begin(), body.moments.end());
+  for (std::size_t k = 0; k < 3; ++k) {
+    const bool free = body.free_rotations == 3 || body.rotation_free[k];
+    if (!free || !(body.moments[k] > kThin * most)) body.moments[k] = 0.0;
+  }
+  body.rotor = *std::max_element(body.moments.begin(), body.moments.end()) > 0.0;
 }
 
 template <class Real>
@@ -166,7 +229,7 @@ AssembledBodies<Real>::AssembledBodies(const AssemblyPlan& plan) {
   for (const SceneBody& from : plan.scene->bodies) {
     all.push_back(described<Real>(from, all.size(), plan));
     give_slot(all.back(), from, dimension);
-    check(all.back(), from, faults);
+    check(all.back(), from, plan, faults);
   }
   if (!faults.empty()) throw InputError(std::move(faults));
   for (AssembledBody<Real>& body : all) {
@@ -235,7 +298,7 @@ void AssembledBodies<Real>::place(AssembledBody<Real>& body, const AssemblyPlan&
 }
 
 template <class Real>
-void AssembledBodies<Real>::keep_shape(const AssembledBody<Real>& body, int dimension) {
+void AssembledBodies<Real>::keep_shape(AssembledBody<Real>& body, int dimension) {
   const BodySlot<Real>& slot = body.bound.slot;
   arms_.emplace_back(dimension * slot.stride, Real(0.0));
   reference.emplace_back(dimension * slot.stride, Real(0.0));
@@ -244,6 +307,7 @@ void AssembledBodies<Real>::keep_shape(const AssembledBody<Real>& body, int dime
     for (int d = 0; d < dimension; ++d) reference.back()[d * slot.stride + i] = Real(arm[d]);
   }
   RigidArguments<Real>& arguments = rigid.emplace_back();
+  body.rigid = &arguments;
   arguments.body = slot;
   arguments.reference = reference.back().data();
   arguments.arm = arms_.back().data();

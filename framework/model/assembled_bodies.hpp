@@ -27,11 +27,13 @@ struct AssembledBody {
   double inertia = 0.0;  ///< about the centre, planar bodies
   /// Rigid, and rotates in space: see RigidArguments.
   bool rotor = false;
+  int free_rotations = 0;                 ///< of a rotor: 3, or 1 about an axis of space
   std::array<double, 3> moments{};        ///< of inertia, of a rotor; 0 along a rod
   Quaternion orientation{};               ///< of its principal axes at the start
   std::vector<std::vector<double>> arms;  ///< [count][dimension] at the start, about the centre
   std::array<bool, 3> held{};             ///< axes along which nothing moves
   bool rotation_held = false;
+  std::array<bool, 3> rotation_free = {true, true, true};  ///< about each axis of space
   // Of a rigid body: its inverse mass and inertia, or without inertia its inverse friction; zero
   // where held.
   std::array<double, 3> response{};
@@ -39,8 +41,9 @@ struct AssembledBody {
   /// From the centre to the point about which these responses are independent of each other: the
   /// centre of friction without inertia.
   std::array<double, 2> pivot{};
-  const Motion* motion = nullptr;         ///< of a prescribed body
-  std::size_t steering = 0;               ///< which of the prescribed bodies it is
+  const RigidArguments<Real>* rigid = nullptr;  ///< of one that moves as one
+  const Motion* motion = nullptr;               ///< of a prescribed body
+  std::size_t steering = 0;                     ///< which of the prescribed bodies it is
   std::ptrdiff_t kinetic_rate = kNoRate;  ///< where its kinetic energy stands, see KineticIntegral
 
   bool rotates() const { return arms.size() > 1 && (arms.front().size() == 2 || turns_in_space); }
@@ -75,7 +78,7 @@ class AssembledBodies {
  private:
   void give_slot(AssembledBody<Real>& body, const SceneBody& from, int dimension);
   void place(AssembledBody<Real>& body, const AssemblyPlan& plan);
-  void keep_shape(const AssembledBody<Real>& body, int dimension);
+  void keep_shape(AssembledBody<Real>& body, int dimension);
 
   std::deque<AlignedVector<Real>> share_;  ///< mass fractions, one array a body
   std::deque<AlignedVector<Real>> arms_;

@@ -28,6 +28,7 @@ class BodyStart {
   /// What is written from here on is of this body.
   void take(const AssembledBody<Real>& body) {
     body_ = &body;
+    if (body.rotor) ++rotors_;
     const SceneBody& from = plan_.scene->bodies[body.bound.index];
     const BodyDescription& common = from.record->common(from.description.get());
     given_ = &common.velocity;
@@ -80,6 +81,14 @@ class BodyStart {
     }
   }
 
+  /// Along a principal axis of the body that starts where a run has ended.
+  double spin_of(std::size_t k) const {
+    const FinalState::Rotor& from = from_->rotors[rotors_ - 1];
+    const Matrix3 axes = matrix_of(product(from.rotation, body_->orientation));
+    if (!(body_->moments[k] > 0.0)) return 0.0;
+    return axes[k] * from.spin[0] + axes[3 + k] * from.spin[1] + axes[6 + k] * from.spin[2];
+  }
+
   /// At p = 0, where dp/dt is the angular velocity.
   void write_rotation_in_space() const {
     const BodySlot<Real>& slot = body_->bound.slot;
@@ -101,8 +110,9 @@ class BodyStart {
           axes[k] * spin[0].total() + axes[3 + k] * spin[1].total() + axes[6 + k] * spin[2].total();
       const Real speed =
           moment > 0.0 ? Real(momentum / moment) + thermal_speed(d, moment) : Real(0.0);
-      put(slot.centre + d, static_cast<int>(d), Real(0.0), speed);
-      if (perturbed_)
+      position_[slot.centre + d] = Real(0.0);
+      velocity_[slot.centre + d] = from_ == nullptr ? speed : Real(spin_of(k));
+      if (perturbed_ && moment > 0.0)
         position_[slot.centre + d] = position_[slot.centre + d] + jitter(kCoordinate, d);
     }
   }
@@ -130,7 +140,7 @@ class BodyStart {
     position_[at] = position;
     velocity_[at] = velocity;
     if (from_ == nullptr) return;
-    const bool turns = body_->bound.slot.rigid && d >= plan_.dimension();
+    const bool turns = body_->bound.slot.rigid && d == kRotation && plan_.dimension() == 2;
     position_[at] =
         static_cast<Real>(turns ? from_->position[at] : from_->position[at] + shift_[d]);
     velocity_[at] = static_cast<Real>(from_->velocity[at]);
@@ -176,6 +186,7 @@ class BodyStart {
   double temperature_ = 0.0;
   std::vector<double> normals_;  ///< of the coordinates, in the order of their arrays
   bool perturbed_ = false;
+  std::size_t rotors_ = 0;  ///< so far
 };
 
 }  // namespace

@@ -40,6 +40,10 @@ struct AssemblyPlan {
   bool backwards = false;  ///< kernels in the opposite order: another sums the same, to rounding
 };
 
+/// About each axis in one step, in rad, of a rigid body in space: far from half a turn, for which
+/// its coordinates have no value.
+inline constexpr double kLargestRotation = 0.5;
+
 /// Index of the rotation among a planar body's coordinates.
 inline constexpr std::size_t kRotation = 2;
 

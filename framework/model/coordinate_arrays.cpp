@@ -42,7 +42,7 @@ CoordinateArrays<Real>::CoordinateArrays(const AssemblyPlan& plan, AssembledBodi
       }
       if (body.rotor) {
         place_rotor(body);
-        view.coordinates += 3;
+        view.coordinates += static_cast<std::size_t>(body.free_rotations);
       }
       if (dimension != 2) continue;
       largest_move_[slot.centre + kRotation] = Real(0.5);
@@ -73,18 +73,16 @@ CoordinateArrays<Real>::CoordinateArrays(const AssemblyPlan& plan, AssembledBodi
   view.mapped_force = mapped_force_.data();
 }
 
-/// A step of more than this, in rad, would come too near half a turn, for which p has no value.
-constexpr double kLargestRotation = 1.0;
-
 template <class Real>
 void CoordinateArrays<Real>::place_rotor(AssembledBody<Real>& body) {
   const double most = *std::max_element(body.moments.begin(), body.moments.end());
   double least = most;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t at = body.bound.slot.centre + 3 + k;
+    largest_move_[at] = Real(kLargestRotation);
+    if (body.free_rotations == 1 && !body.rotation_free[k]) continue;
     const double moment = body.moments[k] > 0.0 ? body.moments[k] : most;
     inverse_mass[at] = Real(1.0) / Real(moment);
-    largest_move_[at] = Real(kLargestRotation);
     least = std::min(least, moment);
   }
   body.response_of_rotation = 1.0 / least;

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
 #include "framework/core/numbers/double_double.hpp"
 #include "framework/core/numbers/quad.hpp"
 #include "framework/core/records/bound_force.hpp"
+#include "framework/model/principal_axes.hpp"
 
 namespace tomlin {
 
@@ -20,12 +22,18 @@ struct FinalState {
     std::vector<Quad> place;
   };
 
+  /// A rigid body in space; its coordinates of rotation are relative to axes of its own.
+  struct Rotor {
+    Quaternion rotation{};         ///< from the start
+    std::array<double, 3> spin{};  ///< angular velocity, along the axes of space
+  };
+
   std::vector<std::string> structure;  ///< what must be the same, a line each; empty: unknown
   Origin origin;
   std::vector<Quad> position;  ///< as coordinates, relative to the origin
   std::vector<Quad> velocity;
-  std::vector<Quad> own;             ///< internal variables
-  std::vector<double> orientations;  ///< of rotors, [rotor][4]
+  std::vector<Quad> own;  ///< internal variables
+  std::vector<Rotor> rotors;
   std::vector<Support> supports;
 
   bool known() const { return !structure.empty(); }

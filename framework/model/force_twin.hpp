@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "framework/core/numbers/math.hpp"
+#include "framework/core/numbers/rotation_vector.hpp"
 #include "framework/core/system/aligned.hpp"
 #include "framework/core/system/state_layout.hpp"
 #include "framework/model/assembly.hpp"
@@ -24,6 +25,30 @@ void place_velocities(const std::vector<typename Assembly<Real>::Body>& bodies, 
     Real* const placed = mapped_velocity + slot.offset;
     for (int d = 0; d < dimension; ++d) {
       std::fill_n(placed + d * slot.stride, slot.count, velocity[slot.centre + d]);
+    }
+    if (body.rotor) {
+      const RigidArguments<Real>& a = *body.rigid;
+      const Real* p = position + slot.centre + 3;
+      const Real* u = velocity + slot.centre + 3;
+      const Vec<Real, 3> here = {{p[0], p[1], p[2]}};
+      const Vec<Real, 3> w = angular_velocity<Real>(here, {{u[0], u[1], u[2]}});
+      Real m[9];
+      rotate_axes(a.axes, here, m);
+      const auto turned = [&m](const Vec<Real, 3>& x) {
+        Vec<Real, 3> y;
+        for (int d = 0; d < 3; ++d)
+          y[d] = m[3 * d] * x[0] + m[3 * d + 1] * x[1] + m[3 * d + 2] * x[2];
+        return y;
+      };
+      for (std::size_t i = 0; i < slot.count; ++i) {
+        const Vec<Real, 3> arm = {
+            {a.reference[i], a.reference[slot.stride + i], a.reference[2 * slot.stride + i]}};
+        const Vec<Real, 3> turning = cross(turned(w), turned(arm));
+        for (int d = 0; d < 3; ++d) {
+          Real& speed = placed[static_cast<std::size_t>(d) * slot.stride + i];
+          speed = speed + turning[d];
+        }
+      }
     }
     if (dimension != 2) continue;
     Real sine;

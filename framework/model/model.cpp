@@ -201,12 +201,14 @@ void Model::start(const Perturbation* noise, const FinalState* from) {
   }
   place_origin();
   double* orientation = orientations_;
+  std::size_t rotor = 0;
   for (const Body& body : bodies()) {
     if (!body.rotor) continue;
-    orientation = std::copy(body.orientation.begin(), body.orientation.end(), orientation);
+    const Quaternion axes = from == nullptr
+                                ? body.orientation
+                                : product(from->rotors[rotor++].rotation, body.orientation);
+    orientation = std::copy(axes.begin(), axes.end(), orientation);
   }
-  if (from != nullptr)
-    std::copy(from->orientations.begin(), from->orientations.end(), orientations_);
   orient();
   assembly_.rebase(origin_);
   assembly_.start(view.position, view.velocity, view.integrals, noise, from);
@@ -224,8 +226,9 @@ void Model::start(const Perturbation* noise, const FinalState* from) {
 std::vector<std::string> Model::structure() const {
   std::vector<std::string> parts = {fmt::format("{} dimensions", dimension())};
   for (const Body& body : bodies()) {
-    parts.push_back(fmt::format("body {}: {} particles, {}", body.bound.name, body.bound.slot.count,
-                                to_string(body.bound.coordinates)));
+    parts.push_back(fmt::format("body {}: {} particles, {}{}", body.bound.name,
+                                body.bound.slot.count, to_string(body.bound.coordinates),
+                                body.rotor ? ", rotating in space" : ""));
   }
   parts.push_back(
       fmt::format("{} numbers of prescribed motions", assembly_.prescribed().own_count()));
@@ -317,7 +320,24 @@ FinalState Model::final_state(const DoubleDouble& time) const {
   FinalState state;
   state.structure = structure();
   state.origin = origin_;
-  state.orientations.assign(orientations_, orientations_ + 4 * assembly_.rotor_count());
+  const double* orientation = orientations_;
+  for (const Body& body : bodies()) {
+    if (!body.rotor) continue;
+    const std::size_t at = body.bound.slot.centre + 3;
+    const double* p = system().view.position + at;
+    const double* u = system().view.velocity + at;
+    Quaternion anchor;
+    std::copy_n(orientation, anchor.size(), anchor.begin());
+    orientation += anchor.size();
+    const Quaternion axes = rotated_by(anchor, {p[0], p[1], p[2]});
+    const Vec<double, 3> w = angular_velocity<double>({{p[0], p[1], p[2]}}, {{u[0], u[1], u[2]}});
+    FinalState::Rotor& rotor = state.rotors.emplace_back();
+    rotor.rotation = product(axes, inverse(body.orientation));
+    const Matrix3 m = matrix_of(axes);
+    for (std::size_t d = 0; d < 3; ++d) {
+      rotor.spin[d] = m[3 * d] * w[0] + m[3 * d + 1] * w[1] + m[3 * d + 2] * w[2];
+    }
+  }
   assembly_.write_numbers(state);
   if (follower_) follower_->write_numbers(state);
   assembly_.write_supports(time, state);

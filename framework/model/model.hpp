@@ -180,6 +180,8 @@ class Model {
   static void begin_step(void* model, double time_high, double time_low);
   void build_elastic();
   void orient();
+  /// Of rigid bodies in space, about a principal axis, at the start.
+  double fastest_spin() const;
   double rotation_of_rotor(const Body& body, const double* position) const;
   double energy_of(const Force& force, const DoubleDouble& time);
   void set_out(const Force& force, const DoubleDouble& time);

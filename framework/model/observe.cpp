@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "framework/core/numbers/angle.hpp"
 #include "framework/core/numbers/rotation_vector.hpp"
 #include "framework/core/numbers/sum.hpp"
@@ -143,9 +145,10 @@ double Model::kinetic_energy(const double* position, const double* velocity) con
     const Vec<double, 3> spin =
         angular_velocity<double>({{p[0], p[1], p[2]}}, {{u[0], u[1], u[2]}});
     for (int k = 0; k < 3; ++k) {
-      const double apparent =
-          u[k] * u[k] / system().view.inverse_mass[at + static_cast<std::size_t>(k)];
-      energy += 0.5 * (body.moments[static_cast<std::size_t>(k)] * spin[k] * spin[k] - apparent);
+      const double inverse_mass = system().view.inverse_mass[at + static_cast<std::size_t>(k)];
+      if (!(inverse_mass > 0.0)) continue;
+      const double moment = body.moments[static_cast<std::size_t>(k)];
+      energy += 0.5 * (moment * spin[k] * spin[k] - u[k] * u[k] / inverse_mass);
     }
   }
   return energy;
@@ -176,7 +179,8 @@ Model::CoordinateName Model::name_of(std::size_t coordinate) const {
     const BodySlot<double>& slot = body.bound.slot;
     if (slot.rigid && coordinate >= slot.centre && coordinate < slot.centre + kGroup) {
       const std::size_t d = coordinate - slot.centre;
-      if (d > 2) return {body.bound.name, -1, std::string("rotation about ") + kAxisNames[d - 3]};
+      if (d > 2)
+        return {body.bound.name, -1, fmt::format("rotation about principal axis {}", d - 2)};
       return {body.bound.name, -1, d == 2 && dimension() == 2 ? "rotation" : kAxisNames[d]};
     }
     if (!slot.mapped && coordinate >= slot.offset &&

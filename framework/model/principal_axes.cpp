@@ -9,17 +9,8 @@ namespace {
 
 /// What is left beside the diagonal, as a part of the trace, is rounding of the particles' places.
 constexpr double kRounding = 1e-14;
-/// A smaller moment, as a part of the largest, is that of a rod about its axis.
-constexpr double kThin = 1e-12;
 /// Convergence is quadratic: five or six sweeps do.
 constexpr int kMostSweeps = 30;
-
-Quaternion product(const Quaternion& a, const Quaternion& b) {
-  return {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-          a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-          a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-          a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
-}
 
 Quaternion of_length_one(Quaternion q) {
   const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -55,25 +46,30 @@ std::array<double, 3> rotate_plane(Matrix3& m, std::size_t a, std::size_t b) {
 
 }  // namespace
 
-PrincipalAxes principal_axes(Matrix3 inertia) {
+Quaternion principal_axes(Matrix3 inertia) {
   const double trace = inertia[0] + inertia[4] + inertia[8];
-  PrincipalAxes found;
-  found.rotation = {1.0, 0.0, 0.0, 0.0};
+  Quaternion rotation = {1.0, 0.0, 0.0, 0.0};
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     bool diagonal = true;
     for (const auto& [a, b] : {std::array<std::size_t, 2>{0, 1}, {0, 2}, {1, 2}}) {
       if (!(std::abs(inertia[3 * a + b]) > kRounding * trace)) continue;
       diagonal = false;
-      found.rotation = rotated_by(found.rotation, rotate_plane(inertia, a, b));
+      rotation = rotated_by(rotation, rotate_plane(inertia, a, b));
     }
     if (diagonal) break;
   }
-  found.moments = {inertia[0], inertia[4], inertia[8]};
-  const double most = *std::max_element(found.moments.begin(), found.moments.end());
-  for (double& moment : found.moments) {
-    if (!(moment > kThin * most)) moment = 0.0;
-  }
-  return found;
+  return rotation;
+}
+
+Quaternion product(const Quaternion& a, const Quaternion& b) {
+  return {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+          a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+          a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+          a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
+}
+
+Quaternion inverse(const Quaternion& rotation) {
+  return {rotation[0], -rotation[1], -rotation[2], -rotation[3]};
 }
 
 Matrix3 matrix_of(const Quaternion& q) {

@@ -7,18 +7,17 @@ namespace tomlin {
 using Matrix3 = std::array<double, 9>;     ///< row by row
 using Quaternion = std::array<double, 4>;  ///< of a rotation, the real part first; of length 1
 
-/// The principal axes of a symmetric tensor of inertia.
-struct PrincipalAxes {
-  std::array<double, 3> moments{};  ///< in no order; 0 along a rod
-  Quaternion rotation{};            ///< from space to the axes, a right-handed system
-};
-
-/// Jacobi's rotations, with the same bits on every machine. Axes along which the tensor is diagonal
+/// From space to the principal axes of a symmetric tensor of inertia, a right-handed system, by
+/// Jacobi's rotations with the same bits on every machine. Axes along which the tensor is diagonal
 /// already stay where they are.
-PrincipalAxes principal_axes(Matrix3 inertia);
+Quaternion principal_axes(Matrix3 inertia);
 
 /// Its columns are the axes.
 Matrix3 matrix_of(const Quaternion& rotation);
+
+/// A rotation by b in the frame that a has rotated.
+Quaternion product(const Quaternion& a, const Quaternion& b);
+Quaternion inverse(const Quaternion& rotation);
 
 /// A rotation, and after it that by p = 2 tan(angle/2) n in the rotated frame; see
 /// framework/core/numbers/rotation_vector.hpp.

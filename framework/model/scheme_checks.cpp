@@ -94,9 +94,10 @@ class SchemeChecks {
                    "; or " + held);
       }
       if (scene_.run.number_type != NumberType::double_precision) {
-        faults_.emplace_back(FaultCode::component_unsuitable, place_of("precision"),
-                             "run.precision", "", why + "in double precision alone",
-                             "\"double\", or " + held);
+        faults_.emplace_back(FaultCode::component_unsuitable, place_of("number_type"),
+                             "run.number_type",
+                             fmt::format("\"{}\"", to_string(scene_.run.number_type)),
+                             why + "in double precision alone", "\"double\", or " + held);
       }
       return;
     }

@@ -121,7 +121,7 @@ SingleForce::Wrench SingleForce::wrench(std::size_t b) {
   };
   std::array<double, 3> x{};
   std::array<double, 3> f{};
-  if (slot.rigid && !model_.bodies()[b].rotor) {
+  if (slot.rigid && model_.dimension() != 3) {
     for (int d = 0; d < model_.dimension(); ++d) {
       x[d] = position_[slot.centre + d];
       f[d] = view.force[slot.centre + d];
@@ -140,8 +140,8 @@ SingleForce::Wrench SingleForce::wrench(std::size_t b) {
     }
     act(x, f);
   }
-  if (!model_.bodies()[b].rotor) return total;
-  // The rest acts on its centre; the torques among its coordinates are forces on p.
+  if (!slot.rigid) return total;
+  // The rest acts on its centre; a rotor's coordinates of rotation have no torques.
   for (std::size_t d = 0; d < 3; ++d) {
     x[d] = position_[slot.centre + d];
     f[d] = view.force[slot.centre + d] - total.force[d];

@@ -663,6 +663,16 @@ std::string Model::stiffest_force() {
   return name;
 }
 
+double Model::fastest_spin() const {
+  double fastest = 0.0;
+  for (const Body& body : bodies()) {
+    if (!body.rotor) continue;
+    const double* u = system().view.velocity + body.bound.slot.centre + 3;
+    for (int k = 0; k < 3; ++k) fastest = std::max(fastest, std::abs(u[k]));
+  }
+  return fastest;
+}
+
 double Model::stable_step(const IntegratorRecord& scheme) {
   if (scheme.adaptive) return kForever;
   Stiffness fastest = stiffness(scheme.splits_bonds);
@@ -671,7 +681,8 @@ double Model::stable_step(const IntegratorRecord& scheme) {
   fastest.frequency = std::sqrt(fastest.frequency * fastest.frequency + own.square);
   fastest.damping_rate = std::max(largest_damping_rate(*this), own.rate);
   // Slower modes meet the same damping: the worst of a range of frequencies counts.
-  double largest = kForever;
+  const double spin = fastest_spin();
+  double largest = spin > 0.0 ? kLargestRotation / spin : kForever;
   constexpr int kModes = 16;
   for (int k = kModes; k >= 0; --k) {
     const double omega = fastest.frequency * k / kModes;

@@ -269,7 +269,8 @@ RunFailure diagnose(Model& model, const IntegratorRecord& scheme, StepFault faul
       failure.what =
           finite ? fmt::format(
                        "a coordinate{} would move further in one step than is "
-                       "allowed (a period, or half the shortest bond or size), "
+                       "allowed (a period, half the shortest bond or size, or half a radian "
+                       "of a body in space), "
                        "or become non-finite",
                        of_species(model, name))
                  : fmt::format("an acceleration{} is not a finite number", of_species(model, name));

@@ -29,6 +29,7 @@ class FreedomCheck {
     if (!coordinates_) return;  // unfit, and reported
     check_whether_held();
     for (const std::string& name : body_.hold) check_held(name);
+    check_axes_of_rotation();
     check_whether_in_motion();
     if (body_.motion && dimension_) check_motion(*body_.motion);
   }
@@ -58,6 +59,11 @@ class FreedomCheck {
       complain("hold", "only a rigid body has a rotation", "coordinates = \"rigid\"");
       return;
     }
+    if (name.starts_with(kRotation)) {
+      if (coordinates_ == Coordinates::rigid && dimension_.value_or(3) == 3) return;
+      complain("hold", quoted_text(name) + " is of a rigid body in space", "\"rotation\"");
+      return;
+    }
     const auto* axis = std::find(std::begin(kAxisNames), std::end(kAxisNames), name);
     const auto index = static_cast<std::size_t>(axis - std::begin(kAxisNames));
     if (dimension_ && index >= static_cast<std::size_t>(*dimension_)) {
@@ -67,6 +73,16 @@ class FreedomCheck {
       complain("velocity", fmt::format("a held coordinate does not move: {} is held", name),
                fmt::format("0 along {}", name));
     }
+  }
+
+  /// Of a body that rotates about two axes fixed in space there are no equations of motion here.
+  void check_axes_of_rotation() {
+    const auto held = std::count_if(body_.hold.begin(), body_.hold.end(), [](const auto& name) {
+      return name.starts_with(kRotation) && name != kRotation;
+    });
+    if (held != 1 || coordinates_ != Coordinates::rigid) return;
+    complain("hold", "a rigid body rotates about one axis of space, freely, or not at all",
+             "two of \"rotation_x\", \"rotation_y\", \"rotation_z\", or \"rotation\"");
   }
 
   bool is_warm() const {

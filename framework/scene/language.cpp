@@ -365,10 +365,12 @@ TableLayout body_layout(const BodyRecord& record) {
 }
 
 Parameter hold_row() {
-  return plain_list("hold", &SceneBody::hold, &WordList::words, dimension::none,
-                    "coordinates to freeze: \"x\", \"y\", \"z\" of each particle, or of the "
-                    "centre of a rigid body, and its \"rotation\"")
-      .one_of({"x", "y", "z", "rotation"})
+  return plain_list(
+             "hold", &SceneBody::hold, &WordList::words, dimension::none,
+             "coordinates to freeze: \"x\", \"y\", \"z\" of each particle, or of the "
+             "centre of a rigid body, and its \"rotation\"; in space also two of \"rotation_x\", "
+             "\"rotation_y\", \"rotation_z\", so that it rotates about the third axis alone")
+      .one_of({"x", "y", "z", "rotation", "rotation_x", "rotation_y", "rotation_z"})
       .or_absent();
 }
 

@@ -43,7 +43,8 @@ struct SceneComponent {
 };
 
 struct SceneBody : SceneComponent<BodyRecord> {
-  std::vector<std::string> hold;  ///< frozen coordinates: each of "x", "y", "z", "rotation"
+  std::vector<std::string> hold;  ///< frozen coordinates: each of "x", "y", "z", "rotation",
+                                  ///< and in space "rotation_x", "rotation_y", "rotation_z"
   std::optional<Motion> motion;   ///< of a prescribed body, and of no other
 };
 
