@@ -64,6 +64,15 @@ void place_velocities(const std::vector<typename Assembly<Real>::Body>& bodies, 
   }
 }
 
+/// Rotors do not spin where forces are verified: their coordinates of rotation are not varied, and
+/// power is that of what is.
+template <class Real>
+void stop_rotors(const std::vector<typename Assembly<Real>::Body>& bodies, Real* velocity) {
+  for (const auto& body : bodies) {
+    if (body.rotor) std::fill_n(velocity + body.bound.slot.centre + 3, 3, Real(0.0));
+  }
+}
+
 /// A scene of one force, bound once more: in another number type, on another instruction set, or
 /// to be treated as no model is (a new origin, foreign numbers in the arrays). Coordinates stand
 /// where the model has them.
@@ -86,6 +95,7 @@ class ForceTwin {
       numbers->assign(view.rates + 3 * kGroup, Real(0.0));
     }
     assembly_.start(position_.data(), velocity_.data(), integrals_.data(), nullptr);
+    stop_rotors<Real>(assembly_.bodies(), velocity_.data());
     assembly_.start_controls();
     assembly_.rebase(origin_);
     has_heat_ = bound().heat(static_cast<std::ptrdiff_t>(heat_rate_), heat_);

@@ -155,6 +155,8 @@ class Model {
   /// coordinates than are looked at.
   std::optional<double> slowest_time();
 
+  /// Of rigid bodies in space, about a principal axis; an angular velocity.
+  double fastest_spin() const;
   /// The largest fixed step that this scheme is stable with; infinite when nothing limits it.
   double stable_step(const IntegratorRecord& scheme);
   /// What steps of an adaptive scheme cannot exceed for long, since friction and springs would make
@@ -180,8 +182,6 @@ class Model {
   static void begin_step(void* model, double time_high, double time_low);
   void build_elastic();
   void orient();
-  /// Of rigid bodies in space, about a principal axis, at the start.
-  double fastest_spin() const;
   double rotation_of_rotor(const Body& body, const double* position) const;
   double energy_of(const Force& force, const DoubleDouble& time);
   void set_out(const Force& force, const DoubleDouble& time);

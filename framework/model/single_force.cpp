@@ -68,6 +68,7 @@ void SingleForce::restart() {
   velocity_.assign(view.dofs + 2 * kGroup, 0.0);
   std::copy(view.position, view.position + view.dofs, position_.begin());
   std::copy(view.velocity, view.velocity + view.dofs, velocity_.begin());
+  stop_rotors<double>(model_.bodies(), velocity_.data());
   std::copy(start_of_own_.begin(), start_of_own_.end(), own());
 }
 

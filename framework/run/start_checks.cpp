@@ -233,10 +233,15 @@ void check_step(Check& check) {
                                 DoubleDouble(0.0), check.plan.dt, check.found.stable_step);
   failure.code = FaultCode::run_step_unstable;
   failure.what = what;
-  failure.force = check.model.stiffest_force();
-  failure.cause =
-      "the stiffest force limits the step; use a smaller dt, or force the run with "
-      "run.allow_unstable = true";
+  if (longest * check.model.fastest_spin() > kLargestRotation) {
+    failure.force.clear();
+    failure.cause = "a rigid body rotates by more than half a radian in a step; use a smaller dt";
+  } else {
+    failure.force = check.model.stiffest_force();
+    failure.cause =
+        "the stiffest force limits the step; use a smaller dt, or force the run with "
+        "run.allow_unstable = true";
+  }
   if (!check.found.failure) check.found.failure = std::move(failure);
 }
 

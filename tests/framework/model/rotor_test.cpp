@@ -511,7 +511,7 @@ TEST(Rotor, RotatesAboutAnAxisOfSpaceAlone) {
   top.spin = 0.9 * axis;
   top.more = "hold = [\"rotation_x\", \"rotation_y\"]\n" + std::string(kNoForce);
   Engine engine(scene_of(top.text(9.0, adaptive(1e-12))), {});
-  EXPECT_EQ(engine.model().bodies()[0].bound.freedom, 1);
+  EXPECT_EQ(engine.model().bodies()[0].bound.freedom, 4);
   engine.run();
   const Matrix turn = Eigen::AngleAxisd(0.9 * 9.0, axis).toRotationMatrix();
   std::vector<Vector> expected;
