@@ -297,7 +297,9 @@ TEST(Rotor, SchemesConvergeWithTheirOrder) {
   const Top top = asymmetric();
   const std::vector<Vector> exact = places_after(top.text(4.0, adaptive(1e-13, "dop853")));
   const std::vector<std::pair<std::string, double>> schemes = {{"midpoint", 2.0}, {"rk4", 4.0}};
-  for (const auto& [name, order] : schemes) {
+  for (const auto& scheme : schemes) {
+    const std::string& name = scheme.first;
+    const double order = scheme.second;
     const auto error = [&](double dt) {
       return distance(
           places_after(top.text(4.0, "{ type = \"" + name + "\", dt = " + digits(dt) + " }")),
