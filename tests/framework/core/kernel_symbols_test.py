@@ -12,13 +12,15 @@ import sys
 
 
 def shared_symbols(path, own):
-    """Defined, linkable symbols of an object that are not in its own namespace."""
+    """Defined, linkable symbols of an object that are not named after its set: by a namespace of
+    tomlin's, or by the end of the function's name."""
     listing = subprocess.run(
         ["nm", "--demangle", "--defined-only", "--extern-only", str(path)],
         check=True, capture_output=True, text=True).stdout
     names = [line.split(maxsplit=2)[2] for line in listing.splitlines() if len(line.split()) > 2]
     return [name for name in names
-            if f"tomlin::{own}::" not in name and not name.endswith(f"_{own}")]
+            if not (name.startswith("tomlin::") and f"::{own}::" in name)
+            and f"tomlin::{own}::" not in name and not name.partition("(")[0].endswith(f"_{own}")]
 
 
 def main():
