@@ -48,12 +48,12 @@ TOMLIN_INLINE Vec<T, 3> acceleration_of_vector(const Vec<T, 3>& p, const Vec<T, 
 template <class T>
 TOMLIN_INLINE void rotate_axes(const T* from, const Vec<T, 3>& p, T* to) {
   const T s = shrinkage(p);
-  for (int row = 0; row < 3; ++row) {
+  for (int row = 0; row < 3; ++row, from += 3, to += 3) {
     // The transpose of R(p) on a row of `from`.
-    const Vec<T, 3> a = {{from[3 * row], from[3 * row + 1], from[3 * row + 2]}};
+    const Vec<T, 3> a = {{from[0], from[1], from[2]}};
     const Vec<T, 3> once = cross(a, p);
     const Vec<T, 3> twice = cross(once, p);
-    for (int k = 0; k < 3; ++k) to[3 * row + k] = a[k] + s * (once[k] + T(0.5) * twice[k]);
+    for (int k = 0; k < 3; ++k) to[k] = a[k] + s * (once[k] + T(0.5) * twice[k]);
   }
 }
 
