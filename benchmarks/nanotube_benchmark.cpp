@@ -189,15 +189,7 @@ class PlainTube {
   }
 
   void forces() {
-    constexpr double kA = 1393.6;
-    constexpr double kB = 430.0;
-    constexpr double kLambda1 = 3.4879;
-    constexpr double kLambda2 = 2.2119;
-    constexpr double kBeta = 1.5724e-7;
-    constexpr double kN = 0.72751;
-    constexpr double kC2 = 38049.0 * 38049.0;
-    constexpr double kD2 = 4.3484 * 4.3484;
-    constexpr double kH = -0.930;
+    using namespace tomlin::plain::carbon;
     for (Place& f : f_) f = {0.0, 0.0, 0.0};
     for (std::size_t i = 0; i < x_.size(); ++i) {
       std::array<Place, 3> e{};

@@ -13,6 +13,19 @@
 /// vectors, exponential and logarithm; the numbers are those of Lindsay and Broido for carbon.
 namespace tomlin::plain {
 
+/// L. Lindsay and D. A. Broido, Phys. Rev. B 81, 205441 (2010), Table I; eV, 1/Angstrom.
+namespace carbon {
+inline constexpr double kA = 1393.6;
+inline constexpr double kB = 430.0;
+inline constexpr double kLambda1 = 3.4879;
+inline constexpr double kLambda2 = 2.2119;
+inline constexpr double kBeta = 1.5724e-7;
+inline constexpr double kN = 0.72751;
+inline constexpr double kC2 = 38049.0 * 38049.0;
+inline constexpr double kD2 = 4.3484 * 4.3484;
+inline constexpr double kH = -0.930;
+}  // namespace carbon
+
 struct TersoffTwin {
   std::size_t count = 0;                ///< a multiple of eight
   AlignedVector<double> x[3];           ///< [atom]
@@ -42,15 +55,7 @@ struct TwinBond {
 };
 
 TOMLIN_FLATTEN inline void twin_gradients(TersoffTwin& tube) {
-  constexpr double kA = 1393.6;
-  constexpr double kB = 430.0;
-  constexpr double kLambda1 = 3.4879;
-  constexpr double kLambda2 = 2.2119;
-  constexpr double kBeta = 1.5724e-7;
-  constexpr double kN = 0.72751;
-  constexpr double kC2 = 38049.0 * 38049.0;
-  constexpr double kD2 = 4.3484 * 4.3484;
-  constexpr double kH = -0.930;
+  using namespace carbon;
   constexpr double kInner = 1.8;
   constexpr double kOuter = 2.1;
   const std::size_t n = tube.count;
