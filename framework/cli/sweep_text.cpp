@@ -293,7 +293,7 @@ std::string sweep_json(const SweepPlan& plan, const SweepProgress& progress,
                        const SweepCounts* counts, std::size_t threads,
                        const std::optional<SweepPart>& shard,
                        const std::vector<Bisection>& bisections) {
-  const std::string scene = plan.scene_text();
+  const std::string& scene = plan.scene_text();
   Json json;
   json["status"] = to_string(counts != nullptr ? RunStatus::finished : RunStatus::interrupted);
   json["program"] = {
