@@ -1,5 +1,6 @@
 // Time per rk4 step of the engine, with everything that a run does along the way: running means,
 // extremes, checks of every step. The scenes are those of the plain loops.
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -8,7 +9,9 @@
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
+#include "benchmarks/plain_loops.hpp"
 #include "framework/model/friction_tables.hpp"
 #include "framework/model/single_force.hpp"
 #include "framework/run/engine.hpp"
@@ -218,6 +221,55 @@ void BM_rigid_ring(benchmark::State& state) {
   run(state, engine, 16);
 }
 BENCHMARK(BM_rigid_ring)->Name("rigid_ring_8/tomlin");
+
+/// Rigid in space, as plain::RigidBox.
+std::string rigid_box() {
+  std::string places;
+  for (const auto& place : plain::RigidBox<plain::StdMath>::places()) {
+    places += fmt::format("[{}, {}, {}], ", place[0], place[1], place[2]);
+  }
+  return "[[body]]\ntype = \"particles\"\npositions = [" + places +
+         "]\nparticle_mass = 0.125\ncoordinates = \"rigid\"\n" + R"--(
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 2.0
+velocity = [1e-3, 0.0, 0.0]
+[[force]]
+type = "viscous_damping"
+coefficient = 0.05
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.05
+period = 1.0
+decay = 1.0
+[run]
+duration = 1e9
+integrator = { type = "rk4", dt = 1e-2 }
+)--";
+}
+
+/// The twin is where the engine is, but for the errors of their steps.
+bool as_its_twin(Engine& engine) {
+  constexpr double kSteps = 1e-7;
+  plain::RigidBox<plain::StdMath> twin;
+  twin.advance(2000, 1e-2);
+  engine.advance(2000);
+  const std::size_t centre = engine.model().bodies().front().bound.slot.centre;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const double at = engine.model().system().view.position[centre + d];
+    if (!(std::abs(at - twin.centre()[d]) < kSteps)) return false;
+  }
+  return true;
+}
+
+void BM_rigid_box(benchmark::State& state) {
+  static Engine& engine = engine_for(rigid_box());
+  static const bool same = as_its_twin(engine);
+  if (!same) state.SkipWithError("the twin is elsewhere");
+  run(state, engine, 16);
+}
+BENCHMARK(BM_rigid_box)->Name("rigid_box_24/tomlin");
 
 void BM_chain_1000(benchmark::State& state) {
   static Engine& engine = engine_for(chain("1000", "1.0"));

@@ -68,6 +68,12 @@ void BM_plain_rigid_ring(benchmark::State& state) {
   run(state, model, 16, 1e-2);
 }
 
+template <class Math>
+void BM_plain_rigid_box(benchmark::State& state) {
+  static RigidBox<Math> model;
+  run(state, model, 16, 1e-2);
+}
+
 // Rest length equal to the period: the particles move nearly in phase, which flatters a library
 // sine with branches. The golden chain below is the fairer case.
 template <class Math>
@@ -139,6 +145,7 @@ BENCHMARK(BM_plain_pt<StdMath>)->Name("pt/plain");
 BENCHMARK(BM_plain_pt_memory<StdMath>)->Name("pt_memory/plain");
 BENCHMARK(BM_plain_flexible_ring<StdMath>)->Name("flexible_ring_8/plain");
 BENCHMARK(BM_plain_rigid_ring<StdMath>)->Name("rigid_ring_8/plain");
+BENCHMARK(BM_plain_rigid_box<StdMath>)->Name("rigid_box_24/plain");
 BENCHMARK(BM_plain_chain_1000<StdMath>)->Name("chain_1000/plain");
 BENCHMARK(BM_plain_golden_chain_1000<StdMath>)->Name("golden_chain_1000/plain");
 BENCHMARK(BM_plain_golden_chain_100000<StdMath>)->Name("golden_chain_100000/plain");
@@ -148,6 +155,7 @@ BENCHMARK(BM_plain_pt<OwnMath>)->Name("pt/plain_own_math");
 BENCHMARK(BM_plain_pt_memory<OwnMath>)->Name("pt_memory/plain_own_math");
 BENCHMARK(BM_plain_flexible_ring<OwnMath>)->Name("flexible_ring_8/plain_own_math");
 BENCHMARK(BM_plain_rigid_ring<OwnMath>)->Name("rigid_ring_8/plain_own_math");
+BENCHMARK(BM_plain_rigid_box<OwnMath>)->Name("rigid_box_24/plain_own_math");
 BENCHMARK(BM_plain_chain_1000<OwnMath>)->Name("chain_1000/plain_own_math");
 BENCHMARK(BM_plain_golden_chain_1000<OwnMath>)->Name("golden_chain_1000/plain_own_math");
 BENCHMARK(BM_plain_golden_chain_100000<OwnMath>)->Name("golden_chain_100000/plain_own_math");

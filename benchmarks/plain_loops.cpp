@@ -427,6 +427,112 @@ template <class Math>
   }
 }
 
+// ---- rigid box in space -------------------------------------------------------------------------
+
+template <class Math>
+std::vector<std::array<double, 3>> RigidBox<Math>::places() {
+  constexpr double kSpacing = 0.4;
+  std::vector<std::array<double, 3>> all;
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      for (int k = 0; k < 4; ++k) all.push_back({kSpacing * i, kSpacing * j, kSpacing * k});
+    }
+  }
+  return all;
+}
+
+template <class Math>
+RigidBox<Math>::RigidBox() : reference(places()) {
+  for (const auto& place : reference) {
+    for (int d = 0; d < 3; ++d) start[d] += place[d] / static_cast<double>(reference.size());
+  }
+  for (auto& place : reference) {
+    for (int d = 0; d < 3; ++d) place[d] -= start[d];
+    for (int d = 0; d < 3; ++d) {
+      const double one = place[(d + 1) % 3];
+      const double other = place[(d + 2) % 3];
+      inertia[d] += mass_each * (one * one + other * other);
+    }
+  }
+  state.x = start;
+  state.q = {1.0, 0.0, 0.0, 0.0};
+}
+
+template <class Math>
+auto RigidBox<Math>::rates(const State& s, double t) const -> State {
+  const Math math(period);
+  const double kx = 2.0 * std::numbers::pi / period;
+  const auto [a, b, c, d] = s.q;
+  const double norm = 1.0 / (a * a + b * b + c * c + d * d);
+  const double m[3][3] = {{1.0 - 2.0 * norm * (c * c + d * d), 2.0 * norm * (b * c - a * d),
+                           2.0 * norm * (b * d + a * c)},
+                          {2.0 * norm * (b * c + a * d), 1.0 - 2.0 * norm * (b * b + d * d),
+                           2.0 * norm * (c * d - a * b)},
+                          {2.0 * norm * (b * d - a * c), 2.0 * norm * (c * d + a * b),
+                           1.0 - 2.0 * norm * (b * b + c * c)}};
+  double spin[3];
+  for (int k = 0; k < 3; ++k) spin[k] = m[k][0] * s.w[0] + m[k][1] * s.w[1] + m[k][2] * s.w[2];
+
+  double sum[3] = {};
+  double torque[3] = {};
+  for (const auto& place : reference) {
+    double r[3];
+    for (int k = 0; k < 3; ++k) {
+      r[k] = m[k][0] * place[0] + m[k][1] * place[1] + m[k][2] * place[2];
+    }
+    const double y = s.x[1] + r[1];
+    double sine, cosine;
+    math.sine_cosine(s.x[0] + r[0], sine, cosine);
+    const double v = amplitude_each * Math::exponential(-decay * y * y);
+    const double f[3] = {
+        v * kx * sine - damping_each * (s.v[0] + spin[1] * r[2] - spin[2] * r[1]),
+        2.0 * decay * y * v * cosine - damping_each * (s.v[1] + spin[2] * r[0] - spin[0] * r[2]),
+        -damping_each * (s.v[2] + spin[0] * r[1] - spin[1] * r[0])};
+    for (int k = 0; k < 3; ++k) sum[k] += f[k];
+    torque[0] += r[1] * f[2] - r[2] * f[1];
+    torque[1] += r[2] * f[0] - r[0] * f[2];
+    torque[2] += r[0] * f[1] - r[1] * f[0];
+  }
+
+  State rate;
+  const double mass = mass_each * static_cast<double>(reference.size());
+  for (int k = 0; k < 3; ++k) {
+    const double support = start[k] + (k == 0 ? speed * t : 0.0);
+    rate.x[k] = s.v[k];
+    rate.v[k] = (sum[k] + stiffness * (support - s.x[k])) / mass;
+    const double along = m[0][k] * torque[0] + m[1][k] * torque[1] + m[2][k] * torque[2];
+    const int one = (k + 1) % 3;
+    const int other = (k + 2) % 3;
+    rate.w[k] = (along - (inertia[other] - inertia[one]) * s.w[one] * s.w[other]) / inertia[k];
+  }
+  rate.q = {
+      0.5 * (-b * s.w[0] - c * s.w[1] - d * s.w[2]), 0.5 * (a * s.w[0] + c * s.w[2] - d * s.w[1]),
+      0.5 * (a * s.w[1] + d * s.w[0] - b * s.w[2]), 0.5 * (a * s.w[2] + b * s.w[1] - c * s.w[0])};
+  return rate;
+}
+
+template <class Math>
+[[gnu::noinline]] void RigidBox<Math>::advance(std::int64_t steps, double h) {
+  const auto with = [](const State& s, double by, const State& rate) {
+    State moved;
+    for (int k = 0; k < 3; ++k) moved.x[k] = s.x[k] + by * rate.x[k];
+    for (int k = 0; k < 3; ++k) moved.v[k] = s.v[k] + by * rate.v[k];
+    for (int k = 0; k < 4; ++k) moved.q[k] = s.q[k] + by * rate.q[k];
+    for (int k = 0; k < 3; ++k) moved.w[k] = s.w[k] + by * rate.w[k];
+    return moved;
+  };
+  for (std::int64_t m = 0; m < steps; ++m) {
+    const double t = static_cast<double>(done) * h;
+    const State k1 = rates(state, t);
+    const State k2 = rates(with(state, 0.5 * h, k1), t + 0.5 * h);
+    const State k3 = rates(with(state, 0.5 * h, k2), t + 0.5 * h);
+    const State k4 = rates(with(state, h, k3), t + h);
+    state = with(with(state, h / 6.0, k1), h / 3.0, k2);
+    state = with(with(state, h / 3.0, k3), h / 6.0, k4);
+    ++done;
+  }
+}
+
 // ---- chain --------------------------------------------------------------------------------------
 
 template <class Math>
@@ -762,12 +868,14 @@ template struct PrandtlTomlinson<StdMath>;
 template struct RememberingTip<StdMath>;
 template struct FlexibleRing<StdMath>;
 template struct RigidRing<StdMath>;
+template struct RigidBox<StdMath>;
 template struct Chain<StdMath>;
 template struct Flake<StdMath>;
 template struct PrandtlTomlinson<OwnMath>;
 template struct RememberingTip<OwnMath>;
 template struct FlexibleRing<OwnMath>;
 template struct RigidRing<OwnMath>;
+template struct RigidBox<OwnMath>;
 template struct Chain<OwnMath>;
 template struct Flake<OwnMath>;
 

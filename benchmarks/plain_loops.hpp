@@ -3,6 +3,7 @@
 // difference comes from the library functions alone.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -173,6 +174,39 @@ struct RigidRing {
 
   Acceleration acceleration(double px, double py, double angle, double ux, double uy, double spin,
                             double t) const;
+};
+
+// A rigid body in space, 24 points of a box that is dragged by its centre: centre, a quaternion of
+// its orientation and the angular velocity along its principal axes are the unknowns.
+template <class Math>
+struct RigidBox {
+  double stiffness = 2.0;
+  double damping_each = 0.05;
+  double speed = 1e-3;
+  double period = 1.0;
+  double amplitude_each = 0.05;
+  double decay = 1.0;
+  double mass_each = 0.125;
+
+  static std::vector<std::array<double, 3>> places();
+
+  RigidBox();
+  void advance(std::int64_t steps, double h);
+  const std::array<double, 3>& centre() const { return state.x; }
+
+ private:
+  struct State {
+    std::array<double, 3> x, v;
+    std::array<double, 4> q;
+    std::array<double, 3> w;
+  };
+  State state{};
+  std::int64_t done = 0;
+  std::array<double, 3> start{};
+  std::array<double, 3> inertia{};
+  std::vector<std::array<double, 3>> reference;
+
+  State rates(const State& s, double t) const;
 };
 
 // An open Frenkel-Kontorova chain, dragged by its centre of mass.

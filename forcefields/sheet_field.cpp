@@ -39,7 +39,7 @@ SheetLaw law_of(const Description& d) {
 template <class Real>
 SheetAtoms atoms_of(const BoundBody<Real>& sheet, const std::array<double, 3>& box) {
   std::vector<SheetPoint> atoms;
-  for (const std::vector<double>& x : sheet.start) atoms.push_back({x[0], x[1]});
+  for (const std::array<double, 3>& x : sheet.start) atoms.push_back({x[0], x[1]});
   SheetAtoms found(std::move(atoms), {box[0], box[1]});
   for (std::size_t i = 0; i < sheet.start.size(); ++i) {
     if (std::abs(sheet.start[i][2] - sheet.start[0][2]) <= kFlat * found.spacing()) continue;

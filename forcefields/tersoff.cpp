@@ -144,7 +144,7 @@ std::vector<Complaint> complaints(const TersoffDescription& d, const SceneOutlin
       }
     }
   }
-  return cutoff_complaints(key_of(d), longest, scene, Search::in_stages);
+  return cutoff_complaints(key_of(d), longest, scene, &outer_list);
 }
 
 /// Decay of the repulsion.

@@ -21,7 +21,7 @@ std::size_t stride_for(std::size_t count) {
 }
 
 /// Places so far away that they cannot be counted in periods come out as no numbers.
-bool placed_finitely(const std::vector<std::vector<double>>& start) {
+bool placed_finitely(const std::vector<std::array<double, 3>>& start) {
   for (const auto& particle : start) {
     for (const double x : particle) {
       if (!std::isfinite(x)) return false;
@@ -54,7 +54,7 @@ void list_species(BoundBody<Real>& body, const NamePerParticle& given, std::size
 template <class Real>
 AssembledBody<Real> described(const SceneBody& from, std::size_t index, const AssemblyPlan& plan) {
   const BodyDescription& common = from.record->common(from.description.get());
-  const BodyGeometry& geometry = plan.geometry[index];
+  const BodyGeometry& geometry = (*plan.geometry)[index];
   const std::size_t count = geometry.relative.size();
   AssembledBody<Real> body;
   body.rolling_radius = geometry.rolling_radius;
@@ -82,6 +82,7 @@ AssembledBody<Real> described(const SceneBody& from, std::size_t index, const As
   body.bound.coordinates = common.coordinates;
   const BodyEnds ends = from.record->ends(from.description.get(), plan.dimension());
   body.bound.closed = ends.closed;
+  body.dimension = plan.dimension();
   body.bound.open_along = ends.open_along;
   body.bound.neighbours = neighbour_list(*from.record, from.description, plan.box);
   list_species(body.bound, common.species, count, plan.scene->species);
@@ -89,7 +90,7 @@ AssembledBody<Real> described(const SceneBody& from, std::size_t index, const As
   for (int d = 0; d < plan.dimension(); ++d) body.held[d] = names(from.hold, kAxisNames[d]);
 
   // Positions relative to the origin, to the last digit however far away the body is.
-  body.bound.start.assign(count, std::vector<double>(plan.dimension(), 0.0));
+  body.bound.start.assign(count, {});
   for (int d = 0; d < plan.dimension(); ++d) {
     const double anchor = relative_to(plan.origin, d, geometry.anchor[d]);
     for (std::size_t i = 0; i < count; ++i) {
@@ -159,7 +160,7 @@ void find_principal_axes(AssembledBody<Real>& body) {
   if (body.rotation_held || !(body.inertia > 0.0)) return;
   std::array<InterleavedSum<double>, 9> sums;
   for (std::size_t i = 0; i < body.arms.size(); ++i) {
-    const std::vector<double>& arm = body.arms[i];
+    const std::array<double, 3>& arm = body.arms[i];
     const double square = arm[0] * arm[0] + arm[1] * arm[1] + arm[2] * arm[2];
     for (std::size_t a = 0; a < 3; ++a) {
       for (std::size_t b = 0; b < 3; ++b) {
@@ -176,7 +177,7 @@ void find_principal_axes(AssembledBody<Real>& body) {
   // From the arms themselves: the tensor's differences would lose a thin body's smallest moment.
   std::array<InterleavedSum<double>, 3> moments;
   for (std::size_t i = 0; i < body.arms.size(); ++i) {
-    const std::vector<double> arm = body.reference_arm(i);
+    const std::array<double, 3> arm = body.reference_arm(i);
     for (std::size_t k = 0; k < 3; ++k) {
       const double one = arm[(k + 1) % 3];
       const double other = arm[(k + 2) % 3];
@@ -210,11 +211,11 @@ int freedom_of(const AssembledBody<Real>& body, int dimension) {
 }  // namespace
 
 template <class Real>
-std::vector<double> AssembledBody<Real>::reference_arm(std::size_t particle) const {
-  const std::vector<double>& arm = arms[particle];
+std::array<double, 3> AssembledBody<Real>::reference_arm(std::size_t particle) const {
+  const std::array<double, 3>& arm = arms[particle];
   if (!rotor) return arm;
   const Matrix3 axes = matrix_of(orientation);
-  std::vector<double> along(3);
+  std::array<double, 3> along{};
   for (std::size_t k = 0; k < 3; ++k) {
     along[k] = axes[k] * arm[0] + axes[3 + k] * arm[1] + axes[6 + k] * arm[2];
   }
@@ -268,7 +269,7 @@ template <class Real>
 void AssembledBodies<Real>::place(AssembledBody<Real>& body, const AssemblyPlan& plan) {
   const int dimension = plan.dimension();
   const std::size_t count = body.bound.slot.count;
-  const BodyGeometry& geometry = plan.geometry[body.bound.index];
+  const BodyGeometry& geometry = (*plan.geometry)[body.bound.index];
   std::vector<double> share(count);
   for (std::size_t i = 0; i < count; ++i) share[i] = body.bound.mass[i] / body.total_mass;
   share_.emplace_back(padded(count), Real(0.0));
@@ -285,7 +286,7 @@ void AssembledBodies<Real>::place(AssembledBody<Real>& body, const AssemblyPlan&
     body.bound.start_centre.push_back(relative_to(plan.origin, d, geometry.anchor[d]) + middle[d]);
   }
   InterleavedSum<double> inertia;
-  body.arms.assign(count, std::vector<double>(dimension));
+  body.arms.assign(count, {});
   for (std::size_t i = 0; i < count; ++i) {
     double square = 0.0;
     for (int d = 0; d < dimension; ++d) {
@@ -303,7 +304,7 @@ void AssembledBodies<Real>::keep_shape(AssembledBody<Real>& body, int dimension)
   arms_.emplace_back(dimension * slot.stride, Real(0.0));
   reference.emplace_back(dimension * slot.stride, Real(0.0));
   for (std::size_t i = 0; i < slot.count; ++i) {
-    const std::vector<double> arm = body.reference_arm(i);
+    const std::array<double, 3> arm = body.reference_arm(i);
     for (int d = 0; d < dimension; ++d) reference.back()[d * slot.stride + i] = Real(arm[d]);
   }
   RigidArguments<Real>& arguments = rigid.emplace_back();

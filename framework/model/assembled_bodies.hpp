@@ -27,11 +27,13 @@ struct AssembledBody {
   double inertia = 0.0;  ///< about the centre, planar bodies
   /// Rigid, and rotates in space: see RigidArguments.
   bool rotor = false;
-  int free_rotations = 0;                 ///< of a rotor: 3, or 1 about an axis of space
-  std::array<double, 3> moments{};        ///< of inertia, of a rotor; 0 along a rod
-  Quaternion orientation{};               ///< of its principal axes at the start
-  std::vector<std::vector<double>> arms;  ///< [count][dimension] at the start, about the centre
-  std::array<bool, 3> held{};             ///< axes along which nothing moves
+  int free_rotations = 0;           ///< of a rotor: 3, or 1 about an axis of space
+  std::array<double, 3> moments{};  ///< of inertia, of a rotor; 0 along a rod
+  Quaternion orientation{};         ///< of its principal axes at the start
+  int dimension = 0;
+  /// [count][dimension] of the particles at the start, about the centre
+  std::vector<std::array<double, 3>> arms;
+  std::array<bool, 3> held{};  ///< axes along which nothing moves
   bool rotation_held = false;
   std::array<bool, 3> rotation_free = {true, true, true};  ///< about each axis of space
   // Of a rigid body: its inverse mass and inertia, or without inertia its inverse friction; zero
@@ -46,13 +48,13 @@ struct AssembledBody {
   std::size_t steering = 0;                     ///< which of the prescribed bodies it is
   std::ptrdiff_t kinetic_rate = kNoRate;  ///< where its kinetic energy stands, see KineticIntegral
 
-  bool rotates() const { return arms.size() > 1 && (arms.front().size() == 2 || turns_in_space); }
+  bool rotates() const { return arms.size() > 1 && (dimension == 2 || turns_in_space); }
   /// Its rotation is a coordinate, or three.
   bool has_free_rotation() const { return rotor || (rotates() && !rotation_held); }
   bool moves_as_one() const { return bound.slot.rigid; }
   bool prescribed() const { return motion != nullptr; }
   /// A particle about the centre at the start, along the principal axes of a rotor.
-  std::vector<double> reference_arm(std::size_t particle) const;
+  std::array<double, 3> reference_arm(std::size_t particle) const;
 };
 
 /// The bodies of a scene: which part of the arrays is whose, masses, shapes, and the arguments with

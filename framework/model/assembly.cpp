@@ -42,7 +42,7 @@ class BodyStart {
   void write_shape(AlignedVector<Real>& reference) const {
     const BodySlot<Real>& slot = body_->bound.slot;
     for (std::size_t i = 0; i < slot.count; ++i) {
-      const std::vector<double> start = body_->reference_arm(i);
+      const std::array<double, 3> start = body_->reference_arm(i);
       for (int d = 0; d < plan_.dimension(); ++d) {
         Real& arm = reference[d * slot.stride + i];
         arm = Real(start[d]);
@@ -67,7 +67,7 @@ class BodyStart {
     if (plan_.dimension() != 2) return;
     InterleavedSum<double> spin;
     for (std::size_t i = 0; i < slot.count; ++i) {
-      const std::vector<double>& arm = body_->arms[i];
+      const std::array<double, 3>& arm = body_->arms[i];
       spin.add(i, body_->bound.mass[i] * (arm[0] * speed(i, 1) - arm[1] * speed(i, 0)));
     }
     const std::size_t at = slot.centre + kRotation;
@@ -94,7 +94,7 @@ class BodyStart {
     const BodySlot<Real>& slot = body_->bound.slot;
     std::array<InterleavedSum<double>, 3> spin;
     for (std::size_t i = 0; i < slot.count; ++i) {
-      const std::vector<double>& arm = body_->arms[i];
+      const std::array<double, 3>& arm = body_->arms[i];
       for (int d = 0; d < 3; ++d) {
         const int next = (d + 1) % 3;
         const int last = (d + 2) % 3;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "framework/core/records/body.hpp"
@@ -27,8 +28,8 @@ struct AssemblyPlan {
   int dimension() const { return scene->dimension; }
 
   const Scene* scene = nullptr;
-  std::vector<BodyGeometry> geometry;
-  Origin origin;                ///< at time 0
+  std::shared_ptr<const std::vector<BodyGeometry>> geometry;  ///< of each body
+  Origin origin;                                              ///< at time 0
   std::array<double, 3> box{};  ///< length of each periodic axis, else 0
   InstructionSet set = InstructionSet::baseline;
   bool inertial = true;

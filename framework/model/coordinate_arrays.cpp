@@ -152,7 +152,7 @@ void CoordinateArrays<Real>::place_fixed(const AssemblyPlan& plan,
   for (const AssembledBody<Real>& body : bodies) {
     const BodySlot<Real>& slot = body.bound.slot;
     if (!slot.mapped || slot.rigid || body.prescribed()) continue;
-    const BodyGeometry& geometry = plan.geometry[body.bound.index];
+    const BodyGeometry& geometry = (*plan.geometry)[body.bound.index];
     for (int d = 0; d < plan.dimension(); ++d) {
       const double anchor = relative_to(origin, d, geometry.anchor[d]);
       for (std::size_t i = 0; i < slot.count; ++i) {

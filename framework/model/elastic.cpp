@@ -163,7 +163,7 @@ std::string refusal_of(const Body& body, bool bonded) {
     return name + "is held along an axis";
   }
   if (!bonded) return "";
-  const std::size_t axes = body.bound.start.front().size();
+  const auto axes = static_cast<std::size_t>(body.dimension);
   if (axes > 2) return name + "turns in space, which its modes do not follow";
   if (axes * body.bound.slot.count > kMostCoordinates) {
     return name + "has more than " + std::to_string(kMostCoordinates) + " coordinates with bonds";
@@ -286,7 +286,7 @@ std::vector<ElasticBody> elastic_bodies(Assembly<double>& assembly, std::string&
     elastic.offset = slot.offset;
     elastic.stride = slot.stride;
     elastic.count = slot.count;
-    elastic.axes = static_cast<int>(body.bound.start.front().size());
+    elastic.axes = body.dimension;
     elastic.turns = bonded && body.rotates() && !body.turns_in_space;
     elastic.mass = body.bound.mass;
     for (const double mass : elastic.mass) {

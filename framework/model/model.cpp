@@ -64,8 +64,9 @@ AssemblyPlan Model::plan_for(const Scene& scene, InstructionSet set, const Team*
   plan.splits_friction = scene.run.integrator.record->splits_friction || plan.quasistatic;
   plan.ledger = scene.run.ledger;
   plan.half_step_velocities = scene.run.integrator.record->half_step_velocities;
+  std::vector<BodyGeometry> geometry;
   for (const SceneBody& body : scene.bodies) {
-    plan.geometry.push_back(bound_by(body, "body", [&] { return build(body, scene.dimension); }));
+    geometry.push_back(bound_by(body, "body", [&] { return build(body, scene.dimension); }));
   }
   for (int axis = 0; axis < scene.dimension; ++axis) {
     if (!scene.box.lengths.empty() && scene.box.periodic[axis]) {
@@ -81,12 +82,11 @@ AssemblyPlan Model::plan_for(const Scene& scene, InstructionSet set, const Team*
     }
     plan.origin.unit[axis] = unit;
     if (!(unit > 0.0)) continue;
-    double lowest = plan.geometry.front().anchor[axis];
-    for (const BodyGeometry& geometry : plan.geometry) {
-      lowest = std::min(lowest, geometry.anchor[axis]);
-    }
+    double lowest = geometry.front().anchor[axis];
+    for (const BodyGeometry& one : geometry) lowest = std::min(lowest, one.anchor[axis]);
     remainder_of(DoubleDouble(lowest), unit, plan.origin.cells[axis]);
   }
+  plan.geometry = std::make_shared<const std::vector<BodyGeometry>>(std::move(geometry));
   return plan;
 }
 

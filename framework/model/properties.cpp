@@ -35,7 +35,7 @@ double shortest_spacing(const Model::Body& body) {
   double shortest = 0.0;
   for (std::size_t i = 1; i < body.bound.start.size(); ++i) {
     double square = 0.0;
-    for (std::size_t d = 0; d < body.bound.start[i].size(); ++d) {
+    for (std::size_t d = 0; d < 3; ++d) {
       const double apart = body.bound.start[i][d] - body.bound.start[i - 1][d];
       square += apart * apart;
     }

@@ -22,7 +22,7 @@ double spacing_along(const Model::Body& body, int axis) {
   if (start.size() < 2) return 0.0;
   const double spacing = start[1][axis] - start[0][axis];
   for (std::size_t i = 1; i < start.size(); ++i) {
-    for (std::size_t d = 0; d < start[i].size(); ++d) {
+    for (std::size_t d = 0; d < 3; ++d) {
       const double step = start[i][d] - start[i - 1][d];
       const double due = static_cast<int>(d) == axis ? spacing : 0.0;
       const double size = std::abs(spacing) + kEqual * std::abs(start[i][d]);

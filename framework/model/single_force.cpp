@@ -13,7 +13,7 @@ namespace {
 /// Of a body in the plane.
 double farthest_arm(const Model::Body& body) {
   double farthest = 0.0;
-  for (const std::vector<double>& arm : body.arms) {
+  for (const std::array<double, 3>& arm : body.arms) {
     farthest = std::max(farthest, std::hypot(arm[0], arm[1]));
   }
   return farthest;

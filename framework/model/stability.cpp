@@ -162,7 +162,7 @@ class ScaledHessian : public HessianSink {
 
   /// How far a place moves along an axis when the body turns by a small angle: in the plane about
   /// its pivot, in space about each of its principal axes.
-  static Arm across(const Model::Body& body, const std::vector<double>& arm, int axis) {
+  static Arm across(const Model::Body& body, const std::array<double, 3>& arm, int axis) {
     if (body.rotor) {
       const Matrix3 axes = matrix_of(body.orientation);
       const auto next = static_cast<std::size_t>((axis + 1) % 3);
@@ -173,7 +173,7 @@ class ScaledHessian : public HessianSink {
       }
       return moved;
     }
-    if (arm.size() != 2) return {};
+    if (body.dimension != 2) return {};
     return {axis == 0 ? body.pivot[1] - arm[1] : arm[0] - body.pivot[0]};
   }
 
@@ -252,11 +252,11 @@ class DampingRates : public FrictionSink {
       return;
     }
     Eigen::Matrix3d friction = Eigen::Matrix3d::Zero();
-    const bool planar = body.arms.front().size() == 2;
+    const bool planar = body.dimension == 2;
     const double root_of_rotation = std::sqrt(body.response_of_rotation);
     for (std::size_t i = 0; i < coefficient.size(); ++i) {
-      const std::vector<double>& arm = body.arms[i];
-      for (std::size_t d = 0; d < arm.size(); ++d) {
+      const std::array<double, 3>& arm = body.arms[i];
+      for (std::size_t d = 0; d < static_cast<std::size_t>(body.dimension); ++d) {
         const auto axis = static_cast<Eigen::Index>(d);
         Eigen::Vector3d moves = Eigen::Vector3d::Zero();
         moves[axis] = std::sqrt(body.response[d]);
@@ -278,7 +278,7 @@ class DampingRates : public FrictionSink {
     using Matrix = Eigen::Matrix<double, 6, 6>;
     Matrix friction = Matrix::Zero();
     for (std::size_t i = 0; i < coefficient.size(); ++i) {
-      const std::vector<double> arm = body.reference_arm(i);
+      const std::array<double, 3> arm = body.reference_arm(i);
       const Matrix3 axes = matrix_of(body.orientation);
       for (std::size_t d = 0; d < 3; ++d) {
         Vector moves = Vector::Zero();

@@ -34,7 +34,7 @@ struct Check {
 /// Of a body's particles, from its centre.
 double reach_of(const Model::Body& body) {
   double reach = 0.0;
-  for (const std::vector<double>& arm : body.arms) {
+  for (const std::array<double, 3>& arm : body.arms) {
     double squares = 0.0;
     for (const double x : arm) squares = std::fma(x, x, squares);
     reach = std::max(reach, std::sqrt(squares));

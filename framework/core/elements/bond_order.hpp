@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,8 +28,10 @@ using BondOrderTables = TablesByType<BondOrderTable>;
 template <class Real>
 class NeighbourRows {
  public:
+  using Entry = typename DualList<Real>::Entry;
+
   NeighbourRows(const BoundBody<Real>& body, double cutoff, const std::array<double, 3>& box)
-      : finder_(body, body, 3, cutoff, box, Search::in_stages),
+      : list_(body, 3, cutoff, box),
         periodic_(box[0] > 0.0 || box[1] > 0.0 || box[2] > 0.0),
         neighbours_(padded(body.slot.count), Real(0.0)),
         energy_(padded(body.slot.count)) {
@@ -40,23 +43,22 @@ class NeighbourRows {
   NeighbourRows(const NeighbourRows&) = delete;
   NeighbourRows& operator=(const NeighbourRows&) = delete;
 
-  void forget() { finder_.forget(); }
+  void forget() { list_.forget(); }
   void bring_up_to_date(const Stage<Real>& stage) { update(this, stage); }
-  std::size_t neighbours_of(std::size_t particle) const { return found_[particle].size(); }
-  const std::vector<Neighbour>& of(std::size_t particle) const { return found_[particle]; }
+  std::span<const Entry> of(std::size_t particle) const { return list_.of(particle); }
+  const std::array<double, 3>& shift_of(const Entry& near) const { return list_.shift_of(near); }
   NeighbourCount count() const {
     NeighbourCount all;
-    all.bytes = finder_.bytes() + bytes_of(row_start_) + bytes_of(neighbours_) + bytes_of(near_) +
+    all.bytes = list_.bytes() + bytes_of(row_start_) + bytes_of(neighbours_) + bytes_of(near_) +
                 bytes_of(reverse_) + bytes_of(shift_) + bytes_of(gradient_) + bytes_of(work_) +
                 bytes_of(energy_);
     std::size_t neighbours = 0;
-    for (const std::vector<Neighbour>& near : found_) {
-      neighbours += near.size();
-      all.most = std::max(all.most, near.size());
-      all.bytes += bytes_of(near);
+    for (std::size_t i = 0; i < list_.count(); ++i) {
+      neighbours += of(i).size();
+      all.most = std::max(all.most, of(i).size());
     }
     all.pairs = neighbours / 2;
-    all.mean = static_cast<double>(neighbours) / static_cast<double>(finder_.count());
+    all.mean = static_cast<double>(neighbours) / static_cast<double>(list_.count());
     return all;
   }
 
@@ -65,33 +67,20 @@ class NeighbourRows {
  private:
   static void update(void* list, const Stage<Real>& stage) {
     auto& self = *static_cast<NeighbourRows*>(list);
-    if (self.finder_.begin(stage)) self.make();
-  }
-
-  /// Of a solid the neighbours are mostly those that it has had before.
-  void make() {
-    const std::size_t count = finder_.count();
-    bool differ = found_.empty();
-    found_.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::vector<Neighbour>& found = finder_.of(i);
-      if (found == found_[i]) continue;
-      found_[i] = found;
-      differ = true;
-    }
-    if (differ) lay_all();
+    // Of a solid the neighbours are mostly those that it has had before.
+    if (self.list_.update(stage)) self.lay_all();
   }
 
   void lay_all() {
-    const std::size_t count = found_.size();
+    const std::size_t count = list_.count();
     const std::size_t groups = padded(count) / kGroup;
     row_start_.assign(groups + 1, 0);
     most_rows_ = 0;
     for (std::size_t g = 0; g < groups; ++g) {
       std::size_t rows = 0;
       for (std::size_t i = g * kGroup; i < (g + 1) * kGroup && i < count; ++i) {
-        neighbours_[i] = Real(static_cast<double>(found_[i].size()));
-        rows = std::max(rows, found_[i].size());
+        neighbours_[i] = Real(static_cast<double>(of(i).size()));
+        rows = std::max(rows, of(i).size());
       }
       most_rows_ = std::max(most_rows_, rows);
       row_start_[g + 1] = row_start_[g] + static_cast<std::uint32_t>(rows);
@@ -121,29 +110,29 @@ class NeighbourRows {
   }
 
   void lay(std::size_t i, std::size_t slots) {
-    for (std::size_t k = 0; k < found_[i].size(); ++k) {
-      const Neighbour& neighbour = found_[i][k];
+    const std::span<const Entry> near = of(i);
+    for (std::size_t k = 0; k < near.size(); ++k) {
+      const Entry& neighbour = near[k];
       const std::size_t place = place_of(i, k);
       near_[place] = neighbour.particle;
       if (periodic_) {
         for (std::size_t d = 0; d < 3; ++d) {
-          shift_[d * slots * kGroup + place] = Real(neighbour.shift[d]);
+          shift_[d * slots * kGroup + place] = Real(list_.shift_of(neighbour)[d]);
         }
       }
-      const std::vector<Neighbour>& back = found_[neighbour.particle];
+      const std::span<const Entry> back = of(neighbour.particle);
       const auto me = std::lower_bound(
           back.begin(), back.end(), i,
-          [](const Neighbour& one, std::size_t particle) { return one.particle < particle; });
+          [](const Entry& one, std::size_t particle) { return one.particle < particle; });
       if (me == back.end() || me->particle != i) continue;  // at the very edge of the list's reach
       reverse_[place] = static_cast<std::int64_t>(
           place_of(neighbour.particle, static_cast<std::size_t>(me - back.begin())));
     }
   }
 
-  NeighbourFinder<Real> finder_;
+  DualList<Real> list_;
   bool periodic_;
   std::size_t most_rows_ = 0;
-  std::vector<std::vector<Neighbour>> found_;
   std::vector<std::uint32_t> row_start_;
   AlignedVector<Real> neighbours_;
   AlignedVector<std::int64_t> near_;
@@ -158,6 +147,8 @@ class NeighbourRows {
 template <class E, class Real>
 class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public SharesWork {
  public:
+  using Entry = typename NeighbourRows<Real>::Entry;
+
   BondOrderForce(const typename E::Description& description, const Binding<Real>& binding,
                  const BondOrderTables& tables)
       : table_(tables.on<Real>(binding.set)),
@@ -201,7 +192,7 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
     rows_.bring_up_to_date(stage);
     Rows rows;
     for (std::size_t i = 0; i < body_.slot.count; ++i) {
-      const std::vector<Neighbour>& near = rows_.of(i);
+      const std::span<const Entry> near = rows_.of(i);
       for (std::size_t j = 0; j < near.size(); ++j) {
         for (int b = 0; b < 3; ++b) {
           rows.fill(*this, stage, i, j, b);
@@ -227,7 +218,7 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
     rows_.bring_up_to_date(stage);
     const StartingParticles body = starting(body_);
     for (std::size_t i = 0; i < body_.slot.count; ++i) {
-      for (const Neighbour& near : rows_.of(i)) {
+      for (const Entry& near : rows_.of(i)) {
         const auto apart = static_cast<double>(distance(way_to(stage, i, near)));
         if (apart > 0.0) continue;
         return fmt::format("{} and {} coincide", name_of(body, i), name_of(body, near.particle));
@@ -283,7 +274,7 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
 
     void fill(const BondOrderForce& force, const Stage<Real>& stage, std::size_t i,
               std::size_t moved, int axis) {
-      const std::vector<Neighbour>& near = force.rows_.of(i);
+      const std::span<const Entry> near = force.rows_.of(i);
       bonds.resize(near.size());
       angles.resize(near.size() * near.size());
       for (std::size_t k = 0; k < near.size(); ++k) {
@@ -307,12 +298,13 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
     }
   };
 
-  Vec<Real, 3> way_to(const Stage<Real>& stage, std::size_t i, const Neighbour& near) const {
+  Vec<Real, 3> way_to(const Stage<Real>& stage, std::size_t i, const Entry& near) const {
     const auto here = vector_at<3, Real>(body_.slot, stage.position, stage.mapped_position, i);
     const auto there =
         vector_at<3, Real>(body_.slot, stage.position, stage.mapped_position, near.particle);
     Vec<Real, 3> way;
-    for (int d = 0; d < 3; ++d) way[d] = (there[d] - here[d]) + Real(near.shift[d]);
+    const std::array<double, 3>& shift = rows_.shift_of(near);
+    for (int d = 0; d < 3; ++d) way[d] = (there[d] - here[d]) + Real(shift[d]);
     return way;
   }
 

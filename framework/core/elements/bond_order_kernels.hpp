@@ -70,8 +70,8 @@ struct ManySpecies {
 
 /// V_i, and its gradients in the rows, whose directions and distances are given. `angles` has room
 /// for rows * rows. A row that is no neighbour has a distance beyond the cutoff.
-template <class E, class T, class Parameters>
-TOMLIN_INLINE T bond_order_energy(std::size_t rows, BondRow<T>* bonds, AngleRow<T>* angles,
+template <class E, class T, class Rows, class Parameters>
+TOMLIN_INLINE T bond_order_energy(Rows rows, BondRow<T>* bonds, AngleRow<T>* angles,
                                   const Parameters& p) {
   for (std::size_t j = 0; j < rows; ++j) {
     bonds[j].cutoff = E::cutoff(p.pair(j), bonds[j].distance);
@@ -190,6 +190,10 @@ constexpr std::size_t bond_order_work(std::size_t rows) {
          kGroup;
 }
 
+/// Neighbours of an atom in a sheet or tube. For so many of one species the loops have a length
+/// that the compiler knows.
+constexpr std::size_t kSheetRows = 3;
+
 /// The rows of each group of the particles from `begin` on, from their places, and their energies:
 /// use(first particle, first slot, rows, bonds, energy).
 template <class E, class Real, class Use>
@@ -200,17 +204,13 @@ TOMLIN_INLINE void for_groups_of_bonds(const BondOrderArguments<Real>& a, const 
   using P = typename E::template Parameters<Group>;
   const auto* const numbers =
       static_cast<const typename E::template Parameters<Real>*>(a.parameters);
+  const P all = number_by_number<P, Group, Real>(numbers[0]);
   const bool uniform = a.species == 1;
-  const OneSpecies<P> one{number_by_number<P, Group, Real>(numbers[0]), a.weighted};
   const Real* x = (a.body.mapped ? stage.mapped_position : stage.position) + a.body.offset;
   const std::size_t stride = a.body.stride;
   const std::size_t axis_length = a.slots * kGroup;
   const Group beyond(Real(2.0) * a.reach);
-  for (std::size_t i = begin; i < end; i += kGroup) {
-    const std::size_t first = a.row_start[i / kGroup];
-    const std::size_t rows = a.row_start[i / kGroup + 1] - first;
-    auto* const bonds = reinterpret_cast<BondRow<Group>*>(a.work + member * a.work_apart);
-    auto* const angles = reinterpret_cast<AngleRow<Group>*>(bonds + rows);
+  const auto place = [&](std::size_t i, std::size_t first, auto rows, BondRow<Group>* bonds) {
     const Group count = Group::load(a.neighbours + i);
     Vec<Group, 3> here;
     for (int d = 0; d < 3; ++d) here[d] = Group::load(x + d * stride + i);
@@ -227,8 +227,25 @@ TOMLIN_INLINE void for_groups_of_bonds(const BondOrderArguments<Real>& a, const 
       bond.inverse_distance = Group(Real(1.0)) / bond.distance;
       bond.direction = bond.inverse_distance * way;
     }
+  };
+  for (std::size_t i = begin; i < end; i += kGroup) {
+    const std::size_t first = a.row_start[i / kGroup];
+    const std::size_t rows = a.row_start[i / kGroup + 1] - first;
+    if (rows == kSheetRows && uniform && !a.weighted) {
+      const std::integral_constant<std::size_t, kSheetRows> three;
+      BondRow<Group> bonds[kSheetRows];
+      AngleRow<Group> angles[kSheetRows * kSheetRows];
+      place(i, first, three, bonds);
+      use(i, first, three, bonds,
+          bond_order_energy<E, Group>(three, bonds, angles, OneSpecies<P>{all, false}));
+      continue;
+    }
+    auto* const bonds = reinterpret_cast<BondRow<Group>*>(a.work + member * a.work_apart);
+    auto* const angles = reinterpret_cast<AngleRow<Group>*>(bonds + rows);
+    place(i, first, rows, bonds);
     if (uniform) {
-      use(i, first, rows, bonds, bond_order_energy<E, Group>(rows, bonds, angles, one));
+      use(i, first, rows, bonds,
+          bond_order_energy<E, Group>(rows, bonds, angles, OneSpecies<P>{all, a.weighted}));
       continue;
     }
     const auto parameters_at = [&](std::size_t j, std::size_t k) {
@@ -250,7 +267,7 @@ void bond_order_kernel(const void* arguments, const Stage<Real>& stage_of_all) {
         const std::size_t axis_length = a.slots * kGroup;
         for_groups_of_bonds<E, Real>(
             a, stage, begin, end, member,
-            [&](std::size_t, std::size_t first, std::size_t rows, const BondRow<Group>* bonds,
+            [&](std::size_t, std::size_t first, auto rows, const BondRow<Group>* bonds,
                 const Group&) {
               for (std::size_t k = 0; k < rows; ++k) {
                 for (int d = 0; d < 3; ++d) {
@@ -288,10 +305,9 @@ void bond_order_energy_kernel(const void* arguments, const Stage<Real>& stage_of
   in_parts(
       given->team, given->body.count,
       [a = *given, stage = stage_of_all](std::size_t begin, std::size_t end, std::size_t member) {
-        for_groups_of_bonds<E, Real>(
-            a, stage, begin, end, member,
-            [&](std::size_t i, std::size_t, std::size_t, const BondRow<Group>*,
-                const Group& energy) { energy.store(a.energy + i); });
+        for_groups_of_bonds<E, Real>(a, stage, begin, end, member,
+                                     [&](std::size_t i, std::size_t, auto, const BondRow<Group>*,
+                                         const Group& energy) { energy.store(a.energy + i); });
       });
 }
 

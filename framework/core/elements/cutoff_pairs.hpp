@@ -34,8 +34,7 @@ class GroupList {
  public:
   GroupList(const BoundBody<Real>& one, const BoundBody<Real>& other, int dimension, double cutoff,
             const std::array<double, 3>& box)
-      : finder_(one, other, dimension, cutoff, box, Search::by_cells),
-        energy_(padded(one.slot.count)) {
+      : finder_(one, other, dimension, single_list(cutoff), box), energy_(padded(one.slot.count)) {
     arguments.update = {&GroupList::update, this};
     arguments.one = one.slot;
     arguments.other = other.slot;
@@ -54,7 +53,7 @@ class GroupList {
     return {static_cast<double>(neighbours_) / static_cast<double>(finder_.count()), most_,
             arguments.same_body ? neighbours_ / 2 : neighbours_,
             finder_.bytes() + bytes_of(row_start_) + bytes_of(first_) + bytes_of(shift_) +
-                bytes_of(known_) + bytes_of(shifts_) + bytes_of(energy_)};
+                known_.bytes() + bytes_of(shifts_) + bytes_of(energy_)};
   }
 
   /// Parameters that differ between species: which each particle of `one` is, and the numbers as
@@ -90,7 +89,7 @@ class GroupList {
       most_ = std::max(most_, found.size());
       for (const Neighbour& near : found) {
         const auto group = static_cast<std::uint32_t>(near.particle / kGroup * kGroup);
-        const std::uint32_t shift = number_of(near.shift);
+        const std::uint32_t shift = known_.number_of(near.shift);
         // A group at the side of the box is there with several images, each for other particles.
         bool listed = false;
         for (std::size_t k = first_.size(); k > begin && first_[k - 1] == group; --k) {
@@ -102,19 +101,13 @@ class GroupList {
       }
       row_start_.push_back(static_cast<std::uint32_t>(first_.size()));
     }
+    for (std::size_t k = 0; k < known_.size(); ++k) {
+      for (const double x : known_[k]) shifts_.push_back(Real(x));
+    }
     arguments.row_start = row_start_.data();
     arguments.first = first_.data();
     arguments.shift = shift_.data();
     arguments.shifts = shifts_.data();
-  }
-
-  std::uint32_t number_of(const std::array<double, 3>& shift) {
-    for (std::size_t k = 0; k < known_.size(); ++k) {
-      if (known_[k] == shift) return static_cast<std::uint32_t>(k);
-    }
-    known_.push_back(shift);
-    for (const double x : shift) shifts_.push_back(Real(x));
-    return static_cast<std::uint32_t>(known_.size() - 1);
   }
 
   NeighbourFinder<Real> finder_;
@@ -123,7 +116,7 @@ class GroupList {
   std::vector<std::uint32_t> row_start_;
   std::vector<std::uint32_t> first_;
   std::vector<std::uint32_t> shift_;
-  std::vector<std::array<double, 3>> known_;
+  ImageShifts known_;
   AlignedVector<Real> shifts_;
   AlignedVector<Real> energy_;
   std::vector<std::uint32_t> kind_;

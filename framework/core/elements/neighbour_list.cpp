@@ -33,8 +33,7 @@ std::optional<NearPair> nearest_pair(const StartingParticles& one, const Startin
   std::optional<NearPair> nearest;
   std::vector<Neighbour> found;
   for (std::size_t i = 0; i < one.place.size(); ++i) {
-    std::array<double, 3> here{};
-    std::copy_n(one.place[i].begin(), dimension, here.begin());
+    const std::array<double, 3>& here = one.place[i];
     search.find(here, found);
     for (const Neighbour& near : found) {
       if (one.body == other.body && near.particle == i) continue;
@@ -59,7 +58,7 @@ std::optional<int> plane_passed(const StartingParticles& flat, const StartingPar
   const auto range = [](const StartingParticles& body, int axis) {
     double low = std::numeric_limits<double>::infinity();
     double high = -low;
-    for (const std::vector<double>& place : body.place) {
+    for (const std::array<double, 3>& place : body.place) {
       low = std::min(low, place[axis]);
       high = std::max(high, place[axis]);
     }
@@ -109,17 +108,17 @@ void check_distances(const StartingParticles& one, const StartingParticles& othe
 }
 
 std::vector<Complaint> cutoff_complaints(const char* key, double cutoff, const SceneOutline& scene,
-                                         Search how) {
-  const double shortest = 2.0 * cutoff * reach_of(how);
+                                         ListReach (*list)(double cutoff)) {
+  const double in_parts = list(1.0).reach;
+  const double shortest = 2.0 * cutoff * in_parts;
   for (const double length : scene.box) {
     if (!(length > 0.0) || length >= shortest) continue;
-    return {
-        {.key = key,
-         .why = fmt::format("the periodic box is {:.6g} long, less than twice the cutoff and "
-                            "the skin of its neighbour list, {:.6g}",
-                            length, shortest),
-         .admissible = fmt::format("at most {:.6g}, or a longer box", 0.5 * length / reach_of(how)),
-         .code = FaultCode::scene_out_of_range}};
+    return {{.key = key,
+             .why = fmt::format("the periodic box is {:.6g} long, less than twice the cutoff and "
+                                "the skin of its neighbour list, {:.6g}",
+                                length, shortest),
+             .admissible = fmt::format("at most {:.6g}, or a longer box", 0.5 * length / in_parts),
+             .code = FaultCode::scene_out_of_range}};
   }
   return {};
 }

@@ -22,30 +22,39 @@
 /// cutoff alone, so that no list is part of a run's state, and any place can be evaluated.
 namespace tomlin {
 
-/// The skin, in parts of the cutoff: between first and second neighbours of graphene there is room
-/// for 0.17 beyond a cutoff of 2.1 Angstrom.
+/// The skin, in parts of the cutoff.
 inline constexpr double kSkin = 0.15;
 /// Of the reach, kept for the rounding of distances in numbers of type float.
 inline constexpr double kReachMargin = 1e-4;
 
-/// The skin of candidates: it takes a solid long to move by half of this.
-inline constexpr double kCandidateSkin = 0.5;
+/// Skins of a dual list, the outer and the inner one: it takes a solid long to move by half of the
+/// first; and between first and second neighbours of graphene there is room for 0.17 beyond a
+/// cutoff of 2.1 Angstrom, of which the rest is left to vibrations.
+inline constexpr double kOuterSkin = 0.5;
+inline constexpr double kInnerSkin = 0.08;
 
-/// How the neighbours of a list are found.
-enum class Search {
-  by_cells,   ///< whenever a list is made
-  in_stages,  ///< among candidates, of which there are few; those by cells, which is seldom needed
+/// How far a list reaches, and when it is made again.
+struct ListReach {
+  double reach = 0.0;
+  double slack = 0.0;  ///< what two particles may approach each other by until then
 };
 
-/// How far is searched, in parts of the cutoff.
-constexpr double reach_of(Search how) {
-  return 1.0 + kReachMargin + (how == Search::in_stages ? kCandidateSkin : kSkin);
+/// Of a list that is searched by cells.
+constexpr ListReach single_list(double cutoff) {
+  return {cutoff * (1.0 + kSkin + kReachMargin), kSkin * cutoff};
+}
+/// Of a dual list's outer and inner one.
+constexpr ListReach outer_list(double cutoff) {
+  return {cutoff * (1.0 + kOuterSkin + kReachMargin), (kOuterSkin - kInnerSkin) * cutoff};
+}
+constexpr ListReach inner_list(double cutoff) {
+  return {cutoff * (1.0 + kInnerSkin + kReachMargin), kInnerSkin * cutoff};
 }
 
 /// A complaint about a cutoff for which a periodic box is too short: of a pair there might be two
 /// images within reach.
 std::vector<Complaint> cutoff_complaints(const char* key, double cutoff, const SceneOutline& scene,
-                                         Search how = Search::by_cells);
+                                         ListReach (*list)(double cutoff) = &single_list);
 
 template <class Vector>
 std::size_t bytes_of(const Vector& vector) {
@@ -56,8 +65,8 @@ std::size_t bytes_of(const Vector& vector) {
 struct StartingParticles {
   std::size_t body = 0;
   std::string name;
-  const std::vector<std::vector<double>>& place;  ///< [particle][axis]
-  const std::vector<std::int32_t>& species;       ///< indices of names; empty: it has none
+  const std::vector<std::array<double, 3>>& place;  ///< [particle][axis]
+  const std::vector<std::int32_t>& species;         ///< indices of names; empty: it has none
   std::span<const std::string> species_names;
 };
 
@@ -83,11 +92,12 @@ class ListedPlaces {
   template <class Real>
   void take(const BodySlot<Real>& body, int dimension, const Stage<Real>& stage) {
     const Real* x = (body.mapped ? stage.mapped_position : stage.position) + body.offset;
-    places_.resize(static_cast<std::size_t>(dimension) * body.count);
+    apart_ = body.count;
+    places_.resize(static_cast<std::size_t>(dimension) * apart_);
     for (int d = 0; d < dimension; ++d) {
-      for (std::size_t i = 0; i < body.count; ++i) {
-        places_[d * body.count + i] = static_cast<double>(x[d * body.stride + i]);
-      }
+      const Real* from = x + d * body.stride;
+      double* to = places_.data() + d * apart_;
+      for (std::size_t i = 0; i < apart_; ++i) to[i] = static_cast<double>(from[i]);
     }
   }
 
@@ -95,29 +105,40 @@ class ListedPlaces {
   template <class Real>
   double largest_move(const BodySlot<Real>& body, int dimension, const Stage<Real>& stage) const {
     const Real* x = (body.mapped ? stage.mapped_position : stage.position) + body.offset;
-    double largest = 0.0;
-    for (std::size_t i = 0; i < body.count; ++i) {
-      double squared = 0.0;
+    // Eight at a time, which a compiler makes vectors of.
+    double largest[kGroup] = {};
+    const auto look = [&](std::size_t first, std::size_t particles) {
+      double squared[kGroup] = {};
       for (int d = 0; d < dimension; ++d) {
-        const double move =
-            static_cast<double>(x[d * body.stride + i]) - places_[d * body.count + i];
-        squared += move * move;
+        const Real* now = x + d * body.stride + first;
+        const double* then = places_.data() + d * apart_ + first;
+        for (std::size_t l = 0; l < particles; ++l) {
+          const double move = static_cast<double>(now[l]) - then[l];
+          squared[l] += move * move;
+        }
       }
-      largest = squared > largest ? squared : largest;
-    }
-    return std::sqrt(largest);
+      for (std::size_t l = 0; l < kGroup; ++l) {
+        largest[l] = squared[l] > largest[l] ? squared[l] : largest[l];
+      }
+    };
+    const std::size_t whole = apart_ / kGroup * kGroup;
+    for (std::size_t i = 0; i < whole; i += kGroup) look(i, kGroup);
+    if (whole < apart_) look(whole, apart_ - whole);
+    return std::sqrt(*std::max_element(largest, largest + kGroup));
   }
 
+  /// [axis][particle]
   const std::vector<double>& all() const { return places_; }
   std::size_t bytes() const { return bytes_of(places_); }
-  std::array<double, 3> of(std::size_t particle, std::size_t count, int dimension) const {
+  std::array<double, 3> of(std::size_t particle, int dimension) const {
     std::array<double, 3> place{};
-    for (int d = 0; d < dimension; ++d) place[d] = places_[d * count + particle];
+    for (int d = 0; d < dimension; ++d) place[d] = places_[d * apart_ + particle];
     return place;
   }
 
  private:
-  std::vector<double> places_;  ///< [axis][particle]
+  std::size_t apart_ = 0;  ///< particles
+  std::vector<double> places_;
 };
 
 /// The origin that the places of lists are relative to.
@@ -142,95 +163,49 @@ template <class Real>
 class NeighbourFinder {
  public:
   NeighbourFinder(const BoundBody<Real>& one, const BoundBody<Real>& other, int dimension,
-                  double cutoff, const std::array<double, 3>& box, Search how)
+                  const ListReach& list, const std::array<double, 3>& box)
       : one_(one.slot),
         other_(other.slot),
         same_(one.index == other.index),
         one_fixed_(one.coordinates == Coordinates::fixed),
         other_fixed_(other.coordinates == Coordinates::fixed),
         dimension_(dimension),
-        in_stages_(how == Search::in_stages),
-        reach_(cutoff * (1.0 + kSkin + kReachMargin)),
-        skin_(kSkin * cutoff),
-        candidate_skin_(kCandidateSkin * cutoff),
-        search_(dimension, cutoff * reach_of(how), box) {}
+        slack_(list.slack),
+        search_(dimension, list.reach, box) {}
 
   /// True where a list that was made before may lack a pair; then the search is ready. Particles
   /// that are fixed are looked at after the origin has moved only.
   bool begin(const Stage<Real>& stage) {
-    if (valid_ && moved(places_, others_, stage) < skin_) return false;
-    const bool sorts =
-        !valid_ || !in_stages_ ||
-        !(moved(candidate_places_, candidate_others_, stage) < candidate_skin_ - skin_);
+    if (valid_ && moved(stage) < slack_) return false;
     places_.take(one_, dimension_, stage);
     if (!same_ && (!valid_ || !other_fixed_)) others_.take(other_, dimension_, stage);
-    const bool first = !valid_;
-    valid_ = true;
-    if (!sorts) return true;
-    if (first || same_ || !other_fixed_) {
+    if (!valid_ || same_ || !other_fixed_) {
       search_.sort(same_ ? places_.all() : others_.all(), other_.count);
     }
-    if (in_stages_) find_candidates();
+    valid_ = true;
     return true;
   }
   void forget() { valid_ = false; }
 
   /// The neighbours of a particle, itself left out, in ascending order.
   const std::vector<Neighbour>& of(std::size_t particle) {
-    if (!in_stages_) {
-      find(particle);
-      return found_;
-    }
-    found_.clear();
-    const std::array<double, 3> here = places_.of(particle, one_.count, dimension_);
-    const ListedPlaces& others = same_ ? places_ : others_;
-    for (std::size_t k = candidate_start_[particle]; k < candidate_start_[particle + 1]; ++k) {
-      const Neighbour& near = candidates_[k];
-      const std::array<double, 3> there = others.of(near.particle, other_.count, dimension_);
-      double squared = 0.0;
-      for (std::size_t d = 0; d < 3; ++d) {
-        const double apart = (there[d] - here[d]) + near.shift[d];
-        squared += apart * apart;
-      }
-      if (squared <= reach_ * reach_) found_.push_back(near);
-    }
-    return found_;
-  }
-
-  std::size_t count() const { return one_.count; }
-  std::size_t bytes() const {
-    return places_.bytes() + others_.bytes() + candidate_places_.bytes() +
-           candidate_others_.bytes() + bytes_of(candidates_) + bytes_of(candidate_start_) +
-           search_.bytes();
-  }
-
- private:
-  double moved(const ListedPlaces& places, const ListedPlaces& others,
-               const Stage<Real>& stage) const {
-    const double one = one_fixed_ ? 0.0 : places.largest_move(one_, dimension_, stage);
-    if (same_) return one + one;
-    return other_fixed_ ? one : one + others.largest_move(other_, dimension_, stage);
-  }
-
-  void find(std::size_t particle) {
-    search_.find(places_.of(particle, one_.count, dimension_), found_);
-    if (!same_) return;
+    search_.find(places_.of(particle, dimension_), found_);
+    if (!same_) return found_;
     const auto itself = std::find_if(found_.begin(), found_.end(), [&](const Neighbour& near) {
       return near.particle == particle;
     });
     if (itself != found_.end()) found_.erase(itself);
+    return found_;
   }
 
-  void find_candidates() {
-    candidate_places_ = places_;
-    candidate_others_ = others_;
-    candidates_.clear();
-    candidate_start_.assign(1, 0);
-    for (std::size_t i = 0; i < one_.count; ++i) {
-      find(i);
-      candidates_.insert(candidates_.end(), found_.begin(), found_.end());
-      candidate_start_.push_back(candidates_.size());
-    }
+  std::size_t count() const { return one_.count; }
+  std::size_t bytes() const { return places_.bytes() + others_.bytes() + search_.bytes(); }
+
+ private:
+  double moved(const Stage<Real>& stage) const {
+    const double one = one_fixed_ ? 0.0 : places_.largest_move(one_, dimension_, stage);
+    if (same_) return one + one;
+    return other_fixed_ ? one : one + others_.largest_move(other_, dimension_, stage);
   }
 
   BodySlot<Real> one_;
@@ -239,19 +214,139 @@ class NeighbourFinder {
   bool one_fixed_;
   bool other_fixed_;
   int dimension_;
-  bool in_stages_;
-  double reach_;
-  double skin_;
-  double candidate_skin_;
+  double slack_;
   bool valid_ = false;
   ListedPlaces places_;
   ListedPlaces others_;
   NeighbourSearch search_;
   std::vector<Neighbour> found_;
-  ListedPlaces candidate_places_;
-  ListedPlaces candidate_others_;
-  std::vector<Neighbour> candidates_;
-  std::vector<std::size_t> candidate_start_;
+};
+
+/// Shifts to the images of neighbours, of which there are few: each once, with a number.
+class ImageShifts {
+ public:
+  std::uint32_t number_of(const std::array<double, 3>& shift) {
+    const auto known = std::find(all_.begin(), all_.end(), shift);
+    const auto number = static_cast<std::uint32_t>(known - all_.begin());
+    if (known == all_.end()) all_.push_back(shift);
+    return number;
+  }
+  const std::array<double, 3>& operator[](std::uint32_t number) const { return all_[number]; }
+  std::size_t size() const { return all_.size(); }
+  void clear() { all_.clear(); }
+  std::size_t bytes() const { return bytes_of(all_); }
+
+ private:
+  std::vector<std::array<double, 3>> all_;
+};
+
+/// The neighbours that a body's particles have in it, by a dual list: outer ones, further away than
+/// is needed, which are seldom searched for, and inner ones, found among them.
+template <class Real>
+class DualList {
+ public:
+  /// A neighbour of a particle, and the number of its image's shift.
+  struct Entry {
+    std::uint32_t particle = 0;
+    std::uint32_t shift = 0;
+  };
+
+  DualList(const BoundBody<Real>& body, int dimension, double cutoff,
+           const std::array<double, 3>& box)
+      : body_(body.slot),
+        dimension_(dimension),
+        inner_reach_(inner_list(cutoff)),
+        finder_(body, body, dimension, outer_list(cutoff), box) {}
+
+  /// True where a neighbour is new or gone.
+  bool update(const Stage<Real>& stage) {
+    if (valid_ && 2.0 * places_.largest_move(body_, dimension_, stage) < inner_reach_.slack) {
+      return false;
+    }
+    valid_ = true;
+    places_.take(body_, dimension_, stage);
+    const bool searched = finder_.begin(stage);
+    if (searched) search();
+    const bool changed = choose() || searched;
+    if (changed) list();
+    return changed;
+  }
+  void forget() {
+    valid_ = false;
+    finder_.forget();
+  }
+
+  std::size_t count() const { return body_.count; }
+  /// In ascending order.
+  std::span<const Entry> of(std::size_t particle) const {
+    return {near_.data() + near_start_[particle],
+            near_start_[particle + 1] - near_start_[particle]};
+  }
+  const std::array<double, 3>& shift_of(const Entry& near) const { return shifts_[near.shift]; }
+  std::size_t bytes() const {
+    return places_.bytes() + finder_.bytes() + bytes_of(outer_start_) + bytes_of(outer_) +
+           bytes_of(is_near_) + bytes_of(near_start_) + bytes_of(near_) + shifts_.bytes();
+  }
+
+ private:
+  void search() {
+    outer_.clear();
+    outer_start_.assign(1, 0);
+    shifts_.clear();
+    for (std::size_t i = 0; i < body_.count; ++i) {
+      for (const Neighbour& found : finder_.of(i)) {
+        outer_.push_back({found.particle, shifts_.number_of(found.shift)});
+      }
+      outer_start_.push_back(static_cast<std::uint32_t>(outer_.size()));
+    }
+    is_near_.assign(outer_.size(), 0);
+  }
+
+  /// Which of the outer neighbours are inner ones; true where it is another than before.
+  bool choose() {
+    const double most = inner_reach_.reach * inner_reach_.reach;
+    unsigned changed = 0;
+    for (std::size_t i = 0; i < body_.count; ++i) {
+      const std::array<double, 3> here = places_.of(i, dimension_);
+      for (std::size_t k = outer_start_[i]; k < outer_start_[i + 1]; ++k) {
+        const std::array<double, 3> there = places_.of(outer_[k].particle, dimension_);
+        const std::array<double, 3>& shift = shifts_[outer_[k].shift];
+        double squared = 0.0;
+        for (std::size_t d = 0; d < 3; ++d) {
+          const double apart = (there[d] - here[d]) + shift[d];
+          squared += apart * apart;
+        }
+        const auto near = static_cast<std::uint8_t>(squared <= most);
+        changed |= static_cast<unsigned>(near ^ is_near_[k]);
+        is_near_[k] = near;
+      }
+    }
+    return changed != 0;
+  }
+
+  void list() {
+    near_.clear();
+    near_start_.assign(1, 0);
+    for (std::size_t i = 0; i < body_.count; ++i) {
+      for (std::size_t k = outer_start_[i]; k < outer_start_[i + 1]; ++k) {
+        if (is_near_[k] != 0) near_.push_back(outer_[k]);
+      }
+      near_start_.push_back(static_cast<std::uint32_t>(near_.size()));
+    }
+  }
+
+  BodySlot<Real> body_;
+  int dimension_;
+  ListReach inner_reach_;
+  bool valid_ = false;
+  ListedPlaces places_;
+  NeighbourFinder<Real> finder_;
+  ImageShifts shifts_;
+  std::vector<std::uint32_t> outer_start_;  ///< [particle + 1]
+  std::vector<Entry> outer_;
+  std::vector<std::uint8_t> is_near_;      ///< [outer]
+  std::vector<std::uint32_t> near_start_;  ///< [particle + 1]
+  std::vector<Entry> near_;
 };
 
 }  // namespace tomlin

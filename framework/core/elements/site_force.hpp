@@ -398,7 +398,7 @@ class AttachedForce : public ForceOnSites<E, Real, D> {
     }
     arguments_.weight = weight_.data();
     for (const Real& weight : weight_) weight_in_double_.push_back(static_cast<double>(weight));
-    const auto& attached = particle < 0 ? body.start_centre : body.start[particle];
+    const double* attached = particle < 0 ? body.start_centre.data() : body.start[particle].data();
     for (int d = 0; d < D; ++d) {
       arguments_.start[d] =
           Real(start.empty() ? attached[d] : relative_to(binding.origin, d, start[d]));

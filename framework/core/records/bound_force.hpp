@@ -44,11 +44,11 @@ struct BoundBody {
   Coordinates coordinates = Coordinates::particles;
   bool closed = false;
   BodySlot<Real> slot;
-  int open_along = -1;                     ///< a chain that the box closes: along this axis
-  int freedom = 0;                         ///< how many of its coordinates move by forces
-  std::vector<double> mass;                ///< [count]
-  std::vector<std::vector<double>> start;  ///< [count][dimension], relative to the scene's origin
-  std::vector<double> start_centre;        ///< [dimension], centre of mass
+  int open_along = -1;                       ///< a chain that the box closes: along this axis
+  int freedom = 0;                           ///< how many of its coordinates move by forces
+  std::vector<double> mass;                  ///< [count]
+  std::vector<std::array<double, 3>> start;  ///< [count][dimension], relative to the scene's origin
+  std::vector<double> start_centre;          ///< [dimension], centre of mass
   NeighbourList neighbours;
   std::vector<std::int32_t> species;           ///< [count], indices of names; empty: it has none
   std::span<const std::string> species_names;  ///< of all species of the scene, each once

@@ -139,7 +139,7 @@ double ForceUnderTest::gathered(const std::vector<double>& particle_forces) cons
     const Model::Body& body = alone_.model().bodies()[b];
     if (!body.bound.slot.rigid) continue;
     std::vector<double> levers;
-    for (const std::vector<double>& arm : body.arms) {
+    for (const std::array<double, 3>& arm : body.arms) {
       double square = 0.0;
       for (const double part : arm) square += part * part;
       levers.push_back(std::sqrt(square));

@@ -49,7 +49,7 @@ Bodies copies(const std::vector<const BoundBody<double>*>& bodies) {
 double nearest_distance(const Bodies& bodies, const std::array<double, 3>& box, double most) {
   std::vector<std::array<double, 3>> all;
   for (const BoundBody<double>& body : bodies) {
-    for (const std::vector<double>& at : body.start) all.push_back({at[0], at[1], at[2]});
+    all.insert(all.end(), body.start.begin(), body.start.end());
   }
   std::vector<double> places;
   for (std::size_t d = 0; d < 3; ++d) {

@@ -73,7 +73,7 @@ std::vector<Complaint> complaints_of_scene(const KimModelDescription& d,
   const double reach = facts.reach();
   for (Complaint& complaint : cutoff_complaints(kKey, reach, scene)) {
     complaint.admissible = fmt::format("a box of at least {:.6g}: the model reaches {:.6g}",
-                                       2.0 * reach * reach_of(Search::by_cells), reach);
+                                       2.0 * single_list(reach).reach, reach);
     found.push_back(std::move(complaint));
   }
   return found;

@@ -60,7 +60,7 @@ Surroundings::Surroundings(const std::vector<const BoundBody<double>*>& bodies, 
   }
   for (const BoundBody<double>& one : bodies_) {
     for (const BoundBody<double>& other : bodies_) {
-      finders_.emplace_back(one, other, 3, reach, box, Search::by_cells);
+      finders_.emplace_back(one, other, 3, single_list(reach), box);
     }
   }
   rows_.resize(finders_.size());

@@ -124,6 +124,44 @@ TEST(Properties, HoldOnTipsChainsAndRings) {
   }
 }
 
+/// Where the origin moves along an axis, what is held along it would stay behind.
+TEST(Properties, HoldBesideABodyThatIsHeld) {
+  for (const char* held : {"x", "y"}) {
+    expect_sound(std::string(R"(
+[[body]]
+name = "free"
+type = "point"
+position = [0.3, 0.2]
+particle_mass = 1.0
+[[body]]
+name = "guided"
+type = "chain"
+count = 3
+spacing = 1.0
+axis = "x"
+origin = [1.0, 0.4]
+particle_mass = 0.5
+hold = [")") + held +
+                 R"("]
+[[force]]
+type = "harmonic_bonds"
+bodies = ["free", "guided"]
+pairs = [[0, 0], [0, 2]]
+stiffness = 3.0
+rest_lengths = 0.8
+[[force]]
+type = "harmonic_bonds"
+body = "guided"
+pairs = "neighbours"
+stiffness = 3.0
+rest_lengths = 0.9
+[run]
+duration = 1.0
+integrator = { type = "rk4", dt = 1e-3 }
+)");
+  }
+}
+
 TEST(Properties, HoldOnTheSecondOfTwoTips) {
   expect_sound(R"(
 [[body]]
