@@ -147,6 +147,8 @@ class Model {
   };
   /// At the start; where energies change with time, the largest over the run.
   Stiffness stiffness(bool without_bonds = false);
+  /// The largest of friction coefficients over masses; part of the stiffness.
+  double damping_rate() const;
   /// Name of the force with the largest share in it.
   std::string stiffest_force();
   /// A bound of the slowest time that what is off its steady state decays in, but for what

@@ -351,7 +351,7 @@ void check_drag(Check& check) {
   if (check.plan.dt == 0.0 || check.scheme.drag_error == nullptr ||
       !check.model.system().view.inertial)
     return;
-  const double rate = check.model.stiffness().damping_rate;
+  const double rate = check.model.damping_rate();
   const double error = check.scheme.drag_error(std::min(check.plan.dt, check.plan.duration) * rate);
   if (!(error > kCoarseDrag)) return;
   const std::string what = fmt::format(

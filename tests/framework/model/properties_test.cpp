@@ -144,12 +144,14 @@ particle_mass = 0.5
 hold = [")") + held +
                  R"("]
 [[force]]
+name = "to_free"
 type = "harmonic_bonds"
 bodies = ["free", "guided"]
 pairs = [[0, 0], [0, 2]]
 stiffness = 3.0
 rest_lengths = 0.8
 [[force]]
+name = "within"
 type = "harmonic_bonds"
 body = "guided"
 pairs = "neighbours"

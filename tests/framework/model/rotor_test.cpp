@@ -469,6 +469,39 @@ TEST(Rotor, ForcesOnItsParticlesKnowTheirVelocities) {
   EXPECT_LT(*observable(plane, "forces.dry.on.top.mean_force.x"), -0.1);
 }
 
+/// A driver on its centre besides a force on each particle: the centre swings as a point would, in
+/// closed form, whatever the rotation does under the torque.
+TEST(Rotor, ForceOnItsCentreAddsToThoseOnItsParticles) {
+  constexpr double kStiffness = 2.5;
+  constexpr double kSpeed = 0.3;
+  constexpr double kDuration = 4.0;
+  constexpr double kClose = 1e-10;  // of a run with tolerances of 1e-12
+  const Vector pull(0.02, -0.05, 0.04);
+  Top top = asymmetric();
+  top.drift = Vector::Zero();
+  top.more = "[[force]]\ntype = \"driving_spring\"\nstiffness = " + digits(kStiffness) +
+             "\nvelocity = [" + digits(kSpeed) +
+             ", 0.0, 0.0]\n[[force]]\ntype = \"constant_force\"\nforce = " + list_of(pull) + "\n";
+  const std::string fine =
+      "{ type = \"dop853\", absolute_tolerance = 1e-12, relative_tolerance = 1e-12 }";
+  Engine engine(scene_of(top.text(kDuration, fine)), {});
+  while (!engine.done()) engine.advance(1000);
+  double mass = 0.0;
+  Vector centre = Vector::Zero();
+  const std::vector<Vector> now = places(engine);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    mass += top.particles[i].mass;
+    centre += top.particles[i].mass * now[i];
+  }
+  centre /= mass;
+  const double omega = std::sqrt(kStiffness / mass);
+  const double phase = omega * kDuration;
+  const Vector total = static_cast<double>(now.size()) * pull;
+  Vector due = top.centre() + total / kStiffness * (1.0 - std::cos(phase));
+  due[0] += kSpeed * (kDuration - std::sin(phase) / omega);
+  EXPECT_LT((centre - due).norm(), kClose);
+}
+
 /// A run that starts where another has ended finds the particles there, with their velocities, also
 /// where other masses have other principal axes.
 TEST(Rotor, StartsWhereAnotherHasEnded) {
