@@ -31,7 +31,10 @@ struct BondRow {
   Vec<T, 3> direction;  ///< (x_j - x_i)/r_ij
   T distance;
   T inverse_distance;
-  Sloped<T> cutoff;    ///< f_C
+  Sloped<T> cutoff;  ///< f_C
+  T zeta;
+  T by_zeta;           ///< dV_i/dzeta_ij
+  T radial;            ///< dV_i/dr_ij at zeta_ij
   Vec<T, 3> gradient;  ///< dV_i/dx_j, what is found
 };
 
@@ -77,10 +80,11 @@ TOMLIN_INLINE T bond_order_energy(Rows rows, BondRow<T>* bonds, AngleRow<T>* ang
     bonds[j].cutoff = E::cutoff(p.pair(j), bonds[j].distance);
     for (int d = 0; d < 3; ++d) bonds[j].gradient[d] = T(0.0);
   }
-  T energy(0.0);
+  // Three passes over the bonds: of the second, whose functions take long, several are under way at
+  // a time.
   for (std::size_t j = 0; j < rows; ++j) {
     BondRow<T>& bond = bonds[j];
-    T zeta(0.0);
+    bond.zeta = T(0.0);
     for (std::size_t k = 0; k < rows; ++k) {
       if (k == j) continue;
       const auto& q = p.triple(j, k);
@@ -98,20 +102,27 @@ TOMLIN_INLINE T bond_order_energy(Rows rows, BondRow<T>* bonds, AngleRow<T>* ang
         row.weight = E::weight(q, T(bond.distance - bonds[k].distance));
         term = term * row.weight.value;
       }
-      zeta = zeta + term;
+      bond.zeta = bond.zeta + term;
     }
+  }
+  T energy(0.0);
+  const T half(Scalar<T>(0.5));
+  for (std::size_t j = 0; j < rows; ++j) {
+    BondRow<T>& bond = bonds[j];
     const auto& q = p.pair(j);
-    const Sloped<T> order = E::order(q, zeta);
+    const Sloped<T> order = E::order(q, bond.zeta);
     const Sloped<T> repulsion = E::repulsion(q, bond.distance);
     const Sloped<T> attraction = E::attraction(q, bond.distance);
-    const T half(Scalar<T>(0.5));
     const T potential = fma(order.value, attraction.value, repulsion.value);
     energy = fma(half * bond.cutoff.value, potential, energy);
     const T slope = fma(order.value, attraction.slope, repulsion.slope);
-    const T radial = half * fma(bond.cutoff.slope, potential, bond.cutoff.value * slope);
-    bond.gradient = fma(radial, bond.direction, bond.gradient);
-
-    const T by_zeta = half * bond.cutoff.value * attraction.value * order.slope;
+    bond.radial = half * fma(bond.cutoff.slope, potential, bond.cutoff.value * slope);
+    bond.by_zeta = half * bond.cutoff.value * attraction.value * order.slope;
+  }
+  for (std::size_t j = 0; j < rows; ++j) {
+    BondRow<T>& bond = bonds[j];
+    const T by_zeta = bond.by_zeta;
+    bond.gradient = fma(bond.radial, bond.direction, bond.gradient);
     for (std::size_t k = 0; k < rows; ++k) {
       if (k == j) continue;
       const AngleRow<T>& row = angles[j * rows + k];
