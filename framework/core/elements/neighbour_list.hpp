@@ -256,7 +256,8 @@ class DualList {
       : body_(body.slot),
         dimension_(dimension),
         inner_reach_(inner_list(cutoff)),
-        finder_(body, body, dimension, outer_list(cutoff), box) {}
+        finder_(body, body, dimension, outer_list(cutoff), box),
+        near_start_(body.slot.count + 1, 0) {}
 
   /// True where a neighbour is new or gone.
   bool update(const Stage<Real>& stage) {
