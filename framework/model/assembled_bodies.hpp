@@ -30,8 +30,8 @@ struct AssembledBody {
   int free_rotations = 0;           ///< of a rotor: 3, or 1 about an axis of space
   std::array<double, 3> moments{};  ///< of inertia, of a rotor; 0 along a rod
   Quaternion orientation{};         ///< of its principal axes at the start
-  int dimension = 0;
-  /// [count][dimension] of the particles at the start, about the centre
+  int dimension = 0;                ///< of the scene
+  /// [count][axis] of the particles at the start, about the centre; 0 along axes that are not there
   std::vector<std::array<double, 3>> arms;
   std::array<bool, 3> held{};  ///< axes along which nothing moves
   bool rotation_held = false;

@@ -40,11 +40,11 @@ class ScaledHessian : public HessianSink {
 
   void pair(std::size_t body1, std::size_t i, std::size_t body2, std::size_t j, int a, int b,
             double value) override {
-    if (!dense_ && is_simple(body1) && is_simple(body2)) {
-      add_simple(index(body1, i, a), index(body1, i, b), value);
-      add_simple(index(body2, j, a), index(body2, j, b), value);
-      add_simple(index(body1, i, a), index(body2, j, b), value);
-      add_simple(index(body2, j, a), index(body1, i, b), value);
+    if (!dense_ && is_particles(body1) && is_particles(body2)) {
+      add_entry(index(body1, i, a), index(body1, i, b), value);
+      add_entry(index(body2, j, a), index(body2, j, b), value);
+      add_entry(index(body1, i, a), index(body2, j, b), value);
+      add_entry(index(body2, j, a), index(body1, i, b), value);
       return;
     }
     add(parts(body1, i, a), parts(body1, i, b), value);
@@ -184,13 +184,13 @@ class ScaledHessian : public HessianSink {
     return {axis == 0 ? body.pivot[1] - arm[1] : arm[0] - body.pivot[0]};
   }
 
-  // Pairs of a large system, of which there are many: particles that are free, or fixed.
-  bool is_simple(std::size_t b) const { return !model_.bodies()[b].bound.slot.rigid; }
+  // Pairs of particles that are free, or fixed, are the most of a large system.
+  bool is_particles(std::size_t b) const { return !model_.bodies()[b].bound.slot.rigid; }
   std::ptrdiff_t index(std::size_t b, std::size_t particle, int axis) const {
     if (first_[b] == kNone) return kNone;
     return first_[b] + static_cast<std::ptrdiff_t>(particle) * model_.dimension() + axis;
   }
-  void add_simple(std::ptrdiff_t one, std::ptrdiff_t other, double value) {
+  void add_entry(std::ptrdiff_t one, std::ptrdiff_t other, double value) {
     if (one != kNone && other != kNone) rows_[one] += std::abs(value * root_[one] * root_[other]);
   }
 

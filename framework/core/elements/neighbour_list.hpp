@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,9 +28,9 @@ inline constexpr double kSkin = 0.15;
 /// Of the reach, kept for the rounding of distances in numbers of type float.
 inline constexpr double kReachMargin = 1e-4;
 
-/// Skins of a dual list, the outer and the inner one: it takes a solid long to move by half of the
-/// first; and between first and second neighbours of graphene there is room for 0.17 beyond a
-/// cutoff of 2.1 Angstrom, of which the rest is left to vibrations.
+/// Skins of a dual list, the outer and the inner one. An outer list lasts until a particle has
+/// moved by half of their difference. The inner one leaves the second neighbours out, also where
+/// they vibrate: in graphene they are 0.19 cutoffs of 2.1 Angstrom beyond it.
 inline constexpr double kOuterSkin = 0.5;
 inline constexpr double kInnerSkin = 0.08;
 
@@ -101,12 +102,14 @@ class ListedPlaces {
     }
   }
 
-  /// How far a particle has moved since then, at most.
+  /// How far a particle has moved since then, at most; infinite where one is, or was, at a place
+  /// that is no finite number, as trial steps may have it: what is listed there lacks its pairs.
   template <class Real>
   double largest_move(const BodySlot<Real>& body, int dimension, const Stage<Real>& stage) const {
     const Real* x = (body.mapped ? stage.mapped_position : stage.position) + body.offset;
     // Eight at a time, which a compiler makes vectors of.
     double largest[kGroup] = {};
+    double total[kGroup] = {};  // not finite if one of them is not
     const auto look = [&](std::size_t first, std::size_t particles) {
       double squared[kGroup] = {};
       for (int d = 0; d < dimension; ++d) {
@@ -119,12 +122,16 @@ class ListedPlaces {
       }
       for (std::size_t l = 0; l < kGroup; ++l) {
         largest[l] = squared[l] > largest[l] ? squared[l] : largest[l];
+        total[l] += squared[l];
       }
     };
     const std::size_t whole = apart_ / kGroup * kGroup;
     for (std::size_t i = 0; i < whole; i += kGroup) look(i, kGroup);
     if (whole < apart_) look(whole, apart_ - whole);
-    return std::sqrt(*std::max_element(largest, largest + kGroup));
+    const bool finite =
+        std::all_of(total, total + kGroup, [](double x) { return std::isfinite(x); });
+    return finite ? std::sqrt(*std::max_element(largest, largest + kGroup))
+                  : std::numeric_limits<double>::infinity();
   }
 
   /// [axis][particle]

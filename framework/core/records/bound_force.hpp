@@ -47,7 +47,7 @@ struct BoundBody {
   int open_along = -1;                       ///< a chain that the box closes: along this axis
   int freedom = 0;                           ///< how many of its coordinates move by forces
   std::vector<double> mass;                  ///< [count]
-  std::vector<std::array<double, 3>> start;  ///< [count][dimension], relative to the scene's origin
+  std::vector<std::array<double, 3>> start;  ///< [count][axis], from the scene's origin; else 0
   std::vector<double> start_centre;          ///< [dimension], centre of mass
   NeighbourList neighbours;
   std::vector<std::int32_t> species;           ///< [count], indices of names; empty: it has none

@@ -21,6 +21,11 @@ namespace tomlin::properties {
 
 /// A sum of some hundred terms loses some tens of units in the last place of its size.
 inline constexpr double kRounding = 64.0 * std::numeric_limits<double>::epsilon();
+/// The same of a sum over so many terms, each as large as the largest.
+inline double rounding_of_sum(std::size_t terms) {
+  constexpr double kSomeHundred = 256.0;
+  return kRounding * std::max(1.0, static_cast<double>(terms) / kSomeHundred);
+}
 /// The same of an energy in quadruple precision, of 113 bits.
 inline constexpr double kExactRounding = 64.0 * 0x1p-112;
 /// Below it numbers have fewer digits, and 1/eps of them vanish.

@@ -102,6 +102,7 @@ std::optional<PropertyResult> internal(ForceUnderTest& e) {
   if (!e.traits().internal || !acts_on_all_its_bodies(e)) return std::nullopt;
   const bool open = is_open(e.alone().model().scene());
   e.begin("internal", open ? "forces and torques sum to zero" : "forces sum to zero");
+  const double rounding = rounding_of_sum(e.count());
   double near = 0.0;  // the largest force at the states so far
   for (const State* state : e.everywhere()) {
     const bool close = state->place == Place::near || state->place == Place::start;
@@ -116,9 +117,9 @@ std::optional<PropertyResult> internal(ForceUnderTest& e) {
     const double lever = size * e.reach(*state);
     const double least = kSmallest * static_cast<double>(e.count());
     for (int a = 0; a < 3; ++a) {
-      e.note(total.force[a], 0.0, size, kRounding * size + least, *state);
+      e.note(total.force[a], 0.0, size, rounding * size + least, *state);
       if (open) {
-        e.note(total.torque[a], 0.0, lever, kRounding * lever + least * e.reach(*state), *state);
+        e.note(total.torque[a], 0.0, lever, rounding * lever + least * e.reach(*state), *state);
       }
     }
   }
@@ -139,6 +140,7 @@ std::optional<PropertyResult> driver(ForceUnderTest& e) {
   }
   const auto axes = static_cast<std::size_t>(e.alone().model().dimension());
   const auto first = static_cast<std::size_t>(e.alone().force().first_rate);
+  const double rounding = rounding_of_sum(e.count());
   for (const State& state : e.near()) {
     const std::vector<double> forces = e.forces(state);
     const double* rates = e.alone().rates();
@@ -148,12 +150,12 @@ std::optional<PropertyResult> driver(ForceUnderTest& e) {
     double fastest = 0.0;
     e.looked();
     for (std::size_t d = 0; d < axes; ++d) {
-      e.note(rates[first + d], total.force[d], size, kRounding * size, state);
+      e.note(rates[first + d], total.force[d], size, rounding * size, state);
       power += total.force[d] * drive->velocity[d];
       fastest = std::max(fastest, std::abs(drive->velocity[d]));
     }
     if (!drive->steady) continue;
-    e.note(rates[first + axes], power, size * fastest, kRounding * size * fastest, state);
+    e.note(rates[first + axes], power, size * fastest, rounding * size * fastest, state);
   }
   return e.end();
 }

@@ -249,11 +249,12 @@ TEST_F(MolecularDynamics, ExplainCountsNeighbours) {
   const Ended ended = tomlin({"explain", "tube.toml", "--json"});
   ASSERT_EQ(ended.status, 0) << ended.err;
   const Json scene = Json::parse(ended.out);
-  // Within 2.1 and the skin of 0.32 are three neighbours, and two on the same ring, 2.33 away.
+  // Within 2.1 and the inner skin of 0.17 are three neighbours; two on the same ring, 2.33 away,
+  // are not.
   const Json bonds = scene["forces"][0]["neighbours"];
-  EXPECT_EQ(bonds["mean"], 5.0);
-  EXPECT_EQ(bonds["most"], 5);
-  EXPECT_EQ(bonds["pairs"], 100);
+  EXPECT_EQ(bonds["mean"], 3.0);
+  EXPECT_EQ(bonds["most"], 3);
+  EXPECT_EQ(bonds["pairs"], 60);
   // Of 40 atoms, with the scratch of their forces; numbers of one atom, not of all of them.
   EXPECT_GT(bonds["bytes"], 40 * 3 * 8);
   EXPECT_LT(bonds["bytes"], 40 * 2000);
@@ -265,7 +266,19 @@ TEST_F(MolecularDynamics, ExplainCountsNeighbours) {
   // to 6.6 fs; the bound is at most half as long.
   EXPECT_GT(scene["integrator"]["stable_step"], 3.3e-3);
   EXPECT_LT(scene["integrator"]["stable_step"], 6.6e-3);
-  EXPECT_TRUE(contains(tomlin({"explain", "tube.toml"}).out, "5 neighbours of a particle"));
+  EXPECT_TRUE(contains(tomlin({"explain", "tube.toml"}).out, "3 neighbours of a particle"));
+}
+
+/// Whose lists have not been made yet.
+TEST_F(MolecularDynamics, ExplainKnowsNoNeighboursOfAForceThatStartsLater) {
+  std::string later = kTubeOnSheet;
+  const std::string type = "type = \"tersoff\"\n";
+  ASSERT_NE(later.find(type), std::string::npos);
+  later.insert(later.find(type), "active = { from = 0.01 }\n");
+  write(folder_ / "later.toml", later);
+  const Ended ended = tomlin({"explain", "later.toml", "--json"});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  EXPECT_EQ(Json::parse(ended.out)["forces"][0]["neighbours"]["pairs"], 0);
 }
 
 }  // namespace

@@ -124,6 +124,14 @@ TEST(Properties, HoldOnTipsChainsAndRings) {
   }
 }
 
+/// Sums over thousands of particles are rounded by more than those over some.
+TEST(Properties, HoldForADriverOfManyParticles) {
+  expect_sound(
+      "[[body]]\ntype = \"chain\"\ncount = 4000\nspacing = 1.0\nparticle_mass = 1.0\n"
+      "[[force]]\ntype = \"driving_spring\"\nstiffness = 1.0\nvelocity = [0.01]\n"
+      "[run]\nduration = 1.0\nintegrator = { type = \"rk4\", dt = 0.01 }\n");
+}
+
 /// Where the origin moves along an axis, what is held along it would stay behind.
 TEST(Properties, HoldBesideABodyThatIsHeld) {
   for (const char* held : {"x", "y"}) {
