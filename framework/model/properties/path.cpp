@@ -96,13 +96,10 @@ Comparison compare_piece(ForceUnderTest& e, const Path& path, double from, doubl
   const Piece piece = piece_of(e, path, from, to);
   const double before = energy_at(from);
   const double after = energy_at(to);
-  const State end = path.at(to);
   const double size =
-      piece.size + effort(e.forces(end), path.way) + std::abs(before) + std::abs(after);
-  const double sensitive = e.sensitivity(end) * e.length() * static_cast<double>(e.count());
+      piece.size + effort(e.forces(path.at(to)), path.way) + std::abs(before) + std::abs(after);
   const double least = kSmallest * (1.0 + e.length() * static_cast<double>(e.count()));
-  return {after - before, piece.work, size,
-          kRounding * (size + sensitive) + piece.variation + least};
+  return {after - before, piece.work, size, kRounding * size + piece.variation + least};
 }
 
 /// A piece that does not come right is looked at more closely, in the worse of its halves: what is
@@ -117,6 +114,12 @@ bool compare_along(ForceUnderTest& e, const Path& path, double from, double to) 
     const bool in_first = first.difference() > second.difference();
     (in_first ? to : from) = middle;
     now = in_first ? first : second;
+  }
+  // What is left may be the rounding of what the force reads. It is looked for last: that takes
+  // long, in quadruple precision.
+  if (!now.holds()) {
+    const double way = e.length() * static_cast<double>(e.count());
+    now.allowed += kRounding * e.sensitivity(path.at(to)) * way;
   }
   // `finite` says whether it may be so.
   if (!std::isfinite(now.gained) || !std::isfinite(now.work)) return false;
