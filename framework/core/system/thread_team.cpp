@@ -9,12 +9,17 @@
 namespace tomlin {
 namespace {
 
-constexpr int kPartBits = 16;
+// A piece of work in a word: its number, how many parts it has, how many of them are taken from the
+// first on and how many from the last on.
+constexpr int kPartBits = 12;
 constexpr std::uint64_t kPartMask = (std::uint64_t{1} << kPartBits) - 1;
-constexpr std::size_t kMostMembers = 4096;
+constexpr std::uint64_t kOneFromTheLast = 1;
+constexpr std::uint64_t kOneFromTheFirst = std::uint64_t{1} << kPartBits;
+constexpr std::size_t kMostMembers = 1000;
 
-std::uint64_t next_of(std::uint64_t word) { return word & kPartMask; }
-std::uint64_t parts_of(std::uint64_t word) { return (word >> kPartBits) & kPartMask; }
+std::uint64_t from_the_last(std::uint64_t word) { return word & kPartMask; }
+std::uint64_t from_the_first(std::uint64_t word) { return (word >> kPartBits) & kPartMask; }
+std::uint64_t parts_of(std::uint64_t word) { return (word >> (2 * kPartBits)) & kPartMask; }
 
 void pause() {
 #if defined(__x86_64__)
@@ -101,7 +106,7 @@ void ThreadTeam::share(void* threads, std::size_t parts, TeamPart part, const vo
   self.done_.store(0, std::memory_order_relaxed);
   self.processor_.store(sched_getcpu(), std::memory_order_relaxed);
   const std::uint32_t piece = self.pieces_.load(std::memory_order_relaxed) + 1;
-  self.next_.store((std::uint64_t{piece} << (2 * kPartBits)) | (parts << kPartBits),
+  self.next_.store((std::uint64_t{piece} << (3 * kPartBits)) | (parts << (2 * kPartBits)),
                    std::memory_order_release);
   self.pieces_.store(piece, std::memory_order_release);
   self.pieces_.notify_all();
@@ -112,14 +117,18 @@ void ThreadTeam::share(void* threads, std::size_t parts, TeamPart part, const vo
   }
 }
 
-/// Of the present piece of work, whichever it is; false where none is left.
+/// Of the present piece of work, whichever it is; false where none is left. The calling thread
+/// begins with the first part and the others with the last: of what is shared again and again, each
+/// finds its own in its cache.
 bool ThreadTeam::take_part(std::size_t member) {
   std::uint64_t word = next_.load(std::memory_order_acquire);
   do {
-    if (next_of(word) >= parts_of(word)) return false;
-  } while (!next_.compare_exchange_weak(word, word + 1, std::memory_order_acq_rel,
-                                        std::memory_order_acquire));
-  part_(work_, next_of(word), member);
+    if (from_the_first(word) + from_the_last(word) >= parts_of(word)) return false;
+  } while (!next_.compare_exchange_weak(word,
+                                        word + (member == 0 ? kOneFromTheFirst : kOneFromTheLast),
+                                        std::memory_order_acq_rel, std::memory_order_acquire));
+  part_(work_, member == 0 ? from_the_first(word) : parts_of(word) - 1 - from_the_last(word),
+        member);
   const std::uint32_t done = done_.fetch_add(1, std::memory_order_acq_rel) + 1;
   if (done == parts_of(word)) done_.notify_one();
   return true;
