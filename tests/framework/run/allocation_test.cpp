@@ -134,23 +134,23 @@ TEST(Allocations, ThereAreNoneBetweenTheFirstStepAndTheLast) {
 }
 
 /// A free layer of graphene over a fixed one, as two threads share it: 256 atoms, of which each
-/// takes some groups.
+/// takes some groups. It slides by 4 Angstrom in 200 steps, so that lists are made again.
 std::string layers(double temperature) {
   const std::string cells =
       "type = \"graphene\"\nbond_length = \"b\"\ncells = [8, 8]\nparticle_mass = 12.011\n";
   return "[scene]\nunits = \"metal\"\n[parameters]\nb = 1.4388\n[box]\nlengths = [\"8 * 3 * b\", "
          "\"8 * sqrt(3) * b\", 60.0]\nperiodic = [true, true, false]\n[[body]]\nname = "
          "\"layer\"\n" +
-         cells + "centre = [0.4, 0.3, 3.4]\nstart_temperature = " + std::to_string(temperature) +
-         "\n[[body]]\nname = \"sheet\"\n" + cells +
+         cells + "centre = [0.4, 0.3, 3.4]\nvelocity = [20.0, 0.0, 0.0]\nstart_temperature = " +
+         std::to_string(temperature) + "\n[[body]]\nname = \"sheet\"\n" + cells +
          "coordinates = \"fixed\"\n[[force]]\ntype = \"tersoff\"\nbody = \"layer\"\nparameters = "
          "\"lindsay_broido_2010\"\n[[force]]\ntype = \"lennard_jones\"\nbodies = [\"layer\", "
          "\"sheet\"]\nepsilon = 0.002411\nsigma = 3.4\ncutoff = 7.0\n[run]\nseed = 1\nduration = "
          "0.6\nintegrator = { type = \"velocity_verlet\", dt = 1e-3 }\n";
 }
 
-/// Neither by sharing work between threads nor by making neighbour lists again, as has to be done
-/// when it is warm: they stay in the memory of those that were before.
+/// Neither by sharing work between threads nor by making neighbour lists again: they stay in the
+/// memory of those that were before.
 TEST(Allocations, ThereAreNoneWithThreadsAndNeighbourLists) {
   for (const double temperature : {10.0, 300.0}) {
     for (const std::size_t members : {1, 2}) {
