@@ -129,7 +129,7 @@ class ListedPlaces {
     for (std::size_t i = 0; i < whole; i += kGroup) look(i, kGroup);
     if (whole < apart_) look(whole, apart_ - whole);
     const bool finite =
-        std::all_of(total, total + kGroup, [](double x) { return std::isfinite(x); });
+        std::all_of(total, total + kGroup, [](double sum) { return std::isfinite(sum); });
     return finite ? std::sqrt(*std::max_element(largest, largest + kGroup))
                   : std::numeric_limits<double>::infinity();
   }
