@@ -158,10 +158,12 @@ double shortest_length(const TersoffDescription& d) {
 const std::filesystem::path& path_of(const TersoffDescription& d) { return d.read_from; }
 
 /// Why there is no such potential; empty where there is.
-std::string why_unsuitable(const TersoffNumbers& p) {
+std::string why_unsuitable(const TersoffEntry& entry) {
+  const TersoffNumbers& p = entry.numbers;
   if (p.m != 1.0 && p.m != 3.0) return "m is neither 1 nor 3";
   if (!(p.d > 0.0)) return "d is not positive";
-  if (!(p.n > 0.0)) return "n is not positive";
+  if (entry.of_bond() && p.n == 0.0) return "n is not positive";
+  if (!(p.n >= 0.0)) return "n is negative";
   if (!(p.beta >= 0.0)) return "beta is negative";
   if (!(p.gamma >= 0.0)) return "gamma is negative";
   if (!(p.half_width > 0.0)) return "D is not positive";
@@ -212,7 +214,7 @@ std::vector<TersoffEntry> parse_tersoff(std::string_view text, const std::string
       refuse(word.line, fmt::format("\"{}\" {}", word.word, why));
       return {};
     }
-    if (const std::string why = why_unsuitable(entry.numbers); !why.empty()) refuse(line, why);
+    if (const std::string why = why_unsuitable(entry); !why.empty()) refuse(line, why);
     for (const TersoffEntry& before : entries) {
       if (before.species == entry.species) refuse(line, "the same three species once more");
     }
@@ -263,10 +265,12 @@ ForceRecord tersoff_record() {
                 "name of a published set, in eV and Angstrom: " + list_of_sets())
           .one_of(names_of_sets())
           .or_absent(),
-      parameter("file", &Description::file, dimension::none,
-                "in place of a name: a file in the format of LAMMPS, in the scene's units: three "
-                "species and m, gamma, lambda3, c, d, cos(theta_0), n, beta, lambda2, B, R, D, "
-                "lambda1, A, for each triple of the body's species")
+      parameter(
+          "file", &Description::file, dimension::none,
+          "in place of a name: a file in the format of LAMMPS, in the scene's units: three "
+          "species and m, gamma, lambda3, c, d, cos(theta_0), n, beta, lambda2, B, R, D, "
+          "lambda1, A, for each triple of the body's species; n, beta, lambda2, B, lambda1 and A "
+          "count where the second and the third are the same")
           .or_absent(),
       parameter("entries", &Description::entries, dimension::none, "in place of a file: its text")
           .or_absent()};

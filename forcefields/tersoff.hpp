@@ -49,11 +49,14 @@ struct TersoffNumbers {
   double a = 0.0;
 };
 
-/// Of the bond between the first and the second of these, in the presence of the third; the second
-/// and third are the same for what belongs to the bond alone.
+/// Of the bond between the first and the second of these, in the presence of the third. What
+/// belongs to the bond alone, n, beta, lambda1, lambda2, A and B, is that of the entry whose second
+/// and third are the same; published files often have zeros for it in the other entries.
 struct TersoffEntry {
   std::array<std::string, 3> species;
   TersoffNumbers numbers;
+
+  bool of_bond() const { return species[1] == species[2]; }
 };
 
 struct TersoffDescription {
@@ -115,7 +118,7 @@ struct Tersoff {
             T(p.gamma) * (c_squared / d_squared),
             T(p.cos_theta0),
             T(p.n),
-            T(-0.5) / T(p.n),
+            p.n > 0.0 ? T(-0.5) / T(p.n) : T(0.0),  // 0: not of a bond, and not used
             T(p.beta),
             T(p.lambda2),
             T(p.b),

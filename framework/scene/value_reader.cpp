@@ -95,8 +95,8 @@ std::string admissible_values(const Parameter& row) {
         } else if constexpr (std::is_same_v<Kind, AngleSelection>) {
           return "\"neighbours\" or a list of triples of indices";
         } else if constexpr (std::is_same_v<Kind, NamePerParticle>) {
-          return "a name, or a list of one per particle: letters, digits, _ and -, the first no "
-                 "digit and no -";
+          return "a name, or a list of one per particle: letters, digits, _, -, + and "
+                 "parentheses, the first a letter or _";
         } else {
           static_assert(std::is_same_v<Kind, Passing>);
           return "{ when = OBSERVABLE, above = VALUE } or below, and times";

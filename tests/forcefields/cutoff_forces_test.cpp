@@ -219,13 +219,15 @@ TEST(LennardJones, HasItsWellAndEndsAsItIsTold) {
   EXPECT_EQ(energy_at(1.9, "cut"), 0.0);
 }
 
-/// The formula as its paper has it, with the functions of the standard library.
-double tersoff_energy(const std::vector<std::array<double, 3>>& places, const TersoffNumbers& p) {
+/// The formula as its paper has it, with the functions of the standard library. `of(i, j, k)` are
+/// the numbers of particles i and j in the presence of k.
+template <class Numbers>
+double tersoff_energy(const std::vector<std::array<double, 3>>& places, const Numbers& of) {
   const auto distance_of = [&](std::size_t i, std::size_t j) {
     return std::hypot(places[j][0] - places[i][0], places[j][1] - places[i][1],
                       places[j][2] - places[i][2]);
   };
-  const auto cutoff = [&](double r) {
+  const auto cutoff = [](const TersoffNumbers& p, double r) {
     if (r < p.r - p.half_width) return 1.0;
     if (r > p.r + p.half_width) return 0.0;
     return 0.5 - 0.5 * std::sin(M_PI / 2.0 * (r - p.r) / p.half_width);
@@ -234,10 +236,12 @@ double tersoff_energy(const std::vector<std::array<double, 3>>& places, const Te
   for (std::size_t i = 0; i < places.size(); ++i) {
     for (std::size_t j = 0; j < places.size(); ++j) {
       if (j == i) continue;
+      const TersoffNumbers& bond = of(i, j, j);
       const double r = distance_of(i, j);
       double zeta = 0.0;
       for (std::size_t k = 0; k < places.size(); ++k) {
         if (k == i || k == j) continue;
+        const TersoffNumbers& p = of(i, j, k);
         const double s = distance_of(i, k);
         double dot = 0.0;
         for (int a = 0; a < 3; ++a) {
@@ -246,11 +250,12 @@ double tersoff_energy(const std::vector<std::array<double, 3>>& places, const Te
         const double apart = p.cos_theta0 - dot / (r * s);
         const double g =
             p.gamma * (1.0 + p.c * p.c / (p.d * p.d) - p.c * p.c / (p.d * p.d + apart * apart));
-        zeta += cutoff(s) * g * std::exp(std::pow(p.lambda3 * (r - s), p.m));
+        zeta += cutoff(p, s) * g * std::exp(std::pow(p.lambda3 * (r - s), p.m));
       }
-      const double b = std::pow(1.0 + std::pow(p.beta * zeta, p.n), -0.5 / p.n);
+      const double order = std::pow(1.0 + std::pow(bond.beta * zeta, bond.n), -0.5 / bond.n);
       energy +=
-          0.5 * cutoff(r) * (p.a * std::exp(-p.lambda1 * r) - b * p.b * std::exp(-p.lambda2 * r));
+          0.5 * cutoff(bond, r) *
+          (bond.a * std::exp(-bond.lambda1 * r) - order * bond.b * std::exp(-bond.lambda2 * r));
     }
   }
   return energy;
@@ -262,10 +267,65 @@ TEST(Tersoff, HasTheEnergyOfItsFormula) {
       const auto places = cluster(3, spacing, 0.3, seed);
       const auto scene = scene_of(body("a", places) + kTersoff + kRunOfClusters);
       SingleForce force(*scene, 0);
-      const double expected = tersoff_energy(places, kLindsayBroido);
+      const auto carbon = [](std::size_t, std::size_t, std::size_t) -> const TersoffNumbers& {
+        return kLindsayBroido;
+      };
+      const double expected = tersoff_energy(places, carbon);
       EXPECT_NEAR(force.energy(0.0), expected, kHundredsOfRoundings * 27.0 * 40.0);
     }
   }
+}
+
+/// Silicon and carbon of Tersoff's paper of 1989, as files for LAMMPS have them: zeros in the
+/// entries that do not belong to a bond, and names with parentheses.
+const std::string kCarbide =
+    "C C C  3 1 0 38049 4.3484 -0.57058 0.72751 1.5724e-7 2.2119 346.74 1.95 0.15 3.4879 1393.6\n"
+    "C C Si(D)  3 1 0 38049 4.3484 -0.57058 0 0 0 0 2.36 0.15 0 0\n"
+    "C Si(D) C  3 1 0 38049 4.3484 -0.57058 0 0 0 0 1.95 0.15 0 0\n"
+    "C Si(D) Si(D)  3 1 0 38049 4.3484 -0.57058 0.72751 1.5724e-7 1.97205 395.145 2.36 0.15 "
+    "2.9839 1597.311\n"
+    "Si(D) C C  3 1 0 100390 16.217 -0.59825 0.78734 1.1e-6 1.97205 395.145 2.36 0.15 "
+    "2.9839 1597.311\n"
+    "Si(D) C Si(D)  3 1 0 100390 16.217 -0.59825 0 0 0 0 2.85 0.15 0 0\n"
+    "Si(D) Si(D) C  3 1 0 100390 16.217 -0.59825 0 0 0 0 2.36 0.15 0 0\n"
+    "Si(D) Si(D) Si(D)  3 1 0 100390 16.217 -0.59825 0.78734 1.1e-6 1.7322 471.18 2.85 0.15 "
+    "2.4799 1830.8\n";
+
+TEST(Tersoff, HasTheEnergyOfItsFormulaForTwoSpecies) {
+  std::vector<std::string> faults;
+  const std::vector<TersoffEntry> entries = parse_tersoff(kCarbide, "carbide", faults);
+  ASSERT_TRUE(faults.empty()) << faults.front();
+  ASSERT_EQ(entries.size(), 8U);
+  for (const unsigned seed : kSeedsOfClusters) {
+    for (const double spacing : {1.7, 2.1, 2.5}) {
+      const auto places = cluster(3, spacing, 0.3, seed);
+      const auto is_silicon = [](std::size_t i) { return static_cast<std::size_t>(i * i % 5 < 2); };
+      const auto numbers = [&](std::size_t i, std::size_t j,
+                               std::size_t k) -> const TersoffNumbers& {
+        return entries[4 * is_silicon(i) + 2 * is_silicon(j) + is_silicon(k)].numbers;
+      };
+      std::string species = "species = [";
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        species += is_silicon(i) != 0 ? "\"Si(D)\", " : "\"C\", ";
+      }
+      const auto scene = scene_of(body("a", places, species + "]\n") +
+                                  "[[force]]\ntype = \"tersoff\"\nentries = \"\"\"\n" + kCarbide +
+                                  "\"\"\"\n" + kRunOfClusters);
+      SingleForce force(*scene, 0);
+      const double expected = tersoff_energy(places, numbers);
+      EXPECT_GT(std::abs(expected), 1.0);
+      EXPECT_NEAR(force.energy(0.0), expected, kHundredsOfRoundings * 27.0 * 40.0);
+    }
+  }
+}
+
+/// What belongs to a bond is needed in its entry alone.
+TEST(Tersoff, RefusesABondOfNoExponent) {
+  std::vector<std::string> faults;
+  parse_tersoff("C C C  3 1 0 38049 4.3484 -0.57058\n0 0 0 0 1.95 0.15 0 0\n", "some", faults);
+  parse_tersoff("C Si C  3 1 0 38049 4.3484 -0.57058\n-1 0 0 0 1.95 0.15 0 0\n", "some", faults);
+  EXPECT_EQ(faults,
+            (std::vector<std::string>{"some:1: n is not positive", "some:1: n is negative"}));
 }
 
 /// Lindsay and Broido fitted it to graphene: their Table I has the lattice constant 2.492 Angstrom.

@@ -303,7 +303,8 @@ class XyzReader {
 bool is_species_name(std::string_view name) {
   if (name.empty() || name.size() > kLongestSpecies) return false;
   return is_letter_or_underscore(name.front()) && std::all_of(name.begin(), name.end(), [](char c) {
-           return is_letter_or_underscore(c) || is_digit(c) || c == '-';
+           return is_letter_or_underscore(c) || is_digit(c) ||
+                  std::string_view("-+()").find(c) != std::string_view::npos;
          });
 }
 

@@ -8,7 +8,7 @@
 
 namespace tomlin {
 
-/// Letters, digits, _ and -, the first a letter or _, and at most 60 of them.
+/// Letters, digits, _, -, + and parentheses, the first a letter or _, and at most 60 of them.
 bool is_species_name(std::string_view name);
 
 /// A frame of an extended XYZ file, or the faults that keep it from being read.
