@@ -146,6 +146,19 @@ struct Tersoff {
     return p.outer;
   }
 
+  /// Of f_C.
+  template <class T>
+  static bool same_cutoff(const Parameters<T>& p, const Parameters<T>& q) {
+    return p.middle == q.middle && p.inner == q.inner && p.outer == q.outer && p.turns == q.turns;
+  }
+  /// Of g and of the weight.
+  template <class T>
+  static bool same_surroundings(const Parameters<T>& p, const Parameters<T>& q) {
+    return p.cubic == q.cubic && p.lambda3 == q.lambda3 && p.gamma == q.gamma &&
+           p.c_squared == q.c_squared && p.d_squared == q.d_squared && p.ratio == q.ratio &&
+           p.cos_theta0 == q.cos_theta0;
+  }
+
   template <class T>
   static bool weighted(const Parameters<T>& p) {
     return p.lambda3 != T(0.0);

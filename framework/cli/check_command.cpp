@@ -1,3 +1,4 @@
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -156,11 +157,12 @@ Check check_of(const PropertyResult& result) {
   return check;
 }
 
-Report report_on(const std::shared_ptr<const Scene>& scene, std::uint64_t seed) {
+Report report_on(const std::shared_ptr<const Scene>& scene, std::uint64_t seed,
+                 const std::atomic<bool>* stop = nullptr) {
   Report report;
   const Trial trial = try_out(scene, 0.0);
   check_step(*scene, trial, report);
-  for (const PropertyResult& result : check_properties(*scene, {.seed = seed})) {
+  for (const PropertyResult& result : check_properties(*scene, {.seed = seed, .stop = stop})) {
     report.checks.push_back(check_of(result));
   }
   const Model model(scene);
@@ -280,8 +282,9 @@ int check_scene(const CheckArguments& arguments) {
 
 }  // namespace
 
-std::string check_json(const std::shared_ptr<const Scene>& scene, std::uint64_t seed) {
-  return json_text(json_of(report_on(scene, seed)));
+std::string check_json(const std::shared_ptr<const Scene>& scene, std::uint64_t seed,
+                       const std::atomic<bool>* stop) {
+  return json_text(json_of(report_on(scene, seed, stop)));
 }
 
 CommandRecord check_command() {

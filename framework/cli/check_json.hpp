@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -10,6 +11,8 @@ namespace tomlin {
 
 /// What `tomlin check --json` says of a scene that can be read. `seed`: of the random states at
 /// which properties are verified. Throws InputError for everything that a run would refuse.
-std::string check_json(const std::shared_ptr<const Scene>& scene, std::uint64_t seed = 1);
+/// `stop` ends it early, with what has been verified.
+std::string check_json(const std::shared_ptr<const Scene>& scene, std::uint64_t seed = 1,
+                       const std::atomic<bool>* stop = nullptr);
 
 }  // namespace tomlin

@@ -97,6 +97,7 @@ std::vector<PropertyResult> check_properties(const Scene& scene, const PropertyO
     properties::ForceUnderTest examination(scene, k, lengths[k], options);
     if (!examination.worthwhile()) continue;
     for (const properties::PropertyCheck property : kProperties) {
+      if (options.stop != nullptr && *options.stop) return results;
       if (auto result = property(examination)) results.push_back(std::move(*result));
     }
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -43,8 +44,9 @@ struct PropertyResult {
 };
 
 struct PropertyOptions {
-  int displaced_states = 8;  ///< besides the start
-  std::uint64_t seed = 1;    ///< of the displacements
+  int displaced_states = 8;                 ///< besides the start
+  std::uint64_t seed = 1;                   ///< of the displacements
+  const std::atomic<bool>* stop = nullptr;  ///< true: no further property is looked at
 };
 
 /// Checks every force that the scene builds, in the scene's order, each on its own, then all of

@@ -44,7 +44,8 @@ struct KeptEvent {
 /// Keeps samples and events in memory.
 class MemorySink : public RunSink {
  public:
-  void begin(const RunLayout& layout) override { layout_ = layout; }
+  /// Throws InputError where the samples of the run need more memory than there is.
+  void begin(const RunLayout& layout) override;
   void sample(const std::vector<double>& row) override;
   void event(const Event& event) override;
 
@@ -71,19 +72,45 @@ struct RunHandle {
   MemorySink kept;  ///< of a run without a folder
 };
 
+/// Where the interpreter is about to end, its lock is not to be had in a thread that it does not
+/// wait for: the thread ends here, and the process a little later.
+void wait_for_ever_if_interpreter_ends();
+
+/// The interpreter's lock is released while this lives.
+class Unlocked {
+ public:
+  Unlocked() : state_(PyEval_SaveThread()) {}
+  // Python may end the thread while it waits for the lock.
+  ~Unlocked() noexcept(false) {
+    wait_for_ever_if_interpreter_ends();
+    PyEval_RestoreThread(state_);
+  }
+  Unlocked(const Unlocked&) = delete;
+  Unlocked& operator=(const Unlocked&) = delete;
+
+ private:
+  PyThreadState* state_;
+};
+
+bool is_main_thread();
+
 /// What a call shows to Python while it runs; holds the interpreter's lock for as long as that
-/// takes. An exception of the callable asks the run to stop, and is thrown by rethrow().
+/// takes. In the main thread, handlers of signals that Python has are called then as well. An
+/// exception of either asks the run to stop, and is thrown by rethrow().
 class ProgressCall {
  public:
-  explicit ProgressCall(py::object callable) : callable_(std::move(callable)) {}
+  explicit ProgressCall(py::object callable)
+      : callable_(std::move(callable)), handles_signals_(is_main_thread()) {}
 
-  explicit operator bool() const { return !callable_.is_none(); }
+  explicit operator bool() const { return handles_signals_ || !callable_.is_none(); }
   template <class... Arguments>
   void operator()(std::atomic<bool>& stop, const Arguments&... arguments) {
+    wait_for_ever_if_interpreter_ends();
     const py::gil_scoped_acquire lock;
     if (thrown_) return;
     try {
-      callable_(arguments...);
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      if (!callable_.is_none()) callable_(arguments...);
     } catch (py::error_already_set& error) {
       thrown_ = std::make_unique<py::error_already_set>(error);
       stop = true;
@@ -96,11 +123,12 @@ class ProgressCall {
 
  private:
   py::object callable_;
+  bool handles_signals_;
   std::unique_ptr<py::error_already_set> thrown_;
 };
 
 /// In the main thread of the interpreter, Ctrl-C asks a run to stop while this lives, and does
-/// nothing else.
+/// nothing else, unless the program has a handler of its own for it.
 class InterruptGuard {
  public:
   /// With the interpreter's lock.
@@ -117,6 +145,9 @@ class InterruptGuard {
   struct sigaction before_ = {};
   bool is_set_ = false;
 };
+
+/// Any bytes as a text, as names of files may be: what is no UTF-8 is escaped.
+py::str text_of(const std::string& bytes);
 
 /// A read-only array of numbers that stand in memory of `owner`, which lives as long as the array.
 py::array numbers_of(py::handle owner, const double* numbers, std::vector<py::ssize_t> shape);

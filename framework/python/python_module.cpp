@@ -1,11 +1,15 @@
+#include <chrono>
 #include <csignal>
 #include <exception>
+#include <new>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <unistd.h>
 
 #include "framework/core/text/fault.hpp"
 #include "framework/core/text/fault_code.hpp"
@@ -25,23 +29,24 @@ extern "C" void ask_to_stop(int) {
   if (std::atomic<bool>* const stop = g_stop) *stop = true;
 }
 
-bool is_main_thread() {
-  const py::module_ threading = py::module_::import("threading");
-  return threading.attr("get_ident")().equal(threading.attr("main_thread")().attr("ident"));
+/// Whether Ctrl-C does what Python does by itself.
+bool has_default_handler() {
+  const py::module_ signal = py::module_::import("signal");
+  return signal.attr("getsignal")(SIGINT).is(signal.attr("default_int_handler"));
 }
 
 py::dict dict_of(const Fault& fault) {
   py::dict all;
   all["code"] = std::string(id_of(fault.code));
-  all["file"] = fault.place.file;
+  all["file"] = text_of(fault.place.file);
   all["line"] = fault.place.line;
   all["column"] = fault.place.column;
-  all["key"] = fault.key;
-  all["value"] = fault.value;
-  all["message"] = fault.why;
-  all["admissible"] = fault.admissible;
-  all["nearest"] = fault.nearest;
-  all["text"] = to_string(fault);
+  all["key"] = text_of(fault.key);
+  all["value"] = text_of(fault.value);
+  all["message"] = text_of(fault.why);
+  all["admissible"] = text_of(fault.admissible);
+  all["nearest"] = text_of(fault.nearest);
+  all["text"] = text_of(to_string(fault));
   return all;
 }
 
@@ -60,18 +65,48 @@ void translate(std::exception_ptr thrown) {
     for (const Fault& fault : error.faults()) faults.append(dict_of(fault));
     set_error("SceneError", faults);
   } catch (const OutputError& error) {
-    set_error("OutputError", std::string(error.what()));
+    set_error("OutputError", text_of(error.what()));
   } catch (const DamagedFile& error) {
-    set_error("OutputError", std::string(error.what()));
+    set_error("OutputError", text_of(error.what()));
   } catch (const PluginError& error) {
-    set_error("RunError", std::string(error.what()));
+    set_error("RunError", text_of(error.what()));
+  } catch (const py::builtin_exception&) {
+    throw;
+  } catch (const py::error_already_set&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    set_error("RunError", text_of(error.what()));  // of the code of a plugin
   }
 }
 
 }  // namespace
 
+py::str text_of(const std::string& bytes) {
+  return py::reinterpret_steal<py::str>(PyUnicode_DecodeUTF8(
+      bytes.data(), static_cast<Py_ssize_t>(bytes.size()), "backslashreplace"));
+}
+
+bool is_main_thread() {
+  const py::module_ threading = py::module_::import("threading");
+  return threading.attr("get_ident")().equal(threading.attr("main_thread")().attr("ident"));
+}
+
+void wait_for_ever_if_interpreter_ends() {
+#if PY_VERSION_HEX >= 0x030d0000
+  const bool ends = Py_IsFinalizing() != 0;
+#else
+  const bool ends = _Py_IsFinalizing() != 0;
+#endif
+  const bool is_first_thread = ::gettid() == ::getpid();
+  while (ends && !is_first_thread) {
+    std::this_thread::sleep_for(std::chrono::hours(1));
+  }
+}
+
 InterruptGuard::InterruptGuard() {
-  if (!is_main_thread()) return;
+  if (!is_main_thread() || !has_default_handler()) return;
   // To ignore the signal is the decision of whoever has started Python.
   if (sigaction(SIGINT, nullptr, &before_) != 0 || before_.sa_handler == SIG_IGN) return;
   outer_ = g_stop.exchange(&stop_);

@@ -6,8 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <unistd.h>
 
 #include "framework/cli/inputs.hpp"
 #include "framework/cli/progress.hpp"
@@ -26,6 +28,20 @@
 #include "framework/study/recorded_run.hpp"
 
 namespace tomlin::python {
+
+void MemorySink::begin(const RunLayout& layout) {
+  layout_ = layout;
+  const double bytes = layout.most_samples * static_cast<double>(layout.row() * sizeof(double));
+  const double memory =
+      static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  if (layout.columns.empty() || !(memory > 0.0) || bytes <= memory) return;
+  Fault fault(FaultCode::output_too_large);
+  fault.key = "output.every";
+  fault.why = fmt::format("{:.10g} samples take {} of memory, of which there are {}",
+                          layout.most_samples, bytes_text(bytes), bytes_text(memory));
+  fault.admissible = "a longer interval, or a run with a folder";
+  throw InputError({fault});
+}
 
 void MemorySink::sample(const std::vector<double>& row) {
   samples_.insert(samples_.end(), row.begin(), row.end());
@@ -59,7 +75,7 @@ std::unique_ptr<RunHandle> run_in_memory(const SceneHandle& scene, std::size_t t
   options.stop = &guard.stop();
   if (show) options.on_progress = [&](const RunProgress& now) { show(guard.stop(), now); };
   {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     handle->result = run(scene.scene, options);
   }
   show.rethrow();
@@ -94,7 +110,7 @@ std::unique_ptr<RunHandle> run_in_folder(const SceneHandle& scene, const std::st
   if (show) options.on_progress = [&](const RunProgress& now) { show(guard.stop(), now); };
   RecordedRun recorded;
   {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     recorded = record_run(folder, scene.scene, *scene.registry, std::move(found), options);
   }
   show.rethrow();
@@ -146,7 +162,7 @@ py::array samples_of(const py::object& self) {
 py::array positions_in(const std::string& file) {
   auto read = std::make_unique<Hdf5Numbers>();
   {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     *read = read_hdf5(file, "particles/all/position/value");
   }
   const Hdf5Numbers& found = *read;

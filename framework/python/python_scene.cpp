@@ -59,7 +59,7 @@ std::string tradeoff(const SceneHandle& handle, const std::string& observable, d
   if (show) request.on_progress = [&](const std::string& what) { show(guard.stop(), what); };
   std::string json;
   {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     json = tradeoff_json(*handle.scene, measure_tradeoff(handle.scene, *handle.registry, request));
   }
   show.rethrow();
@@ -78,7 +78,7 @@ py::tuple compare(const std::vector<SceneHandle>& handles, const std::string& ob
   Comparison comparison;
   std::string json;
   {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     comparison = compare_models(scenes, request);
     json = compare_json(comparison);
   }
@@ -96,7 +96,7 @@ void define_scenes(py::module_& module) {
   const auto standard = std::make_shared<const Registry>(standard_registry());
   py::class_<SceneHandle>(module, "Scene")
       .def("with_settings", &with_settings)
-      .def_property_readonly("file", [](const SceneHandle& it) { return it.scene->file; })
+      .def_property_readonly("file", [](const SceneHandle& it) { return text_of(it.scene->file); })
       .def_property_readonly("name", [](const SceneHandle& it) { return it.scene->name; })
       .def_property_readonly("source", [](const SceneHandle& it) { return it.scene->source; })
       .def_property_readonly("dimension", [](const SceneHandle& it) { return it.scene->dimension; })
@@ -129,13 +129,22 @@ void define_scenes(py::module_& module) {
                              [](const SceneHandle& it) { return it.scene->effective_toml; })
       .def("explain_json",
            [](const SceneHandle& it, double seconds) {
-             const py::gil_scoped_release unlocked;
+             const Unlocked unlocked;
              return explanation_json(explain(it.scene, seconds));
            })
       .def("check_json",
            [](const SceneHandle& it, std::uint64_t seed) {
-             const py::gil_scoped_release unlocked;
-             return check_json(it.scene, seed);
+             InterruptGuard guard;
+             std::string json;
+             {
+               const Unlocked unlocked;
+               json = check_json(it.scene, seed, &guard.stop());
+             }
+             if (guard.stop()) {
+               PyErr_SetNone(PyExc_KeyboardInterrupt);
+               throw py::error_already_set();
+             }
+             return json;
            })
       .def("tradeoff_json", &tradeoff);
   module.def("read_file",

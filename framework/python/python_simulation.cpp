@@ -103,7 +103,7 @@ class Simulation {
 };
 
 Simulation::Simulation(SceneHandle scene) : scene_(std::move(scene)), as_run_(scene_.scene) {
-  const py::gil_scoped_release unlocked;
+  const Unlocked unlocked;
   if (as_run_->run.accuracy) as_run_ = choose_integrator(as_run_, *scene_.registry).scene;
   engine_ = std::make_unique<Engine>(as_run_, options(kept_, nullptr));
   std::size_t count = 0;
@@ -124,7 +124,7 @@ RunOptions Simulation::options(RunSink& sink, const std::vector<std::byte>* resu
 
 bool Simulation::advance(double to, std::uint64_t most_steps) {
   InterruptGuard guard;
-  const py::gil_scoped_release unlocked;
+  const Unlocked unlocked;
   if (has_more_than_numbers() && !done()) before_ = {numbers(), kept_.size(), true};
   return take_steps(to, most_steps, guard.stop());
 }
@@ -253,7 +253,7 @@ Simulation::State Simulation::state() {
 }
 
 void Simulation::restore(const State& state) {
-  const py::gil_scoped_release unlocked;
+  const Unlocked unlocked;
   // An engine that has failed or ended does not go on.
   engine_ = std::make_unique<Engine>(as_run_, options(kept_, &state.numbers));
   kept_.cut_to(state.kept);

@@ -43,7 +43,7 @@ struct SweepRequest {
   std::optional<std::string> refine;
   std::optional<std::string> refine_along;
   std::optional<std::string> refine_to;
-  bool continues = false;
+  std::optional<bool> continues;
   std::size_t threads = 0;            ///< 0: one for each processor
   std::optional<std::string> folder;  ///< that everything is written to
   std::string journal;                ///< without a folder: a file that is made for the rows
@@ -94,7 +94,7 @@ SweepSettings settings_of(const SceneHandle& scene, const SweepRequest& request,
   }
   if (!request.zips.empty()) settings.zips.clear();
   for (const auto& zip : request.zips) settings.zips.push_back({zip, Place{"zip"}});
-  settings.continues = settings.continues || request.continues;
+  settings.continues = request.continues.value_or(settings.continues);
   if (request.repeats) settings.repeats = {*request.repeats, Place{"repeats"}, ""};
   add_repeats(settings, faults);
   if (request.refine) settings.refine.what = {*request.refine, Place{"refine"}, ""};
@@ -181,7 +181,7 @@ std::unique_ptr<SweepHandle> sweep(const SceneHandle& scene, SweepRequest reques
     show(guard.stop(), sweep_progress_text(now), now.with_row(), now.points);
   };
   {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     SweepPlan plan = plan_of(scene, request);
     const std::size_t all = std::max<std::size_t>(1, std::thread::hardware_concurrency());
     const std::size_t threads = request.threads > 0 ? request.threads : all;

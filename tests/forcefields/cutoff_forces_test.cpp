@@ -10,6 +10,7 @@
 #include "forcefields/lennard_jones.hpp"
 #include "forcefields/tersoff.hpp"
 #include "framework/core/numbers/sum.hpp"
+#include "framework/model/properties.hpp"
 #include "framework/model/single_force.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -67,6 +68,32 @@ constexpr TersoffNumbers kLindsayBroido = {3.0,    1.0,     0.0,       38049.0, 
                                            1.95,   0.15,    3.4879,    1393.6};
 const std::string kTersoff =
     "[[force]]\ntype = \"tersoff\"\nparameters = \"lindsay_broido_2010\"\n";
+
+/// Silicon and carbon of Tersoff's paper of 1989, as files for LAMMPS have them: zeros in the
+/// entries that do not belong to a bond, and names with parentheses.
+const std::string kCarbide =
+    "C C C  3 1 0 38049 4.3484 -0.57058 0.72751 1.5724e-7 2.2119 346.74 1.95 0.15 3.4879 1393.6\n"
+    "C C Si(D)  3 1 0 38049 4.3484 -0.57058 0 0 0 0 2.36 0.15 0 0\n"
+    "C Si(D) C  3 1 0 38049 4.3484 -0.57058 0 0 0 0 1.95 0.15 0 0\n"
+    "C Si(D) Si(D)  3 1 0 38049 4.3484 -0.57058 0.72751 1.5724e-7 1.97205 395.145 2.36 0.15 "
+    "2.9839 1597.311\n"
+    "Si(D) C C  3 1 0 100390 16.217 -0.59825 0.78734 1.1e-6 1.97205 395.145 2.36 0.15 "
+    "2.9839 1597.311\n"
+    "Si(D) C Si(D)  3 1 0 100390 16.217 -0.59825 0 0 0 0 2.85 0.15 0 0\n"
+    "Si(D) Si(D) C  3 1 0 100390 16.217 -0.59825 0 0 0 0 2.36 0.15 0 0\n"
+    "Si(D) Si(D) Si(D)  3 1 0 100390 16.217 -0.59825 0.78734 1.1e-6 1.7322 471.18 2.85 0.15 "
+    "2.4799 1830.8\n";
+std::size_t is_silicon(std::size_t i) { return static_cast<std::size_t>(i * i % 5 < 2); }
+
+/// Silicon and carbon at these places.
+std::string carbide(const std::vector<std::array<double, 3>>& places) {
+  std::string species = "species = [";
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    species += is_silicon(i) != 0 ? "\"Si(D)\", " : "\"C\", ";
+  }
+  return body("a", places, species + "]\n") + "[[force]]\ntype = \"tersoff\"\nentries = \"\"\"\n" +
+         kCarbide + "\"\"\"\n" + kRunOfClusters;
+}
 
 std::vector<double> forces_of(SingleForce& force) {
   const double* f = force.forces(0.0);
@@ -140,6 +167,13 @@ TEST(CutoffForces, HaveTheBitsOfNewListsWhereverTheyHaveBeen) {
     expect_bits_of_new_lists(body("a", carbon) + kTersoff + kRunOfClusters, 0.02, seed);
     expect_bits_of_new_lists("[box]\nlengths = [6.5, 6.6, 6.7]\nperiodic = [true, true, true]\n" +
                                  body("a", carbon) + kTersoff + kRunOfClusters,
+                             0.02, seed);
+    // Where second neighbours are about as far away as the longest cutoff, and elsewhere.
+    for (const double spacing : {1.9, 2.12, 2.6}) {
+      expect_bits_of_new_lists(carbide(cluster(4, spacing, 0.1, seed)), 0.02, seed);
+    }
+    expect_bits_of_new_lists("[box]\nlengths = [9.1, 9.3, 9.2]\nperiodic = [true, true, true]\n" +
+                                 carbide(cluster(4, 2.12, 0.1, seed)),
                              0.02, seed);
   }
 }
@@ -276,21 +310,6 @@ TEST(Tersoff, HasTheEnergyOfItsFormula) {
   }
 }
 
-/// Silicon and carbon of Tersoff's paper of 1989, as files for LAMMPS have them: zeros in the
-/// entries that do not belong to a bond, and names with parentheses.
-const std::string kCarbide =
-    "C C C  3 1 0 38049 4.3484 -0.57058 0.72751 1.5724e-7 2.2119 346.74 1.95 0.15 3.4879 1393.6\n"
-    "C C Si(D)  3 1 0 38049 4.3484 -0.57058 0 0 0 0 2.36 0.15 0 0\n"
-    "C Si(D) C  3 1 0 38049 4.3484 -0.57058 0 0 0 0 1.95 0.15 0 0\n"
-    "C Si(D) Si(D)  3 1 0 38049 4.3484 -0.57058 0.72751 1.5724e-7 1.97205 395.145 2.36 0.15 "
-    "2.9839 1597.311\n"
-    "Si(D) C C  3 1 0 100390 16.217 -0.59825 0.78734 1.1e-6 1.97205 395.145 2.36 0.15 "
-    "2.9839 1597.311\n"
-    "Si(D) C Si(D)  3 1 0 100390 16.217 -0.59825 0 0 0 0 2.85 0.15 0 0\n"
-    "Si(D) Si(D) C  3 1 0 100390 16.217 -0.59825 0 0 0 0 2.36 0.15 0 0\n"
-    "Si(D) Si(D) Si(D)  3 1 0 100390 16.217 -0.59825 0.78734 1.1e-6 1.7322 471.18 2.85 0.15 "
-    "2.4799 1830.8\n";
-
 TEST(Tersoff, HasTheEnergyOfItsFormulaForTwoSpecies) {
   std::vector<std::string> faults;
   const std::vector<TersoffEntry> entries = parse_tersoff(kCarbide, "carbide", faults);
@@ -299,23 +318,26 @@ TEST(Tersoff, HasTheEnergyOfItsFormulaForTwoSpecies) {
   for (const unsigned seed : kSeedsOfClusters) {
     for (const double spacing : {1.7, 2.1, 2.5}) {
       const auto places = cluster(3, spacing, 0.3, seed);
-      const auto is_silicon = [](std::size_t i) { return static_cast<std::size_t>(i * i % 5 < 2); };
       const auto numbers = [&](std::size_t i, std::size_t j,
                                std::size_t k) -> const TersoffNumbers& {
         return entries[4 * is_silicon(i) + 2 * is_silicon(j) + is_silicon(k)].numbers;
       };
-      std::string species = "species = [";
-      for (std::size_t i = 0; i < places.size(); ++i) {
-        species += is_silicon(i) != 0 ? "\"Si(D)\", " : "\"C\", ";
-      }
-      const auto scene = scene_of(body("a", places, species + "]\n") +
-                                  "[[force]]\ntype = \"tersoff\"\nentries = \"\"\"\n" + kCarbide +
-                                  "\"\"\"\n" + kRunOfClusters);
+      const auto scene = scene_of(carbide(places));
       SingleForce force(*scene, 0);
       const double expected = tersoff_energy(places, numbers);
       EXPECT_GT(std::abs(expected), 1.0);
       EXPECT_NEAR(force.energy(0.0), expected, kHundredsOfRoundings * 27.0 * 40.0);
     }
+  }
+}
+
+TEST(Tersoff, HasVerifiedPropertiesForTwoSpecies) {
+  const auto scene = scene_of(carbide(cluster(2, 2.2, 0.3, kSeedsOfClusters[0])));
+  const auto results = check_properties(*scene, {.displaced_states = 3});
+  EXPECT_GT(results.size(), 10U);
+  for (const PropertyResult& result : results) {
+    EXPECT_TRUE(result.holds) << result.property << ": " << result.error << " of " << result.allowed
+                              << " " << result.worst.text();
   }
 }
 

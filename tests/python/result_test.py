@@ -341,3 +341,67 @@ def test_threads_share_a_run_of_many_atoms():
         assert shared["driver.mean_force.y"] == alone["driver.mean_force.y"]
     with pytest.raises(ValueError, match="1 to 4096"):
         tube.run(threads=0)
+
+
+def test_files_of_a_result_are_those_of_its_run(tip, tmp_path, monkeypatch):
+    """Wherever the process is, and whatever has become of the folder."""
+    monkeypatch.chdir(tmp_path)
+    tip = tip.set("v", 0.05)
+    first = tip.run(folder="a")
+    opened = tomlin.open("a")
+    monkeypatch.chdir("/")
+    for one in (first, opened):
+        assert len(one.samples) == len(tip.run().samples) and len(one.events) == one["events.slips"]
+    first, opened = tip.run(folder=tmp_path / "b"), tomlin.open(tmp_path / "b")
+    tip.set("v", 0.1).run(folder=tmp_path / "b", force=True)
+    for one, reads in ((first, ["samples", "events"]), (opened, ["samples", "events", "scene"])):
+        for read in reads:
+            with pytest.raises(tomlin.OutputError, match="another run"):
+                getattr(one, read)
+        assert isinstance(one["driver.mean_force.x"], float)
+    later = tomlin.open(tmp_path / "b")
+    os.remove(tmp_path / "b" / "summary.json")
+    with pytest.raises(tomlin.OutputError, match="gone"):
+        later.samples
+    friction = tomlin.sweep(tip, {"v": [0.05, 0.1]}, "driver.mean_force.x", folder=tmp_path / "c")
+    os.remove(tmp_path / "c" / "sweep.json")
+    with pytest.raises(tomlin.OutputError):
+        friction.summary
+
+
+@pytest.mark.parametrize("name, change", [
+    ("summary.json", lambda text: b"{}"), ("summary.json", lambda text: b"[]"),
+    ("events.csv", lambda text: text[:-3]), ("events.csv", lambda text: text + b"a,b,c\n"),
+    ("events.csv", lambda text: b"\xff"), ("observables.csv", lambda text: b"\xff\xfe\n"),
+    ("observables.csv", lambda text: text[:-5]), ("observables.csv", lambda text: b"")])
+def test_damaged_files_of_a_folder(tip, tmp_path, name, change):
+    tip.run(folder=tmp_path / "a")
+    file = tmp_path / "a" / name
+    file.write_bytes(change(file.read_bytes()))
+    with pytest.raises(tomlin.OutputError, match=name):
+        result = tomlin.open(tmp_path / "a")
+        result.events, result.samples
+
+
+def test_what_is_undefined_is_none_in_folders_as_well(tip, tmp_path):
+    def stop(now):
+        raise KeyError("enough")
+
+    with pytest.raises(KeyError, match="enough"):
+        tip.set(ENDLESS).set("measure.from", 1e8).run(folder=tmp_path / "a", progress=stop)
+    opened = tomlin.open(tmp_path / "a")
+    assert opened.status == "interrupted"
+    for path in ("driver.mean_force.x", "drivers.driver.mean_force.x", "driver.max_force.x"):
+        assert opened[path] is None and path in opened
+    assert "driver.mean_force.q" not in opened
+
+
+def test_groups_are_records_however_they_are_read(tip):
+    result = tip.run()
+    force = result["driver.mean_force.x"]
+    assert [one.mean_force.x for one in result["drivers"].values()] == [force]
+    assert [one.mean_force.x for _, one in result["drivers"].items()] == [force]
+    assert result["drivers"].get("driver").mean_force.x == force
+    assert result["drivers"].get("nobody") is None
+    samples = pickle.loads(pickle.dumps(result.samples))
+    assert samples.units == result.samples.units and (samples == result.samples).all()

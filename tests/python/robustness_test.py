@@ -1,6 +1,7 @@
 """Threads, memory, and plugins that go wrong."""
 
 import concurrent.futures
+import dataclasses
 import gc
 import os
 import resource
@@ -174,3 +175,107 @@ def test_plugin_of_a_scene():
         pytest.skip("no plugins are built")
     scene = tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml", plugins=[library])
     assert scene.set("v", 0.1).run().status == "finished"
+
+
+@pytest.mark.parametrize("call", ["tip.run()", "tip.simulation().run(every=1.0, call=lambda sim: None)"])
+def test_threads_that_nobody_waits_for(call):
+    """The interpreter ends while they run."""
+    code = ("import threading, time, tomlin\n"
+            "tip = tomlin.load('scenarios/prandtl_tomlinson/stick_slip.toml').set('v', 0.05)\n"
+            "def endless():\n"
+            f"    while True: {call}\n"
+            "for _ in range(3): threading.Thread(target=endless, daemon=True).start()\n"
+            "time.sleep(0.3)\n"
+            "print('over')\n")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "over\n", "")
+
+
+def signalled(body):
+    """A process in which a signal is on its way; the run would take minutes."""
+    code = ("import os, signal, threading, time, tomlin\n"
+            "tip = tomlin.load('scenarios/prandtl_tomlinson/stick_slip.toml')\n"
+            "tip = tip.set({'v': 1e-7, 'output.every': 'a/v'})\n"
+            "def send(which):\n"
+            "    threading.Timer(0.3, lambda: os.kill(os.getpid(), which)).start()\n") + body
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+
+
+def test_signals_have_the_handlers_of_the_program():
+    done = signalled("def end(*_): raise SystemExit(7)\n"
+                     "signal.signal(signal.SIGTERM, end)\n"
+                     "send(signal.SIGTERM)\n"
+                     "tip.run()\n")
+    assert done.returncode == 7, done.stderr
+    done = signalled("seen = []\n"
+                     "def stop(*_): seen.append(1); raise RuntimeError('enough')\n"
+                     "signal.signal(signal.SIGINT, stop)\n"
+                     "send(signal.SIGINT)\n"
+                     "try: tip.run()\n"
+                     "except RuntimeError as error: print(error, len(seen))\n")
+    assert (done.returncode, done.stdout) == (0, "enough 1\n"), done.stderr
+
+
+def test_a_check_can_be_interrupted():
+    """All of it would take longer than the process has."""
+    done = signalled("tube = tomlin.load('scenarios/nanotube/pull.toml').set('cells', 60)\n"
+                     "send(signal.SIGINT)\n"
+                     "try: tube.check()\n"
+                     "except KeyboardInterrupt: print('interrupted')\n")
+    assert (done.returncode, done.stdout) == (0, "interrupted\n"), done.stderr
+
+
+@pytest.mark.parametrize("fault", ["throw_traits", "throw_period", "throw_element"])
+def test_plugin_whose_declarations_throw(fault):
+    done = faulty('import tomlin\n'
+                  'try:\n'
+                  '    scene = tomlin.parse("""{scene}""")\n'
+                  '    scene.set("run.accuracy", 1e-6)\n'
+                  '    scene.explain()\n'
+                  '    scene.tradeoff("tip.centre_of_mass.x", budget=0.5)\n'
+                  'except tomlin.Error as error: print("typed", error)\n', FAULT=fault)
+    assert done.returncode == 0, done.stderr + done.stdout
+    assert "typed" in done.stdout and "as planned" in done.stdout
+
+
+def test_damaged_states_are_refused(tip):
+    one = tip.simulation()
+    one.advance(to=300.0)
+    state = one.state
+    damaged = bytearray(state._numbers)
+    damaged[-66] ^= 1
+    with pytest.raises(ValueError, match="damaged"):
+        one.state = dataclasses.replace(state, _numbers=bytes(damaged))
+    with pytest.raises(ValueError, match="damaged"):
+        one.state = dataclasses.replace(state, time=state.time + 1.0)
+    one.state = state
+    assert one.time == state.time
+
+
+def test_samples_that_memory_has_no_room_for(tip):
+    with pytest.raises(tomlin.SceneError) as raised:
+        tip.set("output.every", 1e-8).run()  # 4e10 samples
+    assert raised.value.faults[0].code == "output.too_large"
+
+
+@pytest.mark.parametrize("call", [
+    lambda tip: tip.simulation().advance(steps=1.5), lambda tip: tip.simulation().advance(to="5"),
+    lambda tip: tip.run(threads=1.5), lambda tip: tip.run(progress=3), lambda tip: tip.check(1.5),
+    lambda tip: tip.tradeoff(3), lambda tip: tip.tradeoff("driver.mean_force.x", tolerance="1e-3"),
+    lambda tip: tomlin.compare([tip, tip], 3), lambda tip: tip.set(3, 1.0),
+    lambda tip: tomlin.sweep(tip, {"v": [0.1]}, [3]), lambda tip: tomlin.sweep(tip, {"v": b"12"}, "x"),
+    lambda tip: tomlin.sweep(tip, {"v": [0.1]}, "driver.mean_force.x", threads="2")])
+def test_wrong_types_name_the_argument(tip, call):
+    with pytest.raises(TypeError) as raised:
+        call(tip)
+    assert "tomlin._core" not in str(raised.value) and "incompatible" not in str(raised.value)
+
+
+def test_names_of_files_are_bytes(tmp_path):
+    name = os.path.join(os.fsencode(tmp_path), b"\xff.toml")
+    for path in (name, os.fsdecode(name)):
+        with pytest.raises(tomlin.SceneError, match=r"\\xff.toml.*no such file"):
+            tomlin.load(path)
+    with open(name, "wb") as file, open("scenarios/prandtl_tomlinson/stick_slip.toml", "rb") as scene:
+        file.write(scene.read())
+    assert "\\xff" in repr(tomlin.load(os.fsdecode(name)))

@@ -1,5 +1,6 @@
 """Scenes: read, changed, written; faults."""
 
+import copy
 import pickle
 
 import numpy as np
@@ -177,3 +178,18 @@ def test_studies_are_objects(tip):
     assert len(both.curves[0][0]) > 10 and both.plot().lines
     with pytest.raises(tomlin.SceneError):
         tomlin.compare([quick, tomlin.parse(TEXT)], "driver.mean_force.x")
+
+
+def test_copies_keep_the_sweep(tip):
+    """By which points are continued from their neighbours here: with other numbers."""
+    force = "driver.mean_force.x"
+    scene = tomlin.parse(tip.to_toml() + f'\n[sweep]\nobservables = ["{force}"]\n'
+                         "continue_from_neighbour = true\nover = { v = [0.05, 0.1] }\n")
+    whole = tomlin.sweep(scene)[force]
+    apart = tomlin.sweep(scene, continue_from_neighbour=False)[force]
+    assert whole[1] != apart[1] and apart[1] == tip.set("v", 0.1).run()[force]
+    copies = [copy.copy(scene), copy.deepcopy(scene), pickle.loads(pickle.dumps(scene)),
+              tomlin.parse(scene.to_dict()), tomlin.parse(scene.to_toml())]
+    for one in copies:
+        assert one.to_toml() == scene.to_toml()
+        assert (tomlin.sweep(one)[force] == whole).all()

@@ -180,3 +180,11 @@ def test_two_threads_are_not_let_in(tip):
             refused += 1
             thread.join()
     assert refused == 1 and sim.steps == 3_000_000
+
+
+def test_callbacks_stop_by_numpys_true_as_well(tip):
+    for true in (True, np.True_):
+        sim = tip.simulation()
+        result = sim.run(every=10.0, call=lambda sim: true if sim.time > 50.0 else np.False_)
+        assert result.status == "interrupted" and sim.time < 70.0
+    assert tip.simulation().run(every=10.0, call=lambda sim: "True").status == "finished"

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -30,14 +31,15 @@ class NeighbourRows {
  public:
   using Entry = typename DualList<Real>::Entry;
 
-  NeighbourRows(const BoundBody<Real>& body, double cutoff, const std::array<double, 3>& box)
-      : list_(body, 3, cutoff, box),
+  NeighbourRows(const BoundBody<Real>& body, const PairCutoffs& cutoffs,
+                const std::array<double, 3>& box)
+      : list_(body, 3, cutoffs, box),
         periodic_(box[0] > 0.0 || box[1] > 0.0 || box[2] > 0.0),
         neighbours_(padded(body.slot.count), Real(0.0)),
         energy_(padded(body.slot.count)) {
     arguments.update = {&NeighbourRows::update, this};
     arguments.body = body.slot;
-    arguments.reach = Real(cutoff);
+    arguments.reach = Real(cutoffs.longest());
     arguments.energy = energy_.data();
   }
   NeighbourRows(const NeighbourRows&) = delete;
@@ -157,13 +159,14 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
         names_(list_kinds()),
         parameters_(E::template table<Real>(description, names_)),
         follows_(binding.origin),
-        rows_(body_, reach(), binding.box) {
+        rows_(body_, cutoffs(), binding.box) {
     check_distances(starting(body_), starting(body_), 3, binding.box, 0.25 * shortest_reach(),
                     "a quarter of the shortest cutoff");
     rows_.arguments.parameters = parameters_.data();
-    rows_.arguments.species = std::max<std::size_t>(1, names_.size());
+    rows_.arguments.species = kinds();
     rows_.arguments.kind = kind_.data();
     rows_.arguments.weighted = weighted();
+    rows_.arguments.by_pairs = by_pairs();
   }
 
   std::vector<Pass<Real>> passes() override {
@@ -247,19 +250,46 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
     return names;
   }
 
-  double reach() const {
-    double longest = 0.0;
-    for (const auto& p : parameters_) {
-      longest = std::max(longest, static_cast<double>(E::reach(p)));
+  std::size_t kinds() const { return std::max<std::size_t>(1, names_.size()); }
+  /// Of a particle of kind i, in the bond to one of kind j, in the presence of one of kind k.
+  const auto& parameters_of(std::size_t i, std::size_t j, std::size_t k) const {
+    return parameters_[(i * kinds() + j) * kinds() + k];
+  }
+
+  /// Within them two particles are in a bond, or one is present at a bond of the other.
+  PairCutoffs cutoffs() const {
+    PairCutoffs cutoffs{kind_, kinds(), std::vector<double>(kinds() * kinds(), 0.0)};
+    for (std::size_t i = 0; i < kinds(); ++i) {
+      for (std::size_t j = 0; j < kinds(); ++j) {
+        for (std::size_t k = 0; k < kinds(); ++k) {
+          const auto reach = static_cast<double>(E::reach(parameters_of(i, j, k)));
+          for (const std::size_t pair : {i * kinds() + k, k * kinds() + i}) {
+            cutoffs.all[pair] = std::max(cutoffs.all[pair], reach);
+          }
+        }
+      }
     }
-    return longest;
+    return cutoffs;
   }
   double shortest_reach() const {
-    double shortest = reach();
+    double shortest = std::numeric_limits<double>::infinity();
     for (const auto& p : parameters_) {
       shortest = std::min(shortest, static_cast<double>(E::reach(p)));
     }
     return shortest;
+  }
+  /// True where g and w are those of the particle, and f_C is that of the bond, whatever the third.
+  bool by_pairs() const {
+    for (std::size_t i = 0; i < kinds(); ++i) {
+      for (std::size_t j = 0; j < kinds(); ++j) {
+        for (std::size_t k = 0; k < kinds(); ++k) {
+          const auto& p = parameters_of(i, j, k);
+          if (!E::same_cutoff(p, parameters_of(i, k, k))) return false;
+          if (!E::same_surroundings(p, parameters_of(i, i, i))) return false;
+        }
+      }
+    }
+    return true;
   }
   bool weighted() const {
     return std::any_of(parameters_.begin(), parameters_.end(),

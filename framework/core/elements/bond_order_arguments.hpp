@@ -19,6 +19,7 @@ struct BondOrderArguments {
   const void* parameters = nullptr;
   std::size_t species = 1;
   bool weighted = false;                     ///< w is not 1 everywhere
+  bool by_pairs = false;                     ///< see PairsOfSpecies
   const std::int64_t* kind = nullptr;        ///< [particle, padded] its species
   Real reach{};                              ///< beyond it nothing interacts
   const std::uint32_t* row_start = nullptr;  ///< [group + 1] first slot

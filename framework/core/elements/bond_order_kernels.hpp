@@ -1,7 +1,7 @@
 #pragma once
 
-#include <bit>
 #include <type_traits>
+#include <utility>
 
 #include "framework/core/elements/bond_order_arguments.hpp"
 #include "framework/core/elements/element.hpp"
@@ -47,10 +47,11 @@ struct AngleRow {
   Sloped<T> cutoff;  ///< f_C(r_ik)
 };
 
-/// Parameters that are those of all pairs and triples.
+/// Parameters that are those of all pairs and triples. `by_pairs`: g and w are the same for all
+/// triples of a particle, and f_C of a triple is that of its bond, whatever the third particle.
 template <class P>
 struct OneSpecies {
-  static constexpr bool uniform = true;
+  static constexpr bool by_pairs = true;
   P all;
   bool is_weighted = false;  ///< w is not 1
 
@@ -59,10 +60,24 @@ struct OneSpecies {
   TOMLIN_INLINE bool weighted() const { return is_weighted; }
 };
 
-/// Those of particles of several species: `at(j, k)` is the place of a triple in the table.
+/// Those of particles of several species where they go by pairs: `at(j)` are the numbers of a bond,
+/// `own` those of the particle.
+template <class P, class At>
+struct PairsOfSpecies {
+  static constexpr bool by_pairs = true;
+  At at;
+  P own;
+  bool is_weighted = false;
+
+  TOMLIN_INLINE P pair(std::size_t j) const { return at(j); }
+  TOMLIN_INLINE const P& triple(std::size_t, std::size_t) const { return own; }
+  TOMLIN_INLINE bool weighted() const { return is_weighted; }
+};
+
+/// Those of particles of several species: `at(j, k)` are the numbers of a triple.
 template <class P, class At>
 struct ManySpecies {
-  static constexpr bool uniform = false;
+  static constexpr bool by_pairs = false;
   At at;
   bool is_weighted = false;
 
@@ -89,14 +104,14 @@ TOMLIN_INLINE T bond_order_energy(Rows rows, BondRow<T>* bonds, AngleRow<T>* ang
       if (k == j) continue;
       const auto& q = p.triple(j, k);
       AngleRow<T>& row = angles[j * rows + k];
-      if (Parameters::uniform && k < j) {
+      if (Parameters::by_pairs && k < j) {
         row.cosine = angles[k * rows + j].cosine;
         row.angle = angles[k * rows + j].angle;
       } else {
         row.cosine = dot(bond.direction, bonds[k].direction);
         row.angle = E::angle(q, row.cosine);
       }
-      row.cutoff = Parameters::uniform ? bonds[k].cutoff : E::cutoff(q, bonds[k].distance);
+      row.cutoff = Parameters::by_pairs ? bonds[k].cutoff : E::cutoff(q, bonds[k].distance);
       T term = row.cutoff.value * row.angle.value;
       if (p.weighted()) {
         row.weight = E::weight(q, T(bond.distance - bonds[k].distance));
@@ -171,27 +186,28 @@ TOMLIN_INLINE Packed<Real> gathered(const Real* from, const std::int64_t* index)
   return Packed<Real>::load(lane);
 }
 
-/// The parameters of the triples that particles from the i-th on make with the neighbours in two
-/// slots.
+/// The parameters of the triples that particles from the i-th on make with those of two slots.
+/// `near_j` and `near_k` are the particles in them.
 template <class E, class Real>
 TOMLIN_INLINE auto gathered_parameters(const BondOrderArguments<Real>& a,
                                        const typename E::template Parameters<Real>* table,
-                                       std::size_t i, std::size_t slot_j, std::size_t slot_k) {
+                                       std::size_t i, const std::int64_t* near_j,
+                                       const std::int64_t* near_k) {
   using P = typename E::template Parameters<Packed<Real>>;
   constexpr std::size_t n = sizeof(*table) / sizeof(Real);
   const auto species = static_cast<std::int64_t>(a.species);
   alignas(64) std::int64_t at[kGroup];
   for (std::size_t l = 0; l < kGroup; ++l) {
-    const std::int64_t j = a.kind[a.near[slot_j * kGroup + l]];
-    const std::int64_t k = a.kind[a.near[slot_k * kGroup + l]];
+    const std::int64_t j = a.kind[near_j[l]];
+    const std::int64_t k = a.kind[near_k[l]];
     at[l] = ((a.kind[i + l] * species + j) * species + k) * static_cast<std::int64_t>(n);
   }
   const Real* const numbers = reinterpret_cast<const Real*>(table);
-  struct Packs {
-    Packed<Real> value[n];
-  } packs;
-  for (std::size_t k = 0; k < n; ++k) packs.value[k] = gathered(numbers + k, at);
-  return std::bit_cast<P>(packs);
+  // One by one, not in a loop, so that those that are not used are not gathered.
+  return [&]<std::size_t... k>(std::index_sequence<k...>) {
+    return P{gathered(numbers + k, at)...};
+  }
+  (std::make_index_sequence<n>());
 }
 
 /// Scratch of one group with so many rows, in numbers.
@@ -259,8 +275,20 @@ TOMLIN_INLINE void for_groups_of_bonds(const BondOrderArguments<Real>& a, const 
           bond_order_energy<E, Group>(rows, bonds, angles, OneSpecies<P>{all, a.weighted}));
       continue;
     }
+    const std::int64_t* const near = a.near + first * kGroup;
+    if (a.by_pairs) {
+      const auto parameters_of = [&](std::size_t j) {
+        return gathered_parameters<E, Real>(a, numbers, i, near + j * kGroup, near + j * kGroup);
+      };
+      std::int64_t itself[kGroup];
+      for (std::size_t l = 0; l < kGroup; ++l) itself[l] = static_cast<std::int64_t>(i + l);
+      const PairsOfSpecies<P, decltype(parameters_of)> pairs{
+          parameters_of, gathered_parameters<E, Real>(a, numbers, i, itself, itself), a.weighted};
+      use(i, first, rows, bonds, bond_order_energy<E, Group>(rows, bonds, angles, pairs));
+      continue;
+    }
     const auto parameters_at = [&](std::size_t j, std::size_t k) {
-      return gathered_parameters<E, Real>(a, numbers, i, first + j, first + k);
+      return gathered_parameters<E, Real>(a, numbers, i, near + j * kGroup, near + k * kGroup);
     };
     const ManySpecies<P, decltype(parameters_at)> many{parameters_at, a.weighted};
     use(i, first, rows, bonds, bond_order_energy<E, Group>(rows, bonds, angles, many));

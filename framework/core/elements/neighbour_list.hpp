@@ -28,11 +28,17 @@ inline constexpr double kSkin = 0.15;
 /// Of the reach, kept for the rounding of distances in numbers of type float.
 inline constexpr double kReachMargin = 1e-4;
 
-/// Skins of a dual list, the outer and the inner one. An outer list lasts until a particle has
-/// moved by half of their difference. The inner one leaves the second neighbours out, also where
-/// they vibrate: in graphene they are 0.19 cutoffs of 2.1 Angstrom beyond it.
+/// Skins of a dual list, in parts of the cutoff: the outer and the inner one. An outer list lasts
+/// until a particle has moved by half of their difference. The inner one leaves the second
+/// neighbours out, also where they vibrate: in graphene they are 0.19 cutoffs of 2.1 Angstrom
+/// beyond it. In other materials they are just beyond the cutoff, as in silicon carbide by 0.03 of
+/// it: there the inner list has the tight skin, and is made again every few steps.
 inline constexpr double kOuterSkin = 0.5;
 inline constexpr double kInnerSkin = 0.08;
+inline constexpr double kTightSkin = 0.02;
+/// The tight skin is taken where it saves this part of the work, which is as the square of the
+/// number of neighbours.
+inline constexpr double kTightSaves = 0.3;
 
 /// How far a list reaches, and when it is made again.
 struct ListReach {
@@ -44,12 +50,9 @@ struct ListReach {
 constexpr ListReach single_list(double cutoff) {
   return {cutoff * (1.0 + kSkin + kReachMargin), kSkin * cutoff};
 }
-/// Of a dual list's outer and inner one.
+/// Of a dual list's outer one.
 constexpr ListReach outer_list(double cutoff) {
   return {cutoff * (1.0 + kOuterSkin + kReachMargin), (kOuterSkin - kInnerSkin) * cutoff};
-}
-constexpr ListReach inner_list(double cutoff) {
-  return {cutoff * (1.0 + kInnerSkin + kReachMargin), kInnerSkin * cutoff};
 }
 
 /// A complaint about a cutoff for which a periodic box is too short: of a pair there might be two
@@ -247,6 +250,16 @@ class ImageShifts {
   std::vector<std::array<double, 3>> all_;
 };
 
+/// Cutoffs by the kinds of two particles.
+struct PairCutoffs {
+  std::span<const std::int64_t> kind;  ///< [particle]
+  std::size_t kinds = 1;
+  std::vector<double> all;  ///< [kind * kinds + kind], symmetric
+
+  double longest() const { return *std::max_element(all.begin(), all.end()); }
+  double shortest() const { return *std::min_element(all.begin(), all.end()); }
+};
+
 /// The neighbours that a body's particles have in it, by a dual list: outer ones, further away than
 /// is needed, which are seldom searched for, and inner ones, found among them.
 template <class Real>
@@ -258,19 +271,21 @@ class DualList {
     std::uint32_t shift = 0;
   };
 
-  DualList(const BoundBody<Real>& body, int dimension, double cutoff,
+  DualList(const BoundBody<Real>& body, int dimension, const PairCutoffs& cutoffs,
            const std::array<double, 3>& box)
       : body_(body.slot),
         dimension_(dimension),
-        inner_reach_(inner_list(cutoff)),
-        finder_(body, body, dimension, outer_list(cutoff), box),
+        kind_(cutoffs.kind),
+        kinds_(cutoffs.kinds),
+        wide_(cutoffs, kInnerSkin),
+        tight_(cutoffs, kTightSkin),
+        finder_(body, body, dimension, outer_list(cutoffs.longest()), box),
         near_start_(body.slot.count + 1, 0) {}
 
   /// True where a neighbour is new or gone.
   bool update(const Stage<Real>& stage) {
-    if (valid_ && 2.0 * places_.largest_move(body_, dimension_, stage) < inner_reach_.slack) {
-      return false;
-    }
+    const double slack = is_tight_ ? tight_.slack : wide_.slack;
+    if (valid_ && 2.0 * places_.largest_move(body_, dimension_, stage) < slack) return false;
     valid_ = true;
     places_.take(body_, dimension_, stage);
     const bool searched = finder_.begin(stage);
@@ -293,10 +308,25 @@ class DualList {
   const std::array<double, 3>& shift_of(const Entry& near) const { return shifts_[near.shift]; }
   std::size_t bytes() const {
     return places_.bytes() + finder_.bytes() + bytes_of(outer_start_) + bytes_of(outer_) +
-           bytes_of(is_near_) + bytes_of(near_start_) + bytes_of(near_) + shifts_.bytes();
+           bytes_of(within_) + bytes_of(is_near_) + bytes_of(near_start_) + bytes_of(near_) +
+           shifts_.bytes();
   }
 
  private:
+  /// The cutoffs with a skin around them: a part of the shortest of them.
+  struct Skin {
+    Skin(const PairCutoffs& cutoffs, double part) : slack(part * cutoffs.shortest()) {
+      for (const double cutoff : cutoffs.all) {
+        const double reach = cutoff * (1.0 + kReachMargin) + slack;
+        squared.push_back(reach * reach);
+      }
+    }
+    double slack;
+    std::vector<double> squared;  ///< of the reach, [kind * kinds + kind]
+  };
+  /// How near an outer neighbour is.
+  enum Within : std::uint8_t { kNone, kWide, kTight };
+
   void search() {
     outer_.clear();
     outer_start_.assign(1, 0);
@@ -307,15 +337,19 @@ class DualList {
       }
       outer_start_.push_back(static_cast<std::uint32_t>(outer_.size()));
     }
+    within_.assign(outer_.size(), kNone);
     is_near_.assign(outer_.size(), 0);
   }
 
   /// Which of the outer neighbours are inner ones; true where it is another than before.
   bool choose() {
-    const double most = inner_reach_.reach * inner_reach_.reach;
-    unsigned changed = 0;
+    double wide_work = 0.0;
+    double tight_work = 0.0;
     for (std::size_t i = 0; i < body_.count; ++i) {
       const std::array<double, 3> here = places_.of(i, dimension_);
+      const std::size_t kinds_of_i = static_cast<std::size_t>(kind_[i]) * kinds_;
+      double wide = 0.0;
+      double tight = 0.0;
       for (std::size_t k = outer_start_[i]; k < outer_start_[i + 1]; ++k) {
         const std::array<double, 3> there = places_.of(outer_[k].particle, dimension_);
         const std::array<double, 3>& shift = shifts_[outer_[k].shift];
@@ -324,10 +358,23 @@ class DualList {
           const double apart = (there[d] - here[d]) + shift[d];
           squared += apart * apart;
         }
-        const auto near = static_cast<std::uint8_t>(squared <= most);
-        changed |= static_cast<unsigned>(near ^ is_near_[k]);
-        is_near_[k] = near;
+        const std::size_t kinds = kinds_of_i + static_cast<std::size_t>(kind_[outer_[k].particle]);
+        const bool is_wide = squared <= wide_.squared[kinds];
+        const bool is_tight = squared <= tight_.squared[kinds];
+        within_[k] = is_tight ? kTight : is_wide ? kWide : kNone;
+        wide += is_wide ? 1.0 : 0.0;
+        tight += is_tight ? 1.0 : 0.0;
       }
+      wide_work += wide * wide;
+      tight_work += tight * tight;
+    }
+    is_tight_ = wide_work - tight_work > kTightSaves * wide_work;
+    const Within least = is_tight_ ? kTight : kWide;
+    unsigned changed = 0;
+    for (std::size_t k = 0; k < within_.size(); ++k) {
+      const auto near = static_cast<std::uint8_t>(within_[k] >= least);
+      changed |= static_cast<unsigned>(near ^ is_near_[k]);
+      is_near_[k] = near;
     }
     return changed != 0;
   }
@@ -345,13 +392,18 @@ class DualList {
 
   BodySlot<Real> body_;
   int dimension_;
-  ListReach inner_reach_;
+  std::span<const std::int64_t> kind_;
+  std::size_t kinds_;
+  Skin wide_;
+  Skin tight_;
+  bool is_tight_ = false;
   bool valid_ = false;
   ListedPlaces places_;
   NeighbourFinder<Real> finder_;
   ImageShifts shifts_;
   std::vector<std::uint32_t> outer_start_;  ///< [particle + 1]
   std::vector<Entry> outer_;
+  std::vector<Within> within_;             ///< [outer]
   std::vector<std::uint8_t> is_near_;      ///< [outer]
   std::vector<std::uint32_t> near_start_;  ///< [particle + 1]
   std::vector<Entry> near_;

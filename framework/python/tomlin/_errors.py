@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import difflib
+import numbers
+import operator
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -68,6 +70,32 @@ def core_of(scene: Any) -> _core.Scene:
     if not isinstance(core, _core.Scene):
         raise TypeError(f"a tomlin.Scene, not {type(scene).__name__}; tomlin.load reads files")
     return core
+
+
+def typed(value: Any, name: str, types: type | tuple[type, ...], what: str) -> Any:
+    """An argument. Raises TypeError, with its name, where it is of another type."""
+    if not isinstance(value, types):
+        raise TypeError(f"{name} = {value!r}: {what}, not {type(value).__name__}")
+    return value
+
+
+def whole(value: Any, name: str, least: int = 0) -> int:
+    """An argument that is an integer, NumPy's as well. Raises TypeError or ValueError."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} = {value!r}: an integer, not {type(value).__name__}") from None
+    if number < least:
+        raise ValueError(f"{name} = {value!r}: at least {least}")
+    return number
+
+
+def above_zero(value: Any, name: str) -> float:
+    """An argument that is a finite number above 0. Raises TypeError or ValueError."""
+    number = float(typed(value, name, numbers.Real, "a number"))
+    if not 0.0 < number < float("inf"):
+        raise ValueError(f"{name} = {value!r}: a finite number above 0")
+    return number
 
 
 def no_such_name(name: str, known: Iterable[str], owner: str) -> QuantityError:

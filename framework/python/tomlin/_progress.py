@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from tomlin._errors import typed
+
 
 @contextmanager
 def shown(progress: bool | None | Callable[..., Any]) -> Iterator[Callable[..., Any] | None]:
@@ -17,6 +19,7 @@ def shown(progress: bool | None | Callable[..., Any]) -> Iterator[Callable[..., 
     if callable(progress):
         yield progress
         return
+    typed(progress, "progress", bool, "True, False or a callable")
 
     width = 0
 

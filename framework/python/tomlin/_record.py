@@ -43,6 +43,18 @@ class Record(dict[str, Any]):
     def __getitem__(self, key: Any) -> Any:
         return wrapped(super().__getitem__(key))
 
+    def get(self, key: Any, default: Any = None) -> Any:
+        """The value of a key, or what is given for one that is not there."""
+        return self[key] if key in self else default
+
+    def values(self) -> list[Any]:  # type: ignore[override]
+        """The values, as `[]` gives them."""
+        return [self[key] for key in self]
+
+    def items(self) -> list[tuple[Any, Any]]:  # type: ignore[override]
+        """Keys and values, as `[]` gives them."""
+        return [(key, self[key]) for key in self]
+
     def __getattr__(self, name: str) -> Any:
         try:
             return self[name]

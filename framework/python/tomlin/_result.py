@@ -44,6 +44,15 @@ class Table(np.ndarray[Any, Any]):
     def __array_finalize__(self, other: Any) -> None:
         self.units = getattr(other, "units", {})
 
+    def __reduce__(self) -> Any:
+        reduced: Any = super().__reduce__()
+        make, arguments, state = reduced
+        return make, arguments, (state, self.units)
+
+    def __setstate__(self, state: Any) -> None:
+        super().__setstate__(state[0])
+        self.units = state[1]
+
     def __getitem__(self, key: Any) -> Any:
         found = super().__getitem__(key)
         return found.view(np.ndarray) if isinstance(key, str) else found
@@ -127,18 +136,22 @@ class Result:
 
     _run: _core.Run | None = None
     _folder: Path | None = None
+    _identity: tuple[int, ...] | None = None  #: of the summary in the folder
 
     @classmethod
     def _of_run(cls, run: _core.Run, folder: str | os.PathLike[str] | None = None) -> Result:
         result = cls()
         result._run = run
-        result._folder = None if folder is None else Path(folder)
+        if folder is not None:
+            result._folder = Path(folder).absolute()
+            result._identity = _identity_of(result._folder)
         return result
 
     @classmethod
     def _of_folder(cls, folder: str | os.PathLike[str]) -> Result:
         result = cls()
-        result._folder = Path(folder)
+        result._folder = Path(os.fsdecode(folder)).absolute()
+        result._identity = _identity_of(result._folder)
         result.summary  # which has to be there
         return result
 
@@ -150,14 +163,25 @@ class Result:
         assert self._folder is not None
         file = self._folder / "summary.json"
         try:
-            return dict(json.loads(file.read_text(encoding="utf-8")))
+            found = json.loads(file.read_text(encoding="utf-8"))
+            if not isinstance(found["status"], str):
+                raise TypeError
+            return dict(found)
         except OSError as error:
             hint = ""
             if (self._folder / "sweep.json").exists():
                 hint = "; the folder is of a sweep, which tomlin.sweep(..., folder=...) reads again"
             raise OutputError(f"cannot read {file}: {error.strerror}{hint}") from None
-        except (ValueError, TypeError):
+        except (ValueError, TypeError, LookupError):
             raise OutputError(f"{file} is no summary of a run") from None
+
+    def _files(self) -> Path:
+        """The folder. Raises OutputError where it no longer has the files of this run."""
+        assert self._folder is not None
+        if _identity_of(self._folder) != self._identity:
+            raise OutputError(f"{self._folder} is gone, or has another run than when this result "
+                              "was made; tomlin.open reads what is there")
+        return self._folder
 
     @property
     def status(self) -> str:
@@ -194,8 +218,7 @@ class Result:
 
         if self._run is not None:
             return Scene(self._run.scene)
-        assert self._folder is not None
-        return load(self._folder / "scene.toml")
+        return load(self._files() / "scene.toml")
 
     def __getitem__(self, path: str) -> Any:
         if not isinstance(path, str):
@@ -247,7 +270,7 @@ class Result:
         (samples,), read-only, in the units of ``samples.units``; empty of other scenes. Of a run
         in memory it is the memory of the run itself, no copy; of one with a folder it is read from
         ``observables.csv`` and, with ``[output] trajectory``, from the file of the trajectory.
-        Raises `OutputError` for files that are damaged.
+        Raises `OutputError` for files that are damaged, or are those of another run by now.
 
         >>> import tomlin
         >>> tip = tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml")
@@ -257,12 +280,12 @@ class Result:
         """
         if self._run is not None and self._folder is None:
             return samples_table(self._run.samples(), self._run.layout())
-        assert self._folder is not None
-        table = _samples_in(self._folder / "observables.csv")
-        positions = _positions_in(self._folder)
+        folder = self._files()
+        table = _samples_in(folder / "observables.csv")
+        positions = _positions_in(folder)
         if positions is not None:
             if len(positions) != len(table):
-                raise OutputError(f"{self._folder}: {len(table)} samples, but positions of "
+                raise OutputError(f"{folder}: {len(table)} samples, but positions of "
                                   f"{len(positions)}")
             table = _with_positions(table, positions[:, :, :self.scene.dimension])
         table.setflags(write=False)
@@ -276,14 +299,16 @@ class Result:
         ``event_table.units``. At most a million."""
         if self._run is not None and self._folder is None:
             return events_table(self._run.events())
-        assert self._folder is not None
-        file = self._folder / "events.csv"
+        file = self._files() / "events.csv"
         if not file.exists():
             return events_table([])
-        with file.open(encoding="utf-8", newline="") as stream:
-            rows = list(csv.reader(stream))[1:]
-        return events_table([(float(row[0]), row[1], row[2],
-                              *(float(one) if one else np.nan for one in row[3:])) for row in rows])
+        try:
+            rows = list(csv.reader(_lines_of(file)))[1:]
+            return events_table([
+                (float(row[0]), row[1], row[2],
+                 *(float(one) if one else np.nan for one in row[3:])) for row in rows])
+        except (ValueError, LookupError, csv.Error):
+            raise OutputError(f"{file} is no table of events") from None
 
     @property
     def events(self) -> Table:
@@ -343,12 +368,30 @@ class Result:
         return table_html(self._rows(), str(self.summary.get("name") or "")) + trace_html(self)
 
 
+def _identity_of(folder: Path) -> tuple[int, ...] | None:
+    """Of the summary that stands there: another one is another file."""
+    try:
+        found = (folder / "summary.json").stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino, found.st_mtime_ns, found.st_size
+
+
+def _lines_of(file: Path) -> list[str]:
+    """Raises ValueError where it does not end with a whole line."""
+    text = file.read_bytes().decode("utf-8")
+    if not text.endswith("\n"):
+        raise ValueError
+    return text.splitlines(keepends=True)
+
+
 def _samples_in(file: Path) -> Table:
     if not file.exists():
         return samples_table(np.empty((0, 0)), {"columns": [], "bodies": []})
-    head, _, rows = file.read_text(encoding="utf-8").partition("\n")
-    headings = [_HEADING.fullmatch(one) for one in next(csv.reader([head]), [])]
     try:
+        lines = _lines_of(file)
+        head, rows = lines[0], "".join(lines[1:])
+        headings = [_HEADING.fullmatch(one) for one in next(csv.reader([head.rstrip("\n")]), [])]
         columns = [one.groups() for one in headings if one]
         numbers = np.loadtxt(io.StringIO(rows), delimiter=",", ndmin=2) if rows else np.empty((0, 0))
         if not columns or len(columns) != len(headings) or rows and numbers.shape[1] != len(columns):
@@ -361,7 +404,7 @@ def _samples_in(file: Path) -> Table:
 def _positions_in(folder: Path) -> NDArray[np.float64] | None:
     """Of the trajectory [sample, particle, axis], with three axes; None where there is none."""
     if (folder / "trajectory.h5").exists():
-        return _core.positions_in(str(folder / "trajectory.h5"))
+        return _core.positions_in(os.fsencode(folder / "trajectory.h5"))
     file = folder / "trajectory.xyz"
     if not file.exists():
         return None
@@ -400,6 +443,8 @@ def _find(node: Any, path: str) -> tuple[bool, Any]:
     """Names may have dots in them: the longest key goes first."""
     if isinstance(node, list) and len(path) == 1 and path in _AXES[:len(node)]:
         return True, node[_AXES.index(path)]
+    if node is None and len(path) == 1 and path in _AXES:
+        return True, None  # of a vector that is undefined
     if not isinstance(node, dict):
         return False, None
     if path in node:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from tomlin import _core
-from tomlin._errors import core_of
+from tomlin._errors import above_zero, core_of, typed, whole
 from tomlin._progress import shown
 from tomlin._record import table_html
 from tomlin._result import Result, open as open_folder
@@ -33,10 +33,10 @@ def load(path: str | os.PathLike[str], *, plugins: Sequence[str | os.PathLike[st
     Traceback (most recent call last):
     tomlin._errors.SceneError: no_such_file.toml:1:1: error: there is no such file [file.cannot_read]
     """
-    return Scene(_core.read_file(os.fspath(path), _paths(plugins)))
+    return Scene(_core.read_file(os.fsencode(path), _paths(plugins)))
 
 
-def parse(scene: str | Mapping[str, Any], file: str = "scene.toml", *,
+def parse(scene: str | Mapping[str, Any], file: str | os.PathLike[str] = "scene.toml", *,
           plugins: Sequence[str | os.PathLike[str]] = ()) -> Scene:
     """A scene from its text, or from a dict of plain Python values with the same keys.
 
@@ -63,13 +63,13 @@ def parse(scene: str | Mapping[str, Any], file: str = "scene.toml", *,
         raise TypeError(f"a scene is a text or a dict, not {type(scene).__name__}; "
                         "tomlin.load reads files")
     text = scene if isinstance(scene, str) else document_text(scene)
-    return Scene(_core.read_text(text, file, _paths(plugins)))
+    return Scene(_core.read_text(text, os.fsencode(file), _paths(plugins)))
 
 
-def _paths(plugins: Sequence[str | os.PathLike[str]]) -> list[str]:
+def _paths(plugins: Sequence[str | os.PathLike[str]]) -> list[bytes]:
     if isinstance(plugins, (str, os.PathLike)):
         plugins = [plugins]
-    return [os.fspath(one) for one in plugins]
+    return [os.fsencode(one) for one in plugins]
 
 
 class Scene:
@@ -103,7 +103,8 @@ class Scene:
         elif name is not None:
             given = {name: value, **given}
         return Scene(self._core.with_settings(
-            [(path, setting_text(one, path)) for path, one in given.items()]))
+            [(typed(path, "a name", str, "a text"), setting_text(one, path))
+             for path, one in given.items()]))
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -141,14 +142,16 @@ class Scene:
         return self._core.duration
 
     def to_toml(self) -> str:
-        """The scene with all defaults filled in, as TOML; running it gives the same bits.
+        """The scene with all defaults filled in, as TOML; running it gives the same bits. Its
+        ``[sweep]`` is as it was written.
 
         >>> import tomlin
         >>> tip = tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml")
         >>> tomlin.parse(tip.to_toml()).to_toml() == tip.to_toml()
         True
         """
-        return self._core.effective_toml
+        sweep = tomllib.loads(self._core.text).get("sweep")
+        return self._core.effective_toml + (document_text({"sweep": sweep}) if sweep else "")
 
     def to_dict(self) -> dict[str, Any]:
         """The same as a dict of plain Python values, which `parse` takes."""
@@ -179,16 +182,16 @@ class Scene:
         >>> tip.set("v", 0.01).run().events["event"][:2]
         array(['slip', 'slip'], dtype='<U4')
         """
-        if not 1 <= threads <= 4096:
+        if not 1 <= whole(threads, "threads") <= 4096:
             raise ValueError(f"threads = {threads}: 1 to 4096")
         if folder is None and (resume or force):
             raise ValueError("resume and force are about a folder, and none is given")
         with shown(progress) as show:
             if folder is None:
                 return Result._of_run(_core.run(self._core, threads, show))
-            run = _core.run_in_folder(self._core, os.fspath(folder), resume, force,
-                                      threads, show)
-        return open_folder(folder) if run is None else Result._of_run(run, folder)
+            path = os.path.abspath(os.fsdecode(folder))
+            run = _core.run_in_folder(self._core, os.fsencode(path), resume, force, threads, show)
+        return open_folder(path) if run is None else Result._of_run(run, path)
 
     def simulation(self) -> Simulation:
         """The run as an object that takes steps when it is asked to. Raises `SceneError` for what
@@ -204,25 +207,31 @@ class Scene:
         >>> round(tip.explain(seconds=0.01).sliding[0].stick_slip, 6)
         5.0
         """
+        if seconds != 0:
+            above_zero(seconds, "seconds")
         return Explanation(json.loads(self._core.explain_json(seconds)))
 
     def check(self, seed: int = 1) -> Check:
         """Verifies what every force declares about itself, at random states of this scene that
-        ``seed`` determines. Raises `SceneError` for what a run would refuse.
+        ``seed`` determines. Ctrl-C raises KeyboardInterrupt between two of them. Raises
+        `SceneError` for what a run would refuse.
 
         >>> import tomlin
         >>> tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml").check().holds
         True
         """
-        return Check(json.loads(self._core.check_json(seed)))
+        return Check(json.loads(self._core.check_json(min(whole(seed, "seed"), 2**64 - 1))))
 
     def tradeoff(self, observable: str, *, tolerance: float = 1e-3, budget: float = 60.0,
                  progress: Progress = None) -> Tradeoff:
         """What accuracy of an observable costs, and the cheapest setting whose error is below
         ``tolerance`` (relative; where the observable is zero, in its unit). ``budget`` is in
-        seconds. Ctrl-C ends it with what is known (``interrupted``). Raises `SceneError` for a
-        path that is no observable, ValueError for a tolerance or a budget that is not above 0."""
-        _positive(tolerance=tolerance, budget=budget)
+        seconds. Ctrl-C ends it with what is known, its ``status`` is then "interrupted". A callable
+        ``progress`` gets a text. Raises `SceneError` for a path that is no observable, ValueError
+        for a tolerance or a budget that is not above 0."""
+        typed(observable, "observable", str, "a dotted path")
+        above_zero(tolerance, "tolerance")
+        above_zero(budget, "budget")
         with shown(progress) as show:
             text = self._core.tradeoff_json(observable, tolerance, budget, show)
         tradeoff = Tradeoff(json.loads(text))
@@ -235,6 +244,12 @@ class Scene:
     def _repr_html_(self) -> str:
         return table_html(self.parameters, self.name or self.file)
 
+    def __copy__(self) -> Scene:
+        return self
+
+    def __deepcopy__(self, _: Any) -> Scene:
+        return self
+
     def __reduce__(self) -> tuple[Any, ...]:
         return _from_effective, (self.to_toml(), self.file)
 
@@ -243,18 +258,12 @@ def _from_effective(text: str, file: str) -> Scene:
     return parse(text, file)
 
 
-def _positive(**numbers: float) -> None:
-    for name, number in numbers.items():
-        if not 0.0 < number < float("inf"):
-            raise ValueError(f"{name} = {number}: a finite number above 0")
-
-
 def compare(scenes: Sequence[Scene], observable: str, *, tolerance: float = 1e-2,
             progress: Progress = None) -> Comparison:
     """Models side by side: which is the simplest whose observable agrees within ``tolerance`` with
     that of the model with the most coordinates? "driver" and "body" stand for the only ones of
-    each scene. ``tolerance`` is relative. Raises `SceneError` for scenes that are not comparable,
-    ValueError for fewer than two of them.
+    each scene. ``tolerance`` is relative. A callable ``progress`` gets a text. Raises `SceneError`
+    for scenes that are not comparable, ValueError for fewer than two of them.
 
     >>> import tomlin
     >>> tip = tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml").set("v", 0.1)
@@ -265,7 +274,8 @@ def compare(scenes: Sequence[Scene], observable: str, *, tolerance: float = 1e-2
     """
     if len(scenes) < 2:
         raise ValueError("one scene cannot be compared: two or more")
-    _positive(tolerance=tolerance)
+    typed(observable, "observable", str, "a dotted path")
+    above_zero(tolerance, "tolerance")
     with shown(progress) as show:
         text, curves = _core.compare([core_of(one) for one in scenes], observable, tolerance, show)
     comparison = Comparison(json.loads(text))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import numbers
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -10,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tomlin import _core
-from tomlin._errors import core_of
+from tomlin._errors import above_zero, core_of, typed, whole
 from tomlin._record import Record, Vector, table_html
 from tomlin._result import Result, Table, events_table, samples_table
 
@@ -30,6 +32,18 @@ class State:
     _events: int = field(repr=False)
     _is_over: bool = field(repr=False)
     _scene: str = field(repr=False)
+    _digest: bytes = field(repr=False)  #: of all others, by which damage shows
+
+    def _is_damaged(self) -> bool:
+        return self._digest != _digest_of(self.time, self._numbers, self._samples, self._events,
+                                          self._is_over, self._scene)
+
+
+def _digest_of(*parts: Any) -> bytes:
+    digest = hashlib.blake2b(digest_size=16)
+    for one in parts:
+        digest.update(one if isinstance(one, bytes) else repr(one).encode())
+    return digest.digest()
 
 
 class Simulation:
@@ -71,17 +85,16 @@ class Simulation:
         is ``done``. No step is changed by where one stops. Ctrl-C raises KeyboardInterrupt between
         two steps, and the simulation can go on.
         """
-        if steps is not None and steps < 0:
-            raise ValueError(f"steps = {steps}: not negative")
-        if to is not None and to != to:
+        most = 2**63 if steps is None else min(whole(steps, "steps"), 2**63)
+        time = float("inf") if to is None else float(typed(to, "to", numbers.Real, "a time"))
+        if time != time:
             raise ValueError("to = nan: a time")
-        self._core.advance(float("inf") if to is None else float(to),
-                           2**63 if steps is None else steps)
+        self._core.advance(time, most)
 
     def run(self, every: float | None = None, call: Callable[[Simulation], Any] | None = None) -> Result:
         """Goes on to the end of the run and returns its result. ``call(simulation)`` is called
         each time that another ``every`` of time is over, counted from time 0, and at the end; it
-        stops the run by returning True, and the result is then "interrupted".
+        stops the run by returning True, Python's or NumPy's, and the result is then "interrupted".
 
         >>> import tomlin
         >>> tip = tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml").set("v", 0.01)
@@ -93,12 +106,12 @@ class Simulation:
         if call is None:
             self.advance()
             return self.result()
-        if every is None or not every > 0.0:
-            raise ValueError(f"every = {every}: an interval of time above 0")
+        every = above_zero(every, "every")
         count = int(self.time // every) + 1
         while not self.done:
             self.advance(to=count * every)
-            if call(self) is True:
+            answer = call(self)
+            if isinstance(answer, (bool, np.bool_)) and answer:
                 break
             count = max(count + 1, int(self.time // every) + 1)
         return self.result()
@@ -187,15 +200,18 @@ class Simulation:
     def state(self) -> State:
         """All numbers of the run. Assigning it back takes the run to that moment, exactly. Where a
         run ``until`` something, or a quasistatic one, was over, that takes the steps of its last
-        `advance` once more. Assigning raises ValueError for the state of another scene."""
-        numbers, samples, events, is_over = self._core.save()
-        return State(self.time, numbers, samples, events, is_over, self._scene.to_toml())
+        `advance` once more. Assigning raises ValueError for the state of another scene, and for
+        one that is damaged."""
+        parts = (self.time, *self._core.save(), core_of(self._scene).effective_toml)
+        return State(*parts, _digest_of(*parts))
 
     @state.setter
     def state(self, state: State) -> None:
         if not isinstance(state, State):
             raise TypeError(f"a state of a simulation, not {type(state).__name__}")
-        if state._scene != self._scene.to_toml():
+        if state._is_damaged():
+            raise ValueError("the state is damaged")
+        if state._scene != core_of(self._scene).effective_toml:
             raise ValueError("the state is of another scene")
         self._core.restore(state._numbers, state._samples, state._events, state._is_over)
 

@@ -74,7 +74,7 @@ class Comparison(Record):
     @property
     def curves(self) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
         """For each model the displacement of its driver and its force along the pull, two arrays of
-        the same length, at most a thousand, in the units of the scenes; empty where it has no
+        the same length in the units of the scenes; empty where it has no
         driver."""
         return self._curves
 

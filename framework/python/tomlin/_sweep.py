@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tomlin import _core
-from tomlin._errors import core_of, no_such_name
+from tomlin._errors import OutputError, core_of, no_such_name, typed, whole
 from tomlin._progress import shown
 from tomlin._record import Record, table_html
 from tomlin._text import setting_text
@@ -53,9 +53,10 @@ class Sweep(Mapping[str, Any]):
         for arrays in (self._axes, self._columns):
             if name in arrays:
                 return arrays[name]
-        for name_in_full in (f"drivers.{name}", f"bodies.{name}"):
-            if name_in_full in self._columns:
-                return self._columns[name_in_full]
+        short = name.removeprefix("drivers.").removeprefix("bodies.")
+        for other in (f"drivers.{name}", f"bodies.{name}", short):
+            if other in self._columns:
+                return self._columns[other]
         raise no_such_name(name, self, "sweep")
 
     def __iter__(self) -> Iterator[str]:
@@ -96,7 +97,11 @@ class Sweep(Mapping[str, Any]):
         """What ``sweep.json`` says: counts, warnings, intervals of ``refine``."""
         text = self._summary
         if not text and self._folder is not None:
-            text = (self._folder / "sweep.json").read_text(encoding="utf-8")
+            file = self._folder / "sweep.json"
+            try:
+                text = file.read_text(encoding="utf-8")
+            except OSError as error:
+                raise OutputError(f"cannot read {file}: {error.strerror}") from None
         return Record(json.loads(text))
 
     def to_xarray(self) -> Any:
@@ -150,7 +155,7 @@ class Sweep(Mapping[str, Any]):
 
 def sweep(scene: Scene, over: Mapping[str, Any] | None = None,
           observables: Sequence[str] | str = (), *, zip: Sequence[Sequence[str]] = (),
-          repeats: int | None = None, continue_from_neighbour: bool = False,
+          repeats: int | None = None, continue_from_neighbour: bool | None = None,
           refine: str | None = None, refine_along: str | None = None,
           refine_to: float | None = None, threads: int | None = None,
           folder: str | os.PathLike[str] | None = None, force: bool = False,
@@ -165,7 +170,8 @@ def sweep(scene: Scene, over: Mapping[str, Any] | None = None,
 
     With a ``folder`` it leaves there what the program does, and continues a sweep of the same
     input that was stopped there; ``force`` begins anew. ``threads`` is one for each processor by
-    default. A point that fails or is refused is NaN, with its reason. Ctrl-C leaves a sweep whose
+    default; a callable ``progress`` gets a text, the number of points that have a row, and that of
+    all. A point that fails or is refused is NaN, with its reason. Ctrl-C leaves a sweep whose
     ``complete`` is False. Raises `SceneError` for axes and observables that are none, `OutputError`,
     and TypeError for values that TOML has no form of.
 
@@ -181,25 +187,27 @@ def sweep(scene: Scene, over: Mapping[str, Any] | None = None,
     """
     if over is not None and not isinstance(over, Mapping):
         raise TypeError(f"over: a dict of names and values, not {type(over).__name__}")
-    if threads is not None and threads < 1:
-        raise ValueError(f"threads = {threads}: at least 1")
+    names = [observables] if isinstance(observables, str) else list(observables)
+    for one in names:
+        typed(one, "observables", str, "dotted paths")
     request = _core.SweepRequest()
     request.over = [(name, _values(values, name)) for name, values in (over or {}).items()]
     request.zips = [list(one) for one in zip]
-    request.observables = [observables] if isinstance(observables, str) else list(observables)
+    request.observables = names
     request.repeats = None if repeats is None else str(repeats)
     request.refine = refine
     request.refine_along = refine_along
     request.refine_to = None if refine_to is None else setting_text(refine_to)
     request.continues = continue_from_neighbour
-    request.threads = threads or 0
-    request.folder = None if folder is None else os.fspath(folder)
+    request.threads = 0 if threads is None else whole(threads, "threads", 1)
+    path = None if folder is None else os.path.abspath(os.fsdecode(folder))
+    request.folder = None if path is None else os.fsencode(path)
     request.force = force
     with shown(progress) as show, tempfile.TemporaryDirectory(prefix="tomlin-") as scratch:
         request.journal = os.path.join(scratch, "sweep.journal")
         request.progress = show
         core = _core.sweep(core_of(scene), request)
-    return Sweep(core, scene, None if folder is None else Path(folder))
+    return Sweep(core, scene, None if path is None else Path(path))
 
 
 def _values(values: Any, name: str) -> str | list[str]:
@@ -209,4 +217,6 @@ def _values(values: Any, name: str) -> str | list[str]:
         values = values.tolist()
     if isinstance(values, (int, float)):
         values = [values]
+    if isinstance(values, (bytes, bytearray)):
+        raise TypeError(f"over: {name} = {values!r}: a text or values, not bytes")
     return [setting_text(one, name) for one in values]

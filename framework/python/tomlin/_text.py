@@ -48,7 +48,7 @@ def value_text(value: Any, key: str = "") -> str:
             return "nan"
         if math.isinf(value):
             return "inf" if value > 0 else "-inf"
-        return repr(value)
+        return float.__repr__(value)
     if isinstance(value, str):
         return _quoted(value)
     if isinstance(value, Mapping):

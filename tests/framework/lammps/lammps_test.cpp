@@ -336,6 +336,33 @@ TEST(Lammps, TersoffOfThreeSpecies) {
   EXPECT_GT(expect_same(scene), 1.0);
 }
 
+/// A published potential of two species, whose numbers go by pairs.
+TEST(Lammps, TersoffOfSiliconCarbide) {
+  TOMLIN_NEEDS_LAMMPS();
+  const std::string entries =
+      "C C C 3 1 0 38049 4.3484 -0.57058 0.72751 1.5724e-7 2.2119 346.74 1.95 0.15 3.4879 1393.6\n"
+      "C C Si 3 1 0 38049 4.3484 -0.57058 0 0 0 0 2.36 0.15 0 0\n"
+      "C Si C 3 1 0 38049 4.3484 -0.57058 0 0 0 0 1.95 0.15 0 0\n"
+      "C Si Si 3 1 0 38049 4.3484 -0.57058 0.72751 1.5724e-7 1.97205 395.145 2.36 0.15 2.9839 "
+      "1597.311\n"
+      "Si C C 3 1 0 100390 16.217 -0.59825 0.78734 1.1e-6 1.97205 395.145 2.36 0.15 2.9839 "
+      "1597.311\n"
+      "Si C Si 3 1 0 100390 16.217 -0.59825 0 0 0 0 2.85 0.15 0 0\n"
+      "Si Si C 3 1 0 100390 16.217 -0.59825 0 0 0 0 2.36 0.15 0 0\n"
+      "Si Si Si 3 1 0 100390 16.217 -0.59825 0.78734 1.1e-6 1.7322 471.18 2.85 0.15 2.4799 "
+      "1830.8\n";
+  for (const double bond : {1.5, 1.8, 2.0}) {
+    const auto places = displaced(zigzag_tube(6, 8, bond), 0.15);
+    std::string species = "species = [";
+    for (std::size_t i = 0; i < places.size(); ++i) species += i % 3 == 0 ? "\"Si\", " : "\"C\", ";
+    EXPECT_GT(expect_same("[scene]\nunits = \"metal\"\n" +
+                          particles("tube", places, species + "]\nparticle_mass = 12.0\n") +
+                          "[[force]]\ntype = \"tersoff\"\nentries = \"\"\"\n" + entries +
+                          "\"\"\"\n" + steps_of(1e-3)),
+              1.0);
+  }
+}
+
 /// A number of the potential that is off by 1e-7 is seen.
 TEST(Lammps, APlantedFaultIsSeen) {
   TOMLIN_NEEDS_LAMMPS();
