@@ -85,14 +85,33 @@ const std::string kCarbide =
     "2.4799 1830.8\n";
 std::size_t is_silicon(std::size_t i) { return static_cast<std::size_t>(i * i % 5 < 2); }
 
+/// The same with other cutoffs: in the presence of a third particle a longer one than in a bond,
+/// and in a bond from one side a shorter one than from the other.
+std::string unlike_carbide() {
+  std::string text = kCarbide;
+  for (const auto& [old_text, new_text] :
+       {std::pair("C Si(D) C  3 1 0 38049 4.3484 -0.57058 0 0 0 0 1.95",
+                  "C Si(D) C  3 1 0 38049 4.3484 -0.57058 0 0 0 0 2.9"),
+        std::pair("1.97205 395.145 2.36 0.15 2.9839 1597.311\nSi(D) C Si(D)",
+                  "1.97205 395.145 1.9 0.15 2.9839 1597.311\nSi(D) C Si(D)"),
+        std::pair("Si(D) Si(D) C  3 1 0 100390 16.217 -0.59825 0 0 0 0 2.36",
+                  "Si(D) Si(D) C  3 1 0 100390 16.217 -0.59825 0 0 0 0 1.9")}) {
+    const std::size_t at = text.find(old_text);
+    EXPECT_NE(at, std::string::npos) << old_text;
+    text.replace(at, std::string(old_text).size(), new_text);
+  }
+  return text;
+}
+
 /// Silicon and carbon at these places.
-std::string carbide(const std::vector<std::array<double, 3>>& places) {
+std::string carbide(const std::vector<std::array<double, 3>>& places,
+                    const std::string& entries = kCarbide) {
   std::string species = "species = [";
   for (std::size_t i = 0; i < places.size(); ++i) {
     species += is_silicon(i) != 0 ? "\"Si(D)\", " : "\"C\", ";
   }
   return body("a", places, species + "]\n") + "[[force]]\ntype = \"tersoff\"\nentries = \"\"\"\n" +
-         kCarbide + "\"\"\"\n" + kRunOfClusters;
+         entries + "\"\"\"\n" + kRunOfClusters;
 }
 
 std::vector<double> forces_of(SingleForce& force) {
@@ -170,7 +189,9 @@ TEST(CutoffForces, HaveTheBitsOfNewListsWhereverTheyHaveBeen) {
                              0.02, seed);
     // Where second neighbours are about as far away as the longest cutoff, and elsewhere.
     for (const double spacing : {1.9, 2.12, 2.6}) {
-      expect_bits_of_new_lists(carbide(cluster(4, spacing, 0.1, seed)), 0.02, seed);
+      const auto atoms = cluster(4, spacing, 0.1, seed);
+      expect_bits_of_new_lists(carbide(atoms), 0.02, seed);
+      expect_bits_of_new_lists(carbide(atoms, unlike_carbide()), 0.02, seed);
     }
     expect_bits_of_new_lists("[box]\nlengths = [9.1, 9.3, 9.2]\nperiodic = [true, true, true]\n" +
                                  carbide(cluster(4, 2.12, 0.1, seed)),
@@ -311,33 +332,36 @@ TEST(Tersoff, HasTheEnergyOfItsFormula) {
 }
 
 TEST(Tersoff, HasTheEnergyOfItsFormulaForTwoSpecies) {
-  std::vector<std::string> faults;
-  const std::vector<TersoffEntry> entries = parse_tersoff(kCarbide, "carbide", faults);
-  ASSERT_TRUE(faults.empty()) << faults.front();
-  ASSERT_EQ(entries.size(), 8U);
-  for (const unsigned seed : kSeedsOfClusters) {
-    for (const double spacing : {1.7, 2.1, 2.5}) {
-      const auto places = cluster(3, spacing, 0.3, seed);
-      const auto numbers = [&](std::size_t i, std::size_t j,
-                               std::size_t k) -> const TersoffNumbers& {
-        return entries[4 * is_silicon(i) + 2 * is_silicon(j) + is_silicon(k)].numbers;
-      };
-      const auto scene = scene_of(carbide(places));
-      SingleForce force(*scene, 0);
-      const double expected = tersoff_energy(places, numbers);
-      EXPECT_GT(std::abs(expected), 1.0);
-      EXPECT_NEAR(force.energy(0.0), expected, kHundredsOfRoundings * 27.0 * 40.0);
+  for (const std::string& text : {kCarbide, unlike_carbide()}) {
+    std::vector<std::string> faults;
+    const std::vector<TersoffEntry> entries = parse_tersoff(text, "carbide", faults);
+    ASSERT_TRUE(faults.empty()) << faults.front();
+    ASSERT_EQ(entries.size(), 8U);
+    const auto numbers = [&](std::size_t i, std::size_t j, std::size_t k) -> const TersoffNumbers& {
+      return entries[4 * is_silicon(i) + 2 * is_silicon(j) + is_silicon(k)].numbers;
+    };
+    for (const unsigned seed : kSeedsOfClusters) {
+      for (const double spacing : {1.7, 2.1, 2.5}) {
+        const auto places = cluster(3, spacing, 0.3, seed);
+        const auto scene = scene_of(carbide(places, text));
+        SingleForce force(*scene, 0);
+        const double expected = tersoff_energy(places, numbers);
+        EXPECT_GT(std::abs(expected), 1.0);
+        EXPECT_NEAR(force.energy(0.0), expected, kHundredsOfRoundings * 27.0 * 40.0);
+      }
     }
   }
 }
 
 TEST(Tersoff, HasVerifiedPropertiesForTwoSpecies) {
-  const auto scene = scene_of(carbide(cluster(2, 2.2, 0.3, kSeedsOfClusters[0])));
-  const auto results = check_properties(*scene, {.displaced_states = 3});
-  EXPECT_GT(results.size(), 10U);
-  for (const PropertyResult& result : results) {
-    EXPECT_TRUE(result.holds) << result.property << ": " << result.error << " of " << result.allowed
-                              << " " << result.worst.text();
+  for (const std::string& text : {kCarbide, unlike_carbide()}) {
+    const auto scene = scene_of(carbide(cluster(2, 2.2, 0.3, kSeedsOfClusters[0]), text));
+    const auto results = check_properties(*scene, {.displaced_states = 3});
+    EXPECT_GT(results.size(), 10U);
+    for (const PropertyResult& result : results) {
+      EXPECT_TRUE(result.holds) << result.property << ": " << result.error << " of "
+                                << result.allowed << " " << result.worst.text();
+    }
   }
 }
 
