@@ -1,12 +1,15 @@
 #include "forcefields/sheet_field.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "framework/core/elements/neighbour_list.hpp"
 #include "framework/core/elements/shared_sites.hpp"
 #include "framework/core/elements/site_force.hpp"
 #include "framework/core/records/shares_work.hpp"
@@ -109,12 +112,13 @@ class SheetForce : public ParticleForce<SheetField, Real, 3>, public SharesWork 
     const auto length = [](const SheetPoint& a) { return std::hypot(a[0], a[1]); };
     return fmt::format(
         "lattice vectors of {:.6g} and {:.6g}, {} particles a cell; well at the height {:.6g}, "
-        "{:.4g} deep; first harmonics {:.4g} there, falling by exp(-{:.4g} z); {} stars, {} "
+        "{:.4g} deep; first harmonics {:.4g} there, {} by exp({:.4g} z); {} stars, {} "
         "intervals of height from {:.4g} on; measured error {:.2g}: {:.2g} in energy and {:.2g} in "
         "a component of the force, from the well on",
         length(table.lattice.vectors[0]), length(table.lattice.vectors[1]),
-        table.lattice.atoms.size(), table.equilibrium, table.depth, table.first, table.first_decay,
-        table.stars(), table.intervals, table.nearest, table.error.relative, table.error.energy,
+        table.lattice.atoms.size(), table.equilibrium, table.depth, table.first,
+        table.first_decay < 0.0 ? "rising" : "falling", -table.first_decay, table.stars(),
+        table.intervals, table.nearest, table.error.relative, table.error.energy,
         table.error.force);
   }
 
@@ -123,6 +127,34 @@ class SheetForce : public ParticleForce<SheetField, Real, 3>, public SharesWork 
   const Team* team_ = nullptr;
   SharedSites<Real> shared_;
 };
+
+/// Refuses a start within the field's beginning, where it is not known. Throws a BindError.
+void check_heights(const StartingParticles& body, const std::string& sheet, const SheetTable& table,
+                   double box_height) {
+  std::optional<std::size_t> nearest;
+  double least = table.nearest;
+  double lowest = 0.0;
+  double highest = 0.0;
+  for (std::size_t i = 0; i < body.place.size(); ++i) {
+    double height = body.place[i][2] - table.centre[2];
+    if (box_height > 0.0) height -= box_height * std::floor(height / box_height + 0.5);
+    lowest = std::min(lowest, height);
+    highest = std::max(highest, height);
+    if (!(std::abs(height) < least)) continue;
+    least = std::abs(height);
+    nearest = i;
+  }
+  if (!nearest) return;
+  const std::string through = lowest < 0.0 && highest > 0.0
+                                  ? fmt::format("\"{}\" passes through \"{}\": ", body.name, sheet)
+                                  : std::string();
+  throw BindError(
+      {.key = "bodies",
+       .why = fmt::format("{}{} is {:.3g} from the sheet \"{}\" at the start", through,
+                          name_of(body, *nearest), least, sheet),
+       .admissible = fmt::format("at least {:.4g}, where the field begins", table.nearest),
+       .code = FaultCode::body_invalid_coordinates});
+}
 
 template <class Real>
 std::unique_ptr<BoundForce<Real>> bind(const Description& d, const Binding<Real>& binding) {
@@ -140,6 +172,7 @@ std::unique_ptr<BoundForce<Real>> bind(const Description& d, const Binding<Real>
   bound.sheet = table_of(d, *sheet, binding.box);
   bound.first_origin = binding.origin;
   bound.box_height = binding.box[2];
+  check_heights(starting(*body), sheet->name, *bound.sheet, bound.box_height);
   Binding<Real> on_body = binding;
   on_body.bodies = {body};
   return std::make_unique<SheetForce<Real>>(bound, on_body, sheet->name);
@@ -216,7 +249,7 @@ ForceRecord sheet_field_record() {
       parameter("tolerance", &Description::tolerance, dimension::none,
                 "largest error of the energy of a particle, in parts of the depth of its well over "
                 "the sheet, and of its force, in parts of the largest attraction; in the "
-                "repulsion, where both are larger, in parts of themselves")
+                "repulsion, where both are larger, in parts of the largest ones at that height")
           .in({.low = 1e-8, .high = 0.1})};
   record.example = R"(# An atom pulled over graphene at the height that it takes by itself.
 [scene]

@@ -206,9 +206,13 @@ struct Tersoff {
     const T scaled = zeta * p.beta;
     const auto alone = !(scaled > least);
     const T x = select(alone, least, scaled);
-    const T power = exp(T(log(x) * p.n));
+    // Of a power beyond the largest 1 + power is the power; its logarithm is known all the same.
+    const T most(static_cast<Scalar<T>>(sizeof(Scalar<T>) < sizeof(double) ? 40.0 : 300.0));
+    const T exponent = log(x) * p.n;
+    const T power = exp(T(min(exponent, most)));
     const T one_more = power + T(Scalar<T>(1.0));
-    const T value = exp(T(log(one_more) * p.exponent));
+    const T logarithm = select(exponent > most, exponent, log(one_more));
+    const T value = exp(T(logarithm * p.exponent));
     const T slope = value * power * (p.beta * N(Scalar<N>(-0.5))) / (one_more * x);
     const T none(Scalar<T>(0.0));
     return {select(alone, T(Scalar<T>(1.0)), value), select(alone, none, slope)};

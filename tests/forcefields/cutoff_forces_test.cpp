@@ -12,6 +12,7 @@
 #include "framework/core/numbers/sum.hpp"
 #include "framework/model/properties.hpp"
 #include "framework/model/single_force.hpp"
+#include "framework/run/observables.hpp"
 #include "tests/support/scenes.hpp"
 
 // Forces with a cutoff: their bits are those of sums over all pairs, whatever the neighbour lists
@@ -293,11 +294,13 @@ double tersoff_energy(const std::vector<std::array<double, 3>>& places, const Nu
       if (j == i) continue;
       const TersoffNumbers& bond = of(i, j, j);
       const double r = distance_of(i, j);
+      if (cutoff(bond, r) == 0.0) continue;
       double zeta = 0.0;
       for (std::size_t k = 0; k < places.size(); ++k) {
         if (k == i || k == j) continue;
         const TersoffNumbers& p = of(i, j, k);
         const double s = distance_of(i, k);
+        if (cutoff(p, s) == 0.0) continue;
         double dot = 0.0;
         for (int a = 0; a < 3; ++a) {
           dot += (places[j][a] - places[i][a]) * (places[k][a] - places[i][a]);
@@ -327,6 +330,46 @@ TEST(Tersoff, HasTheEnergyOfItsFormula) {
       };
       const double expected = tersoff_energy(places, carbon);
       EXPECT_NEAR(force.energy(0.0), expected, kHundredsOfRoundings * 27.0 * 40.0);
+    }
+  }
+}
+
+/// Silicon of Tersoff's paper of 1988, doi:10.1103/PhysRevB.37.6991: the weight of a neighbour that
+/// is much nearer than another one is up to 1e30, and its power of n = 22.956 is no number.
+const std::string kSilicon1988 =
+    "Si Si Si 3 1 1.3258 4.8381 2.0417 0 22.956 0.33675 1.3258 95.373 3 0.2 3.2394 3264.7\n";
+
+TEST(Tersoff, HasTheEnergyOfItsFormulaWhereThePowerOverflows) {
+  std::vector<std::string> faults;
+  const TersoffNumbers silicon = parse_tersoff(kSilicon1988, "silicon", faults).front().numbers;
+  ASSERT_TRUE(faults.empty());
+  const auto numbers = [&](std::size_t, std::size_t, std::size_t) -> const TersoffNumbers& {
+    return silicon;
+  };
+  const std::string potential = "[[force]]\ntype = \"tersoff\"\nentries = \"" +
+                                kSilicon1988.substr(0, kSilicon1988.size() - 1) + "\"\n" +
+                                kRunOfClusters;
+  std::vector<std::vector<std::array<double, 3>>> all = {
+      {{0.0, 0.0, 0.0}, {2.3, 0.0, 0.0}, {-1.3, 2.3, 0.0}}};
+  for (const unsigned seed : kSeedsOfClusters) {
+    for (const double spacing : {2.3, 2.6, 3.0}) all.push_back(cluster(3, spacing, 0.35, seed));
+  }
+  for (const auto& places : all) {
+    const std::string text = body("a", places) + potential;
+    const auto scene = scene_of(text);
+    SingleForce force(*scene, 0);
+    EXPECT_NEAR(force.energy(0.0), tersoff_energy(places, numbers),
+                kHundredsOfRoundings * 27.0 * 40.0);
+    for (const double f : forces_of(force)) EXPECT_TRUE(std::isfinite(f));
+    if (places.size() > 3) continue;  // of the first, which is quick
+    for (const PropertyResult& result : check_properties(*scene, {.displaced_states = 1})) {
+      EXPECT_TRUE(result.holds) << result.property << ": " << result.error << " of "
+                                << result.allowed << " " << result.worst.text();
+    }
+    for (const std::string number_type : {"float", "quadruple"}) {
+      const RunResult found = run_text(text + "number_type = \"" + number_type + "\"\n");
+      EXPECT_EQ(found.status, RunStatus::finished)
+          << (found.failure ? to_string(*found.failure) : "");
     }
   }
 }
@@ -363,6 +406,23 @@ TEST(Tersoff, HasVerifiedPropertiesForTwoSpecies) {
                                 << result.allowed << " " << result.worst.text();
     }
   }
+}
+
+/// Any two atoms may come to be neighbours, so that implicit schemes ask for the derivatives of all
+/// by all. Asked by the sums over neighbours, with all atoms at one place, 125 would take minutes.
+TEST(Tersoff, HasTheMotionOfExplicitSchemesInImplicitOnes) {
+  // Both tolerances are 1e-9 by default; the energy of a bond is of order 10.
+  constexpr double kOfTolerances = 1e-6;
+  const auto energy_of = [](const std::string& integrator) {
+    const RunResult result = run_text(
+        body("a", cluster(5, 1.5, 0.1, kSeedsOfClusters[0])) + kTersoff +
+        "[run]\nduration = 0.02\nledger = true\nintegrator = { type = \"" + integrator + "\" }\n");
+    EXPECT_EQ(result.status, RunStatus::finished);
+    return observable(result, "energy.kinetic").value_or(0.0);
+  };
+  const double expected = energy_of("dop853");
+  EXPECT_GT(expected, 0.1);
+  EXPECT_NEAR(energy_of("radau9"), expected, kOfTolerances * expected);
 }
 
 /// What belongs to a bond is needed in its entry alone.

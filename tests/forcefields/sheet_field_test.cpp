@@ -438,6 +438,22 @@ TEST(SheetField, SaysWhatItFound) {
   }
 }
 
+/// The sheet is at the height 0.3, and its field begins at 0.6 sigma = 2.04 from it.
+TEST(SheetField, RefusesStartsWithinIt) {
+  const auto refused = [](const std::vector<Space>& places) {
+    return refusal(graphene() + atoms_at(places) + field_of_sheet(1e-3) + kRunOfAtoms);
+  };
+  EXPECT_EQ(refused({{0.3, 0.2, 2.35}, {0.0, 0.0, -1.75}}), "");
+  const std::string near = refused({{0.3, 0.2, 3.3}, {0.0, 0.0, 2.33}, {0.0, 1.0, 2.335}});
+  EXPECT_NE(near.find("particle 1 of \"atoms\" is 2.03 from the sheet \"sheet\" at the start"),
+            std::string::npos)
+      << near;
+  EXPECT_EQ(near.find("passes through"), std::string::npos) << near;
+  const std::string through = refused({{0.0, 0.0, 3.3}, {0.0, 0.0, -2.7}, {0.0, 0.0, -0.2}});
+  EXPECT_NE(through.find("\"atoms\" passes through \"sheet\": particle 2 of"), std::string::npos)
+      << through;
+}
+
 TEST(SheetField, IsRefusedWhereThereIsNoSheet) {
   const std::string rest = atoms_at({{0.0, 0.0, 4.0}}) + field_of_sheet(1e-4) + kRunOfAtoms;
   const auto brief = [&](const std::string& sheet) { return brief_refusal(sheet + rest); };

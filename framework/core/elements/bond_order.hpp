@@ -192,6 +192,7 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
 
   /// By the derivative of the gradient along each coordinate of each neighbour.
   void hessian(const Stage<Real>& stage, HessianSink& sink) const override {
+    if (all_coincide(stage)) return name_all(sink);
     rows_.bring_up_to_date(stage);
     Rows rows;
     for (std::size_t i = 0; i < body_.slot.count; ++i) {
@@ -294,6 +295,34 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
   bool weighted() const {
     return std::any_of(parameters_.begin(), parameters_.end(),
                        [](const auto& p) { return E::weighted(p); });
+  }
+
+  /// As where it is asked which elements there are.
+  bool all_coincide(const Stage<Real>& stage) const {
+    const auto place = [&](std::size_t i) {
+      return vector_at<3, Real>(body_.slot, stage.position, stage.mapped_position, i);
+    };
+    const Vec<Real, 3> first = place(0);
+    for (std::size_t i = 1; i < body_.slot.count; ++i) {
+      const Vec<Real, 3> other = place(i);
+      for (int d = 0; d < 3; ++d) {
+        if (!(other[d] == first[d])) return false;
+      }
+    }
+    return body_.slot.count > 1;
+  }
+  /// Any two particles may become neighbours, or neighbours of a third one. There are no numbers:
+  /// where all coincide, no bond has a direction.
+  void name_all(HessianSink& sink) const {
+    for (std::size_t i = 0; i < body_.slot.count; ++i) {
+      for (std::size_t j = 0; j < body_.slot.count; ++j) {
+        for (int a = 0; a < 3; ++a) {
+          for (int b = 0; b < 3; ++b) {
+            add_block(sink, i, a, j, b, std::numeric_limits<double>::quiet_NaN());
+          }
+        }
+      }
+    }
   }
 
   /// The rows of one particle with their derivatives along a coordinate of one of its neighbours.

@@ -10,7 +10,8 @@ namespace {
 const ResultQuantity kTemperature{
     "temperature", dimension::temperature, Shape::number, Scope::window,
     "twice the mean kinetic energy, by the number of coordinates that move, from the velocities in "
-    "the middle of steps; in reduced units an energy. Drift counts as heat"};
+    "the middle of steps, which `baoab` and `gjf` know; of runs with a thermostat above 0; in "
+    "reduced units an energy. Drift counts as heat"};
 
 class Temperature : public RunObserver {
  public:
