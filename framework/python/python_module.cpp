@@ -99,10 +99,8 @@ void wait_for_ever_if_interpreter_ends() {
 #else
   const bool ends = _Py_IsFinalizing() != 0;
 #endif
-  const bool is_first_thread = ::gettid() == ::getpid();
-  while (ends && !is_first_thread) {
-    std::this_thread::sleep_for(std::chrono::hours(1));
-  }
+  if (!ends || ::gettid() == ::getpid()) return;
+  for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
 }
 
 InterruptGuard::InterruptGuard() {
