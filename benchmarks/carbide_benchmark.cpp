@@ -10,10 +10,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "framework/core/system/aligned.hpp"
-#include "framework/run/engine.hpp"
-#include "framework/scene/scene.hpp"
-#include "framework/standard_registry.hpp"
+#include "benchmarks/evaluated_scene.hpp"
 
 namespace {
 
@@ -216,32 +213,6 @@ class PlainCarbide {
   std::vector<Place> force;
 };
 
-/// Evaluates all forces of a scene with one body.
-class EvaluatedScene {
- public:
-  explicit EvaluatedScene(const std::string& text)
-      : engine_(tomlin::parse_scene(text, "benchmark.toml", components_, {}), {}),
-        rates_(engine_.model().system().view.rates + 2 * tomlin::kGroup) {}
-
-  void evaluate() {
-    const auto& view = engine_.model().system().view;
-    const auto stage =
-        tomlin::stage_of(view, view.position, view.velocity, view.integrals, rates_.data(), 0.0);
-    for (std::size_t k = 0; k < view.operation_count; ++k) {
-      view.operations[k].run(view.operations[k].arguments, stage);
-    }
-  }
-  double force(std::size_t atom, std::size_t axis) {
-    const auto& body = engine_.model().bodies().front().bound.slot;
-    return engine_.model().system().view.force[body.offset + axis * body.stride + atom];
-  }
-
- private:
-  tomlin::Registry components_ = tomlin::standard_registry();
-  tomlin::Engine engine_;
-  tomlin::AlignedVector<double> rates_;
-};
-
 void count_evaluations(benchmark::State& state) {
   state.counters["s_per_step"] =
       benchmark::Counter(static_cast<double>(state.iterations()),
@@ -250,14 +221,14 @@ void count_evaluations(benchmark::State& state) {
 
 void BM_carbide(benchmark::State& state) {
   // Leaked on purpose, as in engine_benchmark.cpp.
-  auto& crystal = *new EvaluatedScene(scene());
+  auto& crystal = *new tomlin::EvaluatedScene(scene());
   for (auto _ : state) crystal.evaluate();
   count_evaluations(state);
 }
 BENCHMARK(BM_carbide)->Name("carbide_216/tomlin")->Unit(benchmark::kMicrosecond);
 
 void BM_carbide_plain(benchmark::State& state) {
-  EvaluatedScene crystal(scene());
+  tomlin::EvaluatedScene crystal(scene());
   crystal.evaluate();
   PlainCarbide plain;
   plain.evaluate();

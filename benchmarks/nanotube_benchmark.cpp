@@ -16,6 +16,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "benchmarks/evaluated_scene.hpp"
 #include "benchmarks/tersoff_twin.hpp"
 #include "framework/core/system/thread_team.hpp"
 #include "framework/run/engine.hpp"
@@ -380,63 +381,33 @@ tomlin::plain::TersoffTwinKernel twin_kernel() {
   }
 }
 
-/// One evaluation of the engine's tube: the force of Tersoff's potential is its only one.
-class EvaluatedTube {
- public:
-  EvaluatedTube()
-      : engine_(tomlin::parse_scene(scene(""), "benchmark.toml", components_, {}), {}),
-        rates_(engine_.model().system().view.rates + 2 * tomlin::kGroup) {}
-
-  void evaluate() {
-    const auto& view = engine_.model().system().view;
-    const auto stage =
-        tomlin::stage_of(view, view.position, view.velocity, view.integrals, rates_.data(), 0.0);
-    for (std::size_t k = 0; k < view.operation_count; ++k) {
-      view.operations[k].run(view.operations[k].arguments, stage);
-    }
+/// Where the engine's tube is; the force of Tersoff's potential is its only one.
+std::vector<Place> places_of(tomlin::EvaluatedScene& evaluated) {
+  std::vector<Place> all(tube().size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t d = 0; d < 3; ++d) all[i][d] = evaluated.position(i, d);
   }
-  double force(std::size_t atom, std::size_t axis) {
-    return engine_.model().system().view.force[at(atom, axis)];
-  }
-  std::vector<Place> places() {
-    std::vector<Place> all(tube().size());
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      for (std::size_t d = 0; d < 3; ++d) {
-        all[i][d] = engine_.model().system().view.position[at(i, d)];
-      }
-    }
-    return all;
-  }
-
- private:
-  std::size_t at(std::size_t atom, std::size_t axis) {
-    const auto& body = engine_.model().bodies().front().bound.slot;
-    return body.offset + axis * body.stride + atom;
-  }
-
-  tomlin::Registry components_ = tomlin::standard_registry();
-  tomlin::Engine engine_;
-  tomlin::AlignedVector<double> rates_;
-};
+  return all;
+}
 
 void BM_tersoff(benchmark::State& state) {
   // Leaked on purpose, as above.
-  auto& tube = *new EvaluatedTube;
-  for (auto _ : state) tube.evaluate();
+  auto& evaluated = *new tomlin::EvaluatedScene(scene(""));
+  for (auto _ : state) evaluated.evaluate();
   count_steps(state);
 }
 BENCHMARK(BM_tersoff)->Name("tersoff_800/tomlin")->Unit(benchmark::kMicrosecond);
 
 void BM_tersoff_twin(benchmark::State& state) {
-  EvaluatedTube tube;
-  tube.evaluate();
-  tomlin::plain::TersoffTwin made = twin(tube.places());
+  tomlin::EvaluatedScene evaluated(scene(""));
+  evaluated.evaluate();
+  tomlin::plain::TersoffTwin made = twin(places_of(evaluated));
   const tomlin::plain::TersoffTwinKernel kernel = twin_kernel();
   kernel(made);
   double most = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t i = 0; i < made.count; ++i) {
-      most = std::max(most, std::abs(made.force[axis][i] - tube.force(i, axis)));
+      most = std::max(most, std::abs(made.force[axis][i] - evaluated.force(i, axis)));
     }
   }
   if (!(most < 1e-9)) state.SkipWithError("the forces of the twin differ from the engine's");
