@@ -206,7 +206,8 @@ struct Tersoff {
     const T scaled = zeta * p.beta;
     const auto alone = !(scaled > least);
     const T x = select(alone, least, scaled);
-    // Of a power beyond the largest 1 + power is the power; its logarithm is known all the same.
+    // A power beyond this is not formed: 1 adds nothing to it, and its logarithm is known. It is a
+    // number of its type that may still be multiplied by x.
     const T most(static_cast<Scalar<T>>(sizeof(Scalar<T>) < sizeof(double) ? 40.0 : 300.0));
     const T exponent = log(x) * p.n;
     const T power = exp(T(min(exponent, most)));
