@@ -44,8 +44,11 @@ struct Printed {
 
 const Printed& printed_of(std::string_view family) {
   static const Printed all[] = {{"drivers",
-                                 {{"mean_force", "mean force"},
-                                  {"half_difference", "half difference"},
+                                 {{"half_difference", "friction (half difference)"},
+                                  {"trace", "trace"},
+                                  {"retrace", "retrace"},
+                                  {"loop_area", "loop area"},
+                                  {"mean_force", "mean force"},
                                   {"work_per_distance", "work/distance"},
                                   {"static_force", "static force"}}},
                                 {"bodies",
@@ -62,12 +65,21 @@ const Printed& printed_of(std::string_view family) {
                        [family](const Printed& one) { return one.family == family; });
 }
 
+/// Whether a driver reverses: the friction is then that of its loops, and means over the window
+/// are of both directions.
+bool has_loops(const ResultGroup& group) { return group.find("loops") != nullptr; }
+bool is_of_both_directions(std::string_view key) {
+  return key == "mean_force" || key == "work_per_distance";
+}
+
 /// "mean force 0.1, static force 0.2": what is defined, by name.
 std::string about(const ResultGroup& group, UnitSystem units) {
   std::string text;
+  if (has_loops(group) && group["loops"] == 0.0) text = "no complete loop within the window";
   for (const auto& [key, name] : printed_of(group.family).names) {
     const ResultValue* value = group.find(key);
     if (value == nullptr || !value->has_value()) continue;
+    if (has_loops(group) && is_of_both_directions(key)) continue;
     if (!text.empty()) text += ", ";
     text += std::string(name) + " " + text_of(*value, units);
   }
@@ -82,7 +94,8 @@ std::string about_asked(const ResultGroup& group, UnitSystem units) {
   std::string undefined;
   for (const ResultValue& value : group.values) {
     const ResultQuantity& quantity = value.quantity();
-    const bool printed = std::any_of(names.begin(), names.end(),
+    const bool printed = !(has_loops(group) && is_of_both_directions(quantity.key)) &&
+                         std::any_of(names.begin(), names.end(),
                                      [&](const auto& name) { return name.first == quantity.key; });
     if (!value.has_value()) {
       undefined += fmt::format("{}no {} ({})", undefined.empty() ? "" : ", ", quantity.key,
@@ -99,11 +112,19 @@ std::string about(const AccuracyResult& accuracy) {
   return fmt::format("{:g} asked: {}{}", accuracy.asked, accuracy.integrator, by);
 }
 
-/// "driver.mean_force.x +/- 3e-7", of the mean forces.
+/// "driver.mean_force.x +/- 3e-7", of the mean forces; of a driver that reverses, of its loops.
 std::vector<std::string> shown_errors(const RunResult& result, UnitSystem units) {
   std::vector<std::string> shown;
   for (const ErrorEstimate& estimate : result.errors) {
-    const bool shows = estimate.path.find(".mean_force.") != std::string::npos ||
+    const auto is_mean_of_loops = [&](const ResultGroup& driver) {
+      return has_loops(driver) &&
+             estimate.path.starts_with("drivers." + driver.name + ".mean_force.");
+    };
+    const auto drivers = result.family("drivers");
+    const bool mean_force = estimate.path.find(".mean_force.") != std::string::npos &&
+                            std::none_of(drivers.begin(), drivers.end(), is_mean_of_loops);
+    const bool shows = mean_force || estimate.path.ends_with(".half_difference") ||
+                       estimate.path.ends_with("trace") ||
                        estimate.path.find(".mean_velocity.") != std::string::npos ||
                        estimate.path.ends_with(".temperature");
     if (!estimate.error || !shows) continue;

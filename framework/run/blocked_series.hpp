@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -42,6 +43,18 @@ class BlockedSeries {
     sums_[counts_[kFilled]++] = *open_;
     *open_ = 0.0;
     counts_[kInOpen] = 0;
+  }
+
+  std::int64_t count() const { return counts_[kFilled] * length() + counts_[kInOpen]; }
+
+  /// The standard error of the mean of numbers that are nearly independent: that of mean(), and of
+  /// the scatter alone where they are too few to show a correlation. `scratch` has room for kBlocks
+  /// numbers.
+  std::optional<double> error(std::vector<double>& scratch) const {
+    const auto filled = static_cast<std::size_t>(counts_[kFilled]);
+    if (static_cast<double>(filled) >= kFewestCorrelationTimes) return mean(scratch).error;
+    std::copy_n(sums_, filled, scratch.begin());
+    return error_of_independent({scratch.data(), filled});
   }
 
   /// `scratch` has room for kBlocks numbers.

@@ -41,6 +41,11 @@ BlockedMean blocked_mean(std::span<const double> series) {
   return blocked_mean_in_place(copy);
 }
 
+std::optional<double> error_of_independent(std::span<const double> numbers) {
+  if (numbers.size() < kFewestBlocks) return std::nullopt;
+  return std::sqrt(variance_of_mean(numbers));
+}
+
 BlockedMean blocked_mean_in_place(std::span<double> blocks) {
   BlockedMean result;
   const auto n = static_cast<double>(blocks.size());

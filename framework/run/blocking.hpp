@@ -23,6 +23,10 @@ BlockedMean blocked_mean(std::span<const double> series);
 /// The same without allocation; the numbers are lost.
 BlockedMean blocked_mean_in_place(std::span<double> series);
 
+/// The standard error of the mean of independent numbers; nothing of fewer than eight, whose
+/// scatter is hardly known.
+std::optional<double> error_of_independent(std::span<const double> numbers);
+
 inline constexpr double kFewestCorrelationTimes = 50.0;
 
 }  // namespace tomlin

@@ -311,7 +311,7 @@ void DriverWatch::look_for_slip(const Emit& emit) {
   if (known && !in_well(well)) return;  // on a barrier
   // What only swings in its well has not slipped, nor has what came to its first one.
   const bool stayed = busy_[kHasWell] == 0 || well == numbers_[kWell];
-  if (known ? !stayed : !is_relaxation()) {
+  if (!(known && stayed) && !is_relaxation()) {
     emit_slip(emit);
     look_for_stiffness(now, along().value(0));
   }
@@ -326,10 +326,9 @@ bool DriverWatch::is_relaxation() const {
   return (numbers_[kPeakTime] - numbers_[kFirstTime]) * speed_ < kLoadedPart * period_;
 }
 
-/// Of the point, in periods from the first well.
-double DriverWatch::place() const {
-  const double moved =
-      way(numbers_[kFirstTime], numbers_[kFirstForce], force_.time(0), force_.value(0));
+/// The position of the point, in periods from the first well.
+double DriverWatch::place_at(double time, double force) const {
+  const double moved = way(numbers_[kFirstTime], numbers_[kFirstForce], time, force);
   return (moved - numbers_[kWellOffset]) / period_;
 }
 
@@ -344,30 +343,73 @@ bool DriverWatch::in_well(double& well) const {
 bool DriverWatch::is_passage() const {
   const double size =
       way(numbers_[kPeakTime], numbers_[kPeakForce], numbers_[kLastFast], numbers_[kEndForce]);
-  return size > kPassage * period_ && !is_relaxation();
+  return size > kPassage * period_;
 }
 
-/// Where the point has been before it does not slip to again.
-void DriverWatch::look_for_next_well(double along, const Emit& emit) {
+/// A point that has been in a well before does not slip to it again.
+void DriverWatch::look_for_slip_of_noise(double along, const Emit& emit) {
+  const double now = force_.time(0);
   const double here = place();
   if (busy_[kHasWell] == 0) {
     numbers_[kWell] = std::nearbyint(here);
     busy_[kHasWell] = 1;
   }
-  if (busy_[kHasPeak] == 0 || along > numbers_[kPeakAlong]) {
-    numbers_[kPeakTime] = force_.time(0);
-    numbers_[kPeakForce] = force_.value(0);
-    numbers_[kPeakAlong] = along;
-    busy_[kHasPeak] = 1;
+  if (busy_[kSlipping] == 0) {
+    if (busy_[kHasPeak] == 0 || along > numbers_[kPeakAlong]) {
+      numbers_[kPeakTime] = now;
+      numbers_[kPeakForce] = force_.value(0);
+      numbers_[kPeakAlong] = along;
+      busy_[kHasPeak] = 1;
+    }
+    if (!(here >= numbers_[kWell] + 1.0 - kInner)) return;
+    busy_[kSlipping] = 1;
+    numbers_[kReached] = numbers_[kWell];
+    enter_well();
+    return;
   }
-  if (!(here >= numbers_[kWell] + 1.0)) return;
-  numbers_[kWell] = std::floor(here);
-  numbers_[kHighest] = std::max(numbers_[kHighest], numbers_[kPeakAlong]);
-  numbers_[kLastFast] = force_.time(0);
-  numbers_[kEndForce] = force_.value(0);
-  numbers_[kPeakHeat] = numbers_[kEndHeat] = kNone;
-  emit_slip(emit);
+  if (here >= numbers_[kReached] + 1.0 - kInner) {
+    enter_well();
+    return;
+  }
+  const double before = place_at(force_.time(1), force_.value(1));
+  numbers_[kStayed] += 0.5 * (before + here) * (now - force_.time(1));
+  if ((now - numbers_[kLastFast]) * speed_ * kFastFactor >= period_) end_slip_of_noise(emit);
+}
+
+/// Within the last step, on the straight line between its ends: noise leaves no smoother one.
+void DriverWatch::enter_well() {
+  const double now = force_.time(0);
+  const double here = place();
+  numbers_[kReached] = std::floor(here + kInner);
+  const double edge = numbers_[kReached] - kInner;
+  numbers_[kLastFast] = now;
+  if (force_.count() > 1) {
+    const double before = place_at(force_.time(1), force_.value(1));
+    if (before < edge) {
+      numbers_[kLastFast] = now - (now - force_.time(1)) * (here - edge) / (here - before);
+    }
+  }
+  numbers_[kStayed] = 0.5 * (edge + here) * (now - numbers_[kLastFast]);
+}
+
+/// The point has stayed where it is. If this is where it was before, it has not slipped. What
+/// begins before the driver has loaded its spring is relaxation.
+void DriverWatch::end_slip_of_noise(const Emit& emit) {
+  const double time = force_.time(0) - numbers_[kLastFast];
+  const double stays_at = time > 0.0 ? numbers_[kStayed] / time : place();
+  busy_[kSlipping] = 0;
+  const double well = std::nearbyint(stays_at);
+  if (!(well > numbers_[kWell])) return;
+  numbers_[kWell] = well;
   busy_[kHasPeak] = 0;
+  if ((numbers_[kLastFast] - numbers_[kFirstTime]) * speed_ < kLoadedPart * period_) return;
+  numbers_[kHighest] = std::max(numbers_[kHighest], numbers_[kPeakAlong]);
+  Event slip = event_of_kind(EventKind::slip);
+  slip.time = numbers_[kPeakTime];
+  slip.duration = numbers_[kLastFast] - slip.time;
+  slip.size = (stays_at - place_at(slip.time, numbers_[kPeakForce])) * period_;
+  slip.peak_force = numbers_[kPeakAlong];
+  emit(slip);
 }
 
 /// At rest in another well: a slip that no speed has told of, which has ended where the force was
@@ -391,7 +433,7 @@ void DriverWatch::look_for_passage(const Emit& emit, const Heat& heat) {
   const bool further = !first && well > numbers_[kWell] + (known ? 0.0 : kPassage);
   if (further && busy_[kHasPeak] != 0) {
     if (!(numbers_[kLastFast] > numbers_[kPeakTime])) end_here();
-    if (known || is_passage()) {
+    if ((known || is_passage()) && !is_relaxation()) {
       if (busy_[kPeakOpen] + busy_[kEndOpen] != 0) note_heat(heat);
       emit_slip(emit);
       look_for_stiffness(now, along().value(0));
@@ -465,6 +507,7 @@ void DriverWatch::look_for_reversal(const Emit& emit) {
 }
 
 void DriverWatch::finish(double time, const Emit& emit) {
+  close_slip(emit);
   if (busy_[kSlipping] != 0 && !is_relaxation()) {
     if (busy_[kFast] != 0) {
       numbers_[kLastFast] = force_.time(0);

@@ -79,7 +79,9 @@ class LastPoints {
 ///   reversal  from where its velocity along the pull turns negative to where it turns back
 /// A point that noise acts on never comes to rest, and its velocity says nothing:
 ///   slip      where wells are known, from the largest force since the last slip to the moment at
-///             which the point first reaches the bottom of the next well; its heat is not known
+///             which the point enters the well that it stays in. It passes through wells that it
+///             leaves for the next one sooner than it would at ten times v. Its length is that to
+///             the mean position while it stays; its heat is not known
 /// and reversals are not looked for.
 class DriverWatch {
  public:
@@ -88,7 +90,7 @@ class DriverWatch {
   enum class Slips { looked_for, told };
   DriverWatch(std::size_t driver, const Drive& drive, double period, double precision, Slips slips);
 
-  static constexpr std::size_t kReals = 3 * LastPoints::kReals + 19;
+  static constexpr std::size_t kReals = 3 * LastPoints::kReals + 21;
   static constexpr std::size_t kIntegers = 3 * LastPoints::kIntegers + 10;
   /// The point has wells, a period apart, this far from where it is at the start, along the pull;
   /// they hold it against the spring.
@@ -121,6 +123,12 @@ class DriverWatch {
   /// Its driver has turned round: what was going on is over, and wells are counted along the new
   /// direction.
   void turned();
+  using Emit = std::function<void(const Event&)>;
+  /// Reports a slip under noise that the point has not yet stayed after, before its driver turns
+  /// round or its forces become others.
+  void close_slip(const Emit& emit) {
+    if (noisy_ && slipping()) end_slip_of_noise(emit);
+  }
   /// The point has come to rest after a slip: how steeply the force rises from here on.
   void look_for_stiffness(double time, double force);
   /// The largest slope of the force over the displacement of the pulled end since the last slip
@@ -128,7 +136,6 @@ class DriverWatch {
   /// throughout: it moves with the driver and more slowly. Minus infinity where there is none.
   double steepest() const { return numbers_[kSteepest]; }
 
-  using Emit = std::function<void(const Event&)>;
   /// Heat of the scene so far, but for a constant, and when it was that.
   struct HeatAt {
     double time;
@@ -159,7 +166,7 @@ class DriverWatch {
     force_.add(time, force);
     if (!factors_.empty()) along_.add(time, along);
     if (noisy_) {
-      if (busy_[kWells] == kKnownWells) look_for_next_well(along, emit);
+      if (busy_[kWells] == kKnownWells) look_for_slip_of_noise(along, emit);
       return;
     }
     const bool sticks = rise > 0.0 && rise < pulled;
@@ -219,7 +226,9 @@ class DriverWatch {
     kChordForce,
     kChordEnd,  ///< no sooner than this time; infinite where there is no chord
     kSteepest,  ///< slope of chords since the last slip
-    kNoted      ///< when heat was noted last
+    kNoted,     ///< when heat was noted last
+    kReached,   ///< under noise: the furthest well that the point has entered in a slip
+    kStayed     ///< and the integral of its position over time since
   };
   /// kMoved: the force has fallen since the point was seen at rest in a well.
   /// kTurned: the driver has turned round since the last point.
@@ -241,10 +250,13 @@ class DriverWatch {
   void look_for_slip(const Emit& emit);
   void look_for_reversal(const Emit& emit);
   bool is_relaxation() const;
-  double place() const;
+  double place_at(double time, double force) const;
+  double place() const { return place_at(force_.time(0), force_.value(0)); }
   bool in_well(double& well) const;
   bool is_passage() const;
-  void look_for_next_well(double along, const Emit& emit);
+  void look_for_slip_of_noise(double along, const Emit& emit);
+  void enter_well();
+  void end_slip_of_noise(const Emit& emit);
   void look_for_passage(const Emit& emit, const Heat& heat);
   void emit_slip(const Emit& emit);
   void begin_heat(int which);

@@ -28,11 +28,10 @@ constexpr std::string_view kFamilies[] = {"drivers", "bodies",      "forces", "o
 std::span<const ObserverKind> observer_kinds() {
   using namespace observers;
   static const ObserverKind kinds[] = {
-      force_means(), end_of_run(),      body_motion(),      extremes(),
-      equilibrium(), pull_events(),     body_events(),      window_check(),
-      work(),        friction_loops(),  event_counts(),     energy_ledger(),
-      long_bonds(),  force_deviation(), forces_on_bodies(), temperature(),
-      mean_errors(),
+      friction_loops(), force_means(),   end_of_run(),  body_motion(),     extremes(),
+      equilibrium(),    pull_events(),   body_events(), window_check(),    work(),
+      event_counts(),   energy_ledger(), long_bonds(),  force_deviation(), forces_on_bodies(),
+      temperature(),    mean_errors(),
   };
   return kinds;
 }
@@ -489,7 +488,7 @@ void Observation::write_results(const double* rates, RunResult& result) const {
     result.warnings.push_back(
         {FaultCode::run_error_not_estimated,
          fmt::format("no statistical error of {}: the window is shorter than {:g} correlation "
-                     "times, or has too few blocks or slips",
+                     "times, or has too few blocks, slips or strokes",
                      unknown, kFewestCorrelationTimes),
          "measure"});
   }

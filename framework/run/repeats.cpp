@@ -74,6 +74,13 @@ constexpr std::size_t kFewestInLanes = 3;
 
 using Repeats = std::vector<std::unique_ptr<SideRun>>;
 
+/// A stream for each pair of a stream, which is at most 1e12 in a scene, and a repeat from 1 on. It
+/// is negative, which no stream of a scene is.
+std::int64_t stream_of_repeat(std::int64_t stream, std::int64_t repeat) {
+  constexpr std::int64_t kMostRepeats = 1'000'000;  // of a scene
+  return -(stream * kMostRepeats + repeat);
+}
+
 /// Those from `first` on that run together.
 Repeats next_repeats(const std::shared_ptr<const Scene>& scene, const RunOptions& options,
                      std::int64_t first) {
@@ -82,7 +89,7 @@ Repeats next_repeats(const std::shared_ptr<const Scene>& scene, const RunOptions
   RunOptions own = options;
   for (std::int64_t repeat = first; repeat < scene->run.repeats && runs.size() < most; ++repeat) {
     const auto other = std::make_shared<Scene>(*scene);
-    other->run.stream = scene->run.stream * scene->run.repeats + repeat;
+    other->run.stream = stream_of_repeat(scene->run.stream, repeat);
     runs.push_back(std::make_unique<SideRun>(other, own, fmt::format("repeat {}", repeat)));
     own.on_progress = nullptr;  // that of the first is that of all
     Engine& engine = runs.front()->engine();

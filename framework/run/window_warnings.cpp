@@ -19,6 +19,9 @@ constexpr double kPartOfPeriod = 1e-3;
 constexpr double kLag = 0.1;
 /// In periods: a window that begins before a slip and ends after one is no better known.
 constexpr double kLagInPeriods = 1.0;
+/// As a part of the driver's way, where no force has a period: between slips of unknown length a
+/// body that follows its driver may be behind by much of a window.
+constexpr double kLagWithoutPeriod = 0.5;
 /// Slips that a mean is taken of.
 constexpr std::uint64_t kFewSlips = 3;
 
@@ -48,6 +51,12 @@ DriverWindow driver_window(const Model& model, std::size_t driver, double from, 
     if (!(window.to > window.from)) return window;
   }
   for (int d = 0; d < model.dimension(); ++d) {
+    const double speed = std::abs(drive.velocity[d]);
+    if (!(speed > window.speed) || !(drive.stiffness_on(d) > 0.0)) continue;
+    window.axis = d;
+    window.speed = speed;
+  }
+  for (int d = 0; d < model.dimension(); ++d) {
     if (drive.velocity[d] == 0.0) continue;
     for (const SceneForce& force : model.scene().forces) {
       const double period = force.record->period(force.description.get(), d);
@@ -63,6 +72,7 @@ DriverWindow driver_window(const Model& model, std::size_t driver, double from, 
 }
 
 bool is_whole(const DriverWindow& w) {
+  if (!(w.period > 0.0)) return false;
   const double periods = w.speed * (w.to - w.from) / w.period;
   return w.steady && std::abs(periods - std::nearbyint(periods)) <= kPartOfPeriod * periods;
 }
@@ -96,9 +106,10 @@ std::optional<Warning> doubt_after(const DriverWindow& w, double moved,
                                    std::optional<std::uint64_t> slips, std::uint64_t whole_run,
                                    bool at_end) {
   const double distance = w.speed * (w.to - w.from);
-  if (!(w.period > 0.0) || distance < kShortestSlide * w.period) return {};
+  if (distance < kShortestSlide * w.period) return {};
   const double lag = distance - moved;
-  if (std::abs(lag) > kLag * distance && std::abs(lag) > kLagInPeriods * w.period) {
+  const double part_allowed = w.period > 0.0 ? kLag : kLagWithoutPeriod;
+  if (std::abs(lag) > part_allowed * distance && std::abs(lag) > kLagInPeriods * w.period) {
     return Warning{
         FaultCode::run_window_not_steady,
         fmt::format("{} moves by {:.3g} within the window and what it pulls by {:.3g}: its means "
@@ -108,7 +119,7 @@ std::optional<Warning> doubt_after(const DriverWindow& w, double moved,
                     at_end ? "let the run last longer and " : "", digits(w.to)),
         key_of(w)};
   }
-  if (slips && whole_run > 0 && *slips < kFewSlips) {
+  if (w.period > 0.0 && slips && whole_run > 0 && *slips < kFewSlips) {
     const double each = *slips > 0 ? (w.to - w.from) / static_cast<double>(*slips)
                                    : std::max(w.to - w.from, w.period / w.speed);
     const std::string count = *slips == 0   ? "no slip"

@@ -16,7 +16,7 @@ struct DriverWindow {
   std::string driver;
   double from = 0.0;  ///< times
   double to = 0.0;
-  int axis = 0;            ///< of its period
+  int axis = 0;            ///< of its period; without one that along which it is fastest
   double speed = 0.0;      ///< along that axis
   double period = 0.0;     ///< of the forces along its way, a length; 0: there is none
   bool steady = true;      ///< its velocity is the same within the window

@@ -1,8 +1,12 @@
 #include "framework/scene/box_checks.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -47,6 +51,54 @@ void check_period(const ForceDraft& force, int axis, double length, const TableR
                     nearest_lengths(period, length)});
 }
 
+/// Two bonds: a body that is meant to end within the box leaves more room to its image, and layers
+/// of a stack are farther apart.
+constexpr double kLeastBondsToImage = 2.0;
+
+/// A body that lists its neighbours, as those of a lattice do.
+class LatticeBody {
+ public:
+  LatticeBody(const BodyDraft& body, int dimension)
+      : body_(body), shape_(body.record->build(body.description.get(), dimension)) {
+    const std::vector<IndexPair> pairs = neighbours({});
+    pairs_ = pairs.size();
+    for (const auto& [i, j] : pairs) {
+      double squares = 0.0;
+      for (std::size_t d = 0; d < shape_.anchor.size(); ++d) {
+        squares += std::pow(position(i, d) - position(j, d), 2);
+      }
+      longest_bond_ = std::max(longest_bond_, std::sqrt(squares));
+    }
+  }
+
+  /// Whether a box of this length along an axis cuts it.
+  bool is_cut_by(double length, std::size_t axis) const {
+    double low = 0.0;
+    double high = 0.0;
+    for (const std::vector<double>& x : shape_.relative) {
+      low = std::min(low, x[axis]);
+      high = std::max(high, x[axis]);
+    }
+    if (!(length - (high - low) < kLeastBondsToImage * longest_bond_)) return false;
+    std::array<double, 3> along{};
+    along[axis] = length;
+    return neighbours(along).size() == pairs_;
+  }
+
+ private:
+  std::vector<IndexPair> neighbours(const std::array<double, 3>& box) const {
+    return body_.record->neighbours(body_.description.get(), box);
+  }
+  double position(std::int64_t i, std::size_t axis) const {
+    return shape_.relative[static_cast<std::size_t>(i)][axis];
+  }
+
+  const BodyDraft& body_;
+  BodyGeometry shape_;
+  std::size_t pairs_ = 0;  ///< of neighbours without a box
+  double longest_bond_ = 0.0;
+};
+
 }  // namespace
 
 bool check_box(const BoxSettings& box, const TableReading& reading, std::optional<int> dimension,
@@ -64,6 +116,27 @@ void check_box_periods(const BoxSettings& box, const TableReading& reading,
     for (const ForceDraft& force : forces) {
       if (force.record == nullptr || !force.sound) continue;
       check_period(force, static_cast<int>(axis), box.lengths[axis], reading, faults);
+    }
+  }
+}
+
+void check_box_bodies(const BoxSettings& box, const TableReading& reading,
+                      const std::vector<BodyDraft>& bodies, int dimension, FaultList& faults) {
+  if (std::find(box.periodic.begin(), box.periodic.end(), true) == box.periodic.end()) return;
+  for (const BodyDraft& body : bodies) {
+    if (body.record == nullptr || !body.sound || !body.count) continue;
+    if (body.record->neighbours == nullptr) continue;
+    const LatticeBody lattice(body, dimension);
+    for (std::size_t axis = 0; axis < box.lengths.size(); ++axis) {
+      if (!box.periodic[axis] || !lattice.is_cut_by(box.lengths[axis], axis)) continue;
+      reading.complain(
+          faults, "lengths",
+          {FaultCode::box_invalid, "",
+           fmt::format("along {} the length {} cuts {}: its bonds through the side of the box "
+                       "would not be those within it",
+                       kAxisNames[axis], box.lengths[axis], quoted_text(body.name)),
+           fmt::format("the length that continues the body ({}), or one with room about it",
+                       body.record->note(body.description.get()))});
     }
   }
 }

@@ -22,4 +22,9 @@ bool check_box(const BoxSettings& box, const TableReading& reading, std::optiona
 void check_box_periods(const BoxSettings& box, const TableReading& reading,
                        const std::vector<ForceDraft>& forces, FaultList& faults);
 
+/// A body of a lattice that ends at a side of the box, nearer to its image than two bonds, is one
+/// that the box should repeat and cuts: its bonds through the side would be stretched or lost.
+void check_box_bodies(const BoxSettings& box, const TableReading& reading,
+                      const std::vector<BodyDraft>& bodies, int dimension, FaultList& faults);
+
 }  // namespace tomlin

@@ -32,7 +32,9 @@ void check_components(SceneDraft& draft) {
   const BoxSettings* sound_box = box_is_sound ? &box : nullptr;
   check_forces(draft.forces, bodies, sound_box, dimension, faults);
   check_observers(draft.observers, bodies, sound_box, dimension, faults);
-  if (draft.box && box_is_sound) check_box_periods(box, *draft.box, draft.forces, faults);
+  if (!draft.box || !box_is_sound) return;
+  check_box_periods(box, *draft.box, draft.forces, faults);
+  check_box_bodies(box, *draft.box, bodies, *dimension, faults);
 }
 
 }  // namespace

@@ -1,12 +1,21 @@
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
+#include "framework/run/blocked_series.hpp"
 #include "framework/run/observers/kinds.hpp"
 #include "framework/run/plan.hpp"
 
 /// Friction loops of drivers that reverse. A stroke lasts from one reversal to the next; a step
 /// ends where a driver reverses, so that differences of its running integrals have the scheme's
-/// order. Strokes that lie in the window as a whole count, and two in a row are a loop.
+/// order. Strokes that lie in the window as a whole count, and two in a row are a loop. With a
+/// thermostat the scatter of strokes, and of loops, gives the standard errors of their means.
 namespace tomlin::observers {
 namespace {
 
@@ -27,19 +36,33 @@ const ResultQuantity kLoopArea{"loop_area", dimension::energy, Shape::number, Sc
 const ResultQuantity kLoops{"loops", dimension::none, Shape::count, Scope::window,
                             "complete strokes either way, in pairs"};
 
+/// Means over strokes and loops that have a standard error.
+const ResultQuantity* const kMeans[] = {&kTrace, &kRetrace, &kHalfDifference, &kLoopArea};
+constexpr std::size_t kMeansOfLoop = std::size(kMeans);
+
 class FrictionLoops : public RunObserver {
  public:
   explicit FrictionLoops(const ObserverParts& parts) : parts_(parts) {
     const std::vector<Model::Driver>& drivers = parts.signals.drivers();
     for (std::size_t k = 0; k < drivers.size(); ++k) {
-      if (drags(*drivers[k].drive) && reverses(drivers[k])) loops_.push_back({.driver = k});
+      if (!drags(*drivers[k].drive) || !reverses(drivers[k])) continue;
+      loops_.push_back({.driver = k});
+      if (!has_thermostat(*parts.run.scene)) continue;
+      for (const ResultQuantity* mean : kMeans) {
+        paths_.push_back("drivers." + drivers[k].name + "." + mean->key);
+      }
     }
+    series_.resize(paths_.size());
+    scratch_.assign(BlockedSeries::kBlocks, 0.0);
   }
   bool any() const { return !loops_.empty(); }
 
   void declare(StateLayout& layout) const override {
     layout.add_reals("friction_loops", loops_.size() * kReals);
     layout.add_integers("friction_loops", loops_.size() * kIntegers);
+    if (series_.empty()) return;
+    layout.add_reals("friction_loops.series", series_.size() * BlockedSeries::kReals);
+    layout.add_integers("friction_loops.series", series_.size() * BlockedSeries::kIntegers);
   }
   void attach(RunState& state) override {
     double* reals = state.reals("friction_loops");
@@ -48,18 +71,35 @@ class FrictionLoops : public RunObserver {
       loop.numbers = std::exchange(reals, reals + kReals);
       loop.counts = std::exchange(integers, integers + kIntegers);
     }
+    if (series_.empty()) return;
+    reals = state.reals("friction_loops.series");
+    integers = state.integers("friction_loops.series");
+    for (BlockedSeries& one : series_) {
+      one.attach(std::exchange(reals, reals + BlockedSeries::kReals),
+                 std::exchange(integers, integers + BlockedSeries::kIntegers));
+    }
   }
   void next_window() override {
     for (const Reversing& loop : loops_) {
       std::fill_n(loop.numbers, kReals, 0.0);
       std::fill_n(loop.counts, kIntegers, 0);
     }
+    for (BlockedSeries& one : series_) one.start();
   }
 
   void force_changed(std::string_view force) override {
-    for (const Reversing& loop : loops_) {
-      if (parts_.signals.drivers()[loop.driver].name == force) reversed(loop);
+    for (std::size_t k = 0; k < loops_.size(); ++k) {
+      if (parts_.signals.drivers()[loops_[k].driver].name == force) reversed(k);
     }
+  }
+
+  std::vector<std::string> estimated() const override { return paths_; }
+  bool estimates(std::string_view path) const override {
+    return std::find(paths_.begin(), paths_.end(), path) != paths_.end();
+  }
+  std::optional<double> error_so_far(std::string_view path) const override {
+    const auto found = std::find(paths_.begin(), paths_.end(), path);
+    return error_of(static_cast<std::size_t>(found - paths_.begin()));
   }
 
   void results(ResultTable& table, const double*) const override {
@@ -84,6 +124,12 @@ class FrictionLoops : public RunObserver {
       group.add(kLoopArea, area);
       group.add(kLoops, pairs);
     }
+    if (!parts_.window.is_over()) return;
+    for (std::size_t k = 0; k < series_.size(); ++k) {
+      if (series_[k].count() == 0 || !parts_.selection.wants(kMeans[k % kMeansOfLoop]->key))
+        continue;
+      table.add_error(paths_[k], error_of(k));
+    }
   }
 
  private:
@@ -94,6 +140,7 @@ class FrictionLoops : public RunObserver {
     kImpulseThen = 2,        ///< integral of the force along the first direction up to it
     kWorkThen,               ///< and of the power
     kHalfWork,               ///< of the first stroke of a pair
+    kHalfForce,              ///< and its mean force
     kPairWork,               ///< of complete pairs, high and low part
     kForth = kPairWork + 2,  ///< sums over strokes along the first direction
     kBack = kForth + kStroke,
@@ -120,8 +167,17 @@ class FrictionLoops : public RunObserver {
     return strokes[kImpulse] / strokes[kTime];
   }
 
+  /// A stroke that has ended: integral of the force along the first direction, duration and work.
+  struct Stroke {
+    bool is_forth;
+    double impulse;
+    double time;
+    double work;
+  };
+
   /// The driver has another direction already.
-  void reversed(const Reversing& loop) const {
+  void reversed(std::size_t k) {
+    const Reversing& loop = loops_[k];
     const RunContext& run = parts_.run;
     const Model::Driver& driver = parts_.signals.drivers()[loop.driver];
     const double* integrals = run.model.system().view.integrals + driver.first_rate;
@@ -136,11 +192,10 @@ class FrictionLoops : public RunObserver {
     double* numbers = loop.numbers;
     if (inside && loop.counts[kInside] != 0) {
       const DoubleDouble since(numbers[kSince], numbers[kSince + 1]);
-      const bool was_forth = parts_.signals.along(loop.driver) < 0.0;
-      double* strokes = numbers + (was_forth ? kForth : kBack);
-      add_to(strokes + kImpulse, impulse - numbers[kImpulseThen]);
-      add_to(strokes + kTime, static_cast<double>(now - since));
-      add_stroke(loop, work - numbers[kWorkThen]);
+      add_stroke(k, {.is_forth = parts_.signals.along(loop.driver) < 0.0,
+                     .impulse = impulse - numbers[kImpulseThen],
+                     .time = static_cast<double>(now - since),
+                     .work = work - numbers[kWorkThen]});
     }
     loop.counts[kInside] = inside ? 1 : 0;
     numbers[kSince] = now.hi;
@@ -149,19 +204,44 @@ class FrictionLoops : public RunObserver {
     numbers[kWorkThen] = work;
   }
 
-  static void add_stroke(const Reversing& loop, double work) {
+  void add_stroke(std::size_t k, const Stroke& stroke) {
+    const Reversing& loop = loops_[k];
+    double* strokes = loop.numbers + (stroke.is_forth ? kForth : kBack);
+    add_to(strokes + kImpulse, stroke.impulse);
+    add_to(strokes + kTime, stroke.time);
+    const double force = stroke.impulse / stroke.time;
+    add_number(k, stroke.is_forth ? kTrace : kRetrace, force);
     if (loop.counts[kHalf] == 0) {
-      loop.numbers[kHalfWork] = work;
+      loop.numbers[kHalfWork] = stroke.work;
+      loop.numbers[kHalfForce] = force;
       loop.counts[kHalf] = 1;
       return;
     }
-    add_to(loop.numbers + kPairWork, loop.numbers[kHalfWork] + work);
+    const double area = loop.numbers[kHalfWork] + stroke.work;
+    const double difference = 0.5 * (force - loop.numbers[kHalfForce]);
+    add_to(loop.numbers + kPairWork, area);
+    add_number(k, kHalfDifference, stroke.is_forth ? difference : -difference);
+    add_number(k, kLoopArea, area);
     loop.counts[kHalf] = 0;
     ++loop.counts[kPairs];
   }
 
+  /// One more number of a mean, for its standard error.
+  void add_number(std::size_t k, const ResultQuantity& mean, double x) {
+    if (series_.empty()) return;
+    const auto which = std::find(std::begin(kMeans), std::end(kMeans), &mean) - std::begin(kMeans);
+    series_[k * kMeansOfLoop + static_cast<std::size_t>(which)].add(x);
+  }
+
+  /// Strokes begin with a spring that is turned round, and forget those before: the few that most
+  /// runs have are taken as independent.
+  std::optional<double> error_of(std::size_t k) const { return series_[k].error(scratch_); }
+
   ObserverParts parts_;
   std::vector<Reversing> loops_;
+  std::vector<std::string> paths_;     ///< of means that have an error; none without a thermostat
+  std::vector<BlockedSeries> series_;  ///< [loop][mean]: of strokes, or of pairs
+  mutable std::vector<double> scratch_;
 };
 
 std::unique_ptr<RunObserver> make_friction_loops(const ObserverParts& parts) {

@@ -378,7 +378,10 @@ void PullEvents::path_slip(const PathSlip& slip) {
 void PullEvents::force_changed(std::string_view force) {
   forget_peaks();
   for (DriverWatch& watch : watches_) {
-    if (drivers_[watch.driver()].name == force) watch.turned();
+    if (drivers_[watch.driver()].name != force) continue;
+    name_ = drivers_[watch.driver()].name;
+    watch.close_slip(emit_);
+    watch.turned();
   }
 }
 
@@ -386,7 +389,11 @@ void PullEvents::force_changed(std::string_view force) {
 void PullEvents::force_switched(std::string_view) {
   if (follows_path()) return;
   static_force_.break_off();
-  for (DriverWatch& watch : watches_) watch.start();
+  for (DriverWatch& watch : watches_) {
+    name_ = drivers_[watch.driver()].name;
+    watch.close_slip(emit_);
+    watch.start();
+  }
   find_wells(parts_.run.clock.now());
 }
 

@@ -28,7 +28,7 @@ class WindowCheck : public RunObserver {
     const DriverWindow seen =
         driver_window(run.model, driver, window.from().time, window.to().time);
     const auto body = body_pulled_by(run.model, parts_.signals.drivers()[driver]);
-    if (!(seen.period > 0.0) || !seen.steady || !body) return;
+    if (!seen.steady || !body) return;
     const auto axis = static_cast<std::size_t>(seen.axis);
     const auto way = static_cast<double>(window.moved(*body, axis));
     const double moved = parts_.signals.start_velocity(driver, axis) < 0.0 ? -way : way;

@@ -46,6 +46,12 @@ std::vector<SpoiltTube> spoilt_tubes() {
        "tube.toml:38:14: force.bonds.parameters = \"lindsay_broido_2010\" "
        "[component.unsuitable]\n",
        {"Si Si Si"}},
+      {"a box that cuts the tube and its sheet",
+       "\"6 * b\"",
+       "9.2",
+       "tube.toml:9:11: box.lengths = [9.2, \"4 * a\", 40.0] [box.invalid]\n"
+       "tube.toml:9:11: box.lengths = [9.2, \"4 * a\", 40.0] [box.invalid]\n",
+       {"cuts \"tube\"", "cuts \"sheet\"", "8.6328"}},
       {"a species that a file lacks",
        named,
        "file = \"silicon.tersoff\"",

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -217,6 +218,92 @@ TEST(FrictionLoop, ResumesFromAnyStep) {
       }
     }
   }
+}
+
+/// A tip without inertia in a bath, back and forth over six periods: so many loops.
+std::string noisy_loops(int stream, double loops) {
+  constexpr double kNoisyVelocity = 0.02;
+  constexpr double kLoop = 2.0 * 6.0 / kNoisyVelocity;
+  return R"([[body]]
+name = "tip"
+type = "point"
+position = [0.5]
+particle_mass = 1.0
+[[force]]
+name = "driver"
+type = "driving_spring"
+stiffness = 0.8
+velocity = [)" +
+         digits(kNoisyVelocity) + "]\nreverse = " + between(0.5, 6.5) + R"(
+[[force]]
+name = "bath"
+type = "langevin"
+coefficient = 1.0
+temperature = 0.02
+[[force]]
+type = "sinusoidal_substrate"
+amplitude = 0.1
+period = 1.0
+[run]
+dynamics = "overdamped"
+integrator = { type = "euler_maruyama", dt = 0.04 }
+stream = )" +
+         std::to_string(stream) + "\nduration = " + digits((loops + 0.75) * kLoop) + "\n";
+}
+
+std::optional<double> error_of(const RunResult& result, const std::string& key) {
+  for (const ErrorEstimate& one : result.errors) {
+    if (one.path == "drivers.driver." + key) return one.error;
+  }
+  ADD_FAILURE() << key;
+  return {};
+}
+
+/// Standard errors from strokes and loops agree with the scatter of means over streams.
+TEST(FrictionLoop, HasStandardErrorsInNoise) {
+  constexpr int kStreams = 24;
+  // Of 24 streams the scatter has a standard deviation of 1 in 7, and of 12 loops 1 in 5 each.
+  constexpr double kLeastRatio = 0.6;
+  constexpr double kMostRatio = 1.7;
+  std::vector<RunResult> results;
+  for (int stream = 0; stream < kStreams; ++stream) {
+    results.push_back(run_text(noisy_loops(stream, 12.0)));
+    EXPECT_GE(value(results.back(), "loops"), 11.0);
+  }
+  for (const std::string key : {"trace", "retrace", "half_difference", "loop_area"}) {
+    double mean = 0.0;
+    double squares = 0.0;
+    double stated = 0.0;
+    for (const RunResult& result : results) {
+      const double x = value(result, key);
+      mean += x / kStreams;
+      squares += x * x / kStreams;
+      stated += std::pow(error_of(result, key).value(), 2) / kStreams;
+    }
+    const double scatter = (squares - mean * mean) * kStreams / (kStreams - 1.0);
+    const double ratio = std::sqrt(stated / scatter);
+    EXPECT_GT(ratio, kLeastRatio) << key;
+    EXPECT_LT(ratio, kMostRatio) << key;
+  }
+}
+
+TEST(FrictionLoop, OfFewLoopsHasNoStandardError) {
+  const RunResult few = run_text(noisy_loops(0, 5.0));
+  ASSERT_TRUE(few.driver(0)["half_difference"]);
+  EXPECT_FALSE(error_of(few, "half_difference"));
+  EXPECT_EQ(count_of(FaultCode::run_error_not_estimated, few.warnings), 1U);
+}
+
+TEST(FrictionLoop, EndsAtTheErrorThatIsAskedFor) {
+  constexpr double kError = 4e-3;
+  const RunResult result = run_text(
+      noisy_loops(0, 200.0),
+      {{"run.until", "{ error = " + digits(kError) + ", of = \"driver.half_difference\" }"}});
+  ASSERT_TRUE(result.until_error);
+  EXPECT_TRUE(result.until_error->reached);
+  EXPECT_LE(error_of(result, "half_difference").value(), kError);
+  EXPECT_LT(value(result, "loops"), 150.0);
+  EXPECT_GE(value(result, "loops"), 8.0);
 }
 
 // `reverse` with two limits.

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <random>
 #include <string>
@@ -6,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/run/observables.hpp"
 #include "tests/support/scenes.hpp"
 
 // Noise has the same bits on every run and instruction set, and after every resumption: no
@@ -189,6 +192,42 @@ TEST(NoiseBits, OfOtherStreamsDiffer) {
     }
     EXPECT_TRUE(end_with("run.stream", "0") == all[0]);
   }
+}
+
+/// How many of these runs another one repeats, whatever streams and repeats they are of.
+std::size_t shared_among(std::vector<double> results, double rounding) {
+  std::sort(results.begin(), results.end());
+  std::size_t shared = 0;
+  for (std::size_t k = 1; k < results.size(); ++k) {
+    shared += results[k] - results[k - 1] < rounding ? 1 : 0;
+  }
+  return shared;
+}
+
+/// Runs with `[run] repeats` of different streams have no run in common: their means are
+/// independent, so that the error of a mean over streams is what the streams scatter by.
+TEST(NoiseBits, StreamsWithRepeatsShareNoRun) {
+  constexpr int kStreams = 12;
+  constexpr int kRepeats = 4;
+  constexpr double kRounding = 1e-12;  // of differences of sums of numbers of size 1
+  const auto mean_of = [](int stream, int repeats) {
+    const RunResult result = run_text(
+        noisy_tip() + noisy_run("baoab"),
+        {{"run.stream", std::to_string(stream)}, {"run.repeats", std::to_string(repeats)}});
+    return observable(result, "driver.mean_force.x").value();
+  };
+  std::vector<double> all;
+  std::vector<double> shifted;  // a planted fault: repeats that are streams further on
+  for (int stream = 0; stream < kStreams; ++stream) {
+    for (int repeat = 0; repeat < kRepeats; ++repeat) {
+      // The sum over one run more, less that of those before.
+      const double before = repeat == 0 ? 0.0 : repeat * mean_of(stream, repeat);
+      all.push_back((repeat + 1) * mean_of(stream, repeat + 1) - before);
+      shifted.push_back(repeat == 0 ? all.back() : mean_of(stream * kRepeats + repeat, 1));
+    }
+  }
+  EXPECT_EQ(shared_among(all, kRounding), 0U);
+  EXPECT_GT(shared_among(shifted, kRounding), 0U);
 }
 
 /// With temperature 0 a langevin force is viscous damping, to the last bit.

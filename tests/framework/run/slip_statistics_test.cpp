@@ -257,12 +257,79 @@ TEST(SlipStatistics, ResumeFromAnyStep) {
   }
 }
 
-/// The scene's damping as a bath, at a tenth of the barrier.
-std::string in_a_bath(const TipScene& scene) {
+/// The scene's damping as a bath, by default at a tenth of the barrier.
+std::string in_a_bath(const TipScene& scene, double temperature = 0.02) {
   std::string text = scene.text();
   const std::string damping = "viscous_damping";
-  text.replace(text.find(damping), damping.size(), "langevin\"\ntemperature = 0.02 #");
+  text.replace(text.find(damping), damping.size(),
+               "langevin\"\ntemperature = " + digits(temperature) + " #");
   return text;
+}
+
+/// A tip in contact with a crystal, at critical damping in its spring alone: without noise it slips
+/// over two periods at once.
+TipScene tip_of_double_slips(double periods, const std::string& integrator) {
+  TipScene scene = tip(14.05, 2.8e-3, periods, integrator, 1.06);
+  scene.more = window(4.0, periods);
+  return scene;
+}
+
+/// Slips of a tip in a bath of next to no temperature are those without a bath: a slip over two
+/// periods is one, from the largest force to where the tip stays.
+TEST(SlipsUnderNoise, OfAColdTipAreThoseWithoutNoise) {
+  constexpr double kPeriods = 24.0;
+  constexpr double kPart = 0.01;  // of a slip: what is left of it at ten times the driver's speed
+  const RunResult without = run(scene_of(tip_of_double_slips(kPeriods, adaptive(1e-8)).text()));
+  const RunResult cold = run(
+      scene_of(in_a_bath(tip_of_double_slips(kPeriods, R"({ type = "baoab", dt = 0.1 })"), 4e-8)));
+  ASSERT_EQ(*without.driver(0)["slips"], 10.0);
+  EXPECT_EQ(*cold.driver(0)["slips"], 10.0);
+  for (const char* key : {"mean_slip_length", "min_slip_length", "max_slip_length",
+                          "mean_slip_force", "min_slip_force", "mean_waiting_time"}) {
+    EXPECT_NEAR(*cold.driver(0)[key] / *without.driver(0)[key], 1.0, kPart) << key;
+  }
+  // A count of single slips would have a shorter mean.
+  EXPECT_GT(*without.driver(0)["mean_slip_length"], 1.5);
+}
+
+/// Where a slip ends does not depend on where steps end.
+TEST(SlipsUnderNoise, HaveTheLengthOfAnyStep) {
+  constexpr double kPeriods = 250.0;
+  constexpr double kSigmas = 4.0;
+  constexpr double kLargestError = 0.02;  // of a period; the next end of a step adds 0.08
+  const auto length = [](double dt) {
+    const RunResult result = run(scene_of(in_a_bath(
+        tip_of_double_slips(kPeriods, "{ type = \"baoab\", dt = " + digits(dt) + " }"), 0.013)));
+    const ResultGroup& driver = result.driver(0);
+    return std::pair(*driver["mean_slip_length"],
+                     *driver["slip_length_deviation"] / std::sqrt(*driver["slips"]));
+  };
+  const auto [coarse, coarse_error] = length(0.47);
+  const auto [fine, fine_error] = length(0.06);
+  EXPECT_NEAR(coarse, fine, kSigmas * std::hypot(coarse_error, fine_error));
+  EXPECT_LT(std::hypot(coarse_error, fine_error), kLargestError);
+}
+
+/// A spring that starts stretched pulls its tip back over periods, with noise and without. It is
+/// not the driver's motion that does so, and the static force is that before the first slip.
+TEST(SlipStatistics, RelaxationFromTheStartIsNoSlip) {
+  constexpr double kRounding = 1e-12;
+  const TipScene still = tip(5.0, 2e-3, 8.0, adaptive(1e-8));
+  const TipScene shaking = tip(5.0, 2e-3, 8.0, R"({ type = "baoab", dt = 0.05 })");
+  for (const std::string& text : {still.text(), in_a_bath(shaking, 1e-6)}) {
+    for (const char* const start : {"[0.5]", "[-4.0]", "[-1.7]", "[4.5]"}) {
+      KeptSamples kept;
+      RunOptions options;
+      options.sink = &kept;
+      const RunResult result = run(scene_of(text, {{"force.driver.start", start}}), options);
+      const std::vector<Event> slips = kept.of(EventKind::slip);
+      ASSERT_FALSE(slips.empty()) << start;
+      for (const Event& slip : slips) EXPECT_GT(slip.size, 0.5) << start;
+      EXPECT_GT(slips.front().time, 0.1 / 2e-3) << start;
+      EXPECT_GE(*result.driver(0)["static_force"], (1.0 - kRounding) * slips.front().peak_force)
+          << start;
+    }
+  }
 }
 
 TEST(SlipsUnderNoise, LeadFromWellToWellHoweverFastThePointShakes) {

@@ -48,6 +48,25 @@ TEST(Window, InWhichTheBodyHasNotFollowedIsWarnedOf) {
   EXPECT_EQ(warnings_of(tip(0.0, 40.0, 0.02)), Briefs{"drivers.driver [run.window_not_steady]"});
 }
 
+/// The same where no force has a period: a body that creeps behind its driver.
+TEST(Window, InWhichTheBodyHasNotFollowedIsWarnedOfWithoutAPeriod) {
+  const auto found = [](double coefficient) {
+    return briefs(run_text(R"(
+body = [{ name = "slider", type = "point", position = [0.0], particle_mass = 1.0 }]
+force = [
+  { name = "driver", type = "driving_spring", stiffness = 0.3, velocity = [0.01] },
+  { type = "expression", force = ["-)" +
+                           digits(coefficient) + R"( * tanh(1e3 * vx) "] },
+]
+run = { duration = 200.0, integrator = { type = "dopri5" } }
+measure = { in = "time", from = 100.0, to = 200.0 }
+)")
+                      .warnings);
+  };
+  EXPECT_EQ(found(0.7), Briefs{"drivers.driver [run.window_not_steady]"});
+  EXPECT_EQ(found(0.1), Briefs{});
+}
+
 TEST(Window, OfFewSlipsIsWarnedOf) {
   EXPECT_EQ(warnings_of(tip(20.0, 40.0)), Briefs{"drivers.driver [run.few_slips]"});
 }
