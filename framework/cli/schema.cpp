@@ -372,7 +372,8 @@ Json sweep_schema() {
        {"refine", {{"type", "string"}, {"minLength", 1}}},
        {"refine_along", only("type", "string")},
        {"refine_to", {{"type", {"number", "string"}}}},
-       {"observables", list_of(only("type", "string"))}});
+       {"observables", list_of(only("type", "string"))},
+       {"files", {{"type", "object"}, {"additionalProperties", only("type", "string")}}}});
   schema["dependencies"] = {{"refine_along", {"refine"}}, {"refine_to", {"refine"}}};
   return schema;
 }

@@ -332,6 +332,9 @@ TableLayout sweep_layout() {
       {"repeats",
        "so many runs of each point, with independent noise: a first axis run.stream = 0, 1, ..."},
       {"observables", "what is kept of each run: dotted paths as in summary.json"},
+      {"files",
+       "texts of files by their names, which are taken in place of the files: the scene.toml of a "
+       "sweep has those that its axes name"},
   };
   return layout;
 }

@@ -25,7 +25,7 @@ std::string contents_of(const std::string& file) {
 SceneDocument::SceneDocument(const std::string& file) : file_(file) {
   try {
     text_ = contents_of(file_);
-    contents_ = parse_document(text_, file_);
+    parse();
   } catch (const InputError& error) {
     fault_ = error;
   }
@@ -34,10 +34,32 @@ SceneDocument::SceneDocument(const std::string& file) : file_(file) {
 SceneDocument::SceneDocument(std::string text, std::string file)
     : file_(std::move(file)), text_(std::move(text)) {
   try {
-    contents_ = parse_document(text_, file_);
+    parse();
   } catch (const InputError& error) {
     fault_ = error;
   }
+}
+
+void SceneDocument::parse() {
+  contents_ = parse_document(text_, file_);
+  std::map<std::string, std::string> texts = texts_of_files(*contents_);
+  if (!texts.empty()) texts_ = std::make_shared<FileTexts>(texts);
+}
+
+void SceneDocument::keep_files() { texts_ = std::make_shared<FileTexts>(files()); }
+
+std::map<std::string, std::string> SceneDocument::files() const {
+  return texts_ ? texts_->accepted() : std::map<std::string, std::string>();
+}
+
+Table SceneDocument::with(const std::vector<Setting>& settings) const {
+  if (fault_) throw InputError(*fault_);
+  const Source source(file_, text_, settings);
+  FaultList faults(source);
+  Table changed = *contents_;
+  apply_settings(settings, changed, faults);
+  faults.throw_if_any();
+  return changed;
 }
 
 std::vector<NamedLibrary> SceneDocument::libraries() const {
@@ -62,6 +84,7 @@ void SceneDocument::drop_sweep() {
 std::shared_ptr<const Scene> SceneDocument::read(const Registry& registry,
                                                  const std::vector<Setting>& settings) const {
   if (fault_) throw InputError(*fault_);
+  FileTextsInUse texts(texts_.get());
   const Source source(file_, text_, settings);
   FaultList faults(source);
   Table changed;
@@ -72,7 +95,9 @@ std::shared_ptr<const Scene> SceneDocument::read(const Registry& registry,
   const Table& document = settings.empty() ? *contents_ : changed;
   // What comes next evaluates them.
   if (!check_expressions(document, faults)) faults.throw_if_any();
-  return read_document(document, file_, source, registry, faults);
+  auto scene = read_document(document, file_, source, registry, faults);
+  texts.accept();
+  return scene;
 }
 
 std::shared_ptr<const Scene> read_scene(const std::string& file, const Registry& registry,

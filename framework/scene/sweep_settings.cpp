@@ -357,6 +357,8 @@ class SweepReader {
         } else {
           read_text(entry, settings_.refine.to, "a number");
         }
+      } else if (entry.key == "files") {
+        check_files(entry.value);
       } else if (entry.key == "observables") {
         settings_.observables = words(entry.value, "sweep.observables");
         settings_.observables_place = source_.place(entry.value.where);
@@ -382,6 +384,18 @@ class SweepReader {
       complain(entry.value, FaultCode::scene_wrong_type, key, "found " + kind_of(entry.value),
                admissible);
     }
+  }
+
+  /// texts_of_files() reads them.
+  void check_files(const Node& node) {
+    const Table* table = node.as<Table>();
+    const bool sound =
+        table != nullptr &&
+        std::all_of(table->entries.begin(), table->entries.end(),
+                    [](const Entry& one) { return one.value.as<std::string>() != nullptr; });
+    if (sound) return;
+    complain(node, FaultCode::scene_wrong_type, "sweep.files", "found " + kind_of(node),
+             "a table of names of files with their texts");
   }
 
   void report_unknown(const Entry& entry) {
@@ -484,6 +498,19 @@ std::optional<SweepSettings> sweep_settings(const Table& document, const Source&
   const Node* node = document.find("sweep");
   if (node == nullptr) return std::nullopt;
   return SweepReader(source, faults).read(*node);
+}
+
+std::map<std::string, std::string> texts_of_files(const Table& document) {
+  std::map<std::string, std::string> texts;
+  const Node* sweep = document.find("sweep");
+  const Table* table = sweep != nullptr ? sweep->as<Table>() : nullptr;
+  const Node* files = table != nullptr ? table->find("files") : nullptr;
+  table = files != nullptr ? files->as<Table>() : nullptr;
+  if (table == nullptr) return texts;
+  for (const Entry& entry : table->entries) {
+    if (const auto* text = entry.value.as<std::string>()) texts.emplace(entry.key, *text);
+  }
+  return texts;
 }
 
 void check_sweep(const Table& document, const Source& source, FaultList& faults) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -125,6 +126,9 @@ std::vector<SweepDimension> sweep_dimensions(const SweepSettings& settings,
 /// `[sweep]` of a document; nothing where there is none. Adds its faults.
 std::optional<SweepSettings> sweep_settings(const Table& document, const Source& source,
                                             std::vector<Fault>& faults);
+
+/// `[sweep] files` of a document: texts by names of files. What is none is left out.
+std::map<std::string, std::string> texts_of_files(const Table& document);
 
 /// The same for the sake of its faults, those of names that cannot be set included.
 void check_sweep(const Table& document, const Source& source, FaultList& faults);

@@ -2,13 +2,61 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "framework/core/records/body.hpp"
 #include "framework/core/text/number_file.hpp"
 
 namespace tomlin {
+
+/// Texts of files by the names that a scene has for them: each file is read once and has the same
+/// text from then on. Safe to call from several threads.
+class FileTexts {
+ public:
+  FileTexts() = default;
+  explicit FileTexts(const std::map<std::string, std::string>& accepted);
+
+  /// Those of scenes that were accepted. What another file holds is nobody's business.
+  std::map<std::string, std::string> accepted() const;
+  std::optional<std::string> find(const std::string& name) const;
+  void keep(const std::string& name, std::string_view text);
+  void accept(const std::set<std::string>& names);
+
+ private:
+  struct Text {
+    std::string text;
+    bool accepted = false;
+  };
+  mutable std::mutex mutex_;
+  std::map<std::string, Text> texts_;
+};
+
+/// While this lives, fetch_text() takes texts from here in this thread, and keeps there what it has
+/// read. Null: it reads files.
+class FileTextsInUse {
+ public:
+  explicit FileTextsInUse(FileTexts* texts);
+  ~FileTextsInUse();
+  FileTextsInUse(const FileTextsInUse&) = delete;
+  FileTextsInUse& operator=(const FileTextsInUse&) = delete;
+
+  std::optional<std::string> find(const std::string& name);
+  /// What stands in a file, which is UTF-8 from now on: bytes that are not are replaced.
+  void keep(const std::string& name, std::string& text);
+  /// The scene is accepted that these texts were for.
+  void accept();
+
+ private:
+  FileTexts* texts_;
+  FileTextsInUse* before_;
+  std::set<std::string> names_;
+};
 
 /// What stands in a file that a scene names, or why it cannot be had.
 struct FetchedText {

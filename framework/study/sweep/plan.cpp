@@ -4,7 +4,9 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -18,6 +20,7 @@
 #include "framework/run/observables.hpp"
 #include "framework/scene/document.hpp"
 #include "framework/scene/effective.hpp"
+#include "framework/scene/settings.hpp"
 #include "framework/scene/text.hpp"
 #include "framework/study/trial_run.hpp"
 
@@ -80,6 +83,7 @@ SweepPlan::SweepPlan(SceneDocument document, const Registry& registry,
       sweep_(std::move(sweep)),
       program_version_(std::move(program_version)) {
   document_.drop_sweep();
+  document_.keep_files();
   find_points(faults);
   for (std::size_t axis = 0; axis < axes().size(); ++axis) check_axis(axis, faults);
   find_scene(faults);
@@ -169,10 +173,11 @@ std::shared_ptr<const Scene> SweepPlan::scene_at(std::size_t point) const {
 }
 
 /// What is wrong with setting n of these, whatever else the scene says.
-std::optional<Fault> SweepPlan::fault_of(const std::vector<Setting>& settings,
-                                         std::size_t n) const {
+std::optional<Fault> SweepPlan::fault_of(const std::vector<Setting>& settings, std::size_t n) {
   try {
-    document_.read(registry_, settings);
+    const auto scene = document_.read(registry_, settings);
+    const std::string text = without_plugin_paths(scene->effective_toml);
+    contents_ = checksum_of(std::as_bytes(std::span(text)), contents_);
   } catch (const InputError& error) {
     Extent of_setting;
     of_setting.setting = static_cast<std::uint32_t>(n + 1);
@@ -188,7 +193,7 @@ std::optional<Fault> SweepPlan::fault_of(const std::vector<Setting>& settings,
 
 /// A value is wrong where it is so without the other axes and at the first point that has it. One
 /// that only does not go together with the others is left to its points.
-void SweepPlan::check_axis(std::size_t index, std::vector<Fault>& faults) const {
+void SweepPlan::check_axis(std::size_t index, std::vector<Fault>& faults) {
   const SweepAxis& axis = axes()[index];
   const std::size_t before = faults.size();
   for (std::size_t k = 0; k < axis.values.size(); ++k) {
@@ -306,8 +311,44 @@ std::string SweepPlan::axis_title(std::size_t axis) const {
   return taken ? "parameters." + name : name;
 }
 
-std::string SweepPlan::write_scene() const {
-  std::string text = scene_->effective_toml;
+/// The effective scene has by value what its files hold. A component of which axes change the file,
+/// or what is taken from it, stands as it was written, and the files are given with the scene.
+std::string SweepPlan::scene_without_sweep() {
+  const std::map<std::string, std::string> read = document_.files();
+  if (read.empty()) return scene_->effective_toml;
+  std::optional<Table> effective;
+  const Table written = document_.with(settings_);
+  for (const char* kind : {"body", "force"}) {
+    const Node* const components = written.find(kind);
+    const List* const list = components != nullptr ? components->as<List>() : nullptr;
+    for (std::size_t k = 0; list != nullptr && k < list->size(); ++k) {
+      const auto* const table = (*list)[k].as<Table>();
+      if (table == nullptr) continue;
+      const std::string path = fmt::format("{}.{}.", kind, name_of(*table));
+      std::set<std::string> names;
+      bool is_swept = false;
+      for (const SweepAxis& axis : axes()) {
+        if (!axis.name.starts_with(path)) continue;
+        is_swept = true;
+        for (std::size_t v = 0; !axis.values.numeric() && v < axis.values.size(); ++v) {
+          names.insert(axis.values.plain_text(v));
+        }
+      }
+      for (const Entry& entry : table->entries) {
+        if (const auto* text = entry.value.as<std::string>()) names.insert(*text);
+      }
+      std::erase_if(names, [&read](const std::string& name) { return !read.contains(name); });
+      if (!is_swept || names.empty()) continue;
+      for (const std::string& name : names) files_.emplace(name, read.at(name));
+      if (!effective) effective = parse_document(scene_->effective_toml, scene_->file);
+      (*effective->find(kind)->as<List>())[k] = (*list)[k];
+    }
+  }
+  return effective ? to_toml(*effective) : scene_->effective_toml;
+}
+
+std::string SweepPlan::write_scene() {
+  std::string text = scene_without_sweep();
   text += fmt::format("\n[sweep]\nobservables = [{}]\n", fmt::join(in_quotes(paths_), ", "));
   if (!sweep_.zips.empty()) {
     std::vector<std::string> groups;
@@ -337,6 +378,10 @@ std::string SweepPlan::write_scene() const {
     }
     text += quoted_text(axis.name) + " = " + values + "\n";
   }
+  if (!files_.empty()) text += "\n[sweep.files]\n";
+  for (const auto& [name, content] : files_) {
+    text += fmt::format("{} = {}\n", quoted_text(name), quoted_text(content));
+  }
   return text;
 }
 
@@ -344,6 +389,7 @@ std::uint64_t SweepPlan::find_identity() const {
   std::string text = program_version_ + "\n" + without_plugin_paths(scene_text()) + "\n";
   for (const Library& library : scene_->libraries) text += library.hash + "\n";
   for (const SweepColumn& column : columns_) text += column.name + "\n";
+  text += fmt::format("{:x}\n", contents_);
   return checksum_of(std::as_bytes(std::span(text)), 0);
 }
 

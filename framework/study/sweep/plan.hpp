@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -125,7 +126,9 @@ class SweepPlan {
   std::string axis_title(std::size_t axis) const;
   /// The scene with `[sweep]` as it was asked for: `tomlin sweep` of it is the same sweep.
   const std::string& scene_text() const { return scene_text_; }
-  /// The same for the same program, scene, plugins, axes and observables, and for no other.
+  /// Texts of the files that axes name, or components that axes change, by their names.
+  const std::map<std::string, std::string>& files() const { return files_; }
+  /// The same for the same program, scene, plugins, files, axes and observables, and for no other.
   std::uint64_t identity() const { return identity_; }
 
  private:
@@ -136,14 +139,15 @@ class SweepPlan {
   }
   void find_points(std::vector<Fault>& faults);
   void find_scene(std::vector<Fault>& faults);
-  void check_axis(std::size_t axis, std::vector<Fault>& faults) const;
+  void check_axis(std::size_t axis, std::vector<Fault>& faults);
   std::vector<Setting> all_settings_at(std::size_t point) const;
-  std::optional<Fault> fault_of(const std::vector<Setting>& settings, std::size_t n) const;
+  std::optional<Fault> fault_of(const std::vector<Setting>& settings, std::size_t n);
   void find_observables(std::vector<Fault>& faults);
   void find_observable(const RunResult& result, const std::string& given, const Place& place,
                        std::vector<Fault>& faults);
   void name_columns();
-  std::string write_scene() const;
+  std::string scene_without_sweep();
+  std::string write_scene();
   std::uint64_t find_identity() const;
 
   SceneDocument document_;
@@ -162,6 +166,8 @@ class SweepPlan {
   std::vector<SweepObservable> observables_;
   std::vector<std::string> paths_;
   std::vector<SweepColumn> columns_;
+  std::map<std::string, std::string> files_;
+  std::uint64_t contents_ = 0;  ///< checksum of the scenes that values of axes give alone
   std::string scene_text_;
   std::uint64_t identity_ = 0;
 };
