@@ -106,7 +106,7 @@ std::vector<LennardJonesEntry> parse_lennard_jones(std::string_view text,
     for (std::size_t k = 0; k < 2; ++k) {
       const PlacedWord& species = words[first + k];
       if (!is_species_name(species.word)) {
-        refuse(species.line, fmt::format("\"{}\" is not a name of a species", species.word));
+        refuse(species.line, fmt::format("column {} is not a name of a species", species.column));
         return {};
       }
       entry.species[k] = std::string(species.word);
@@ -120,7 +120,7 @@ std::vector<LennardJonesEntry> parse_lennard_jones(std::string_view text,
         why = k == 0 ? "is a negative epsilon" : "is no positive sigma";
       }
       if (why.empty()) continue;
-      refuse(number.line, fmt::format("\"{}\" {}", number.word, why));
+      refuse(number.line, fmt::format("column {} {}", number.column, why));
       return {};
     }
     if (lennard_jones_of(entries, Mixing::none, entry.species[0], entry.species[1])) {

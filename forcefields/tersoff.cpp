@@ -199,19 +199,19 @@ std::vector<TersoffEntry> parse_tersoff(std::string_view text, const std::string
     }
     TersoffEntry entry;
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::string_view species = words[first + k].word;
-      if (!is_species_name(species)) {
-        refuse(words[first + k].line, fmt::format("\"{}\" is not a name of a species", species));
+      const PlacedWord& species = words[first + k];
+      if (!is_species_name(species.word)) {
+        refuse(species.line, fmt::format("column {} is not a name of a species", species.column));
         return {};
       }
-      entry.species[k] = std::string(species);
+      entry.species[k] = std::string(species.word);
     }
     for (std::size_t k = 0; k < kNumbers.size(); ++k) {
       const PlacedWord& word = words[first + 3 + k];
       std::string why;
       entry.numbers.*kNumbers[k] = parse_number(word.word, why);
       if (why.empty()) continue;
-      refuse(word.line, fmt::format("\"{}\" {}", word.word, why));
+      refuse(word.line, fmt::format("column {} {}", word.column, why));
       return {};
     }
     if (const std::string why = why_unsuitable(entry); !why.empty()) refuse(line, why);
