@@ -1,6 +1,7 @@
 #include "framework/cli/inputs.hpp"
 
 #include <filesystem>
+#include <iostream>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -10,6 +11,7 @@
 
 #include "framework/core/text/fault.hpp"
 #include "framework/core/text/text_file.hpp"
+#include "framework/output/journal.hpp"
 #include "framework/output/output_file.hpp"
 
 namespace tomlin {
@@ -63,6 +65,13 @@ void refuse_to_lose_inputs(const RunFolder& folder, const Scene& scene,
 void refuse_to_lose_inputs(const RunFolder& folder, const Scene& scene,
                            std::span<const char* const> names) {
   refuse_to_lose_inputs(folder, scene, names, scene.effective_toml);
+}
+
+void note_missing_locks(const RunFolder& folder, bool quiet) {
+  if (quiet || !folder.lacks_locks()) return;
+  std::cerr << fmt::format(
+      "note: the file system of {} has no locks: {} keeps other programs away\n",
+      folder.path().string(), folder.file(kLockFile).string());
 }
 
 }  // namespace tomlin

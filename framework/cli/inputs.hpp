@@ -16,4 +16,8 @@ void refuse_to_lose_inputs(const RunFolder& folder, const Scene& scene,
 void refuse_to_lose_inputs(const RunFolder& folder, const Scene& scene,
                            std::span<const char* const> names);
 
+/// Says on standard error, where the file system of an owned folder has no locks, which file stands
+/// for one.
+void note_missing_locks(const RunFolder& folder, bool quiet);
+
 }  // namespace tomlin

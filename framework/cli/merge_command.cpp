@@ -10,12 +10,14 @@
 
 #include <fmt/format.h>
 
+#include "framework/cli/build_version.hpp"
 #include "framework/cli/command.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/inputs.hpp"
 #include "framework/cli/options.hpp"
 #include "framework/cli/plugins.hpp"
 #include "framework/cli/print_result.hpp"
+#include "framework/cli/stop_signals.hpp"
 #include "framework/cli/sweep_folder.hpp"
 #include "framework/cli/sweep_text.hpp"
 #include "framework/core/text/fault.hpp"
@@ -54,12 +56,13 @@ DIR then holds what one sweep of all points leaves, with the same bytes but for 
 sweep.json. It may hold rows of the same sweep already, as from an earlier merge; the other folders
 stay as they are, with their traces. Where points are missing, their number and the first one are
 shown and DIR has no tables yet: merge the folders of these points into it later, or run the points
-there, by the command of the sweep without --shard and with -o DIR.
+there, by the command of the sweep without --shard and with -o DIR. A merge that was stopped or
+killed is continued by the same command.
 
 Two folders with different rows for the same point are refused: the same program gives the same rows.
 
 Exit status: 0 every point has a row; 1 points are missing, or the results could not be written; 2
-the input was not right, and nothing was written.)";
+the input was not right, and nothing was written; 130 or 143 after an interrupt.)";
 
 void add_options(CLI::App& parser, MergeArguments& arguments) {
   parser.add_option("DIR", arguments.folders, "the folders of the shards")
@@ -101,7 +104,7 @@ SweepPlan plan_in(const fs::path& folder, Registry& registry) {
     refuse_input(FaultCode::command_conflict, file, "sweep.refine",
                  "a sweep that is refined has no shards", "folders of --shard I/N");
   }
-  return SweepPlan(std::move(document), registry, {}, *std::move(settings), TOMLIN_VERSION,
+  return SweepPlan(std::move(document), registry, {}, *std::move(settings), build_version(),
                    std::move(faults));
 }
 
@@ -171,28 +174,34 @@ int merge_into(const fs::path& path, const SweepPlan& plan,
   refuse_to_lose_inputs(folder, plan.scene(), kSweepFiles, plan.scene_text());
   if (arguments.force) refuse_to_lose_inputs(folder, plan.scene(), kFilesOfARun);
   folder.own();
+  note_missing_locks(folder, arguments.quiet);
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
+  const StopSignals signals;
   if (arguments.force) {
     folder.remove_run();
     folder.remove(kSweepJournalFile);
-    remove_points(folder.file(kPointsFolder));
+    remove_points(folder.opened() / kPointsFolder);
   }
   for (const char* name : kSweepResults) folder.remove(name);
-  folder.write_file(kSceneFile, plan.scene_text());
+  folder.require_in_place();
   SweepProgress progress;
   progress.points = plan.points();
   {
+    // It comes first: whatever else is there, the rows so far are merged again from it.
     SweepJournal journal(folder.file(kSweepJournalFile), plan);
-    merge_rows(plan, journals, journal);
+    folder.write_file(kSceneFile, plan.scene_text());
+    merge_rows(plan, journals, journal, signals.stop());
   }
+  if (signals.stop()) return kExitSignal + signals.caught();
   // What is there now has been written and can be read.
-  const SweepJournal journal(folder.file(kSweepJournalFile), plan, SweepJournal::Use::read);
+  SweepJournal journal(folder.file(kSweepJournalFile), plan);
   for (std::size_t k = 0; k < plan.points(); ++k) progress.before += journal.has(k) ? 1 : 0;
   std::optional<SweepCounts> counts;
   if (progress.complete()) counts = write_sweep_results(folder, plan, journal);
   const SweepCounts* const known = counts ? &*counts : nullptr;
   folder.write_file(kSweepSummaryFile, sweep_json(plan, progress, known, 1, std::nullopt));
+  if (counts) journal.complete(counts->status());
   int status = kExitDone;
   if (!arguments.quiet) {
     status = print_result(merge_text(plan, progress, known, first_without_row(plan, journal),

@@ -10,24 +10,26 @@ RecordedSweep record_sweep(RunFolder& folder, SweepPlan& plan, const RecordedSwe
   if (asked.begins_anew) {
     folder.remove_run();
     folder.remove(kSweepJournalFile);
-    remove_points(folder.file(kPointsFolder));
+    remove_points(folder.opened() / kPointsFolder);
   }
   RecordedSweep recorded;
   recorded.shard = asked.shard;
+  folder.require_in_place();
   SweepJournal journal(folder.file(kSweepJournalFile), plan);
   // Where one of them is, it belongs to all rows.
   const bool had_all = holds_all_results(folder);
-  bool is_complete = true;
-  for (std::size_t k = 0; k < plan.points() && is_complete; ++k) is_complete = journal.has(k);
+  bool is_over = true;
+  for (std::size_t k = 0; k < plan.points() && is_over; ++k) is_over = journal.has(k);
   SweepBisection bisection(plan, journal);
-  if (plan.refinement() && is_complete) is_complete = !bisection.add_points();
-  recorded.over_before = had_all && is_complete && asked.traced.empty();
+  if (plan.refinement() && is_over) is_over = !bisection.add_points();
+  recorded.over_before = had_all && is_over && journal.ended() && asked.traced.empty();
   if (recorded.over_before) {
+    recorded.status = *journal.ended();
     recorded.bisections = bisection.all();
     return recorded;
   }
-  if (had_all && is_complete) recorded.shard.reset();  // the results are those of the whole sweep
-  if (!is_complete) {
+  if (had_all && is_over) recorded.shard.reset();  // the results are those of the whole sweep
+  if (!is_over) {
     for (const char* name : kSweepResults) folder.remove(name);
   }
   folder.write_file(kSceneFile, plan.scene_text());
@@ -36,7 +38,7 @@ RecordedSweep record_sweep(RunFolder& folder, SweepPlan& plan, const RecordedSwe
   SweepOptions options;
   options.threads = asked.threads;
   options.part = part;
-  options.folder = folder.file(kPointsFolder);
+  options.folder = folder.opened() / kPointsFolder;
   options.traced = asked.traced;
   options.stop = asked.stop;
   if (plan.refinement()) options.add_points = [&bisection] { return bisection.add_points(); };
@@ -44,7 +46,7 @@ RecordedSweep record_sweep(RunFolder& folder, SweepPlan& plan, const RecordedSwe
   recorded.progress = asked.server != nullptr ? asked.server->run(plan, journal, options)
                                               : run_sweep(plan, journal, options);
   if (recorded.progress.complete()) {
-    remove_if_empty(folder.file(kPointsFolder));
+    remove_if_empty(options.folder);
     recorded.counts = recorded.shard ? count_rows(plan, journal, part)
                                      : write_sweep_results(folder, plan, journal);
   }
@@ -53,6 +55,10 @@ RecordedSweep record_sweep(RunFolder& folder, SweepPlan& plan, const RecordedSwe
       kSweepSummaryFile,
       sweep_json(plan, recorded.progress, recorded.counts ? &*recorded.counts : nullptr,
                  asked.threads, recorded.shard, recorded.bisections));
+  if (recorded.counts && !recorded.shard) {
+    recorded.status = recorded.counts->status();
+    journal.complete(recorded.status);
+  }
   return recorded;
 }
 

@@ -22,6 +22,7 @@ struct RecordedSweep {
   std::optional<SweepCounts> counts;  ///< where all points, or all of a shard, have a row
   std::optional<SweepPart> shard;     ///< nothing where the results are those of the whole sweep
   std::vector<Bisection> bisections;
+  SweepStatus status = SweepStatus::finished;  ///< `refused` where every point is
   bool over_before = false;  ///< there was nothing left to do, and nothing was touched
 };
 

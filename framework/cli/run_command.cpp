@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "framework/cli/build_version.hpp"
 #include "framework/cli/command.hpp"
 #include "framework/cli/crash_note.hpp"
 #include "framework/cli/exit_status.hpp"
@@ -109,7 +110,7 @@ Occupied occupied(const RunArguments& arguments) {
 }
 
 Resumption resumption(const RunArguments& arguments, const RunFolder& folder, const Scene& scene) {
-  if (arguments.resume) return find_resumption(folder, scene, TOMLIN_VERSION);
+  if (arguments.resume) return find_resumption(folder, scene, build_version());
   return start_again(folder);
 }
 
@@ -178,6 +179,7 @@ int run_scene(const RunArguments& arguments) {
     return already_over(folder, *scene, found, arguments.quiet);
   }
   folder.own(found.journal);
+  note_missing_locks(folder, arguments.quiet);
   // A full disk or a reader that went away is an error that is reported, not the end.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
@@ -185,7 +187,7 @@ int run_scene(const RunArguments& arguments) {
   ProgressLine progress(arguments.quiet ? ProgressLine::Style::silent : progress_style(),
                         scene->run.accuracy ? "pilot: looking for the integrator" : "");
   RecordedRunOptions options;
-  options.program_version = TOMLIN_VERSION;
+  options.program_version = build_version();
   options.before = arguments.resume ? StoreFile::Before::read : StoreFile::Before::ignore;
   options.stop = &signals.stop();
   const std::unique_ptr<ThreadTeam> team = team_of(arguments.threads);

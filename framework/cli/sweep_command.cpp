@@ -16,6 +16,7 @@
 
 #include <fmt/format.h>
 
+#include "framework/cli/build_version.hpp"
 #include "framework/cli/command.hpp"
 #include "framework/cli/exit_status.hpp"
 #include "framework/cli/inputs.hpp"
@@ -139,8 +140,8 @@ Ctrl-C ends a sweep early. A sweep that was stopped or killed is continued by th
 points with a row are not run again, those with a checkpoint resume from it, and the results have the
 bytes of a sweep that was left alone.
 
-Exit status: 0 every point has a row; 1 the results could not be written; 2 the input was not right,
-and nothing was written; 130 or 143 after an interrupt.)";
+Exit status: 0 every point has a row; 1 the results could not be written, or every point was refused;
+2 the input was not right, and nothing was written; 130 or 143 after an interrupt.)";
 
 std::string default_sweep_folder(const std::string& scene_file,
                                  const std::optional<SweepPart>& shard) {
@@ -329,7 +330,7 @@ SweepPlan plan_of(SceneDocument document, const Registry& registry,
   std::vector<Fault> faults;
   SweepSettings settings = settings_of(document, arguments, faults);
   return SweepPlan(std::move(document), registry, arguments.settings, std::move(settings),
-                   TOMLIN_VERSION, std::move(faults));
+                   build_version(), std::move(faults));
 }
 
 /// An axis whose values have independent noise each.
@@ -431,6 +432,7 @@ int sweep(const SweepArguments& arguments, RequestedSweep& requested, std::size_
   refuse_to_lose_inputs(folder, plan.scene(), kSweepFiles, plan.scene_text());
   if (arguments.force) refuse_to_lose_inputs(folder, plan.scene(), kFilesOfARun);
   folder.own();
+  note_missing_locks(folder, arguments.quiet);
   ignore_signals_of_writing();
   StopSignals signals;
   ProgressLine progress_line(arguments.quiet ? ProgressLine::Style::silent : progress_style());
@@ -446,15 +448,17 @@ int sweep(const SweepArguments& arguments, RequestedSweep& requested, std::size_
   };
   const RecordedSweep run = record_sweep(folder, plan, options);
   progress_line.finish();
+  int status = run.status == SweepStatus::refused ? kExitFailed : kExitDone;
   if (run.over_before) {
-    if (arguments.quiet) return kExitDone;
-    return print_result("finished already; nothing to do\n  results  " +
-                        where_the_sweep_is(folder) + "\n");
+    if (arguments.quiet) return status;
+    return std::max(status, print_result("finished already; nothing to do\n  results  " +
+                                         where_the_sweep_is(folder) + "\n"));
   }
-  int status = kExitDone;
   if (!arguments.quiet) {
-    status = print_result(sweep_text(plan, run.progress, run.counts ? &*run.counts : nullptr,
-                                     where_the_sweep_is(folder), run.shard, run.bisections));
+    const int printed =
+        print_result(sweep_text(plan, run.progress, run.counts ? &*run.counts : nullptr,
+                                where_the_sweep_is(folder), run.shard, run.bisections));
+    status = std::max(status, printed);
   }
   const bool is_done = run.counts && run.progress.traces_left == 0;
   if (is_done) return status;

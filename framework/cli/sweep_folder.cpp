@@ -1,12 +1,17 @@
 #include "framework/cli/sweep_folder.hpp"
 
 #include <algorithm>
+#include <string>
 #include <system_error>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "framework/core/text/fault.hpp"
 #include "framework/output/output_file.hpp"
 #include "framework/output/record.hpp"
+#include "framework/scene/scene_document.hpp"
+#include "framework/scene/text.hpp"
 #include "framework/study/sweep/line_end.hpp"
 
 namespace tomlin {
@@ -22,6 +27,19 @@ SweepJournal::Found found_in(const fs::path& folder, const SweepPlan& plan) {
   }
 }
 
+/// The files that axes name may be what has changed since the sweep was begun.
+void refuse_changed_files(const fs::path& folder, const SweepPlan& plan) {
+  std::vector<std::string> changed;
+  for (const auto& [name, text] : SceneDocument((folder / kSceneFile).string()).files()) {
+    const auto now = plan.files().find(name);
+    if (now != plan.files().end() && now->second != text) changed.push_back(name);
+  }
+  if (changed.empty()) return;
+  refuse_input(FaultCode::resume_other_scene, "-o", folder.string(),
+               fmt::format("files have changed since this sweep was begun: {}", listed(changed)),
+               "the files as they were, another folder, or --force, which replaces that sweep");
+}
+
 }  // namespace
 
 Occupied occupied_by_sweep(const fs::path& folder, const SweepPlan& plan, bool force) {
@@ -33,6 +51,7 @@ Occupied occupied_by_sweep(const fs::path& folder, const SweepPlan& plan, bool f
     case SweepJournal::Found::same_sweep:
       return Occupied::go_on;
     case SweepJournal::Found::other_sweep:
+      refuse_changed_files(folder, plan);
       refuse_input(FaultCode::resume_other_scene, "-o", folder.string(),
                    "this folder is of another sweep: of another scene, other axes or observables",
                    "another folder, or --force, which replaces that sweep");
@@ -85,7 +104,9 @@ void remove_points(const fs::path& folder) {
 SweepCounts write_sweep_results(const RunFolder& folder, const SweepPlan& plan,
                                 const SweepJournal& journal) {
   SweepCounts counts = count_rows(plan, journal);
+  folder.require_in_place();
   write_sweep_table(folder.file(kSweepTableFile), plan, journal);
+  folder.require_in_place();
   write_sweep_arrays(folder.file(kSweepArraysFile), plan, journal);
   return counts;
 }

@@ -31,6 +31,11 @@ struct Checkpoint {
 /// and their content is compared by its hash. As many lines as before.
 std::string without_plugin_paths(std::string_view effective_toml);
 
+/// "0.1.0" of "0.1.0+0123456789abcdef": what results say. Checkpoints and journals have all of it.
+inline std::string release_of(const std::string& program_version) {
+  return program_version.substr(0, program_version.find('+'));
+}
+
 /// What stands for a scene's text in a checkpoint; where its plugins lie does not matter.
 std::uint64_t scene_fingerprint(std::string_view effective_toml);
 

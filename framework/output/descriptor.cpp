@@ -3,6 +3,7 @@
 #include <cerrno>
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 
 namespace tomlin {
@@ -45,6 +46,15 @@ std::ptrdiff_t read_at(const Descriptor& file, std::span<std::byte> bytes, std::
 int synchronise(const Descriptor& file) {
   // Some file systems have no fsync; then there is nothing to wait for.
   return ::fsync(file.number()) == 0 || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
+}
+
+LockOutcome lock(const Descriptor& file) {
+  int outcome = 0;
+  do {
+    outcome = ::flock(file.number(), LOCK_EX | LOCK_NB);
+  } while (outcome != 0 && errno == EINTR);
+  if (outcome == 0) return LockOutcome::taken;
+  return errno == EWOULDBLOCK ? LockOutcome::held : LockOutcome::not_known;
 }
 
 void synchronise_folder_of(const std::filesystem::path& file) {

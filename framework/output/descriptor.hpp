@@ -41,6 +41,13 @@ int write_at(const Descriptor& file, std::span<const std::byte> bytes, std::size
 std::ptrdiff_t read_at(const Descriptor& file, std::span<std::byte> bytes, std::size_t at);
 /// Waits until the file is on the disk. 0, or the reason why it is not.
 int synchronise(const Descriptor& file);
+/// An exclusive lock of an open file, which goes with its last descriptor.
+enum class LockOutcome {
+  taken,
+  held,       ///< by another program
+  not_known,  ///< the file system has no locks
+};
+LockOutcome lock(const Descriptor& file);
 /// So that the names in a file's folder survive a power cut; the files themselves do not need it.
 void synchronise_folder_of(const std::filesystem::path& file);
 /// Whether the open file is the one of this name.

@@ -7,7 +7,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -131,19 +130,24 @@ double journal_bytes_per_row(const RunLayout& layout) {
   return static_cast<double>(row) + static_cast<double>(kAround) / static_cast<double>(rows);
 }
 
-Descriptor own_journal(const fs::path& file, Absent absent) {
+Descriptor own_journal(const fs::path& file, Absent absent, LockFile* instead) {
   const int flags = O_RDWR | O_NOFOLLOW | O_CLOEXEC | (absent == Absent::make_it ? O_CREAT : 0);
   Descriptor journal(::open(file.c_str(), flags, 0666));
   if (!journal.open()) {
     if (errno == ENOENT && absent == Absent::leave_it) return journal;
     throw OutputError(file, errno);
   }
-  // Where a file system knows no locks there is no protection, but there are runs.
-  const bool taken = ::flock(journal.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  if (taken || !is_at(journal, file)) {
+  const LockOutcome outcome = lock(journal);
+  if (outcome == LockOutcome::held || !is_at(journal, file)) {
     throw JournalInUse(fmt::format("{}: another run is writing here", file.string()));
   }
-  return journal;
+  if (outcome == LockOutcome::taken || instead == nullptr || instead->taken()) return journal;
+  const fs::path lock_file = file.parent_path() / kLockFile;
+  const std::string holder = instead->take(lock_file);
+  if (holder.empty()) return journal;
+  throw JournalInUse(
+      fmt::format("{} is writing here, as {} says; if it has ended, remove that file", holder,
+                  lock_file.string()));
 }
 
 JournalWriter::JournalWriter(fs::path file, Descriptor owned, const JournalHeader& header)

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "framework/output/descriptor.hpp"
+#include "framework/output/lock_file.hpp"
 #include "framework/output/output_file.hpp"
 #include "framework/output/record.hpp"
 #include "framework/run/run.hpp"
@@ -46,11 +47,16 @@ class JournalInUse : public OutputError {
   using OutputError::OutputError;
 };
 
+/// Beside a journal, where the file system has no locks.
+inline constexpr const char* kLockFile = "run.lock";
+
 enum class Absent { make_it, leave_it };
 
 /// The journal of this name, opened for writing; whoever has it has the folder. Where there is none
 /// it is made, empty, or what comes back is not open. Throws JournalInUse or OutputError.
-Descriptor own_journal(const std::filesystem::path& file, Absent absent);
+/// Where the file system has no locks, `instead` keeps others away; null: nothing does.
+Descriptor own_journal(const std::filesystem::path& file, Absent absent,
+                       LockFile* instead = nullptr);
 
 /// Appends to a journal, which no other program may write to meanwhile. Everything throws
 /// OutputError; after that nothing more can be written.

@@ -8,7 +8,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 namespace tomlin {
@@ -20,7 +19,7 @@ int remove_left(const std::filesystem::path& file) {
   const Descriptor left(::open(file.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   // What cannot be opened, a link say, nobody is writing.
   if (left.open()) {
-    if (::flock(left.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return EBUSY;
+    if (lock(left) == LockOutcome::held) return EBUSY;
     if (!is_at(left, file)) return 0;  // somebody else has taken it away
   }
   return ::unlink(file.c_str()) == 0 || errno == ENOENT ? 0 : errno;
@@ -45,8 +44,8 @@ OutputFile::OutputFile(std::filesystem::path file)
     if (const int error = remove_left(unfinished_)) fail(error);
   }
   if (!descriptor_.open()) fail(EBUSY);
-  // Where a file system knows no locks there is no protection.
-  ::flock(descriptor_.number(), LOCK_EX | LOCK_NB);
+  // Where a file system has no locks, whoever has the folder is the only one to write here.
+  lock(descriptor_);
 }
 
 OutputFile::~OutputFile() {

@@ -274,10 +274,10 @@ Resumption without_journal(const RunFolder& folder, const Scene& scene, const En
 /// Not open when there is none.
 Descriptor own_existing(const RunFolder& folder) {
   try {
-    return own_journal(folder.file(kJournalFile), Absent::leave_it);
-  } catch (const JournalInUse&) {
-    refuse_input(FaultCode::folder_in_use, "-o", folder.path().string(),
-                 "another run is writing here", "another folder");
+    return folder.own_existing_journal();
+  } catch (const JournalInUse& error) {
+    refuse_input(FaultCode::folder_in_use, "-o", folder.path().string(), error.what(),
+                 "another folder");
   } catch (const OutputError& error) {
     refuse_input(FaultCode::file_cannot_write, "-o", folder.path().string(), error.what(),
                  kStartAgain);

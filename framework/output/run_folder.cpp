@@ -78,6 +78,7 @@ RunFolder::~RunFolder() {
     // What was found before the run began is of no use without it.
     for (const char* name : {kStoreFile, kJournalFile}) ::unlink(file(name).c_str());
   }
+  lock_file_.release();
   // rmdir takes empty folders only.
   std::for_each(made_.rbegin(), made_.rend(), [](const fs::path& path) { ::rmdir(path.c_str()); });
 }
@@ -106,6 +107,7 @@ void RunFolder::check_folder() const {
 bool RunFolder::is_unused() const {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error)) {
+    if (entry.path().filename() == kLockFile) continue;
     if (entry.path().filename() != kJournalFile) return false;
     if (!entry.is_regular_file(error) || entry.file_size(error) != 0 || error) return false;
   }
@@ -132,7 +134,11 @@ bool RunFolder::holds_any_run() const {
 
 bool RunFolder::holds(std::string_view name) const {
   std::error_code error;
-  return fs::exists(fs::symlink_status(file(name), error));
+  const fs::file_status status = fs::symlink_status(file(name), error);
+  if (status.type() == fs::file_type::none) {
+    refuse_folder(FaultCode::file_cannot_read, file(name), "cannot be read: " + error.message());
+  }
+  return fs::exists(status);
 }
 
 void RunFolder::check_place_for_new() const {
@@ -171,14 +177,24 @@ void RunFolder::create() {
   }
 }
 
+Descriptor RunFolder::own_existing_journal() const {
+  return own_journal(file(kJournalFile), Absent::leave_it, &lock_file_);
+}
+
+fs::path RunFolder::opened() const {
+  const fs::path path = fmt::format("/proc/self/fd/{}", descriptor_.number());
+  std::error_code error;
+  return descriptor_.open() && fs::is_directory(path, error) ? path : folder_;
+}
+
 void RunFolder::own(Descriptor& journal) {
   create();
+  descriptor_ = Descriptor(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!journal.open()) {
     try {
-      journal = own_journal(file(kJournalFile), Absent::make_it);
-    } catch (const JournalInUse&) {
-      refuse_folder(FaultCode::folder_in_use, folder_, "another run is writing here",
-                    "another folder");
+      journal = own_journal(file(kJournalFile), Absent::make_it, &lock_file_);
+    } catch (const JournalInUse& error) {
+      refuse_folder(FaultCode::folder_in_use, folder_, error.what(), "another folder");
     } catch (const OutputError& error) {
       refuse_folder(FaultCode::file_cannot_write, folder_, error.what());
     }
@@ -214,6 +230,14 @@ void RunFolder::look_again() const {
 
 bool RunFolder::in_place() const { return is_at(lock_, file(kJournalFile)); }
 
+void RunFolder::require_in_place() const {
+  if (in_place()) return;
+  throw OutputError(
+      fmt::format("cannot write to {}: it has gone; the folder was removed or replaced during the "
+                  "run",
+                  folder_.string()));
+}
+
 void RunFolder::remove_results() {
   for (const char* name : kResultFiles) remove(name);
   // What a killed run left would be in the way of the same files.
@@ -230,6 +254,7 @@ void RunFolder::remove_run() {
 }
 
 void RunFolder::remove(std::string_view name) {
+  if (lock_.open()) require_in_place();
   if (::unlink(file(name).c_str()) != 0 && errno != ENOENT) {
     throw OutputError(fmt::format("cannot replace {}: {}", file(name).string(), message(errno)));
   }
@@ -237,6 +262,7 @@ void RunFolder::remove(std::string_view name) {
 
 void RunFolder::write_file(std::string_view name, std::string_view text) const {
   OutputFile output(file(name));
+  if (lock_.open()) require_in_place();
   output.append(text);
   output.publish();
   written_ = true;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "framework/output/descriptor.hpp"
+#include "framework/output/lock_file.hpp"
 #include "framework/output/output_file.hpp"
 
 namespace tomlin {
@@ -64,16 +65,25 @@ class RunFolder {
   /// Whether the folder that is owned still has its name: it may have been moved away, and another
   /// been made.
   bool in_place() const;
+  /// Throws OutputError where it has not.
+  void require_in_place() const;
+  /// Its journal, with the folder as own() has it: not open where there is none.
+  Descriptor own_existing_journal() const;
+  /// Whether kLockFile stands for a lock that the file system does not have.
+  bool lacks_locks() const { return lock_file_.taken(); }
   /// Takes away what an earlier run has found, and whatever is unfinished. Throws OutputError.
   void remove_results();
   /// For a study: takes away what an earlier run has left, but for files of the study's own names
   /// and the journal, which is emptied. Throws OutputError.
   void remove_run();
+  /// The folder that was opened, whatever it is called by now, where the system has a name for
+  /// that.
+  std::filesystem::path opened() const;
   /// Takes a file away; it need not be there. Throws OutputError.
   void remove(std::string_view name);
   /// Writes a file whole or not at all. Throws OutputError.
   void write_file(std::string_view name, std::string_view text) const;
-  /// Whether there is something of this name.
+  /// Whether there is something of this name. Throws InputError where that cannot be known.
   bool holds(std::string_view name) const;
 
   const std::filesystem::path& path() const { return folder_; }
@@ -93,7 +103,9 @@ class RunFolder {
   std::vector<std::filesystem::path> made_;  ///< outermost first
   mutable bool written_ = false;  ///< a file of the run's own, which it says something of
   bool only_locked_ = false;      ///< of a study: nothing is ever written to the journal
-  Descriptor lock_;               ///< the journal's, which is locked as long as this is
+  mutable LockFile lock_file_;
+  Descriptor descriptor_;  ///< of the folder, once it is owned
+  Descriptor lock_;        ///< the journal's, which is locked as long as this is
 };
 
 }  // namespace tomlin

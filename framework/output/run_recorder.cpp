@@ -69,7 +69,7 @@ void RunRecorder::begin(const RunLayout& layout) {
 void RunRecorder::start(const RunLayout& layout) {
   // The journal says what there is to go on with, and so changes only when nothing is left of what
   // was there before: where it is empty, a run can begin.
-  check_in_place();
+  folder_.require_in_place();
   folder_.remove_results();
   cleared_ = true;
   folder_.remove(kCheckpointFile);
@@ -85,16 +85,8 @@ bool RunRecorder::holds_scene() const {
   return read_text_file(folder_.file(kSceneFile), scene.size()).text == scene;
 }
 
-void RunRecorder::check_in_place() const {
-  if (folder_.in_place()) return;
-  throw OutputError(
-      fmt::format("cannot write to {}: it has gone; the folder was removed or replaced during the "
-                  "run",
-                  folder_.path().string()));
-}
-
 void RunRecorder::go_on(const RunLayout& layout) {
-  check_in_place();
+  folder_.require_in_place();
   folder_.remove_results();
   cleared_ = true;
   if (!folder_.holds(kSceneFile)) folder_.write_file(kSceneFile, scene_.effective_toml);
@@ -123,7 +115,7 @@ void RunRecorder::checkpoint(const RunState& state) {
     for (const Library& library : scene_.libraries) {
       checkpoint.plugins.push_back({library.path, library.hash});
     }
-    check_in_place();
+    folder_.require_in_place();
     // A power cut right after the start costs nothing but the start: short runs stay quick.
     const auto lasting = std::exchange(kept_once_, true) ? OutputFile::Lasting::with_its_name
                                                          : OutputFile::Lasting::some_time_later;
@@ -135,8 +127,8 @@ void RunRecorder::checkpoint(const RunState& state) {
 /// Everything comes from the journal, whose checksums are looked at once more.
 void RunRecorder::write_results() {
   const JournalMark end = journal_->flush();
-  check_in_place();
-  auto files = result_files(scene_, folder_, version_);
+  folder_.require_in_place();
+  auto files = result_files(scene_, folder_, release_of(version_));
   ToAll all(files);
   try {
     JournalReader journal(folder_.file(kJournalFile));
@@ -146,7 +138,7 @@ void RunRecorder::write_results() {
           fmt::format("{}: it was changed during the run", folder_.file(kJournalFile).string()));
     }
     for (const auto& file : files) {
-      check_in_place();
+      folder_.require_in_place();
       file->finish();
     }
   } catch (const DamagedFile& error) {
@@ -191,7 +183,7 @@ std::optional<std::string> RunRecorder::finish(RunResult& result) {
   }
   if (ended) {
     attempt([&] {
-      check_in_place();
+      folder_.require_in_place();
       for (const char* name : {kStoreFile, kCheckpointFile, kJournalFile}) folder_.remove(name);
     });
   }

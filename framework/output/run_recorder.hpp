@@ -47,7 +47,6 @@ class RunRecorder : public RunSink {
   void write_results();
   void tell_of_dropped_events(RunResult& result) const;
   bool holds_scene() const;
-  void check_in_place() const;
   template <class Action>
   void attempt(Action action);
 

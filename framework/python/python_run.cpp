@@ -11,6 +11,7 @@
 #include <pybind11/stl.h>
 #include <unistd.h>
 
+#include "framework/cli/build_version.hpp"
 #include "framework/cli/inputs.hpp"
 #include "framework/cli/progress.hpp"
 #include "framework/cli/result_text.hpp"
@@ -92,18 +93,19 @@ std::unique_ptr<RunHandle> run_in_folder(const SceneHandle& scene, const std::st
   RunFolder folder(path, occupied);
   refuse_to_lose_inputs(folder, *scene.scene, kFilesOfARun);
   Resumption found =
-      resume ? find_resumption(folder, *scene.scene, TOMLIN_VERSION) : start_again(folder);
+      resume ? find_resumption(folder, *scene.scene, build_version()) : start_again(folder);
   if (found.kind == Resumption::Kind::finished || found.kind == Resumption::Kind::failed) {
     remove_leftovers(folder);
     return nullptr;
   }
   folder.own(found.journal);
+  note_missing_locks(folder, false);
   InterruptGuard guard;
   ProgressCall show(progress);
   const std::unique_ptr<ThreadTeam> team = team_of(threads);
   RecordedRunOptions options;
   if (team) options.team = &team->team();
-  options.program_version = TOMLIN_VERSION;
+  options.program_version = build_version();
   options.before = resume ? StoreFile::Before::read : StoreFile::Before::ignore;
   options.stop = &guard.stop();
   options.on_trouble = [&guard] { guard.stop() = true; };

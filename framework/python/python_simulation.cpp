@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -80,7 +81,8 @@ class Simulation {
   };
 
  private:
-  bool take_steps(double to, std::uint64_t most_steps, const std::atomic<bool>& stop);
+  bool take_steps(double to, std::uint64_t most_steps, std::atomic<bool>& stop,
+                  ProgressCall& signals);
   bool has_more_than_numbers() const;
   std::vector<std::byte> numbers();
   void evaluate();
@@ -124,12 +126,24 @@ RunOptions Simulation::options(RunSink& sink, const std::vector<std::byte>* resu
 
 bool Simulation::advance(double to, std::uint64_t most_steps) {
   InterruptGuard guard;
-  const Unlocked unlocked;
-  if (has_more_than_numbers() && !done()) before_ = {numbers(), kept_.size(), true};
-  return take_steps(to, most_steps, guard.stop());
+  ProgressCall signals{py::none()};
+  bool is_there = false;
+  {
+    const Unlocked unlocked;
+    if (has_more_than_numbers() && !done()) before_ = {numbers(), kept_.size(), true};
+    is_there = take_steps(to, most_steps, guard.stop(), signals);
+  }
+  signals.rethrow();
+  return is_there;
 }
 
-bool Simulation::take_steps(double to, std::uint64_t most_steps, const std::atomic<bool>& stop) {
+/// Handlers of signals are called every so often, between two steps.
+bool Simulation::take_steps(double to, std::uint64_t most_steps, std::atomic<bool>& stop,
+                            ProgressCall& signals) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds kLookEvery{50};
+  std::uint64_t at_once = 1;
+  auto looked = Clock::now();
   const double dt = engine_->context().plan.dt;
   const double early = dt > 0.0 ? kNoStep * dt : 0.0;
   const std::uint64_t last = engine_->steps() + std::min(most_steps, ~engine_->steps());
@@ -141,7 +155,14 @@ bool Simulation::take_steps(double to, std::uint64_t most_steps, const std::atom
     if (left < static_cast<double>(most)) {
       most = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(left));
     }
-    engine_->step_alone(most);
+    const auto before = Clock::now();
+    engine_->step_alone(std::min(most, at_once));
+    const auto after = Clock::now();
+    at_once =
+        after - before < kLookEvery / 4 ? 2 * at_once : std::max<std::uint64_t>(1, at_once / 2);
+    if (!signals || after - looked < kLookEvery) continue;
+    looked = after;
+    signals(stop);
   }
   // Whether a run is over shows where its next step would be.
   if (!engine_->done() && engine_->time() >= engine_->context().plan.duration) {

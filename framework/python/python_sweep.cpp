@@ -17,6 +17,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "framework/cli/build_version.hpp"
 #include "framework/cli/inputs.hpp"
 #include "framework/cli/recorded_sweep.hpp"
 #include "framework/cli/sweep_folder.hpp"
@@ -120,7 +121,7 @@ SweepPlan plan_of(const SceneHandle& scene, const SweepRequest& request) {
   std::vector<Fault> faults;
   SweepSettings settings = settings_of(scene, request, faults);
   return SweepPlan(*scene.document, *scene.registry, scene.settings, std::move(settings),
-                   TOMLIN_VERSION, std::move(faults));
+                   build_version(), std::move(faults));
 }
 
 /// Rows that are missing have no numbers.
@@ -196,6 +197,7 @@ std::unique_ptr<SweepHandle> sweep(const SceneHandle& scene, SweepRequest reques
       refuse_to_lose_inputs(folder, plan.scene(), kSweepFiles, plan.scene_text());
       if (request.force) refuse_to_lose_inputs(folder, plan.scene(), kFilesOfARun);
       folder.own();
+      note_missing_locks(folder, false);
       const RecordedSweep recorded = record_sweep(folder, plan, options);
       handle->complete = recorded.over_before || recorded.counts.has_value();
       const SweepJournal journal(folder.file(kSweepJournalFile), plan, SweepJournal::Use::read);

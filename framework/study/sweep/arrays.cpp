@@ -16,6 +16,7 @@
 #include <hdf5.h>
 #include <hdf5_hl.h>
 
+#include "framework/output/checkpoint.hpp"
 #include "framework/output/hdf5_file.hpp"
 #include "framework/study/sweep/files.hpp"
 #include "framework/study/sweep/row_order.hpp"
@@ -43,7 +44,7 @@ class SweepArrays {
         strings_(string_type(file_)) {
     text_attribute(file_.root(), "Conventions", "CF-1.8");
     text_attribute(file_.root(), "title", plan.scene().name);
-    text_attribute(file_.root(), "source", "tomlin " + plan.program_version());
+    text_attribute(file_.root(), "source", "tomlin " + release_of(plan.program_version()));
     if (plan.refinement()) {
       shape_.push_back(order_.size());
       add_scale("point", H5T_STD_I64LE);

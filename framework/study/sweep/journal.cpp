@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -16,7 +17,7 @@
 namespace tomlin {
 namespace {
 
-constexpr std::uint32_t kSweepFormat = 1;
+constexpr std::uint32_t kSweepFormat = 2;
 constexpr std::size_t kRecordsReadAtOnce = 4096;
 constexpr std::size_t kLongestReason = 2000;  // bytes
 constexpr std::size_t kWordBits = 64;
@@ -57,6 +58,9 @@ std::size_t size_of(const Descriptor& file) {
   return ::fstat(file.number(), &status) == 0 ? static_cast<std::size_t>(status.st_size) : 0;
 }
 
+/// More than any header has.
+constexpr std::size_t kLongestHeader = 4096;  // bytes
+
 /// Nothing where the file ends before its header does: then there is no record either.
 std::optional<SweepHeader> header_in(const std::filesystem::path& path, const Descriptor& file) {
   const std::string name = path.string();
@@ -72,6 +76,7 @@ std::optional<SweepHeader> header_in(const std::filesystem::path& path, const De
   if (head.kind != RecordKind::sweep) throw DamagedFile(name + ": not a journal of a sweep");
   if (size_of(file) < kRecordHead + kRecordChecksum ||
       head.length > size_of(file) - kRecordHead - kRecordChecksum) {
+    if (size_of(file) > kLongestHeader) throw DamagedFile(name + ": its header is damaged");
     return std::nullopt;
   }
   const auto whole = bytes_of(kRecordHead + head.length + kRecordChecksum);
@@ -94,7 +99,11 @@ std::optional<SweepHeader> header_in(const std::filesystem::path& path, const De
 
 SweepJournal::Found SweepJournal::look(const std::filesystem::path& file, const SweepPlan& plan) {
   const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW));
-  if (!descriptor.open()) return Found::nothing;
+  if (!descriptor.open() && errno == ENOENT) return Found::nothing;
+  if (!descriptor.open()) {
+    throw DamagedFile(fmt::format("{}: cannot be read: {}", file.string(),
+                                  std::generic_category().message(errno)));
+  }
   const auto header = header_in(file, descriptor);
   if (!header) return Found::nothing;
   const SweepHeader due = header_of(plan);
@@ -105,7 +114,7 @@ SweepJournal::Found SweepJournal::look(const std::filesystem::path& file, const 
 }
 
 SweepJournal::SweepJournal(std::filesystem::path file, const SweepPlan& plan, Use use)
-    : file_(std::move(file)), columns_(plan.columns().size()), has_(plan.point_numbers(), 0) {
+    : file_(std::move(file)), columns_(plan.columns().size()), has_(plan.point_numbers() + 1, 0) {
   RecordWriter header = record_of(header_of(plan));
   seed_ = kFirstChecksum;
   const auto bytes = header.seal(seed_);
@@ -113,20 +122,21 @@ SweepJournal::SweepJournal(std::filesystem::path file, const SweepPlan& plan, Us
   record_size_ =
       kRecordHead + sizeof(SweepRecordStart) + columns_ * sizeof(double) + kRecordChecksum;
 
-  bool same = false;
+  Found found = Found::nothing;
   try {
-    same = look(file_, plan) == Found::same_sweep;
-  } catch (const DamagedFile&) {
-    same = false;  // begun anew
+    found = look(file_, plan);
+  } catch (const DamagedFile& error) {
+    throw OutputError(error.what());
   }
-  if (use == Use::read && !same) fail(EINVAL);
-  const int how = use == Use::read ? O_RDONLY : O_RDWR | O_CREAT | (same ? 0 : O_TRUNC);
+  const bool same = found == Found::same_sweep;
+  if (!same && (use == Use::read || found != Found::nothing)) fail(EINVAL);
+  const int how = use == Use::read ? O_RDONLY : O_RDWR | O_CREAT;
   descriptor_ = Descriptor(::open(file_.c_str(), how | O_CLOEXEC | O_NOFOLLOW, 0666));
   if (!descriptor_.open()) fail(errno);
   if (!same) {
     if (const int error = write_at(descriptor_, bytes, 0)) fail(error);
   }
-  end_ = std::max(place(plan.point_numbers()), size_of(descriptor_));
+  end_ = std::max(place(has_.size()), size_of(descriptor_));
   if (same) find_rows();
 }
 
@@ -159,6 +169,20 @@ void SweepJournal::keep(std::size_t point, const SweepRow& row) {
   std::uint64_t checksum = seed_;
   if (const int error = write_at(descriptor_, record.seal(checksum), place(point))) fail(error);
   has_[point] = 1;
+}
+
+std::optional<SweepStatus> SweepJournal::ended() const {
+  if (has_.back() == 0) return std::nullopt;
+  SweepRow of_all;
+  read(has_.size() - 1, {&of_all, 1});
+  return of_all.status;
+}
+
+void SweepJournal::complete(SweepStatus status) {
+  SweepRow of_all;
+  of_all.status = status;
+  of_all.numbers.assign(columns_, 0.0);
+  keep(has_.size() - 1, of_all);
 }
 
 bool SweepJournal::decode(std::size_t point, std::span<const std::byte> record,
@@ -196,7 +220,8 @@ void SweepJournal::find_rows() {
   SweepRow row;
   for (std::size_t first = 0; first < has_.size(); first += kRecordsReadAtOnce) {
     const std::ptrdiff_t got = read_at(descriptor_, block, place(first));
-    if (got <= 0) return;
+    if (got < 0) fail(static_cast<int>(-got));
+    if (got == 0) return;
     const std::size_t whole = static_cast<std::size_t>(got) / record_size_;
     const std::size_t count = std::min(whole, has_.size() - first);
     for (std::size_t k = 0; k < count; ++k) {

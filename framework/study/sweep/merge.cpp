@@ -54,9 +54,9 @@ std::optional<RowConflict> find_conflict(const SweepPlan& plan,
 }
 
 std::size_t merge_rows(const SweepPlan& plan, const std::deque<SweepJournal>& journals,
-                       SweepJournal& into) {
+                       SweepJournal& into, const std::atomic<bool>& stop) {
   std::size_t kept = 0;
-  for (std::size_t point = 0; point < plan.points(); ++point) {
+  for (std::size_t point = 0; point < plan.points() && !stop; ++point) {
     if (into.has(point)) continue;
     for (const SweepJournal& journal : journals) {
       if (!journal.has(point)) continue;

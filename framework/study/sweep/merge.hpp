@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <deque>
 #include <optional>
@@ -23,9 +24,9 @@ struct RowConflict {
 std::optional<RowConflict> find_conflict(const SweepPlan& plan,
                                          const std::deque<SweepJournal>& journals);
 
-/// Keeps all rows of the journals that `into` does not have. Their number. Throws DamagedFile,
-/// OutputError.
+/// Keeps all rows of the journals that `into` does not have, until it is stopped. Their number.
+/// Throws DamagedFile, OutputError.
 std::size_t merge_rows(const SweepPlan& plan, const std::deque<SweepJournal>& journals,
-                       SweepJournal& into);
+                       SweepJournal& into, const std::atomic<bool>& stop);
 
 }  // namespace tomlin

@@ -152,6 +152,10 @@ SweepProgress SweepServer::run(const SweepPlan& plan, SweepRows& rows,
     }
   }
   if (trouble_) throw_trouble(*trouble_);
+  // It may have been stopped before the next round was made of the last one.
+  if (progress.complete() && options.add_points && options.add_points()) {
+    progress = progress_before(plan, rows, options, progress);
+  }
   progress.traces_left -= std::min(traces_, progress.traces_left);
   progress.seconds = elapsed();
   return progress;
