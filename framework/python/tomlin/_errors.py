@@ -58,6 +58,13 @@ class SceneError(Error, ValueError):
         return type(self), (self.faults,)
 
 
+def interrupted(result: Any) -> KeyboardInterrupt:
+    """Ctrl-C, with what is known so far as its ``result``: a loop of runs ends as well."""
+    error = KeyboardInterrupt(f"{result!r} is the result of this exception")
+    error.result = result  # type: ignore[attr-defined]
+    return error
+
+
 class QuantityError(SceneError, KeyError):
     """A result has no quantity of that name; the message has the nearest one."""
 

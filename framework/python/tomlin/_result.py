@@ -155,6 +155,18 @@ class Result:
         result.summary  # which has to be there
         return result
 
+    def __getstate__(self) -> dict[str, Any]:
+        """All that it can say without the run itself; of a folder what its files do not say."""
+        names = ("summary", "scene") if self._folder else ("summary", "scene", "samples",
+                                                           "event_table")
+        return {**{name: getattr(self, name) for name in names},
+                "_folder": self._folder, "_identity": self._identity}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        if "samples" in state:
+            self.samples.setflags(write=False)
+
     @cached_property
     def summary(self) -> dict[str, Any]:
         """What ``summary.json`` says, as a dict of plain Python values; None is undefined."""

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from tomlin import _core
-from tomlin._errors import above_zero, core_of, typed, whole
+from tomlin._errors import above_zero, core_of, interrupted, typed, whole
 from tomlin._progress import shown
 from tomlin._record import table_html
 from tomlin._result import Result, open as open_folder
@@ -172,9 +172,9 @@ class Scene:
         once; ``threads``, 1 to 4096, share the evaluations of forces between particles, without a
         change of a bit: worth while for some thousand atoms.
 
-        Ctrl-C, in the main thread, ends the run between two steps: the result then has the status
-        "interrupted". A run that fails numerically raises nothing either: its status is "failed",
-        and ``failure`` says why. Raises `SceneError` for what only shows when the scene is bound,
+        Ctrl-C, in the main thread, ends the run between two steps and raises KeyboardInterrupt,
+        which has the result so far, of the status "interrupted", as its ``result``. A run that
+        fails numerically raises nothing: its status is "failed", and ``failure`` says why. Raises `SceneError` for what only shows when the scene is bound,
         and `OutputError` for files that cannot be written or read.
 
         >>> import tomlin
@@ -187,11 +187,16 @@ class Scene:
         if folder is None and (resume or force):
             raise ValueError("resume and force are about a folder, and none is given")
         with shown(progress) as show:
-            if folder is None:
-                return Result._of_run(_core.run(self._core, threads, show))
-            path = os.path.abspath(os.fsdecode(folder))
-            run = _core.run_in_folder(self._core, os.fsencode(path), resume, force, threads, show)
-        return open_folder(path) if run is None else Result._of_run(run, path)
+            path = None if folder is None else os.path.abspath(os.fsdecode(folder))
+            run = (_core.run(self._core, threads, show) if path is None else
+                   _core.run_in_folder(self._core, os.fsencode(path), resume, force, threads, show))
+        if run is None:
+            assert path is not None
+            return open_folder(path)
+        result = Result._of_run(run, path)
+        if result.status == "interrupted":
+            raise interrupted(result)
+        return result
 
     def simulation(self) -> Simulation:
         """The run as an object that takes steps when it is asked to. Raises `SceneError` for what

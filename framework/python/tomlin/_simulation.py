@@ -83,7 +83,8 @@ class Simulation:
         """Takes steps up to the first end of a step at time ``to`` or later, or so many steps, or
         whichever comes first; without either, to the end of the run. Where the run ends, or fails,
         is ``done``. No step is changed by where one stops. Ctrl-C raises KeyboardInterrupt between
-        two steps, and the simulation can go on.
+        two steps, and the simulation can go on; handlers of other signals are called between steps
+        as well, and may raise.
         """
         most = 2**63 if steps is None else min(whole(steps, "steps"), 2**63)
         time = float("inf") if to is None else float(typed(to, "to", numbers.Real, "a time"))

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tomlin import _core
-from tomlin._errors import OutputError, core_of, no_such_name, typed, whole
+from tomlin._errors import OutputError, core_of, interrupted, no_such_name, typed, whole
 from tomlin._progress import shown
 from tomlin._record import Record, table_html
 from tomlin._text import setting_text
@@ -171,9 +171,10 @@ def sweep(scene: Scene, over: Mapping[str, Any] | None = None,
     With a ``folder`` it leaves there what the program does, and continues a sweep of the same
     input that was stopped there; ``force`` begins anew. ``threads`` is one for each processor by
     default; a callable ``progress`` gets a text, the number of points that have a row, and that of
-    all. A point that fails or is refused is NaN, with its reason. Ctrl-C leaves a sweep whose
-    ``complete`` is False. Raises `SceneError` for axes and observables that are none, `OutputError`,
-    and TypeError for values that TOML has no form of.
+    all. A point that fails or is refused is NaN, with its reason. Ctrl-C raises
+    KeyboardInterrupt, whose ``result`` is the sweep so far: its ``complete`` is False. Raises
+    `SceneError` for axes and observables that are none, `OutputError`, and TypeError for values that
+    TOML has no form of.
 
     >>> import tomlin
     >>> tip = tomlin.load("scenarios/prandtl_tomlinson/stick_slip.toml")
@@ -207,7 +208,10 @@ def sweep(scene: Scene, over: Mapping[str, Any] | None = None,
         request.journal = os.path.join(scratch, "sweep.journal")
         request.progress = show
         core = _core.sweep(core_of(scene), request)
-    return Sweep(core, scene, None if path is None else Path(path))
+    result = Sweep(core, scene, None if path is None else Path(path))
+    if not result.complete:
+        raise interrupted(result)
+    return result
 
 
 def _values(values: Any, name: str) -> str | list[str]:
