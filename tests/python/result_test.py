@@ -1,5 +1,6 @@
 """Results: numbers, arrays, folders, interrupts, displays."""
 
+import copy
 import json
 import os
 import pickle
@@ -156,7 +157,9 @@ def test_folder_open_resume_force(tip, tmp_path):
 def test_interrupted_and_resumed_in_a_folder(tip, tmp_path):
     scene = tip.set({"run.integrator": {"type": "rk4", "dt": 1e-4}})  # a second
     whole = scene.run()
-    part = scene.run(folder=tmp_path / "run", progress=interrupt)
+    with pytest.raises(KeyboardInterrupt) as raised:
+        scene.run(folder=tmp_path / "run", progress=interrupt)
+    part = raised.value.result
     assert part.status == "interrupted" and part["time.end"] < whole["time.end"]
     assert tomlin.open(tmp_path / "run").status == "interrupted"
     rest = scene.run(folder=tmp_path / "run", resume=True)
@@ -173,7 +176,9 @@ def interrupt(*_):
 
 def test_interrupt_ends_a_run(tip):
     threading.Timer(0.5, interrupt).start()
-    result = tip.set(ENDLESS).run()
+    with pytest.raises(KeyboardInterrupt) as raised:
+        tip.set(ENDLESS).run()
+    result = raised.value.result
     assert result.status == "interrupted" and result["time.end"] > 0.0
     assert result["driver.mean_force.x"] is None
     with pytest.raises(tomlin.RunError):
@@ -185,11 +190,50 @@ def test_interrupt_ends_a_run(tip):
         time.sleep(1.0)
 
 
+def test_one_interrupt_ends_a_loop_of_runs(tip):
+    begun = 0
+    threading.Timer(0.3, interrupt).start()
+    with pytest.raises(KeyboardInterrupt):
+        end = time.monotonic() + 60.0
+        while time.monotonic() < end:
+            begun += 1
+            tip.set("v", 1e-3).run()
+    assert time.monotonic() < end and begun > 0
+
+
+def same(one, other):
+    return np.array_equal(one.view("u1"), other.view("u1")) and one.units == other.units
+
+
+def test_results_can_be_pickled_and_copied(tip, tmp_path):
+    scene = tip.set({"output.every": 0.5})
+    for result in (scene.run(), scene.run(folder=tmp_path / "run"),
+                   tomlin.open(tmp_path / "run")):
+        for other in (pickle.loads(pickle.dumps(result)), copy.copy(result),
+                      copy.deepcopy(result)):
+            assert other.summary == result.summary and other.status == "finished"
+            assert other["driver.mean_force.x"] == result["driver.mean_force.x"]
+            assert other.driver.mean_force == result.driver.mean_force
+            assert other.failure is None and other.folder == result.folder
+            assert len(other.samples) > 1 and same(other.samples, result.samples)
+            assert not other.samples.flags.writeable
+            assert (other.events == result.events).all() or not len(result.events)
+            assert other.scene.to_toml() == result.scene.to_toml()
+            assert other.require_finished() is other and "finished" in repr(other) and str(other)
+    failed = tip.set({"run.integrator": {"type": "rk4", "dt": 5.0}, "run.allow_unstable": True,
+                      "xi": -50.0}).run()
+    again = pickle.loads(pickle.dumps(failed))
+    assert failed.status == again.status == "failed"
+    assert again.failure.message == failed.failure.message
+
+
 def test_interrupt_ends_a_sweep(tip, tmp_path):
     scene = tip.set({"run.integrator": {"type": "rk4", "dt": 2e-4}})  # 400 points take many seconds
     over = {"v": [0.01 * (1 + 1e-3 * k) for k in range(400)]}
-    part = tomlin.sweep(scene, over, "driver.max_force.x", folder=tmp_path / "sweep", threads=1,
-                        progress=interrupt)
+    with pytest.raises(KeyboardInterrupt) as raised:
+        tomlin.sweep(scene, over, "driver.max_force.x", folder=tmp_path / "sweep", threads=1,
+                     progress=interrupt)
+    part = raised.value.result
     assert not part.complete and "interrupted" in repr(part)
     missing = part.status == "missing"
     assert missing.any() and np.isnan(part["driver.max_force.x"][missing]).all()
@@ -202,8 +246,11 @@ def test_interrupted_sweep_is_continued(tip, tmp_path):
     over = {"v": np.linspace(0.01, 0.02, 100)}
     rows = []
     for _ in range(1000):
-        part = tomlin.sweep(scene, over, "driver.mean_force.x", folder=tmp_path / "sweep", threads=1,
-                            progress=interrupt)
+        try:
+            part = tomlin.sweep(scene, over, "driver.mean_force.x", folder=tmp_path / "sweep",
+                                threads=1, progress=interrupt)
+        except KeyboardInterrupt as error:
+            part = error.result
         rows.append((part.status == "finished").sum())
         if part.complete:
             break

@@ -168,6 +168,33 @@ def test_interrupt_between_steps(tip):
     assert sim.time > time > 0.0
 
 
+def test_handlers_of_signals_are_called_between_steps(tip):
+    """Each time that one comes, long before the end; what one raises ends it."""
+    sim = tip.set(ENDLESS).simulation()
+    called = []
+
+    def handle(number, frame):
+        called.append(sim_is_going_on())
+        if len(called) == 3:
+            raise ArithmeticError("enough")
+
+    def sim_is_going_on():
+        threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGUSR1)).start()
+        return True
+
+    before = signal.signal(signal.SIGUSR1, handle)
+    try:
+        sim_is_going_on()
+        with pytest.raises(ArithmeticError, match="enough"):
+            sim.advance()
+    finally:
+        signal.signal(signal.SIGUSR1, before)
+    assert len(called) == 3 and not sim.done
+    time = sim.time
+    sim.advance(to=time + 1.0)
+    assert sim.time > time > 0.0
+
+
 def test_two_threads_are_not_let_in(tip):
     sim = tip.set(ENDLESS).simulation()
     thread = threading.Thread(target=lambda: sim.advance(steps=3_000_000))

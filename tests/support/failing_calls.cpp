@@ -2,9 +2,12 @@
 /// change files, and lets the one that is asked for go wrong:
 ///   FAILING_CALLS_AT=N        which one, from 1
 ///   FAILING_CALLS_HOW=        "error": it fails; "half": it fails, if it writes after half of it,
-///                             and so does every later one; "kill": the program is killed before it
+///                             and so does every later one; "kill": the program is killed before
+///                             it; "stop": the program gets a SIGTERM before it
 ///   FAILING_CALLS_ERROR=E     errno of the failure; no space by default
 ///   FAILING_CALLS_COUNT=FILE  gets the number of calls at the end
+///   FAILING_CALLS_OPEN=NAME   only calls that open a file of this name count, for reading too
+///   FAILING_CALLS_FLOCK=E     errno of every flock(), and nothing is locked
 /// fsync() counts and fails, but never waits: nothing here survives a power cut anyway.
 #include <cerrno>
 #include <csignal>
@@ -16,6 +19,7 @@
 
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/types.h>
 #include <unistd.h>
@@ -36,12 +40,26 @@ bool how(const char* way) {
 
 long g_calls = 0;
 
-/// Whether the call that is about to be made fails; it may not even be reached.
-bool fails() {
+/// "mg/sweep.journal" is a file of the name "sweep.journal".
+bool is_named(const char* path, const char* name) {
+  const size_t length = std::strlen(path);
+  const size_t of_name = std::strlen(name);
+  return length >= of_name && std::strcmp(path + length - of_name, name) == 0;
+}
+
+/// Whether the call that is about to be made fails; it may not even be reached. `opened` is the
+/// path of a file that it opens.
+bool fails(const char* opened = nullptr) {
+  static const char* const only = std::getenv("FAILING_CALLS_OPEN");
+  if (only != nullptr && (opened == nullptr || !is_named(opened, only))) return false;
   static const long at = asked_for("FAILING_CALLS_AT");
   ++g_calls;
   if (at == 0 || g_calls < at) return false;
   if (how("kill")) ::kill(::getpid(), SIGKILL);
+  if (how("stop")) {
+    if (g_calls == at) ::kill(::getpid(), SIGTERM);
+    return false;
+  }
   if (g_calls > at && how("error")) return false;
   const long error = asked_for("FAILING_CALLS_ERROR");
   errno = error != 0 ? static_cast<int>(error) : ENOSPC;
@@ -82,7 +100,8 @@ int open(const char* path, int flags, ...) {
     mode = va_arg(arguments, mode_t);
     va_end(arguments);
   }
-  if ((flags & O_ACCMODE) != O_RDONLY && fails()) return -1;
+  static const bool reads_count = std::getenv("FAILING_CALLS_OPEN") != nullptr;
+  if ((reads_count || (flags & O_ACCMODE) != O_RDONLY) && fails(path)) return -1;
   return real<int(const char*, int, ...)>("open")(path, flags, mode);
 }
 
@@ -101,6 +120,13 @@ ssize_t pwrite(int file, const void* data, size_t size, off_t place) {
 int fsync(int file) {
   (void)file;
   return fails() ? -1 : 0;
+}
+
+int flock(int file, int operation) noexcept {
+  static const long error = asked_for("FAILING_CALLS_FLOCK");
+  if (error == 0) return real<int(int, int)>("flock")(file, operation);
+  errno = static_cast<int>(error);
+  return -1;
 }
 
 int ftruncate(int file, off_t length) noexcept {

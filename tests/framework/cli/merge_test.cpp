@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framework/cli/build_version.hpp"
 #include "framework/core/text/fault.hpp"
 #include "framework/output/sweep_files.hpp"
 #include "framework/scene/scene_document.hpp"
@@ -196,7 +197,7 @@ TEST_F(MergeCommand, DifferentRowsOfAPointAreRefused) {
     std::vector<Fault> faults;
     const auto settings = document.sweep(faults);
     const Registry registry = standard_registry();
-    const SweepPlan plan(document, registry, {}, settings.value(), TOMLIN_VERSION);
+    const SweepPlan plan(document, registry, {}, settings.value(), build_version());
     SweepJournal journal(path / kSweepJournalFile, plan);
     ASSERT_TRUE(journal.has(point));
     SweepRow row;

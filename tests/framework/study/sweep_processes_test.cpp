@@ -329,6 +329,48 @@ TEST(SweepProcesses, RefineLikeOne) {
   }
 }
 
+/// Rows of a journal, until so many have come: then the sweep is to stop.
+class StoppingRows : public SweepRows {
+ public:
+  StoppingRows(SweepJournal& journal, std::size_t most, std::atomic<bool>& stop)
+      : journal_(journal), left_(most), stop_(stop) {}
+  bool has(std::size_t point) const override { return journal_.has(point); }
+  void keep(std::size_t point, const SweepRow& row) override {
+    journal_.keep(point, row);
+    if (left_ > 0 && --left_ == 0) stop_ = true;
+  }
+
+ private:
+  SweepJournal& journal_;
+  std::size_t left_;
+  std::atomic<bool>& stop_;
+};
+
+/// Stopped after any row: it is complete only where the refinement has come to its end.
+TEST(SweepProcesses, ARefinementThatIsStoppedIsNotComplete) {
+  constexpr std::size_t kPoints = 20;  // as in RefineLikeOne
+  const TemporaryFolder folder;
+  for (std::size_t most = 1; most <= kPoints; ++most) {
+    SharedSweep sweep;
+    sweep.values = "0.01:0.3:4";
+    sweep.refine = "driver.mean_force.x=0.2";
+    sweep.run([&](SweepServer& server, SweepPlan& plan) {
+      SweepJournal journal(folder.path() / std::to_string(most), plan);
+      std::atomic<bool> stop = false;
+      StoppingRows rows(journal, most, stop);
+      SweepBisection bisection(plan, journal);
+      SweepOptions options;
+      options.stop = &stop;
+      options.add_points = [&bisection] { return bisection.add_points(); };
+      server.meet(plan);
+      const SweepProgress progress = server.run(plan, rows, options);
+      EXPECT_EQ(progress.complete(), progress.with_row() == kPoints) << most;
+      if (!progress.complete()) return;
+      EXPECT_EQ(bisection.all().at(0).status, BisectionStatus::found) << most;
+    });
+  }
+}
+
 TEST(SweepProcesses, APartIsSharedToo) {
   SharedSweep sweep;
   SharedRows rows;

@@ -788,6 +788,9 @@ TEST_F(SweepFiles, WhatIsNoRecordOfThePointIsRunAgain) {
   const std::string header_of_this = whole.substr(0, header);
   const SweepPlan other = plan_over(kSweptTip, {{{"v", "0.02:0.2:5"}}});
   EXPECT_EQ(SweepJournal::look(journal(), other), SweepJournal::Found::other_sweep);
+  EXPECT_THROW(SweepJournal(journal(), other), OutputError);  // it is never begun anew
+  EXPECT_EQ(content_of(journal()), whole);
+  std::filesystem::remove(journal());
   swept(other, 1);
   const std::string whole_of_other = content_of(journal());
   ASSERT_EQ(whole_of_other.size(), whole.size());
