@@ -216,9 +216,10 @@ int merge(const MergeArguments& arguments) {
   std::vector<std::string> folders = arguments.folders;
   // Rows that are there already are compared like the others.
   const std::string& into = *arguments.into;
-  if (!arguments.force && occupied_by_sweep(into, plan, false) == Occupied::go_on &&
-      !fault_of(into, into, plan)) {
-    folders.push_back(into);
+  if (!arguments.force && occupied_by_sweep(into, plan, false) == Occupied::go_on) {
+    const std::optional<Fault> fault = fault_of(into, into, plan);
+    if (fault && fault->code == FaultCode::file_damaged) throw InputError({*fault});
+    if (!fault) folders.push_back(into);
   }
   try {
     const std::deque<SweepJournal> journals = journals_in(folders, plan);

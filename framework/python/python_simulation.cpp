@@ -82,7 +82,7 @@ class Simulation {
 
  private:
   bool take_steps(double to, std::uint64_t most_steps, std::atomic<bool>& stop,
-                  ProgressCall& signals);
+                  ProgressCall* signals);
   bool has_more_than_numbers() const;
   std::vector<std::byte> numbers();
   void evaluate();
@@ -131,7 +131,7 @@ bool Simulation::advance(double to, std::uint64_t most_steps) {
   {
     const Unlocked unlocked;
     if (has_more_than_numbers() && !done()) before_ = {numbers(), kept_.size(), true};
-    is_there = take_steps(to, most_steps, guard.stop(), signals);
+    is_there = take_steps(to, most_steps, guard.stop(), &signals);
   }
   signals.rethrow();
   return is_there;
@@ -139,7 +139,7 @@ bool Simulation::advance(double to, std::uint64_t most_steps) {
 
 /// Handlers of signals are called every so often, between two steps.
 bool Simulation::take_steps(double to, std::uint64_t most_steps, std::atomic<bool>& stop,
-                            ProgressCall& signals) {
+                            ProgressCall* signals) {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::milliseconds kLookEvery{50};
   std::uint64_t at_once = 1;
@@ -160,9 +160,9 @@ bool Simulation::take_steps(double to, std::uint64_t most_steps, std::atomic<boo
     const auto after = Clock::now();
     at_once =
         after - before < kLookEvery / 4 ? 2 * at_once : std::max<std::uint64_t>(1, at_once / 2);
-    if (!signals || after - looked < kLookEvery) continue;
+    if (signals == nullptr || !*signals || after - looked < kLookEvery) continue;
     looked = after;
-    signals(stop);
+    (*signals)(stop);
   }
   // Whether a run is over shows where its next step would be.
   if (!engine_->done() && engine_->time() >= engine_->context().plan.duration) {
@@ -281,7 +281,8 @@ void Simulation::restore(const State& state) {
   end_.reset();
   if (!state.is_over) return;
   before_ = state;
-  take_steps(std::numeric_limits<double>::infinity(), ~std::uint64_t{0}, false);
+  std::atomic<bool> stop{false};
+  take_steps(std::numeric_limits<double>::infinity(), ~std::uint64_t{0}, stop, nullptr);
 }
 
 std::unique_ptr<RunHandle> Simulation::handle_of(RunResult result) const {

@@ -220,8 +220,8 @@ def test_results_can_be_pickled_and_copied(tip, tmp_path):
             assert (other.events == result.events).all() or not len(result.events)
             assert other.scene.to_toml() == result.scene.to_toml()
             assert other.require_finished() is other and "finished" in repr(other) and str(other)
-    failed = tip.set({"run.integrator": {"type": "rk4", "dt": 5.0}, "run.allow_unstable": True,
-                      "xi": -50.0}).run()
+    failed = tip.set({"force.driver.velocity": [1e3], "run.integrator": {"type": "rk4", "dt": 0.1},
+                       "run.allow_unstable": True, "force.viscous_damping.coefficient": 1e-3}).run()
     again = pickle.loads(pickle.dumps(failed))
     assert failed.status == again.status == "failed"
     assert again.failure.message == failed.failure.message

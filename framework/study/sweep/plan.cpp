@@ -173,11 +173,10 @@ std::shared_ptr<const Scene> SweepPlan::scene_at(std::size_t point) const {
 }
 
 /// What is wrong with setting n of these, whatever else the scene says.
-std::optional<Fault> SweepPlan::fault_of(const std::vector<Setting>& settings, std::size_t n) {
+std::optional<Fault> SweepPlan::fault_of(const std::vector<Setting>& settings,
+                                         std::size_t n) const {
   try {
-    const auto scene = document_.read(registry_, settings);
-    const std::string text = without_plugin_paths(scene->effective_toml);
-    contents_ = checksum_of(std::as_bytes(std::span(text)), contents_);
+    document_.read(registry_, settings);
   } catch (const InputError& error) {
     Extent of_setting;
     of_setting.setting = static_cast<std::uint32_t>(n + 1);
@@ -191,6 +190,17 @@ std::optional<Fault> SweepPlan::fault_of(const std::vector<Setting>& settings, s
   return std::nullopt;
 }
 
+/// Whether it is; then its scene, with what it reads from files, becomes part of the identity.
+bool SweepPlan::is_accepted(std::size_t point) {
+  try {
+    const std::string text = without_plugin_paths(scene_at(point)->effective_toml);
+    contents_ = checksum_of(std::as_bytes(std::span(text)), contents_);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 /// A value is wrong where it is so without the other axes and at the first point that has it. One
 /// that only does not go together with the others is left to its points.
 void SweepPlan::check_axis(std::size_t index, std::vector<Fault>& faults) {
@@ -198,11 +208,12 @@ void SweepPlan::check_axis(std::size_t index, std::vector<Fault>& faults) {
   const std::size_t before = faults.size();
   for (std::size_t k = 0; k < axis.values.size(); ++k) {
     if (k > 0 && axis.values.numeric()) return;
+    const std::size_t first = k * stride_[dimension_of_[index]];
+    if (points_ > 0 && !axis.values.numeric() && is_accepted(first)) continue;
     std::vector<Setting> alone = settings_;
     alone.push_back({axis.name, axis.values.text(k)});
     std::optional<Fault> found = fault_of(alone, settings_.size());
     if (found && points_ > 0) {
-      const std::size_t first = k * stride_[dimension_of_[index]];
       found = fault_of(all_settings_at(first), settings_.size() + index);
     }
     if (!found) continue;

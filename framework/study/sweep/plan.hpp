@@ -141,7 +141,8 @@ class SweepPlan {
   void find_scene(std::vector<Fault>& faults);
   void check_axis(std::size_t axis, std::vector<Fault>& faults);
   std::vector<Setting> all_settings_at(std::size_t point) const;
-  std::optional<Fault> fault_of(const std::vector<Setting>& settings, std::size_t n);
+  bool is_accepted(std::size_t point);
+  std::optional<Fault> fault_of(const std::vector<Setting>& settings, std::size_t n) const;
   void find_observables(std::vector<Fault>& faults);
   void find_observable(const RunResult& result, const std::string& given, const Place& place,
                        std::vector<Fault>& faults);
@@ -167,7 +168,7 @@ class SweepPlan {
   std::vector<std::string> paths_;
   std::vector<SweepColumn> columns_;
   std::map<std::string, std::string> files_;
-  std::uint64_t contents_ = 0;  ///< checksum of the scenes that values of axes give alone
+  std::uint64_t contents_ = 0;  ///< checksum of the scenes of values that are no numbers
   std::string scene_text_;
   std::uint64_t identity_ = 0;
 };

@@ -201,8 +201,8 @@ TEST(RefinedSweep, BracketsALevel) {
 
 /// The width is 1e-4 of the axis unless it is given, and of its logarithm.
 TEST(RefinedSweep, IsAsNarrowAsItIsToBe) {
-  const TemporaryFolder folder;
   for (const bool logarithmic : {false, true}) {
+    const TemporaryFolder folder;
     const std::string values = logarithmic ? "0.5:50:3:log" : "0.5:50:3";
     RefinedSweep sweep(refined_plan(kPlacedParticle, {{{"p", values}}, kPlaceAt3}), folder.path());
     sweep.run();
