@@ -135,6 +135,7 @@ class Result:
     """
 
     _run: _core.Run | None = None
+    _failure: dict[str, Any] | None = None  #: of a run of another process
     _folder: Path | None = None
     _identity: tuple[int, ...] | None = None  #: of the summary in the folder
 
@@ -159,7 +160,8 @@ class Result:
         """All that it can say without the run itself; of a folder what its files do not say."""
         names = ("summary", "scene") if self._folder else ("summary", "scene", "samples",
                                                            "event_table")
-        return {**{name: getattr(self, name) for name in names},
+        failure = self._run.failure if self._run is not None else self._failure
+        return {**{name: getattr(self, name) for name in names}, "_failure": failure,
                 "_folder": self._folder, "_identity": self._identity}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -205,7 +207,8 @@ class Result:
         """Why the run failed, or None: ``message`` is one sentence with everything in it, and
         ``step``, ``time``, ``body``, ``particle``, ``force``, ``what``, ``cause``, ``code`` are its
         parts."""
-        found = self._run.failure if self._run is not None else self.summary.get("failure")
+        found = (self._run.failure if self._run is not None else
+                 self._failure or self.summary.get("failure"))
         return Record(found) if isinstance(found, dict) else found
 
     def require_finished(self) -> Result:
