@@ -71,6 +71,7 @@ CoordinateArrays<Real>::CoordinateArrays(const AssemblyPlan& plan, AssembledBodi
   view.mapped_position = mapped_position_.data();
   view.mapped_velocity = mapped_velocity_.data();
   view.mapped_force = mapped_force_.data();
+  place_fixed(plan, bodies.all, plan.origin);
 }
 
 template <class Real>

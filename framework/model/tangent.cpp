@@ -191,12 +191,15 @@ ForceTangent::Node ForceTangent::node_of(const Assembly<double>::Body& body, std
   return node;
 }
 
-/// Forces name the same elements wherever things are, so this may ask them at no place at all.
+/// Forces name the same elements wherever things are, and those with a cutoff name all where all
+/// particles coincide: this asks them at no place at all, in arrays of its own.
 bool ForceTangent::find_elements(Finder& finder) {
   const SystemView<double>& view = assembly_.system().view;
   const AlignedVector<double> nowhere(view.dofs + view.own + 2 * kGroup, 0.0);
-  const Stage<double> stage =
+  AlignedVector<double> mapped(assembly_.mapped_size() + 2 * kGroup, 0.0);
+  Stage<double> stage =
       stage_of(view, nowhere.data(), nowhere.data(), nowhere.data(), unused_rates_.data(), 0.0);
+  stage.mapped_position = stage.mapped_velocity = stage.mapped_force = mapped.data();
   for (const auto& force : assembly_.forces()) {
     const std::size_t before = finder.elements;
     force.bound->hessian(stage, finder);

@@ -45,7 +45,6 @@ class NeighbourRows {
   NeighbourRows(const NeighbourRows&) = delete;
   NeighbourRows& operator=(const NeighbourRows&) = delete;
 
-  void forget() { list_.forget(); }
   void bring_up_to_date(const Stage<Real>& stage) { update(this, stage); }
   std::span<const Entry> of(std::size_t particle) const { return list_.of(particle); }
   const std::array<double, 3>& shift_of(const Entry& near) const { return list_.shift_of(near); }
@@ -158,7 +157,6 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
         kind_(padded(body_.slot.count), 0),
         names_(list_kinds()),
         parameters_(E::template table<Real>(description, names_)),
-        follows_(binding.origin),
         rows_(body_, cutoffs(), binding.box) {
     check_distances(starting(body_), starting(body_), 3, binding.box, 0.25 * shortest_reach(),
                     "a quarter of the shortest cutoff");
@@ -175,10 +173,6 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
   }
 
   void share_with(const Team& team) override { rows_.arguments.team = &team; }
-
-  void rebase(const Origin& origin) override {
-    if (follows_.moved_to(origin)) rows_.forget();
-  }
 
   NeighbourCount count_neighbours() const override { return rows_.count(); }
 
@@ -381,7 +375,6 @@ class BondOrderForce : public BoundForce<Real>, public CountsNeighbours, public 
   AlignedVector<std::int64_t> kind_;
   std::vector<std::string> names_;
   std::vector<typename E::template Parameters<Real>> parameters_;
-  ListedOrigin follows_;
   mutable NeighbourRows<Real> rows_;
 };
 

@@ -45,7 +45,6 @@ class GroupList {
   GroupList(const GroupList&) = delete;
   GroupList& operator=(const GroupList&) = delete;
 
-  void forget() { finder_.forget(); }
   void bring_up_to_date(const Stage<Real>& stage) { update(this, stage); }
 
   /// Neighbours within the reach of the list; pairs within a body are there twice.
@@ -158,7 +157,6 @@ class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours, public
         other_(*binding.bodies.back()),
         one_species_(one_),
         other_species_(other_),
-        follows_(binding.origin),
         rank_(rank) {
     by_species_ =
         E::template by_species<Real, D>(description, one_species_.names, other_species_.names);
@@ -182,11 +180,6 @@ class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours, public
 
   void share_with(const Team& team) override {
     for (const auto& list : lists_) list->arguments.team = &team;
-  }
-
-  void rebase(const Origin& origin) override {
-    if (!follows_.moved_to(origin)) return;
-    for (const auto& list : lists_) list->forget();
   }
 
   /// Of the first list; memory is that of both.
@@ -320,7 +313,6 @@ class CutoffPairForce : public BoundForce<Real>, public CountsNeighbours, public
   ListedSpecies other_species_;
   /// [species of one][species of other]; empty where all pairs are alike.
   std::vector<Parameters> by_species_;
-  ListedOrigin follows_;
   int rank_;
   double size_ = 0.0;
   std::vector<std::unique_ptr<GroupList<Real>>> lists_;

@@ -89,35 +89,41 @@ std::string name_of(const StartingParticles& body, std::size_t particle);
 void check_distances(const StartingParticles& one, const StartingParticles& other, int dimension,
                      const std::array<double, 3>& box, double least, const std::string& why);
 
-/// Places at which a list was made.
+/// Places of a body's particles at which a list was made.
+///
+/// Of a body that never moves two particles tell whether it is where it was: a stage has it where
+/// the model puts it, which changes with the origin, or where whoever asks at places of its own has
+/// put it. It is compared as a whole, as others always are, where one of the two is elsewhere.
+template <class Real>
 class ListedPlaces {
  public:
-  /// Those of all particles of a body at a stage.
-  template <class Real>
-  void take(const BodySlot<Real>& body, int dimension, const Stage<Real>& stage) {
-    const Real* x = (body.mapped ? stage.mapped_position : stage.position) + body.offset;
-    apart_ = body.count;
-    places_.resize(static_cast<std::size_t>(dimension) * apart_);
-    for (int d = 0; d < dimension; ++d) {
-      const Real* from = x + d * body.stride;
-      double* to = places_.data() + d * apart_;
-      for (std::size_t i = 0; i < apart_; ++i) to[i] = static_cast<double>(from[i]);
+  ListedPlaces(const BoundBody<Real>& body, int dimension)
+      : body_(body.slot), fixed_(body.coordinates == Coordinates::fixed), dimension_(dimension) {}
+
+  /// Those of all particles at a stage.
+  void take(const Stage<Real>& stage) {
+    const Real* x = first_of(stage);
+    places_.resize(static_cast<std::size_t>(dimension_) * body_.count);
+    for (int d = 0; d < dimension_; ++d) {
+      const Real* from = x + d * body_.stride;
+      double* to = places_.data() + d * body_.count;
+      for (std::size_t i = 0; i < body_.count; ++i) to[i] = static_cast<double>(from[i]);
     }
   }
 
   /// How far a particle has moved since then, at most; infinite where one is, or was, at a place
   /// that is no finite number, as trial steps may have it: what is listed there lacks its pairs.
-  template <class Real>
-  double largest_move(const BodySlot<Real>& body, int dimension, const Stage<Real>& stage) const {
-    const Real* x = (body.mapped ? stage.mapped_position : stage.position) + body.offset;
+  double largest_move(const Stage<Real>& stage) const {
+    const Real* x = first_of(stage);
+    if (fixed_ && is_at(x, 0) && is_at(x, body_.count - 1)) return 0.0;
     // Eight at a time, which a compiler makes vectors of.
     double largest[kGroup] = {};
     double total[kGroup] = {};  // not finite if one of them is not
     const auto look = [&](std::size_t first, std::size_t particles) {
       double squared[kGroup] = {};
-      for (int d = 0; d < dimension; ++d) {
-        const Real* now = x + d * body.stride + first;
-        const double* then = places_.data() + d * apart_ + first;
+      for (int d = 0; d < dimension_; ++d) {
+        const Real* now = x + d * body_.stride + first;
+        const double* then = places_.data() + d * body_.count + first;
         for (std::size_t l = 0; l < particles; ++l) {
           const double move = static_cast<double>(now[l]) - then[l];
           squared[l] += move * move;
@@ -128,43 +134,42 @@ class ListedPlaces {
         total[l] += squared[l];
       }
     };
-    const std::size_t whole = apart_ / kGroup * kGroup;
+    const std::size_t whole = body_.count / kGroup * kGroup;
     for (std::size_t i = 0; i < whole; i += kGroup) look(i, kGroup);
-    if (whole < apart_) look(whole, apart_ - whole);
+    if (whole < body_.count) look(whole, body_.count - whole);
     const bool finite =
         std::all_of(total, total + kGroup, [](double sum) { return std::isfinite(sum); });
     return finite ? std::sqrt(*std::max_element(largest, largest + kGroup))
                   : std::numeric_limits<double>::infinity();
   }
 
+  std::size_t count() const { return body_.count; }
   /// [axis][particle]
   const std::vector<double>& all() const { return places_; }
   std::size_t bytes() const { return bytes_of(places_); }
-  std::array<double, 3> of(std::size_t particle, int dimension) const {
+  std::array<double, 3> of(std::size_t particle) const {
     std::array<double, 3> place{};
-    for (int d = 0; d < dimension; ++d) place[d] = places_[d * apart_ + particle];
+    for (int d = 0; d < dimension_; ++d) place[d] = places_[d * body_.count + particle];
     return place;
   }
 
  private:
-  std::size_t apart_ = 0;  ///< particles
-  std::vector<double> places_;
-};
-
-/// The origin that the places of lists are relative to.
-class ListedOrigin {
- public:
-  explicit ListedOrigin(const Origin& origin) : cells_(origin.cells) {}
-
-  /// True where it is another one.
-  bool moved_to(const Origin& origin) {
-    if (origin.cells == cells_) return false;
-    cells_ = origin.cells;
-    return true;
+  const Real* first_of(const Stage<Real>& stage) const {
+    return (body_.mapped ? stage.mapped_position : stage.position) + body_.offset;
+  }
+  bool is_at(const Real* x, std::size_t particle) const {
+    bool same = true;
+    for (int d = 0; d < dimension_; ++d) {
+      same = same && static_cast<double>(x[d * body_.stride + particle]) ==
+                         places_[d * body_.count + particle];
+    }
+    return same;
   }
 
- private:
-  std::array<std::int64_t, 3> cells_;
+  BodySlot<Real> body_;
+  bool fixed_;
+  int dimension_;
+  std::vector<double> places_;
 };
 
 /// When the list of neighbours that particles of one body have in another, or in the same, has to
@@ -174,32 +179,34 @@ class NeighbourFinder {
  public:
   NeighbourFinder(const BoundBody<Real>& one, const BoundBody<Real>& other, int dimension,
                   const ListReach& list, const std::array<double, 3>& box)
-      : one_(one.slot),
-        other_(other.slot),
-        same_(one.index == other.index),
-        one_fixed_(one.coordinates == Coordinates::fixed),
-        other_fixed_(other.coordinates == Coordinates::fixed),
-        dimension_(dimension),
+      : same_(one.index == other.index),
         slack_(list.slack),
+        places_(one, dimension),
+        others_(other, dimension),
         search_(dimension, list.reach, box) {}
 
-  /// True where a list that was made before may lack a pair; then the search is ready. Particles
-  /// that are fixed are looked at after the origin has moved only.
+  /// True where a list that was made before may lack a pair; then the search is ready.
   bool begin(const Stage<Real>& stage) {
-    if (valid_ && moved(stage) < slack_) return false;
-    places_.take(one_, dimension_, stage);
-    if (!same_ && (!valid_ || !other_fixed_)) others_.take(other_, dimension_, stage);
-    if (!valid_ || same_ || !other_fixed_) {
-      search_.sort(same_ ? places_.all() : others_.all(), other_.count);
+    double others_moved = 0.0;
+    if (valid_) {
+      const double moved = places_.largest_move(stage);
+      others_moved = same_ ? moved : others_.largest_move(stage);
+      if (moved + others_moved < slack_) return false;
+    }
+    places_.take(stage);
+    if (same_) {
+      search_.sort(places_.all(), places_.count());
+    } else if (!valid_ || others_moved > 0.0) {
+      others_.take(stage);
+      search_.sort(others_.all(), others_.count());
     }
     valid_ = true;
     return true;
   }
-  void forget() { valid_ = false; }
 
   /// The neighbours of a particle, itself left out, in ascending order.
   const std::vector<Neighbour>& of(std::size_t particle) {
-    search_.find(places_.of(particle, dimension_), found_);
+    search_.find(places_.of(particle), found_);
     if (!same_) return found_;
     const auto itself = std::find_if(found_.begin(), found_.end(), [&](const Neighbour& near) {
       return near.particle == particle;
@@ -208,26 +215,15 @@ class NeighbourFinder {
     return found_;
   }
 
-  std::size_t count() const { return one_.count; }
+  std::size_t count() const { return places_.count(); }
   std::size_t bytes() const { return places_.bytes() + others_.bytes() + search_.bytes(); }
 
  private:
-  double moved(const Stage<Real>& stage) const {
-    const double one = one_fixed_ ? 0.0 : places_.largest_move(one_, dimension_, stage);
-    if (same_) return one + one;
-    return other_fixed_ ? one : one + others_.largest_move(other_, dimension_, stage);
-  }
-
-  BodySlot<Real> one_;
-  BodySlot<Real> other_;
   bool same_;
-  bool one_fixed_;
-  bool other_fixed_;
-  int dimension_;
   double slack_;
   bool valid_ = false;
-  ListedPlaces places_;
-  ListedPlaces others_;
+  ListedPlaces<Real> places_;
+  ListedPlaces<Real> others_;
   NeighbourSearch search_;
   std::vector<Neighbour> found_;
 };
@@ -273,33 +269,28 @@ class DualList {
 
   DualList(const BoundBody<Real>& body, int dimension, const PairCutoffs& cutoffs,
            const std::array<double, 3>& box)
-      : body_(body.slot),
-        dimension_(dimension),
-        kind_(cutoffs.kind),
+      : kind_(cutoffs.kind),
         kinds_(cutoffs.kinds),
         wide_(cutoffs, kInnerSkin),
         tight_(cutoffs, kTightSkin),
+        places_(body, dimension),
         finder_(body, body, dimension, outer_list(cutoffs.longest()), box),
         near_start_(body.slot.count + 1, 0) {}
 
   /// True where a neighbour is new or gone.
   bool update(const Stage<Real>& stage) {
     const double slack = is_tight_ ? tight_.slack : wide_.slack;
-    if (valid_ && 2.0 * places_.largest_move(body_, dimension_, stage) < slack) return false;
+    if (valid_ && 2.0 * places_.largest_move(stage) < slack) return false;
     valid_ = true;
-    places_.take(body_, dimension_, stage);
+    places_.take(stage);
     const bool searched = finder_.begin(stage);
     if (searched) search();
     const bool changed = choose() || searched;
     if (changed) list();
     return changed;
   }
-  void forget() {
-    valid_ = false;
-    finder_.forget();
-  }
 
-  std::size_t count() const { return body_.count; }
+  std::size_t count() const { return places_.count(); }
   /// In ascending order.
   std::span<const Entry> of(std::size_t particle) const {
     return {near_.data() + near_start_[particle],
@@ -331,7 +322,7 @@ class DualList {
     outer_.clear();
     outer_start_.assign(1, 0);
     shifts_.clear();
-    for (std::size_t i = 0; i < body_.count; ++i) {
+    for (std::size_t i = 0; i < count(); ++i) {
       for (const Neighbour& found : finder_.of(i)) {
         outer_.push_back({found.particle, shifts_.number_of(found.shift)});
       }
@@ -345,13 +336,13 @@ class DualList {
   bool choose() {
     double wide_work = 0.0;
     double tight_work = 0.0;
-    for (std::size_t i = 0; i < body_.count; ++i) {
-      const std::array<double, 3> here = places_.of(i, dimension_);
+    for (std::size_t i = 0; i < count(); ++i) {
+      const std::array<double, 3> here = places_.of(i);
       const std::size_t kinds_of_i = static_cast<std::size_t>(kind_[i]) * kinds_;
       double wide = 0.0;
       double tight = 0.0;
       for (std::size_t k = outer_start_[i]; k < outer_start_[i + 1]; ++k) {
-        const std::array<double, 3> there = places_.of(outer_[k].particle, dimension_);
+        const std::array<double, 3> there = places_.of(outer_[k].particle);
         const std::array<double, 3>& shift = shifts_[outer_[k].shift];
         double squared = 0.0;
         for (std::size_t d = 0; d < 3; ++d) {
@@ -382,7 +373,7 @@ class DualList {
   void list() {
     near_.clear();
     near_start_.assign(1, 0);
-    for (std::size_t i = 0; i < body_.count; ++i) {
+    for (std::size_t i = 0; i < count(); ++i) {
       for (std::size_t k = outer_start_[i]; k < outer_start_[i + 1]; ++k) {
         if (is_near_[k] != 0) near_.push_back(outer_[k]);
       }
@@ -390,15 +381,13 @@ class DualList {
     }
   }
 
-  BodySlot<Real> body_;
-  int dimension_;
   std::span<const std::int64_t> kind_;
   std::size_t kinds_;
   Skin wide_;
   Skin tight_;
   bool is_tight_ = false;
   bool valid_ = false;
-  ListedPlaces places_;
+  ListedPlaces<Real> places_;
   NeighbourFinder<Real> finder_;
   ImageShifts shifts_;
   std::vector<std::uint32_t> outer_start_;  ///< [particle + 1]

@@ -164,11 +164,6 @@ class KimForce : public BoundForce<double>, public CountsNeighbours {
     return {pass};
   }
 
-  void rebase(const Origin& origin) override {
-    (void)origin;
-    work_->around.forget();
-  }
-
   double energy(const Stage<double>& stage) const override {
     return work_->evaluate(stage) ? work_->energy : kNoNumber;
   }

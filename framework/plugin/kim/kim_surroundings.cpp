@@ -112,10 +112,6 @@ void Surroundings::make_rows(std::size_t one, std::size_t other) {
   }
 }
 
-void Surroundings::forget() {
-  for (NeighbourFinder<double>& finder : finders_) finder.forget();
-}
-
 NeighbourCount Surroundings::neighbours() const {
   NeighbourCount all;
   std::vector<std::size_t> each(count(), 0);

@@ -31,7 +31,6 @@ class Surroundings {
   /// Takes the places of all atoms at a stage, and makes lists that may lack a neighbour again.
   /// False where a place is no finite number: then there is nothing to be had.
   bool update(const Stage<double>& stage);
-  void forget();
 
   std::size_t count() const { return body_of_.size(); }
   std::size_t body_of(std::size_t particle) const { return body_of_[particle]; }
